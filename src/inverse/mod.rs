@@ -1,0 +1,5 @@
+//! From the tip's motion to the hub torque.
+
+mod analysis;
+
+pub use analysis::Analysis;

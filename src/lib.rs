@@ -1,0 +1,5 @@
+//! flexlink: the hub torque that makes the tip of a flexible link follow a wanted motion.
+
+pub mod beam;
+pub mod inverse;
+pub mod link;

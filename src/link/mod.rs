@@ -1,0 +1,17 @@
+//! The physical link: segments, hub, lumped masses, payload and damping, checked at construction.
+//!
+//! A [`Link`] that exists is valid, so nothing downstream checks it again. It knows no file; a
+//! refusal names the parameter by its dotted path, and whoever read the file adds the line.
+
+mod damping;
+mod error;
+mod section;
+mod segment;
+mod whole;
+
+pub use damping::Damping;
+pub use error::ParameterError;
+pub use section::Section;
+pub use segment::{Segment, Taper};
+pub(crate) use whole::POSITION_TOLERANCE;
+pub use whole::{Hub, Link, LinkParts, LumpedMass, Payload};

@@ -1,0 +1,178 @@
+use std::f64::consts::PI;
+
+use super::error::{ParameterError, positive};
+
+/// A cross-section, from which area and second moment of area follow.
+///
+/// Width is measured across the plane of motion, thickness and height in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Section {
+    /// Solid rectangle.
+    Rectangle {
+        /// Across the plane of motion, m.
+        width_m: f64,
+        /// In the plane of motion, m.
+        thickness_m: f64,
+    },
+    /// Solid circle.
+    Circle {
+        /// Diameter, m.
+        diameter_m: f64,
+    },
+    /// Hollow circle.
+    Tube {
+        /// Outer diameter, m.
+        diameter_m: f64,
+        /// Wall thickness, m.
+        wall_m: f64,
+    },
+    /// Hollow rectangle.
+    Box {
+        /// Outer width across the plane of motion, m.
+        width_m: f64,
+        /// Outer height in the plane of motion, m.
+        height_m: f64,
+        /// Wall thickness, m.
+        wall_m: f64,
+    },
+}
+
+impl Section {
+    /// Area of the cross-section in m².
+    pub fn area_m2(&self) -> f64 {
+        match *self {
+            Self::Rectangle {
+                width_m,
+                thickness_m,
+            } => width_m * thickness_m,
+            Self::Circle { diameter_m } => PI / 4.0 * diameter_m.powi(2),
+            Self::Tube { diameter_m, wall_m } => PI * wall_m * (diameter_m - wall_m),
+            Self::Box {
+                width_m,
+                height_m,
+                wall_m,
+            } => 2.0 * wall_m * (width_m + height_m - 2.0 * wall_m),
+        }
+    }
+
+    /// Second moment of area about the bending axis in m⁴.
+    ///
+    /// ```
+    /// use flexlink::link::Section;
+    /// let strip = Section::Rectangle { width_m: 0.02, thickness_m: 0.001 };
+    /// assert!((strip.second_moment_m4() - 0.02 * 1e-9 / 12.0).abs() < 1e-24);
+    /// ```
+    pub fn second_moment_m4(&self) -> f64 {
+        match *self {
+            Self::Rectangle {
+                width_m,
+                thickness_m,
+            } => rectangle(width_m, thickness_m),
+            Self::Circle { diameter_m } => disc(diameter_m),
+            Self::Tube { diameter_m, wall_m } => {
+                // Factored, so that a thin wall does not cancel.
+                let inner_m = diameter_m - 2.0 * wall_m;
+                PI / 16.0 * wall_m * (diameter_m - wall_m) * (diameter_m.powi(2) + inner_m.powi(2))
+            }
+            Self::Box {
+                width_m,
+                height_m,
+                wall_m,
+            } => {
+                rectangle(width_m, height_m)
+                    - rectangle(width_m - 2.0 * wall_m, height_m - 2.0 * wall_m)
+            }
+        }
+    }
+
+    /// Refuses dimensions that make no section, naming them below `parameter`.
+    ///
+    /// # Errors
+    /// A dimension that is not above zero, or a wall thicker than half the section.
+    pub fn check(&self, parameter: &str) -> Result<(), ParameterError> {
+        let dimension =
+            |name: &str, value: f64| positive(&format!("{parameter}.{name}"), value, "m");
+        let wall = |value: f64, least_m: f64| {
+            dimension("wall", value)?;
+            if 2.0 * value < least_m {
+                return Ok(());
+            }
+            let must = format!("must be below half the outer size {least_m} m");
+            Err(ParameterError::new(
+                format!("{parameter}.wall"),
+                value,
+                "m",
+                must,
+            ))
+        };
+        match *self {
+            Self::Rectangle {
+                width_m,
+                thickness_m,
+            } => {
+                dimension("width", width_m)?;
+                dimension("thickness", thickness_m)
+            }
+            Self::Circle { diameter_m } => dimension("diameter", diameter_m),
+            Self::Tube { diameter_m, wall_m } => {
+                dimension("diameter", diameter_m)?;
+                wall(wall_m, diameter_m)
+            }
+            Self::Box {
+                width_m,
+                height_m,
+                wall_m,
+            } => {
+                dimension("width", width_m)?;
+                dimension("height", height_m)?;
+                wall(wall_m, width_m.min(height_m))
+            }
+        }
+    }
+}
+
+fn rectangle(width_m: f64, height_m: f64) -> f64 {
+    width_m * height_m.powi(3) / 12.0
+}
+
+fn disc(diameter_m: f64) -> f64 {
+    PI / 64.0 * diameter_m.powi(4)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tube_is_the_difference_of_two_discs() {
+        let tube = Section::Tube {
+            diameter_m: 0.03,
+            wall_m: 0.002,
+        };
+        let difference = disc(0.03) - disc(0.026);
+        assert!((tube.second_moment_m4() / difference - 1.0).abs() < 1e-13);
+        let area = PI / 4.0 * (0.03_f64.powi(2) - 0.026_f64.powi(2));
+        assert!((tube.area_m2() / area - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_box_with_walls_that_meet_is_refused() {
+        let closed = Section::Box {
+            width_m: 0.04,
+            height_m: 0.02,
+            wall_m: 0.01,
+        };
+        let error = closed.check("segments.0.section").unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "segments.0.section.wall = 0.01 m, but must be below half the outer size 0.02 m"
+        );
+        let open = Section::Box {
+            width_m: 0.04,
+            height_m: 0.02,
+            wall_m: 0.001,
+        };
+        let area = 0.04 * 0.02 - 0.038 * 0.018;
+        assert!((open.area_m2() / area - 1.0).abs() < 1e-13);
+    }
+}

@@ -1,0 +1,126 @@
+use super::error::{ParameterError, not_negative, positive};
+
+/// A property that varies linearly along a segment, from its inner to its outer end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Taper {
+    /// Value at the end towards the hub.
+    pub inner: f64,
+    /// Value at the end towards the tip.
+    pub outer: f64,
+}
+
+impl Taper {
+    /// The same value all along.
+    pub fn constant(value: f64) -> Self {
+        Self {
+            inner: value,
+            outer: value,
+        }
+    }
+
+    /// Value at a fraction of the length, 0 at the inner end and 1 at the outer.
+    pub fn at(&self, fraction: f64) -> f64 {
+        self.inner * (1.0 - fraction) + self.outer * fraction
+    }
+
+    /// The piece between two fractions of the length.
+    pub fn between(&self, from: f64, to: f64) -> Self {
+        Self {
+            inner: self.at(from),
+            outer: self.at(to),
+        }
+    }
+
+    /// Mean value.
+    pub fn mean(&self) -> f64 {
+        0.5 * (self.inner + self.outer)
+    }
+
+    /// Both ends multiplied by `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            inner: self.inner * factor,
+            outer: self.outer * factor,
+        }
+    }
+}
+
+/// One stretch of the link with its own stiffness and mass, from the hub outward.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Segment {
+    /// Name that addresses the segment, unique in its link.
+    pub name: Option<String>,
+    /// Length in m, above 0.
+    pub length_m: f64,
+    /// Bending stiffness EI in N m², above 0 at both ends.
+    pub bending_stiffness_n_m2: Taper,
+    /// Mass per length m̄ in kg/m, at least 0.
+    pub mass_per_length_kg_m: Taper,
+}
+
+impl Segment {
+    pub(super) fn check(&self, index: usize) -> Result<(), ParameterError> {
+        let path = |key: &str| format!("segments.{index}.{key}");
+        if let Some(name) = &self.name {
+            check_name(name, &path("name"))?;
+        }
+        positive(&path("length"), self.length_m, "m")?;
+        let Taper { inner, outer } = self.bending_stiffness_n_m2;
+        [inner, outer]
+            .iter()
+            .try_for_each(|&ei| positive(&path("EI"), ei, "N m^2"))?;
+        let Taper { inner, outer } = self.mass_per_length_kg_m;
+        let masses = [inner, outer];
+        masses
+            .iter()
+            .try_for_each(|&m| not_negative(&path("mass_per_length"), m, "kg/m"))
+    }
+}
+
+/// A name must be tellable from a number, a wildcard and a path.
+fn check_name(name: &str, parameter: &str) -> Result<(), ParameterError> {
+    let number = name.chars().all(|c| c.is_ascii_digit());
+    if number || name.contains(['.', '*', '=']) || name.trim() != name {
+        let must = "must not be empty or a number, nor hold `.`, `*`, `=` or outer blanks";
+        return Err(ParameterError::new(
+            parameter,
+            format!("{name:?}"),
+            "",
+            must,
+        ));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piece_of_a_taper_is_the_same_line() {
+        let taper = Taper {
+            inner: 8.0,
+            outer: 2.0,
+        };
+        let piece = taper.between(0.25, 0.5);
+        assert_eq!(
+            piece,
+            Taper {
+                inner: 6.5,
+                outer: 5.0
+            }
+        );
+    }
+
+    #[test]
+    fn names_that_collide_with_paths_are_refused() {
+        for name in ["", "0", "12", "a.b", "*", "x=1", " a"] {
+            assert!(
+                check_name(name, "segments.0.name").is_err(),
+                "{name:?} passed"
+            );
+        }
+        assert!(check_name("beam 2", "segments.0.name").is_ok());
+    }
+}

@@ -1,0 +1,363 @@
+use super::error::{ParameterError, not_negative};
+use super::{Damping, Segment};
+
+/// Positions closer than this share of the link's length are one: a sum of segment lengths is
+/// not always the decimal number that a user writes for `at`.
+pub(crate) const POSITION_TOLERANCE: f64 = 1e-9;
+
+/// Rigid hub that the motor turns.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Hub {
+    /// Rotary inertia I_H about the axis in kg m².
+    pub inertia_kg_m2: f64,
+    /// Rigid radius between the axis and the link's root in m.
+    pub radius_m: f64,
+    /// Viscous friction b of the joint in N m s/rad.
+    pub viscous_friction_n_m_s_rad: f64,
+}
+
+/// A point mass fixed to the link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LumpedMass {
+    /// Distance from the axis in m, hub radius included.
+    pub at_m: f64,
+    /// Mass in kg.
+    pub mass_kg: f64,
+    /// Rotary inertia about its own centre in kg m².
+    pub inertia_kg_m2: f64,
+}
+
+/// What the tip carries.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Payload {
+    /// Mass m_t in kg.
+    pub mass_kg: f64,
+    /// Rotary inertia J_t about its own centre of mass in kg m².
+    pub inertia_kg_m2: f64,
+    /// Offset c of that centre beyond the tip in m; negative towards the hub.
+    pub offset_m: f64,
+}
+
+/// All that makes a link, before it is checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkParts {
+    /// Title for people.
+    pub title: String,
+    /// Segments from the hub outward, at least one.
+    pub segments: Vec<Segment>,
+    /// The hub.
+    pub hub: Hub,
+    /// Lumped masses in any order.
+    pub masses: Vec<LumpedMass>,
+    /// The payload.
+    pub payload: Payload,
+    /// The damping law.
+    pub damping: Damping,
+}
+
+/// A valid link.
+///
+/// ```
+/// use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+/// let bayo = Link::new(LinkParts {
+///     title: String::new(),
+///     segments: vec![Segment {
+///         name: None,
+///         length_m: 1.5,
+///         bending_stiffness_n_m2: Taper::constant(5.0),
+///         mass_per_length_kg_m: Taper::constant(0.8),
+///     }],
+///     hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
+///     masses: vec![],
+///     payload: Payload::default(),
+///     damping: Damping::Hysteretic { ratio: 0.02 },
+/// })?;
+/// assert!((bayo.rigid_inertia_kg_m2() - 1.0).abs() < 1e-15);
+/// # Ok::<(), flexlink::link::ParameterError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Link {
+    parts: LinkParts,
+}
+
+impl Link {
+    /// Checks every range and puts the lumped masses in order from the hub outward.
+    ///
+    /// # Errors
+    /// [`ParameterError`] names the first parameter out of its range.
+    pub fn new(mut parts: LinkParts) -> Result<Self, ParameterError> {
+        if parts.segments.is_empty() {
+            return Err(ParameterError::new(
+                "segments",
+                "[]",
+                "",
+                "must hold at least one segment",
+            ));
+        }
+        for (index, segment) in parts.segments.iter().enumerate() {
+            segment.check(index)?;
+            let twin = |other: &Segment| segment.name.is_some() && other.name == segment.name;
+            if parts.segments[..index].iter().any(twin) {
+                let name = segment.name.as_deref().unwrap_or_default();
+                let parameter = format!("segments.{index}.name");
+                let must = "must be unique, and a segment before it has this name";
+                return Err(ParameterError::new(
+                    parameter,
+                    format!("{name:?}"),
+                    "",
+                    must,
+                ));
+            }
+        }
+        check_hub(&parts.hub)?;
+        let link = Self {
+            parts: parts.clone(),
+        };
+        for (index, mass) in parts.masses.iter().enumerate() {
+            link.check_mass(index, mass)?;
+        }
+        let Payload {
+            mass_kg,
+            inertia_kg_m2,
+            offset_m,
+        } = parts.payload;
+        not_negative("payload.mass", mass_kg, "kg")?;
+        not_negative("payload.inertia", inertia_kg_m2, "kg m^2")?;
+        if !offset_m.is_finite() {
+            return Err(ParameterError::new(
+                "payload.offset",
+                offset_m,
+                "m",
+                "must be finite",
+            ));
+        }
+        parts.damping.check()?;
+        link.check_movable()?;
+        parts.masses.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
+        Ok(Self { parts })
+    }
+
+    fn check_mass(&self, index: usize, mass: &LumpedMass) -> Result<(), ParameterError> {
+        let path = |key: &str| format!("masses.{index}.{key}");
+        let (root_m, tip_m) = (self.parts.hub.radius_m, self.length_m());
+        let slack_m = POSITION_TOLERANCE * tip_m;
+        if !(root_m - slack_m..=tip_m + slack_m).contains(&mass.at_m) {
+            let must = format!("must lie on the link, from {root_m} m to {tip_m} m from the axis");
+            return Err(ParameterError::new(path("at"), mass.at_m, "m", must));
+        }
+        not_negative(&path("mass"), mass.mass_kg, "kg")?;
+        not_negative(&path("inertia"), mass.inertia_kg_m2, "kg m^2")
+    }
+
+    /// A finite, positive rigid inertia: else no torque would be needed, or none would do.
+    fn check_movable(&self) -> Result<(), ParameterError> {
+        let inertia = self.rigid_inertia_kg_m2();
+        if inertia.is_finite() && inertia > 0.0 {
+            return Ok(());
+        }
+        let must = "the link and all it carries must have a finite rotary inertia above 0";
+        Err(ParameterError::new(
+            "segments",
+            format!("a total of {inertia}"),
+            "kg m^2",
+            must,
+        ))
+    }
+
+    /// Title for people, empty when none was given.
+    pub fn title(&self) -> &str {
+        &self.parts.title
+    }
+
+    /// Segments from the hub outward, at least one.
+    pub fn segments(&self) -> &[Segment] {
+        &self.parts.segments
+    }
+
+    /// The hub.
+    pub fn hub(&self) -> &Hub {
+        &self.parts.hub
+    }
+
+    /// Lumped masses, from the hub outward.
+    pub fn masses(&self) -> &[LumpedMass] {
+        &self.parts.masses
+    }
+
+    /// The payload.
+    pub fn payload(&self) -> &Payload {
+        &self.parts.payload
+    }
+
+    /// The damping law.
+    pub fn damping(&self) -> Damping {
+        self.parts.damping
+    }
+
+    /// Distance L from the axis to the tip in m: hub radius and all segments.
+    pub fn length_m(&self) -> f64 {
+        let beam: f64 = self.parts.segments.iter().map(|s| s.length_m).sum();
+        self.parts.hub.radius_m + beam
+    }
+
+    /// Rotary inertia of the rigid link about the axis in kg m².
+    ///
+    /// ```text
+    /// I_rigid = I_H + ∫ m̄ x² dx + Σ (m x² + J) + m_t (L + c)² + J_t
+    /// ```
+    pub fn rigid_inertia_kg_m2(&self) -> f64 {
+        let mut root_m = self.parts.hub.radius_m;
+        let mut inertia = self.parts.hub.inertia_kg_m2;
+        for segment in &self.parts.segments {
+            let (l, m) = (segment.length_m, segment.mass_per_length_kg_m);
+            // ∫₀ˡ m̄(s) (x + s)² ds with m̄ linear in s, each power of s by itself.
+            inertia += l
+                * (m.mean() * root_m * root_m
+                    + (m.inner + 2.0 * m.outer) / 3.0 * root_m * l
+                    + (m.inner + 3.0 * m.outer) / 12.0 * l * l);
+            root_m += l;
+        }
+        for mass in &self.parts.masses {
+            inertia += mass.mass_kg * mass.at_m.powi(2) + mass.inertia_kg_m2;
+        }
+        let Payload {
+            mass_kg,
+            inertia_kg_m2,
+            offset_m,
+        } = self.parts.payload;
+        inertia + mass_kg * (root_m + offset_m).powi(2) + inertia_kg_m2
+    }
+}
+
+fn check_hub(hub: &Hub) -> Result<(), ParameterError> {
+    not_negative("hub.inertia", hub.inertia_kg_m2, "kg m^2")?;
+    not_negative("hub.radius", hub.radius_m, "m")?;
+    not_negative(
+        "hub.viscous_friction",
+        hub.viscous_friction_n_m_s_rad,
+        "N m s/rad",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Taper;
+    use super::*;
+
+    fn parts() -> LinkParts {
+        let segment = |name: &str, length_m| Segment {
+            name: Some(name.into()),
+            length_m,
+            bending_stiffness_n_m2: Taper::constant(5.0),
+            mass_per_length_kg_m: Taper::constant(0.8),
+        };
+        LinkParts {
+            title: String::new(),
+            segments: vec![segment("root", 0.5), segment("beam", 1.0)],
+            hub: Hub {
+                inertia_kg_m2: 0.1,
+                radius_m: 0.0,
+                viscous_friction_n_m_s_rad: 0.0,
+            },
+            masses: vec![],
+            payload: Payload::default(),
+            damping: Damping::None,
+        }
+    }
+
+    fn refusal(change: impl FnOnce(&mut LinkParts)) -> String {
+        let mut parts = parts();
+        change(&mut parts);
+        Link::new(parts).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn rigid_inertia_of_a_tapered_link_matches_the_integral() {
+        let mut parts = parts();
+        parts.hub.radius_m = 0.2;
+        parts.segments[1].mass_per_length_kg_m = Taper {
+            inner: 0.9,
+            outer: 0.3,
+        };
+        parts.masses.push(LumpedMass {
+            at_m: 0.7,
+            mass_kg: 0.1,
+            inertia_kg_m2: 0.01,
+        });
+        parts.payload = Payload {
+            mass_kg: 0.2,
+            inertia_kg_m2: 0.03,
+            offset_m: 0.1,
+        };
+        let link = Link::new(parts).unwrap();
+        // Midpoint rule, fine enough for nine digits.
+        let n = 90_000;
+        let integral: f64 = (0..n)
+            .map(|k| {
+                let s = 1.5 * (f64::from(k) + 0.5) / f64::from(n);
+                let m = if s < 0.5 { 0.8 } else { 0.9 - 0.6 * (s - 0.5) };
+                m * (0.2 + s).powi(2) * 1.5 / f64::from(n)
+            })
+            .sum();
+        let expected = 0.1 + integral + 0.1 * 0.49 + 0.01 + 0.2 * 1.8_f64.powi(2) + 0.03;
+        assert!((link.rigid_inertia_kg_m2() / expected - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn every_range_is_refused_with_name_value_and_unit() {
+        let cases = [
+            (
+                refusal(|p| p.segments.clear()),
+                "segments = [], but must hold at least one segment",
+            ),
+            (
+                refusal(|p| p.segments[1].length_m = 0.0),
+                "segments.1.length = 0 m, but must be finite and above 0",
+            ),
+            (
+                refusal(|p| p.segments[0].bending_stiffness_n_m2.outer = -1.0),
+                "segments.0.EI = -1 N m^2, but must be finite and above 0",
+            ),
+            (
+                refusal(|p| p.segments[0].mass_per_length_kg_m.inner = f64::INFINITY),
+                "segments.0.mass_per_length = inf kg/m, but must be finite and at least 0",
+            ),
+            (
+                refusal(|p| p.segments[1].name = Some("root".into())),
+                "segments.1.name = \"root\", but must be unique, and a segment before it has this \
+                 name",
+            ),
+            (
+                refusal(|p| p.hub.radius_m = f64::NAN),
+                "hub.radius = NaN m, but must be finite and at least 0",
+            ),
+            (
+                refusal(|p| {
+                    p.masses.push(LumpedMass {
+                        at_m: 1.6,
+                        mass_kg: 1.0,
+                        inertia_kg_m2: 0.0,
+                    });
+                }),
+                "masses.0.at = 1.6 m, but must lie on the link, from 0 m to 1.5 m from the axis",
+            ),
+            (
+                refusal(|p| p.payload.mass_kg = -1.0),
+                "payload.mass = -1 kg, but must be finite and at least 0",
+            ),
+            (
+                refusal(|p| {
+                    p.hub.inertia_kg_m2 = 0.0;
+                    p.segments.iter_mut().for_each(|s| {
+                        s.mass_per_length_kg_m = Taper::constant(0.0);
+                    });
+                }),
+                "segments = a total of 0 kg m^2, but the link and all it carries must have a \
+                 finite rotary inertia above 0",
+            ),
+        ];
+        for (found, expected) in cases {
+            assert_eq!(found, expected);
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! The program `flexlink`.
+
+fn main() {}
