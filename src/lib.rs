@@ -3,3 +3,5 @@
 pub mod beam;
 pub mod inverse;
 pub mod link;
+pub mod motion;
+pub mod numeric;

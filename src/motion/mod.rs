@@ -1,0 +1,5 @@
+//! The wanted tip motion.
+
+mod columns;
+
+pub use columns::MotionColumns;
