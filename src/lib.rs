@@ -3,5 +3,6 @@
 pub mod beam;
 pub mod inverse;
 pub mod link;
+pub mod modal;
 pub mod motion;
 pub mod numeric;

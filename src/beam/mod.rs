@@ -1,5 +1,16 @@
-//! The finite-element link: mesh, element, and the recursion that condenses it.
+//! The finite-element link: how it is meshed, one element, and the recursion that condenses it.
 
+mod condensation;
+mod element;
+mod mesh;
+mod pivoted;
 mod plan;
+mod transfer;
 
-pub use plan::{ElementCount, MeshPlan};
+pub use condensation::{Gain, Inertia, Step, condense};
+pub use element::{Element, RelativeElement};
+pub use mesh::Mesh;
+pub use plan::{ElementCount, MeshPlan, Piece};
+pub use transfer::{
+    HubResponse, NodalTransfer, TipTransfer, hub_response, nodal_transfer, tip_transfer,
+};

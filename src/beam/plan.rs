@@ -1,4 +1,4 @@
-use crate::link::{Link, ParameterError};
+use crate::link::{Link, POSITION_TOLERANCE, ParameterError, Segment};
 
 /// Elements that a link is to be divided into, all segments together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,12 +9,22 @@ pub enum ElementCount {
     Total(usize),
 }
 
+/// A stretch without a lumped mass inside, as fractions of its segment's length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Piece {
+    /// Number of the segment.
+    pub segment: usize,
+    /// Where the piece begins, 0 at the segment's inner end.
+    pub from: f64,
+    /// Where it ends, 1 at the segment's outer end.
+    pub to: f64,
+}
+
 /// How a link is to be meshed: what the link file says of it, checked against the link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshPlan {
-    /// Elements of each segment where the segment itself says so.
-    own: Vec<Option<usize>>,
-    count: ElementCount,
+    shares: Vec<(Piece, usize)>,
+    automatic: bool,
     tolerance: f64,
 }
 
@@ -22,23 +32,190 @@ impl MeshPlan {
     /// Discretisation error of the torque, relative to its peak, that `auto` refines to.
     pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 
-    /// Checks the plan against `link`.
+    /// Elements that an automatic mesh starts from, at the least.
+    const COARSEST: usize = 8;
+
+    /// Checks the plan against `link` and shares the elements out.
     ///
     /// `own[k]` is segment k's own number of elements, `count` the one of the whole link; without
-    /// `count` the segments' own numbers hold if all have one, else the mesh is automatic.
+    /// `count` the segments' own numbers hold if all have one, else the mesh is automatic. What
+    /// the segments leave open is shared so that every element spans about the same part of a
+    /// bending wave: by length · (m̄/EI)^¼, at least one element between neighbouring nodes that
+    /// must be there.
     ///
     /// # Errors
     /// [`ParameterError`] names the first number that cannot hold.
     pub fn new(
-        _link: &Link,
-        own: Vec<Option<usize>>,
+        link: &Link,
+        own: &[Option<usize>],
         count: Option<ElementCount>,
         tolerance: f64,
     ) -> Result<Self, ParameterError> {
+        if !(1e-12..=0.1).contains(&tolerance) {
+            let must = "must lie in [1e-12, 0.1]";
+            return Err(ParameterError::new("mesh.tolerance", tolerance, "", must));
+        }
+        let pieces = pieces(link);
+        let needed = |segment| {
+            pieces
+                .iter()
+                .filter(|p: &&Piece| p.segment == segment)
+                .count()
+        };
+        for (segment, count) in own.iter().enumerate() {
+            if let Some(count) = count.filter(|c| *c < needed(segment)) {
+                let must = format!(
+                    "must be at least {}: lumped masses divide the segment",
+                    needed(segment)
+                );
+                let parameter = format!("segments.{segment}.elements");
+                return Err(ParameterError::new(parameter, count, "", must));
+            }
+        }
+        let fixed: usize = own.iter().flatten().sum();
+        let open: Vec<Piece> = pieces
+            .iter()
+            .filter(|p| own[p.segment].is_none())
+            .copied()
+            .collect();
+        let automatic = match count {
+            Some(ElementCount::Auto) => true,
+            Some(ElementCount::Total(_)) => false,
+            None => !open.is_empty(),
+        };
+        let rest = match count {
+            Some(ElementCount::Total(total)) => share_of_total(total, fixed, open.len())?,
+            _ => Self::COARSEST.saturating_sub(fixed).max(open.len()),
+        };
+        let mut shares = divide(link, &open, rest);
+        for (segment, count) in own.iter().enumerate() {
+            if let Some(count) = count {
+                let pieces: Vec<Piece> = pieces
+                    .iter()
+                    .filter(|p| p.segment == segment)
+                    .copied()
+                    .collect();
+                shares.extend(divide(link, &pieces, *count));
+            }
+        }
+        shares.sort_by(|(a, _), (b, _)| {
+            (a.segment, a.from)
+                .partial_cmp(&(b.segment, b.from))
+                .unwrap_or(std::cmp::Ordering::Equal)
+        });
         Ok(Self {
-            own,
-            count: count.unwrap_or(ElementCount::Auto),
+            shares,
+            automatic,
             tolerance,
         })
     }
+
+    /// Pieces of the link from the hub outward, each with its number of elements.
+    pub fn shares(&self) -> &[(Piece, usize)] {
+        &self.shares
+    }
+
+    /// Whether the mesh is to be refined until its error is below the tolerance.
+    pub fn is_automatic(&self) -> bool {
+        self.automatic
+    }
+
+    /// Discretisation error of the torque, relative to its peak, that `auto` refines to.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+}
+
+/// What is left of a total for the open pieces.
+fn share_of_total(total: usize, fixed: usize, open: usize) -> Result<usize, ParameterError> {
+    let refuse = |must: String| Err(ParameterError::new("mesh.elements", total, "", must));
+    if open == 0 && total != fixed {
+        return refuse(format!(
+            "must be {fixed}, the sum of the segments' own elements"
+        ));
+    }
+    if total < fixed + open {
+        return refuse(format!(
+            "must be at least {}: {fixed} fixed by the segments and one for each of the other {open} \
+             stretches",
+            fixed + open
+        ));
+    }
+    Ok(total - fixed)
+}
+
+/// Segments cut at the lumped masses inside them.
+fn pieces(link: &Link) -> Vec<Piece> {
+    let slack_m = POSITION_TOLERANCE * link.length_m();
+    let mut pieces = Vec::new();
+    let mut root_m = link.hub().radius_m;
+    for (index, segment) in link.segments().iter().enumerate() {
+        let tip_m = root_m + segment.length_m;
+        let mut from_m = root_m;
+        let fraction = |x_m: f64| (x_m - root_m) / segment.length_m;
+        for mass in link.masses() {
+            if mass.at_m > from_m + slack_m && mass.at_m < tip_m - slack_m {
+                pieces.push(Piece {
+                    segment: index,
+                    from: fraction(from_m),
+                    to: fraction(mass.at_m),
+                });
+                from_m = mass.at_m;
+            }
+        }
+        pieces.push(Piece {
+            segment: index,
+            from: fraction(from_m),
+            to: 1.0,
+        });
+        root_m = tip_m;
+    }
+    pieces
+}
+
+/// Shares `total` elements, at least one each, by the bending wavelengths that a piece holds.
+///
+/// The next element goes where elements are longest, measured in wavelengths.
+fn divide(link: &Link, pieces: &[Piece], total: usize) -> Vec<(Piece, usize)> {
+    let mut weights: Vec<f64> = pieces
+        .iter()
+        .map(|p| wavelengths(&link.segments()[p.segment], p))
+        .collect();
+    if weights.iter().sum::<f64>() == 0.0 {
+        // Without mass there are no waves; then length decides.
+        weights = pieces
+            .iter()
+            .map(|p| link.segments()[p.segment].length_m * (p.to - p.from))
+            .collect();
+    }
+    let spare = total - pieces.len();
+    let sum: f64 = weights.iter().sum();
+    // The bulk at once, never more than the greedy rule would give; then one by one.
+    let mut counts: Vec<usize> = weights
+        .iter()
+        .map(|w| ((w / sum * total as f64).floor() as usize).clamp(1, 1 + spare))
+        .collect();
+    while counts.iter().sum::<usize>() > total {
+        let most = (0..counts.len()).max_by_key(|&k| counts[k]).unwrap_or(0);
+        counts[most] -= 1;
+    }
+    for _ in counts.iter().sum::<usize>()..total {
+        let longest = (0..counts.len())
+            .max_by(|&a, &b| {
+                (weights[a] / counts[a] as f64)
+                    .total_cmp(&(weights[b] / counts[b] as f64))
+                    .then(b.cmp(&a))
+            })
+            .unwrap_or(0);
+        counts[longest] += 1;
+    }
+    pieces.iter().copied().zip(counts).collect()
+}
+
+/// Length of a piece in units of the bending wavelength, up to a common factor.
+fn wavelengths(segment: &Segment, piece: &Piece) -> f64 {
+    let middle = 0.5 * (piece.from + piece.to);
+    let density =
+        segment.mass_per_length_kg_m.at(middle) / segment.bending_stiffness_n_m2.at(middle);
+    segment.length_m * (piece.to - piece.from) * density.powf(0.25)
 }

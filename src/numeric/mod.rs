@@ -1,5 +1,11 @@
 //! Mathematics that knows no beam: time grids, Fourier pairs, roots, splines, units.
 
+mod fourier;
 mod grid;
+mod roots;
+mod scalar;
 
+pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
+pub use roots::{bisect, geometric_scan};
+pub use scalar::Scalar;

@@ -1,0 +1,177 @@
+use super::condensation::Inertia;
+use super::element::{Element, RelativeElement};
+use super::plan::MeshPlan;
+use crate::link::{Link, POSITION_TOLERANCE};
+
+/// The finite-element link: n elements between n + 1 nodes, node 0 at the root, node n at the tip.
+///
+/// Total displacement of node i: `v_i = x_i θ + w_i`, with `w_0 = 0` (Bayo 1987, eq 1); so the
+/// degrees of freedom are θ and (w, w') of nodes 1 … n, 2n + 1 in all.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    elements: Vec<Element>,
+    relative: Vec<RelativeElement>,
+    /// Segment of each element.
+    segments: Vec<usize>,
+    /// Distance of each node from the axis in m.
+    nodes_m: Vec<f64>,
+    /// What is lumped at each node, the payload left out.
+    lumped: Vec<Option<Inertia<f64>>>,
+    tip: Inertia<f64>,
+    hub_inertia_kg_m2: f64,
+}
+
+impl Mesh {
+    /// Divides the link as `plan` says; an automatic plan gives its coarsest mesh.
+    ///
+    /// A node stands at every segment border and at every lumped mass.
+    pub fn new(link: &Link, plan: &MeshPlan) -> Self {
+        let (mut elements, mut segments) = (Vec::new(), Vec::new());
+        for (piece, count) in plan.shares() {
+            let segment = &link.segments()[piece.segment];
+            for k in 0..*count {
+                let at = |k: usize| piece.from + (piece.to - piece.from) * k as f64 / *count as f64;
+                let (from, to) = (at(k), at(k + 1));
+                elements.push(Element {
+                    length_m: segment.length_m * (piece.to - piece.from) / *count as f64,
+                    bending_stiffness_n_m2: segment.bending_stiffness_n_m2.between(from, to),
+                    mass_per_length_kg_m: segment.mass_per_length_kg_m.between(from, to),
+                });
+                segments.push(piece.segment);
+            }
+        }
+        let mut mesh = Self::assemble(elements, segments, link);
+        mesh.place_masses(link);
+        mesh
+    }
+
+    fn assemble(elements: Vec<Element>, segments: Vec<usize>, link: &Link) -> Self {
+        let payload = link.payload();
+        let nodes_m = node_positions(link.hub().radius_m, &elements);
+        Self {
+            relative: elements.iter().map(Element::relative).collect(),
+            lumped: vec![None; nodes_m.len()],
+            tip: Inertia::rigid(payload.mass_kg, payload.inertia_kg_m2, payload.offset_m),
+            hub_inertia_kg_m2: link.hub().inertia_kg_m2,
+            nodes_m,
+            elements,
+            segments,
+        }
+    }
+
+    fn place_masses(&mut self, link: &Link) {
+        let slack_m = POSITION_TOLERANCE * link.length_m();
+        for mass in link.masses() {
+            let inertia = Inertia::rigid(mass.mass_kg, mass.inertia_kg_m2, 0.0);
+            let node = self
+                .nodes_m
+                .iter()
+                .position(|x| (x - mass.at_m).abs() <= slack_m)
+                .expect("the plan puts a node at every lumped mass");
+            let slot = self.lumped[node].get_or_insert(Inertia {
+                vv: 0.0,
+                vp: 0.0,
+                pp: 0.0,
+            });
+            slot.vv += inertia.vv;
+            slot.pp += inertia.pp;
+        }
+        // A mass on the tip belongs to what the recursion starts from.
+        if let Some(last) = self.lumped.last_mut().and_then(Option::take) {
+            self.tip.vv += last.vv;
+            self.tip.pp += last.pp;
+        }
+    }
+
+    /// The same link with every element cut into two halves.
+    #[must_use]
+    pub fn refined(&self) -> Self {
+        let elements: Vec<Element> = self.elements.iter().flat_map(Element::halves).collect();
+        let mut lumped = vec![None; elements.len() + 1];
+        for (node, inertia) in self.lumped.iter().enumerate() {
+            lumped[2 * node] = *inertia;
+        }
+        Self {
+            relative: elements.iter().map(Element::relative).collect(),
+            segments: self.segments.iter().flat_map(|s| [*s, *s]).collect(),
+            nodes_m: node_positions(self.nodes_m[0], &elements),
+            elements,
+            lumped,
+            tip: self.tip,
+            hub_inertia_kg_m2: self.hub_inertia_kg_m2,
+        }
+    }
+
+    /// Elements from the hub outward.
+    pub fn elements(&self) -> &[Element] {
+        &self.elements
+    }
+
+    /// The same elements in relative coordinates.
+    pub fn relative_elements(&self) -> &[RelativeElement] {
+        &self.relative
+    }
+
+    /// Segment that each element belongs to.
+    pub fn element_segments(&self) -> &[usize] {
+        &self.segments
+    }
+
+    /// Distance of each node from the axis in m: n + 1 values, the last one the length L.
+    pub fn nodes_m(&self) -> &[f64] {
+        &self.nodes_m
+    }
+
+    /// Distance L from the axis to the tip in m.
+    pub fn length_m(&self) -> f64 {
+        self.nodes_m[self.nodes_m.len() - 1]
+    }
+
+    /// What is lumped at a node, the payload and masses on the tip left out.
+    pub fn lumped_inertia(&self, node: usize) -> Option<Inertia<f64>> {
+        self.lumped[node]
+    }
+
+    /// Payload and masses on the tip: the apparent inertia that the recursion starts from.
+    ///
+    /// ```text
+    /// A_tip = [[m_t, m_t c], [m_t c, J_t + m_t c²]]
+    /// ```
+    pub fn tip_inertia(&self) -> Inertia<f64> {
+        self.tip
+    }
+
+    /// Rotary inertia `I_H` of the hub in kg m².
+    pub fn hub_inertia_kg_m2(&self) -> f64 {
+        self.hub_inertia_kg_m2
+    }
+
+    /// A mass of the size of the link's own in kg, to compare forces with motions.
+    pub(super) fn reference_mass_kg(&self) -> f64 {
+        let beam: f64 = self.relative.iter().map(|e| e.m_uu.m11).sum();
+        let lumped: f64 = self.lumped.iter().flatten().map(|l| l.vv).sum();
+        let hub = self.hub_inertia_kg_m2 / self.length_m().powi(2);
+        beam + lumped + self.tip.vv + hub
+    }
+
+    /// Frequency in rad/s up to which every element follows the bending waves (1 % of a natural
+    /// frequency there).
+    pub fn resolved_frequency_rad_s(&self) -> f64 {
+        let resolved = self.elements.iter().map(Element::resolved_frequency_rad_s);
+        resolved.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Running sum of the element lengths, compensated so that many elements lose no digit.
+fn node_positions(root_m: f64, elements: &[Element]) -> Vec<f64> {
+    let (mut sum, mut rest) = (root_m, 0.0);
+    let mut nodes = vec![root_m];
+    for element in elements {
+        let term = element.length_m - rest;
+        let next = sum + term;
+        rest = (next - sum) - term;
+        sum = next;
+        nodes.push(sum);
+    }
+    nodes
+}

@@ -1,0 +1,163 @@
+//! The recursion with row pivoting, for frequencies at which the outboard part resonates.
+//!
+//! There the apparent inertia A has a pole and the plain recursion no digits. What stays finite is
+//! the set of pairs (motion u, reaction q = A u) that the outboard part admits: a plane in four
+//! dimensions. It is carried inward as u = U c, q = Q c with two free coefficients c, and after
+//! every element the two rows of U and Q that span the plane best are made the new coefficients.
+//! A resonance is then nothing special: u is small beside q.
+
+use nalgebra::{Matrix2, Vector2};
+use num_complex::Complex64;
+
+use super::condensation::Inertia;
+use super::element::RelativeElement;
+use super::mesh::Mesh;
+use super::transfer::{NodalTransfer, TipTransfer};
+
+type Block = Matrix2<Complex64>;
+
+/// Motions `U c` and reactions `Q c` that the part outboard of a node admits.
+#[derive(Clone, Copy)]
+struct Plane {
+    motion: Block,
+    reaction: Block,
+}
+
+/// What the way back from hub to tip needs of one element.
+struct Passage {
+    /// Inner coefficients per outer ones: `c_i = change · c_j`.
+    change: Block,
+    /// Deformation `d = D c_j`.
+    deformation: Block,
+    /// Reaction at the inner node over `c_i`.
+    reaction: Block,
+}
+
+/// Transfers from the tip to every node at λ ≠ 0, also where a part of the link resonates.
+///
+/// Not finite only where no pivot is left at all, as at a zero of torque → tip on the real axis.
+pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
+    let mut plane = Plane {
+        motion: Block::identity(),
+        reaction: matrix(&mesh.tip_inertia()),
+    };
+    let tip_reaction = plane.reaction;
+    let mut passages = Vec::with_capacity(mesh.elements().len());
+    for (index, element) in mesh.relative_elements().iter().enumerate().rev() {
+        let (deformation, mut inner) = pass(element, lambda, &plane);
+        if let Some(lumped) = mesh.lumped_inertia(index) {
+            inner.reaction += matrix(&lumped) * inner.motion;
+        }
+        let (change, renewed) = renew(&inner, mesh);
+        passages.push(Passage {
+            change,
+            deformation,
+            reaction: renewed.reaction,
+        });
+        plane = renewed;
+    }
+    // The root sits on the hub's radius: v_0 = x_0 φ_0 leaves one coefficient, its size free.
+    let root_m = mesh.nodes_m()[0];
+    let held = plane.motion.row(0) - plane.motion.row(1) * Complex64::from(root_m);
+    let mut c = Vector2::new(-held[1], held[0]).unscale(held.norm());
+    let theta = (plane.motion * c)[1];
+    let at_root = plane.reaction * c;
+    let torque = at_root[1] + at_root[0] * root_m + theta * mesh.hub_inertia_kg_m2();
+
+    let mut e = Vector2::zeros();
+    let mut deflections = vec![e[0]];
+    let mut moments = Vec::with_capacity(passages.len() + 1);
+    for (passage, element) in passages.iter().rev().zip(mesh.elements()) {
+        moments.push((passage.reaction * c)[1]);
+        c = solve(&passage.change, &c);
+        e = rigid_transfer(element.length_m) * e + passage.deformation * c;
+        deflections.push(e[0]);
+    }
+    moments.push((tip_reaction * c)[1]);
+    let tip_displacement = theta * mesh.length_m() + e[0];
+    let lag = |e: Complex64| e / (lambda * tip_displacement);
+    NodalTransfer {
+        tip: TipTransfer {
+            inertia_kg_m: torque / tip_displacement,
+            angle_rad_m: theta / tip_displacement,
+            lag_s2: lag(e[0]),
+        },
+        lags_s2: deflections.into_iter().map(lag).collect(),
+        moments_kg_m: moments.into_iter().map(|m| m / tip_displacement).collect(),
+    }
+}
+
+/// Carries the plane from the outer node of an element to its inner node; returns the element's
+/// deformation over the outer coefficients and the inner plane.
+///
+/// ```text
+/// (K_d − λ(M_dd − M_udᵀ R⁻¹)) D = λ(M_udᵀ R⁻¹ U_j + Q_j)
+/// U_i = R⁻¹(U_j − D),   Q_i = M_uu U_i + M_ud D + Rᵀ Q_j
+/// ```
+fn pass(element: &RelativeElement, lambda: Complex64, outer: &Plane) -> (Block, Plane) {
+    let back = rigid_transfer(-element.length_m);
+    let m_ud = complex(&element.m_ud);
+    let through = m_ud.transpose() * back;
+    let matrix = complex(&element.k_d) - (complex(&element.m_dd) - through) * lambda;
+    let right = (through * outer.motion + outer.reaction) * lambda;
+    let deformation = Block::from_columns(&[
+        solve(&matrix, &right.column(0).into()),
+        solve(&matrix, &right.column(1).into()),
+    ]);
+    let motion = back * (outer.motion - deformation);
+    let reaction = complex(&element.m_uu) * motion
+        + m_ud * deformation
+        + rigid_transfer(element.length_m).transpose() * outer.reaction;
+    (deformation, Plane { motion, reaction })
+}
+
+/// Makes the two rows that span the plane best its new coefficients.
+fn renew(plane: &Plane, mesh: &Mesh) -> (Block, Plane) {
+    let (length_m, mass_kg) = (mesh.length_m(), mesh.reference_mass_kg());
+    // One unit for all four rows, so that their sizes can be compared.
+    let rows = [
+        plane.motion.row(0).into_owned(),
+        plane.motion.row(1) * Complex64::from(length_m),
+        plane.reaction.row(0) / Complex64::from(mass_kg),
+        plane.reaction.row(1) / Complex64::from(mass_kg * length_m),
+    ];
+    let pairs = (0..4).flat_map(|a| (a + 1..4).map(move |b| Block::from_rows(&[rows[a], rows[b]])));
+    let change = pairs
+        .max_by(|a, b| a.determinant().norm().total_cmp(&b.determinant().norm()))
+        .unwrap_or_else(Block::identity);
+    // X̂ · change = X, row by row.
+    let transposed = change.transpose();
+    let express = |x: &Block| {
+        let row = |k: usize| solve(&transposed, &x.row(k).transpose()).transpose();
+        Block::from_rows(&[row(0), row(1)])
+    };
+    (
+        change,
+        Plane {
+            motion: express(&plane.motion),
+            reaction: express(&plane.reaction),
+        },
+    )
+}
+
+/// `R = [[1, l], [0, 1]]`.
+fn rigid_transfer(length_m: f64) -> Block {
+    complex(&Matrix2::new(1.0, length_m, 0.0, 1.0))
+}
+
+fn matrix(inertia: &Inertia<f64>) -> Block {
+    complex(&Matrix2::new(
+        inertia.vv, inertia.vp, inertia.vp, inertia.pp,
+    ))
+}
+
+fn complex(real: &Matrix2<f64>) -> Block {
+    real.map(Complex64::from)
+}
+
+/// Gaussian elimination with partial pivoting; not a number where the matrix is singular, which
+/// the caller's check of the result finds.
+fn solve(matrix: &Block, right: &Vector2<Complex64>) -> Vector2<Complex64> {
+    let nothing = || Vector2::repeat(Complex64::new(f64::NAN, f64::NAN));
+    matrix.lu().solve(right).unwrap_or_else(nothing)
+}

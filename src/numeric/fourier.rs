@@ -1,0 +1,152 @@
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use num_complex::Complex64;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+/// Fourier pair on an even number N of real samples.
+///
+/// ```text
+/// X_k = (1/N) Σ_j x_j e^{−2πi jk/N}    k = 0 … N/2
+/// x_j = Σ_k X_k e^{+2πi jk/N}          k = −N/2 + 1 … N/2, X_{−k} = conj X_k
+/// ```
+/// so that `X_k` is the complex amplitude of e^{+iω_k t} with `ω_k = 2πk/P` (Bayo 1987, eq 13).
+#[derive(Clone)]
+pub struct FourierPair {
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+impl FourierPair {
+    /// Plans the pair for `len` samples, an even number above 0 such as [`fast_length`] gives.
+    ///
+    /// # Panics
+    /// If `len` is odd or zero.
+    pub fn new(len: usize) -> Self {
+        assert!(
+            len > 0 && len.is_multiple_of(2),
+            "a Fourier pair needs an even length, not {len}"
+        );
+        let mut planner = RealFftPlanner::new();
+        Self {
+            forward: planner.plan_fft_forward(len),
+            inverse: planner.plan_fft_inverse(len),
+        }
+    }
+
+    /// Number N of samples.
+    pub fn len(&self) -> usize {
+        self.forward.len()
+    }
+
+    /// Never: a pair has at least two samples.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Amplitudes `X_0 … X_{N/2}` of N samples.
+    ///
+    /// # Panics
+    /// If there are not N samples.
+    pub fn amplitudes(&self, mut samples: Vec<f64>) -> Vec<Complex64> {
+        let mut spectrum = self.forward.make_output_vec();
+        self.forward
+            .process(&mut samples, &mut spectrum)
+            .expect("N samples, N/2 + 1 amplitudes");
+        let scale = 1.0 / self.len() as f64;
+        spectrum.iter_mut().for_each(|x| *x *= scale);
+        spectrum
+    }
+
+    /// The N samples of the amplitudes `X_0 …`; those not given are zero.
+    ///
+    /// Of the amplitudes at zero and at the Nyquist frequency only the real parts count: the rest
+    /// of them has no real signal.
+    ///
+    /// # Panics
+    /// If there are more than N/2 + 1 amplitudes.
+    pub fn samples(&self, mut amplitudes: Vec<Complex64>) -> Vec<f64> {
+        let bins = self.len() / 2 + 1;
+        assert!(
+            amplitudes.len() <= bins,
+            "{} amplitudes for {bins} bins",
+            amplitudes.len()
+        );
+        amplitudes.resize(bins, Complex64::ZERO);
+        amplitudes[0].im = 0.0;
+        amplitudes[bins - 1].im = 0.0;
+        let mut samples = self.inverse.make_output_vec();
+        self.inverse
+            .process(&mut amplitudes, &mut samples)
+            .expect("N/2 + 1 amplitudes, N samples");
+        samples
+    }
+}
+
+/// Angular frequency of bin `k` in rad/s for N samples at `step_s`.
+pub fn angular_frequency(k: usize, len: usize, step_s: f64) -> f64 {
+    TAU * k as f64 / (len as f64 * step_s)
+}
+
+/// The least even number of the form 2ᵃ 3ᵇ 5ᶜ that is at least `len`: fast to transform.
+pub fn fast_length(len: usize) -> usize {
+    let mut best = len.max(2).next_power_of_two();
+    let mut fives = 1;
+    while fives < best {
+        let mut odd = fives;
+        while odd < best {
+            // The power of two that lifts `odd` to `len`, and at least one factor of two.
+            let twos = len.div_ceil(odd).next_power_of_two().max(2);
+            best = best.min(odd * twos);
+            odd *= 3;
+        }
+        fives *= 5;
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amplitudes_are_those_of_a_direct_sum_with_a_negative_exponent() {
+        let x = [0.3, -1.0, 2.0, 0.7, 0.1, -0.4];
+        let found = FourierPair::new(6).amplitudes(x.to_vec());
+        for (k, found) in found.iter().enumerate() {
+            let direct: Complex64 = x
+                .iter()
+                .enumerate()
+                .map(|(j, x)| Complex64::cis(-TAU * (j * k) as f64 / 6.0) * x / 6.0)
+                .sum();
+            assert!((found - direct).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn samples_undo_amplitudes_and_missing_amplitudes_are_zero() {
+        let pair = FourierPair::new(60);
+        let x: Vec<f64> = (0..60).map(|j| (0.1 * f64::from(j)).sin()).collect();
+        let back = pair.samples(pair.amplitudes(x.clone()));
+        assert!(x.iter().zip(&back).all(|(x, y)| (x - y).abs() < 1e-15));
+        let mean = pair.samples(vec![Complex64::new(2.5, 7.0)]);
+        assert!(mean.iter().all(|x| (x - 2.5).abs() < 1e-15));
+    }
+
+    #[test]
+    fn fast_lengths_are_the_least_even_numbers_of_small_factors() {
+        let smooth = |mut n: usize| {
+            let even = n.is_multiple_of(2);
+            for p in [2, 3, 5] {
+                while n.is_multiple_of(p) {
+                    n /= p;
+                }
+            }
+            even && n == 1
+        };
+        for len in 1..3000 {
+            let expected = (len..).find(|&n| n > 0 && smooth(n)).unwrap();
+            assert_eq!(fast_length(len), expected, "length {len}");
+        }
+    }
+}
