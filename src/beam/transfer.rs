@@ -188,3 +188,130 @@ fn larger(a: f64, b: f64) -> f64 {
 fn is_trusted(largest_gain: f64) -> bool {
     largest_gain <= LARGEST_GAIN
 }
+
+#[cfg(test)]
+mod tests {
+    use twofloat::TwoFloat;
+
+    use super::*;
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+
+    /// 106 bits, so that the recursion itself tells how many digits it loses in 53.
+    impl Scalar for TwoFloat {
+        fn size(self) -> f64 {
+            self.hi().abs()
+        }
+    }
+
+    fn mesh(elements: usize) -> Mesh {
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![Segment {
+                name: None,
+                length_m: 1.5,
+                bending_stiffness_n_m2: Taper {
+                    inner: 6.0,
+                    outer: 4.0,
+                },
+                mass_per_length_kg_m: Taper {
+                    inner: 0.9,
+                    outer: 0.7,
+                },
+            }],
+            hub: Hub {
+                inertia_kg_m2: 0.1,
+                radius_m: 0.05,
+                viscous_friction_n_m_s_rad: 0.0,
+            },
+            masses: vec![LumpedMass {
+                at_m: 0.8,
+                mass_kg: 0.1,
+                inertia_kg_m2: 1e-3,
+            }],
+            payload: Payload {
+                mass_kg: 0.05,
+                inertia_kg_m2: 0.0,
+                offset_m: 0.0,
+            },
+            damping: Damping::None,
+        });
+        let link = link.unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);
+        Mesh::new(&link, &plan.unwrap())
+    }
+
+    #[test]
+    fn undamped_transfers_keep_their_digits_at_resonances_of_the_outboard_part() {
+        let mut flagged = 0;
+        for elements in [10, 100] {
+            let mesh = mesh(elements);
+            for k in 1..600 {
+                let lambda = (0.670_123 * f64::from(k)).powi(2);
+                let exact = hub_response(&mesh, TwoFloat::from(lambda));
+                let exact =
+                    exact.inertia_kg_m2 / exact.tip_displacement_m(&mesh, TwoFloat::from(lambda));
+                let plain = hub_response(&mesh, lambda).largest_gain;
+                flagged += usize::from(!is_trusted(plain));
+                let found = tip_transfer(&mesh, lambda.into()).inertia_kg_m.re;
+                let error = (found - exact.hi()).abs() / (exact.hi().abs() + 0.3);
+                let bound = if is_trusted(plain) { 1e-11 } else { 1e-12 };
+                assert!(
+                    error < bound,
+                    "{elements} elements, λ = {lambda}: {error:e}"
+                );
+            }
+        }
+        assert!(
+            flagged > 3,
+            "no resonance of the outboard part was met: {flagged}"
+        );
+    }
+
+    #[test]
+    fn the_pivoted_recursion_agrees_with_the_plain_one_at_every_node() {
+        let mesh = mesh(30);
+        for omega in [0.5, 7.0, 40.0, 333.0] {
+            let lambda = Complex64::from(omega * omega) / Complex64::new(1.0, 0.04);
+            let (plain, pivoted) = (
+                nodal_transfer(&mesh, lambda),
+                pivoted_transfer(&mesh, lambda),
+            );
+            let close = |a: &[Complex64], b: &[Complex64]| {
+                let peak = a.iter().fold(0.0_f64, |m, x| m.max(x.norm()));
+                a.iter().zip(b).all(|(a, b)| (a - b).norm() < 1e-11 * peak)
+            };
+            assert!(
+                close(&plain.lags_s2, &pivoted.lags_s2),
+                "deflections at {omega} rad/s"
+            );
+            assert!(
+                close(&plain.moments_kg_m, &pivoted.moments_kg_m),
+                "moments at {omega} rad/s"
+            );
+        }
+    }
+
+    #[test]
+    fn the_rigid_limit_is_exact_at_zero_frequency() {
+        let mesh = mesh(17);
+        let transfer = nodal_transfer(&mesh, Complex64::ZERO);
+        let rigid = transfer.tip.inertia_kg_m * mesh.length_m();
+        let expected = {
+            let beam = |x: f64| (0.9 - 0.2 * (x - 0.05) / 1.5) * x * x;
+            let n = 30_000;
+            let h = 1.5 / f64::from(n);
+            let integral: f64 = (0..n)
+                .map(|k| beam(0.05 + (f64::from(k) + 0.5) * h) * h)
+                .sum();
+            0.1 + integral + 0.1 * 0.64 + 1e-3 + 0.05 * 1.55 * 1.55
+        };
+        assert!((rigid.re / expected - 1.0).abs() < 1e-8);
+        assert!((transfer.tip.angle_rad_m.re - 1.0 / 1.55).abs() < 1e-15);
+        let hub_moment = transfer.moments_kg_m[0].re + 0.1 / 1.55;
+        assert!(
+            hub_moment < transfer.tip.inertia_kg_m.re,
+            "the root lies outboard of the axis"
+        );
+    }
+}

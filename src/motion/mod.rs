@@ -1,5 +1,12 @@
-//! The wanted tip motion.
+//! The wanted tip motion: sampled columns, what they must satisfy, and their spectrum.
 
+mod checks;
 mod columns;
+mod error;
+mod spectrum;
+mod tip_motion;
 
 pub use columns::MotionColumns;
+pub use error::{MotionColumn, MotionError};
+pub use spectrum::{TipHistories, TipSpectrum};
+pub use tip_motion::{EndVelocity, TipMotion};

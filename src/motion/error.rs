@@ -1,0 +1,137 @@
+use std::fmt;
+
+use thiserror::Error;
+
+/// A column of a tip motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MotionColumn {
+    /// Tip velocity.
+    Velocity,
+    /// Tip displacement.
+    Displacement,
+}
+
+impl fmt::Display for MotionColumn {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Velocity => "velocity",
+            Self::Displacement => "displacement",
+        })
+    }
+}
+
+impl MotionColumn {
+    fn unit(self) -> &'static str {
+        match self {
+            Self::Velocity => "m/s",
+            Self::Displacement => "m",
+        }
+    }
+}
+
+/// Why sampled columns are no tip motion that can be inverted.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MotionError {
+    /// Columns of different lengths, fewer than 4 samples, or neither acceleration nor
+    /// displacement.
+    #[error(
+        "the motion has {samples} samples, but must have at least 4 of time and of acceleration or \
+         displacement, all columns equally long"
+    )]
+    Shape {
+        /// Samples of the time column.
+        samples: usize,
+    },
+    /// A time that does not stand on the uniform grid.
+    #[error(
+        "time = {found_s} s, but must be {expected_s} s: the samples before and after stand \
+         {step_s} s apart"
+    )]
+    NotUniform {
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// Time found.
+        found_s: f64,
+        /// Time that continues the grid.
+        expected_s: f64,
+        /// Step of the grid.
+        step_s: f64,
+    },
+    /// The tip stands still.
+    #[error("the tip does not move, but must for there to be a torque")]
+    NoMotion,
+    /// The acceleration leaves the tip moving after the last sample.
+    #[error(
+        "the motion ends with a velocity of {velocity_m_s:.3e} m/s, {:.2} % of its peak, but must \
+         end at rest: the acceleration must integrate to 0",
+        100.0 * share
+    )]
+    AcceleratesAway {
+        /// Velocity after the last sample, ∫a dt.
+        velocity_m_s: f64,
+        /// The same over the peak velocity.
+        share: f64,
+    },
+    /// The displacement jumps into or out of motion.
+    #[error(
+        "the motion {} with a velocity of {velocity_m_s:.3e} m/s, {:.2} % of its peak, but must be \
+         at rest there",
+        if *sample == 0 { "starts" } else { "ends" },
+        100.0 * share
+    )]
+    MovingAtEnd {
+        /// Number of the sample, the first or the last.
+        sample: usize,
+        /// Velocity there.
+        velocity_m_s: f64,
+        /// The same over the peak velocity.
+        share: f64,
+    },
+    /// Two columns that contradict each other.
+    #[error(
+        "{column} = {found} {}, but must be {expected:.6e} {} to agree with the {}",
+        column.unit(),
+        column.unit(),
+        if *from_acceleration { "acceleration" } else { "displacement" }
+    )]
+    Disagree {
+        /// Number of the sample, from 0: the one that is farthest off.
+        sample: usize,
+        /// The column that is checked.
+        column: MotionColumn,
+        /// What it holds.
+        found: f64,
+        /// What the other column makes of it.
+        expected: f64,
+        /// Whether the other column is the acceleration; else the displacement.
+        from_acceleration: bool,
+    },
+}
+
+impl MotionError {
+    /// Number of the sample, from 0, that is to blame, where one is.
+    pub fn sample(&self) -> Option<usize> {
+        match self {
+            Self::NotUniform { sample, .. }
+            | Self::MovingAtEnd { sample, .. }
+            | Self::Disagree { sample, .. } => Some(*sample),
+            Self::Shape { .. } | Self::NoMotion | Self::AcceleratesAway { .. } => None,
+        }
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::NotUniform { .. } => {
+                Some("--resample STEP makes the samples uniform by a cubic spline")
+            }
+            Self::AcceleratesAway { .. } | Self::MovingAtEnd { .. } => {
+                Some("a motion goes from rest to rest; add the samples that bring the tip to rest")
+            }
+            Self::Disagree { .. } => {
+                Some("check the units in the header, or leave one of the columns out")
+            }
+            Self::Shape { .. } | Self::NoMotion => None,
+        }
+    }
+}

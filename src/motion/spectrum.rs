@@ -1,0 +1,155 @@
+use num_complex::Complex64;
+
+use super::tip_motion::{Source, TipMotion};
+use crate::numeric::{FourierPair, angular_frequency};
+
+/// Spectrum of the tip motion on a period of N samples; sample 0 is the trajectory's first.
+///
+/// Samples after the trajectory continue its rest; those of the second half of the padding stand
+/// for the rest before it.
+#[derive(Clone)]
+pub struct TipSpectrum {
+    /// The Fourier pair of the period.
+    pub pair: FourierPair,
+    /// Step in s.
+    pub step_s: f64,
+    /// Amplitudes â of the acceleration in m/s², N/2 + 1 of them; the one at zero is 0.
+    pub acceleration_m_s2: Vec<Complex64>,
+    /// Mean velocity over the period in m/s: travel over P.
+    pub mean_velocity_m_s: f64,
+}
+
+impl TipSpectrum {
+    /// Angular frequency of bin `k` in rad/s (Bayo 1987, eq 13).
+    pub fn omega_rad_s(&self, k: usize) -> f64 {
+        angular_frequency(k, self.pair.len(), self.step_s)
+    }
+
+    /// Period P in s.
+    pub fn period_s(&self) -> f64 {
+        self.pair.len() as f64 * self.step_s
+    }
+
+    /// Amplitude of the velocity in m/s at bin `k`: â/(iω), and the mean at zero.
+    pub fn velocity_m_s(&self, k: usize) -> Complex64 {
+        if k == 0 {
+            self.mean_velocity_m_s.into()
+        } else {
+            self.acceleration_m_s2[k] / Complex64::new(0.0, self.omega_rad_s(k))
+        }
+    }
+}
+
+/// Motion of the tip over a period of N samples, sample 0 the trajectory's first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TipHistories {
+    /// Acceleration in m/s².
+    pub acceleration_m_s2: Vec<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vec<f64>,
+    /// Displacement in m. Samples from `before` on stand for times before the trajectory.
+    pub displacement_m: Vec<f64>,
+    /// The first sample that stands one period earlier.
+    pub before: usize,
+}
+
+impl TipMotion {
+    /// Spectrum of the motion on a period of `len` samples, an even number not below its own.
+    ///
+    /// Acceleration samples are transformed as they are. Displacement samples are differenced
+    /// twice first, which confines them to the motion whatever its travel, and the difference is
+    /// undone in the spectrum:
+    ///
+    /// ```text
+    /// â = D̂ (ωΔt/2)²/sin²(ωΔt/2),   D_k = (v_{k+1} − 2v_k + v_{k−1})/Δt²
+    /// ```
+    ///
+    /// # Panics
+    /// If `len` is odd or below the number of samples.
+    pub fn spectrum(&self, len: usize) -> TipSpectrum {
+        assert!(
+            len >= self.grid().len,
+            "a period of {len} samples is shorter than the motion"
+        );
+        let pair = FourierPair::new(len);
+        let mut samples = self.forcing_m_s2().to_vec();
+        samples.resize(len, 0.0);
+        let mut acceleration = pair.amplitudes(samples);
+        acceleration[0] = Complex64::ZERO;
+        if let Source::Displacement { .. } = self.source() {
+            for (k, amplitude) in acceleration.iter_mut().enumerate().skip(1) {
+                let half = std::f64::consts::PI * k as f64 / len as f64;
+                *amplitude *= (half / half.sin()).powi(2);
+            }
+        }
+        let step_s = self.grid().step_s;
+        let mean_velocity_m_s = self.travel_m() / (len as f64 * step_s);
+        TipSpectrum {
+            pair,
+            step_s,
+            acceleration_m_s2: acceleration,
+            mean_velocity_m_s,
+        }
+    }
+
+    /// The motion over the period of `spectrum`, which must be its own.
+    ///
+    /// Given samples stay as they are; what was not given is the band-limited integral or
+    /// derivative. The displacement is a ramp of the mean velocity and a periodic rest, so that a
+    /// step needs no periodic trick.
+    pub fn histories(&self, spectrum: &TipSpectrum) -> TipHistories {
+        let (len, given) = (spectrum.pair.len(), self.grid().len);
+        let before = given + (len - given) / 2;
+        let bins = spectrum.acceleration_m_s2.len();
+        let velocity = (0..bins).map(|k| spectrum.velocity_m_s(k)).collect();
+        let velocity_m_s = spectrum.pair.samples(velocity);
+        let (acceleration_m_s2, displacement_m) = match self.source() {
+            Source::Acceleration(samples) => {
+                let mut acceleration = samples.clone();
+                acceleration.resize(len, 0.0);
+                (acceleration, self.integrated_displacement(spectrum, before))
+            }
+            Source::Displacement { samples, .. } => {
+                let acceleration = spectrum.pair.samples(spectrum.acceleration_m_s2.clone());
+                let mut displacement = samples.clone();
+                displacement.resize(before, samples[given - 1]);
+                displacement.resize(len, samples[0]);
+                (acceleration, displacement)
+            }
+        };
+        TipHistories {
+            acceleration_m_s2,
+            velocity_m_s,
+            displacement_m,
+            before,
+        }
+    }
+
+    fn integrated_displacement(&self, spectrum: &TipSpectrum, before: usize) -> Vec<f64> {
+        let len = spectrum.pair.len();
+        let periodic = spectrum.acceleration_m_s2.iter().enumerate().map(|(k, a)| {
+            if k == 0 {
+                Complex64::ZERO
+            } else {
+                -a / spectrum.omega_rad_s(k).powi(2)
+            }
+        });
+        let periodic = spectrum.pair.samples(periodic.collect());
+        let ramp = spectrum.mean_velocity_m_s * spectrum.step_s;
+        let steps = |j: usize| {
+            if j < before {
+                j as f64
+            } else {
+                j as f64 - len as f64
+            }
+        };
+        // The tip stands at its initial displacement where the period begins, at the far end of
+        // the rest before the motion.
+        let begin = before % len;
+        let origin = ramp * steps(before.min(len - 1)) + periodic[begin.min(len - 1)];
+        let offset = self.initial_displacement_m() - origin;
+        (0..len)
+            .map(|j| offset + ramp * steps(j) + periodic[j])
+            .collect()
+    }
+}
