@@ -1,7 +1,9 @@
 //! CSV ⇄ data: every column's name and unit once; reading, and writing whole files or none.
 
+mod csv_table;
 mod number;
 mod time_format;
 
+pub use csv_table::{Column, ColumnGroup, write_csv};
 pub use number::{Digits, DigitsError, NumberFormat};
 pub use time_format::time_format;
