@@ -1,9 +1,11 @@
 //! CSV ⇄ data: every column's name and unit once; reading, and writing whole files or none.
 
 mod csv_table;
+mod folder;
 mod number;
 mod time_format;
 
 pub use csv_table::{Column, ColumnGroup, write_csv};
+pub use folder::{FolderAction, FolderError, OutputFolder};
 pub use number::{Digits, DigitsError, NumberFormat};
 pub use time_format::time_format;
