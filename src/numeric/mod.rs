@@ -1,5 +1,7 @@
 //! Mathematics that knows no beam: time grids, Fourier pairs, roots, splines, units.
 
 mod grid;
+mod units;
 
 pub use grid::{ThinnedGrid, TimeGrid};
+pub use units::{Dimension, Unit, UnitError, parse_quantity};
