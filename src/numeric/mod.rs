@@ -2,6 +2,8 @@
 
 mod grid;
 mod spline;
+mod units;
 
 pub use grid::{ThinnedGrid, TimeGrid};
 pub use spline::{CubicSpline, SplineEnds};
+pub use units::{Dimension, Unit, UnitError, parse_quantity};
