@@ -65,7 +65,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The row read last.
-    pub(super) fn place(&self) -> Place<'a> {
+    fn place(&self) -> Place<'a> {
         Place {
             file: self.file,
             line: Some(self.line),
