@@ -6,3 +6,4 @@ pub mod link;
 pub mod modal;
 pub mod motion;
 pub mod numeric;
+pub mod tables;

@@ -4,8 +4,12 @@ mod fourier;
 mod grid;
 mod roots;
 mod scalar;
+mod spline;
+mod units;
 
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
 pub use roots::{bisect, geometric_scan};
 pub use scalar::Scalar;
+pub use spline::{CubicSpline, SplineEnds};
+pub use units::{Dimension, Unit, UnitError, parse_quantity};

@@ -1,0 +1,157 @@
+use std::f64::consts::PI;
+
+use super::Dimension;
+
+/// A unit by itself: coefficient · 10^exponent of the SI unit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct KnownUnit {
+    pub(super) symbol: &'static str,
+    /// A whole number wherever the factor is a finite decimal one, so that nothing is lost.
+    pub(super) coefficient: f64,
+    pub(super) exponent: i32,
+    pub(super) dimension: Dimension,
+}
+
+const fn unit(
+    symbol: &'static str,
+    coefficient: f64,
+    exponent: i32,
+    dimension: Dimension,
+) -> KnownUnit {
+    KnownUnit {
+        symbol,
+        coefficient,
+        exponent,
+        dimension,
+    }
+}
+
+/// Every unit this program reads.
+pub(super) const KNOWN: [KnownUnit; 47] = [
+    unit("m", 1.0, 0, Dimension::LENGTH),
+    unit("mm", 1.0, -3, Dimension::LENGTH),
+    unit("cm", 1.0, -2, Dimension::LENGTH),
+    unit("km", 1.0, 3, Dimension::LENGTH),
+    unit("um", 1.0, -6, Dimension::LENGTH),
+    unit("µm", 1.0, -6, Dimension::LENGTH),
+    unit("in", 254.0, -4, Dimension::LENGTH),
+    unit("ft", 3048.0, -4, Dimension::LENGTH),
+    unit("kg", 1.0, 0, Dimension::MASS),
+    unit("g", 1.0, -3, Dimension::MASS),
+    unit("mg", 1.0, -6, Dimension::MASS),
+    unit("t", 1.0, 3, Dimension::MASS),
+    unit("lb", 45_359_237.0, -8, Dimension::MASS),
+    unit("lbm", 45_359_237.0, -8, Dimension::MASS),
+    unit("oz", 28_349_523_125.0, -12, Dimension::MASS),
+    // lbf s²/ft
+    unit("slug", 44_482_216_152_605.0 / 3048.0, -9, Dimension::MASS),
+    unit("s", 1.0, 0, Dimension::TIME),
+    unit("ms", 1.0, -3, Dimension::TIME),
+    unit("us", 1.0, -6, Dimension::TIME),
+    unit("µs", 1.0, -6, Dimension::TIME),
+    unit("min", 60.0, 0, Dimension::TIME),
+    unit("h", 3600.0, 0, Dimension::TIME),
+    unit("N", 1.0, 0, Dimension::FORCE),
+    unit("mN", 1.0, -3, Dimension::FORCE),
+    unit("kN", 1.0, 3, Dimension::FORCE),
+    unit("MN", 1.0, 6, Dimension::FORCE),
+    unit("dyn", 1.0, -5, Dimension::FORCE),
+    unit("kgf", 980_665.0, -5, Dimension::FORCE),
+    unit("lbf", 44_482_216_152_605.0, -13, Dimension::FORCE),
+    unit("ozf", 44_482_216_152_605.0 / 16.0, -13, Dimension::FORCE),
+    unit("Pa", 1.0, 0, Dimension::PRESSURE),
+    unit("kPa", 1.0, 3, Dimension::PRESSURE),
+    unit("MPa", 1.0, 6, Dimension::PRESSURE),
+    unit("GPa", 1.0, 9, Dimension::PRESSURE),
+    unit("bar", 1.0, 5, Dimension::PRESSURE),
+    // lbf/in² and its thousandfold
+    unit("psi", PSI, -5, Dimension::PRESSURE),
+    unit("ksi", PSI, -2, Dimension::PRESSURE),
+    unit("J", 1.0, 0, Dimension::TORQUE),
+    unit("W", 1.0, 0, Dimension::POWER),
+    unit("Hz", 1.0, 0, Dimension::RATE),
+    unit("rad", 1.0, 0, Dimension::NONE),
+    unit("mrad", 1.0, -3, Dimension::NONE),
+    unit("deg", PI / 180.0, 0, Dimension::NONE),
+    unit("rpm", PI / 30.0, 0, Dimension::RATE),
+    unit("1", 1.0, 0, Dimension::NONE),
+    // The same letters with the Greek small mu instead of the micro sign.
+    unit("μm", 1.0, -6, Dimension::LENGTH),
+    unit("μs", 1.0, -6, Dimension::TIME),
+];
+
+const PSI: f64 = 44_482_216_152_605.0 / (254.0 * 254.0);
+
+/// The unit with this symbol.
+pub(super) fn known(symbol: &str) -> Option<&'static KnownUnit> {
+    KNOWN.iter().find(|unit| unit.symbol == symbol)
+}
+
+/// The known symbol that `word` is spelt most like, if one is near at all.
+pub(super) fn nearest(word: &str) -> Option<&'static str> {
+    let likeness = |symbol: &str| {
+        // Capitals only decide between equals: `pa` is Pa. So does the first letter: `cn` is cm.
+        let same_start = word.chars().next() == symbol.chars().next();
+        strsim::jaro(&word.to_lowercase(), &symbol.to_lowercase())
+            + 0.01 * strsim::jaro(word, symbol)
+            + if same_start { 0.01 } else { 0.0 }
+    };
+    let scores = KNOWN
+        .iter()
+        .map(|unit| (unit.symbol, likeness(unit.symbol)));
+    let best = scores.reduce(|best, next| if next.1 > best.1 { next } else { best });
+    best.filter(|(_, score)| *score > 0.66)
+        .map(|(symbol, _)| symbol)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Unit;
+    use super::*;
+
+    /// From the SI brochure and NIST SP 811, appendix B, as decimal numbers.
+    const EXPECTED: &str = "
+        m 1; mm 0.001; cm 0.01; km 1000; um 0.000001; µm 0.000001; μm 0.000001; in 0.0254;
+        ft 0.3048; kg 1; g 0.001; mg 0.000001; t 1000; lb 0.45359237; lbm 0.45359237;
+        oz 0.028349523125; slug 14.593902937206364; s 1; ms 0.001; us 0.000001; µs 0.000001;
+        μs 0.000001; min 60; h 3600; N 1; mN 0.001; kN 1000; MN 1000000; dyn 0.00001;
+        kgf 9.80665; lbf 4.4482216152605; ozf 0.27801385095378125; Pa 1; kPa 1000; MPa 1000000;
+        GPa 1000000000; bar 100000; psi 6894.757293168361; ksi 6894757.293168361; J 1; W 1; Hz 1;
+        rad 1; mrad 0.001; deg 0.017453292519943295; rpm 0.10471975511965977; 1 1";
+
+    #[test]
+    fn every_unit_has_its_published_value() {
+        let rows: Vec<_> = EXPECTED
+            .split(';')
+            .map(|row| row.trim().split_once(' ').unwrap())
+            .collect();
+        for (symbol, value) in &rows {
+            let expected: f64 = value.parse().unwrap();
+            let found = Unit::parse(symbol).unwrap().to_si(1.0);
+            assert!(
+                (found / expected - 1.0).abs() < 3e-16,
+                "{symbol} = {found:e}"
+            );
+        }
+        assert_eq!(rows.len(), KNOWN.len());
+        for unit in KNOWN {
+            assert!(rows.iter().any(|(symbol, _)| *symbol == unit.symbol));
+        }
+    }
+
+    #[test]
+    fn a_misspelt_unit_is_near_the_meant_one() {
+        for (word, meant) in [
+            ("cn", Some("cm")),
+            ("pa", Some("Pa")),
+            ("lbs", Some("lb")),
+            ("metre", Some("m")),
+            ("inch", Some("in")),
+            ("m2", Some("m")),
+            ("Newton", Some("N")),
+            ("furlong", None),
+        ] {
+            assert_eq!(nearest(word), meant, "{word}");
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Values that carry their unit as text, such as `"5e4 N cm^2"`, and the SI value they stand for.
+
+mod dimension;
+mod error;
+mod known;
+mod quantity;
+mod unit;
+
+pub use dimension::Dimension;
+pub use error::UnitError;
+pub use quantity::parse_quantity;
+pub use unit::Unit;

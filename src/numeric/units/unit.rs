@@ -1,0 +1,168 @@
+use super::known::{KnownUnit, known, nearest};
+use super::{Dimension, UnitError};
+
+/// A unit, such as `N m^2` or `kg/m`: a factor to SI and a dimension.
+///
+/// Factors are separated by blanks, `*`, `·` or `⋅`; a power is written `^2`, `^-1`, `**2` or
+/// `²`; one `/` may stand before the last factor.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Unit {
+    /// Kept apart from the power of ten, so that 135 cm is 1.35 m to the last bit.
+    coefficient: f64,
+    exponent: i32,
+    dimension: Dimension,
+}
+
+impl Unit {
+    /// Reads a unit.
+    ///
+    /// ```
+    /// use flexlink::numeric::{Dimension, Unit};
+    /// let unit = Unit::parse("N cm^2")?;
+    /// assert_eq!(unit.dimension(), Dimension::BENDING_STIFFNESS);
+    /// assert_eq!(unit.to_si(5e4), 5.0);
+    /// # Ok::<(), flexlink::numeric::UnitError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`UnitError`] for an unknown unit, more than one unit below the stroke, or no unit at all.
+    pub fn parse(text: &str) -> Result<Self, UnitError> {
+        let malformed = || UnitError::Malformed {
+            unit: text.trim().into(),
+        };
+        let text = text.trim().replace("**", "^");
+        let (above, below) = match text.split_once('/') {
+            Some((above, below)) => (above.trim(), Some(below.trim())),
+            None => (text.as_str(), None),
+        };
+        let mut unit = Self::ONE;
+        if !above.is_empty() || below.is_none() {
+            for factor in factors(above) {
+                unit = unit.times(factor, 1).ok_or_else(malformed)??;
+            }
+        }
+        if let Some(below) = below {
+            let mut rest = factors(below).into_iter();
+            let factor = rest.next().unwrap_or_default();
+            if rest.next().is_some() || below.contains('/') {
+                return Err(UnitError::Ambiguous);
+            }
+            unit = unit.times(factor, -1).ok_or_else(malformed)??;
+        }
+        Ok(unit)
+    }
+
+    /// The value in SI of `value` in this unit.
+    pub fn to_si(&self, value: f64) -> f64 {
+        let product = if self.coefficient.to_bits() == 1.0_f64.to_bits() {
+            value
+        } else {
+            value * self.coefficient
+        };
+        // Powers of ten up to 22 are exact, those of negative exponent never are.
+        let scale = 10.0_f64.powi(self.exponent.abs());
+        if self.exponent < 0 {
+            product / scale
+        } else {
+            product * scale
+        }
+    }
+
+    /// What the unit measures.
+    pub fn dimension(&self) -> Dimension {
+        self.dimension
+    }
+
+    const ONE: Self = Self {
+        coefficient: 1.0,
+        exponent: 0,
+        dimension: Dimension::NONE,
+    };
+
+    /// This unit times `factor`, such as `cm^2`, to the power `sign`; `None` where `factor` is
+    /// no word with a power.
+    fn times(self, factor: &str, sign: i8) -> Option<Result<Self, UnitError>> {
+        let (word, power) = word_and_power(factor)?;
+        let Some(unit) = known(word) else {
+            return Some(Err(UnitError::UnknownUnit {
+                unit: word.into(),
+                nearest: nearest(word),
+            }));
+        };
+        self.times_known(unit, power.checked_mul(sign)?).map(Ok)
+    }
+
+    fn times_known(self, unit: &KnownUnit, power: i8) -> Option<Self> {
+        Some(Self {
+            coefficient: self.coefficient * unit.coefficient.powi(i32::from(power)),
+            exponent: self.exponent + unit.exponent * i32::from(power),
+            dimension: self.dimension.plus(unit.dimension.power(power)?)?,
+        })
+    }
+}
+
+/// The factors of a product; an empty one where a sign of multiplication has no factor.
+fn factors(product: &str) -> Vec<&str> {
+    let mut found = Vec::new();
+    for part in product.split(['*', '·', '⋅']) {
+        let before = found.len();
+        found.extend(part.split_whitespace());
+        if found.len() == before {
+            found.push("");
+        }
+    }
+    found
+}
+
+/// Takes `cm^2` or `cm²` apart.
+fn word_and_power(factor: &str) -> Option<(&str, i8)> {
+    let end = factor
+        .find(|c| c == '^' || superscript(c).is_some())
+        .unwrap_or(factor.len());
+    let (word, power) = factor.split_at(end);
+    if word.is_empty() || !word.chars().all(char::is_alphanumeric) {
+        return None;
+    }
+    let power = match power.strip_prefix('^') {
+        _ if power.is_empty() => 1,
+        Some(digits) => digits.parse().ok()?,
+        None => {
+            let digits: Option<String> = power.chars().map(superscript).collect();
+            digits?.parse().ok()?
+        }
+    };
+    Some((word, power))
+}
+
+/// The digit or sign that is written raised.
+fn superscript(c: char) -> Option<char> {
+    const RAISED: [char; 11] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹', '⁻'];
+    let place = RAISED.iter().position(|raised| *raised == c)?;
+    "0123456789-".chars().nth(place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_product_of_units_is_refused() {
+        for text in [
+            "",
+            " ",
+            "N m^",
+            "N m^x",
+            "N * * m",
+            "N *",
+            "^2",
+            "(N m)",
+            "m^999",
+            "m^99 m^99",
+            "1/",
+            "/",
+        ] {
+            let error = Unit::parse(text).unwrap_err();
+            assert!(matches!(error, UnitError::Malformed { .. }), "{text:?}");
+        }
+    }
+}

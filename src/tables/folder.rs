@@ -1,0 +1,298 @@
+use std::ffi::OsStr;
+use std::fmt;
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{Builder, NamedTempFile, TempPath};
+
+/// What could not be done with an output folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FolderAction {
+    /// Creating the folder itself.
+    Create,
+    /// Writing the file of this name.
+    Write(String),
+    /// Removing the file of this name, left by an earlier run.
+    Remove(String),
+}
+
+/// An output folder or a file in it that cannot be written.
+#[derive(Debug)]
+pub struct FolderError {
+    /// The folder, as the caller named it.
+    pub folder: PathBuf,
+    /// What could not be done.
+    pub action: FolderAction,
+    /// What the system said.
+    pub cause: io::Error,
+}
+
+impl fmt::Display for FolderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: cannot ", self.folder.display())?;
+        match &self.action {
+            FolderAction::Create => write!(f, "create the folder")?,
+            FolderAction::Write(name) => write!(f, "write {name}")?,
+            FolderAction::Remove(name) => write!(f, "remove {name}")?,
+        }
+        // The system's number for the error says nothing beside its words.
+        let cause = self.cause.to_string();
+        let words = cause.split(" (os error").next().unwrap_or(&cause);
+        write!(f, ": {words}")
+    }
+}
+
+// The cause is part of the text, so it is no `source` that would be told a second time.
+impl std::error::Error for FolderError {}
+
+/// A folder that receives all files of a run, or none.
+///
+/// Every file is written aside, under a name that begins with a dot, and takes its own name only in
+/// [`commit`](Self::commit). Dropped without it, the folder is left as it was found.
+#[derive(Debug)]
+pub struct OutputFolder {
+    dir: PathBuf,
+    staged: Vec<(String, TempPath)>,
+    /// Folders that were not there before, the innermost first.
+    created: Vec<PathBuf>,
+}
+
+impl OutputFolder {
+    /// Opens `dir` for a run's files, creating it and the folders above it where they are missing.
+    ///
+    /// # Errors
+    /// [`FolderError`] if the folder cannot be created.
+    pub fn stage(dir: &Path) -> Result<Self, FolderError> {
+        let missing = dir.ancestors().take_while(|dir| {
+            let named = !dir.as_os_str().is_empty();
+            named && !dir.exists()
+        });
+        let folder = Self {
+            dir: dir.to_owned(),
+            staged: Vec::new(),
+            created: missing.map(Path::to_owned).collect(),
+        };
+        fs::create_dir_all(dir).map_err(|cause| folder.error(FolderAction::Create, cause))?;
+        Ok(folder)
+    }
+
+    /// Writes one file aside; `write` receives a buffered writer.
+    ///
+    /// # Errors
+    /// [`FolderError`] if the file cannot be created or `write` fails.
+    pub fn file(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), FolderError> {
+        let path = write_aside(&self.dir, name, write)
+            .map_err(|cause| self.error(FolderAction::Write(name.to_owned()), cause))?;
+        self.staged.push((name.to_owned(), path));
+        Ok(())
+    }
+
+    /// Gives all files their names, the file `last` after all others.
+    ///
+    /// `owned` are the names that this program may write: those which an earlier run left and this
+    /// one does not write are removed, so that a folder holds one run. An earlier file `last` goes
+    /// first of all: who sees it, sees a whole run.
+    ///
+    /// # Errors
+    /// [`FolderError`] names the first file that cannot be removed or written; no file `last` is
+    /// there then.
+    pub fn commit(mut self, last: &str, owned: &[&str]) -> Result<(), FolderError> {
+        self.remove(last)?;
+        for name in owned {
+            if self.staged.iter().all(|(staged, _)| staged != name) {
+                self.remove(name)?;
+            }
+        }
+        let mut staged = std::mem::take(&mut self.staged);
+        staged.sort_by_key(|(name, _)| name == last);
+        for (name, path) in staged {
+            path.persist(self.dir.join(&name))
+                .map_err(|refused| self.error(FolderAction::Write(name), refused.error))?;
+        }
+        self.created.clear();
+        Ok(())
+    }
+
+    fn remove(&self, name: &str) -> Result<(), FolderError> {
+        match fs::remove_file(self.dir.join(name)) {
+            Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
+                Err(self.error(FolderAction::Remove(name.to_owned()), cause))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn error(&self, action: FolderAction, cause: io::Error) -> FolderError {
+        FolderError {
+            folder: self.dir.clone(),
+            action,
+            cause,
+        }
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        // The files first: a folder goes only when it is empty.
+        self.staged.clear();
+        for dir in &self.created {
+            // Someone else's file may be there by now; then the folder stays, rightly.
+            let _ = fs::remove_dir(dir);
+        }
+    }
+}
+
+/// Writes a temporary file in `dir`, with the permissions of an ordinary one.
+fn write_aside(
+    dir: &Path,
+    name: &str,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<TempPath> {
+    let prefix = format!(".{name}.");
+    let file = ordinary_file(Builder::new().prefix(OsStr::new(&prefix)), dir)?;
+    let mut buffered = BufWriter::with_capacity(1 << 16, file);
+    write(&mut buffered)?;
+    let file = buffered
+        .into_inner()
+        .map_err(io::IntoInnerError::into_error)?;
+    Ok(file.into_temp_path())
+}
+
+#[cfg(unix)]
+fn ordinary_file(builder: &mut Builder<'_, '_>, dir: &Path) -> io::Result<NamedTempFile> {
+    use std::os::unix::fs::PermissionsExt as _;
+    // The user's umask takes its share, as of any new file.
+    let permissions = fs::Permissions::from_mode(0o666);
+    builder.permissions(permissions).tempfile_in(dir)
+}
+
+#[cfg(not(unix))]
+fn ordinary_file(builder: &mut Builder<'_, '_>, dir: &Path) -> io::Result<NamedTempFile> {
+    builder.tempfile_in(dir)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names and contents of a folder, in order.
+    fn listing(dir: &Path) -> Vec<(String, String)> {
+        let entries = fs::read_dir(dir).unwrap().map(Result::unwrap);
+        let mut files: Vec<_> = entries
+            .map(|entry| {
+                let text = fs::read_to_string(entry.path()).unwrap_or_default();
+                (entry.file_name().into_string().unwrap(), text)
+            })
+            .collect();
+        files.sort();
+        files
+    }
+
+    fn files(expected: &[(&str, &str)]) -> Vec<(String, String)> {
+        let owned = |&(name, text): &(&str, &str)| (name.to_owned(), text.to_owned());
+        expected.iter().map(owned).collect()
+    }
+
+    fn stage_files(dir: &Path, files: &[(&str, &str)]) -> OutputFolder {
+        let mut folder = OutputFolder::stage(dir).unwrap();
+        for (name, text) in files {
+            folder.file(name, |w| w.write_all(text.as_bytes())).unwrap();
+        }
+        folder
+    }
+
+    const OWNED: [&str; 3] = ["torque.csv", "nodes.csv", "summary.json"];
+
+    #[test]
+    fn a_second_run_replaces_the_first_and_nothing_else() {
+        let base = tempfile::tempdir().unwrap();
+        let dir = base.path().join("a/b");
+        let first = [
+            ("summary.json", "1"),
+            ("torque.csv", "1"),
+            ("nodes.csv", "1"),
+        ];
+        let folder = stage_files(&dir, &first);
+        folder.commit("summary.json", &OWNED).unwrap();
+        fs::write(dir.join("notes.txt"), "mine").unwrap();
+
+        let second = [("summary.json", "2"), ("torque.csv", "2")];
+        let folder = stage_files(&dir, &second);
+        assert_eq!(fs::read_to_string(dir.join("torque.csv")).unwrap(), "1");
+        folder.commit("summary.json", &OWNED).unwrap();
+        let expected = [
+            ("notes.txt", "mine"),
+            ("summary.json", "2"),
+            ("torque.csv", "2"),
+        ];
+        assert_eq!(listing(&dir), files(&expected));
+    }
+
+    #[test]
+    fn a_failing_writer_leaves_the_folder_as_it_was() {
+        let base = tempfile::tempdir().unwrap();
+        let dir = base.path();
+        fs::write(dir.join("torque.csv"), "old").unwrap();
+        let mut folder = stage_files(dir, &[("nodes.csv", "new")]);
+        let error = folder
+            .file("torque.csv", |w| {
+                w.write_all(b"half a ta")?;
+                Err(io::Error::from_raw_os_error(28))
+            })
+            .unwrap_err();
+        let cause = "cannot write torque.csv: No space left on device";
+        assert_eq!(error.to_string(), format!("{}: {cause}", dir.display()));
+        drop(folder);
+        assert_eq!(listing(dir), files(&[("torque.csv", "old")]));
+    }
+
+    #[test]
+    fn a_dropped_run_takes_the_folders_it_created_with_it() {
+        let base = tempfile::tempdir().unwrap();
+        drop(stage_files(
+            &base.path().join("a/b"),
+            &[("torque.csv", "1")],
+        ));
+        assert_eq!(listing(base.path()), []);
+    }
+
+    #[test]
+    fn a_file_that_cannot_take_its_name_leaves_no_summary() {
+        let base = tempfile::tempdir().unwrap();
+        let dir = base.path();
+        fs::create_dir(dir.join("torque.csv")).unwrap();
+        fs::write(dir.join("summary.json"), "old").unwrap();
+        let folder = stage_files(dir, &[("summary.json", "2"), ("torque.csv", "2")]);
+        let error = folder.commit("summary.json", &OWNED).unwrap_err();
+        assert_eq!(error.action, FolderAction::Write("torque.csv".to_owned()));
+        assert_eq!(listing(dir), files(&[("torque.csv", "")]));
+    }
+
+    #[test]
+    fn a_file_in_the_place_of_the_folder_is_refused() {
+        let base = tempfile::tempdir().unwrap();
+        let dir = base.path().join("out");
+        fs::write(&dir, "a file").unwrap();
+        let error = OutputFolder::stage(&dir).unwrap_err();
+        assert_eq!(error.action, FolderAction::Create);
+        assert_eq!(fs::read_to_string(&dir).unwrap(), "a file");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn files_have_the_permissions_of_ordinary_ones() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let base = tempfile::tempdir().unwrap();
+        let dir = base.path();
+        fs::write(dir.join("ordinary"), "").unwrap();
+        let folder = stage_files(dir, &[("summary.json", "{}")]);
+        folder.commit("summary.json", &[]).unwrap();
+        let mode = |name| fs::metadata(dir.join(name)).unwrap().permissions().mode();
+        assert_eq!(mode("summary.json"), mode("ordinary"));
+    }
+}

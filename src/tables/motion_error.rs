@@ -1,0 +1,69 @@
+use thiserror::Error;
+
+/// A trajectory file that is refused.
+///
+/// The text reads `traj.csv:17: displacement = nan, but must be a finite number`.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{place}: {subject} = {found}, but {must}")]
+pub struct MotionFileError {
+    /// File and, where one is at fault, line.
+    place: String,
+    subject: String,
+    found: String,
+    must: String,
+    hint: Option<String>,
+}
+
+impl MotionFileError {
+    /// What the user may do, if there is something to add.
+    pub fn hint(&self) -> Option<&str> {
+        self.hint.as_deref()
+    }
+
+    /// Adds what the user may do.
+    pub(super) fn with_hint(self, hint: impl Into<Option<String>>) -> Self {
+        Self {
+            hint: hint.into(),
+            ..self
+        }
+    }
+}
+
+/// Where in a trajectory file something was found.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place<'a> {
+    /// The file, as the user named it.
+    pub(super) file: &'a str,
+    /// Line from 1; `None`: the file as a whole.
+    pub(super) line: Option<u64>,
+}
+
+impl Place<'_> {
+    /// Refuses `subject`, `found` here, because of what it `must` be.
+    pub(super) fn refuse(
+        &self,
+        subject: impl Into<String>,
+        found: impl Into<String>,
+        must: impl Into<String>,
+    ) -> MotionFileError {
+        let place = match self.line {
+            Some(line) => format!("{}:{line}", self.file),
+            None => self.file.to_owned(),
+        };
+        MotionFileError {
+            place,
+            subject: subject.into(),
+            found: found.into(),
+            must: must.into(),
+            hint: None,
+        }
+    }
+}
+
+/// A piece of the file as a message quotes it: in quotes, control characters told, not too long.
+pub(super) fn quoted(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let shown: String = text.chars().take(LONGEST).collect();
+    let more = if shown.len() < text.len() { "…" } else { "" };
+    format!("\"{}{more}\"", shown.escape_debug())
+}

@@ -1,0 +1,104 @@
+use super::number::NumberFormat;
+
+/// How far a written time may stand from the grid when read back, in s.
+const TOLERANCE_S: f64 = 1e-12;
+/// Most decimals before the shortest text takes over.
+const MAX_DECIMALS: usize = 15;
+/// Powers of ten, each exact.
+const POWERS: [f64; MAX_DECIMALS + 1] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+];
+/// Below this every whole number is exact.
+const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
+
+/// Fewest decimals with which each of `len` times reads back within 1e-12 s.
+///
+/// A number of decimals that does not fit is usually found out by the first few times, so that all
+/// of them are gone through about once.
+///
+/// ```
+/// use flexlink::tables::{NumberFormat, time_format};
+/// assert_eq!(time_format(|k| 0.002 * k as f64, 1000), NumberFormat::Fixed(3));
+/// ```
+pub fn time_format(time: impl Fn(usize) -> f64, len: usize) -> NumberFormat {
+    (0..=MAX_DECIMALS)
+        .find(|&decimals| (0..len).all(|k| reads_back(time(k), decimals)))
+        .map_or(NumberFormat::Shortest, NumberFormat::Fixed)
+}
+
+/// Whether `time` with this many decimals reads back within the tolerance.
+///
+/// A whole number below 2⁵³ over an exact power of ten is rounded once, as a reader of the decimal
+/// text rounds it; beyond, the text itself is written and read.
+fn reads_back(time: f64, decimals: usize) -> bool {
+    let last_digits = (time * POWERS[decimals]).round();
+    let read = if last_digits.abs() < EXACT_INTEGERS {
+        last_digits / POWERS[decimals]
+    } else {
+        format!("{time:.decimals$}").parse().unwrap_or(f64::NAN)
+    };
+    (read - time).abs() <= TOLERANCE_S
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::TimeGrid;
+
+    /// The definition, without a short way: write all, read all.
+    fn fits(grid: &TimeGrid, decimals: usize) -> bool {
+        (0..grid.len).all(|k| {
+            let text = format!("{:.decimals$}", grid.time_s(k));
+            (text.parse::<f64>().unwrap() - grid.time_s(k)).abs() <= 1e-12
+        })
+    }
+
+    fn grid(origin_s: f64, step_s: f64, first: i64, len: usize) -> TimeGrid {
+        TimeGrid {
+            origin_s,
+            step_s,
+            first,
+            len,
+        }
+    }
+
+    #[test]
+    fn the_decimals_are_the_fewest_that_read_back() {
+        for grid in [
+            grid(0.0, 0.001, -700, 3000),
+            grid(0.0, 0.25, 0, 9),
+            grid(5.0, 1.0, -3, 9),
+            grid(0.125, 0.01, 0, 500),
+            grid(0.0, 1.0 / 1024.0, -5, 2000),
+            grid(0.0, 1.0 / 3.0, 0, 100),
+            grid(0.0, 0.88 / 880.0, 0, 881),
+            grid(0.0, 1e-6, 0, 5000),
+            grid(4.0e4, 0.001, 0, 5000),
+            grid(1.7e9, 0.001, 0, 3000),
+            grid(0.0, 1e-13, 0, 50),
+            grid(0.0, 1e-12, 1, 50),
+        ] {
+            let expected = (0..=15).find(|&d| fits(&grid, d));
+            let expected = expected.map_or(NumberFormat::Shortest, NumberFormat::Fixed);
+            assert_eq!(
+                time_format(|k| grid.time_s(k), grid.len),
+                expected,
+                "{grid:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_late_sample_may_ask_for_more_decimals() {
+        let time = |k: usize| if k == 999_999 { 0.125 } else { 0.0 };
+        assert_eq!(time_format(time, 1_000_000), NumberFormat::Fixed(3));
+    }
+
+    #[test]
+    fn times_too_large_for_decimals_take_the_shortest_text() {
+        let time = |k: usize| 1e5 + (k as f64).sqrt() * 1e-11;
+        assert_eq!(time_format(time, 4), NumberFormat::Fixed(11));
+        let time = |k: usize| f64::from_bits(123.0_f64.to_bits() + k as u64) * 1e-30;
+        assert_eq!(time_format(time, 4), NumberFormat::Fixed(0));
+    }
+}

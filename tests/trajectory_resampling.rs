@@ -1,0 +1,47 @@
+//! Resampling of trajectories: what it keeps, and the full text of every refusal.
+
+use flexlink::tables::{MotionTable, read_motion_table};
+
+fn read(text: &str) -> MotionTable {
+    read_motion_table("traj.csv", text.as_bytes(), 2.0).expect("a trajectory")
+}
+
+#[test]
+fn a_resampling_step_must_fit_the_motion() {
+    let motion = read("time,displacement\n0,0\n1,1\n2,2\n3,3\n");
+    let refused = |step_s: f64, must: &str, hint| {
+        let error = motion.clone().resampled(step_s).unwrap_err();
+        let message = format!("traj.csv: resampling step = {step_s} s, but must {must}");
+        assert_eq!(error.to_string(), message);
+        assert_eq!(error.hint(), hint, "{message}");
+    };
+    for step_s in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        refused(step_s, "be finite and above 0", None);
+    }
+    refused(2.0, "be at most 1 s, which gives 4 samples", None);
+    let shortest = 3.0 / 99_999_999.0;
+    let must = format!("be at least {shortest} s, which gives 1e8 samples");
+    refused(1e-9, &must, None);
+    let must = "divide the motion's 3 s into whole steps";
+    let hint = "the nearest steps that do are 0.6 s and 0.75 s";
+    refused(0.7, must, Some(hint));
+    refused(
+        1.0 - 1e-6,
+        must,
+        Some("the nearest steps that do are 0.75 s and 1 s"),
+    );
+}
+
+#[test]
+fn resampling_keeps_a_uniform_motion() {
+    let motion = read("time,angle\n0,0\n0.1,0.1\n0.2,0.3\n0.3,0.6\n0.4,0.7\n");
+    let same = motion.clone().resampled(0.1).unwrap();
+    let fine = motion.clone().resampled(0.05).unwrap();
+    let displacement_m = |motion: &MotionTable| motion.columns.displacement_m.clone().unwrap();
+    for k in 0..5 {
+        let given = displacement_m(&motion)[k];
+        assert!((displacement_m(&same)[k] - given).abs() < 1e-15);
+        assert!((displacement_m(&fine)[2 * k] - given).abs() < 1e-15);
+    }
+    assert_eq!([0, 1, 2, 7, 8].map(|k| fine.line_of(k)), [2, 2, 3, 5, 6]);
+}
