@@ -79,6 +79,7 @@ pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer 
     NodalTransfer {
         tip: TipTransfer {
             inertia_kg_m: torque / tip_displacement,
+            root_inertia_kg_m: at_root[1] / tip_displacement,
             angle_rad_m: theta / tip_displacement,
             lag_s2: lag(e[0]),
         },

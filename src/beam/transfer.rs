@@ -17,6 +17,8 @@ pub struct HubResponse<S> {
     /// Apparent rotary inertia about the axis, the hub's included, in kg m²: torque per angular
     /// acceleration.
     pub inertia_kg_m2: S,
+    /// The link's own part of it that acts at the root, node 0, in kg m².
+    pub root_inertia_kg_m2: S,
     /// Tip deflection per λ and per hub angle in m s²: the tip moves by `L + λ·lag`.
     pub lag_m_s2: S,
     /// Largest gain |G| on the way, φ counted as φL.
@@ -35,6 +37,8 @@ impl<S: Scalar> HubResponse<S> {
 pub struct TipTransfer {
     /// `T/a_tip = (A_0[φφ] + I_H)/(L + e_tip)` in kg m (Bayo 1987, eq 20).
     pub inertia_kg_m: Complex64,
+    /// Moment at the root, node 0, per tip acceleration in kg m: what the hub exerts on the link.
+    pub root_inertia_kg_m: Complex64,
     /// `θ/v_tip = 1/(L + e_tip)` in rad/m (eq 21).
     pub angle_rad_m: Complex64,
     /// `e_tip/(λ (L + e_tip))` in s²: deflection of the tip.
@@ -74,6 +78,7 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
     });
     HubResponse {
         inertia_kg_m2: root.about(nodes_m[0]) + mesh.hub_inertia_kg_m2(),
+        root_inertia_kg_m2: root.vp * nodes_m[0] + root.pp,
         lag_m_s2: lag_v * nodes_m[0] + lag_phi,
         largest_gain,
     }
@@ -142,6 +147,7 @@ pub fn nodal_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
     }
     let hub = HubResponse {
         inertia_kg_m2: root.about(nodes_m[0]) + mesh.hub_inertia_kg_m2(),
+        root_inertia_kg_m2: root.vp * nodes_m[0] + root.pp,
         lag_m_s2: lags[lags.len() - 1].0,
         largest_gain,
     };
@@ -164,6 +170,7 @@ fn per_tip(hub: &HubResponse<Complex64>, mesh: &Mesh, lambda: Complex64) -> TipT
     let angle_rad_m = Complex64::ONE / hub.tip_displacement_m(mesh, lambda);
     TipTransfer {
         inertia_kg_m: hub.inertia_kg_m2 * angle_rad_m,
+        root_inertia_kg_m: hub.root_inertia_kg_m2 * angle_rad_m,
         angle_rad_m,
         lag_s2: hub.lag_m_s2 * angle_rad_m,
     }

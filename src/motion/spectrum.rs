@@ -30,6 +30,12 @@ impl TipSpectrum {
         self.pair.len() as f64 * self.step_s
     }
 
+    /// Amplitudes of the `order`-th time derivative of a quantity with `amplitudes`.
+    pub fn derivative(&self, amplitudes: &[Complex64], order: i32) -> Vec<Complex64> {
+        let factor = |k| Complex64::new(0.0, self.omega_rad_s(k)).powi(order);
+        amplitudes.iter().enumerate().map(|(k, x)| x * factor(k)).collect()
+    }
+
     /// Amplitude of the velocity in m/s at bin `k`: â/(iω), and the mean at zero.
     pub fn velocity_m_s(&self, k: usize) -> Complex64 {
         if k == 0 {
@@ -92,6 +98,13 @@ impl TipMotion {
         }
     }
 
+    /// The sample, in the middle of the padding of a period of `len`, from which on samples stand
+    /// for times before the trajectory; `len` itself where there is no padding.
+    pub fn seam(&self, len: usize) -> usize {
+        let given = self.grid().len;
+        given + (len - given).div_ceil(2)
+    }
+
     /// The motion over the period of `spectrum`, which must be its own.
     ///
     /// Given samples stay as they are; what was not given is the band-limited integral or
@@ -99,7 +112,7 @@ impl TipMotion {
     /// step needs no periodic trick.
     pub fn histories(&self, spectrum: &TipSpectrum) -> TipHistories {
         let (len, given) = (spectrum.pair.len(), self.grid().len);
-        let before = given + (len - given) / 2;
+        let before = self.seam(len);
         let bins = spectrum.acceleration_m_s2.len();
         let velocity = (0..bins).map(|k| spectrum.velocity_m_s(k)).collect();
         let velocity_m_s = spectrum.pair.samples(velocity);
@@ -143,11 +156,9 @@ impl TipMotion {
                 j as f64 - len as f64
             }
         };
-        // The tip stands at its initial displacement where the period begins, at the far end of
-        // the rest before the motion.
+        // The tip stands at its initial displacement at the far end of the rest before the motion.
         let begin = before % len;
-        let origin = ramp * steps(before.min(len - 1)) + periodic[begin.min(len - 1)];
-        let offset = self.initial_displacement_m() - origin;
+        let offset = self.initial_displacement_m() - ramp * steps(begin) - periodic[begin];
         (0..len)
             .map(|j| offset + ramp * steps(j) + periodic[j])
             .collect()

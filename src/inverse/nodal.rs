@@ -1,0 +1,60 @@
+use rayon::prelude::*;
+
+use super::solution::{Solution, cut};
+use super::spectra::Nodal;
+use crate::numeric::ThinnedGrid;
+
+/// Histories of one quantity at some nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodalHistories {
+    /// Numbers of the nodes.
+    pub nodes: Vec<usize>,
+    /// Times of the samples.
+    pub grid: ThinnedGrid,
+    /// Samples of each node.
+    pub samples: Vec<Vec<f64>>,
+}
+
+impl Solution {
+    /// Deflection w in m from the hub's tangent line at `nodes`, every `every`-th sample.
+    ///
+    /// # Panics
+    /// If a node is not one of the mesh, or `every` is 0.
+    pub fn deflections_m(&self, nodes: &[usize], every: usize) -> NodalHistories {
+        self.nodal(nodes, every, Nodal::Deflection)
+    }
+
+    /// Total displacement `v = xθ + w` in m (Bayo 1987, eq 1) where `deflections` were computed.
+    pub fn displacements_m(&self, deflections: &NodalHistories, every: usize) -> NodalHistories {
+        let nodes_m = self.mesh.nodes_m();
+        let angles: Vec<f64> = self.hub_angle_rad.iter().copied().step_by(every).collect();
+        let total = |(node, w): (&usize, &Vec<f64>)| {
+            w.iter().zip(&angles).map(|(w, theta)| nodes_m[*node] * theta + w).collect()
+        };
+        let samples = deflections.nodes.iter().zip(&deflections.samples).map(total).collect();
+        NodalHistories { samples, ..deflections.clone() }
+    }
+
+    /// Bending moment in N m at `nodes`, every `every`-th sample: what the part of the link towards
+    /// the hub exerts on the part towards the tip, positive as the torque is, so that
+    /// `EI w'' = −m`. A lumped inertia at a node counts as outer.
+    ///
+    /// # Panics
+    /// If a node is not one of the mesh, or `every` is 0.
+    pub fn moments_n_m(&self, nodes: &[usize], every: usize) -> NodalHistories {
+        self.nodal(nodes, every, Nodal::Moment)
+    }
+
+    fn nodal(&self, nodes: &[usize], every: usize, quantity: Nodal) -> NodalHistories {
+        let spectra = self.forcing().nodal_spectra(nodes, quantity);
+        let history = |amplitudes| {
+            let period = self.spectrum.pair.samples(amplitudes);
+            cut(&period, &self.grid).into_iter().step_by(every).collect()
+        };
+        NodalHistories {
+            nodes: nodes.to_vec(),
+            grid: self.grid.thinned(every),
+            samples: spectra.into_par_iter().map(history).collect(),
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! How long the period must be, and which part of it is worth writing.
+
+use super::analysis::Analysis;
+use super::error::InversionError;
+use crate::motion::TipMotion;
+use crate::numeric::fast_length;
+
+/// Most samples of a period.
+const LONGEST: usize = 1 << 26;
+
+/// A period is lengthened to at most this many samples, or to four times what it began with.
+const LENGTHENED: usize = 1 << 20;
+
+/// Samples before and after the trajectory's own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Padding {
+    pub(super) before: usize,
+    pub(super) after: usize,
+}
+
+impl Padding {
+    /// Padding after which the torque has decayed to the tolerance, if it decays as e^{z₁t} before
+    /// and e^{−z₁t} after the motion; rest that the trajectory has already counts.
+    pub(super) fn new(motion: &TipMotion, analysis: &Analysis, first_zero: Option<f64>) -> Self {
+    let step_s = motion.grid().step_s;
+    let decay_s = first_zero.map_or(0.0, |z| (1.0 / analysis.tolerance()).ln() / z);
+    let decay = (decay_s / step_s).ceil() as usize;
+    let (first, last) = motion.moving_samples();
+    let asked = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);
+    Self {
+        before: decay.saturating_sub(first).max(asked(analysis.lead_s())),
+        after: decay
+            .saturating_sub(motion.grid().len - 1 - last)
+            .max(asked(analysis.lag_s())),
+    }
+}
+
+/// Length of the period in samples for a motion of `len` samples.
+///
+/// # Errors
+/// [`InversionError::TooLong`].
+pub(super) fn period_len(self, len: usize) -> Result<usize, InversionError> {
+    let samples = len.saturating_add(self.before).saturating_add(self.after);
+    if samples > LONGEST {
+        return Err(InversionError::TooLong { samples, limit: LONGEST });
+    }
+    Ok(fast_length(samples))
+}
+
+/// The next longer period to try, or none where the limit is reached.
+pub(super) fn lengthened(current: usize, initial: usize) -> Option<usize> {
+    let limit = LENGTHENED.max(4 * initial).min(LONGEST);
+    (2 * current <= limit).then(|| fast_length(2 * current))
+}
+}
+
+/// Whole steps that cover a time.
+fn steps(time_s: f64, step_s: f64) -> usize {
+    // A lead of 0.5 s at 1 ms is 500 steps, whatever the last bit of the quotient.
+    (time_s / step_s * (1.0 - 1e-12)).ceil() as usize
+}
+
+/// First and last sample to write, in the trajectory's numbering.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Window {
+    pub(super) start: i64,
+    pub(super) stop: i64,
+}
+
+impl Window {
+    /// Number of samples.
+    pub(super) fn len(&self) -> usize {
+        (self.stop - self.start + 1) as usize
+    }
+}
+
+/// The torque over a period, seen from the middle of the rest: sample `before` on stand one
+/// period earlier, as in the motion's own histories.
+pub(super) struct PeriodicTorque<'a> {
+    pub(super) samples: &'a [f64],
+    /// The first sample that stands one period earlier.
+    pub(super) before: usize,
+}
+
+impl PeriodicTorque<'_> {
+    /// Torque at sample `k` of the trajectory's own numbering, negative before it.
+    fn at(&self, k: i64) -> f64 {
+        self.samples[k.rem_euclid(self.samples.len() as i64) as usize]
+    }
+
+    /// First and last sample of the period in the trajectory's numbering.
+    fn ends(&self) -> (i64, i64) {
+        let before = self.before as i64;
+        (before - self.samples.len() as i64, before - 1)
+    }
+
+    pub(super) fn peak(&self) -> f64 {
+        self.samples.iter().fold(0.0, |m, t| m.max(t.abs()))
+    }
+
+    /// Largest torque around the middle of the rest, where one period meets the next.
+    pub(super) fn at_seam(&self) -> f64 {
+        let reach = (self.samples.len() / 64).max(2) as i64;
+        let seam = self.before as i64;
+        (seam - reach..seam + reach).fold(0.0, |m, k| m.max(self.at(k).abs()))
+    }
+
+    /// The part of the period to write: the trajectory's samples, and before and after them as
+    /// many as asked for, or until the torque stays below the tolerance of `peak`.
+    pub(super) fn window(
+        &self,
+        len: usize,
+        step_s: f64,
+        analysis: &Analysis,
+        peak: f64,
+    ) -> Window {
+        let (begin, end) = self.ends();
+        let last = len as i64 - 1;
+        let acts = |k: &i64| self.at(*k).abs() > analysis.tolerance() * peak;
+        let start = match analysis.lead_s() {
+            Some(lead_s) => -(steps(lead_s, step_s) as i64),
+            None => (begin..0).find(acts).map_or(0, |k| k - 1),
+        };
+        let stop = match analysis.lag_s() {
+            Some(lag_s) => last + steps(lag_s, step_s) as i64,
+            None => (last + 1..=end).rev().find(acts).map_or(last, |k| k + 1),
+        };
+        Window { start: start.max(begin), stop: stop.min(end) }
+    }
+
+    /// Largest torque outside the window.
+    pub(super) fn outside(&self, window: &Window) -> f64 {
+        let (begin, end) = self.ends();
+        (begin..window.start).chain(window.stop + 1..=end).fold(0.0, |m, k| m.max(self.at(k).abs()))
+    }
+}

@@ -1,0 +1,212 @@
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+use thiserror::Error;
+
+use super::spectra::HubSpectra;
+use crate::beam::Mesh;
+use crate::modal::real_frequency_zeros;
+use crate::motion::{TipMotion, TipSpectrum};
+
+/// Amplitude near the Nyquist frequency, over the largest, from which on the user is warned.
+const NYQUIST_SHARE: f64 = 1e-3;
+
+/// Share of the torque above the mesh's frequency from which on the user is warned.
+const ABOVE_MESH_SHARE: f64 = 1e-2;
+
+/// Mesh error from which on the user is warned.
+const COARSE_MESH: f64 = 1e-2;
+
+
+/// Something that the user must know to believe the answer. Returned, never printed here.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum Warning {
+    /// The acceleration left the tip moving by what few digits explain; it was taken out.
+    #[error(
+        "the acceleration integrates to {velocity_m_s:.3e} m/s, {share:.1e} of the peak velocity: \
+         taken out by a constant over the motion's own samples"
+    )]
+    EndVelocityCorrected {
+        /// ∫a dt of the samples as given, in m/s.
+        velocity_m_s: f64,
+        /// The same over the peak velocity.
+        share: f64,
+    },
+    /// The written window cuts torque off.
+    #[error(
+        "the torque outside the written window reaches {share:.1e} of its peak, above the \
+         tolerance {tolerance:e}"
+    )]
+    TorqueCut {
+        /// Largest torque outside the window over the peak.
+        share: f64,
+        /// The analysis tolerance.
+        tolerance: f64,
+    },
+    /// One period's torque reaches into the next.
+    #[error(
+        "the torque has decayed to no less than {share:.1e} of its peak half a period \
+         ({period_s:.4} s in all) away from the motion, above the tolerance {tolerance:e}"
+    )]
+    WrapAround {
+        /// Torque at the seam of two periods over the peak.
+        share: f64,
+        /// The analysis tolerance.
+        tolerance: f64,
+        /// Period P in s.
+        period_s: f64,
+    },
+    /// A payload's inertia or offset blocks the tip at a frequency that the motion contains.
+    #[error(
+        "at {frequency_hz:.4} Hz no torque moves the tip (payload inertia or offset), and the \
+         motion holds {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)"
+    )]
+    BlockedTip {
+        /// The zero of torque → tip in Hz.
+        frequency_hz: f64,
+        /// Amplitude of the acceleration there over its largest.
+        share: f64,
+    },
+    /// The motion changes too fast for its step.
+    #[error(
+        "the acceleration near the Nyquist frequency ({nyquist_hz:.4} Hz) reaches {share:.1e} of \
+         its largest amplitude: jumps or noise that the step does not resolve"
+    )]
+    NearNyquist {
+        /// Largest amplitude above 0.8 of the Nyquist frequency over the largest of all.
+        share: f64,
+        /// Nyquist frequency in Hz.
+        nyquist_hz: f64,
+    },
+    /// Torque at frequencies that the mesh does not follow.
+    #[error(
+        "{share:.1e} of the torque (rms) lies above {resolved_hz:.4} Hz, beyond which the mesh is \
+         wrong by 1 % and more"
+    )]
+    AboveMesh {
+        /// Root-mean-square torque above the mesh's frequency over that of all.
+        share: f64,
+        /// Frequency up to which the mesh follows bending waves, in Hz.
+        resolved_hz: f64,
+    },
+    /// A mesh that is too coarse for the motion.
+    #[error("the mesh changes the torque by {error:.1e} of its peak (elements halved)")]
+    CoarseMesh {
+        /// Discretisation error of the torque over its peak.
+        error: f64,
+    },
+}
+
+impl Warning {
+    /// Name of the kind, for machines.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::EndVelocityCorrected { .. } => "end_velocity_corrected",
+            Self::TorqueCut { .. } => "torque_cut",
+            Self::WrapAround { .. } => "wrap_around",
+            Self::BlockedTip { .. } => "blocked_tip",
+            Self::NearNyquist { .. } => "near_nyquist",
+            Self::AboveMesh { .. } => "above_mesh",
+            Self::CoarseMesh { .. } => "coarse_mesh",
+        }
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::EndVelocityCorrected { .. } => "write the trajectory with more digits",
+            Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or none of them",
+            Self::WrapAround { .. } => "a longer analysis.lag, more damping or a looser tolerance",
+            Self::BlockedTip { .. } => "a smoother or slower motion avoids the frequency",
+            Self::NearNyquist { .. } => "a smoother motion or a shorter step",
+            Self::AboveMesh { .. } | Self::CoarseMesh { .. } => {
+                "more elements, mesh.elements = \"auto\" or a smoother motion"
+            }
+        }
+    }
+}
+
+/// What a run measured of itself, shares of the peak torque.
+pub(super) struct Evidence<'a> {
+    pub(super) motion: &'a TipMotion,
+    pub(super) tolerance: f64,
+    /// Torque outside the written window.
+    pub(super) cut: f64,
+    /// Torque where one period meets the next.
+    pub(super) seam: f64,
+    pub(super) mesh_error: f64,
+}
+
+/// All warnings that the evidence gives reason for.
+pub(super) fn warnings(
+    evidence: &Evidence<'_>,
+    mesh: &Mesh,
+    spectrum: &TipSpectrum,
+    hub: &HubSpectra,
+) -> Vec<Warning> {
+    let Evidence { tolerance, cut, seam, mesh_error, .. } = *evidence;
+    let corrected = evidence.motion.corrected().map(|end| Warning::EndVelocityCorrected {
+        velocity_m_s: end.velocity_m_s,
+        share: end.share,
+    });
+    let wrap_around = (seam > tolerance).then(|| Warning::WrapAround {
+        share: seam,
+        tolerance,
+        period_s: spectrum.period_s(),
+    });
+    let torque_cut =
+        (cut > tolerance.max(seam)).then_some(Warning::TorqueCut { share: cut, tolerance });
+    let coarse_mesh =
+        (mesh_error > COARSE_MESH).then_some(Warning::CoarseMesh { error: mesh_error });
+    corrected
+        .into_iter()
+        .chain(torque_cut)
+        .chain(wrap_around)
+        .chain(blocked_tip(mesh, spectrum, tolerance))
+        .chain(near_nyquist(spectrum))
+        .chain(above_mesh(mesh, spectrum, hub))
+        .chain(coarse_mesh)
+        .collect()
+}
+
+/// Zeros of torque → tip on the real axis, where the motion holds more than the tolerance.
+fn blocked_tip(
+    mesh: &Mesh,
+    spectrum: &TipSpectrum,
+    tolerance: f64,
+) -> Vec<Warning> {
+    let amplitudes = &spectrum.acceleration_m_s2;
+    let peak = largest(amplitudes);
+    let bins = amplitudes.iter().rposition(|a| a.norm() > tolerance * peak).unwrap_or(0);
+    let spacing = spectrum.omega_rad_s(1);
+    let zeros = real_frequency_zeros(mesh, spectrum.omega_rad_s(bins));
+    let blocked = zeros.into_iter().filter_map(|omega| {
+        // Damping shifts the zero off the axis, not along it; the nearest bins tell the content.
+        let below = ((omega / spacing) as usize).min(amplitudes.len() - 2);
+        let share = largest(&amplitudes[below..below + 2]) / peak;
+        let frequency_hz = omega / TAU;
+        (share > tolerance).then_some(Warning::BlockedTip { frequency_hz, share })
+    });
+    blocked.collect()
+}
+
+fn near_nyquist(spectrum: &TipSpectrum) -> Option<Warning> {
+    let amplitudes = &spectrum.acceleration_m_s2;
+    let from = amplitudes.len() * 4 / 5;
+    let share = largest(&amplitudes[from..]) / largest(amplitudes);
+    let nyquist_hz = spectrum.omega_rad_s(amplitudes.len() - 1) / TAU;
+    (share > NYQUIST_SHARE).then_some(Warning::NearNyquist { share, nyquist_hz })
+}
+
+fn above_mesh(mesh: &Mesh, spectrum: &TipSpectrum, hub: &HubSpectra) -> Option<Warning> {
+    let resolved = mesh.resolved_frequency_rad_s();
+    let power = |torque: &[Complex64]| torque.iter().map(Complex64::norm_sqr).sum::<f64>();
+    let above = (0..hub.torque_n_m.len()).find(|k| spectrum.omega_rad_s(*k) > resolved)?;
+    let share = (power(&hub.torque_n_m[above..]) / power(&hub.torque_n_m)).sqrt();
+    let resolved_hz = resolved / TAU;
+    (share > ABOVE_MESH_SHARE).then_some(Warning::AboveMesh { share, resolved_hz })
+}
+
+fn largest(amplitudes: &[Complex64]) -> f64 {
+    amplitudes.iter().fold(0.0, |m, a| m.max(a.norm()))
+}
