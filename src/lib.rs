@@ -5,3 +5,4 @@ pub mod inverse;
 pub mod link;
 pub mod motion;
 pub mod numeric;
+pub mod spec;

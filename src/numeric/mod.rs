@@ -4,4 +4,5 @@ mod grid;
 mod units;
 
 pub use grid::{ThinnedGrid, TimeGrid};
+pub(crate) use units::split_number;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};

@@ -38,7 +38,7 @@ pub fn parse_quantity(text: &str, expected: Dimension) -> Result<f64, UnitError>
 
 /// The decimal number that `text` begins with, and the rest; `None` where there is no number or
 /// it goes on in a way that leaves doubt, as in `1,5` and `1_000`.
-fn split_number(text: &str) -> Option<(f64, &str)> {
+pub(crate) fn split_number(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     let digits = |from: usize| {
         let tail = text[from..].bytes();
