@@ -95,3 +95,23 @@ fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {
     let lag_s = time("analysis.lag", &raw.lag)?;
     Ok(Analysis::new(tolerance, lead_s, lag_s)?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use super::super::tree::Node;
+    use serde::Deserialize;
+
+    #[test]
+    fn a_mesh_tolerance_has_its_range() {
+        let refused = |tolerance: &str| {
+            let segment = "{ length = 1, EI = 1, mass_per_length = 1 }";
+            let text = format!("segments = [{segment}]\nmesh.tolerance = {tolerance}");
+            let tree = Node::document(&text).unwrap();
+            convert(RawSpecification::deserialize(&tree).unwrap()).is_err()
+        };
+        assert!(!refused("1e-12") && !refused("0.1"));
+        assert!(refused("0.9e-12") && refused("0.11"));
+    }
+}

@@ -127,3 +127,32 @@ fn pair<T: Copy + std::fmt::Debug>(path: &str, values: &[T]) -> Result<[T; 2], F
         )
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::quantity::Real;
+    use super::*;
+
+    fn ratio(model: Option<&str>) -> RawDamping {
+        RawDamping {
+            model: model.map(str::to_owned),
+            ratio: Some(Real(0.02)),
+            ..RawDamping::default()
+        }
+    }
+
+    #[test]
+    fn a_ratio_alone_means_the_law_of_the_paper() {
+        let law = Ok(Damping::Hysteretic { ratio: 0.02 });
+        assert_eq!(damping(ratio(None)), law);
+        assert_eq!(damping(ratio(Some("hysteretic"))), law);
+    }
+
+    #[test]
+    fn an_unsupported_model_is_refused_before_its_keys_are() {
+        for model in ["modal", "caughey", "viscous"] {
+            let fault = damping(ratio(Some(model))).unwrap_err();
+            assert_eq!(fault, unknown_model(model));
+        }
+    }
+}

@@ -1,6 +1,5 @@
 use thiserror::Error;
 
-use super::Override;
 use super::tree::{Node, Place};
 use crate::link::ParameterError;
 
@@ -21,7 +20,6 @@ impl SpecError {
         self.hint.as_deref()
     }
 
-    /// The same, with its place given as text.
     pub(super) fn new(place: String, message: String, hint: Option<String>) -> Self {
         Self {
             place,
@@ -58,20 +56,14 @@ impl Fault {
         self
     }
 
-    /// Looks up where the fault was written.
-    pub(super) fn located(self, name: &str, tree: &Node, overrides: &[Override]) -> SpecError {
+    /// The last place that took part in it.
+    pub(super) fn place(&self, tree: &Node) -> Place {
         let places = self.at.iter().map(|path| tree.deepest(path).place);
-        let place = places.max().unwrap_or(Place::File);
-        self.located_at(name, place, overrides)
+        places.max().unwrap_or(Place::File)
     }
 
-    /// The fault with its place.
-    pub(super) fn located_at(self, name: &str, place: Place, overrides: &[Override]) -> SpecError {
-        let place = match place {
-            Place::File => name.to_owned(),
-            Place::Line(line) => format!("{name}:{line}"),
-            Place::Override(number) => overrides[number].place(),
-        };
+    /// The refusal, with its place as text.
+    pub(super) fn at(self, place: String) -> SpecError {
         SpecError::new(place, self.message, self.hint)
     }
 }

@@ -253,3 +253,27 @@ fn instead(entries: &[(String, Node)], step: &str) -> String {
         None => "give it a value with `=`".into(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_star_before_the_sign_multiplies_and_one_in_the_path_is_for_all() {
+        let set: Override = "segments.*.EI *= 4".parse().unwrap();
+        assert_eq!(set.path, ["segments", "*", "EI"]);
+        assert_eq!(set.change, Change::Multiply(4.0));
+        let set: Override = "payload.mass = 50 g".parse().unwrap();
+        assert_eq!(set.change, Change::Replace("50 g".into()));
+    }
+
+    #[test]
+    fn what_an_override_writes_is_placed_there_and_the_rest_is_not() {
+        let mut tree = Node::document("[hub]\ninertia = '2 kg m^2'\nradius = 1\n").unwrap();
+        apply(&mut tree, 3, &"hub.inertia*=1.5".parse().unwrap()).unwrap();
+        let place = |path| tree.deepest(path).place;
+        assert_eq!(place("hub.inertia"), Place::Override(3));
+        assert_eq!(place("hub.radius"), Place::Line(3));
+        assert_eq!(tree.deepest("hub.inertia").shown(), "\"3.0 kg m^2\"");
+    }
+}

@@ -26,16 +26,19 @@ impl Quantity {
             Self::Number(number) => Ok(*number),
             Self::Text(text) => parse_quantity(text, dimension).map_err(|error| {
                 let hint = match error {
-                    UnitError::NotANumber => None,
+                    UnitError::NotANumber => Some(example(dimension)),
+                    UnitError::UnknownUnit { .. } => error.hint().or(Some(example(dimension))),
                     _ => error.hint(),
                 };
-                let name = dimension.name().unwrap_or("a number");
-                let example = || format!("{name} is wanted, such as \"1 {}\"", dimension.si_unit());
-                let hint = hint.unwrap_or_else(example);
                 Fault::new(path, format!("{path} = {text:?} {error}")).hinting(hint)
             }),
         }
     }
+}
+
+fn example(dimension: Dimension) -> String {
+    let name = dimension.name().unwrap_or("a number");
+    format!("{name} is wanted, such as \"1 {}\"", dimension.si_unit())
 }
 
 /// One quantity along a segment, or those at its inner and outer end.

@@ -186,3 +186,29 @@ impl<'de> Deserialize<'de> for Elements {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tree::Node;
+    use super::*;
+
+    #[test]
+    fn a_mesh_counts_its_elements_or_leaves_them_to_the_program() {
+        let elements = |text: &str| {
+            let tree = Node::document(text).unwrap();
+            RawMesh::deserialize(&tree).map(|mesh| mesh.elements).ok()
+        };
+        let total = |count| Some(Some(Elements::Total(Count(count))));
+        assert_eq!(elements("elements = 100000"), total(100_000));
+        assert_eq!(elements("elements = 'auto'"), Some(Some(Elements::Auto)));
+        assert_eq!(elements(""), Some(None));
+        for text in [
+            "elements = 100001",
+            "elements = -1",
+            "elements = 1.5",
+            "elements = '5'",
+        ] {
+            assert_eq!(elements(text), None, "{text}");
+        }
+    }
+}

@@ -206,3 +206,29 @@ impl<'de> MapAccess<'de> for Entries<'de> {
             .map_err(|misfit| misfit.below(key.clone(), node))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use super::super::raw::RawSpecification;
+    use serde::Deserialize;
+
+    #[test]
+    fn a_misfit_names_its_path_through_tables_and_lists() {
+        let text = "[[segments]]\nlength = 1\n[[segments]]\nlength = 1\nI = [1, {}]\n";
+        let tree = Node::document(text).unwrap();
+        let fault = Fault::from(RawSpecification::deserialize(&tree).unwrap_err());
+        let must = "must be a number in SI or a string with its unit";
+        let message = format!("segments.1.I.1 = a table, but {must}");
+        assert_eq!(fault, Fault::new("segments.1.I.1", message));
+    }
+
+    #[test]
+    fn a_table_is_not_read_from_a_list() {
+        let tree = Node::document("payload = [1, 0, 0]").unwrap();
+        let fault = Fault::from(RawSpecification::deserialize(&tree).unwrap_err());
+        let message = "payload = [1, 0, 0], but must be a table";
+        assert_eq!(fault, Fault::new("payload", message));
+    }
+}

@@ -165,3 +165,31 @@ impl Property {
         Fault::among(paths.chain([at.to_owned()]).collect(), message)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn just_three_sets_of_keys_give_a_property() {
+        let (tapered, number) = (
+            Tapered::Constant(Quantity::Number(1.0)),
+            Quantity::Number(1.0),
+        );
+        let section = Section::Circle { diameter_m: 0.01 };
+        let accepted = (0..16).filter(|set| {
+            let way = STIFFNESS.way(
+                "segments.0",
+                (set & 1 != 0).then_some(&tapered),
+                (set & 2 != 0).then_some(&number),
+                (
+                    (set & 4 != 0).then_some(&tapered),
+                    (set & 8 != 0).then_some(&section),
+                ),
+            );
+            way.is_ok()
+        });
+        // EI, with the section for the mass or without; E with I; E with section.
+        assert_eq!(accepted.collect::<Vec<_>>(), [1, 2 + 4, 1 + 8, 2 + 8]);
+    }
+}

@@ -4,7 +4,7 @@ use super::convert::convert;
 use super::error::Fault;
 use super::overrides::apply;
 use super::raw::RawSpecification;
-use super::tree::{Kind, Node};
+use super::tree::{Kind, Node, Place};
 use super::{Override, SpecError};
 use crate::beam::MeshPlan;
 use crate::inverse::Analysis;
@@ -32,12 +32,20 @@ pub fn read_specification(
     text: &str,
     overrides: &[Override],
 ) -> Result<Specification, SpecError> {
+    let shown = |place: Place| match place {
+        Place::File => name.to_owned(),
+        Place::Line(line) => format!("{name}:{line}"),
+        Place::Override(number) => overrides[number].place(),
+    };
     let mut tree = Node::document(text)
-        .map_err(|(place, message)| Fault::new("", message).located_at(name, place, overrides))?;
+        .map_err(|(place, message)| SpecError::new(shown(place), message, None))?;
     for (number, change) in overrides.iter().enumerate() {
         apply(&mut tree, number, change)?;
     }
-    read(&tree).map_err(|fault| fault.located(name, &tree, overrides))
+    read(&tree).map_err(|fault| {
+        let place = shown(fault.place(&tree));
+        fault.at(place)
+    })
 }
 
 fn read(tree: &Node) -> Result<Specification, Fault> {
@@ -67,5 +75,22 @@ fn check_list_of_tables(tree: &Node, list: &str) -> Result<(), Fault> {
                 ))
             }
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_placed_in_the_file_the_line_or_the_setting() {
+        let place = |text: &str, set: &str| {
+            let error = read_specification("link.toml", text, &[set.parse().unwrap()]);
+            let message = error.unwrap_err().to_string();
+            message.split_once(": ").unwrap().0.to_owned()
+        };
+        assert_eq!(place("", "hub.inertia=1"), "link.toml");
+        assert_eq!(place("\n\nlimits = 1", "hub.inertia=1"), "link.toml:3");
+        assert_eq!(place("", "limits.torque=1"), "--set 'limits.torque=1'");
     }
 }
