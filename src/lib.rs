@@ -6,4 +6,5 @@ pub mod link;
 pub mod modal;
 pub mod motion;
 pub mod numeric;
+pub mod spec;
 pub mod tables;

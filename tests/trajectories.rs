@@ -30,9 +30,7 @@ fn distance_from_sine(columns: &MotionColumns) -> f64 {
     for (k, &time_s) in columns.time_s.iter().enumerate() {
         let (acceleration, displacement) = sine(time_s);
         let apart = |column: &Option<Vec<f64>>, wanted: f64| {
-            column
-                .as_ref()
-                .map_or(0.0, |values| (values[k] - wanted).abs())
+            column.as_ref().map_or(0.0, |values| (values[k] - wanted).abs())
         };
         worst = worst.max(apart(&columns.acceleration_m_s2, acceleration));
         worst = worst.max(apart(&columns.displacement_m, displacement));
@@ -42,44 +40,29 @@ fn distance_from_sine(columns: &MotionColumns) -> f64 {
 
 #[test]
 fn every_file_reads_rests_at_both_ends_and_advances_evenly() {
-    let entries: Vec<_> = fs::read_dir(folder())
-        .unwrap()
-        .map(Result::unwrap)
-        .collect();
+    let entries: Vec<_> = fs::read_dir(folder()).unwrap().map(Result::unwrap).collect();
     assert!(entries.len() >= 4);
     for entry in entries {
         let name = entry.file_name().into_string().unwrap();
         let columns = read(&name).columns;
         let (time, len) = (&columns.time_s, columns.time_s.len());
         let step = (time[len - 1] - time[0]) / (len - 1) as f64;
-        assert!(
-            (0..len).all(|k| (time[k] - k as f64 * step).abs() < 1e-12),
-            "{name}"
-        );
+        assert!((0..len).all(|k| (time[k] - k as f64 * step).abs() < 1e-12), "{name}");
         if let Some(acceleration) = columns.acceleration_m_s2 {
             // The velocity left at the end is round-off, so no correction is due.
-            assert!(
-                (step * acceleration.iter().sum::<f64>()).abs() < 1e-15,
-                "{name}"
-            );
+            assert!((step * acceleration.iter().sum::<f64>()).abs() < 1e-15, "{name}");
         }
         if let Some(displacement) = columns.displacement_m {
-            assert_eq!(
-                (displacement[0], displacement[len - 1]),
-                (0.0, 0.5),
-                "{name}"
-            );
+            assert_eq!((displacement[0], displacement[len - 1]), (0.0, 0.5), "{name}");
         }
     }
 }
 
 #[test]
 fn the_sine_is_the_same_move_in_all_three_files() {
-    for (name, samples) in [
-        ("sine_0.88s.csv", 881),
-        ("sine_0.88s_displacement.csv", 881),
-        ("sine_cm.csv", 441),
-    ] {
+    for (name, samples) in
+        [("sine_0.88s.csv", 881), ("sine_0.88s_displacement.csv", 881), ("sine_cm.csv", 441)]
+    {
         let columns = read(name).columns;
         assert_eq!(columns.time_s.len(), samples, "{name}");
         assert!(distance_from_sine(&columns) < 1e-14, "{name}");

@@ -42,10 +42,7 @@ fn names_take_a_prefix_a_suffix_a_unit_and_any_case() {
         let found = columns.displacement_m.unwrap()[3];
         assert!((found - displacement_m).abs() < 1e-15, "{heading}: {found}");
         assert_eq!(columns.time_s, [0.0, 1.0, 2.0, 3.0]);
-        assert_eq!(
-            (columns.velocity_m_s, columns.acceleration_m_s2),
-            (None, None)
-        );
+        assert_eq!((columns.velocity_m_s, columns.acceleration_m_s2), (None, None));
     }
 }
 
@@ -90,18 +87,9 @@ fn unknown_columns_are_refused_with_the_nearest_name() {
         ("displacment", Some("did you mean displacement?")),
         ("acc", Some("did you mean acceleration?")),
         ("Velocities", Some("did you mean velocity?")),
-        (
-            "displacement (cm)",
-            Some("a unit follows in brackets: displacement [cm]"),
-        ),
-        (
-            "tip_displacement_cm",
-            Some("a unit follows in brackets: displacement [cm]"),
-        ),
-        (
-            "hub_angle_rad",
-            Some("a trajectory holds the tip's motion; the hub's follows from it"),
-        ),
+        ("displacement (cm)", Some("a unit follows in brackets: displacement [cm]")),
+        ("tip_displacement_cm", Some("a unit follows in brackets: displacement [cm]")),
+        ("hub_angle_rad", Some("a trajectory holds the tip's motion; the hub's follows from it")),
         ("torque", None),
     ] {
         let message = format!("traj.csv:1: column 2 = \"{heading}\", {must}");
@@ -152,12 +140,7 @@ fn a_unit_must_be_known_and_measure_the_column() {
         assert_refused(&headed(heading), &message, hint);
     };
     refused("displacement [furlong]", "furlong", "m or cm", None);
-    refused(
-        "Displacement [cn]",
-        "cn",
-        "m or cm",
-        Some("did you mean `cm`?"),
-    );
+    refused("Displacement [cn]", "cn", "m or cm", Some("did you mean `cm`?"));
     refused("displacement [s]", "s", "m or cm", None);
     refused("displacement []", "", "m or cm", None);
     refused("angle [m]", "m", "rad or deg", None);
@@ -258,11 +241,7 @@ fn a_motion_has_four_samples_or_more() {
         "traj.csv: samples = 3, but must be 4 or more",
         None,
     );
-    assert_refused(
-        "time,angle\n",
-        "traj.csv: samples = 0, but must be 4 or more",
-        None,
-    );
+    assert_refused("time,angle\n", "traj.csv: samples = 0, but must be 4 or more", None);
     for empty in ["", "\u{feff}", "\n\r\n  \n", "# only a comment"] {
         let must = "but must hold a row of names and 4 samples or more";
         assert_refused(empty, &format!("traj.csv: content = nothing, {must}"), None);
@@ -272,9 +251,6 @@ fn a_motion_has_four_samples_or_more() {
 #[test]
 fn text_is_utf_8() {
     let error = read_motion_table("-", b"time,angle\r\n0,0\r\n1,\xff\r\n", 2.0).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "-:3: text = byte 0xff, but must be UTF-8"
-    );
+    assert_eq!(error.to_string(), "-:3: text = byte 0xff, but must be UTF-8");
     assert_eq!(error.hint(), Some("save the file as text in UTF-8"));
 }

@@ -25,11 +25,7 @@ fn a_resampling_step_must_fit_the_motion() {
     let must = "divide the motion's 3 s into whole steps";
     let hint = "the nearest steps that do are 0.6 s and 0.75 s";
     refused(0.7, must, Some(hint));
-    refused(
-        1.0 - 1e-6,
-        must,
-        Some("the nearest steps that do are 0.75 s and 1 s"),
-    );
+    refused(1.0 - 1e-6, must, Some("the nearest steps that do are 0.75 s and 1 s"));
 }
 
 #[test]

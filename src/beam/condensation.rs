@@ -27,30 +27,18 @@ impl<S: Scalar> Inertia<S> {
     }
 
     fn plus(self, other: Inertia<f64>) -> Self {
-        Self {
-            vv: self.vv + other.vv,
-            vp: self.vp + other.vp,
-            pp: self.pp + other.pp,
-        }
+        Self { vv: self.vv + other.vv, vp: self.vp + other.vp, pp: self.pp + other.pp }
     }
 }
 
 impl Inertia<f64> {
     /// A rigid body whose centre of mass lies `offset` outboard: kg, kg m², m.
     pub fn rigid(mass: f64, inertia: f64, offset: f64) -> Self {
-        Self {
-            vv: mass,
-            vp: mass * offset,
-            pp: inertia + mass * offset * offset,
-        }
+        Self { vv: mass, vp: mass * offset, pp: inertia + mass * offset * offset }
     }
 
     fn lift<S: Scalar>(self) -> Inertia<S> {
-        Inertia {
-            vv: S::from(self.vv),
-            vp: S::from(self.vp),
-            pp: S::from(self.pp),
-        }
+        Inertia { vv: S::from(self.vv), vp: S::from(self.vp), pp: S::from(self.pp) }
     }
 }
 
@@ -108,20 +96,11 @@ pub fn condense<S: Scalar>(
 }
 
 fn condense_element<S: Scalar>(element: &RelativeElement, lambda: S, a: Inertia<S>) -> Step<S> {
-    let RelativeElement {
-        length_m: l,
-        k_d,
-        m_dd,
-        m_ud,
-        m_uu,
-    } = element;
+    let RelativeElement { length_m: l, k_d, m_dd, m_ud, m_uu } = element;
     let l = *l;
     // Rᵀ A, of which the first row is A's own.
     let (ra_pv, ra_pp) = (a.vv * l + a.vp, a.vp * l + a.pp);
-    let b = [
-        [a.vv + m_ud.m11, a.vp + m_ud.m12],
-        [ra_pv + m_ud.m21, ra_pp + m_ud.m22],
-    ];
+    let b = [[a.vv + m_ud.m11, a.vp + m_ud.m12], [ra_pv + m_ud.m21, ra_pp + m_ud.m22]];
     let negative = -lambda;
     let pivot_block = Inertia {
         vv: negative * (a.vv + m_dd.m11) + k_d.m11,
@@ -138,11 +117,7 @@ fn condense_element<S: Scalar>(element: &RelativeElement, lambda: S, a: Inertia<
         vp: lambda * bg_vp + (ra_pv + m_uu.m12),
         pp: lambda * bg_pp + (ra_pv * l + ra_pp + m_uu.m22),
     };
-    Step {
-        gain,
-        pivots,
-        inner,
-    }
+    Step { gain, pivots, inner }
 }
 
 /// Solves `P Γ = Bᵀ` by LDLᵀ, the larger of the two diagonal entries first.

@@ -57,14 +57,10 @@ impl Element {
         let l = self.length_m;
         let Taper { inner: p, outer: q } = self.mass_per_length_kg_m;
         let (l2, l3) = (l * l, l * l * l);
-        let (v_phi_i, v_phi_j) = (
-            l2 * (15.0 * p + 7.0 * q) / 420.0,
-            -l2 * (7.0 * p + 15.0 * q) / 420.0,
-        );
-        let (cross_i, cross_j) = (
-            -l2 * (7.0 * p + 6.0 * q) / 420.0,
-            l2 * (6.0 * p + 7.0 * q) / 420.0,
-        );
+        let (v_phi_i, v_phi_j) =
+            (l2 * (15.0 * p + 7.0 * q) / 420.0, -l2 * (7.0 * p + 15.0 * q) / 420.0);
+        let (cross_i, cross_j) =
+            (-l2 * (7.0 * p + 6.0 * q) / 420.0, l2 * (6.0 * p + 7.0 * q) / 420.0);
         let vv = 9.0 * l * (p + q) / 140.0;
         let phi_phi = -l3 * (p + q) / 280.0;
         Matrix4::new(
@@ -128,14 +124,8 @@ impl Element {
     ///
     /// Infinite for an element without mass, which its cubics represent exactly.
     pub fn resolved_frequency_rad_s(&self) -> f64 {
-        let stiffness = self
-            .bending_stiffness_n_m2
-            .inner
-            .min(self.bending_stiffness_n_m2.outer);
-        let mass = self
-            .mass_per_length_kg_m
-            .inner
-            .max(self.mass_per_length_kg_m.outer);
+        let stiffness = self.bending_stiffness_n_m2.inner.min(self.bending_stiffness_n_m2.outer);
+        let mass = self.mass_per_length_kg_m.inner.max(self.mass_per_length_kg_m.outer);
         (14.4 * stiffness / mass).sqrt() / self.length_m.powi(2)
     }
 }
@@ -166,14 +156,8 @@ mod tests {
 
     const ELEMENT: Element = Element {
         length_m: 0.7,
-        bending_stiffness_n_m2: Taper {
-            inner: 5.0,
-            outer: 3.0,
-        },
-        mass_per_length_kg_m: Taper {
-            inner: 0.8,
-            outer: 1.4,
-        },
+        bending_stiffness_n_m2: Taper { inner: 5.0, outer: 3.0 },
+        mass_per_length_kg_m: Taper { inner: 0.8, outer: 1.4 },
     };
 
     /// ∫₀ˡ f(x) dx by Gauss-Legendre with five points: exact to degree 9.
@@ -195,10 +179,7 @@ mod tests {
     }
 
     fn close<const R: usize, const C: usize>(a: &SMatrix<f64, R, C>, b: &SMatrix<f64, R, C>) {
-        assert!(
-            (a - b).abs().max() < 1e-14 * a.abs().max(),
-            "{a} is not {b}"
-        );
+        assert!((a - b).abs().max() < 1e-14 * a.abs().max(), "{a} is not {b}");
     }
 
     #[test]
@@ -224,10 +205,7 @@ mod tests {
         };
         let mass = |x: f64| ELEMENT.mass_per_length_kg_m.at(x / l);
         let stiffness = |x: f64| ELEMENT.bending_stiffness_n_m2.at(x / l);
-        close(
-            &ELEMENT.mass(),
-            &integral(|x| shapes(x) * shapes(x).transpose() * mass(x)),
-        );
+        close(&ELEMENT.mass(), &integral(|x| shapes(x) * shapes(x).transpose() * mass(x)));
         let bending = |x: f64| curvatures(x) * curvatures(x).transpose() * stiffness(x);
         close(&ELEMENT.stiffness(), &integral(bending));
     }
@@ -248,9 +226,7 @@ mod tests {
         close(&relative.m_ud, &mass.fixed_view::<2, 2>(0, 2).into());
         close(&relative.m_dd, &mass.fixed_view::<2, 2>(2, 2).into());
         let mut stiffness = Matrix4::zeros();
-        stiffness
-            .fixed_view_mut::<2, 2>(2, 2)
-            .copy_from(&relative.k_d);
+        stiffness.fixed_view_mut::<2, 2>(2, 2).copy_from(&relative.k_d);
         close(&(c.transpose() * ELEMENT.stiffness() * c), &stiffness);
     }
 

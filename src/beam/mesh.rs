@@ -68,11 +68,7 @@ impl Mesh {
                 .iter()
                 .position(|x| (x - mass.at_m).abs() <= slack_m)
                 .expect("the plan puts a node at every lumped mass");
-            let slot = self.lumped[node].get_or_insert(Inertia {
-                vv: 0.0,
-                vp: 0.0,
-                pp: 0.0,
-            });
+            let slot = self.lumped[node].get_or_insert(Inertia { vv: 0.0, vp: 0.0, pp: 0.0 });
             slot.vv += inertia.vv;
             slot.pp += inertia.pp;
         }

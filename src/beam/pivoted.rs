@@ -37,10 +37,7 @@ struct Passage {
 ///
 /// Not finite only where no pivot is left at all, as at a zero of torque → tip on the real axis.
 pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
-    let mut plane = Plane {
-        motion: Block::identity(),
-        reaction: matrix(&mesh.tip_inertia()),
-    };
+    let mut plane = Plane { motion: Block::identity(), reaction: matrix(&mesh.tip_inertia()) };
     let tip_reaction = plane.reaction;
     let mut passages = Vec::with_capacity(mesh.elements().len());
     for (index, element) in mesh.relative_elements().iter().enumerate().rev() {
@@ -49,11 +46,7 @@ pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer 
             inner.reaction += matrix(&lumped) * inner.motion;
         }
         let (change, renewed) = renew(&inner, mesh);
-        passages.push(Passage {
-            change,
-            deformation,
-            reaction: renewed.reaction,
-        });
+        passages.push(Passage { change, deformation, reaction: renewed.reaction });
         plane = renewed;
     }
     // The root sits on the hub's radius: v_0 = x_0 φ_0 leaves one coefficient, its size free.
@@ -132,13 +125,7 @@ fn renew(plane: &Plane, mesh: &Mesh) -> (Block, Plane) {
         let row = |k: usize| solve(&transposed, &x.row(k).transpose()).transpose();
         Block::from_rows(&[row(0), row(1)])
     };
-    (
-        change,
-        Plane {
-            motion: express(&plane.motion),
-            reaction: express(&plane.reaction),
-        },
-    )
+    (change, Plane { motion: express(&plane.motion), reaction: express(&plane.reaction) })
 }
 
 /// `R = [[1, l], [0, 1]]`.
@@ -147,9 +134,7 @@ fn rigid_transfer(length_m: f64) -> Block {
 }
 
 fn matrix(inertia: &Inertia<f64>) -> Block {
-    complex(&Matrix2::new(
-        inertia.vv, inertia.vp, inertia.vp, inertia.pp,
-    ))
+    complex(&Matrix2::new(inertia.vv, inertia.vp, inertia.vp, inertia.pp))
 }
 
 fn complex(real: &Matrix2<f64>) -> Block {

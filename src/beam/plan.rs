@@ -56,12 +56,7 @@ impl MeshPlan {
             return Err(ParameterError::new("mesh.tolerance", tolerance, "", must));
         }
         let pieces = pieces(link);
-        let needed = |segment| {
-            pieces
-                .iter()
-                .filter(|p: &&Piece| p.segment == segment)
-                .count()
-        };
+        let needed = |segment| pieces.iter().filter(|p: &&Piece| p.segment == segment).count();
         for (segment, count) in own.iter().enumerate() {
             if let Some(count) = count.filter(|c| *c < needed(segment)) {
                 let must = format!(
@@ -73,11 +68,8 @@ impl MeshPlan {
             }
         }
         let fixed: usize = own.iter().flatten().sum();
-        let open: Vec<Piece> = pieces
-            .iter()
-            .filter(|p| own[p.segment].is_none())
-            .copied()
-            .collect();
+        let open: Vec<Piece> =
+            pieces.iter().filter(|p| own[p.segment].is_none()).copied().collect();
         let automatic = match count {
             Some(ElementCount::Auto) => true,
             Some(ElementCount::Total(_)) => false,
@@ -90,11 +82,8 @@ impl MeshPlan {
         let mut shares = divide(link, &open, rest);
         for (segment, count) in own.iter().enumerate() {
             if let Some(count) = count {
-                let pieces: Vec<Piece> = pieces
-                    .iter()
-                    .filter(|p| p.segment == segment)
-                    .copied()
-                    .collect();
+                let pieces: Vec<Piece> =
+                    pieces.iter().filter(|p| p.segment == segment).copied().collect();
                 shares.extend(divide(link, &pieces, *count));
             }
         }
@@ -103,11 +92,7 @@ impl MeshPlan {
                 .partial_cmp(&(b.segment, b.from))
                 .unwrap_or(std::cmp::Ordering::Equal)
         });
-        Ok(Self {
-            shares,
-            automatic,
-            tolerance,
-        })
+        Ok(Self { shares, automatic, tolerance })
     }
 
     /// Pieces of the link from the hub outward, each with its number of elements.
@@ -130,9 +115,7 @@ impl MeshPlan {
 fn share_of_total(total: usize, fixed: usize, open: usize) -> Result<usize, ParameterError> {
     let refuse = |must: String| Err(ParameterError::new("mesh.elements", total, "", must));
     if open == 0 && total != fixed {
-        return refuse(format!(
-            "must be {fixed}, the sum of the segments' own elements"
-        ));
+        return refuse(format!("must be {fixed}, the sum of the segments' own elements"));
     }
     if total < fixed + open {
         return refuse(format!(
@@ -163,11 +146,7 @@ fn pieces(link: &Link) -> Vec<Piece> {
                 from_m = mass.at_m;
             }
         }
-        pieces.push(Piece {
-            segment: index,
-            from: fraction(from_m),
-            to: 1.0,
-        });
+        pieces.push(Piece { segment: index, from: fraction(from_m), to: 1.0 });
         root_m = tip_m;
     }
     pieces
@@ -177,16 +156,12 @@ fn pieces(link: &Link) -> Vec<Piece> {
 ///
 /// The next element goes where elements are longest, measured in wavelengths.
 fn divide(link: &Link, pieces: &[Piece], total: usize) -> Vec<(Piece, usize)> {
-    let mut weights: Vec<f64> = pieces
-        .iter()
-        .map(|p| wavelengths(&link.segments()[p.segment], p))
-        .collect();
+    let mut weights: Vec<f64> =
+        pieces.iter().map(|p| wavelengths(&link.segments()[p.segment], p)).collect();
     if weights.iter().sum::<f64>() == 0.0 {
         // Without mass there are no waves; then length decides.
-        weights = pieces
-            .iter()
-            .map(|p| link.segments()[p.segment].length_m * (p.to - p.from))
-            .collect();
+        weights =
+            pieces.iter().map(|p| link.segments()[p.segment].length_m * (p.to - p.from)).collect();
     }
     let spare = total - pieces.len();
     let sum: f64 = weights.iter().sum();

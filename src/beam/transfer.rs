@@ -65,16 +65,10 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
     let mut largest_gain = 0.0_f64;
     let root = condense(mesh, lambda, |index, step| {
         let Gain { vv, vp, pv, pp } = step.gain;
-        let (v, phi) = (
-            lambda * lag_v + 1.0,
-            lambda * lag_phi + (length_m - nodes_m[index + 1]),
-        );
+        let (v, phi) = (lambda * lag_v + 1.0, lambda * lag_phi + (length_m - nodes_m[index + 1]));
         let rigid_phi = lag_v * mesh.elements()[index].length_m + lag_phi;
         (lag_v, lag_phi) = (lag_v + vv * v + pv * phi, rigid_phi + vp * v + pp * phi);
-        largest_gain = larger(
-            largest_gain,
-            lambda.size() * gain_size(&step.gain, length_m),
-        );
+        largest_gain = larger(largest_gain, lambda.size() * gain_size(&step.gain, length_m));
     });
     HubResponse {
         inertia_kg_m2: root.about(nodes_m[0]) + mesh.hub_inertia_kg_m2(),
@@ -104,38 +98,22 @@ pub fn tip_transfer(mesh: &Mesh, lambda: Complex64) -> TipTransfer {
 pub fn nodal_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
     let nodes_m = mesh.nodes_m();
     let zero = Complex64::ZERO;
-    let rigid = Gain {
-        vv: zero,
-        vp: zero,
-        pv: zero,
-        pp: zero,
-    };
+    let rigid = Gain { vv: zero, vp: zero, pv: zero, pp: zero };
     let mut gains = vec![rigid; mesh.elements().len()];
-    let nothing = Inertia {
-        vv: zero,
-        vp: zero,
-        pp: zero,
-    };
+    let nothing = Inertia { vv: zero, vp: zero, pp: zero };
     let mut inertias = vec![nothing; nodes_m.len()];
     let mut largest_gain = 0.0_f64;
     let root = condense(mesh, lambda, |index, step| {
         gains[index] = step.gain;
         inertias[index] = step.inner;
-        largest_gain = larger(
-            largest_gain,
-            lambda.size() * gain_size(&step.gain, mesh.length_m()),
-        );
+        largest_gain = larger(largest_gain, lambda.size() * gain_size(&step.gain, mesh.length_m()));
     });
     if !is_trusted(largest_gain) {
         return pivoted_transfer(mesh, lambda);
     }
     if let Some(tip) = inertias.last_mut() {
         let Inertia { vv, vp, pp } = mesh.tip_inertia();
-        *tip = Inertia {
-            vv: vv.into(),
-            vp: vp.into(),
-            pp: pp.into(),
-        };
+        *tip = Inertia { vv: vv.into(), vp: vp.into(), pp: pp.into() };
     }
     let mut lags = vec![(zero, zero)];
     for ((element, gain), x_m) in mesh.elements().iter().zip(&gains).zip(nodes_m) {
@@ -152,13 +130,9 @@ pub fn nodal_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
         largest_gain,
     };
     let tip = per_tip(&hub, mesh, lambda);
-    let moments = inertias
-        .iter()
-        .zip(&lags)
-        .zip(nodes_m)
-        .map(|((inertia, (v, phi)), x_m)| {
-            inertia.moment(lambda * *v + *x_m, lambda * *phi + 1.0) * tip.angle_rad_m
-        });
+    let moments = inertias.iter().zip(&lags).zip(nodes_m).map(|((inertia, (v, phi)), x_m)| {
+        inertia.moment(lambda * *v + *x_m, lambda * *phi + 1.0) * tip.angle_rad_m
+    });
     NodalTransfer {
         tip,
         moments_kg_m: moments.collect(),
@@ -178,12 +152,7 @@ fn per_tip(hub: &HubResponse<Complex64>, mesh: &Mesh, lambda: Complex64) -> TipT
 
 fn gain_size<S: Scalar>(gain: &Gain<S>, length_m: f64) -> f64 {
     let Gain { vv, vp, pv, pp } = gain;
-    let sizes = [
-        vv.size(),
-        vp.size() / length_m,
-        pv.size() * length_m,
-        pp.size(),
-    ];
+    let sizes = [vv.size(), vp.size() / length_m, pv.size() * length_m, pp.size()];
     sizes.into_iter().fold(0.0, larger)
 }
 
@@ -217,30 +186,12 @@ mod tests {
             segments: vec![Segment {
                 name: None,
                 length_m: 1.5,
-                bending_stiffness_n_m2: Taper {
-                    inner: 6.0,
-                    outer: 4.0,
-                },
-                mass_per_length_kg_m: Taper {
-                    inner: 0.9,
-                    outer: 0.7,
-                },
+                bending_stiffness_n_m2: Taper { inner: 6.0, outer: 4.0 },
+                mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.7 },
             }],
-            hub: Hub {
-                inertia_kg_m2: 0.1,
-                radius_m: 0.05,
-                viscous_friction_n_m_s_rad: 0.0,
-            },
-            masses: vec![LumpedMass {
-                at_m: 0.8,
-                mass_kg: 0.1,
-                inertia_kg_m2: 1e-3,
-            }],
-            payload: Payload {
-                mass_kg: 0.05,
-                inertia_kg_m2: 0.0,
-                offset_m: 0.0,
-            },
+            hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad: 0.0 },
+            masses: vec![LumpedMass { at_m: 0.8, mass_kg: 0.1, inertia_kg_m2: 1e-3 }],
+            payload: Payload { mass_kg: 0.05, inertia_kg_m2: 0.0, offset_m: 0.0 },
             damping: Damping::None,
         });
         let link = link.unwrap();
@@ -263,16 +214,10 @@ mod tests {
                 let found = tip_transfer(&mesh, lambda.into()).inertia_kg_m.re;
                 let error = (found - exact.hi()).abs() / (exact.hi().abs() + 0.3);
                 let bound = if is_trusted(plain) { 1e-11 } else { 1e-12 };
-                assert!(
-                    error < bound,
-                    "{elements} elements, λ = {lambda}: {error:e}"
-                );
+                assert!(error < bound, "{elements} elements, λ = {lambda}: {error:e}");
             }
         }
-        assert!(
-            flagged > 3,
-            "no resonance of the outboard part was met: {flagged}"
-        );
+        assert!(flagged > 3, "no resonance of the outboard part was met: {flagged}");
     }
 
     #[test]
@@ -280,22 +225,13 @@ mod tests {
         let mesh = mesh(30);
         for omega in [0.5, 7.0, 40.0, 333.0] {
             let lambda = Complex64::from(omega * omega) / Complex64::new(1.0, 0.04);
-            let (plain, pivoted) = (
-                nodal_transfer(&mesh, lambda),
-                pivoted_transfer(&mesh, lambda),
-            );
+            let (plain, pivoted) = (nodal_transfer(&mesh, lambda), pivoted_transfer(&mesh, lambda));
             let close = |a: &[Complex64], b: &[Complex64]| {
                 let peak = a.iter().fold(0.0_f64, |m, x| m.max(x.norm()));
                 a.iter().zip(b).all(|(a, b)| (a - b).norm() < 1e-11 * peak)
             };
-            assert!(
-                close(&plain.lags_s2, &pivoted.lags_s2),
-                "deflections at {omega} rad/s"
-            );
-            assert!(
-                close(&plain.moments_kg_m, &pivoted.moments_kg_m),
-                "moments at {omega} rad/s"
-            );
+            assert!(close(&plain.lags_s2, &pivoted.lags_s2), "deflections at {omega} rad/s");
+            assert!(close(&plain.moments_kg_m, &pivoted.moments_kg_m), "moments at {omega} rad/s");
         }
     }
 
@@ -308,17 +244,12 @@ mod tests {
             let beam = |x: f64| (0.9 - 0.2 * (x - 0.05) / 1.5) * x * x;
             let n = 30_000;
             let h = 1.5 / f64::from(n);
-            let integral: f64 = (0..n)
-                .map(|k| beam(0.05 + (f64::from(k) + 0.5) * h) * h)
-                .sum();
+            let integral: f64 = (0..n).map(|k| beam(0.05 + (f64::from(k) + 0.5) * h) * h).sum();
             0.1 + integral + 0.1 * 0.64 + 1e-3 + 0.05 * 1.55 * 1.55
         };
         assert!((rigid.re / expected - 1.0).abs() < 1e-8);
         assert!((transfer.tip.angle_rad_m.re - 1.0 / 1.55).abs() < 1e-15);
         let hub_moment = transfer.moments_kg_m[0].re + 0.1 / 1.55;
-        assert!(
-            hub_moment < transfer.tip.inertia_kg_m.re,
-            "the root lies outboard of the axis"
-        );
+        assert!(hub_moment < transfer.tip.inertia_kg_m.re, "the root lies outboard of the axis");
     }
 }

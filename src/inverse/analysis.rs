@@ -23,12 +23,7 @@ impl Analysis {
     ) -> Result<Self, ParameterError> {
         if !(1e-12..=1e-2).contains(&tolerance) {
             let must = "must lie in [1e-12, 1e-2]";
-            return Err(ParameterError::new(
-                "analysis.tolerance",
-                tolerance,
-                "",
-                must,
-            ));
+            return Err(ParameterError::new("analysis.tolerance", tolerance, "", must));
         }
         for (parameter, value) in [("analysis.lead", lead_s), ("analysis.lag", lag_s)] {
             if let Some(value) = value.filter(|v| !(v.is_finite() && *v >= 0.0)) {
@@ -36,11 +31,7 @@ impl Analysis {
                 return Err(ParameterError::new(parameter, value, "s", must));
             }
         }
-        Ok(Self {
-            tolerance,
-            lead_s,
-            lag_s,
-        })
+        Ok(Self { tolerance, lead_s, lag_s })
     }
 
     /// Share of the peak torque that padding and wrap-around may cost.
@@ -61,10 +52,6 @@ impl Analysis {
 
 impl Default for Analysis {
     fn default() -> Self {
-        Self {
-            tolerance: Self::DEFAULT_TOLERANCE,
-            lead_s: None,
-            lag_s: None,
-        }
+        Self { tolerance: Self::DEFAULT_TOLERANCE, lead_s: None, lag_s: None }
     }
 }

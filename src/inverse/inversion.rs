@@ -78,7 +78,11 @@ impl Problem<'_> {
     ///
     /// The zeros tell the exponential decay; hysteretic damping adds an algebraic tail (∝ t⁻⁴), and
     /// a blocked tip rings on, so the decay is measured, too.
-    fn decayed(&self, mesh: &Mesh, shortest: TipSpectrum) -> Result<PeriodicAnswer, InversionError> {
+    fn decayed(
+        &self,
+        mesh: &Mesh,
+        shortest: TipSpectrum,
+    ) -> Result<PeriodicAnswer, InversionError> {
         let initial = shortest.pair.len();
         let mut answer = self.answer(mesh, shortest)?;
         loop {
@@ -136,10 +140,7 @@ impl Problem<'_> {
             hub_rate_rad_s: plus_rigid(excess(1), &tip.velocity_m_s),
             hub_acceleration_rad_s2: plus_rigid(excess(2), &tip.acceleration_m_s2),
             rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v / length_m).collect(),
-            root_moment_n_m: cut(
-                &answer.spectrum.pair.samples(answer.hub.root_moment_n_m),
-                &grid,
-            ),
+            root_moment_n_m: cut(&answer.spectrum.pair.samples(answer.hub.root_moment_n_m), &grid),
             tip,
             moving: (on_grid(moving.0), on_grid(moving.1)),
             law: self.law,

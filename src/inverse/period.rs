@@ -22,36 +22,34 @@ impl Padding {
     /// Padding after which the torque has decayed to the tolerance, if it decays as e^{z₁t} before
     /// and e^{−z₁t} after the motion; rest that the trajectory has already counts.
     pub(super) fn new(motion: &TipMotion, analysis: &Analysis, first_zero: Option<f64>) -> Self {
-    let step_s = motion.grid().step_s;
-    let decay_s = first_zero.map_or(0.0, |z| (1.0 / analysis.tolerance()).ln() / z);
-    let decay = (decay_s / step_s).ceil() as usize;
-    let (first, last) = motion.moving_samples();
-    let asked = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);
-    Self {
-        before: decay.saturating_sub(first).max(asked(analysis.lead_s())),
-        after: decay
-            .saturating_sub(motion.grid().len - 1 - last)
-            .max(asked(analysis.lag_s())),
+        let step_s = motion.grid().step_s;
+        let decay_s = first_zero.map_or(0.0, |z| (1.0 / analysis.tolerance()).ln() / z);
+        let decay = (decay_s / step_s).ceil() as usize;
+        let (first, last) = motion.moving_samples();
+        let asked = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);
+        Self {
+            before: decay.saturating_sub(first).max(asked(analysis.lead_s())),
+            after: decay.saturating_sub(motion.grid().len - 1 - last).max(asked(analysis.lag_s())),
+        }
     }
-}
 
-/// Length of the period in samples for a motion of `len` samples.
-///
-/// # Errors
-/// [`InversionError::TooLong`].
-pub(super) fn period_len(self, len: usize) -> Result<usize, InversionError> {
-    let samples = len.saturating_add(self.before).saturating_add(self.after);
-    if samples > LONGEST {
-        return Err(InversionError::TooLong { samples, limit: LONGEST });
+    /// Length of the period in samples for a motion of `len` samples.
+    ///
+    /// # Errors
+    /// [`InversionError::TooLong`].
+    pub(super) fn period_len(self, len: usize) -> Result<usize, InversionError> {
+        let samples = len.saturating_add(self.before).saturating_add(self.after);
+        if samples > LONGEST {
+            return Err(InversionError::TooLong { samples, limit: LONGEST });
+        }
+        Ok(fast_length(samples))
     }
-    Ok(fast_length(samples))
-}
 
-/// The next longer period to try, or none where the limit is reached.
-pub(super) fn lengthened(current: usize, initial: usize) -> Option<usize> {
-    let limit = LENGTHENED.max(4 * initial).min(LONGEST);
-    (2 * current <= limit).then(|| fast_length(2 * current))
-}
+    /// The next longer period to try, or none where the limit is reached.
+    pub(super) fn lengthened(current: usize, initial: usize) -> Option<usize> {
+        let limit = LENGTHENED.max(4 * initial).min(LONGEST);
+        (2 * current <= limit).then(|| fast_length(2 * current))
+    }
 }
 
 /// Whole steps that cover a time.
@@ -107,13 +105,7 @@ impl PeriodicTorque<'_> {
 
     /// The part of the period to write: the trajectory's samples, and before and after them as
     /// many as asked for, or until the torque stays below the tolerance of `peak`.
-    pub(super) fn window(
-        &self,
-        len: usize,
-        step_s: f64,
-        analysis: &Analysis,
-        peak: f64,
-    ) -> Window {
+    pub(super) fn window(&self, len: usize, step_s: f64, analysis: &Analysis, peak: f64) -> Window {
         let (begin, end) = self.ends();
         let last = len as i64 - 1;
         let acts = |k: &i64| self.at(*k).abs() > analysis.tolerance() * peak;

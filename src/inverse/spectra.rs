@@ -63,14 +63,18 @@ impl Forcing<'_> {
             let transfer = tip_transfer(self.mesh, self.law.lambda(omega));
             let felt = self.felt_acceleration(k);
             let excess = felt / self.law.stiffness_factor(omega) * transfer.lag_s2 / length_m;
-            let rate = self.spectrum.velocity_m_s(k) / length_m + Complex64::new(0.0, omega) * excess;
+            let rate =
+                self.spectrum.velocity_m_s(k) / length_m + Complex64::new(0.0, omega) * excess;
             let torque = transfer.inertia_kg_m * felt + rate * self.friction_n_m_s_rad;
             if !(torque.is_finite() && excess.is_finite()) {
-                return Err(InversionError::NotFinite { frequency_hz: omega / std::f64::consts::TAU });
+                return Err(InversionError::NotFinite {
+                    frequency_hz: omega / std::f64::consts::TAU,
+                });
             }
             Ok([torque, excess, transfer.root_inertia_kg_m * felt])
         };
-        let bins: Vec<[Complex64; 3]> = self.band().into_par_iter().map(at_bin).collect::<Result<_, _>>()?;
+        let bins: Vec<[Complex64; 3]> =
+            self.band().into_par_iter().map(at_bin).collect::<Result<_, _>>()?;
         let column = |c: usize| bins.iter().map(|bin| bin[c]).collect();
         Ok(HubSpectra {
             torque_n_m: column(0),

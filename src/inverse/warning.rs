@@ -17,7 +17,6 @@ const ABOVE_MESH_SHARE: f64 = 1e-2;
 /// Mesh error from which on the user is warned.
 const COARSE_MESH: f64 = 1e-2;
 
-
 /// Something that the user must know to believe the answer. Returned, never printed here.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Warning {
@@ -170,11 +169,7 @@ pub(super) fn warnings(
 }
 
 /// Zeros of torque → tip on the real axis, where the motion holds more than the tolerance.
-fn blocked_tip(
-    mesh: &Mesh,
-    spectrum: &TipSpectrum,
-    tolerance: f64,
-) -> Vec<Warning> {
+fn blocked_tip(mesh: &Mesh, spectrum: &TipSpectrum, tolerance: f64) -> Vec<Warning> {
     let amplitudes = &spectrum.acceleration_m_s2;
     let peak = largest(amplitudes);
     let bins = amplitudes.iter().rposition(|a| a.norm() > tolerance * peak).unwrap_or(0);

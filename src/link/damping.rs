@@ -40,10 +40,7 @@ impl Damping {
         match *self {
             Self::None => Ok(()),
             Self::Hysteretic { ratio } => in_unit_interval("damping.ratio", ratio),
-            Self::Rayleigh {
-                alpha_per_s,
-                beta_s,
-            } => {
+            Self::Rayleigh { alpha_per_s, beta_s } => {
                 not_negative("damping.alpha", alpha_per_s, "1/s")?;
                 not_negative("damping.beta", beta_s, "s")
             }
@@ -56,9 +53,7 @@ impl Damping {
                         "must be two flexible modes, numbered from 1, the lower first",
                     ));
                 }
-                ratios
-                    .iter()
-                    .try_for_each(|&ratio| in_unit_interval("damping.ratios", ratio))
+                ratios.iter().try_for_each(|&ratio| in_unit_interval("damping.ratios", ratio))
             }
         }
     }
@@ -68,12 +63,7 @@ fn in_unit_interval(parameter: &str, ratio: f64) -> Result<(), ParameterError> {
     if (0.0..1.0).contains(&ratio) {
         Ok(())
     } else {
-        Err(ParameterError::new(
-            parameter,
-            ratio,
-            "",
-            "must lie in [0, 1)",
-        ))
+        Err(ParameterError::new(parameter, ratio, "", "must lie in [0, 1)"))
     }
 }
 
@@ -84,10 +74,7 @@ mod tests {
     #[test]
     fn a_ratio_outside_zero_to_one_is_refused_with_its_value() {
         let error = Damping::Hysteretic { ratio: -0.02 }.check().unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "damping.ratio = -0.02, but must lie in [0, 1)"
-        );
+        assert_eq!(error.to_string(), "damping.ratio = -0.02, but must lie in [0, 1)");
         assert!(Damping::Hysteretic { ratio: 1.0 }.check().is_err());
         assert!(Damping::Hysteretic { ratio: f64::NAN }.check().is_err());
         assert!(Damping::Hysteretic { ratio: 0.0 }.check().is_ok());
@@ -96,10 +83,7 @@ mod tests {
     #[test]
     fn rayleigh_modes_must_ascend_from_one() {
         for modes in [[0, 1], [2, 2], [3, 1]] {
-            let law = Damping::RayleighThroughModes {
-                modes,
-                ratios: [0.01, 0.02],
-            };
+            let law = Damping::RayleighThroughModes { modes, ratios: [0.01, 0.02] };
             assert_eq!(law.check().unwrap_err().parameter, "damping.modes");
         }
     }

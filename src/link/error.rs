@@ -38,12 +38,7 @@ pub(crate) fn positive(parameter: &str, value: f64, unit: &str) -> Result<(), Pa
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {
-        Err(ParameterError::new(
-            parameter,
-            value,
-            unit,
-            "must be finite and above 0",
-        ))
+        Err(ParameterError::new(parameter, value, unit, "must be finite and above 0"))
     }
 }
 
@@ -52,11 +47,6 @@ pub(crate) fn not_negative(parameter: &str, value: f64, unit: &str) -> Result<()
     if value.is_finite() && value >= 0.0 {
         Ok(())
     } else {
-        Err(ParameterError::new(
-            parameter,
-            value,
-            unit,
-            "must be finite and at least 0",
-        ))
+        Err(ParameterError::new(parameter, value, unit, "must be finite and at least 0"))
     }
 }

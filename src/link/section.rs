@@ -41,17 +41,12 @@ impl Section {
     /// Area of the cross-section in m².
     pub fn area_m2(&self) -> f64 {
         match *self {
-            Self::Rectangle {
-                width_m,
-                thickness_m,
-            } => width_m * thickness_m,
+            Self::Rectangle { width_m, thickness_m } => width_m * thickness_m,
             Self::Circle { diameter_m } => PI / 4.0 * diameter_m.powi(2),
             Self::Tube { diameter_m, wall_m } => PI * wall_m * (diameter_m - wall_m),
-            Self::Box {
-                width_m,
-                height_m,
-                wall_m,
-            } => 2.0 * wall_m * (width_m + height_m - 2.0 * wall_m),
+            Self::Box { width_m, height_m, wall_m } => {
+                2.0 * wall_m * (width_m + height_m - 2.0 * wall_m)
+            }
         }
     }
 
@@ -64,21 +59,14 @@ impl Section {
     /// ```
     pub fn second_moment_m4(&self) -> f64 {
         match *self {
-            Self::Rectangle {
-                width_m,
-                thickness_m,
-            } => rectangle(width_m, thickness_m),
+            Self::Rectangle { width_m, thickness_m } => rectangle(width_m, thickness_m),
             Self::Circle { diameter_m } => disc(diameter_m),
             Self::Tube { diameter_m, wall_m } => {
                 // Factored, so that a thin wall does not cancel.
                 let inner_m = diameter_m - 2.0 * wall_m;
                 PI / 16.0 * wall_m * (diameter_m - wall_m) * (diameter_m.powi(2) + inner_m.powi(2))
             }
-            Self::Box {
-                width_m,
-                height_m,
-                wall_m,
-            } => {
+            Self::Box { width_m, height_m, wall_m } => {
                 rectangle(width_m, height_m)
                     - rectangle(width_m - 2.0 * wall_m, height_m - 2.0 * wall_m)
             }
@@ -98,18 +86,10 @@ impl Section {
                 return Ok(());
             }
             let must = format!("must be below half the outer size {least_m} m");
-            Err(ParameterError::new(
-                format!("{parameter}.wall"),
-                value,
-                "m",
-                must,
-            ))
+            Err(ParameterError::new(format!("{parameter}.wall"), value, "m", must))
         };
         match *self {
-            Self::Rectangle {
-                width_m,
-                thickness_m,
-            } => {
+            Self::Rectangle { width_m, thickness_m } => {
                 dimension("width", width_m)?;
                 dimension("thickness", thickness_m)
             }
@@ -118,11 +98,7 @@ impl Section {
                 dimension("diameter", diameter_m)?;
                 wall(wall_m, diameter_m)
             }
-            Self::Box {
-                width_m,
-                height_m,
-                wall_m,
-            } => {
+            Self::Box { width_m, height_m, wall_m } => {
                 dimension("width", width_m)?;
                 dimension("height", height_m)?;
                 wall(wall_m, width_m.min(height_m))
@@ -145,10 +121,7 @@ mod tests {
 
     #[test]
     fn a_tube_is_the_difference_of_two_discs() {
-        let tube = Section::Tube {
-            diameter_m: 0.03,
-            wall_m: 0.002,
-        };
+        let tube = Section::Tube { diameter_m: 0.03, wall_m: 0.002 };
         let difference = disc(0.03) - disc(0.026);
         assert!((tube.second_moment_m4() / difference - 1.0).abs() < 1e-13);
         let area = PI / 4.0 * (0.03_f64.powi(2) - 0.026_f64.powi(2));
@@ -157,21 +130,13 @@ mod tests {
 
     #[test]
     fn a_box_with_walls_that_meet_is_refused() {
-        let closed = Section::Box {
-            width_m: 0.04,
-            height_m: 0.02,
-            wall_m: 0.01,
-        };
+        let closed = Section::Box { width_m: 0.04, height_m: 0.02, wall_m: 0.01 };
         let error = closed.check("segments.0.section").unwrap_err();
         assert_eq!(
             error.to_string(),
             "segments.0.section.wall = 0.01 m, but must be below half the outer size 0.02 m"
         );
-        let open = Section::Box {
-            width_m: 0.04,
-            height_m: 0.02,
-            wall_m: 0.001,
-        };
+        let open = Section::Box { width_m: 0.04, height_m: 0.02, wall_m: 0.001 };
         let area = 0.04 * 0.02 - 0.038 * 0.018;
         assert!((open.area_m2() / area - 1.0).abs() < 1e-13);
     }

@@ -12,10 +12,7 @@ pub struct Taper {
 impl Taper {
     /// The same value all along.
     pub fn constant(value: f64) -> Self {
-        Self {
-            inner: value,
-            outer: value,
-        }
+        Self { inner: value, outer: value }
     }
 
     /// Value at a fraction of the length, 0 at the inner end and 1 at the outer.
@@ -25,10 +22,7 @@ impl Taper {
 
     /// The piece between two fractions of the length.
     pub fn between(&self, from: f64, to: f64) -> Self {
-        Self {
-            inner: self.at(from),
-            outer: self.at(to),
-        }
+        Self { inner: self.at(from), outer: self.at(to) }
     }
 
     /// Mean value.
@@ -39,10 +33,7 @@ impl Taper {
     /// Both ends multiplied by `factor`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            inner: self.inner * factor,
-            outer: self.outer * factor,
-        }
+        Self { inner: self.inner * factor, outer: self.outer * factor }
     }
 }
 
@@ -67,14 +58,10 @@ impl Segment {
         }
         positive(&path("length"), self.length_m, "m")?;
         let Taper { inner, outer } = self.bending_stiffness_n_m2;
-        [inner, outer]
-            .iter()
-            .try_for_each(|&ei| positive(&path("EI"), ei, "N m^2"))?;
+        [inner, outer].iter().try_for_each(|&ei| positive(&path("EI"), ei, "N m^2"))?;
         let Taper { inner, outer } = self.mass_per_length_kg_m;
         let masses = [inner, outer];
-        masses
-            .iter()
-            .try_for_each(|&m| not_negative(&path("mass_per_length"), m, "kg/m"))
+        masses.iter().try_for_each(|&m| not_negative(&path("mass_per_length"), m, "kg/m"))
     }
 }
 
@@ -83,12 +70,7 @@ fn check_name(name: &str, parameter: &str) -> Result<(), ParameterError> {
     let number = name.chars().all(|c| c.is_ascii_digit());
     if number || name.contains(['.', '*', '=']) || name.trim() != name {
         let must = "must not be empty or a number, nor hold `.`, `*`, `=` or outer blanks";
-        return Err(ParameterError::new(
-            parameter,
-            format!("{name:?}"),
-            "",
-            must,
-        ));
+        return Err(ParameterError::new(parameter, format!("{name:?}"), "", must));
     }
     Ok(())
 }
@@ -99,27 +81,15 @@ mod tests {
 
     #[test]
     fn a_piece_of_a_taper_is_the_same_line() {
-        let taper = Taper {
-            inner: 8.0,
-            outer: 2.0,
-        };
+        let taper = Taper { inner: 8.0, outer: 2.0 };
         let piece = taper.between(0.25, 0.5);
-        assert_eq!(
-            piece,
-            Taper {
-                inner: 6.5,
-                outer: 5.0
-            }
-        );
+        assert_eq!(piece, Taper { inner: 6.5, outer: 5.0 });
     }
 
     #[test]
     fn names_that_collide_with_paths_are_refused() {
         for name in ["", "0", "12", "a.b", "*", "x=1", " a"] {
-            assert!(
-                check_name(name, "segments.0.name").is_err(),
-                "{name:?} passed"
-            );
+            assert!(check_name(name, "segments.0.name").is_err(), "{name:?} passed");
         }
         assert!(check_name("beam 2", "segments.0.name").is_ok());
     }

@@ -101,35 +101,19 @@ impl Link {
                 let name = segment.name.as_deref().unwrap_or_default();
                 let parameter = format!("segments.{index}.name");
                 let must = "must be unique, and a segment before it has this name";
-                return Err(ParameterError::new(
-                    parameter,
-                    format!("{name:?}"),
-                    "",
-                    must,
-                ));
+                return Err(ParameterError::new(parameter, format!("{name:?}"), "", must));
             }
         }
         check_hub(&parts.hub)?;
-        let link = Self {
-            parts: parts.clone(),
-        };
+        let link = Self { parts: parts.clone() };
         for (index, mass) in parts.masses.iter().enumerate() {
             link.check_mass(index, mass)?;
         }
-        let Payload {
-            mass_kg,
-            inertia_kg_m2,
-            offset_m,
-        } = parts.payload;
+        let Payload { mass_kg, inertia_kg_m2, offset_m } = parts.payload;
         not_negative("payload.mass", mass_kg, "kg")?;
         not_negative("payload.inertia", inertia_kg_m2, "kg m^2")?;
         if !offset_m.is_finite() {
-            return Err(ParameterError::new(
-                "payload.offset",
-                offset_m,
-                "m",
-                "must be finite",
-            ));
+            return Err(ParameterError::new("payload.offset", offset_m, "m", "must be finite"));
         }
         parts.damping.check()?;
         link.check_movable()?;
@@ -156,12 +140,7 @@ impl Link {
             return Ok(());
         }
         let must = "the link and all it carries must have a finite rotary inertia above 0";
-        Err(ParameterError::new(
-            "segments",
-            format!("a total of {inertia}"),
-            "kg m^2",
-            must,
-        ))
+        Err(ParameterError::new("segments", format!("a total of {inertia}"), "kg m^2", must))
     }
 
     /// Title for people, empty when none was given.
@@ -220,11 +199,7 @@ impl Link {
         for mass in &self.parts.masses {
             inertia += mass.mass_kg * mass.at_m.powi(2) + mass.inertia_kg_m2;
         }
-        let Payload {
-            mass_kg,
-            inertia_kg_m2,
-            offset_m,
-        } = self.parts.payload;
+        let Payload { mass_kg, inertia_kg_m2, offset_m } = self.parts.payload;
         inertia + mass_kg * (root_m + offset_m).powi(2) + inertia_kg_m2
     }
 }
@@ -232,11 +207,7 @@ impl Link {
 fn check_hub(hub: &Hub) -> Result<(), ParameterError> {
     not_negative("hub.inertia", hub.inertia_kg_m2, "kg m^2")?;
     not_negative("hub.radius", hub.radius_m, "m")?;
-    not_negative(
-        "hub.viscous_friction",
-        hub.viscous_friction_n_m_s_rad,
-        "N m s/rad",
-    )
+    not_negative("hub.viscous_friction", hub.viscous_friction_n_m_s_rad, "N m s/rad")
 }
 
 #[cfg(test)]
@@ -254,11 +225,7 @@ mod tests {
         LinkParts {
             title: String::new(),
             segments: vec![segment("root", 0.5), segment("beam", 1.0)],
-            hub: Hub {
-                inertia_kg_m2: 0.1,
-                radius_m: 0.0,
-                viscous_friction_n_m_s_rad: 0.0,
-            },
+            hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.0, viscous_friction_n_m_s_rad: 0.0 },
             masses: vec![],
             payload: Payload::default(),
             damping: Damping::None,
@@ -275,20 +242,9 @@ mod tests {
     fn rigid_inertia_of_a_tapered_link_matches_the_integral() {
         let mut parts = parts();
         parts.hub.radius_m = 0.2;
-        parts.segments[1].mass_per_length_kg_m = Taper {
-            inner: 0.9,
-            outer: 0.3,
-        };
-        parts.masses.push(LumpedMass {
-            at_m: 0.7,
-            mass_kg: 0.1,
-            inertia_kg_m2: 0.01,
-        });
-        parts.payload = Payload {
-            mass_kg: 0.2,
-            inertia_kg_m2: 0.03,
-            offset_m: 0.1,
-        };
+        parts.segments[1].mass_per_length_kg_m = Taper { inner: 0.9, outer: 0.3 };
+        parts.masses.push(LumpedMass { at_m: 0.7, mass_kg: 0.1, inertia_kg_m2: 0.01 });
+        parts.payload = Payload { mass_kg: 0.2, inertia_kg_m2: 0.03, offset_m: 0.1 };
         let link = Link::new(parts).unwrap();
         // Midpoint rule, fine enough for nine digits.
         let n = 90_000;
@@ -306,10 +262,7 @@ mod tests {
     #[test]
     fn every_range_is_refused_with_name_value_and_unit() {
         let cases = [
-            (
-                refusal(|p| p.segments.clear()),
-                "segments = [], but must hold at least one segment",
-            ),
+            (refusal(|p| p.segments.clear()), "segments = [], but must hold at least one segment"),
             (
                 refusal(|p| p.segments[1].length_m = 0.0),
                 "segments.1.length = 0 m, but must be finite and above 0",
@@ -333,11 +286,7 @@ mod tests {
             ),
             (
                 refusal(|p| {
-                    p.masses.push(LumpedMass {
-                        at_m: 1.6,
-                        mass_kg: 1.0,
-                        inertia_kg_m2: 0.0,
-                    });
+                    p.masses.push(LumpedMass { at_m: 1.6, mass_kg: 1.0, inertia_kg_m2: 0.0 });
                 }),
                 "masses.0.at = 1.6 m, but must lie on the link, from 0 m to 1.5 m from the axis",
             ),

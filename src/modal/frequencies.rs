@@ -43,9 +43,7 @@ pub fn natural_frequencies(mesh: &Mesh, count: usize) -> Vec<f64> {
         while modes_below(mesh, low) >= sought {
             low *= 0.5;
         }
-        found.push(bisect(low, high, |omega| {
-            modes_below(mesh, omega) >= sought
-        }));
+        found.push(bisect(low, high, |omega| modes_below(mesh, omega) >= sought));
     }
     found
 }

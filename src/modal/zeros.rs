@@ -25,9 +25,7 @@ pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
         let value = tip(z);
         if value.is_sign_negative() != previous.1.is_sign_negative() {
             let negative = value.is_sign_negative();
-            zeros.push(bisect(previous.0, z, |z| {
-                tip(z).is_sign_negative() == negative
-            }));
+            zeros.push(bisect(previous.0, z, |z| tip(z).is_sign_negative() == negative));
         }
         previous = (z, value);
     }
@@ -71,9 +69,5 @@ pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
 /// A rate in 1/s below every clamped mode and every zero: `(L + e_tip)/L = 1 + λ/rate² + O(λ²)`.
 fn slowest_rate(mesh: &Mesh) -> f64 {
     let static_lag = hub_response(mesh, 0.0).lag_m_s2 / mesh.length_m();
-    if static_lag == 0.0 {
-        1.0
-    } else {
-        static_lag.abs().recip().sqrt()
-    }
+    if static_lag == 0.0 { 1.0 } else { static_lag.abs().recip().sqrt() }
 }

@@ -25,16 +25,10 @@ pub(super) fn uniform_step(time_s: &[f64]) -> Result<f64, MotionError> {
     }
     // One missing row shifts the mean step; the commonest one tells which row is to blame.
     let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
-    let usual = *steps
-        .clone()
-        .select_nth_unstable_by(last / 2, f64::total_cmp)
-        .1;
+    let usual = *steps.clone().select_nth_unstable_by(last / 2, f64::total_cmp).1;
     steps.insert(0, usual);
     let worst = |k: &usize| !((steps[*k] - usual).abs() <= TIME_TOLERANCE * usual);
-    let sample = (1..=last)
-        .find(worst)
-        .or_else(|| (1..=last).find(|k| is_off(*k)))
-        .unwrap_or(last);
+    let sample = (1..=last).find(worst).or_else(|| (1..=last).find(|k| is_off(*k))).unwrap_or(last);
     Err(MotionError::NotUniform {
         sample,
         found_s: time_s[sample],
@@ -51,10 +45,8 @@ pub(super) fn at_rest(displacement_m: &[f64], step_s: f64) -> Result<(), MotionE
     let differences: Vec<f64> = displacement_m.windows(2).map(|d| d[1] - d[0]).collect();
     let peak = differences.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
     let last = differences.len() - 1;
-    let ends = [
-        (0, differences[0], differences[1]),
-        (last + 1, differences[last], differences[last - 1]),
-    ];
+    let ends =
+        [(0, differences[0], differences[1]), (last + 1, differences[last], differences[last - 1])];
     for (sample, outer, inner) in ends {
         let velocity = 1.5 * outer - 0.5 * inner;
         if velocity * outer > 0.0 && velocity.abs() > REST_TOLERANCE * peak {
@@ -79,14 +71,10 @@ pub(super) fn agree(
     jump: f64,
     from_acceleration: bool,
 ) -> Result<(), MotionError> {
-    let peak = expected
-        .iter()
-        .fold(0.0_f64, |m, x| m.max((x - expected[0]).abs()));
+    let peak = expected.iter().fold(0.0_f64, |m, x| m.max((x - expected[0]).abs()));
     let allowed = AGREEMENT_TOLERANCE * peak + jump;
     let distance = |k: &usize| (found[*k] - expected[*k]).abs();
-    let worst = (0..found.len())
-        .max_by(|a, b| distance(a).total_cmp(&distance(b)))
-        .unwrap_or(0);
+    let worst = (0..found.len()).max_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
     if distance(&worst) <= allowed {
         return Ok(());
     }
@@ -128,9 +116,7 @@ mod tests {
 
     #[test]
     fn a_steady_drift_of_the_step_is_refused() {
-        let times: Vec<f64> = (0..100)
-            .map(|k| f64::from(k) + 1e-5 * f64::from(k * k))
-            .collect();
+        let times: Vec<f64> = (0..100).map(|k| f64::from(k) + 1e-5 * f64::from(k * k)).collect();
         assert!(uniform_step(&times).is_err());
     }
 
@@ -141,13 +127,7 @@ mod tests {
         // Minimum jerk and bang-bang, both coarse.
         let gentle = [
             sampled(|t| t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t)),
-            sampled(|t| {
-                if t < 0.5 {
-                    2.0 * t * t
-                } else {
-                    1.0 - 2.0 * (1.0 - t) * (1.0 - t)
-                }
-            }),
+            sampled(|t| if t < 0.5 { 2.0 * t * t } else { 1.0 - 2.0 * (1.0 - t) * (1.0 - t) }),
         ];
         for motion in gentle {
             assert_eq!(at_rest(&motion, 0.1), Ok(()));

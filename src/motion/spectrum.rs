@@ -73,10 +73,7 @@ impl TipMotion {
     /// # Panics
     /// If `len` is odd or below the number of samples.
     pub fn spectrum(&self, len: usize) -> TipSpectrum {
-        assert!(
-            len >= self.grid().len,
-            "a period of {len} samples is shorter than the motion"
-        );
+        assert!(len >= self.grid().len, "a period of {len} samples is shorter than the motion");
         let pair = FourierPair::new(len);
         let mut samples = self.forcing_m_s2().to_vec();
         samples.resize(len, 0.0);
@@ -90,12 +87,7 @@ impl TipMotion {
         }
         let step_s = self.grid().step_s;
         let mean_velocity_m_s = self.travel_m() / (len as f64 * step_s);
-        TipSpectrum {
-            pair,
-            step_s,
-            acceleration_m_s2: acceleration,
-            mean_velocity_m_s,
-        }
+        TipSpectrum { pair, step_s, acceleration_m_s2: acceleration, mean_velocity_m_s }
     }
 
     /// The sample, in the middle of the padding of a period of `len`, from which on samples stand
@@ -130,37 +122,22 @@ impl TipMotion {
                 (acceleration, displacement)
             }
         };
-        TipHistories {
-            acceleration_m_s2,
-            velocity_m_s,
-            displacement_m,
-            before,
-        }
+        TipHistories { acceleration_m_s2, velocity_m_s, displacement_m, before }
     }
 
     fn integrated_displacement(&self, spectrum: &TipSpectrum, before: usize) -> Vec<f64> {
         let len = spectrum.pair.len();
         let periodic = spectrum.acceleration_m_s2.iter().enumerate().map(|(k, a)| {
-            if k == 0 {
-                Complex64::ZERO
-            } else {
-                -a / spectrum.omega_rad_s(k).powi(2)
-            }
+            if k == 0 { Complex64::ZERO } else { -a / spectrum.omega_rad_s(k).powi(2) }
         });
         let periodic = spectrum.pair.samples(periodic.collect());
         let ramp = spectrum.mean_velocity_m_s * spectrum.step_s;
         let steps = |j: usize| {
-            if j < before {
-                j as f64
-            } else {
-                j as f64 - len as f64
-            }
+            if j < before { j as f64 } else { j as f64 - len as f64 }
         };
         // The tip stands at its initial displacement at the far end of the rest before the motion.
         let begin = before % len;
         let offset = self.initial_displacement_m() - ramp * steps(begin) - periodic[begin];
-        (0..len)
-            .map(|j| offset + ramp * steps(j) + periodic[j])
-            .collect()
+        (0..len).map(|j| offset + ramp * steps(j) + periodic[j]).collect()
     }
 }

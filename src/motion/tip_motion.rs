@@ -18,10 +18,7 @@ pub(super) enum Source {
     /// Accelerations in m/s².
     Acceleration(Vec<f64>),
     /// Displacements in m and their second differences over the squared step in m/s².
-    Displacement {
-        samples: Vec<f64>,
-        second_differences: Vec<f64>,
-    },
+    Displacement { samples: Vec<f64>, second_differences: Vec<f64> },
 }
 
 /// A velocity that the samples left the tip with, and that was taken out.
@@ -56,28 +53,15 @@ impl TipMotion {
     /// [`MotionError`]: times off a uniform grid, a motion that is not at rest at both ends,
     /// columns that contradict each other, or no motion at all.
     pub fn new(columns: MotionColumns) -> Result<Self, MotionError> {
-        let MotionColumns {
-            time_s,
-            acceleration_m_s2,
-            velocity_m_s,
-            displacement_m,
-        } = columns;
+        let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } = columns;
         let len = time_s.len();
         let given = [&acceleration_m_s2, &velocity_m_s, &displacement_m];
-        let ragged = given
-            .into_iter()
-            .flatten()
-            .any(|column| column.len() != len);
+        let ragged = given.into_iter().flatten().any(|column| column.len() != len);
         if ragged || len < 4 || (acceleration_m_s2.is_none() && displacement_m.is_none()) {
             return Err(MotionError::Shape { samples: len });
         }
         let step_s = uniform_step(&time_s)?;
-        let grid = TimeGrid {
-            origin_s: time_s[0],
-            step_s,
-            first: 0,
-            len,
-        };
+        let grid = TimeGrid { origin_s: time_s[0], step_s, first: 0, len };
         let initial_displacement_m = displacement_m.as_ref().map_or(0.0, |d| d[0]);
         let from_acceleration = acceleration_m_s2.is_some();
         let mut motion = match (acceleration_m_s2, &displacement_m) {
@@ -104,15 +88,9 @@ impl TipMotion {
             velocities.fold((0.0_f64, 0.0), |(peak, _), v| (peak.max(v.abs()), v));
         let share = velocity_m_s.abs() / peak;
         if share > FEW_DIGITS {
-            return Err(MotionError::AcceleratesAway {
-                velocity_m_s,
-                share,
-            });
+            return Err(MotionError::AcceleratesAway { velocity_m_s, share });
         }
-        let corrected = (share > ROUND_OFF).then_some(EndVelocity {
-            velocity_m_s,
-            share,
-        });
+        let corrected = (share > ROUND_OFF).then_some(EndVelocity { velocity_m_s, share });
         if corrected.is_some() {
             let own = &mut samples[moving.0..=moving.1];
             let excess = velocity_m_s / (grid.step_s * own.len() as f64);
@@ -122,14 +100,7 @@ impl TipMotion {
         let moments = samples.iter().enumerate().map(|(k, a)| k as f64 * a);
         let travel_m = -moments.sum::<f64>() * grid.step_s.powi(2);
         let source = Source::Acceleration(samples);
-        Ok(Self {
-            grid,
-            source,
-            initial_displacement_m: 0.0,
-            travel_m,
-            moving,
-            corrected,
-        })
+        Ok(Self { grid, source, initial_displacement_m: 0.0, travel_m, moving, corrected })
     }
 
     fn from_displacement(grid: TimeGrid, samples: Vec<f64>) -> Result<Self, MotionError> {
@@ -144,18 +115,8 @@ impl TipMotion {
             .collect();
         let moving = moving_samples(&second_differences).ok_or(MotionError::NoMotion)?;
         let (initial_displacement_m, travel_m) = (samples[0], samples[last] - samples[0]);
-        let source = Source::Displacement {
-            samples,
-            second_differences,
-        };
-        Ok(Self {
-            grid,
-            source,
-            initial_displacement_m,
-            travel_m,
-            moving,
-            corrected: None,
-        })
+        let source = Source::Displacement { samples, second_differences };
+        Ok(Self { grid, source, initial_displacement_m, travel_m, moving, corrected: None })
     }
 
     fn check_agreement(
@@ -169,21 +130,12 @@ impl TipMotion {
         }
         let expected = self.histories(&self.spectrum(fast_length(2 * self.grid.len)));
         let peak = |samples: &[f64]| {
-            samples[..self.grid.len]
-                .iter()
-                .fold(0.0_f64, |m, x| m.max(x.abs()))
-                * self.grid.step_s
+            samples[..self.grid.len].iter().fold(0.0_f64, |m, x| m.max(x.abs())) * self.grid.step_s
         };
         if let Some(found) = velocity_m_s {
             let jump = peak(&expected.acceleration_m_s2);
             let expected = &expected.velocity_m_s[..self.grid.len];
-            agree(
-                MotionColumn::Velocity,
-                found,
-                expected,
-                jump,
-                from_acceleration,
-            )?;
+            agree(MotionColumn::Velocity, found, expected, jump, from_acceleration)?;
         }
         if let Some(found) = displacement_m.filter(|_| from_acceleration) {
             let jump = peak(&expected.velocity_m_s);
@@ -211,9 +163,7 @@ impl TipMotion {
     pub(super) fn forcing_m_s2(&self) -> &[f64] {
         match &self.source {
             Source::Acceleration(samples) => samples,
-            Source::Displacement {
-                second_differences, ..
-            } => second_differences,
+            Source::Displacement { second_differences, .. } => second_differences,
         }
     }
 

@@ -23,15 +23,9 @@ impl FourierPair {
     /// # Panics
     /// If `len` is odd or zero.
     pub fn new(len: usize) -> Self {
-        assert!(
-            len > 0 && len.is_multiple_of(2),
-            "a Fourier pair needs an even length, not {len}"
-        );
+        assert!(len > 0 && len.is_multiple_of(2), "a Fourier pair needs an even length, not {len}");
         let mut planner = RealFftPlanner::new();
-        Self {
-            forward: planner.plan_fft_forward(len),
-            inverse: planner.plan_fft_inverse(len),
-        }
+        Self { forward: planner.plan_fft_forward(len), inverse: planner.plan_fft_inverse(len) }
     }
 
     /// Number N of samples.
@@ -50,9 +44,7 @@ impl FourierPair {
     /// If there are not N samples.
     pub fn amplitudes(&self, mut samples: Vec<f64>) -> Vec<Complex64> {
         let mut spectrum = self.forward.make_output_vec();
-        self.forward
-            .process(&mut samples, &mut spectrum)
-            .expect("N samples, N/2 + 1 amplitudes");
+        self.forward.process(&mut samples, &mut spectrum).expect("N samples, N/2 + 1 amplitudes");
         let scale = 1.0 / self.len() as f64;
         spectrum.iter_mut().for_each(|x| *x *= scale);
         spectrum
@@ -67,18 +59,12 @@ impl FourierPair {
     /// If there are more than N/2 + 1 amplitudes.
     pub fn samples(&self, mut amplitudes: Vec<Complex64>) -> Vec<f64> {
         let bins = self.len() / 2 + 1;
-        assert!(
-            amplitudes.len() <= bins,
-            "{} amplitudes for {bins} bins",
-            amplitudes.len()
-        );
+        assert!(amplitudes.len() <= bins, "{} amplitudes for {bins} bins", amplitudes.len());
         amplitudes.resize(bins, Complex64::ZERO);
         amplitudes[0].im = 0.0;
         amplitudes[bins - 1].im = 0.0;
         let mut samples = self.inverse.make_output_vec();
-        self.inverse
-            .process(&mut amplitudes, &mut samples)
-            .expect("N/2 + 1 amplitudes, N samples");
+        self.inverse.process(&mut amplitudes, &mut samples).expect("N/2 + 1 amplitudes, N samples");
         samples
     }
 }

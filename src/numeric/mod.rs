@@ -12,4 +12,5 @@ pub use grid::{ThinnedGrid, TimeGrid};
 pub use roots::{bisect, geometric_scan};
 pub use scalar::Scalar;
 pub use spline::{CubicSpline, SplineEnds};
+pub(crate) use units::split_number;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};

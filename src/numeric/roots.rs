@@ -5,19 +5,11 @@
 pub fn bisect(mut low: f64, mut high: f64, mut is_above: impl FnMut(f64) -> bool) -> f64 {
     loop {
         let wide = high > 2.0 * low && low > 0.0;
-        let middle = if wide {
-            low.sqrt() * high.sqrt()
-        } else {
-            low + 0.5 * (high - low)
-        };
+        let middle = if wide { low.sqrt() * high.sqrt() } else { low + 0.5 * (high - low) };
         if middle <= low || middle >= high {
             return low;
         }
-        if is_above(middle) {
-            high = middle
-        } else {
-            low = middle
-        }
+        if is_above(middle) { high = middle } else { low = middle }
     }
 }
 

@@ -38,16 +38,9 @@ impl CubicSpline {
     /// whoever read the points has checked them.
     pub fn new(x: &[f64], y: &[f64], ends: SplineEnds) -> Self {
         assert!(x.len() == y.len(), "every abscissa has a value");
-        assert!(
-            x.len() >= Self::MIN_POINTS,
-            "a spline goes through 4 points"
-        );
+        assert!(x.len() >= Self::MIN_POINTS, "a spline goes through 4 points");
         assert!(x.is_sorted_by(|a, b| a < b), "the abscissae ascend");
-        Self {
-            x: x.to_vec(),
-            y: y.to_vec(),
-            slope: slopes(x, y, ends),
-        }
+        Self { x: x.to_vec(), y: y.to_vec(), slope: slopes(x, y, ends) }
     }
 
     /// Value at `x`; beyond the ends the outermost cubic goes on.
@@ -92,17 +85,9 @@ fn slopes(x: &[f64], y: &[f64], ends: SplineEnds) -> Vec<f64> {
     let first_row = end_row(ends, [step(0), step(1)], [chord(0), chord(1)]);
     let [near, next] = [last - 1, last - 2];
     let mirrored = end_row(ends, [step(near), step(next)], [chord(near), chord(next)]);
-    let last_row = Row {
-        before: mirrored.after,
-        after: 0.0,
-        ..mirrored
-    };
+    let last_row = Row { before: mirrored.after, after: 0.0, ..mirrored };
     let inner_rows = (1..last).map(inner);
-    solve_tridiagonal(
-        std::iter::once(first_row)
-            .chain(inner_rows)
-            .chain(std::iter::once(last_row)),
-    )
+    solve_tridiagonal(std::iter::once(first_row).chain(inner_rows).chain(std::iter::once(last_row)))
 }
 
 /// Row of the first point, from the two steps and chord slopes next to it, nearest first.
@@ -120,12 +105,7 @@ fn end_row(ends: SplineEnds, [a, b]: [f64; 2], [p, q]: [f64; 2]) -> Row {
             (b, both, right)
         }
     };
-    Row {
-        before: 0.0,
-        own,
-        after,
-        right,
-    }
+    Row { before: 0.0, own, after, right }
 }
 
 /// Elimination without exchange of rows: the pivots stay positive, the not-a-knot ends included.
@@ -162,9 +142,7 @@ mod tests {
         let y: Vec<f64> = x.iter().map(|&x| wave(x)).collect();
         let spline = CubicSpline::new(&x, &y, ends);
         let probes = (0..=4000).map(|k| f64::from(k) / 4000.0);
-        probes
-            .map(|x| (spline.value(x) - wave(x)).abs())
-            .fold(0.0, f64::max)
+        probes.map(|x| (spline.value(x) - wave(x)).abs()).fold(0.0, f64::max)
     }
 
     #[test]
@@ -211,10 +189,7 @@ mod tests {
         for ends in [SplineEnds::NotAKnot, SplineEnds::Clamped] {
             let spline = CubicSpline::new(&x, &y, ends);
             let met = x.iter().zip(&y);
-            assert!(
-                met.clone()
-                    .all(|(&x, &y)| spline.value(x).to_bits() == y.to_bits())
-            );
+            assert!(met.clone().all(|(&x, &y)| spline.value(x).to_bits() == y.to_bits()));
         }
     }
 

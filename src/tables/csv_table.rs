@@ -112,10 +112,7 @@ mod tests {
     use crate::numeric::TimeGrid;
 
     fn column<'a>(name: &str, values: &'a [f64]) -> Column<'a> {
-        Column {
-            name: name.to_owned(),
-            values,
-        }
+        Column { name: name.to_owned(), values }
     }
 
     fn written(time: &ThinnedGrid, groups: &[ColumnGroup], digits: Digits) -> String {
@@ -124,33 +121,21 @@ mod tests {
         String::from_utf8(out).unwrap()
     }
 
-    const GRID: TimeGrid = TimeGrid {
-        origin_s: 0.0,
-        step_s: 0.25,
-        first: -1,
-        len: 5,
-    };
+    const GRID: TimeGrid = TimeGrid { origin_s: 0.0, step_s: 0.25, first: -1, len: 5 };
 
     #[test]
     fn each_group_has_decimals_of_its_own_peak() {
         let (angle, rate) = ([0.0, -0.001, 2.0], [0.5, 1.0, -0.000_1]);
         let torque = [100.0, -12.345_678, 0.0];
         let groups = [
-            ColumnGroup {
-                columns: vec![column("a_rad", &angle), column("b_rad", &rate)],
-            },
-            ColumnGroup {
-                columns: vec![column("torque_n_m", &torque)],
-            },
+            ColumnGroup { columns: vec![column("a_rad", &angle), column("b_rad", &rate)] },
+            ColumnGroup { columns: vec![column("torque_n_m", &torque)] },
         ];
         let expected = "time_s,a_rad,b_rad,torque_n_m\n\
                         -0.25,0.000,0.500,100.0\n\
                         0.25,-0.001,1.000,-12.3\n\
                         0.75,2.000,0.000,0.0\n";
-        assert_eq!(
-            written(&GRID.thinned(2), &groups, Digits::BelowPeak(3)),
-            expected
-        );
+        assert_eq!(written(&GRID.thinned(2), &groups, Digits::BelowPeak(3)), expected);
     }
 
     #[test]
@@ -166,9 +151,7 @@ mod tests {
         let grid = TimeGrid { len, ..GRID };
         let table = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            let groups = [ColumnGroup {
-                columns: vec![column("v_m", &values)],
-            }];
+            let groups = [ColumnGroup { columns: vec![column("v_m", &values)] }];
             let write = || written(&grid.thinned(1), &groups, Digits::default());
             pool.build().unwrap().install(write)
         };
@@ -184,9 +167,7 @@ mod tests {
     #[test]
     #[should_panic(expected = "torque_n_m")]
     fn a_column_of_another_length_is_a_mistake_of_the_caller() {
-        let groups = [ColumnGroup {
-            columns: vec![column("torque_n_m", &[1.0])],
-        }];
+        let groups = [ColumnGroup { columns: vec![column("torque_n_m", &[1.0])] }];
         written(&GRID.thinned(1), &groups, Digits::Full);
     }
 }

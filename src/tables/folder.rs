@@ -128,11 +128,7 @@ impl OutputFolder {
     }
 
     fn error(&self, action: FolderAction, cause: io::Error) -> FolderError {
-        FolderError {
-            folder: self.dir.clone(),
-            action,
-            cause,
-        }
+        FolderError { folder: self.dir.clone(), action, cause }
     }
 }
 
@@ -157,9 +153,7 @@ fn write_aside(
     let file = ordinary_file(Builder::new().prefix(OsStr::new(&prefix)), dir)?;
     let mut buffered = BufWriter::with_capacity(1 << 16, file);
     write(&mut buffered)?;
-    let file = buffered
-        .into_inner()
-        .map_err(io::IntoInnerError::into_error)?;
+    let file = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
     Ok(file.into_temp_path())
 }
 
@@ -212,11 +206,7 @@ mod tests {
     fn a_second_run_replaces_the_first_and_nothing_else() {
         let base = tempfile::tempdir().unwrap();
         let dir = base.path().join("a/b");
-        let first = [
-            ("summary.json", "1"),
-            ("torque.csv", "1"),
-            ("nodes.csv", "1"),
-        ];
+        let first = [("summary.json", "1"), ("torque.csv", "1"), ("nodes.csv", "1")];
         let folder = stage_files(&dir, &first);
         folder.commit("summary.json", &OWNED).unwrap();
         fs::write(dir.join("notes.txt"), "mine").unwrap();
@@ -225,11 +215,7 @@ mod tests {
         let folder = stage_files(&dir, &second);
         assert_eq!(fs::read_to_string(dir.join("torque.csv")).unwrap(), "1");
         folder.commit("summary.json", &OWNED).unwrap();
-        let expected = [
-            ("notes.txt", "mine"),
-            ("summary.json", "2"),
-            ("torque.csv", "2"),
-        ];
+        let expected = [("notes.txt", "mine"), ("summary.json", "2"), ("torque.csv", "2")];
         assert_eq!(listing(&dir), files(&expected));
     }
 
@@ -254,10 +240,7 @@ mod tests {
     #[test]
     fn a_dropped_run_takes_the_folders_it_created_with_it() {
         let base = tempfile::tempdir().unwrap();
-        drop(stage_files(
-            &base.path().join("a/b"),
-            &[("torque.csv", "1")],
-        ));
+        drop(stage_files(&base.path().join("a/b"), &[("torque.csv", "1")]));
         assert_eq!(listing(base.path()), []);
     }
 

@@ -14,13 +14,8 @@ pub(super) enum Quantity {
 }
 
 impl Quantity {
-    const ALL: [Self; 5] = [
-        Self::Time,
-        Self::Acceleration,
-        Self::Velocity,
-        Self::Displacement,
-        Self::Angle,
-    ];
+    const ALL: [Self; 5] =
+        [Self::Time, Self::Acceleration, Self::Velocity, Self::Displacement, Self::Angle];
 
     fn word(self) -> &'static str {
         match self {
@@ -99,9 +94,7 @@ pub(super) fn read_header(fields: &[&str], place: Place) -> Result<Vec<Heading>,
     {
         let must = "must name columns that are separated by commas";
         let hint = "separate the columns with commas";
-        return Err(place
-            .refuse("first row", quoted(field), must)
-            .with_hint(hint.to_owned()));
+        return Err(place.refuse("first row", quoted(field), must).with_hint(hint.to_owned()));
     }
     let mut headings: Vec<Heading> = Vec::new();
     for (index, field) in fields.iter().enumerate() {
@@ -131,9 +124,7 @@ fn read_heading(field: &str, index: usize, place: Place) -> Result<Heading, Moti
         let must = format!("must not stand beside the unit that {name} names itself");
         return Err(place.refuse(format!("unit of {name}"), quoted(unit), must));
     }
-    let unit = unit_text
-        .map(|text| read_unit(text, name, quantity, place))
-        .transpose()?;
+    let unit = unit_text.map(|text| read_unit(text, name, quantity, place)).transpose()?;
     Ok(Heading {
         quantity,
         name: name.to_owned(),
@@ -150,28 +141,20 @@ fn read_unit(
 ) -> Result<Unit, MotionFileError> {
     let refuse = |hint| {
         let must = format!("must be a unit such as {}", quantity.units().join(" or "));
-        place
-            .refuse(format!("unit of {name}"), quoted(text), must)
-            .with_hint(hint)
+        place.refuse(format!("unit of {name}"), quoted(text), must).with_hint(hint)
     };
     if text.is_empty() {
         return Err(refuse(None));
     }
     let unit = Unit::parse(text).map_err(|error| refuse(error.hint()))?;
-    if unit.dimension() == quantity.dimension() {
-        Ok(unit)
-    } else {
-        Err(refuse(None))
-    }
+    if unit.dimension() == quantity.dimension() { Ok(unit) } else { Err(refuse(None)) }
 }
 
 fn unknown_column(field: &str, plain: &str, index: usize, place: Place) -> MotionFileError {
     let subject = format!("column {}", index + 1);
     let words = Quantity::ALL.map(Quantity::word);
     let must = format!("must be one of {}", words.join(", "));
-    place
-        .refuse(subject, quoted(field), must)
-        .with_hint(hint_for(plain))
+    place.refuse(subject, quoted(field), must).with_hint(hint_for(plain))
 }
 
 /// What the user may have meant by a name that is not known.
@@ -222,9 +205,7 @@ fn refuse_double(
     }
     let must = format!("must not stand beside {same}: they are two names of one thing");
     let hint = "displacement = angle * link length; keep one of them";
-    Err(place
-        .refuse(subject, found, must)
-        .with_hint(hint.to_owned()))
+    Err(place.refuse(subject, found, must).with_hint(hint.to_owned()))
 }
 
 fn refuse_missing(headings: &[Heading], place: Place) -> Result<(), MotionFileError> {

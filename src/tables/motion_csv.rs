@@ -53,25 +53,16 @@ pub fn read_motion_table(
     bytes: &[u8],
     link_length_m: f64,
 ) -> Result<MotionTable, MotionFileError> {
-    let whole = Place {
-        file: name,
-        line: None,
-    };
+    let whole = Place { file: name, line: None };
     let mut rows = Rows::new(name, bytes)?;
     let Some((line, fields)) = rows.next()? else {
         let must = format!("must hold a row of names and {MIN_SAMPLES} samples or more");
         return Err(whole.refuse("content", "nothing", must));
     };
-    let place = Place {
-        line: Some(line),
-        ..whole
-    };
+    let place = Place { line: Some(line), ..whole };
     let mut samples = Samples::new(read_header(&fields, place)?);
     while let Some((line, fields)) = rows.next()? {
-        let place = Place {
-            line: Some(line),
-            ..whole
-        };
+        let place = Place { line: Some(line), ..whole };
         samples.push(&fields, line, place)?;
     }
     if samples.lines.len() < MIN_SAMPLES {
@@ -129,13 +120,8 @@ impl Samples {
         if now > before {
             return Ok(());
         }
-        let Heading {
-            name, unit_text, ..
-        } = &self.headings[self.time];
-        let must = format!(
-            "must be above {} {unit_text} of line {line}",
-            self.time_text
-        );
+        let Heading { name, unit_text, .. } = &self.headings[self.time];
+        let must = format!("must be above {} {unit_text} of line {line}", self.time_text);
         Err(place.refuse(name, format!("{text} {unit_text}"), must))
     }
 
@@ -155,11 +141,7 @@ impl Samples {
                 }
             }
         }
-        MotionTable {
-            columns,
-            name: name.to_owned(),
-            lines: self.lines,
-        }
+        MotionTable { columns, name: name.to_owned(), lines: self.lines }
     }
 }
 
@@ -172,14 +154,8 @@ fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, Moti
     let Ok(number) = field.parse::<f64>() else {
         let decimal_comma = field.replace(',', ".").parse::<f64>().is_ok();
         let hint = decimal_comma.then(|| "decimals follow a point".to_owned());
-        return Err(place
-            .refuse(&heading.name, quoted(field), "must be a number")
-            .with_hint(hint));
+        return Err(place.refuse(&heading.name, quoted(field), "must be a number").with_hint(hint));
     };
     let value = heading.to_si(number);
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(place.refuse(&heading.name, field, finite))
-    }
+    if value.is_finite() { Ok(value) } else { Err(place.refuse(&heading.name, field, finite)) }
 }

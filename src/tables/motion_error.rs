@@ -22,10 +22,7 @@ impl MotionFileError {
 
     /// Adds what the user may do.
     pub(super) fn with_hint(self, hint: impl Into<Option<String>>) -> Self {
-        Self {
-            hint: hint.into(),
-            ..self
-        }
+        Self { hint: hint.into(), ..self }
     }
 }
 

@@ -65,9 +65,7 @@ impl FromStr for Digits {
         }
         match text.parse() {
             Ok(n @ 1..=17) => Ok(Self::BelowPeak(n)),
-            _ => Err(DigitsError {
-                found: text.to_owned(),
-            }),
+            _ => Err(DigitsError { found: text.to_owned() }),
         }
     }
 }
@@ -134,11 +132,7 @@ mod tests {
             (10, 0.0, 10),
             (2, 5e-324, 326),
         ] {
-            assert_eq!(
-                decimals(n, peak),
-                NumberFormat::Fixed(expected),
-                "{n} {peak}"
-            );
+            assert_eq!(decimals(n, peak), NumberFormat::Fixed(expected), "{n} {peak}");
         }
         assert_eq!(decimals(10, f64::INFINITY), NumberFormat::Shortest);
         assert_eq!(decimals(10, f64::NAN), NumberFormat::Shortest);
@@ -174,10 +168,7 @@ mod tests {
 
     #[test]
     fn fixed_decimals_hold_for_huge_and_tiny_numbers() {
-        assert_eq!(
-            text(NumberFormat::Fixed(2), 1e22),
-            "10000000000000000000000.00"
-        );
+        assert_eq!(text(NumberFormat::Fixed(2), 1e22), "10000000000000000000000.00");
         assert_eq!(text(NumberFormat::Fixed(10), 1e-300), "0.0000000000");
     }
 

@@ -31,10 +31,7 @@ impl MotionTable {
         let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
             return Ok(self);
         };
-        let place = Place {
-            file: &self.name,
-            line: None,
-        };
+        let place = Place { file: &self.name, line: None };
         let steps = whole_steps(last - first, step_s, place)?;
         let time_s: Vec<f64> = (0..=steps).map(|k| first + k as f64 * step_s).collect();
         let on_grid = |values: &Option<Vec<f64>>, ends| {
@@ -127,9 +124,7 @@ mod tests {
         };
         let displacement = wrong(&columns.displacement_m, 0);
         let velocity = wrong(&columns.velocity_m_s, 1);
-        displacement
-            .max(velocity)
-            .max(wrong(&columns.acceleration_m_s2, 2))
+        displacement.max(velocity).max(wrong(&columns.acceleration_m_s2, 2))
     }
 
     fn uneven(n: u32) -> Vec<f64> {
@@ -154,9 +149,7 @@ mod tests {
 
     #[test]
     fn a_line_is_that_of_the_last_sample_not_later() {
-        let resampled = table(&[0.0, 0.1, 0.3, 0.6], versine)
-            .resampled(0.1)
-            .unwrap();
+        let resampled = table(&[0.0, 0.1, 0.3, 0.6], versine).resampled(0.1).unwrap();
         let lines: Vec<u64> = (0..7).map(|k| resampled.line_of(k)).collect();
         assert_eq!(lines, [0, 2, 2, 4, 4, 4, 6]);
     }
@@ -166,15 +159,9 @@ mod tests {
         let motion = table(&uneven(10), versine);
         let error = motion.clone().resampled(0.03).unwrap_err();
         let must = "must divide the motion's 1 s into whole steps";
-        assert_eq!(
-            error.to_string(),
-            format!("t.csv: resampling step = 0.03 s, but {must}")
-        );
+        assert_eq!(error.to_string(), format!("t.csv: resampling step = 0.03 s, but {must}"));
         let hint = error.hint().unwrap();
-        let steps: Vec<f64> = hint
-            .split(' ')
-            .filter_map(|word| word.parse().ok())
-            .collect();
+        let steps: Vec<f64> = hint.split(' ').filter_map(|word| word.parse().ok()).collect();
         assert_eq!(steps.len(), 2);
         for step_s in steps {
             assert!(motion.clone().resampled(step_s).is_ok(), "{step_s}");

@@ -20,11 +20,7 @@ impl<'a> Rows<'a> {
             let good = error.valid_up_to();
             let line = Some(1 + line_ends(bytes, 0, good));
             Place { file, line }
-                .refuse(
-                    "text",
-                    format!("byte 0x{:02x}", bytes[good]),
-                    "must be UTF-8",
-                )
+                .refuse("text", format!("byte 0x{:02x}", bytes[good]), "must be UTF-8")
                 .with_hint("save the file as text in UTF-8".to_owned())
         })?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -34,14 +30,7 @@ impl<'a> Rows<'a> {
             .trim(Trim::All)
             .comment(Some(b'#'))
             .from_reader(text.as_bytes());
-        Ok(Self {
-            file,
-            text,
-            reader,
-            record: StringRecord::new(),
-            counted: 0,
-            line: 1,
-        })
+        Ok(Self { file, text, reader, record: StringRecord::new(), counted: 0, line: 1 })
     }
 
     /// The next row's line and fields, trimmed; `None` after the last.
@@ -58,18 +47,12 @@ impl<'a> Rows<'a> {
                 break;
             }
         }
-        Ok(Some((
-            self.line,
-            self.record.iter().map(unquoted).collect(),
-        )))
+        Ok(Some((self.line, self.record.iter().map(unquoted).collect())))
     }
 
     /// The row read last.
     fn place(&self) -> Place<'a> {
-        Place {
-            file: self.file,
-            line: Some(self.line),
-        }
+        Place { file: self.file, line: Some(self.line) }
     }
 
     /// Moves the line count to the row just read.
@@ -129,10 +112,7 @@ mod tests {
     fn lines_are_those_an_editor_shows() {
         assert_eq!(lines("a,b\n1,2\n3,4\n"), [1, 2, 3]);
         assert_eq!(lines("# c\n\n# d\na,b\n\n1,2\n#\n\n3,4"), [4, 6, 9]);
-        assert_eq!(
-            lines("\u{feff}# c\r\na,b\r\n\r\n1,2\r\n# x\r\n3,4\r\n"),
-            [2, 4, 6]
-        );
+        assert_eq!(lines("\u{feff}# c\r\na,b\r\n\r\n1,2\r\n# x\r\n3,4\r\n"), [2, 4, 6]);
         assert_eq!(lines("a,b\r1,2\r3,4\r"), [1, 2, 3]);
         assert_eq!(lines("a,\"b\nc\"\n1,2\n  \n3,4\n"), [1, 3, 5]);
     }

@@ -5,9 +5,8 @@ const TOLERANCE_S: f64 = 1e-12;
 /// Most decimals before the shortest text takes over.
 const MAX_DECIMALS: usize = 15;
 /// Powers of ten, each exact.
-const POWERS: [f64; MAX_DECIMALS + 1] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-];
+const POWERS: [f64; MAX_DECIMALS + 1] =
+    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 /// Below this every whole number is exact.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 
@@ -54,12 +53,7 @@ mod tests {
     }
 
     fn grid(origin_s: f64, step_s: f64, first: i64, len: usize) -> TimeGrid {
-        TimeGrid {
-            origin_s,
-            step_s,
-            first,
-            len,
-        }
+        TimeGrid { origin_s, step_s, first, len }
     }
 
     #[test]
@@ -80,11 +74,7 @@ mod tests {
         ] {
             let expected = (0..=15).find(|&d| fits(&grid, d));
             let expected = expected.map_or(NumberFormat::Shortest, NumberFormat::Fixed);
-            assert_eq!(
-                time_format(|k| grid.time_s(k), grid.len),
-                expected,
-                "{grid:?}"
-            );
+            assert_eq!(time_format(|k| grid.time_s(k), grid.len), expected, "{grid:?}");
         }
     }
 

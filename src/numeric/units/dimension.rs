@@ -121,9 +121,8 @@ mod tests {
         let range = -4..=4;
         let all = range.clone().flat_map(|mass| {
             let range = range.clone();
-            let lengths = range
-                .clone()
-                .flat_map(move |length| range.clone().map(move |time| (length, time)));
+            let lengths =
+                range.clone().flat_map(move |length| range.clone().map(move |time| (length, time)));
             lengths.map(move |(length, time)| Dimension::new(mass, length, time))
         });
         let named: Vec<Dimension> = all.filter(|d| !d.si_unit().is_empty()).collect();

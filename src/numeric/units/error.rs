@@ -82,7 +82,5 @@ fn wanted(dimension: Dimension) -> String {
 }
 
 fn described(unit: &str, dimension: Dimension) -> String {
-    dimension
-        .name()
-        .map_or_else(|| format!("measured in {unit}"), Into::into)
+    dimension.name().map_or_else(|| format!("measured in {unit}"), Into::into)
 }

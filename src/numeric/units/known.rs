@@ -18,12 +18,7 @@ const fn unit(
     exponent: i32,
     dimension: Dimension,
 ) -> KnownUnit {
-    KnownUnit {
-        symbol,
-        coefficient,
-        exponent,
-        dimension,
-    }
+    KnownUnit { symbol, coefficient, exponent, dimension }
 }
 
 /// Every unit this program reads.
@@ -96,12 +91,9 @@ pub(super) fn nearest(word: &str) -> Option<&'static str> {
             + 0.01 * strsim::jaro(word, symbol)
             + if same_start { 0.01 } else { 0.0 }
     };
-    let scores = KNOWN
-        .iter()
-        .map(|unit| (unit.symbol, likeness(unit.symbol)));
+    let scores = KNOWN.iter().map(|unit| (unit.symbol, likeness(unit.symbol)));
     let best = scores.reduce(|best, next| if next.1 > best.1 { next } else { best });
-    best.filter(|(_, score)| *score > 0.66)
-        .map(|(symbol, _)| symbol)
+    best.filter(|(_, score)| *score > 0.66).map(|(symbol, _)| symbol)
 }
 
 #[cfg(test)]
@@ -121,17 +113,12 @@ mod tests {
 
     #[test]
     fn every_unit_has_its_published_value() {
-        let rows: Vec<_> = EXPECTED
-            .split(';')
-            .map(|row| row.trim().split_once(' ').unwrap())
-            .collect();
+        let rows: Vec<_> =
+            EXPECTED.split(';').map(|row| row.trim().split_once(' ').unwrap()).collect();
         for (symbol, value) in &rows {
             let expected: f64 = value.parse().unwrap();
             let found = Unit::parse(symbol).unwrap().to_si(1.0);
-            assert!(
-                (found / expected - 1.0).abs() < 3e-16,
-                "{symbol} = {found:e}"
-            );
+            assert!((found / expected - 1.0).abs() < 3e-16, "{symbol} = {found:e}");
         }
         assert_eq!(rows.len(), KNOWN.len());
         for unit in KNOWN {

@@ -9,4 +9,5 @@ mod unit;
 pub use dimension::Dimension;
 pub use error::UnitError;
 pub use quantity::parse_quantity;
+pub(crate) use quantity::split_number;
 pub use unit::Unit;

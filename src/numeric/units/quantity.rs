@@ -29,16 +29,12 @@ pub fn parse_quantity(text: &str, expected: Dimension) -> Result<f64, UnitError>
         }
         parsed.to_si(number)
     };
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(UnitError::NotFinite)
-    }
+    if value.is_finite() { Ok(value) } else { Err(UnitError::NotFinite) }
 }
 
 /// The decimal number that `text` begins with, and the rest; `None` where there is no number or
 /// it goes on in a way that leaves doubt, as in `1,5` and `1_000`.
-fn split_number(text: &str) -> Option<(f64, &str)> {
+pub(crate) fn split_number(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     let digits = |from: usize| {
         let tail = text[from..].bytes();
@@ -109,11 +105,7 @@ mod tests {
                 Dimension::BENDING_STIFFNESS,
                 28.6 * 4.448_221_615_260_5 * 0.3048 * 0.3048,
             ),
-            (
-                "12 oz in^2",
-                Dimension::ROTARY_INERTIA,
-                12.0 * 0.028_349_523_125 * 0.0254 * 0.0254,
-            ),
+            ("12 oz in^2", Dimension::ROTARY_INERTIA, 12.0 * 0.028_349_523_125 * 0.0254 * 0.0254),
             ("1e4 ksi", Dimension::PRESSURE, 6.894_757_293_168_361e10),
         ];
         for (text, dimension, expected) in cases {
@@ -132,20 +124,11 @@ mod tests {
                 Some("a number without quotes is in SI units".into())
             )
         );
-        assert_eq!(
-            length("150 kg").0,
-            "is a mass, but must be a length such as m"
-        );
-        assert_eq!(
-            length("1 kg m").0,
-            "is measured in kg m, but must be a length such as m"
-        );
+        assert_eq!(length("150 kg").0, "is a mass, but must be a length such as m");
+        assert_eq!(length("1 kg m").0, "is measured in kg m, but must be a length such as m");
         assert_eq!(
             length("150 cn"),
-            (
-                "has the unknown unit `cn`".into(),
-                Some("did you mean `cm`?".into())
-            )
+            ("has the unknown unit `cn`".into(), Some("did you mean `cm`?".into()))
         );
         assert_eq!(length("1 mm2").1.unwrap(), "a power is written `mm^2`");
         assert_eq!(length("1 xyzzy").1, None);
@@ -161,9 +144,9 @@ mod tests {
 
     #[test]
     fn what_is_no_finite_decimal_number_is_refused() {
-        for text in [
-            "", "abc", "nan m", "inf m", "-inf m", "1,5 m", "1_000 m", "e5 m", ". m", "- m",
-        ] {
+        for text in
+            ["", "abc", "nan m", "inf m", "-inf m", "1,5 m", "1_000 m", "e5 m", ". m", "- m"]
+        {
             let error = parse_quantity(text, Dimension::LENGTH).unwrap_err();
             assert_eq!(error, UnitError::NotANumber, "{text}");
         }

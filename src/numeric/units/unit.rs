@@ -27,9 +27,7 @@ impl Unit {
     /// # Errors
     /// [`UnitError`] for an unknown unit, more than one unit below the stroke, or no unit at all.
     pub fn parse(text: &str) -> Result<Self, UnitError> {
-        let malformed = || UnitError::Malformed {
-            unit: text.trim().into(),
-        };
+        let malformed = || UnitError::Malformed { unit: text.trim().into() };
         let text = text.trim().replace("**", "^");
         let (above, below) = match text.split_once('/') {
             Some((above, below)) => (above.trim(), Some(below.trim())),
@@ -61,11 +59,7 @@ impl Unit {
         };
         // Powers of ten up to 22 are exact, those of negative exponent never are.
         let scale = 10.0_f64.powi(self.exponent.abs());
-        if self.exponent < 0 {
-            product / scale
-        } else {
-            product * scale
-        }
+        if self.exponent < 0 { product / scale } else { product * scale }
     }
 
     /// What the unit measures.
@@ -73,21 +67,14 @@ impl Unit {
         self.dimension
     }
 
-    const ONE: Self = Self {
-        coefficient: 1.0,
-        exponent: 0,
-        dimension: Dimension::NONE,
-    };
+    const ONE: Self = Self { coefficient: 1.0, exponent: 0, dimension: Dimension::NONE };
 
     /// This unit times `factor`, such as `cm^2`, to the power `sign`; `None` where `factor` is
     /// no word with a power.
     fn times(self, factor: &str, sign: i8) -> Option<Result<Self, UnitError>> {
         let (word, power) = word_and_power(factor)?;
         let Some(unit) = known(word) else {
-            return Some(Err(UnitError::UnknownUnit {
-                unit: word.into(),
-                nearest: nearest(word),
-            }));
+            return Some(Err(UnitError::UnknownUnit { unit: word.into(), nearest: nearest(word) }));
         };
         self.times_known(unit, power.checked_mul(sign)?).map(Ok)
     }
@@ -116,9 +103,7 @@ fn factors(product: &str) -> Vec<&str> {
 
 /// Takes `cm^2` or `cm²` apart.
 fn word_and_power(factor: &str) -> Option<(&str, i8)> {
-    let end = factor
-        .find(|c| c == '^' || superscript(c).is_some())
-        .unwrap_or(factor.len());
+    let end = factor.find(|c| c == '^' || superscript(c).is_some()).unwrap_or(factor.len());
     let (word, power) = factor.split_at(end);
     if word.is_empty() || !word.chars().all(char::is_alphanumeric) {
         return None;

@@ -1,0 +1,102 @@
+use super::Specification;
+use super::damping::damping;
+use super::error::Fault;
+use super::quantity::{Quantity, Real};
+use super::raw::{Elements, RawAnalysis, RawHub, RawMass, RawMesh, RawPayload, RawSpecification};
+use super::segment::segment;
+use crate::beam::{ElementCount, MeshPlan};
+use crate::inverse::Analysis;
+use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload};
+use crate::numeric::Dimension;
+
+/// Turns the raw form into the checked one.
+pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
+    if raw.segments.is_empty() {
+        return Err(Fault::new("segments", "must hold at least one [[segments]]"));
+    }
+    let own_elements = raw.segments.iter().map(|s| s.elements.map(|count| count.0));
+    let own_elements: Vec<Option<usize>> = own_elements.collect();
+    let segments = raw.segments.into_iter().enumerate();
+    let masses = raw.masses.iter().enumerate();
+    let link = Link::new(LinkParts {
+        title: raw.title.unwrap_or_default(),
+        segments: segments.map(|(index, raw)| segment(index, raw)).collect::<Result<_, _>>()?,
+        hub: hub(&raw.hub)?,
+        masses: masses.map(|(index, raw)| lumped_mass(index, raw)).collect::<Result<_, _>>()?,
+        payload: payload(&raw.payload)?,
+        damping: raw.damping.map_or(Ok(Damping::None), damping)?,
+    })?;
+    let mesh = mesh(&link, &own_elements, &raw.mesh)?;
+    let analysis = analysis(&raw.analysis)?;
+    Ok(Specification { link, mesh, analysis })
+}
+
+fn hub(raw: &RawHub) -> Result<Hub, Fault> {
+    let friction = &raw.viscous_friction;
+    Ok(Hub {
+        inertia_kg_m2: raw.inertia.si("hub.inertia", Dimension::ROTARY_INERTIA)?,
+        radius_m: raw.radius.si("hub.radius", Dimension::LENGTH)?,
+        viscous_friction_n_m_s_rad: friction
+            .si("hub.viscous_friction", Dimension::VISCOUS_FRICTION)?,
+    })
+}
+
+fn lumped_mass(index: usize, raw: &RawMass) -> Result<LumpedMass, Fault> {
+    let si = |key: &str, value: &Quantity, dimension| {
+        value.si(&format!("masses.{index}.{key}"), dimension)
+    };
+    Ok(LumpedMass {
+        at_m: si("at", &raw.at, Dimension::LENGTH)?,
+        mass_kg: si("mass", &raw.mass, Dimension::MASS)?,
+        inertia_kg_m2: si("inertia", &raw.inertia, Dimension::ROTARY_INERTIA)?,
+    })
+}
+
+fn payload(raw: &RawPayload) -> Result<Payload, Fault> {
+    let inertia = &raw.inertia;
+    Ok(Payload {
+        mass_kg: raw.mass.si("payload.mass", Dimension::MASS)?,
+        inertia_kg_m2: inertia.si("payload.inertia", Dimension::ROTARY_INERTIA)?,
+        offset_m: raw.offset.si("payload.offset", Dimension::LENGTH)?,
+    })
+}
+
+fn mesh(link: &Link, own: &[Option<usize>], raw: &RawMesh) -> Result<MeshPlan, Fault> {
+    let tolerance = raw.tolerance.map_or(MeshPlan::DEFAULT_TOLERANCE, |t| t.0);
+    let count = raw.elements.map(|elements| match elements {
+        Elements::Auto => ElementCount::Auto,
+        Elements::Total(count) => ElementCount::Total(count.0),
+    });
+    Ok(MeshPlan::new(link, own, count, tolerance)?)
+}
+
+fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {
+    let time = |path: &str, value: &Option<Quantity>| {
+        let si = value.as_ref().map(|value| value.si(path, Dimension::TIME));
+        si.transpose()
+    };
+    let Real(tolerance) = raw.tolerance.unwrap_or(Real(Analysis::DEFAULT_TOLERANCE));
+    let lead_s = time("analysis.lead", &raw.lead)?;
+    let lag_s = time("analysis.lag", &raw.lag)?;
+    Ok(Analysis::new(tolerance, lead_s, lag_s)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use super::super::tree::Node;
+    use serde::Deserialize;
+
+    #[test]
+    fn a_mesh_tolerance_has_its_range() {
+        let refused = |tolerance: &str| {
+            let segment = "{ length = 1, EI = 1, mass_per_length = 1 }";
+            let text = format!("segments = [{segment}]\nmesh.tolerance = {tolerance}");
+            let tree = Node::document(&text).unwrap();
+            convert(RawSpecification::deserialize(&tree).unwrap()).is_err()
+        };
+        assert!(!refused("1e-12") && !refused("0.1"));
+        assert!(refused("0.9e-12") && refused("0.11"));
+    }
+}

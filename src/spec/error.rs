@@ -1,0 +1,111 @@
+use thiserror::Error;
+
+use super::tree::{Node, Place};
+use crate::link::ParameterError;
+
+/// Why a link file, or a `--set` on it, is refused.
+///
+/// Reads `link.toml:14: damping.ratio = -0.02, but must lie in [0, 1)`.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{place}: {message}")]
+pub struct SpecError {
+    place: String,
+    message: String,
+    hint: Option<String>,
+}
+
+impl SpecError {
+    /// What to write instead, where there is something to say.
+    pub fn hint(&self) -> Option<&str> {
+        self.hint.as_deref()
+    }
+
+    pub(super) fn new(place: String, message: String, hint: Option<String>) -> Self {
+        Self { place, message, hint }
+    }
+}
+
+/// A refusal that knows the dotted path but not yet where that was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Fault {
+    /// Paths that took part in it; the one written last is shown.
+    at: Vec<String>,
+    message: String,
+    hint: Option<String>,
+}
+
+impl Fault {
+    pub(super) fn new(at: impl Into<String>, message: impl Into<String>) -> Self {
+        Self::among(vec![at.into()], message)
+    }
+
+    pub(super) fn among(at: Vec<String>, message: impl Into<String>) -> Self {
+        Self { at, message: message.into(), hint: None }
+    }
+
+    pub(super) fn hinting(mut self, hint: impl Into<Option<String>>) -> Self {
+        self.hint = hint.into();
+        self
+    }
+
+    /// The last place that took part in it.
+    pub(super) fn place(&self, tree: &Node) -> Place {
+        let places = self.at.iter().map(|path| tree.deepest(path).place);
+        places.max().unwrap_or(Place::File)
+    }
+
+    /// The refusal, with its place as text.
+    pub(super) fn at(self, place: String) -> SpecError {
+        SpecError::new(place, self.message, self.hint)
+    }
+}
+
+impl From<ParameterError> for Fault {
+    fn from(error: ParameterError) -> Self {
+        let hint = match error.parameter.as_str() {
+            "damping.ratio" => Some("0.02 is usual for metal links".to_owned()),
+            _ => None,
+        };
+        Self::new(error.parameter.clone(), error.to_string()).hinting(hint)
+    }
+}
+
+/// The candidate that `word` is spelt most like, if one is near at all.
+pub(super) fn nearest<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    let scores =
+        candidates.into_iter().map(|candidate| (candidate, strsim::jaro_winkler(word, candidate)));
+    let best = scores.reduce(|best, next| if next.1 > best.1 { next } else { best });
+    best.filter(|(_, score)| *score > 0.75).map(|(candidate, _)| candidate)
+}
+
+/// `a`, `a and b`, `a, b and c`, with the given last joint.
+pub(super) fn listed<T: AsRef<str>>(words: &[T], joint: &str) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.split_last() {
+        None => String::new(),
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, rest)) => format!("{} {joint} {last}", rest.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelt_word_is_near_the_meant_one_and_a_strange_one_near_none() {
+        let known = ["length", "mass_per_length", "EI", "elements"];
+        assert_eq!(nearest("lenght", known), Some("length"));
+        assert_eq!(nearest("mass_per_lenght", known), Some("mass_per_length"));
+        assert_eq!(nearest("colour", known), None);
+    }
+
+    #[test]
+    fn a_list_reads_like_a_sentence() {
+        assert_eq!(listed(&["a"], "or"), "a");
+        assert_eq!(listed(&["a", "b", "c"], "or"), "a, b or c");
+    }
+}

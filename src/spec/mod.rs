@@ -1,0 +1,30 @@
+//! From the text of a link file, and the `--set` of the command line, to a checked link.
+//!
+//! Two forms and one fallible conversion between them: the raw form mirrors the file key by key
+//! and knows no physics, the [`Specification`] is valid. In between every refusal names a dotted
+//! path; where that path was written, in which line or which `--set`, is looked up at the end.
+//!
+//! ```
+//! use flexlink::spec::{Override, read_specification};
+//! let text = "segments = [{ length = '150 cm', EI = '5e4 N cm^2', mass_per_length = 0.8 }]";
+//! let stiffer: Override = "segments.*.EI*=4".parse()?;
+//! let specification = read_specification("link.toml", text, &[stiffer])?;
+//! assert_eq!(specification.link.segments()[0].bending_stiffness_n_m2.inner, 20.0);
+//! # Ok::<(), flexlink::spec::SpecError>(())
+//! ```
+
+mod convert;
+mod damping;
+mod error;
+mod overrides;
+mod quantity;
+mod raw;
+mod reader;
+mod section;
+mod segment;
+mod specification;
+mod tree;
+
+pub use error::SpecError;
+pub use overrides::Override;
+pub use specification::{Specification, read_specification};

@@ -1,0 +1,248 @@
+use std::str::FromStr;
+
+use super::SpecError;
+use super::error::nearest;
+use super::tree::{Kind, Node, Place};
+use crate::numeric::split_number;
+
+/// One `--set` of the command line: `PATH=VALUE` replaces a value of the link file,
+/// `PATH*=FACTOR` multiplies it.
+///
+/// PATH is the dotted TOML path; a segment is named, numbered from 0, or `*` for all.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Override {
+    text: String,
+    path: Vec<String>,
+    change: Change,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Change {
+    Replace(String),
+    Multiply(f64),
+}
+
+impl Override {
+    /// How errors point at it.
+    pub(super) fn place(&self) -> String {
+        place(&self.text)
+    }
+}
+
+fn place(text: &str) -> String {
+    format!("--set '{text}'")
+}
+
+impl FromStr for Override {
+    type Err = SpecError;
+
+    fn from_str(text: &str) -> Result<Self, SpecError> {
+        let refused = |message: &str| {
+            let hint = "it reads like segments.0.EI=20 or payload.mass*=1.1".to_owned();
+            SpecError::new(place(text), message.to_owned(), Some(hint))
+        };
+        let Some((path, value)) = text.split_once('=') else {
+            return Err(refused("has no `=`, but must read PATH=VALUE or PATH*=FACTOR"));
+        };
+        let (path, value) = (path.trim(), value.trim());
+        let (path, change) = match path.strip_suffix('*') {
+            None if value.is_empty() => return Err(refused("has no value after the `=`")),
+            None => (path, Change::Replace(value.to_owned())),
+            Some(path) => match value.parse::<f64>() {
+                Ok(factor) if factor.is_finite() => (path, Change::Multiply(factor)),
+                _ => {
+                    return Err(refused(&format!(
+                        "{value:?} must be a finite number without unit"
+                    )));
+                }
+            },
+        };
+        let path: Vec<String> = path.split('.').map(|step| step.trim().to_owned()).collect();
+        if path.iter().any(String::is_empty) {
+            return Err(refused("has an empty step in its path"));
+        }
+        Ok(Self { text: text.to_owned(), path, change })
+    }
+}
+
+/// Changes the tree as the `number`-th override says.
+pub(super) fn apply(tree: &mut Node, number: usize, change: &Override) -> Result<(), SpecError> {
+    let step = Step { change: &change.change, place: Place::Override(number) };
+    step.descend(tree, "", &change.path)
+        .map_err(|refused| SpecError::new(change.place(), refused.message, refused.hint))
+}
+
+struct Refused {
+    message: String,
+    hint: Option<String>,
+}
+
+impl Refused {
+    fn new(message: String) -> Self {
+        Self { message, hint: None }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Step<'a> {
+    change: &'a Change,
+    place: Place,
+}
+
+impl Step<'_> {
+    /// Walks from `node`, which stands at `path`, along the `rest` of the path, and changes there.
+    fn descend(self, node: &mut Node, path: &str, rest: &[String]) -> Result<(), Refused> {
+        let Some((step, rest)) = rest.split_first() else {
+            return self.edit(node, path);
+        };
+        match &mut node.kind {
+            Kind::List(items) => {
+                for number in chosen(items, path, step)? {
+                    self.descend(&mut items[number], &below(path, &number.to_string()), rest)?;
+                }
+                Ok(())
+            }
+            Kind::Table(entries) => {
+                let inner = below(path, step);
+                let number = entries.iter().position(|(key, _)| key == step);
+                let number = match number {
+                    Some(number) => number,
+                    None => self.create(entries, &inner, step, rest)?,
+                };
+                self.descend(&mut entries[number].1, &inner, rest)
+            }
+            _ => Err(Refused::new(format!("{path} = {}, which holds no {step}", node.shown()))),
+        }
+    }
+
+    /// Adds an empty table at the absent key `step`, to be replaced or filled.
+    fn create(
+        self,
+        entries: &mut Vec<(String, Node)>,
+        path: &str,
+        step: &str,
+        rest: &[String],
+    ) -> Result<usize, Refused> {
+        if matches!(self.change, Change::Multiply(_)) {
+            return Err(Refused {
+                message: format!("{path} is not in the file, so it cannot be multiplied"),
+                hint: Some(instead(entries, step)),
+            });
+        }
+        if matches!(step, "segments" | "masses") && !rest.is_empty() {
+            return Err(Refused::new(format!("{path} is not in the file")));
+        }
+        let kind = Kind::Table(Vec::new());
+        let place = self.place;
+        entries.push((step.to_owned(), Node { place, kind }));
+        Ok(entries.len() - 1)
+    }
+
+    fn edit(self, node: &mut Node, path: &str) -> Result<(), Refused> {
+        match self.change {
+            Change::Replace(text) => {
+                *node = Node::value(text, self.place);
+                Ok(())
+            }
+            Change::Multiply(factor) => self.multiply(node, path, *factor),
+        }
+    }
+
+    fn multiply(self, node: &mut Node, path: &str, factor: f64) -> Result<(), Refused> {
+        let refused = format!("{path} = {}, which cannot be multiplied", node.shown());
+        node.kind = match &mut node.kind {
+            Kind::Integer(number) => whole_where_possible(*number as f64 * factor),
+            Kind::Number(number) => Kind::Number(*number * factor),
+            Kind::Text(text) => match split_number(text) {
+                Some((number, unit)) => Kind::Text(format!("{:?}{unit}", number * factor)),
+                None => return Err(Refused::new(refused)),
+            },
+            Kind::List(items) => {
+                for (number, item) in items.iter_mut().enumerate() {
+                    self.multiply(item, &below(path, &number.to_string()), factor)?;
+                }
+                return Ok(());
+            }
+            Kind::Boolean(_) | Kind::Date(_) | Kind::Table(_) => return Err(Refused::new(refused)),
+        };
+        node.place = self.place;
+        Ok(())
+    }
+}
+
+/// Twice ten elements are still a whole number of elements.
+fn whole_where_possible(product: f64) -> Kind {
+    let exact = product.fract() == 0.0 && product.abs() < 9e15;
+    #[expect(clippy::cast_possible_truncation, reason = "a whole number below 2^53")]
+    if exact { Kind::Integer(product as i64) } else { Kind::Number(product) }
+}
+
+fn below(path: &str, step: &str) -> String {
+    let dot = if path.is_empty() { "" } else { "." };
+    format!("{path}{dot}{step}")
+}
+
+/// Numbers of the items of a list that a step of the path means.
+fn chosen(items: &[Node], path: &str, step: &str) -> Result<Vec<usize>, Refused> {
+    let name = |item: &Node| match item.get("name").map(|node| &node.kind) {
+        Some(Kind::Text(name)) => Some(name.clone()),
+        _ => None,
+    };
+    let number = match step.parse::<usize>() {
+        _ if step == "*" && !items.is_empty() => return Ok((0..items.len()).collect()),
+        Ok(number) => Some(number).filter(|number| *number < items.len()),
+        Err(_) => items.iter().position(|item| name(item).as_deref() == Some(step)),
+    };
+    number.map(|number| vec![number]).ok_or_else(|| {
+        let names: Vec<_> = items.iter().filter_map(name).collect();
+        let known = items.iter().enumerate().map(|(number, item)| match name(item) {
+            Some(name) => format!("{number} ({name})"),
+            None => number.to_string(),
+        });
+        let known: Vec<String> = known.collect();
+        let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+        let near = nearest(step, names.iter().map(String::as_str));
+        Refused {
+            message: format!("{} is not in the file, which has {known}", below(path, step)),
+            hint: near.map(|near| format!("did you mean `{near}`?")),
+        }
+    })
+}
+
+/// What to do instead of multiplying the absent key `step`.
+fn instead(entries: &[(String, Node)], step: &str) -> String {
+    let has = |wanted: &str| entries.iter().any(|(key, _)| key == wanted);
+    let others: &[&str] = match step {
+        "EI" | "E" | "I" => &["EI", "E"],
+        "mass_per_length" | "density" | "area" => &["mass_per_length", "density"],
+        _ => &[],
+    };
+    match others.iter().find(|other| has(other)) {
+        Some(other) => format!("the file gives {other} there: multiply that"),
+        None => "give it a value with `=`".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_star_before_the_sign_multiplies_and_one_in_the_path_is_for_all() {
+        let set: Override = "segments.*.EI *= 4".parse().unwrap();
+        assert_eq!(set.path, ["segments", "*", "EI"]);
+        assert_eq!(set.change, Change::Multiply(4.0));
+        let set: Override = "payload.mass = 50 g".parse().unwrap();
+        assert_eq!(set.change, Change::Replace("50 g".into()));
+    }
+
+    #[test]
+    fn what_an_override_writes_is_placed_there_and_the_rest_is_not() {
+        let mut tree = Node::document("[hub]\ninertia = '2 kg m^2'\nradius = 1\n").unwrap();
+        apply(&mut tree, 3, &"hub.inertia*=1.5".parse().unwrap()).unwrap();
+        let place = |path| tree.deepest(path).place;
+        assert_eq!(place("hub.inertia"), Place::Override(3));
+        assert_eq!(place("hub.radius"), Place::Line(3));
+        assert_eq!(tree.deepest("hub.inertia").shown(), "\"3.0 kg m^2\"");
+    }
+}

@@ -1,0 +1,180 @@
+use super::error::{Fault, listed};
+use super::quantity::{Quantity, Tapered, positive};
+use super::raw::RawSegment;
+use super::section::section;
+use crate::link::{ParameterError, Section, Segment, Taper};
+use crate::numeric::Dimension;
+
+/// A segment, its stiffness and its mass each given in exactly one way.
+pub(super) fn segment(index: usize, raw: RawSegment) -> Result<Segment, Fault> {
+    let at = format!("segments.{index}");
+    let length_m = raw.length.si(&format!("{at}.length"), Dimension::LENGTH)?;
+    let section_path = format!("{at}.section");
+    let section = raw.section.map(|raw| section(&section_path, &raw));
+    let section = section.transpose()?;
+    let stiffness_way = STIFFNESS.way(
+        &at,
+        raw.bending_stiffness.as_ref(),
+        raw.modulus.as_ref(),
+        (raw.second_moment.as_ref(), section.as_ref()),
+    )?;
+    let mass_way = MASS.way(
+        &at,
+        raw.mass_per_length.as_ref(),
+        raw.density.as_ref(),
+        (raw.area.as_ref(), section.as_ref()),
+    )?;
+    if let (Some(_), Way::Whole(_), Way::Whole(_)) = (section, &stiffness_way, &mass_way) {
+        let must = "must go with E or density, and this segment gives EI and mass_per_length";
+        let message = format!("{section_path} is given, but {must}");
+        return Err(Fault::new(section_path, message));
+    }
+    Ok(Segment {
+        name: raw.name,
+        length_m,
+        bending_stiffness_n_m2: stiffness(&at, &stiffness_way)?,
+        mass_per_length_kg_m: mass_per_length(&at, &mass_way)?,
+    })
+}
+
+fn stiffness(at: &str, way: &Way<'_>) -> Result<Taper, Fault> {
+    let modulus = |value: &Quantity| {
+        let path = format!("{at}.E");
+        let e_pa = value.si(&path, Dimension::PRESSURE)?;
+        positive(&path, Taper::constant(e_pa), "Pa").map(|_| e_pa)
+    };
+    match way {
+        Way::Whole(ei) => {
+            let path = format!("{at}.EI");
+            positive(&path, ei.si(&path, Dimension::BENDING_STIFFNESS)?, "N m^2")
+        }
+        Way::Shape(e, i) => {
+            let path = format!("{at}.I");
+            let i_m4 = positive(&path, i.si(&path, Dimension::SECOND_MOMENT)?, "m^4")?;
+            Ok(i_m4.scaled(modulus(e)?))
+        }
+        Way::Section(e, section) => {
+            Ok(Taper::constant(section.second_moment_m4()).scaled(modulus(e)?))
+        }
+    }
+}
+
+fn mass_per_length(at: &str, way: &Way<'_>) -> Result<Taper, Fault> {
+    let density = |value: &Quantity| {
+        let path = format!("{at}.density");
+        let kg_m3 = value.si(&path, Dimension::DENSITY)?;
+        if kg_m3 < 0.0 {
+            let must = "must be at least 0";
+            return Err(ParameterError::new(path, kg_m3, "kg/m^3", must).into());
+        }
+        Ok::<_, Fault>(kg_m3)
+    };
+    match way {
+        Way::Whole(mass) => mass.si(&format!("{at}.mass_per_length"), Dimension::MASS_PER_LENGTH),
+        Way::Shape(rho, area) => {
+            let path = format!("{at}.area");
+            let area_m2 = positive(&path, area.si(&path, Dimension::AREA)?, "m^2")?;
+            Ok(area_m2.scaled(density(rho)?))
+        }
+        Way::Section(rho, section) => Ok(Taper::constant(section.area_m2()).scaled(density(rho)?)),
+    }
+}
+
+/// A property along the segment that is given whole, or as a material's constant times a property
+/// of the cross-section.
+struct Property {
+    name: &'static str,
+    whole: &'static str,
+    material: &'static str,
+    shape: &'static str,
+}
+
+const STIFFNESS: Property =
+    Property { name: "bending stiffness", whole: "EI", material: "E", shape: "I" };
+
+const MASS: Property = Property {
+    name: "mass per length",
+    whole: "mass_per_length",
+    material: "density",
+    shape: "area",
+};
+
+/// The one way in which a property is given.
+enum Way<'a> {
+    Whole(&'a Tapered),
+    Shape(&'a Quantity, &'a Tapered),
+    Section(&'a Quantity, &'a Section),
+}
+
+impl Property {
+    fn way<'a>(
+        &self,
+        at: &str,
+        whole: Option<&'a Tapered>,
+        material: Option<&'a Quantity>,
+        (shape, section): (Option<&'a Tapered>, Option<&'a Section>),
+    ) -> Result<Way<'a>, Fault> {
+        match (whole, material, shape, section) {
+            (Some(whole), None, None, _) => Ok(Way::Whole(whole)),
+            (None, Some(material), Some(shape), None) => Ok(Way::Shape(material, shape)),
+            (None, Some(material), None, Some(section)) => Ok(Way::Section(material, section)),
+            _ => {
+                let given = [
+                    (self.whole, whole.is_some()),
+                    (self.material, material.is_some()),
+                    (self.shape, shape.is_some()),
+                    ("section", section.is_some()),
+                ];
+                let given = given.into_iter().filter(|(_, given)| *given);
+                Err(self.refusal(at, &given.map(|(key, _)| key).collect::<Vec<_>>()))
+            }
+        }
+    }
+
+    /// Says which keys clash, or which one is missing.
+    fn refusal(&self, at: &str, given: &[&str]) -> Fault {
+        let Self { name, whole, material, shape } = self;
+        let has = |key: &&str| given.contains(key);
+        let (keys, found) = if has(whole) {
+            let clash: Vec<&str> = given.iter().copied().filter(|k| *k != "section").collect();
+            let found = format!("gives {}", listed(&clash, "and"));
+            (clash, found)
+        } else if has(shape) && has(&"section") {
+            let clash = vec![*shape, "section"];
+            (clash, format!("gives {shape} and section"))
+        } else if has(material) {
+            let found = format!("gives {material} without {shape} or section");
+            (vec![*material], found)
+        } else if let Some(key) = given.first() {
+            (vec![*key], format!("gives {key} without {material}"))
+        } else {
+            (vec![], format!("gives no {name}"))
+        };
+        let must = format!("{whole}, or {material} with {shape}, or {material} with section");
+        let message = format!("{at} {found}, but must give the {name} in one way: {must}");
+        let paths = keys.iter().map(|key| format!("{at}.{key}"));
+        Fault::among(paths.chain([at.to_owned()]).collect(), message)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn just_three_sets_of_keys_give_a_property() {
+        let (tapered, number) = (Tapered::Constant(Quantity::Number(1.0)), Quantity::Number(1.0));
+        let section = Section::Circle { diameter_m: 0.01 };
+        let accepted = (0..16).filter(|set| {
+            let way = STIFFNESS.way(
+                "segments.0",
+                (set & 1 != 0).then_some(&tapered),
+                (set & 2 != 0).then_some(&number),
+                ((set & 4 != 0).then_some(&tapered), (set & 8 != 0).then_some(&section)),
+            );
+            way.is_ok()
+        });
+        // EI, with the section for the mass or without; E with I; E with section.
+        assert_eq!(accepted.collect::<Vec<_>>(), [1, 2 + 4, 1 + 8, 2 + 8]);
+    }
+}

@@ -1,0 +1,93 @@
+use serde::Deserialize;
+
+use super::convert::convert;
+use super::error::Fault;
+use super::overrides::apply;
+use super::raw::RawSpecification;
+use super::tree::{Kind, Node, Place};
+use super::{Override, SpecError};
+use crate::beam::MeshPlan;
+use crate::inverse::Analysis;
+use crate::link::Link;
+
+/// What a link file says, checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Specification {
+    /// The physical link.
+    pub link: Link,
+    /// How it is to be meshed.
+    pub mesh: MeshPlan,
+    /// How exact the answer must be.
+    pub analysis: Analysis,
+}
+
+/// Reads the text of a link file and applies the `overrides` in their order.
+///
+/// `name` is what errors call the file.
+///
+/// # Errors
+/// [`SpecError`] names the line, or the `--set`, and the value that cannot be.
+pub fn read_specification(
+    name: &str,
+    text: &str,
+    overrides: &[Override],
+) -> Result<Specification, SpecError> {
+    let shown = |place: Place| match place {
+        Place::File => name.to_owned(),
+        Place::Line(line) => format!("{name}:{line}"),
+        Place::Override(number) => overrides[number].place(),
+    };
+    let mut tree = Node::document(text)
+        .map_err(|(place, message)| SpecError::new(shown(place), message, None))?;
+    for (number, change) in overrides.iter().enumerate() {
+        apply(&mut tree, number, change)?;
+    }
+    read(&tree).map_err(|fault| {
+        let place = shown(fault.place(&tree));
+        fault.at(place)
+    })
+}
+
+fn read(tree: &Node) -> Result<Specification, Fault> {
+    for table in ["drive", "limits"] {
+        if tree.get(table).is_some() {
+            return Err(Fault::new(table, format!("[{table}] is not supported yet")));
+        }
+    }
+    for list in ["segments", "masses"] {
+        check_list_of_tables(tree, list)?;
+    }
+    convert(RawSpecification::deserialize(tree)?)
+}
+
+/// `[segments]` for `[[segments]]` is an easy slip, and serde's words for it are none of the user's.
+fn check_list_of_tables(tree: &Node, list: &str) -> Result<(), Fault> {
+    let is_table = |node: &Node| matches!(node.kind, Kind::Table(_));
+    match tree.get(list) {
+        None => Ok(()),
+        Some(node) => match &node.kind {
+            Kind::List(items) if items.iter().all(is_table) => Ok(()),
+            _ => {
+                let must = format!("must be tables headed [[{list}]]");
+                Err(Fault::new(list, format!("{list} = {}, but {must}", node.shown())))
+            }
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_placed_in_the_file_the_line_or_the_setting() {
+        let place = |text: &str, set: &str| {
+            let error = read_specification("link.toml", text, &[set.parse().unwrap()]);
+            let message = error.unwrap_err().to_string();
+            message.split_once(": ").unwrap().0.to_owned()
+        };
+        assert_eq!(place("", "hub.inertia=1"), "link.toml");
+        assert_eq!(place("\n\nlimits = 1", "hub.inertia=1"), "link.toml:3");
+        assert_eq!(place("", "limits.torque=1"), "--set 'limits.torque=1'");
+    }
+}

@@ -1,0 +1,157 @@
+use flexlink::beam::{ElementCount, MeshPlan};
+use flexlink::link::Link;
+use flexlink::spec::Override;
+
+use super::{EXAMPLE, SHORT, read_with, shown};
+
+fn link(settings: &[&str]) -> Link {
+    read_with(EXAMPLE, settings).unwrap().link
+}
+
+/// Inner stiffness of each segment.
+fn stiffness(settings: &[&str]) -> Vec<f64> {
+    let segments = link(settings).segments().to_vec();
+    segments.iter().map(|s| s.bending_stiffness_n_m2.inner).collect()
+}
+
+fn refusal(text: &str, settings: &[&str]) -> String {
+    shown(&read_with(text, settings).expect_err(settings[0]))
+}
+
+#[test]
+fn a_segment_is_named_numbered_or_one_of_all() {
+    assert_eq!(stiffness(&["segments.beam.EI=20"]), [50.0, 20.0]);
+    assert_eq!(stiffness(&["segments.0.EI*=2"]), [100.0, 5.0]);
+    assert_eq!(stiffness(&["segments.*.EI*=4"]), [200.0, 20.0]);
+    assert_eq!(stiffness(&["segments.*.EI = 2e4 N cm^2"]), [2.0, 2.0]);
+}
+
+#[test]
+fn several_apply_in_their_order() {
+    let settings = ["segments.beam.EI=20", "segments.*.EI*=0.5", "segments.0.EI=7"];
+    assert_eq!(stiffness(&settings), [7.0, 10.0]);
+}
+
+#[test]
+fn a_value_needs_no_quotes_and_an_absent_table_is_added() {
+    for set in ["payload.mass=\"50 g\"", "payload.mass=50 g", "payload.mass=0.05"] {
+        assert!((link(&[set]).payload().mass_kg - 0.05).abs() < 1e-17, "{set}");
+    }
+    let short = read_with(SHORT, &["hub.inertia=0.2", "damping.ratio=0.02"]).unwrap();
+    assert!((short.link.hub().inertia_kg_m2 - 0.2).abs() < 1e-17);
+    let auto = read_with(SHORT, &["mesh.elements=auto"]).unwrap();
+    let plan = MeshPlan::new(&auto.link, &[None], Some(ElementCount::Auto), 1e-6);
+    assert_eq!(auto.mesh, plan.unwrap());
+}
+
+#[test]
+fn a_factor_multiplies_numbers_quantities_and_both_ends_of_a_taper() {
+    assert_eq!(link(&["masses.0.mass=0.1"]).masses()[0].mass_kg, 0.1);
+    assert_eq!(link(&["masses.*.mass*=2"]).masses()[0].mass_kg, 0.1);
+    assert_eq!(link(&["hub.inertia*=2"]).hub().inertia_kg_m2, 0.2);
+    let taper = "[[segments]]\nlength = 1\nEI = ['5e4 N cm^2', 4]\nmass_per_length = 0.8\n";
+    let tapered = read_with(taper, &["segments.0.EI*=1.5"]).unwrap().link;
+    let ei = tapered.segments()[0].bending_stiffness_n_m2;
+    assert_eq!((ei.inner, ei.outer), (7.5, 6.0));
+    let twice = ["segments.*.elements*=2", "mesh.elements*=2"];
+    let finer = read_with(EXAMPLE, &twice).unwrap();
+    let total = Some(ElementCount::Total(20));
+    let plan = MeshPlan::new(&finer.link, &[Some(2), Some(18)], total, 1e-6);
+    assert_eq!(finer.mesh, plan.unwrap());
+}
+
+#[test]
+fn a_bad_value_is_blamed_on_its_setting() {
+    for (set, expected) in [
+        (
+            "damping.ratio=-0.02",
+            "damping.ratio = -0.02, but must lie in [0, 1)\nhint: 0.02 is usual for metal links",
+        ),
+        ("segments.*.length*=-1", "segments.0.length = -0.15 m, but must be finite and above 0"),
+        (
+            "segments.beam.lenght=1",
+            "unknown key `lenght` in segments.1\nhint: did you mean `length`?",
+        ),
+        (
+            "segments.beam.E=1",
+            "segments.1 gives EI and E, but must give the bending stiffness in one way: EI, or E \
+             with I, or E with section",
+        ),
+        ("payload.mass=50 m", "payload.mass = \"50 m\" is a length, but must be a mass such as kg"),
+        (
+            "mesh.elements*=0.25",
+            "mesh.elements = 2.5, but must be a whole number from 1 to 100000, or \"auto\"",
+        ),
+        ("hub.inertia=nan", "hub.inertia = NaN, but must be finite"),
+        ("drive.gear_ratio=2", "[drive] is not supported yet"),
+    ] {
+        let expected = format!("--set '{set}': {expected}");
+        assert_eq!(refusal(EXAMPLE, &[set]), expected);
+    }
+}
+
+#[test]
+fn what_is_not_there_cannot_be_addressed_or_multiplied() {
+    for (set, expected) in [
+        (
+            "segments.bean.EI=20",
+            "segments.bean is not in the file, which has 0 (root), 1 (beam)\nhint: did you mean \
+             `beam`?",
+        ),
+        ("segments.2.EI=20", "segments.2 is not in the file, which has 0 (root), 1 (beam)"),
+        ("masses.1.mass=1", "masses.1 is not in the file, which has 0"),
+        (
+            "segments.*.density*=2",
+            "segments.0.density is not in the file, so it cannot be multiplied\nhint: the file \
+             gives mass_per_length there: multiply that",
+        ),
+        (
+            "drive.gear_ratio*=2",
+            "drive is not in the file, so it cannot be multiplied\nhint: give it a value with `=`",
+        ),
+        (
+            "title*=2",
+            "title = \"Bayo (1987), example 1: I = 0.25e-2 cm^4\", which cannot be multiplied",
+        ),
+        ("hub*=2", "hub = a table, which cannot be multiplied"),
+        ("hub.radius.x=2", "hub.radius = 0.0, which holds no x"),
+    ] {
+        let expected = format!("--set '{set}': {expected}");
+        assert_eq!(refusal(EXAMPLE, &[set]), expected);
+    }
+    assert_eq!(
+        refusal(SHORT, &["masses.*.mass*=2"]),
+        "--set 'masses.*.mass*=2': masses is not in the file, so it cannot be multiplied\n\
+         hint: give it a value with `=`"
+    );
+    assert_eq!(
+        refusal(SHORT, &["masses.0.mass=2"]),
+        "--set 'masses.0.mass=2': masses is not in the file"
+    );
+}
+
+#[test]
+fn the_hint_names_the_key_that_the_file_gives_instead() {
+    let material = "[[segments]]\nlength = 1\nE = 2e11\nI = 2.5e-11\nmass_per_length = 0.8\n";
+    assert_eq!(
+        refusal(material, &["segments.*.EI*=4"]),
+        "--set 'segments.*.EI*=4': segments.0.EI is not in the file, so it cannot be multiplied\n\
+         hint: the file gives E there: multiply that"
+    );
+}
+
+#[test]
+fn a_setting_that_is_no_setting_is_refused_at_once() {
+    let hint = "hint: it reads like segments.0.EI=20 or payload.mass*=1.1";
+    for (set, expected) in [
+        ("abc", "has no `=`, but must read PATH=VALUE or PATH*=FACTOR"),
+        ("hub.inertia=", "has no value after the `=`"),
+        ("hub.inertia*=2 kg", "\"2 kg\" must be a finite number without unit"),
+        ("hub.inertia*=inf", "\"inf\" must be a finite number without unit"),
+        ("=5", "has an empty step in its path"),
+        ("segments..EI=5", "has an empty step in its path"),
+    ] {
+        let error = set.parse::<Override>().unwrap_err();
+        assert_eq!(shown(&error), format!("--set '{set}': {expected}\n{hint}"));
+    }
+}
