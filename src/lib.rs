@@ -1,4 +1,107 @@
 //! flexlink: the hub torque that makes the tip of a flexible link follow a wanted motion.
+//!
+//! A straight link turns about a hub in the horizontal plane. Given the motion that its *tip* is to
+//! make, this library finds the torque that a motor must apply at the *hub* (E. Bayo, *A
+//! Finite-Element Approach to Control the End-Point Motion of a Single-Link Flexible Robot*,
+//! J. Robotic Systems 4(1), 1987; "eq n" in these docs is that paper's numbering). The torque
+//! starts before the tip moves and outlasts its motion, because bending waves travel at finite
+//! speed.
+//!
+//! # From a tip motion to a torque
+//!
+//! ```text
+//! link.toml ─spec─► Link ─► Mesh ─► condensation ─► modes, zeros
+//! motion.csv ─tables─► TipMotion ─► inverse ─► Solution + warnings ─► result, tables
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`numeric`] | time grids, Fourier pairs, roots, splines, units: mathematics that knows no beam |
+//! | [`link`] | the physical link, checked at construction |
+//! | [`motion`] | the tip motion, checked at construction, and its spectrum |
+//! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
+//! | [`modal`] | natural frequencies and zeros of torque → tip, from the same recursion |
+//! | [`inverse`] | period and padding, the inversion, rigid comparison, warnings |
+//! | [`result`] | the numbers that a person reads first |
+//! | [`spec`] | link file and `--set` → [`link::Link`] |
+//! | [`tables`] | CSV → motion; solution → CSV and summary.json |
+//!
+//! A module imports only from those above it (`tests/layers.rs` holds it to that); the program in
+//! `main.rs` and `cli/` stands on top of all.
+//!
+//! ```
+//! use flexlink::beam::MeshPlan;
+//! use flexlink::inverse::{Analysis, invert};
+//! use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+//! use flexlink::motion::{MotionColumns, TipMotion};
+//! use flexlink::result::Metrics;
+//!
+//! let link = Link::new(LinkParts {
+//!     title: "a steel strip".into(),
+//!     segments: vec![Segment {
+//!         name: None,
+//!         length_m: 1.5,
+//!         bending_stiffness_n_m2: Taper::constant(5.0),
+//!         mass_per_length_kg_m: Taper::constant(0.8),
+//!     }],
+//!     hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
+//!     masses: vec![],
+//!     payload: Payload::default(),
+//!     damping: Damping::Hysteretic { ratio: 0.02 },
+//! })?;
+//! let plan = MeshPlan::new(&link, &[None], None, 1e-4)?;
+//! // One period of a sine acceleration.
+//! let time_s: Vec<f64> = (0..=220).map(|k| 0.004 * f64::from(k)).collect();
+//! let sine = time_s.iter().map(|t| 4.0 * (std::f64::consts::TAU * t / 0.88).sin()).collect();
+//! let columns = MotionColumns { time_s, acceleration_m_s2: Some(sine), ..Default::default() };
+//! let motion = TipMotion::new(columns)?;
+//!
+//! let solution = invert(&link, &plan, &motion, &Analysis::default())?;
+//! let metrics = Metrics::of(&solution);
+//! assert!(metrics.lead_s > 0.2, "the torque starts before the tip moves");
+//! assert!(metrics.torque_ratio < 0.6, "and is smaller than a rigid link's");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Notation
+//!
+//! | paper | here | unit |
+//! |---|---|---|
+//! | x, L | distance from the axis, length; `nodes_m`, `length_m` | m |
+//! | v(x, t) | total displacement along the arc, `v = w + xθ` (eq 1) | m |
+//! | w(x, t) | deflection from the hub's tangent line | m |
+//! | θ | hub angle, `hub_angle_rad`, `theta` | rad |
+//! | T | torque at the hub, `torque_n_m` | N m |
+//! | EI, m̄ | `bending_stiffness_n_m2`, `mass_per_length_kg_m` | N m², kg/m |
+//! | I_H, b | hub inertia, viscous friction | kg m², N m s/rad |
+//! | m_t, J_t, c | payload mass, inertia about its centre, offset of that centre | kg, kg m², m |
+//! | ω̄, P | angular frequency `omega`, period (eq 13) | rad/s, s |
+//! | ξ | material damping ratio, `ratio` (eq 16) | |
+//! | α, β | Rayleigh damping | 1/s, s |
+//! | κ | relative complex stiffness, 1 + 2iξ or 1 + iωβ | |
+//! | λ | ω²(1 + α/(iω))/κ, `lambda`: all that the recursion needs to know of frequency and damping | 1/s² |
+//! | A | apparent inertia of all that is outboard, [`beam::Inertia`] | kg, kg m, kg m² |
+//! | d, R, G = λΓ | deformation of an element, its rigid transfer, its gain [`beam::Gain`] | |
+//! | e | deflection and slope for θ = 1; `lags` are e/λ | |
+//! | z | zero of torque → tip | 1/s |
+//!
+//! A caret in a comment marks a complex amplitude of e^{+iωt}.
+//!
+//! # Invariants
+//!
+//! * [`numeric`] knows no beam, [`link`] knows no file.
+//! * Only [`spec`] and [`tables`] read, only [`tables`] writes, only the program prints.
+//! * A [`link::Link`] or [`motion::TipMotion`] that exists is valid; nothing repairs its input.
+//! * Warnings are returned values.
+//! * Everything inside is SI.
+//! * Same input, same bytes, on any number of threads.
+//!
+//! # References
+//!
+//! * E. Bayo, J. Robotic Systems 4(1), 63-75, 1987.
+//! * K. J. Bathe, *Finite Element Procedures in Engineering Analysis*, 1982: Hermite elements.
+//! * W. H. Wittrick, F. W. Williams, Q. J. Mech. Appl. Math. 24(3), 1971: counting modes.
+//! * R. Featherstone, *Robot Dynamics Algorithms*, 1987: articulated-body inertia.
 
 pub mod beam;
 pub mod inverse;
@@ -6,5 +109,6 @@ pub mod link;
 pub mod modal;
 pub mod motion;
 pub mod numeric;
+pub mod result;
 pub mod spec;
 pub mod tables;

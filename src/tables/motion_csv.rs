@@ -1,4 +1,4 @@
-use crate::motion::MotionColumns;
+use crate::motion::{MotionColumns, TipMotion};
 
 use super::header::{Heading, Quantity, read_header};
 use super::motion_error::{MotionFileError, Place, quoted};
@@ -24,6 +24,19 @@ impl MotionTable {
     /// If there is no such sample.
     pub fn line_of(&self, sample: usize) -> u64 {
         self.lines[sample]
+    }
+
+    /// Checks the samples and makes a motion of them.
+    ///
+    /// # Errors
+    /// What [`TipMotion::new`] refuses, with file and line.
+    pub fn into_motion(self) -> Result<TipMotion, MotionFileError> {
+        let Self { columns, name, lines } = self;
+        TipMotion::new(columns).map_err(|error| {
+            let line = error.sample().map(|sample| lines[sample]);
+            let place = Place { file: &name, line };
+            place.refuse_whole(error.to_string()).with_hint(error.hint().map(str::to_owned))
+        })
     }
 
     /// The file, as the user named it.

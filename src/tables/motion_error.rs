@@ -4,13 +4,11 @@ use thiserror::Error;
 ///
 /// The text reads `traj.csv:17: displacement = nan, but must be a finite number`.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("{place}: {subject} = {found}, but {must}")]
+#[error("{place}: {message}")]
 pub struct MotionFileError {
     /// File and, where one is at fault, line.
     place: String,
-    subject: String,
-    found: String,
-    must: String,
+    message: String,
     hint: Option<String>,
 }
 
@@ -43,17 +41,17 @@ impl Place<'_> {
         found: impl Into<String>,
         must: impl Into<String>,
     ) -> MotionFileError {
+        let message = format!("{} = {}, but {}", subject.into(), found.into(), must.into());
+        self.refuse_whole(message)
+    }
+
+    /// Refuses what is found here in words of its own.
+    pub(super) fn refuse_whole(&self, message: String) -> MotionFileError {
         let place = match self.line {
             Some(line) => format!("{}:{line}", self.file),
             None => self.file.to_owned(),
         };
-        MotionFileError {
-            place,
-            subject: subject.into(),
-            found: found.into(),
-            must: must.into(),
-            hint: None,
-        }
+        MotionFileError { place, message, hint: None }
     }
 }
 

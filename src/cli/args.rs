@@ -1,0 +1,57 @@
+//! Arguments that several commands share.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use flexlink::spec::{Override, Specification, read_specification};
+use flexlink::tables::InputFile;
+
+use super::exit::{Exit, Failure};
+
+/// A link file and the changes to it.
+#[derive(Debug, Args)]
+pub(crate) struct LinkArgs {
+    /// Link file (TOML).
+    #[arg(value_name = "LINK")]
+    pub(crate) link: PathBuf,
+
+    /// Replace a value of the link file, or multiply it with `*=`; repeatable, in order. A segment
+    /// is named, numbered from 0, or `*` for all: 'segments.*.EI*=4', 'payload.mass="50 g"'.
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) changes: Vec<String>,
+}
+
+impl LinkArgs {
+    /// Reads the link file and applies the changes.
+    pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
+        let overrides: Vec<Override> = self
+            .changes
+            .iter()
+            .map(|change| change.parse())
+            .collect::<Result<_, _>>()
+            .map_err(|error| Failure::new(Exit::Usage, error, None))?;
+        let file = InputFile::read(&self.link)?;
+        let specification = read_specification(&file.shown, file.text()?, &overrides)?;
+        Ok((file, specification))
+    }
+}
+
+/// How many threads to use.
+#[derive(Debug, Args)]
+pub(crate) struct ThreadArgs {
+    /// Threads to use [default: all cores]; the results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+}
+
+impl ThreadArgs {
+    /// Prepares the threads; to be called once, before any work.
+    pub(crate) fn apply(&self) -> Result<(), Failure> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(usize::from(threads))
+            .build_global()
+            .map_err(|error| Failure::new(Exit::NotSolvable, error, None))
+    }
+}

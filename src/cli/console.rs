@@ -1,0 +1,37 @@
+//! The only place that prints.
+
+use std::fmt::Display;
+use std::io::{self, Write};
+
+use super::exit::{Exit, Failure};
+
+/// Prints an error and its hint to standard error.
+pub(crate) fn error(message: &str, hint: Option<&str>) {
+    told("error", message, hint);
+}
+
+/// Prints a warning and its hint to standard error.
+pub(crate) fn warning(message: impl Display, hint: &str) {
+    told("warning", &message.to_string(), Some(hint));
+}
+
+fn told(kind: &str, message: &str, hint: Option<&str>) {
+    let mut err = io::stderr().lock();
+    // There is nowhere left to tell that standard error is closed.
+    let _ = writeln!(err, "{kind}: {message}");
+    if let Some(hint) = hint {
+        let _ = writeln!(err, "hint: {hint}");
+    }
+}
+
+/// Writes text to standard output; a reader that has gone away is no error.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(cause) if cause.kind() != io::ErrorKind::BrokenPipe => {
+            let message = format!("standard output: cannot write: {cause}");
+            Err(Failure::new(Exit::CannotWrite, message, None))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,68 @@
+use std::process::ExitCode;
+
+use flexlink::inverse::InversionError;
+use flexlink::spec::SpecError;
+use flexlink::tables::{FolderError, InputError, MotionFileError};
+
+/// How the program ends when it is not done. (1 is for comparisons that differ.)
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// The command line asks for what there is not.
+    Usage = 2,
+    /// An input file is refused.
+    InputRefused = 3,
+    /// Link and motion are valid, but there is no answer.
+    NotSolvable = 4,
+    /// The results cannot be written.
+    CannotWrite = 5,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// Why the program ends without having done its work.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    pub(crate) exit: Exit,
+    pub(crate) message: String,
+    pub(crate) hint: Option<String>,
+}
+
+impl Failure {
+    pub(crate) fn new(exit: Exit, message: impl ToString, hint: Option<&str>) -> Self {
+        Self { exit, message: message.to_string(), hint: hint.map(str::to_owned) }
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Self::new(Exit::InputRefused, error, None)
+    }
+}
+
+impl From<SpecError> for Failure {
+    fn from(error: SpecError) -> Self {
+        Self::new(Exit::InputRefused, &error, error.hint())
+    }
+}
+
+impl From<MotionFileError> for Failure {
+    fn from(error: MotionFileError) -> Self {
+        Self::new(Exit::InputRefused, &error, error.hint())
+    }
+}
+
+impl From<InversionError> for Failure {
+    fn from(error: InversionError) -> Self {
+        Self::new(Exit::NotSolvable, &error, error.hint())
+    }
+}
+
+impl From<FolderError> for Failure {
+    fn from(error: FolderError) -> Self {
+        Self::new(Exit::CannotWrite, error, None)
+    }
+}

@@ -1,0 +1,52 @@
+//! The command line: arguments in, exit code out.
+
+mod args;
+mod console;
+mod exit;
+mod number;
+mod solve;
+mod solve_text;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use exit::Failure;
+
+/// Hub torque that makes the tip of a flexible link follow a wanted motion.
+#[derive(Debug, Parser)]
+#[command(version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const LONG_ABOUT: &str = "\
+Hub torque that makes the tip of a flexible link follow a wanted motion.
+
+The link turns about its hub in the horizontal plane and bends a little; the motion goes from \
+rest to rest. The torque starts before the tip moves and outlasts its motion, because bending \
+waves travel at finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).";
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done, 2 wrong usage, 3 input refused, 4 not solvable, 5 cannot write";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Compute the hub torque for a tip motion.
+    Solve(solve::Solve),
+}
+
+/// Runs the program: the one place that prints an error and its hint.
+pub(crate) fn run() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Solve(solve) => solve.run(),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure { exit, message, hint }) => {
+            console::error(&message, hint.as_deref());
+            exit.into()
+        }
+    }
+}

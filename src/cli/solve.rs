@@ -1,0 +1,152 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use flexlink::inverse::{Solution, invert};
+use flexlink::tables::{
+    Digits, InputFile, OptionalTable, OutputFolder, RunInputs, SolveOutputs, Summary,
+    read_motion_table,
+};
+
+use super::args::{LinkArgs, ThreadArgs};
+use super::console;
+use super::exit::{Exit, Failure};
+use super::solve_text::solve_text;
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink solve specs/bayo1987_example1.toml trajectories/sine_0.88s.csv -o out
+  flexlink solve link.toml move.csv --set 'segments.*.EI*=4' --nodes 0,5,10 --every 10
+
+LINK and MOTION are described in the README; `-` reads MOTION from standard input.";
+
+/// Compute the hub torque for a tip motion.
+///
+/// Writes torque.csv, rigid_torque.csv, hub_angle.csv, nodal_displacements.csv, tip.csv, nodes.csv
+/// and summary.json into a folder, all or none of them, and prints a short summary.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(crate) struct Solve {
+    #[command(flatten)]
+    link: LinkArgs,
+
+    /// Tip trajectory (CSV): `time` and `acceleration`, `displacement` or `angle`.
+    #[arg(value_name = "MOTION")]
+    motion: PathBuf,
+
+    /// Folder for the results.
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    output: PathBuf,
+
+    /// Make the trajectory uniform by a cubic spline, at this step in s.
+    #[arg(long, value_name = "STEP")]
+    resample: Option<f64>,
+
+    /// Nodes to write, numbered from 0 at the root [default: all].
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    nodes: Option<Vec<usize>>,
+
+    /// Write every K-th row of the nodal tables.
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = positive)]
+    every: usize,
+
+    /// Also write nodal_deflections.csv.
+    #[arg(long)]
+    deflections: bool,
+
+    /// Also write bending_moments.csv.
+    #[arg(long)]
+    moments: bool,
+
+    /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
+    /// reads back to the same number.
+    #[arg(long, value_name = "N", default_value = "10")]
+    digits: Digits,
+
+    /// Print summary.json instead of the summary.
+    #[arg(long, conflicts_with = "quiet")]
+    json: bool,
+
+    /// Print nothing but warnings and errors.
+    #[arg(long, short)]
+    quiet: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+fn positive(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|k| *k > 0).ok_or_else(|| "must be a whole number above 0".into())
+}
+
+impl Solve {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        self.threads.apply()?;
+        let (link_file, specification) = self.link.load()?;
+        let link = &specification.link;
+        let motion_file = InputFile::read(&self.motion)?;
+        let mut table = read_motion_table(&motion_file.shown, &motion_file.bytes, link.length_m())?;
+        if let Some(step_s) = self.resample {
+            table = table.resampled(step_s)?;
+        }
+        let motion = table.into_motion()?;
+
+        let solution = invert(link, &specification.mesh, &motion, &specification.analysis)?;
+        self.check_nodes(&solution)?;
+
+        let outputs = self.outputs();
+        let inputs = RunInputs {
+            link_file: &link_file,
+            motion_file: &motion_file,
+            link,
+            motion: &motion,
+            analysis: &specification.analysis,
+            changes: &self.changes(),
+        };
+        let files = outputs.file_names();
+        let summary = Summary::new(&inputs, &solution, files.clone());
+        let folder = OutputFolder::stage(&self.output)?;
+        outputs.write(folder, link, &solution, &summary)?;
+
+        for warning in &solution.warnings {
+            console::warning(warning, warning.hint());
+        }
+        let written = format!("{} files in {}", files.len(), self.output.display());
+        match (self.quiet, self.json) {
+            (true, _) => Ok(()),
+            (_, true) => console::print(&summary.to_json()),
+            _ => console::print(&solve_text(link, &motion, &solution, &written)),
+        }
+    }
+
+    fn check_nodes(&self, solution: &Solution) -> Result<(), Failure> {
+        let last = solution.mesh.nodes_m().len() - 1;
+        match self.nodes.iter().flatten().find(|node| **node > last) {
+            None => Ok(()),
+            Some(node) => {
+                let message =
+                    format!("--nodes = {node}, but must name nodes of the mesh, 0 to {last}");
+                Err(Failure::new(Exit::Usage, message, Some("nodes.csv lists them")))
+            }
+        }
+    }
+
+    fn outputs(&self) -> SolveOutputs {
+        let optional = [
+            (self.deflections, OptionalTable::NodalDeflections),
+            (self.moments, OptionalTable::BendingMoments),
+        ];
+        SolveOutputs {
+            nodes: self.nodes.clone(),
+            every: self.every,
+            optional: optional.into_iter().filter(|(on, _)| *on).map(|(_, table)| table).collect(),
+            digits: self.digits,
+        }
+    }
+
+    /// The arguments that changed the inputs, for the record.
+    fn changes(&self) -> Vec<String> {
+        let sets = self.link.changes.iter().map(|change| format!("--set {change}"));
+        sets.chain(self.resample.map(|step_s| format!("--resample {step_s}"))).collect()
+    }
+}

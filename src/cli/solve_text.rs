@@ -1,0 +1,141 @@
+//! The short summary that `solve` prints.
+
+use std::fmt::Write as _;
+
+use flexlink::inverse::{DampingLaw, Solution};
+use flexlink::link::Link;
+use flexlink::motion::TipMotion;
+use flexlink::result::Metrics;
+
+use super::number::{list, significant};
+
+/// The summary, lines of at most 80 columns.
+pub(crate) fn solve_text(
+    link: &Link,
+    motion: &TipMotion,
+    solution: &Solution,
+    written: &str,
+) -> String {
+    let mut text = String::new();
+    if !link.title().is_empty() {
+        text += &format!("{}\n", link.title());
+    }
+    let metrics = Metrics::of(solution);
+    for (label, content) in [
+        ("link", link_line(link, solution)),
+        ("damping", damping_line(solution)),
+        ("periods", format!("{} s", list(&periods(solution), 5))),
+        ("zeros", format!("±({}) 1/s", list(&solution.zeros_per_s, 4))),
+        ("motion", motion_line(motion, &metrics)),
+        ("torque", torque_line(&metrics)),
+        ("timing", timing_line(&metrics)),
+        ("hub", hub_line(&metrics)),
+        ("bending", bending_line(&metrics)),
+        ("errors", errors_line(solution)),
+        ("window", window_line(solution)),
+        ("written", written.to_owned()),
+    ] {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{label:<8} {content}");
+    }
+    text
+}
+
+fn periods(solution: &Solution) -> Vec<f64> {
+    let frequencies = &solution.natural_frequencies_rad_s;
+    frequencies.iter().map(|omega| std::f64::consts::TAU / omega).collect()
+}
+
+fn link_line(link: &Link, solution: &Solution) -> String {
+    format!(
+        "{} m, {} elements, rigid inertia {} kg m²",
+        significant(link.length_m(), 4),
+        solution.mesh.elements().len(),
+        significant(link.rigid_inertia_kg_m2(), 4)
+    )
+}
+
+fn damping_line(solution: &Solution) -> String {
+    match solution.law {
+        DampingLaw::Hysteretic { ratio: 0.0 } => "none".into(),
+        DampingLaw::Hysteretic { ratio } => format!("hysteretic, ratio {ratio}"),
+        DampingLaw::Rayleigh { alpha_per_s, beta_s } => {
+            let frequencies = &solution.natural_frequencies_rad_s;
+            let ratios: Vec<f64> =
+                frequencies.iter().map(|omega| solution.law.modal_ratio(*omega)).collect();
+            format!(
+                "rayleigh, alpha {} 1/s, beta {} s; ratios {}",
+                significant(alpha_per_s, 3),
+                significant(beta_s, 3),
+                list(&ratios, 2)
+            )
+        }
+    }
+}
+
+fn motion_line(motion: &TipMotion, metrics: &Metrics) -> String {
+    let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
+    format!(
+        "{} m in {} s at {} s; peaks {} m/s, {} m/s²",
+        significant(motion.travel_m(), 4),
+        significant(grid.time_s(until) - grid.time_s(from), 4),
+        significant(grid.step_s, 3),
+        significant(metrics.peak_tip_velocity_m_s.value, 4),
+        significant(metrics.peak_tip_acceleration_m_s2.value, 4)
+    )
+}
+
+fn torque_line(metrics: &Metrics) -> String {
+    format!(
+        "peak {} N m at {} s, rms {} N m; rigid link {} N m, ratio {}",
+        significant(metrics.peak_torque_n_m.value, 4),
+        significant(metrics.peak_torque_n_m.time_s, 3),
+        significant(metrics.rms_torque_n_m, 3),
+        significant(metrics.peak_rigid_torque_n_m.value, 4),
+        significant(metrics.torque_ratio, 3)
+    )
+}
+
+fn timing_line(metrics: &Metrics) -> String {
+    format!(
+        "starts {} s before the tip moves, lasts {} s after (2 % of the peak)",
+        significant(metrics.lead_s, 3),
+        significant(metrics.lag_s, 3)
+    )
+}
+
+fn hub_line(metrics: &Metrics) -> String {
+    format!(
+        "turns by up to {} rad; peaks {} rad/s, {} W",
+        significant(metrics.peak_hub_angle_rad.value, 4),
+        significant(metrics.peak_hub_rate_rad_s.value, 4),
+        significant(metrics.peak_power_w.value, 4)
+    )
+}
+
+fn bending_line(metrics: &Metrics) -> String {
+    format!(
+        "tip deflects by up to {} m, root moment up to {} N m",
+        significant(metrics.peak_deflection_m.value, 4),
+        significant(metrics.peak_root_moment_n_m.value, 4)
+    )
+}
+
+fn errors_line(solution: &Solution) -> String {
+    format!(
+        "mesh {:.1e}, edge {:.1e} (of the peak torque)",
+        solution.accuracy.mesh_error, solution.accuracy.edge_error
+    )
+}
+
+fn window_line(solution: &Solution) -> String {
+    let (grid, band) = (&solution.grid, &solution.band);
+    format!(
+        "{} … {} s, {} rows; {} frequencies to {} Hz",
+        significant(grid.time_s(0), 4),
+        significant(grid.time_s(grid.len - 1), 4),
+        grid.len,
+        band.frequencies,
+        significant(band.highest_hz, 3)
+    )
+}

@@ -1,0 +1,88 @@
+use std::fs;
+use std::io::{self, Read as _};
+use std::path::Path;
+
+use sha2::{Digest as _, Sha256};
+use thiserror::Error;
+
+/// An input file, read whole.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InputFile {
+    /// The file as the user named it, for messages.
+    pub shown: String,
+    /// The file's own name, without its folder, for the record of a run.
+    pub name: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// An input that cannot be read.
+#[derive(Debug, Error)]
+#[error("{shown}: cannot read: {}", words(cause))]
+pub struct InputError {
+    shown: String,
+    cause: io::Error,
+}
+
+/// The system's words for an error, without its number.
+fn words(cause: &io::Error) -> String {
+    let text = cause.to_string();
+    text.split(" (os error").next().unwrap_or_default().to_owned()
+}
+
+impl InputFile {
+    /// Reads a file, or standard input for `-`.
+    ///
+    /// # Errors
+    /// [`InputError`] with the system's words.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let standard_input = path.as_os_str() == "-";
+        let shown =
+            if standard_input { "standard input".to_owned() } else { path.display().to_string() };
+        let mut bytes = Vec::new();
+        let read = if standard_input {
+            io::stdin().lock().read_to_end(&mut bytes).map(drop)
+        } else {
+            fs::read(path).map(|content| bytes = content)
+        };
+        if let Err(cause) = read {
+            return Err(InputError { shown, cause });
+        }
+        let name = path.file_name().map_or_else(|| shown.clone(), |n| n.to_string_lossy().into());
+        Ok(Self { name, shown, bytes })
+    }
+
+    /// The bytes as text.
+    ///
+    /// # Errors
+    /// [`InputError`] if they are not UTF-8.
+    pub fn text(&self) -> Result<&str, InputError> {
+        std::str::from_utf8(&self.bytes).map_err(|error| {
+            let cause = format!("not UTF-8 from byte {} on", error.valid_up_to() + 1);
+            InputError { shown: self.shown.clone(), cause: io::Error::other(cause) }
+        })
+    }
+
+    /// SHA-256 of the bytes, in hexadecimal.
+    pub fn sha256(&self) -> String {
+        Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fingerprints_are_those_of_the_standard() {
+        let abc = InputFile { shown: "x".into(), name: "x".into(), bytes: b"abc".to_vec() };
+        let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(abc.sha256(), expected);
+    }
+
+    #[test]
+    fn a_missing_file_is_told_in_the_systems_words() {
+        let error = InputFile::read(Path::new("no/such.toml")).unwrap_err();
+        assert_eq!(error.to_string(), "no/such.toml: cannot read: No such file or directory");
+    }
+}

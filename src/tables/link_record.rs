@@ -1,0 +1,95 @@
+use serde::Serialize;
+
+use crate::inverse::DampingLaw;
+use crate::link::{Link, Taper};
+
+/// The link in SI, keyed as in its file, for summary.json.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct LinkRecord {
+    length_m: f64,
+    rigid_inertia_kg_m2: f64,
+    segments: Vec<SegmentRecord>,
+    hub: HubRecord,
+    masses: Vec<MassRecord>,
+    payload: PayloadRecord,
+    damping: DampingRecord,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct SegmentRecord {
+    name: Option<String>,
+    length_m: f64,
+    /// At the inner and the outer end.
+    bending_stiffness_n_m2: [f64; 2],
+    mass_per_length_kg_m: [f64; 2],
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct HubRecord {
+    inertia_kg_m2: f64,
+    radius_m: f64,
+    viscous_friction_n_m_s_rad: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct MassRecord {
+    at_m: f64,
+    mass_kg: f64,
+    inertia_kg_m2: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct PayloadRecord {
+    mass_kg: f64,
+    inertia_kg_m2: f64,
+    offset_m: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "model", rename_all = "lowercase")]
+enum DampingRecord {
+    None,
+    Hysteretic { ratio: f64 },
+    Rayleigh { alpha_per_s: f64, beta_s: f64 },
+}
+
+impl LinkRecord {
+    pub(super) fn new(link: &Link, law: DampingLaw) -> Self {
+        let ends = |taper: Taper| [taper.inner, taper.outer];
+        let segment = |segment: &crate::link::Segment| SegmentRecord {
+            name: segment.name.clone(),
+            length_m: segment.length_m,
+            bending_stiffness_n_m2: ends(segment.bending_stiffness_n_m2),
+            mass_per_length_kg_m: ends(segment.mass_per_length_kg_m),
+        };
+        let mass = |mass: &crate::link::LumpedMass| MassRecord {
+            at_m: mass.at_m,
+            mass_kg: mass.mass_kg,
+            inertia_kg_m2: mass.inertia_kg_m2,
+        };
+        let (hub, payload) = (link.hub(), link.payload());
+        Self {
+            length_m: link.length_m(),
+            rigid_inertia_kg_m2: link.rigid_inertia_kg_m2(),
+            segments: link.segments().iter().map(segment).collect(),
+            hub: HubRecord {
+                inertia_kg_m2: hub.inertia_kg_m2,
+                radius_m: hub.radius_m,
+                viscous_friction_n_m_s_rad: hub.viscous_friction_n_m_s_rad,
+            },
+            masses: link.masses().iter().map(mass).collect(),
+            payload: PayloadRecord {
+                mass_kg: payload.mass_kg,
+                inertia_kg_m2: payload.inertia_kg_m2,
+                offset_m: payload.offset_m,
+            },
+            damping: match law {
+                DampingLaw::Hysteretic { ratio: 0.0 } => DampingRecord::None,
+                DampingLaw::Hysteretic { ratio } => DampingRecord::Hysteretic { ratio },
+                DampingLaw::Rayleigh { alpha_per_s, beta_s } => {
+                    DampingRecord::Rayleigh { alpha_per_s, beta_s }
+                }
+            },
+        }
+    }
+}

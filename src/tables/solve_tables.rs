@@ -1,0 +1,176 @@
+//! The files of `solve`: every column's name and unit, once.
+
+use std::io::{self, Write};
+
+use super::csv_table::{Column, ColumnGroup, write_csv};
+use super::folder::{FolderError, OutputFolder};
+use super::number::Digits;
+use super::summary::Summary;
+use crate::beam::Mesh;
+use crate::inverse::{NodalHistories, Solution};
+use crate::link::Link;
+
+/// Which results to write, and how.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SolveOutputs {
+    /// Nodes of the nodal tables; `None`: all.
+    pub nodes: Option<Vec<usize>>,
+    /// Every how many samples the nodal tables have a row, at least 1.
+    pub every: usize,
+    /// Tables beyond those that are always written.
+    pub optional: Vec<OptionalTable>,
+    /// Digits of all numbers.
+    pub digits: Digits,
+}
+
+/// A table that is written on demand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OptionalTable {
+    /// `nodal_deflections.csv`: deflection w from the hub's tangent line.
+    NodalDeflections,
+    /// `bending_moments.csv`.
+    BendingMoments,
+}
+
+impl OptionalTable {
+    fn file_name(self) -> &'static str {
+        match self {
+            Self::NodalDeflections => "nodal_deflections.csv",
+            Self::BendingMoments => "bending_moments.csv",
+        }
+    }
+}
+
+/// Names of all files that `solve` may write, summary.json left out.
+const OWNED: [&str; 8] = [
+    "torque.csv",
+    "rigid_torque.csv",
+    "hub_angle.csv",
+    "tip.csv",
+    "nodes.csv",
+    "nodal_displacements.csv",
+    "nodal_deflections.csv",
+    "bending_moments.csv",
+];
+
+const SUMMARY: &str = "summary.json";
+
+impl SolveOutputs {
+    /// Names of the files that will be written, summary.json last.
+    pub fn file_names(&self) -> Vec<&'static str> {
+        let optional = [OptionalTable::NodalDeflections, OptionalTable::BendingMoments];
+        let wanted = |name: &&str| {
+            let table = optional.into_iter().find(|table| table.file_name() == *name);
+            table.is_none_or(|table| self.optional.contains(&table))
+        };
+        OWNED.into_iter().filter(wanted).chain([SUMMARY]).collect()
+    }
+
+    /// Writes the files of a solution into `folder` and gives them their names, all or none.
+    ///
+    /// # Errors
+    /// [`FolderError`] names the file that cannot be written.
+    ///
+    /// # Panics
+    /// If a node asked for is not one of the mesh.
+    pub fn write(
+        &self,
+        mut folder: OutputFolder,
+        link: &Link,
+        solution: &Solution,
+        summary: &Summary,
+    ) -> Result<(), FolderError> {
+        let all = solution.grid.thinned(1);
+        for (name, groups) in histories(solution) {
+            folder.file(name, |out| write_csv(out, &all, &groups, self.digits))?;
+        }
+        folder.file("nodes.csv", |out| write_nodes(out, link, &solution.mesh, self.digits))?;
+        self.write_nodal(&mut folder, solution)?;
+        folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
+        folder.commit(SUMMARY, &OWNED)
+    }
+
+    fn write_nodal(
+        &self,
+        folder: &mut OutputFolder,
+        solution: &Solution,
+    ) -> Result<(), FolderError> {
+        let every_node = || (0..solution.mesh.nodes_m().len()).collect();
+        let nodes: Vec<usize> = self.nodes.clone().unwrap_or_else(every_node);
+        let mut file = |name: &str, letter: &str, unit: &str, histories: &NodalHistories| {
+            let group = nodal_group(letter, unit, histories);
+            folder.file(name, |out| write_csv(out, &histories.grid, &[group], self.digits))
+        };
+        let deflections = solution.deflections_m(&nodes, self.every);
+        if self.optional.contains(&OptionalTable::NodalDeflections) {
+            file(OptionalTable::NodalDeflections.file_name(), "w", "m", &deflections)?;
+        }
+        let displacements = solution.displacements_m(&deflections, self.every);
+        drop(deflections);
+        file("nodal_displacements.csv", "v", "m", &displacements)?;
+        drop(displacements);
+        if self.optional.contains(&OptionalTable::BendingMoments) {
+            let moments = solution.moments_n_m(&nodes, self.every);
+            file(OptionalTable::BendingMoments.file_name(), "m", "n_m", &moments)?;
+        }
+        Ok(())
+    }
+}
+
+/// Tables over the whole grid; columns of one unit share a group.
+fn histories(solution: &Solution) -> [(&'static str, Vec<ColumnGroup<'_>>); 4] {
+    let Solution { tip, .. } = solution;
+    [
+        ("torque.csv", vec![group([("torque_n_m", &solution.torque_n_m)])]),
+        ("rigid_torque.csv", vec![group([("rigid_torque_n_m", &solution.rigid_torque_n_m)])]),
+        ("hub_angle.csv", hub_groups(solution)),
+        (
+            "tip.csv",
+            vec![
+                group([("tip_displacement_m", &tip.displacement_m)]),
+                group([("tip_velocity_m_s", &tip.velocity_m_s)]),
+                group([("tip_acceleration_m_s2", &tip.acceleration_m_s2)]),
+            ],
+        ),
+    ]
+}
+
+fn hub_groups(solution: &Solution) -> Vec<ColumnGroup<'_>> {
+    vec![
+        group([("hub_angle_rad", &solution.hub_angle_rad)]),
+        group([("hub_rate_rad_s", &solution.hub_rate_rad_s)]),
+        group([("hub_acceleration_rad_s2", &solution.hub_acceleration_rad_s2)]),
+        group([("rigid_hub_angle_rad", &solution.rigid_hub_angle_rad)]),
+    ]
+}
+
+fn group<'a, const N: usize>(columns: [(&str, &'a Vec<f64>); N]) -> ColumnGroup<'a> {
+    let columns = columns.map(|(name, values)| Column { name: name.to_owned(), values });
+    ColumnGroup { columns: columns.into() }
+}
+
+/// One column a node: `v7_m`.
+fn nodal_group<'a>(letter: &str, unit: &str, histories: &'a NodalHistories) -> ColumnGroup<'a> {
+    let columns = histories
+        .nodes
+        .iter()
+        .zip(&histories.samples)
+        .map(|(node, values)| Column { name: format!("{letter}{node}_{unit}"), values });
+    ColumnGroup { columns: columns.collect() }
+}
+
+/// `nodes.csv`: every node of the mesh with the segment that ends there (node 0: begins there),
+/// by name, or by number where it has none.
+fn write_nodes(out: &mut dyn Write, link: &Link, mesh: &Mesh, digits: Digits) -> io::Result<()> {
+    let format = digits.for_peak(mesh.length_m());
+    let mut table = csv::Writer::from_writer(out);
+    table.write_record(["node", "x_m", "segment"])?;
+    for (node, x_m) in mesh.nodes_m().iter().enumerate() {
+        let index = mesh.element_segments()[node.saturating_sub(1)];
+        let name = link.segments()[index].name.clone().unwrap_or_else(|| index.to_string());
+        let mut position = Vec::new();
+        format.write(&mut position, *x_m);
+        table.write_record([node.to_string().as_bytes(), &position, name.as_bytes()])?;
+    }
+    table.flush()
+}

@@ -1,0 +1,243 @@
+//! summary.json: what went in, what came out, and how far it can be trusted.
+
+use serde::Serialize;
+
+use super::input::InputFile;
+use super::link_record::LinkRecord;
+use crate::inverse::{Analysis, DampingLaw, Solution};
+use crate::link::Link;
+use crate::motion::TipMotion;
+use crate::result::Metrics;
+
+/// What a run was given.
+#[derive(Debug, Clone, Copy)]
+pub struct RunInputs<'a> {
+    /// The link file.
+    pub link_file: &'a InputFile,
+    /// The trajectory file.
+    pub motion_file: &'a InputFile,
+    /// The link that was read from it.
+    pub link: &'a Link,
+    /// The motion that was read from it.
+    pub motion: &'a TipMotion,
+    /// How exact the answer was to be.
+    pub analysis: &'a Analysis,
+    /// The arguments that changed the inputs, in order: `--set …`, `--resample …`.
+    pub changes: &'a [String],
+}
+
+/// The content of summary.json, in the order of its keys.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    flexlink: &'static str,
+    command: &'static str,
+    title: String,
+    inputs: Inputs,
+    link: LinkRecord,
+    mesh: MeshRecord,
+    motion: MotionRecord,
+    periods_s: Vec<f64>,
+    natural_frequencies_hz: Vec<f64>,
+    modal_damping_ratios: Vec<f64>,
+    zeros_per_s: Vec<f64>,
+    analysis: AnalysisRecord,
+    results: Results,
+    errors: Errors,
+    warnings: Vec<WarningRecord>,
+    files: Vec<&'static str>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Inputs {
+    link: Fingerprint,
+    motion: Fingerprint,
+    changes: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Fingerprint {
+    name: String,
+    sha256: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct MeshRecord {
+    elements: usize,
+    degrees_of_freedom: usize,
+    resolved_hz: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct MotionRecord {
+    given: &'static str,
+    samples: usize,
+    step_s: f64,
+    start_s: f64,
+    moves_from_s: f64,
+    moves_until_s: f64,
+    travel_m: f64,
+    peak_velocity_m_s: f64,
+    peak_acceleration_m_s2: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct AnalysisRecord {
+    tolerance: f64,
+    period_s: f64,
+    fft_length: usize,
+    frequencies: usize,
+    highest_frequency_hz: f64,
+    nyquist_hz: f64,
+    window_start_s: f64,
+    window_end_s: f64,
+    rows: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Results {
+    peak_torque_n_m: f64,
+    peak_torque_time_s: f64,
+    rms_torque_n_m: f64,
+    peak_rigid_torque_n_m: f64,
+    torque_ratio: f64,
+    lead_s: f64,
+    lag_s: f64,
+    peak_hub_angle_rad: f64,
+    peak_hub_rate_rad_s: f64,
+    peak_power_w: f64,
+    peak_root_moment_n_m: f64,
+    peak_deflection_m: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Errors {
+    mesh_error: f64,
+    edge_error: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct WarningRecord {
+    kind: &'static str,
+    message: String,
+    hint: &'static str,
+}
+
+impl Summary {
+    /// Gathers the summary of a solution; `files` are the names of what is written with it.
+    pub fn new(inputs: &RunInputs, solution: &Solution, files: Vec<&'static str>) -> Self {
+        let hertz = |omega: &f64| omega / std::f64::consts::TAU;
+        let frequencies = &solution.natural_frequencies_rad_s;
+        let metrics = Metrics::of(solution);
+        Self {
+            flexlink: env!("CARGO_PKG_VERSION"),
+            command: "solve",
+            title: inputs.link.title().to_owned(),
+            inputs: Inputs {
+                link: Fingerprint::of(inputs.link_file),
+                motion: Fingerprint::of(inputs.motion_file),
+                changes: inputs.changes.to_vec(),
+            },
+            link: LinkRecord::new(inputs.link, solution.law),
+            mesh: MeshRecord {
+                elements: solution.mesh.elements().len(),
+                degrees_of_freedom: 2 * solution.mesh.elements().len() + 1,
+                resolved_hz: hertz(&solution.mesh.resolved_frequency_rad_s()),
+            },
+            motion: MotionRecord::new(inputs.motion, &metrics),
+            periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
+            natural_frequencies_hz: frequencies.iter().map(hertz).collect(),
+            modal_damping_ratios: ratios(solution.law, frequencies),
+            zeros_per_s: solution.zeros_per_s.clone(),
+            analysis: AnalysisRecord::new(inputs.analysis, solution),
+            results: Results::new(&metrics),
+            errors: Errors {
+                mesh_error: solution.accuracy.mesh_error,
+                edge_error: solution.accuracy.edge_error,
+            },
+            warnings: warnings(solution),
+            files,
+        }
+    }
+
+    /// The JSON text, indented, with a final line end.
+    ///
+    /// # Panics
+    /// Never: the summary holds nothing that JSON cannot.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("plain records are JSON");
+        text.push('\n');
+        text
+    }
+}
+
+fn ratios(law: DampingLaw, frequencies: &[f64]) -> Vec<f64> {
+    frequencies.iter().map(|omega| law.modal_ratio(*omega)).collect()
+}
+
+fn warnings(solution: &Solution) -> Vec<WarningRecord> {
+    let record = |warning: &crate::inverse::Warning| WarningRecord {
+        kind: warning.kind(),
+        message: warning.to_string(),
+        hint: warning.hint(),
+    };
+    solution.warnings.iter().map(record).collect()
+}
+
+impl Fingerprint {
+    fn of(file: &InputFile) -> Self {
+        Self { name: file.name.clone(), sha256: file.sha256() }
+    }
+}
+
+impl MotionRecord {
+    fn new(motion: &TipMotion, metrics: &Metrics) -> Self {
+        let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
+        Self {
+            given: if motion.is_from_displacement() { "displacement" } else { "acceleration" },
+            samples: grid.len,
+            step_s: grid.step_s,
+            start_s: grid.origin_s,
+            moves_from_s: grid.time_s(from),
+            moves_until_s: grid.time_s(until),
+            travel_m: motion.travel_m(),
+            peak_velocity_m_s: metrics.peak_tip_velocity_m_s.value,
+            peak_acceleration_m_s2: metrics.peak_tip_acceleration_m_s2.value,
+        }
+    }
+}
+
+impl AnalysisRecord {
+    fn new(analysis: &Analysis, solution: &Solution) -> Self {
+        let (band, grid) = (&solution.band, &solution.grid);
+        Self {
+            tolerance: analysis.tolerance(),
+            period_s: band.period_s,
+            fft_length: band.fft_length,
+            frequencies: band.frequencies,
+            highest_frequency_hz: band.highest_hz,
+            nyquist_hz: band.nyquist_hz,
+            window_start_s: grid.time_s(0),
+            window_end_s: grid.time_s(grid.len - 1),
+            rows: grid.len,
+        }
+    }
+}
+
+impl Results {
+    fn new(metrics: &Metrics) -> Self {
+        Self {
+            peak_torque_n_m: metrics.peak_torque_n_m.value,
+            peak_torque_time_s: metrics.peak_torque_n_m.time_s,
+            rms_torque_n_m: metrics.rms_torque_n_m,
+            peak_rigid_torque_n_m: metrics.peak_rigid_torque_n_m.value,
+            torque_ratio: metrics.torque_ratio,
+            lead_s: metrics.lead_s,
+            lag_s: metrics.lag_s,
+            peak_hub_angle_rad: metrics.peak_hub_angle_rad.value,
+            peak_hub_rate_rad_s: metrics.peak_hub_rate_rad_s.value,
+            peak_power_w: metrics.peak_power_w.value,
+            peak_root_moment_n_m: metrics.peak_root_moment_n_m.value,
+            peak_deflection_m: metrics.peak_deflection_m.value,
+        }
+    }
+}
