@@ -98,7 +98,7 @@ fn torque_line(metrics: &Metrics) -> String {
 
 fn timing_line(metrics: &Metrics) -> String {
     format!(
-        "starts {} s before the tip moves, lasts {} s after (2 % of the peak)",
+        "starts {} s before and ends {} s after the tip's motion (2 % level)",
         significant(metrics.lead_s, 3),
         significant(metrics.lag_s, 3)
     )

@@ -18,7 +18,8 @@ pub struct Peak {
 pub struct Metrics {
     /// Largest |T| in N m.
     pub peak_torque_n_m: Peak,
-    /// Root mean square of T in N m.
+    /// Root mean square of T in N m while it acts: from the first to the last |T| above 2 % of its
+    /// peak, so that the rest around the motion does not count.
     pub rms_torque_n_m: f64,
     /// Largest |T| of the rigid link in N m.
     pub peak_rigid_torque_n_m: Peak,
@@ -62,7 +63,7 @@ impl Metrics {
         let last = torque.iter().rposition(acts).unwrap_or(0);
         Self {
             peak_torque_n_m,
-            rms_torque_n_m: rms(torque),
+            rms_torque_n_m: rms(&torque[first..=last]),
             peak_rigid_torque_n_m,
             torque_ratio: peak_torque_n_m.value / peak_rigid_torque_n_m.value,
             lead_s: grid.time_s(solution.moving.0) - grid.time_s(first),
