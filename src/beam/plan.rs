@@ -155,6 +155,11 @@ fn pieces(link: &Link) -> Vec<Piece> {
 /// Shares `total` elements, at least one each, by the bending wavelengths that a piece holds.
 ///
 /// The next element goes where elements are longest, measured in wavelengths.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of the total is a whole number from 0 to the total"
+)]
 fn divide(link: &Link, pieces: &[Piece], total: usize) -> Vec<(Piece, usize)> {
     let mut weights: Vec<f64> =
         pieces.iter().map(|p| wavelengths(&link.segments()[p.segment], p)).collect();

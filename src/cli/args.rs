@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::spec::{Override, Specification, read_specification};
+use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::tables::InputFile;
 
 use super::exit::{Exit, Failure};
@@ -30,11 +30,22 @@ impl LinkArgs {
             .iter()
             .map(|change| change.parse())
             .collect::<Result<_, _>>()
-            .map_err(|error| Failure::new(Exit::Usage, error, None))?;
+            .map_err(|error: SpecError| Failure::new(Exit::Usage, &error, error.hint()))?;
         let file = InputFile::read(&self.link)?;
         let specification = read_specification(&file.shown, file.text()?, &overrides)?;
         Ok((file, specification))
     }
+}
+
+/// What to print on standard output.
+#[derive(Debug, Args)]
+pub(crate) struct PrintArgs {
+    #[arg(long, conflicts_with = "quiet", help = "Print summary.json instead of the summary")]
+    pub(crate) json: bool,
+
+    /// Print nothing but warnings and errors.
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
 }
 
 /// How many threads to use.
@@ -52,6 +63,6 @@ impl ThreadArgs {
         rayon::ThreadPoolBuilder::new()
             .num_threads(usize::from(threads))
             .build_global()
-            .map_err(|error| Failure::new(Exit::NotSolvable, error, None))
+            .map_err(|error| Failure::new(Exit::NotSolvable, &error, None))
     }
 }

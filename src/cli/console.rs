@@ -30,7 +30,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(cause) if cause.kind() != io::ErrorKind::BrokenPipe => {
             let message = format!("standard output: cannot write: {cause}");
-            Err(Failure::new(Exit::CannotWrite, message, None))
+            Err(Failure::new(Exit::CannotWrite, &message, None))
         }
         _ => Ok(()),
     }

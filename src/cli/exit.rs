@@ -32,14 +32,14 @@ pub(crate) struct Failure {
 }
 
 impl Failure {
-    pub(crate) fn new(exit: Exit, message: impl ToString, hint: Option<&str>) -> Self {
+    pub(crate) fn new(exit: Exit, message: &impl ToString, hint: Option<&str>) -> Self {
         Self { exit, message: message.to_string(), hint: hint.map(str::to_owned) }
     }
 }
 
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Self {
-        Self::new(Exit::InputRefused, error, None)
+        Self::new(Exit::InputRefused, &error, None)
     }
 }
 
@@ -63,6 +63,6 @@ impl From<InversionError> for Failure {
 
 impl From<FolderError> for Failure {
     fn from(error: FolderError) -> Self {
-        Self::new(Exit::CannotWrite, error, None)
+        Self::new(Exit::CannotWrite, &error, None)
     }
 }

@@ -33,7 +33,7 @@ Exit codes: 0 done, 2 wrong usage, 3 input refused, 4 not solvable, 5 cannot wri
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Compute the hub torque for a tip motion.
+    // Its help stands with its arguments.
     Solve(solve::Solve),
 }
 
@@ -48,5 +48,17 @@ pub(crate) fn run() -> ExitCode {
             console::error(&message, hint.as_deref());
             exit.into()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
     }
 }

@@ -1,10 +1,11 @@
 /// A number with `digits` significant digits, for people.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
-    let scientific = format!("{value:.*e}", digits - 1);
-    let exponent = scientific.split_once('e').and_then(|(_, e)| e.parse::<i32>().ok());
+    let after_first = digits - 1;
+    let scientific = format!("{value:.after_first$e}");
+    let exponent = scientific.split_once('e').and_then(|(_, e)| e.parse::<isize>().ok());
     match exponent {
         Some(exponent) if (-3..6).contains(&exponent) => {
-            let decimals = usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0);
+            let decimals = after_first.saturating_add_signed(-exponent);
             format!("{value:.decimals$}")
         }
         _ => scientific,

@@ -8,7 +8,7 @@ use flexlink::tables::{
     read_motion_table,
 };
 
-use super::args::{LinkArgs, ThreadArgs};
+use super::args::{LinkArgs, PrintArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::solve_text::solve_text;
@@ -20,12 +20,15 @@ Example:
 
 LINK and MOTION are described in the README; `-` reads MOTION from standard input.";
 
+const LONG_ABOUT: &str = "\
+Compute the hub torque for a tip motion.
+
+Writes torque.csv, rigid_torque.csv, hub_angle.csv, nodal_displacements.csv, tip.csv, nodes.csv \
+and summary.json into a folder, all or none of them, and prints a short summary.";
+
 /// Compute the hub torque for a tip motion.
-///
-/// Writes torque.csv, rigid_torque.csv, hub_angle.csv, nodal_displacements.csv, tip.csv, nodes.csv
-/// and summary.json into a folder, all or none of them, and prints a short summary.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLE)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
 pub(crate) struct Solve {
     #[command(flatten)]
     link: LinkArgs,
@@ -50,12 +53,10 @@ pub(crate) struct Solve {
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = positive)]
     every: usize,
 
-    /// Also write nodal_deflections.csv.
-    #[arg(long)]
+    #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
     deflections: bool,
 
-    /// Also write bending_moments.csv.
-    #[arg(long)]
+    #[arg(long, help = "Also write bending_moments.csv")]
     moments: bool,
 
     /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
@@ -63,13 +64,8 @@ pub(crate) struct Solve {
     #[arg(long, value_name = "N", default_value = "10")]
     digits: Digits,
 
-    /// Print summary.json instead of the summary.
-    #[arg(long, conflicts_with = "quiet")]
-    json: bool,
-
-    /// Print nothing but warnings and errors.
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    print: PrintArgs,
 
     #[command(flatten)]
     threads: ThreadArgs,
@@ -112,7 +108,7 @@ impl Solve {
             console::warning(warning, warning.hint());
         }
         let written = format!("{} files in {}", files.len(), self.output.display());
-        match (self.quiet, self.json) {
+        match (self.print.quiet, self.print.json) {
             (true, _) => Ok(()),
             (_, true) => console::print(&summary.to_json()),
             _ => console::print(&solve_text(link, &motion, &solution, &written)),
@@ -126,7 +122,7 @@ impl Solve {
             Some(node) => {
                 let message =
                     format!("--nodes = {node}, but must name nodes of the mesh, 0 to {last}");
-                Err(Failure::new(Exit::Usage, message, Some("nodes.csv lists them")))
+                Err(Failure::new(Exit::Usage, &message, Some("nodes.csv lists them")))
             }
         }
     }

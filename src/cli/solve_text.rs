@@ -18,7 +18,8 @@ pub(crate) fn solve_text(
 ) -> String {
     let mut text = String::new();
     if !link.title().is_empty() {
-        text += &format!("{}\n", link.title());
+        text += link.title();
+        text.push('\n');
     }
     let metrics = Metrics::of(solution);
     for (label, content) in [

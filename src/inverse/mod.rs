@@ -1,5 +1,13 @@
 //! From the tip's motion to the hub torque: the frequency-domain inversion (Bayo 1987, eqs 13-21).
 
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "samples are counted from the trajectory's first, so some numbers are negative; all \
+              stay far below 2^52, and are brought into the period before they index"
+)]
+
 mod analysis;
 mod error;
 mod inversion;

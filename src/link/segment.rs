@@ -21,6 +21,7 @@ impl Taper {
     }
 
     /// The piece between two fractions of the length.
+    #[must_use]
     pub fn between(&self, from: f64, to: f64) -> Self {
         Self { inner: self.at(from), outer: self.at(to) }
     }

@@ -17,8 +17,7 @@ pub(super) fn uniform_step(time_s: &[f64]) -> Result<f64, MotionError> {
     let step_s = (time_s[last] - start) / last as f64;
     let is_off = |k: usize| {
         let grid = start + k as f64 * step_s;
-        // A NaN is off, too.
-        !((time_s[k] - grid).abs() <= TIME_TOLERANCE * step_s)
+        exceeds((time_s[k] - grid).abs(), TIME_TOLERANCE * step_s)
     };
     if step_s > 0.0 && !(0..=last).any(is_off) {
         return Ok(step_s);
@@ -27,14 +26,20 @@ pub(super) fn uniform_step(time_s: &[f64]) -> Result<f64, MotionError> {
     let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
     let usual = *steps.clone().select_nth_unstable_by(last / 2, f64::total_cmp).1;
     steps.insert(0, usual);
-    let worst = |k: &usize| !((steps[*k] - usual).abs() <= TIME_TOLERANCE * usual);
-    let sample = (1..=last).find(worst).or_else(|| (1..=last).find(|k| is_off(*k))).unwrap_or(last);
+    let strays = |k: &usize| exceeds((steps[*k] - usual).abs(), TIME_TOLERANCE * usual);
+    let sample =
+        (1..=last).find(strays).or_else(|| (1..=last).find(|k| is_off(*k))).unwrap_or(last);
     Err(MotionError::NotUniform {
         sample,
         found_s: time_s[sample],
         expected_s: time_s[sample - 1] + usual,
         step_s: usual,
     })
+}
+
+/// Whether a distance is above its limit; one that is not a number is, too.
+fn exceeds(distance: f64, limit: f64) -> bool {
+    distance > limit || distance.is_nan()
 }
 
 /// Refuses displacement samples that begin or end with a velocity.

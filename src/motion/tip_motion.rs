@@ -94,7 +94,9 @@ impl TipMotion {
         if corrected.is_some() {
             let own = &mut samples[moving.0..=moving.1];
             let excess = velocity_m_s / (grid.step_s * own.len() as f64);
-            own.iter_mut().for_each(|a| *a -= excess);
+            for a in own {
+                *a -= excess;
+            }
         }
         // ∫v dt = −∫ t a dt, from rest to rest.
         let moments = samples.iter().enumerate().map(|(k, a)| k as f64 * a);

@@ -10,7 +10,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 /// X_k = (1/N) Σ_j x_j e^{−2πi jk/N}    k = 0 … N/2
 /// x_j = Σ_k X_k e^{+2πi jk/N}          k = −N/2 + 1 … N/2, X_{−k} = conj X_k
 /// ```
-/// so that `X_k` is the complex amplitude of e^{+iω_k t} with `ω_k = 2πk/P` (Bayo 1987, eq 13).
+/// so that `X_k` is the complex amplitude of `e^{+iω_k t}` with `ω_k = 2πk/P` (Bayo 1987, eq 13).
 #[derive(Clone)]
 pub struct FourierPair {
     forward: Arc<dyn RealToComplex<f64>>,
@@ -46,7 +46,9 @@ impl FourierPair {
         let mut spectrum = self.forward.make_output_vec();
         self.forward.process(&mut samples, &mut spectrum).expect("N samples, N/2 + 1 amplitudes");
         let scale = 1.0 / self.len() as f64;
-        spectrum.iter_mut().for_each(|x| *x *= scale);
+        for x in &mut spectrum {
+            *x *= scale;
+        }
         spectrum
     }
 
@@ -131,7 +133,7 @@ mod tests {
             even && n == 1
         };
         for len in 1..3000 {
-            let expected = (len..).find(|&n| n > 0 && smooth(n)).unwrap();
+            let expected = (len..2 * len + 2).find(|&n| smooth(n)).unwrap();
             assert_eq!(fast_length(len), expected, "length {len}");
         }
     }

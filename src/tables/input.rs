@@ -1,3 +1,4 @@
+use std::fmt::Write as _;
 use std::fs;
 use std::io::{self, Read as _};
 use std::path::Path;
@@ -49,7 +50,7 @@ impl InputFile {
             return Err(InputError { shown, cause });
         }
         let name = path.file_name().map_or_else(|| shown.clone(), |n| n.to_string_lossy().into());
-        Ok(Self { name, shown, bytes })
+        Ok(Self { shown, name, bytes })
     }
 
     /// The bytes as text.
@@ -65,7 +66,12 @@ impl InputFile {
 
     /// SHA-256 of the bytes, in hexadecimal.
     pub fn sha256(&self) -> String {
-        Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+        let mut hexadecimal = String::with_capacity(64);
+        for byte in Sha256::digest(&self.bytes) {
+            // Writing to a string cannot fail.
+            let _ = write!(hexadecimal, "{byte:02x}");
+        }
+        hexadecimal
     }
 }
 

@@ -1,0 +1,20 @@
+//! The README's commands print what it says, its link file is read, and help texts are as they
+//! were read last.
+
+use flexlink::spec::read_specification;
+
+#[test]
+fn commands_of_the_readme_and_help_texts_print_what_is_shown() {
+    trycmd::TestCases::new().case("README.md").case("tests/help/*.trycmd");
+}
+
+#[test]
+fn the_link_file_of_the_readme_is_read() {
+    let readme = include_str!("../README.md");
+    let (_, rest) = readme.split_once("```toml\n").unwrap();
+    let (example, _) = rest.split_once("```").unwrap();
+    let specification = read_specification("README.md", example, &[]).unwrap();
+    assert_eq!(specification.link.segments().len(), 2);
+    assert_eq!(specification.link.masses().len(), 1);
+    assert!(!specification.mesh.is_automatic());
+}
