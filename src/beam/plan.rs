@@ -77,6 +77,8 @@ impl MeshPlan {
         };
         let rest = match count {
             Some(ElementCount::Total(total)) => share_of_total(total, fixed, open.len())?,
+            // Segments that all have their own number leave nothing to share.
+            _ if open.is_empty() => 0,
             _ => Self::COARSEST.saturating_sub(fixed).max(open.len()),
         };
         let mut shares = divide(link, &open, rest);
@@ -198,4 +200,34 @@ fn wavelengths(segment: &Segment, piece: &Piece) -> f64 {
     let density =
         segment.mass_per_length_kg_m.at(middle) / segment.bending_stiffness_n_m2.at(middle);
     segment.length_m * (piece.to - piece.from) * density.powf(0.25)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::{Damping, Hub, LinkParts, Payload, Taper};
+
+    #[test]
+    fn segments_that_all_have_their_own_few_elements_get_just_those() {
+        let segment = Segment {
+            name: None,
+            length_m: 0.5,
+            bending_stiffness_n_m2: Taper::constant(5.0),
+            mass_per_length_kg_m: Taper::constant(0.8),
+        };
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![segment.clone(), segment],
+            hub: Hub::default(),
+            masses: vec![],
+            payload: Payload::default(),
+            damping: Damping::None,
+        });
+        for count in [None, Some(ElementCount::Auto)] {
+            let own = [Some(1), Some(2)];
+            let plan = MeshPlan::new(link.as_ref().unwrap(), &own, count, 1e-6).unwrap();
+            let counts: Vec<usize> = plan.shares().iter().map(|(_, count)| *count).collect();
+            assert_eq!(counts, [1, 2]);
+        }
+    }
 }
