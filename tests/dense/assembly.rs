@@ -1,0 +1,184 @@
+//! The link as the paper solves it: assembled matrices and a factorisation with pivoting.
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, c64};
+use flexlink::beam::{Inertia, Mesh};
+use flexlink::link::{Link, LumpedMass};
+use nalgebra::{Matrix2, Matrix4, Vector4};
+
+/// Mass and stiffness of one element on (v, φ) of its two nodes.
+struct Part {
+    mass: Matrix4<f64>,
+    stiffness: Matrix4<f64>,
+}
+
+/// All parts of a link, before anything is said about the hub.
+pub(crate) struct Assembly {
+    /// Element k lies between nodes k and k + 1.
+    parts: Vec<Part>,
+    /// Mass matrices on (v, φ) of a node.
+    lumped: Vec<(usize, Matrix2<f64>)>,
+    root_m: f64,
+    hub_inertia_kg_m2: f64,
+}
+
+/// Where a unit load acts.
+#[derive(Clone, Copy)]
+pub(crate) enum Load {
+    /// Torque at the hub.
+    HubTorque,
+    /// Transverse force at the tip.
+    TipForce,
+}
+
+impl Assembly {
+    /// The program's own element matrices, assembled.
+    pub(crate) fn of_mesh(mesh: &Mesh) -> Self {
+        let parts = mesh
+            .elements()
+            .iter()
+            .map(|element| Part { mass: element.mass(), stiffness: element.stiffness() });
+        let body = |i: Inertia<f64>| Matrix2::new(i.vv, i.vp, i.vp, i.pp);
+        let n = mesh.elements().len();
+        let lumped = (0..n).filter_map(|k| mesh.lumped_inertia(k).map(|i| (k, body(i))));
+        Self {
+            parts: parts.collect(),
+            lumped: lumped.chain([(n, body(mesh.tip_inertia()))]).collect(),
+            root_m: mesh.nodes_m()[0],
+            hub_inertia_kg_m2: mesh.hub_inertia_kg_m2(),
+        }
+    }
+
+    /// Element matrices integrated here from the link's own data; only where the nodes stand is
+    /// taken from the program.
+    pub(crate) fn of_link(link: &Link, nodes_m: &[f64]) -> Self {
+        let n = nodes_m.len() - 1;
+        let nearest = |mass: &LumpedMass| {
+            let distance = |k: &usize| (nodes_m[*k] - mass.at_m).abs();
+            (0..=n).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+        };
+        let point = |m: &LumpedMass| Matrix2::new(m.mass_kg, 0.0, 0.0, m.inertia_kg_m2);
+        let payload = link.payload();
+        let (m, c) = (payload.mass_kg, payload.offset_m);
+        let tip = Matrix2::new(m, m * c, m * c, payload.inertia_kg_m2 + m * c * c);
+        let masses = link.masses().iter().map(|mass| (nearest(mass), point(mass)));
+        Self {
+            parts: nodes_m.windows(2).map(|ends| integrate(link, ends[0], ends[1])).collect(),
+            lumped: masses.chain([(n, tip)]).collect(),
+            root_m: link.hub().radius_m,
+            hub_inertia_kg_m2: link.hub().inertia_kg_m2,
+        }
+    }
+
+    /// Number of nodes.
+    pub(crate) fn nodes(&self) -> usize {
+        self.parts.len() + 1
+    }
+
+    /// H of all that lies outboard of node `from`, on (v, φ) of all nodes; M alone for 1/λ = 0.
+    ///
+    /// ```text
+    /// H = M − K*/ω² = M − K/λ                                     (Bayo 1987, eqs 15 and 16)
+    /// ```
+    fn h(&self, from: usize, per_lambda: c64) -> Mat<c64> {
+        let size = 2 * self.nodes();
+        let mut h = Mat::zeros(size, size);
+        for (k, part) in self.parts.iter().enumerate().skip(from) {
+            for (row, column) in (0..4).flat_map(|r| (0..4).map(move |c| (r, c))) {
+                let stiffness = per_lambda * part.stiffness[(row, column)];
+                h[(2 * k + row, 2 * k + column)] += c64::from(part.mass[(row, column)]) - stiffness;
+            }
+        }
+        for (node, body) in self.lumped.iter().filter(|(node, _)| *node >= from) {
+            for (row, column) in (0..2).flat_map(|r| (0..2).map(move |c| (r, c))) {
+                h[(2 * node + row, 2 * node + column)] += c64::from(body[(row, column)]);
+            }
+        }
+        h
+    }
+
+    /// Motion (v, φ) of all nodes under a unit load, times −ω²: `H a = f`.
+    ///
+    /// Unknowns are θ, the motion of the hub, and (v, φ) of nodes 1 … n: 2n + 1 in all. The root
+    /// sits on the hub, `v_0 = x_0 θ` and `φ_0 = θ`.
+    pub(crate) fn accelerations(&self, lambda: c64, load: Load) -> Vec<c64> {
+        let size = 2 * self.nodes();
+        let mut held = Mat::<c64>::zeros(size, size - 1);
+        held[(0, 0)] = self.root_m.into();
+        for row in 1..size {
+            held[(row, row - 1)] = c64::ONE;
+        }
+        let mut h = held.transpose() * self.h(0, lambda.inv()) * &held;
+        h[(0, 0)] += self.hub_inertia_kg_m2;
+        let mut f = Mat::<c64>::zeros(size - 1, 1);
+        match load {
+            Load::HubTorque => f[(0, 0)] = c64::ONE,
+            Load::TipForce => f[(size - 3, 0)] = c64::ONE,
+        }
+        let a = held * h.partial_piv_lu().solve(&f);
+        (0..size).map(|row| a[(row, 0)]).collect()
+    }
+
+    /// Moment that the part inside node `from` exerts on the part outside, for given accelerations.
+    pub(crate) fn moment(&self, from: usize, lambda: c64, accelerations: &[c64]) -> c64 {
+        let h = self.h(from, lambda.inv());
+        let row = 2 * from + 1;
+        accelerations.iter().enumerate().map(|(k, a)| h[(row, k)] * a).sum()
+    }
+
+    /// Rotary inertia of the link that turns about the axis without bending.
+    pub(crate) fn rigid_inertia_kg_m2(&self, nodes_m: &[f64]) -> f64 {
+        let mass = self.h(0, c64::ZERO);
+        let motion: Vec<f64> = nodes_m.iter().flat_map(|x| [*x, 1.0]).collect();
+        let pairs = (0..motion.len()).flat_map(|r| (0..motion.len()).map(move |c| (r, c)));
+        let sum: f64 = pairs.map(|(r, c)| motion[r] * mass[(r, c)].re * motion[c]).sum();
+        self.hub_inertia_kg_m2 + sum
+    }
+}
+
+/// Hermite cubics between two nodes, integrated by four Gauss points: exact to degree 7.
+fn integrate(link: &Link, from_m: f64, to_m: f64) -> Part {
+    const POINTS: [(f64, f64); 4] = [
+        (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+        (-0.339_981_043_584_856_3, 0.652_145_154_862_546_2),
+        (0.339_981_043_584_856_3, 0.652_145_154_862_546_2),
+        (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+    ];
+    let l = to_m - from_m;
+    let (mut mass, mut stiffness) = (Matrix4::zeros(), Matrix4::zeros());
+    for (point, weight) in POINTS {
+        let s = 0.5 * (1.0 + point);
+        let (bending_stiffness, mass_per_length) = properties(link, from_m + s * l);
+        let shape = Vector4::new(
+            (1.0 - s).powi(2) * (1.0 + 2.0 * s),
+            l * s * (1.0 - s).powi(2),
+            s * s * (3.0 - 2.0 * s),
+            l * s * s * (s - 1.0),
+        );
+        let curvature = Vector4::new(
+            (12.0 * s - 6.0) / (l * l),
+            (6.0 * s - 4.0) / l,
+            (6.0 - 12.0 * s) / (l * l),
+            (6.0 * s - 2.0) / l,
+        );
+        let dx = 0.5 * l * weight;
+        mass += shape * shape.transpose() * (mass_per_length * dx);
+        stiffness += curvature * curvature.transpose() * (bending_stiffness * dx);
+    }
+    Part { mass, stiffness }
+}
+
+/// EI and m̄ at a distance from the axis.
+fn properties(link: &Link, x_m: f64) -> (f64, f64) {
+    let mut root_m = link.hub().radius_m;
+    for segment in link.segments() {
+        if x_m < root_m + segment.length_m {
+            let s = (x_m - root_m) / segment.length_m;
+            let (ei, m) = (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m);
+            let linear = |inner: f64, outer: f64| inner + (outer - inner) * s;
+            return (linear(ei.inner, ei.outer), linear(m.inner, m.outer));
+        }
+        root_m += segment.length_m;
+    }
+    panic!("{x_m} m lies beyond the tip");
+}
