@@ -171,3 +171,70 @@ fn node_positions(root_m: f64, elements: &[Element]) -> Vec<f64> {
     }
     nodes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
+
+    fn mesh() -> Mesh {
+        let segment = |length_m, ei| Segment {
+            name: None,
+            length_m,
+            bending_stiffness_n_m2: ei,
+            mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.5 },
+        };
+        let mass = |at_m| LumpedMass { at_m, mass_kg: 0.1, inertia_kg_m2: 0.02 };
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![
+                segment(0.3, Taper::constant(50.0)),
+                segment(1.2, Taper { inner: 8.0, outer: 2.0 }),
+            ],
+            hub: Hub { radius_m: 0.1, ..Hub::default() },
+            masses: vec![mass(1.6), mass(0.7), mass(0.1), mass(0.7)],
+            payload: Payload { mass_kg: 0.2, inertia_kg_m2: 0.01, offset_m: 0.1 },
+            damping: Damping::None,
+        })
+        .unwrap();
+        Mesh::new(&link, &MeshPlan::new(&link, &[Some(1), Some(4)], None, 1e-6).unwrap())
+    }
+
+    #[test]
+    fn nodes_stand_at_borders_and_masses_and_carry_what_is_there() {
+        let mesh = mesh();
+        let expected = [0.1, 0.4, 0.7, 1.0, 1.3, 1.6];
+        for (x_m, expected) in mesh.nodes_m().iter().zip(expected) {
+            assert!((x_m - expected).abs() < 1e-15);
+        }
+        let lumped = |node| mesh.lumped_inertia(node).map(|l| (l.vv, l.vp, l.pp));
+        assert_eq!(lumped(0), Some((0.1, 0.0, 0.02)));
+        assert_eq!(lumped(2), Some((0.2, 0.0, 0.04)));
+        assert_eq!([1, 3, 4, 5].map(lumped), [None; 4]);
+        // The mass on the tip joins the payload: 0.2 kg at 0.1 m, 0.01 + 0.02 kg m².
+        let Inertia { vv, vp, pp } = mesh.tip_inertia();
+        assert!((vv - 0.3).abs() < 1e-15 && (vp - 0.02).abs() < 1e-15);
+        assert!((pp - 0.032).abs() < 1e-15);
+    }
+
+    #[test]
+    fn refining_keeps_tapers_masses_and_length() {
+        let (coarse, fine) = (mesh(), mesh().refined());
+        assert_eq!(fine.elements().len(), 10);
+        assert_eq!(fine.lumped_inertia(4), coarse.lumped_inertia(2));
+        assert!((fine.length_m() - 1.6).abs() < 1e-15);
+        assert_eq!(fine.element_segments(), [0, 0, 1, 1, 1, 1, 1, 1, 1, 1]);
+        assert!((fine.elements()[2].bending_stiffness_n_m2.outer - 7.25).abs() < 1e-14);
+        let last = fine.elements()[9].bending_stiffness_n_m2;
+        assert!((last.inner - 2.75).abs() < 1e-14 && (last.outer - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn four_thousand_nodes_end_where_the_link_does() {
+        let mut mesh = mesh();
+        for _ in 0..10 {
+            mesh = mesh.refined();
+        }
+        assert!((mesh.length_m() - 1.6).abs() < 1e-15);
+    }
+}

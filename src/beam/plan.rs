@@ -120,10 +120,9 @@ fn share_of_total(total: usize, fixed: usize, open: usize) -> Result<usize, Para
         return refuse(format!("must be {fixed}, the sum of the segments' own elements"));
     }
     if total < fixed + open {
+        let least = fixed + open;
         return refuse(format!(
-            "must be at least {}: {fixed} fixed by the segments and one for each of the other {open} \
-             stretches",
-            fixed + open
+            "must be at least {least}: the segments' own {fixed} and one for each other stretch"
         ));
     }
     Ok(total - fixed)
@@ -205,29 +204,81 @@ fn wavelengths(segment: &Segment, piece: &Piece) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::{Damping, Hub, LinkParts, Payload, Taper};
+    use crate::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Taper};
+
+    fn link(stiffnesses: &[f64], masses_at_m: &[f64]) -> Link {
+        let segment = |ei: &f64| Segment {
+            name: None,
+            length_m: 0.5,
+            bending_stiffness_n_m2: Taper::constant(*ei),
+            mass_per_length_kg_m: Taper::constant(0.8),
+        };
+        let mass = |at_m: &f64| LumpedMass { at_m: *at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 };
+        Link::new(LinkParts {
+            title: String::new(),
+            segments: stiffnesses.iter().map(segment).collect(),
+            hub: Hub::default(),
+            masses: masses_at_m.iter().map(mass).collect(),
+            payload: Payload::default(),
+            damping: Damping::None,
+        })
+        .unwrap()
+    }
+
+    fn counts(link: &Link, own: &[Option<usize>], count: Option<ElementCount>) -> Vec<usize> {
+        let plan = MeshPlan::new(link, own, count, 1e-6).unwrap();
+        plan.shares().iter().map(|(_, count)| *count).collect()
+    }
+
+    fn refusal(link: &Link, own: &[Option<usize>], total: usize) -> String {
+        let count = Some(ElementCount::Total(total));
+        MeshPlan::new(link, own, count, 1e-6).unwrap_err().to_string()
+    }
 
     #[test]
     fn segments_that_all_have_their_own_few_elements_get_just_those() {
-        let segment = Segment {
-            name: None,
-            length_m: 0.5,
-            bending_stiffness_n_m2: Taper::constant(5.0),
-            mass_per_length_kg_m: Taper::constant(0.8),
-        };
-        let link = Link::new(LinkParts {
-            title: String::new(),
-            segments: vec![segment.clone(), segment],
-            hub: Hub::default(),
-            masses: vec![],
-            payload: Payload::default(),
-            damping: Damping::None,
-        });
+        let link = link(&[5.0, 5.0], &[]);
         for count in [None, Some(ElementCount::Auto)] {
-            let own = [Some(1), Some(2)];
-            let plan = MeshPlan::new(link.as_ref().unwrap(), &own, count, 1e-6).unwrap();
-            let counts: Vec<usize> = plan.shares().iter().map(|(_, count)| *count).collect();
-            assert_eq!(counts, [1, 2]);
+            assert_eq!(counts(&link, &[Some(1), Some(2)], count), [1, 2]);
         }
+    }
+
+    #[test]
+    fn a_total_is_shared_by_wavelengths_and_kept() {
+        // The fourth root of 16 is two: a wave on the stiff half is twice as long.
+        let link = link(&[16.0, 1.0], &[]);
+        for (total, shares) in [(2, [1, 1]), (3, [1, 2]), (30, [10, 20]), (31, [11, 20])] {
+            let total = Some(ElementCount::Total(total));
+            assert_eq!(counts(&link, &[None, None], total), shares);
+        }
+        let rest = Some(ElementCount::Total(12));
+        assert_eq!(counts(&link, &[Some(3), None], rest), [3, 9]);
+    }
+
+    #[test]
+    fn a_lumped_mass_gets_its_node_and_one_on_a_border_needs_none() {
+        let inside = link(&[5.0], &[0.1]);
+        assert_eq!(counts(&inside, &[Some(10)], None), [2, 8]);
+        let border = link(&[5.0, 5.0], &[0.5, 1.0]);
+        assert_eq!(counts(&border, &[Some(1), Some(1)], None), [1, 1]);
+    }
+
+    #[test]
+    fn numbers_that_contradict_each_other_are_refused() {
+        let two = link(&[5.0, 5.0], &[]);
+        assert_eq!(
+            refusal(&two, &[Some(1), Some(9)], 20),
+            "mesh.elements = 20, but must be 10, the sum of the segments' own elements"
+        );
+        assert_eq!(
+            refusal(&two, &[Some(9), None], 9),
+            "mesh.elements = 9, but must be at least 10: the segments' own 9 and one for each other \
+             stretch"
+        );
+        let divided = link(&[5.0], &[0.1, 0.2]);
+        assert_eq!(
+            MeshPlan::new(&divided, &[Some(2)], None, 1e-6).unwrap_err().to_string(),
+            "segments.0.elements = 2, but must be at least 3: lumped masses divide the segment"
+        );
     }
 }

@@ -107,6 +107,18 @@ impl Problem<'_> {
         let torque = self.periodic(&answer);
         let peak = torque.peak();
         let window = torque.window(given.len, given.step_s, self.analysis, peak);
+        let grid = TimeGrid { first: window.start, len: window.len(), ..given };
+        let moving = self.motion.moving_samples();
+        let on_grid = |k: usize| (k as i64 - window.start).max(0) as usize;
+        let histories = self.motion.histories(&answer.spectrum);
+        let rigid_torque = rigid_torque_n_m(self.link, self.law, &histories);
+        let tip = TipMotionHistories {
+            displacement_m: cut(&histories.displacement_m, &grid),
+            velocity_m_s: cut(&histories.velocity_m_s, &grid),
+            acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
+        };
+        let [hub_angle_rad, hub_rate_rad_s, hub_acceleration_rad_s2] =
+            hub_motion(&answer, &tip, &grid, mesh.length_m());
         let evidence = Evidence {
             motion: self.motion,
             tolerance: self.analysis.tolerance(),
@@ -114,45 +126,47 @@ impl Problem<'_> {
             seam: torque.at_seam() / peak,
             mesh_error,
         };
-        let warnings = warnings(&evidence, &mesh, &answer.spectrum, &answer.hub);
-        let grid = TimeGrid { first: window.start, len: window.len(), ..given };
-        let moving = self.motion.moving_samples();
-        let on_grid = |k: usize| (k as i64 - window.start).max(0) as usize;
-        let histories = self.motion.histories(&answer.spectrum);
-        let rigid_torque = rigid_torque_n_m(self.link, self.law, &histories);
-        let length_m = mesh.length_m();
-        let excess = |order: i32| {
-            let derivative = answer.spectrum.derivative(&answer.hub.excess_angle_rad, order);
-            cut(&answer.spectrum.pair.samples(derivative), &grid)
-        };
-        let plus_rigid = |excess: Vec<f64>, tip: &[f64]| -> Vec<f64> {
-            excess.iter().zip(tip).map(|(excess, tip)| tip / length_m + excess).collect()
-        };
-        let tip = TipMotionHistories {
-            displacement_m: cut(&histories.displacement_m, &grid),
-            velocity_m_s: cut(&histories.velocity_m_s, &grid),
-            acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
-        };
-        Solution {
+        let accuracy = Accuracy { mesh_error, edge_error: evidence.cut.max(evidence.seam) };
+        let mut solution = Solution {
             torque_n_m: cut(&answer.torque_n_m, &grid),
             rigid_torque_n_m: cut(&rigid_torque, &grid),
-            hub_angle_rad: plus_rigid(excess(0), &tip.displacement_m),
-            hub_rate_rad_s: plus_rigid(excess(1), &tip.velocity_m_s),
-            hub_acceleration_rad_s2: plus_rigid(excess(2), &tip.acceleration_m_s2),
-            rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v / length_m).collect(),
-            root_moment_n_m: cut(&answer.spectrum.pair.samples(answer.hub.root_moment_n_m), &grid),
+            hub_angle_rad,
+            hub_rate_rad_s,
+            hub_acceleration_rad_s2,
+            rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v / mesh.length_m()).collect(),
+            root_moment_n_m: cut(
+                &answer.spectrum.pair.samples(answer.hub.root_moment_n_m.clone()),
+                &grid,
+            ),
             tip,
             moving: (on_grid(moving.0), on_grid(moving.1)),
             law: self.law,
             natural_frequencies_rad_s: natural_frequencies(&mesh, REPORTED_MODES),
             zeros_per_s: torque_zeros(&mesh, REPORTED_ZEROS),
-            accuracy: Accuracy { mesh_error, edge_error: evidence.cut.max(evidence.seam) },
+            accuracy,
             band: Band::of(&answer.spectrum),
-            warnings,
+            warnings: Vec::new(),
             grid,
             mesh,
             spectrum: answer.spectrum,
             friction_n_m_s_rad: self.link.hub().viscous_friction_n_m_s_rad,
-        }
+        };
+        solution.warnings = warnings(&evidence, &solution, &answer.hub);
+        solution
     }
+}
+
+/// Hub angle, rate and acceleration: those of the rigid link, `v_tip/L`, and what bending adds.
+fn hub_motion(
+    answer: &PeriodicAnswer,
+    tip: &TipMotionHistories,
+    grid: &TimeGrid,
+    length_m: f64,
+) -> [Vec<f64>; 3] {
+    let rigid = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2];
+    [0, 1, 2].map(|order| {
+        let amplitudes = answer.spectrum.derivative(&answer.hub.excess_angle_rad, order);
+        let excess = cut(&answer.spectrum.pair.samples(amplitudes), grid);
+        rigid[order].iter().zip(excess).map(|(tip, excess)| tip / length_m + excess).collect()
+    })
 }

@@ -3,6 +3,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use thiserror::Error;
 
+use super::solution::Solution;
 use super::spectra::HubSpectra;
 use crate::beam::Mesh;
 use crate::modal::real_frequency_zeros;
@@ -13,6 +14,10 @@ const NYQUIST_SHARE: f64 = 1e-3;
 
 /// Share of the torque above the mesh's frequency from which on the user is warned.
 const ABOVE_MESH_SHARE: f64 = 1e-2;
+
+/// Tip deflection over length from which on the user is warned: a cantilever that a tip force
+/// bends by a fifth of its length deflects some 4 % less than linear theory says.
+const LARGE_DEFLECTION: f64 = 0.2;
 
 /// Mesh error from which on the user is warned.
 const COARSE_MESH: f64 = 1e-2;
@@ -88,6 +93,16 @@ pub enum Warning {
         /// Frequency up to which the mesh follows bending waves, in Hz.
         resolved_hz: f64,
     },
+    /// More bending than the linear theory of small deflections holds for.
+    #[error(
+        "the tip deflects by {:.0} % of the link's length, beyond the small deflections that the \
+         method holds for",
+        100.0 * share
+    )]
+    LargeDeflection {
+        /// Largest deflection of the tip from the hub's tangent line over the length.
+        share: f64,
+    },
     /// A mesh that is too coarse for the motion.
     #[error("the mesh changes the torque by {error:.1e} of its peak (elements halved)")]
     CoarseMesh {
@@ -106,6 +121,7 @@ impl Warning {
             Self::BlockedTip { .. } => "blocked_tip",
             Self::NearNyquist { .. } => "near_nyquist",
             Self::AboveMesh { .. } => "above_mesh",
+            Self::LargeDeflection { .. } => "large_deflection",
             Self::CoarseMesh { .. } => "coarse_mesh",
         }
     }
@@ -116,6 +132,7 @@ impl Warning {
             Self::EndVelocityCorrected { .. } => "write the trajectory with more digits",
             Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or none of them",
             Self::WrapAround { .. } => "a longer analysis.lag, more damping or a looser tolerance",
+            Self::LargeDeflection { .. } => "a slower motion or a stiffer link",
             Self::BlockedTip { .. } => "a smoother or slower motion avoids the frequency",
             Self::NearNyquist { .. } => "a smoother motion or a shorter step",
             Self::AboveMesh { .. } | Self::CoarseMesh { .. } => {
@@ -136,36 +153,37 @@ pub(super) struct Evidence<'a> {
     pub(super) mesh_error: f64,
 }
 
-/// All warnings that the evidence gives reason for.
+/// All warnings that a solution and the evidence give reason for.
 pub(super) fn warnings(
     evidence: &Evidence<'_>,
-    mesh: &Mesh,
-    spectrum: &TipSpectrum,
+    solution: &Solution,
     hub: &HubSpectra,
 ) -> Vec<Warning> {
-    let Evidence { tolerance, cut, seam, mesh_error, .. } = *evidence;
+    let Evidence { tolerance, cut, seam, mesh_error: error, .. } = *evidence;
+    let Solution { mesh, spectrum, .. } = solution;
     let corrected = evidence.motion.corrected().map(|end| Warning::EndVelocityCorrected {
         velocity_m_s: end.velocity_m_s,
         share: end.share,
     });
-    let wrap_around = (seam > tolerance).then(|| Warning::WrapAround {
-        share: seam,
-        tolerance,
-        period_s: spectrum.period_s(),
-    });
-    let torque_cut =
-        (cut > tolerance.max(seam)).then_some(Warning::TorqueCut { share: cut, tolerance });
-    let coarse_mesh =
-        (mesh_error > COARSE_MESH).then_some(Warning::CoarseMesh { error: mesh_error });
+    let period_s = spectrum.period_s();
+    let wrap_around = Warning::WrapAround { share: seam, tolerance, period_s };
+    let torque_cut = Warning::TorqueCut { share: cut, tolerance };
     corrected
         .into_iter()
-        .chain(torque_cut)
-        .chain(wrap_around)
+        .chain((cut > tolerance.max(seam)).then_some(torque_cut))
+        .chain((seam > tolerance).then_some(wrap_around))
         .chain(blocked_tip(mesh, spectrum, tolerance))
         .chain(near_nyquist(spectrum))
         .chain(above_mesh(mesh, spectrum, hub))
-        .chain(coarse_mesh)
+        .chain((error > COARSE_MESH).then_some(Warning::CoarseMesh { error }))
+        .chain(large_deflection(solution))
         .collect()
+}
+
+fn large_deflection(solution: &Solution) -> Option<Warning> {
+    let peak_m = solution.tip_deflection_m().iter().fold(0.0_f64, |m, w| m.max(w.abs()));
+    let share = peak_m / solution.mesh.length_m();
+    (share > LARGE_DEFLECTION).then_some(Warning::LargeDeflection { share })
 }
 
 /// Zeros of torque → tip on the real axis, where the motion holds more than the tolerance.

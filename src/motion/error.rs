@@ -58,7 +58,7 @@ pub enum MotionError {
         step_s: f64,
     },
     /// The tip stands still.
-    #[error("the tip does not move, but must for there to be a torque")]
+    #[error("the tip stands still in all samples, but must move")]
     NoMotion,
     /// The acceleration leaves the tip moving after the last sample.
     #[error(

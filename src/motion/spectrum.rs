@@ -31,9 +31,10 @@ impl TipSpectrum {
     }
 
     /// Amplitudes of the `order`-th time derivative of a quantity with `amplitudes`.
-    pub fn derivative(&self, amplitudes: &[Complex64], order: i32) -> Vec<Complex64> {
-        let factor = |k| Complex64::new(0.0, self.omega_rad_s(k)).powi(order);
-        amplitudes.iter().enumerate().map(|(k, x)| x * factor(k)).collect()
+    pub fn derivative(&self, amplitudes: &[Complex64], order: usize) -> Vec<Complex64> {
+        let rate = |k| Complex64::new(0.0, self.omega_rad_s(k));
+        let derived = |(k, x): (usize, &Complex64)| (0..order).fold(*x, |x, _| x * rate(k));
+        amplitudes.iter().enumerate().map(derived).collect()
     }
 
     /// Amplitude of the velocity in m/s at bin `k`: â/(iω), and the mean at zero.
@@ -139,5 +140,83 @@ impl TipMotion {
         let begin = before % len;
         let offset = self.initial_displacement_m() - ramp * steps(begin) - periodic[begin];
         (0..len).map(|j| offset + ramp * steps(j) + periodic[j]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::MotionColumns;
+
+    /// A step of the displacement by an error function: smooth, band-limited to round-off, from
+    /// rest to rest, with every derivative known.
+    fn smooth(t: f64) -> [f64; 3] {
+        let (s, pi) = ((t - 1.0) / 0.1, std::f64::consts::PI);
+        let gauss = (-s * s).exp() / (0.1 * pi.sqrt());
+        // ∫gauss dt by its own series in steps would be long; a fine Simpson sum is exact enough.
+        let n = 4000;
+        let h = t / f64::from(n);
+        let g = |t: f64| (-((t - 1.0) / 0.1).powi(2)).exp() / (0.1 * pi.sqrt());
+        let simpson: f64 = (0..n)
+            .map(|k| {
+                let a = f64::from(k) * h;
+                (g(a) + 4.0 * g(a + 0.5 * h) + g(a + h)) * h / 6.0
+            })
+            .sum();
+        [simpson, gauss, -2.0 * s / 0.1 * gauss]
+    }
+
+    fn samples() -> (Vec<f64>, [Vec<f64>; 3]) {
+        let time_s: Vec<f64> = (0..201).map(|k| 0.01 * f64::from(k)).collect();
+        let columns = [0, 1, 2].map(|d| time_s.iter().map(|t| smooth(*t)[d]).collect());
+        (time_s, columns)
+    }
+
+    fn worst(found: &[f64], exact: &[f64]) -> f64 {
+        found.iter().zip(exact).fold(0.0, |m, (a, b)| m.max((a - b).abs()))
+    }
+
+    #[test]
+    fn displacements_give_the_accelerations_of_a_smooth_motion_to_round_off() {
+        let (time_s, [d, v, a]) = samples();
+        let columns =
+            MotionColumns { time_s, displacement_m: Some(d.clone()), ..Default::default() };
+        let motion = TipMotion::new(columns).unwrap();
+        for len in [202, 300, 512] {
+            let found = motion.histories(&motion.spectrum(len));
+            // Round-off of the displacement, 1e-16, over the squared step.
+            assert!(worst(&found.acceleration_m_s2, &a) < 1e-9, "{len} samples");
+            assert!(worst(&found.velocity_m_s, &v) < 1e-11, "{len} samples");
+            assert!(worst(&found.displacement_m, &d) < 1e-15, "{len} samples");
+        }
+    }
+
+    #[test]
+    fn accelerations_give_the_displacements_of_a_smooth_motion_to_round_off() {
+        let (time_s, [d, v, a]) = samples();
+        let columns =
+            MotionColumns { time_s, acceleration_m_s2: Some(a.clone()), ..Default::default() };
+        let motion = TipMotion::new(columns).unwrap();
+        assert!((motion.travel_m() - 1.0).abs() < 1e-13);
+        for len in [202, 300, 512] {
+            let found = motion.histories(&motion.spectrum(len));
+            assert!(worst(&found.velocity_m_s, &v) < 1e-12, "{len} samples");
+            assert!(worst(&found.displacement_m, &d) < 1e-12, "{len} samples");
+            let last = found.displacement_m[len - 1];
+            let expected = if found.before < len { 0.0 } else { 1.0 };
+            assert!((last - expected).abs() < 1e-12, "the rest before the motion, {len} samples");
+        }
+    }
+
+    #[test]
+    fn a_derivative_multiplies_each_amplitude_by_its_own_rate() {
+        let (time_s, [d, ..]) = samples();
+        let columns = MotionColumns { time_s, displacement_m: Some(d), ..Default::default() };
+        let spectrum = TipMotion::new(columns).unwrap().spectrum(256);
+        let velocity: Vec<Complex64> = (0..129).map(|k| spectrum.velocity_m_s(k)).collect();
+        let derived = spectrum.derivative(&velocity, 1);
+        for (a, b) in derived.iter().zip(&spectrum.acceleration_m_s2).take(60) {
+            assert!((a - b).norm() < 1e-14);
+        }
     }
 }

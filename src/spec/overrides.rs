@@ -104,14 +104,25 @@ impl Step<'_> {
             }
             Kind::Table(entries) => {
                 let inner = below(path, step);
-                let number = entries.iter().position(|(key, _)| key == step);
-                let number = match number {
+                let at = |wanted: &str| entries.iter().position(|(key, _)| key == wanted);
+                let factor = self.factor_of(step).filter(|_| rest.is_empty()).and_then(at);
+                let number = match at(step).or(factor) {
                     Some(number) => number,
                     None => self.create(entries, &inner, step, rest)?,
                 };
                 self.descend(&mut entries[number].1, &inner, rest)
             }
             _ => Err(Refused::new(format!("{path} = {}, which holds no {step}", node.shown()))),
+        }
+    }
+
+    /// The key that carries a factor of the product `step` where the file does not give the
+    /// product itself: four times EI is four times E.
+    fn factor_of(self, step: &str) -> Option<&'static str> {
+        match (self.change, step) {
+            (Change::Multiply(_), "EI") => Some("E"),
+            (Change::Multiply(_), "mass_per_length") => Some("density"),
+            _ => None,
         }
     }
 
@@ -213,8 +224,8 @@ fn chosen(items: &[Node], path: &str, step: &str) -> Result<Vec<usize>, Refused>
 fn instead(entries: &[(String, Node)], step: &str) -> String {
     let has = |wanted: &str| entries.iter().any(|(key, _)| key == wanted);
     let others: &[&str] = match step {
-        "EI" | "E" | "I" => &["EI", "E"],
-        "mass_per_length" | "density" | "area" => &["mass_per_length", "density"],
+        "E" | "I" => &["EI", "E"],
+        "density" | "area" => &["mass_per_length", "density"],
         _ => &[],
     };
     match others.iter().find(|other| has(other)) {

@@ -131,13 +131,14 @@ fn what_is_not_there_cannot_be_addressed_or_multiplied() {
 }
 
 #[test]
-fn the_hint_names_the_key_that_the_file_gives_instead() {
-    let material = "[[segments]]\nlength = 1\nE = 2e11\nI = 2.5e-11\nmass_per_length = 0.8\n";
-    assert_eq!(
-        refusal(material, &["segments.*.EI*=4"]),
-        "--set 'segments.*.EI*=4': segments.0.EI is not in the file, so it cannot be multiplied\n\
-         hint: the file gives E there: multiply that"
-    );
+fn a_product_is_multiplied_by_its_factor_where_the_file_gives_that_instead() {
+    let material = "[[segments]]\nlength = 1\nE = 2e11\nI = 2.5e-11\ndensity = 8e3\narea = 1e-4\n";
+    let settings = ["segments.*.EI*=4", "segments.0.mass_per_length*=0.5"];
+    let changed = read_with(material, &settings).unwrap();
+    let segment = &changed.link.segments()[0];
+    assert!((segment.bending_stiffness_n_m2.inner - 20.0).abs() < 1e-12);
+    assert!((segment.mass_per_length_kg_m.outer - 0.4).abs() < 1e-14);
+    assert!(refusal(material, &["segments.*.EI=4"]).contains("segments.0 gives EI, E and I"));
 }
 
 #[test]
