@@ -72,7 +72,7 @@ fn any_payload() -> impl Strategy<Value = Payload> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Excitation {
     ratio: f64,
-    xi: f64,
+    pub(crate) xi: f64,
 }
 
 pub(crate) fn any_excitation() -> impl Strategy<Value = Excitation> {

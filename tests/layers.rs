@@ -1,0 +1,252 @@
+//! The import law: a module imports only from levels below its own, siblings never from each other.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Modules by level. What stands on a level knows those above it in this list, and nothing else.
+const LEVELS: [&[&str]; 9] = [
+    &["numeric"],
+    &["link"],
+    &["motion", "beam"],
+    &["modal"],
+    &["inverse", "response"],
+    &["result"],
+    &["sweep"],
+    &["spec", "tables", "report"],
+    &["cli"],
+];
+
+/// What only the modules named may do, and the words that betray it.
+const RESERVED: [(&str, &[&str], &[&str]); 2] = [
+    (
+        "opens files",
+        &["spec", "tables"],
+        &["std::fs", "fs::", "File::open", "File::create", "OpenOptions", "tempfile"],
+    ),
+    (
+        "prints",
+        &["cli"],
+        &["println!", "print!", "eprintln!", "eprint!", "dbg!", "stdout(", "stderr("],
+    ),
+];
+
+fn level(module: &str) -> Option<usize> {
+    LEVELS.iter().position(|level| level.contains(&module))
+}
+
+/// Everything that a source file of `module` does against the law. `depth` is the number of
+/// modules that its path names: 2 for `beam/mesh.rs`.
+fn violations(module: &str, depth: usize, source: &str) -> Vec<String> {
+    let code = without_text(source);
+    let Some(own) = level(module) else {
+        return vec![format!("{module} has no place in the table")];
+    };
+    let mut found = Vec::new();
+    for target in imports(&code).into_iter().chain(climbs(&code, depth)) {
+        match level(&target) {
+            _ if target == module => {}
+            None => found.push(format!("{module} imports {target}, which is not in the table")),
+            Some(other) if other >= own => found.push(format!("{module} imports {target}")),
+            Some(_) => {}
+        }
+    }
+    for (deed, allowed, words) in RESERVED {
+        let word = words.iter().find(|word| names(&code, word).next().is_some());
+        if let Some(word) = word.filter(|_| !allowed.contains(&module)) {
+            found.push(format!("{module} {deed}: {word}"));
+        }
+    }
+    found
+}
+
+/// Modules named behind `crate::`, in groups too.
+fn imports(code: &str) -> Vec<String> {
+    let targets = |rest: &str| match rest.strip_prefix('{') {
+        Some(group) => members(group),
+        None => vec![identifier(rest)],
+    };
+    names(code, "crate::").flat_map(targets).collect()
+}
+
+/// Modules of the table that a chain of at least `depth` times `super::` leads to.
+fn climbs(code: &str, depth: usize) -> Vec<String> {
+    let chain = "super::".repeat(depth);
+    let target = |rest: &str| identifier(rest.trim_start_matches("super::"));
+    names(code, &chain).map(target).filter(|target| level(target).is_some()).collect()
+}
+
+/// What follows each occurrence of `word` that no longer name ends with.
+fn names<'a>(code: &'a str, word: &'a str) -> impl Iterator<Item = &'a str> {
+    let continues = |c: char| c.is_alphanumeric() || c == '_';
+    let whole = move |at: &usize| !code[..*at].ends_with(continues);
+    let starts = code.match_indices(word).map(|(at, _)| at);
+    starts.filter(whole).map(move |at| code[at + word.len()..].trim_start())
+}
+
+/// First names of the members of a group, up to its closing brace.
+fn members(group: &str) -> Vec<String> {
+    let mut depth = 1;
+    let mut found = vec![identifier(group)];
+    for (at, c) in group.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 1 => found.push(identifier(&group[at + 1..])),
+            _ => {}
+        }
+        if depth == 0 {
+            break;
+        }
+    }
+    found.retain(|name| !name.is_empty());
+    found
+}
+
+fn identifier(code: &str) -> String {
+    code.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+}
+
+/// The source without comments and without what stands in quotes.
+fn without_text(source: &str) -> String {
+    let mut code = String::new();
+    let mut rest = source;
+    while let Some(c) = rest.chars().next() {
+        let skipped = match c {
+            '/' if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
+            '/' if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |end| end + 2),
+            'r' if !code.ends_with(|c: char| c.is_alphanumeric() || c == '_') => raw_string(rest),
+            '"' => quoted(rest),
+            '\'' => character(rest),
+            _ => 0,
+        };
+        if skipped == 0 {
+            code.push(c);
+            rest = &rest[c.len_utf8()..];
+        } else {
+            code.push(' ');
+            rest = &rest[skipped..];
+        }
+    }
+    code
+}
+
+/// Length of the string that `code` begins with, quotes included.
+fn quoted(code: &str) -> usize {
+    let mut escaped = true;
+    let end = code.char_indices().find(|(_, c)| {
+        let ends = *c == '"' && !escaped;
+        // The opening quote counts as escaped.
+        escaped = *c == '\\' && !escaped;
+        ends
+    });
+    end.map_or(code.len(), |(at, _)| at + 1)
+}
+
+/// Length of the raw string that `code` begins with, 0 for anything else that begins with r.
+fn raw_string(code: &str) -> usize {
+    let hashes = code[1..].chars().take_while(|c| *c == '#').count();
+    let inner = &code[1 + hashes..];
+    if !inner.starts_with('"') {
+        return 0;
+    }
+    let end = format!("\"{}", "#".repeat(hashes));
+    inner[1..].find(&end).map_or(code.len(), |at| 1 + hashes + 1 + at + end.len())
+}
+
+/// Length of the character literal that `code` begins with, 0 for a lifetime.
+fn character(code: &str) -> usize {
+    let mut inner = code[1..].char_indices();
+    match inner.next() {
+        Some((_, '\\')) => code[3..].find('\'').map_or(0, |at| at + 4),
+        Some((_, c)) if code[1 + c.len_utf8()..].starts_with('\'') => c.len_utf8() + 2,
+        _ => 0,
+    }
+}
+
+/// Every source file below `src`, with its path from there.
+fn sources() -> Vec<(PathBuf, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut folders = vec![root.clone()];
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder of the sources") {
+            let path = entry.expect("an entry of the folder").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let source = fs::read_to_string(&path).expect("a source in UTF-8");
+                found
+                    .push((path.strip_prefix(&root).expect("a path below src").to_owned(), source));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_module_imports_only_from_levels_below_its_own() {
+    let mut found = Vec::new();
+    let mut checked = 0;
+    for (path, source) in sources() {
+        let module = path.with_extension("");
+        let mut names: Vec<_> = module.iter().map(|name| name.to_string_lossy()).collect();
+        names.retain(|name| name != "mod");
+        if ["lib", "main"].contains(&names[0].as_ref()) {
+            continue;
+        }
+        checked += 1;
+        let file = violations(&names[0], names.len(), &source);
+        found.extend(file.into_iter().map(|violation| format!("{}: {violation}", path.display())));
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    assert!(checked > 40, "only {checked} files were found");
+}
+
+#[test]
+fn the_library_does_not_know_the_command_line() {
+    let (_, source) = sources().into_iter().find(|(path, _)| path == Path::new("lib.rs")).unwrap();
+    let code = without_text(&source);
+    assert!(code.contains("pub mod beam"));
+    assert!(names(&code, "cli").all(|rest| rest.starts_with(char::is_alphanumeric)));
+}
+
+#[test]
+fn a_planted_violation_is_found() {
+    let planted = [
+        ("beam", "use crate::motion::TipMotion;", "beam imports motion"),
+        (
+            "beam",
+            "use crate::{\n    link::{Link, Taper},\n    modal::zeros,\n};",
+            "beam imports modal",
+        ),
+        ("numeric", "fn f(link: &crate::link::Link) {}", "numeric imports link"),
+        ("link", "use super::super::beam::Mesh;", "link imports beam"),
+        ("result", "pub(crate) use crate::spec::Place;", "result imports spec"),
+        ("tables", "fn f() { crate::cli::run() }", "tables imports cli"),
+        ("link", "use crate::Error;", "link imports Error, which is not in the table"),
+        ("inverse", "use std::fs;", "inverse opens files: std::fs"),
+        ("cli", "let f = File::open(path)?;", "cli opens files: File::open"),
+        ("modal", "println!(\"{x}\");", "modal prints: println!"),
+        ("tables", "writeln!(io::stderr(), \"\")", "tables prints: stderr("),
+        ("utils", "", "utils has no place in the table"),
+    ];
+    for (module, source, expected) in planted {
+        assert_eq!(violations(module, 2, source), [expected]);
+    }
+}
+
+#[test]
+fn lawful_code_is_left_alone() {
+    let lawful = [
+        ("beam", "use crate::link::{Link, Taper};\nuse crate::numeric::Scalar;"),
+        ("beam", "use crate::beam::Mesh;\nuse super::mesh::Mesh;"),
+        ("numeric", "// as crate::link does\n/* std::fs */ const A: &str = \"println!(\\\"\";"),
+        ("numeric", "const A: (char, char, &str) = ('\"', '\\'', r#\"crate::link\"#);"),
+        ("link", "fn f<'a>(x: &'a str) { reprint!(x) }"),
+        ("spec", "let text = std::fs::read_to_string(path)?;"),
+        ("cli", "use crate::cli::exit;\nprintln!();"),
+    ];
+    for (module, source) in lawful {
+        assert_eq!(violations(module, 2, source), [""; 0], "{source}");
+    }
+}
