@@ -6,6 +6,8 @@ mod roots;
 mod scalar;
 mod spline;
 mod units;
+#[cfg(test)]
+mod wide;
 
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
@@ -14,3 +16,5 @@ pub use scalar::Scalar;
 pub use spline::{CubicSpline, SplineEnds};
 pub(crate) use units::split_number;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
+#[cfg(test)]
+pub(crate) use wide::Wide;

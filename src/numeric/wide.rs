@@ -1,0 +1,72 @@
+//! A scalar for tests: twice the digits, to tell how many the same recursion loses.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use twofloat::TwoFloat;
+
+use super::Scalar;
+
+/// A number of 106 bits, so that the recursion itself tells how many digits it loses in 53.
+#[derive(Clone, Copy)]
+pub(crate) struct Wide(TwoFloat);
+
+impl Wide {
+    /// The nearest number of 53 bits.
+    pub(crate) fn nearest(self) -> f64 {
+        self.0.hi()
+    }
+}
+
+impl From<f64> for Wide {
+    fn from(value: f64) -> Self {
+        Self(value.into())
+    }
+}
+
+impl Neg for Wide {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Div for Wide {
+    type Output = Self;
+    /// The crate's quotient has 53 good bits; one correction by its residual makes it 106.
+    fn div(self, other: Self) -> Self {
+        let quotient = self.0 / other.0;
+        Self(quotient + (self.0 - quotient * other.0) / other.0)
+    }
+}
+
+macro_rules! arithmetic {
+    ($($name:ident $method:ident $sign:tt),*) => {$(
+        impl $name for Wide {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                Self(self.0 $sign other.0)
+            }
+        }
+
+        impl $name<f64> for Wide {
+            type Output = Self;
+            fn $method(self, other: f64) -> Self {
+                Self(self.0 $sign other)
+            }
+        }
+    )*};
+}
+
+arithmetic!(Add add +, Sub sub -, Mul mul *);
+
+impl Scalar for Wide {
+    fn size(self) -> f64 {
+        self.0.hi().abs()
+    }
+}
+
+#[test]
+fn a_wide_quotient_has_more_than_a_hundred_bits() {
+    let third = Wide::from(1.0) / Wide::from(3.0);
+    assert!((third * 3.0 - 1.0).size() < 1e-31);
+}
