@@ -10,6 +10,7 @@ mod transfer;
 pub use condensation::{Gain, Inertia, Step, condense};
 pub use element::{Element, RelativeElement};
 pub use mesh::Mesh;
+pub use pivoted::{DrivenMotion, driven_motion};
 pub use plan::{ElementCount, MeshPlan, Piece};
 pub use transfer::{
     HubResponse, NodalTransfer, TipTransfer, hub_response, nodal_transfer, tip_transfer,

@@ -33,10 +33,21 @@ struct Passage {
     reaction: Block,
 }
 
-/// Transfers from the tip to every node at λ ≠ 0, also where a part of the link resonates.
-///
-/// Not finite only where no pivot is left at all, as at a zero of torque → tip on the real axis.
-pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
+/// A motion of the whole link at one λ under a torque at the hub alone, its size arbitrary.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrivenMotion {
+    /// Hub angle θ.
+    pub theta: Complex64,
+    /// Torque at the hub over −ω².
+    pub torque: Complex64,
+    /// Deflection and slope (e, e') of nodes 0 … n from the hub's tangent line.
+    pub deflections: Vec<Vector2<Complex64>>,
+    /// Reaction (force, moment) over −ω² of what lies outboard of nodes 0 … n.
+    pub reactions: Vec<Vector2<Complex64>>,
+}
+
+/// The motion that a torque at the hub drives at λ, also where the link or a part of it resonates.
+pub fn driven_motion(mesh: &Mesh, lambda: Complex64) -> DrivenMotion {
     let mut plane = Plane { motion: Block::identity(), reaction: matrix(&mesh.tip_inertia()) };
     let tip_reaction = plane.reaction;
     let mut passages = Vec::with_capacity(mesh.elements().len());
@@ -58,26 +69,36 @@ pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer 
     let torque = at_root[1] + at_root[0] * root_m + theta * mesh.hub_inertia_kg_m2();
 
     let mut e = Vector2::zeros();
-    let mut deflections = vec![e[0]];
-    let mut moments = Vec::with_capacity(passages.len() + 1);
+    let mut deflections = vec![e];
+    let mut reactions = Vec::with_capacity(passages.len() + 1);
     for (passage, element) in passages.iter().rev().zip(mesh.elements()) {
-        moments.push((passage.reaction * c)[1]);
+        reactions.push(passage.reaction * c);
         c = solve(&passage.change, &c);
         e = rigid_transfer(element.length_m) * e + passage.deformation * c;
-        deflections.push(e[0]);
+        deflections.push(e);
     }
-    moments.push((tip_reaction * c)[1]);
-    let tip_displacement = theta * mesh.length_m() + e[0];
-    let lag = |e: Complex64| e / (lambda * tip_displacement);
+    reactions.push(tip_reaction * c);
+    DrivenMotion { theta, torque, deflections, reactions }
+}
+
+/// Transfers from the tip to every node at λ ≠ 0, also where a part of the link resonates.
+///
+/// Not finite only where no pivot is left at all, as at a zero of torque → tip on the real axis.
+pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
+    let motion = driven_motion(mesh, lambda);
+    let last = motion.deflections.len() - 1;
+    let tip_displacement = motion.theta * mesh.length_m() + motion.deflections[last][0];
+    let lag = |e: &Vector2<Complex64>| e[0] / (lambda * tip_displacement);
+    let moment = |q: &Vector2<Complex64>| q[1] / tip_displacement;
     NodalTransfer {
         tip: TipTransfer {
-            inertia_kg_m: torque / tip_displacement,
-            root_inertia_kg_m: at_root[1] / tip_displacement,
-            angle_rad_m: theta / tip_displacement,
-            lag_s2: lag(e[0]),
+            inertia_kg_m: motion.torque / tip_displacement,
+            root_inertia_kg_m: moment(&motion.reactions[0]),
+            angle_rad_m: motion.theta / tip_displacement,
+            lag_s2: lag(&motion.deflections[last]),
         },
-        lags_s2: deflections.into_iter().map(lag).collect(),
-        moments_kg_m: moments.into_iter().map(|m| m / tip_displacement).collect(),
+        lags_s2: motion.deflections.iter().map(lag).collect(),
+        moments_kg_m: motion.reactions.iter().map(moment).collect(),
     }
 }
 

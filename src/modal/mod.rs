@@ -1,7 +1,9 @@
-//! Natural frequencies of the link and zeros of torque → tip, from the recursion at real λ.
+//! Natural frequencies and mode shapes of the link, and zeros of torque → tip, from the recursion at real λ.
 
 mod frequencies;
+mod shapes;
 mod zeros;
 
 pub use frequencies::{modes_below, natural_frequencies};
+pub use shapes::{ModeShape, mode_shape};
 pub use zeros::{real_frequency_zeros, torque_zeros};
