@@ -142,6 +142,26 @@ impl Mesh {
         self.hub_inertia_kg_m2
     }
 
+    /// Relative error that the elements cause in a natural frequency of `omega_rad_s`, at most.
+    ///
+    /// ```text
+    /// Δω/ω = (βh)⁴/1440, which grows with ω²
+    /// ```
+    pub fn frequency_error(&self, omega_rad_s: f64) -> f64 {
+        0.01 * (omega_rad_s / self.resolved_frequency_rad_s()).powi(2)
+    }
+
+    /// The mesh with elements halved until natural frequencies up to `omega_rad_s` are exact to
+    /// `tolerance`, or until it has thousands of elements.
+    #[must_use]
+    pub fn resolving(mut self, omega_rad_s: f64, tolerance: f64) -> Self {
+        while self.frequency_error(omega_rad_s) > tolerance && 2 * self.elements.len() <= MOST_ELEMENTS
+        {
+            self = self.refined();
+        }
+        self
+    }
+
     /// A mass of the size of the link's own in kg, to compare forces with motions.
     pub(super) fn reference_mass_kg(&self) -> f64 {
         let beam: f64 = self.relative.iter().map(|e| e.m_uu.m11).sum();
@@ -157,6 +177,9 @@ impl Mesh {
         resolved.fold(f64::INFINITY, f64::min)
     }
 }
+
+/// Most elements that a mesh is refined to without a torque to tell when it is enough.
+const MOST_ELEMENTS: usize = 8192;
 
 /// Running sum of the element lengths, compensated so that many elements lose no digit.
 fn node_positions(root_m: f64, elements: &[Element]) -> Vec<f64> {
