@@ -51,7 +51,7 @@ fn an_undamped_link_takes_no_work_from_rest_to_rest() {
             parts.damping = Damping::None;
             parts.payload = Payload { mass_kg: payload_kg, ..Payload::default() };
         });
-        let solution = solved(&link, 10, &Smooth::MOVE.motion());
+        let solution = solved(&link, 10, &Smooth::SHORT.motion());
         assert!(solution.warnings.is_empty(), "{:?}", solution.warnings);
         let share = work_j(&solution) / kinetic_j(&solution, link.rigid_inertia_kg_m2());
         assert!(share.abs() < 1e-6, "{share:e}");

@@ -63,6 +63,8 @@ struct Smooth {
 }
 
 impl Smooth {
+    /// A move that bends the link little.
+    const SHORT: Self = Self { travel_m: 0.2, ..Self::MOVE };
     const MOVE: Self = Self { travel_m: 0.5, duration_s: 1.0, steps: 256, rest: [0, 0] };
 
     fn step_s(&self) -> f64 {

@@ -17,7 +17,7 @@ fn with_window(lead_s: Option<f64>, lag_s: Option<f64>) -> Solution {
 fn a_trajectory_with_enough_rest_is_not_padded() {
     let link = link(|parts| parts.damping = VISCOUS);
     // ln(1e6)/z₁ is 1.2 s; the motion has 2 s of rest on both sides, in 1280 samples.
-    let rested = Smooth { rest: [512, 511], ..Smooth::MOVE };
+    let rested = Smooth { rest: [512, 511], ..Smooth::SHORT };
     let solution = solved(&link, 16, &rested.motion());
     assert_eq!(solution.band.fft_length, 1280);
     assert_eq!(samples(&solution), 0..1280);

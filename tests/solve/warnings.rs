@@ -34,18 +34,18 @@ fn bang_bang(steps: u32) -> TipMotion {
 
 #[test]
 fn a_smooth_motion_of_a_damped_link_gives_none() {
-    let solution = solved(&link(|_| ()), 10, &Smooth::MOVE.motion());
+    let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
     assert!(solution.warnings.is_empty(), "{:?}", solution.warnings);
 }
 
 #[test]
 fn an_end_velocity_of_few_digits_is_corrected() {
-    let exact = Smooth::MOVE.acceleration_m_s2();
+    let exact = Smooth::SHORT.acceleration_m_s2();
     let mut rounded: Vec<f64> = exact.iter().map(|a| (1e3 * a).round() / 1e3).collect();
     // Without this the rounding errors of the two halves would cancel.
     rounded[100] += 0.02;
     let velocity = rounded.iter().sum::<f64>() / 256.0;
-    let solution = solved(&link(|_| ()), 10, &accelerated(Smooth::MOVE.time_s(), rounded));
+    let solution = solved(&link(|_| ()), 10, &accelerated(Smooth::SHORT.time_s(), rounded));
     let warning = of_kind(&solution, "end_velocity_corrected");
     let Warning::EndVelocityCorrected { velocity_m_s, share } = *warning else {
         panic!("{warning}");
@@ -172,4 +172,20 @@ fn a_quick_motion_on_two_elements_is_beyond_the_mesh() {
         let hint = "more elements, mesh.elements = \"auto\" or a smoother motion";
         assert_eq!(warning.hint(), hint);
     }
+}
+
+#[test]
+fn more_bending_than_linear_theory_holds_for_is_told() {
+    let solution = solved(&link(|_| ()), 10, &Smooth::MOVE.motion());
+    let warning = of_kind(&solution, "large_deflection");
+    let Warning::LargeDeflection { share } = *warning else { panic!("{warning}") };
+    let deflections = solution.tip_deflection_m();
+    let peak_m = deflections.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
+    assert!((share - peak_m / solution.mesh.length_m()).abs() < 1e-15);
+    assert_eq!(
+        warning.to_string(),
+        "the tip deflects by 21 % of the link's length, beyond the small deflections that the \
+         method holds for"
+    );
+    assert_eq!(warning.hint(), "a slower motion or a stiffer link");
 }
