@@ -117,13 +117,18 @@ impl Solve {
 
     fn check_nodes(&self, solution: &Solution) -> Result<(), Failure> {
         let last = solution.mesh.nodes_m().len() - 1;
-        match self.nodes.iter().flatten().find(|node| **node > last) {
-            None => Ok(()),
-            Some(node) => {
-                let message =
-                    format!("--nodes = {node}, but must name nodes of the mesh, 0 to {last}");
-                Err(Failure::new(Exit::Usage, &message, Some("nodes.csv lists them")))
+        let nodes = self.nodes.as_deref().unwrap_or_default();
+        let refuse = |message: &str, hint| Err(Failure::new(Exit::Usage, &message, hint));
+        if let Some(node) = nodes.iter().find(|node| **node > last) {
+            let message = format!("--nodes = {node}, but must name nodes of the mesh, 0 to {last}");
+            return refuse(&message, Some("nodes.csv lists them"));
+        }
+        let twice = nodes.iter().enumerate().find(|(k, node)| nodes[..*k].contains(node));
+        match twice {
+            Some((_, node)) => {
+                refuse(&format!("--nodes = {node} twice, but must name it once"), None)
             }
+            None => Ok(()),
         }
     }
 

@@ -25,10 +25,12 @@ pub(crate) fn solve_text(
     for (label, content) in [
         ("link", link_line(link, solution)),
         ("damping", damping_line(solution)),
+        ("ratios", ratios_line(solution)),
         ("periods", format!("{} s", list(&periods(solution), 5))),
         ("zeros", format!("±({}) 1/s", list(&solution.zeros_per_s, 4))),
         ("motion", motion_line(motion, &metrics)),
         ("torque", torque_line(&metrics)),
+        ("rigid", rigid_line(&metrics)),
         ("timing", timing_line(&metrics)),
         ("hub", hub_line(&metrics)),
         ("bending", bending_line(&metrics)),
@@ -36,6 +38,9 @@ pub(crate) fn solve_text(
         ("window", window_line(solution)),
         ("written", written.to_owned()),
     ] {
+        if content.is_empty() {
+            continue;
+        }
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{label:<8} {content}");
     }
@@ -61,17 +66,21 @@ fn damping_line(solution: &Solution) -> String {
         DampingLaw::Hysteretic { ratio: 0.0 } => "none".into(),
         DampingLaw::Hysteretic { ratio } => format!("hysteretic, ratio {ratio}"),
         DampingLaw::Rayleigh { alpha_per_s, beta_s } => {
-            let frequencies = &solution.natural_frequencies_rad_s;
-            let ratios: Vec<f64> =
-                frequencies.iter().map(|omega| solution.law.modal_ratio(*omega)).collect();
-            format!(
-                "rayleigh, alpha {} 1/s, beta {} s; ratios {}",
-                significant(alpha_per_s, 3),
-                significant(beta_s, 3),
-                list(&ratios, 2)
-            )
+            let (alpha, beta) = (significant(alpha_per_s, 3), significant(beta_s, 3));
+            format!("rayleigh, alpha {alpha} 1/s, beta {beta} s")
         }
     }
+}
+
+/// Damping ratios of the modes, where they are not all one; empty otherwise.
+fn ratios_line(solution: &Solution) -> String {
+    if let DampingLaw::Hysteretic { .. } = solution.law {
+        return String::new();
+    }
+    let frequencies = &solution.natural_frequencies_rad_s;
+    let ratios: Vec<f64> =
+        frequencies.iter().map(|omega| solution.law.modal_ratio(*omega)).collect();
+    list(&ratios, 2)
 }
 
 fn motion_line(motion: &TipMotion, metrics: &Metrics) -> String {
@@ -81,17 +90,23 @@ fn motion_line(motion: &TipMotion, metrics: &Metrics) -> String {
         significant(motion.travel_m(), 4),
         significant(grid.time_s(until) - grid.time_s(from), 4),
         significant(grid.step_s, 3),
-        significant(metrics.peak_tip_velocity_m_s.value, 4),
-        significant(metrics.peak_tip_acceleration_m_s2.value, 4)
+        significant(metrics.peak_tip_velocity_m_s.value, 3),
+        significant(metrics.peak_tip_acceleration_m_s2.value, 3)
     )
 }
 
 fn torque_line(metrics: &Metrics) -> String {
     format!(
-        "peak {} N m at {} s, rms {} N m; rigid link {} N m, ratio {}",
+        "peak {} N m at {} s, rms {} N m",
         significant(metrics.peak_torque_n_m.value, 4),
         significant(metrics.peak_torque_n_m.time_s, 3),
-        significant(metrics.rms_torque_n_m, 3),
+        significant(metrics.rms_torque_n_m, 3)
+    )
+}
+
+fn rigid_line(metrics: &Metrics) -> String {
+    format!(
+        "peak {} N m for a rigid link, ratio {}",
         significant(metrics.peak_rigid_torque_n_m.value, 4),
         significant(metrics.torque_ratio, 3)
     )
@@ -99,7 +114,7 @@ fn torque_line(metrics: &Metrics) -> String {
 
 fn timing_line(metrics: &Metrics) -> String {
     format!(
-        "starts {} s before and ends {} s after the tip's motion (2 % level)",
+        "from {} s before to {} s after the tip's motion (2 % level)",
         significant(metrics.lead_s, 3),
         significant(metrics.lag_s, 3)
     )

@@ -23,10 +23,7 @@ pub enum InversionError {
         beta_s: f64,
     },
     /// A frequency at which no torque moves the tip, or numbers beyond double precision.
-    #[error(
-        "the torque at {frequency_hz:.4} Hz is not finite, but must be: no torque moves the tip at \
-         that frequency, or the mesh is far too coarse for it"
-    )]
+    #[error("the torque at {frequency_hz:.4} Hz = not a finite number, but must be one")]
     NotFinite {
         /// The frequency in Hz.
         frequency_hz: f64,
@@ -63,7 +60,8 @@ impl InversionError {
                 "bring the two ratios closer together, or give alpha and beta themselves"
             }
             Self::NotFinite { .. } => {
-                "a little damping, another period (analysis.lag) or more elements removes it"
+                "no torque moves the tip there (a payload's inertia without damping), the mesh is far \
+                 too coarse, or the inputs are too large for double precision"
             }
             Self::NotConverged { .. } => {
                 "sample the motion more smoothly, or loosen mesh.tolerance"

@@ -35,10 +35,13 @@ impl Padding {
 
     /// Length of the period in samples for a motion of `len` samples.
     ///
+    /// The seam of two periods lies in the middle of the padding, so that both halves must hold the
+    /// longer of the two sides.
+    ///
     /// # Errors
     /// [`InversionError::TooLong`].
     pub(super) fn period_len(self, len: usize) -> Result<usize, InversionError> {
-        let samples = len.saturating_add(self.before).saturating_add(self.after);
+        let samples = self.before.max(self.after).saturating_mul(2).saturating_add(len);
         if samples > LONGEST {
             return Err(InversionError::TooLong { samples, limit: LONGEST });
         }

@@ -1,0 +1,107 @@
+//! The program as its users run it: files, options, streams and exit codes.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+mod exits;
+mod files;
+mod options;
+mod streams;
+mod summary;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+const LINK: &str = "specs/bayo1987_example1.toml";
+const MOTION: &str = "trajectories/sine_0.88s.csv";
+
+/// A working folder of its own, in which the program runs.
+struct Bench {
+    folder: TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// Names in a folder of the bench, in order.
+    fn names(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.path(folder)).unwrap();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    fn program(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_flexlink"));
+        command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.program(arguments).output().unwrap()
+    }
+
+    /// `solve` of the paper's first example with more arguments; must succeed.
+    #[track_caller]
+    fn solve(&self, arguments: &[&str]) -> Output {
+        let (link, motion) = (repository(LINK), repository(MOTION));
+        let output = self.run(&[&["solve", &link, &motion], arguments].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        output
+    }
+
+    /// Columns of a table, each with its name.
+    fn table(&self, name: &str) -> Vec<(String, Vec<f64>)> {
+        let text = self.read(name);
+        let mut lines = text.lines();
+        let names = lines.next().unwrap().split(',').map(str::to_owned);
+        let mut columns: Vec<(String, Vec<f64>)> = names.map(|name| (name, Vec::new())).collect();
+        for line in lines {
+            let fields: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
+            assert_eq!(fields.len(), columns.len(), "{name}: {line}");
+            for ((_, values), field) in columns.iter_mut().zip(fields) {
+                values.push(field);
+            }
+        }
+        columns
+    }
+
+    /// The content of all files of a folder.
+    fn contents(&self, folder: &str) -> Vec<(String, String)> {
+        let read = |name: String| {
+            let text = self.read(&format!("{folder}/{name}"));
+            (name, text)
+        };
+        self.names(folder).into_iter().map(read).collect()
+    }
+}
+
+/// A file of this repository, from wherever the program runs.
+fn repository(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name).to_str().unwrap().to_owned()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}

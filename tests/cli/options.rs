@@ -1,0 +1,132 @@
+//! Options that thin, round, replace or silence what is written.
+
+use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+
+#[test]
+fn chosen_nodes_are_columns_of_the_whole_table() {
+    let bench = Bench::new();
+    bench.solve(&["-o", "all", "--deflections", "--moments"]);
+    bench.solve(&["-o", "few", "--deflections", "--moments", "--nodes", "0,5,10"]);
+    for name in ["nodal_displacements.csv", "nodal_deflections.csv", "bending_moments.csv"] {
+        let all = bench.table(&format!("all/{name}"));
+        let few = bench.table(&format!("few/{name}"));
+        assert_eq!(few.len(), 4, "{name}");
+        for (heading, values) in few {
+            let whole = all.iter().find(|(other, _)| *other == heading).unwrap();
+            // Three nodes may have a smaller peak than all, and then one decimal more.
+            let close = values.iter().zip(&whole.1).all(|(a, b)| (a - b).abs() < 1e-9);
+            assert!(close && values.len() == whole.1.len(), "{name}: {heading}");
+        }
+    }
+}
+
+#[test]
+fn every_seventh_row_of_the_nodal_tables_is_written_and_every_row_of_the_others() {
+    let bench = Bench::new();
+    bench.solve(&["-o", "all", "--moments"]);
+    bench.solve(&["-o", "few", "--moments", "--every", "7"]);
+    for name in ["nodal_displacements.csv", "bending_moments.csv"] {
+        let (all, few) = (bench.read(&format!("all/{name}")), bench.read(&format!("few/{name}")));
+        let expected: Vec<&str> =
+            all.lines().take(1).chain(all.lines().skip(1).step_by(7)).collect();
+        let few: Vec<&str> = few.lines().collect();
+        assert_eq!(few.len(), expected.len(), "{name}");
+        let close = |a: &str, b: &str| {
+            a.split(',').zip(b.split(',')).all(|(a, b)| {
+                let number = |text: &str| text.parse::<f64>();
+                match (number(a), number(b)) {
+                    (Ok(a), Ok(b)) => (a - b).abs() < 1e-8,
+                    _ => a == b,
+                }
+            })
+        };
+        assert!(few.iter().zip(&expected).all(|(a, b)| close(a, b)), "{name}");
+    }
+    assert!(bench.read("all/torque.csv") == bench.read("few/torque.csv"));
+}
+
+#[test]
+fn four_digits_are_a_ten_thousandth_of_the_peak() {
+    let bench = Bench::new();
+    bench.solve(&["-o", "rounded", "--digits", "4"]);
+    bench.solve(&["-o", "full", "--digits", "full"]);
+    let (rounded, full) = (bench.table("rounded/torque.csv"), bench.table("full/torque.csv"));
+    for (a, b) in rounded[1].1.iter().zip(&full[1].1) {
+        assert!((a - b).abs() <= 0.5001e-4, "{a} for {b}");
+    }
+    let text = bench.read("rounded/torque.csv");
+    let decimals = |row: &str| row.rsplit_once('.').unwrap().1.len();
+    assert!(text.lines().skip(1).all(|row| decimals(row) == 4));
+}
+
+#[test]
+fn full_digits_keep_every_bit_that_the_summary_tells() {
+    let bench = Bench::new();
+    bench.solve(&["--digits", "full"]);
+    let torque = bench.table("out/torque.csv").swap_remove(1).1;
+    let peak = torque.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+    let summary: serde_json::Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+    let told = summary["results"]["peak_torque_n_m"].as_f64().unwrap();
+    assert_eq!(peak.to_bits(), told.to_bits());
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte() {
+    let bench = Bench::new();
+    let options = ["--moments", "--deflections"];
+    for threads in ["1", "2", "3"] {
+        bench.solve(&[&options[..], &["--threads", threads, "-o", threads]].concat());
+    }
+    bench.solve(&[&options[..], &["-o", "default"]].concat());
+    let alone = bench.contents("1");
+    assert_eq!(alone.len(), 9);
+    for folder in ["2", "3", "default"] {
+        assert!(bench.contents(folder) == alone, "{folder} threads");
+    }
+}
+
+#[test]
+fn json_prints_the_file_and_quiet_prints_nothing() {
+    let bench = Bench::new();
+    let output = bench.solve(&["--json"]);
+    assert_eq!(stdout(&output), bench.read("out/summary.json"));
+    assert_eq!(stderr(&output), "");
+    let output = bench.solve(&["--quiet"]);
+    assert_eq!((stdout(&output), stderr(&output)), (String::new(), String::new()));
+    let output = bench.solve(&["-q", "--set", "analysis.lead=0.1"]);
+    assert_eq!(stdout(&output), "");
+    assert!(stderr(&output).starts_with("warning: the torque outside the written window"));
+}
+
+#[test]
+fn a_setting_changes_the_link_and_is_recorded() {
+    let bench = Bench::new();
+    bench.solve(&["--set", "segments.*.I*=4", "--set", "payload.mass=\"50 g\"", "-q"]);
+    let summary: serde_json::Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+    assert_eq!(
+        summary["inputs"]["changes"],
+        serde_json::json!(["--set segments.*.I*=4", "--set payload.mass=\"50 g\""])
+    );
+    assert_eq!(summary["link"]["segments"][1]["bending_stiffness_n_m2"][0], 20.0);
+    assert_eq!(summary["link"]["payload"]["mass_kg"], 0.05);
+}
+
+#[test]
+fn a_motion_off_the_grid_is_resampled_on_demand() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let motion = std::fs::read_to_string(repository(MOTION)).unwrap();
+    // Without every row whose number a third divides, the times are not uniform.
+    let rows = motion.lines().enumerate().filter(|(k, _)| *k < 3 || *k > 880 || k % 3 != 0);
+    let thinned: Vec<&str> = rows.map(|(_, row)| row).collect();
+    bench.write("thin.csv", &thinned.join("\n"));
+    let refused = bench.run(&["solve", &link, "thin.csv"]);
+    assert_eq!(refused.status.code(), Some(3));
+    assert!(stderr(&refused).contains("hint: --resample STEP"), "{}", stderr(&refused));
+    let output = bench.run(&["solve", &link, "thin.csv", "--resample", "0.001"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    bench.solve(&["-o", "whole"]);
+    let (thin, whole) = (bench.table("out/torque.csv"), bench.table("whole/torque.csv"));
+    let peak = |torque: &[f64]| torque.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+    assert!((peak(&thin[1].1) / peak(&whole[1].1) - 1.0).abs() < 1e-4);
+}

@@ -1,0 +1,146 @@
+//! Standard input, output and error.
+
+use std::fs;
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+
+use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+
+#[test]
+fn a_dash_reads_the_motion_from_standard_input() {
+    let bench = Bench::new();
+    bench.solve(&["-o", "file"]);
+    let mut child = bench
+        .program(&["solve", &repository(LINK), "-", "-o", "piped"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let motion = fs::read(repository(MOTION)).unwrap();
+    child.stdin.take().unwrap().write_all(&motion).unwrap();
+    assert!(child.wait_with_output().unwrap().status.success());
+    assert!(bench.read("piped/torque.csv") == bench.read("file/torque.csv"));
+    let summary: serde_json::Value =
+        serde_json::from_str(&bench.read("piped/summary.json")).unwrap();
+    let file: serde_json::Value = serde_json::from_str(&bench.read("file/summary.json")).unwrap();
+    assert_eq!(summary["inputs"]["motion"]["sha256"], file["inputs"]["motion"]["sha256"]);
+    assert_eq!(summary["inputs"]["motion"]["name"], "-");
+}
+
+#[test]
+fn a_refused_standard_input_is_called_by_that_name() {
+    let bench = Bench::new();
+    let mut child = bench
+        .program(&["solve", &repository(LINK), "-"])
+        .stdin(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(b"time,acceleration\n0,zero\n").unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stderr(&output).starts_with("error: standard input:2: "), "{}", stderr(&output));
+}
+
+#[test]
+fn lines_of_the_summary_have_at_most_eighty_columns() {
+    let bench = Bench::new();
+    let mut specs: Vec<_> = fs::read_dir(repository("specs"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path().to_str().unwrap().to_owned())
+        .collect();
+    specs.sort();
+    assert!(specs.len() >= 8);
+    let rayleigh = "damping={ model = \"rayleigh\", modes = [1, 3], ratios = [0.03, 0.02] }";
+    for spec in &specs {
+        for motion in ["sine_0.88s.csv", "min_jerk_1s.csv"] {
+            let motion = repository(&format!("trajectories/{motion}"));
+            for setting in ["hub.inertia=0.1234", rayleigh, "analysis.lead=12.345"] {
+                let output = bench.run(&["solve", spec, &motion, "--set", setting]);
+                assert!(output.status.success(), "{}", stderr(&output));
+                for line in stdout(&output).lines() {
+                    assert!(line.chars().count() <= 80, "{spec}: {line}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn lines_about_a_tiny_link_have_at_most_eighty_columns() {
+    let bench = Bench::new();
+    let segment = "{ length = 123.4e-6, EI = 1.234e-9, mass_per_length = 1.234e-6 }";
+    bench.write("tiny.toml", &format!("segments = [{segment}]\ndamping.ratio = 0.02\n"));
+    let row = |k: i32| {
+        let u = f64::from(k) / 100.0;
+        let place = u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u);
+        format!("{:e},{:e}\n", 1.234e-4 * u, -1.234e-5 * place)
+    };
+    let rows: String = (0..=100).map(row).collect();
+    bench.write("tiny.csv", &format!("time,displacement\n{rows}"));
+    let output = bench.run(&["solve", "tiny.toml", "tiny.csv"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    for line in stdout(&output).lines() {
+        assert!(line.chars().count() <= 80, "{line}");
+    }
+}
+
+#[test]
+fn an_error_and_its_hint_go_to_standard_error_alone() {
+    let bench = Bench::new();
+    bench.write(
+        "link.toml",
+        "[[segments]]\nlength = 1\nEI = 5\nmass_per_length = 0.8\n\n[damping]\nratoi = 0.02\n",
+    );
+    let output = bench.run(&["solve", "link.toml", &repository(MOTION)]);
+    assert_eq!(output.status.code(), Some(3));
+    assert_eq!(stdout(&output), "");
+    assert_eq!(
+        stderr(&output),
+        "error: link.toml:7: unknown key `ratoi` in damping\nhint: did you mean `ratio`?\n"
+    );
+}
+
+#[test]
+fn a_warning_and_its_hint_go_to_standard_error_and_the_run_succeeds() {
+    let bench = Bench::new();
+    let output = bench.solve(&["--set", "analysis.lag=0.1"]);
+    let error = stderr(&output);
+    let mut lines = error.lines();
+    assert!(lines.next().unwrap().starts_with("warning: the torque outside the written window"));
+    assert_eq!(
+        lines.next(),
+        Some("hint: a longer analysis.lead and analysis.lag, or none of them")
+    );
+    assert_eq!(lines.next(), None);
+    assert!(stdout(&output).starts_with("Bayo (1987), example 1"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let bench = Bench::new();
+    let program = env!("CARGO_BIN_EXE_flexlink");
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    // The reader is gone before the program prints; its exit code is kept in a file.
+    for option in ["", "--json"] {
+        let script =
+            format!("{{ '{program}' solve '{link}' '{motion}' {option}; echo $? > code; }} | true");
+        let output = Command::new("sh")
+            .args(["-c", &script])
+            .current_dir(bench.folder.path())
+            .output()
+            .unwrap();
+        // The shell does not wait for the left side of a pipe in every case.
+        for _ in 0..600 {
+            if fs::read_to_string(bench.path("code")).is_ok_and(|code| code.ends_with('\n')) {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        assert_eq!(bench.read("code"), "0\n");
+        assert_eq!(stderr(&output), "");
+        assert!(bench.path("out/summary.json").exists());
+        fs::remove_file(bench.path("code")).unwrap();
+    }
+}

@@ -1,0 +1,88 @@
+//! The discretisation error: what is reported is what it is.
+
+use super::{Smooth, link, mesh_of, sine, solved, torque_difference};
+use flexlink::beam::{ElementCount, MeshPlan};
+use flexlink::inverse::{Analysis, Solution, invert};
+use flexlink::link::{Link, LumpedMass, Segment, Taper};
+use flexlink::motion::TipMotion;
+
+fn automatic(link: &Link, motion: &TipMotion, tolerance: f64) -> Solution {
+    let own = vec![None; link.segments().len()];
+    let plan = MeshPlan::new(link, &own, Some(ElementCount::Auto), tolerance).unwrap();
+    invert(link, &plan, motion, &Analysis::default()).unwrap()
+}
+
+/// A tapered link of two segments with a lumped mass.
+fn tapered() -> Link {
+    link(|parts| {
+        let taper = Segment {
+            name: None,
+            length_m: 0.7,
+            bending_stiffness_n_m2: Taper { inner: 5.0, outer: 2.0 },
+            mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.5 },
+        };
+        parts.segments[0].length_m = 0.8;
+        parts.segments.push(taper);
+        parts.masses.push(LumpedMass { at_m: 1.0, mass_kg: 0.05, inertia_kg_m2: 1e-4 });
+    })
+}
+
+/// Reported over true error, the latter against a mesh of eight times as many elements.
+fn reported_over_true(solution: &Solution, link: &Link, motion: &TipMotion) -> f64 {
+    let finer = solved(link, 8 * solution.mesh.elements().len(), motion);
+    solution.accuracy.mesh_error / torque_difference(solution, &finer, 0)
+}
+
+#[test]
+fn the_reported_error_of_a_given_mesh_is_the_true_one() {
+    for link in [link(|_| ()), tapered()] {
+        let motion = Smooth { duration_s: 0.5, steps: 500, ..Smooth::MOVE }.motion();
+        for elements in [6, 12, 24] {
+            let solution = solved(&link, elements, &motion);
+            let ratio = reported_over_true(&solution, &link, &motion);
+            assert!((0.5..2.0).contains(&ratio), "{elements} elements: {ratio}");
+        }
+    }
+}
+
+#[test]
+fn an_automatic_mesh_is_refined_below_its_tolerance_and_no_further() {
+    for link in [link(|_| ()), tapered()] {
+        let motion = Smooth { duration_s: 0.5, steps: 500, ..Smooth::MOVE }.motion();
+        for tolerance in [1e-2, 1e-4, 1e-6] {
+            let solution = automatic(&link, &motion, tolerance);
+            let error = solution.accuracy.mesh_error;
+            assert!(error <= tolerance, "{error:e} for {tolerance:e}");
+            let elements = solution.mesh.elements().len();
+            if elements > 8 {
+                let coarser = solved(&link, elements / 2, &motion).accuracy.mesh_error;
+                assert!(coarser > tolerance, "half of {elements} elements would do: {coarser:e}");
+            }
+            if error > 1e-5 {
+                let ratio = reported_over_true(&solution, &link, &motion);
+                assert!((0.5..2.0).contains(&ratio), "{elements} elements: {ratio}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_error_falls_with_the_fourth_power_of_the_element_length() {
+    let link = link(|_| ());
+    let motion = Smooth { duration_s: 0.5, steps: 500, ..Smooth::MOVE }.motion();
+    let errors = [16, 32, 64].map(|n| solved(&link, n, &motion).accuracy.mesh_error);
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((3.9..4.1).contains(&order), "{errors:?}");
+    }
+}
+
+#[test]
+fn a_motion_with_kinks_needs_more_elements_than_a_smooth_one() {
+    let link = link(|_| ());
+    let smooth = automatic(&link, &Smooth::MOVE.motion(), 1e-4).mesh.elements().len();
+    let kinked = automatic(&link, &sine(0.5, 1.0, 256), 1e-4).mesh.elements().len();
+    assert!(smooth < kinked, "{smooth} and {kinked}");
+    let plan = mesh_of(&link, kinked);
+    assert!(!plan.is_automatic());
+}

@@ -1,0 +1,91 @@
+//! Every refusal of a valid link and a valid motion.
+
+use super::{Smooth, accelerated, link, mesh_of, refused, sine};
+use flexlink::beam::{ElementCount, MeshPlan};
+use flexlink::inverse::{Analysis, InversionError};
+use flexlink::link::{Damping, Link};
+
+fn through_modes(modes: [usize; 2], ratios: [f64; 2]) -> Link {
+    link(|parts| parts.damping = Damping::RayleighThroughModes { modes, ratios })
+}
+
+/// The refusal on a mesh of two elements, which has four flexible modes.
+fn refused_on_two_elements(link: &Link, analysis: &Analysis) -> InversionError {
+    refused(link, &mesh_of(link, 2), &Smooth::MOVE.motion(), analysis)
+}
+
+#[test]
+fn a_mode_that_the_mesh_does_not_have() {
+    let error = refused_on_two_elements(&through_modes([1, 5], [0.02, 0.02]), &Analysis::default());
+    assert_eq!(error, InversionError::NoSuchMode { asked: 5, found: 4 });
+    assert_eq!(
+        error.to_string(),
+        "damping.modes asks for mode 5, but the mesh must have it and has 4 modes"
+    );
+    assert_eq!(error.hint(), Some("name lower modes, or give the mesh more elements"));
+}
+
+#[test]
+fn two_ratios_that_need_negative_damping() {
+    for (ratios, negative) in [([0.001, 0.1], "alpha = -"), ([0.1, 0.001], "beta = -")] {
+        let link = through_modes([1, 2], ratios);
+        let error = refused_on_two_elements(&link, &Analysis::default());
+        assert!(matches!(error, InversionError::NegativeDamping { .. }), "{error}");
+        let message = error.to_string();
+        assert!(message.starts_with("damping.ratios give alpha = "), "{message}");
+        assert!(message.contains(negative), "{message}");
+        assert!(message.ends_with("but both must be at least 0"), "{message}");
+        assert!(error.hint().unwrap().contains("bring the two ratios closer together"));
+    }
+}
+
+#[test]
+fn numbers_beyond_double_precision() {
+    let link = link(|parts| parts.hub.inertia_kg_m2 = 1e200);
+    let faster = Smooth::MOVE.acceleration_m_s2().iter().map(|a| 1e110 * a).collect();
+    let motion = accelerated(Smooth::MOVE.time_s(), faster);
+    let error = refused(&link, &mesh_of(&link, 2), &motion, &Analysis::default());
+    let InversionError::NotFinite { frequency_hz } = error else {
+        panic!("{error}");
+    };
+    assert!(frequency_hz > 0.0);
+    let message = error.to_string();
+    let expected =
+        format!("the torque at {frequency_hz:.4} Hz = not a finite number, but must be one");
+    assert_eq!(message, expected);
+    assert!(error.hint().unwrap().contains("too large for double precision"));
+}
+
+#[test]
+fn an_automatic_mesh_that_does_not_converge() {
+    let link = link(|parts| parts.damping = Damping::None);
+    let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Auto), 1e-12).unwrap();
+    let error = refused(&link, &plan, &sine(0.5, 0.2, 20), &Analysis::default());
+    let InversionError::NotConverged { error: reached, elements, tolerance } = error else {
+        panic!("{error}");
+    };
+    assert!(reached > 1e-12 && elements >= 2048, "{error}");
+    assert!((tolerance - 1e-12).abs() < 1e-24);
+    let expected = format!(
+        "mesh error = {reached:.2e} of the peak torque with {elements} elements, but must be at \
+         most 1e-12"
+    );
+    assert_eq!(error.to_string(), expected);
+    assert_eq!(error.hint(), Some("sample the motion more smoothly, or loosen mesh.tolerance"));
+}
+
+#[test]
+fn a_window_longer_than_can_be_transformed() {
+    let analysis = Analysis::new(1e-6, None, Some(1e6)).unwrap();
+    let error = refused_on_two_elements(&link(|_| ()), &analysis);
+    let InversionError::TooLong { samples, limit } = error else {
+        panic!("{error}");
+    };
+    assert!(samples > 256_000_000 && limit == 1 << 26, "{error}");
+    assert_eq!(
+        error.to_string(),
+        format!("the period = {samples} samples, but must be at most 67108864")
+    );
+    let hint = "use a longer step, or a shorter analysis.lead and analysis.lag";
+    assert_eq!(error.hint(), Some(hint));
+}

@@ -1,0 +1,191 @@
+//! Every warning, provoked; and none where there is nothing to warn about.
+
+use super::{Smooth, accelerated, link, mesh_of, sine, solved};
+use flexlink::inverse::{Analysis, Solution, Warning, invert};
+use flexlink::link::{Damping, Link, Payload};
+use flexlink::motion::TipMotion;
+
+/// The only warning of a kind.
+#[track_caller]
+fn of_kind<'a>(solution: &'a Solution, kind: &str) -> &'a Warning {
+    let mut found = solution.warnings.iter().filter(|warning| warning.kind() == kind);
+    let only = found.next().unwrap_or_else(|| panic!("no {kind} in {:?}", solution.warnings));
+    assert_eq!(found.count(), 0);
+    only
+}
+
+fn with_payload_inertia(damping: Damping) -> Link {
+    link(|parts| {
+        parts.payload = Payload { mass_kg: 0.1, inertia_kg_m2: 0.01, offset_m: 0.0 };
+        parts.damping = damping;
+    })
+}
+
+/// Full acceleration, then full braking: jumps at both ends and in the middle.
+fn bang_bang(steps: u32) -> TipMotion {
+    let time_s = (0..=steps).map(|k| f64::from(k) / f64::from(steps)).collect();
+    let sign = |k: u32| match (2 * k).cmp(&steps) {
+        std::cmp::Ordering::Less => 1.0,
+        std::cmp::Ordering::Equal => 0.0,
+        std::cmp::Ordering::Greater => -1.0,
+    };
+    accelerated(time_s, (0..=steps).map(sign).collect())
+}
+
+#[test]
+fn a_smooth_motion_of_a_damped_link_gives_none() {
+    let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
+    assert!(solution.warnings.is_empty(), "{:?}", solution.warnings);
+}
+
+#[test]
+fn an_end_velocity_of_few_digits_is_corrected() {
+    let exact = Smooth::SHORT.acceleration_m_s2();
+    let mut rounded: Vec<f64> = exact.iter().map(|a| (1e3 * a).round() / 1e3).collect();
+    // Without this the rounding errors of the two halves would cancel.
+    rounded[100] += 0.02;
+    let velocity = rounded.iter().sum::<f64>() / 256.0;
+    let solution = solved(&link(|_| ()), 10, &accelerated(Smooth::SHORT.time_s(), rounded));
+    let warning = of_kind(&solution, "end_velocity_corrected");
+    let Warning::EndVelocityCorrected { velocity_m_s, share } = *warning else {
+        panic!("{warning}");
+    };
+    assert!((velocity_m_s - velocity).abs() < 1e-12 && share > 1e-9, "{warning}");
+    assert_eq!(
+        warning.to_string(),
+        format!(
+            "the acceleration integrates to {velocity_m_s:.3e} m/s, {share:.1e} of the peak \
+             velocity: taken out by a constant over the motion's own samples"
+        )
+    );
+    assert_eq!(warning.hint(), "write the trajectory with more digits");
+    assert_eq!(solution.warnings.len(), 1, "{:?}", solution.warnings);
+}
+
+#[test]
+fn a_short_window_cuts_torque() {
+    let link = link(|_| ());
+    let analysis = Analysis::new(1e-4, Some(0.05), Some(0.05)).unwrap();
+    let solution = invert(&link, &mesh_of(&link, 10), &Smooth::MOVE.motion(), &analysis).unwrap();
+    let warning = of_kind(&solution, "torque_cut");
+    let Warning::TorqueCut { share, .. } = *warning else { panic!("{warning}") };
+    assert!((0.01..1.0).contains(&share), "{warning}");
+    assert_eq!(
+        warning.to_string(),
+        format!(
+            "the torque outside the written window reaches {share:.1e} of its peak, above the \
+             tolerance 1e-4"
+        )
+    );
+    assert_eq!(warning.hint(), "a longer analysis.lead and analysis.lag, or none of them");
+}
+
+#[test]
+fn an_undamped_tip_that_is_blocked_rings_around_the_period() {
+    let link = with_payload_inertia(Damping::None);
+    let solution = solved(&link, 2, &sine(0.5, 1.0, 64));
+    let warning = of_kind(&solution, "wrap_around");
+    let Warning::WrapAround { share, tolerance, period_s } = *warning else {
+        panic!("{warning}");
+    };
+    assert!(share > tolerance, "{warning}");
+    assert!(period_s > 1000.0, "the period was lengthened in vain: {period_s} s");
+    assert_eq!(
+        warning.to_string(),
+        format!(
+            "the torque has decayed to no less than {share:.1e} of its peak half a period \
+             ({period_s:.4} s in all) away from the motion, above the tolerance 1e-6"
+        )
+    );
+    assert_eq!(warning.hint(), "a longer analysis.lag, more damping or a looser tolerance");
+    assert!((solution.accuracy.edge_error - share).abs() < 1e-15);
+}
+
+/// sinh b + sin b = ε b³ (cosh b − cos b) at `ε = J_t/m̄L³`: b = 4.60714 for 0.01.
+#[test]
+fn a_blocked_tip_is_named_with_its_frequency() {
+    let link = link(|parts| parts.payload.inertia_kg_m2 = 0.01 * 0.8 * 1.5_f64.powi(3));
+    let solution = solved(&link, 40, &sine(0.5, 0.5, 500));
+    let warning = of_kind(&solution, "blocked_tip");
+    let Warning::BlockedTip { frequency_hz, share } = *warning else { panic!("{warning}") };
+    let expected = 4.607_14_f64.powi(2) * (5.0 / 0.8_f64).sqrt() / 2.25 / std::f64::consts::TAU;
+    assert!((frequency_hz / expected - 1.0).abs() < 1e-5, "{frequency_hz} Hz for {expected} Hz");
+    assert_eq!(
+        warning.to_string(),
+        format!(
+            "at {frequency_hz:.4} Hz no torque moves the tip (payload inertia or offset), and the \
+             motion holds {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)"
+        )
+    );
+    assert_eq!(warning.hint(), "a smoother or slower motion avoids the frequency");
+}
+
+#[test]
+fn a_slow_motion_does_not_reach_the_blocked_frequency() {
+    let link = link(|parts| parts.payload.inertia_kg_m2 = 0.001 * 0.8 * 1.5_f64.powi(3));
+    let slow = Smooth { duration_s: 4.0, steps: 1024, ..Smooth::MOVE };
+    let solution = solved(&link, 20, &slow.motion());
+    assert!(solution.warnings.is_empty(), "{:?}", solution.warnings);
+}
+
+#[test]
+fn jumps_of_the_acceleration_reach_the_nyquist_frequency() {
+    let solution = solved(&link(|_| ()), 20, &bang_bang(200));
+    let warning = of_kind(&solution, "near_nyquist");
+    let Warning::NearNyquist { share, nyquist_hz } = *warning else { panic!("{warning}") };
+    assert!((nyquist_hz - 100.0).abs() < 1e-9 && share > 1e-3, "{warning}");
+    assert_eq!(
+        warning.to_string(),
+        format!(
+            "the acceleration near the Nyquist frequency (100.0000 Hz) reaches {share:.1e} of its \
+             largest amplitude: jumps or noise that the step does not resolve"
+        )
+    );
+    assert_eq!(warning.hint(), "a smoother motion or a shorter step");
+}
+
+#[test]
+fn a_quick_motion_on_two_elements_is_beyond_the_mesh() {
+    let link = link(|_| ());
+    let solution = solved(&link, 2, &Smooth { duration_s: 0.1, ..Smooth::MOVE }.motion());
+    let warning = of_kind(&solution, "above_mesh");
+    let Warning::AboveMesh { share, resolved_hz } = *warning else { panic!("{warning}") };
+    assert!((0.01..=1.0).contains(&share), "{warning}");
+    let hertz = solution.mesh.resolved_frequency_rad_s() / std::f64::consts::TAU;
+    assert!((resolved_hz - hertz).abs() < 1e-12);
+    assert_eq!(
+        warning.to_string(),
+        format!(
+            "{share:.1e} of the torque (rms) lies above {resolved_hz:.4} Hz, beyond which the mesh \
+             is wrong by 1 % and more"
+        )
+    );
+
+    let coarse = of_kind(&solution, "coarse_mesh");
+    let Warning::CoarseMesh { error } = *coarse else { panic!("{coarse}") };
+    assert!((error - solution.accuracy.mesh_error).abs() < 1e-15 && error > 0.01);
+    assert_eq!(
+        coarse.to_string(),
+        format!("the mesh changes the torque by {error:.1e} of its peak (elements halved)")
+    );
+    for warning in [warning, coarse] {
+        let hint = "more elements, mesh.elements = \"auto\" or a smoother motion";
+        assert_eq!(warning.hint(), hint);
+    }
+}
+
+#[test]
+fn more_bending_than_linear_theory_holds_for_is_told() {
+    let solution = solved(&link(|_| ()), 10, &Smooth::MOVE.motion());
+    let warning = of_kind(&solution, "large_deflection");
+    let Warning::LargeDeflection { share } = *warning else { panic!("{warning}") };
+    let deflections = solution.tip_deflection_m();
+    let peak_m = deflections.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
+    assert!((share - peak_m / solution.mesh.length_m()).abs() < 1e-15);
+    assert_eq!(
+        warning.to_string(),
+        "the tip deflects by 21 % of the link's length, beyond the small deflections that the \
+         method holds for"
+    );
+    assert_eq!(warning.hint(), "a slower motion or a stiffer link");
+}
