@@ -155,7 +155,8 @@ impl Mesh {
     /// `tolerance`, or until it has thousands of elements.
     #[must_use]
     pub fn resolving(mut self, omega_rad_s: f64, tolerance: f64) -> Self {
-        while self.frequency_error(omega_rad_s) > tolerance && 2 * self.elements.len() <= MOST_ELEMENTS
+        while self.frequency_error(omega_rad_s) > tolerance
+            && 2 * self.elements.len() <= MOST_ELEMENTS
         {
             self = self.refined();
         }

@@ -66,3 +66,8 @@ impl ThreadArgs {
             .map_err(|error| Failure::new(Exit::NotSolvable, &error, None))
     }
 }
+
+/// A whole number above 0.
+pub(crate) fn positive(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|k| *k > 0).ok_or_else(|| "must be a whole number above 0".into())
+}

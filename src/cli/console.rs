@@ -26,8 +26,13 @@ fn told(kind: &str, message: &str, hint: Option<&str>) {
 
 /// Writes text to standard output; a reader that has gone away is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    print_bytes(text.as_bytes())
+}
+
+/// Writes a table to standard output; a reader that has gone away is no error.
+pub(crate) fn print_bytes(text: &[u8]) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(text).and_then(|()| out.flush()) {
         Err(cause) if cause.kind() != io::ErrorKind::BrokenPipe => {
             let message = format!("standard output: cannot write: {cause}");
             Err(Failure::new(Exit::CannotWrite, &message, None))

@@ -3,6 +3,9 @@
 mod args;
 mod console;
 mod exit;
+mod frf;
+mod modes;
+mod modes_text;
 mod number;
 mod solve;
 mod solve_text;
@@ -33,14 +36,18 @@ Exit codes: 0 done, 2 wrong usage, 3 input refused, 4 not solvable, 5 cannot wri
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    // Its help stands with its arguments.
-    Solve(solve::Solve),
+    // The help of each stands with its arguments.
+    Solve(Box<solve::Solve>),
+    Modes(modes::Modes),
+    Frf(frf::Frf),
 }
 
 /// Runs the program: the one place that prints an error and its hint.
 pub(crate) fn run() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Solve(solve) => solve.run(),
+        Command::Modes(modes) => modes.run(),
+        Command::Frf(frf) => frf.run(),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -50,7 +50,7 @@ pub(crate) struct Solve {
     nodes: Option<Vec<usize>>,
 
     /// Write every K-th row of the nodal tables.
-    #[arg(long, value_name = "K", default_value_t = 1, value_parser = positive)]
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = super::args::positive)]
     every: usize,
 
     #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
@@ -69,10 +69,6 @@ pub(crate) struct Solve {
 
     #[command(flatten)]
     threads: ThreadArgs,
-}
-
-fn positive(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|k| *k > 0).ok_or_else(|| "must be a whole number above 0".into())
 }
 
 impl Solve {

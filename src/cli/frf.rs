@@ -1,0 +1,111 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use flexlink::beam::Mesh;
+use flexlink::inverse::{DampingLaw, FrequencyResponse};
+use flexlink::modal::natural_frequencies;
+use flexlink::tables::{Digits, write_file, write_frequency_response};
+
+use super::args::LinkArgs;
+use super::console;
+use super::exit::{Exit, Failure};
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink frf specs/bayo1987_example1.toml --from 0.1 --to 50 --points 400 -o frf.csv";
+
+const LONG_ABOUT: &str = "\
+Frequency response of a link: torque per tip acceleration, hub angle per tip displacement, tip \
+displacement per torque.
+
+Writes a CSV with real and imaginary part, magnitude and phase of each, to standard output or a \
+file. An automatic mesh is refined until it follows the highest frequency to mesh.tolerance.";
+
+/// Frequency response of a link.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+pub(crate) struct Frf {
+    #[command(flatten)]
+    link: LinkArgs,
+
+    /// Lowest frequency [default: a tenth of the first natural frequency].
+    #[arg(long, value_name = "HZ")]
+    from: Option<f64>,
+
+    /// Highest frequency [default: twice the fifth natural frequency].
+    #[arg(long, value_name = "HZ")]
+    to: Option<f64>,
+
+    /// Number of frequencies.
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = super::args::positive)]
+    points: usize,
+
+    /// Space the frequencies evenly rather than by a constant factor.
+    #[arg(long)]
+    linear: bool,
+
+    /// File to write [default: standard output].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
+    /// reads back to the same number.
+    #[arg(long, value_name = "N", default_value = "full")]
+    digits: Digits,
+}
+
+impl Frf {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let (_, specification) = self.link.load()?;
+        let (link, plan) = (&specification.link, &specification.mesh);
+        let coarsest = Mesh::new(link, plan);
+        let (from_hz, to_hz) = self.limits(&coarsest)?;
+        let mesh = if plan.is_automatic() {
+            coarsest.resolving(to_hz * std::f64::consts::TAU, plan.tolerance())
+        } else {
+            coarsest
+        };
+        let law = DampingLaw::of(link.damping(), &mesh)?;
+        let friction = link.hub().viscous_friction_n_m_s_rad;
+        let rows: Vec<FrequencyResponse> = self
+            .grid(from_hz, to_hz)
+            .map(|frequency_hz| FrequencyResponse::at(&mesh, law, friction, frequency_hz))
+            .collect();
+        let mut text = Vec::new();
+        write_frequency_response(&mut text, &rows, self.digits)
+            .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
+        match &self.output {
+            None => console::print_bytes(&text),
+            Some(path) => Ok(write_file(path, &text)?),
+        }
+    }
+
+    /// The frequencies to go through, as asked for or as the link suggests.
+    fn limits(&self, mesh: &Mesh) -> Result<(f64, f64), Failure> {
+        let modes = natural_frequencies(mesh, 5);
+        let hertz = |mode: Option<&f64>| mode.map_or(1.0, |omega| omega / std::f64::consts::TAU);
+        let from_hz = self.from.unwrap_or(0.1 * hertz(modes.first()));
+        let to_hz = self.to.unwrap_or(2.0 * hertz(modes.last()));
+        if from_hz > 0.0 && to_hz.is_finite() && (from_hz < to_hz || self.points == 1) {
+            return Ok((from_hz, to_hz));
+        }
+        let message =
+            format!("--from {from_hz} --to {to_hz} = no range, but must rise from above 0 Hz");
+        Err(Failure::new(Exit::Usage, &message, None))
+    }
+
+    fn grid(&self, from_hz: f64, to_hz: f64) -> impl Iterator<Item = f64> {
+        let (points, linear) = (self.points, self.linear);
+        (0..points).map(move |k| {
+            // Both ends exactly.
+            let share = k as f64 / (points.max(2) - 1) as f64;
+            match (k, linear) {
+                (0, _) => from_hz,
+                (k, _) if k + 1 == points => to_hz,
+                (_, true) => from_hz + share * (to_hz - from_hz),
+                (_, false) => from_hz * (to_hz / from_hz).powf(share),
+            }
+        })
+    }
+}

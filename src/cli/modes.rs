@@ -1,0 +1,88 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use flexlink::beam::Mesh;
+use flexlink::inverse::DampingLaw;
+use flexlink::modal::{mode_shape, natural_frequencies, real_frequency_zeros, torque_zeros};
+use flexlink::spec::Specification;
+use flexlink::tables::{Digits, ModesResult, OutputFolder};
+
+use super::args::LinkArgs;
+use super::console;
+use super::exit::Failure;
+use super::modes_text::modes_text;
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink modes specs/bayo1987_example1.toml --count 5 -o out";
+
+const LONG_ABOUT: &str = "\
+Natural frequencies, mode shapes and zeros of a link.
+
+Prints a table; with -o, writes modes.csv, mode_shapes.csv and zeros.csv into a folder. Modes are \
+those of the link on its hub, free to turn; shapes are mass-normalised, the tip positive. Zeros \
+are those of the transfer from hub torque to tip: they set how long before the tip the torque must \
+start. An automatic mesh is refined until the frequencies are exact to mesh.tolerance.";
+
+/// Natural frequencies, mode shapes and zeros of a link.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+pub(crate) struct Modes {
+    #[command(flatten)]
+    link: LinkArgs,
+
+    /// How many modes and zeros.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = super::args::positive)]
+    count: usize,
+
+    /// Folder for the tables [default: none are written].
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+
+    /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
+    /// reads back to the same number.
+    #[arg(long, value_name = "N", default_value = "12")]
+    digits: Digits,
+}
+
+impl Modes {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let (_, specification) = self.link.load()?;
+        let (mesh, omega_rad_s) = resolved(&specification, self.count);
+        let law = DampingLaw::of(specification.link.damping(), &mesh)?;
+        let highest = omega_rad_s.last().copied().unwrap_or_default();
+        let blocked = real_frequency_zeros(&mesh, highest);
+        let result = ModesResult {
+            damping_ratios: omega_rad_s.iter().map(|omega| law.modal_ratio(*omega)).collect(),
+            zeros_per_s: torque_zeros(&mesh, self.count),
+            blocked_hz: blocked.iter().map(|omega| omega / std::f64::consts::TAU).collect(),
+            nodes_m: mesh.nodes_m().to_vec(),
+            shapes: omega_rad_s.iter().map(|w| mode_shape(&mesh, *w).displacements).collect(),
+            omega_rad_s,
+        };
+        if let Some(folder) = &self.output {
+            result.write(OutputFolder::stage(folder)?, self.digits)?;
+        }
+        console::print(&modes_text(&specification.link, &mesh, &result))
+    }
+}
+
+/// The mesh on which the modes are exact to the plan's tolerance, and their frequencies in rad/s.
+fn resolved(specification: &Specification, count: usize) -> (Mesh, Vec<f64>) {
+    let plan = &specification.mesh;
+    let mut mesh = Mesh::new(&specification.link, plan);
+    loop {
+        let frequencies = natural_frequencies(&mesh, count);
+        let highest = frequencies.last().copied().unwrap_or_default();
+        let is_short = frequencies.len() < count;
+        let elements = mesh.elements().len();
+        if plan.is_automatic() {
+            mesh =
+                if is_short { mesh.refined() } else { mesh.resolving(highest, plan.tolerance()) };
+        }
+        if mesh.elements().len() == elements {
+            return (mesh, frequencies);
+        }
+    }
+}

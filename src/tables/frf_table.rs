@@ -1,0 +1,48 @@
+use std::io::{self, Write};
+
+use num_complex::Complex64;
+
+use super::number::Digits;
+use super::plain_table::{PlainColumn, write_plain};
+use crate::inverse::FrequencyResponse;
+
+/// One of the transfers of a row.
+type Transfer = fn(&FrequencyResponse) -> Complex64;
+
+/// One of the numbers that a transfer is written as.
+type Part = fn(Complex64) -> f64;
+
+/// Writes the frequency response of a link: frequency, then real and imaginary part, magnitude and
+/// phase of each transfer. A transfer that is infinite, at a pole of an undamped link, leaves its
+/// fields empty.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_frequency_response(
+    out: &mut (impl Write + ?Sized),
+    rows: &[FrequencyResponse],
+    digits: Digits,
+) -> io::Result<()> {
+    let frequencies: Vec<f64> = rows.iter().map(|row| row.frequency_hz).collect();
+    let mut columns = vec![PlainColumn::values("frequency_hz", &frequencies)];
+    let transfers: [(&str, Transfer); 3] = [
+        ("torque_per_tip_acceleration_kg_m", |row| row.torque_per_tip_acceleration_kg_m),
+        ("hub_angle_per_tip_displacement_rad_m", |row| row.hub_angle_per_tip_displacement_rad_m),
+        ("tip_displacement_per_torque_1_n", |row| row.tip_displacement_per_torque_1_n),
+    ];
+    let parts: [(&str, Part); 4] = [
+        ("real", |x| x.re),
+        ("imag", |x| x.im),
+        ("magnitude", Complex64::norm),
+        // Half a turn is +π, whatever the sign of a zero.
+        ("phase_rad", |x| (x.im + 0.0).atan2(x.re)),
+    ];
+    for (name, transfer) in transfers {
+        for (part, of) in parts {
+            let finite = |row| Some(transfer(row)).filter(|x| x.is_finite());
+            let cells: Vec<f64> = rows.iter().map(|row| finite(row).map_or(f64::NAN, of)).collect();
+            columns.push(PlainColumn::values(&format!("{name}_{part}"), &cells));
+        }
+    }
+    write_plain(out, &columns, digits)
+}
