@@ -3,6 +3,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::inverse::{Solution, invert};
+use flexlink::link::{Drive, Link};
+use flexlink::motion::TipMotion;
+use flexlink::result::Metrics;
+use flexlink::spec::Specification;
 use flexlink::tables::{
     Digits, InputFile, OptionalTable, OutputFolder, RunInputs, SolveOutputs, Summary,
     read_motion_table,
@@ -64,6 +68,10 @@ pub(crate) struct Solve {
     #[arg(long, value_name = "N", default_value = "10")]
     digits: Digits,
 
+    /// Fail with exit code 4 if a limit of the link file is exceeded; the results are written.
+    #[arg(long)]
+    strict: bool,
+
     #[command(flatten)]
     print: PrintArgs,
 
@@ -75,40 +83,55 @@ impl Solve {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.apply()?;
         let (link_file, specification) = self.link.load()?;
-        let link = &specification.link;
+        let Specification { link, mesh, analysis, drive, limits } = &specification;
         let motion_file = InputFile::read(&self.motion)?;
-        let mut table = read_motion_table(&motion_file.shown, &motion_file.bytes, link.length_m())?;
-        if let Some(step_s) = self.resample {
-            table = table.resampled(step_s)?;
-        }
-        let motion = table.into_motion()?;
+        let motion = self.read_motion(&motion_file, link)?;
 
-        let solution = invert(link, &specification.mesh, &motion, &specification.analysis)?;
+        let solution = invert(link, mesh, &motion, analysis)?;
         self.check_nodes(&solution)?;
 
-        let outputs = self.outputs();
+        let outputs = self.outputs(*drive);
         let inputs = RunInputs {
             link_file: &link_file,
             motion_file: &motion_file,
             link,
             motion: &motion,
-            analysis: &specification.analysis,
+            analysis,
+            drive: drive.as_ref(),
+            limits,
             changes: &self.changes(),
         };
         let files = outputs.file_names();
         let summary = Summary::new(&inputs, &solution, files.clone());
-        let folder = OutputFolder::stage(&self.output)?;
-        outputs.write(folder, link, &solution, &summary)?;
+        outputs.write(OutputFolder::stage(&self.output)?, link, &solution, &summary)?;
 
+        let exceeded = limits.exceeded(&Metrics::of(&solution));
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
         }
+        // With --strict the first is an error, told at the end.
+        for limit in exceeded.iter().skip(usize::from(self.strict)) {
+            console::warning(limit, limit.hint());
+        }
         let written = format!("{} files in {}", files.len(), self.output.display());
         match (self.print.quiet, self.print.json) {
-            (true, _) => Ok(()),
-            (_, true) => console::print(&summary.to_json()),
-            _ => console::print(&solve_text(link, &motion, &solution, &written)),
+            (true, _) => {}
+            (_, true) => console::print(&summary.to_json())?,
+            _ => console::print(&solve_text(link, &motion, &solution, &written))?,
         }
+        match exceeded.first().filter(|_| self.strict) {
+            Some(limit) => Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint()))),
+            None => Ok(()),
+        }
+    }
+
+    fn read_motion(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
+        let table = read_motion_table(&file.shown, &file.bytes, link.length_m())?;
+        let table = match self.resample {
+            Some(step_s) => table.resampled(step_s)?,
+            None => table,
+        };
+        Ok(table.into_motion()?)
     }
 
     fn check_nodes(&self, solution: &Solution) -> Result<(), Failure> {
@@ -128,7 +151,7 @@ impl Solve {
         }
     }
 
-    fn outputs(&self) -> SolveOutputs {
+    fn outputs(&self, drive: Option<Drive>) -> SolveOutputs {
         let optional = [
             (self.deflections, OptionalTable::NodalDeflections),
             (self.moments, OptionalTable::BendingMoments),
@@ -137,6 +160,7 @@ impl Solve {
             nodes: self.nodes.clone(),
             every: self.every,
             optional: optional.into_iter().filter(|(on, _)| *on).map(|(_, table)| table).collect(),
+            drive,
             digits: self.digits,
         }
     }

@@ -148,6 +148,7 @@ impl Problem<'_> {
             warnings: Vec::new(),
             grid,
             mesh,
+            torque_amplitudes_n_m: answer.hub.torque_n_m.clone(),
             spectrum: answer.spectrum,
             friction_n_m_s_rad: self.link.hub().viscous_friction_n_m_s_rad,
         };

@@ -1,5 +1,7 @@
 use std::f64::consts::TAU;
 
+use num_complex::Complex64;
+
 use super::law::DampingLaw;
 use super::spectra::{Forcing, band_len};
 use super::warning::Warning;
@@ -97,6 +99,8 @@ pub struct Solution {
     pub band: Band,
     /// What the user must know.
     pub warnings: Vec<Warning>,
+    /// Amplitudes of the torque in N m over the band.
+    pub(super) torque_amplitudes_n_m: Vec<Complex64>,
     pub(super) spectrum: TipSpectrum,
     pub(super) friction_n_m_s_rad: f64,
 }

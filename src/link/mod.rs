@@ -4,12 +4,14 @@
 //! refusal names the parameter by its dotted path, and whoever read the file adds the line.
 
 mod damping;
+mod drive;
 mod error;
 mod section;
 mod segment;
 mod whole;
 
 pub use damping::Damping;
+pub use drive::Drive;
 pub use error::ParameterError;
 pub use section::Section;
 pub use segment::{Segment, Taper};

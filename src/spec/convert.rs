@@ -1,13 +1,17 @@
 use super::Specification;
 use super::damping::damping;
 use super::error::Fault;
-use super::quantity::{Quantity, Real};
-use super::raw::{Elements, RawAnalysis, RawHub, RawMass, RawMesh, RawPayload, RawSpecification};
+use super::quantity::{Quantity, Real, Unbounded};
+use super::raw::{
+    Elements, RawAnalysis, RawDrive, RawHub, RawLimits, RawMass, RawMesh, RawPayload,
+    RawSpecification,
+};
 use super::segment::segment;
 use crate::beam::{ElementCount, MeshPlan};
 use crate::inverse::Analysis;
-use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload};
+use crate::link::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload};
 use crate::numeric::Dimension;
+use crate::result::Limits;
 
 /// Turns the raw form into the checked one.
 pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
@@ -28,7 +32,8 @@ pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
     })?;
     let mesh = mesh(&link, &own_elements, &raw.mesh)?;
     let analysis = analysis(&raw.analysis)?;
-    Ok(Specification { link, mesh, analysis })
+    let drive = raw.drive.as_ref().map(drive).transpose()?;
+    Ok(Specification { link, mesh, analysis, drive, limits: limits(&raw.limits)? })
 }
 
 fn hub(raw: &RawHub) -> Result<Hub, Fault> {
@@ -59,6 +64,37 @@ fn payload(raw: &RawPayload) -> Result<Payload, Fault> {
         inertia_kg_m2: inertia.si("payload.inertia", Dimension::ROTARY_INERTIA)?,
         offset_m: raw.offset.si("payload.offset", Dimension::LENGTH)?,
     })
+}
+
+fn drive(raw: &RawDrive) -> Result<Drive, Fault> {
+    let stiffness = raw
+        .joint_stiffness
+        .as_ref()
+        .map(|Unbounded(value)| value.si("drive.joint_stiffness", Dimension::TORQUE));
+    let drive = Drive {
+        joint_stiffness_n_m_rad: stiffness.unwrap_or(Ok(f64::INFINITY))?,
+        rotor_inertia_kg_m2: raw
+            .rotor_inertia
+            .si("drive.rotor_inertia", Dimension::ROTARY_INERTIA)?,
+        gear_ratio: raw.gear_ratio.map_or(1.0, |Real(ratio)| ratio),
+    };
+    Ok(drive.check()?)
+}
+
+fn limits(raw: &RawLimits) -> Result<Limits, Fault> {
+    let si = |key: &str, value: &Option<Quantity>, dimension| {
+        let value = value.as_ref().map(|value| value.si(&format!("limits.{key}"), dimension));
+        value.transpose()
+    };
+    let limits = Limits {
+        torque_n_m: si("torque", &raw.torque, Dimension::TORQUE)?,
+        rms_torque_n_m: si("rms_torque", &raw.rms_torque, Dimension::TORQUE)?,
+        hub_rate_rad_s: si("hub_rate", &raw.hub_rate, Dimension::RATE)?,
+        power_w: si("power", &raw.power, Dimension::POWER)?,
+        deflection_m: si("deflection", &raw.deflection, Dimension::LENGTH)?,
+        bending_moment_n_m: si("bending_moment", &raw.bending_moment, Dimension::TORQUE)?,
+    };
+    Ok(limits.check()?)
 }
 
 fn mesh(link: &Link, own: &[Option<usize>], raw: &RawMesh) -> Result<MeshPlan, Fault> {

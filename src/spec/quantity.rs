@@ -60,6 +60,17 @@ impl Tapered {
     }
 }
 
+/// A quantity that may be infinite.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Unbounded(pub(super) Quantity);
+
+impl<'de> Deserialize<'de> for Unbounded {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        // Asked for a number outright, the reader lets an infinite one pass.
+        deserializer.deserialize_f64(QuantityVisitor).map(Self)
+    }
+}
+
 /// A pure number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Real(pub(super) f64);

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Deserialize as Derived;
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
-use super::quantity::{Quantity, Real, Tapered};
+use super::quantity::{Quantity, Real, Tapered, Unbounded};
 
 /// The whole file.
 #[derive(Debug, Derived)]
@@ -21,6 +21,9 @@ pub(super) struct RawSpecification {
     #[serde(default)]
     pub(super) payload: RawPayload,
     pub(super) damping: Option<RawDamping>,
+    pub(super) drive: Option<RawDrive>,
+    #[serde(default)]
+    pub(super) limits: RawLimits,
     #[serde(default)]
     pub(super) mesh: RawMesh,
     #[serde(default)]
@@ -96,6 +99,27 @@ pub(super) struct RawDamping {
     pub(super) modes: Option<Vec<Count>>,
     pub(super) alpha: Option<Quantity>,
     pub(super) beta: Option<Quantity>,
+}
+
+/// `[drive]`
+#[derive(Debug, Default, Derived)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
+pub(super) struct RawDrive {
+    pub(super) joint_stiffness: Option<Unbounded>,
+    pub(super) rotor_inertia: Quantity,
+    pub(super) gear_ratio: Option<Real>,
+}
+
+/// `[limits]`
+#[derive(Debug, Default, Derived)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
+pub(super) struct RawLimits {
+    pub(super) torque: Option<Quantity>,
+    pub(super) rms_torque: Option<Quantity>,
+    pub(super) hub_rate: Option<Quantity>,
+    pub(super) power: Option<Quantity>,
+    pub(super) deflection: Option<Quantity>,
+    pub(super) bending_moment: Option<Quantity>,
 }
 
 /// `[mesh]`

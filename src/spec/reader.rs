@@ -125,6 +125,14 @@ impl<'de> Deserializer<'de> for &'de Node {
         }
     }
 
+    /// A number that may be infinite, or whatever else is there.
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+        match self.kind {
+            Kind::Number(number) if number.is_infinite() => visitor.visit_f64(number),
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
         visitor.visit_some(self)
     }
@@ -143,7 +151,7 @@ impl<'de> Deserializer<'de> for &'de Node {
     }
 
     forward_to_deserialize_any! {
-        bool u8 u16 u32 u64 i8 i16 i32 i64 f32 f64 char str string seq bytes byte_buf map unit
+        bool u8 u16 u32 u64 i8 i16 i32 i64 f32 char str string seq bytes byte_buf map unit
         newtype_struct ignored_any unit_struct tuple_struct tuple enum identifier
     }
 }

@@ -8,7 +8,8 @@ use super::tree::{Kind, Node, Place};
 use super::{Override, SpecError};
 use crate::beam::MeshPlan;
 use crate::inverse::Analysis;
-use crate::link::Link;
+use crate::link::{Drive, Link};
+use crate::result::Limits;
 
 /// What a link file says, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +20,10 @@ pub struct Specification {
     pub mesh: MeshPlan,
     /// How exact the answer must be.
     pub analysis: Analysis,
+    /// What sits between motor and hub, where the file says so.
+    pub drive: Option<Drive>,
+    /// What link and motor stand.
+    pub limits: Limits,
 }
 
 /// Reads the text of a link file and applies the `overrides` in their order.
@@ -49,11 +54,6 @@ pub fn read_specification(
 }
 
 fn read(tree: &Node) -> Result<Specification, Fault> {
-    for table in ["drive", "limits"] {
-        if tree.get(table).is_some() {
-            return Err(Fault::new(table, format!("[{table}] is not supported yet")));
-        }
-    }
     for list in ["segments", "masses"] {
         check_list_of_tables(tree, list)?;
     }

@@ -7,11 +7,11 @@ use super::folder::{FolderError, OutputFolder};
 use super::number::Digits;
 use super::summary::Summary;
 use crate::beam::Mesh;
-use crate::inverse::{NodalHistories, Solution};
-use crate::link::Link;
+use crate::inverse::{MotorHistories, NodalHistories, Solution};
+use crate::link::{Drive, Link};
 
 /// Which results to write, and how.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SolveOutputs {
     /// Nodes of the nodal tables; `None`: all.
     pub nodes: Option<Vec<usize>>,
@@ -19,6 +19,8 @@ pub struct SolveOutputs {
     pub every: usize,
     /// Tables beyond those that are always written.
     pub optional: Vec<OptionalTable>,
+    /// The drive whose motor.csv to write, if there is one.
+    pub drive: Option<Drive>,
     /// Digits of all numbers.
     pub digits: Digits,
 }
@@ -42,16 +44,19 @@ impl OptionalTable {
 }
 
 /// Names of all files that `solve` may write, summary.json left out.
-const OWNED: [&str; 8] = [
+const OWNED: [&str; 9] = [
     "torque.csv",
     "rigid_torque.csv",
     "hub_angle.csv",
     "tip.csv",
+    MOTOR,
     "nodes.csv",
     "nodal_displacements.csv",
     "nodal_deflections.csv",
     "bending_moments.csv",
 ];
+
+const MOTOR: &str = "motor.csv";
 
 const SUMMARY: &str = "summary.json";
 
@@ -61,7 +66,8 @@ impl SolveOutputs {
         let optional = [OptionalTable::NodalDeflections, OptionalTable::BendingMoments];
         let wanted = |name: &&str| {
             let table = optional.into_iter().find(|table| table.file_name() == *name);
-            table.is_none_or(|table| self.optional.contains(&table))
+            let is_driven = *name != MOTOR || self.drive.is_some();
+            is_driven && table.is_none_or(|table| self.optional.contains(&table))
         };
         OWNED.into_iter().filter(wanted).chain([SUMMARY]).collect()
     }
@@ -83,6 +89,10 @@ impl SolveOutputs {
         let all = solution.grid.thinned(1);
         for (name, groups) in histories(solution) {
             folder.file(name, |out| write_csv(out, &all, &groups, self.digits))?;
+        }
+        if let Some(motor) = self.drive.map(|drive| solution.motor(&drive)) {
+            let groups = motor_groups(&motor);
+            folder.file(MOTOR, |out| write_csv(out, &all, &groups, self.digits))?;
         }
         folder.file("nodes.csv", |out| write_nodes(out, link, &solution.mesh, self.digits))?;
         self.write_nodal(&mut folder, solution)?;
@@ -141,6 +151,15 @@ fn hub_groups(solution: &Solution) -> Vec<ColumnGroup<'_>> {
         group([("hub_rate_rad_s", &solution.hub_rate_rad_s)]),
         group([("hub_acceleration_rad_s2", &solution.hub_acceleration_rad_s2)]),
         group([("rigid_hub_angle_rad", &solution.rigid_hub_angle_rad)]),
+    ]
+}
+
+fn motor_groups(motor: &MotorHistories) -> Vec<ColumnGroup<'_>> {
+    vec![
+        group([("motor_torque_n_m", &motor.torque_n_m)]),
+        group([("motor_angle_rad", &motor.angle_rad)]),
+        group([("motor_rate_rad_s", &motor.rate_rad_s)]),
+        group([("motor_power_w", &motor.power_w)]),
     ]
 }
 

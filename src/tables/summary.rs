@@ -5,9 +5,9 @@ use serde::Serialize;
 use super::input::InputFile;
 use super::link_record::LinkRecord;
 use crate::inverse::{Analysis, DampingLaw, Solution};
-use crate::link::Link;
+use crate::link::{Drive, Link};
 use crate::motion::TipMotion;
-use crate::result::Metrics;
+use crate::result::{Exceeded, Limits, Metrics};
 
 /// What a run was given.
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +22,10 @@ pub struct RunInputs<'a> {
     pub motion: &'a TipMotion,
     /// How exact the answer was to be.
     pub analysis: &'a Analysis,
+    /// What sits between motor and hub, if anything does.
+    pub drive: Option<&'a Drive>,
+    /// What link and motor stand.
+    pub limits: &'a Limits,
     /// The arguments that changed the inputs, in order: `--set …`, `--resample …`.
     pub changes: &'a [String],
 }
@@ -34,6 +38,7 @@ pub struct Summary {
     title: String,
     inputs: Inputs,
     link: LinkRecord,
+    drive: Option<DriveRecord>,
     mesh: MeshRecord,
     motion: MotionRecord,
     periods_s: Vec<f64>,
@@ -58,6 +63,14 @@ struct Inputs {
 struct Fingerprint {
     name: String,
     sha256: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct DriveRecord {
+    /// Nothing for a stiff joint: JSON has no infinity.
+    joint_stiffness_n_m_rad: Option<f64>,
+    rotor_inertia_kg_m2: f64,
+    gear_ratio: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -138,6 +151,7 @@ impl Summary {
                 changes: inputs.changes.to_vec(),
             },
             link: LinkRecord::new(inputs.link, solution.law),
+            drive: inputs.drive.map(DriveRecord::of),
             mesh: MeshRecord {
                 elements: solution.mesh.elements().len(),
                 degrees_of_freedom: 2 * solution.mesh.elements().len() + 1,
@@ -154,7 +168,7 @@ impl Summary {
                 mesh_error: solution.accuracy.mesh_error,
                 edge_error: solution.accuracy.edge_error,
             },
-            warnings: warnings(solution),
+            warnings: warnings(solution, &inputs.limits.exceeded(&metrics)),
             files,
         }
     }
@@ -174,13 +188,29 @@ fn ratios(law: DampingLaw, frequencies: &[f64]) -> Vec<f64> {
     frequencies.iter().map(|omega| law.modal_ratio(*omega)).collect()
 }
 
-fn warnings(solution: &Solution) -> Vec<WarningRecord> {
+fn warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<WarningRecord> {
     let record = |warning: &crate::inverse::Warning| WarningRecord {
         kind: warning.kind(),
         message: warning.to_string(),
         hint: warning.hint(),
     };
-    solution.warnings.iter().map(record).collect()
+    let limit = |exceeded: &Exceeded| WarningRecord {
+        kind: "limit_exceeded",
+        message: exceeded.to_string(),
+        hint: exceeded.hint(),
+    };
+    solution.warnings.iter().map(record).chain(exceeded.iter().map(limit)).collect()
+}
+
+impl DriveRecord {
+    fn of(drive: &Drive) -> Self {
+        let stiffness = drive.joint_stiffness_n_m_rad;
+        Self {
+            joint_stiffness_n_m_rad: Some(stiffness).filter(|k| k.is_finite()),
+            rotor_inertia_kg_m2: drive.rotor_inertia_kg_m2,
+            gear_ratio: drive.gear_ratio,
+        }
+    }
 }
 
 impl Fingerprint {

@@ -13,7 +13,8 @@ mod specs;
 
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::Analysis;
-use flexlink::link::{Damping, Hub, LumpedMass, Payload, Taper};
+use flexlink::link::{Damping, Drive, Hub, LumpedMass, Payload, Taper};
+use flexlink::result::Limits;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
 
 /// The example of the interface, without the tables that are not supported yet.
@@ -51,6 +52,17 @@ offset = 0.0
 [damping]
 model = "hysteretic"
 ratio = 0.02
+
+[drive]
+joint_stiffness = inf
+rotor_inertia = 0.0
+gear_ratio = 1.0
+
+[limits]
+torque = 5.0
+hub_rate = 6.0
+deflection = 0.1
+bending_moment = 20.0
 
 [mesh]
 elements = 10
@@ -93,7 +105,7 @@ fn segment_refusal(keys: &str) -> String {
 
 #[test]
 fn the_whole_example_is_read_in_si() {
-    let Specification { link, mesh, analysis } = read(EXAMPLE).unwrap();
+    let Specification { link, mesh, analysis, drive, limits } = read(EXAMPLE).unwrap();
     assert_eq!(link.title(), "Bayo (1987), example 1: I = 0.25e-2 cm^4");
     let [root, beam] = link.segments() else {
         panic!("{:?}", link.segments());
@@ -109,6 +121,12 @@ fn the_whole_example_is_read_in_si() {
     assert_eq!(link.masses(), [mass]);
     assert_eq!(*link.payload(), Payload::default());
     assert_eq!(link.damping(), Damping::Hysteretic { ratio: 0.02 });
+    let stiff_joint =
+        Drive { joint_stiffness_n_m_rad: f64::INFINITY, rotor_inertia_kg_m2: 0.0, gear_ratio: 1.0 };
+    assert_eq!(drive, Some(stiff_joint));
+    assert_eq!((limits.torque_n_m, limits.hub_rate_rad_s), (Some(5.0), Some(6.0)));
+    assert_eq!((limits.deflection_m, limits.bending_moment_n_m), (Some(0.1), Some(20.0)));
+    assert_eq!((limits.power_w, limits.rms_torque_n_m), (None, None));
     let total = Some(ElementCount::Total(10));
     let plan = MeshPlan::new(&link, &[Some(1), Some(9)], total, 1e-6);
     assert_eq!(mesh, plan.unwrap());
@@ -117,7 +135,8 @@ fn the_whole_example_is_read_in_si() {
 
 #[test]
 fn only_segments_are_required() {
-    let Specification { link, mesh, analysis } = read(SHORT).unwrap();
+    let Specification { link, mesh, analysis, drive, limits } = read(SHORT).unwrap();
+    assert_eq!((drive, limits), (None, Limits::default()));
     assert_eq!(link.title(), "");
     assert_eq!(*link.hub(), Hub::default());
     assert_eq!(link.damping(), Damping::None);

@@ -83,7 +83,7 @@ fn a_bad_value_is_blamed_on_its_setting() {
             "mesh.elements = 2.5, but must be a whole number from 1 to 100000, or \"auto\"",
         ),
         ("hub.inertia=nan", "hub.inertia = NaN, but must be finite"),
-        ("drive.gear_ratio=2", "[drive] is not supported yet"),
+        ("drive.gear_ratio=-2", "drive.gear_ratio = -2, but must be finite and above 0"),
     ] {
         let expected = format!("--set '{set}': {expected}");
         assert_eq!(refusal(EXAMPLE, &[set]), expected);
@@ -106,8 +106,8 @@ fn what_is_not_there_cannot_be_addressed_or_multiplied() {
              gives mass_per_length there: multiply that",
         ),
         (
-            "drive.gear_ratio*=2",
-            "drive is not in the file, so it cannot be multiplied\nhint: give it a value with `=`",
+            "limits.power*=2",
+            "limits.power is not in the file, so it cannot be multiplied\nhint: give it a value with `=`",
         ),
         (
             "title*=2",

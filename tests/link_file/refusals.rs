@@ -53,14 +53,14 @@ fn an_unknown_key_is_refused_with_the_nearest_known_one() {
 }
 
 #[test]
-fn tables_that_are_not_supported_yet_say_so() {
+fn drive_and_limits_have_their_ranges() {
     assert_eq!(
-        refusal(&format!("{SHORT}[drive]\ngear_ratio = 1\n")),
-        "link.toml:2: [drive] is not supported yet"
+        refusal(&format!("{SHORT}[drive]\njoint_stiffness = 0\n")),
+        "link.toml:3: drive.joint_stiffness = 0 N m/rad, but must be above 0; inf for a stiff joint"
     );
     assert_eq!(
-        refusal(&format!("{SHORT}[limits]\ntorque = 5\n")),
-        "link.toml:2: [limits] is not supported yet"
+        refusal(&format!("{SHORT}[limits]\ntorque = '0 N m'\n")),
+        "link.toml:3: limits.torque = 0 N m, but must be finite and above 0"
     );
 }
 
