@@ -4,6 +4,7 @@
 
 mod exits;
 mod files;
+mod modes;
 mod options;
 mod streams;
 mod summary;

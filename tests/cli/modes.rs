@@ -1,0 +1,105 @@
+//! `flexlink modes` and `flexlink frf`.
+
+use super::{Bench, LINK, repository, stderr};
+
+#[track_caller]
+fn printed(bench: &Bench, arguments: &[&str]) -> String {
+    let output = bench.run(arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Fields of a table, empty ones too.
+fn fields(text: &str) -> Vec<Vec<&str>> {
+    text.lines().map(|line| line.split(',').collect()).collect()
+}
+
+#[test]
+fn modes_are_printed_and_tabled() {
+    let bench = Bench::new();
+    let text = printed(&bench, &["modes", &repository(LINK), "--count", "5", "-o", "m"]);
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    assert!(text.contains("0.52642512"), "{text}");
+    assert_eq!(bench.names("m"), ["mode_shapes.csv", "modes.csv", "zeros.csv"]);
+    let modes = bench.table("m/modes.csv");
+    let names: Vec<&str> = modes.iter().map(|(name, _)| name.as_str()).collect();
+    let expected = ["mode", "omega_rad_s", "frequency_hz", "period_s", "damping_ratio"];
+    assert_eq!(names, expected);
+    assert!((modes[3].1[4] - 0.024_270_99).abs() < 1e-8);
+    let shapes = bench.table("m/mode_shapes.csv");
+    assert_eq!((shapes.len(), shapes[0].1.len()), (6, 11));
+    assert!(shapes[1..].iter().all(|(_, v)| v[0].abs() < 1e-12 && v[10] > 0.0));
+    let text = bench.read("m/zeros.csv");
+    let zeros = fields(&text);
+    assert_eq!(zeros[0], ["zero_per_s", "lead_to_1_percent_s", "blocked_frequency_hz"]);
+    let (zero, lead): (f64, f64) = (zeros[1][0].parse().unwrap(), zeros[1][1].parse().unwrap());
+    assert!((zero - 12.891_475_6).abs() < 1e-6 && (zero * lead - 100.0_f64.ln()).abs() < 1e-9);
+}
+
+#[test]
+fn a_payload_inertia_blocks_the_tip_at_a_frequency_that_is_told() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let text = printed(&bench, &["modes", &link, "--set", "payload.inertia=0.05"]);
+    assert!(text.ends_with(" Hz no torque moves the tip\n"), "{text}");
+}
+
+#[test]
+fn an_automatic_mesh_is_refined_for_the_modes_asked_for() {
+    let bench = Bench::new();
+    bench.write("link.toml", "segments = [{ length = 1, EI = 1, mass_per_length = 1 }]\n");
+    printed(&bench, &["modes", "link.toml", "--count", "20", "-o", "m"]);
+    // Pinned and free: tan b = tanh b, which is (k + 1/4)π from the third on to nine digits.
+    let modes = bench.table("m/modes.csv");
+    assert_eq!(modes[1].1.len(), 20);
+    for (mode, omega) in modes[1].1.iter().enumerate().skip(2) {
+        let exact = ((mode as f64 + 1.25) * std::f64::consts::PI).powi(2);
+        assert!((omega / exact - 1.0).abs() < 1e-6, "mode {mode}: {omega} is not {exact}");
+    }
+}
+
+#[test]
+fn the_frequency_response_has_three_transfers_in_four_parts() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let arguments = ["--from", "0.5", "--to", "20", "--points", "7", "-o", "new/frf.csv"];
+    let arguments = [&["frf", link.as_str()], &arguments[..]].concat();
+    assert_eq!(printed(&bench, &arguments), "");
+    let table = bench.table("new/frf.csv");
+    assert_eq!((table.len(), table[0].1.len()), (13, 7));
+    assert_eq!((table[0].1[0], table[0].1[6]), (0.5, 20.0));
+    let column = |name: &str| &table.iter().find(|(n, _)| n == name).unwrap().1;
+    for k in 0..7 {
+        let of = |name: &str, part: &str| column(&format!("{name}_{part}"))[k];
+        let name = "torque_per_tip_acceleration_kg_m";
+        let (re, im) = (of(name, "real"), of(name, "imag"));
+        assert!((of(name, "magnitude") - re.hypot(im)).abs() < 1e-12);
+        assert!((of(name, "phase_rad") - im.atan2(re)).abs() < 1e-12);
+        // v/T = −1/(ω² T/a)
+        let omega = std::f64::consts::TAU * table[0].1[k];
+        let product = of("tip_displacement_per_torque_1_n", "magnitude") * omega * omega;
+        assert!((product * of(name, "magnitude") - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn an_undamped_response_has_no_number_that_is_none() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let undamped = ["--set", "damping.ratio=0", "--linear", "--points", "3000"];
+    let text = printed(&bench, &[&["frf", link.as_str()], &undamped[..]].concat());
+    let rows = fields(&text);
+    assert_eq!(rows.len(), 3001);
+    for field in rows[1..].iter().flatten() {
+        assert!(field.parse::<f64>().is_ok_and(f64::is_finite), "{field:?}");
+    }
+}
+
+#[test]
+fn a_range_that_does_not_rise_is_refused() {
+    let bench = Bench::new();
+    let output = bench.run(&["frf", &repository(LINK), "--from", "3", "--to", "2"]);
+    assert_eq!(output.status.code(), Some(2));
+    let expected = "error: --from 3 --to 2 = no range, but must rise from above 0 Hz\n";
+    assert_eq!(stderr(&output), expected);
+}
