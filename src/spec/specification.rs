@@ -88,6 +88,6 @@ mod tests {
         };
         assert_eq!(place("", "hub.inertia=1"), "link.toml");
         assert_eq!(place("\n\nlimits = 1", "hub.inertia=1"), "link.toml:3");
-        assert_eq!(place("", "limits.torque=1"), "--set 'limits.torque=1'");
+        assert_eq!(place("", "hub.x=1"), "--set 'hub.x=1'");
     }
 }
