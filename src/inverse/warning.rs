@@ -62,7 +62,7 @@ pub enum Warning {
     },
     /// A payload's inertia or offset blocks the tip at a frequency that the motion contains.
     #[error(
-        "at {frequency_hz:.4} Hz no torque moves the tip (payload inertia or offset), and the \
+        "at {frequency_hz:.4} Hz no torque moves the tip (lumped inertia or payload), and the \
          motion holds {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)"
     )]
     BlockedTip {

@@ -2,8 +2,12 @@
 
 use super::error::{MotionColumn, MotionError};
 
-/// Largest deviation of a time from the grid, in steps: what a file with few digits needs.
+/// Largest deviation of a time from the grid, in steps.
 const TIME_TOLERANCE: f64 = 1e-3;
+
+/// Times rounded to decimals of at most this share of a step may be off by half a decimal, too: a
+/// rate of 60 Hz written in whole milliseconds.
+const DECIMAL_SHARE: f64 = 0.1;
 
 /// End velocity, relative to the peak velocity, up to which displacement samples count as at rest.
 const REST_TOLERANCE: f64 = 1e-2;
@@ -11,13 +15,25 @@ const REST_TOLERANCE: f64 = 1e-2;
 /// Share of a column's peak that two columns may differ by.
 const AGREEMENT_TOLERANCE: f64 = 1e-3;
 
+/// Refuses a column with a sample that is not a finite number.
+pub(super) fn finite(column: &'static str, samples: Option<&Vec<f64>>) -> Result<(), MotionError> {
+    let samples = samples.map(Vec::as_slice).unwrap_or_default();
+    match samples.iter().position(|x| !x.is_finite()) {
+        Some(sample) => Err(MotionError::NotFinite { sample, column, found: samples[sample] }),
+        None => Ok(()),
+    }
+}
+
 /// The step of a uniform time column in s.
 pub(super) fn uniform_step(time_s: &[f64]) -> Result<f64, MotionError> {
     let (start, last) = (time_s[0], time_s.len() - 1);
     let step_s = (time_s[last] - start) / last as f64;
+    let decimal_s = last_decimal(time_s);
+    let rounding_s = if decimal_s <= DECIMAL_SHARE * step_s { 0.5 * decimal_s } else { 0.0 };
+    let slack_s = (TIME_TOLERANCE * step_s).max(1.001 * rounding_s);
     let is_off = |k: usize| {
         let grid = start + k as f64 * step_s;
-        exceeds((time_s[k] - grid).abs(), TIME_TOLERANCE * step_s)
+        exceeds((time_s[k] - grid).abs(), slack_s)
     };
     if step_s > 0.0 && !(0..=last).any(is_off) {
         return Ok(step_s);
@@ -26,7 +42,7 @@ pub(super) fn uniform_step(time_s: &[f64]) -> Result<f64, MotionError> {
     let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
     let usual = *steps.clone().select_nth_unstable_by(last / 2, f64::total_cmp).1;
     steps.insert(0, usual);
-    let strays = |k: &usize| exceeds((steps[*k] - usual).abs(), TIME_TOLERANCE * usual);
+    let strays = |k: &usize| exceeds((steps[*k] - usual).abs(), 2.0 * slack_s.abs());
     let sample =
         (1..=last).find(strays).or_else(|| (1..=last).find(|k| is_off(*k))).unwrap_or(last);
     Err(MotionError::NotUniform {
@@ -35,6 +51,20 @@ pub(super) fn uniform_step(time_s: &[f64]) -> Result<f64, MotionError> {
         expected_s: time_s[sample - 1] + usual,
         step_s: usual,
     })
+}
+
+/// The decimal unit that all times are whole multiples of, 1 s or below.
+fn last_decimal(time_s: &[f64]) -> f64 {
+    let is_whole = |scale: f64| {
+        time_s.iter().all(|t| {
+            let scaled = t * scale;
+            (scaled - scaled.round()).abs() <= 1e-6
+        })
+    };
+    (0..12)
+        .map(|decimals| 10.0_f64.powi(decimals))
+        .find(|scale| is_whole(*scale))
+        .map_or(0.0, f64::recip)
 }
 
 /// Whether a distance is above its limit; one that is not a number is, too.

@@ -42,10 +42,25 @@ pub enum MotionError {
         /// Samples of the time column.
         samples: usize,
     },
+    /// A sample that is no number, or is infinite.
+    #[error("{column} = {found}, but must be a finite number")]
+    NotFinite {
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// Name of the column.
+        column: &'static str,
+        /// What was found.
+        found: f64,
+    },
+    /// Samples whose integrals or differences leave the range of numbers.
+    #[error("the motion reaches beyond double precision, but must stay far below 1e308 in SI")]
+    TooLarge,
     /// A time that does not stand on the uniform grid.
     #[error(
-        "time = {found_s} s, but must be {expected_s} s: the samples before and after stand \
-         {step_s} s apart"
+        "time = {} s, but must be {} s: the samples before and after stand {} s apart",
+        tidy(*found_s),
+        tidy(*expected_s),
+        tidy(*step_s)
     )]
     NotUniform {
         /// Number of the sample, from 0.
@@ -108,30 +123,38 @@ pub enum MotionError {
     },
 }
 
+/// A time without the last digits of its arithmetic.
+fn tidy(time_s: f64) -> f64 {
+    format!("{time_s:.11e}").parse().unwrap_or(time_s)
+}
+
 impl MotionError {
     /// Number of the sample, from 0, that is to blame, where one is.
     pub fn sample(&self) -> Option<usize> {
         match self {
-            Self::NotUniform { sample, .. }
+            Self::NotFinite { sample, .. }
+            | Self::NotUniform { sample, .. }
             | Self::MovingAtEnd { sample, .. }
             | Self::Disagree { sample, .. } => Some(*sample),
-            Self::Shape { .. } | Self::NoMotion | Self::AcceleratesAway { .. } => None,
+            Self::Shape { .. } | Self::TooLarge | Self::NoMotion | Self::AcceleratesAway { .. } => {
+                None
+            }
         }
     }
 
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::NotUniform { .. } => {
-                Some("--resample STEP makes the samples uniform by a cubic spline")
-            }
+            Self::NotUniform { .. } => Some(
+                "write times with more decimals, or let --resample STEP make uneven samples uniform",
+            ),
             Self::AcceleratesAway { .. } | Self::MovingAtEnd { .. } => {
                 Some("a motion goes from rest to rest; add the samples that bring the tip to rest")
             }
             Self::Disagree { .. } => {
                 Some("check the units in the header, or leave one of the columns out")
             }
-            Self::Shape { .. } | Self::NoMotion => None,
+            Self::Shape { .. } | Self::NotFinite { .. } | Self::TooLarge | Self::NoMotion => None,
         }
     }
 }

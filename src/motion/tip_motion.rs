@@ -1,4 +1,4 @@
-use super::checks::{agree, at_rest, uniform_step};
+use super::checks::{agree, at_rest, finite, uniform_step};
 use super::columns::MotionColumns;
 use super::error::{MotionColumn, MotionError};
 use crate::numeric::{TimeGrid, fast_length};
@@ -60,6 +60,13 @@ impl TipMotion {
         if ragged || len < 4 || (acceleration_m_s2.is_none() && displacement_m.is_none()) {
             return Err(MotionError::Shape { samples: len });
         }
+        let named = [
+            ("time", Some(&time_s)),
+            ("acceleration", acceleration_m_s2.as_ref()),
+            ("velocity", velocity_m_s.as_ref()),
+            ("displacement", displacement_m.as_ref()),
+        ];
+        named.into_iter().try_for_each(|(name, samples)| finite(name, samples))?;
         let step_s = uniform_step(&time_s)?;
         let grid = TimeGrid { origin_s: time_s[0], step_s, first: 0, len };
         let initial_displacement_m = displacement_m.as_ref().map_or(0.0, |d| d[0]);
@@ -86,6 +93,9 @@ impl TipMotion {
         });
         let (peak, velocity_m_s) =
             velocities.fold((0.0_f64, 0.0), |(peak, _), v| (peak.max(v.abs()), v));
+        if !peak.is_finite() {
+            return Err(MotionError::TooLarge);
+        }
         let share = velocity_m_s.abs() / peak;
         if share > FEW_DIGITS {
             return Err(MotionError::AcceleratesAway { velocity_m_s, share });
@@ -101,6 +111,9 @@ impl TipMotion {
         // ∫v dt = −∫ t a dt, from rest to rest.
         let moments = samples.iter().enumerate().map(|(k, a)| k as f64 * a);
         let travel_m = -moments.sum::<f64>() * grid.step_s.powi(2);
+        if !travel_m.is_finite() {
+            return Err(MotionError::TooLarge);
+        }
         let source = Source::Acceleration(samples);
         Ok(Self { grid, source, initial_displacement_m: 0.0, travel_m, moving, corrected })
     }
@@ -115,6 +128,9 @@ impl TipMotion {
                 ((after - samples[k]) - (samples[k] - before)) / grid.step_s.powi(2)
             })
             .collect();
+        if !second_differences.iter().all(|a| a.is_finite()) {
+            return Err(MotionError::TooLarge);
+        }
         let moving = moving_samples(&second_differences).ok_or(MotionError::NoMotion)?;
         let (initial_displacement_m, travel_m) = (samples[0], samples[last] - samples[0]);
         let source = Source::Displacement { samples, second_differences };

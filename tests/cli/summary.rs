@@ -32,6 +32,7 @@ fn every_documented_key_is_there() {
             &[
                 "analysis",
                 "command",
+                "drive",
                 "errors",
                 "files",
                 "flexlink",
