@@ -275,6 +275,31 @@ mod tests {
     }
 
     #[test]
+    fn a_mass_a_hair_beside_a_border_finds_a_node() {
+        for hair in [0.0, 5e-10, 1.7e-9, 1.9e-9, 2.1e-9, 1e-8] {
+            let segment = |length_m| Segment {
+                name: None,
+                length_m,
+                bending_stiffness_n_m2: Taper::constant(5.0),
+                mass_per_length_kg_m: Taper::constant(0.8),
+            };
+            let mass = LumpedMass { at_m: 0.7 + hair, mass_kg: 0.1, inertia_kg_m2: 0.0 };
+            let link = Link::new(LinkParts {
+                title: String::new(),
+                segments: vec![segment(0.7), segment(1.2)],
+                hub: Hub::default(),
+                masses: vec![mass],
+                payload: Payload::default(),
+                damping: Damping::None,
+            })
+            .unwrap();
+            let mesh = Mesh::new(&link, &MeshPlan::new(&link, &[None; 2], None, 1e-6).unwrap());
+            let node = (0..mesh.nodes_m().len()).find(|k| mesh.lumped_inertia(*k).is_some());
+            assert!((mesh.nodes_m()[node.unwrap()] - 0.7).abs() < 2e-8, "hair {hair:e}");
+        }
+    }
+
+    #[test]
     fn refining_keeps_tapers_masses_and_length() {
         let (coarse, fine) = (mesh(), mesh().refined());
         assert_eq!(fine.elements().len(), 10);

@@ -25,6 +25,7 @@ struct Problem<'a> {
     motion: &'a TipMotion,
     analysis: &'a Analysis,
     law: DampingLaw,
+    padding: Padding,
 }
 
 /// The answer over one period.
@@ -32,6 +33,12 @@ struct PeriodicAnswer {
     spectrum: TipSpectrum,
     hub: HubSpectra,
     torque_n_m: Vec<f64>,
+}
+
+impl PeriodicAnswer {
+    fn periodic(&self) -> PeriodicTorque<'_> {
+        PeriodicTorque { samples: &self.torque_n_m, before: self.spectrum.seam }
+    }
 }
 
 /// Finds the hub torque that makes the tip of `link` follow `motion` (Bayo 1987, eqs 13-21).
@@ -51,11 +58,11 @@ pub fn invert(
 ) -> Result<Solution, InversionError> {
     let coarsest = Mesh::new(link, plan);
     let law = DampingLaw::of(link.damping(), &coarsest)?;
-    let problem = Problem { link, motion, analysis, law };
     let first_zero = torque_zeros(&coarsest, 1).first().copied();
     let padding = Padding::new(motion, analysis, first_zero);
+    let problem = Problem { link, motion, analysis, law, padding };
     let shortest = padding.period_len(motion.grid().len)?;
-    let spectrum = motion.spectrum(shortest);
+    let spectrum = problem.spectrum(shortest);
     let measured =
         measured_mesh(coarsest, plan, |mesh| problem.forcing(mesh, &spectrum).torque_n_m())?;
     let answer = problem.decayed(&measured.mesh, spectrum)?;
@@ -63,6 +70,10 @@ pub fn invert(
 }
 
 impl Problem<'_> {
+    fn spectrum(&self, len: usize) -> TipSpectrum {
+        self.motion.spectrum(len, self.padding.seam(self.motion.grid().len, len))
+    }
+
     fn forcing<'a>(&self, mesh: &'a Mesh, spectrum: &'a TipSpectrum) -> Forcing<'a> {
         let friction_n_m_s_rad = self.link.hub().viscous_friction_n_m_s_rad;
         Forcing { mesh, law: self.law, friction_n_m_s_rad, spectrum }
@@ -86,25 +97,20 @@ impl Problem<'_> {
         let initial = shortest.pair.len();
         let mut answer = self.answer(mesh, shortest)?;
         loop {
-            let torque = self.periodic(&answer);
+            let torque = answer.periodic();
             let has_decayed = torque.at_seam() <= self.analysis.tolerance() * torque.peak();
             let next = Padding::lengthened(answer.torque_n_m.len(), initial);
             match next.filter(|_| !has_decayed) {
-                Some(len) => answer = self.answer(mesh, self.motion.spectrum(len))?,
+                Some(len) => answer = self.answer(mesh, self.spectrum(len))?,
                 None => return Ok(answer),
             }
         }
     }
 
-    fn periodic<'a>(&self, answer: &'a PeriodicAnswer) -> PeriodicTorque<'a> {
-        let len = answer.torque_n_m.len();
-        PeriodicTorque { samples: &answer.torque_n_m, before: self.motion.seam(len) }
-    }
-
     /// Cuts the window to write out of the period and gathers what is known of the answer.
     fn written(&self, mesh: Mesh, mesh_error: f64, answer: PeriodicAnswer) -> Solution {
         let given = self.motion.grid();
-        let torque = self.periodic(&answer);
+        let torque = answer.periodic();
         let peak = torque.peak();
         let window = torque.window(given.len, given.step_s, self.analysis, peak);
         let grid = TimeGrid { first: window.start, len: window.len(), ..given };

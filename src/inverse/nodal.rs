@@ -1,8 +1,13 @@
+use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::solution::{Solution, cut};
 use super::spectra::Nodal;
 use crate::numeric::ThinnedGrid;
+
+/// Spectra that are held at a time; nodes beyond are solved in further blocks, so that thinned
+/// histories need little memory.
+const BLOCK_BYTES: usize = 1 << 27;
 
 /// Histories of one quantity at some nodes.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,15 +51,16 @@ impl Solution {
     }
 
     fn nodal(&self, nodes: &[usize], every: usize, quantity: Nodal) -> NodalHistories {
-        let spectra = self.forcing().nodal_spectra(nodes, quantity);
-        let history = |amplitudes| {
-            let period = self.spectrum.pair.samples(amplitudes);
-            cut(&period, &self.grid).into_iter().step_by(every).collect()
+        let history = |amplitudes| -> Vec<f64> {
+            let period = cut(&self.spectrum.pair.samples(amplitudes), &self.grid);
+            period.iter().step_by(every).copied().collect()
         };
-        NodalHistories {
-            nodes: nodes.to_vec(),
-            grid: self.grid.thinned(every),
-            samples: spectra.into_par_iter().map(history).collect(),
+        let mut samples = Vec::with_capacity(nodes.len());
+        let block = (BLOCK_BYTES / (size_of::<Complex64>() * self.band.frequencies)).max(1);
+        for nodes in nodes.chunks(block) {
+            let spectra = self.forcing().nodal_spectra(nodes, quantity);
+            samples.par_extend(spectra.into_par_iter().map(history));
         }
+        NodalHistories { nodes: nodes.to_vec(), grid: self.grid.thinned(every), samples }
     }
 }

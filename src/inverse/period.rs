@@ -6,7 +6,7 @@ use crate::motion::TipMotion;
 use crate::numeric::fast_length;
 
 /// Most samples of a period.
-const LONGEST: usize = 1 << 26;
+const LONGEST: usize = 1 << 24;
 
 /// A period is lengthened to at most this many samples, or to four times what it began with.
 const LENGTHENED: usize = 1 << 20;
@@ -19,11 +19,11 @@ pub(super) struct Padding {
 }
 
 impl Padding {
-    /// Padding after which the torque has decayed to the tolerance, if it decays as e^{z₁t} before
-    /// and e^{−z₁t} after the motion; rest that the trajectory has already counts.
+    /// Padding after which the torque has decayed to a tenth of the tolerance, if it decays as
+    /// e^{z₁t} before and e^{−z₁t} after the motion; rest that the trajectory has already counts.
     pub(super) fn new(motion: &TipMotion, analysis: &Analysis, first_zero: Option<f64>) -> Self {
         let step_s = motion.grid().step_s;
-        let decay_s = first_zero.map_or(0.0, |z| (1.0 / analysis.tolerance()).ln() / z);
+        let decay_s = first_zero.map_or(0.0, |z| (10.0 / analysis.tolerance()).ln() / z);
         let decay = (decay_s / step_s).ceil() as usize;
         let (first, last) = motion.moving_samples();
         let asked = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);
@@ -35,17 +35,20 @@ impl Padding {
 
     /// Length of the period in samples for a motion of `len` samples.
     ///
-    /// The seam of two periods lies in the middle of the padding, so that both halves must hold the
-    /// longer of the two sides.
-    ///
     /// # Errors
     /// [`InversionError::TooLong`].
     pub(super) fn period_len(self, len: usize) -> Result<usize, InversionError> {
-        let samples = self.before.max(self.after).saturating_mul(2).saturating_add(len);
+        let samples = len.saturating_add(self.before).saturating_add(self.after);
         if samples > LONGEST {
             return Err(InversionError::TooLong { samples, limit: LONGEST });
         }
         Ok(fast_length(samples))
+    }
+
+    /// The sample from which on a period of `len` samples stands for times before a motion of
+    /// `given` samples; what the period has to spare is shared between both sides.
+    pub(super) fn seam(self, given: usize, len: usize) -> usize {
+        given + self.after + (len - given - self.before - self.after) / 2
     }
 
     /// The next longer period to try, or none where the limit is reached.

@@ -48,3 +48,41 @@ pub fn natural_frequencies(mesh: &Mesh, count: usize) -> Vec<f64> {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+
+    fn massless(hub_kg_m2: f64, payload_kg: f64) -> Mesh {
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![Segment {
+                name: None,
+                length_m: 1.5,
+                bending_stiffness_n_m2: Taper::constant(5.0),
+                mass_per_length_kg_m: Taper::constant(0.0),
+            }],
+            hub: Hub { inertia_kg_m2: hub_kg_m2, ..Hub::default() },
+            masses: vec![],
+            payload: Payload { mass_kg: payload_kg, ..Payload::default() },
+            damping: Damping::None,
+        })
+        .unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6);
+        Mesh::new(&link, &plan.unwrap())
+    }
+
+    #[test]
+    fn a_massless_beam_between_two_bodies_has_their_one_mode() {
+        // A spring 3EI/L³ at the tip, and the hub that yields as I_H/L².
+        let found = natural_frequencies(&massless(0.1, 0.1), 5);
+        let stiffness = 3.0 * 5.0 / 1.5_f64.powi(3);
+        let (hub, tip) = (0.1 / 1.5_f64.powi(2), 0.1);
+        let exact = (stiffness * (1.0 / hub + 1.0 / tip)).sqrt();
+        assert_eq!(found.len(), 1);
+        assert!((found[0] / exact - 1.0).abs() < 1e-12, "{} is not {exact}", found[0]);
+        assert_eq!(natural_frequencies(&massless(0.0, 1.0), 5), Vec::<f64>::new());
+    }
+}

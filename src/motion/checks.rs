@@ -138,6 +138,19 @@ mod tests {
     }
 
     #[test]
+    fn ordinary_rates_in_few_decimals_are_uniform() {
+        for (rate, decimals) in [(60.0, 3), (60.0, 4), (240.0, 4), (300.0, 5), (1000.0, 3)] {
+            let unit = 10.0_f64.powi(decimals);
+            let rounded = |k: i32| (f64::from(k) / rate * unit).round() / unit;
+            let times: Vec<f64> = (0..=600).map(rounded).collect();
+            let step_s = uniform_step(&times).unwrap();
+            assert!((step_s * rate - 1.0).abs() < 1e-3, "{rate} Hz in {decimals} decimals");
+        }
+        // In whole seconds a jitter cannot be told from rounding, so it is none.
+        assert!(uniform_step(&[0.0, 1.0, 2.0, 4.0, 5.0]).is_err());
+    }
+
+    #[test]
     fn a_missing_row_and_a_stray_time_are_named() {
         let mut times: Vec<f64> = (0..20).map(|k| f64::from(k) * 0.5).collect();
         times.remove(7);

@@ -5,8 +5,8 @@ use crate::numeric::{FourierPair, angular_frequency};
 
 /// Spectrum of the tip motion on a period of N samples; sample 0 is the trajectory's first.
 ///
-/// Samples after the trajectory continue its rest; those of the second half of the padding stand
-/// for the rest before it.
+/// Samples after the trajectory continue its rest; those from the seam on stand for the rest
+/// before it.
 #[derive(Clone)]
 pub struct TipSpectrum {
     /// The Fourier pair of the period.
@@ -17,6 +17,8 @@ pub struct TipSpectrum {
     pub acceleration_m_s2: Vec<Complex64>,
     /// Mean velocity over the period in m/s: travel over P.
     pub mean_velocity_m_s: f64,
+    /// The sample from which on samples stand for times before the trajectory; N where none do.
+    pub seam: usize,
 }
 
 impl TipSpectrum {
@@ -61,7 +63,8 @@ pub struct TipHistories {
 }
 
 impl TipMotion {
-    /// Spectrum of the motion on a period of `len` samples, an even number not below its own.
+    /// Spectrum of the motion on a period of `len` samples, an even number not below its own. Of
+    /// the samples beyond its own those from `seam` on stand for times before the trajectory.
     ///
     /// Acceleration samples are transformed as they are. Displacement samples are differenced
     /// twice first, which confines them to the motion whatever its travel, and the difference is
@@ -72,9 +75,10 @@ impl TipMotion {
     /// ```
     ///
     /// # Panics
-    /// If `len` is odd or below the number of samples.
-    pub fn spectrum(&self, len: usize) -> TipSpectrum {
-        assert!(len >= self.grid().len, "a period of {len} samples is shorter than the motion");
+    /// If `len` is odd or below the number of samples, or `seam` does not lie in the padding.
+    pub fn spectrum(&self, len: usize, seam: usize) -> TipSpectrum {
+        let given = self.grid().len;
+        assert!((given..=len).contains(&seam), "seam {seam} of {given} samples in {len}");
         let pair = FourierPair::new(len);
         let mut samples = self.forcing_m_s2().to_vec();
         samples.resize(len, 0.0);
@@ -88,14 +92,7 @@ impl TipMotion {
         }
         let step_s = self.grid().step_s;
         let mean_velocity_m_s = self.travel_m() / (len as f64 * step_s);
-        TipSpectrum { pair, step_s, acceleration_m_s2: acceleration, mean_velocity_m_s }
-    }
-
-    /// The sample, in the middle of the padding of a period of `len`, from which on samples stand
-    /// for times before the trajectory; `len` itself where there is no padding.
-    pub fn seam(&self, len: usize) -> usize {
-        let given = self.grid().len;
-        given + (len - given).div_ceil(2)
+        TipSpectrum { pair, step_s, acceleration_m_s2: acceleration, mean_velocity_m_s, seam }
     }
 
     /// The motion over the period of `spectrum`, which must be its own.
@@ -105,7 +102,7 @@ impl TipMotion {
     /// step needs no periodic trick.
     pub fn histories(&self, spectrum: &TipSpectrum) -> TipHistories {
         let (len, given) = (spectrum.pair.len(), self.grid().len);
-        let before = self.seam(len);
+        let before = spectrum.seam;
         let bins = spectrum.acceleration_m_s2.len();
         let velocity = (0..bins).map(|k| spectrum.velocity_m_s(k)).collect();
         let velocity_m_s = spectrum.pair.samples(velocity);
@@ -183,7 +180,7 @@ mod tests {
             MotionColumns { time_s, displacement_m: Some(d.clone()), ..Default::default() };
         let motion = TipMotion::new(columns).unwrap();
         for len in [202, 300, 512] {
-            let found = motion.histories(&motion.spectrum(len));
+            let found = motion.histories(&motion.spectrum(len, 201 + (len - 201) / 2));
             // Round-off of the displacement, 1e-16, over the squared step.
             assert!(worst(&found.acceleration_m_s2, &a) < 1e-9, "{len} samples");
             assert!(worst(&found.velocity_m_s, &v) < 1e-11, "{len} samples");
@@ -199,7 +196,7 @@ mod tests {
         let motion = TipMotion::new(columns).unwrap();
         assert!((motion.travel_m() - 1.0).abs() < 1e-13);
         for len in [202, 300, 512] {
-            let found = motion.histories(&motion.spectrum(len));
+            let found = motion.histories(&motion.spectrum(len, 201 + (len - 201) / 2));
             assert!(worst(&found.velocity_m_s, &v) < 1e-12, "{len} samples");
             assert!(worst(&found.displacement_m, &d) < 1e-12, "{len} samples");
             let last = found.displacement_m[len - 1];
@@ -212,7 +209,7 @@ mod tests {
     fn a_derivative_multiplies_each_amplitude_by_its_own_rate() {
         let (time_s, [d, ..]) = samples();
         let columns = MotionColumns { time_s, displacement_m: Some(d), ..Default::default() };
-        let spectrum = TipMotion::new(columns).unwrap().spectrum(256);
+        let spectrum = TipMotion::new(columns).unwrap().spectrum(256, 230);
         let velocity: Vec<Complex64> = (0..129).map(|k| spectrum.velocity_m_s(k)).collect();
         let derived = spectrum.derivative(&velocity, 1);
         for (a, b) in derived.iter().zip(&spectrum.acceleration_m_s2).take(60) {

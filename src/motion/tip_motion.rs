@@ -146,7 +146,8 @@ impl TipMotion {
         if velocity_m_s.is_none() && !from_acceleration {
             return Ok(());
         }
-        let expected = self.histories(&self.spectrum(fast_length(2 * self.grid.len)));
+        let len = fast_length(2 * self.grid.len);
+        let expected = self.histories(&self.spectrum(len, len - self.grid.len / 2));
         let peak = |samples: &[f64]| {
             samples[..self.grid.len].iter().fold(0.0_f64, |m, x| m.max(x.abs())) * self.grid.step_s
         };
@@ -304,6 +305,20 @@ mod tests {
         late.velocity_m_s.as_mut().unwrap().rotate_right(5);
         let error = TipMotion::new(late).unwrap_err();
         assert!(matches!(error, MotionError::Disagree { column: MotionColumn::Velocity, .. }));
+    }
+
+    #[test]
+    fn samples_that_are_no_numbers_are_refused_wherever_they_stand() {
+        for bad in [f64::NAN, f64::INFINITY] {
+            let (time_s, mut samples) = columns(|t| least_jerk(t).1, 101);
+            samples[7] = bad;
+            let acceleration_m_s2 = Some(samples);
+            let columns = MotionColumns { time_s, acceleration_m_s2, ..Default::default() };
+            let error = TipMotion::new(columns).unwrap_err();
+            assert_eq!(error.sample(), Some(7));
+            assert!(error.to_string().starts_with("acceleration = "), "{error}");
+        }
+        assert_eq!(accelerated(|t| 1e307 * least_jerk(t).1), Err(MotionError::TooLarge));
     }
 
     #[test]

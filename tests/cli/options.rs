@@ -65,9 +65,9 @@ fn full_digits_keep_every_bit_that_the_summary_tells() {
     bench.solve(&["--digits", "full"]);
     let torque = bench.table("out/torque.csv").swap_remove(1).1;
     let peak = torque.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
-    let summary: serde_json::Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
-    let told = summary["results"]["peak_torque_n_m"].as_f64().unwrap();
-    assert_eq!(peak.to_bits(), told.to_bits());
+    // As text: not every JSON reader keeps the last bit.
+    let told = format!("\"peak_torque_n_m\": {peak},");
+    assert!(bench.read("out/summary.json").contains(&told), "{told}");
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn a_motion_off_the_grid_is_resampled_on_demand() {
     bench.write("thin.csv", &thinned.join("\n"));
     let refused = bench.run(&["solve", &link, "thin.csv"]);
     assert_eq!(refused.status.code(), Some(3));
-    assert!(stderr(&refused).contains("hint: --resample STEP"), "{}", stderr(&refused));
+    assert!(stderr(&refused).contains("let --resample STEP make"), "{}", stderr(&refused));
     let output = bench.run(&["solve", &link, "thin.csv", "--resample", "0.001"]);
     assert!(output.status.success(), "{}", stderr(&output));
     bench.solve(&["-o", "whole"]);

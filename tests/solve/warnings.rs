@@ -2,7 +2,7 @@
 
 use super::{Smooth, accelerated, link, mesh_of, sine, solved};
 use flexlink::inverse::{Analysis, Solution, Warning, invert};
-use flexlink::link::{Damping, Link, Payload};
+use flexlink::link::{Damping, Link, LumpedMass, Payload};
 use flexlink::motion::TipMotion;
 
 /// The only warning of a kind.
@@ -101,6 +101,18 @@ fn an_undamped_tip_that_is_blocked_rings_around_the_period() {
     assert!((solution.accuracy.edge_error - share).abs() < 1e-15);
 }
 
+/// A generalised eigenvalue problem of the same link, solved apart, gives 3.5427 Hz.
+#[test]
+fn an_inertia_on_the_link_blocks_the_tip_too() {
+    let mass = LumpedMass { at_m: 1.35, mass_kg: 0.1, inertia_kg_m2: 0.05 };
+    let link = link(|parts| parts.masses.push(mass));
+    let solution = solved(&link, 20, &sine(0.05, 0.3, 300));
+    let Warning::BlockedTip { frequency_hz, .. } = *of_kind(&solution, "blocked_tip") else {
+        panic!("{:?}", solution.warnings);
+    };
+    assert!((frequency_hz - 3.5427).abs() < 1e-4, "{frequency_hz} Hz");
+}
+
 /// sinh b + sin b = ε b³ (cosh b − cos b) at `ε = J_t/m̄L³`: b = 4.60714 for 0.01.
 #[test]
 fn a_blocked_tip_is_named_with_its_frequency() {
@@ -113,7 +125,7 @@ fn a_blocked_tip_is_named_with_its_frequency() {
     assert_eq!(
         warning.to_string(),
         format!(
-            "at {frequency_hz:.4} Hz no torque moves the tip (payload inertia or offset), and the \
+            "at {frequency_hz:.4} Hz no torque moves the tip (lumped inertia or payload), and the \
              motion holds {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)"
         )
     );
@@ -188,4 +200,20 @@ fn more_bending_than_linear_theory_holds_for_is_told() {
          method holds for"
     );
     assert_eq!(warning.hint(), "a slower motion or a stiffer link");
+}
+
+#[test]
+fn a_ripple_above_four_fifths_of_the_nyquist_frequency_is_told_and_one_below_is_not() {
+    let rippled = |share: f64| {
+        let ripple = |k: usize| {
+            let rest = (k as f64 - 128.0) / 30.0;
+            0.05 * (-rest * rest).exp() * (share * std::f64::consts::PI * (k as f64 - 128.0)).sin()
+        };
+        let acceleration = Smooth::SHORT.acceleration_m_s2();
+        let sum = acceleration.iter().enumerate().map(|(k, a)| a + ripple(k));
+        let solution =
+            solved(&link(|_| ()), 40, &accelerated(Smooth::SHORT.time_s(), sum.collect()));
+        solution.warnings.iter().any(|warning| warning.kind() == "near_nyquist")
+    };
+    assert!(rippled(0.87) && !rippled(0.7));
 }
