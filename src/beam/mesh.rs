@@ -1,7 +1,7 @@
 use super::condensation::Inertia;
 use super::element::{Element, RelativeElement};
 use super::plan::MeshPlan;
-use crate::link::{Link, Taper};
+use crate::link::Link;
 
 /// The finite-element link: n elements between n + 1 nodes, node 0 at the root, node n at the tip.
 ///
@@ -171,37 +171,6 @@ impl Mesh {
         let lumped: f64 = self.lumped.iter().flatten().map(|l| l.vv).sum();
         let hub = self.hub_inertia_kg_m2 / self.length_m().powi(2);
         beam + lumped + self.tip.vv + hub
-    }
-
-    /// Whether anything but the beam itself resists rotation outboard of the hub: a lumped rotary
-    /// inertia or an offset payload.
-    pub fn carries_rotary_inertia(&self) -> bool {
-        self.tip.pp > 0.0 || self.lumped.iter().flatten().any(|lumped| lumped.pp > 0.0)
-    }
-
-    /// Degrees of freedom that move any mass: as many modes the mesh has, the rigid one included.
-    pub fn inertial_degrees_of_freedom(&self) -> usize {
-        let has_mass = |element: &Element| {
-            let Taper { inner, outer } = element.mass_per_length_kg_m;
-            inner > 0.0 || outer > 0.0
-        };
-        let rank = |body: &Inertia<f64>| match (body.vv > 0.0, body.pp > 0.0) {
-            (true, true) if body.vv * body.pp > body.vp * body.vp => 2,
-            (false, false) => 0,
-            _ => 1,
-        };
-        let last = self.elements.len();
-        let at_node = |node: usize| {
-            let inner =
-                node.checked_sub(1).is_some_and(|element| has_mass(&self.elements[element]));
-            let outer = self.elements.get(node).is_some_and(has_mass);
-            let bodies = if node == last { Some(self.tip) } else { self.lumped[node] };
-            if inner || outer { 2 } else { bodies.as_ref().map_or(0, rank) }
-        };
-        // The root only turns: its mass counts if the hub's radius gives it an arm.
-        let root = self.lumped[0].is_some_and(|body| body.about(self.nodes_m[0]) > 0.0);
-        let hub = self.hub_inertia_kg_m2 > 0.0 || root || has_mass(&self.elements[0]);
-        usize::from(hub) + (1..=last).map(at_node).sum::<usize>()
     }
 
     /// Frequency in rad/s up to which every element follows the bending waves (1 % of a natural

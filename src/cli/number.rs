@@ -14,6 +14,9 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
 
 /// Several numbers with `digits` significant digits each.
 pub(crate) fn list(values: &[f64], digits: usize) -> String {
+    if values.is_empty() {
+        return "none".into();
+    }
     values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ")
 }
 

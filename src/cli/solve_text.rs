@@ -26,9 +26,9 @@ pub(crate) fn solve_text(
         ("link", link_line(link, solution)),
         ("damping", damping_line(solution)),
         ("ratios", ratios_line(solution)),
-        ("periods", format!("{} s", list(&periods(solution), 5))),
-        ("zeros", format!("±({}) 1/s", list(&solution.zeros_per_s, 4))),
-        ("motion", motion_line(motion, &metrics)),
+        ("periods", with_unit(&list(&periods(solution), 5), "s")),
+        ("zeros", with_unit(&list(&solution.zeros_per_s, 4), "1/s (real, ±)")),
+        ("motion", motion_line(motion, solution, &metrics)),
         ("torque", torque_line(&metrics)),
         ("rigid", rigid_line(&metrics)),
         ("timing", timing_line(&metrics)),
@@ -45,6 +45,11 @@ pub(crate) fn solve_text(
         let _ = writeln!(text, "{label:<8} {content}");
     }
     text
+}
+
+/// Numbers and their unit, or "none" alone.
+fn with_unit(numbers: &str, unit: &str) -> String {
+    if numbers == "none" { numbers.to_owned() } else { format!("{numbers} {unit}") }
 }
 
 fn periods(solution: &Solution) -> Vec<f64> {
@@ -83,11 +88,18 @@ fn ratios_line(solution: &Solution) -> String {
     list(&ratios, 2)
 }
 
-fn motion_line(motion: &TipMotion, metrics: &Metrics) -> String {
+fn motion_line(motion: &TipMotion, solution: &Solution, metrics: &Metrics) -> String {
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
+    let displacements = &solution.tip.displacement_m;
+    let away = displacements.iter().map(|d| (d - displacements[0]).abs());
+    let farthest_m = away.fold(0.0, f64::max);
+    let way = if motion.travel_m().abs() > 1e-6 * farthest_m {
+        format!("{} m", significant(motion.travel_m(), 4))
+    } else {
+        format!("{} m and back", significant(farthest_m, 4))
+    };
     format!(
-        "{} m in {} s at {} s; peaks {} m/s, {} m/s²",
-        significant(motion.travel_m(), 4),
+        "{way} in {} s at {} s; peaks {} m/s, {} m/s²",
         significant(grid.time_s(until) - grid.time_s(from), 4),
         significant(grid.step_s, 3),
         significant(metrics.peak_tip_velocity_m_s.value, 3),

@@ -3,6 +3,7 @@
 //! A [`Link`] that exists is valid, so nothing downstream checks it again. It knows no file; a
 //! refusal names the parameter by its dotted path, and whoever read the file adds the line.
 
+mod bodies;
 mod damping;
 mod drive;
 mod error;
@@ -10,10 +11,11 @@ mod section;
 mod segment;
 mod whole;
 
+pub use bodies::{Hub, LumpedMass, Payload};
 pub use damping::Damping;
 pub use drive::Drive;
 pub use error::ParameterError;
 pub use section::Section;
 pub use segment::{Segment, Taper};
 pub(crate) use whole::POSITION_TOLERANCE;
-pub use whole::{Hub, Link, LinkParts, LumpedMass, Payload};
+pub use whole::{Link, LinkParts};

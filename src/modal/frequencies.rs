@@ -1,3 +1,4 @@
+use super::inertia::inertial_degrees_of_freedom;
 use crate::beam::{Mesh, condense};
 use crate::numeric::bisect;
 
@@ -28,7 +29,7 @@ pub fn modes_below(mesh: &Mesh, omega_rad_s: f64) -> usize {
 /// Torque-free hub: what vibrates when the motor lets go. Undamped. Fewer than `count` where the
 /// mesh has fewer.
 pub fn natural_frequencies(mesh: &Mesh, count: usize) -> Vec<f64> {
-    let count = count.min(mesh.inertial_degrees_of_freedom().saturating_sub(1));
+    let count = count.min(inertial_degrees_of_freedom(mesh).saturating_sub(1));
     let mut found: Vec<f64> = Vec::with_capacity(count);
     while found.len() < count {
         // The rigid rotation is always below.

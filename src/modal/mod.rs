@@ -1,6 +1,7 @@
 //! Natural frequencies and mode shapes of the link, and zeros of torque → tip, from the recursion at real λ.
 
 mod frequencies;
+mod inertia;
 mod shapes;
 mod zeros;
 

@@ -1,3 +1,4 @@
+use super::inertia::{carries_rotary_inertia, inertial_degrees_of_freedom};
 use crate::beam::{Mesh, condense, hub_response};
 use crate::numeric::{bisect, geometric_scan};
 
@@ -46,7 +47,7 @@ pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
 /// λ = ω². Its sign flips at every mode of the link clamped at the hub too; the number of these
 /// below ω is known from the pivots, so that only the zeros remain as changes of parity.
 pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
-    if !mesh.carries_rotary_inertia() {
+    if !carries_rotary_inertia(mesh) {
         // Points of mass keep all zeros off the real frequencies.
         return Vec::new();
     }
@@ -71,7 +72,7 @@ pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
 /// Where scans for zeros begin, in 1/s: far below the first mode of the link clamped at its hub,
 /// which no zero is near. None where no mass is left to vibrate.
 fn scan_start(mesh: &Mesh) -> Option<f64> {
-    if mesh.inertial_degrees_of_freedom() < 2 {
+    if inertial_degrees_of_freedom(mesh) < 2 {
         return None;
     }
     let mut first = 1.0;

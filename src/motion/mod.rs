@@ -4,6 +4,8 @@ mod checks;
 mod columns;
 mod error;
 mod spectrum;
+#[cfg(test)]
+mod tests;
 mod tip_motion;
 
 pub use columns::MotionColumns;

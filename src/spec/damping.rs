@@ -64,7 +64,8 @@ fn refuse_surplus(raw: &RawDamping, model: &str, takes: &[&str]) -> Result<(), F
         };
         let path = format!("damping.{key}");
         let message = format!("{path} is given, but model \"{model}\" takes {takes}");
-        Err(Fault::new(path, message))
+        let undamped = "leave the key out; --set replaces the table: 'damping={model=\"none\"}'";
+        Err(Fault::new(path, message).hinting((model == "none").then(|| undamped.to_owned())))
     })
 }
 

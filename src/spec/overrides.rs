@@ -143,6 +143,15 @@ impl Step<'_> {
         if matches!(step, "segments" | "masses") && !rest.is_empty() {
             return Err(Refused::new(format!("{path} is not in the file")));
         }
+        if rest.is_empty() {
+            // A product that is set takes the place of the factors it was given by.
+            let factors: &[&str] = match step {
+                "EI" => &["E", "I"],
+                "mass_per_length" => &["density", "area"],
+                _ => &[],
+            };
+            entries.retain(|(key, _)| !factors.contains(&key.as_str()));
+        }
         let kind = Kind::Table(Vec::new());
         let place = self.place;
         entries.push((step.to_owned(), Node { place, kind }));

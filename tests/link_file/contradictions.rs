@@ -125,7 +125,8 @@ fn a_damping_law_takes_its_own_keys_only() {
         ),
         (
             "model = 'none'\nratio = 0.02",
-            "4: damping.ratio is given, but model \"none\" takes nothing else",
+            "4: damping.ratio is given, but model \"none\" takes nothing else\nhint: leave the \
+             key out; --set replaces the table: 'damping={model=\"none\"}'",
         ),
         (
             "ratio = 0.02\nbeta = 1",

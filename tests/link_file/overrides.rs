@@ -131,14 +131,17 @@ fn what_is_not_there_cannot_be_addressed_or_multiplied() {
 }
 
 #[test]
-fn a_product_is_multiplied_by_its_factor_where_the_file_gives_that_instead() {
+fn a_product_is_changed_where_the_file_gives_its_factors_instead() {
     let material = "[[segments]]\nlength = 1\nE = 2e11\nI = 2.5e-11\ndensity = 8e3\narea = 1e-4\n";
     let settings = ["segments.*.EI*=4", "segments.0.mass_per_length*=0.5"];
     let changed = read_with(material, &settings).unwrap();
     let segment = &changed.link.segments()[0];
     assert!((segment.bending_stiffness_n_m2.inner - 20.0).abs() < 1e-12);
     assert!((segment.mass_per_length_kg_m.outer - 0.4).abs() < 1e-14);
-    assert!(refusal(material, &["segments.*.EI=4"]).contains("segments.0 gives EI, E and I"));
+    let replaced = read_with(material, &["segments.*.EI=20", "segments.0.mass_per_length=0.5"]);
+    let replaced = &replaced.unwrap().link.segments()[0].clone();
+    assert_eq!(replaced.bending_stiffness_n_m2.inner.to_bits(), 20.0_f64.to_bits());
+    assert_eq!(replaced.mass_per_length_kg_m.inner.to_bits(), 0.5_f64.to_bits());
 }
 
 #[test]
