@@ -32,9 +32,10 @@ pub(crate) struct Modes {
     #[command(flatten)]
     link: LinkArgs,
 
-    /// How many modes and zeros.
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = super::args::positive)]
-    count: usize,
+    /// How many modes and zeros, at most 1000.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=1000))]
+    count: u16,
 
     /// Folder for the tables [default: none are written].
     #[arg(short, long, value_name = "DIR")]
@@ -49,13 +50,14 @@ pub(crate) struct Modes {
 impl Modes {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let (_, specification) = self.link.load()?;
-        let (mesh, omega_rad_s) = resolved(&specification, self.count);
+        let count = usize::from(self.count);
+        let (mesh, omega_rad_s) = resolved(&specification, count);
         let law = DampingLaw::of(specification.link.damping(), &mesh)?;
         let highest = omega_rad_s.last().copied().unwrap_or_default();
         let blocked = real_frequency_zeros(&mesh, highest);
         let result = ModesResult {
             damping_ratios: omega_rad_s.iter().map(|omega| law.modal_ratio(*omega)).collect(),
-            zeros_per_s: torque_zeros(&mesh, self.count),
+            zeros_per_s: torque_zeros(&mesh, count),
             blocked_hz: blocked.iter().map(|omega| omega / std::f64::consts::TAU).collect(),
             nodes_m: mesh.nodes_m().to_vec(),
             shapes: omega_rad_s.iter().map(|w| mode_shape(&mesh, *w).displacements).collect(),
@@ -68,21 +70,25 @@ impl Modes {
     }
 }
 
-/// The mesh on which the modes are exact to the plan's tolerance, and their frequencies in rad/s.
+/// The mesh on which the modes are exact to the plan's tolerance, and their frequencies in rad/s:
+/// fewer than `count` where the link has fewer, as massless ones may.
 fn resolved(specification: &Specification, count: usize) -> (Mesh, Vec<f64>) {
     let plan = &specification.mesh;
     let mut mesh = Mesh::new(&specification.link, plan);
-    loop {
-        let frequencies = natural_frequencies(&mesh, count);
-        let highest = frequencies.last().copied().unwrap_or_default();
-        let is_short = frequencies.len() < count;
-        let elements = mesh.elements().len();
-        if plan.is_automatic() {
-            mesh =
-                if is_short { mesh.refined() } else { mesh.resolving(highest, plan.tolerance()) };
-        }
-        if mesh.elements().len() == elements {
-            return (mesh, frequencies);
-        }
+    let mut frequencies = natural_frequencies(&mesh, count);
+    if !plan.is_automatic() {
+        return (mesh, frequencies);
     }
+    while frequencies.len() < count {
+        let finer = mesh.refined();
+        let more = natural_frequencies(&finer, count);
+        if more.len() == frequencies.len() {
+            break;
+        }
+        (mesh, frequencies) = (finer, more);
+    }
+    let highest = frequencies.last().copied().unwrap_or_default();
+    mesh = mesh.resolving(highest, plan.tolerance());
+    frequencies = natural_frequencies(&mesh, count);
+    (mesh, frequencies)
 }

@@ -59,6 +59,17 @@ fn an_automatic_mesh_is_refined_for_the_modes_asked_for() {
 }
 
 #[test]
+fn a_massless_link_has_the_modes_of_its_bodies_and_no_more() {
+    let bench = Bench::new();
+    let segment = "segments = [{ length = 1.5, EI = 5, mass_per_length = 0 }]";
+    bench.write("link.toml", &format!("{segment}\nhub.inertia = 0.1\npayload.mass = 1\n"));
+    let text = printed(&bench, &["modes", "link.toml", "-o", "m"]);
+    assert!(text.contains("0.61480"), "{text}");
+    assert_eq!(bench.table("m/modes.csv")[0].1, [1.0]);
+    assert_eq!(bench.read("m/zeros.csv").lines().count(), 1, "no zero");
+}
+
+#[test]
 fn the_frequency_response_has_three_transfers_in_four_parts() {
     let bench = Bench::new();
     let link = repository(LINK);
