@@ -1,5 +1,5 @@
 use super::inertia::inertial_degrees_of_freedom;
-use crate::beam::{Mesh, condense};
+use crate::beam::{Inertia, Mesh, condense};
 use crate::numeric::bisect;
 
 /// Highest angular frequency that is searched, in rad/s: no link of this world comes near.
@@ -11,10 +11,7 @@ const SEARCH_LIMIT_RAD_S: f64 = 1e15;
 /// (Wittrick and Williams), here of the blocks `K_d − λ(M_dd + A)` and of the hub's
 /// `−(A_0[φφ] + I_H)`; so none is missed, however close two of them lie.
 pub fn modes_below(mesh: &Mesh, omega_rad_s: f64) -> usize {
-    let mut negative = 0;
-    let root = condense(mesh, omega_rad_s * omega_rad_s, |_, step| {
-        negative += step.pivots.iter().filter(|p| **p < 0.0).count();
-    });
+    let (negative, root) = negative_pivots(mesh, omega_rad_s * omega_rad_s);
     let at_axis = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();
     if at_axis.is_finite() {
         negative + usize::from(at_axis > 0.0)
@@ -22,6 +19,16 @@ pub fn modes_below(mesh: &Mesh, omega_rad_s: f64) -> usize {
         // Exactly on a pole of the apparent inertia: a hair beside it everything is finite.
         modes_below(mesh, omega_rad_s * (1.0 + 4.0 * f64::EPSILON))
     }
+}
+
+/// Number of negative pivots outboard of the hub at λ = ω², which is the number of modes below ω of
+/// the link clamped at its hub, and the apparent inertia at the root.
+pub(super) fn negative_pivots(mesh: &Mesh, lambda: f64) -> (usize, Inertia<f64>) {
+    let mut negative = 0;
+    let root = condense(mesh, lambda, |_, step| {
+        negative += step.pivots.iter().filter(|p| **p < 0.0).count();
+    });
+    (negative, root)
 }
 
 /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.

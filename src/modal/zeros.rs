@@ -1,5 +1,6 @@
+use super::frequencies::negative_pivots;
 use super::inertia::{carries_rotary_inertia, inertial_degrees_of_freedom};
-use crate::beam::{Mesh, condense, hub_response};
+use crate::beam::{Mesh, hub_response};
 use crate::numeric::{bisect, geometric_scan};
 
 /// Neighbouring points of the scan for zeros are this factor apart; neighbouring zeros of a
@@ -90,9 +91,5 @@ fn scan_start(mesh: &Mesh) -> Option<f64> {
 
 /// Number of modes below `omega`, in rad/s, of the link clamped at its hub.
 fn clamped_modes_below(mesh: &Mesh, omega: f64) -> usize {
-    let mut modes = 0;
-    condense(mesh, omega * omega, |_, step| {
-        modes += step.pivots.iter().filter(|p| **p < 0.0).count();
-    });
-    modes
+    negative_pivots(mesh, omega * omega).0
 }
