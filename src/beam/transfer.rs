@@ -26,6 +26,17 @@ pub struct HubResponse<S> {
 }
 
 impl<S: Scalar> HubResponse<S> {
+    /// What the apparent inertia at the root and the tip's lag mean at the axis.
+    fn at_axis(mesh: &Mesh, root: &Inertia<S>, lag_m_s2: S, largest_gain: f64) -> Self {
+        let root_m = mesh.nodes_m()[0];
+        Self {
+            inertia_kg_m2: root.about(root_m) + mesh.hub_inertia_kg_m2(),
+            root_inertia_kg_m2: root.vp * root_m + root.pp,
+            lag_m_s2,
+            largest_gain,
+        }
+    }
+
     /// Tip displacement per hub angle, `v_tip/θ = L + e_tip`, in m.
     pub fn tip_displacement_m(&self, mesh: &Mesh, lambda: S) -> S {
         lambda * self.lag_m_s2 + mesh.length_m()
@@ -70,12 +81,7 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
         (lag_v, lag_phi) = (lag_v + vv * v + pv * phi, rigid_phi + vp * v + pp * phi);
         largest_gain = larger(largest_gain, lambda.size() * gain_size(&step.gain, length_m));
     });
-    HubResponse {
-        inertia_kg_m2: root.about(nodes_m[0]) + mesh.hub_inertia_kg_m2(),
-        root_inertia_kg_m2: root.vp * nodes_m[0] + root.pp,
-        lag_m_s2: lag_v * nodes_m[0] + lag_phi,
-        largest_gain,
-    }
+    HubResponse::at_axis(mesh, &root, lag_v * nodes_m[0] + lag_phi, largest_gain)
 }
 
 /// Transfers from the tip to torque and hub angle.
@@ -123,12 +129,7 @@ pub fn nodal_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
         let d_phi = gain.pv * u_v + gain.pp * u_phi;
         lags.push((v + phi * element.length_m + d_v, phi + d_phi));
     }
-    let hub = HubResponse {
-        inertia_kg_m2: root.about(nodes_m[0]) + mesh.hub_inertia_kg_m2(),
-        root_inertia_kg_m2: root.vp * nodes_m[0] + root.pp,
-        lag_m_s2: lags[lags.len() - 1].0,
-        largest_gain,
-    };
+    let hub = HubResponse::at_axis(mesh, &root, lags[lags.len() - 1].0, largest_gain);
     let tip = per_tip(&hub, mesh, lambda);
     let moments = inertias.iter().zip(&lags).zip(nodes_m).map(|((inertia, (v, phi)), x_m)| {
         inertia.moment(lambda * *v + *x_m, lambda * *phi + 1.0) * tip.angle_rad_m

@@ -98,14 +98,14 @@ impl Solve {
             motion: &motion,
             analysis,
             drive: drive.as_ref(),
-            limits,
             changes: &self.changes(),
         };
+        let metrics = Metrics::of(&solution);
+        let exceeded = limits.exceeded(&metrics);
         let files = outputs.file_names();
-        let summary = Summary::new(&inputs, &solution, files.clone());
+        let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, files.clone());
         outputs.write(OutputFolder::stage(&self.output)?, link, &solution, &summary)?;
 
-        let exceeded = limits.exceeded(&Metrics::of(&solution));
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
         }
@@ -117,7 +117,7 @@ impl Solve {
         match (self.print.quiet, self.print.json) {
             (true, _) => {}
             (_, true) => console::print(&summary.to_json())?,
-            _ => console::print(&solve_text(link, &motion, &solution, &written))?,
+            _ => console::print(&solve_text(link, &motion, &solution, &metrics, &written))?,
         }
         match exceeded.first().filter(|_| self.strict) {
             Some(limit) => Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint()))),

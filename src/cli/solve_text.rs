@@ -14,6 +14,7 @@ pub(crate) fn solve_text(
     link: &Link,
     motion: &TipMotion,
     solution: &Solution,
+    metrics: &Metrics,
     written: &str,
 ) -> String {
     let mut text = String::new();
@@ -21,19 +22,18 @@ pub(crate) fn solve_text(
         text += link.title();
         text.push('\n');
     }
-    let metrics = Metrics::of(solution);
     for (label, content) in [
         ("link", link_line(link, solution)),
         ("damping", damping_line(solution)),
         ("ratios", ratios_line(solution)),
         ("periods", with_unit(&list(&periods(solution), 5), "s")),
         ("zeros", with_unit(&list(&solution.zeros_per_s, 4), "1/s (real, ±)")),
-        ("motion", motion_line(motion, solution, &metrics)),
-        ("torque", torque_line(&metrics)),
-        ("rigid", rigid_line(&metrics)),
-        ("timing", timing_line(&metrics)),
-        ("hub", hub_line(&metrics)),
-        ("bending", bending_line(&metrics)),
+        ("motion", motion_line(motion, solution, metrics)),
+        ("torque", torque_line(metrics)),
+        ("rigid", rigid_line(metrics)),
+        ("timing", timing_line(metrics)),
+        ("hub", hub_line(metrics)),
+        ("bending", bending_line(metrics)),
         ("errors", errors_line(solution)),
         ("window", window_line(solution)),
         ("written", written.to_owned()),

@@ -7,7 +7,7 @@ use super::link_record::LinkRecord;
 use crate::inverse::{Analysis, DampingLaw, Solution};
 use crate::link::{Drive, Link};
 use crate::motion::TipMotion;
-use crate::result::{Exceeded, Limits, Metrics};
+use crate::result::{Exceeded, Metrics};
 
 /// What a run was given.
 #[derive(Debug, Clone, Copy)]
@@ -24,8 +24,6 @@ pub struct RunInputs<'a> {
     pub analysis: &'a Analysis,
     /// What sits between motor and hub, if anything does.
     pub drive: Option<&'a Drive>,
-    /// What link and motor stand.
-    pub limits: &'a Limits,
     /// The arguments that changed the inputs, in order: `--set …`, `--resample …`.
     pub changes: &'a [String],
 }
@@ -136,11 +134,17 @@ struct WarningRecord {
 }
 
 impl Summary {
-    /// Gathers the summary of a solution; `files` are the names of what is written with it.
-    pub fn new(inputs: &RunInputs, solution: &Solution, files: Vec<&'static str>) -> Self {
+    /// Gathers the summary of a solution, its metrics and the limits that it exceeds; `files` are
+    /// the names of what is written with it.
+    pub fn new(
+        inputs: &RunInputs,
+        solution: &Solution,
+        metrics: &Metrics,
+        exceeded: &[Exceeded],
+        files: Vec<&'static str>,
+    ) -> Self {
         let hertz = |omega: &f64| omega / std::f64::consts::TAU;
         let frequencies = &solution.natural_frequencies_rad_s;
-        let metrics = Metrics::of(solution);
         Self {
             flexlink: env!("CARGO_PKG_VERSION"),
             command: "solve",
@@ -157,18 +161,18 @@ impl Summary {
                 degrees_of_freedom: 2 * solution.mesh.elements().len() + 1,
                 resolved_hz: hertz(&solution.mesh.resolved_frequency_rad_s()),
             },
-            motion: MotionRecord::new(inputs.motion, &metrics),
+            motion: MotionRecord::new(inputs.motion, metrics),
             periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
             natural_frequencies_hz: frequencies.iter().map(hertz).collect(),
             modal_damping_ratios: ratios(solution.law, frequencies),
             zeros_per_s: solution.zeros_per_s.clone(),
             analysis: AnalysisRecord::new(inputs.analysis, solution),
-            results: Results::new(&metrics),
+            results: Results::new(metrics),
             errors: Errors {
                 mesh_error: solution.accuracy.mesh_error,
                 edge_error: solution.accuracy.edge_error,
             },
-            warnings: warnings(solution, &inputs.limits.exceeded(&metrics)),
+            warnings: warnings(solution, exceeded),
             files,
         }
     }
