@@ -4,7 +4,7 @@ use clap::Args;
 
 use flexlink::beam::Mesh;
 use flexlink::inverse::DampingLaw;
-use flexlink::modal::{mode_shape, natural_frequencies, real_frequency_zeros, torque_zeros};
+use flexlink::modal::{mode, natural_frequencies, real_frequency_zeros, torque_zeros};
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, ModesResult, OutputFolder};
 
@@ -60,7 +60,7 @@ impl Modes {
             zeros_per_s: torque_zeros(&mesh, count),
             blocked_hz: blocked.iter().map(|omega| omega / std::f64::consts::TAU).collect(),
             nodes_m: mesh.nodes_m().to_vec(),
-            shapes: omega_rad_s.iter().map(|w| mode_shape(&mesh, *w).displacements).collect(),
+            shapes: omega_rad_s.iter().map(|omega| shape(&mesh, *omega)).collect(),
             omega_rad_s,
         };
         if let Some(folder) = &self.output {
@@ -68,6 +68,12 @@ impl Modes {
         }
         console::print(&modes_text(&specification.link, &mesh, &result))
     }
+}
+
+/// Displacements of all nodes in a mode.
+fn shape(mesh: &Mesh, omega_rad_s: f64) -> Vec<f64> {
+    let shape = mode(mesh, omega_rad_s).shape;
+    (0..mesh.nodes_m().len()).map(|node| shape.displacement(mesh, node)).collect()
 }
 
 /// The mesh on which the modes are exact to the plan's tolerance, and their frequencies in rad/s:

@@ -1,10 +1,15 @@
-//! Natural frequencies and mode shapes of the link, and zeros of torque → tip, from the recursion at real λ.
+//! Natural frequencies and modes of the link, from the recursion at real λ or all at once by dense
+//! algebra, and zeros of torque → tip.
 
+mod basis;
+mod complete;
 mod frequencies;
 mod inertia;
-mod shapes;
+mod shape;
 mod zeros;
 
+pub use basis::ModalBasis;
+pub use complete::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES};
 pub use frequencies::{modes_below, natural_frequencies};
-pub use shapes::{ModeShape, mode_shape};
+pub use shape::{Mode, Shape, mode};
 pub use zeros::{real_frequency_zeros, torque_zeros};

@@ -1,0 +1,96 @@
+use nalgebra::Vector2;
+
+use super::frequencies::natural_frequencies;
+use super::shape::{Mode, Shape, mode};
+use crate::beam::{Gain, Mesh, condense};
+
+/// Modes this close to each other, relative to their frequency, are made orthogonal: the recursion
+/// gives neighbours the less precisely, the closer they lie.
+const NEIGHBOURS: f64 = 1e-2;
+
+/// A shape left over by all modes with less than this share of the whole is round-off.
+const NOTHING_LEFT: f64 = 1e-10;
+
+/// The rigid rotation and flexible modes of the link on its free hub, mass-normalised.
+///
+/// In these coordinates a torque T at the hub drives each mode by itself:
+///
+/// ```text
+/// q̈ + 2ζω q̇ + ω² q = p T,    p the mode's hub angle            (Bayo 1987, eqs 11 and 12)
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalBasis {
+    /// Rotation of the rigid link: θ = 1/√I.
+    pub rigid: Shape,
+    /// Flexible modes, ascending.
+    pub modes: Vec<Mode>,
+}
+
+impl ModalBasis {
+    /// The rigid rotation and the first `count` flexible modes, fewer where the mesh has fewer.
+    pub fn lowest(mesh: &Mesh, count: usize) -> Self {
+        let mut modes: Vec<Mode> = Vec::with_capacity(count);
+        for omega_rad_s in natural_frequencies(mesh, count) {
+            let mut next = mode(mesh, omega_rad_s);
+            let near = modes.iter().rev();
+            let near = near.take_while(|m| m.omega_rad_s > (1.0 - NEIGHBOURS) * omega_rad_s);
+            let mut shape = next.shape;
+            for known in near {
+                let share = known.shape.mass_product(mesh, &shape);
+                shape = shape.less(share, &known.shape);
+            }
+            next.shape = shape.mass_normalised(mesh);
+            modes.push(next);
+        }
+        Self { rigid: Self::rigid(mesh), modes }
+    }
+
+    pub(super) fn rigid(mesh: &Mesh) -> Shape {
+        Shape::rigid(mesh).mass_normalised(mesh)
+    }
+
+    /// What a constant unit torque bends the freely turning link to, less the part of these modes:
+    /// the static residual of the modes left out, in m and rad per N m.
+    ///
+    /// ```text
+    /// Σ φ_k p_k/ω_k²  over the modes left out
+    /// ```
+    pub fn static_residual(&self, mesh: &Mesh) -> Shape {
+        let all = static_shape(mesh, &self.rigid);
+        self.modes.iter().fold(all, |rest, Mode { omega_rad_s, shape }| {
+            rest.less(shape.hub_angle / omega_rad_s.powi(2), shape)
+        })
+    }
+
+    /// The static residual made a mode of its own, at the frequency that its stiffness and mass
+    /// give it: with it a truncated basis answers slow torques as the whole link does, and stays
+    /// orthogonal. None where the modes leave nothing over.
+    pub fn residual_mode(&self, mesh: &Mesh) -> Option<Mode> {
+        let all = static_shape(mesh, &self.rigid);
+        let rest = self.static_residual(mesh);
+        let (whole, mass) = (all.mass_product(mesh, &all), rest.mass_product(mesh, &rest));
+        if mass <= NOTHING_LEFT * NOTHING_LEFT * whole {
+            return None;
+        }
+        let omega_rad_s = (rest.stiffness_product(mesh, &rest) / mass).sqrt();
+        Some(Mode { omega_rad_s, shape: rest.mass_normalised(mesh) })
+    }
+}
+
+/// What a constant unit torque bends the freely turning link to, relative to its rigid motion, in
+/// m and rad per N m: the recursion at λ = 0, made orthogonal to the rigid rotation.
+fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
+    let zero = Gain { vv: 0.0, vp: 0.0, pv: 0.0, pp: 0.0 };
+    let mut gains = vec![zero; mesh.elements().len()];
+    condense(mesh, 0.0, |index, step| gains[index] = step.gain);
+    let mut deflections: Vec<Vector2<f64>> = vec![Vector2::zeros()];
+    for ((element, gain), x_m) in mesh.elements().iter().zip(&gains).zip(mesh.nodes_m()) {
+        let e = deflections[deflections.len() - 1];
+        let (d_v, d_phi) = (gain.vv * x_m + gain.vp, gain.pv * x_m + gain.pp);
+        deflections.push(Vector2::new(e[0] + element.length_m * e[1] + d_v, e[1] + d_phi));
+    }
+    // Inertia bends the link backwards; a unit torque turns it by 1/I = θ² of the rigid mode.
+    let bent = Shape { hub_angle: 0.0, deflections }.scaled(-rigid.hub_angle.powi(2));
+    let share = rigid.mass_product(mesh, &bent);
+    bent.less(share, rigid)
+}

@@ -1,0 +1,213 @@
+use nalgebra::{Matrix2, Vector2};
+
+use crate::beam::{Inertia, Mesh, driven_motion};
+
+/// A motion of the whole link: hub angle, and deflection from the hub's tangent line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Hub angle θ.
+    pub hub_angle: f64,
+    /// Deflection and slope (w, w') of nodes 0 … n from the hub's tangent line.
+    pub deflections: Vec<Vector2<f64>>,
+}
+
+/// One mode of the link on its free hub.
+///
+/// Mass-normalised, ∫ m̄ v² dx + Σ (m v² + J φ²) + `I_H` θ² = 1 with consistent mass, so that v
+/// has the unit 1/√kg. The tip's displacement is positive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mode {
+    /// Natural frequency in rad/s.
+    pub omega_rad_s: f64,
+    /// The shape, θ in 1/(m √kg) and w in 1/√kg.
+    pub shape: Shape,
+}
+
+/// Shape at a natural frequency `omega_rad_s` > 0, from the recursion at λ = ω².
+pub fn mode(mesh: &Mesh, omega_rad_s: f64) -> Mode {
+    let motion = driven_motion(mesh, (omega_rad_s * omega_rad_s).into());
+    let shape = Shape {
+        hub_angle: motion.theta.re,
+        deflections: motion.deflections.iter().map(|e| e.map(|e| e.re)).collect(),
+    };
+    Mode { omega_rad_s, shape: shape.mass_normalised(mesh) }
+}
+
+impl Shape {
+    /// The rotation of the rigid link by a unit angle.
+    pub(super) fn rigid(mesh: &Mesh) -> Self {
+        Self { hub_angle: 1.0, deflections: vec![Vector2::zeros(); mesh.nodes_m().len()] }
+    }
+
+    /// Total displacement `v = w + xθ` of a node (Bayo 1987, eq 1).
+    pub fn displacement(&self, mesh: &Mesh, node: usize) -> f64 {
+        self.total(mesh, node)[0]
+    }
+
+    /// Total displacement of the tip.
+    pub fn tip_displacement(&self, mesh: &Mesh) -> f64 {
+        self.displacement(mesh, self.deflections.len() - 1)
+    }
+
+    /// Displacement and slope (v, φ) of a node.
+    fn total(&self, mesh: &Mesh, node: usize) -> Vector2<f64> {
+        let angle = self.hub_angle;
+        self.deflections[node] + Vector2::new(mesh.nodes_m()[node] * angle, angle)
+    }
+
+    /// Deformation of an element: motion of its outer end seen from its inner end's tangent.
+    fn deformation(&self, mesh: &Mesh, element: usize) -> Vector2<f64> {
+        let (inner, outer) = (self.deflections[element], self.deflections[element + 1]);
+        let length_m = mesh.relative_elements()[element].length_m;
+        Vector2::new(outer[0] - inner[0] - length_m * inner[1], outer[1] - inner[1])
+    }
+
+    /// `∫ m̄ v v' dx + Σ (m v v' + J φ φ') + I_H θ θ'`, element by element in relative coordinates.
+    pub fn mass_product(&self, mesh: &Mesh, other: &Self) -> f64 {
+        let elements = mesh.relative_elements().iter().enumerate().map(|(k, element)| {
+            let (u, d) = (self.total(mesh, k), self.deformation(mesh, k));
+            let (v, e) = (other.total(mesh, k), other.deformation(mesh, k));
+            u.dot(&(element.m_uu * v))
+                + u.dot(&(element.m_ud * e))
+                + v.dot(&(element.m_ud * d))
+                + d.dot(&(element.m_dd * e))
+        });
+        let last = self.deflections.len() - 1;
+        let lumped = (0..last).filter_map(|node| Some((mesh.lumped_inertia(node)?, node)));
+        let bodies = lumped.chain([(mesh.tip_inertia(), last)]).map(|(inertia, node)| {
+            self.total(mesh, node).dot(&(matrix(&inertia) * other.total(mesh, node)))
+        });
+        let hub = mesh.hub_inertia_kg_m2() * self.hub_angle * other.hub_angle;
+        hub + elements.sum::<f64>() + bodies.sum::<f64>()
+    }
+
+    /// `∫ EI w₁'' w₂'' dx` of two shapes: twice the strain energy of a shape with itself.
+    pub fn stiffness_product(&self, mesh: &Mesh, other: &Self) -> f64 {
+        let elements = mesh.relative_elements().iter().enumerate();
+        let products = elements.map(|(k, element)| {
+            self.deformation(mesh, k).dot(&(element.k_d * other.deformation(mesh, k)))
+        });
+        products.sum()
+    }
+
+    /// Moment at nodes 0 … n that gives what lies outboard, the node's own lump included, this
+    /// shape as its acceleration: `∫ m̄ v (x − x_i) dx + …`.
+    pub(super) fn moments(&self, mesh: &Mesh) -> Vec<f64> {
+        let last = self.deflections.len() - 1;
+        let mut outer = matrix(&mesh.tip_inertia()) * self.total(mesh, last);
+        let mut moments = vec![0.0; last + 1];
+        moments[last] = outer[1];
+        for (node, element) in mesh.relative_elements().iter().enumerate().rev() {
+            let (u, d) = (self.total(mesh, node), self.deformation(mesh, node));
+            let carried = Vector2::new(outer[0], outer[1] + element.length_m * outer[0]);
+            outer = element.m_uu * u + element.m_ud * d + carried;
+            if let Some(lumped) = mesh.lumped_inertia(node) {
+                outer += matrix(&lumped) * u;
+            }
+            moments[node] = outer[1];
+        }
+        moments
+    }
+
+    /// The shape times a factor.
+    pub(super) fn scaled(mut self, factor: f64) -> Self {
+        self.hub_angle *= factor;
+        for w in &mut self.deflections {
+            *w *= factor;
+        }
+        self
+    }
+
+    /// The shape less `factor` times another.
+    pub(super) fn less(mut self, factor: f64, other: &Self) -> Self {
+        self.hub_angle -= factor * other.hub_angle;
+        for (w, other) in self.deflections.iter_mut().zip(&other.deflections) {
+            *w -= factor * other;
+        }
+        self
+    }
+
+    /// The shape with unit modal mass, the tip's displacement positive.
+    pub(super) fn mass_normalised(self, mesh: &Mesh) -> Self {
+        let scale = self.mass_product(mesh, &self).sqrt().recip();
+        let sign = if self.tip_displacement(mesh) < 0.0 { -1.0 } else { 1.0 };
+        self.scaled(sign * scale)
+    }
+}
+
+fn matrix(inertia: &Inertia<f64>) -> Matrix2<f64> {
+    Matrix2::new(inertia.vv, inertia.vp, inertia.vp, inertia.pp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+    use crate::modal::natural_frequencies;
+
+    fn mesh(elements: usize, hub: Hub, masses: Vec<LumpedMass>, payload: Payload) -> Mesh {
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![Segment {
+                name: None,
+                length_m: 1.5,
+                bending_stiffness_n_m2: Taper::constant(5.0),
+                mass_per_length_kg_m: Taper::constant(0.8),
+            }],
+            hub,
+            masses,
+            payload,
+            damping: Damping::None,
+        })
+        .unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);
+        Mesh::new(&link, &plan.unwrap())
+    }
+
+    #[test]
+    fn a_pinned_free_link_swings_in_its_closed_form() {
+        let mesh = mesh(100, Hub::default(), vec![], Payload::default());
+        let b = 3.926_602_312_047_919_f64;
+        let omega = natural_frequencies(&mesh, 1)[0];
+        let shape = mode(&mesh, omega).shape;
+        // v = sin(bx/L)/sin b + sinh(bx/L)/sinh b has the norm ∫v² dx = L.
+        let norm = (0.8_f64 * 1.5).sqrt();
+        for (node, x) in mesh.nodes_m().iter().enumerate() {
+            let v = shape.displacement(&mesh, node);
+            let s = b * x / 1.5;
+            let exact = (s.sin() / b.sin() + s.sinh() / b.sinh()) / norm;
+            assert!((v - exact).abs() < 1e-8, "at {x} m: {v} is not {exact}");
+        }
+        let slope = b / 1.5 * (1.0 / b.sin() + 1.0 / b.sinh()) / norm;
+        assert!((shape.hub_angle - slope).abs() < 1e-7, "{} is not {slope}", shape.hub_angle);
+    }
+
+    #[test]
+    fn shapes_of_different_modes_are_orthogonal_and_of_unit_mass() {
+        let hub = Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad: 0.0 };
+        let masses = vec![LumpedMass { at_m: 0.8, mass_kg: 0.3, inertia_kg_m2: 0.0 }];
+        let payload = Payload { mass_kg: 0.2, inertia_kg_m2: 0.0, offset_m: 0.0 };
+        let mesh = mesh(600, hub, masses, payload);
+        let shapes: Vec<Shape> =
+            natural_frequencies(&mesh, 4).iter().map(|w| mode(&mesh, *w).shape).collect();
+        // Simpson's rule on nodes 0, 2, 4, … needs a node pattern that the mass does not disturb:
+        // the trapezoid on all nodes is within 1e-4 here.
+        let x = mesh.nodes_m();
+        let mass = x.iter().position(|x| (x - 0.8).abs() < 1e-9).unwrap();
+        for (i, a) in shapes.iter().enumerate() {
+            for (j, b) in shapes.iter().enumerate() {
+                let product = |k: usize| a.displacement(&mesh, k) * b.displacement(&mesh, k);
+                let beam: f64 = (1..x.len())
+                    .map(|k| 0.8 * 0.5 * (x[k] - x[k - 1]) * (product(k) + product(k - 1)))
+                    .sum();
+                let bodies = 0.1 * a.hub_angle * b.hub_angle
+                    + 0.3 * product(mass)
+                    + 0.2 * product(x.len() - 1);
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert!((beam + bodies - expected).abs() < 1e-4, "modes {i} and {j}");
+            }
+        }
+        assert!(shapes.iter().all(|s| s.tip_displacement(&mesh) > 0.0), "the tip leads");
+    }
+}
