@@ -1,6 +1,7 @@
 use std::process::ExitCode;
 
 use flexlink::inverse::InversionError;
+use flexlink::modal::DampingError;
 use flexlink::spec::SpecError;
 use flexlink::tables::{FolderError, InputError, MotionFileError};
 
@@ -58,6 +59,12 @@ impl From<MotionFileError> for Failure {
 impl From<InversionError> for Failure {
     fn from(error: InversionError) -> Self {
         Self::new(Exit::NotSolvable, &error, error.hint())
+    }
+}
+
+impl From<DampingError> for Failure {
+    fn from(error: DampingError) -> Self {
+        Self::new(Exit::NotSolvable, &error, Some(error.hint()))
     }
 }
 

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::beam::Mesh;
-use flexlink::inverse::{DampingLaw, FrequencyResponse};
+use flexlink::inverse::{Dynamics, FrequencyResponse, KeptModes};
 use flexlink::modal::natural_frequencies;
 use flexlink::tables::{Digits, write_file, write_frequency_response};
 
@@ -66,11 +66,12 @@ impl Frf {
         } else {
             coarsest
         };
-        let law = DampingLaw::of(link.damping(), &mesh)?;
+        let kept = specification.analysis.modes().map_or(KeptModes::All, KeptModes::First);
+        let dynamics = Dynamics::new(link, mesh, kept)?;
         let friction = link.hub().viscous_friction_n_m_s_rad;
         let rows: Vec<FrequencyResponse> = self
             .grid(from_hz, to_hz)
-            .map(|frequency_hz| FrequencyResponse::at(&mesh, law, friction, frequency_hz))
+            .map(|frequency_hz| FrequencyResponse::at(&dynamics, friction, frequency_hz))
             .collect();
         let mut text = Vec::new();
         write_frequency_response(&mut text, &rows, self.digits)

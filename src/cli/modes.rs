@@ -3,8 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::beam::Mesh;
-use flexlink::inverse::DampingLaw;
-use flexlink::modal::{mode, natural_frequencies, real_frequency_zeros, torque_zeros};
+use flexlink::modal::{DampingLaw, mode, natural_frequencies, real_frequency_zeros, torque_zeros};
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, ModesResult, OutputFolder};
 
@@ -56,7 +55,7 @@ impl Modes {
         let highest = omega_rad_s.last().copied().unwrap_or_default();
         let blocked = real_frequency_zeros(&mesh, highest);
         let result = ModesResult {
-            damping_ratios: omega_rad_s.iter().map(|omega| law.modal_ratio(*omega)).collect(),
+            damping_ratios: ratios(&law, &omega_rad_s),
             zeros_per_s: torque_zeros(&mesh, count),
             blocked_hz: blocked.iter().map(|omega| omega / std::f64::consts::TAU).collect(),
             nodes_m: mesh.nodes_m().to_vec(),
@@ -68,6 +67,11 @@ impl Modes {
         }
         console::print(&modes_text(&specification.link, &mesh, &result))
     }
+}
+
+/// Damping ratio that each mode gets.
+fn ratios(law: &DampingLaw, omega_rad_s: &[f64]) -> Vec<f64> {
+    omega_rad_s.iter().enumerate().map(|(k, omega)| law.modal_ratio(k + 1, *omega)).collect()
 }
 
 /// Displacements of all nodes in a mode.

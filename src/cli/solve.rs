@@ -135,7 +135,7 @@ impl Solve {
     }
 
     fn check_nodes(&self, solution: &Solution) -> Result<(), Failure> {
-        let last = solution.mesh.nodes_m().len() - 1;
+        let last = solution.mesh().nodes_m().len() - 1;
         let nodes = self.nodes.as_deref().unwrap_or_default();
         let refuse = |message: &str, hint| Err(Failure::new(Exit::Usage, &message, hint));
         if let Some(node) = nodes.iter().find(|node| **node > last) {

@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use flexlink::inverse::{DampingLaw, Solution};
-use flexlink::link::Link;
+use flexlink::inverse::Solution;
+use flexlink::link::{Damping, Link};
+use flexlink::modal::DampingLaw;
 use flexlink::motion::TipMotion;
 use flexlink::result::Metrics;
 
@@ -24,7 +25,7 @@ pub(crate) fn solve_text(
     }
     for (label, content) in [
         ("link", link_line(link, solution)),
-        ("damping", damping_line(solution)),
+        ("damping", damping_line(link, solution.law())),
         ("ratios", ratios_line(solution)),
         ("periods", with_unit(&list(&periods(solution), 5), "s")),
         ("zeros", with_unit(&list(&solution.zeros_per_s, 4), "1/s (real, ±)")),
@@ -61,31 +62,34 @@ fn link_line(link: &Link, solution: &Solution) -> String {
     format!(
         "{} m, {} elements, rigid inertia {} kg m²",
         significant(link.length_m(), 4),
-        solution.mesh.elements().len(),
+        solution.mesh().elements().len(),
         significant(link.rigid_inertia_kg_m2(), 4)
     )
 }
 
-fn damping_line(solution: &Solution) -> String {
-    match solution.law {
-        DampingLaw::Hysteretic { ratio: 0.0 } => "none".into(),
-        DampingLaw::Hysteretic { ratio } => format!("hysteretic, ratio {ratio}"),
-        DampingLaw::Rayleigh { alpha_per_s, beta_s } => {
-            let (alpha, beta) = (significant(alpha_per_s, 3), significant(beta_s, 3));
+pub(crate) fn damping_line(link: &Link, law: &DampingLaw) -> String {
+    match (link.damping(), law) {
+        (Damping::None | Damping::Hysteretic { ratio: 0.0 }, _) => "none".into(),
+        (_, DampingLaw::Rayleigh { alpha_per_s, beta_s }) => {
+            let (alpha, beta) = (significant(*alpha_per_s, 3), significant(*beta_s, 3));
             format!("rayleigh, alpha {alpha} 1/s, beta {beta} s")
         }
+        (Damping::Hysteretic { ratio }, _) => format!("hysteretic, ratio {ratio}"),
+        (Damping::Modal { ratios }, _) if ratios.len() == 1 => {
+            format!("modal, ratio {}", ratios[0])
+        }
+        (damping, _) => format!("{}, all modes of the mesh", damping.name()),
     }
 }
 
 /// Damping ratios of the modes, where they are not all one; empty otherwise.
 fn ratios_line(solution: &Solution) -> String {
-    if let DampingLaw::Hysteretic { .. } = solution.law {
-        return String::new();
-    }
-    let frequencies = &solution.natural_frequencies_rad_s;
+    let frequencies = solution.natural_frequencies_rad_s.iter().enumerate();
     let ratios: Vec<f64> =
-        frequencies.iter().map(|omega| solution.law.modal_ratio(*omega)).collect();
-    list(&ratios, 2)
+        frequencies.map(|(k, omega)| solution.law().modal_ratio(k + 1, *omega)).collect();
+    let first = ratios.first().map_or(0, |ratio| ratio.to_bits());
+    let are_one = ratios.iter().all(|ratio| ratio.to_bits() == first);
+    if are_one { String::new() } else { list(&ratios, 2) }
 }
 
 fn motion_line(motion: &TipMotion, solution: &Solution, metrics: &Metrics) -> String {
@@ -150,9 +154,13 @@ fn bending_line(metrics: &Metrics) -> String {
 }
 
 fn errors_line(solution: &Solution) -> String {
+    let accuracy = &solution.accuracy;
+    let truncation = accuracy
+        .truncation_error
+        .map_or(String::new(), |error| format!(", modes left out {error:.1e}"));
     format!(
-        "mesh {:.1e}, edge {:.1e} (of the peak torque)",
-        solution.accuracy.mesh_error, solution.accuracy.edge_error
+        "mesh {:.1e}, edge {:.1e}{truncation} (of the peak torque)",
+        accuracy.mesh_error, accuracy.edge_error
     )
 }
 

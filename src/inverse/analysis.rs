@@ -6,6 +6,7 @@ pub struct Analysis {
     tolerance: f64,
     lead_s: Option<f64>,
     lag_s: Option<f64>,
+    modes: Option<usize>,
 }
 
 impl Analysis {
@@ -31,7 +32,12 @@ impl Analysis {
                 return Err(ParameterError::new(parameter, value, "s", must));
             }
         }
-        Ok(Self { tolerance, lead_s, lag_s })
+        Ok(Self { tolerance, lead_s, lag_s, modes: None })
+    }
+
+    /// Flexible modes to keep; `None`: all of the mesh.
+    pub fn modes(&self) -> Option<usize> {
+        self.modes
     }
 
     /// Share of the peak torque that padding and wrap-around may cost.
@@ -52,6 +58,6 @@ impl Analysis {
 
 impl Default for Analysis {
     fn default() -> Self {
-        Self { tolerance: Self::DEFAULT_TOLERANCE, lead_s: None, lag_s: None }
+        Self { tolerance: Self::DEFAULT_TOLERANCE, lead_s: None, lag_s: None, modes: None }
     }
 }

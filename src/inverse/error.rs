@@ -1,26 +1,31 @@
 use thiserror::Error;
 
+use crate::modal::DampingError;
+
 /// Why a valid link and a valid motion have no torque here.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum InversionError {
-    /// Rayleigh damping through modes that the mesh does not have.
-    #[error("damping.modes asks for mode {asked}, but the mesh must have it and has {found} modes")]
-    NoSuchMode {
-        /// Mode asked for.
+    /// Damping that cannot be.
+    #[error(transparent)]
+    Damping(#[from] DampingError),
+    /// A reduction to more modes than there are.
+    #[error("analysis.modes = {asked}, but must be at most {found}: the mesh has no more modes")]
+    NotSoManyModes {
+        /// Modes asked for.
         asked: usize,
         /// Flexible modes of the mesh.
         found: usize,
     },
-    /// Rayleigh damping through two modes that would feed energy in.
+    /// Damping by modes on a mesh too large for all of them.
     #[error(
-        "damping.ratios give alpha = {alpha_per_s:.3e} 1/s and beta = {beta_s:.3e} s, but both must \
-         be at least 0"
+        "the mesh = {elements} elements, but must be at most {limit} for modal damping: it needs \
+         all modes, and dense algebra grows with the cube of their number"
     )]
-    NegativeDamping {
-        /// α in 1/s.
-        alpha_per_s: f64,
-        /// β in s.
-        beta_s: f64,
+    TooManyElements {
+        /// Elements of the mesh.
+        elements: usize,
+        /// Elements possible.
+        limit: usize,
     },
     /// A frequency at which no torque moves the tip, or numbers beyond double precision.
     #[error("the torque at {frequency_hz:.4} Hz = not a finite number, but must be one")]
@@ -55,9 +60,10 @@ impl InversionError {
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
-            Self::NoSuchMode { .. } => "name lower modes, or give the mesh more elements",
-            Self::NegativeDamping { .. } => {
-                "bring the two ratios closer together, or give alpha and beta themselves"
+            Self::Damping(error) => error.hint(),
+            Self::NotSoManyModes { .. } => "keep fewer modes, or give the mesh more elements",
+            Self::TooManyElements { .. } => {
+                "fewer elements, or hysteretic or rayleigh damping, which have no such limit"
             }
             Self::NotFinite { .. } => {
                 "no torque moves the tip there (a payload's inertia without damping), the mesh is far \

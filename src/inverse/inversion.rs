@@ -1,8 +1,8 @@
 use super::analysis::Analysis;
+use super::dynamics::{Dynamics, KeptModes};
 use super::error::InversionError;
-use super::law::DampingLaw;
 use super::period::{Padding, PeriodicTorque};
-use super::refinement::measured_mesh;
+use super::refinement::{Measured, measured_mesh};
 use super::rigid::rigid_torque_n_m;
 use super::solution::{Accuracy, Band, Solution, TipMotionHistories, cut};
 use super::spectra::{Forcing, HubSpectra};
@@ -24,7 +24,6 @@ struct Problem<'a> {
     link: &'a Link,
     motion: &'a TipMotion,
     analysis: &'a Analysis,
-    law: DampingLaw,
     padding: Padding,
 }
 
@@ -56,17 +55,18 @@ pub fn invert(
     motion: &TipMotion,
     analysis: &Analysis,
 ) -> Result<Solution, InversionError> {
-    let coarsest = Mesh::new(link, plan);
-    let law = DampingLaw::of(link.damping(), &coarsest)?;
-    let first_zero = torque_zeros(&coarsest, 1).first().copied();
+    let kept = analysis.modes().map_or(KeptModes::All, KeptModes::First);
+    let coarsest = Dynamics::new(link, Mesh::new(link, plan), kept)?;
+    let first_zero = torque_zeros(coarsest.mesh(), 1).first().copied();
     let padding = Padding::new(motion, analysis, first_zero);
-    let problem = Problem { link, motion, analysis, law, padding };
+    let problem = Problem { link, motion, analysis, padding };
     let shortest = padding.period_len(motion.grid().len)?;
     let spectrum = problem.spectrum(shortest);
     let measured =
-        measured_mesh(coarsest, plan, |mesh| problem.forcing(mesh, &spectrum).torque_n_m())?;
-    let answer = problem.decayed(&measured.mesh, spectrum)?;
-    Ok(problem.written(measured.mesh, measured.error, answer))
+        measured_mesh(coarsest, plan, |link| problem.forcing(link, &spectrum).torque_n_m())?;
+    let answer = problem.decayed(&measured.dynamics, spectrum)?;
+    let truncation_error = problem.truncation_error(&measured.dynamics, &answer)?;
+    Ok(problem.written(measured, truncation_error, answer))
 }
 
 impl Problem<'_> {
@@ -74,13 +74,17 @@ impl Problem<'_> {
         self.motion.spectrum(len, self.padding.seam(self.motion.grid().len, len))
     }
 
-    fn forcing<'a>(&self, mesh: &'a Mesh, spectrum: &'a TipSpectrum) -> Forcing<'a> {
+    fn forcing<'a>(&self, dynamics: &'a Dynamics, spectrum: &'a TipSpectrum) -> Forcing<'a> {
         let friction_n_m_s_rad = self.link.hub().viscous_friction_n_m_s_rad;
-        Forcing { mesh, law: self.law, friction_n_m_s_rad, spectrum }
+        Forcing { dynamics, friction_n_m_s_rad, spectrum }
     }
 
-    fn answer(&self, mesh: &Mesh, spectrum: TipSpectrum) -> Result<PeriodicAnswer, InversionError> {
-        let hub = self.forcing(mesh, &spectrum).hub_spectra()?;
+    fn answer(
+        &self,
+        dynamics: &Dynamics,
+        spectrum: TipSpectrum,
+    ) -> Result<PeriodicAnswer, InversionError> {
+        let hub = self.forcing(dynamics, &spectrum).hub_spectra()?;
         let torque_n_m = spectrum.pair.samples(hub.torque_n_m.clone());
         Ok(PeriodicAnswer { spectrum, hub, torque_n_m })
     }
@@ -91,24 +95,47 @@ impl Problem<'_> {
     /// a blocked tip rings on, so the decay is measured, too.
     fn decayed(
         &self,
-        mesh: &Mesh,
+        dynamics: &Dynamics,
         shortest: TipSpectrum,
     ) -> Result<PeriodicAnswer, InversionError> {
         let initial = shortest.pair.len();
-        let mut answer = self.answer(mesh, shortest)?;
+        let mut answer = self.answer(dynamics, shortest)?;
         loop {
             let torque = answer.periodic();
             let has_decayed = torque.at_seam() <= self.analysis.tolerance() * torque.peak();
             let next = Padding::lengthened(answer.torque_n_m.len(), initial);
             match next.filter(|_| !has_decayed) {
-                Some(len) => answer = self.answer(mesh, self.spectrum(len))?,
+                Some(len) => answer = self.answer(dynamics, self.spectrum(len))?,
                 None => return Ok(answer),
             }
         }
     }
 
+    /// What a reduction to few modes changes of the torque, over its peak; none for all modes.
+    fn truncation_error(
+        &self,
+        dynamics: &Dynamics,
+        answer: &PeriodicAnswer,
+    ) -> Result<Option<f64>, InversionError> {
+        if dynamics.kept_modes() == KeptModes::All {
+            return Ok(None);
+        }
+        let all = dynamics.unreduced()?;
+        let exact = self.forcing(&all, &answer.spectrum).torque_n_m()?;
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let pairs = exact.iter().zip(&answer.torque_n_m);
+        let difference = largest(&mut pairs.map(|(a, b)| (a - b).abs()));
+        Ok(Some(difference / largest(&mut exact.iter().map(|t| t.abs()))))
+    }
+
     /// Cuts the window to write out of the period and gathers what is known of the answer.
-    fn written(&self, mesh: Mesh, mesh_error: f64, answer: PeriodicAnswer) -> Solution {
+    fn written(
+        &self,
+        measured: Measured,
+        truncation_error: Option<f64>,
+        answer: PeriodicAnswer,
+    ) -> Solution {
+        let Measured { dynamics, error: mesh_error } = measured;
         let given = self.motion.grid();
         let torque = answer.periodic();
         let peak = torque.peak();
@@ -117,14 +144,14 @@ impl Problem<'_> {
         let moving = self.motion.moving_samples();
         let on_grid = |k: usize| (k as i64 - window.start).max(0) as usize;
         let histories = self.motion.histories(&answer.spectrum);
-        let rigid_torque = rigid_torque_n_m(self.link, self.law, &histories);
+        let rigid_torque = rigid_torque_n_m(self.link, dynamics.law(), &histories);
         let tip = TipMotionHistories {
             displacement_m: cut(&histories.displacement_m, &grid),
             velocity_m_s: cut(&histories.velocity_m_s, &grid),
             acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
         };
         let [hub_angle_rad, hub_rate_rad_s, hub_acceleration_rad_s2] =
-            hub_motion(&answer, &tip, &grid, mesh.length_m());
+            hub_motion(&answer, &tip, &grid, dynamics.mesh().length_m());
         let evidence = Evidence {
             motion: self.motion,
             tolerance: self.analysis.tolerance(),
@@ -132,28 +159,29 @@ impl Problem<'_> {
             seam: torque.at_seam() / peak,
             mesh_error,
         };
-        let accuracy = Accuracy { mesh_error, edge_error: evidence.cut.max(evidence.seam) };
+        let edge_error = evidence.cut.max(evidence.seam);
+        let accuracy = Accuracy { mesh_error, edge_error, truncation_error };
+        let length_m = dynamics.mesh().length_m();
         let mut solution = Solution {
             torque_n_m: cut(&answer.torque_n_m, &grid),
             rigid_torque_n_m: cut(&rigid_torque, &grid),
             hub_angle_rad,
             hub_rate_rad_s,
             hub_acceleration_rad_s2,
-            rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v / mesh.length_m()).collect(),
+            rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v / length_m).collect(),
             root_moment_n_m: cut(
                 &answer.spectrum.pair.samples(answer.hub.root_moment_n_m.clone()),
                 &grid,
             ),
             tip,
             moving: (on_grid(moving.0), on_grid(moving.1)),
-            law: self.law,
-            natural_frequencies_rad_s: natural_frequencies(&mesh, REPORTED_MODES),
-            zeros_per_s: torque_zeros(&mesh, REPORTED_ZEROS),
+            natural_frequencies_rad_s: natural_frequencies(dynamics.mesh(), REPORTED_MODES),
+            zeros_per_s: torque_zeros(dynamics.mesh(), REPORTED_ZEROS),
             accuracy,
             band: Band::of(&answer.spectrum),
             warnings: Vec::new(),
             grid,
-            mesh,
+            dynamics,
             torque_amplitudes_n_m: answer.hub.torque_n_m.clone(),
             spectrum: answer.spectrum,
             friction_n_m_s_rad: self.link.hub().viscous_friction_n_m_s_rad,

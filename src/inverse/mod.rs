@@ -9,9 +9,9 @@
 )]
 
 mod analysis;
+mod dynamics;
 mod error;
 mod inversion;
-mod law;
 mod motor;
 mod nodal;
 mod period;
@@ -23,9 +23,9 @@ mod spectra;
 mod warning;
 
 pub use analysis::Analysis;
+pub use dynamics::{Dynamics, KeptModes};
 pub use error::InversionError;
 pub use inversion::invert;
-pub use law::DampingLaw;
 pub use motor::MotorHistories;
 pub use nodal::NodalHistories;
 pub use response::FrequencyResponse;

@@ -31,7 +31,7 @@ impl Solution {
 
     /// Total displacement `v = xθ + w` in m (Bayo 1987, eq 1) where `deflections` were computed.
     pub fn displacements_m(&self, deflections: &NodalHistories, every: usize) -> NodalHistories {
-        let nodes_m = self.mesh.nodes_m();
+        let nodes_m = self.mesh().nodes_m();
         let angles: Vec<f64> = self.hub_angle_rad.iter().copied().step_by(every).collect();
         let total = |(node, w): (&usize, &Vec<f64>)| {
             w.iter().zip(&angles).map(|(w, theta)| nodes_m[*node] * theta + w).collect()

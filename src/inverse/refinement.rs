@@ -1,13 +1,11 @@
+use super::dynamics::Dynamics;
 use super::error::InversionError;
 use super::spectra::Forcing;
-use crate::beam::{Mesh, MeshPlan};
+use crate::beam::MeshPlan;
 
-/// Elements that an automatic mesh is not refined beyond.
-const MOST_ELEMENTS: usize = 8192;
-
-/// A mesh and the discretisation error of its torque, relative to the peak.
-pub(super) struct MeasuredMesh {
-    pub(super) mesh: Mesh,
+/// The link on a mesh and the discretisation error of its torque, relative to the peak.
+pub(super) struct Measured {
+    pub(super) dynamics: Dynamics,
     pub(super) error: f64,
 }
 
@@ -20,27 +18,27 @@ pub(super) struct MeasuredMesh {
 /// # Errors
 /// [`InversionError::NotConverged`], or a torque that is not finite.
 pub(super) fn measured_mesh(
-    coarsest: Mesh,
+    coarsest: Dynamics,
     plan: &MeshPlan,
-    forcing: impl Fn(&Mesh) -> Result<Vec<f64>, InversionError>,
-) -> Result<MeasuredMesh, InversionError> {
-    let mut mesh = coarsest;
-    let mut torque = forcing(&mesh)?;
+    forcing: impl Fn(&Dynamics) -> Result<Vec<f64>, InversionError>,
+) -> Result<Measured, InversionError> {
+    let mut dynamics = coarsest;
+    let mut torque = forcing(&dynamics)?;
     loop {
-        let finer = mesh.refined();
+        let finer = dynamics.refined()?;
         let finer_torque = forcing(&finer)?;
         let peak = finer_torque.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
         let difference =
             torque.iter().zip(&finer_torque).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
         let error = 16.0 / 15.0 * difference / peak;
         if !plan.is_automatic() || error <= plan.tolerance() {
-            return Ok(MeasuredMesh { mesh, error });
+            return Ok(Measured { dynamics, error });
         }
-        if 2 * finer.elements().len() > MOST_ELEMENTS {
-            let (elements, tolerance) = (mesh.elements().len(), plan.tolerance());
+        if 2 * finer.mesh().elements().len() > finer.most_elements() {
+            let (elements, tolerance) = (dynamics.mesh().elements().len(), plan.tolerance());
             return Err(InversionError::NotConverged { error, elements, tolerance });
         }
-        (mesh, torque) = (finer, finer_torque);
+        (dynamics, torque) = (finer, finer_torque);
     }
 }
 

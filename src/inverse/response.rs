@@ -1,7 +1,6 @@
 use num_complex::Complex64;
 
-use super::law::DampingLaw;
-use crate::beam::{Mesh, tip_transfer};
+use super::dynamics::Dynamics;
 
 /// Transfers of a link at one frequency, for e^{+iωt}.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,11 +23,11 @@ impl FrequencyResponse {
     /// ```
     ///
     /// At a pole of an undamped link a transfer may be infinite.
-    pub fn at(mesh: &Mesh, law: DampingLaw, friction_n_m_s_rad: f64, frequency_hz: f64) -> Self {
+    pub fn at(dynamics: &Dynamics, friction_n_m_s_rad: f64, frequency_hz: f64) -> Self {
         let omega = frequency_hz * std::f64::consts::TAU;
-        let transfer = tip_transfer(mesh, law.lambda(omega));
+        let transfer = dynamics.tip_transfer(omega);
         let rate = Complex64::new(0.0, omega);
-        let torque = transfer.inertia_kg_m * (1.0 + law.mass_rate_per_s() / rate)
+        let torque = transfer.inertia_kg_m * (1.0 + dynamics.law().mass_rate_per_s() / rate)
             + transfer.angle_rad_m * friction_n_m_s_rad / rate;
         Self {
             frequency_hz,

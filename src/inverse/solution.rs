@@ -2,10 +2,11 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::law::DampingLaw;
+use super::dynamics::Dynamics;
 use super::spectra::{Forcing, band_len};
 use super::warning::Warning;
 use crate::beam::Mesh;
+use crate::modal::DampingLaw;
 use crate::motion::TipSpectrum;
 use crate::numeric::TimeGrid;
 
@@ -27,6 +28,9 @@ pub struct Accuracy {
     pub mesh_error: f64,
     /// Largest torque outside the written window, or where one period meets the next.
     pub edge_error: f64,
+    /// What a reduction to few modes changes of the torque of all modes of the mesh; none for a
+    /// link that is not reduced.
+    pub truncation_error: Option<f64>,
 }
 
 /// Frequencies that were solved for.
@@ -85,10 +89,8 @@ pub struct Solution {
     /// Numbers of the grid's samples between which the tip moves: the last at rest before the
     /// motion and the first at rest after it.
     pub moving: (usize, usize),
-    /// The mesh that the answer was computed on.
-    pub mesh: Mesh,
-    /// The damping law with all its numbers.
-    pub law: DampingLaw,
+    /// The link on the mesh that the answer was computed on.
+    pub dynamics: Dynamics,
     /// Lowest natural frequencies in rad/s, the rigid rotation left out.
     pub natural_frequencies_rad_s: Vec<f64>,
     /// Lowest zeros of torque → tip in 1/s.
@@ -108,16 +110,25 @@ pub struct Solution {
 impl Solution {
     pub(super) fn forcing(&self) -> Forcing<'_> {
         Forcing {
-            mesh: &self.mesh,
-            law: self.law,
+            dynamics: &self.dynamics,
             friction_n_m_s_rad: self.friction_n_m_s_rad,
             spectrum: &self.spectrum,
         }
     }
 
+    /// The mesh that the answer was computed on.
+    pub fn mesh(&self) -> &Mesh {
+        self.dynamics.mesh()
+    }
+
+    /// The damping law with all its numbers.
+    pub fn law(&self) -> &DampingLaw {
+        self.dynamics.law()
+    }
+
     /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.
     pub fn tip_deflection_m(&self) -> Vec<f64> {
-        let length_m = self.mesh.length_m();
+        let length_m = self.mesh().length_m();
         let rigid_and_real = self.rigid_hub_angle_rad.iter().zip(&self.hub_angle_rad);
         rigid_and_real.map(|(rigid, real)| length_m * (rigid - real)).collect()
     }

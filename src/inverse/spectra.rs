@@ -1,9 +1,9 @@
 use num_complex::Complex64;
 use rayon::prelude::*;
 
+use super::dynamics::Dynamics;
 use super::error::InversionError;
-use super::law::DampingLaw;
-use crate::beam::{Mesh, NodalTransfer, nodal_transfer, tip_transfer};
+use crate::beam::NodalTransfer;
 use crate::motion::TipSpectrum;
 
 /// Amplitudes of the acceleration below this share of the largest are not solved for: they lie
@@ -12,8 +12,7 @@ pub(super) const BAND_TOLERANCE: f64 = 1e-15;
 
 /// What a motion asks of a link, as far as the spectrum goes.
 pub(super) struct Forcing<'a> {
-    pub(super) mesh: &'a Mesh,
-    pub(super) law: DampingLaw,
+    pub(super) dynamics: &'a Dynamics,
     pub(super) friction_n_m_s_rad: f64,
     pub(super) spectrum: &'a TipSpectrum,
 }
@@ -39,7 +38,8 @@ impl Forcing<'_> {
     /// Acceleration that the mass feels at bin `k`, â + αv̂, in m/s².
     fn felt_acceleration(&self, k: usize) -> Complex64 {
         let spectrum = self.spectrum;
-        spectrum.acceleration_m_s2[k] + spectrum.velocity_m_s(k) * self.law.mass_rate_per_s()
+        spectrum.acceleration_m_s2[k]
+            + spectrum.velocity_m_s(k) * self.dynamics.law().mass_rate_per_s()
     }
 
     /// Bins that carry spectrum.
@@ -57,12 +57,13 @@ impl Forcing<'_> {
     /// # Errors
     /// [`InversionError::NotFinite`].
     pub(super) fn hub_spectra(&self) -> Result<HubSpectra, InversionError> {
-        let length_m = self.mesh.length_m();
+        let length_m = self.dynamics.mesh().length_m();
         let at_bin = |k: usize| {
             let omega = self.spectrum.omega_rad_s(k);
-            let transfer = tip_transfer(self.mesh, self.law.lambda(omega));
+            let transfer = self.dynamics.tip_transfer(omega);
             let felt = self.felt_acceleration(k);
-            let excess = felt / self.law.stiffness_factor(omega) * transfer.lag_s2 / length_m;
+            let excess =
+                felt / self.dynamics.law().stiffness_factor(omega) * transfer.lag_s2 / length_m;
             let rate =
                 self.spectrum.velocity_m_s(k) / length_m + Complex64::new(0.0, omega) * excess;
             let torque = transfer.inertia_kg_m * felt + rate * self.friction_n_m_s_rad;
@@ -89,11 +90,10 @@ impl Forcing<'_> {
     pub(super) fn nodal_spectra(&self, nodes: &[usize], quantity: Nodal) -> Vec<Vec<Complex64>> {
         let at_bin = |k: usize| {
             let omega = self.spectrum.omega_rad_s(k);
-            let NodalTransfer { lags_s2, moments_kg_m, .. } =
-                nodal_transfer(self.mesh, self.law.lambda(omega));
+            let NodalTransfer { lags_s2, moments_kg_m, .. } = self.dynamics.nodal_transfer(omega);
             let felt = self.felt_acceleration(k);
             let (factor, transfers) = match quantity {
-                Nodal::Deflection => (-felt / self.law.stiffness_factor(omega), lags_s2),
+                Nodal::Deflection => (-felt / self.dynamics.law().stiffness_factor(omega), lags_s2),
                 Nodal::Moment => (felt, moments_kg_m),
             };
             nodes.iter().map(|node| transfers[*node] * factor).collect::<Vec<_>>()

@@ -160,7 +160,7 @@ pub(super) fn warnings(
     hub: &HubSpectra,
 ) -> Vec<Warning> {
     let Evidence { tolerance, cut, seam, mesh_error: error, .. } = *evidence;
-    let Solution { mesh, spectrum, .. } = solution;
+    let (mesh, spectrum) = (solution.mesh(), &solution.spectrum);
     let corrected = evidence.motion.corrected().map(|end| Warning::EndVelocityCorrected {
         velocity_m_s: end.velocity_m_s,
         share: end.share,
@@ -182,7 +182,7 @@ pub(super) fn warnings(
 
 fn large_deflection(solution: &Solution) -> Option<Warning> {
     let peak_m = solution.tip_deflection_m().iter().fold(0.0_f64, |m, w| m.max(w.abs()));
-    let share = peak_m / solution.mesh.length_m();
+    let share = peak_m / solution.mesh().length_m();
     (share > LARGE_DEFLECTION).then_some(Warning::LargeDeflection { share })
 }
 

@@ -2,14 +2,18 @@
 //! algebra, and zeros of torque → tip.
 
 mod basis;
+mod caughey;
 mod complete;
 mod frequencies;
 mod inertia;
+mod law;
 mod shape;
 mod zeros;
 
 pub use basis::ModalBasis;
+pub use caughey::CaugheySeries;
 pub use complete::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES};
 pub use frequencies::{modes_below, natural_frequencies};
+pub use law::{DampingError, DampingLaw};
 pub use shape::{Mode, Shape, mode};
 pub use zeros::{real_frequency_zeros, torque_zeros};

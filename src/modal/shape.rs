@@ -92,7 +92,7 @@ impl Shape {
 
     /// Moment at nodes 0 … n that gives what lies outboard, the node's own lump included, this
     /// shape as its acceleration: `∫ m̄ v (x − x_i) dx + …`.
-    pub(super) fn moments(&self, mesh: &Mesh) -> Vec<f64> {
+    pub fn moments(&self, mesh: &Mesh) -> Vec<f64> {
         let last = self.deflections.len() - 1;
         let mut outer = matrix(&mesh.tip_inertia()) * self.total(mesh, last);
         let mut moments = vec![0.0; last + 1];

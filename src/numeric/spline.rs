@@ -43,6 +43,11 @@ impl CubicSpline {
         Self { x: x.to_vec(), y: y.to_vec(), slope: slopes(x, y, ends) }
     }
 
+    /// Slopes at the points.
+    pub fn slopes(&self) -> &[f64] {
+        &self.slope
+    }
+
     /// Value at `x`; beyond the ends the outermost cubic goes on.
     pub fn value(&self, x: f64) -> f64 {
         let right = self.x.partition_point(|&known| known <= x);

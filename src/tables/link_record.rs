@@ -1,7 +1,7 @@
 use serde::Serialize;
 
-use crate::inverse::DampingLaw;
-use crate::link::{Link, Taper};
+use crate::link::{Damping, Link, Taper};
+use crate::modal::DampingLaw;
 
 /// The link in SI, keyed as in its file, for summary.json.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -51,10 +51,12 @@ enum DampingRecord {
     None,
     Hysteretic { ratio: f64 },
     Rayleigh { alpha_per_s: f64, beta_s: f64 },
+    Modal { ratios: Vec<f64> },
+    Caughey { modes: Vec<usize>, ratios: Vec<f64> },
 }
 
 impl LinkRecord {
-    pub(super) fn new(link: &Link, law: DampingLaw) -> Self {
+    pub(super) fn new(link: &Link, law: &DampingLaw) -> Self {
         let ends = |taper: Taper| [taper.inner, taper.outer];
         let segment = |segment: &crate::link::Segment| SegmentRecord {
             name: segment.name.clone(),
@@ -83,13 +85,24 @@ impl LinkRecord {
                 inertia_kg_m2: payload.inertia_kg_m2,
                 offset_m: payload.offset_m,
             },
-            damping: match law {
-                DampingLaw::Hysteretic { ratio: 0.0 } => DampingRecord::None,
-                DampingLaw::Hysteretic { ratio } => DampingRecord::Hysteretic { ratio },
-                DampingLaw::Rayleigh { alpha_per_s, beta_s } => {
-                    DampingRecord::Rayleigh { alpha_per_s, beta_s }
-                }
-            },
+            damping: DampingRecord::of(link.damping(), law),
+        }
+    }
+}
+
+impl DampingRecord {
+    /// The numbers of the law, or what the link gives where these are no numbers for people.
+    fn of(damping: &Damping, law: &DampingLaw) -> Self {
+        match (damping, law) {
+            (Damping::Caughey { modes, ratios }, _) => {
+                Self::Caughey { modes: modes.clone(), ratios: ratios.clone() }
+            }
+            (_, DampingLaw::Rayleigh { alpha_per_s, beta_s }) => {
+                Self::Rayleigh { alpha_per_s: *alpha_per_s, beta_s: *beta_s }
+            }
+            (Damping::Modal { ratios }, _) => Self::Modal { ratios: ratios.clone() },
+            (Damping::Hysteretic { ratio }, _) => Self::Hysteretic { ratio: *ratio },
+            _ => Self::None,
         }
     }
 }

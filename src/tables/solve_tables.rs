@@ -94,7 +94,7 @@ impl SolveOutputs {
             let groups = motor_groups(&motor);
             folder.file(MOTOR, |out| write_csv(out, &all, &groups, self.digits))?;
         }
-        folder.file("nodes.csv", |out| write_nodes(out, link, &solution.mesh, self.digits))?;
+        folder.file("nodes.csv", |out| write_nodes(out, link, solution.mesh(), self.digits))?;
         self.write_nodal(&mut folder, solution)?;
         folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
         folder.commit(SUMMARY, &OWNED)
@@ -105,7 +105,7 @@ impl SolveOutputs {
         folder: &mut OutputFolder,
         solution: &Solution,
     ) -> Result<(), FolderError> {
-        let every_node = || (0..solution.mesh.nodes_m().len()).collect();
+        let every_node = || (0..solution.mesh().nodes_m().len()).collect();
         let nodes: Vec<usize> = self.nodes.clone().unwrap_or_else(every_node);
         let mut file = |name: &str, letter: &str, unit: &str, histories: &NodalHistories| {
             let group = nodal_group(letter, unit, histories);

@@ -4,8 +4,9 @@ use serde::Serialize;
 
 use super::input::InputFile;
 use super::link_record::LinkRecord;
-use crate::inverse::{Analysis, DampingLaw, Solution};
+use crate::inverse::{Analysis, Solution};
 use crate::link::{Drive, Link};
+use crate::modal::DampingLaw;
 use crate::motion::TipMotion;
 use crate::result::{Exceeded, Metrics};
 
@@ -94,6 +95,8 @@ struct MotionRecord {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct AnalysisRecord {
     tolerance: f64,
+    /// Nothing where all modes are kept.
+    modes: Option<usize>,
     period_s: f64,
     fft_length: usize,
     frequencies: usize,
@@ -124,6 +127,8 @@ struct Results {
 struct Errors {
     mesh_error: f64,
     edge_error: f64,
+    /// Nothing where all modes are kept.
+    truncation_error: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -154,23 +159,24 @@ impl Summary {
                 motion: Fingerprint::of(inputs.motion_file),
                 changes: inputs.changes.to_vec(),
             },
-            link: LinkRecord::new(inputs.link, solution.law),
+            link: LinkRecord::new(inputs.link, solution.law()),
             drive: inputs.drive.map(DriveRecord::of),
             mesh: MeshRecord {
-                elements: solution.mesh.elements().len(),
-                degrees_of_freedom: 2 * solution.mesh.elements().len() + 1,
-                resolved_hz: hertz(&solution.mesh.resolved_frequency_rad_s()),
+                elements: solution.mesh().elements().len(),
+                degrees_of_freedom: 2 * solution.mesh().elements().len() + 1,
+                resolved_hz: hertz(&solution.mesh().resolved_frequency_rad_s()),
             },
             motion: MotionRecord::new(inputs.motion, metrics),
             periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
             natural_frequencies_hz: frequencies.iter().map(hertz).collect(),
-            modal_damping_ratios: ratios(solution.law, frequencies),
+            modal_damping_ratios: ratios(solution.law(), frequencies),
             zeros_per_s: solution.zeros_per_s.clone(),
             analysis: AnalysisRecord::new(inputs.analysis, solution),
             results: Results::new(metrics),
             errors: Errors {
                 mesh_error: solution.accuracy.mesh_error,
                 edge_error: solution.accuracy.edge_error,
+                truncation_error: solution.accuracy.truncation_error,
             },
             warnings: warnings(solution, exceeded),
             files,
@@ -188,8 +194,8 @@ impl Summary {
     }
 }
 
-fn ratios(law: DampingLaw, frequencies: &[f64]) -> Vec<f64> {
-    frequencies.iter().map(|omega| law.modal_ratio(*omega)).collect()
+fn ratios(law: &DampingLaw, frequencies: &[f64]) -> Vec<f64> {
+    frequencies.iter().enumerate().map(|(k, omega)| law.modal_ratio(k + 1, *omega)).collect()
 }
 
 fn warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<WarningRecord> {
@@ -245,6 +251,7 @@ impl AnalysisRecord {
         let (band, grid) = (&solution.band, &solution.grid);
         Self {
             tolerance: analysis.tolerance(),
+            modes: analysis.modes(),
             period_s: band.period_s,
             fft_length: band.fft_length,
             frequencies: band.frequencies,

@@ -29,7 +29,7 @@ fn tapered() -> Link {
 
 /// Reported over true error, the latter against a mesh of eight times as many elements.
 fn reported_over_true(solution: &Solution, link: &Link, motion: &TipMotion) -> f64 {
-    let finer = solved(link, 8 * solution.mesh.elements().len(), motion);
+    let finer = solved(link, 8 * solution.mesh().elements().len(), motion);
     solution.accuracy.mesh_error / torque_difference(solution, &finer, 0)
 }
 
@@ -53,7 +53,7 @@ fn an_automatic_mesh_is_refined_below_its_tolerance_and_no_further() {
             let solution = automatic(&link, &motion, tolerance);
             let error = solution.accuracy.mesh_error;
             assert!(error <= tolerance, "{error:e} for {tolerance:e}");
-            let elements = solution.mesh.elements().len();
+            let elements = solution.mesh().elements().len();
             if elements > 8 {
                 let coarser = solved(&link, elements / 2, &motion).accuracy.mesh_error;
                 assert!(coarser > tolerance, "half of {elements} elements would do: {coarser:e}");

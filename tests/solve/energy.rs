@@ -15,10 +15,10 @@ fn work_j(solution: &Solution) -> f64 {
 ///
 /// Simpson over an even number of elements.
 fn velocity_squared_n_m(solution: &Solution, mass_per_length_kg_m: f64) -> Vec<f64> {
-    let nodes: Vec<usize> = (0..solution.mesh.nodes_m().len()).collect();
+    let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
     let histories = solution.displacements_m(&solution.deflections_m(&nodes, 1), 1).samples;
     let last = nodes.len() - 1;
-    let spacing = solution.mesh.length_m() / last as f64;
+    let spacing = solution.mesh().length_m() / last as f64;
     let weight = |node: usize| match node {
         _ if node == 0 || node == last => 1.0,
         _ if node % 2 == 1 => 4.0,
@@ -40,7 +40,7 @@ fn velocity_squared_n_m(solution: &Solution, mass_per_length_kg_m: f64) -> Vec<f
 
 /// Largest kinetic energy of the link, were it rigid.
 fn kinetic_j(solution: &Solution, inertia_kg_m2: f64) -> f64 {
-    let rate = peak(&solution.tip.velocity_m_s) / solution.mesh.length_m();
+    let rate = peak(&solution.tip.velocity_m_s) / solution.mesh().length_m();
     0.5 * inertia_kg_m2 * rate * rate
 }
 

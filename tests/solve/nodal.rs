@@ -5,7 +5,7 @@ use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Link, Payload};
 
 fn all_nodes(solution: &Solution) -> Vec<usize> {
-    (0..solution.mesh.nodes_m().len()).collect()
+    (0..solution.mesh().nodes_m().len()).collect()
 }
 
 fn largest_difference(a: &[f64], b: impl Iterator<Item = f64>) -> f64 {
@@ -75,7 +75,7 @@ fn the_moment_at_the_root_is_what_hub_and_friction_leave_of_the_torque() {
 #[test]
 fn a_tip_without_payload_is_free_of_moment_and_one_with_inertia_is_not() {
     let solution = solved(&undamped(), 10, &Smooth::MOVE.motion());
-    let tip = solution.mesh.nodes_m().len() - 1;
+    let tip = solution.mesh().nodes_m().len() - 1;
     assert!(solution.moments_n_m(&[tip], 1).samples[0].iter().all(|m| *m == 0.0));
     let heavy = link(|parts| {
         parts.payload = Payload { mass_kg: 0.1, inertia_kg_m2: 0.001, offset_m: 0.02 };

@@ -1,0 +1,208 @@
+use num_complex::Complex64;
+use thiserror::Error;
+
+use super::caughey::CaugheySeries;
+use super::frequencies::natural_frequencies;
+use crate::beam::Mesh;
+use crate::link::Damping;
+
+/// A damping law with all its numbers.
+///
+/// The local laws are one complex number at each frequency: stiffness K κ(ω) and mass
+/// M (1 + α/(iω)) act together only through
+///
+/// ```text
+/// λ = ω² (1 + α/(iω)) / κ = (ω² − iωα)/κ
+/// κ = 1 + 2iξ  (hysteretic, Bayo 1987, eq 16)      κ = 1 + iωβ  (Rayleigh)
+/// ```
+///
+/// and the torque answers to the acceleration that the mass feels, â + αv̂. The modal laws give
+/// each mode a ratio of its own (eq 12), the rigid rotation none; λ = ω² and κ = 1 then.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DampingLaw {
+    /// κ = 1 + 2iξ; ξ = 0 is the undamped link.
+    Hysteretic {
+        /// ξ.
+        ratio: f64,
+    },
+    /// κ = 1 + iωβ, and α on every mass.
+    Rayleigh {
+        /// α in 1/s.
+        alpha_per_s: f64,
+        /// β in s.
+        beta_s: f64,
+    },
+    /// Viscous ratio of every flexible mode.
+    Modal {
+        /// ζ of modes 1, 2, …; the last one is that of all higher modes.
+        ratios: Vec<f64>,
+    },
+    /// Viscous ratios from a series.
+    Caughey(CaugheySeries),
+}
+
+/// Why a link's damping cannot be.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum DampingError {
+    /// A law through modes that the mesh does not have.
+    #[error("damping.modes asks for mode {asked}, but the mesh must have it and has {found} modes")]
+    NoSuchMode {
+        /// Mode asked for.
+        asked: usize,
+        /// Flexible modes of the mesh.
+        found: usize,
+    },
+    /// Rayleigh damping through two modes that would feed energy in.
+    #[error(
+        "damping.ratios give alpha = {alpha_per_s:.3e} 1/s and beta = {beta_s:.3e} s, but both must \
+         be at least 0"
+    )]
+    NegativeDamping {
+        /// α in 1/s.
+        alpha_per_s: f64,
+        /// β in s.
+        beta_s: f64,
+    },
+    /// A Caughey series that would feed energy into a mode.
+    #[error(
+        "damping.ratios give mode {mode} ({frequency_hz:.4} Hz) a ratio of {ratio:.3e}, but it must \
+         be at least 0 in all {modes} modes of the mesh"
+    )]
+    NegativeRatio {
+        /// Number of the mode.
+        mode: usize,
+        /// Its frequency in Hz.
+        frequency_hz: f64,
+        /// The ratio that the series gives it.
+        ratio: f64,
+        /// Flexible modes of the mesh.
+        modes: usize,
+    },
+}
+
+impl DampingError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::NoSuchMode { .. } => "name lower modes, or give the mesh more elements",
+            Self::NegativeDamping { .. } => {
+                "bring the two ratios closer together, or give alpha and beta themselves"
+            }
+            Self::NegativeRatio { .. } => {
+                "a series through an even number of modes with like ratios rises above them; or \
+                 give the ratios to the modes themselves with model \"modal\""
+            }
+        }
+    }
+}
+
+impl DampingLaw {
+    /// The law of a link; ratios given for modes become coefficients with the modes of `mesh`.
+    ///
+    /// # Errors
+    /// [`DampingError`]: modes that the mesh does not have, or damping that feeds energy in.
+    pub fn of(damping: &Damping, mesh: &Mesh) -> Result<Self, DampingError> {
+        match damping {
+            Damping::None => Ok(Self::Hysteretic { ratio: 0.0 }),
+            Damping::Hysteretic { ratio } => Ok(Self::Hysteretic { ratio: *ratio }),
+            Damping::Rayleigh { alpha_per_s, beta_s } => {
+                Ok(Self::Rayleigh { alpha_per_s: *alpha_per_s, beta_s: *beta_s })
+            }
+            Damping::RayleighThroughModes { modes, ratios } => rayleigh(*modes, *ratios, mesh),
+            Damping::Modal { ratios } => Ok(Self::Modal { ratios: ratios.clone() }),
+            Damping::Caughey { modes, ratios } => caughey(modes, ratios, mesh),
+        }
+    }
+
+    /// Whether the law is diagonal in the modes only, so that responses need all of them.
+    pub fn is_modal(&self) -> bool {
+        matches!(self, Self::Modal { .. } | Self::Caughey(_))
+    }
+
+    /// Relative complex stiffness κ at ω ≥ 0.
+    pub fn stiffness_factor(&self, omega_rad_s: f64) -> Complex64 {
+        match *self {
+            Self::Hysteretic { ratio } => Complex64::new(1.0, 2.0 * ratio),
+            Self::Rayleigh { beta_s, .. } => Complex64::new(1.0, omega_rad_s * beta_s),
+            Self::Modal { .. } | Self::Caughey(_) => Complex64::ONE,
+        }
+    }
+
+    /// α in 1/s: the rate at which the law drags every mass, the rigid rotation included.
+    pub fn mass_rate_per_s(&self) -> f64 {
+        match *self {
+            Self::Rayleigh { alpha_per_s, .. } => alpha_per_s,
+            _ => 0.0,
+        }
+    }
+
+    /// λ at ω ≥ 0 in 1/s².
+    pub fn lambda(&self, omega_rad_s: f64) -> Complex64 {
+        let dragged = Complex64::new(omega_rad_s, -self.mass_rate_per_s()) * omega_rad_s;
+        dragged / self.stiffness_factor(omega_rad_s)
+    }
+
+    /// Viscous ratio of flexible mode `number`, counted from 1, at its natural frequency ω: ξ, or
+    /// α/(2ω) + βω/2, or the mode's own.
+    pub fn modal_ratio(&self, number: usize, omega_rad_s: f64) -> f64 {
+        match self {
+            Self::Hysteretic { ratio } => *ratio,
+            Self::Rayleigh { alpha_per_s, beta_s } => {
+                0.5 * (alpha_per_s / omega_rad_s + beta_s * omega_rad_s)
+            }
+            Self::Modal { ratios } => ratios[(number - 1).min(ratios.len() - 1)],
+            Self::Caughey(series) => 0.5 * series.rate_per_s(omega_rad_s) / omega_rad_s,
+        }
+    }
+
+    /// What divides the torque's share in flexible mode `number` of natural frequency `mode_rad_s`
+    /// at ω: `ω_k² − λ`, or `ω_k² − ω² + 2iζω_kω`, in 1/s².
+    pub fn modal_denominator(&self, number: usize, mode_rad_s: f64, omega_rad_s: f64) -> Complex64 {
+        let square = mode_rad_s * mode_rad_s;
+        if self.is_modal() {
+            let rate = 2.0 * self.modal_ratio(number, mode_rad_s) * mode_rad_s;
+            Complex64::new(square - omega_rad_s * omega_rad_s, rate * omega_rad_s)
+        } else {
+            square - self.lambda(omega_rad_s)
+        }
+    }
+}
+
+/// Frequencies in rad/s of flexible modes, numbered from 1.
+fn frequencies_of(modes: &[usize], mesh: &Mesh) -> Result<Vec<f64>, DampingError> {
+    let asked = modes.iter().copied().max().unwrap_or(0);
+    let frequencies = natural_frequencies(mesh, asked);
+    let found = frequencies.len();
+    if found < asked {
+        return Err(DampingError::NoSuchMode { asked, found });
+    }
+    Ok(modes.iter().map(|mode| frequencies[mode - 1]).collect())
+}
+
+/// Solves α/(2ω) + βω/2 = ζ at two natural frequencies.
+fn rayleigh(modes: [usize; 2], ratios: [f64; 2], mesh: &Mesh) -> Result<DampingLaw, DampingError> {
+    let frequencies = frequencies_of(&modes, mesh)?;
+    let (low, high) = (frequencies[0], frequencies[1]);
+    let spread = (high - low) * (high + low);
+    let beta_s = 2.0 * (ratios[1] * high - ratios[0] * low) / spread;
+    let alpha_per_s = 2.0 * low * high * (ratios[0] * high - ratios[1] * low) / spread;
+    if alpha_per_s < 0.0 || beta_s < 0.0 {
+        return Err(DampingError::NegativeDamping { alpha_per_s, beta_s });
+    }
+    Ok(DampingLaw::Rayleigh { alpha_per_s, beta_s })
+}
+
+fn caughey(modes: &[usize], ratios: &[f64], mesh: &Mesh) -> Result<DampingLaw, DampingError> {
+    let series = CaugheySeries::through(&frequencies_of(modes, mesh)?, ratios);
+    let law = DampingLaw::Caughey(series);
+    let all = natural_frequencies(mesh, usize::MAX);
+    for (k, omega) in all.iter().enumerate() {
+        let ratio = law.modal_ratio(k + 1, *omega);
+        if ratio < 0.0 {
+            let frequency_hz = omega / std::f64::consts::TAU;
+            let (mode, modes) = (k + 1, all.len());
+            return Err(DampingError::NegativeRatio { mode, frequency_hz, ratio, modes });
+        }
+    }
+    Ok(law)
+}
