@@ -22,6 +22,12 @@ pub enum InversionError {
         /// β in s.
         beta_s: f64,
     },
+    /// A law that only modes know.
+    #[error("damping.model = {model:?}, but must be one that the inversion knows")]
+    LawOfModes {
+        /// Name of the law.
+        model: &'static str,
+    },
     /// A frequency at which no torque moves the tip, or numbers beyond double precision.
     #[error("the torque at {frequency_hz:.4} Hz = not a finite number, but must be one")]
     NotFinite {
@@ -59,6 +65,7 @@ impl InversionError {
             Self::NegativeDamping { .. } => {
                 "bring the two ratios closer together, or give alpha and beta themselves"
             }
+            Self::LawOfModes { .. } => "hysteretic and rayleigh are known",
             Self::NotFinite { .. } => {
                 "no torque moves the tip there (a payload's inertia without damping), the mesh is far \
                  too coarse, or the inputs are too large for double precision"

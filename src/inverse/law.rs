@@ -35,13 +35,17 @@ impl DampingLaw {
     /// The law of a link; ratios given for modes become α and β with the modes of `mesh`.
     ///
     /// # Errors
-    /// Modes that the mesh does not have, or ratios that would need a negative α or β.
-    pub fn of(damping: Damping, mesh: &Mesh) -> Result<Self, InversionError> {
-        match damping {
+    /// Modes that the mesh does not have, ratios that would need a negative α or β, or a law of
+    /// modes, which is no complex number at all.
+    pub fn of(damping: &Damping, mesh: &Mesh) -> Result<Self, InversionError> {
+        match *damping {
             Damping::None => Ok(Self::Hysteretic { ratio: 0.0 }),
             Damping::Hysteretic { ratio } => Ok(Self::Hysteretic { ratio }),
             Damping::Rayleigh { alpha_per_s, beta_s } => Ok(Self::Rayleigh { alpha_per_s, beta_s }),
             Damping::RayleighThroughModes { modes, ratios } => through_modes(modes, ratios, mesh),
+            Damping::Modal { .. } | Damping::Caughey { .. } => {
+                Err(InversionError::LawOfModes { model: damping.name() })
+            }
         }
     }
 

@@ -1,7 +1,9 @@
+use std::fmt::Debug;
+
 use super::error::{ParameterError, not_negative};
 
 /// The link's own damping law (Bayo 1987, eqs 12, 15 and 16).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Damping {
     /// An undamped link.
     None,
@@ -24,42 +26,92 @@ pub enum Damping {
         /// Viscous ratio of each, in [0, 1).
         ratios: [f64; 2],
     },
+    /// A viscous ratio ζ for each flexible mode, 2ζωq̇ in modal coordinates; rigid motion is free.
+    Modal {
+        /// ζ of each flexible mode from the first, in [0, 1), at least one; the last holds for all
+        /// higher modes.
+        ratios: Vec<f64>,
+    },
+    /// The Caughey series through the given ratios (Bayo 1987, eq 12), rigid motion left free:
+    ///
+    /// ```text
+    /// ζ(ω) = ½ Σ_b a_b ω^(2b − 1),  b = 0 … p − 1,  ζ(ω_mode) = ratio for each of the p modes
+    /// ```
+    Caughey {
+        /// Numbers of the flexible modes, from 1, strictly ascending, 1 to 8 of them.
+        modes: Vec<usize>,
+        /// Viscous ratio of each, in [0, 1).
+        ratios: Vec<f64>,
+    },
 }
 
 impl Damping {
+    /// Terms of a Caughey series at most: the last power, ω¹³, spans twenty decades over the first
+    /// eight modes of a beam.
+    const MOST_TERMS: usize = 8;
+
     /// The law's name, as the link file spells it.
     pub fn name(&self) -> &'static str {
         match self {
             Self::None => "none",
             Self::Hysteretic { .. } => "hysteretic",
             Self::Rayleigh { .. } | Self::RayleighThroughModes { .. } => "rayleigh",
+            Self::Modal { .. } => "modal",
+            Self::Caughey { .. } => "caughey",
         }
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        match *self {
+        match self {
             Self::None => Ok(()),
-            Self::Hysteretic { ratio } => in_unit_interval("damping.ratio", ratio),
+            Self::Hysteretic { ratio } => in_unit_interval("damping.ratio", *ratio),
             Self::Rayleigh { alpha_per_s, beta_s } => {
-                not_negative("damping.alpha", alpha_per_s, "1/s")?;
-                not_negative("damping.beta", beta_s, "s")
+                not_negative("damping.alpha", *alpha_per_s, "1/s")?;
+                not_negative("damping.beta", *beta_s, "s")
             }
             Self::RayleighThroughModes { modes, ratios } => {
-                if modes[0] == 0 || modes[0] >= modes[1] {
-                    return Err(ParameterError::new(
-                        "damping.modes",
-                        format!("[{}, {}]", modes[0], modes[1]),
-                        "",
-                        "must be two flexible modes, numbered from 1, the lower first",
-                    ));
-                }
-                ratios.iter().try_for_each(|&ratio| in_unit_interval("damping.ratios", ratio))
+                let must = "must be two flexible modes, numbered from 1, the lower first";
+                ascending(modes, must)?;
+                all_in_unit_interval(ratios)
             }
+            Self::Modal { ratios } if ratios.is_empty() => {
+                Err(refused("damping.ratios", ratios, "must hold at least one number"))
+            }
+            Self::Modal { ratios } => all_in_unit_interval(ratios),
+            Self::Caughey { modes, ratios } => check_series(modes, ratios),
         }
     }
 }
 
-fn in_unit_interval(parameter: &str, ratio: f64) -> Result<(), ParameterError> {
+fn check_series(modes: &[usize], ratios: &[f64]) -> Result<(), ParameterError> {
+    let most = Damping::MOST_TERMS;
+    if !(1..=most).contains(&ratios.len()) {
+        let must = format!("must hold 1 to {most} numbers for a Caughey series");
+        return Err(refused("damping.ratios", ratios, must));
+    }
+    if modes.len() != ratios.len() {
+        let must = format!("must be as many as damping.ratios, {}", ratios.len());
+        return Err(refused("damping.modes", modes, must));
+    }
+    ascending(modes, "must be flexible modes, numbered from 1, in ascending order")?;
+    all_in_unit_interval(ratios)
+}
+
+/// Refuses modes unless each stands above the one before it and the first above 0.
+fn ascending(modes: &[usize], must: &str) -> Result<(), ParameterError> {
+    if modes.first() != Some(&0) && modes.is_sorted_by(|lower, higher| lower < higher) {
+        Ok(())
+    } else {
+        Err(refused("damping.modes", modes, must))
+    }
+}
+
+fn all_in_unit_interval(ratios: &[f64]) -> Result<(), ParameterError> {
+    ratios.iter().try_for_each(|&ratio| in_unit_interval("damping.ratios", ratio))
+}
+
+/// Refuses a damping ratio that is none.
+pub(crate) fn in_unit_interval(parameter: &str, ratio: f64) -> Result<(), ParameterError> {
     if (0.0..1.0).contains(&ratio) {
         Ok(())
     } else {
@@ -67,9 +119,17 @@ fn in_unit_interval(parameter: &str, ratio: f64) -> Result<(), ParameterError> {
     }
 }
 
+fn refused<T: Debug>(parameter: &str, list: &[T], must: impl Into<String>) -> ParameterError {
+    ParameterError::new(parameter, format!("{list:?}"), "", must)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn refusal(law: &Damping) -> String {
+        law.check().unwrap_err().to_string()
+    }
 
     #[test]
     fn a_ratio_outside_zero_to_one_is_refused_with_its_value() {
@@ -86,5 +146,39 @@ mod tests {
             let law = Damping::RayleighThroughModes { modes, ratios: [0.01, 0.02] };
             assert_eq!(law.check().unwrap_err().parameter, "damping.modes");
         }
+    }
+
+    #[test]
+    fn modal_damping_needs_a_ratio_and_each_in_its_range() {
+        let modal = |ratios: &[f64]| Damping::Modal { ratios: ratios.to_vec() };
+        assert_eq!(modal(&[0.0, 0.02]).check(), Ok(()));
+        assert_eq!(refusal(&modal(&[])), "damping.ratios = [], but must hold at least one number");
+        for ratio in [-0.01, 1.0, f64::NAN] {
+            assert_eq!(
+                refusal(&modal(&[0.02, ratio])),
+                format!("damping.ratios = {ratio}, but must lie in [0, 1)")
+            );
+        }
+    }
+
+    #[test]
+    fn a_caughey_series_goes_through_one_to_eight_ascending_modes() {
+        let caughey = |modes: &[usize], ratios: &[f64]| Damping::Caughey {
+            modes: modes.to_vec(),
+            ratios: ratios.to_vec(),
+        };
+        assert_eq!(caughey(&[3], &[0.02]).check(), Ok(()));
+        assert_eq!(caughey(&[1, 2, 3, 4, 5, 6, 7, 9], &[0.02; 8]).check(), Ok(()));
+        let ascending = "must be flexible modes, numbered from 1, in ascending order";
+        for (modes, ratios, expected) in [
+            (&[][..], &[][..], "ratios = [], but must hold 1 to 8 numbers for a Caughey series"),
+            (&[1, 2], &[0.1], "modes = [1, 2], but must be as many as damping.ratios, 1"),
+            (&[0, 1], &[0.1; 2], &format!("modes = [0, 1], but {ascending}")),
+            (&[1, 3, 3], &[0.1; 3], &format!("modes = [1, 3, 3], but {ascending}")),
+            (&[1, 2], &[0.1, 1.5], "ratios = 1.5, but must lie in [0, 1)"),
+        ] {
+            assert_eq!(refusal(&caughey(modes, ratios)), format!("damping.{expected}"));
+        }
+        assert!(caughey(&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[0.02; 9]).check().is_err());
     }
 }

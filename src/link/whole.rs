@@ -136,8 +136,8 @@ impl Link {
     }
 
     /// The damping law.
-    pub fn damping(&self) -> Damping {
-        self.parts.damping
+    pub fn damping(&self) -> &Damping {
+        &self.parts.damping
     }
 
     /// Distance L from the axis to the tip in m: hub radius and all segments.

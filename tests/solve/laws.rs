@@ -91,7 +91,7 @@ proptest! {
             segments,
             hub: *whole.hub(),
             payload: *whole.payload(),
-            damping: whole.damping(),
+            damping: whole.damping().clone(),
             ..uniform()
         };
         let segment = &whole.segments()[0];
@@ -123,7 +123,7 @@ proptest! {
             segments: link.segments().to_vec(),
             hub,
             payload: *link.payload(),
-            damping: link.damping(),
+            damping: link.damping().clone(),
             ..uniform()
         })
         .unwrap();
