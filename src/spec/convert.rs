@@ -28,7 +28,7 @@ pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
         hub: hub(&raw.hub)?,
         masses: masses.map(|(index, raw)| lumped_mass(index, raw)).collect::<Result<_, _>>()?,
         payload: payload(&raw.payload)?,
-        damping: raw.damping.map_or(Ok(Damping::None), damping)?,
+        damping: raw.damping.as_ref().map_or(Ok(Damping::None), damping)?,
     })?;
     let mesh = mesh(&link, &own_elements, &raw.mesh)?;
     let analysis = analysis(&raw.analysis)?;

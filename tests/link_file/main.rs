@@ -7,6 +7,7 @@
 )]
 
 mod contradictions;
+mod damping;
 mod overrides;
 mod refusals;
 mod specs;
@@ -17,7 +18,7 @@ use flexlink::link::{Damping, Drive, Hub, LumpedMass, Payload, Taper};
 use flexlink::result::Limits;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
 
-/// The example of the interface, without the tables that are not supported yet.
+/// The example of the interface.
 const EXAMPLE: &str = r#"title = "Bayo (1987), example 1: I = 0.25e-2 cm^4"
 
 [[segments]]                 # from the hub outward
@@ -175,21 +176,4 @@ fn stiffness_and_mass_follow_from_material_and_section() {
         let (ei, mass) = segment(&format!("E = 7e10\ndensity = 2700\nsection = {{ {shape} }}"));
         assert!(ei.inner > 0.0 && mass.inner > 0.0, "{shape}");
     }
-}
-
-#[test]
-fn every_damping_law_is_read() {
-    let law = |keys: &str| {
-        let specification = read(&format!("{SHORT}[damping]\n{keys}\n")).unwrap();
-        specification.link.damping().clone()
-    };
-    assert_eq!(law("ratio = 0.05"), Damping::Hysteretic { ratio: 0.05 });
-    assert_eq!(law("model = 'none'"), Damping::None);
-    let rayleigh = |alpha_per_s, beta_s| Damping::Rayleigh { alpha_per_s, beta_s };
-    assert_eq!(law("model = 'rayleigh'\nalpha = '0.1 1/s'\nbeta = '2 ms'"), rayleigh(0.1, 0.002));
-    assert_eq!(law("model = 'rayleigh'\nbeta = 0.002"), rayleigh(0.0, 0.002));
-    assert_eq!(
-        law("model = 'rayleigh'\nmodes = [1, 3]\nratios = [0.02, 0.01]"),
-        Damping::RayleighThroughModes { modes: [1, 3], ratios: [0.02, 0.01] }
-    );
 }
