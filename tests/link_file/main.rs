@@ -73,6 +73,7 @@ tolerance = 1e-6
 tolerance = 1e-6
 lead = 0.5
 lag = 0.5
+modes = 5
 "#;
 
 /// A whole link in one line, so that tests add their own lines below it.
@@ -131,7 +132,8 @@ fn the_whole_example_is_read_in_si() {
     let total = Some(ElementCount::Total(10));
     let plan = MeshPlan::new(&link, &[Some(1), Some(9)], total, 1e-6);
     assert_eq!(mesh, plan.unwrap());
-    assert_eq!(analysis, Analysis::new(1e-6, Some(0.5), Some(0.5)).unwrap());
+    let window = Analysis::new(1e-6, Some(0.5), Some(0.5));
+    assert_eq!(analysis, window.unwrap().keeping_modes(5).unwrap());
 }
 
 #[test]
