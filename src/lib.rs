@@ -109,6 +109,7 @@ pub mod link;
 pub mod modal;
 pub mod motion;
 pub mod numeric;
+pub mod response;
 pub mod result;
 pub mod spec;
 pub mod tables;

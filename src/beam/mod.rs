@@ -2,6 +2,7 @@
 
 mod condensation;
 mod element;
+mod histories;
 mod mesh;
 mod pivoted;
 mod plan;
@@ -9,6 +10,7 @@ mod transfer;
 
 pub use condensation::{Gain, Inertia, Step, condense};
 pub use element::{Element, RelativeElement};
+pub use histories::NodalHistories;
 pub use mesh::Mesh;
 pub use pivoted::{DrivenMotion, driven_motion};
 pub use plan::{ElementCount, MeshPlan, Piece};

@@ -94,9 +94,7 @@ fn ratios_line(solution: &Solution) -> String {
 
 fn motion_line(motion: &TipMotion, solution: &Solution, metrics: &Metrics) -> String {
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
-    let displacements = &solution.tip.displacement_m;
-    let away = displacements.iter().map(|d| (d - displacements[0]).abs());
-    let farthest_m = away.fold(0.0, f64::max);
+    let farthest_m = solution.tip.farthest_m();
     let way = if motion.travel_m().abs() > 1e-6 * farthest_m {
         format!("{} m", significant(motion.travel_m(), 4))
     } else {

@@ -1,6 +1,7 @@
 use crate::link::ParameterError;
 
-/// How exact the answer must be and how much time around the motion it covers.
+/// How exact the answer must be, how much time around the motion it covers, and of which modes it
+/// is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Analysis {
     tolerance: f64,
@@ -13,7 +14,7 @@ impl Analysis {
     /// Share of the peak torque that padding and wrap-around may cost.
     pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 
-    /// Checks the ranges: `tolerance` in [1e-12, 1e-2], lead and lag at least 0 s.
+    /// Checks the ranges: `tolerance` in [1e-12, 1e-2], lead and lag at least 0 s. All modes are kept.
     ///
     /// # Errors
     /// [`ParameterError`] names the first value out of its range.
@@ -35,9 +36,23 @@ impl Analysis {
         Ok(Self { tolerance, lead_s, lag_s, modes: None })
     }
 
-    /// Flexible modes to keep; `None`: all of the mesh.
-    pub fn modes(&self) -> Option<usize> {
-        self.modes
+    /// The same analysis with the rigid mode and the lowest `modes` flexible ones only, the reduction
+    /// that Bayo (1987) names after eq 12.
+    ///
+    /// ```
+    /// use flexlink::inverse::Analysis;
+    /// assert_eq!(Analysis::default().modes(), None);
+    /// assert_eq!(Analysis::default().keeping_modes(5)?.modes(), Some(5));
+    /// # Ok::<(), flexlink::link::ParameterError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ParameterError`] where no flexible mode would be left.
+    pub fn keeping_modes(self, modes: usize) -> Result<Self, ParameterError> {
+        if modes == 0 {
+            return Err(ParameterError::new("analysis.modes", modes, "", "must be at least 1"));
+        }
+        Ok(Self { modes: Some(modes), ..self })
     }
 
     /// Share of the peak torque that padding and wrap-around may cost.
@@ -54,10 +69,29 @@ impl Analysis {
     pub fn lag_s(&self) -> Option<f64> {
         self.lag_s
     }
+
+    /// Flexible modes to keep, from the first, at least 1; `None`: all that the mesh has.
+    pub fn modes(&self) -> Option<usize> {
+        self.modes
+    }
 }
 
 impl Default for Analysis {
     fn default() -> Self {
         Self { tolerance: Self::DEFAULT_TOLERANCE, lead_s: None, lag_s: None, modes: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flexible_mode_must_be_kept_and_nothing_else_changes() {
+        let analysis = Analysis::new(1e-4, Some(0.5), None).unwrap();
+        let refused = analysis.keeping_modes(0).unwrap_err().to_string();
+        assert_eq!(refused, "analysis.modes = 0, but must be at least 1");
+        let reduced = analysis.keeping_modes(1).unwrap();
+        assert_eq!(reduced, Analysis { modes: Some(1), ..analysis });
     }
 }

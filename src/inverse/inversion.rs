@@ -4,13 +4,13 @@ use super::error::InversionError;
 use super::period::{Padding, PeriodicTorque};
 use super::refinement::{Measured, measured_mesh};
 use super::rigid::rigid_torque_n_m;
-use super::solution::{Accuracy, Band, Solution, TipMotionHistories, cut};
+use super::solution::{Accuracy, Band, Solution, cut};
 use super::spectra::{Forcing, HubSpectra};
 use super::warning::{Evidence, warnings};
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::{natural_frequencies, torque_zeros};
-use crate::motion::{TipMotion, TipSpectrum};
+use crate::motion::{TipMotion, TipMotionHistories, TipSpectrum};
 use crate::numeric::TimeGrid;
 
 /// Natural frequencies that a solution reports.

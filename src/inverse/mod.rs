@@ -27,7 +27,6 @@ pub use dynamics::{Dynamics, KeptModes};
 pub use error::InversionError;
 pub use inversion::invert;
 pub use motor::MotorHistories;
-pub use nodal::NodalHistories;
 pub use response::FrequencyResponse;
-pub use solution::{Accuracy, Band, Solution, TipMotionHistories};
+pub use solution::{Accuracy, Band, Solution};
 pub use warning::Warning;

@@ -3,22 +3,11 @@ use rayon::prelude::*;
 
 use super::solution::{Solution, cut};
 use super::spectra::Nodal;
-use crate::numeric::ThinnedGrid;
+use crate::beam::NodalHistories;
 
 /// Spectra that are held at a time; nodes beyond are solved in further blocks, so that thinned
 /// histories need little memory.
 const BLOCK_BYTES: usize = 1 << 27;
-
-/// Histories of one quantity at some nodes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NodalHistories {
-    /// Numbers of the nodes.
-    pub nodes: Vec<usize>,
-    /// Times of the samples.
-    pub grid: ThinnedGrid,
-    /// Samples of each node.
-    pub samples: Vec<Vec<f64>>,
-}
 
 impl Solution {
     /// Deflection w in m from the hub's tangent line at `nodes`, every `every`-th sample.

@@ -7,19 +7,8 @@ use super::spectra::{Forcing, band_len};
 use super::warning::Warning;
 use crate::beam::Mesh;
 use crate::modal::DampingLaw;
-use crate::motion::TipSpectrum;
+use crate::motion::{TipMotionHistories, TipSpectrum};
 use crate::numeric::TimeGrid;
-
-/// Motion of the tip on the solution's grid.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TipMotionHistories {
-    /// Displacement along the arc in m.
-    pub displacement_m: Vec<f64>,
-    /// Velocity in m/s.
-    pub velocity_m_s: Vec<f64>,
-    /// Acceleration in m/s².
-    pub acceleration_m_s2: Vec<f64>,
-}
 
 /// How exact a solution is, each number relative to the peak torque.
 #[derive(Debug, Clone, Copy, PartialEq)]

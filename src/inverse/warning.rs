@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::solution::Solution;
 use super::spectra::HubSpectra;
 use crate::beam::Mesh;
+use crate::link::Link;
 use crate::modal::real_frequency_zeros;
 use crate::motion::{TipMotion, TipSpectrum};
 
@@ -14,10 +15,6 @@ const NYQUIST_SHARE: f64 = 1e-3;
 
 /// Share of the torque above the mesh's frequency from which on the user is warned.
 const ABOVE_MESH_SHARE: f64 = 1e-2;
-
-/// Tip deflection over length from which on the user is warned: a cantilever that a tip force
-/// bends by a fifth of its length deflects some 4 % less than linear theory says.
-const LARGE_DEFLECTION: f64 = 0.2;
 
 /// Mesh error from which on the user is warned.
 const COARSE_MESH: f64 = 1e-2;
@@ -183,7 +180,7 @@ pub(super) fn warnings(
 fn large_deflection(solution: &Solution) -> Option<Warning> {
     let peak_m = solution.tip_deflection_m().iter().fold(0.0_f64, |m, w| m.max(w.abs()));
     let share = peak_m / solution.mesh().length_m();
-    (share > LARGE_DEFLECTION).then_some(Warning::LargeDeflection { share })
+    (share > Link::LARGE_DEFLECTION).then_some(Warning::LargeDeflection { share })
 }
 
 /// Zeros of torque → tip on the real axis, where the motion holds more than the tolerance.

@@ -127,6 +127,10 @@ fn refused<T: Debug>(parameter: &str, list: &[T], must: impl Into<String>) -> Pa
 mod tests {
     use super::*;
 
+    fn refusal(law: &Damping) -> String {
+        law.check().unwrap_err().to_string()
+    }
+
     #[test]
     fn a_ratio_outside_zero_to_one_is_refused_with_its_value() {
         let error = Damping::Hysteretic { ratio: -0.02 }.check().unwrap_err();
@@ -142,10 +146,6 @@ mod tests {
             let law = Damping::RayleighThroughModes { modes, ratios: [0.01, 0.02] };
             assert_eq!(law.check().unwrap_err().parameter, "damping.modes");
         }
-    }
-
-    fn refusal(law: &Damping) -> String {
-        law.check().unwrap_err().to_string()
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod whole;
 
 pub use bodies::{Hub, LumpedMass, Payload};
 pub use damping::Damping;
+pub(crate) use damping::in_unit_interval;
 pub use drive::Drive;
 pub use error::ParameterError;
 pub use section::Section;

@@ -1,4 +1,4 @@
-use super::inertia::inertial_degrees_of_freedom;
+use super::inertia::flexible_modes;
 use crate::beam::{Inertia, Mesh, condense};
 use crate::numeric::bisect;
 
@@ -36,7 +36,7 @@ pub(super) fn negative_pivots(mesh: &Mesh, lambda: f64) -> (usize, Inertia<f64>)
 /// Torque-free hub: what vibrates when the motor lets go. Undamped. Fewer than `count` where the
 /// mesh has fewer.
 pub fn natural_frequencies(mesh: &Mesh, count: usize) -> Vec<f64> {
-    let count = count.min(inertial_degrees_of_freedom(mesh).saturating_sub(1));
+    let count = count.min(flexible_modes(mesh));
     let mut found: Vec<f64> = Vec::with_capacity(count);
     while found.len() < count {
         // The rigid rotation is always below.

@@ -8,6 +8,11 @@ pub(super) fn carries_rotary_inertia(mesh: &Mesh) -> bool {
     mesh.tip_inertia().pp > 0.0 || lumped.into_iter().any(|body| body.pp > 0.0)
 }
 
+/// Number of flexible modes of the link on its free hub.
+pub fn flexible_modes(mesh: &Mesh) -> usize {
+    inertial_degrees_of_freedom(mesh).saturating_sub(1)
+}
+
 /// Degrees of freedom that move any mass: as many modes the mesh has, the rigid one included.
 pub(super) fn inertial_degrees_of_freedom(mesh: &Mesh) -> usize {
     let elements = mesh.elements();

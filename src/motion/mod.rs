@@ -3,6 +3,7 @@
 mod checks;
 mod columns;
 mod error;
+mod histories;
 mod spectrum;
 #[cfg(test)]
 mod tests;
@@ -10,5 +11,6 @@ mod tip_motion;
 
 pub use columns::MotionColumns;
 pub use error::{MotionColumn, MotionError};
+pub use histories::TipMotionHistories;
 pub use spectrum::{TipHistories, TipSpectrum};
 pub use tip_motion::{EndVelocity, TipMotion};

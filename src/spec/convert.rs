@@ -3,7 +3,7 @@ use super::damping::damping;
 use super::error::Fault;
 use super::quantity::{Quantity, Real, Unbounded};
 use super::raw::{
-    Elements, RawAnalysis, RawDrive, RawHub, RawLimits, RawMass, RawMesh, RawPayload,
+    Count, Elements, RawAnalysis, RawDrive, RawHub, RawLimits, RawMass, RawMesh, RawPayload,
     RawSpecification,
 };
 use super::segment::segment;
@@ -28,7 +28,7 @@ pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
         hub: hub(&raw.hub)?,
         masses: masses.map(|(index, raw)| lumped_mass(index, raw)).collect::<Result<_, _>>()?,
         payload: payload(&raw.payload)?,
-        damping: raw.damping.map_or(Ok(Damping::None), damping)?,
+        damping: raw.damping.as_ref().map_or(Ok(Damping::None), damping)?,
     })?;
     let mesh = mesh(&link, &own_elements, &raw.mesh)?;
     let analysis = analysis(&raw.analysis)?;
@@ -114,7 +114,11 @@ fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {
     let Real(tolerance) = raw.tolerance.unwrap_or(Real(Analysis::DEFAULT_TOLERANCE));
     let lead_s = time("analysis.lead", &raw.lead)?;
     let lag_s = time("analysis.lag", &raw.lag)?;
-    Ok(Analysis::new(tolerance, lead_s, lag_s)?)
+    let analysis = Analysis::new(tolerance, lead_s, lag_s)?;
+    match raw.modes {
+        Some(Count(modes)) => Ok(analysis.keeping_modes(modes)?),
+        None => Ok(analysis),
+    }
 }
 
 #[cfg(test)]

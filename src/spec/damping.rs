@@ -1,53 +1,72 @@
-use super::error::{Fault, listed, nearest};
-use super::quantity::Quantity;
-use super::raw::RawDamping;
-use crate::link::Damping;
+use super::error::{Fault, USUAL_RATIO, listed, nearest};
+use super::quantity::{Quantity, Real};
+use super::raw::{Count, RawDamping};
+use crate::link::{Damping, in_unit_interval};
 use crate::numeric::Dimension;
 
-const MODELS: [&str; 3] = ["hysteretic", "rayleigh", "none"];
+/// A damping model as the file names it.
+struct Model {
+    name: &'static str,
+    /// Its keys besides `model`.
+    keys: &'static [&'static str],
+    /// How these go together.
+    takes: &'static str,
+}
+
+const MODELS: [Model; 5] = [
+    Model { name: "hysteretic", keys: &["ratio"], takes: "ratio only" },
+    Model { name: "modal", keys: &["ratio", "ratios"], takes: "ratio or ratios" },
+    Model {
+        name: "rayleigh",
+        keys: &["alpha", "beta", "modes", "ratios"],
+        takes: "alpha and beta, or modes and ratios",
+    },
+    Model {
+        name: "caughey",
+        keys: &["ratio", "ratios", "modes"],
+        takes: "ratio, or ratios with or without modes",
+    },
+    Model { name: "none", keys: &[], takes: "nothing else" },
+];
 
 /// The damping law that `[damping]` gives.
-pub(super) fn damping(raw: RawDamping) -> Result<Damping, Fault> {
-    let model = match &raw.model {
-        Some(model) => model.as_str(),
+pub(super) fn damping(raw: &RawDamping) -> Result<Damping, Fault> {
+    let model = model(raw)?;
+    refuse_surplus(raw, model)?;
+    match model.name {
+        "hysteretic" => hysteretic(raw),
+        "modal" => modal(raw, model),
+        "rayleigh" => rayleigh(raw, model),
+        "caughey" => caughey(raw, model),
+        _ => Ok(Damping::None),
+    }
+}
+
+fn model(raw: &RawDamping) -> Result<&'static Model, Fault> {
+    let name = match &raw.model {
+        Some(name) => name.as_str(),
         None if raw.ratio.is_some() => "hysteretic",
         None => {
-            let message = format!("damping.model is missing, but must be {}", models());
+            let message = format!("damping.model is missing, but must be {}", names());
             return Err(Fault::new("damping.model", message));
         }
     };
-    let takes: &[&str] = match model {
-        "hysteretic" => &["ratio"],
-        "rayleigh" => &["alpha", "beta", "modes", "ratios"],
-        "none" => &[],
-        _ => return Err(unknown_model(model)),
-    };
-    refuse_surplus(&raw, model, takes)?;
-    match (model, raw.ratio) {
-        ("none", _) => Ok(Damping::None),
-        ("rayleigh", _) => rayleigh(raw),
-        (_, Some(ratio)) => Ok(Damping::Hysteretic { ratio: ratio.0 }),
-        (_, None) => Err(Fault::new("damping.ratio", "damping.ratio is missing")
-            .hinting("0.02 is usual for metal links".to_owned())),
-    }
+    MODELS.iter().find(|model| model.name == name).ok_or_else(|| unknown_model(name))
 }
 
-fn models() -> String {
-    listed(&MODELS, "or")
+fn names() -> String {
+    listed(&MODELS.map(|model| model.name), "or")
 }
 
-fn unknown_model(model: &str) -> Fault {
-    let message = format!("damping.model = {model:?}, but must be {}", models());
-    if matches!(model, "modal" | "caughey") {
-        let message = format!("{message}: {model} damping is not supported yet");
-        return Fault::new("damping.model", message);
-    }
-    let near = nearest(model, MODELS).map(|near| format!("did you mean `{near}`?"));
+fn unknown_model(name: &str) -> Fault {
+    let message = format!("damping.model = {name:?}, but must be {}", names());
+    let near = nearest(name, MODELS.map(|model| model.name));
+    let near = near.map(|near| format!("did you mean `{near}`?"));
     Fault::new("damping.model", message).hinting(near)
 }
 
 /// Refuses a key that does not belong to the model.
-fn refuse_surplus(raw: &RawDamping, model: &str, takes: &[&str]) -> Result<(), Fault> {
+fn refuse_surplus(raw: &RawDamping, model: &Model) -> Result<(), Fault> {
     let given = [
         ("ratio", raw.ratio.is_some()),
         ("ratios", raw.ratios.is_some()),
@@ -55,28 +74,93 @@ fn refuse_surplus(raw: &RawDamping, model: &str, takes: &[&str]) -> Result<(), F
         ("alpha", raw.alpha.is_some()),
         ("beta", raw.beta.is_some()),
     ];
-    let surplus = given.iter().find(|(key, given)| *given && !takes.contains(key));
+    let surplus = given.iter().find(|(key, given)| *given && !model.keys.contains(key));
     surplus.map_or(Ok(()), |(key, _)| {
-        let takes = match takes {
-            [] => "nothing else".to_owned(),
-            ["ratio"] => "ratio only".to_owned(),
-            _ => "alpha and beta, or modes and ratios".to_owned(),
-        };
         let path = format!("damping.{key}");
-        let message = format!("{path} is given, but model \"{model}\" takes {takes}");
-        let undamped = "leave the key out; --set replaces the table: 'damping={model=\"none\"}'";
-        Err(Fault::new(path, message).hinting((model == "none").then(|| undamped.to_owned())))
+        let Model { name, takes, .. } = model;
+        let message = format!("{path} is given, but model \"{name}\" takes {takes}");
+        Err(Fault::new(path, message).hinting(instead(key, model).to_owned()))
     })
 }
 
-fn rayleigh(raw: RawDamping) -> Result<Damping, Fault> {
-    const WAYS: &str = "alpha and beta, or modes and ratios";
-    let RawDamping { ratios, modes, alpha, beta, .. } = raw;
-    match (modes, ratios, &alpha, &beta) {
-        (None, None, None, None) => {
-            let message = format!("damping gives neither, but rayleigh must have {WAYS}");
-            Err(Fault::new("damping", message))
+/// What to do about a surplus key, mostly: which model takes it.
+fn instead(key: &str, model: &Model) -> &'static str {
+    match key {
+        _ if model.name == "none" => {
+            "leave the key out; --set replaces the table: 'damping={model=\"none\"}'"
         }
+        "ratio" => "one ratio in every mode is model = \"modal\"",
+        "ratios" => "a ratio for each mode is model = \"modal\"",
+        "modes" => "ratios of chosen modes are model = \"caughey\", or \"rayleigh\" for two modes",
+        _ => "alpha and beta are model = \"rayleigh\"",
+    }
+}
+
+fn neither(model: &Model) -> Fault {
+    let Model { name, takes, .. } = model;
+    Fault::new("damping", format!("damping gives neither, but {name} must have {takes}"))
+}
+
+/// Two ways of giving a law at once; of their `keys` the one written last is shown.
+fn both(model: &Model, keys: &[&str]) -> Fault {
+    let Model { name, takes, .. } = model;
+    let paths = keys.iter().map(|key| format!("damping.{key}"));
+    let message = format!("damping gives both, but {name} must have {takes}");
+    Fault::among(paths.collect(), message)
+}
+
+fn modes_alone() -> Fault {
+    Fault::new("damping", "damping gives modes, but must give their ratios too")
+}
+
+fn hysteretic(raw: &RawDamping) -> Result<Damping, Fault> {
+    match raw.ratio {
+        Some(Real(ratio)) => Ok(Damping::Hysteretic { ratio }),
+        None => {
+            Err(Fault::new("damping.ratio", "damping.ratio is missing")
+                .hinting(USUAL_RATIO.to_owned()))
+        }
+    }
+}
+
+fn modal(raw: &RawDamping, model: &Model) -> Result<Damping, Fault> {
+    match (raw.ratio, &raw.ratios) {
+        (None, None) => Err(neither(model).hinting(USUAL_RATIO.to_owned())),
+        (Some(ratio), None) => in_every_mode(ratio),
+        (None, Some(ratios)) => Ok(Damping::Modal { ratios: reals(ratios) }),
+        (Some(_), Some(_)) => Err(both(model, &["ratio", "ratios"])),
+    }
+}
+
+/// The ratio has its range checked here, under the key that was written: the link knows a list only.
+fn in_every_mode(Real(ratio): Real) -> Result<Damping, Fault> {
+    in_unit_interval("damping.ratio", ratio)?;
+    Ok(Damping::Modal { ratios: vec![ratio] })
+}
+
+fn caughey(raw: &RawDamping, model: &Model) -> Result<Damping, Fault> {
+    match (raw.ratio, &raw.ratios, &raw.modes) {
+        (None, None, None) => Err(neither(model).hinting(USUAL_RATIO.to_owned())),
+        (None, None, Some(_)) => Err(modes_alone()),
+        (Some(ratio), None, None) => in_every_mode(ratio),
+        (Some(_), _, _) => Err(both(model, &["ratio", "ratios", "modes"])),
+        (None, Some(ratios), modes) => {
+            let ratios = reals(ratios);
+            let modes = modes.as_deref().map_or_else(|| (1..=ratios.len()).collect(), counts);
+            if modes.len() != ratios.len() {
+                let paths = ["damping.modes", "damping.ratios"].map(str::to_owned).to_vec();
+                let found = format!("damping.modes = {modes:?} and damping.ratios = {ratios:?}");
+                let message = format!("{found}, but must hold a ratio for each mode");
+                return Err(Fault::among(paths, message));
+            }
+            Ok(Damping::Caughey { modes, ratios })
+        }
+    }
+}
+
+fn rayleigh(raw: &RawDamping, model: &Model) -> Result<Damping, Fault> {
+    match (&raw.modes, &raw.ratios, &raw.alpha, &raw.beta) {
+        (None, None, None, None) => Err(neither(model)),
         (None, None, alpha, beta) => {
             let si = |path, value: &Option<Quantity>, dimension| {
                 let si = value.as_ref().map(|value| value.si(path, dimension));
@@ -87,27 +171,24 @@ fn rayleigh(raw: RawDamping) -> Result<Damping, Fault> {
                 beta_s: si("damping.beta", beta, Dimension::TIME)?,
             })
         }
-        (Some(modes), Some(ratios), None, None) => {
-            let modes: Vec<usize> = modes.iter().map(|mode| mode.0).collect();
-            let ratios: Vec<f64> = ratios.iter().map(|ratio| ratio.0).collect();
-            Ok(Damping::RayleighThroughModes {
-                modes: pair("damping.modes", &modes)?,
-                ratios: pair("damping.ratios", &ratios)?,
-            })
-        }
-        (Some(_), None, None, None) => {
-            Err(Fault::new("damping", "damping gives modes, but must give their ratios too"))
-        }
+        (Some(modes), Some(ratios), None, None) => Ok(Damping::RayleighThroughModes {
+            modes: pair("damping.modes", &counts(modes))?,
+            ratios: pair("damping.ratios", &reals(ratios))?,
+        }),
+        (Some(_), None, None, None) => Err(modes_alone()),
         (None, Some(_), None, None) => {
             Err(Fault::new("damping", "damping gives ratios, but must give their modes too"))
         }
-        _ => {
-            let keys = ["alpha", "beta", "modes", "ratios"];
-            let paths = keys.map(|key| format!("damping.{key}"));
-            let message = format!("damping gives both, but rayleigh must have {WAYS}");
-            Err(Fault::among(paths.to_vec(), message))
-        }
+        _ => Err(both(model, &["alpha", "beta", "modes", "ratios"])),
     }
+}
+
+fn counts(list: &[Count]) -> Vec<usize> {
+    list.iter().map(|Count(count)| *count).collect()
+}
+
+fn reals(list: &[Real]) -> Vec<f64> {
+    list.iter().map(|Real(number)| *number).collect()
 }
 
 fn pair<T: Copy + std::fmt::Debug>(path: &str, values: &[T]) -> Result<[T; 2], Fault> {
@@ -118,7 +199,6 @@ fn pair<T: Copy + std::fmt::Debug>(path: &str, values: &[T]) -> Result<[T; 2], F
 
 #[cfg(test)]
 mod tests {
-    use super::super::quantity::Real;
     use super::*;
 
     fn ratio(model: Option<&str>) -> RawDamping {
@@ -132,15 +212,19 @@ mod tests {
     #[test]
     fn a_ratio_alone_means_the_law_of_the_paper() {
         let law = Ok(Damping::Hysteretic { ratio: 0.02 });
-        assert_eq!(damping(ratio(None)), law);
-        assert_eq!(damping(ratio(Some("hysteretic"))), law);
+        assert_eq!(damping(&ratio(None)), law);
+        assert_eq!(damping(&ratio(Some("hysteretic"))), law);
     }
 
     #[test]
-    fn an_unsupported_model_is_refused_before_its_keys_are() {
-        for model in ["modal", "caughey", "viscous"] {
-            let fault = damping(ratio(Some(model))).unwrap_err();
-            assert_eq!(fault, unknown_model(model));
-        }
+    fn one_ratio_in_every_mode_is_modal_damping_under_both_names() {
+        let law = Ok(Damping::Modal { ratios: vec![0.02] });
+        assert_eq!(damping(&ratio(Some("modal"))), law);
+        assert_eq!(damping(&ratio(Some("caughey"))), law);
+    }
+
+    #[test]
+    fn an_unknown_model_is_refused_before_its_keys_are() {
+        assert_eq!(damping(&ratio(Some("viscous"))), Err(unknown_model("viscous")));
     }
 }

@@ -3,6 +3,9 @@ use thiserror::Error;
 use super::tree::{Node, Place};
 use crate::link::ParameterError;
 
+/// What to try where a damping ratio is missing or cannot be.
+pub(super) const USUAL_RATIO: &str = "0.02 is usual for metal links";
+
 /// Why a link file, or a `--set` on it, is refused.
 ///
 /// Reads `link.toml:14: damping.ratio = -0.02, but must lie in [0, 1)`.
@@ -63,7 +66,7 @@ impl Fault {
 impl From<ParameterError> for Fault {
     fn from(error: ParameterError) -> Self {
         let hint = match error.parameter.as_str() {
-            "damping.ratio" => Some("0.02 is usual for metal links".to_owned()),
+            "damping.ratio" => Some(USUAL_RATIO.to_owned()),
             _ => None,
         };
         Self::new(error.parameter.clone(), error.to_string()).hinting(hint)

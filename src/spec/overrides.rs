@@ -100,6 +100,9 @@ impl Step<'_> {
                 for number in chosen(items, path, step)? {
                     self.descend(&mut items[number], &below(path, &number.to_string()), rest)?;
                 }
+                if rest.is_empty() {
+                    node.place = self.place;
+                }
                 Ok(())
             }
             Kind::Table(entries) => {
@@ -144,13 +147,16 @@ impl Step<'_> {
             return Err(Refused::new(format!("{path} is not in the file")));
         }
         if rest.is_empty() {
-            // A product that is set takes the place of the factors it was given by.
-            let factors: &[&str] = match step {
+            // A product that is set takes the place of the factors it was given by, and one ratio
+            // in every mode and a ratio for each mode take each other's.
+            let replaced: &[&str] = match step {
                 "EI" => &["E", "I"],
                 "mass_per_length" => &["density", "area"],
+                "ratio" => &["ratios", "modes"],
+                "ratios" => &["ratio"],
                 _ => &[],
             };
-            entries.retain(|(key, _)| !factors.contains(&key.as_str()));
+            entries.retain(|(key, _)| !replaced.contains(&key.as_str()));
         }
         let kind = Kind::Table(Vec::new());
         let place = self.place;
@@ -181,6 +187,7 @@ impl Step<'_> {
                 for (number, item) in items.iter_mut().enumerate() {
                     self.multiply(item, &below(path, &number.to_string()), factor)?;
                 }
+                node.place = self.place;
                 return Ok(());
             }
             Kind::Boolean(_) | Kind::Date(_) | Kind::Table(_) => return Err(Refused::new(refused)),
@@ -235,6 +242,8 @@ fn instead(entries: &[(String, Node)], step: &str) -> String {
     let others: &[&str] = match step {
         "E" | "I" => &["EI", "E"],
         "density" | "area" => &["mass_per_length", "density"],
+        "ratio" => &["ratios"],
+        "ratios" => &["ratio"],
         _ => &[],
     };
     match others.iter().find(|other| has(other)) {

@@ -137,9 +137,10 @@ pub(super) struct RawAnalysis {
     pub(super) tolerance: Option<Real>,
     pub(super) lead: Option<Quantity>,
     pub(super) lag: Option<Quantity>,
+    pub(super) modes: Option<Count>,
 }
 
-/// A whole number of elements, or of a mode.
+/// A whole number of elements or modes, or that of a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Count(pub(super) usize);
 

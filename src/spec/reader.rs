@@ -59,6 +59,8 @@ impl Error for Misfit {
     }
 
     fn invalid_type(_: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        // Serde's word for a list is none of the user's.
+        let expected = expected.to_string().replace("a sequence", "a list");
         Self::must(format!("must be {expected}"))
     }
 

@@ -18,7 +18,7 @@ pub struct Specification {
     pub link: Link,
     /// How it is to be meshed.
     pub mesh: MeshPlan,
-    /// How exact the answer must be.
+    /// How exact the answer must be, around which time, of which modes.
     pub analysis: Analysis,
     /// What sits between motor and hub, where the file says so.
     pub drive: Option<Drive>,

@@ -6,8 +6,8 @@ use super::csv_table::{Column, ColumnGroup, write_csv};
 use super::folder::{FolderError, OutputFolder};
 use super::number::Digits;
 use super::summary::Summary;
-use crate::beam::Mesh;
-use crate::inverse::{MotorHistories, NodalHistories, Solution};
+use crate::beam::{Mesh, NodalHistories};
+use crate::inverse::{MotorHistories, Solution};
 use crate::link::{Drive, Link};
 
 /// Which results to write, and how.

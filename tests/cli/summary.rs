@@ -72,7 +72,7 @@ fn every_documented_key_is_there() {
                 "torque_ratio",
             ],
         ),
-        ("/errors", &["edge_error", "mesh_error"]),
+        ("/errors", &["edge_error", "mesh_error", "truncation_error"]),
     ] {
         let mut found = keys(summary.pointer(path).unwrap());
         found.sort_unstable();

@@ -1,4 +1,4 @@
-use super::{SHORT, refusal, segment_refusal};
+use super::segment_refusal;
 
 #[test]
 fn stiffness_and_mass_must_be_given_in_exactly_one_way() {
@@ -92,81 +92,5 @@ fn a_section_has_just_the_dimensions_of_its_shape() {
     ] {
         let found = segment_refusal(&format!("length = 1\nsection = {{ {keys} }}"));
         assert_eq!(found, format!("link.toml:3: segments.0.section{expected}"));
-    }
-}
-
-#[test]
-fn a_damping_law_takes_its_own_keys_only() {
-    for (keys, expected) in [
-        (
-            "ratio = -0.02",
-            "3: damping.ratio = -0.02, but must lie in [0, 1)\nhint: 0.02 is usual for metal links",
-        ),
-        ("", "2: damping.model is missing, but must be hysteretic, rayleigh or none"),
-        ("alpha = 1", "2: damping.model is missing, but must be hysteretic, rayleigh or none"),
-        (
-            "model = 'hysteretic'",
-            "2: damping.ratio is missing\nhint: 0.02 is usual for metal links",
-        ),
-        (
-            "model = 'modal'\nratio = 0.02",
-            "3: damping.model = \"modal\", but must be hysteretic, rayleigh or none: modal damping \
-             is not supported yet",
-        ),
-        (
-            "model = 'caughey'",
-            "3: damping.model = \"caughey\", but must be hysteretic, rayleigh or none: caughey \
-             damping is not supported yet",
-        ),
-        (
-            "model = 'histeretic'",
-            "3: damping.model = \"histeretic\", but must be hysteretic, rayleigh or none\nhint: did \
-             you mean `hysteretic`?",
-        ),
-        (
-            "model = 'none'\nratio = 0.02",
-            "4: damping.ratio is given, but model \"none\" takes nothing else\nhint: leave the \
-             key out; --set replaces the table: 'damping={model=\"none\"}'",
-        ),
-        (
-            "ratio = 0.02\nbeta = 1",
-            "4: damping.beta is given, but model \"hysteretic\" takes ratio only",
-        ),
-        (
-            "model = 'rayleigh'\nratio = 0.02",
-            "4: damping.ratio is given, but model \"rayleigh\" takes alpha and beta, or modes and \
-             ratios",
-        ),
-        (
-            "model = 'rayleigh'",
-            "2: damping gives neither, but rayleigh must have alpha and beta, or modes and ratios",
-        ),
-        (
-            "model = 'rayleigh'\nmodes = [1, 2]",
-            "2: damping gives modes, but must give their ratios too",
-        ),
-        (
-            "model = 'rayleigh'\nratios = [0.1, 0.2]",
-            "2: damping gives ratios, but must give their modes too",
-        ),
-        (
-            "model = 'rayleigh'\nmodes = [1, 2]\nratios = [0.1, 0.2]\nalpha = 1",
-            "6: damping gives both, but rayleigh must have alpha and beta, or modes and ratios",
-        ),
-        (
-            "model = 'rayleigh'\nmodes = [1, 2, 3]\nratios = [0.1, 0.2]",
-            "4: damping.modes = [1, 2, 3], but must hold two numbers",
-        ),
-        (
-            "model = 'rayleigh'\nmodes = [1, 2]\nratios = [0.1, 1.2]",
-            "5: damping.ratios = 1.2, but must lie in [0, 1)",
-        ),
-        (
-            "model = 'rayleigh'\nalpha = '1 s'",
-            "4: damping.alpha = \"1 s\" is a time, but must be a rate such as 1/s",
-        ),
-    ] {
-        let found = refusal(&format!("{SHORT}[damping]\n{keys}\n"));
-        assert_eq!(found, format!("link.toml:{expected}"));
     }
 }

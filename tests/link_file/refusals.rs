@@ -104,6 +104,10 @@ fn a_value_of_the_wrong_kind_is_refused_with_what_it_must_be() {
             "[analysis]\nlead = '-1 s'",
             "link.toml:3: analysis.lead = -1 s, but must be finite and at least 0",
         ),
+        (
+            "[analysis]\nmode = 5",
+            "link.toml:3: unknown key `mode` in analysis\nhint: did you mean `modes`?",
+        ),
         ("[[masses]]\nmass = 1", "link.toml:2: masses.0.at is missing"),
         (
             "[[masses]]\nat = 2\nmass = 1",
@@ -112,6 +116,14 @@ fn a_value_of_the_wrong_kind_is_refused_with_what_it_must_be() {
         ),
     ] {
         assert_eq!(refusal(&format!("{SHORT}{lines}\n")), expected);
+    }
+    for modes in ["0", "-1", "2.5", "\"all\"", "100001"] {
+        assert_eq!(
+            refusal(&format!("{SHORT}[analysis]\nmodes = {modes}\n")),
+            format!(
+                "link.toml:3: analysis.modes = {modes}, but must be a whole number from 1 to 100000"
+            )
+        );
     }
     for (keys, expected) in [
         ("EI = 5", "link.toml:1: segments.0.length is missing"),

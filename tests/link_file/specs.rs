@@ -43,7 +43,7 @@ fn the_two_links_of_bayo_differ_in_stiffness_alone() {
         assert!((root.bending_stiffness_n_m2.inner / (10.0 * ei) - 1.0).abs() < 1e-15);
         assert!((link.length_m() - 1.5).abs() < 1e-15);
         assert!((link.rigid_inertia_kg_m2() - 1.0).abs() < 1e-15);
-        assert_eq!(link.damping(), Damping::Hysteretic { ratio: 0.02 });
+        assert_eq!(*link.damping(), Damping::Hysteretic { ratio: 0.02 });
     }
 }
 

@@ -54,7 +54,7 @@ fn on_a_joint_spring(elements: usize) -> Mesh {
         hub: Hub { inertia_kg_m2: 1e12, ..Hub::default() },
         masses: vec![hub],
         payload: *link.payload(),
-        damping: link.damping(),
+        damping: link.damping().clone(),
     });
     let sprung = sprung.unwrap();
     let count = Some(ElementCount::Total(elements + 1));

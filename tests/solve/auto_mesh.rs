@@ -80,8 +80,8 @@ fn the_error_falls_with_the_fourth_power_of_the_element_length() {
 #[test]
 fn a_motion_with_kinks_needs_more_elements_than_a_smooth_one() {
     let link = link(|_| ());
-    let smooth = automatic(&link, &Smooth::MOVE.motion(), 1e-4).mesh.elements().len();
-    let kinked = automatic(&link, &sine(0.5, 1.0, 256), 1e-4).mesh.elements().len();
+    let smooth = automatic(&link, &Smooth::MOVE.motion(), 1e-4).mesh().elements().len();
+    let kinked = automatic(&link, &sine(0.5, 1.0, 256), 1e-4).mesh().elements().len();
     assert!(smooth < kinked, "{smooth} and {kinked}");
     let plan = mesh_of(&link, kinked);
     assert!(!plan.is_automatic());

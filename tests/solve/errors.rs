@@ -4,6 +4,7 @@ use super::{Smooth, accelerated, link, mesh_of, refused, sine};
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, InversionError};
 use flexlink::link::{Damping, Link};
+use flexlink::modal::DampingError;
 
 fn through_modes(modes: [usize; 2], ratios: [f64; 2]) -> Link {
     link(|parts| parts.damping = Damping::RayleighThroughModes { modes, ratios })
@@ -17,7 +18,7 @@ fn refused_on_two_elements(link: &Link, analysis: &Analysis) -> InversionError {
 #[test]
 fn a_mode_that_the_mesh_does_not_have() {
     let error = refused_on_two_elements(&through_modes([1, 5], [0.02, 0.02]), &Analysis::default());
-    assert_eq!(error, InversionError::NoSuchMode { asked: 5, found: 4 });
+    assert_eq!(error, DampingError::NoSuchMode { asked: 5, found: 4 }.into());
     assert_eq!(
         error.to_string(),
         "damping.modes asks for mode 5, but the mesh must have it and has 4 modes"
@@ -30,7 +31,10 @@ fn two_ratios_that_need_negative_damping() {
     for (ratios, negative) in [([0.001, 0.1], "alpha = -"), ([0.1, 0.001], "beta = -")] {
         let link = through_modes([1, 2], ratios);
         let error = refused_on_two_elements(&link, &Analysis::default());
-        assert!(matches!(error, InversionError::NegativeDamping { .. }), "{error}");
+        assert!(
+            matches!(error, InversionError::Damping(DampingError::NegativeDamping { .. })),
+            "{error}"
+        );
         let message = error.to_string();
         assert!(message.starts_with("damping.ratios give alpha = "), "{message}");
         assert!(message.contains(negative), "{message}");

@@ -91,7 +91,7 @@ proptest! {
             segments,
             hub: *whole.hub(),
             payload: *whole.payload(),
-            damping: whole.damping(),
+            damping: whole.damping().clone(),
             ..uniform()
         };
         let segment = &whole.segments()[0];
@@ -100,7 +100,7 @@ proptest! {
         let cut = Link::new(parts(vec![piece(share), piece(1.0 - share)])).unwrap();
         let motion = Smooth::MOVE.motion();
         let (whole, cut) = (solved(&whole, 6, &motion), solved(&cut, 6, &motion));
-        let nodes = whole.mesh.nodes_m().iter().zip(cut.mesh.nodes_m());
+        let nodes = whole.mesh().nodes_m().iter().zip(cut.mesh().nodes_m());
         for (a, b) in nodes {
             prop_assert!((a - b).abs() < 1e-14, "the nodes stand where they stood");
         }
@@ -123,7 +123,7 @@ proptest! {
             segments: link.segments().to_vec(),
             hub,
             payload: *link.payload(),
-            damping: link.damping(),
+            damping: link.damping().clone(),
             ..uniform()
         })
         .unwrap();

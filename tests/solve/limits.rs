@@ -28,7 +28,7 @@ fn the_torque_tends_to_the_rigid_one_as_one_over_the_stiffness() {
         Damping::Hysteretic { ratio: 0.02 },
         Damping::Rayleigh { alpha_per_s: 0.7, beta_s: 1e-4 },
     ] {
-        let distances = [4e3, 4e4, 4e5].map(|ei| distance_from_rigid(&stiff(ei, damping)));
+        let distances = [4e3, 4e4, 4e5].map(|ei| distance_from_rigid(&stiff(ei, damping.clone())));
         assert!(distances[0] < 1e-2, "{damping:?}: {distances:?}");
         for pair in distances.windows(2) {
             assert!((pair[0] / pair[1] / 10.0 - 1.0).abs() < 0.05, "{damping:?}: {distances:?}");

@@ -7,6 +7,7 @@ mod energy;
 mod errors;
 mod laws;
 mod limits;
+mod modal;
 mod motor;
 mod nodal;
 mod period;

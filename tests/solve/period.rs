@@ -44,7 +44,7 @@ fn what_rest_there_is_counts_for_the_padding() {
 #[test]
 fn the_edge_error_stays_below_the_tolerance() {
     for damping in [Damping::Hysteretic { ratio: 0.02 }, VISCOUS, Damping::None] {
-        let link = link(|parts| parts.damping = damping);
+        let link = link(|parts| parts.damping = damping.clone());
         let solution = solved(&link, 16, &sine(0.5, 0.88, 440));
         let edge = solution.accuracy.edge_error;
         assert!(edge <= 1e-6, "{damping:?}: {edge:e}");
@@ -97,7 +97,7 @@ fn a_window_longer_than_needed_is_no_reason_to_warn() {
 #[test]
 fn a_period_of_half_the_length_gives_the_same_torque() {
     for damping in [Damping::Hysteretic { ratio: 0.02 }, VISCOUS] {
-        let link = link(|parts| parts.damping = damping);
+        let link = link(|parts| parts.damping = damping.clone());
         let solution = solved(&link, 16, &sine(0.5, 0.88, 440));
         let lag_s = Some(solution.band.period_s);
         let analysis = Analysis::new(1e-6, None, lag_s).unwrap();

@@ -1,0 +1,18 @@
+/// Motion of the tip over the grid of a result.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TipMotionHistories {
+    /// Displacement along the arc in m.
+    pub displacement_m: Vec<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vec<f64>,
+    /// Acceleration in m/s².
+    pub acceleration_m_s2: Vec<f64>,
+}
+
+impl TipMotionHistories {
+    /// Largest distance in m from where the tip is at the first sample.
+    pub fn farthest_m(&self) -> f64 {
+        let away = self.displacement_m.iter().map(|d| (d - self.displacement_m[0]).abs());
+        away.fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,24 @@
+//! Direct dynamics: torque in, motion out, in the time domain and independent of the Fourier
+//! transform of the inversion.
+
+mod equations;
+mod feedback;
+mod forcing;
+mod play;
+mod reference;
+mod residual;
+mod selection;
+mod simulation;
+mod stepper;
+mod torque;
+mod warning;
+
+pub use feedback::{Feedback, FeedbackError};
+pub use forcing::Interpolation;
+pub use play::Play;
+pub use reference::HubReference;
+pub use residual::ResidualVibration;
+pub use selection::ModeSelection;
+pub use simulation::{Simulation, SimulationError, simulate};
+pub use torque::Torque;
+pub use warning::SimulationWarning;

@@ -1,0 +1,135 @@
+//! Damping mode by mode, and links reduced to few modes.
+
+use super::{Smooth, link, mesh_of, peak, refused, solved, torque_difference};
+use flexlink::inverse::{Analysis, InversionError, Solution, invert};
+use flexlink::link::{Damping, Link, LumpedMass, Payload};
+use flexlink::modal::DampingError;
+
+/// A link with all that a link can have.
+fn loaded(damping: Damping) -> Link {
+    link(|parts| {
+        parts.hub.radius_m = 0.05;
+        parts.hub.viscous_friction_n_m_s_rad = 0.03;
+        parts.masses = vec![LumpedMass { at_m: 0.8, mass_kg: 0.2, inertia_kg_m2: 1e-3 }];
+        parts.payload = Payload { mass_kg: 0.1, inertia_kg_m2: 0.0, offset_m: 0.0 };
+        parts.damping = damping;
+    })
+}
+
+fn keeping(modes: usize) -> Analysis {
+    Analysis::default().keeping_modes(modes).unwrap()
+}
+
+/// Largest difference of two histories over the peak of the second.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / peak(b)
+}
+
+fn assert_same(found: &Solution, expected: &Solution, tolerance: f64) {
+    let nodes: Vec<usize> = (0..expected.mesh().nodes_m().len()).collect();
+    let bent = |solution: &Solution| solution.deflections_m(&nodes, 1).samples.concat();
+    let stressed = |solution: &Solution| solution.moments_n_m(&nodes, 1).samples.concat();
+    for (what, error) in [
+        ("torque", difference(&found.torque_n_m, &expected.torque_n_m)),
+        ("hub angle", difference(&found.hub_angle_rad, &expected.hub_angle_rad)),
+        ("root moment", difference(&found.root_moment_n_m, &expected.root_moment_n_m)),
+        ("deflections", difference(&bent(found), &bent(expected))),
+        ("moments", difference(&stressed(found), &stressed(expected))),
+    ] {
+        assert!(error < tolerance, "{what}: {error:e}");
+    }
+}
+
+#[test]
+fn all_modes_together_are_the_whole_link() {
+    let laws = [
+        Damping::None,
+        Damping::Hysteretic { ratio: 0.03 },
+        Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 1e-3 },
+    ];
+    for law in laws {
+        let link = loaded(law);
+        let motion = Smooth::MOVE.motion();
+        let whole = solved(&link, 8, &motion);
+        let summed = invert(&link, &mesh_of(&link, 8), &motion, &keeping(16)).unwrap();
+        assert_same(&summed, &whole, 1e-9);
+        assert!(summed.accuracy.truncation_error.unwrap() < 1e-9);
+        assert_eq!(whole.accuracy.truncation_error, None);
+    }
+}
+
+#[test]
+fn a_series_through_two_modes_is_stiffness_damping_where_rayleigh_is() {
+    let beta_s = 2e-3;
+    let rayleigh = loaded(Damping::Rayleigh { alpha_per_s: 0.0, beta_s });
+    let motion = Smooth::MOVE.motion();
+    let expected = solved(&rayleigh, 8, &motion);
+    let frequencies = &expected.natural_frequencies_rad_s;
+    let ratios = [0, 2].map(|mode| 0.5 * beta_s * frequencies[mode]).to_vec();
+    let series = loaded(Damping::Caughey { modes: vec![1, 3], ratios });
+    assert_same(&solved(&series, 8, &motion), &expected, 1e-8);
+}
+
+#[test]
+fn modal_damping_of_no_ratio_is_none() {
+    let motion = Smooth::MOVE.motion();
+    let undamped = solved(&loaded(Damping::None), 8, &motion);
+    let modal = solved(&loaded(Damping::Modal { ratios: vec![0.0] }), 8, &motion);
+    assert_same(&modal, &undamped, 1e-9);
+}
+
+#[test]
+fn the_last_ratio_of_a_list_holds_for_all_higher_modes() {
+    let motion = Smooth::MOVE.motion();
+    let ratios = |list: &[f64]| Damping::Modal { ratios: list.to_vec() };
+    let short = solved(&loaded(ratios(&[0.01, 0.05])), 8, &motion);
+    let long = solved(&loaded(ratios(&[0.01, 0.05, 0.05, 0.05])), 8, &motion);
+    assert_same(&short, &long, 1e-13);
+    let other = solved(&loaded(ratios(&[0.05, 0.01])), 8, &motion);
+    assert!(torque_difference(&other, &short, 0) > 1e-3);
+}
+
+#[test]
+fn a_reduction_tells_what_it_costs() {
+    let link = loaded(Damping::Hysteretic { ratio: 0.02 });
+    let motion = Smooth::MOVE.motion();
+    let plan = mesh_of(&link, 12);
+    let whole = solved(&link, 12, &motion);
+    let mut before = f64::INFINITY;
+    for modes in [2, 4, 8] {
+        let reduced = invert(&link, &plan, &motion, &keeping(modes)).unwrap();
+        let told = reduced.accuracy.truncation_error.unwrap();
+        let found = torque_difference(&whole, &reduced, 0);
+        assert!((found - told).abs() < 1e-5 + 0.01 * told, "{modes} modes: {told}");
+        assert!(told < before, "{modes} modes cost {told}, fewer {before}");
+        before = told;
+    }
+    assert!(before < 0.05 && before > 1e-7, "{before}");
+}
+
+#[test]
+fn what_modes_cannot_do_is_refused() {
+    let motion = Smooth::MOVE.motion();
+    let link = loaded(Damping::Modal { ratios: vec![0.02] });
+    let error = refused(&link, &mesh_of(&link, 251), &motion, &Analysis::default());
+    assert_eq!(error, InversionError::TooManyElements { elements: 251, limit: 250 });
+    assert_eq!(
+        error.to_string(),
+        "the mesh = 251 elements, but must be at most 250 for modal damping: it needs all modes, \
+         and dense algebra grows with the cube of their number"
+    );
+    let error = refused(&link, &mesh_of(&link, 3), &motion, &keeping(7));
+    assert_eq!(error, InversionError::NotSoManyModes { asked: 7, found: 6 });
+    assert_eq!(
+        error.to_string(),
+        "analysis.modes = 7, but must be at most 6: the mesh has no more modes"
+    );
+    let series = loaded(Damping::Caughey { modes: vec![1, 2, 3], ratios: vec![0.02; 3] });
+    let error = refused(&series, &mesh_of(&series, 8), &motion, &Analysis::default());
+    let InversionError::Damping(DampingError::NegativeRatio { mode, ratio, modes, .. }) = error
+    else {
+        panic!("{error}");
+    };
+    assert!(mode > 3 && ratio < 0.0 && modes == 16, "mode {mode} of {modes}: {ratio}");
+}
