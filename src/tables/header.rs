@@ -1,6 +1,6 @@
 use crate::numeric::{Dimension, Unit};
 
-use super::motion_error::{MotionFileError, Place, quoted};
+use super::table_error::{Place, TableError, quoted};
 
 /// What a column of a trajectory holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,7 +80,7 @@ impl Heading {
 }
 
 /// Reads the row that names the columns, and checks that together they describe a motion.
-pub(super) fn read_header(fields: &[&str], place: Place) -> Result<Vec<Heading>, MotionFileError> {
+pub(super) fn read_header(fields: &[&str], place: Place) -> Result<Vec<Heading>, TableError> {
     if fields.iter().all(|field| field.parse::<f64>().is_ok()) {
         let must = "must name the columns";
         let hint =
@@ -106,7 +106,7 @@ pub(super) fn read_header(fields: &[&str], place: Place) -> Result<Vec<Heading>,
     Ok(headings)
 }
 
-fn read_heading(field: &str, index: usize, place: Place) -> Result<Heading, MotionFileError> {
+fn read_heading(field: &str, index: usize, place: Place) -> Result<Heading, TableError> {
     let (name, unit_text) = match field.strip_suffix(']').and_then(|f| f.split_once('[')) {
         Some((name, unit)) => (name.trim(), Some(unit.trim())),
         None => (field, None),
@@ -133,12 +133,7 @@ fn read_heading(field: &str, index: usize, place: Place) -> Result<Heading, Moti
     })
 }
 
-fn read_unit(
-    text: &str,
-    name: &str,
-    quantity: Quantity,
-    place: Place,
-) -> Result<Unit, MotionFileError> {
+fn read_unit(text: &str, name: &str, quantity: Quantity, place: Place) -> Result<Unit, TableError> {
     let refuse = |hint| {
         let must = format!("must be a unit such as {}", quantity.units().join(" or "));
         place.refuse(format!("unit of {name}"), quoted(text), must).with_hint(hint)
@@ -150,7 +145,7 @@ fn read_unit(
     if unit.dimension() == quantity.dimension() { Ok(unit) } else { Err(refuse(None)) }
 }
 
-fn unknown_column(field: &str, plain: &str, index: usize, place: Place) -> MotionFileError {
+fn unknown_column(field: &str, plain: &str, index: usize, place: Place) -> TableError {
     let subject = format!("column {}", index + 1);
     let words = Quantity::ALL.map(Quantity::word);
     let must = format!("must be one of {}", words.join(", "));
@@ -183,11 +178,7 @@ fn hint_for(name: &str) -> Option<String> {
 }
 
 /// Refuses a column that says what one before it says.
-fn refuse_double(
-    before: &[Heading],
-    heading: &Heading,
-    place: Place,
-) -> Result<(), MotionFileError> {
+fn refuse_double(before: &[Heading], heading: &Heading, place: Place) -> Result<(), TableError> {
     let arc = |quantity| matches!(quantity, Quantity::Displacement | Quantity::Angle);
     let twice = before.iter().enumerate().find(|(_, earlier)| {
         let both_arcs = arc(earlier.quantity) && arc(heading.quantity);
@@ -208,7 +199,7 @@ fn refuse_double(
     Err(place.refuse(subject, found, must).with_hint(hint.to_owned()))
 }
 
-fn refuse_missing(headings: &[Heading], place: Place) -> Result<(), MotionFileError> {
+fn refuse_missing(headings: &[Heading], place: Place) -> Result<(), TableError> {
     let has = |wanted| headings.iter().any(|heading| heading.quantity == wanted);
     let names: Vec<&str> = headings.iter().map(|h| h.name.as_str()).collect();
     let refuse = |must| Err(place.refuse("columns", quoted(&names.join(",")), must));

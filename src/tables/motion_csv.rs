@@ -1,8 +1,8 @@
 use crate::motion::{MotionColumns, TipMotion};
 
 use super::header::{Heading, Quantity, read_header};
-use super::motion_error::{MotionFileError, Place, quoted};
 use super::rows::Rows;
+use super::table_error::{Place, TableError, quoted};
 
 /// Fewest samples that a trajectory may have.
 pub(super) const MIN_SAMPLES: usize = 4;
@@ -30,7 +30,7 @@ impl MotionTable {
     ///
     /// # Errors
     /// What [`TipMotion::new`] refuses, with file and line.
-    pub fn into_motion(self) -> Result<TipMotion, MotionFileError> {
+    pub fn into_motion(self) -> Result<TipMotion, TableError> {
         let Self { columns, name, lines } = self;
         TipMotion::new(columns).map_err(|error| {
             let line = error.sample().map(|sample| lines[sample]);
@@ -56,16 +56,16 @@ impl MotionTable {
 /// let motion = read_motion_table("move.csv", file, 1.5)?;
 /// let displacement_m = motion.columns.displacement_m.as_deref();
 /// assert!((displacement_m.unwrap()[3] - 0.02).abs() < 1e-15);
-/// # Ok::<(), flexlink::tables::MotionFileError>(())
+/// # Ok::<(), flexlink::tables::TableError>(())
 /// ```
 ///
 /// # Errors
-/// [`MotionFileError`] names the file, and line and column where they are at fault.
+/// [`TableError`] names the file, and line and column where they are at fault.
 pub fn read_motion_table(
     name: &str,
     bytes: &[u8],
     link_length_m: f64,
-) -> Result<MotionTable, MotionFileError> {
+) -> Result<MotionTable, TableError> {
     let whole = Place { file: name, line: None };
     let mut rows = Rows::new(name, bytes)?;
     let Some((line, fields)) = rows.next()? else {
@@ -109,7 +109,7 @@ impl Samples {
         }
     }
 
-    fn push(&mut self, fields: &[&str], line: u64, place: Place) -> Result<(), MotionFileError> {
+    fn push(&mut self, fields: &[&str], line: u64, place: Place) -> Result<(), TableError> {
         if fields.len() != self.headings.len() {
             let names = self.headings.len();
             let must = format!("must be {names}, as many as there are columns");
@@ -125,7 +125,7 @@ impl Samples {
     }
 
     /// Refuses a time, written as `text`, that is not above the one before it.
-    fn check_time(&self, text: &str, place: Place) -> Result<(), MotionFileError> {
+    fn check_time(&self, text: &str, place: Place) -> Result<(), TableError> {
         let (&[.., before, now], Some(line)) = (&self.values[self.time][..], self.lines.last())
         else {
             return Ok(());
@@ -159,7 +159,7 @@ impl Samples {
 }
 
 /// One field of a column, in SI.
-fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, MotionFileError> {
+fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, TableError> {
     let finite = "must be a finite number";
     if field.is_empty() {
         return Err(place.refuse(&heading.name, "nothing", finite));
