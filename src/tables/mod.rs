@@ -10,13 +10,16 @@ mod modes_tables;
 mod motion_csv;
 mod number;
 mod plain_table;
+mod quantity;
 mod resample;
 mod rows;
+mod samples;
 mod single_file;
 mod solve_tables;
 mod summary;
 mod table_error;
 mod time_format;
+mod trajectory_header;
 
 pub use csv_table::{Column, ColumnGroup, write_csv};
 pub use folder::{FolderAction, FolderError, OutputFolder};

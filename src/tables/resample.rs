@@ -1,7 +1,8 @@
 use crate::motion::MotionColumns;
 use crate::numeric::{CubicSpline, SplineEnds};
 
-use super::motion_csv::{MIN_SAMPLES, MotionTable};
+use super::motion_csv::MotionTable;
+use super::samples::MIN_SAMPLES;
 use super::table_error::{Place, TableError};
 
 /// Most samples that a resampled motion may have.
