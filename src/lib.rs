@@ -22,6 +22,7 @@
 //! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
 //! | [`modal`] | natural frequencies and zeros of torque → tip, from the same recursion |
 //! | [`inverse`] | period and padding, the inversion, rigid comparison, warnings |
+//! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
 //! | [`result`] | the numbers that a person reads first |
 //! | [`spec`] | link file and `--set` → [`link::Link`] |
 //! | [`tables`] | CSV → motion; solution → CSV and summary.json |

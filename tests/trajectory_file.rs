@@ -1,9 +1,9 @@
 //! Trajectory files: what is read, and the full text of every refusal.
 
-use flexlink::tables::{MotionFileError, MotionTable, read_motion_table};
+use flexlink::tables::{MotionTable, TableError, read_motion_table};
 
 /// Reads `text` as `traj.csv`, for a link of 2 m.
-fn read(text: &str) -> Result<MotionTable, MotionFileError> {
+fn read(text: &str) -> Result<MotionTable, TableError> {
     read_motion_table("traj.csv", text.as_bytes(), 2.0)
 }
 

@@ -3,7 +3,7 @@ use std::process::ExitCode;
 use flexlink::inverse::InversionError;
 use flexlink::modal::DampingError;
 use flexlink::spec::SpecError;
-use flexlink::tables::{FolderError, InputError, MotionFileError};
+use flexlink::tables::{FolderError, InputError, TableError};
 
 /// How the program ends when it is not done. (1 is for comparisons that differ.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,8 +50,8 @@ impl From<SpecError> for Failure {
     }
 }
 
-impl From<MotionFileError> for Failure {
-    fn from(error: MotionFileError) -> Self {
+impl From<TableError> for Failure {
+    fn from(error: TableError) -> Self {
         Self::new(Exit::InputRefused, &error, error.hint())
     }
 }

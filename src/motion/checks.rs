@@ -1,13 +1,6 @@
-//! What sampled columns must satisfy to be a motion from rest to rest on a uniform grid.
+//! What sampled columns must satisfy to be a motion from rest to rest.
 
 use super::error::{MotionColumn, MotionError};
-
-/// Largest deviation of a time from the grid, in steps.
-const TIME_TOLERANCE: f64 = 1e-3;
-
-/// Times rounded to decimals of at most this share of a step may be off by half a decimal, too: a
-/// rate of 60 Hz written in whole milliseconds.
-const DECIMAL_SHARE: f64 = 0.1;
 
 /// End velocity, relative to the peak velocity, up to which displacement samples count as at rest.
 const REST_TOLERANCE: f64 = 1e-2;
@@ -22,54 +15,6 @@ pub(super) fn finite(column: &'static str, samples: Option<&Vec<f64>>) -> Result
         Some(sample) => Err(MotionError::NotFinite { sample, column, found: samples[sample] }),
         None => Ok(()),
     }
-}
-
-/// The step of a uniform time column in s.
-pub(super) fn uniform_step(time_s: &[f64]) -> Result<f64, MotionError> {
-    let (start, last) = (time_s[0], time_s.len() - 1);
-    let step_s = (time_s[last] - start) / last as f64;
-    let decimal_s = last_decimal(time_s);
-    let rounding_s = if decimal_s <= DECIMAL_SHARE * step_s { 0.5 * decimal_s } else { 0.0 };
-    let slack_s = (TIME_TOLERANCE * step_s).max(1.001 * rounding_s);
-    let is_off = |k: usize| {
-        let grid = start + k as f64 * step_s;
-        exceeds((time_s[k] - grid).abs(), slack_s)
-    };
-    if step_s > 0.0 && !(0..=last).any(is_off) {
-        return Ok(step_s);
-    }
-    // One missing row shifts the mean step; the commonest one tells which row is to blame.
-    let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
-    let usual = *steps.clone().select_nth_unstable_by(last / 2, f64::total_cmp).1;
-    steps.insert(0, usual);
-    let strays = |k: &usize| exceeds((steps[*k] - usual).abs(), 2.0 * slack_s.abs());
-    let sample =
-        (1..=last).find(strays).or_else(|| (1..=last).find(|k| is_off(*k))).unwrap_or(last);
-    Err(MotionError::NotUniform {
-        sample,
-        found_s: time_s[sample],
-        expected_s: time_s[sample - 1] + usual,
-        step_s: usual,
-    })
-}
-
-/// The decimal unit that all times are whole multiples of, 1 s or below.
-fn last_decimal(time_s: &[f64]) -> f64 {
-    let is_whole = |scale: f64| {
-        time_s.iter().all(|t| {
-            let scaled = t * scale;
-            (scaled - scaled.round()).abs() <= 1e-6
-        })
-    };
-    (0..12)
-        .map(|decimals| 10.0_f64.powi(decimals))
-        .find(|scale| is_whole(*scale))
-        .map_or(0.0, f64::recip)
-}
-
-/// Whether a distance is above its limit; one that is not a number is, too.
-fn exceeds(distance: f64, limit: f64) -> bool {
-    distance > limit || distance.is_nan()
 }
 
 /// Refuses displacement samples that begin or end with a velocity.
@@ -125,48 +70,6 @@ pub(super) fn agree(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn refusal(time_s: &[f64]) -> String {
-        uniform_step(time_s).unwrap_err().to_string()
-    }
-
-    #[test]
-    fn times_with_few_digits_are_uniform_and_keep_the_mean_step() {
-        let third = |k: i32| (f64::from(k) / 300.0 * 1e6).round() / 1e6;
-        let times: Vec<f64> = (0..301).map(third).collect();
-        assert!((uniform_step(&times).unwrap() - 1.0 / 300.0).abs() < 1e-15);
-    }
-
-    #[test]
-    fn ordinary_rates_in_few_decimals_are_uniform() {
-        for (rate, decimals) in [(60.0, 3), (60.0, 4), (240.0, 4), (300.0, 5), (1000.0, 3)] {
-            let unit = 10.0_f64.powi(decimals);
-            let rounded = |k: i32| (f64::from(k) / rate * unit).round() / unit;
-            let times: Vec<f64> = (0..=600).map(rounded).collect();
-            let step_s = uniform_step(&times).unwrap();
-            assert!((step_s * rate - 1.0).abs() < 1e-3, "{rate} Hz in {decimals} decimals");
-        }
-        // In whole seconds a jitter cannot be told from rounding, so it is none.
-        assert!(uniform_step(&[0.0, 1.0, 2.0, 4.0, 5.0]).is_err());
-    }
-
-    #[test]
-    fn a_missing_row_and_a_stray_time_are_named() {
-        let mut times: Vec<f64> = (0..20).map(|k| f64::from(k) * 0.5).collect();
-        times.remove(7);
-        assert_eq!(
-            refusal(&times),
-            "time = 4 s, but must be 3.5 s: the samples before and after stand 0.5 s apart"
-        );
-        let times = [0.0, 1.0, 2.25, 3.0, 4.0, 5.0];
-        assert!(refusal(&times).starts_with("time = 2.25 s, but must be 2 s"));
-    }
-
-    #[test]
-    fn a_steady_drift_of_the_step_is_refused() {
-        let times: Vec<f64> = (0..100).map(|k| f64::from(k) + 1e-5 * f64::from(k * k)).collect();
-        assert!(uniform_step(&times).is_err());
-    }
 
     #[test]
     fn gentle_starts_are_at_rest_and_ramps_are_not() {

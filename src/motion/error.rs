@@ -2,6 +2,8 @@ use std::fmt;
 
 use thiserror::Error;
 
+use crate::numeric::NotUniform;
+
 /// A column of a tip motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MotionColumn {
@@ -56,22 +58,8 @@ pub enum MotionError {
     #[error("the motion reaches beyond double precision, but must stay far below 1e308 in SI")]
     TooLarge,
     /// A time that does not stand on the uniform grid.
-    #[error(
-        "time = {} s, but must be {} s: the samples before and after stand {} s apart",
-        tidy(*found_s),
-        tidy(*expected_s),
-        tidy(*step_s)
-    )]
-    NotUniform {
-        /// Number of the sample, from 0.
-        sample: usize,
-        /// Time found.
-        found_s: f64,
-        /// Time that continues the grid.
-        expected_s: f64,
-        /// Step of the grid.
-        step_s: f64,
-    },
+    #[error(transparent)]
+    NotUniform(#[from] NotUniform),
     /// The tip stands still.
     #[error("the tip stands still in all samples, but must move")]
     NoMotion,
@@ -123,17 +111,12 @@ pub enum MotionError {
     },
 }
 
-/// A time without the last digits of its arithmetic.
-fn tidy(time_s: f64) -> f64 {
-    format!("{time_s:.11e}").parse().unwrap_or(time_s)
-}
-
 impl MotionError {
     /// Number of the sample, from 0, that is to blame, where one is.
     pub fn sample(&self) -> Option<usize> {
         match self {
             Self::NotFinite { sample, .. }
-            | Self::NotUniform { sample, .. }
+            | Self::NotUniform(NotUniform { sample, .. })
             | Self::MovingAtEnd { sample, .. }
             | Self::Disagree { sample, .. } => Some(*sample),
             Self::Shape { .. } | Self::TooLarge | Self::NoMotion | Self::AcceleratesAway { .. } => {
@@ -145,7 +128,7 @@ impl MotionError {
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::NotUniform { .. } => Some(
+            Self::NotUniform(_) => Some(
                 "write times with more decimals, or let --resample STEP make uneven samples uniform",
             ),
             Self::AcceleratesAway { .. } | Self::MovingAtEnd { .. } => {

@@ -1,4 +1,4 @@
-use super::checks::{agree, at_rest, finite, uniform_step};
+use super::checks::{agree, at_rest, finite};
 use super::columns::MotionColumns;
 use super::error::{MotionColumn, MotionError};
 use crate::numeric::{TimeGrid, fast_length};
@@ -67,8 +67,7 @@ impl TipMotion {
             ("displacement", displacement_m.as_ref()),
         ];
         named.into_iter().try_for_each(|(name, samples)| finite(name, samples))?;
-        let step_s = uniform_step(&time_s)?;
-        let grid = TimeGrid { origin_s: time_s[0], step_s, first: 0, len };
+        let grid = TimeGrid::through(&time_s)?;
         let initial_displacement_m = displacement_m.as_ref().map_or(0.0, |d| d[0]);
         let from_acceleration = acceleration_m_s2.is_some();
         let mut motion = match (acceleration_m_s2, &displacement_m) {

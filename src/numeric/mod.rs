@@ -5,6 +5,7 @@ mod grid;
 mod roots;
 mod scalar;
 mod spline;
+mod uniform;
 mod units;
 #[cfg(test)]
 mod wide;
@@ -14,6 +15,7 @@ pub use grid::{ThinnedGrid, TimeGrid};
 pub use roots::{bisect, geometric_scan};
 pub use scalar::Scalar;
 pub use spline::{CubicSpline, SplineEnds};
+pub use uniform::NotUniform;
 pub(crate) use units::split_number;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
 #[cfg(test)]

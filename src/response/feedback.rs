@@ -2,7 +2,7 @@ use thiserror::Error;
 
 use super::reference::HubReference;
 use super::torque::Torque;
-use crate::numeric::TimeGrid;
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
 
 /// Collocated feedback at the hub around a computed motion (Bayo 1987, section 6).
 ///
@@ -116,11 +116,21 @@ impl Feedback {
             });
         }
         let angle = self.reference.angle_rad();
-        let rate = self.reference.rate_rad_s();
-        let wanted = angle.iter().zip(rate).map(|(angle_rad, rate)| {
+        let wanted = angle.iter().zip(self.rate_rad_s()).map(|(angle_rad, rate)| {
             self.stiffness_n_m_rad * (angle_rad - angle[0]) + self.damping_n_m_s_rad * rate
         });
         Ok(wanted.collect())
+    }
+
+    /// Rate of the reference: as given, or that of a spline through its angles.
+    fn rate_rad_s(&self) -> Vec<f64> {
+        let given = self.reference.rate_rad_s().map(<[f64]>::to_vec);
+        given.unwrap_or_else(|| {
+            let angle = self.reference.angle_rad();
+            let steps: Vec<f64> = (0..angle.len()).map(|k| k as f64).collect();
+            let spline = CubicSpline::new(&steps, angle, SplineEnds::NotAKnot);
+            spline.slopes().iter().map(|slope| slope / self.reference.grid().step_s).collect()
+        })
     }
 }
 

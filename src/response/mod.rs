@@ -4,17 +4,21 @@
 mod equations;
 mod feedback;
 mod forcing;
+mod history;
 mod play;
 mod reference;
 mod residual;
 mod selection;
 mod simulation;
 mod stepper;
+#[cfg(test)]
+mod tests;
 mod torque;
 mod warning;
 
 pub use feedback::{Feedback, FeedbackError};
 pub use forcing::Interpolation;
+pub use history::HistoryError;
 pub use play::Play;
 pub use reference::HubReference;
 pub use residual::ResidualVibration;

@@ -1,8 +1,9 @@
 use crate::motion::MotionColumns;
 use crate::numeric::{CubicSpline, SplineEnds};
 
-use super::motion_csv::{MIN_SAMPLES, MotionTable};
-use super::motion_error::{MotionFileError, Place};
+use super::motion_csv::MotionTable;
+use super::samples::MIN_SAMPLES;
+use super::table_error::{Place, TableError};
 
 /// Most samples that a resampled motion may have.
 const MAX_SAMPLES: f64 = 1e8;
@@ -20,13 +21,13 @@ impl MotionTable {
     /// let file = b"time,displacement\n0,0\n0.1,0.2\n0.3,0.8\n0.4,1\n";
     /// let motion = read_motion_table("move.csv", file, 1.5)?.resampled(0.05)?;
     /// assert_eq!(motion.columns.time_s.len(), 9);
-    /// # Ok::<(), flexlink::tables::MotionFileError>(())
+    /// # Ok::<(), flexlink::tables::TableError>(())
     /// ```
     ///
     /// # Errors
-    /// [`MotionFileError`] unless the step is above 0, divides the motion's duration within 1e-6
+    /// [`TableError`] unless the step is above 0, divides the motion's duration within 1e-6
     /// of a step, and gives from 4 to 1e8 samples.
-    pub fn resampled(self, step_s: f64) -> Result<Self, MotionFileError> {
+    pub fn resampled(self, step_s: f64) -> Result<Self, TableError> {
         let known = &self.columns.time_s;
         let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
             return Ok(self);
@@ -57,7 +58,7 @@ impl MotionTable {
 }
 
 /// Number of steps in the duration, refused unless it is whole.
-fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, MotionFileError> {
+fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, TableError> {
     let refuse = |must: String| place.refuse("resampling step", format!("{step_s} s"), must);
     if !(step_s.is_finite() && step_s > 0.0) {
         return Err(refuse("must be finite and above 0".to_owned()));

@@ -1,6 +1,6 @@
 use csv::{Reader, ReaderBuilder, StringRecord, Trim};
 
-use super::motion_error::{MotionFileError, Place};
+use super::table_error::{Place, TableError};
 
 /// The rows of a CSV text, each with its line; comments and blank lines are passed over.
 pub(super) struct Rows<'a> {
@@ -15,7 +15,7 @@ pub(super) struct Rows<'a> {
 
 impl<'a> Rows<'a> {
     /// Takes the content of `file`, which must be UTF-8; a byte order mark is passed over.
-    pub(super) fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, MotionFileError> {
+    pub(super) fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, TableError> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
             let good = error.valid_up_to();
             let line = Some(1 + line_ends(bytes, 0, good));
@@ -34,7 +34,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The next row's line and fields, trimmed; `None` after the last.
-    pub(super) fn next(&mut self) -> Result<Option<(u64, Vec<&str>)>, MotionFileError> {
+    pub(super) fn next(&mut self) -> Result<Option<(u64, Vec<&str>)>, TableError> {
         loop {
             match self.reader.read_record(&mut self.record) {
                 Ok(false) => return Ok(None),

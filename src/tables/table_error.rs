@@ -1,18 +1,18 @@
 use thiserror::Error;
 
-/// A trajectory file that is refused.
+/// A CSV file that is refused.
 ///
 /// The text reads `traj.csv:17: displacement = nan, but must be a finite number`.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{place}: {message}")]
-pub struct MotionFileError {
+pub struct TableError {
     /// File and, where one is at fault, line.
     place: String,
     message: String,
     hint: Option<String>,
 }
 
-impl MotionFileError {
+impl TableError {
     /// What the user may do, if there is something to add.
     pub fn hint(&self) -> Option<&str> {
         self.hint.as_deref()
@@ -24,7 +24,7 @@ impl MotionFileError {
     }
 }
 
-/// Where in a trajectory file something was found.
+/// Where in a file something was found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place<'a> {
     /// The file, as the user named it.
@@ -40,18 +40,18 @@ impl Place<'_> {
         subject: impl Into<String>,
         found: impl Into<String>,
         must: impl Into<String>,
-    ) -> MotionFileError {
+    ) -> TableError {
         let message = format!("{} = {}, but {}", subject.into(), found.into(), must.into());
         self.refuse_whole(message)
     }
 
     /// Refuses what is found here in words of its own.
-    pub(super) fn refuse_whole(&self, message: String) -> MotionFileError {
+    pub(super) fn refuse_whole(&self, message: String) -> TableError {
         let place = match self.line {
             Some(line) => format!("{}:{line}", self.file),
             None => self.file.to_owned(),
         };
-        MotionFileError { place, message, hint: None }
+        TableError { place, message, hint: None }
     }
 }
 

@@ -1,0 +1,109 @@
+use super::header::{Header, Heading};
+use super::quantity::Quantity;
+use super::rows::Rows;
+use super::table_error::{Place, TableError, quoted};
+
+/// Fewest samples that a table may have.
+pub(super) const MIN_SAMPLES: usize = 4;
+
+/// The columns of a table that are read, in SI, with the line of every sample.
+pub(super) struct Samples {
+    header: Header,
+    /// Which of the headings is the time.
+    time: usize,
+    /// One column a heading.
+    values: Vec<Vec<f64>>,
+    pub(super) lines: Vec<u64>,
+    /// The last time as written.
+    time_text: String,
+}
+
+impl Samples {
+    /// Reads a table whose first row `read_header` makes sense of. One of its columns is the time.
+    pub(super) fn read(
+        name: &str,
+        bytes: &[u8],
+        read_header: impl FnOnce(&[&str], Place) -> Result<Header, TableError>,
+    ) -> Result<Self, TableError> {
+        let whole = Place { file: name, line: None };
+        let mut rows = Rows::new(name, bytes)?;
+        let Some((line, fields)) = rows.next()? else {
+            let must = format!("must hold a row of names and {MIN_SAMPLES} samples or more");
+            return Err(whole.refuse("content", "nothing", must));
+        };
+        let place = Place { line: Some(line), ..whole };
+        let mut samples = Self::new(read_header(&fields, place)?);
+        while let Some((line, fields)) = rows.next()? {
+            let place = Place { line: Some(line), ..whole };
+            samples.push(&fields, line, place)?;
+        }
+        if samples.lines.len() < MIN_SAMPLES {
+            let found = samples.lines.len().to_string();
+            return Err(whole.refuse("samples", found, format!("must be {MIN_SAMPLES} or more")));
+        }
+        Ok(samples)
+    }
+
+    /// Takes the column of a quantity, if the table holds it.
+    pub(super) fn take(&mut self, quantity: Quantity) -> Option<Vec<f64>> {
+        let is_wanted = |heading: &Heading| heading.quantity == quantity;
+        let place = self.header.headings.iter().position(is_wanted)?;
+        Some(std::mem::take(&mut self.values[place]))
+    }
+
+    fn new(header: Header) -> Self {
+        let is_time = |heading: &Heading| heading.quantity == Quantity::Time;
+        Self {
+            time: header.headings.iter().position(is_time).unwrap_or(0),
+            values: vec![Vec::new(); header.headings.len()],
+            header,
+            lines: Vec::new(),
+            time_text: String::new(),
+        }
+    }
+
+    fn push(&mut self, fields: &[&str], line: u64, place: Place) -> Result<(), TableError> {
+        let Header { width, headings } = &self.header;
+        if fields.len() != *width {
+            let must = format!("must be {width}, as many as there are columns");
+            return Err(place.refuse("fields", fields.len().to_string(), must));
+        }
+        for (heading, values) in headings.iter().zip(&mut self.values) {
+            values.push(read_number(fields[heading.index], heading, place)?);
+        }
+        let time_text = fields[headings[self.time].index];
+        self.check_time(time_text, place)?;
+        time_text.clone_into(&mut self.time_text);
+        self.lines.push(line);
+        Ok(())
+    }
+
+    /// Refuses a time, written as `text`, that is not above the one before it.
+    fn check_time(&self, text: &str, place: Place) -> Result<(), TableError> {
+        let (&[.., before, now], Some(line)) = (&self.values[self.time][..], self.lines.last())
+        else {
+            return Ok(());
+        };
+        if now > before {
+            return Ok(());
+        }
+        let Heading { name, unit_text, .. } = &self.header.headings[self.time];
+        let must = format!("must be above {} {unit_text} of line {line}", self.time_text);
+        Err(place.refuse(name, format!("{text} {unit_text}"), must))
+    }
+}
+
+/// One field of a column, in SI.
+fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, TableError> {
+    let finite = "must be a finite number";
+    if field.is_empty() {
+        return Err(place.refuse(&heading.name, "nothing", finite));
+    }
+    let Ok(number) = field.parse::<f64>() else {
+        let decimal_comma = field.replace(',', ".").parse::<f64>().is_ok();
+        let hint = decimal_comma.then(|| "decimals follow a point".to_owned());
+        return Err(place.refuse(&heading.name, quoted(field), "must be a number").with_hint(hint));
+    };
+    let value = heading.to_si(number);
+    if value.is_finite() { Ok(value) } else { Err(place.refuse(&heading.name, field, finite)) }
+}
