@@ -55,7 +55,7 @@ impl Modes {
         let highest = omega_rad_s.last().copied().unwrap_or_default();
         let blocked = real_frequency_zeros(&mesh, highest);
         let result = ModesResult {
-            damping_ratios: ratios(&law, &omega_rad_s),
+            damping_ratios: law.modal_ratios(&omega_rad_s),
             zeros_per_s: torque_zeros(&mesh, count),
             blocked_hz: blocked.iter().map(|omega| omega / std::f64::consts::TAU).collect(),
             nodes_m: mesh.nodes_m().to_vec(),
@@ -67,11 +67,6 @@ impl Modes {
         }
         console::print(&modes_text(&specification.link, &mesh, &result))
     }
-}
-
-/// Damping ratio that each mode gets.
-fn ratios(law: &DampingLaw, omega_rad_s: &[f64]) -> Vec<f64> {
-    omega_rad_s.iter().enumerate().map(|(k, omega)| law.modal_ratio(k + 1, *omega)).collect()
 }
 
 /// Displacements of all nodes in a mode.

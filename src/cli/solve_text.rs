@@ -84,9 +84,7 @@ pub(crate) fn damping_line(link: &Link, law: &DampingLaw) -> String {
 
 /// Damping ratios of the modes, where they are not all one; empty otherwise.
 fn ratios_line(solution: &Solution) -> String {
-    let frequencies = solution.natural_frequencies_rad_s.iter().enumerate();
-    let ratios: Vec<f64> =
-        frequencies.map(|(k, omega)| solution.law().modal_ratio(k + 1, *omega)).collect();
+    let ratios = solution.law().modal_ratios(&solution.natural_frequencies_rad_s);
     let first = ratios.first().map_or(0, |ratio| ratio.to_bits());
     let are_one = ratios.iter().all(|ratio| ratio.to_bits() == first);
     if are_one { String::new() } else { list(&ratios, 2) }

@@ -155,6 +155,12 @@ impl DampingLaw {
         }
     }
 
+    /// Viscous ratios of the first flexible modes, whose frequencies in rad/s are given.
+    pub fn modal_ratios(&self, frequencies_rad_s: &[f64]) -> Vec<f64> {
+        let modes = frequencies_rad_s.iter().enumerate();
+        modes.map(|(k, omega)| self.modal_ratio(k + 1, *omega)).collect()
+    }
+
     /// What divides the torque's share in flexible mode `number` of natural frequency `mode_rad_s`
     /// at ω: `ω_k² − λ`, or `ω_k² − ω² + 2iζω_kω`, in 1/s².
     pub fn modal_denominator(&self, number: usize, mode_rad_s: f64, omega_rad_s: f64) -> Complex64 {

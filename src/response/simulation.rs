@@ -188,6 +188,13 @@ impl Simulation {
         }
     }
 
+    /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.
+    pub fn tip_deflection_m(&self) -> Vec<f64> {
+        let length_m = self.mesh.length_m();
+        let tips = self.tip.displacement_m.iter().zip(&self.hub_angle_rad);
+        tips.map(|(v, theta)| v - length_m * theta).collect()
+    }
+
     /// Total displacement `v = xθ + w` in m at `nodes`, every `every`-th sample.
     ///
     /// # Panics

@@ -99,9 +99,9 @@ pub(super) fn warnings(simulation: &Simulation, play: &Play) -> Vec<SimulationWa
         SimulationWarning::CoarseStep { steps, .. } => *steps < STEPS_IN_A_PERIOD,
         _ => false,
     };
-    let length_m = simulation.mesh.length_m();
-    let tips = simulation.tip.displacement_m.iter().zip(&simulation.hub_angle_rad);
-    let bent = tips.fold(0.0_f64, |m, (v, theta)| m.max((v - length_m * theta).abs())) / length_m;
+    let deflection = simulation.tip_deflection_m();
+    let bent_m = deflection.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
+    let bent = bent_m / simulation.mesh.length_m();
     let deflects = SimulationWarning::LargeDeflection { share: bent };
     (share(first) > STEP_SHARE)
         .then_some(begins)

@@ -79,7 +79,7 @@ impl Metrics {
     }
 }
 
-fn peak(samples: &[f64], grid: &TimeGrid) -> Peak {
+pub(super) fn peak(samples: &[f64], grid: &TimeGrid) -> Peak {
     let mut largest = (0.0, 0);
     for (k, sample) in samples.iter().enumerate() {
         if sample.abs() > largest.0 {

@@ -2,6 +2,10 @@
 
 mod limits;
 mod metrics;
+mod played;
+mod tip_error;
 
 pub use limits::{Exceeded, Limits};
 pub use metrics::{Metrics, Peak, TIMING_LEVEL};
+pub use played::PlayedMetrics;
+pub use tip_error::TipError;

@@ -1,12 +1,13 @@
 //! The files of `solve`: every column's name and unit, once.
 
-use std::io::{self, Write};
-
-use super::csv_table::{Column, ColumnGroup, write_csv};
+use super::csv_table::{ColumnGroup, write_csv};
 use super::folder::{FolderError, OutputFolder};
+use super::histories::{
+    MOTOR, RESULT_FILES, SUMMARY, group, nodal_group, tip_groups, write_nodes,
+};
 use super::number::Digits;
 use super::summary::Summary;
-use crate::beam::{Mesh, NodalHistories};
+use crate::beam::NodalHistories;
 use crate::inverse::{MotorHistories, Solution};
 use crate::link::{Drive, Link};
 
@@ -43,23 +44,6 @@ impl OptionalTable {
     }
 }
 
-/// Names of all files that `solve` may write, summary.json left out.
-const OWNED: [&str; 9] = [
-    "torque.csv",
-    "rigid_torque.csv",
-    "hub_angle.csv",
-    "tip.csv",
-    MOTOR,
-    "nodes.csv",
-    "nodal_displacements.csv",
-    "nodal_deflections.csv",
-    "bending_moments.csv",
-];
-
-const MOTOR: &str = "motor.csv";
-
-const SUMMARY: &str = "summary.json";
-
 impl SolveOutputs {
     /// Names of the files that will be written, summary.json last.
     pub fn file_names(&self) -> Vec<&'static str> {
@@ -69,7 +53,7 @@ impl SolveOutputs {
             let is_driven = *name != MOTOR || self.drive.is_some();
             is_driven && table.is_none_or(|table| self.optional.contains(&table))
         };
-        OWNED.into_iter().filter(wanted).chain([SUMMARY]).collect()
+        RESULT_FILES.into_iter().filter(wanted).chain([SUMMARY]).collect()
     }
 
     /// Writes the files of a solution into `folder` and gives them their names, all or none.
@@ -97,7 +81,7 @@ impl SolveOutputs {
         folder.file("nodes.csv", |out| write_nodes(out, link, solution.mesh(), self.digits))?;
         self.write_nodal(&mut folder, solution)?;
         folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
-        folder.commit(SUMMARY, &OWNED)
+        folder.commit(SUMMARY, &RESULT_FILES)
     }
 
     fn write_nodal(
@@ -134,14 +118,7 @@ fn histories(solution: &Solution) -> [(&'static str, Vec<ColumnGroup<'_>>); 4] {
         ("torque.csv", vec![group([("torque_n_m", &solution.torque_n_m)])]),
         ("rigid_torque.csv", vec![group([("rigid_torque_n_m", &solution.rigid_torque_n_m)])]),
         ("hub_angle.csv", hub_groups(solution)),
-        (
-            "tip.csv",
-            vec![
-                group([("tip_displacement_m", &tip.displacement_m)]),
-                group([("tip_velocity_m_s", &tip.velocity_m_s)]),
-                group([("tip_acceleration_m_s2", &tip.acceleration_m_s2)]),
-            ],
-        ),
+        ("tip.csv", tip_groups(tip)),
     ]
 }
 
@@ -161,35 +138,4 @@ fn motor_groups(motor: &MotorHistories) -> Vec<ColumnGroup<'_>> {
         group([("motor_rate_rad_s", &motor.rate_rad_s)]),
         group([("motor_power_w", &motor.power_w)]),
     ]
-}
-
-fn group<'a, const N: usize>(columns: [(&str, &'a Vec<f64>); N]) -> ColumnGroup<'a> {
-    let columns = columns.map(|(name, values)| Column { name: name.to_owned(), values });
-    ColumnGroup { columns: columns.into() }
-}
-
-/// One column a node: `v7_m`.
-fn nodal_group<'a>(letter: &str, unit: &str, histories: &'a NodalHistories) -> ColumnGroup<'a> {
-    let columns = histories
-        .nodes
-        .iter()
-        .zip(&histories.samples)
-        .map(|(node, values)| Column { name: format!("{letter}{node}_{unit}"), values });
-    ColumnGroup { columns: columns.collect() }
-}
-
-/// `nodes.csv`: every node of the mesh with the segment that ends there (node 0: begins there),
-/// by name, or by number where it has none.
-fn write_nodes(out: &mut dyn Write, link: &Link, mesh: &Mesh, digits: Digits) -> io::Result<()> {
-    let format = digits.for_peak(mesh.length_m());
-    let mut table = csv::Writer::from_writer(out);
-    table.write_record(["node", "x_m", "segment"])?;
-    for (node, x_m) in mesh.nodes_m().iter().enumerate() {
-        let index = mesh.element_segments()[node.saturating_sub(1)];
-        let name = link.segments()[index].name.clone().unwrap_or_else(|| index.to_string());
-        let mut position = Vec::new();
-        format.write(&mut position, *x_m);
-        table.write_record([node.to_string().as_bytes(), &position, name.as_bytes()])?;
-    }
-    table.flush()
 }

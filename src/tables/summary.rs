@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::input::InputFile;
 use super::link_record::LinkRecord;
+use super::records::{Fingerprint, MeshRecord, WarningRecord, json};
 use crate::inverse::{Analysis, Solution};
 use crate::link::{Drive, Link};
-use crate::modal::DampingLaw;
 use crate::motion::TipMotion;
 use crate::result::{Exceeded, Metrics};
 
@@ -59,24 +59,11 @@ struct Inputs {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-struct Fingerprint {
-    name: String,
-    sha256: String,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
 struct DriveRecord {
     /// Nothing for a stiff joint: JSON has no infinity.
     joint_stiffness_n_m_rad: Option<f64>,
     rotor_inertia_kg_m2: f64,
     gear_ratio: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct MeshRecord {
-    elements: usize,
-    degrees_of_freedom: usize,
-    resolved_hz: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -131,13 +118,6 @@ struct Errors {
     truncation_error: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct WarningRecord {
-    kind: &'static str,
-    message: String,
-    hint: &'static str,
-}
-
 impl Summary {
     /// Gathers the summary of a solution, its metrics and the limits that it exceeds; `files` are
     /// the names of what is written with it.
@@ -161,15 +141,11 @@ impl Summary {
             },
             link: LinkRecord::new(inputs.link, solution.law()),
             drive: inputs.drive.map(DriveRecord::of),
-            mesh: MeshRecord {
-                elements: solution.mesh().elements().len(),
-                degrees_of_freedom: 2 * solution.mesh().elements().len() + 1,
-                resolved_hz: hertz(&solution.mesh().resolved_frequency_rad_s()),
-            },
+            mesh: MeshRecord::of(solution.mesh()),
             motion: MotionRecord::new(inputs.motion, metrics),
             periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
             natural_frequencies_hz: frequencies.iter().map(hertz).collect(),
-            modal_damping_ratios: ratios(solution.law(), frequencies),
+            modal_damping_ratios: solution.law().modal_ratios(frequencies),
             zeros_per_s: solution.zeros_per_s.clone(),
             analysis: AnalysisRecord::new(inputs.analysis, solution),
             results: Results::new(metrics),
@@ -188,14 +164,8 @@ impl Summary {
     /// # Panics
     /// Never: the summary holds nothing that JSON cannot.
     pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("plain records are JSON");
-        text.push('\n');
-        text
+        json(self)
     }
-}
-
-fn ratios(law: &DampingLaw, frequencies: &[f64]) -> Vec<f64> {
-    frequencies.iter().enumerate().map(|(k, omega)| law.modal_ratio(k + 1, *omega)).collect()
 }
 
 fn warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<WarningRecord> {
@@ -220,12 +190,6 @@ impl DriveRecord {
             rotor_inertia_kg_m2: drive.rotor_inertia_kg_m2,
             gear_ratio: drive.gear_ratio,
         }
-    }
-}
-
-impl Fingerprint {
-    fn of(file: &InputFile) -> Self {
-        Self { name: file.name.clone(), sha256: file.sha256() }
     }
 }
 

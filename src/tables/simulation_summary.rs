@@ -1,0 +1,217 @@
+//! summary.json of `simulate`.
+
+use serde::Serialize;
+
+use super::input::InputFile;
+use super::link_record::LinkRecord;
+use super::records::{Fingerprint, MeshRecord, WarningRecord, json};
+use crate::link::Link;
+use crate::modal::natural_frequencies;
+use crate::response::{Interpolation, Play, Simulation};
+use crate::result::{PlayedMetrics, TipError};
+
+/// Natural frequencies that a summary reports.
+const REPORTED_MODES: usize = 5;
+
+/// What a simulation was given.
+#[derive(Debug, Clone, Copy)]
+pub struct SimulationInputs<'a> {
+    /// The link file.
+    pub link_file: &'a InputFile,
+    /// The torque file.
+    pub torque_file: &'a InputFile,
+    /// The target file, if there is one.
+    pub target_file: Option<&'a InputFile>,
+    /// The reference file of feedback, if there is one.
+    pub reference_file: Option<&'a InputFile>,
+    /// The link that was read.
+    pub link: &'a Link,
+    /// What was played.
+    pub play: &'a Play<'a>,
+    /// The arguments that changed the inputs, in order: `--set …`, `--column …`.
+    pub changes: &'a [String],
+}
+
+/// The content of summary.json, in the order of its keys.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SimulationSummary {
+    flexlink: &'static str,
+    command: &'static str,
+    title: String,
+    inputs: Inputs,
+    link: LinkRecord,
+    mesh: MeshRecord,
+    torque: TorqueRecord,
+    feedback: Option<FeedbackRecord>,
+    modes: ModesRecord,
+    periods_s: Vec<f64>,
+    viscous_damping_ratios: Vec<f64>,
+    results: Results,
+    residual: ResidualRecord,
+    tip_error: Option<TipErrorRecord>,
+    warnings: Vec<WarningRecord>,
+    files: Vec<&'static str>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Inputs {
+    link: Fingerprint,
+    torque: Fingerprint,
+    target: Option<Fingerprint>,
+    reference: Option<Fingerprint>,
+    changes: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct TorqueRecord {
+    samples: usize,
+    step_s: f64,
+    start_s: f64,
+    end_s: f64,
+    simulated_until_s: f64,
+    interpolation: &'static str,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct FeedbackRecord {
+    stiffness_n_m_rad: f64,
+    damping_n_m_s_rad: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ModesRecord {
+    kept: usize,
+    of_mesh: usize,
+    torque_band_hz: f64,
+    highest_hz: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Results {
+    peak_torque_n_m: f64,
+    farthest_m: f64,
+    travel_m: f64,
+    final_tip_velocity_m_s: f64,
+    peak_hub_angle_rad: f64,
+    peak_hub_rate_rad_s: f64,
+    peak_power_w: f64,
+    peak_deflection_m: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ResidualRecord {
+    amplitude_m: f64,
+    share: f64,
+    frequency_hz: Option<f64>,
+    decay_s: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct TipErrorRecord {
+    worst_m: f64,
+    share: f64,
+    time_s: f64,
+    rms_m: f64,
+    final_m: f64,
+}
+
+impl SimulationSummary {
+    /// Gathers the summary of a simulation; `files` are the names of what is written with it.
+    pub fn new(
+        inputs: &SimulationInputs,
+        simulation: &Simulation,
+        metrics: &PlayedMetrics,
+        tip_error: Option<&TipError>,
+        files: Vec<&'static str>,
+    ) -> Self {
+        let frequencies = natural_frequencies(&simulation.mesh, REPORTED_MODES);
+        Self {
+            flexlink: env!("CARGO_PKG_VERSION"),
+            command: "simulate",
+            title: inputs.link.title().to_owned(),
+            inputs: Inputs {
+                link: Fingerprint::of(inputs.link_file),
+                torque: Fingerprint::of(inputs.torque_file),
+                target: inputs.target_file.map(Fingerprint::of),
+                reference: inputs.reference_file.map(Fingerprint::of),
+                changes: inputs.changes.to_vec(),
+            },
+            link: LinkRecord::new(inputs.link, &simulation.law),
+            mesh: MeshRecord::of(&simulation.mesh),
+            torque: TorqueRecord::new(inputs.play, simulation),
+            feedback: inputs.play.feedback.map(|feedback| FeedbackRecord {
+                stiffness_n_m_rad: feedback.stiffness_n_m_rad(),
+                damping_n_m_s_rad: feedback.damping_n_m_s_rad(),
+            }),
+            modes: ModesRecord {
+                kept: simulation.selection.modes,
+                of_mesh: simulation.selection.of,
+                torque_band_hz: simulation.selection.torque_band_hz,
+                highest_hz: simulation.selection.highest_hz,
+            },
+            periods_s: frequencies.iter().map(|omega| std::f64::consts::TAU / omega).collect(),
+            viscous_damping_ratios: simulation.law.modal_ratios(&frequencies),
+            results: Results::new(metrics),
+            residual: ResidualRecord {
+                amplitude_m: simulation.residual.amplitude_m,
+                share: simulation.residual.share,
+                frequency_hz: simulation.residual.frequency_hz,
+                decay_s: simulation.residual.decay_s,
+            },
+            tip_error: tip_error.map(|error| TipErrorRecord {
+                worst_m: error.worst_m,
+                share: error.share,
+                time_s: error.time_s,
+                rms_m: error.rms_m,
+                final_m: error.final_m,
+            }),
+            warnings: simulation
+                .warnings
+                .iter()
+                .map(|warning| WarningRecord {
+                    kind: warning.kind(),
+                    message: warning.to_string(),
+                    hint: warning.hint(),
+                })
+                .collect(),
+            files,
+        }
+    }
+
+    /// The JSON text, indented, with a final line end.
+    pub fn to_json(&self) -> String {
+        json(self)
+    }
+}
+
+impl TorqueRecord {
+    fn new(play: &Play, simulation: &Simulation) -> Self {
+        let (grid, own) = (play.torque.grid(), &simulation.grid);
+        Self {
+            samples: grid.len,
+            step_s: grid.step_s,
+            start_s: grid.time_s(0),
+            end_s: grid.time_s(grid.len - 1),
+            simulated_until_s: own.time_s(own.len - 1),
+            interpolation: match play.interpolation {
+                Interpolation::Cubic => "cubic",
+                Interpolation::Linear => "linear",
+            },
+        }
+    }
+}
+
+impl Results {
+    fn new(metrics: &PlayedMetrics) -> Self {
+        Self {
+            peak_torque_n_m: metrics.peak_torque_n_m.value,
+            farthest_m: metrics.farthest_m,
+            travel_m: metrics.travel_m,
+            final_tip_velocity_m_s: metrics.final_tip_velocity_m_s,
+            peak_hub_angle_rad: metrics.peak_hub_angle_rad.value,
+            peak_hub_rate_rad_s: metrics.peak_hub_rate_rad_s.value,
+            peak_power_w: metrics.peak_power_w.value,
+            peak_deflection_m: metrics.peak_deflection_m.value,
+        }
+    }
+}
