@@ -16,7 +16,7 @@ pub use roots::{bisect, geometric_scan};
 pub use scalar::Scalar;
 pub use spline::{CubicSpline, SplineEnds};
 pub use uniform::NotUniform;
-pub(crate) use units::split_number;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
+pub(crate) use units::{reads_as_unit, split_number};
 #[cfg(test)]
 pub(crate) use wide::Wide;

@@ -5,8 +5,8 @@ use super::TimeGrid;
 /// Largest deviation of a time from the grid, in steps.
 const TIME_TOLERANCE: f64 = 1e-3;
 
-/// Times rounded to decimals of at most this share of a step may be off by half a decimal, too: a
-/// rate of 60 Hz written in whole milliseconds.
+/// Times rounded to decimals of at most this share of a step may be off by one decimal, too: a rate
+/// of 60 Hz written in whole milliseconds.
 const DECIMAL_SHARE: f64 = 0.1;
 
 /// A time that does not stand on the uniform grid of the others.
@@ -85,7 +85,8 @@ impl TimeGrid {
 /// How far a time may stand from the grid, in s.
 fn slack(time_s: &[f64], step_s: f64) -> f64 {
     let decimal_s = last_decimal(time_s);
-    let rounding_s = if decimal_s <= DECIMAL_SHARE * step_s { 0.5 * decimal_s } else { 0.0 };
+    // Half a decimal for the time itself, and half for the ends that the grid is drawn through.
+    let rounding_s = if decimal_s <= DECIMAL_SHARE * step_s { decimal_s } else { 0.0 };
     (TIME_TOLERANCE * step_s).max(1.001 * rounding_s)
 }
 
@@ -131,6 +132,12 @@ mod tests {
             let times: Vec<f64> = (0..=600).map(rounded).collect();
             let step_s = TimeGrid::through(&times).unwrap().step_s;
             assert!((step_s * rate - 1.0).abs() < 1e-3, "{rate} Hz in {decimals} decimals");
+        }
+        // At 154 Hz some of these end with a time rounded up and hold another rounded down.
+        let rounded = |k: i32| (f64::from(k) / 154.0 * 1e5).round() / 1e5;
+        for last in 4..200 {
+            let times: Vec<f64> = (0..=last).map(rounded).collect();
+            assert!(TimeGrid::through(&times).is_ok(), "154 Hz, {last} steps");
         }
         // In whole seconds a jitter cannot be told from rounding, so it is none.
         assert!(TimeGrid::through(&[0.0, 1.0, 2.0, 4.0, 5.0]).is_err());

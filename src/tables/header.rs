@@ -125,11 +125,52 @@ pub(super) fn check_single(
     heading: &Heading,
     place: Place,
 ) -> Result<(), TableError> {
-    let Some(earlier) = before.iter().find(|earlier| earlier.quantity == heading.quantity) else {
-        return Ok(());
-    };
+    let twice = before.iter().find(|earlier| earlier.quantity == heading.quantity);
+    twice.map_or(Ok(()), |earlier| Err(refuse_repeated(earlier, heading, place)))
+}
+
+fn refuse_repeated(earlier: &Heading, heading: &Heading, place: Place) -> TableError {
     let must = format!("must not repeat {}, {}", earlier.subject(), quoted(&earlier.name));
-    Err(place.refuse(heading.subject(), quoted(&heading.name), must))
+    place.refuse(heading.subject(), quoted(&heading.name), must)
+}
+
+/// The one column of `quantity`, if there is one, whatever stands beside it.
+pub(super) fn find_column(
+    fields: &[&str],
+    quantity: Quantity,
+    vocabulary: &Vocabulary,
+    place: Place,
+) -> Result<Option<Heading>, TableError> {
+    let mut found: Option<Heading> = None;
+    for (index, field) in fields.iter().enumerate() {
+        let (name, _) = split_unit(field);
+        let Some((_, suffixed)) = vocabulary.quantity(name).filter(|known| known.0 == quantity)
+        else {
+            continue;
+        };
+        let heading = Heading::of(index, field, quantity, suffixed, place)?;
+        if let Some(earlier) = &found {
+            let choice = vocabulary.choice.map(str::to_owned);
+            return Err(refuse_repeated(earlier, &heading, place).with_hint(choice));
+        }
+        found = Some(heading);
+    }
+    Ok(found)
+}
+
+/// The one column of time.
+pub(super) fn find_time(
+    fields: &[&str],
+    vocabulary: &Vocabulary,
+    place: Place,
+) -> Result<Heading, TableError> {
+    let time = find_column(fields, Quantity::Time, vocabulary, place)?;
+    time.ok_or_else(|| refuse_missing(&names(fields), Quantity::Time.word(), place))
+}
+
+/// The names of all columns, without their units.
+pub(super) fn names<'a>(fields: &[&'a str]) -> Vec<&'a str> {
+    fields.iter().map(|field| split_unit(field).0).collect()
 }
 
 /// Refuses columns with these names for want of one.

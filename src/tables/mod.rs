@@ -23,6 +23,8 @@ mod solve_tables;
 mod summary;
 mod table_error;
 mod time_format;
+mod torque_csv;
+mod torque_header;
 mod trajectory_header;
 
 pub use csv_table::{Column, ColumnGroup, write_csv};
@@ -39,3 +41,4 @@ pub use solve_tables::{OptionalTable, SolveOutputs};
 pub use summary::{RunInputs, Summary};
 pub use table_error::TableError;
 pub use time_format::time_format;
+pub use torque_csv::read_torque_table;

@@ -9,6 +9,7 @@ pub(super) enum Quantity {
     Displacement,
     /// Displacement over the link's length.
     Angle,
+    Torque,
 }
 
 /// How the column of a quantity is headed.
@@ -32,9 +33,11 @@ impl Quantity {
             Self::Velocity => of("velocity", "_m_s", Dimension::VELOCITY, ["m/s", "cm/s"]),
             Self::Displacement => of("displacement", "_m", Dimension::LENGTH, ["m", "cm"]),
             Self::Angle => of("angle", "_rad", Dimension::NONE, ["rad", "deg"]),
+            Self::Torque => of("torque", "_n_m", Dimension::TORQUE, ["N m", "N cm"]),
         }
     }
 
+    /// The name, without prefix and unit.
     pub(super) fn word(self) -> &'static str {
         self.description().word
     }
@@ -48,9 +51,9 @@ impl Quantity {
         self.description().units
     }
 
-    /// What follows the word in a name that begins with it.
-    fn ending(self, name: &str) -> Option<&str> {
-        name.strip_prefix(self.word())
+    /// Whether a name ends with this program's own suffix.
+    pub(super) fn is_suffixed(self, name: &str) -> bool {
+        name.to_lowercase().ends_with(self.description().suffix)
     }
 }
 
@@ -62,6 +65,8 @@ pub(super) struct Vocabulary {
     prefix: &'static str,
     /// A row of names.
     pub(super) example: &'static str,
+    /// What to do about two columns of one quantity, where that is not plain.
+    pub(super) choice: Option<&'static str>,
 }
 
 /// The tip's motion.
@@ -75,6 +80,15 @@ pub(super) const TRAJECTORY: Vocabulary = Vocabulary {
     ],
     prefix: "tip_",
     example: "time,acceleration",
+    choice: None,
+};
+
+/// A torque at the hub.
+pub(super) const TORQUE: Vocabulary = Vocabulary {
+    quantities: &[Quantity::Time, Quantity::Torque],
+    prefix: "hub_",
+    example: "time,torque",
+    choice: Some("rename one of them; among torques --column chooses"),
 };
 
 impl Vocabulary {
@@ -88,9 +102,9 @@ impl Vocabulary {
     pub(super) fn quantity(&self, name: &str) -> Option<(Quantity, bool)> {
         let plain = self.plain(name);
         self.quantities.iter().find_map(|quantity| {
-            let ending = quantity.ending(&plain)?;
-            let suffixed = ending == quantity.description().suffix;
-            (suffixed || ending.is_empty()).then_some((*quantity, suffixed))
+            let Description { word, suffix, .. } = quantity.description();
+            let ending = plain.strip_prefix(word)?;
+            (ending.is_empty() || ending == suffix).then_some((*quantity, ending == suffix))
         })
     }
 }

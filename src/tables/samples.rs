@@ -1,3 +1,5 @@
+use crate::response::HistoryError;
+
 use super::header::{Header, Heading};
 use super::quantity::Quantity;
 use super::rows::Rows;
@@ -49,6 +51,13 @@ impl Samples {
         let is_wanted = |heading: &Heading| heading.quantity == quantity;
         let place = self.header.headings.iter().position(is_wanted)?;
         Some(std::mem::take(&mut self.values[place]))
+    }
+
+    /// Why these samples, read from the file of this name, are no history.
+    pub(super) fn refuse_history(&self, name: &str, error: &HistoryError) -> TableError {
+        let line = error.sample().map(|sample| self.lines[sample]);
+        let place = Place { file: name, line };
+        place.refuse_whole(error.to_string()).with_hint(error.hint().map(str::to_owned))
     }
 
     fn new(header: Header) -> Self {

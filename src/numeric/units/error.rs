@@ -1,6 +1,7 @@
 use thiserror::Error;
 
 use super::Dimension;
+use super::known::run_together;
 
 /// Text that is no value with a unit, or no unit.
 ///
@@ -55,6 +56,9 @@ impl UnitError {
         match self {
             Self::NoUnit { .. } => Some("a number without quotes is in SI units".into()),
             Self::UnknownUnit { unit, nearest } => {
+                if let Some([first, second]) = run_together(unit) {
+                    return Some(format!("a blank separates units: `{first} {second}`"));
+                }
                 let bare = unit.trim_end_matches(|c: char| c.is_ascii_digit());
                 match nearest {
                     Some(near) if *near == bare => {

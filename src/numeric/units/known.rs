@@ -96,6 +96,35 @@ pub(super) fn nearest(word: &str) -> Option<&'static str> {
     best.filter(|(_, score)| *score > 0.66).map(|(symbol, _)| symbol)
 }
 
+/// Whether a word is a unit's symbol, capitals aside and with or without a power, such as `rad` or
+/// `s2`, or two that run together, such as `Nm`.
+pub(crate) fn reads_as_unit(word: &str) -> bool {
+    let lower = word.to_lowercase();
+    let word = lower.trim_end_matches(|c: char| c.is_ascii_digit());
+    let same = |symbol: &str, word: &str| symbol.to_lowercase() == word;
+    KNOWN.iter().any(|unit| same(unit.symbol, word)) || split(word, same).is_some()
+}
+
+/// The symbols that run together in `Nm`, `ozin` or `inlb`: of a force or mass and of a length.
+pub(super) fn run_together(word: &str) -> Option<[&'static str; 2]> {
+    split(word, |symbol, word| symbol == word)
+}
+
+fn split(word: &str, same: impl Fn(&str, &str) -> bool) -> Option<[&'static str; 2]> {
+    let symbol = |word: &str, dimensions: &[Dimension]| {
+        let is_meant =
+            |unit: &&KnownUnit| same(unit.symbol, word) && dimensions.contains(&unit.dimension);
+        KNOWN.iter().find(is_meant).map(|unit| unit.symbol)
+    };
+    let (weight, arm) = ([Dimension::FORCE, Dimension::MASS], [Dimension::LENGTH]);
+    let symbols = |(at, _)| {
+        let (first, second) = word.split_at(at);
+        let pair = |a: &[Dimension], b: &[Dimension]| Some([symbol(first, a)?, symbol(second, b)?]);
+        pair(&weight, &arm).or_else(|| pair(&arm, &weight))
+    };
+    word.char_indices().find_map(symbols)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::Unit;
@@ -139,6 +168,31 @@ mod tests {
             ("furlong", None),
         ] {
             assert_eq!(nearest(word), meant, "{word}");
+        }
+    }
+
+    #[test]
+    fn a_torque_without_its_blank_is_taken_apart() {
+        for (word, symbols) in [
+            ("Nm", Some(["N", "m"])),
+            ("mNm", Some(["mN", "m"])),
+            ("Nmm", Some(["N", "mm"])),
+            ("lbfft", Some(["lbf", "ft"])),
+            ("inlb", Some(["in", "lb"])),
+            ("lbs", None),
+            ("nm", None),
+        ] {
+            assert_eq!(run_together(word), symbols, "{word}");
+        }
+    }
+
+    #[test]
+    fn symbols_read_as_units_and_other_words_do_not() {
+        for word in ["rad", "hz", "S2", "cm", "N", "MPa", "Nm", "ncm", "mNm", "ozin", "inlbf"] {
+            assert!(reads_as_unit(word), "{word}");
+        }
+        for word in ["", "1", "42", "hub", "cmd", "torque", "motor", "sin", "µ", "²"] {
+            assert!(!reads_as_unit(word), "{word}");
         }
     }
 }

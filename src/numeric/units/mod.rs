@@ -8,6 +8,7 @@ mod unit;
 
 pub use dimension::Dimension;
 pub use error::UnitError;
+pub(crate) use known::reads_as_unit;
 pub use quantity::parse_quantity;
 pub(crate) use quantity::split_number;
 pub use unit::Unit;

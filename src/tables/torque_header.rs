@@ -1,0 +1,112 @@
+use super::header::{
+    Header, Heading, check_names, find_column, find_time, names, nearest, refuse_missing,
+    split_unit,
+};
+use super::quantity::{Quantity, TORQUE};
+use super::table_error::{Place, TableError, quoted};
+use crate::numeric::reads_as_unit;
+
+const IN_BRACKETS: &str = "a unit follows in brackets: torque [N cm]";
+
+/// Reads the row that names the columns of a recording: among its columns the time, and the torque
+/// that is named so or, where one is asked for, the `column` of that name.
+pub(super) fn read_torque_header(
+    fields: &[&str],
+    column: Option<&str>,
+    place: Place,
+) -> Result<Header, TableError> {
+    check_names(fields, &TORQUE, place)?;
+    let time = find_time(fields, &TORQUE, place)?;
+    let torque = match column {
+        Some(column) => chosen_torque(fields, column, &time, place)?,
+        None => find_column(fields, Quantity::Torque, &TORQUE, place)?
+            .ok_or_else(|| no_torque(fields, place))?,
+    };
+    Ok(Header { width: fields.len(), headings: vec![time, torque] })
+}
+
+fn no_torque(fields: &[&str], place: Place) -> TableError {
+    let word = Quantity::Torque.word();
+    let hint = match fields.iter().find(|field| field.to_lowercase().contains(word)) {
+        Some(field) if unread_unit(field).is_some() => IN_BRACKETS.to_owned(),
+        Some(field) => format!("choose the torque with --column {}", quoted(split_unit(field).0)),
+        None => "choose the torque with --column NAME".to_owned(),
+    };
+    refuse_missing(&names(fields), word, place).with_hint(hint)
+}
+
+/// The heading of the torque that is asked for.
+fn chosen_torque(
+    fields: &[&str],
+    column: &str,
+    time: &Heading,
+    place: Place,
+) -> Result<Heading, TableError> {
+    let index = chosen_index(fields, column, place)?;
+    if index == time.index {
+        return Err(place.refuse("--column", quoted(column), "must be a torque, not the time"));
+    }
+    let field = fields[index];
+    if let Some(word) = unread_unit(field) {
+        let must = format!("must tell its unit in brackets: {} reads like one", quoted(word));
+        let subject = format!("column {}", index + 1);
+        return Err(place.refuse(subject, quoted(field), must).with_hint(IN_BRACKETS.to_owned()));
+    }
+    let suffixed = Quantity::Torque.is_suffixed(split_unit(field).0);
+    Heading::of(index, field, Quantity::Torque, suffixed, place)
+}
+
+/// Number of the one column that is headed `column`, or that is so but for its unit.
+fn chosen_index(fields: &[&str], column: &str, place: Place) -> Result<usize, TableError> {
+    // What a comma too many leaves without a name cannot be asked for.
+    if column.is_empty() {
+        return Err(place.refuse("--column", "nothing", "must name a column"));
+    }
+    let whole = indices(fields, |field| field == column);
+    let found = if whole.is_empty() {
+        indices(fields, |field| split_unit(field).0 == column)
+    } else {
+        whole
+    };
+    match found[..] {
+        [] => Err(unknown_column(fields, column, place)),
+        [index] => Ok(index),
+        [first, second, ..] => {
+            let must = format!("must not repeat column {}, {}", first + 1, quoted(fields[first]));
+            let hint = if fields[first] == fields[second] {
+                "rename one of them".to_owned()
+            } else {
+                format!("choose one with its unit: --column {}", quoted(fields[first]))
+            };
+            let subject = format!("column {}", second + 1);
+            Err(place.refuse(subject, quoted(fields[second]), must).with_hint(hint))
+        }
+    }
+}
+
+fn indices(fields: &[&str], is_meant: impl Fn(&str) -> bool) -> Vec<usize> {
+    (0..fields.len()).filter(|&index| is_meant(fields[index])).collect()
+}
+
+fn unknown_column(fields: &[&str], column: &str, place: Place) -> TableError {
+    let names = names(fields);
+    let same = |name: &&&str| name.to_lowercase() == column.to_lowercase();
+    let meant = names.iter().find(same).copied().or_else(|| nearest(column, names.clone()));
+    let hint = meant.map(|name| format!("did you mean {}?", quoted(name)));
+    let must = format!("must be one of the columns {}", quoted(&names.join(",")));
+    place.refuse("--column", quoted(column), must).with_hint(hint)
+}
+
+/// The last word of a name that has no unit in brackets, where that word reads like a unit other
+/// than this program's own suffix: `torque_n_cm`, `Torque (Nm)`, `hub_angle_rad`.
+///
+/// Such a column cannot be taken for SI.
+fn unread_unit(field: &str) -> Option<&str> {
+    let (name, unit) = split_unit(field);
+    if unit.is_some() || Quantity::Torque.is_suffixed(name) {
+        return None;
+    }
+    let mut words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    words.next()?;
+    words.next_back().filter(|word| reads_as_unit(word))
+}
