@@ -26,7 +26,7 @@
 //! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
 //! | [`result`] | the numbers that a person reads first |
 //! | [`spec`] | link file and `--set` → [`link::Link`] |
-//! | [`tables`] | CSV → motion, torque; solution → CSV and summary.json |
+//! | [`tables`] | CSV → motion, torque, hub reference; solution → CSV and summary.json |
 //!
 //! A module imports only from those above it (`tests/layers.rs` holds it to that); the program in
 //! `main.rs` and `cli/` stands on top of all.

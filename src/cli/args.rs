@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use flexlink::beam::Mesh;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::tables::InputFile;
 
@@ -46,6 +47,38 @@ pub(crate) struct PrintArgs {
     /// Print nothing but warnings and errors.
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+/// Which part of the nodal tables to write.
+#[derive(Debug, Args)]
+pub(crate) struct NodeArgs {
+    /// Nodes to write, numbered from 0 at the root [default: all].
+    #[arg(long = "nodes", value_name = "LIST", value_delimiter = ',')]
+    pub(crate) list: Option<Vec<usize>>,
+
+    /// Write every K-th row of the nodal tables.
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = positive)]
+    pub(crate) every: usize,
+}
+
+impl NodeArgs {
+    /// Refuses nodes that the mesh does not have, and those named twice.
+    pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Failure> {
+        let last = mesh.nodes_m().len() - 1;
+        let nodes = self.list.as_deref().unwrap_or_default();
+        let refuse = |message: &str, hint| Err(Failure::new(Exit::Usage, &message, hint));
+        if let Some(node) = nodes.iter().find(|node| **node > last) {
+            let message = format!("--nodes = {node}, but must name nodes of the mesh, 0 to {last}");
+            return refuse(&message, Some("nodes.csv lists them"));
+        }
+        let twice = nodes.iter().enumerate().find(|(k, node)| nodes[..*k].contains(node));
+        match twice {
+            Some((_, node)) => {
+                refuse(&format!("--nodes = {node} twice, but must name it once"), None)
+            }
+            None => Ok(()),
+        }
+    }
 }
 
 /// How many threads to use.

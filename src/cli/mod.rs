@@ -7,6 +7,8 @@ mod frf;
 mod modes;
 mod modes_text;
 mod number;
+mod simulate;
+mod simulate_text;
 mod solve;
 mod solve_text;
 
@@ -38,6 +40,7 @@ Exit codes: 0 done, 2 wrong usage, 3 input refused, 4 not solvable, 5 cannot wri
 enum Command {
     // The help of each stands with its arguments.
     Solve(Box<solve::Solve>),
+    Simulate(Box<simulate::Simulate>),
     Modes(modes::Modes),
     Frf(frf::Frf),
 }
@@ -46,6 +49,7 @@ enum Command {
 pub(crate) fn run() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Solve(solve) => solve.run(),
+        Command::Simulate(simulate) => simulate.run(),
         Command::Modes(modes) => modes.run(),
         Command::Frf(frf) => frf.run(),
     };

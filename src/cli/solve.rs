@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::inverse::{Solution, invert};
+use flexlink::inverse::invert;
 use flexlink::link::{Drive, Link};
 use flexlink::motion::TipMotion;
 use flexlink::result::Metrics;
@@ -12,7 +12,7 @@ use flexlink::tables::{
     read_motion_table,
 };
 
-use super::args::{LinkArgs, PrintArgs, ThreadArgs};
+use super::args::{LinkArgs, NodeArgs, PrintArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::solve_text::solve_text;
@@ -49,13 +49,8 @@ pub(crate) struct Solve {
     #[arg(long, value_name = "STEP")]
     resample: Option<f64>,
 
-    /// Nodes to write, numbered from 0 at the root [default: all].
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    nodes: Option<Vec<usize>>,
-
-    /// Write every K-th row of the nodal tables.
-    #[arg(long, value_name = "K", default_value_t = 1, value_parser = super::args::positive)]
-    every: usize,
+    #[command(flatten)]
+    nodes: NodeArgs,
 
     #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
     deflections: bool,
@@ -88,7 +83,7 @@ impl Solve {
         let motion = self.read_motion(&motion_file, link)?;
 
         let solution = invert(link, mesh, &motion, analysis)?;
-        self.check_nodes(&solution)?;
+        self.nodes.check(solution.mesh())?;
 
         let outputs = self.outputs(*drive);
         let inputs = RunInputs {
@@ -134,31 +129,14 @@ impl Solve {
         Ok(table.into_motion()?)
     }
 
-    fn check_nodes(&self, solution: &Solution) -> Result<(), Failure> {
-        let last = solution.mesh().nodes_m().len() - 1;
-        let nodes = self.nodes.as_deref().unwrap_or_default();
-        let refuse = |message: &str, hint| Err(Failure::new(Exit::Usage, &message, hint));
-        if let Some(node) = nodes.iter().find(|node| **node > last) {
-            let message = format!("--nodes = {node}, but must name nodes of the mesh, 0 to {last}");
-            return refuse(&message, Some("nodes.csv lists them"));
-        }
-        let twice = nodes.iter().enumerate().find(|(k, node)| nodes[..*k].contains(node));
-        match twice {
-            Some((_, node)) => {
-                refuse(&format!("--nodes = {node} twice, but must name it once"), None)
-            }
-            None => Ok(()),
-        }
-    }
-
     fn outputs(&self, drive: Option<Drive>) -> SolveOutputs {
         let optional = [
             (self.deflections, OptionalTable::NodalDeflections),
             (self.moments, OptionalTable::BendingMoments),
         ];
         SolveOutputs {
-            nodes: self.nodes.clone(),
-            every: self.every,
+            nodes: self.nodes.list.clone(),
+            every: self.nodes.every,
             optional: optional.into_iter().filter(|(on, _)| *on).map(|(_, table)| table).collect(),
             drive,
             digits: self.digits,

@@ -5,6 +5,7 @@ mod columns;
 mod error;
 mod histories;
 mod spectrum;
+mod target;
 #[cfg(test)]
 mod tests;
 mod tip_motion;
@@ -13,4 +14,5 @@ pub use columns::MotionColumns;
 pub use error::{MotionColumn, MotionError};
 pub use histories::TipMotionHistories;
 pub use spectrum::{TipHistories, TipSpectrum};
+pub use target::TipTarget;
 pub use tip_motion::{EndVelocity, TipMotion};

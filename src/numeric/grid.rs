@@ -28,6 +28,11 @@ impl TimeGrid {
         self.origin_s + steps * self.step_s
     }
 
+    /// Time of the last sample in s.
+    pub fn end_s(&self) -> f64 {
+        self.time_s(self.len.saturating_sub(1))
+    }
+
     /// Time from the first sample to the last in s.
     pub fn duration_s(&self) -> f64 {
         self.len.saturating_sub(1) as f64 * self.step_s

@@ -1,5 +1,5 @@
 use crate::beam::Mesh;
-use crate::modal::{DampingLaw, Mode, ModalBasis, Shape};
+use crate::modal::{DampingLaw, ModalBasis, Mode, Shape};
 
 /// One modal coordinate: `q̈ + c q̇ + ω² q = p u`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -55,7 +55,9 @@ impl FeedbackError {
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Gain { .. } => None,
-            Self::OtherTimes { .. } => Some("take hub_angle.csv and torque.csv of one run of solve"),
+            Self::OtherTimes { .. } => {
+                Some("take hub_angle.csv and torque.csv of one run of solve")
+            }
         }
     }
 }
@@ -70,10 +72,7 @@ impl Feedback {
         damping_n_m_s_rad: f64,
         reference: HubReference,
     ) -> Result<Self, FeedbackError> {
-        let gains = [
-            ("KP", stiffness_n_m_rad, "N m/rad"),
-            ("KD", damping_n_m_s_rad, "N m s/rad"),
-        ];
+        let gains = [("KP", stiffness_n_m_rad, "N m/rad"), ("KD", damping_n_m_s_rad, "N m s/rad")];
         for (gain, found, unit) in gains {
             if !found.is_finite() || found < 0.0 {
                 return Err(FeedbackError::Gain { gain, found, unit });

@@ -81,13 +81,7 @@ impl Stepper {
 }
 
 impl Block {
-    fn new(
-        equations: &Equations,
-        scales: &[f64],
-        first: usize,
-        count: usize,
-        step_s: f64,
-    ) -> Self {
+    fn new(equations: &Equations, scales: &[f64], first: usize, count: usize, step_s: f64) -> Self {
         let coordinates = &equations.coordinates[first..first + count];
         let scales = &scales[first..first + count];
         let (states, size) = (2 * count, 2 * count + TERMS);

@@ -1,4 +1,7 @@
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
+use thiserror::Error;
+
+use crate::motion::TipTarget;
+use crate::numeric::{CubicSpline, SplineEnds};
 use crate::response::Simulation;
 
 /// How far a simulated tip strays from the motion that was wanted.
@@ -16,30 +19,53 @@ pub struct TipError {
     pub final_m: f64,
 }
 
+/// Why a simulation is not compared with a target.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum TargetError {
+    /// A target that goes on after the simulation.
+    #[error(
+        "the target ends at {end_s} s, but must not go on after the simulation, which ends at \
+         {simulated_s} s"
+    )]
+    EndsLate {
+        /// Last time of the target in s.
+        end_s: f64,
+        /// Last time of the simulation in s.
+        simulated_s: f64,
+    },
+    /// A target that stands still.
+    #[error("the target stands still in all samples, but must move")]
+    NoMotion,
+}
+
 impl TipError {
-    /// Compares a simulation with a wanted displacement in m at the times of `grid`.
+    /// Compares a simulation with a wanted displacement at the target's own times.
     ///
     /// Before the simulation's first sample its tip rests; between its samples a cubic spline goes
-    /// through them. None if the target goes on after the simulation's last sample, or stands
-    /// still.
-    pub fn of(simulation: &Simulation, grid: &TimeGrid, wanted_m: &[f64]) -> Option<Self> {
-        let own = &simulation.grid;
-        let tip_m = &simulation.tip.displacement_m;
+    /// through them.
+    ///
+    /// # Errors
+    /// [`TargetError`].
+    pub fn of(simulation: &Simulation, target: &TipTarget) -> Result<Self, TargetError> {
+        let (own, grid, wanted_m) = (&simulation.grid, target.grid(), target.displacement_m());
         let steps: Vec<f64> = (0..own.len).map(|k| k as f64).collect();
-        let spline = CubicSpline::new(&steps, tip_m, SplineEnds::NotAKnot);
-        let start_m = wanted_m.first()?;
-        let way_m = wanted_m.iter().fold(0.0_f64, |m, x| m.max((x - start_m).abs()));
+        let spline = CubicSpline::new(&steps, &simulation.tip.displacement_m, SplineEnds::NotAKnot);
+        let way_m = target.farthest_m();
+        if way_m == 0.0 {
+            return Err(TargetError::NoMotion);
+        }
         let last = (own.len - 1) as f64;
         let at = |k: usize| (grid.time_s(k) - own.time_s(0)) / own.step_s;
-        if way_m == 0.0 || at(grid.len - 1) > last + 1e-6 {
-            return None;
+        if at(grid.len - 1) > last + 1e-6 {
+            let (end_s, simulated_s) = (target.grid().end_s(), own.time_s(own.len - 1));
+            return Err(TargetError::EndsLate { end_s, simulated_s });
         }
         let strays = |(k, wanted): (usize, &f64)| spline.value(at(k).clamp(0.0, last)) - wanted;
         let errors: Vec<f64> = wanted_m.iter().enumerate().map(strays).collect();
-        let worst =
-            (0..errors.len()).max_by(|a, b| errors[*a].abs().total_cmp(&errors[*b].abs()))?;
+        let larger = |a: &usize, b: &usize| errors[*a].abs().total_cmp(&errors[*b].abs());
+        let worst = (0..errors.len()).max_by(larger).unwrap_or(0);
         let squares: f64 = errors.iter().map(|e| e * e).sum();
-        Some(Self {
+        Ok(Self {
             worst_m: errors[worst].abs(),
             share: errors[worst].abs() / way_m,
             time_s: grid.time_s(worst),

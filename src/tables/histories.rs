@@ -44,7 +44,11 @@ pub(super) fn group<'a, const N: usize>(columns: [(&str, &'a Vec<f64>); N]) -> C
 }
 
 /// One column a node: `v7_m`.
-pub(super) fn nodal_group<'a>(letter: &str, unit: &str, histories: &'a NodalHistories) -> ColumnGroup<'a> {
+pub(super) fn nodal_group<'a>(
+    letter: &str,
+    unit: &str,
+    histories: &'a NodalHistories,
+) -> ColumnGroup<'a> {
     let columns = histories
         .nodes
         .iter()
@@ -55,7 +59,12 @@ pub(super) fn nodal_group<'a>(letter: &str, unit: &str, histories: &'a NodalHist
 
 /// `nodes.csv`: every node of the mesh with the segment that ends there (node 0: begins there),
 /// by name, or by number where it has none.
-pub(super) fn write_nodes(out: &mut dyn Write, link: &Link, mesh: &Mesh, digits: Digits) -> io::Result<()> {
+pub(super) fn write_nodes(
+    out: &mut dyn Write,
+    link: &Link,
+    mesh: &Mesh,
+    digits: Digits,
+) -> io::Result<()> {
     let format = digits.for_peak(mesh.length_m());
     let mut table = csv::Writer::from_writer(out);
     table.write_record(["node", "x_m", "segment"])?;

@@ -1,4 +1,5 @@
-use crate::motion::{MotionColumns, TipMotion};
+use crate::motion::{MotionColumns, TipMotion, TipTarget};
+use crate::numeric::TimeGrid;
 
 use super::quantity::Quantity;
 use super::samples::Samples;
@@ -35,6 +36,39 @@ impl MotionTable {
             let place = Place { file: &name, line };
             place.refuse_whole(error.to_string()).with_hint(error.hint().map(str::to_owned))
         })
+    }
+
+    /// The displacement as a target to compare with.
+    ///
+    /// A target need not be at rest at its ends. Columns beside the displacement are not looked at.
+    ///
+    /// ```
+    /// use flexlink::tables::read_motion_table;
+    /// let file = b"time,displacement\n0,0\n0.5,1\n1,2\n1.5,3\n";
+    /// let table = read_motion_table("tip.csv", file, 1.5)?;
+    /// assert!(table.clone().into_motion().is_err(), "it starts and ends at full speed");
+    /// let target = table.into_target()?;
+    /// assert_eq!((target.grid().step_s, target.displacement_m()[3]), (0.5, 3.0));
+    /// # Ok::<(), flexlink::tables::TableError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`TableError`] where there is no displacement, or a time is off the uniform grid.
+    pub fn into_target(self) -> Result<TipTarget, TableError> {
+        let Self { columns, name, lines } = self;
+        let place = Place { file: &name, line: None };
+        let Some(displacement_m) = columns.displacement_m else {
+            let must = "must be given of a target, as displacement or angle";
+            let hint = "an acceleration leaves open where the tip is; tip.csv of `flexlink solve` \
+                        holds the displacement";
+            let error = place.refuse("displacement", "nothing", must);
+            return Err(error.with_hint(hint.to_owned()));
+        };
+        let grid = TimeGrid::through(&columns.time_s).map_err(|error| {
+            let place = Place { line: Some(lines[error.sample]), ..place };
+            place.refuse_whole(error.to_string()).with_hint(error.hint().to_owned())
+        })?;
+        Ok(TipTarget::new(grid, displacement_m))
     }
 
     /// The file, as the user named it.

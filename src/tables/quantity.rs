@@ -10,6 +10,8 @@ pub(super) enum Quantity {
     /// Displacement over the link's length.
     Angle,
     Torque,
+    HubAngle,
+    HubRate,
 }
 
 /// How the column of a quantity is headed.
@@ -34,6 +36,8 @@ impl Quantity {
             Self::Displacement => of("displacement", "_m", Dimension::LENGTH, ["m", "cm"]),
             Self::Angle => of("angle", "_rad", Dimension::NONE, ["rad", "deg"]),
             Self::Torque => of("torque", "_n_m", Dimension::TORQUE, ["N m", "N cm"]),
+            Self::HubAngle => of("hub_angle", "_rad", Dimension::NONE, ["rad", "deg"]),
+            Self::HubRate => of("hub_rate", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]),
         }
     }
 
@@ -89,6 +93,14 @@ pub(super) const TORQUE: Vocabulary = Vocabulary {
     prefix: "hub_",
     example: "time,torque",
     choice: Some("rename one of them; among torques --column chooses"),
+};
+
+/// The hub's motion.
+pub(super) const HUB_MOTION: Vocabulary = Vocabulary {
+    quantities: &[Quantity::Time, Quantity::HubAngle, Quantity::HubRate],
+    prefix: "",
+    example: "time,hub_angle",
+    choice: Some("rename one of them"),
 };
 
 impl Vocabulary {

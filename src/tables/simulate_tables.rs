@@ -2,9 +2,7 @@
 
 use super::csv_table::write_csv;
 use super::folder::{FolderError, OutputFolder};
-use super::histories::{
-    RESULT_FILES, SUMMARY, group, nodal_group, tip_groups, write_nodes,
-};
+use super::histories::{RESULT_FILES, SUMMARY, group, nodal_group, tip_groups, write_nodes};
 use super::number::Digits;
 use super::simulation_summary::SimulationSummary;
 use crate::link::Link;

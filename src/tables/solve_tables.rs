@@ -2,9 +2,7 @@
 
 use super::csv_table::{ColumnGroup, write_csv};
 use super::folder::{FolderError, OutputFolder};
-use super::histories::{
-    MOTOR, RESULT_FILES, SUMMARY, group, nodal_group, tip_groups, write_nodes,
-};
+use super::histories::{MOTOR, RESULT_FILES, SUMMARY, group, nodal_group, tip_groups, write_nodes};
 use super::number::Digits;
 use super::summary::Summary;
 use crate::beam::NodalHistories;
