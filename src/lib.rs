@@ -115,3 +115,4 @@ pub mod response;
 pub mod result;
 pub mod spec;
 pub mod tables;
+pub mod verification;

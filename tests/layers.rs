@@ -11,7 +11,7 @@ const LEVELS: [&[&str]; 9] = [
     &["modal"],
     &["inverse", "response"],
     &["result"],
-    &["sweep"],
+    &["sweep", "verification"],
     &["spec", "tables", "report"],
     &["cli"],
 ];

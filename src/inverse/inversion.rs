@@ -69,6 +69,28 @@ pub fn invert(
     Ok(problem.written(measured, truncation_error, answer))
 }
 
+/// The torque in N m that another sampling of a motion asks of a solution's link, on the same mesh
+/// and over the same window; the first sample stands at the window's start.
+///
+/// # Errors
+/// As [`invert`].
+pub fn torque_over_window(
+    solution: &Solution,
+    link: &Link,
+    motion: &TipMotion,
+    analysis: &Analysis,
+) -> Result<Vec<f64>, InversionError> {
+    let first_zero = solution.zeros_per_s.first().copied();
+    let padding = Padding::new(motion, analysis, first_zero);
+    let problem = Problem { link, motion, analysis, padding };
+    let spectrum = problem.spectrum(padding.period_len(motion.grid().len)?);
+    let answer = problem.decayed(&solution.dynamics, spectrum)?;
+    let (window, grid) = (&solution.grid, motion.grid());
+    let first = ((window.time_s(0) - grid.time_s(0)) / grid.step_s).round() as i64;
+    let len = (window.duration_s() / grid.step_s).round() as usize + 1;
+    Ok(cut(&answer.torque_n_m, &TimeGrid { first, len, ..grid }))
+}
+
 impl Problem<'_> {
     fn spectrum(&self, len: usize) -> TipSpectrum {
         self.motion.spectrum(len, self.padding.seam(self.motion.grid().len, len))

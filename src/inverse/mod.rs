@@ -9,6 +9,7 @@
 )]
 
 mod analysis;
+mod dense;
 mod dynamics;
 mod error;
 mod inversion;
@@ -23,9 +24,10 @@ mod spectra;
 mod warning;
 
 pub use analysis::Analysis;
+pub use dense::{DenseLink, MOST_ELEMENTS_OF_DENSE_SOLVE};
 pub use dynamics::{Dynamics, KeptModes};
 pub use error::InversionError;
-pub use inversion::invert;
+pub use inversion::{invert, torque_over_window};
 pub use motor::MotorHistories;
 pub use response::FrequencyResponse;
 pub use solution::{Accuracy, Band, Solution};

@@ -109,6 +109,16 @@ impl Shape {
         moments
     }
 
+    /// `Σ factor · shape`, at least one of them.
+    ///
+    /// # Panics
+    /// Without shapes.
+    pub fn sum(factors: &[f64], shapes: &[Self]) -> Self {
+        let nothing = shapes[0].clone().scaled(0.0);
+        let terms = factors.iter().zip(shapes);
+        terms.fold(nothing, |sum, (factor, shape)| sum.less(-factor, shape))
+    }
+
     /// The shape times a factor.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.hub_angle *= factor;

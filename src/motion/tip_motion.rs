@@ -1,7 +1,7 @@
 use super::checks::{agree, at_rest, finite};
 use super::columns::MotionColumns;
 use super::error::{MotionColumn, MotionError};
-use crate::numeric::{TimeGrid, fast_length};
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length};
 
 /// Share of the peak acceleration below which the tip counts as at rest.
 const MOTION_THRESHOLD: f64 = 1e-6;
@@ -161,6 +161,31 @@ impl TipMotion {
             agree(MotionColumn::Displacement, found, expected, jump, true)?;
         }
         Ok(())
+    }
+
+    /// The same motion sampled twice as often, by a cubic spline through its samples.
+    ///
+    /// # Errors
+    /// As [`TipMotion::new`].
+    pub fn twice_as_often(&self) -> Result<Self, MotionError> {
+        let grid = self.grid;
+        let steps: Vec<f64> = (0..grid.len).map(|k| k as f64).collect();
+        let finer = |samples: &[f64], ends| {
+            let spline = CubicSpline::new(&steps, samples, ends);
+            (0..2 * grid.len - 1).map(|k| spline.value(0.5 * k as f64)).collect()
+        };
+        let half = TimeGrid { step_s: 0.5 * grid.step_s, len: 2 * grid.len - 1, ..grid };
+        let time_s = (0..half.len).map(|k| half.time_s(k)).collect();
+        let mut columns = MotionColumns { time_s, ..MotionColumns::default() };
+        match &self.source {
+            Source::Acceleration(samples) => {
+                columns.acceleration_m_s2 = Some(finer(samples, SplineEnds::NotAKnot));
+            }
+            Source::Displacement { samples, .. } => {
+                columns.displacement_m = Some(finer(samples, SplineEnds::Clamped));
+            }
+        }
+        Self::new(columns)
     }
 
     /// Grid of the given samples.

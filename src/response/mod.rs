@@ -1,10 +1,12 @@
 //! Direct dynamics: torque in, motion out, in the time domain and independent of the Fourier
 //! transform of the inversion.
 
+mod energy;
 mod equations;
 mod feedback;
 mod forcing;
 mod history;
+mod hysteretic;
 mod play;
 mod reference;
 mod residual;
@@ -16,6 +18,7 @@ mod tests;
 mod torque;
 mod warning;
 
+pub use energy::EnergyBalance;
 pub use feedback::{Feedback, FeedbackError};
 pub use forcing::Interpolation;
 pub use history::HistoryError;
@@ -23,6 +26,6 @@ pub use play::Play;
 pub use reference::HubReference;
 pub use residual::ResidualVibration;
 pub use selection::ModeSelection;
-pub use simulation::{Simulation, SimulationError, simulate};
+pub use simulation::{Simulation, SimulationError, simulate, simulate_on};
 pub use torque::Torque;
 pub use warning::SimulationWarning;

@@ -93,6 +93,7 @@ pub struct Simulation {
     /// What the user must know.
     pub warnings: Vec<SimulationWarning>,
     pub(super) initial_tip_m: f64,
+    pub(super) friction_n_m_s_rad: f64,
     pub(super) equations: Equations,
     pub(super) record: Record,
 }
@@ -108,16 +109,23 @@ pub struct Simulation {
 /// # Errors
 /// [`SimulationError`].
 pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation, SimulationError> {
+    let mesh = Mesh::new(link, plan);
+    let mesh = match torque_band_rad_s(play.torque) {
+        Some(band_rad_s) if plan.is_automatic() => mesh.resolving(band_rad_s, plan.tolerance()),
+        _ => mesh,
+    };
+    simulate_on(link, mesh, play)
+}
+
+/// Plays a torque on a link as [`simulate`] does, on a given mesh.
+///
+/// # Errors
+/// [`SimulationError`].
+pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, SimulationError> {
     let band_rad_s = torque_band_rad_s(play.torque).ok_or(SimulationError::NoTorque)?;
     let grid = play.grid()?;
     let driving = play.driving()?;
-    let coarsest = Mesh::new(link, plan);
-    let law = DampingLaw::of(link.damping(), &coarsest)?;
-    let mesh = if plan.is_automatic() {
-        coarsest.resolving(band_rad_s, plan.tolerance())
-    } else {
-        coarsest
-    };
+    let law = DampingLaw::of(link.damping(), &mesh)?;
     let (basis, selection) = kept_modes(&mesh, band_rad_s);
     let gain = |of: fn(&Feedback) -> f64| play.feedback.map_or(0.0, of);
     let friction = link.hub().viscous_friction_n_m_s_rad;
@@ -146,10 +154,11 @@ pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation,
         law,
         warnings: Vec::new(),
         initial_tip_m: play.initial_tip_m,
+        friction_n_m_s_rad: friction,
         equations,
         record,
     };
-    simulation.observe(&driving, friction);
+    simulation.observe(&driving);
     simulation.residual = ResidualVibration::of(&simulation, play, &driving, stepper);
     simulation.warnings = warnings(&simulation, play);
     Ok(simulation)
@@ -164,7 +173,7 @@ impl Simulation {
     }
 
     /// Reads motion of hub and tip, and the motor's torque, off the modal coordinates.
-    fn observe(&mut self, driving: &Driving, friction_n_m_s_rad: f64) {
+    fn observe(&mut self, driving: &Driving) {
         let tips = self.equations.tips(&self.mesh);
         let tip = |q: &[f64]| -> f64 { q.iter().zip(&tips).map(|(q, tip)| q * tip).sum() };
         let initial_angle = self.initial_tip_m / self.mesh.length_m();
@@ -175,7 +184,7 @@ impl Simulation {
             let (angle, hub_rate) = (self.equations.hub(q), self.equations.hub(rate));
             // Friction is the hub's own; the rest of the reaction is the motor's.
             let reaction = self.equations.reaction.torque_n_m(angle, hub_rate);
-            let motor = input - (reaction - friction_n_m_s_rad * hub_rate);
+            let motor = input - (reaction - self.friction_n_m_s_rad * hub_rate);
             let hub_acceleration = self.equations.hub(&acceleration);
             let [v, velocity, a] = [tip(q), tip(rate), tip(&acceleration)];
             self.torque_n_m.push(motor);

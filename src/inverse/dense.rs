@@ -1,0 +1,137 @@
+//! The paper's own solve: assembled matrices and a factorisation with pivoting.
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, c64};
+use num_complex::Complex64;
+
+use super::dynamics::Dynamics;
+use crate::beam::{Inertia, Mesh};
+use crate::modal::{ModalBasis, Shape};
+
+/// Most elements that are assembled and factorised: the work grows with the cube of their number.
+pub const MOST_ELEMENTS_OF_DENSE_SOLVE: usize = 200;
+
+/// The factor from an element's resolved frequency to the highest that its matrices hold:
+/// (βl)² = √8400 of a free element over √14.4.
+const HIGHEST_OVER_RESOLVED: f64 = 24.2;
+
+/// The link's dense matrices on θ and (v, φ) of nodes 1 … n, with its damping law.
+///
+/// ```text
+/// H x = e_h T,   H = M − K*/ω²  (+ C/(iω) of modal damping)      (Bayo 1987, eqs 15-17)
+/// ```
+#[derive(Debug, Clone)]
+pub struct DenseLink<'a> {
+    dynamics: &'a Dynamics,
+    mass: Mat<f64>,
+    stiffness: Mat<f64>,
+    /// Mass times each mode and its 2ζω, of a modal law.
+    modes: Vec<(Mat<f64>, f64)>,
+}
+
+impl<'a> DenseLink<'a> {
+    /// Assembles the link; none beyond [`MOST_ELEMENTS_OF_DENSE_SOLVE`].
+    pub fn assemble(dynamics: &'a Dynamics) -> Option<Self> {
+        let mesh = dynamics.mesh();
+        let count = mesh.elements().len();
+        if count > MOST_ELEMENTS_OF_DENSE_SOLVE {
+            return None;
+        }
+        let (mut mass, mut stiffness) = (free(count), free(count));
+        for (k, element) in mesh.elements().iter().enumerate() {
+            let (m, s) = (element.mass(), element.stiffness());
+            for (row, column) in (0..4).flat_map(|row| (0..4).map(move |column| (row, column))) {
+                mass[(2 * k + row, 2 * k + column)] += m[(row, column)];
+                stiffness[(2 * k + row, 2 * k + column)] += s[(row, column)];
+            }
+        }
+        let lumped = (0..count).filter_map(|k| mesh.lumped_inertia(k).map(|body| (k, body)));
+        for (node, Inertia { vv, vp, pp }) in lumped.chain([(count, mesh.tip_inertia())]) {
+            let at = 2 * node;
+            mass[(at, at)] += vv;
+            mass[(at, at + 1)] += vp;
+            mass[(at + 1, at)] += vp;
+            mass[(at + 1, at + 1)] += pp;
+        }
+        let held = held(mesh);
+        let mut mass = held.transpose() * mass * &held;
+        mass[(0, 0)] += mesh.hub_inertia_kg_m2();
+        let stiffness = held.transpose() * stiffness * &held;
+        let mut link = Self { dynamics, mass, stiffness, modes: Vec::new() };
+        link.modes = link.damped_modes()?;
+        Some(link)
+    }
+
+    /// Mass times each mode and its 2ζω: `C = Σ 2ζω (M φ)(M φ)ᵀ`.
+    fn damped_modes(&self) -> Option<Vec<(Mat<f64>, f64)>> {
+        let (mesh, law) = (self.dynamics.mesh(), self.dynamics.law());
+        if !law.is_modal() {
+            return Some(Vec::new());
+        }
+        let basis = ModalBasis::complete(mesh).ok()?;
+        let damped = basis.modes.iter().enumerate().map(|(k, mode)| {
+            let rate = 2.0 * law.modal_ratio(k + 1, mode.omega_rad_s) * mode.omega_rad_s;
+            (&self.mass * column(mesh, &mode.shape), rate)
+        });
+        Some(damped.collect())
+    }
+
+    /// `T/a_tip` in kg m at ω > 0, as [`Dynamics::tip_transfer`] gives it by other means.
+    pub fn torque_per_tip_acceleration_kg_m(&self, omega_rad_s: f64) -> Complex64 {
+        let law = self.dynamics.law();
+        let size = self.mass.nrows();
+        let per_lambda = law.lambda(omega_rad_s).inv();
+        let mut h = Mat::<c64>::from_fn(size, size, |row, column| {
+            c64::from(self.mass[(row, column)]) - per_lambda * self.stiffness[(row, column)]
+        });
+        for (mode, rate) in &self.modes {
+            // iωC/(−ω²)
+            let factor = c64::new(0.0, -rate / omega_rad_s);
+            for row in 0..size {
+                for column in 0..size {
+                    h[(row, column)] += factor * (mode[(row, 0)] * mode[(column, 0)]);
+                }
+            }
+        }
+        let mut load = Mat::<c64>::zeros(size, 1);
+        load[(0, 0)] = c64::ONE;
+        let acceleration = h.partial_piv_lu().solve(&load);
+        // Displacement of the tip: the last but one.
+        acceleration[(size - 2, 0)].inv()
+    }
+
+    /// Relative error that round-off may cause at ω: K annihilates rigid motion only up to ε times
+    /// the highest frequency of its elements, squared, and that error is divided by ω².
+    pub fn round_off(&self, omega_rad_s: f64) -> f64 {
+        let elements = self.dynamics.mesh().elements().iter();
+        let resolved = elements.map(crate::beam::Element::resolved_frequency_rad_s);
+        let highest = resolved.filter(|omega| omega.is_finite()).fold(0.0, f64::max);
+        f64::EPSILON * (HIGHEST_OVER_RESOLVED * highest / omega_rad_s).powi(2)
+    }
+}
+
+/// A matrix on (v, φ) of all nodes.
+fn free(elements: usize) -> Mat<f64> {
+    Mat::zeros(2 * elements + 2, 2 * elements + 2)
+}
+
+/// Motions of all nodes per degree of freedom: the root sits on the hub, `v_0 = x_0 θ`, `φ_0 = θ`.
+fn held(mesh: &Mesh) -> Mat<f64> {
+    let size = 2 * mesh.nodes_m().len();
+    let mut held = Mat::zeros(size, size - 1);
+    held[(0, 0)] = mesh.nodes_m()[0];
+    for row in 1..size {
+        held[(row, row - 1)] = 1.0;
+    }
+    held
+}
+
+/// A shape on θ and (v, φ) of nodes 1 … n.
+fn column(mesh: &Mesh, shape: &Shape) -> Mat<f64> {
+    let size = 2 * mesh.nodes_m().len() - 1;
+    Mat::from_fn(size, 1, |row, _| match row {
+        0 => shape.hub_angle,
+        _ if row % 2 == 1 => shape.displacement(mesh, row.div_ceil(2)),
+        _ => shape.deflections[row / 2][1] + shape.hub_angle,
+    })
+}

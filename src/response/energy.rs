@@ -1,0 +1,74 @@
+use super::equations::Coordinate;
+use super::simulation::Simulation;
+use crate::modal::Shape;
+use crate::numeric::{CubicSpline, SplineEnds};
+
+/// Where the work of the torque is at one time, in J.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnergyBalance {
+    /// Time in s.
+    pub time_s: f64,
+    /// Work of the motor since the start, ∫ T θ̇ dt.
+    pub work_j: f64,
+    /// Kinetic energy, element by element.
+    pub kinetic_j: f64,
+    /// Strain energy, element by element.
+    pub strain_j: f64,
+    /// Energy that damping and friction have taken.
+    pub dissipated_j: f64,
+}
+
+impl Simulation {
+    /// The balance at `count` samples, evenly spaced, the last one included.
+    ///
+    /// Work and dissipation are integrated over all samples by a cubic spline; the energies are
+    /// those of the elements in the shape and rate that the modes add up to.
+    pub fn energy(&self, count: usize) -> Vec<EnergyBalance> {
+        let motor: Vec<f64> =
+            self.torque_n_m.iter().zip(&self.hub_rate_rad_s).map(|(t, rate)| t * rate).collect();
+        let lost: Vec<f64> = (0..self.grid.len).map(|sample| self.loss_w(sample)).collect();
+        let (work, dissipated) = (self.integral(&motor), self.integral(&lost));
+        let last = self.grid.len - 1;
+        let balance = |k: usize| {
+            let sample = k * last / count;
+            let (q, rate) = self.state(sample);
+            let (shape, velocity) = (self.shape(q), self.shape(rate));
+            EnergyBalance {
+                time_s: self.grid.time_s(sample),
+                work_j: work[sample],
+                kinetic_j: 0.5 * velocity.mass_product(&self.mesh, &velocity),
+                strain_j: 0.5 * shape.stiffness_product(&self.mesh, &shape),
+                dissipated_j: dissipated[sample],
+            }
+        };
+        (1..=count).map(balance).collect()
+    }
+
+    /// Power that damping and friction take at a sample in W.
+    fn loss_w(&self, sample: usize) -> f64 {
+        let rate = self.state(sample).1;
+        let modes = rate.iter().zip(&self.equations.coordinates);
+        let damped: f64 =
+            modes.map(|(rate, Coordinate { rate_per_s, .. })| rate_per_s * rate * rate).sum();
+        damped + self.friction_n_m_s_rad * self.hub_rate_rad_s[sample].powi(2)
+    }
+
+    fn shape(&self, coordinates: &[f64]) -> Shape {
+        Shape::sum(coordinates, &self.equations.shapes)
+    }
+
+    /// ∫ dt of samples from the first to each.
+    fn integral(&self, samples: &[f64]) -> Vec<f64> {
+        let steps: Vec<f64> = (0..samples.len()).map(|k| k as f64).collect();
+        let spline = CubicSpline::new(&steps, samples, SplineEnds::NotAKnot);
+        let slopes = spline.slopes().windows(2);
+        let steps = samples.windows(2).zip(slopes).map(|(ends, slopes)| {
+            0.5 * (ends[0] + ends[1]) + (slopes[0] - slopes[1]) / 12.0
+        });
+        let running = steps.scan(0.0, |sum, step| {
+            *sum += step * self.grid.step_s;
+            Some(*sum)
+        });
+        std::iter::once(0.0).chain(running).collect()
+    }
+}

@@ -1,0 +1,40 @@
+use std::f64::consts::TAU;
+
+use super::check::Check;
+use crate::inverse::{DenseLink, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Solution};
+
+/// Frequencies at which the dense system is solved.
+const FREQUENCIES: usize = 9;
+
+/// How well both agree where round-off does not spoil the dense solve.
+const AGREEMENT: f64 = 1e-9;
+
+/// The transfer from tip to torque against the paper's dense system at frequencies around the first
+/// modes, where the torque is.
+pub(super) fn dense_transfer(solution: &Solution) -> Check {
+    let name = "dense_transfer";
+    let what = format!("T/a_tip against the paper's dense H at {FREQUENCIES} frequencies");
+    let refused = |reason: String| Check::not_measured(name, what.clone(), reason);
+    if solution.dynamics.kept_modes() != KeptModes::All {
+        return refused("the link is reduced to few modes".into());
+    }
+    let Some(dense) = DenseLink::assemble(&solution.dynamics) else {
+        let elements = solution.mesh().elements().len();
+        return refused(format!(
+            "{elements} elements, more than the {MOST_ELEMENTS_OF_DENSE_SOLVE} that are factorised"
+        ));
+    };
+    let modes = &solution.natural_frequencies_rad_s;
+    let first = modes.first().copied().unwrap_or(TAU / solution.band.period_s);
+    let (low, high) = (0.3 * first, 3.0 * modes.last().copied().unwrap_or(first));
+    let (mut worst, mut bound) = (0.0_f64, AGREEMENT);
+    for k in 0..FREQUENCIES {
+        // Between poles and zeros of an undamped link none of these is likely to fall on one.
+        let omega = low * (high / low).powf((k as f64 + 0.37) / FREQUENCIES as f64);
+        let exact = solution.dynamics.tip_transfer(omega).inertia_kg_m;
+        let found = dense.torque_per_tip_acceleration_kg_m(omega);
+        worst = worst.max((found - exact).norm() / exact.norm());
+        bound = bound.max(dense.round_off(omega));
+    }
+    Check::measured(name, what, worst, bound)
+}
