@@ -5,6 +5,6 @@ mod inertia;
 mod shapes;
 mod zeros;
 
-pub use frequencies::{modes_below, natural_frequencies};
+pub use frequencies::{held_frequencies, modes_below, natural_frequencies};
 pub use shapes::{ModeShape, mode_shape};
 pub use zeros::{real_frequency_zeros, torque_zeros};
