@@ -22,7 +22,7 @@ pub use csv_table::{Column, ColumnGroup, write_csv};
 pub use folder::{FolderAction, FolderError, OutputFolder};
 pub use frf_table::write_frequency_response;
 pub use input::{InputError, InputFile};
-pub use modes_tables::ModesResult;
+pub use modes_tables::{HeldModes, ModesResult};
 pub use motion_csv::{MotionTable, read_motion_table};
 pub use motion_error::MotionFileError;
 pub use number::{Digits, DigitsError, NumberFormat};
