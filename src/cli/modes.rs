@@ -3,9 +3,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::beam::Mesh;
-use flexlink::modal::{DampingLaw, mode, natural_frequencies, real_frequency_zeros, torque_zeros};
+use flexlink::modal::{
+    DampingLaw, held_frequencies, mode, natural_frequencies, real_frequency_zeros, torque_zeros,
+};
 use flexlink::spec::Specification;
-use flexlink::tables::{Digits, ModesResult, OutputFolder};
+use flexlink::tables::{Digits, HeldModes, ModesResult, OutputFolder};
 
 use super::args::LinkArgs;
 use super::console;
@@ -22,7 +24,10 @@ Natural frequencies, mode shapes and zeros of a link.
 Prints a table; with -o, writes modes.csv, mode_shapes.csv and zeros.csv into a folder. Modes are \
 those of the link on its hub, free to turn; shapes are mass-normalised, the tip positive. Zeros \
 are those of the transfer from hub torque to tip: they set how long before the tip the torque must \
-start. An automatic mesh is refined until the frequencies are exact to mesh.tolerance.";
+start. An automatic mesh is refined until the frequencies are exact to mesh.tolerance.
+
+A link file with a [drive] also gets the frequencies with the rotor held, the hub on the spring of \
+the joint or, behind a stiff joint, clamped; with -o, in held_modes.csv.";
 
 /// Natural frequencies, mode shapes and zeros of a link.
 #[derive(Debug, Args)]
@@ -54,6 +59,10 @@ impl Modes {
         let law = DampingLaw::of(specification.link.damping(), &mesh)?;
         let highest = omega_rad_s.last().copied().unwrap_or_default();
         let blocked = real_frequency_zeros(&mesh, highest);
+        let held = specification.drive.map(|drive| HeldModes {
+            joint_stiffness_n_m_rad: drive.joint_stiffness_n_m_rad,
+            omega_rad_s: held_frequencies(&mesh, drive.joint_stiffness_n_m_rad, count),
+        });
         let result = ModesResult {
             damping_ratios: law.modal_ratios(&omega_rad_s),
             zeros_per_s: torque_zeros(&mesh, count),
@@ -61,6 +70,7 @@ impl Modes {
             nodes_m: mesh.nodes_m().to_vec(),
             shapes: omega_rad_s.iter().map(|omega| shape(&mesh, *omega)).collect(),
             omega_rad_s,
+            held,
         };
         if let Some(folder) = &self.output {
             result.write(OutputFolder::stage(folder)?, self.digits)?;

@@ -1,34 +1,85 @@
-use super::inertia::flexible_modes;
-use crate::beam::{Inertia, Mesh, condense};
+use super::inertia::{hub_moves_mass, outboard_degrees_of_freedom};
+use crate::beam::{Mesh, condense};
 use crate::numeric::bisect;
 
 /// Highest angular frequency that is searched, in rad/s: no link of this world comes near.
 const SEARCH_LIMIT_RAD_S: f64 = 1e15;
 
-/// Number of modes below `omega_rad_s` > 0, the rigid rotation included.
+/// What holds the hub: a torsional spring to the ground, its stiffness k in N m/rad.
 ///
-/// By Sylvester's law of inertia it is the number of negative pivots of the dynamic stiffness
-/// (Wittrick and Williams), here of the blocks `K_d − λ(M_dd + A)` and of the hub's
-/// `−(A_0[φφ] + I_H)`; so none is missed, however close two of them lie.
-pub fn modes_below(mesh: &Mesh, omega_rad_s: f64) -> usize {
-    let (negative, root) = negative_pivots(mesh, omega_rad_s * omega_rad_s);
-    let at_axis = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();
-    if at_axis.is_finite() {
-        negative + usize::from(at_axis > 0.0)
-    } else {
-        // Exactly on a pole of the apparent inertia: a hair beside it everything is finite.
-        modes_below(mesh, omega_rad_s * (1.0 + 4.0 * f64::EPSILON))
+/// A free and a clamped hub are its two ends, so that one count and one search serve all three.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub(super) struct HubSpring(f64);
+
+impl HubSpring {
+    /// No spring: the hub is free to turn.
+    const FREE: Self = Self(0.0);
+    /// A spring that does not yield.
+    pub(super) const CLAMPED: Self = Self(f64::INFINITY);
+
+    /// Number of modes below `omega_rad_s` > 0, the rigid rotation of a free hub included.
+    ///
+    /// By Sylvester's law of inertia it is the number of negative pivots of the dynamic stiffness
+    /// (Wittrick and Williams), here of the blocks `K_d − λ(M_dd + A)` and of the hub's
+    /// `k − λ(A_0[φφ] + I_H)`; so none is missed, however close two of them lie. For k = ∞ the
+    /// hub's pivot is never negative, and what is left are the modes of the clamped link.
+    pub(super) fn modes_below(self, mesh: &Mesh, omega_rad_s: f64) -> usize {
+        // Exactly on a pole of the apparent inertia nothing is finite, and a hair beside it all
+        // is; numbers beyond double precision stay infinite, and are not searched for ever.
+        let beside = |hairs: u32| omega_rad_s * (1.0 + 4.0 * f64::from(hairs) * f64::EPSILON);
+        let counts = (0..4).map(|hairs| pivots(mesh, beside(hairs).powi(2)));
+        let finite = |count: &(usize, f64)| count.1.is_finite();
+        let (negative, hub) = counts.into_iter().find(finite).unwrap_or_default();
+        negative + usize::from(hub > self.0)
+    }
+
+    /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.
+    fn natural_frequencies(self, mesh: &Mesh, count: usize) -> Vec<f64> {
+        // The rigid rotation of a free hub is always below.
+        let rigid = usize::from(self == Self::FREE);
+        let count = count.min(self.modes(mesh).saturating_sub(rigid));
+        let mut found: Vec<f64> = Vec::with_capacity(count);
+        while found.len() < count {
+            let sought = rigid + found.len() + 1;
+            let is_above = |omega: f64| self.modes_below(mesh, omega) >= sought;
+            let mut high = found.last().copied().unwrap_or(1.0);
+            while !is_above(high) {
+                high *= 2.0;
+                if high > SEARCH_LIMIT_RAD_S {
+                    return found;
+                }
+            }
+            let mut low = found.last().copied().unwrap_or(high);
+            while is_above(low) {
+                low *= 0.5;
+            }
+            found.push(bisect(low, high, is_above));
+        }
+        found
+    }
+
+    /// How many modes the mesh has, the rigid rotation of a free hub included: a clamped hub moves
+    /// no mass.
+    fn modes(self, mesh: &Mesh) -> usize {
+        let hub = self != Self::CLAMPED && hub_moves_mass(mesh);
+        outboard_degrees_of_freedom(mesh) + usize::from(hub)
     }
 }
 
-/// Number of negative pivots outboard of the hub at λ = ω², which is the number of modes below ω of
-/// the link clamped at its hub, and the apparent inertia at the root.
-pub(super) fn negative_pivots(mesh: &Mesh, lambda: f64) -> (usize, Inertia<f64>) {
+/// Number of negative pivots outboard of the hub, and `λ(A_0[φφ] + I_H)`.
+fn pivots(mesh: &Mesh, lambda: f64) -> (usize, f64) {
     let mut negative = 0;
     let root = condense(mesh, lambda, |_, step| {
         negative += step.pivots.iter().filter(|p| **p < 0.0).count();
     });
-    (negative, root)
+    let at_axis = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();
+    (negative, lambda * at_axis)
+}
+
+/// Number of modes below `omega_rad_s` > 0 of the link on its free hub, the rigid rotation
+/// included.
+pub fn modes_below(mesh: &Mesh, omega_rad_s: f64) -> usize {
+    HubSpring::FREE.modes_below(mesh, omega_rad_s)
 }
 
 /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.
@@ -36,25 +87,22 @@ pub(super) fn negative_pivots(mesh: &Mesh, lambda: f64) -> (usize, Inertia<f64>)
 /// Torque-free hub: what vibrates when the motor lets go. Undamped. Fewer than `count` where the
 /// mesh has fewer.
 pub fn natural_frequencies(mesh: &Mesh, count: usize) -> Vec<f64> {
-    let count = count.min(flexible_modes(mesh));
-    let mut found: Vec<f64> = Vec::with_capacity(count);
-    while found.len() < count {
-        // The rigid rotation is always below.
-        let sought = found.len() + 2;
-        let mut high = found.last().copied().unwrap_or(1.0);
-        while modes_below(mesh, high) < sought {
-            high *= 2.0;
-            if high > SEARCH_LIMIT_RAD_S {
-                return found;
-            }
-        }
-        let mut low = found.last().copied().unwrap_or(high);
-        while modes_below(mesh, low) >= sought {
-            low *= 0.5;
-        }
-        found.push(bisect(low, high, |omega| modes_below(mesh, omega) >= sought));
-    }
-    found
+    HubSpring::FREE.natural_frequencies(mesh, count)
+}
+
+/// The first `count` natural frequencies in rad/s, ascending, of the link behind a held rotor.
+///
+/// The joint of a drive is then a spring of `joint_stiffness_n_m_rad` > 0 between hub and ground;
+/// an infinite one clamps the hub. Undamped. The k-th lies below the k-th of
+/// [`natural_frequencies`] and above the one before it. Fewer than `count` where the mesh has
+/// fewer.
+///
+/// # Panics
+/// If the stiffness is not above 0.
+pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize) -> Vec<f64> {
+    let spring = HubSpring(joint_stiffness_n_m_rad);
+    assert!(spring > HubSpring::FREE, "{joint_stiffness_n_m_rad} N m/rad hold no hub");
+    spring.natural_frequencies(mesh, count)
 }
 
 #[cfg(test)]
@@ -92,5 +140,39 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert!((found[0] / exact - 1.0).abs() < 1e-12, "{} is not {exact}", found[0]);
         assert_eq!(natural_frequencies(&massless(0.0, 1.0), 5), Vec::<f64>::new());
+    }
+
+    #[test]
+    fn a_massless_beam_behind_a_joint_has_a_mode_a_body_that_moves() {
+        let (beam, joint) = (3.0 * 5.0 / 1.5_f64.powi(3), 20.0);
+        let close = |found: &[f64], squares: &[f64]| {
+            assert_eq!(found.len(), squares.len(), "{found:?}");
+            for (omega, square) in found.iter().zip(squares) {
+                assert!((omega * omega / square - 1.0).abs() < 1e-12, "{omega} is not √{square}");
+            }
+        };
+        // Clamped, the hub moves no mass; behind a spring and without inertia it is one more
+        // spring in the row.
+        for hub in [0.0, 0.1] {
+            let found = held_frequencies(&massless(hub, 0.4), f64::INFINITY, 5);
+            close(&found, &[beam / 0.4]);
+        }
+        let row = 1.0 / (1.0 / beam + 1.5_f64.powi(2) / joint);
+        close(&held_frequencies(&massless(0.0, 0.4), joint, 5), &[row / 0.4]);
+        // With inertia there are two masses and two springs; the hub's as seen at the tip.
+        let (m, hub, k) = (0.4, 0.1 / 1.5_f64.powi(2), joint / 1.5_f64.powi(2));
+        let (half, product) = (0.5 * (beam / m + (beam + k) / hub), beam * k / (m * hub));
+        let root = (half * half - product).sqrt();
+        let exact = [product / (half + root), half + root];
+        close(&held_frequencies(&massless(0.1, 0.4), joint, 5), &exact);
+        // A hub alone swings on the joint.
+        close(&held_frequencies(&massless(0.1, 0.0), joint, 5), &[joint / 0.1]);
+        close(&held_frequencies(&massless(0.1, 0.0), f64::INFINITY, 5), &[]);
+    }
+
+    #[test]
+    #[should_panic(expected = "0 N m/rad hold no hub")]
+    fn a_joint_without_stiffness_holds_no_hub() {
+        held_frequencies(&massless(0.1, 0.4), 0.0, 1);
     }
 }

@@ -10,11 +10,12 @@ pub(super) fn carries_rotary_inertia(mesh: &Mesh) -> bool {
 
 /// Number of flexible modes of the link on its free hub.
 pub fn flexible_modes(mesh: &Mesh) -> usize {
-    inertial_degrees_of_freedom(mesh).saturating_sub(1)
+    (outboard_degrees_of_freedom(mesh) + usize::from(hub_moves_mass(mesh))).saturating_sub(1)
 }
 
-/// Degrees of freedom that move any mass: as many modes the mesh has, the rigid one included.
-pub(super) fn inertial_degrees_of_freedom(mesh: &Mesh) -> usize {
+/// Degrees of freedom outboard of the hub that move any mass: as many modes the mesh has while the
+/// hub is clamped.
+pub(super) fn outboard_degrees_of_freedom(mesh: &Mesh) -> usize {
     let elements = mesh.elements();
     let last = elements.len();
     let at_node = |node: usize| {
@@ -22,10 +23,14 @@ pub(super) fn inertial_degrees_of_freedom(mesh: &Mesh) -> usize {
         let body = if node == last { Some(mesh.tip_inertia()) } else { mesh.lumped_inertia(node) };
         if beam { 2 } else { body.as_ref().map_or(0, rank) }
     };
+    (1..=last).map(at_node).sum()
+}
+
+/// Whether the hub's rotation moves any mass of its own: one mode more where it is not clamped.
+pub(super) fn hub_moves_mass(mesh: &Mesh) -> bool {
     // The root only turns: its mass counts if the hub's radius gives it an arm.
     let root = mesh.lumped_inertia(0).is_some_and(|body| body.about(mesh.nodes_m()[0]) > 0.0);
-    let hub = mesh.hub_inertia_kg_m2() > 0.0 || root || has_mass(&elements[0]);
-    usize::from(hub) + (1..=last).map(at_node).sum::<usize>()
+    mesh.hub_inertia_kg_m2() > 0.0 || root || has_mass(&mesh.elements()[0])
 }
 
 fn has_mass(element: &Element) -> bool {

@@ -1,5 +1,5 @@
-use super::frequencies::negative_pivots;
-use super::inertia::{carries_rotary_inertia, inertial_degrees_of_freedom};
+use super::frequencies::HubSpring;
+use super::inertia::{carries_rotary_inertia, outboard_degrees_of_freedom};
 use crate::beam::{Mesh, hub_response};
 use crate::numeric::{bisect, geometric_scan};
 
@@ -55,7 +55,7 @@ pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
     let is_odd = |omega: f64| {
         let lambda = omega * omega;
         let displacement = hub_response(mesh, lambda).tip_displacement_m(mesh, lambda);
-        displacement.is_sign_negative() != (clamped_modes_below(mesh, omega) % 2 == 1)
+        displacement.is_sign_negative() != (HubSpring::CLAMPED.modes_below(mesh, omega) % 2 == 1)
     };
     let Some(start) = scan_start(mesh) else { return Vec::new() };
     let mut zeros = Vec::new();
@@ -73,23 +73,18 @@ pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
 /// Where scans for zeros begin, in 1/s: far below the first mode of the link clamped at its hub,
 /// which no zero is near. None where no mass is left to vibrate.
 fn scan_start(mesh: &Mesh) -> Option<f64> {
-    if inertial_degrees_of_freedom(mesh) < 2 {
+    if outboard_degrees_of_freedom(mesh) == 0 {
         return None;
     }
     let mut first = 1.0;
-    while clamped_modes_below(mesh, first) == 0 {
+    while HubSpring::CLAMPED.modes_below(mesh, first) == 0 {
         first *= 2.0;
         if first > SEARCH_LIMIT_PER_S {
             return None;
         }
     }
-    while clamped_modes_below(mesh, first) > 0 {
+    while HubSpring::CLAMPED.modes_below(mesh, first) > 0 {
         first *= 0.5;
     }
     Some(SCAN_START * first)
-}
-
-/// Number of modes below `omega`, in rad/s, of the link clamped at its hub.
-fn clamped_modes_below(mesh: &Mesh, omega: f64) -> usize {
-    negative_pivots(mesh, omega * omega).0
 }

@@ -62,9 +62,10 @@ impl Simulation {
         let steps: Vec<f64> = (0..samples.len()).map(|k| k as f64).collect();
         let spline = CubicSpline::new(&steps, samples, SplineEnds::NotAKnot);
         let slopes = spline.slopes().windows(2);
-        let steps = samples.windows(2).zip(slopes).map(|(ends, slopes)| {
-            0.5 * (ends[0] + ends[1]) + (slopes[0] - slopes[1]) / 12.0
-        });
+        let steps = samples
+            .windows(2)
+            .zip(slopes)
+            .map(|(ends, slopes)| 0.5 * (ends[0] + ends[1]) + (slopes[0] - slopes[1]) / 12.0);
         let running = steps.scan(0.0, |sum, step| {
             *sum += step * self.grid.step_s;
             Some(*sum)

@@ -32,8 +32,8 @@ impl Simulation {
         let modes = || self.equations.coordinates.iter().zip(&tips).skip(1);
         let bending = torque.iter().enumerate().map(|(bin, torque)| {
             let omega = angular_frequency(bin, len, self.grid.step_s);
-            let answers =
-                modes().map(|(mode, tip)| tip * mode.hub_angle / (mode.square * kappa - omega * omega));
+            let answers = modes()
+                .map(|(mode, tip)| tip * mode.hub_angle / (mode.square * kappa - omega * omega));
             answers.sum::<Complex64>() * torque
         });
         let bending = pair.samples(bending.collect());

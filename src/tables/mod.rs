@@ -33,7 +33,7 @@ pub use folder::{FolderAction, FolderError, OutputFolder};
 pub use frf_table::write_frequency_response;
 pub use hub_csv::read_hub_reference;
 pub use input::{InputError, InputFile};
-pub use modes_tables::ModesResult;
+pub use modes_tables::{HeldModes, ModesResult};
 pub use motion_csv::{MotionTable, read_motion_table};
 pub use number::{Digits, DigitsError, NumberFormat};
 pub use simulate_tables::SimulateOutputs;

@@ -1,5 +1,7 @@
 //! The files of `modes`: every column's name and unit, once.
 
+use std::f64::consts::TAU;
+
 use super::folder::{FolderError, OutputFolder};
 use super::number::Digits;
 use super::plain_table::{PlainColumn, write_plain};
@@ -19,56 +21,71 @@ pub struct ModesResult {
     pub nodes_m: Vec<f64>,
     /// Mass-normalised displacement of each node in 1/√kg, one list a mode.
     pub shapes: Vec<Vec<f64>>,
+    /// Modes with the rotor held, where the link has a drive.
+    pub held: Option<HeldModes>,
 }
 
-/// Names of all files that `modes` writes.
-const OWNED: [&str; 3] = ["modes.csv", "mode_shapes.csv", "zeros.csv"];
+/// The modes of a link while the motor holds the rotor of its drive still.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldModes {
+    /// Stiffness of the joint between rotor and hub in N m/rad; infinite for a stiff joint.
+    pub joint_stiffness_n_m_rad: f64,
+    /// Natural frequencies in rad/s.
+    pub omega_rad_s: Vec<f64>,
+}
+
+/// Names of all files that `modes` may write.
+const OWNED: [&str; 4] = [MODES, SHAPES, HELD, ZEROS];
+
+const MODES: &str = "modes.csv";
+const SHAPES: &str = "mode_shapes.csv";
+const HELD: &str = "held_modes.csv";
+const ZEROS: &str = "zeros.csv";
 
 impl ModesResult {
-    /// Natural frequencies in Hz.
-    pub fn frequencies_hz(&self) -> Vec<f64> {
-        self.omega_rad_s.iter().map(|omega| omega / std::f64::consts::TAU).collect()
-    }
-
-    /// Periods in s.
-    pub fn periods_s(&self) -> Vec<f64> {
-        self.frequencies_hz().into_iter().map(f64::recip).collect()
-    }
-
     /// How long before the motion the torque is still 1 % of what it is at its start, in s, were
     /// there but this zero: ln(100)/z.
     pub fn leads_s(&self) -> Vec<f64> {
         self.zeros_per_s.iter().map(|zero| 100.0_f64.ln() / zero).collect()
     }
 
-    /// Writes modes.csv, `mode_shapes.csv` and zeros.csv, all or none.
+    /// Writes modes.csv, `mode_shapes.csv` and zeros.csv, of a link with a drive also
+    /// `held_modes.csv`; all or none.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
     pub fn write(&self, mut folder: OutputFolder, digits: Digits) -> Result<(), FolderError> {
-        let numbers: Vec<usize> = (1..=self.omega_rad_s.len()).collect();
-        let modes = [
-            PlainColumn::counts("mode", &numbers),
-            PlainColumn::values("omega_rad_s", &self.omega_rad_s),
-            PlainColumn::values("frequency_hz", &self.frequencies_hz()),
-            PlainColumn::values("period_s", &self.periods_s()),
-            PlainColumn::values("damping_ratio", &self.damping_ratios),
-        ];
-        folder.file(OWNED[0], |out| write_plain(out, &modes, digits))?;
+        let mut modes = frequency_columns(&self.omega_rad_s);
+        modes.push(PlainColumn::values("damping_ratio", &self.damping_ratios));
+        folder.file(MODES, |out| write_plain(out, &modes, digits))?;
         let mut shapes = vec![PlainColumn::values("x_m", &self.nodes_m)];
-        shapes.extend(
-            numbers
-                .iter()
-                .zip(&self.shapes)
-                .map(|(mode, shape)| PlainColumn::values(&format!("mode_{mode}"), shape)),
-        );
-        folder.file(OWNED[1], |out| write_plain(out, &shapes, digits))?;
+        let named = self.shapes.iter().enumerate();
+        shapes
+            .extend(named.map(|(k, shape)| PlainColumn::values(&format!("mode_{}", k + 1), shape)));
+        folder.file(SHAPES, |out| write_plain(out, &shapes, digits))?;
+        if let Some(held) = &self.held {
+            let modes = frequency_columns(&held.omega_rad_s);
+            folder.file(HELD, |out| write_plain(out, &modes, digits))?;
+        }
         let zeros = [
             PlainColumn::values("zero_per_s", &self.zeros_per_s),
             PlainColumn::values("lead_to_1_percent_s", &self.leads_s()),
             PlainColumn::values("blocked_frequency_hz", &self.blocked_hz),
         ];
-        folder.file(OWNED[2], |out| write_plain(out, &zeros, digits))?;
-        folder.commit(OWNED[2], &OWNED)
+        folder.file(ZEROS, |out| write_plain(out, &zeros, digits))?;
+        folder.commit(ZEROS, &OWNED)
     }
+}
+
+/// Number, angular frequency, frequency and period of each mode.
+fn frequency_columns(omega_rad_s: &[f64]) -> Vec<PlainColumn> {
+    let numbers: Vec<usize> = (1..=omega_rad_s.len()).collect();
+    let hertz: Vec<f64> = omega_rad_s.iter().map(|omega| omega / TAU).collect();
+    let periods: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
+    vec![
+        PlainColumn::counts("mode", &numbers),
+        PlainColumn::values("omega_rad_s", omega_rad_s),
+        PlainColumn::values("frequency_hz", &hertz),
+        PlainColumn::values("period_s", &periods),
+    ]
 }

@@ -30,7 +30,12 @@ pub(super) fn played(answer: &Answer) -> Result<Vec<Check>, VerificationError> {
         Damping::Hysteretic { ratio } if *ratio > 0.0 => {
             let tip_m = simulation.hysteretic_tip_m(*ratio, &net_torque(answer));
             vec![
-                Check::measured("tip_error", own_law.into(), tip_error(answer, grid, &tip_m), bound),
+                Check::measured(
+                    "tip_error",
+                    own_law.into(),
+                    tip_error(answer, grid, &tip_m),
+                    bound,
+                ),
                 Check::measured(
                     "tip_error_viscous",
                     "tip on the viscous equivalent, of its way".into(),

@@ -37,6 +37,60 @@ fn modes_are_printed_and_tabled() {
 }
 
 #[test]
+fn a_link_with_a_drive_also_has_the_modes_of_the_held_rotor() {
+    let bench = Bench::new();
+    let rome = repository("specs/rome_link.toml");
+    let held = ["--set", "mesh.elements=200", "--count", "3", "-o", "m"];
+    let text = printed(&bench, &[&["modes", &rome], &held[..]].concat());
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    let (free, block) = text.split_once("rotor held, joint spring 1000 N m/rad\n").unwrap();
+    assert!(free.contains("damping") && free.contains("zero"), "{text}");
+    let rows: Vec<Vec<&str>> =
+        block.lines().skip(1).map(|row| row.split_whitespace().collect()).collect();
+    assert_eq!(bench.names("m"), ["held_modes.csv", "mode_shapes.csv", "modes.csv", "zeros.csv"]);
+    let table = bench.table("m/held_modes.csv");
+    let names: Vec<&str> = table.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["mode", "omega_rad_s", "frequency_hz", "period_s"]);
+    assert_eq!((rows.len(), table[0].1.as_slice()), (3, &[1.0, 2.0, 3.0][..]));
+    for (k, squared) in [34.14, 1383.24, 11_084.49].into_iter().enumerate() {
+        let [omega, hertz, period] = [1, 2, 3].map(|column| table[column].1[k]);
+        assert!((omega * omega - squared).abs() < 0.005, "{omega}² is not {squared}");
+        assert!((hertz * std::f64::consts::TAU / omega - 1.0).abs() < 1e-9);
+        assert!((hertz * period - 1.0).abs() < 1e-9);
+        let printed: Vec<f64> = rows[k].iter().map(|cell| cell.parse().unwrap()).collect();
+        assert_eq!(printed.len(), 4, "{text}");
+        for (cell, value) in printed[1..].iter().zip([omega, hertz, period]) {
+            assert!((cell / value - 1.0).abs() < 1e-7, "{cell} for {value}");
+        }
+    }
+}
+
+#[test]
+fn a_stiff_joint_clamps_the_hub_of_a_held_rotor() {
+    let bench = Bench::new();
+    let uniform = "segments = [{ length = 1, EI = 1, mass_per_length = 1 }]\nhub.inertia = 0.1\n";
+    bench.write("link.toml", &format!("{uniform}[drive]\n"));
+    let text = printed(&bench, &["modes", "link.toml", "--count", "3", "-o", "m"]);
+    assert!(text.contains("\nrotor held, stiff joint\nmode "), "{text}");
+    let omega = &bench.table("m/held_modes.csv")[1].1;
+    assert_eq!(omega.len(), 3);
+    for (omega, b) in omega.iter().zip([1.875_104_069, 4.694_091_133, 7.854_757_438_f64]) {
+        assert!((omega / (b * b) - 1.0).abs() < 1e-6, "{omega} is not {b}²");
+    }
+}
+
+#[test]
+fn without_a_drive_no_held_modes_are_left_from_the_run_before() {
+    let bench = Bench::new();
+    let (rome, bayo) = (repository("specs/rome_link.toml"), repository(LINK));
+    printed(&bench, &["modes", &rome, "-o", "m"]);
+    assert!(bench.path("m/held_modes.csv").exists());
+    let text = printed(&bench, &["modes", &bayo, "-o", "m"]);
+    assert_eq!(bench.names("m"), ["mode_shapes.csv", "modes.csv", "zeros.csv"]);
+    assert!(!text.contains("held"), "{text}");
+}
+
+#[test]
 fn a_payload_inertia_blocks_the_tip_at_a_frequency_that_is_told() {
     let bench = Bench::new();
     let link = repository(LINK);

@@ -1,7 +1,8 @@
 //! The link as the paper solves it: assembled matrices and a factorisation with pivoting.
 
 use faer::linalg::solvers::Solve;
-use faer::{Mat, c64};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Mat, MatRef, Par, Side, c64};
 use flexlink::beam::{Inertia, Mesh};
 use flexlink::link::{Link, LumpedMass};
 use nalgebra::{Matrix2, Matrix4, Vector4};
@@ -97,17 +98,39 @@ impl Assembly {
         h
     }
 
+    /// (v, φ) of all nodes per θ, the motion of the hub, and (v, φ) of nodes 1 … n: 2n + 1 in all.
+    /// The root sits on the hub, `v_0 = x_0 θ` and `φ_0 = θ`.
+    fn on_hub(&self) -> Mat<c64> {
+        let size = 2 * self.nodes();
+        let mut on_hub = Mat::<c64>::zeros(size, size - 1);
+        on_hub[(0, 0)] = self.root_m.into();
+        for row in 1..size {
+            on_hub[(row, row - 1)] = c64::ONE;
+        }
+        on_hub
+    }
+
+    /// All natural frequencies squared, ascending, with a spring between hub and ground: the
+    /// eigenvalues of `L⁻¹ K L⁻ᵀ`, with `M = L Lᵀ`.
+    pub(crate) fn squared_frequencies(&self, spring_n_m_rad: f64) -> Vec<f64> {
+        let real = |per_lambda| {
+            let h = self.on_hub().transpose() * self.h(0, per_lambda) * self.on_hub();
+            Mat::from_fn(h.nrows(), h.ncols(), |row, column| h[(row, column)].re)
+        };
+        let mut mass: Mat<f64> = real(c64::ZERO);
+        let mut stiffness = &mass - real(c64::ONE);
+        mass[(0, 0)] += self.hub_inertia_kg_m2;
+        stiffness[(0, 0)] += spring_n_m_rad;
+        let cholesky = mass.llt(Side::Lower).expect("every degree of freedom moves mass");
+        let half = solve_lower(cholesky.L(), &stiffness);
+        let whole = solve_lower(cholesky.L(), &half.transpose().to_owned());
+        whole.self_adjoint_eigenvalues(Side::Lower).expect("a symmetric matrix")
+    }
+
     /// Motion (v, φ) of all nodes under a unit load, times −ω²: `H a = f`.
-    ///
-    /// Unknowns are θ, the motion of the hub, and (v, φ) of nodes 1 … n: 2n + 1 in all. The root
-    /// sits on the hub, `v_0 = x_0 θ` and `φ_0 = θ`.
     pub(crate) fn accelerations(&self, lambda: c64, load: Load) -> Vec<c64> {
         let size = 2 * self.nodes();
-        let mut held = Mat::<c64>::zeros(size, size - 1);
-        held[(0, 0)] = self.root_m.into();
-        for row in 1..size {
-            held[(row, row - 1)] = c64::ONE;
-        }
+        let held = self.on_hub();
         let mut h = held.transpose() * self.h(0, lambda.inv()) * &held;
         h[(0, 0)] += self.hub_inertia_kg_m2;
         let mut f = Mat::<c64>::zeros(size - 1, 1);
@@ -134,6 +157,12 @@ impl Assembly {
         let sum: f64 = pairs.map(|(r, c)| motion[r] * mass[(r, c)].re * motion[c]).sum();
         self.hub_inertia_kg_m2 + sum
     }
+}
+
+fn solve_lower(lower: MatRef<'_, f64>, right: &Mat<f64>) -> Mat<f64> {
+    let mut solved = right.clone();
+    solve_lower_triangular_in_place(lower, solved.as_mut(), Par::Seq);
+    solved
 }
 
 /// Hermite cubics between two nodes, integrated by four Gauss points: exact to degree 7.

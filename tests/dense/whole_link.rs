@@ -4,6 +4,7 @@
 use faer::c64;
 use flexlink::beam::{Mesh, nodal_transfer, tip_transfer};
 use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+use flexlink::modal::held_frequencies;
 use proptest::prelude::*;
 
 use crate::assembly::{Assembly, Load};
@@ -116,5 +117,27 @@ proptest! {
         let angle = assembly.accelerations(lambda, Load::TipForce)[1];
         let off = (tip_transfer(&mesh, lambda).inertia_kg_m * angle - 1.0).norm();
         prop_assert!(off < DENSE_ERROR, "{:e}", off);
+    }
+
+    /// All of them: none is missed and none is found twice.
+    #[test]
+    fn held_frequencies_are_the_eigenvalues_of_the_dense_matrices(
+        parts in any_parts(),
+        elements in 7_usize..14,
+        decades in -2.0..5.0_f64,
+    ) {
+        let mesh = mesh(&parts, elements);
+        let link = Link::new(parts).expect("a valid link");
+        let spring = 10.0_f64.powf(decades);
+        let dense = Assembly::of_link(&link, mesh.nodes_m()).squared_frequencies(spring);
+        let found = held_frequencies(&mesh, spring, 1000);
+        prop_assert_eq!(found.len(), dense.len());
+        // The round-off of dense eigenvalues is a share of the largest.
+        let round_off = 1e-12 * dense[dense.len() - 1];
+        for (omega, square) in found.iter().zip(&dense) {
+            let off = (omega * omega - square).abs();
+            let allowed = DENSE_ERROR * square + round_off;
+            prop_assert!(off < allowed, "{omega}² is {off:e} off {square}");
+        }
     }
 }

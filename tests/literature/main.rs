@@ -1,8 +1,6 @@
 //! Published examples: each file cites one source, gives its data as printed and in SI, and states
 //! for every number how far this program may lie from it, and why.
 //!
-//! Two tricks let the pivot count of a torque-free hub answer for other ends. A hub inertia of
-//! 1e12 kg m² does not move, so that what remains are the modes of the link *clamped* at the hub.
 //! The expected numbers of uniform links come from the closed form, solved here by bisection; the
 //! program has no part in it.
 
@@ -23,13 +21,10 @@ use std::path::{Path, PathBuf};
 
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
-use flexlink::modal::natural_frequencies;
+use flexlink::modal::{held_frequencies, natural_frequencies};
 use flexlink::motion::TipMotion;
 use flexlink::spec::{Override, Specification, read_specification};
 use flexlink::tables::read_motion_table;
-
-/// A hub inertia in kg m² that clamps the link: no torque-free mode moves such a hub.
-const CLAMPED: &str = "hub.inertia=1e12";
 
 /// Enough elements for ten digits of the first five frequencies of a uniform link.
 const FINE: &str = "mesh.elements=800";
@@ -55,6 +50,12 @@ fn motion(name: &str, link: &Link) -> TipMotion {
 fn frequencies(name: &str, settings: &[&str], count: usize) -> Vec<f64> {
     let Specification { link, mesh, .. } = specification(name, settings);
     natural_frequencies(&Mesh::new(&link, &mesh), count)
+}
+
+/// The first natural frequencies of a link in rad/s, its hub clamped.
+fn clamped_frequencies(name: &str, settings: &[&str], count: usize) -> Vec<f64> {
+    let Specification { link, mesh, .. } = specification(name, settings);
+    held_frequencies(&Mesh::new(&link, &mesh), f64::INFINITY, count)
 }
 
 fn hertz(frequencies_rad_s: &[f64]) -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! Natural frequencies of the uniform link with hub inertia and point payload.
 
-use flexlink::modal::natural_frequencies;
+use flexlink::modal::{held_frequencies, natural_frequencies};
 
 use crate::closed_form::UniformLink;
 use crate::roots::roots;
@@ -53,6 +53,20 @@ fn natural_frequencies_are_the_roots_of_the_frequency_equation() {
         for ((omega, root), b) in found.into_iter().zip(frequency_roots(&link)).zip(published) {
             assert!((omega.sqrt() / b - 1.0).abs() < 1e-9, "{omega} is not {b}²");
             assert!((omega.sqrt() / root - 1.0).abs() < 1e-10, "{omega} is not {root}²");
+        }
+    }
+}
+
+/// 1 + cos b cosh b = 0: the hub's inertia does not matter, for it does not move.
+#[test]
+fn a_clamped_hub_leaves_the_frequencies_of_the_cantilever() {
+    let cantilever = [1.875_104_068_712, 4.694_091_132_974, 7.854_757_438_238];
+    for eta in [0.0, 0.1] {
+        let mesh = UniformLink::unit(eta, 0.0).mesh(1000);
+        let found = held_frequencies(&mesh, f64::INFINITY, 3);
+        assert_eq!(found.len(), 3);
+        for (omega, b) in found.into_iter().zip(cantilever) {
+            assert!((omega.sqrt() / b - 1.0).abs() < 1e-11, "η = {eta}: {omega} is not {b}²");
         }
     }
 }
