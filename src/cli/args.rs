@@ -5,8 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::beam::Mesh;
+use flexlink::link::Link;
+use flexlink::motion::TipMotion;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
-use flexlink::tables::InputFile;
+use flexlink::tables::{InputFile, read_motion_table};
 
 use super::exit::{Exit, Failure};
 
@@ -35,6 +37,36 @@ impl LinkArgs {
         let file = InputFile::read(&self.link)?;
         let specification = read_specification(&file.shown, file.text()?, &overrides)?;
         Ok((file, specification))
+    }
+}
+
+/// A tip trajectory.
+#[derive(Debug, Args)]
+pub(crate) struct MotionArgs {
+    /// Tip trajectory (CSV): `time` and `acceleration`, `displacement` or `angle`.
+    #[arg(value_name = "MOTION")]
+    motion: PathBuf,
+
+    /// Make the trajectory uniform by a cubic spline, at this step in s.
+    #[arg(long, value_name = "STEP")]
+    resample: Option<f64>,
+}
+
+impl MotionArgs {
+    /// Reads the trajectory of a link's tip.
+    pub(crate) fn load(&self, link: &Link) -> Result<(InputFile, TipMotion), Failure> {
+        let file = InputFile::read(&self.motion)?;
+        let table = read_motion_table(&file.shown, &file.bytes, link.length_m())?;
+        let table = match self.resample {
+            Some(step_s) => table.resampled(step_s)?,
+            None => table,
+        };
+        Ok((file, table.into_motion()?))
+    }
+
+    /// The argument that changed the trajectory, for the record.
+    pub(crate) fn change(&self) -> Option<String> {
+        self.resample.map(|step_s| format!("--resample {step_s}"))
     }
 }
 

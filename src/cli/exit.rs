@@ -5,6 +5,7 @@ use flexlink::modal::DampingError;
 use flexlink::response::SimulationError;
 use flexlink::spec::SpecError;
 use flexlink::tables::{FolderError, InputError, TableError};
+use flexlink::verification::VerificationError;
 
 /// How the program ends when it is not done. (1 is for comparisons that differ.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,6 +61,12 @@ impl From<TableError> for Failure {
 impl From<InversionError> for Failure {
     fn from(error: InversionError) -> Self {
         Self::new(Exit::NotSolvable, &error, error.hint())
+    }
+}
+
+impl From<VerificationError> for Failure {
+    fn from(error: VerificationError) -> Self {
+        Self::new(Exit::NotSolvable, &format!("not verified: {error}"), None)
     }
 }
 

@@ -11,6 +11,8 @@ mod simulate;
 mod simulate_text;
 mod solve;
 mod solve_text;
+mod verify;
+mod verify_text;
 
 use std::process::ExitCode;
 
@@ -41,6 +43,7 @@ enum Command {
     // The help of each stands with its arguments.
     Solve(Box<solve::Solve>),
     Simulate(Box<simulate::Simulate>),
+    Verify(Box<verify::Verify>),
     Modes(modes::Modes),
     Frf(frf::Frf),
 }
@@ -50,6 +53,7 @@ pub(crate) fn run() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Solve(solve) => solve.run(),
         Command::Simulate(simulate) => simulate.run(),
+        Command::Verify(verify) => verify.run(),
         Command::Modes(modes) => modes.run(),
         Command::Frf(frf) => frf.run(),
     };

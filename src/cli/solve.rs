@@ -3,19 +3,18 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::inverse::invert;
-use flexlink::link::{Drive, Link};
-use flexlink::motion::TipMotion;
+use flexlink::link::Drive;
 use flexlink::result::Metrics;
 use flexlink::spec::Specification;
-use flexlink::tables::{
-    Digits, InputFile, OptionalTable, OutputFolder, RunInputs, SolveOutputs, Summary,
-    read_motion_table,
-};
+use flexlink::tables::{Digits, OptionalTable, OutputFolder, RunInputs, SolveOutputs, Summary};
+use flexlink::verification::{Answer, verify};
 
-use super::args::{LinkArgs, NodeArgs, PrintArgs, ThreadArgs};
+use super::args::{LinkArgs, MotionArgs, NodeArgs, PrintArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::solve_text::solve_text;
+use super::verify::refuse_failed;
+use super::verify_text::verify_text;
 
 const EXAMPLE: &str = "\
 Example:
@@ -37,31 +36,28 @@ pub(crate) struct Solve {
     #[command(flatten)]
     link: LinkArgs,
 
-    /// Tip trajectory (CSV): `time` and `acceleration`, `displacement` or `angle`.
-    #[arg(value_name = "MOTION")]
-    motion: PathBuf,
+    #[command(flatten)]
+    motion: MotionArgs,
 
     /// Folder for the results.
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     output: PathBuf,
 
-    /// Make the trajectory uniform by a cubic spline, at this step in s.
-    #[arg(long, value_name = "STEP")]
-    resample: Option<f64>,
-
     #[command(flatten)]
     nodes: NodeArgs,
 
-    #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
-    deflections: bool,
-
-    #[arg(long, help = "Also write bending_moments.csv")]
-    moments: bool,
+    #[command(flatten)]
+    also: OptionalArgs,
 
     /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
     /// reads back to the same number.
     #[arg(long, value_name = "N", default_value = "10")]
     digits: Digits,
+
+    /// Measure the answer by other means, as `flexlink verify` does, and keep the table in
+    /// summary.json; exit code 4 if a number is out of its bound, the results are written.
+    #[arg(long)]
+    verify: bool,
 
     /// Fail with exit code 4 if a limit of the link file is exceeded; the results are written.
     #[arg(long)]
@@ -74,16 +70,38 @@ pub(crate) struct Solve {
     threads: ThreadArgs,
 }
 
+/// Tables beyond those that are always written.
+#[derive(Debug, Args)]
+struct OptionalArgs {
+    #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
+    deflections: bool,
+
+    #[arg(long, help = "Also write bending_moments.csv")]
+    moments: bool,
+}
+
 impl Solve {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.apply()?;
         let (link_file, specification) = self.link.load()?;
         let Specification { link, mesh, analysis, drive, limits } = &specification;
-        let motion_file = InputFile::read(&self.motion)?;
-        let motion = self.read_motion(&motion_file, link)?;
+        let (motion_file, motion) = self.motion.load(link)?;
 
         let solution = invert(link, mesh, &motion, analysis)?;
         self.nodes.check(solution.mesh())?;
+        let verification = self
+            .verify
+            .then(|| {
+                verify(&Answer {
+                    link,
+                    plan: mesh,
+                    motion: &motion,
+                    analysis,
+                    solution: &solution,
+                    written_torque_n_m: &self.digits.as_written(&solution.torque_n_m),
+                })
+            })
+            .transpose()?;
 
         let outputs = self.outputs(*drive);
         let inputs = RunInputs {
@@ -94,6 +112,7 @@ impl Solve {
             analysis,
             drive: drive.as_ref(),
             changes: &self.changes(),
+            verification: verification.as_ref(),
         };
         let metrics = Metrics::of(&solution);
         let exceeded = limits.exceeded(&metrics);
@@ -112,7 +131,14 @@ impl Solve {
         match (self.print.quiet, self.print.json) {
             (true, _) => {}
             (_, true) => console::print(&summary.to_json())?,
-            _ => console::print(&solve_text(link, &motion, &solution, &metrics, &written))?,
+            _ => {
+                let text = solve_text(link, &motion, &solution, &metrics, &written);
+                let checks = verification.as_ref().map(verify_text).unwrap_or_default();
+                console::print(&(text + &checks))?;
+            }
+        }
+        if let Some(verification) = &verification {
+            refuse_failed(verification)?;
         }
         match exceeded.first().filter(|_| self.strict) {
             Some(limit) => Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint()))),
@@ -120,19 +146,10 @@ impl Solve {
         }
     }
 
-    fn read_motion(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
-        let table = read_motion_table(&file.shown, &file.bytes, link.length_m())?;
-        let table = match self.resample {
-            Some(step_s) => table.resampled(step_s)?,
-            None => table,
-        };
-        Ok(table.into_motion()?)
-    }
-
     fn outputs(&self, drive: Option<Drive>) -> SolveOutputs {
         let optional = [
-            (self.deflections, OptionalTable::NodalDeflections),
-            (self.moments, OptionalTable::BendingMoments),
+            (self.also.deflections, OptionalTable::NodalDeflections),
+            (self.also.moments, OptionalTable::BendingMoments),
         ];
         SolveOutputs {
             nodes: self.nodes.list.clone(),
@@ -146,6 +163,6 @@ impl Solve {
     /// The arguments that changed the inputs, for the record.
     fn changes(&self) -> Vec<String> {
         let sets = self.link.changes.iter().map(|change| format!("--set {change}"));
-        sets.chain(self.resample.map(|step_s| format!("--resample {step_s}"))).collect()
+        sets.chain(self.motion.change()).collect()
     }
 }

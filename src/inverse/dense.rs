@@ -11,9 +11,8 @@ use crate::modal::{ModalBasis, Shape};
 /// Most elements that are assembled and factorised: the work grows with the cube of their number.
 pub const MOST_ELEMENTS_OF_DENSE_SOLVE: usize = 200;
 
-/// The factor from an element's resolved frequency to the highest that its matrices hold:
-/// (βl)² = √8400 of a free element over √14.4.
-const HIGHEST_OVER_RESOLVED: f64 = 24.2;
+/// What an estimate of round-off is taken times.
+const CAUTION: f64 = 100.0;
 
 /// The link's dense matrices on θ and (v, φ) of nodes 1 … n, with its damping law.
 ///
@@ -101,12 +100,16 @@ impl<'a> DenseLink<'a> {
     }
 
     /// Relative error that round-off may cause at ω: K annihilates rigid motion only up to ε times
-    /// the highest frequency of its elements, squared, and that error is divided by ω².
+    /// its largest entry, and what is left is divided by ω² and by the rigid inertia.
     pub fn round_off(&self, omega_rad_s: f64) -> f64 {
-        let elements = self.dynamics.mesh().elements().iter();
-        let resolved = elements.map(crate::beam::Element::resolved_frequency_rad_s);
-        let highest = resolved.filter(|omega| omega.is_finite()).fold(0.0, f64::max);
-        f64::EPSILON * (HIGHEST_OVER_RESOLVED * highest / omega_rad_s).powi(2)
+        let mesh = self.dynamics.mesh();
+        let rigid = column(mesh, &ModalBasis::lowest(mesh, 0).rigid);
+        let largest = (1..self.mass.nrows() - 1)
+            .step_by(2)
+            .map(|row| self.stiffness[(row, row)] * rigid[(row, 0)].powi(2));
+        let largest = largest.fold(0.0, f64::max);
+        let sum = (mesh.elements().len() as f64).sqrt();
+        CAUTION * f64::EPSILON * sum * largest / omega_rad_s.powi(2)
     }
 }
 

@@ -63,7 +63,7 @@ impl FeedbackError {
 }
 
 impl Feedback {
-    /// Gains k_p in N m/rad and k_d in N m s/rad around a reference.
+    /// Gains `k_p` in N m/rad and `k_d` in N m s/rad around a reference.
     ///
     /// # Errors
     /// [`FeedbackError::Gain`] names the first gain that is negative or not finite.
@@ -81,12 +81,12 @@ impl Feedback {
         Ok(Self { stiffness_n_m_rad, damping_n_m_s_rad, reference })
     }
 
-    /// k_p in N m/rad.
+    /// `k_p` in N m/rad.
     pub fn stiffness_n_m_rad(&self) -> f64 {
         self.stiffness_n_m_rad
     }
 
-    /// k_d in N m s/rad.
+    /// `k_d` in N m s/rad.
     pub fn damping_n_m_s_rad(&self) -> f64 {
         self.damping_n_m_s_rad
     }

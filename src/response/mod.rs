@@ -1,6 +1,12 @@
 //! Direct dynamics: torque in, motion out, in the time domain and independent of the Fourier
 //! transform of the inversion.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "counts of samples are computed as numbers that are checked to be small and positive"
+)]
+
 mod energy;
 mod equations;
 mod feedback;

@@ -36,6 +36,7 @@ pub use input::{InputError, InputFile};
 pub use modes_tables::{HeldModes, ModesResult};
 pub use motion_csv::{MotionTable, read_motion_table};
 pub use number::{Digits, DigitsError, NumberFormat};
+pub use records::verification_json;
 pub use simulate_tables::SimulateOutputs;
 pub use simulation_summary::{SimulationInputs, SimulationSummary};
 pub use single_file::write_file;

@@ -40,6 +40,22 @@ impl Digits {
     }
 }
 
+impl Digits {
+    /// Samples as they read back from a column of their own.
+    pub fn as_written(&self, samples: &[f64]) -> Vec<f64> {
+        let peak = samples.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let format = self.for_peak(peak);
+        let mut text = Vec::new();
+        let read_back = |sample: &f64| {
+            text.clear();
+            format.write(&mut text, *sample);
+            // Every number that is written reads back.
+            std::str::from_utf8(&text).ok().and_then(|text| text.parse().ok()).unwrap_or(f64::NAN)
+        };
+        samples.iter().map(read_back).collect()
+    }
+}
+
 /// Largest e with 10ᵉ ≤ |value|; none of what is not finite.
 ///
 /// Read from the decimal text: a logarithm may miss the powers of ten by one.

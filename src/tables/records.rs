@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::input::InputFile;
 use crate::beam::Mesh;
+use crate::verification::{Check, Outcome, Verification};
 
 /// An input file of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -24,6 +25,35 @@ pub(super) struct WarningRecord {
     pub(super) kind: &'static str,
     pub(super) message: String,
     pub(super) hint: &'static str,
+}
+
+/// One check of an answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct CheckRecord {
+    name: &'static str,
+    what: &'static str,
+    of: &'static str,
+    /// Nothing where it was not measured.
+    found: Option<f64>,
+    bound: Option<f64>,
+    /// Why it was not measured.
+    reason: Option<String>,
+    passes: bool,
+}
+
+impl CheckRecord {
+    pub(super) fn all(verification: &Verification) -> Vec<Self> {
+        verification.checks.iter().map(Self::of).collect()
+    }
+
+    fn of(check: &Check) -> Self {
+        let (found, bound, reason) = match &check.outcome {
+            Outcome::Measured { found, bound } => (Some(*found), Some(*bound), None),
+            Outcome::NotMeasured { reason } => (None, None, Some(reason.clone())),
+        };
+        let Check { name, what, of, .. } = *check;
+        Self { name, what, of, found, bound, reason, passes: !check.fails() }
+    }
 }
 
 impl Fingerprint {
@@ -51,4 +81,9 @@ pub(super) fn json(summary: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(summary).expect("plain records are JSON");
     text.push('\n');
     text
+}
+
+/// The JSON text of a verification: a list of its checks.
+pub fn verification_json(verification: &Verification) -> String {
+    json(&CheckRecord::all(verification))
 }

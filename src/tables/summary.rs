@@ -4,11 +4,12 @@ use serde::Serialize;
 
 use super::input::InputFile;
 use super::link_record::LinkRecord;
-use super::records::{Fingerprint, MeshRecord, WarningRecord, json};
+use super::records::{CheckRecord, Fingerprint, MeshRecord, WarningRecord, json};
 use crate::inverse::{Analysis, Solution};
 use crate::link::{Drive, Link};
 use crate::motion::TipMotion;
 use crate::result::{Exceeded, Metrics};
+use crate::verification::Verification;
 
 /// What a run was given.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +28,8 @@ pub struct RunInputs<'a> {
     pub drive: Option<&'a Drive>,
     /// The arguments that changed the inputs, in order: `--set …`, `--resample …`.
     pub changes: &'a [String],
+    /// What verifying the answer gave, if it was verified.
+    pub verification: Option<&'a Verification>,
 }
 
 /// The content of summary.json, in the order of its keys.
@@ -47,6 +50,7 @@ pub struct Summary {
     analysis: AnalysisRecord,
     results: Results,
     errors: Errors,
+    verification: Option<Vec<CheckRecord>>,
     warnings: Vec<WarningRecord>,
     files: Vec<&'static str>,
 }
@@ -111,6 +115,7 @@ struct Results {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[expect(clippy::struct_field_names, reason = "the names are keys of the file")]
 struct Errors {
     mesh_error: f64,
     edge_error: f64,
@@ -154,6 +159,7 @@ impl Summary {
                 edge_error: solution.accuracy.edge_error,
                 truncation_error: solution.accuracy.truncation_error,
             },
+            verification: inputs.verification.map(CheckRecord::all),
             warnings: warnings(solution, exceeded),
             files,
         }

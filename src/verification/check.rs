@@ -4,7 +4,9 @@ pub struct Check {
     /// Name for machines: `tip_error`, `mesh_halving`, ….
     pub name: &'static str,
     /// What was measured, for people.
-    pub what: String,
+    pub what: &'static str,
+    /// What the number is a share of.
+    pub of: &'static str,
     /// What came of it.
     pub outcome: Outcome,
 }
@@ -26,17 +28,32 @@ pub enum Outcome {
     },
 }
 
-impl Check {
+/// A check before its number is known.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Question {
+    pub(super) name: &'static str,
+    pub(super) what: &'static str,
+    pub(super) of: &'static str,
+}
+
+impl Question {
     /// A number against its bound.
-    pub(super) fn measured(name: &'static str, what: String, found: f64, bound: f64) -> Self {
-        Self { name, what, outcome: Outcome::Measured { found, bound } }
+    pub(super) fn measured(self, found: f64, bound: f64) -> Check {
+        self.answered(Outcome::Measured { found, bound })
     }
 
     /// A check that was not made.
-    pub(super) fn not_measured(name: &'static str, what: String, reason: String) -> Self {
-        Self { name, what, outcome: Outcome::NotMeasured { reason } }
+    pub(super) fn not_measured(self, reason: String) -> Check {
+        self.answered(Outcome::NotMeasured { reason })
     }
 
+    fn answered(self, outcome: Outcome) -> Check {
+        let Self { name, what, of } = self;
+        Check { name, what, of, outcome }
+    }
+}
+
+impl Check {
     /// Whether the number is out of its bound; a number that is none is.
     pub fn fails(&self) -> bool {
         match self.outcome {
@@ -52,8 +69,9 @@ mod tests {
 
     #[test]
     fn a_number_that_is_none_fails() {
-        let check = |found| Check::measured("x", String::new(), found, 1.0);
-        assert!(!check(1.0).fails() && check(1.1).fails() && check(f64::NAN).fails());
-        assert!(!Check::not_measured("x", String::new(), "too large".into()).fails());
+        let question = Question { name: "x", what: "", of: "" };
+        let fails = |found| question.measured(found, 1.0).fails();
+        assert!(!fails(1.0) && fails(1.1) && fails(f64::NAN));
+        assert!(!question.not_measured("too large".into()).fails());
     }
 }

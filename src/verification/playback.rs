@@ -1,13 +1,7 @@
-use super::check::Check;
+use super::check::{Check, Question};
 use super::report::{Answer, VerificationError};
 use crate::link::Damping;
-use crate::motion::TipTarget;
-use crate::numeric::TimeGrid;
 use crate::response::{EnergyBalance, Play, Simulation, Torque, simulate_on};
-
-/// How far the tip may stray, in tolerances of the torque: a torque that is wrong by a share of its
-/// peak for seconds drives the tip off by some hundred times that share of its way.
-const TIP_OVER_TORQUE: f64 = 1e3;
 
 /// A balance of energy that is integrated numerically, over the largest energy.
 const ENERGY: f64 = 1e-6;
@@ -23,37 +17,38 @@ pub(super) fn played(answer: &Answer) -> Result<Vec<Check>, VerificationError> {
     let torque = Torque::new(&time_s, answer.written_torque_n_m.to_vec())?;
     let play = Play { initial_tip_m: solution.tip.displacement_m[0], ..Play::of(&torque) };
     let simulation = simulate_on(link, solution.mesh().clone(), &play)?;
-    let bound = TIP_OVER_TORQUE * answer.analysis.tolerance();
-    let viscous = tip_error(answer, grid, &simulation.tip.displacement_m);
-    let own_law = "tip under the written torque, own damping law, of its way";
+    let bound = allowed_tip_error(answer);
+    let viscous = tip_error(answer, &simulation.tip.displacement_m);
+    let tip = |name, what| Question { name, what, of: "the tip's way" };
+    let own_law = tip("tip_error", "tip, the link's own damping");
     let mut checks = match link.damping() {
         Damping::Hysteretic { ratio } if *ratio > 0.0 => {
             let tip_m = simulation.hysteretic_tip_m(*ratio, &net_torque(answer));
+            let other_law = tip("tip_error_viscous", "tip, viscous damping in its place");
             vec![
-                Check::measured(
-                    "tip_error",
-                    own_law.into(),
-                    tip_error(answer, grid, &tip_m),
-                    bound,
-                ),
-                Check::measured(
-                    "tip_error_viscous",
-                    "tip on the viscous equivalent, of its way".into(),
-                    viscous,
-                    // The two laws differ by their ratio between the resonances.
-                    ratio.max(bound),
-                ),
+                own_law.measured(tip_error(answer, &tip_m), bound),
+                // The two laws differ by their ratio between the resonances.
+                other_law.measured(viscous, ratio.max(bound)),
             ]
         }
-        _ => vec![Check::measured("tip_error", own_law.into(), viscous, bound)],
+        _ => vec![own_law.measured(viscous, bound)],
     };
-    checks.push(Check::measured(
-        "energy",
-        "work less kinetic, strain and lost energy, of the largest".into(),
-        imbalance(&simulation),
-        ENERGY,
-    ));
+    let energy = Question {
+        name: "energy",
+        what: "work less energy held and lost",
+        of: "the largest energy",
+    };
+    checks.push(energy.measured(imbalance(&simulation), ENERGY));
     Ok(checks)
+}
+
+/// How far the tip may stray, over its way: as far as a torque that is wrong by the tolerance of its
+/// peak, from one end of the window to the other, drives the rigid link.
+fn allowed_tip_error(answer: &Answer) -> f64 {
+    let Answer { link, analysis, solution, .. } = answer;
+    let peak = solution.torque_n_m.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+    let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
+    0.5 * acceleration * solution.grid.duration_s().powi(2) / solution.tip.farthest_m()
 }
 
 /// The written torque less what the hub's friction takes of it.
@@ -64,11 +59,11 @@ fn net_torque(answer: &Answer) -> Vec<f64> {
 }
 
 /// Largest distance of a tip from the wanted one, over its way.
-fn tip_error(answer: &Answer, grid: TimeGrid, tip_m: &[f64]) -> f64 {
+fn tip_error(answer: &Answer, tip_m: &[f64]) -> f64 {
     let wanted = &answer.solution.tip.displacement_m;
-    let way_m = TipTarget::new(grid, wanted.clone()).farthest_m();
     let pairs = tip_m.iter().zip(wanted);
-    pairs.fold(0.0_f64, |m, (tip, wanted)| m.max((tip - wanted).abs())) / way_m
+    let strays = pairs.fold(0.0_f64, |m, (tip, wanted)| m.max((tip - wanted).abs()));
+    strays / answer.solution.tip.farthest_m()
 }
 
 /// What is missing in the balance of energy, at worst, over the largest energy in the link.

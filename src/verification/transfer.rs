@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use super::check::Check;
+use super::check::{Check, Question};
 use crate::inverse::{DenseLink, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Solution};
 
 /// Frequencies at which the dense system is solved.
@@ -12,15 +12,14 @@ const AGREEMENT: f64 = 1e-9;
 /// The transfer from tip to torque against the paper's dense system at frequencies around the first
 /// modes, where the torque is.
 pub(super) fn dense_transfer(solution: &Solution) -> Check {
-    let name = "dense_transfer";
-    let what = format!("T/a_tip against the paper's dense H at {FREQUENCIES} frequencies");
-    let refused = |reason: String| Check::not_measured(name, what.clone(), reason);
+    let question =
+        Question { name: "dense_transfer", what: "T/a_tip of the paper's dense H", of: "T/a_tip" };
     if solution.dynamics.kept_modes() != KeptModes::All {
-        return refused("the link is reduced to few modes".into());
+        return question.not_measured("the link is reduced to few modes".into());
     }
     let Some(dense) = DenseLink::assemble(&solution.dynamics) else {
         let elements = solution.mesh().elements().len();
-        return refused(format!(
+        return question.not_measured(format!(
             "{elements} elements, more than the {MOST_ELEMENTS_OF_DENSE_SOLVE} that are factorised"
         ));
     };
@@ -36,5 +35,5 @@ pub(super) fn dense_transfer(solution: &Solution) -> Check {
         worst = worst.max((found - exact).norm() / exact.norm());
         bound = bound.max(dense.round_off(omega));
     }
-    Check::measured(name, what, worst, bound)
+    question.measured(worst, bound)
 }

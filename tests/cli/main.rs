@@ -6,6 +6,7 @@ mod exits;
 mod files;
 mod modes;
 mod options;
+mod rigs;
 mod streams;
 mod summary;
 

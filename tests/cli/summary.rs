@@ -45,6 +45,7 @@ fn every_documented_key_is_there() {
                 "periods_s",
                 "results",
                 "title",
+                "verification",
                 "warnings",
                 "zeros_per_s",
             ][..],

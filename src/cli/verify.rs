@@ -1,0 +1,84 @@
+use clap::Args;
+
+use flexlink::inverse::invert;
+use flexlink::spec::Specification;
+use flexlink::tables::{Digits, verification_json};
+use flexlink::verification::{Answer, Verification, verify};
+
+use super::args::{LinkArgs, MotionArgs, PrintArgs, ThreadArgs};
+use super::console;
+use super::exit::{Exit, Failure};
+use super::verify_text::verify_text;
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink verify specs/bayo1987_example1.toml trajectories/sine_0.88s.csv
+
+MOTION may be `-` for standard input.";
+
+const LONG_ABOUT: &str = "\
+Measure the torque of `solve` by other means: is the answer right?
+
+Prints a table, each line a number against what it may be: the tip under the torque as it is \
+written, with the link's own damping law and with viscous damping in its place; the torque on \
+halved elements and with the step halved; the torque left at the window's edge; the transfer of the \
+paper's dense system; the balance of energy. Exit code 4 if one is out of its bound.";
+
+/// Measure the torque of `solve` by other means.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+pub(crate) struct Verify {
+    #[command(flatten)]
+    link: LinkArgs,
+
+    #[command(flatten)]
+    motion: MotionArgs,
+
+    /// Digits of the torque that is played: the last one is 10^-N of its peak, or `full`.
+    #[arg(long, value_name = "N", default_value = "10")]
+    digits: Digits,
+
+    #[command(flatten)]
+    print: PrintArgs,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+impl Verify {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        self.threads.apply()?;
+        let (_, specification) = self.link.load()?;
+        let Specification { link, mesh, analysis, .. } = &specification;
+        let (_, motion) = self.motion.load(link)?;
+        let solution = invert(link, mesh, &motion, analysis)?;
+        let verification = verify(&Answer {
+            link,
+            plan: mesh,
+            motion: &motion,
+            analysis,
+            solution: &solution,
+            written_torque_n_m: &self.digits.as_written(&solution.torque_n_m),
+        })?;
+        for warning in &solution.warnings {
+            console::warning(warning, warning.hint());
+        }
+        match (self.print.quiet, self.print.json) {
+            (true, _) => {}
+            (_, true) => console::print(&verification_json(&verification))?,
+            _ => console::print(&verify_text(&verification))?,
+        }
+        refuse_failed(&verification)
+    }
+}
+
+/// Ends the program if a check is out of its bound.
+pub(crate) fn refuse_failed(verification: &Verification) -> Result<(), Failure> {
+    let failed: Vec<&str> = verification.failed().map(|check| check.what).collect();
+    if failed.is_empty() {
+        return Ok(());
+    }
+    let message = format!("out of bounds: {}", failed.join("; "));
+    let hint = "the table shows by how much; the warnings tell what to do";
+    Err(Failure::new(Exit::NotSolvable, &message, Some(hint)))
+}

@@ -1,0 +1,53 @@
+//! Every published rig through the commands that a user runs on it.
+
+use std::fs;
+
+use serde_json::Value;
+
+use super::{Bench, MOTION, repository, stderr, stdout};
+
+fn rigs() -> Vec<String> {
+    let entries = fs::read_dir(repository("specs")).unwrap();
+    let mut rigs: Vec<String> = entries
+        .map(|entry| format!("specs/{}", entry.unwrap().file_name().into_string().unwrap()))
+        .collect();
+    rigs.sort();
+    assert!(rigs.len() >= 8, "{rigs:?}");
+    rigs
+}
+
+#[test]
+fn every_rig_is_solved_verified_and_has_its_modes() {
+    let bench = Bench::new();
+    for rig in rigs() {
+        let rig = repository(&rig);
+        let (rig, motion) = (rig.as_str(), &repository(MOTION));
+
+        let solved = bench.run(&["solve", rig, motion, "-o", "out", "--verify", "--every", "10"]);
+        assert!(solved.status.success(), "{rig}: {}", stderr(&solved));
+        let summary: Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+        let checks = summary["verification"].as_array().unwrap();
+        assert_eq!(checks.len(), 7, "{rig}");
+        for check in checks {
+            let (found, bound) = (check["found"].as_f64(), check["bound"].as_f64());
+            assert!(found.unwrap() <= bound.unwrap(), "{rig}: {check}");
+            assert_eq!(check["passes"], true, "{rig}: {check}");
+        }
+
+        let modes = bench.run(&["modes", rig, "--count", "4", "-o", "modes"]);
+        assert!(modes.status.success(), "{rig}: {}", stderr(&modes));
+        let periods = summary["periods_s"].as_array().unwrap();
+        let table = bench.read("modes/modes.csv");
+        for (row, period) in table.lines().skip(1).zip(periods) {
+            let listed: f64 = row.split(',').nth(3).unwrap().parse().unwrap();
+            assert!((listed / period.as_f64().unwrap() - 1.0).abs() < 1e-9, "{rig}: {row}");
+        }
+
+        let verified = bench.run(&["verify", rig, motion]);
+        assert!(verified.status.success(), "{rig}: {}", stderr(&verified));
+        let text = stdout(&verified);
+        assert_eq!(text.lines().count(), 8, "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+        assert!(!text.contains("FAILS"), "{text}");
+    }
+}
