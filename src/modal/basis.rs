@@ -4,10 +4,6 @@ use super::frequencies::natural_frequencies;
 use super::shape::{Mode, Shape, mode};
 use crate::beam::{Gain, Mesh, condense};
 
-/// Modes this close to each other, relative to their frequency, are made orthogonal: the recursion
-/// gives neighbours the less precisely, the closer they lie.
-const NEIGHBOURS: f64 = 1e-2;
-
 /// A shape left over by all modes with less than this share of the whole is round-off.
 const NOTHING_LEFT: f64 = 1e-10;
 
@@ -29,20 +25,20 @@ pub struct ModalBasis {
 impl ModalBasis {
     /// The rigid rotation and the first `count` flexible modes, fewer where the mesh has fewer.
     pub fn lowest(mesh: &Mesh, count: usize) -> Self {
-        let mut modes: Vec<Mode> = Vec::with_capacity(count);
+        let rigid = Self::rigid(mesh);
+        let mut modes: Vec<Mode> = Vec::new();
         for omega_rad_s in natural_frequencies(mesh, count) {
-            let mut next = mode(mesh, omega_rad_s);
-            let near = modes.iter().rev();
-            let near = near.take_while(|m| m.omega_rad_s > (1.0 - NEIGHBOURS) * omega_rad_s);
-            let mut shape = next.shape;
-            for known in near {
-                let share = known.shape.mass_product(mesh, &shape);
-                shape = shape.less(share, &known.shape);
-            }
-            next.shape = shape.mass_normalised(mesh);
-            modes.push(next);
+            let found = mode(mesh, omega_rad_s).shape;
+            // The recursion gives neighbours the less precisely, the closer they lie, and leaves a
+            // little of slow heavy motions in fast ones.
+            let known = modes.iter().map(|mode| &mode.shape).chain([&rigid]);
+            let own = known.fold(found, |shape, known| {
+                let share = known.mass_product(mesh, &shape);
+                shape.less(share, known)
+            });
+            modes.push(Mode { omega_rad_s, shape: own.mass_normalised(mesh) });
         }
-        Self { rigid: Self::rigid(mesh), modes }
+        Self { rigid, modes }
     }
 
     pub(super) fn rigid(mesh: &Mesh) -> Shape {
@@ -93,4 +89,64 @@ fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
     let bent = Shape { hub_angle: 0.0, deflections }.scaled(-rigid.hub_angle.powi(2));
     let share = rigid.mass_product(mesh, &bent);
     bent.less(share, rigid)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+
+    /// Two like spans between three bodies so heavy that each span vibrates by itself: every mode
+    /// comes twice but for a share of span over body.
+    fn twins(body_kg: f64) -> Mesh {
+        let inertia_kg_m2 = 10.0 * body_kg;
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![Segment {
+                name: None,
+                length_m: 2.0,
+                bending_stiffness_n_m2: Taper::constant(5.0),
+                mass_per_length_kg_m: Taper::constant(0.8),
+            }],
+            hub: Hub { inertia_kg_m2, ..Hub::default() },
+            masses: vec![LumpedMass { at_m: 1.0, mass_kg: body_kg, inertia_kg_m2 }],
+            payload: Payload { mass_kg: body_kg, inertia_kg_m2, offset_m: 0.0 },
+            damping: Damping::None,
+        })
+        .unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(24)), 1e-6).unwrap();
+        Mesh::new(&link, &plan)
+    }
+
+    #[test]
+    fn nearly_equal_modes_are_all_found_and_orthogonal() {
+        let mut gaps = Vec::new();
+        for body_kg in [1e2, 1e4, 1e6] {
+            let mesh = twins(body_kg);
+            let (lowest, all) =
+                (ModalBasis::lowest(&mesh, 16), ModalBasis::complete(&mesh).unwrap());
+            // Clamped at both ends: cos b cosh b = 1. Four slow modes are those of the bodies.
+            let exact = 4.730_040_744_862_704_f64.powi(2) * (5.0_f64 / 0.8).sqrt();
+            let pair: Vec<f64> = lowest
+                .modes
+                .iter()
+                .map(|mode| mode.omega_rad_s)
+                .filter(|omega| (omega / exact - 1.0).abs() < 0.05)
+                .collect();
+            assert_eq!(pair.len(), 2, "bodies of {body_kg} kg: {pair:?}");
+            gaps.push(pair[1] / pair[0] - 1.0);
+            for (k, a) in lowest.modes.iter().enumerate() {
+                let counted = all.modes[k].omega_rad_s;
+                let share = (lowest.modes[0].omega_rad_s / a.omega_rad_s).powi(2);
+                let error = (counted / a.omega_rad_s - 1.0).abs() * share;
+                assert!(error < 1e-12, "mode {} at {body_kg} kg: {error:e}", k + 1);
+                for b in &lowest.modes[..k] {
+                    let product = a.shape.mass_product(&mesh, &b.shape).abs();
+                    assert!(product < 1e-9, "mode {} at {body_kg} kg: {product:e}", k + 1);
+                }
+            }
+        }
+        assert!(gaps[2] < 1e-4 && gaps[2] > 0.0, "{gaps:?}");
+    }
 }
