@@ -12,7 +12,8 @@
 //! ```text
 //! link.toml ─spec─► Link ─► Mesh ─► condensation ─► modes, zeros
 //! motion.csv ─tables─► TipMotion ─► inverse ─► Solution + warnings ─► result, tables
-//! torque.csv ─tables─► Torque ─► response
+//! torque.csv ─tables─► Torque ─► response ─► Simulation ─► result, tables
+//!                                   Solution, Simulation ─► verification
 //! ```
 //!
 //! | module | holds |
@@ -21,10 +22,11 @@
 //! | [`link`] | the physical link, checked at construction |
 //! | [`motion`] | the tip motion, checked at construction, and its spectrum |
 //! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
-//! | [`modal`] | natural frequencies and zeros of torque → tip, from the same recursion |
-//! | [`inverse`] | period and padding, the inversion, rigid comparison, warnings |
+//! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
+//! | [`inverse`] | transfer at one frequency, period and padding, the inversion, rigid comparison |
 //! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
 //! | [`result`] | the numbers that a person reads first |
+//! | [`verification`] | every approximation of a solution measured by other means |
 //! | [`spec`] | link file and `--set` → [`link::Link`] |
 //! | [`tables`] | CSV → motion, torque, hub reference; solution → CSV and summary.json |
 //!
@@ -80,6 +82,8 @@
 //! | ω̄, P | angular frequency `omega`, period (eq 13) | rad/s, s |
 //! | ξ | material damping ratio, `ratio` (eq 16) | |
 //! | α, β | Rayleigh damping | 1/s, s |
+//! | ζ | viscous damping ratio of one mode | |
+//! | φ, q, p | shape of a mode, its coordinate, its hub angle: `q̈ + 2ζωq̇ + ω²q = pT` | 1/√kg, m √kg, 1/(m √kg) |
 //! | κ | relative complex stiffness, 1 + 2iξ or 1 + iωβ | |
 //! | λ | ω²(1 + α/(iω))/κ, `lambda`: all that the recursion needs to know of frequency and damping | 1/s² |
 //! | A | apparent inertia of all that is outboard, [`beam::Inertia`] | kg, kg m, kg m² |
@@ -103,6 +107,7 @@
 //! * E. Bayo, J. Robotic Systems 4(1), 63-75, 1987.
 //! * K. J. Bathe, *Finite Element Procedures in Engineering Analysis*, 1982: Hermite elements.
 //! * W. H. Wittrick, F. W. Williams, Q. J. Mech. Appl. Math. 24(3), 1971: counting modes.
+//! * C. F. Van Loan, IEEE Trans. Automatic Control 23(3), 1978: integrals with the exponential.
 //! * R. Featherstone, *Robot Dynamics Algorithms*, 1987: articulated-body inertia.
 
 pub mod beam;
