@@ -103,20 +103,43 @@ impl Assembly {
     /// sits on the hub, `v_0 = x_0 θ` and `φ_0 = θ`.
     pub(crate) fn accelerations(&self, lambda: c64, load: Load) -> Vec<c64> {
         let size = 2 * self.nodes();
-        let mut held = Mat::<c64>::zeros(size, size - 1);
-        held[(0, 0)] = self.root_m.into();
-        for row in 1..size {
-            held[(row, row - 1)] = c64::ONE;
-        }
-        let mut h = held.transpose() * self.h(0, lambda.inv()) * &held;
-        h[(0, 0)] += self.hub_inertia_kg_m2;
+        let h = self.held(&self.h(0, lambda.inv()));
         let mut f = Mat::<c64>::zeros(size - 1, 1);
         match load {
             Load::HubTorque => f[(0, 0)] = c64::ONE,
             Load::TipForce => f[(size - 3, 0)] = c64::ONE,
         }
-        let a = held * h.partial_piv_lu().solve(&f);
+        let a = self.root_on_hub() * h.partial_piv_lu().solve(&f);
         (0..size).map(|row| a[(row, 0)]).collect()
+    }
+
+    /// Motion (v, φ) of all nodes per (θ, v_1, φ_1, …, v_n, φ_n).
+    fn root_on_hub(&self) -> Mat<c64> {
+        let size = 2 * self.nodes();
+        let mut held = Mat::<c64>::zeros(size, size - 1);
+        held[(0, 0)] = self.root_m.into();
+        for row in 1..size {
+            held[(row, row - 1)] = c64::ONE;
+        }
+        held
+    }
+
+    /// H on (θ, v_1, φ_1, …), with the hub's own inertia.
+    fn held(&self, h: &Mat<c64>) -> Mat<c64> {
+        let held = self.root_on_hub();
+        let mut h = held.transpose() * h * &held;
+        h[(0, 0)] += self.hub_inertia_kg_m2;
+        h
+    }
+
+    /// M and K on (θ, v_1, φ_1, …, v_n, φ_n), the hub's inertia included.
+    pub(crate) fn mass_and_stiffness(&self) -> [Mat<f64>; 2] {
+        let mass = self.held(&self.h(0, c64::ZERO));
+        let both = self.held(&self.h(0, -c64::ONE));
+        let real = |of: &dyn Fn(usize, usize) -> c64| {
+            Mat::from_fn(mass.nrows(), mass.ncols(), |row, column| of(row, column).re)
+        };
+        [real(&|r, c| mass[(r, c)]), real(&|r, c| both[(r, c)] - mass[(r, c)])]
     }
 
     /// Moment that the part inside node `from` exerts on the part outside, for given accelerations.
@@ -124,6 +147,20 @@ impl Assembly {
         let h = self.h(from, lambda.inv());
         let row = 2 * from + 1;
         accelerations.iter().enumerate().map(|(k, a)| h[(row, k)] * a).sum()
+    }
+
+    /// Moment about node `from` that gives what lies outboard of it these accelerations.
+    pub(crate) fn inertial_moment(
+        &self,
+        from: usize,
+        nodes_m: &[f64],
+        accelerations: &[c64],
+    ) -> c64 {
+        let forces =
+            self.h(from, c64::ZERO) * Mat::from_fn(accelerations.len(), 1, |k, _| accelerations[k]);
+        let moment =
+            |k: usize| forces[(2 * k, 0)] * (nodes_m[k] - nodes_m[from]) + forces[(2 * k + 1, 0)];
+        (from..self.nodes()).map(moment).sum()
     }
 
     /// Rotary inertia of the link that turns about the axis without bending.

@@ -3,6 +3,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+#[path = "../dense/assembly.rs"]
+#[expect(dead_code, reason = "it serves the frequency domain, too")]
+mod assembly;
+#[path = "../dense/damping.rs"]
+mod damping;
+mod newmark;
 mod round_trip;
 
 use std::f64::consts::{PI, TAU};
