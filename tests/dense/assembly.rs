@@ -113,7 +113,7 @@ impl Assembly {
         (0..size).map(|row| a[(row, 0)]).collect()
     }
 
-    /// Motion (v, φ) of all nodes per (θ, v_1, φ_1, …, v_n, φ_n).
+    /// Motion (v, φ) of all nodes per `(θ, v_1, φ_1, …, v_n, φ_n)`.
     fn root_on_hub(&self) -> Mat<c64> {
         let size = 2 * self.nodes();
         let mut held = Mat::<c64>::zeros(size, size - 1);
@@ -124,7 +124,7 @@ impl Assembly {
         held
     }
 
-    /// H on (θ, v_1, φ_1, …), with the hub's own inertia.
+    /// H on `(θ, v_1, φ_1, …)`, with the hub's own inertia.
     fn held(&self, h: &Mat<c64>) -> Mat<c64> {
         let held = self.root_on_hub();
         let mut h = held.transpose() * h * &held;
@@ -132,7 +132,7 @@ impl Assembly {
         h
     }
 
-    /// M and K on (θ, v_1, φ_1, …, v_n, φ_n), the hub's inertia included.
+    /// M and K on `(θ, v_1, φ_1, …, v_n, φ_n)`, the hub's inertia included.
     pub(crate) fn mass_and_stiffness(&self) -> [Mat<f64>; 2] {
         let mass = self.held(&self.h(0, c64::ZERO));
         let both = self.held(&self.h(0, -c64::ONE));

@@ -8,7 +8,9 @@
 mod assembly;
 #[path = "../dense/damping.rs"]
 mod damping;
+mod free;
 mod newmark;
+mod refusals;
 mod round_trip;
 
 use std::f64::consts::{PI, TAU};

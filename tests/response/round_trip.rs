@@ -136,7 +136,6 @@ fn a_hysteretic_torque_misses_by_some_thousandths_on_the_viscous_link() {
     let link = bare(Damping::Hysteretic { ratio: 0.02 }, 0.0);
     for (motion, range) in [(sine(880), 2.5e-3..3.5e-3), (smooth(880), 4.5e-3..5.5e-3)] {
         let found = RoundTrip::of(&link, &motion, 1e-6, Interpolation::Cubic);
-        println!("HYST {}", found.tip);
         assert!(range.contains(&found.tip), "{}", found.tip);
     }
 }
