@@ -9,6 +9,7 @@ mod assembly;
 #[path = "../dense/damping.rs"]
 mod damping;
 mod free;
+mod modes;
 mod newmark;
 mod refusals;
 mod round_trip;
