@@ -98,28 +98,10 @@ impl Assembly {
         h
     }
 
-    /// (v, φ) of all nodes per θ, the motion of the hub, and (v, φ) of nodes 1 … n: 2n + 1 in all.
-    /// The root sits on the hub, `v_0 = x_0 θ` and `φ_0 = θ`.
-    fn on_hub(&self) -> Mat<c64> {
-        let size = 2 * self.nodes();
-        let mut on_hub = Mat::<c64>::zeros(size, size - 1);
-        on_hub[(0, 0)] = self.root_m.into();
-        for row in 1..size {
-            on_hub[(row, row - 1)] = c64::ONE;
-        }
-        on_hub
-    }
-
     /// All natural frequencies squared, ascending, with a spring between hub and ground: the
     /// eigenvalues of `L⁻¹ K L⁻ᵀ`, with `M = L Lᵀ`.
     pub(crate) fn squared_frequencies(&self, spring_n_m_rad: f64) -> Vec<f64> {
-        let real = |per_lambda| {
-            let h = self.on_hub().transpose() * self.h(0, per_lambda) * self.on_hub();
-            Mat::from_fn(h.nrows(), h.ncols(), |row, column| h[(row, column)].re)
-        };
-        let mut mass: Mat<f64> = real(c64::ZERO);
-        let mut stiffness = &mass - real(c64::ONE);
-        mass[(0, 0)] += self.hub_inertia_kg_m2;
+        let [mass, mut stiffness] = self.mass_and_stiffness();
         stiffness[(0, 0)] += spring_n_m_rad;
         let cholesky = mass.llt(Side::Lower).expect("every degree of freedom moves mass");
         let half = solve_lower(cholesky.L(), &stiffness);
@@ -130,16 +112,43 @@ impl Assembly {
     /// Motion (v, φ) of all nodes under a unit load, times −ω²: `H a = f`.
     pub(crate) fn accelerations(&self, lambda: c64, load: Load) -> Vec<c64> {
         let size = 2 * self.nodes();
-        let held = self.on_hub();
-        let mut h = held.transpose() * self.h(0, lambda.inv()) * &held;
-        h[(0, 0)] += self.hub_inertia_kg_m2;
+        let h = self.held(&self.h(0, lambda.inv()));
         let mut f = Mat::<c64>::zeros(size - 1, 1);
         match load {
             Load::HubTorque => f[(0, 0)] = c64::ONE,
             Load::TipForce => f[(size - 3, 0)] = c64::ONE,
         }
-        let a = held * h.partial_piv_lu().solve(&f);
+        let a = self.root_on_hub() * h.partial_piv_lu().solve(&f);
         (0..size).map(|row| a[(row, 0)]).collect()
+    }
+
+    /// Motion (v, φ) of all nodes per `(θ, v_1, φ_1, …, v_n, φ_n)`.
+    fn root_on_hub(&self) -> Mat<c64> {
+        let size = 2 * self.nodes();
+        let mut held = Mat::<c64>::zeros(size, size - 1);
+        held[(0, 0)] = self.root_m.into();
+        for row in 1..size {
+            held[(row, row - 1)] = c64::ONE;
+        }
+        held
+    }
+
+    /// H on `(θ, v_1, φ_1, …)`, with the hub's own inertia.
+    fn held(&self, h: &Mat<c64>) -> Mat<c64> {
+        let held = self.root_on_hub();
+        let mut h = held.transpose() * h * &held;
+        h[(0, 0)] += self.hub_inertia_kg_m2;
+        h
+    }
+
+    /// M and K on `(θ, v_1, φ_1, …, v_n, φ_n)`, the hub's inertia included.
+    pub(crate) fn mass_and_stiffness(&self) -> [Mat<f64>; 2] {
+        let mass = self.held(&self.h(0, c64::ZERO));
+        let both = self.held(&self.h(0, -c64::ONE));
+        let real = |of: &dyn Fn(usize, usize) -> c64| {
+            Mat::from_fn(mass.nrows(), mass.ncols(), |row, column| of(row, column).re)
+        };
+        [real(&|r, c| mass[(r, c)]), real(&|r, c| both[(r, c)] - mass[(r, c)])]
     }
 
     /// Moment that the part inside node `from` exerts on the part outside, for given accelerations.
@@ -147,6 +156,20 @@ impl Assembly {
         let h = self.h(from, lambda.inv());
         let row = 2 * from + 1;
         accelerations.iter().enumerate().map(|(k, a)| h[(row, k)] * a).sum()
+    }
+
+    /// Moment about node `from` that gives what lies outboard of it these accelerations.
+    pub(crate) fn inertial_moment(
+        &self,
+        from: usize,
+        nodes_m: &[f64],
+        accelerations: &[c64],
+    ) -> c64 {
+        let forces =
+            self.h(from, c64::ZERO) * Mat::from_fn(accelerations.len(), 1, |k, _| accelerations[k]);
+        let moment =
+            |k: usize| forces[(2 * k, 0)] * (nodes_m[k] - nodes_m[from]) + forces[(2 * k + 1, 0)];
+        (from..self.nodes()).map(moment).sum()
     }
 
     /// Rotary inertia of the link that turns about the axis without bending.

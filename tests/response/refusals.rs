@@ -1,0 +1,190 @@
+//! What is refused, and what is warned about.
+
+use std::f64::consts::PI;
+
+use super::{link, mesh_of, played, times};
+use flexlink::link::{Damping, Link};
+use flexlink::response::{
+    Feedback, FeedbackError, HubReference, Play, SimulationError, SimulationWarning, Torque,
+    simulate,
+};
+
+fn bayo() -> Link {
+    link(|_| ())
+}
+
+/// Half a period of a sine in 0.4 s, or of a cosine that begins and ends in the middle.
+fn torque(of: impl Fn(f64) -> f64) -> Torque {
+    let time_s = times(0.01, 40);
+    let samples = time_s.iter().map(|t| of(PI * t / 0.4)).collect();
+    Torque::new(&time_s, samples).unwrap()
+}
+
+#[track_caller]
+fn refusal(link: &Link, play: &Play) -> SimulationError {
+    simulate(link, &mesh_of(link, 5), play).map(|found| found.grid).unwrap_err()
+}
+
+fn warned(link: &Link, torque: &Torque) -> Vec<SimulationWarning> {
+    played(link, &mesh_of(link, 5), &Play::of(torque)).warnings
+}
+
+#[test]
+fn no_torque_is_refused() {
+    let error = refusal(&bayo(), &Play::of(&torque(|_| 0.0)));
+    assert_eq!(error, SimulationError::NoTorque);
+    assert_eq!(error.to_string(), "the torque is zero in all samples, but must move the link");
+    assert_eq!(error.hint(), None);
+}
+
+#[test]
+fn an_end_before_that_of_the_torque_is_refused() {
+    let torque = torque(f64::sin);
+    let error = refusal(&bayo(), &Play { until_s: Some(0.25), ..Play::of(&torque) });
+    assert_eq!(
+        error.to_string(),
+        "until = 0.25 s, but must not be before the torque's last sample, 0.4 s"
+    );
+    let error = refusal(&bayo(), &Play { until_s: Some(f64::NAN), ..Play::of(&torque) });
+    assert!(matches!(error, SimulationError::EndsEarly { .. }), "{error}");
+}
+
+#[test]
+fn an_end_far_too_late_is_refused() {
+    let torque = torque(f64::sin);
+    let error = refusal(&bayo(), &Play { until_s: Some(1e6), ..Play::of(&torque) });
+    assert_eq!(
+        error.to_string(),
+        "until = 1000000 s would be 1.000e8 samples, but must be at most 16777216"
+    );
+    assert_eq!(error.hint(), Some("an earlier end, or a torque with a longer step"));
+    let endless = refusal(&bayo(), &Play { until_s: Some(f64::INFINITY), ..Play::of(&torque) });
+    assert!(matches!(endless, SimulationError::TooLong { .. }), "{endless}");
+}
+
+#[test]
+fn the_grid_covers_the_end_asked_for() {
+    let torque = torque(f64::sin);
+    let link = bayo();
+    for (until_s, samples) in [(0.4, 41), (0.4 - 1e-9, 41), (0.401, 42), (0.5, 51)] {
+        let play = Play { until_s: Some(until_s), ..Play::of(&torque) };
+        let found = played(&link, &mesh_of(&link, 5), &play);
+        assert_eq!((found.grid.len, found.driven), (samples, 41), "until {until_s} s");
+    }
+}
+
+#[test]
+fn damping_that_feeds_energy_in_is_refused() {
+    let series = Damping::Caughey { modes: vec![1, 2, 3], ratios: vec![0.02; 3] };
+    let link = link(|parts| parts.damping = series);
+    let error = refusal(&link, &Play::of(&torque(f64::sin)));
+    assert!(error.to_string().starts_with("damping.ratios give mode "), "{error}");
+    assert!(error.hint().is_some());
+}
+
+#[test]
+fn a_torque_beyond_double_precision_is_refused_with_its_time() {
+    let huge = torque(|x| 1.5e308 * x.sin());
+    let error = refusal(&bayo(), &Play::of(&huge));
+    assert!(error.to_string().ends_with("s = not a finite number, but must be one"), "{error}");
+    assert_eq!(error.hint(), Some("the inputs are too large for double precision"));
+}
+
+#[test]
+fn a_torque_that_begins_or_ends_with_a_jump_is_warned_about_with_its_numbers() {
+    assert_eq!(warned(&bayo(), &torque(f64::sin)), []);
+    let jump = warned(&bayo(), &torque(|x| 0.25 * (0.5 * x).cos()));
+    let kinds: Vec<_> = jump.iter().map(SimulationWarning::kind).collect();
+    assert_eq!(kinds, ["begins_with_jump"]);
+    assert_eq!(
+        jump[0].to_string(),
+        "the torque begins with 2.500e-1 N m, 1.0e0 of its peak: it acts on the resting link as a \
+         jump"
+    );
+    let hint =
+        "a torque of solve begins and ends at zero unless analysis.lead or analysis.lag cut it";
+    assert_eq!(jump[0].hint(), hint);
+    let cut = warned(&bayo(), &torque(|x| x.sin() - 0.002 * x / PI));
+    assert_eq!(
+        cut.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        ["the torque ends with -2.000e-3 N m, 2.0e-3 of its peak: it drops to zero there"]
+    );
+    let within = warned(&bayo(), &torque(|x| x.sin() - 0.0009 * x / PI));
+    assert_eq!(within, [], "below a thousandth of the peak");
+}
+
+#[test]
+fn a_step_that_hides_the_first_mode_is_warned_about() {
+    // 0.526 s is the period of the first mode.
+    let coarse = |step_s: f64| {
+        let time_s = times(step_s, 40);
+        let samples = (0..=40).map(|k| (PI * f64::from(k) / 40.0).sin()).collect();
+        let torque = Torque::new(&time_s, samples).unwrap();
+        let link = bayo();
+        let warnings = played(&link, &mesh_of(&link, 10), &Play::of(&torque)).warnings;
+        let of = |kind| warnings.iter().find(|w| w.kind() == kind).map(ToString::to_string);
+        of("coarse_step")
+    };
+    assert_eq!(coarse(0.065), None, "8.1 steps");
+    assert_eq!(
+        coarse(0.1).unwrap(),
+        "the step, 0.1 s, is 5.3 in a period of the first mode (0.5264 s): between the rows the \
+         link does what no row shows"
+    );
+}
+
+#[test]
+fn a_link_bent_beyond_the_theory_is_warned_about() {
+    let found = warned(&bayo(), &torque(|x| 12.0 * x.sin()));
+    let [SimulationWarning::LargeDeflection { share }] = found[..] else { panic!("{found:?}") };
+    // Bending is linear in the torque.
+    let bent = |to: f64| warned(&bayo(), &torque(|x| to / share * 12.0 * x.sin()));
+    assert_eq!(bent(0.999 * Link::LARGE_DEFLECTION), []);
+    let beyond = bent(1.001 * Link::LARGE_DEFLECTION);
+    assert_eq!(
+        beyond.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        ["the tip deflects by 20 % of the link's length, beyond the small deflections that the \
+          method holds for"]
+    );
+}
+
+fn reference(step_s: f64, first_s: f64, steps: u32) -> HubReference {
+    let time_s: Vec<f64> = times(step_s, steps).iter().map(|t| first_s + t).collect();
+    HubReference::new(&time_s, vec![0.0; time_s.len()], None).unwrap()
+}
+
+#[test]
+fn gains_below_zero_and_such_as_are_no_numbers_are_refused() {
+    let refused = |kp, kd| {
+        let error = Feedback::new(kp, kd, reference(0.01, 0.0, 40)).unwrap_err();
+        assert_eq!(error.hint(), None);
+        error.to_string()
+    };
+    let must = "but must be finite and at least 0";
+    assert_eq!(refused(-1.5, 0.0), format!("KP = -1.5 N m/rad, {must}"));
+    assert_eq!(refused(0.0, -0.1), format!("KD = -0.1 N m s/rad, {must}"));
+    assert_eq!(refused(f64::NAN, -1.0), format!("KP = NaN N m/rad, {must}"));
+    assert_eq!(refused(1.0, f64::INFINITY), format!("KD = inf N m s/rad, {must}"));
+    assert!(Feedback::new(0.0, 0.0, reference(0.01, 0.0, 40)).is_ok());
+}
+
+#[test]
+fn a_reference_at_other_times_is_refused_with_both() {
+    let torque = torque(f64::sin);
+    let link = bayo();
+    let played = |reference| {
+        let feedback = Feedback::new(1.0, 0.1, reference).unwrap();
+        let play = Play { feedback: Some(&feedback), ..Play::of(&torque) };
+        simulate(&link, &mesh_of(&link, 5), &play).map(|found| found.grid.len)
+    };
+    let error = played(reference(0.02, 0.25, 20)).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the reference = 21 samples from 0.25 s at 0.02 s, but must stand at the torque's times: \
+         41 samples from 0 s at 0.01 s"
+    );
+    assert!(matches!(error, SimulationError::Feedback(FeedbackError::OtherTimes { .. })));
+    assert_eq!(error.hint(), Some("take hub_angle.csv and torque.csv of one run of solve"));
+    assert!(played(reference(0.01, 0.001, 40)).is_err(), "a tenth of a step late");
+    assert_eq!(played(reference(0.01, 1e-7, 40)), Ok(41), "a file with few digits");
+}
