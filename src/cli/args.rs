@@ -104,3 +104,9 @@ impl ThreadArgs {
 pub(crate) fn positive(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|k| *k > 0).ok_or_else(|| "must be a whole number above 0".into())
 }
+
+/// A number that is neither infinite nor none.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x: &f64| x.is_finite());
+    number.ok_or_else(|| "must be a finite number".into())
+}

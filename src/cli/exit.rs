@@ -2,7 +2,6 @@ use std::process::ExitCode;
 
 use flexlink::inverse::InversionError;
 use flexlink::modal::DampingError;
-use flexlink::response::SimulationError;
 use flexlink::spec::SpecError;
 use flexlink::tables::{FolderError, InputError, TableError};
 
@@ -59,12 +58,6 @@ impl From<TableError> for Failure {
 
 impl From<InversionError> for Failure {
     fn from(error: InversionError) -> Self {
-        Self::new(Exit::NotSolvable, &error, error.hint())
-    }
-}
-
-impl From<SimulationError> for Failure {
-    fn from(error: SimulationError) -> Self {
         Self::new(Exit::NotSolvable, &error, error.hint())
     }
 }

@@ -46,7 +46,7 @@ pub(crate) struct Solve {
     output: PathBuf,
 
     /// Make the trajectory uniform by a cubic spline, at this step in s.
-    #[arg(long, value_name = "STEP")]
+    #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
     resample: Option<f64>,
 
     #[command(flatten)]
