@@ -48,7 +48,7 @@ pub(crate) struct MotionArgs {
     motion: PathBuf,
 
     /// Make the trajectory uniform by a cubic spline, at this step in s.
-    #[arg(long, value_name = "STEP")]
+    #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
     resample: Option<f64>,
 }
 
@@ -135,4 +135,10 @@ impl ThreadArgs {
 /// A whole number above 0.
 pub(crate) fn positive(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|k| *k > 0).ok_or_else(|| "must be a whole number above 0".into())
+}
+
+/// A number that is neither infinite nor none.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x: &f64| x.is_finite());
+    number.ok_or_else(|| "must be a finite number".into())
 }

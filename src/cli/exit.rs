@@ -2,7 +2,6 @@ use std::process::ExitCode;
 
 use flexlink::inverse::InversionError;
 use flexlink::modal::DampingError;
-use flexlink::response::SimulationError;
 use flexlink::spec::SpecError;
 use flexlink::tables::{FolderError, InputError, TableError};
 use flexlink::verification::VerificationError;
@@ -67,12 +66,6 @@ impl From<InversionError> for Failure {
 impl From<VerificationError> for Failure {
     fn from(error: VerificationError) -> Self {
         Self::new(Exit::NotSolvable, &format!("not verified: {error}"), None)
-    }
-}
-
-impl From<SimulationError> for Failure {
-    fn from(error: SimulationError) -> Self {
-        Self::new(Exit::NotSolvable, &error, error.hint())
     }
 }
 

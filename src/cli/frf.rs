@@ -30,11 +30,11 @@ pub(crate) struct Frf {
     link: LinkArgs,
 
     /// Lowest frequency [default: a tenth of the first natural frequency].
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     from: Option<f64>,
 
     /// Highest frequency [default: twice the fifth natural frequency].
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     to: Option<f64>,
 
     /// Number of frequencies.

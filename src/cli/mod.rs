@@ -8,6 +8,7 @@ mod modes;
 mod modes_text;
 mod number;
 mod simulate;
+mod simulate_inputs;
 mod simulate_text;
 mod solve;
 mod solve_text;

@@ -3,11 +3,15 @@
 use std::fmt::Write as _;
 
 use flexlink::link::{Damping, Link};
+use flexlink::modal::natural_frequencies;
 use flexlink::response::{Interpolation, Play, Simulation};
 use flexlink::result::{PlayedMetrics, TipError};
 
 use super::number::significant;
-use super::solve_text::damping_line;
+use super::solve_text::{damping_line, ratios_line};
+
+/// Modes whose damping ratios are told, as by `solve`.
+const REPORTED: usize = 5;
 
 /// The summary, lines of at most 80 columns.
 pub(crate) fn simulate_text(
@@ -26,12 +30,15 @@ pub(crate) fn simulate_text(
     for (label, content) in [
         ("link", link_line(link, simulation)),
         ("damping", played_damping(link, simulation)),
+        ("ratios", ratios_line(&simulation.law, &natural_frequencies(&simulation.mesh, REPORTED))),
         ("torque", torque_line(play, metrics)),
         ("feedback", feedback_line(play)),
         ("modes", modes_line(simulation)),
         ("tip", tip_line(metrics)),
         ("hub", hub_line(metrics)),
+        ("bending", bending_line(metrics)),
         ("after", residual_line(simulation)),
+        ("decay", decay_line(simulation)),
         ("error", tip_error.map_or(String::new(), error_line)),
         ("written", written.to_owned()),
     ] {
@@ -66,13 +73,13 @@ fn played_damping(link: &Link, simulation: &Simulation) -> String {
 fn torque_line(play: &Play, metrics: &PlayedMetrics) -> String {
     let grid = play.torque.grid();
     let between = match play.interpolation {
-        Interpolation::Cubic => "cubic",
-        Interpolation::Linear => "straight",
+        Interpolation::Cubic => "cubic spline",
+        Interpolation::Linear => "straight lines",
     };
     format!(
-        "{} … {} s at {} s, {between} between; peak {} N m",
+        "{} … {} s at {} s, {between}; peak {} N m",
         significant(grid.time_s(0), 4),
-        significant(grid.time_s(grid.len - 1), 4),
+        significant(grid.end_s(), 4),
         significant(grid.step_s, 3),
         significant(metrics.peak_torque_n_m.value, 4)
     )
@@ -82,8 +89,8 @@ fn feedback_line(play: &Play) -> String {
     play.feedback.map_or(String::new(), |feedback| {
         format!(
             "{} N m/rad, {} N m s/rad around the reference",
-            feedback.stiffness_n_m_rad(),
-            feedback.damping_n_m_s_rad()
+            significant(feedback.stiffness_n_m_rad(), 4),
+            significant(feedback.damping_n_m_s_rad(), 4)
         )
     })
 }
@@ -101,10 +108,10 @@ fn modes_line(simulation: &Simulation) -> String {
 
 fn tip_line(metrics: &PlayedMetrics) -> String {
     format!(
-        "moves by up to {} m, ends {} m away; deflects by up to {} m",
+        "moves by up to {} m; ends {} m from its start, at {} m/s",
         significant(metrics.farthest_m, 4),
         significant(metrics.travel_m, 4),
-        significant(metrics.peak_deflection_m.value, 4)
+        significant(metrics.final_tip_velocity_m_s, 2)
     )
 }
 
@@ -117,27 +124,40 @@ fn hub_line(metrics: &PlayedMetrics) -> String {
     )
 }
 
+fn bending_line(metrics: &PlayedMetrics) -> String {
+    format!("tip deflects by up to {} m", significant(metrics.peak_deflection_m.value, 4))
+}
+
+/// What vibrates after the torque. A share of a way that the tip had hardly begun says nothing.
 fn residual_line(simulation: &Simulation) -> String {
     let residual = &simulation.residual;
-    let Some(frequency_hz) = residual.frequency_hz else {
-        return format!("vibrates by {:.1e} m", residual.amplitude_m);
+    let share = if residual.share < 1.0 {
+        format!(", {} of the way", significant(residual.share, 2))
+    } else {
+        String::new()
     };
-    let decay = residual.decay_s.map_or("does not decay".to_owned(), |decay_s| {
-        format!("1 % of it after {} s", significant(decay_s, 3))
-    });
-    format!(
-        "vibrates by {} m, {:.1e} of the way, at {} Hz; {decay}",
-        significant(residual.amplitude_m, 3),
-        residual.share,
-        significant(frequency_hz, 4)
-    )
+    let frequency = residual
+        .frequency_hz
+        .map_or(String::new(), |hertz| format!(", at {} Hz", significant(hertz, 4)));
+    format!("vibrates by {} m{share}{frequency}", significant(residual.amplitude_m, 3))
+}
+
+/// How long that takes to die down; empty where nothing vibrates.
+fn decay_line(simulation: &Simulation) -> String {
+    match simulation.residual.decay_s {
+        Some(decay_s) if decay_s > 0.0 => {
+            format!("to 1 % of that {} s after the torque's end", significant(decay_s, 3))
+        }
+        Some(_) => String::new(),
+        None => "none to be seen".into(),
+    }
 }
 
 fn error_line(error: &TipError) -> String {
     format!(
-        "tip strays by up to {:.3e} m at {} s, {:.2e} of the way",
-        error.worst_m,
+        "tip strays by up to {} m at {} s, {} of the way",
+        significant(error.worst_m, 4),
         significant(error.time_s, 3),
-        error.share
+        significant(error.share, 3)
     )
 }

@@ -26,7 +26,7 @@ pub(crate) fn solve_text(
     for (label, content) in [
         ("link", link_line(link, solution)),
         ("damping", damping_line(link, solution.law())),
-        ("ratios", ratios_line(solution)),
+        ("ratios", ratios_line(solution.law(), &solution.natural_frequencies_rad_s)),
         ("periods", with_unit(&list(&periods(solution), 5), "s")),
         ("zeros", with_unit(&list(&solution.zeros_per_s, 4), "1/s (real, ±)")),
         ("motion", motion_line(motion, solution, metrics)),
@@ -83,8 +83,8 @@ pub(crate) fn damping_line(link: &Link, law: &DampingLaw) -> String {
 }
 
 /// Damping ratios of the modes, where they are not all one; empty otherwise.
-fn ratios_line(solution: &Solution) -> String {
-    let ratios = solution.law().modal_ratios(&solution.natural_frequencies_rad_s);
+pub(crate) fn ratios_line(law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
+    let ratios = law.modal_ratios(frequencies_rad_s);
     let first = ratios.first().map_or(0, |ratio| ratio.to_bits());
     let are_one = ratios.iter().all(|ratio| ratio.to_bits() == first);
     if are_one { String::new() } else { list(&ratios, 2) }

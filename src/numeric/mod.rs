@@ -3,6 +3,7 @@
 mod fourier;
 mod grid;
 mod roots;
+mod round;
 mod scalar;
 mod spline;
 mod uniform;
@@ -13,6 +14,7 @@ mod wide;
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
 pub use roots::{bisect, geometric_scan};
+pub(crate) use round::rounded;
 pub use scalar::Scalar;
 pub use spline::{CubicSpline, SplineEnds};
 pub use uniform::NotUniform;

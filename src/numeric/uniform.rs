@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-use super::TimeGrid;
+use super::{TimeGrid, rounded};
 
 /// Largest deviation of a time from the grid, in steps.
 const TIME_TOLERANCE: f64 = 1e-3;
@@ -13,9 +13,9 @@ const DECIMAL_SHARE: f64 = 0.1;
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
     "time = {} s, but must be {} s: the samples before and after stand {} s apart",
-    tidy(*found_s),
-    tidy(*expected_s),
-    tidy(*step_s)
+    rounded(*found_s, 12),
+    rounded(*expected_s, 12),
+    rounded(*step_s, 12)
 )]
 pub struct NotUniform {
     /// Number of the sample, from 0.
@@ -33,11 +33,6 @@ impl NotUniform {
     pub fn hint(&self) -> &'static str {
         "write times with more decimals, or resample the file to a uniform step"
     }
-}
-
-/// A time without the last digits of its arithmetic.
-fn tidy(time_s: f64) -> f64 {
-    format!("{time_s:.11e}").parse().unwrap_or(time_s)
 }
 
 impl TimeGrid {

@@ -2,7 +2,7 @@ use thiserror::Error;
 
 use super::reference::HubReference;
 use super::torque::Torque;
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, rounded};
 
 /// Collocated feedback at the hub around a computed motion (Bayo 1987, section 6).
 ///
@@ -31,8 +31,12 @@ pub enum FeedbackError {
     },
     /// A reference at other times than the torque.
     #[error(
-        "the reference = {found} samples from {found_start_s} s at {found_step_s} s, but must stand \
-         at the torque's times: {samples} samples from {start_s} s at {step_s} s"
+        "the reference = {found} samples from {} s at {} s, but must stand at the torque's times: \
+         {samples} samples from {} s at {} s",
+        rounded(*found_start_s, 12),
+        rounded(*found_step_s, 12),
+        rounded(*start_s, 12),
+        rounded(*step_s, 12)
     )]
     OtherTimes {
         /// Samples of the reference.
@@ -119,6 +123,12 @@ impl Feedback {
             self.stiffness_n_m_rad * (angle_rad - angle[0]) + self.damping_n_m_s_rad * rate
         });
         Ok(wanted.collect())
+    }
+
+    /// Rate of the reference, if the gains let it move the hub.
+    pub(super) fn driving_rate_rad_s(&self) -> Option<Vec<f64>> {
+        let drives = self.stiffness_n_m_rad > 0.0 || self.damping_n_m_s_rad > 0.0;
+        drives.then(|| self.rate_rad_s())
     }
 
     /// Rate of the reference: as given, or that of a spline through its angles.

@@ -1,5 +1,6 @@
 use super::feedback::Feedback;
 use super::forcing::{Cubic, Interpolation, pieces};
+use super::selection::torque_band_rad_s;
 use super::simulation::SimulationError;
 use super::stepper::Stepper;
 use super::torque::Torque;
@@ -51,6 +52,16 @@ impl<'a> Play<'a> {
             return Err(SimulationError::TooLong { until_s, samples, limit: LONGEST });
         }
         Ok(TimeGrid { len: samples as usize, ..grid })
+    }
+
+    /// Frequency in rad/s above which the link is not driven; none where nothing drives it.
+    pub(super) fn band_rad_s(&self) -> Option<f64> {
+        let grid = self.torque.grid();
+        let torque = torque_band_rad_s(&grid, self.torque.torque_n_m());
+        // The reference's rate, unlike its angle, is zero at both ends.
+        let wanted = self.feedback.and_then(|feedback| feedback.driving_rate_rad_s());
+        let wanted = wanted.and_then(|rate| torque_band_rad_s(&grid, &rate));
+        torque.into_iter().chain(wanted).reduce(f64::max)
     }
 
     /// The input of the modal equations at every sample and between.

@@ -27,7 +27,8 @@ pub struct ResidualVibration {
     pub amplitude_m: f64,
     /// The same over the tip's largest displacement from where it started.
     pub share: f64,
-    /// Frequency of its strongest part in Hz; none where nothing vibrates.
+    /// Frequency of its strongest part in Hz; none where nothing vibrates, or where the step is too
+    /// long to tell.
     pub frequency_hz: Option<f64>,
     /// Time in s from the torque's last sample until it stays below 1 % of its amplitude; none
     /// where it does not within 400 periods of the first mode.
@@ -62,7 +63,10 @@ impl ResidualVibration {
                 vibration.push(reading.of(&stepper.coordinates()));
             }
         }
-        Self::measured(&vibration, step_s, simulation.tip.farthest_m(), watch)
+        let measured = Self::measured(&vibration, step_s, simulation.tip.farthest_m(), watch);
+        // Fewer than two steps to a period show another frequency than the link's.
+        let is_seen = |_: &f64| period_s > 2.0 * step_s;
+        Self { frequency_hz: measured.frequency_hz.filter(is_seen), ..measured }
     }
 
     fn measured(vibration: &[f64], step_s: f64, way_m: f64, watch: usize) -> Self {
@@ -120,8 +124,10 @@ fn strongest_hz(vibration: &[f64], step_s: f64) -> Option<f64> {
         return None;
     }
     let padded = fast_length((1 + ZEROS) * len);
-    let mean = vibration.iter().sum::<f64>() / len as f64;
     let window = |k: usize| (std::f64::consts::PI * (k as f64 + 0.5) / len as f64).sin().powi(2);
+    // The mean under the window, so that none of it is left to outshine a decaying vibration.
+    let weights: f64 = (0..len).map(window).sum();
+    let mean = vibration.iter().enumerate().map(|(k, x)| window(k) * x).sum::<f64>() / weights;
     let mut samples: Vec<f64> =
         vibration.iter().enumerate().map(|(k, x)| window(k) * (x - mean)).collect();
     samples.resize(padded, 0.0);

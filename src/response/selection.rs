@@ -1,9 +1,8 @@
 use std::f64::consts::TAU;
 
-use super::torque::Torque;
 use crate::beam::Mesh;
 use crate::modal::{ModalBasis, flexible_modes, modes_below};
-use crate::numeric::{FourierPair, angular_frequency, fast_length};
+use crate::numeric::{FourierPair, TimeGrid, angular_frequency, fast_length};
 
 /// Share of the motion that may lie above the frequency up to which modes answer dynamically.
 const NEGLIGIBLE: f64 = 1e-12;
@@ -28,12 +27,11 @@ pub struct ModeSelection {
     pub highest_hz: f64,
 }
 
-/// Frequency in rad/s above which the torque has next to no part in the motion.
+/// Frequency in rad/s above which a torque of these samples has next to no part in the motion.
 ///
 /// A torque's amplitude T̂ moves a rigid link by T̂/(Iω²): these shares are summed from the Nyquist
 /// frequency down until they matter beside the whole motion. None for a torque that is zero.
-pub(super) fn torque_band_rad_s(torque: &Torque) -> Option<f64> {
-    let (grid, samples) = (torque.grid(), torque.torque_n_m());
+pub(super) fn torque_band_rad_s(grid: &TimeGrid, samples: &[f64]) -> Option<f64> {
     let whole = largest_excursion(samples) * grid.step_s.powi(2);
     if whole == 0.0 {
         return None;

@@ -5,14 +5,14 @@ use super::equations::{Equations, HubReaction};
 use super::feedback::{Feedback, FeedbackError};
 use super::play::{Driving, Play, Record};
 use super::residual::ResidualVibration;
-use super::selection::{ModeSelection, kept_modes, torque_band_rad_s};
+use super::selection::{ModeSelection, kept_modes};
 use super::stepper::Stepper;
 use super::warning::{SimulationWarning, warnings};
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
 use crate::link::Link;
 use crate::modal::{DampingError, DampingLaw, Shape};
 use crate::motion::TipMotionHistories;
-use crate::numeric::TimeGrid;
+use crate::numeric::{TimeGrid, rounded};
 
 /// Why a torque is not played.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -27,7 +27,10 @@ pub enum SimulationError {
     #[error(transparent)]
     Feedback(#[from] FeedbackError),
     /// An end before that of the torque.
-    #[error("until = {until_s} s, but must not be before the torque's last sample, {end_s} s")]
+    #[error(
+        "until = {until_s} s, but must not be before the torque's last sample, {} s",
+        rounded(*end_s, 12)
+    )]
     EndsEarly {
         /// The end asked for in s.
         until_s: f64,
@@ -35,7 +38,7 @@ pub enum SimulationError {
         end_s: f64,
     },
     /// More samples than this program holds.
-    #[error("until = {until_s} s would be {samples:.3e} samples, but must be at most {limit}")]
+    #[error("until = {until_s} s, {samples:.3e} samples, but must be at most {limit} samples")]
     TooLong {
         /// The end asked for in s.
         until_s: f64,
@@ -45,7 +48,7 @@ pub enum SimulationError {
         limit: usize,
     },
     /// Numbers beyond double precision.
-    #[error("the motion at {time_s} s = not a finite number, but must be one")]
+    #[error("the motion at {} s = not a finite number, but must be one", rounded(*time_s, 12))]
     NotFinite {
         /// The time in s.
         time_s: f64,
@@ -60,7 +63,8 @@ impl SimulationError {
             Self::Feedback(error) => error.hint(),
             Self::TooLong { .. } => Some("an earlier end, or a torque with a longer step"),
             Self::NotFinite { .. } => Some("the inputs are too large for double precision"),
-            Self::NoTorque | Self::EndsEarly { .. } => None,
+            Self::EndsEarly { .. } => Some("the simulation goes on to the torque's end by itself"),
+            Self::NoTorque => None,
         }
     }
 }
@@ -110,7 +114,7 @@ pub struct Simulation {
 /// [`SimulationError`].
 pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation, SimulationError> {
     let mesh = Mesh::new(link, plan);
-    let mesh = match torque_band_rad_s(play.torque) {
+    let mesh = match play.band_rad_s() {
         Some(band_rad_s) if plan.is_automatic() => mesh.resolving(band_rad_s, plan.tolerance()),
         _ => mesh,
     };
@@ -122,9 +126,9 @@ pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation,
 /// # Errors
 /// [`SimulationError`].
 pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, SimulationError> {
-    let band_rad_s = torque_band_rad_s(play.torque).ok_or(SimulationError::NoTorque)?;
     let grid = play.grid()?;
     let driving = play.driving()?;
+    let band_rad_s = play.band_rad_s().ok_or(SimulationError::NoTorque)?;
     let law = DampingLaw::of(link.damping(), &mesh)?;
     let (basis, selection) = kept_modes(&mesh, band_rad_s);
     let gain = |of: fn(&Feedback) -> f64| play.feedback.map_or(0.0, of);

@@ -3,6 +3,7 @@ use thiserror::Error;
 use super::play::Play;
 use super::simulation::Simulation;
 use crate::link::Link;
+use crate::numeric::rounded;
 
 /// Torque at its first or last sample, over its peak, from which on the user is told.
 const STEP_SHARE: f64 = 1e-3;
@@ -15,8 +16,9 @@ const STEPS_IN_A_PERIOD: f64 = 8.0;
 pub enum SimulationWarning {
     /// A torque that does not begin at zero.
     #[error(
-        "the torque begins with {torque_n_m:.3e} N m, {share:.1e} of its peak: it acts on the \
-         resting link as a jump"
+        "the torque begins with {:?} N m, {:.1} % of its peak: it acts on the resting link as a jump",
+        rounded(*torque_n_m, 4),
+        100.0 * share
     )]
     BeginsWithJump {
         /// First sample in N m.
@@ -26,7 +28,9 @@ pub enum SimulationWarning {
     },
     /// A torque that does not end at zero.
     #[error(
-        "the torque ends with {torque_n_m:.3e} N m, {share:.1e} of its peak: it drops to zero there"
+        "the torque ends with {:?} N m, {:.1} % of its peak: it drops to zero there",
+        rounded(*torque_n_m, 4),
+        100.0 * share
     )]
     EndsWithJump {
         /// Last sample in N m.
@@ -36,8 +40,11 @@ pub enum SimulationWarning {
     },
     /// A step too long for the vibration to be seen.
     #[error(
-        "the step, {step_s} s, is {steps:.1} in a period of the first mode ({period_s:.4} s): \
-         between the rows the link does what no row shows"
+        "the step = {:?} s leaves {:?} steps to a period of the first mode, {:?} s: between the rows \
+         the link does what no row shows",
+        rounded(*step_s, 12),
+        rounded(*steps, 2),
+        rounded(*period_s, 4)
     )]
     CoarseStep {
         /// Step in s.

@@ -8,4 +8,4 @@ mod tip_error;
 pub use limits::{Exceeded, Limits};
 pub use metrics::{Metrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;
-pub use tip_error::{TargetError, TipError};
+pub use tip_error::{LateTarget, TargetError, TipError};

@@ -1,8 +1,11 @@
 use thiserror::Error;
 
 use crate::motion::TipTarget;
-use crate::numeric::{CubicSpline, SplineEnds};
+use crate::numeric::{CubicSpline, SplineEnds, rounded};
 use crate::response::Simulation;
+
+/// Share of the target's way that the tip may have moved before the target's first sample.
+const MOVED_BEFORE: f64 = 1e-2;
 
 /// How far a simulated tip strays from the motion that was wanted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +20,36 @@ pub struct TipError {
     pub rms_m: f64,
     /// Distance at the target's last sample in m, simulated less wanted.
     pub final_m: f64,
+    /// Set where the target leaves open from where the tip moves.
+    pub late: Option<LateTarget>,
+}
+
+/// A target whose first sample finds the tip on its way: the link starts where the target does,
+/// though the target does not tell where that is.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error(
+    "the target begins at {} s, when the tip has moved by {:?} m: its first displacement is taken as \
+     that of the link at rest",
+    rounded(*start_s, 12),
+    rounded(*moved_m, 4)
+)]
+pub struct LateTarget {
+    /// First time of the target in s.
+    pub start_s: f64,
+    /// Way of the simulated tip until then in m.
+    pub moved_m: f64,
+}
+
+impl LateTarget {
+    /// Name of the warning, for machines.
+    pub fn kind(&self) -> &'static str {
+        "late_target"
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        "a target that begins before the tip moves"
+    }
 }
 
 /// Why a simulation is not compared with a target.
@@ -24,8 +57,9 @@ pub struct TipError {
 pub enum TargetError {
     /// A target that goes on after the simulation.
     #[error(
-        "the target ends at {end_s} s, but must not go on after the simulation, which ends at \
-         {simulated_s} s"
+        "the target ends at {} s, but must not go on after the simulation, which ends at {} s",
+        rounded(*end_s, 12),
+        rounded(*simulated_s, 12)
     )]
     EndsLate {
         /// Last time of the target in s.
@@ -36,6 +70,16 @@ pub enum TargetError {
     /// A target that stands still.
     #[error("the target stands still in all samples, but must move")]
     NoMotion,
+}
+
+impl TargetError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::EndsLate { .. } => Some("simulate longer, or cut the target"),
+            Self::NoMotion => None,
+        }
+    }
 }
 
 impl TipError {
@@ -60,17 +104,21 @@ impl TipError {
             let (end_s, simulated_s) = (target.grid().end_s(), own.time_s(own.len - 1));
             return Err(TargetError::EndsLate { end_s, simulated_s });
         }
-        let strays = |(k, wanted): (usize, &f64)| spline.value(at(k).clamp(0.0, last)) - wanted;
+        let tip_m = |k: usize| spline.value(at(k).clamp(0.0, last));
+        let strays = |(k, wanted): (usize, &f64)| tip_m(k) - wanted;
         let errors: Vec<f64> = wanted_m.iter().enumerate().map(strays).collect();
         let larger = |a: &usize, b: &usize| errors[*a].abs().total_cmp(&errors[*b].abs());
         let worst = (0..errors.len()).max_by(larger).unwrap_or(0);
         let squares: f64 = errors.iter().map(|e| e * e).sum();
+        let moved_m = (tip_m(0) - simulation.tip.displacement_m[0]).abs();
+        let late = LateTarget { start_s: grid.time_s(0), moved_m };
         Ok(Self {
             worst_m: errors[worst].abs(),
             share: errors[worst].abs() / way_m,
             time_s: grid.time_s(worst),
             rms_m: (squares / errors.len() as f64).sqrt(),
             final_m: errors[errors.len() - 1],
+            late: (moved_m > MOVED_BEFORE * way_m).then_some(late),
         })
     }
 }

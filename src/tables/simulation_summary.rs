@@ -165,15 +165,7 @@ impl SimulationSummary {
                 rms_m: error.rms_m,
                 final_m: error.final_m,
             }),
-            warnings: simulation
-                .warnings
-                .iter()
-                .map(|warning| WarningRecord {
-                    kind: warning.kind(),
-                    message: warning.to_string(),
-                    hint: warning.hint(),
-                })
-                .collect(),
+            warnings: warnings(simulation, tip_error),
             files,
         }
     }
@@ -182,6 +174,20 @@ impl SimulationSummary {
     pub fn to_json(&self) -> String {
         json(self)
     }
+}
+
+fn warnings(simulation: &Simulation, tip_error: Option<&TipError>) -> Vec<WarningRecord> {
+    let played = simulation.warnings.iter().map(|warning| WarningRecord {
+        kind: warning.kind(),
+        message: warning.to_string(),
+        hint: warning.hint(),
+    });
+    let compared = tip_error.and_then(|error| error.late).map(|late| WarningRecord {
+        kind: late.kind(),
+        message: late.to_string(),
+        hint: late.hint(),
+    });
+    played.chain(compared).collect()
 }
 
 impl TorqueRecord {
