@@ -59,7 +59,7 @@ impl<'a> Play<'a> {
         let grid = self.torque.grid();
         let torque = torque_band_rad_s(&grid, self.torque.torque_n_m());
         // The reference's rate, unlike its angle, is zero at both ends.
-        let wanted = self.feedback.and_then(|feedback| feedback.driving_rate_rad_s());
+        let wanted = self.feedback.and_then(Feedback::driving_rate_rad_s);
         let wanted = wanted.and_then(|rate| torque_band_rad_s(&grid, &rate));
         torque.into_iter().chain(wanted).reduce(f64::max)
     }
