@@ -130,9 +130,9 @@ impl PlayArgs {
             SimulationError::TooLong { .. } | SimulationError::EndsEarly { .. } => {
                 (Exit::Usage, "--".to_owned())
             }
-            SimulationError::Damping(_) | SimulationError::NotFinite { .. } => {
-                (Exit::NotSolvable, String::new())
-            }
+            SimulationError::Damping(_)
+            | SimulationError::TooMuch { .. }
+            | SimulationError::NotFinite { .. } => (Exit::NotSolvable, String::new()),
         };
         Failure::new(exit, &format!("{place}{error}"), error.hint())
     }

@@ -2,6 +2,7 @@ use num_complex::Complex64;
 use thiserror::Error;
 
 use super::caughey::CaugheySeries;
+use super::complete::MOST_ELEMENTS_OF_ALL_MODES;
 use super::frequencies::natural_frequencies;
 use crate::beam::Mesh;
 use crate::link::Damping;
@@ -66,7 +67,7 @@ pub enum DampingError {
     /// A Caughey series that would feed energy into a mode.
     #[error(
         "damping.ratios give mode {mode} ({frequency_hz:.4} Hz) a ratio of {ratio:.3e}, but it must \
-         be at least 0 in all {modes} modes of the mesh"
+         be at least 0 in all {modes} modes"
     )]
     NegativeRatio {
         /// Number of the mode.
@@ -198,10 +199,13 @@ fn rayleigh(modes: [usize; 2], ratios: [f64; 2], mesh: &Mesh) -> Result<DampingL
     Ok(DampingLaw::Rayleigh { alpha_per_s, beta_s })
 }
 
+/// Modes of which a Caughey series is looked at: those of the largest mesh that it is summed on.
+const MOST_CHECKED: usize = 2 * MOST_ELEMENTS_OF_ALL_MODES;
+
 fn caughey(modes: &[usize], ratios: &[f64], mesh: &Mesh) -> Result<DampingLaw, DampingError> {
     let series = CaugheySeries::through(&frequencies_of(modes, mesh)?, ratios);
     let law = DampingLaw::Caughey(series);
-    let all = natural_frequencies(mesh, usize::MAX);
+    let all = natural_frequencies(mesh, MOST_CHECKED);
     for (k, omega) in all.iter().enumerate() {
         let ratio = law.modal_ratio(k + 1, *omega);
         if ratio < 0.0 {

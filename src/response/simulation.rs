@@ -14,6 +14,14 @@ use crate::modal::{DampingError, DampingLaw, Shape};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, rounded};
 
+/// Most modal coordinates that are recorded, samples times modes.
+const MOST_RECORDED: usize = 1 << 27;
+
+/// Memory in GB of modal coordinates and their rates.
+fn gigabytes(recorded: usize) -> f64 {
+    (2 * size_of::<f64>() * recorded) as f64 * 1e-9
+}
+
 /// Why a torque is not played.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SimulationError {
@@ -47,6 +55,18 @@ pub enum SimulationError {
         /// Samples possible.
         limit: usize,
     },
+    /// More numbers than this program holds.
+    #[error(
+        "{samples} samples of {modes} modes = {:.1} GB, but must be at most {:.1} GB",
+        gigabytes(samples * modes),
+        gigabytes(MOST_RECORDED)
+    )]
+    TooMuch {
+        /// Samples of the simulation.
+        samples: usize,
+        /// Modes kept, rigid rotation and residual mode included.
+        modes: usize,
+    },
     /// Numbers beyond double precision.
     #[error("the motion at {} s = not a finite number, but must be one", rounded(*time_s, 12))]
     NotFinite {
@@ -61,7 +81,9 @@ impl SimulationError {
         match self {
             Self::Damping(error) => Some(error.hint()),
             Self::Feedback(error) => error.hint(),
-            Self::TooLong { .. } => Some("an earlier end, or a torque with a longer step"),
+            Self::TooLong { .. } | Self::TooMuch { .. } => {
+                Some("an earlier end, or a torque with a longer step")
+            }
             Self::NotFinite { .. } => Some("the inputs are too large for double precision"),
             Self::EndsEarly { .. } => Some("the simulation goes on to the torque's end by itself"),
             Self::NoTorque => None,
@@ -138,11 +160,14 @@ pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, S
         damping_n_m_s_rad: friction + gain(Feedback::damping_n_m_s_rad),
     };
     let equations = Equations::new(&mesh, &law, basis, reaction);
+    let modes = equations.coordinates.len();
+    if grid.len * modes > MOST_RECORDED {
+        return Err(SimulationError::TooMuch { samples: grid.len, modes });
+    }
     let mut stepper = Stepper::new(&equations, grid.step_s);
     let record = driving.record(&mut stepper, grid.len);
-    let row = equations.coordinates.len();
     if let Some(bad) = record.coordinates.iter().position(|q| !q.is_finite()) {
-        return Err(SimulationError::NotFinite { time_s: grid.time_s(bad / row) });
+        return Err(SimulationError::NotFinite { time_s: grid.time_s(bad / modes) });
     }
     let mut simulation = Simulation {
         grid,
