@@ -1,5 +1,5 @@
-//! Damping mode by mode against the matrix that it stands for: (K + iωC − ω²M) x = e_θ T with
-//! C = M Φ diag(2ζω) Φᵀ M (Bayo 1987, eqs 11 and 12).
+//! Damping mode by mode against the matrix that it stands for: `(K + iωC − ω²M) x = e_θ T`
+//! with C = M Φ diag(2ζω) Φᵀ M (Bayo 1987, eqs 11 and 12).
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
@@ -39,7 +39,7 @@ fn mesh(link: &Link, elements: usize) -> Mesh {
     Mesh::new(link, &plan.expect("a valid plan"))
 }
 
-/// The polynomial 2ζω = Σ a_b ω²ᵇ through the ratios of the modes, in Lagrange's form.
+/// The polynomial `2ζω = Σ a_b ω²ᵇ` through the ratios of the modes, in Lagrange's form.
 fn series_rate(frequencies: &[f64], omega: f64) -> f64 {
     let square = |mode: usize| frequencies[mode - 1].powi(2);
     let term = |&(mode, ratio): &(usize, f64)| {

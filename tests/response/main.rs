@@ -8,10 +8,12 @@
 mod assembly;
 #[path = "../dense/damping.rs"]
 mod damping;
+mod feedback;
 mod free;
 mod modes;
 mod newmark;
 mod refusals;
+mod robustness;
 mod round_trip;
 
 use std::f64::consts::{PI, TAU};

@@ -11,7 +11,7 @@ use flexlink::response::{Feedback, HubReference, Interpolation, Play, Simulation
 use super::assembly::Assembly;
 use super::{damping, difference, link, mesh_of, played, times};
 
-/// M ẍ + C ẋ + K x = e_θ u on `(θ, v_1, φ_1, …)`.
+/// `M ẍ + C ẋ + K x = e_θ u` on `(θ, v_1, φ_1, …)`.
 struct System {
     mass: Mat<f64>,
     damping: Mat<f64>,

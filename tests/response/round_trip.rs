@@ -42,6 +42,8 @@ struct RoundTrip {
     tip: f64,
     hub_angle: f64,
     hub_rate: f64,
+    /// Velocity and acceleration of the tip, acceleration of the hub.
+    others: [f64; 3],
 }
 
 impl RoundTrip {
@@ -55,6 +57,11 @@ impl RoundTrip {
             tip: difference(&found.tip.displacement_m, &wanted.tip.displacement_m),
             hub_angle: difference(&found.hub_angle_rad, &wanted.hub_angle_rad),
             hub_rate: difference(&found.hub_rate_rad_s, &wanted.hub_rate_rad_s),
+            others: [
+                difference(&found.tip.velocity_m_s, &wanted.tip.velocity_m_s),
+                difference(&found.tip.acceleration_m_s2, &wanted.tip.acceleration_m_s2),
+                difference(&found.hub_acceleration_rad_s2, &wanted.hub_acceleration_rad_s2),
+            ],
         }
     }
 }
@@ -68,6 +75,8 @@ fn a_smooth_motion_comes_back_to_nine_digits_under_every_law() {
             assert!(found.tip < 1e-9, "{}: tip {:e}", law.name(), found.tip);
             assert!(found.hub_angle < 1e-9, "{}: hub {:e}", law.name(), found.hub_angle);
             assert!(found.hub_rate < 1e-9, "{}: hub rate {:e}", law.name(), found.hub_rate);
+            let others = found.others;
+            assert!(others.iter().all(|error| *error < 1e-9), "{}: {others:?}", law.name());
         }
     }
 }
