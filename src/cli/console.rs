@@ -34,7 +34,10 @@ pub(crate) fn print_bytes(text: &[u8]) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match out.write_all(text).and_then(|()| out.flush()) {
         Err(cause) if cause.kind() != io::ErrorKind::BrokenPipe => {
-            let message = format!("standard output: cannot write: {cause}");
+            let cause = cause.to_string();
+            // The system's number for the error says nothing beside its words.
+            let words = cause.split(" (os error").next().unwrap_or(&cause);
+            let message = format!("standard output: cannot write: {words}");
             Err(Failure::new(Exit::CannotWrite, &message, None))
         }
         _ => Ok(()),

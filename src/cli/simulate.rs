@@ -19,8 +19,8 @@ const EXAMPLE: &str = "\
 Example:
   flexlink simulate link.toml out/torque.csv --target out/tip.csv
   flexlink simulate link.toml out/rigid_torque.csv --column rigid_torque_n_m --until 10
-  flexlink simulate link.toml out/torque.csv --set 'payload.mass=\"50 g\"' --target out/tip.csv \\
-      --feedback 20,2 --reference out/hub_angle.csv
+  flexlink simulate link.toml out/torque.csv --target out/tip.csv --set 'payload.mass=\"50 g\"'
+  flexlink simulate link.toml out/torque.csv --feedback 20,2 --reference out/hub_angle.csv
 
 `-` reads TORQUE from standard input.";
 
@@ -28,10 +28,10 @@ const LONG_ABOUT: &str = "\
 Play a torque on a link: direct dynamics.
 
 Writes tip.csv, hub_angle.csv, nodal_displacements.csv, nodes.csv and summary.json into a folder, \
-with feedback also torque.csv, all or none of them, and prints a short summary. The link is at rest \
-before the torque's first sample; after the last one it is free. Each mode is integrated exactly in \
-time, so that the answer does not depend on the Fourier transform of solve. A hysteretic link has no \
-equation in time: its ratio is taken as the viscous ratio of every mode.";
+with feedback also torque.csv, all or none of them, and prints a short summary. The link is at \
+rest before the torque's first sample; after the last one it is free. Each mode is integrated \
+exactly in time, so that the answer does not depend on the Fourier transform of solve. A \
+hysteretic link has no equation in time: its ratio is taken as the viscous ratio of every mode.";
 
 /// Play a torque on a link: direct dynamics.
 #[derive(Debug, Args)]

@@ -35,8 +35,8 @@ pub(crate) struct PlayArgs {
     #[arg(long)]
     linear: bool,
 
-    /// Tip motion to compare with (CSV): `time` and `displacement`, as tip.csv of solve. The link
-    /// starts where it does.
+    /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
+    /// link starts where it does.
     #[arg(long, value_name = "FILE")]
     target: Option<PathBuf>,
 
@@ -45,8 +45,8 @@ pub(crate) struct PlayArgs {
     #[arg(value_parser = gains, allow_hyphen_values = true)]
     feedback: Option<(f64, f64)>,
 
-    /// Hub angle that feedback holds to (CSV), hub_angle.csv of solve, at the times of TORQUE. The
-    /// link starts at its first angle.
+    /// Hub angle that feedback holds to (CSV), as `hub_angle.csv` of solve, at the times of TORQUE.
+    /// The link starts at its first angle.
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,
 }

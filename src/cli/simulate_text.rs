@@ -108,7 +108,7 @@ fn modes_line(simulation: &Simulation) -> String {
 
 fn tip_line(metrics: &PlayedMetrics) -> String {
     format!(
-        "moves by up to {} m; ends {} m from its start, at {} m/s",
+        "moves by up to {} m, by {} m in all; ends with {} m/s",
         significant(metrics.farthest_m, 4),
         significant(metrics.travel_m, 4),
         significant(metrics.final_tip_velocity_m_s, 2)

@@ -142,3 +142,21 @@ fn strongest_hz(vibration: &[f64], step_s: f64) -> Option<f64> {
     let spacing = angular_frequency(1, padded, step_s) / std::f64::consts::TAU;
     Some((peak as f64 + offset) * spacing)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_vibration_that_decays_within_few_periods_has_its_own_frequency() {
+        for (rate_per_s, hertz) in [(0.25, 0.37), (0.5, 0.8), (0.02, 0.1)] {
+            let decaying = |k: i32| {
+                let t = 0.5 * f64::from(k);
+                (-rate_per_s * t).exp() * (std::f64::consts::TAU * hertz * t).cos()
+            };
+            let vibration: Vec<f64> = (0..40).map(decaying).collect();
+            let found = strongest_hz(&vibration, 0.5).unwrap();
+            assert!((found / hertz - 1.0).abs() < 0.03, "{found} Hz is not {hertz} Hz");
+        }
+    }
+}

@@ -148,9 +148,9 @@ pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation,
 /// # Errors
 /// [`SimulationError`].
 pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, SimulationError> {
+    let band_rad_s = play.band_rad_s().ok_or(SimulationError::NoTorque)?;
     let grid = play.grid()?;
     let driving = play.driving()?;
-    let band_rad_s = play.band_rad_s().ok_or(SimulationError::NoTorque)?;
     let law = DampingLaw::of(link.damping(), &mesh)?;
     let (basis, selection) = kept_modes(&mesh, band_rad_s);
     let gain = |of: fn(&Feedback) -> f64| play.feedback.map_or(0.0, of);

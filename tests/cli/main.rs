@@ -2,11 +2,16 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod damping;
 mod exits;
 mod files;
 mod modes;
 mod options;
 mod rigs;
+mod simulate;
+mod simulate_refusals;
+mod simulate_round_trip;
+mod simulate_summary;
 mod streams;
 mod summary;
 
@@ -14,6 +19,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
+use serde_json::Value;
 use tempfile::TempDir;
 
 const LINK: &str = "specs/bayo1987_example1.toml";
@@ -85,6 +91,10 @@ impl Bench {
         columns
     }
 
+    fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.read(name)).unwrap()
+    }
+
     /// The content of all files of a folder.
     fn contents(&self, folder: &str) -> Vec<(String, String)> {
         let read = |name: String| {
@@ -93,6 +103,26 @@ impl Bench {
         };
         self.names(folder).into_iter().map(read).collect()
     }
+}
+
+/// `simulate` with the paper's first link and more arguments; must succeed.
+#[track_caller]
+fn simulated(bench: &Bench, arguments: &[&str]) -> Output {
+    let output = bench.run(&[&["simulate", &repository(LINK)], arguments].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    output
+}
+
+/// The column of this name.
+#[track_caller]
+fn column(bench: &Bench, file: &str, name: &str) -> Vec<f64> {
+    let found = bench.table(file).into_iter().find(|(heading, _)| heading == name);
+    found.unwrap_or_else(|| panic!("{file} has no {name}")).1
+}
+
+/// Names of the entries of a JSON object.
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
 }
 
 /// A file of this repository, from wherever the program runs.

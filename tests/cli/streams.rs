@@ -123,9 +123,14 @@ fn a_reader_that_goes_away_is_no_error() {
     let program = env!("CARGO_BIN_EXE_flexlink");
     let (link, motion) = (repository(LINK), repository(MOTION));
     // The reader is gone before the program prints; its exit code is kept in a file.
-    for option in ["", "--json"] {
-        let script =
-            format!("{{ '{program}' solve '{link}' '{motion}' {option}; echo $? > code; }} | true");
+    bench.solve(&["-q"]);
+    for command in [
+        format!("solve '{link}' '{motion}'"),
+        format!("solve '{link}' '{motion}' --json"),
+        format!("simulate '{link}' out/torque.csv"),
+        format!("simulate '{link}' out/torque.csv --json"),
+    ] {
+        let script = format!("{{ '{program}' {command} -o new; echo $? > code; }} | true");
         let output = Command::new("sh")
             .args(["-c", &script])
             .current_dir(bench.folder.path())
@@ -140,7 +145,22 @@ fn a_reader_that_goes_away_is_no_error() {
         }
         assert_eq!(bench.read("code"), "0\n");
         assert_eq!(stderr(&output), "");
-        assert!(bench.path("out/summary.json").exists());
+        assert!(bench.path("new/summary.json").exists());
         fs::remove_file(bench.path("code")).unwrap();
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_is_told_with_exit_code_five() {
+    let bench = Bench::new();
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = bench
+        .program(&["solve", &repository(LINK), &repository(MOTION)])
+        .stdout(full)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(5));
+    let expected = "error: standard output: cannot write: No space left on device\n";
+    assert_eq!(stderr(&output), expected);
 }

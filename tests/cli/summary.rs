@@ -2,15 +2,11 @@
 
 use serde_json::Value;
 
-use super::{Bench, LINK, MOTION, repository};
+use super::{Bench, LINK, MOTION, keys, repository};
 
 fn summary(bench: &Bench, arguments: &[&str]) -> Value {
     bench.solve(arguments);
-    serde_json::from_str(&bench.read("out/summary.json")).unwrap()
-}
-
-fn keys(value: &Value) -> Vec<&str> {
-    value.as_object().unwrap().keys().map(String::as_str).collect()
+    bench.json("out/summary.json")
 }
 
 /// All texts in a value, however deep.
