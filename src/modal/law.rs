@@ -67,7 +67,7 @@ pub enum DampingError {
     /// A Caughey series that would feed energy into a mode.
     #[error(
         "damping.ratios give mode {mode} ({frequency_hz:.4} Hz) a ratio of {ratio:.3e}, but it must \
-         be at least 0 in all {modes} modes"
+         be at least 0 in modes 1 to {modes}"
     )]
     NegativeRatio {
         /// Number of the mode.

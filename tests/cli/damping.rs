@@ -143,7 +143,7 @@ fn a_series_that_feeds_energy_in_is_refused_by_every_command() {
     let link = repository(LINK);
     let falling = ["--set", "damping={model=\"caughey\", modes=[1, 2], ratios=[0.2, 0.03]}"];
     let expected = "error: damping.ratios give mode 3 (13.3435 Hz) a ratio of -8.016e-2, but it \
-                    must be at least 0 in all 20 modes of the mesh\nhint: a series through an even \
+                    must be at least 0 in modes 1 to 20\nhint: a series through an even \
                     number of modes with like ratios rises above them; or give the ratios to the \
                     modes themselves with model \"modal\"\n";
     let motion = repository(super::MOTION);

@@ -55,7 +55,7 @@ fn an_end_far_too_late_is_refused() {
     let error = refusal(&bayo(), &Play { until_s: Some(1e6), ..Play::of(&torque) });
     assert_eq!(
         error.to_string(),
-        "until = 1000000 s would be 1.000e8 samples, but must be at most 16777216"
+        "until = 1000000 s, 1.000e8 samples, but must be at most 16777216 samples"
     );
     assert_eq!(error.hint(), Some("an earlier end, or a torque with a longer step"));
     let endless = refusal(&bayo(), &Play { until_s: Some(f64::INFINITY), ..Play::of(&torque) });
@@ -98,7 +98,7 @@ fn a_torque_that_begins_or_ends_with_a_jump_is_warned_about_with_its_numbers() {
     assert_eq!(kinds, ["begins_with_jump"]);
     assert_eq!(
         jump[0].to_string(),
-        "the torque begins with 2.500e-1 N m, 1.0e0 of its peak: it acts on the resting link as a \
+        "the torque begins with 0.25 N m, 100.0 % of its peak: it acts on the resting link as a \
          jump"
     );
     let hint =
@@ -107,7 +107,7 @@ fn a_torque_that_begins_or_ends_with_a_jump_is_warned_about_with_its_numbers() {
     let cut = warned(&bayo(), &torque(|x| x.sin() - 0.002 * x / PI));
     assert_eq!(
         cut.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        ["the torque ends with -2.000e-3 N m, 2.0e-3 of its peak: it drops to zero there"]
+        ["the torque ends with -0.002 N m, 0.2 % of its peak: it drops to zero there"]
     );
     let within = warned(&bayo(), &torque(|x| x.sin() - 0.0009 * x / PI));
     assert_eq!(within, [], "below a thousandth of the peak");
@@ -128,8 +128,8 @@ fn a_step_that_hides_the_first_mode_is_warned_about() {
     assert_eq!(coarse(0.065), None, "8.1 steps");
     assert_eq!(
         coarse(0.1).unwrap(),
-        "the step, 0.1 s, is 5.3 in a period of the first mode (0.5264 s): between the rows the \
-         link does what no row shows"
+        "the step = 0.1 s leaves 5.3 steps to a period of the first mode, 0.5264 s: between the rows \
+         the link does what no row shows"
     );
 }
 
