@@ -14,6 +14,7 @@ mod simulate_round_trip;
 mod simulate_summary;
 mod streams;
 mod summary;
+mod verify;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,111 @@
+//! `verify`, and `solve --verify`: the table, its JSON, and how the program ends.
+
+use serde_json::Value;
+
+use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+
+const NAMES: [&str; 7] = [
+    "tip_error",
+    "tip_error_viscous",
+    "mesh_halving",
+    "step_halving",
+    "wrap_around",
+    "dense_transfer",
+    "energy",
+];
+
+fn verify(bench: &Bench, arguments: &[&str]) -> std::process::Output {
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    bench.run(&[&["verify", &link, &motion], arguments].concat())
+}
+
+#[test]
+fn every_line_is_a_number_against_what_it_may_be() {
+    let output = verify(&Bench::new(), &[]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    let text = stdout(&output);
+    let mut lines = text.lines();
+    assert!(lines.next().unwrap().starts_with("check "), "{text}");
+    for line in lines {
+        let numbers: Vec<f64> = line[34..]
+            .split_whitespace()
+            .take(2)
+            .map(|word| word.parse().unwrap_or_else(|_| panic!("{line}")))
+            .collect();
+        assert!(numbers[0] <= numbers[1], "{line}");
+    }
+}
+
+#[test]
+fn json_lists_the_checks_and_quiet_prints_nothing() {
+    let bench = Bench::new();
+    let json: Value = serde_json::from_str(&stdout(&verify(&bench, &["--json"]))).unwrap();
+    let checks = json.as_array().unwrap();
+    let names: Vec<&str> = checks.iter().map(|check| check["name"].as_str().unwrap()).collect();
+    assert_eq!(names, NAMES);
+    for check in checks {
+        let mut keys: Vec<&String> = check.as_object().unwrap().keys().collect();
+        keys.sort();
+        assert_eq!(keys, ["bound", "found", "name", "of", "passes", "reason", "what"]);
+        assert_eq!(check["reason"], Value::Null);
+    }
+    let quiet = verify(&bench, &["--quiet"]);
+    assert_eq!((stdout(&quiet), stderr(&quiet)), (String::new(), String::new()));
+}
+
+#[test]
+fn a_number_out_of_its_bound_ends_the_program_with_four() {
+    let output = verify(&Bench::new(), &["--set", "analysis.lead=0.2"]);
+    assert_eq!(output.status.code(), Some(4));
+    assert_eq!(stdout(&output).matches("  FAILS").count(), 3, "{}", stdout(&output));
+    let failed = "error: out of bounds: tip, the link's own damping; tip, viscous damping in its \
+                  place; torque at the window's edge\n\
+                  hint: the table shows by how much; the warnings tell what to do\n";
+    assert!(stderr(&output).ends_with(failed), "{}", stderr(&output));
+}
+
+#[test]
+fn few_digits_are_found_at_the_tip() {
+    let output = verify(&Bench::new(), &["--digits", "2", "--json"]);
+    assert_eq!(output.status.code(), Some(4));
+    let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(
+        (json[0]["name"].as_str(), json[0]["passes"].as_bool()),
+        (Some(NAMES[0]), Some(false))
+    );
+}
+
+#[test]
+fn what_is_not_measured_says_why() {
+    let set = ["--set", "segments.root.elements=20", "--set", "segments.beam.elements=190"];
+    let output = verify(&Bench::new(), &set);
+    let reason = "not made: 210 elements, more than the 200 that are factorised";
+    assert!(stdout(&output).contains(reason), "{}", stdout(&output));
+    let json = verify(&Bench::new(), &[&set[..], &["--json"]].concat());
+    let json: Value = serde_json::from_str(&stdout(&json)).unwrap();
+    assert_eq!((&json[5]["found"], &json[5]["passes"]), (&Value::Null, &Value::Bool(true)));
+}
+
+#[test]
+fn solve_keeps_the_table_in_its_summary_and_its_results_whatever_it_says() {
+    let bench = Bench::new();
+    let printed = bench.solve(&["--verify"]);
+    assert!(stdout(&printed).ends_with(&stdout(&verify(&bench, &[]))));
+    let summary: Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+    let checks = summary["verification"].as_array().unwrap();
+    assert_eq!(checks.len(), NAMES.len());
+
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    let arguments =
+        ["solve", &link, &motion, "--verify", "--set", "analysis.lead=0.2", "-o", "cut"];
+    let cut = bench.run(&arguments);
+    assert_eq!(cut.status.code(), Some(4));
+    let summary: Value = serde_json::from_str(&bench.read("cut/summary.json")).unwrap();
+    assert_eq!(summary["verification"][0]["passes"], false);
+    assert!(bench.names("cut").contains(&"torque.csv".to_owned()));
+
+    bench.solve(&["-o", "plain"]);
+    let summary: Value = serde_json::from_str(&bench.read("plain/summary.json")).unwrap();
+    assert_eq!(summary["verification"], Value::Null);
+}
