@@ -42,6 +42,9 @@ pub struct DrivenMotion {
     pub torque: Complex64,
     /// Deflection and slope (e, e') of nodes 0 … n from the hub's tangent line.
     pub deflections: Vec<Vector2<Complex64>>,
+    /// Deformation of every element: motion of its outer end seen from its inner end's tangent.
+    /// Not found from the deflections, of which it is a tiny difference on fine meshes.
+    pub deformations: Vec<Vector2<Complex64>>,
     /// Reaction (force, moment) over −ω² of what lies outboard of nodes 0 … n.
     pub reactions: Vec<Vector2<Complex64>>,
 }
@@ -70,15 +73,18 @@ pub fn driven_motion(mesh: &Mesh, lambda: Complex64) -> DrivenMotion {
 
     let mut e = Vector2::zeros();
     let mut deflections = vec![e];
+    let mut deformations = Vec::with_capacity(passages.len());
     let mut reactions = Vec::with_capacity(passages.len() + 1);
     for (passage, element) in passages.iter().rev().zip(mesh.elements()) {
         reactions.push(passage.reaction * c);
         c = solve(&passage.change, &c);
-        e = rigid_transfer(element.length_m) * e + passage.deformation * c;
+        let deformation = passage.deformation * c;
+        e = rigid_transfer(element.length_m) * e + deformation;
+        deformations.push(deformation);
         deflections.push(e);
     }
     reactions.push(tip_reaction * c);
-    DrivenMotion { theta, torque, deflections, reactions }
+    DrivenMotion { theta, torque, deflections, deformations, reactions }
 }
 
 /// Transfers from the tip to every node at λ ≠ 0, also where a part of the link resonates.

@@ -21,6 +21,7 @@ mod response;
 mod rigid;
 mod solution;
 mod spectra;
+mod superposition;
 mod warning;
 
 pub use analysis::Analysis;

@@ -1,6 +1,6 @@
 use nalgebra::{Matrix2, Vector2};
 
-use crate::beam::{Inertia, Mesh, driven_motion};
+use crate::beam::{DrivenMotion, Inertia, Mesh, driven_motion};
 
 /// A motion of the whole link: hub angle, and deflection from the hub's tangent line.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,14 +26,18 @@ pub struct Mode {
 /// Shape at a natural frequency `omega_rad_s` > 0, from the recursion at λ = ω².
 pub fn mode(mesh: &Mesh, omega_rad_s: f64) -> Mode {
     let motion = driven_motion(mesh, (omega_rad_s * omega_rad_s).into());
-    let shape = Shape {
-        hub_angle: motion.theta.re,
-        deflections: motion.deflections.iter().map(|e| e.map(|e| e.re)).collect(),
-    };
-    Mode { omega_rad_s, shape: shape.mass_normalised(mesh) }
+    Mode { omega_rad_s, shape: Shape::of(&motion).mass_normalised(mesh) }
 }
 
 impl Shape {
+    /// The motion at a real λ.
+    pub(super) fn of(motion: &DrivenMotion) -> Self {
+        Self {
+            hub_angle: motion.theta.re,
+            deflections: motion.deflections.iter().map(|e| e.map(|e| e.re)).collect(),
+        }
+    }
+
     /// The rotation of the rigid link by a unit angle.
     pub(super) fn rigid(mesh: &Mesh) -> Self {
         Self { hub_angle: 1.0, deflections: vec![Vector2::zeros(); mesh.nodes_m().len()] }
