@@ -7,6 +7,10 @@ use crate::beam::{Gain, Mesh, condense};
 /// A shape left over by all modes with less than this share of the whole is round-off.
 const NOTHING_LEFT: f64 = 1e-10;
 
+/// So far may twice the strain energy of a shape left over lie from the work of the unit torque that
+/// it belongs to; of round-off the two have nothing to do with each other.
+const ENERGY_TOLERANCE: f64 = 1e-3;
+
 /// The rigid rotation and flexible modes of the link on its free hub, mass-normalised.
 ///
 /// In these coordinates a torque T at the hub drives each mode by itself:
@@ -65,10 +69,12 @@ impl ModalBasis {
         let all = static_shape(mesh, &self.rigid);
         let rest = self.static_residual(mesh);
         let (whole, mass) = (all.mass_product(mesh, &all), rest.mass_product(mesh, &rest));
-        if mass <= NOTHING_LEFT * NOTHING_LEFT * whole {
+        let (strain, work) = (rest.stiffness_product(mesh, &rest), rest.hub_angle);
+        let is_round_off = (strain - work).abs() > ENERGY_TOLERANCE * strain;
+        if is_round_off || mass <= NOTHING_LEFT * NOTHING_LEFT * whole {
             return None;
         }
-        let omega_rad_s = (rest.stiffness_product(mesh, &rest) / mass).sqrt();
+        let omega_rad_s = (strain / mass).sqrt();
         Some(Mode { omega_rad_s, shape: rest.mass_normalised(mesh) })
     }
 }

@@ -16,22 +16,21 @@ const RATIOS: [f64; 4] = [0.03, 0.0, 0.1, 0.01];
 const SERIES: [(usize, f64); 3] = [(1, 0.01), (2, 0.02), (4, 0.2)];
 
 /// A link with tapers and bodies on it.
-fn arm(damping: Damping) -> Link {
+fn arm(damping: Damping) -> LinkParts {
     let segment = |length_m, stiffness: (f64, f64), mass: (f64, f64)| Segment {
         name: None,
         length_m,
         bending_stiffness_n_m2: Taper { inner: stiffness.0, outer: stiffness.1 },
         mass_per_length_kg_m: Taper { inner: mass.0, outer: mass.1 },
     };
-    Link::new(LinkParts {
+    LinkParts {
         title: String::new(),
         segments: vec![segment(0.5, (20.0, 8.0), (0.9, 0.5)), segment(0.8, (8.0, 3.0), (0.5, 0.3))],
         hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.08, viscous_friction_n_m_s_rad: 0.0 },
         masses: vec![LumpedMass { at_m: 0.9, mass_kg: 0.2, inertia_kg_m2: 1e-3 }],
         payload: Payload { mass_kg: 0.3, inertia_kg_m2: 4e-3, offset_m: 0.06 },
         damping,
-    })
-    .expect("a valid link")
+    }
 }
 
 fn mesh(link: &Link, elements: usize) -> Mesh {
@@ -102,7 +101,7 @@ const FREQUENCIES: [f64; 10] = [1.5, 5.0, 9.5, 14.0, 20.0, 36.2, 60.0, 95.0, 160
 /// Measured: 1.3e-10 at most, at 500 rad/s.
 #[test]
 fn a_ratio_for_each_mode_is_the_damping_matrix_of_these_ratios() {
-    let link = arm(Damping::Modal { ratios: RATIOS.to_vec() });
+    let link = Link::new(arm(Damping::Modal { ratios: RATIOS.to_vec() })).expect("a valid link");
     for elements in [4, 8] {
         let mesh = mesh(&link, elements);
         let [mass, stiffness] = Assembly::of_link(&link, mesh.nodes_m()).mass_and_stiffness();
@@ -118,7 +117,7 @@ fn a_ratio_for_each_mode_is_the_damping_matrix_of_these_ratios() {
 #[test]
 fn a_caughey_series_is_the_damping_matrix_of_its_ratios() {
     let (modes, ratios) = SERIES.into_iter().unzip();
-    let link = arm(Damping::Caughey { modes, ratios });
+    let link = Link::new(arm(Damping::Caughey { modes, ratios })).expect("a valid link");
     for elements in [4, 8] {
         let mesh = mesh(&link, elements);
         let frequencies = natural_frequencies(&mesh, 4);
@@ -129,5 +128,21 @@ fn a_caughey_series_is_the_damping_matrix_of_its_ratios() {
             let off = difference(&link, &mesh, matrix, omega);
             assert!(off < 1e-9, "{elements} elements, {omega} rad/s: {off:e}");
         }
+    }
+}
+
+/// A hub without inertia on a root without mass follows the torque at once: no mode holds that.
+#[test]
+fn motions_without_mass_answer_beside_the_modes() {
+    let mut parts = arm(Damping::Modal { ratios: vec![0.0] });
+    parts.segments[0].mass_per_length_kg_m = Taper::constant(0.0);
+    parts.hub = Hub::default();
+    parts.masses[0].at_m = 0.7;
+    let link = Link::new(parts).expect("a valid link");
+    let mesh = mesh(&link, 6);
+    for omega in FREQUENCIES {
+        let size = 2 * mesh.elements().len() + 1;
+        let off = difference(&link, &mesh, Mat::zeros(size, size), omega);
+        assert!(off < 1e-9, "{omega} rad/s: {off:e}");
     }
 }
