@@ -12,6 +12,9 @@ const SEARCH_LIMIT_RAD_S: f64 = 1e15;
 /// Most that counting may be wrong, relative to the frequency.
 const LOST_DIGITS: f64 = 1e-8;
 
+/// A step this small, relative to the frequency, is round-off.
+const SETTLED: f64 = 1e-13;
+
 /// What holds the hub: a torsional spring to the ground, its stiffness k in N m/rad.
 ///
 /// A free and a clamped hub are its two ends, so that one count and one search serve all three.
@@ -65,24 +68,32 @@ impl HubSpring {
         found.into_iter().map(|omega| self.polished(mesh, omega)).collect()
     }
 
-    /// The frequency by Rayleigh's quotient of the motion that the pivoted recursion finds there.
+    /// The frequency with the digits that counting loses where an outboard part of a fine mesh
+    /// resonates near a mode.
     ///
-    /// Where an outboard part of a fine mesh resonates near a mode, the counted pivots lose some
-    /// digits; the quotient's error is the square of theirs.
+    /// Rayleigh's quotient is a Newton step on the hub's dynamic stiffness. A mode that hardly
+    /// moves the hub has a pole of that stiffness as its neighbour, and steps that lead nowhere:
+    /// they do not settle, and counting stands.
+    fn polished(self, mesh: &Mesh, omega_rad_s: f64) -> f64 {
+        let first = self.rayleigh_quotient(mesh, omega_rad_s);
+        let second = self.rayleigh_quotient(mesh, first);
+        let moves = |from: f64, to: f64| (to / from - 1.0).abs();
+        let has_settled = moves(first, second) < SETTLED && moves(omega_rad_s, first) < LOST_DIGITS;
+        if has_settled { second } else { omega_rad_s }
+    }
+
+    /// The frequency in rad/s at which the motion that the hub drives at ω would vibrate freely.
     ///
     /// ```text
     /// ω² = (Σ dᵀ K_d d + k θ²) / (uᵀ M u)
     /// ```
-    fn polished(self, mesh: &Mesh, omega_rad_s: f64) -> f64 {
+    fn rayleigh_quotient(self, mesh: &Mesh, omega_rad_s: f64) -> f64 {
         let motion = driven_motion(mesh, (omega_rad_s * omega_rad_s).into());
         let elements = mesh.relative_elements().iter().zip(&motion.deformations);
         let bent: f64 = elements.map(|(element, d)| quadratic(&element.k_d, d)).sum();
         let shape = Shape::of(&motion);
         let sprung = if self == Self::CLAMPED { 0.0 } else { self.0 * shape.hub_angle.powi(2) };
-        let quotient = ((bent + sprung) / shape.mass_product(mesh, &shape)).sqrt();
-        // Anything else is no correction of lost digits.
-        let is_near = (quotient / omega_rad_s - 1.0).abs() < LOST_DIGITS;
-        if is_near { quotient } else { omega_rad_s }
+        ((bent + sprung) / shape.mass_product(mesh, &shape)).sqrt()
     }
 
     /// How many modes the mesh has, the rigid rotation of a free hub included: a clamped hub moves
