@@ -10,7 +10,7 @@ mod law;
 mod shape;
 mod zeros;
 
-pub use basis::ModalBasis;
+pub use basis::{ModalBasis, Remainder};
 pub use caughey::CaugheySeries;
 pub use complete::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES};
 pub use frequencies::{held_frequencies, modes_below, natural_frequencies};

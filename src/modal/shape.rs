@@ -124,7 +124,8 @@ impl Shape {
     }
 
     /// The shape times a factor.
-    pub(super) fn scaled(mut self, factor: f64) -> Self {
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
         self.hub_angle *= factor;
         for w in &mut self.deflections {
             *w *= factor;

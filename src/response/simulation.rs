@@ -159,7 +159,7 @@ pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, S
         stiffness_n_m_rad: gain(Feedback::stiffness_n_m_rad),
         damping_n_m_s_rad: friction + gain(Feedback::damping_n_m_s_rad),
     };
-    let equations = Equations::new(&mesh, &law, basis, reaction);
+    let equations = Equations::new(&mesh, &law, basis, reaction, grid.step_s);
     let modes = equations.coordinates.len();
     if grid.len * modes > MOST_RECORDED {
         return Err(SimulationError::TooMuch { samples: grid.len, modes });
