@@ -65,7 +65,7 @@ impl From<InversionError> for Failure {
 
 impl From<VerificationError> for Failure {
     fn from(error: VerificationError) -> Self {
-        Self::new(Exit::NotSolvable, &format!("not verified: {error}"), None)
+        Self::new(Exit::NotSolvable, &format!("not verified: {error}"), error.hint())
     }
 }
 

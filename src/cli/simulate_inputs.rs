@@ -131,6 +131,7 @@ impl PlayArgs {
                 (Exit::Usage, "--".to_owned())
             }
             SimulationError::Damping(_)
+            | SimulationError::MasslessHub
             | SimulationError::TooMuch { .. }
             | SimulationError::NotFinite { .. } => (Exit::NotSolvable, String::new()),
         };

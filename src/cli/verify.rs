@@ -5,7 +5,7 @@ use flexlink::spec::Specification;
 use flexlink::tables::{Digits, verification_json};
 use flexlink::verification::{Answer, Verification, verify};
 
-use super::args::{LinkArgs, MotionArgs, PrintArgs, ThreadArgs};
+use super::args::{LinkArgs, MotionArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::verify_text::verify_text;
@@ -38,8 +38,13 @@ pub(crate) struct Verify {
     #[arg(long, value_name = "N", default_value = "10")]
     digits: Digits,
 
-    #[command(flatten)]
-    print: PrintArgs,
+    /// Print the checks as JSON instead of the table.
+    #[arg(long, conflicts_with = "quiet")]
+    json: bool,
+
+    /// Print nothing but warnings and errors.
+    #[arg(long, short)]
+    quiet: bool,
 
     #[command(flatten)]
     threads: ThreadArgs,
@@ -63,7 +68,7 @@ impl Verify {
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
         }
-        match (self.print.quiet, self.print.json) {
+        match (self.quiet, self.json) {
             (true, _) => {}
             (_, true) => console::print(&verification_json(&verification))?,
             _ => console::print(&verify_text(&verification))?,
@@ -79,6 +84,7 @@ pub(crate) fn refuse_failed(verification: &Verification) -> Result<(), Failure> 
         return Ok(());
     }
     let message = format!("out of bounds: {}", failed.join("; "));
-    let hint = "the table shows by how much; the warnings tell what to do";
+    let hint =
+        "a longer window, more elements, a shorter step or a smoother motion, as the check says";
     Err(Failure::new(Exit::NotSolvable, &message, Some(hint)))
 }

@@ -1,7 +1,7 @@
 use super::error::InversionError;
 use super::superposition::Superposition;
 use crate::beam::{Mesh, NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};
-use crate::link::Link;
+use crate::link::{Damping, Link};
 use crate::modal::{DampingLaw, MOST_ELEMENTS_OF_ALL_MODES};
 
 /// The link on a mesh with its damping: what it answers at one frequency.
@@ -39,8 +39,24 @@ impl Dynamics {
     /// Damping that cannot be, more modes than there are, or a mesh too large for all its modes
     /// where damping needs them.
     pub fn new(link: &Link, mesh: Mesh, kept: KeptModes) -> Result<Self, InversionError> {
+        Self::check_size(link, mesh.elements().len(), 1)?;
         let law = DampingLaw::of(link.damping(), &mesh)?;
         Self::with_law(law, mesh, kept)
+    }
+
+    /// Refuses a mesh too large for damping that needs all its modes, before any is sought;
+    /// `elements` of the finest mesh, which has `times` those of the one asked for.
+    pub(super) fn check_size(
+        link: &Link,
+        elements: usize,
+        times: usize,
+    ) -> Result<(), InversionError> {
+        let needs_all = matches!(link.damping(), Damping::Modal { .. } | Damping::Caughey { .. });
+        if needs_all && elements > MOST_ELEMENTS_OF_ALL_MODES {
+            let (elements, limit) = (elements / times, MOST_ELEMENTS_OF_ALL_MODES / times);
+            return Err(InversionError::TooManyElements { elements, limit });
+        }
+        Ok(())
     }
 
     fn with_law(law: DampingLaw, mesh: Mesh, kept: KeptModes) -> Result<Self, InversionError> {

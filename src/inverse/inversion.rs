@@ -56,7 +56,9 @@ pub fn invert(
     analysis: &Analysis,
 ) -> Result<Solution, InversionError> {
     let kept = analysis.modes().map_or(KeptModes::All, KeptModes::First);
-    let coarsest = Dynamics::new(link, Mesh::new(link, plan), kept)?;
+    let mesh = Mesh::new(link, plan);
+    Dynamics::check_size(link, 2 * mesh.elements().len(), 2)?;
+    let coarsest = Dynamics::new(link, mesh, kept)?;
     let first_zero = torque_zeros(coarsest.mesh(), 1).first().copied();
     let padding = Padding::new(motion, analysis, first_zero);
     let problem = Problem { link, motion, analysis, padding };

@@ -81,8 +81,12 @@ impl Superposition {
         omega_rad_s: f64,
     ) -> impl Iterator<Item = (Complex64, &'a Share)> {
         let modes = self.modes.iter().enumerate().map(move |(k, (mode_rad_s, share))| {
-            let denominator = dynamics.law().modal_denominator(k + 1, *mode_rad_s, omega_rad_s);
-            (share.hub_angle / denominator, share)
+            let at = |omega| dynamics.law().modal_denominator(k + 1, *mode_rad_s, omega);
+            let exact = at(omega_rad_s);
+            // Exactly on a pole of an undamped mode nothing is finite, and a hair beside it all is.
+            let is_pole = exact == Complex64::ZERO;
+            let beside = if is_pole { at(omega_rad_s * (1.0 + 4.0 * f64::EPSILON)) } else { exact };
+            (share.hub_angle / beside, share)
         });
         modes.chain(self.residual.iter().map(|share| (Complex64::ONE, share)))
     }

@@ -62,37 +62,21 @@ impl ModalBasis {
         })
     }
 
-    /// What the modes leave over, with it a truncated basis answers slow torques as the whole link
-    /// does, and stays orthogonal.
-    pub fn remainder(&self, mesh: &Mesh) -> Remainder {
+    /// The static residual made a mode of its own, at the frequency that its stiffness and mass
+    /// give it: with it a truncated basis answers slow torques as the whole link does, and stays
+    /// orthogonal. None where the modes leave nothing over but round-off, or what moves no mass.
+    pub fn residual_mode(&self, mesh: &Mesh) -> Option<Mode> {
         let all = static_shape(mesh, &self.rigid);
         let rest = self.static_residual(mesh);
+        let (whole, mass) = (all.mass_product(mesh, &all), rest.mass_product(mesh, &rest));
         let (strain, work) = (rest.stiffness_product(mesh, &rest), rest.hub_angle);
         let is_round_off = (strain - work).abs() > ENERGY_TOLERANCE * strain;
-        let share = work / all.hub_angle;
-        if is_round_off || share <= NOTHING_LEFT {
-            return Remainder::Nothing;
-        }
-        let (whole, mass) = (all.mass_product(mesh, &all), rest.mass_product(mesh, &rest));
-        if mass <= NOTHING_LEFT * NOTHING_LEFT * whole {
-            return Remainder::Massless(rest);
+        if is_round_off || mass <= NOTHING_LEFT * NOTHING_LEFT * whole {
+            return None;
         }
         let omega_rad_s = (strain / mass).sqrt();
-        Remainder::Mode(Mode { omega_rad_s, shape: rest.mass_normalised(mesh) })
+        Some(Mode { omega_rad_s, shape: rest.mass_normalised(mesh) })
     }
-}
-
-/// What the modes of a basis leave over of the link's static answer to a torque.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Remainder {
-    /// Nothing but round-off.
-    Nothing,
-    /// The static residual made a mode of its own, at the frequency that its stiffness and mass
-    /// give it.
-    Mode(Mode),
-    /// A bending that moves no mass, in m and rad per N m: that of a root without mass under a hub
-    /// without inertia.
-    Massless(Shape),
 }
 
 /// What a constant unit torque bends the freely turning link to, relative to its rigid motion, in

@@ -173,7 +173,6 @@ fn scaled(a: &Matrix2<f64>, x: &Matrix2<f64>, b: &Matrix2<f64>) -> Matrix2<f64> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::basis::Remainder;
     use super::*;
     use crate::beam::{ElementCount, MeshPlan};
     use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
@@ -248,9 +247,9 @@ mod tests {
         let rest = all.static_residual(&mesh).tip_displacement(&mesh);
         assert!(rest.abs() < 1e-12 * tip(0).abs(), "{rest:e} of {:e}", tip(0));
         assert!(tip(3).abs() > 1e-6 * tip(0).abs(), "three modes are not all");
-        assert_eq!(all.remainder(&mesh), Remainder::Nothing);
+        assert!(all.residual_mode(&mesh).is_none());
         let few = ModalBasis::lowest(&mesh, 3);
-        let Remainder::Mode(residual) = few.remainder(&mesh) else { panic!("modes are left out") };
+        let residual = few.residual_mode(&mesh).unwrap();
         assert!(residual.omega_rad_s > few.modes[2].omega_rad_s);
         let statics = residual.shape.hub_angle / residual.omega_rad_s.powi(2);
         let statics = statics * residual.shape.tip_displacement(&mesh);

@@ -27,7 +27,7 @@ pub(super) fn outboard_degrees_of_freedom(mesh: &Mesh) -> usize {
 }
 
 /// Whether the hub's rotation moves any mass of its own: one mode more where it is not clamped.
-pub(super) fn hub_moves_mass(mesh: &Mesh) -> bool {
+pub fn hub_moves_mass(mesh: &Mesh) -> bool {
     // The root only turns: its mass counts if the hub's radius gives it an arm.
     let root = mesh.lumped_inertia(0).is_some_and(|body| body.about(mesh.nodes_m()[0]) > 0.0);
     mesh.hub_inertia_kg_m2() > 0.0 || root || has_mass(&mesh.elements()[0])

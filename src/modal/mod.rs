@@ -10,11 +10,11 @@ mod law;
 mod shape;
 mod zeros;
 
-pub use basis::{ModalBasis, Remainder};
+pub use basis::ModalBasis;
 pub use caughey::CaugheySeries;
 pub use complete::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES};
 pub use frequencies::{held_frequencies, modes_below, natural_frequencies};
-pub use inertia::flexible_modes;
+pub use inertia::{flexible_modes, hub_moves_mass};
 pub use law::{DampingError, DampingLaw};
 pub use shape::{Mode, Shape, mode};
 pub use zeros::{real_frequency_zeros, torque_zeros};

@@ -24,10 +24,9 @@ impl Simulation {
     /// Work and dissipation are integrated over all samples by a cubic spline; the energies are
     /// those of the elements in the shape and rate that the modes add up to.
     pub fn energy(&self, count: usize) -> Vec<EnergyBalance> {
-        let motor: Vec<f64> =
-            self.torque_n_m.iter().zip(&self.hub_rate_rad_s).map(|(t, rate)| t * rate).collect();
+        let motor = self.motor_w();
         let lost: Vec<f64> = (0..self.grid.len).map(|sample| self.loss_w(sample)).collect();
-        let (work, dissipated) = (self.integral(&motor), self.integral(&lost));
+        let (work, dissipated) = (self.integral(&motor, 1.0), self.integral(&lost, 1.0));
         let last = self.grid.len - 1;
         let balance = |k: usize| {
             let sample = k * last / count;
@@ -57,17 +56,35 @@ impl Simulation {
         Shape::sum(coordinates, &self.equations.shapes)
     }
 
-    /// ∫ dt of samples from the first to each.
-    fn integral(&self, samples: &[f64]) -> Vec<f64> {
+    /// What the integrals of the balance may be wrong by, in J: how much they change when every
+    /// second sample is left out. It falls with the fourth power of the step.
+    pub fn quadrature_error_j(&self) -> f64 {
+        let motor = self.motor_w();
+        let lost: Vec<f64> = (0..self.grid.len).map(|sample| self.loss_w(sample)).collect();
+        let missing = |samples: &[f64]| {
+            let half: Vec<f64> = samples.iter().copied().step_by(2).collect();
+            let (fine, coarse) = (self.integral(samples, 1.0), self.integral(&half, 2.0));
+            let pairs = fine.iter().step_by(2).zip(&coarse);
+            pairs.fold(0.0_f64, |m, (fine, coarse)| m.max((fine - coarse).abs()))
+        };
+        missing(&motor) + missing(&lost)
+    }
+
+    /// Power of the motor in W.
+    fn motor_w(&self) -> Vec<f64> {
+        self.torque_n_m.iter().zip(&self.hub_rate_rad_s).map(|(t, rate)| t * rate).collect()
+    }
+
+    /// ∫ dt from the first to each of samples that stand so many steps apart.
+    fn integral(&self, samples: &[f64], apart: f64) -> Vec<f64> {
         let steps: Vec<f64> = (0..samples.len()).map(|k| k as f64).collect();
         let spline = CubicSpline::new(&steps, samples, SplineEnds::NotAKnot);
-        let slopes = spline.slopes().windows(2);
-        let steps = samples
+        let pieces = samples
             .windows(2)
-            .zip(slopes)
+            .zip(spline.slopes().windows(2))
             .map(|(ends, slopes)| 0.5 * (ends[0] + ends[1]) + (slopes[0] - slopes[1]) / 12.0);
-        let running = steps.scan(0.0, |sum, step| {
-            *sum += step * self.grid.step_s;
+        let running = pieces.scan(0.0, |sum, piece| {
+            *sum += piece * apart * self.grid.step_s;
             Some(*sum)
         });
         std::iter::once(0.0).chain(running).collect()

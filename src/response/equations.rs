@@ -1,5 +1,5 @@
 use crate::beam::Mesh;
-use crate::modal::{DampingLaw, ModalBasis, Mode, Remainder, Shape};
+use crate::modal::{DampingLaw, ModalBasis, Mode, Shape};
 
 /// One modal coordinate: `q̈ + c q̇ + ω² q = p u`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,49 +52,23 @@ impl Equations {
         law: &DampingLaw,
         basis: ModalBasis,
         reaction: HubReaction,
-        step_s: f64,
     ) -> Self {
-        let rest = basis.remainder(mesh);
+        let rest = basis.residual_mode(mesh);
         let rigid = Coordinate {
             square: 0.0,
             rate_per_s: law.mass_rate_per_s(),
             hub_angle: basis.rigid.hub_angle,
         };
-        let mut equations = Self { coordinates: vec![rigid], shapes: vec![basis.rigid], reaction };
-        for mode in basis.modes {
-            equations.add_mode(mode, law);
+        let (mut coordinates, mut shapes) = (vec![rigid], vec![basis.rigid]);
+        for (k, Mode { omega_rad_s, shape }) in basis.modes.into_iter().chain(rest).enumerate() {
+            coordinates.push(Coordinate {
+                square: omega_rad_s * omega_rad_s,
+                rate_per_s: 2.0 * law.modal_ratio(k + 1, omega_rad_s) * omega_rad_s,
+                hub_angle: shape.hub_angle,
+            });
+            shapes.push(shape);
         }
-        match rest {
-            Remainder::Nothing => {}
-            Remainder::Mode(mode) => equations.add_mode(mode, law),
-            Remainder::Massless(shape) => equations.add_massless(shape, step_s),
-        }
-        equations
-    }
-
-    fn add_mode(&mut self, Mode { omega_rad_s, shape }: Mode, law: &DampingLaw) {
-        // The rigid rotation is number 0.
-        let number = self.coordinates.len();
-        self.coordinates.push(Coordinate {
-            square: omega_rad_s * omega_rad_s,
-            rate_per_s: 2.0 * law.modal_ratio(number, omega_rad_s) * omega_rad_s,
-            hub_angle: shape.hub_angle,
-        });
-        self.shapes.push(shape);
-    }
-
-    /// A bending without mass follows the torque at once: here, in a millionth of a step.
-    fn add_massless(&mut self, shape: Shape, step_s: f64) {
-        let omega_rad_s = 1e6 / step_s;
-        // Σ φ p/ω² is the bending itself: of unit torque, its strain is the hub's way.
-        let scale = omega_rad_s / shape.hub_angle.sqrt();
-        let shape = shape.scaled(scale);
-        self.coordinates.push(Coordinate {
-            square: omega_rad_s * omega_rad_s,
-            rate_per_s: 2.0 * omega_rad_s,
-            hub_angle: shape.hub_angle,
-        });
-        self.shapes.push(shape);
+        Self { coordinates, shapes, reaction }
     }
 
     /// Displacement of the tip per coordinate.

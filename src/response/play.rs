@@ -101,7 +101,12 @@ impl Driving {
 
     /// Over the step that follows a sample.
     pub(super) fn after(&self, sample: usize) -> Cubic {
-        self.pieces.get(sample).copied().unwrap_or([self.hold, 0.0, 0.0, 0.0])
+        self.pieces.get(sample).copied().unwrap_or(self.held())
+    }
+
+    /// Over any step after the last sample.
+    pub(super) fn held(&self) -> Cubic {
+        [self.hold, 0.0, 0.0, 0.0]
     }
 
     /// Steps from rest through all samples.

@@ -10,11 +10,12 @@ const DECAYED: f64 = 0.01;
 const ROUND_OFF: f64 = 1e-12;
 
 /// Periods of the first mode that are watched at a time, and how often they are.
-const PERIODS: f64 = 4.0;
+const PERIODS: usize = 4;
 const WATCHES: usize = 100;
 
-/// Most samples that are watched.
-const LONGEST: usize = 1 << 19;
+/// Steps in a period of the first mode, whatever those of the torque: enough for the modes that
+/// vibrate beside it.
+const STEPS: usize = 256;
 
 /// Zeros beside the vibration, in lengths of it, so that its frequency is read between bins.
 const ZEROS: usize = 3;
@@ -27,8 +28,7 @@ pub struct ResidualVibration {
     pub amplitude_m: f64,
     /// The same over the tip's largest displacement from where it started.
     pub share: f64,
-    /// Frequency of its strongest part in Hz; none where nothing vibrates, or where the step is too
-    /// long to tell.
+    /// Frequency of its strongest part in Hz; none where nothing vibrates.
     pub frequency_hz: Option<f64>,
     /// Time in s from the torque's last sample until it stays below 1 % of its amplitude; none
     /// where it does not within 400 periods of the first mode.
@@ -36,41 +36,32 @@ pub struct ResidualVibration {
 }
 
 impl ResidualVibration {
-    /// Goes on from the last sample until the vibration has died down.
-    pub(super) fn of(
-        simulation: &Simulation,
-        play: &Play,
-        driving: &Driving,
-        mut stepper: Stepper,
-    ) -> Self {
-        let step_s = simulation.grid.step_s;
+    /// Goes on from the torque's last sample until the vibration has died down.
+    pub(super) fn of(simulation: &Simulation, play: &Play, driving: &Driving) -> Self {
+        let Some(period_s) = simulation.equations.first_period_s() else {
+            return Self { decay_s: Some(0.0), ..Self::default() };
+        };
+        let step_s = period_s / STEPS as f64;
+        let (q, rates) = simulation.state(simulation.driven - 1);
+        let mut stepper = Stepper::new(&simulation.equations, step_s).starting_at(q, rates);
         let reading = Reading::new(simulation, play);
-        let first = simulation.driven - 1;
-        let mut vibration: Vec<f64> = (first..simulation.grid.len)
-            .map(|sample| reading.of(simulation.state(sample).0))
-            .collect();
-        let period_s = simulation.equations.first_period_s().unwrap_or(step_s);
-        let watch = ((PERIODS * period_s / step_s).ceil() as usize).clamp(16, LONGEST / 8);
+        let mut vibration = vec![reading.of(q, rates)];
+        let watch = PERIODS * STEPS;
         for _ in 0..WATCHES {
-            let amplitude = largest(&vibration);
-            let recent = &vibration[vibration.len().saturating_sub(watch)..];
-            let has_died = recent.len() == watch && largest(recent) <= DECAYED * amplitude;
-            if has_died || vibration.len() > LONGEST {
+            for _ in 0..watch {
+                stepper.advance(&driving.held());
+                vibration.push(reading.of(&stepper.coordinates(), &stepper.rates()));
+            }
+            let recent = &vibration[vibration.len() - watch..];
+            if largest(recent) <= DECAYED * largest(&vibration) {
                 break;
             }
-            for _ in 0..watch {
-                stepper.advance(&driving.after(usize::MAX));
-                vibration.push(reading.of(&stepper.coordinates()));
-            }
         }
-        let measured = Self::measured(&vibration, step_s, simulation.tip.farthest_m(), watch);
-        // Fewer than two steps to a period show another frequency than the link's.
-        let is_seen = |_: &f64| period_s > 2.0 * step_s;
-        Self { frequency_hz: measured.frequency_hz.filter(is_seen), ..measured }
+        Self::measured(&vibration, step_s, simulation.tip.farthest_m(), watch)
     }
 
     fn measured(vibration: &[f64], step_s: f64, way_m: f64, watch: usize) -> Self {
-        let amplitude_m = largest(vibration);
+        let amplitude_m = peak_between(vibration);
         let share = if way_m > 0.0 { amplitude_m / way_m } else { 0.0 };
         if share <= ROUND_OFF {
             return Self { amplitude_m, share, frequency_hz: None, decay_s: Some(0.0) };
@@ -92,28 +83,61 @@ struct Reading {
     tips: Vec<f64>,
     /// Where the tip will stand.
     goal_m: f64,
+    /// Tip bent per rate of the rigid rotation: what friction bends the turning link to is no
+    /// vibration.
+    dragged_m_s: f64,
 }
 
 impl Reading {
     fn new(simulation: &Simulation, play: &Play) -> Self {
-        let mut tips = simulation.equations.tips(&simulation.mesh);
+        let equations = &simulation.equations;
+        let mut tips = equations.tips(&simulation.mesh);
         let held = play.feedback.filter(|feedback| feedback.stiffness_n_m_rad() > 0.0);
-        let goal_m = held.map_or(0.0, |feedback| feedback.turn_rad() * simulation.mesh.length_m());
-        if held.is_none() {
-            // Turning with the rigid link is no vibration.
-            tips[0] = 0.0;
+        if let Some(feedback) = held {
+            let goal_m = feedback.turn_rad() * simulation.mesh.length_m();
+            return Self { tips, goal_m, dragged_m_s: 0.0 };
         }
-        Self { tips, goal_m }
+        // Turning with the rigid link is no vibration.
+        tips[0] = 0.0;
+        let modes = equations.coordinates.iter().zip(&tips).skip(1);
+        let per_torque: f64 = modes.map(|(mode, tip)| tip * mode.hub_angle / mode.square).sum();
+        let drag = equations.reaction.damping_n_m_s_rad * equations.coordinates[0].hub_angle;
+        Self { tips, goal_m: 0.0, dragged_m_s: -drag * per_torque }
     }
 
-    fn of(&self, coordinates: &[f64]) -> f64 {
+    fn of(&self, coordinates: &[f64], rates: &[f64]) -> f64 {
         let tip: f64 = coordinates.iter().zip(&self.tips).map(|(q, tip)| q * tip).sum();
-        tip - self.goal_m
+        tip - self.goal_m - self.dragged_m_s * rates[0]
     }
 }
 
 fn largest(samples: &[f64]) -> f64 {
     samples.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+/// Largest excursion, between samples, too: the top of the quartic through the largest sample and
+/// two on each side.
+fn peak_between(samples: &[f64]) -> f64 {
+    let sizes = |a: &usize, b: &usize| samples[*a].abs().total_cmp(&samples[*b].abs());
+    let Some(top) = (0..samples.len()).max_by(sizes) else { return 0.0 };
+    if top < 2 || top + 2 >= samples.len() {
+        return samples[top].abs();
+    }
+    let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|k| samples[top + k - 2]);
+    // Derivatives at the top in steps, by central differences of fourth order.
+    let slope = (a - 8.0 * b + 8.0 * d - e) / 12.0;
+    let curvature = (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / 12.0;
+    let third = (-a + 2.0 * b - 2.0 * d + e) / 2.0;
+    let fourth = a - 4.0 * b + 6.0 * c - 4.0 * d + e;
+    let derivative = |s: f64| slope + s * (curvature + s * (third / 2.0 + s * fourth / 6.0));
+    let bend = |s: f64| curvature + s * (third + s * fourth / 2.0);
+    // From within half a step a few of Newton's steps reach the last bit.
+    let at = (0..4).fold(0.0, |s, _| s - derivative(s) / bend(s));
+    if !at.is_finite() || at.abs() > 1.0 {
+        return c.abs();
+    }
+    let series = [c, slope, curvature / 2.0, third / 6.0, fourth / 24.0];
+    series.iter().rev().fold(0.0, |sum, term| sum * at + term).abs()
 }
 
 /// Frequency of the strongest part: the highest point of the spectrum under a Hann window, by a

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
 use crate::beam::Mesh;
-use crate::modal::{ModalBasis, flexible_modes, modes_below};
+use crate::modal::{ModalBasis, flexible_modes, modes_below, natural_frequencies};
 use crate::numeric::{FourierPair, TimeGrid, angular_frequency, fast_length};
 
 /// Share of the motion that may lie above the frequency up to which modes answer dynamically.
@@ -10,6 +10,10 @@ const NEGLIGIBLE: f64 = 1e-12;
 /// Modes are kept up to this factor above that frequency: beyond, they follow the torque statically
 /// to within (1/factor)² of their small share, and their common residual mode follows that too.
 const REACH: f64 = 4.0;
+
+/// The band counts as at least this many first natural frequencies: a torque with a jump, or with
+/// corners between its samples, holds more than its samples show.
+const LEAST_BAND: f64 = 10.0;
 
 /// Most modes that are kept.
 const MOST_MODES: usize = 500;
@@ -66,7 +70,9 @@ fn largest_excursion(samples: &[f64]) -> f64 {
 /// The modes of `mesh` that a torque of this band moves.
 pub(super) fn kept_modes(mesh: &Mesh, band_rad_s: f64) -> (ModalBasis, ModeSelection) {
     // The rigid rotation is below every frequency.
-    let wanted = modes_below(mesh, REACH * band_rad_s).saturating_sub(1).clamp(1, MOST_MODES);
+    let least = natural_frequencies(mesh, 1).first().map_or(0.0, |first| LEAST_BAND * first);
+    let reach = REACH * band_rad_s.max(least);
+    let wanted = modes_below(mesh, reach).saturating_sub(1).clamp(1, MOST_MODES);
     let basis = ModalBasis::lowest(mesh, wanted);
     let highest = basis.modes.last().map_or(0.0, |mode| mode.omega_rad_s);
     let selection = ModeSelection {

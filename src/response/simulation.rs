@@ -10,7 +10,7 @@ use super::stepper::Stepper;
 use super::warning::{SimulationWarning, warnings};
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
 use crate::link::Link;
-use crate::modal::{DampingError, DampingLaw, Shape};
+use crate::modal::{DampingError, DampingLaw, Shape, hub_moves_mass};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, rounded};
 
@@ -28,6 +28,9 @@ pub enum SimulationError {
     /// Nothing moves.
     #[error("the torque is zero in all samples, but must move the link")]
     NoTorque,
+    /// A hub that turns without moving mass, so that its motion follows no equation in time.
+    #[error("the hub moves no mass, but must: hub.inertia = 0, and the link's root has none")]
+    MasslessHub,
     /// Damping that cannot be.
     #[error(transparent)]
     Damping(#[from] DampingError),
@@ -86,6 +89,7 @@ impl SimulationError {
             }
             Self::NotFinite { .. } => Some("the inputs are too large for double precision"),
             Self::EndsEarly { .. } => Some("the simulation goes on to the torque's end by itself"),
+            Self::MasslessHub => Some("give the hub an inertia, however small"),
             Self::NoTorque => None,
         }
     }
@@ -149,6 +153,9 @@ pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation,
 /// [`SimulationError`].
 pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, SimulationError> {
     let band_rad_s = play.band_rad_s().ok_or(SimulationError::NoTorque)?;
+    if !hub_moves_mass(&mesh) {
+        return Err(SimulationError::MasslessHub);
+    }
     let grid = play.grid()?;
     let driving = play.driving()?;
     let law = DampingLaw::of(link.damping(), &mesh)?;
@@ -159,7 +166,7 @@ pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, S
         stiffness_n_m_rad: gain(Feedback::stiffness_n_m_rad),
         damping_n_m_s_rad: friction + gain(Feedback::damping_n_m_s_rad),
     };
-    let equations = Equations::new(&mesh, &law, basis, reaction, grid.step_s);
+    let equations = Equations::new(&mesh, &law, basis, reaction);
     let modes = equations.coordinates.len();
     if grid.len * modes > MOST_RECORDED {
         return Err(SimulationError::TooMuch { samples: grid.len, modes });
@@ -188,7 +195,10 @@ pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, S
         record,
     };
     simulation.observe(&driving);
-    simulation.residual = ResidualVibration::of(&simulation, play, &driving, stepper);
+    if let Some(sample) = simulation.first_not_finite() {
+        return Err(SimulationError::NotFinite { time_s: grid.time_s(sample) });
+    }
+    simulation.residual = ResidualVibration::of(&simulation, play, &driving);
     simulation.warnings = warnings(&simulation, play);
     Ok(simulation)
 }
@@ -224,6 +234,15 @@ impl Simulation {
             self.tip.velocity_m_s.push(velocity);
             self.tip.acceleration_m_s2.push(a);
         }
+    }
+
+    /// The first sample at which the motion or the motor's power is beyond double precision.
+    fn first_not_finite(&self) -> Option<usize> {
+        (0..self.grid.len).find(|k| {
+            let power = self.torque_n_m[*k] * self.hub_rate_rad_s[*k];
+            let accelerations = self.tip.acceleration_m_s2[*k] + self.hub_acceleration_rad_s2[*k];
+            !(power.is_finite() && accelerations.is_finite())
+        })
     }
 
     /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.

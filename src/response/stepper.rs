@@ -44,6 +44,18 @@ impl Stepper {
         Self { blocks, scales, state: vec![0.0; 2 * count], next: vec![0.0; 2 * count] }
     }
 
+    /// Goes on from these coordinates and rates.
+    pub(super) fn starting_at(mut self, coordinates: &[f64], rates: &[f64]) -> Self {
+        for Block { first, count, .. } in &self.blocks {
+            for k in 0..*count {
+                let own = first + k;
+                self.state[2 * first + k] = self.scales[own] * coordinates[own];
+                self.state[2 * first + count + k] = rates[own];
+            }
+        }
+        self
+    }
+
     /// Goes one step on.
     pub(super) fn advance(&mut self, cubic: &Cubic) {
         for block in &self.blocks {

@@ -11,6 +11,9 @@ const STEP_SHARE: f64 = 1e-3;
 /// Steps in a period of the first mode below which the user is told.
 const STEPS_IN_A_PERIOD: f64 = 8.0;
 
+/// Vibration over the tip's way below which no row needs to show it.
+const VIBRATES: f64 = 1e-6;
+
 /// Something that the user must know to believe a simulation. Returned, never printed here.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SimulationWarning {
@@ -103,7 +106,9 @@ pub(super) fn warnings(simulation: &Simulation, play: &Play) -> Vec<SimulationWa
         SimulationWarning::CoarseStep { step_s, period_s, steps }
     });
     let is_coarse = |warning: &SimulationWarning| match warning {
-        SimulationWarning::CoarseStep { steps, .. } => *steps < STEPS_IN_A_PERIOD,
+        SimulationWarning::CoarseStep { steps, .. } => {
+            *steps < STEPS_IN_A_PERIOD && simulation.residual.share > VIBRATES
+        }
         _ => false,
     };
     let deflection = simulation.tip_deflection_m();

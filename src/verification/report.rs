@@ -1,7 +1,7 @@
 use thiserror::Error;
 
 use super::check::{Check, Question};
-use super::playback::played;
+use super::playback::{Played, played};
 use super::transfer::dense_transfer;
 use crate::beam::MeshPlan;
 use crate::inverse::{Analysis, InversionError, Solution, torque_over_window};
@@ -53,6 +53,18 @@ pub enum VerificationError {
     Inversion(#[from] InversionError),
 }
 
+impl VerificationError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Torque(error) => error.hint(),
+            Self::Simulation(error) => error.hint(),
+            Self::Motion(_) => None,
+            Self::Inversion(error) => error.hint(),
+        }
+    }
+}
+
 /// Measures a solution:
 ///
 /// the torque as it is written, played on the link with its own damping law and with viscous
@@ -64,7 +76,7 @@ pub enum VerificationError {
 pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     let Answer { plan, analysis, solution, .. } = answer;
     let accuracy = &solution.accuracy;
-    let mut checks = played(answer)?;
+    let Played { tip: mut checks, energy } = played(answer)?;
     let mesh_bound = if plan.is_automatic() { plan.tolerance() } else { CHOSEN };
     let torque = |name, what| Question { name, what, of: "the peak torque" };
     checks.extend([
@@ -77,8 +89,7 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     ]);
     let truncation = torque("truncation", "torque with all modes");
     checks.extend(accuracy.truncation_error.map(|e| truncation.measured(e, CHOSEN)));
-    checks.push(dense_transfer(solution));
-    checks.sort_by_key(|check| check.name == "energy");
+    checks.extend([dense_transfer(solution), energy]);
     Ok(Verification { checks })
 }
 

@@ -61,7 +61,8 @@ fn a_number_out_of_its_bound_ends_the_program_with_four() {
     assert_eq!(stdout(&output).matches("  FAILS").count(), 3, "{}", stdout(&output));
     let failed = "error: out of bounds: tip, the link's own damping; tip, viscous damping in its \
                   place; torque at the window's edge\n\
-                  hint: the table shows by how much; the warnings tell what to do\n";
+                  hint: a longer window, more elements, a shorter step or a smoother motion, as the \
+                  check says\n";
     assert!(stderr(&output).ends_with(failed), "{}", stderr(&output));
 }
 

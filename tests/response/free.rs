@@ -189,11 +189,10 @@ fn step_answer(omega: f64, ratio: f64, t: f64) -> f64 {
 }
 
 /// A hub too light to lag behind: the angle by which the beam is bent comes on top at once, and once.
-/// What the only mode leaves over is round-off, more of it the lighter the hub; without inertia there is
-/// no mode, and the bending moves no mass.
+/// What the only mode leaves over is round-off, more of it the lighter the hub.
 #[test]
 fn a_light_hub_turns_ahead_of_the_payload_by_what_the_beam_bends() {
-    for inertia_kg_m2 in [1e-8, 1e-9, 1e-10, 0.0] {
+    for inertia_kg_m2 in [1e-8, 1e-9, 1e-10] {
         let bodies = TwoBodies::with_hub(inertia_kg_m2);
         let torque: Vec<f64> =
             (0..=100).map(|k| (PI * f64::from(k) / 100.0).sin().powi(8)).collect();

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{link, mesh_of, played, times};
-use flexlink::link::{Damping, Link};
+use flexlink::link::{Damping, Link, Segment, Taper};
 use flexlink::response::{
     Feedback, FeedbackError, HubReference, Play, SimulationError, SimulationWarning, Torque,
     simulate,
@@ -80,6 +80,23 @@ fn damping_that_feeds_energy_in_is_refused() {
     let error = refusal(&link, &Play::of(&torque(f64::sin)));
     assert!(error.to_string().starts_with("damping.ratios give mode "), "{error}");
     assert!(error.hint().is_some());
+}
+
+#[test]
+fn a_hub_that_moves_no_mass_is_refused() {
+    let root =
+        Segment { mass_per_length_kg_m: Taper::constant(0.0), ..bayo().segments()[0].clone() };
+    let massless = link(|parts| {
+        parts.hub.inertia_kg_m2 = 0.0;
+        parts.segments[0] = root.clone();
+    });
+    let torque = torque(f64::sin);
+    let error = refusal(&massless, &Play::of(&torque));
+    assert_eq!(
+        error.to_string(),
+        "the hub moves no mass, but must: hub.inertia = 0, and the link's root has none"
+    );
+    assert_eq!(error.hint(), Some("give the hub an inertia, however small"));
 }
 
 #[test]
