@@ -4,6 +4,7 @@ mod args;
 mod console;
 mod exit;
 mod frf;
+mod link_text;
 mod modes;
 mod modes_text;
 mod number;

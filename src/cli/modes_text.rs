@@ -6,20 +6,12 @@ use flexlink::beam::Mesh;
 use flexlink::link::Link;
 use flexlink::tables::ModesResult;
 
+use super::link_text::{link_line, title};
 use super::number::significant;
 
 /// Modes, zeros and the modes with the rotor held, lines of at most 80 columns.
 pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> String {
-    let mut lines = Vec::new();
-    if !link.title().is_empty() {
-        lines.push(link.title().to_owned());
-    }
-    lines.push(format!(
-        "{} m, {} elements, rigid inertia {} kg m²",
-        significant(link.length_m(), 4),
-        mesh.elements().len(),
-        significant(link.rigid_inertia_kg_m2(), 4)
-    ));
+    let mut lines = vec![link_line(link, mesh)];
     lines.extend(mode_rows(&result.omega_rad_s, Some(&result.damping_ratios)));
     lines.push(row(["zero", "±[1/s]", "lead to 1 % [s]", "", ""]));
     for (number, (zero, lead)) in result.zeros_per_s.iter().zip(result.leads_s()).enumerate() {
@@ -33,7 +25,7 @@ pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> Stri
         lines.push(format!("rotor held, {}", joint(held.joint_stiffness_n_m_rad)));
         lines.extend(mode_rows(&held.omega_rad_s, None));
     }
-    lines.join("\n") + "\n"
+    title(link) + &lines.join("\n") + "\n"
 }
 
 fn joint(stiffness_n_m_rad: f64) -> String {

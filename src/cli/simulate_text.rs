@@ -1,14 +1,12 @@
 //! The short summary that `simulate` prints.
 
-use std::fmt::Write as _;
-
 use flexlink::link::{Damping, Link};
 use flexlink::modal::natural_frequencies;
 use flexlink::response::{Interpolation, Play, Simulation};
 use flexlink::result::{PlayedMetrics, TipError};
 
+use super::link_text::{damping_line, labelled, link_line, ratios_line};
 use super::number::significant;
-use super::solve_text::{damping_line, ratios_line};
 
 /// Modes whose damping ratios are told, as by `solve`.
 const REPORTED: usize = 5;
@@ -22,13 +20,8 @@ pub(crate) fn simulate_text(
     tip_error: Option<&TipError>,
     written: &str,
 ) -> String {
-    let mut text = String::new();
-    if !link.title().is_empty() {
-        text += link.title();
-        text.push('\n');
-    }
-    for (label, content) in [
-        ("link", link_line(link, simulation)),
+    let lines = [
+        ("link", link_line(link, &simulation.mesh)),
         ("damping", played_damping(link, simulation)),
         ("ratios", ratios_line(&simulation.law, &natural_frequencies(&simulation.mesh, REPORTED))),
         ("torque", torque_line(play, metrics)),
@@ -41,22 +34,8 @@ pub(crate) fn simulate_text(
         ("decay", decay_line(simulation)),
         ("error", tip_error.map_or(String::new(), error_line)),
         ("written", written.to_owned()),
-    ] {
-        if !content.is_empty() {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "{label:<8} {content}");
-        }
-    }
-    text
-}
-
-fn link_line(link: &Link, simulation: &Simulation) -> String {
-    format!(
-        "{} m, {} elements, rigid inertia {} kg m²",
-        significant(link.length_m(), 4),
-        simulation.mesh.elements().len(),
-        significant(link.rigid_inertia_kg_m2(), 4)
-    )
+    ];
+    labelled(link, &lines)
 }
 
 /// The law, and what is played in its place where it has no equation in time.

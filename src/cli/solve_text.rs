@@ -1,13 +1,11 @@
 //! The short summary that `solve` prints.
 
-use std::fmt::Write as _;
-
 use flexlink::inverse::Solution;
-use flexlink::link::{Damping, Link};
-use flexlink::modal::DampingLaw;
+use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::result::Metrics;
 
+use super::link_text::{damping_line, labelled, link_line, ratios_line};
 use super::number::{list, significant};
 
 /// The summary, lines of at most 80 columns.
@@ -18,13 +16,8 @@ pub(crate) fn solve_text(
     metrics: &Metrics,
     written: &str,
 ) -> String {
-    let mut text = String::new();
-    if !link.title().is_empty() {
-        text += link.title();
-        text.push('\n');
-    }
-    for (label, content) in [
-        ("link", link_line(link, solution)),
+    let lines = [
+        ("link", link_line(link, solution.mesh())),
         ("damping", damping_line(link, solution.law())),
         ("ratios", ratios_line(solution.law(), &solution.natural_frequencies_rad_s)),
         ("periods", with_unit(&list(&periods(solution), 5), "s")),
@@ -38,14 +31,8 @@ pub(crate) fn solve_text(
         ("errors", errors_line(solution)),
         ("window", window_line(solution)),
         ("written", written.to_owned()),
-    ] {
-        if content.is_empty() {
-            continue;
-        }
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{label:<8} {content}");
-    }
-    text
+    ];
+    labelled(link, &lines)
 }
 
 /// Numbers and their unit, or "none" alone.
@@ -56,38 +43,6 @@ fn with_unit(numbers: &str, unit: &str) -> String {
 fn periods(solution: &Solution) -> Vec<f64> {
     let frequencies = &solution.natural_frequencies_rad_s;
     frequencies.iter().map(|omega| std::f64::consts::TAU / omega).collect()
-}
-
-fn link_line(link: &Link, solution: &Solution) -> String {
-    format!(
-        "{} m, {} elements, rigid inertia {} kg m²",
-        significant(link.length_m(), 4),
-        solution.mesh().elements().len(),
-        significant(link.rigid_inertia_kg_m2(), 4)
-    )
-}
-
-pub(crate) fn damping_line(link: &Link, law: &DampingLaw) -> String {
-    match (link.damping(), law) {
-        (Damping::None | Damping::Hysteretic { ratio: 0.0 }, _) => "none".into(),
-        (_, DampingLaw::Rayleigh { alpha_per_s, beta_s }) => {
-            let (alpha, beta) = (significant(*alpha_per_s, 3), significant(*beta_s, 3));
-            format!("rayleigh, alpha {alpha} 1/s, beta {beta} s")
-        }
-        (Damping::Hysteretic { ratio }, _) => format!("hysteretic, ratio {ratio}"),
-        (Damping::Modal { ratios }, _) if ratios.len() == 1 => {
-            format!("modal, ratio {}", ratios[0])
-        }
-        (damping, _) => format!("{}, all modes of the mesh", damping.name()),
-    }
-}
-
-/// Damping ratios of the modes, where they are not all one; empty otherwise.
-pub(crate) fn ratios_line(law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
-    let ratios = law.modal_ratios(frequencies_rad_s);
-    let first = ratios.first().map_or(0, |ratio| ratio.to_bits());
-    let are_one = ratios.iter().all(|ratio| ratio.to_bits() == first);
-    if are_one { String::new() } else { list(&ratios, 2) }
 }
 
 fn motion_line(motion: &TipMotion, solution: &Solution, metrics: &Metrics) -> String {

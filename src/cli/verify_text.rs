@@ -2,6 +2,9 @@
 
 use flexlink::verification::{Check, Outcome, Verification};
 
+/// Numbers below it are round-off, another one on every machine.
+const ROUND_OFF: f64 = 1e-9;
+
 /// One line a check, lines of at most 80 columns.
 pub(crate) fn verify_text(verification: &Verification) -> String {
     let header = format!("{:<34} {:>9}   {:>9}   of", "check", "found", "at most");
@@ -14,7 +17,12 @@ fn line(check: &Check) -> String {
     match &check.outcome {
         Outcome::Measured { found, bound } => {
             let verdict = if check.fails() { "  FAILS" } else { "" };
-            format!("{what:<34} {found:>9.1e}   {bound:>9.1e}   {}{verdict}", check.of)
+            let found = if *found < ROUND_OFF {
+                format!("< {ROUND_OFF:.0e}")
+            } else {
+                format!("{found:.1e}")
+            };
+            format!("{what:<34} {found:>9}   {bound:>9.1e}   {}{verdict}", check.of)
         }
         Outcome::NotMeasured { reason } => format!("{what:<34} not made: {reason}"),
     }

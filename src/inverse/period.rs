@@ -3,7 +3,7 @@
 use super::analysis::Analysis;
 use super::error::InversionError;
 use crate::motion::TipMotion;
-use crate::numeric::fast_length;
+use crate::numeric::{fast_length, largest};
 
 /// Most samples of a period.
 const LONGEST: usize = 1 << 24;
@@ -99,7 +99,7 @@ impl PeriodicTorque<'_> {
     }
 
     pub(super) fn peak(&self) -> f64 {
-        self.samples.iter().fold(0.0, |m, t| m.max(t.abs()))
+        largest(self.samples)
     }
 
     /// Largest torque around the middle of the rest, where one period meets the next.

@@ -2,6 +2,7 @@ use super::dynamics::Dynamics;
 use super::error::InversionError;
 use super::spectra::Forcing;
 use crate::beam::MeshPlan;
+use crate::numeric::largest;
 
 /// The link on a mesh and the discretisation error of its torque, relative to the peak.
 pub(super) struct Measured {
@@ -27,7 +28,7 @@ pub(super) fn measured_mesh(
     loop {
         let finer = dynamics.refined()?;
         let finer_torque = forcing(&finer)?;
-        let peak = finer_torque.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+        let peak = largest(&finer_torque);
         let difference =
             torque.iter().zip(&finer_torque).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
         let error = 16.0 / 15.0 * difference / peak;

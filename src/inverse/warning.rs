@@ -178,7 +178,7 @@ pub(super) fn warnings(
 }
 
 fn large_deflection(solution: &Solution) -> Option<Warning> {
-    let peak_m = solution.tip_deflection_m().iter().fold(0.0_f64, |m, w| m.max(w.abs()));
+    let peak_m = crate::numeric::largest(&solution.tip_deflection_m());
     let share = peak_m / solution.mesh().length_m();
     (share > Link::LARGE_DEFLECTION).then_some(Warning::LargeDeflection { share })
 }

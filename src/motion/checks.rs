@@ -23,7 +23,7 @@ pub(super) fn finite(column: &'static str, samples: Option<&Vec<f64>>) -> Result
 /// a constant acceleration; a gentler start gives it the wrong sign and is at rest, too.
 pub(super) fn at_rest(displacement_m: &[f64], step_s: f64) -> Result<(), MotionError> {
     let differences: Vec<f64> = displacement_m.windows(2).map(|d| d[1] - d[0]).collect();
-    let peak = differences.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+    let peak = crate::numeric::largest(&differences);
     let last = differences.len() - 1;
     let ends =
         [(0, differences[0], differences[1]), (last + 1, differences[last], differences[last - 1])];

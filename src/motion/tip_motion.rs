@@ -1,7 +1,7 @@
 use super::checks::{agree, at_rest, finite};
 use super::columns::MotionColumns;
 use super::error::{MotionColumn, MotionError};
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length};
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length, largest};
 
 /// Share of the peak acceleration below which the tip counts as at rest.
 const MOTION_THRESHOLD: f64 = 1e-6;
@@ -147,9 +147,7 @@ impl TipMotion {
         }
         let len = fast_length(2 * self.grid.len);
         let expected = self.histories(&self.spectrum(len, len - self.grid.len / 2));
-        let peak = |samples: &[f64]| {
-            samples[..self.grid.len].iter().fold(0.0_f64, |m, x| m.max(x.abs())) * self.grid.step_s
-        };
+        let peak = |samples: &[f64]| largest(&samples[..self.grid.len]) * self.grid.step_s;
         if let Some(found) = velocity_m_s {
             let jump = peak(&expected.acceleration_m_s2);
             let expected = &expected.velocity_m_s[..self.grid.len];
@@ -234,7 +232,7 @@ impl TipMotion {
 }
 
 fn moving_samples(forcing: &[f64]) -> Option<(usize, usize)> {
-    let peak = forcing.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+    let peak = largest(forcing);
     if peak == 0.0 {
         return None;
     }

@@ -2,6 +2,7 @@
 
 mod fourier;
 mod grid;
+mod largest;
 mod roots;
 mod round;
 mod scalar;
@@ -13,6 +14,7 @@ mod wide;
 
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
+pub use largest::largest;
 pub use roots::{bisect, geometric_scan};
 pub(crate) use round::rounded;
 pub use scalar::Scalar;

@@ -1,7 +1,7 @@
 use super::play::{Driving, Play};
 use super::simulation::Simulation;
 use super::stepper::Stepper;
-use crate::numeric::{FourierPair, angular_frequency, fast_length};
+use crate::numeric::{FourierPair, angular_frequency, fast_length, largest};
 
 /// Vibration has died down when it stays below this share of its amplitude.
 const DECAYED: f64 = 0.01;
@@ -111,10 +111,6 @@ impl Reading {
     }
 }
 
-fn largest(samples: &[f64]) -> f64 {
-    samples.iter().fold(0.0, |m, x| m.max(x.abs()))
-}
-
 /// Largest excursion, between samples, too: the top of the quartic through the largest sample and
 /// two on each side.
 fn peak_between(samples: &[f64]) -> f64 {
@@ -127,7 +123,7 @@ fn peak_between(samples: &[f64]) -> f64 {
     // Derivatives at the top in steps, by central differences of fourth order.
     let slope = (a - 8.0 * b + 8.0 * d - e) / 12.0;
     let curvature = (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / 12.0;
-    let third = (-a + 2.0 * b - 2.0 * d + e) / 2.0;
+    let third = 0.5 * (e - a) + b - d;
     let fourth = a - 4.0 * b + 6.0 * c - 4.0 * d + e;
     let derivative = |s: f64| slope + s * (curvature + s * (third / 2.0 + s * fourth / 6.0));
     let bend = |s: f64| curvature + s * (third + s * fourth / 2.0);

@@ -3,6 +3,7 @@ use thiserror::Error;
 use super::play::Play;
 use super::simulation::Simulation;
 use crate::link::Link;
+use crate::numeric::largest;
 use crate::numeric::rounded;
 
 /// Torque at its first or last sample, over its peak, from which on the user is told.
@@ -95,7 +96,7 @@ impl SimulationWarning {
 /// All warnings that a simulation gives reason for.
 pub(super) fn warnings(simulation: &Simulation, play: &Play) -> Vec<SimulationWarning> {
     let torque = play.torque.torque_n_m();
-    let peak = torque.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+    let peak = largest(torque);
     let share = |torque_n_m: f64| torque_n_m.abs() / peak;
     let (first, last) = (torque[0], torque[torque.len() - 1]);
     let begins = SimulationWarning::BeginsWithJump { torque_n_m: first, share: share(first) };
@@ -111,9 +112,7 @@ pub(super) fn warnings(simulation: &Simulation, play: &Play) -> Vec<SimulationWa
         }
         _ => false,
     };
-    let deflection = simulation.tip_deflection_m();
-    let bent_m = deflection.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
-    let bent = bent_m / simulation.mesh.length_m();
+    let bent = largest(&simulation.tip_deflection_m()) / simulation.mesh.length_m();
     let deflects = SimulationWarning::LargeDeflection { share: bent };
     (share(first) > STEP_SHARE)
         .then_some(begins)

@@ -3,6 +3,8 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
+use crate::numeric::largest;
+
 /// How many digits the numbers of one column group are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Digits {
@@ -43,8 +45,7 @@ impl Digits {
 impl Digits {
     /// Samples as they read back from a column of their own.
     pub fn as_written(&self, samples: &[f64]) -> Vec<f64> {
-        let peak = samples.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let format = self.for_peak(peak);
+        let format = self.for_peak(largest(samples));
         let mut text = Vec::new();
         let read_back = |sample: &f64| {
             text.clear();

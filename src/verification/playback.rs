@@ -1,7 +1,8 @@
 use super::check::{Check, Question};
 use super::report::{Answer, VerificationError};
 use crate::link::Damping;
-use crate::response::{EnergyBalance, Play, Simulation, Torque, simulate_on};
+use crate::numeric::largest;
+use crate::response::{EnergyBalance, Play, Simulation, SimulationError, Torque, simulate_on};
 
 /// How far the tip may stray at most, over its way.
 const TIP: f64 = 1e-3;
@@ -22,6 +23,20 @@ pub(super) struct Played {
     pub(super) energy: Check,
 }
 
+const OWN_LAW: Question =
+    Question { name: "tip_error", what: "tip, the link's own damping", of: "the tip's way" };
+
+const BALANCE: Question =
+    Question { name: "energy", what: "work less energy held and lost", of: "the largest energy" };
+
+impl Played {
+    /// A link that no torque is played on, and why.
+    fn not(reason: &str) -> Self {
+        let tip = vec![OWN_LAW.not_measured(reason.to_owned())];
+        Self { tip, energy: BALANCE.not_measured(reason.to_owned()) }
+    }
+}
+
 /// The torque as written, played on the link: tip error and balance of energy.
 pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
     let Answer { link, solution, .. } = answer;
@@ -29,29 +44,29 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, answer.written_torque_n_m.to_vec())?;
     let play = Play { initial_tip_m: solution.tip.displacement_m[0], ..Play::of(&torque) };
-    let simulation = simulate_on(link, solution.mesh().clone(), &play)?;
+    let simulation = match simulate_on(link, solution.mesh().clone(), &play) {
+        Err(SimulationError::MasslessHub) => return Ok(Played::not("the hub moves no mass")),
+        played => played?,
+    };
     let bound = allowed_tip_error(answer);
     let viscous = tip_error(answer, &simulation.tip.displacement_m);
-    let question = |name, what| Question { name, what, of: "the tip's way" };
-    let own_law = question("tip_error", "tip, the link's own damping");
     let tip = match link.damping() {
         Damping::Hysteretic { ratio } if *ratio > 0.0 => {
             let tip_m = simulation.hysteretic_tip_m(*ratio, &net_torque(answer));
-            let other_law = question("tip_error_viscous", "tip, viscous damping in its place");
+            let other_law = Question {
+                name: "tip_error_viscous",
+                what: "tip, viscous damping in its place",
+                ..OWN_LAW
+            };
             vec![
-                own_law.measured(tip_error(answer, &tip_m), bound),
+                OWN_LAW.measured(tip_error(answer, &tip_m), bound),
                 other_law.measured(viscous, OTHER_LAW * ratio),
             ]
         }
-        _ => vec![own_law.measured(viscous, bound)],
-    };
-    let energy = Question {
-        name: "energy",
-        what: "work less energy held and lost",
-        of: "the largest energy",
+        _ => vec![OWN_LAW.measured(viscous, bound)],
     };
     let (imbalance, quadrature) = imbalance(&simulation);
-    let energy = energy.measured(imbalance, ENERGY.max(quadrature));
+    let energy = BALANCE.measured(imbalance, ENERGY.max(quadrature));
     Ok(Played { tip, energy })
 }
 
@@ -59,7 +74,7 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
 /// peak, from one end of the window to the other, drives the rigid link, and never more than 1e-3.
 fn allowed_tip_error(answer: &Answer) -> f64 {
     let Answer { link, analysis, solution, .. } = answer;
-    let peak = solution.torque_n_m.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+    let peak = largest(&solution.torque_n_m);
     let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
     TIP.min(driven_m / solution.tip.farthest_m())
@@ -89,4 +104,42 @@ fn imbalance(simulation: &Simulation) -> (f64, f64) {
     let missing = balances.iter().map(|b| (b.work_j - held(b) - b.dissipated_j).abs());
     let missing = missing.fold(0.0, f64::max);
     (missing / largest, simulation.quadrature_error_j() / largest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::link::{Hub, Link, LinkParts, Payload, Segment, Taper};
+    use crate::response::simulate;
+
+    #[test]
+    fn work_that_is_nowhere_in_the_link_is_missed() {
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![Segment {
+                name: None,
+                length_m: 1.5,
+                bending_stiffness_n_m2: Taper::constant(5.0),
+                mass_per_length_kg_m: Taper::constant(0.8),
+            }],
+            hub: Hub { inertia_kg_m2: 0.1, viscous_friction_n_m_s_rad: 0.1, ..Hub::default() },
+            masses: vec![],
+            payload: Payload::default(),
+            damping: Damping::Hysteretic { ratio: 0.02 },
+        })
+        .unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6).unwrap();
+        let time_s: Vec<f64> = (0..=1000).map(|k| 1e-3 * f64::from(k)).collect();
+        let sine = time_s.iter().map(|t| (std::f64::consts::TAU * t).sin().powi(3)).collect();
+        let torque = Torque::new(&time_s, sine).unwrap();
+        let mut simulation = simulate(&link, &plan, &Play::of(&torque)).unwrap();
+        let (missing, quadrature) = imbalance(&simulation);
+        assert!(missing < 1e-7 && quadrature < ENERGY, "{missing:e}, {quadrature:e}");
+        for torque in &mut simulation.torque_n_m {
+            *torque *= 1.001;
+        }
+        let (missing, quadrature) = imbalance(&simulation);
+        assert!(missing > 1e-4 && quadrature < ENERGY, "{missing:e}, {quadrature:e}");
+    }
 }
