@@ -4,10 +4,12 @@ mod args;
 mod console;
 mod exit;
 mod frf;
+mod init;
 mod link_text;
 mod modes;
 mod modes_text;
 mod number;
+mod shell;
 mod simulate;
 mod simulate_inputs;
 mod simulate_text;
@@ -18,7 +20,7 @@ mod verify_text;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use exit::Failure;
 
@@ -48,6 +50,10 @@ enum Command {
     Verify(Box<verify::Verify>),
     Modes(modes::Modes),
     Frf(frf::Frf),
+    Init(init::Init),
+    Completions(shell::Completions),
+    #[command(name = "man")]
+    Manual(shell::Manual),
 }
 
 /// Runs the program: the one place that prints an error and its hint.
@@ -58,6 +64,9 @@ pub(crate) fn run() -> ExitCode {
         Command::Verify(verify) => verify.run(),
         Command::Modes(modes) => modes.run(),
         Command::Frf(frf) => frf.run(),
+        Command::Init(init) => init.run(),
+        Command::Completions(completions) => completions.run(Cli::command()),
+        Command::Manual(manual) => manual.run(Cli::command()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -70,8 +79,6 @@ pub(crate) fn run() -> ExitCode {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
 
     #[test]

@@ -12,6 +12,7 @@ mod simulate;
 mod simulate_refusals;
 mod simulate_round_trip;
 mod simulate_summary;
+mod start;
 mod streams;
 mod summary;
 mod verify;

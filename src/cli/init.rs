@@ -1,0 +1,75 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use flexlink::tables::OutputFolder;
+
+use super::console;
+use super::exit::{Exit, Failure};
+
+/// A commented link file.
+const LINK: &str = include_str!("templates/link.toml");
+
+/// A tip motion of least jerk, 0.5 m in 1 s.
+const MOTION: &str = include_str!("../../trajectories/min_jerk_1s.csv");
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink init arm
+  flexlink solve arm/link.toml arm/motion.csv -o arm/out";
+
+/// Write a commented link.toml and a motion.csv to start from.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(crate) struct Init {
+    /// Folder for the two files; none of them may be there.
+    #[arg(value_name = "DIR", default_value = ".")]
+    folder: PathBuf,
+}
+
+impl Init {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let paths = ["link.toml", "motion.csv"].map(|name| self.folder.join(name));
+        if let Some(path) = paths.iter().find(|path| path.exists()) {
+            let message = format!("{} = a file, but must not be there yet", path.display());
+            let hint = "name another folder: flexlink init DIR";
+            return Err(Failure::new(Exit::CannotWrite, &message, Some(hint)));
+        }
+        let mut folder = OutputFolder::stage(&self.folder)?;
+        folder.file("link.toml", |out| out.write_all(LINK.as_bytes()))?;
+        folder.file("motion.csv", |out| out.write_all(MOTION.as_bytes()))?;
+        folder.commit("link.toml", &[])?;
+        let [link, motion] = paths.map(|path| path.display().to_string());
+        console::print(&format!("written  {link} and {motion}\n"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flexlink::spec::read_specification;
+    use flexlink::tables::read_motion_table;
+
+    #[test]
+    fn what_it_writes_is_read() {
+        let read = read_specification("link.toml", LINK, &[]).expect("a link file");
+        assert!(read.mesh.is_automatic());
+        let table = read_motion_table("motion.csv", MOTION.as_bytes(), read.link.length_m());
+        let motion = table.and_then(flexlink::tables::MotionTable::into_motion);
+        assert!((motion.expect("a motion").travel_m() - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_commented_out_is_read_too() {
+        let uncommented: String = LINK
+            .lines()
+            .map(|line| match line.strip_prefix("# ") {
+                Some(rest) if rest.starts_with('[') || rest.contains(" = ") => rest,
+                _ => line,
+            })
+            .fold(String::new(), |text, line| text + line + "\n");
+        let read = read_specification("link.toml", &uncommented, &[]).expect("a link file");
+        assert_eq!(read.link.masses().len(), 1);
+        assert!(read.drive.is_some() && read.limits.torque_n_m.is_some());
+    }
+}

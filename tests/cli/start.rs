@@ -1,0 +1,61 @@
+//! How to begin: files to start from, completions, manual pages.
+
+use super::{Bench, stderr, stdout};
+
+#[test]
+fn the_files_to_start_from_are_solved_and_never_written_over() {
+    let bench = Bench::new();
+    let first = bench.run(&["init", "my arm"]);
+    assert_eq!(first.status.code(), Some(0), "{}", stderr(&first));
+    assert_eq!(bench.names("my arm"), ["link.toml", "motion.csv"]);
+    let solved = bench.run(&["solve", "my arm/link.toml", "my arm/motion.csv", "--quiet"]);
+    assert_eq!(solved.status.code(), Some(0), "{}", stderr(&solved));
+    assert_eq!(stderr(&solved), "", "it is no example of what is warned about");
+
+    bench.write("my arm/link.toml", "mine");
+    let again = bench.run(&["init", "my arm"]);
+    assert_eq!(again.status.code(), Some(5));
+    assert_eq!(
+        stderr(&again),
+        "error: my arm/link.toml = a file, but must not be there yet\n\
+         hint: name another folder: flexlink init DIR\n"
+    );
+    assert_eq!(bench.read("my arm/link.toml"), "mine");
+}
+
+#[test]
+fn every_shell_gets_completions_that_know_the_commands() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = stdout(&Bench::new().run(&["completions", shell]));
+        for word in ["solve", "simulate", "verify", "--feedback"] {
+            assert!(script.contains(word.trim_start_matches('-')), "{shell} lacks {word}");
+        }
+    }
+    assert_eq!(Bench::new().run(&["completions", "cmd"]).status.code(), Some(2));
+}
+
+#[test]
+fn bash_reads_its_completions() {
+    let bench = Bench::new();
+    bench.write("c", &stdout(&bench.run(&["completions", "bash"])));
+    let ask = "source ./c; COMP_WORDS=(flexlink sim); COMP_CWORD=1; _flexlink flexlink sim flexlink; \
+               echo ${COMPREPLY[@]}";
+    let bash = std::process::Command::new("bash");
+    let answer = { bash }.args(["-c", ask]).current_dir(bench.path(".")).output().unwrap();
+    assert_eq!(stdout(&answer), "simulate\n", "{}", stderr(&answer));
+}
+
+#[test]
+fn every_command_has_a_manual_page() {
+    let bench = Bench::new();
+    assert!(stdout(&bench.run(&["man"])).contains(".TH flexlink 1"));
+    let output = bench.run(&["man", "-o", "man1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let pages = bench.names("man1");
+    for command in ["solve", "simulate", "verify", "modes", "frf", "init", "completions", "man"] {
+        let page = format!("flexlink-{command}.1");
+        assert!(pages.contains(&page), "{page} is not among {pages:?}");
+        assert!(bench.read(&format!("man1/{page}")).contains("Example:"), "{page}");
+    }
+    assert_eq!(pages.len(), 9);
+}
