@@ -20,7 +20,7 @@
 //! |---|---|
 //! | [`numeric`] | time grids, Fourier pairs, roots, splines, units: mathematics that knows no beam |
 //! | [`link`] | the physical link, checked at construction |
-//! | [`motion`] | the tip motion, checked at construction, and its spectrum |
+//! | [`motion`] | the tip motion, checked at construction, its spectrum, analytic profiles |
 //! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
 //! | [`inverse`] | transfer at one frequency, period and padding, the inversion, rigid comparison |

@@ -56,7 +56,7 @@ mod tests {
         assert!(read.mesh.is_automatic());
         let table = read_motion_table("motion.csv", MOTION.as_bytes(), read.link.length_m());
         let motion = table.and_then(flexlink::tables::MotionTable::into_motion);
-        assert!((motion.expect("a motion").travel_m() - 0.5).abs() < 1e-6);
+        assert!((motion.expect("a motion").travel_m() - 0.5).abs() < 1e-5);
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod simulate_inputs;
 mod simulate_text;
 mod solve;
 mod solve_text;
+mod trajectory;
 mod verify;
 mod verify_text;
 
@@ -50,6 +51,7 @@ enum Command {
     Verify(Box<verify::Verify>),
     Modes(modes::Modes),
     Frf(frf::Frf),
+    Trajectory(trajectory::Trajectory),
     Init(init::Init),
     Completions(shell::Completions),
     #[command(name = "man")]
@@ -64,6 +66,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Verify(verify) => verify.run(),
         Command::Modes(modes) => modes.run(),
         Command::Frf(frf) => frf.run(),
+        Command::Trajectory(trajectory) => trajectory.run(),
         Command::Init(init) => init.run(),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Manual(manual) => manual.run(Cli::command()),

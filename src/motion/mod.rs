@@ -4,6 +4,7 @@ mod checks;
 mod columns;
 mod error;
 mod histories;
+mod profile;
 mod spectrum;
 mod target;
 #[cfg(test)]
@@ -13,6 +14,7 @@ mod tip_motion;
 pub use columns::MotionColumns;
 pub use error::{MotionColumn, MotionError};
 pub use histories::TipMotionHistories;
+pub use profile::Profile;
 pub use spectrum::{TipHistories, TipSpectrum};
 pub use target::TipTarget;
 pub use tip_motion::{EndVelocity, TipMotion};

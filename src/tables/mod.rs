@@ -27,6 +27,7 @@ mod time_format;
 mod torque_csv;
 mod torque_header;
 mod trajectory_header;
+mod trajectory_table;
 
 pub use csv_table::{Column, ColumnGroup, write_csv};
 pub use folder::{FolderAction, FolderError, OutputFolder};
@@ -45,3 +46,4 @@ pub use summary::{RunInputs, Summary};
 pub use table_error::TableError;
 pub use time_format::time_format;
 pub use torque_csv::read_torque_table;
+pub use trajectory_table::write_trajectory;

@@ -15,6 +15,7 @@ mod simulate_summary;
 mod start;
 mod streams;
 mod summary;
+mod trajectory;
 mod verify;
 
 use std::fs;

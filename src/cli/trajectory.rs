@@ -1,0 +1,119 @@
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+use clap::{Args, builder::TypedValueParser};
+
+use flexlink::motion::Profile;
+use flexlink::tables::{Digits, write_file, write_trajectory};
+
+use super::console;
+use super::exit::{Exit, Failure};
+
+/// Most samples of a trajectory.
+const MOST_SAMPLES: f64 = 16_777_216.0;
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink trajectory septic --distance 0.5 --duration 0.8 --step 0.001 -o move.csv
+  flexlink trajectory s-curve --distance 0.3 --duration 1 --step 0.001 |
+      flexlink solve link.toml -";
+
+const LONG_ABOUT: &str = "\
+Make a tip motion from rest to rest.
+
+Writes a CSV of time and acceleration, to standard output or a file. The samples themselves end at \
+rest and add up to the distance.
+
+Profiles: sine (one period of a sine acceleration), versine (harmonic, with jumps of the \
+acceleration at both ends), min-jerk (fifth degree), septic (seventh degree, the smoothest of the \
+polynomials), trapezoid (a third of the time accelerating, a third at speed), s-curve (the same \
+with limited jerk), bang-bang, gaussian (bell of velocity).";
+
+/// Make a tip motion from rest to rest.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+pub(crate) struct Trajectory {
+    /// Shape of the motion.
+    #[arg(value_name = "PROFILE", value_parser = profiles())]
+    profile: Profile,
+
+    /// Way of the tip along its arc, in m.
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    distance: f64,
+
+    /// Duration of the motion in s, a whole number of steps.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    duration: f64,
+
+    /// Step in s.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    step: f64,
+
+    /// Rest before the motion in s, a whole number of steps.
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    rest_before: f64,
+
+    /// Rest after the motion in s, a whole number of steps.
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    rest_after: f64,
+
+    /// File to write [default: standard output].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Digits: the last one is 10^-N of the peak, or `full` for the shortest text that reads back
+    /// to the same number.
+    #[arg(long, value_name = "N", default_value = "full")]
+    digits: Digits,
+}
+
+fn profiles() -> impl TypedValueParser<Value = Profile> {
+    let names = Profile::ALL.map(Profile::name);
+    let named = |name: String| Profile::ALL.into_iter().find(|profile| profile.name() == name);
+    PossibleValuesParser::new(names).map(move |name| named(name).unwrap_or(Profile::Sine))
+}
+
+impl Trajectory {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let refuse = |message: String| Err(Failure::new(Exit::Usage, &message, None));
+        let (step_s, distance_m) = (self.step, self.distance);
+        if !(step_s.is_finite() && step_s > 0.0) {
+            return refuse(format!("--step = {step_s} s, but must be finite and above 0"));
+        }
+        if !distance_m.is_finite() || distance_m == 0.0 {
+            return refuse(format!("--distance = {distance_m} m, but must be finite and not 0"));
+        }
+        let steps = self.steps("--duration", self.duration, 4.0)?;
+        let before = self.steps("--rest-before", self.rest_before, 0.0)?;
+        let after = self.steps("--rest-after", self.rest_after, 0.0)?;
+        let columns = self.profile.sampled(distance_m, step_s, steps, [before, after]);
+        let mut text = Vec::new();
+        write_trajectory(&mut text, &columns, self.digits)
+            .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
+        match &self.output {
+            None => console::print_bytes(&text),
+            Some(path) => Ok(write_file(path, &text)?),
+        }
+    }
+
+    /// A time in whole steps.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the number is checked to be whole, positive and small"
+    )]
+    fn steps(&self, option: &str, time_s: f64, least: f64) -> Result<usize, Failure> {
+        let steps = time_s / self.step;
+        let whole = steps.round();
+        let is_whole = (steps - whole).abs() <= 1e-6 * whole.max(1.0);
+        if is_whole && (least..=MOST_SAMPLES).contains(&whole) {
+            return Ok(whole as usize);
+        }
+        let message = format!(
+            "{option} = {time_s} s, but must be a whole number of steps of {} s, {least} to \
+             {MOST_SAMPLES}",
+            self.step
+        );
+        Err(Failure::new(Exit::Usage, &message, None))
+    }
+}

@@ -1,0 +1,165 @@
+use std::f64::consts::{PI, TAU};
+use std::fmt;
+
+use super::columns::MotionColumns;
+
+/// Shape of a tip motion from rest to rest, over the share u of its duration.
+///
+/// All are symmetric: what the tip gains in velocity before the middle it loses after it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Profile {
+    /// One period of a sine acceleration: `d = u − sin(2πu)/2π`.
+    Sine,
+    /// Harmonic, the acceleration jumping at both ends: `d = (1 − cos πu)/2`.
+    Versine,
+    /// Least jerk, a polynomial of fifth degree: `d = 10u³ − 15u⁴ + 6u⁵`.
+    MinJerk,
+    /// Polynomial of seventh degree, whose jerk starts and ends at zero:
+    /// `d = 35u⁴ − 84u⁵ + 70u⁶ − 20u⁷`.
+    Septic,
+    /// Constant acceleration, velocity and deceleration, a third of the time each.
+    Trapezoid,
+    /// As the trapezoid, the acceleration rising and falling in straight lines (limited jerk), a
+    /// twelfth of the time each.
+    SCurve,
+    /// Full acceleration for half the time, full deceleration for the other.
+    BangBang,
+    /// Velocity as a Gaussian bell, six standard deviations to each end.
+    Gaussian,
+}
+
+impl Profile {
+    /// All profiles.
+    pub const ALL: [Self; 8] = [
+        Self::Sine,
+        Self::Versine,
+        Self::MinJerk,
+        Self::Septic,
+        Self::Trapezoid,
+        Self::SCurve,
+        Self::BangBang,
+        Self::Gaussian,
+    ];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sine => "sine",
+            Self::Versine => "versine",
+            Self::MinJerk => "min-jerk",
+            Self::Septic => "septic",
+            Self::Trapezoid => "trapezoid",
+            Self::SCurve => "s-curve",
+            Self::BangBang => "bang-bang",
+            Self::Gaussian => "gaussian",
+        }
+    }
+
+    /// Acceleration at u in [0, 1/2], up to a factor.
+    fn acceleration(self, u: f64) -> f64 {
+        match self {
+            Self::Sine => (TAU * u).sin(),
+            Self::Versine => (PI * u).cos(),
+            Self::MinJerk => u * (1.0 - 3.0 * u + 2.0 * u * u),
+            Self::Septic => u * u * (1.0 - u).powi(2) * (1.0 - 2.0 * u),
+            Self::Trapezoid if u > 1.0 / 3.0 => 0.0,
+            Self::Trapezoid | Self::BangBang => 1.0,
+            // Up in the first twelfth, down in the fourth.
+            Self::SCurve => (12.0 * u).min(4.0 - 12.0 * u).clamp(0.0, 1.0),
+            Self::Gaussian => {
+                let s = 12.0 * (u - 0.5);
+                -s * (-0.5 * s * s).exp()
+            }
+        }
+    }
+
+    /// The motion sampled at `steps` + 1 times from `rest[0]` steps after 0 s on, at rest for
+    /// `rest[0]` steps before and `rest[1]` after it.
+    ///
+    /// Accelerations are antisymmetric about the middle to the last bit, so that the samples
+    /// end at rest, and scaled so that they add up to `distance_m`, as [`super::TipMotion`] adds
+    /// them. Whole steps only: a jump is then a sample, of the side towards the middle at the ends
+    /// and zero in the middle.
+    ///
+    /// # Panics
+    /// With fewer than 4 steps.
+    pub fn sampled(
+        self,
+        distance_m: f64,
+        step_s: f64,
+        steps: usize,
+        rest: [usize; 2],
+    ) -> MotionColumns {
+        assert!(steps >= 4, "{steps} steps are no motion");
+        let at = |k: usize| match (2 * k).cmp(&steps) {
+            std::cmp::Ordering::Less => self.acceleration(k as f64 / steps as f64),
+            std::cmp::Ordering::Equal => 0.0,
+            std::cmp::Ordering::Greater => -self.acceleration((steps - k) as f64 / steps as f64),
+        };
+        // ∫v dt = −∫ t a dt, from rest to rest, about the middle.
+        let middle = 0.5 * steps as f64;
+        let travel: f64 = (0..=steps).map(|k| (middle - k as f64) * at(k)).sum();
+        let scale = distance_m / (travel * step_s * step_s);
+        let samples = rest[0] + steps + 1 + rest[1];
+        let acceleration = |k: usize| match k.checked_sub(rest[0]) {
+            Some(own) if own <= steps => scale * at(own),
+            _ => 0.0,
+        };
+        MotionColumns {
+            time_s: (0..samples).map(|k| k as f64 * step_s).collect(),
+            acceleration_m_s2: Some((0..samples).map(acceleration).collect()),
+            ..MotionColumns::default()
+        }
+    }
+}
+
+impl fmt::Display for Profile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::TipMotion;
+
+    #[test]
+    fn every_profile_ends_at_rest_where_it_should() {
+        for profile in Profile::ALL {
+            for (steps, rest) in [(200, [0, 0]), (201, [7, 0]), (4, [0, 9])] {
+                let motion = TipMotion::new(profile.sampled(-0.4, 2e-3, steps, rest)).unwrap();
+                assert_eq!(motion.corrected(), None, "{profile}, {steps} steps");
+                let error = motion.travel_m() + 0.4;
+                assert!(error.abs() < 1e-14, "{profile}, {steps} steps: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn accelerations_are_the_second_derivatives_of_the_formulas() {
+        type Formula = fn(f64) -> f64;
+        let formulas: [(Profile, Formula); 4] = [
+            (Profile::Sine, |u| TAU * (TAU * u).sin()),
+            (Profile::MinJerk, |u| 60.0 * u - 180.0 * u * u + 120.0 * u.powi(3)),
+            (Profile::Septic, |u| {
+                420.0 * u.powi(2) - 1680.0 * u.powi(3) + 2100.0 * u.powi(4) - 840.0 * u.powi(5)
+            }),
+            (Profile::SCurve, |u| {
+                // A quarter of the time under full acceleration, on average, a speed of 3/2.
+                let half = if u <= 0.5 { u } else { 1.0 - u };
+                let peak = 6.0 * (12.0 * half).min(4.0 - 12.0 * half).clamp(0.0, 1.0);
+                if u <= 0.5 { peak } else { -peak }
+            }),
+        ];
+        let steps = 2400_u32;
+        for (profile, exact) in formulas {
+            let columns = profile.sampled(1.0, 1.0 / f64::from(steps), 2400, [0, 0]);
+            let samples = columns.acceleration_m_s2.unwrap();
+            for (k, found) in (0..).zip(&samples) {
+                let exact = exact(f64::from(k) / f64::from(steps));
+                assert!((found - exact).abs() < 1e-4, "{profile} at {k}: {found} is not {exact}");
+            }
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! `trajectory`: motions that `solve` takes as they are.
+
+use super::{Bench, LINK, repository, stderr, stdout};
+
+const PROFILES: [&str; 8] =
+    ["sine", "versine", "min-jerk", "septic", "trapezoid", "s-curve", "bang-bang", "gaussian"];
+
+fn made(bench: &Bench, profile: &str, more: &[&str]) -> String {
+    let arguments = ["trajectory", profile, "--distance", "-0.5", "--duration", "0.88"];
+    let output = bench.run(&[&arguments[..], &["--step", "0.002"], more].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    stdout(&output)
+}
+
+#[test]
+fn every_profile_is_a_motion_of_the_distance_asked_for() {
+    let bench = Bench::new();
+    for profile in PROFILES {
+        made(&bench, profile, &["-o", "move.csv"]);
+        let link = repository(LINK);
+        let solved = bench.run(&["solve", &link, "move.csv", "--json"]);
+        assert_eq!(solved.status.code(), Some(0), "{profile}: {}", stderr(&solved));
+        let summary: serde_json::Value = serde_json::from_str(&stdout(&solved)).unwrap();
+        let travel = summary["motion"]["travel_m"].as_f64().unwrap();
+        assert!((travel + 0.5).abs() < 1e-12, "{profile}: {travel}");
+        assert!(!stderr(&solved).contains("integrates to"), "{profile} ends at rest");
+    }
+}
+
+#[test]
+fn the_sine_is_the_one_of_the_repository() {
+    let bench = Bench::new();
+    let arguments = ["--distance", "0.5", "--duration", "0.88", "--step", "0.001"];
+    bench.write("s.csv", &stdout(&bench.run(&[&["trajectory", "sine"], &arguments[..]].concat())));
+    let made = bench.table("s.csv");
+    let given = std::fs::read_to_string(repository("trajectories/sine_0.88s.csv")).unwrap();
+    let given: Vec<f64> = given
+        .lines()
+        .filter(|line| !line.starts_with(['#', 't']))
+        .map(|line| line.split(',').nth(1).unwrap().parse().unwrap())
+        .collect();
+    let own: Vec<f64> = made[1].1.iter().copied().take_while(|a| !a.is_nan()).collect();
+    let moving = |samples: &[f64]| -> Vec<f64> {
+        samples.iter().copied().filter(|a| a.abs() > 1e-6).collect()
+    };
+    let (own, given) = (moving(&own), moving(&given));
+    assert_eq!(own.len(), given.len());
+    for (a, b) in own.iter().zip(&given) {
+        // The samples add up to 0.5 m here, there the curve between them does: 4e-6 apart.
+        assert!((a / b - 1.0).abs() < 1e-5, "{a} is not {b}");
+    }
+}
+
+#[test]
+fn rest_stands_before_and_after() {
+    let bench = Bench::new();
+    let rested = ["--rest-before", "0.1", "--rest-after", "0.2", "-o", "m.csv"];
+    made(&bench, "septic", &rested);
+    let columns = bench.table("m.csv");
+    let (time, acceleration) = (&columns[0].1, &columns[1].1);
+    assert_eq!(time.len(), 50 + 440 + 1 + 100);
+    assert!((time[time.len() - 1] - 1.18).abs() < 1e-12);
+    assert!(acceleration[..=50].iter().chain(&acceleration[490..]).all(|a| *a == 0.0));
+    assert!(acceleration[51] < 0.0 && acceleration[489] > 0.0, "backwards, as asked for");
+}
+
+#[test]
+fn what_is_no_motion_is_refused() {
+    let refused = |arguments: &[&str], expected: &str| {
+        let output = Bench::new().run(&[&["trajectory", "sine"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert_eq!(stderr(&output), format!("error: {expected}\n"));
+    };
+    let with =
+        |distance, duration, step| ["--distance", distance, "--duration", duration, "--step", step];
+    let steps = "must be a whole number of steps of 0.1 s, 4 to 16777216";
+    refused(&with("1", "1.05", "0.1"), &format!("--duration = 1.05 s, but {steps}"));
+    refused(&with("1", "0.3", "0.1"), &format!("--duration = 0.3 s, but {steps}"));
+    refused(&with("1", "nan", "0.1"), &format!("--duration = NaN s, but {steps}"));
+    refused(&with("0", "1", "0.1"), "--distance = 0 m, but must be finite and not 0");
+    refused(&with("1", "1", "-1"), "--step = -1 s, but must be finite and above 0");
+}
