@@ -2,6 +2,7 @@ use std::process::ExitCode;
 
 use flexlink::inverse::InversionError;
 use flexlink::modal::DampingError;
+use flexlink::result::FitError;
 use flexlink::spec::SpecError;
 use flexlink::tables::{FolderError, InputError, TableError};
 use flexlink::verification::VerificationError;
@@ -66,6 +67,17 @@ impl From<InversionError> for Failure {
 impl From<VerificationError> for Failure {
     fn from(error: VerificationError) -> Self {
         Self::new(Exit::NotSolvable, &format!("not verified: {error}"), error.hint())
+    }
+}
+
+impl From<FitError> for Failure {
+    fn from(error: FitError) -> Self {
+        let hint = match &error {
+            FitError::TooSlow { .. } => Some("a higher limit, a shorter way or a longer step"),
+            FitError::Inversion(error) => error.hint(),
+            FitError::Motion(_) => None,
+        };
+        Self::new(Exit::NotSolvable, &error, hint)
     }
 }
 

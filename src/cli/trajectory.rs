@@ -4,8 +4,11 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, builder::TypedValueParser};
 
 use flexlink::motion::Profile;
+use flexlink::result::{OpenMotion, shortest_steps};
+use flexlink::spec::Specification;
 use flexlink::tables::{Digits, write_file, write_trajectory};
 
+use super::args::LinkArgs;
 use super::console;
 use super::exit::{Exit, Failure};
 
@@ -16,7 +19,8 @@ const EXAMPLE: &str = "\
 Example:
   flexlink trajectory septic --distance 0.5 --duration 0.8 --step 0.001 -o move.csv
   flexlink trajectory s-curve --distance 0.3 --duration 1 --step 0.001 |
-      flexlink solve link.toml -";
+      flexlink solve link.toml -
+  flexlink trajectory septic --distance 0.5 --step 0.001 --link link.toml --fit-limit torque=2";
 
 const LONG_ABOUT: &str = "\
 Make a tip motion from rest to rest.
@@ -43,7 +47,17 @@ pub(crate) struct Trajectory {
 
     /// Duration of the motion in s, a whole number of steps.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    duration: f64,
+    #[arg(required_unless_present = "fit_limit")]
+    duration: Option<f64>,
+
+    /// Find the shortest duration within a limit, torque=5 or 'power="20 W"', and those of the link
+    /// file; repeatable. Keys as in [limits].
+    #[arg(long, value_name = "KEY=VALUE", requires = "link", conflicts_with = "duration")]
+    fit_limit: Vec<String>,
+
+    /// Link file (TOML) that the limits are fitted with.
+    #[arg(long, value_name = "LINK", requires = "fit_limit")]
+    link: Option<PathBuf>,
 
     /// Step in s.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
@@ -83,17 +97,36 @@ impl Trajectory {
         if !distance_m.is_finite() || distance_m == 0.0 {
             return refuse(format!("--distance = {distance_m} m, but must be finite and not 0"));
         }
-        let steps = self.steps("--duration", self.duration, 4.0)?;
+        let (steps, remark) = self.duration()?;
         let before = self.steps("--rest-before", self.rest_before, 0.0)?;
         let after = self.steps("--rest-after", self.rest_after, 0.0)?;
         let columns = self.profile.sampled(distance_m, step_s, steps, [before, after]);
-        let mut text = Vec::new();
+        let mut text = remark.into_bytes();
         write_trajectory(&mut text, &columns, self.digits)
             .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
         match &self.output {
             None => console::print_bytes(&text),
             Some(path) => Ok(write_file(path, &text)?),
         }
+    }
+
+    /// Steps of the motion, and what there is to tell about them.
+    fn duration(&self) -> Result<(usize, String), Failure> {
+        if let Some(duration_s) = self.duration {
+            return Ok((self.steps("--duration", duration_s, 4.0)?, String::new()));
+        }
+        let changes = self.fit_limit.iter().map(|limit| format!("limits.{limit}")).collect();
+        let link = LinkArgs { link: self.link.clone().unwrap_or_default(), changes };
+        let (_, Specification { link, mesh, analysis, limits, .. }) = link.load()?;
+        let motion =
+            OpenMotion { profile: self.profile, distance_m: self.distance, step_s: self.step };
+        let steps = shortest_steps(&link, &mesh, &analysis, &limits, &motion)?;
+        let product = steps as f64 * self.step;
+        // Without the last digits of the product.
+        let duration_s: f64 = format!("{product:.12}").parse().unwrap_or(product);
+        let within = self.fit_limit.join(", ");
+        let remark = format!("# {}: {duration_s} s, the shortest within {within}\n", self.profile);
+        Ok((steps, remark))
     }
 
     /// A time in whole steps.

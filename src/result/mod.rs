@@ -1,10 +1,12 @@
 //! What a run found: the numbers that a person reads first.
 
+mod fit;
 mod limits;
 mod metrics;
 mod played;
 mod tip_error;
 
+pub use fit::{FitError, OpenMotion, shortest_steps};
 pub use limits::{Exceeded, Limits};
 pub use metrics::{Metrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;

@@ -81,3 +81,49 @@ fn what_is_no_motion_is_refused() {
     refused(&with("0", "1", "0.1"), "--distance = 0 m, but must be finite and not 0");
     refused(&with("1", "1", "-1"), "--step = -1 s, but must be finite and above 0");
 }
+
+#[test]
+fn the_shortest_duration_within_a_limit_is_found_to_the_step() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", "0.002"];
+    let fit = ["--link", &link, "--fit-limit", "torque=1", "-o", "fit.csv"];
+    let output = bench.run(&[&fixed[..], &fit].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = bench.read("fit.csv");
+    let remark = text.lines().next().unwrap();
+    let duration: f64 = remark
+        .strip_prefix("# septic: ")
+        .and_then(|rest| rest.strip_suffix(" s, the shortest within torque=1"))
+        .unwrap()
+        .parse()
+        .unwrap();
+    let peak = |duration_s: f64| -> f64 {
+        let duration = format!("{duration_s:.6}");
+        let exact = ["--duration", &duration, "-o", "exact.csv"];
+        assert_eq!(bench.run(&[&fixed[..], &exact].concat()).status.code(), Some(0));
+        let summary = stdout(&bench.run(&["solve", &link, "exact.csv", "--json"]));
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        summary["results"]["peak_torque_n_m"].as_f64().unwrap()
+    };
+    assert!(peak(duration) <= 1.0 && peak(duration - 0.002) > 1.0, "{duration} s");
+    let (fitted, exact) = (bench.read("fit.csv"), peak(duration));
+    assert!(fitted.ends_with(&bench.read("exact.csv")), "{exact} N m");
+}
+
+#[test]
+fn a_limit_that_no_duration_keeps_is_refused() {
+    let link = repository(LINK);
+    let arguments = ["trajectory", "sine", "--distance", "0.5", "--step", "0.01", "--link", &link];
+    let fit = |limit: &str| Bench::new().run(&[&arguments[..], &["--fit-limit", limit]].concat());
+    let output = fit("torque=1e-12");
+    assert_eq!(output.status.code(), Some(4));
+    assert_eq!(
+        stderr(&output),
+        "error: the shortest duration = above 2621.44 s, but must be at most that\n\
+         hint: a higher limit, a shorter way or a longer step\n"
+    );
+    let unknown = fit("torqe=1");
+    assert_eq!(unknown.status.code(), Some(3));
+    assert!(stderr(&unknown).contains("did you mean `torque`?"), "{}", stderr(&unknown));
+}
