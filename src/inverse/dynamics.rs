@@ -73,11 +73,6 @@ impl Dynamics {
     /// # Errors
     /// [`InversionError::TooManyElements`] where damping needs all modes of the finer mesh.
     pub(super) fn refined(&self) -> Result<Self, InversionError> {
-        let elements = self.mesh.elements().len();
-        if 2 * elements > self.most_elements() {
-            let limit = self.most_elements() / 2;
-            return Err(InversionError::TooManyElements { elements, limit });
-        }
         Self::with_law(self.law.clone(), self.mesh.refined(), self.kept)
     }
 

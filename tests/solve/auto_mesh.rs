@@ -86,3 +86,11 @@ fn a_motion_with_kinks_needs_more_elements_than_a_smooth_one() {
     let plan = mesh_of(&link, kinked);
     assert!(!plan.is_automatic());
 }
+
+#[test]
+fn a_mesh_that_was_chosen_may_be_finer_than_any_automatic_one() {
+    let link = link(|_| ());
+    let solution = solved(&link, 5000, &Smooth { steps: 32, ..Smooth::MOVE }.motion());
+    assert_eq!(solution.mesh().elements().len(), 5000);
+    assert!(solution.accuracy.mesh_error < 1e-9, "{:e}", solution.accuracy.mesh_error);
+}
