@@ -1,3 +1,5 @@
+use nalgebra::Matrix2;
+
 use super::element::RelativeElement;
 use super::mesh::Mesh;
 use crate::numeric::Scalar;
@@ -35,6 +37,11 @@ impl Inertia<f64> {
     /// A rigid body whose centre of mass lies `offset` outboard: kg, kg m², m.
     pub fn rigid(mass: f64, inertia: f64, offset: f64) -> Self {
         Self { vv: mass, vp: mass * offset, pp: inertia + mass * offset * offset }
+    }
+
+    /// As a matrix on (v, φ).
+    pub fn matrix(&self) -> Matrix2<f64> {
+        Matrix2::new(self.vv, self.vp, self.vp, self.pp)
     }
 
     fn lift<S: Scalar>(self) -> Inertia<S> {

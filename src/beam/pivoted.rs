@@ -9,7 +9,6 @@
 use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
 
-use super::condensation::Inertia;
 use super::element::RelativeElement;
 use super::mesh::Mesh;
 use super::transfer::{NodalTransfer, TipTransfer};
@@ -51,13 +50,14 @@ pub struct DrivenMotion {
 
 /// The motion that a torque at the hub drives at λ, also where the link or a part of it resonates.
 pub fn driven_motion(mesh: &Mesh, lambda: Complex64) -> DrivenMotion {
-    let mut plane = Plane { motion: Block::identity(), reaction: matrix(&mesh.tip_inertia()) };
+    let mut plane =
+        Plane { motion: Block::identity(), reaction: complex(&mesh.tip_inertia().matrix()) };
     let tip_reaction = plane.reaction;
     let mut passages = Vec::with_capacity(mesh.elements().len());
     for (index, element) in mesh.relative_elements().iter().enumerate().rev() {
         let (deformation, mut inner) = pass(element, lambda, &plane);
         if let Some(lumped) = mesh.lumped_inertia(index) {
-            inner.reaction += matrix(&lumped) * inner.motion;
+            inner.reaction += complex(&lumped.matrix()) * inner.motion;
         }
         let (change, renewed) = renew(&inner, mesh);
         passages.push(Passage { change, deformation, reaction: renewed.reaction });
@@ -158,10 +158,6 @@ fn renew(plane: &Plane, mesh: &Mesh) -> (Block, Plane) {
 /// `R = [[1, l], [0, 1]]`.
 fn rigid_transfer(length_m: f64) -> Block {
     complex(&Matrix2::new(1.0, length_m, 0.0, 1.0))
-}
-
-fn matrix(inertia: &Inertia<f64>) -> Block {
-    complex(&Matrix2::new(inertia.vv, inertia.vp, inertia.vp, inertia.pp))
 }
 
 fn complex(real: &Matrix2<f64>) -> Block {

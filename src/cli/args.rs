@@ -26,6 +26,11 @@ pub(crate) struct LinkArgs {
 }
 
 impl LinkArgs {
+    /// The arguments that changed the link, for the record.
+    pub(crate) fn record(&self) -> impl Iterator<Item = String> {
+        self.changes.iter().map(|change| format!("--set {change}"))
+    }
+
     /// Reads the link file and applies the changes.
     pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
         let overrides: Vec<Override> = self

@@ -66,8 +66,7 @@ impl Frf {
         } else {
             coarsest
         };
-        let kept = specification.analysis.modes().map_or(KeptModes::All, KeptModes::First);
-        let dynamics = Dynamics::new(link, mesh, kept)?;
+        let dynamics = Dynamics::new(link, mesh, KeptModes::of(&specification.analysis))?;
         let friction = link.hub().viscous_friction_n_m_s_rad;
         let rows: Vec<FrequencyResponse> = self
             .grid(from_hz, to_hz)

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use flexlink::beam::Mesh;
 use flexlink::link::{Damping, Link};
 use flexlink::modal::DampingLaw;
+use flexlink::result::Peak;
 
 use super::number::{list, significant};
 
@@ -55,4 +56,14 @@ pub(crate) fn ratios_line(law: &DampingLaw, frequencies_rad_s: &[f64]) -> String
     let first = ratios.first().map_or(0, |ratio| ratio.to_bits());
     let are_one = ratios.iter().all(|ratio| ratio.to_bits() == first);
     if are_one { String::new() } else { list(&ratios, 2) }
+}
+
+/// What the hub does at most: angle in rad, rate in rad/s, power in W.
+pub(crate) fn hub_line(angle: Peak, rate: Peak, power: Peak) -> String {
+    format!(
+        "turns by up to {} rad; peaks {} rad/s, {} W",
+        significant(angle.value, 4),
+        significant(rate.value, 4),
+        significant(power.value, 4)
+    )
 }

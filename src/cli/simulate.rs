@@ -121,7 +121,6 @@ impl Simulate {
 
     /// The arguments that changed the inputs, for the record.
     fn changes(&self) -> Vec<String> {
-        let sets = self.link.changes.iter().map(|change| format!("--set {change}"));
-        sets.chain(self.play.changes()).collect()
+        self.link.record().chain(self.play.changes()).collect()
     }
 }

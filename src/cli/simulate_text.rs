@@ -1,15 +1,11 @@
 //! The short summary that `simulate` prints.
 
 use flexlink::link::{Damping, Link};
-use flexlink::modal::natural_frequencies;
 use flexlink::response::{Interpolation, Play, Simulation};
 use flexlink::result::{PlayedMetrics, TipError};
 
-use super::link_text::{damping_line, labelled, link_line, ratios_line};
+use super::link_text::{damping_line, hub_line, labelled, link_line, ratios_line};
 use super::number::significant;
-
-/// Modes whose damping ratios are told, as by `solve`.
-const REPORTED: usize = 5;
 
 /// The summary, lines of at most 80 columns.
 pub(crate) fn simulate_text(
@@ -23,12 +19,15 @@ pub(crate) fn simulate_text(
     let lines = [
         ("link", link_line(link, &simulation.mesh)),
         ("damping", played_damping(link, simulation)),
-        ("ratios", ratios_line(&simulation.law, &natural_frequencies(&simulation.mesh, REPORTED))),
+        ("ratios", ratios_line(&simulation.law, &simulation.natural_frequencies_rad_s)),
         ("torque", torque_line(play, metrics)),
         ("feedback", feedback_line(play)),
         ("modes", modes_line(simulation)),
         ("tip", tip_line(metrics)),
-        ("hub", hub_line(metrics)),
+        (
+            "hub",
+            hub_line(metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w),
+        ),
         ("bending", bending_line(metrics)),
         ("after", residual_line(simulation)),
         ("decay", decay_line(simulation)),
@@ -91,15 +90,6 @@ fn tip_line(metrics: &PlayedMetrics) -> String {
         significant(metrics.farthest_m, 4),
         significant(metrics.travel_m, 4),
         significant(metrics.final_tip_velocity_m_s, 2)
-    )
-}
-
-fn hub_line(metrics: &PlayedMetrics) -> String {
-    format!(
-        "turns by up to {} rad; peaks {} rad/s, {} W",
-        significant(metrics.peak_hub_angle_rad.value, 4),
-        significant(metrics.peak_hub_rate_rad_s.value, 4),
-        significant(metrics.peak_power_w.value, 4)
     )
 }
 

@@ -7,13 +7,12 @@ use flexlink::link::Drive;
 use flexlink::result::Metrics;
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, OptionalTable, OutputFolder, RunInputs, SolveOutputs, Summary};
-use flexlink::verification::{Answer, verify};
 
 use super::args::{LinkArgs, MotionArgs, NodeArgs, PrintArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::solve_text::solve_text;
-use super::verify::refuse_failed;
+use super::verify::{measured, refuse_failed};
 use super::verify_text::verify_text;
 
 const EXAMPLE: &str = "\
@@ -89,19 +88,8 @@ impl Solve {
 
         let solution = invert(link, mesh, &motion, analysis)?;
         self.nodes.check(solution.mesh())?;
-        let verification = self
-            .verify
-            .then(|| {
-                verify(&Answer {
-                    link,
-                    plan: mesh,
-                    motion: &motion,
-                    analysis,
-                    solution: &solution,
-                    written_torque_n_m: &self.digits.as_written(&solution.torque_n_m),
-                })
-            })
-            .transpose()?;
+        let measure = || measured(&specification, &motion, &solution, self.digits);
+        let verification = self.verify.then(measure).transpose()?;
 
         let outputs = self.outputs(*drive);
         let inputs = RunInputs {
@@ -162,7 +150,6 @@ impl Solve {
 
     /// The arguments that changed the inputs, for the record.
     fn changes(&self) -> Vec<String> {
-        let sets = self.link.changes.iter().map(|change| format!("--set {change}"));
-        sets.chain(self.motion.change()).collect()
+        self.link.record().chain(self.motion.change()).collect()
     }
 }

@@ -5,7 +5,7 @@ use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::result::Metrics;
 
-use super::link_text::{damping_line, labelled, link_line, ratios_line};
+use super::link_text::{damping_line, hub_line, labelled, link_line, ratios_line};
 use super::number::{list, significant};
 
 /// The summary, lines of at most 80 columns.
@@ -26,7 +26,10 @@ pub(crate) fn solve_text(
         ("torque", torque_line(metrics)),
         ("rigid", rigid_line(metrics)),
         ("timing", timing_line(metrics)),
-        ("hub", hub_line(metrics)),
+        (
+            "hub",
+            hub_line(metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w),
+        ),
         ("bending", bending_line(metrics)),
         ("errors", errors_line(solution)),
         ("window", window_line(solution)),
@@ -84,15 +87,6 @@ fn timing_line(metrics: &Metrics) -> String {
         "from {} s before to {} s after the tip's motion (2 % level)",
         significant(metrics.lead_s, 3),
         significant(metrics.lag_s, 3)
-    )
-}
-
-fn hub_line(metrics: &Metrics) -> String {
-    format!(
-        "turns by up to {} rad; peaks {} rad/s, {} W",
-        significant(metrics.peak_hub_angle_rad.value, 4),
-        significant(metrics.peak_hub_rate_rad_s.value, 4),
-        significant(metrics.peak_power_w.value, 4)
     )
 }
 

@@ -1,9 +1,10 @@
 use clap::Args;
 
-use flexlink::inverse::invert;
+use flexlink::inverse::{Solution, invert};
+use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, verification_json};
-use flexlink::verification::{Answer, Verification, verify};
+use flexlink::verification::{Answer, Verification, VerificationError, verify};
 
 use super::args::{LinkArgs, MotionArgs, ThreadArgs};
 use super::console;
@@ -57,14 +58,7 @@ impl Verify {
         let Specification { link, mesh, analysis, .. } = &specification;
         let (_, motion) = self.motion.load(link)?;
         let solution = invert(link, mesh, &motion, analysis)?;
-        let verification = verify(&Answer {
-            link,
-            plan: mesh,
-            motion: &motion,
-            analysis,
-            solution: &solution,
-            written_torque_n_m: &self.digits.as_written(&solution.torque_n_m),
-        })?;
+        let verification = measured(&specification, &motion, &solution, self.digits)?;
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
         }
@@ -75,6 +69,23 @@ impl Verify {
         }
         refuse_failed(&verification)
     }
+}
+
+/// Measures a solution whose torque is written with so many digits.
+pub(crate) fn measured(
+    specification: &Specification,
+    motion: &TipMotion,
+    solution: &Solution,
+    digits: Digits,
+) -> Result<Verification, VerificationError> {
+    verify(&Answer {
+        link: &specification.link,
+        plan: &specification.mesh,
+        motion,
+        analysis: &specification.analysis,
+        solution,
+        written_torque_n_m: &digits.as_written(&solution.torque_n_m),
+    })
 }
 
 /// Ends the program if a check is out of its bound.

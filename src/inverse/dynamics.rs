@@ -1,3 +1,4 @@
+use super::analysis::Analysis;
 use super::error::InversionError;
 use super::superposition::Superposition;
 use crate::beam::{Mesh, NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};
@@ -30,6 +31,13 @@ pub enum KeptModes {
     All,
     /// The rigid rotation and the first flexible ones (Bayo 1987, section 5).
     First(usize),
+}
+
+impl KeptModes {
+    /// What an analysis asks for.
+    pub fn of(analysis: &Analysis) -> Self {
+        analysis.modes().map_or(Self::All, Self::First)
+    }
 }
 
 impl Dynamics {

@@ -9,12 +9,9 @@ use super::spectra::{Forcing, HubSpectra};
 use super::warning::{Evidence, warnings};
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
-use crate::modal::{natural_frequencies, torque_zeros};
+use crate::modal::{REPORTED_MODES, natural_frequencies, torque_zeros};
 use crate::motion::{TipMotion, TipMotionHistories, TipSpectrum};
-use crate::numeric::TimeGrid;
-
-/// Natural frequencies that a solution reports.
-const REPORTED_MODES: usize = 5;
+use crate::numeric::{TimeGrid, largest, largest_difference};
 
 /// Zeros that a solution reports.
 const REPORTED_ZEROS: usize = 3;
@@ -55,10 +52,9 @@ pub fn invert(
     motion: &TipMotion,
     analysis: &Analysis,
 ) -> Result<Solution, InversionError> {
-    let kept = analysis.modes().map_or(KeptModes::All, KeptModes::First);
     let mesh = Mesh::new(link, plan);
     Dynamics::check_size(link, 2 * mesh.elements().len(), 2)?;
-    let coarsest = Dynamics::new(link, mesh, kept)?;
+    let coarsest = Dynamics::new(link, mesh, KeptModes::of(analysis))?;
     let first_zero = torque_zeros(coarsest.mesh(), 1).first().copied();
     let padding = Padding::new(motion, analysis, first_zero);
     let problem = Problem { link, motion, analysis, padding };
@@ -146,10 +142,7 @@ impl Problem<'_> {
         }
         let all = dynamics.unreduced()?;
         let exact = self.forcing(&all, &answer.spectrum).torque_n_m()?;
-        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-        let pairs = exact.iter().zip(&answer.torque_n_m);
-        let difference = largest(&mut pairs.map(|(a, b)| (a - b).abs()));
-        Ok(Some(difference / largest(&mut exact.iter().map(|t| t.abs()))))
+        Ok(Some(largest_difference(&exact, &answer.torque_n_m) / largest(&exact)))
     }
 
     /// Cuts the window to write out of the period and gathers what is known of the answer.

@@ -2,7 +2,7 @@ use super::dynamics::Dynamics;
 use super::error::InversionError;
 use super::spectra::Forcing;
 use crate::beam::MeshPlan;
-use crate::numeric::largest;
+use crate::numeric::{largest, largest_difference};
 
 /// The link on a mesh and the discretisation error of its torque, relative to the peak.
 pub(super) struct Measured {
@@ -28,10 +28,8 @@ pub(super) fn measured_mesh(
     loop {
         let finer = dynamics.refined()?;
         let finer_torque = forcing(&finer)?;
-        let peak = largest(&finer_torque);
-        let difference =
-            torque.iter().zip(&finer_torque).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-        let error = 16.0 / 15.0 * difference / peak;
+        let difference = largest_difference(&torque, &finer_torque);
+        let error = 16.0 / 15.0 * difference / largest(&finer_torque);
         if !plan.is_automatic() || error <= plan.tolerance() {
             return Ok(Measured { dynamics, error });
         }

@@ -56,7 +56,11 @@ impl ModalBasis {
     /// Σ φ_k p_k/ω_k²  over the modes left out
     /// ```
     pub fn static_residual(&self, mesh: &Mesh) -> Shape {
-        let all = static_shape(mesh, &self.rigid);
+        self.left_over(static_shape(mesh, &self.rigid))
+    }
+
+    /// What these modes leave over of the whole link's static shape.
+    fn left_over(&self, all: Shape) -> Shape {
         self.modes.iter().fold(all, |rest, Mode { omega_rad_s, shape }| {
             rest.less(shape.hub_angle / omega_rad_s.powi(2), shape)
         })
@@ -67,7 +71,7 @@ impl ModalBasis {
     /// orthogonal. None where the modes leave nothing over but round-off, or what moves no mass.
     pub fn residual_mode(&self, mesh: &Mesh) -> Option<Mode> {
         let all = static_shape(mesh, &self.rigid);
-        let rest = self.static_residual(mesh);
+        let rest = self.left_over(all.clone());
         let (whole, mass) = (all.mass_product(mesh, &all), rest.mass_product(mesh, &rest));
         let (strain, work) = (rest.stiffness_product(mesh, &rest), rest.hub_angle);
         let is_round_off = (strain - work).abs() > ENERGY_TOLERANCE * strain;

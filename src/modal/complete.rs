@@ -85,8 +85,7 @@ impl Deformations {
         let root = mesh.nodes_m()[0];
         let elements = mesh.relative_elements();
         let count = elements.len();
-        let tip = mesh.tip_inertia();
-        let mut outer = Matrix2::new(tip.vv, tip.vp, tip.vp, tip.pp);
+        let mut outer = mesh.tip_inertia().matrix();
         let mut own = vec![Matrix2::zeros(); count];
         let mut carried = vec![Matrix2::zeros(); count];
         for (k, element) in elements.iter().enumerate().rev() {
@@ -95,7 +94,7 @@ impl Deformations {
             carried[k] = element.m_ud + r.transpose() * outer;
             outer = element.m_uu + r.transpose() * outer * r;
             if let Some(lumped) = mesh.lumped_inertia(k) {
-                outer += Matrix2::new(lumped.vv, lumped.vp, lumped.vp, lumped.pp);
+                outer += lumped.matrix();
             }
         }
         let axis = Vector2::new(root, 1.0);

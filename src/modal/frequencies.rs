@@ -6,6 +6,9 @@ use super::shape::Shape;
 use crate::beam::{Mesh, condense, driven_motion};
 use crate::numeric::bisect;
 
+/// Natural frequencies that a solution or a simulation reports.
+pub const REPORTED_MODES: usize = 5;
+
 /// Highest angular frequency that is searched, in rad/s: no link of this world comes near.
 const SEARCH_LIMIT_RAD_S: f64 = 1e15;
 

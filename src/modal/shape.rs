@@ -1,6 +1,6 @@
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 
-use crate::beam::{DrivenMotion, Inertia, Mesh, driven_motion};
+use crate::beam::{DrivenMotion, Mesh, driven_motion};
 
 /// A motion of the whole link: hub angle, and deflection from the hub's tangent line.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +79,7 @@ impl Shape {
         let last = self.deflections.len() - 1;
         let lumped = (0..last).filter_map(|node| Some((mesh.lumped_inertia(node)?, node)));
         let bodies = lumped.chain([(mesh.tip_inertia(), last)]).map(|(inertia, node)| {
-            self.total(mesh, node).dot(&(matrix(&inertia) * other.total(mesh, node)))
+            self.total(mesh, node).dot(&(inertia.matrix() * other.total(mesh, node)))
         });
         let hub = mesh.hub_inertia_kg_m2() * self.hub_angle * other.hub_angle;
         hub + elements.sum::<f64>() + bodies.sum::<f64>()
@@ -98,7 +98,7 @@ impl Shape {
     /// shape as its acceleration: `∫ m̄ v (x − x_i) dx + …`.
     pub fn moments(&self, mesh: &Mesh) -> Vec<f64> {
         let last = self.deflections.len() - 1;
-        let mut outer = matrix(&mesh.tip_inertia()) * self.total(mesh, last);
+        let mut outer = mesh.tip_inertia().matrix() * self.total(mesh, last);
         let mut moments = vec![0.0; last + 1];
         moments[last] = outer[1];
         for (node, element) in mesh.relative_elements().iter().enumerate().rev() {
@@ -106,7 +106,7 @@ impl Shape {
             let carried = Vector2::new(outer[0], outer[1] + element.length_m * outer[0]);
             outer = element.m_uu * u + element.m_ud * d + carried;
             if let Some(lumped) = mesh.lumped_inertia(node) {
-                outer += matrix(&lumped) * u;
+                outer += lumped.matrix() * u;
             }
             moments[node] = outer[1];
         }
@@ -148,10 +148,6 @@ impl Shape {
         let sign = if self.tip_displacement(mesh) < 0.0 { -1.0 } else { 1.0 };
         self.scaled(sign * scale)
     }
-}
-
-fn matrix(inertia: &Inertia<f64>) -> Matrix2<f64> {
-    Matrix2::new(inertia.vv, inertia.vp, inertia.vp, inertia.pp)
 }
 
 #[cfg(test)]

@@ -167,9 +167,8 @@ impl TipMotion {
     /// As [`TipMotion::new`].
     pub fn twice_as_often(&self) -> Result<Self, MotionError> {
         let grid = self.grid;
-        let steps: Vec<f64> = (0..grid.len).map(|k| k as f64).collect();
         let finer = |samples: &[f64], ends| {
-            let spline = CubicSpline::new(&steps, samples, ends);
+            let spline = CubicSpline::uniform(samples, ends);
             (0..2 * grid.len - 1).map(|k| spline.value(0.5 * k as f64)).collect()
         };
         let half = TimeGrid { step_s: 0.5 * grid.step_s, len: 2 * grid.len - 1, ..grid };

@@ -14,7 +14,7 @@ mod wide;
 
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
-pub use largest::largest;
+pub use largest::{largest, largest_difference};
 pub use roots::{bisect, geometric_scan};
 pub(crate) use round::rounded;
 pub use scalar::Scalar;

@@ -43,6 +43,15 @@ impl CubicSpline {
         Self { x: x.to_vec(), y: y.to_vec(), slope: slopes(x, y, ends) }
     }
 
+    /// Draws the spline through samples one step apart: abscissae and slopes are in steps.
+    ///
+    /// # Panics
+    /// With fewer than 4 samples.
+    pub fn uniform(samples: &[f64], ends: SplineEnds) -> Self {
+        let steps: Vec<f64> = (0..samples.len()).map(|k| k as f64).collect();
+        Self::new(&steps, samples, ends)
+    }
+
     /// Slopes at the points.
     pub fn slopes(&self) -> &[f64] {
         &self.slope

@@ -1,7 +1,7 @@
 use super::equations::Coordinate;
 use super::simulation::Simulation;
 use crate::modal::Shape;
-use crate::numeric::{CubicSpline, SplineEnds};
+use crate::numeric::{CubicSpline, SplineEnds, largest_difference};
 
 /// Where the work of the torque is at one time, in J.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,15 +18,26 @@ pub struct EnergyBalance {
     pub dissipated_j: f64,
 }
 
+/// Balances over time, and how far their integrals can be trusted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnergyAccount {
+    /// The balances.
+    pub balances: Vec<EnergyBalance>,
+    /// What the integrals of work and loss may be wrong by, in J: a quarter of what they change by
+    /// when every second sample is left out. For a smooth power it is a sixteenth, with kinks more.
+    pub quadrature_error_j: f64,
+}
+
 impl Simulation {
     /// The balance at `count` samples, evenly spaced, the last one included.
     ///
     /// Work and dissipation are integrated over all samples by a cubic spline; the energies are
     /// those of the elements in the shape and rate that the modes add up to.
-    pub fn energy(&self, count: usize) -> Vec<EnergyBalance> {
-        let motor = self.motor_w();
+    pub fn energy(&self, count: usize) -> EnergyAccount {
+        let motor: Vec<f64> =
+            self.torque_n_m.iter().zip(&self.hub_rate_rad_s).map(|(t, rate)| t * rate).collect();
         let lost: Vec<f64> = (0..self.grid.len).map(|sample| self.loss_w(sample)).collect();
-        let (work, dissipated) = (self.integral(&motor, 1.0), self.integral(&lost, 1.0));
+        let (work, dissipated) = (self.integral(&motor, 1), self.integral(&lost, 1));
         let last = self.grid.len - 1;
         let balance = |k: usize| {
             let sample = k * last / count;
@@ -40,7 +51,18 @@ impl Simulation {
                 dissipated_j: dissipated[sample],
             }
         };
-        (1..=count).map(balance).collect()
+        let missing = |power: &[f64], integral: &[f64]| {
+            if power.len() < 2 * CubicSpline::MIN_POINTS {
+                // Too few to leave every second one out: nothing is allowed for.
+                return 0.0;
+            }
+            let every_second: Vec<f64> = integral.iter().copied().step_by(2).collect();
+            largest_difference(&every_second, &self.integral(power, 2))
+        };
+        EnergyAccount {
+            balances: (1..=count).map(balance).collect(),
+            quadrature_error_j: 0.25 * (missing(&motor, &work) + missing(&lost, &dissipated)),
+        }
     }
 
     /// Power that damping and friction take at a sample in W.
@@ -56,35 +78,17 @@ impl Simulation {
         Shape::sum(coordinates, &self.equations.shapes)
     }
 
-    /// What the integrals of the balance may be wrong by, in J: a quarter of what they change by when
-    /// every second sample is left out. For a smooth power it is a sixteenth, with kinks more.
-    pub fn quadrature_error_j(&self) -> f64 {
-        let motor = self.motor_w();
-        let lost: Vec<f64> = (0..self.grid.len).map(|sample| self.loss_w(sample)).collect();
-        let missing = |samples: &[f64]| {
-            let half: Vec<f64> = samples.iter().copied().step_by(2).collect();
-            let (fine, coarse) = (self.integral(samples, 1.0), self.integral(&half, 2.0));
-            let pairs = fine.iter().step_by(2).zip(&coarse);
-            pairs.fold(0.0_f64, |m, (fine, coarse)| m.max((fine - coarse).abs()))
-        };
-        0.25 * (missing(&motor) + missing(&lost))
-    }
-
-    /// Power of the motor in W.
-    fn motor_w(&self) -> Vec<f64> {
-        self.torque_n_m.iter().zip(&self.hub_rate_rad_s).map(|(t, rate)| t * rate).collect()
-    }
-
-    /// ∫ dt from the first to each of samples that stand so many steps apart.
-    fn integral(&self, samples: &[f64], apart: f64) -> Vec<f64> {
-        let steps: Vec<f64> = (0..samples.len()).map(|k| k as f64).collect();
-        let spline = CubicSpline::new(&steps, samples, SplineEnds::NotAKnot);
+    /// ∫ dt from the first to each `every`-th of the samples, by these alone.
+    fn integral(&self, samples: &[f64], every: usize) -> Vec<f64> {
+        let samples: Vec<f64> = samples.iter().copied().step_by(every).collect();
+        let step_s = every as f64 * self.grid.step_s;
+        let spline = CubicSpline::uniform(&samples, SplineEnds::NotAKnot);
         let pieces = samples
             .windows(2)
             .zip(spline.slopes().windows(2))
             .map(|(ends, slopes)| 0.5 * (ends[0] + ends[1]) + (slopes[0] - slopes[1]) / 12.0);
         let running = pieces.scan(0.0, |sum, piece| {
-            *sum += piece * apart * self.grid.step_s;
+            *sum += piece * step_s;
             Some(*sum)
         });
         std::iter::once(0.0).chain(running).collect()

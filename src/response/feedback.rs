@@ -136,8 +136,7 @@ impl Feedback {
         let given = self.reference.rate_rad_s().map(<[f64]>::to_vec);
         given.unwrap_or_else(|| {
             let angle = self.reference.angle_rad();
-            let steps: Vec<f64> = (0..angle.len()).map(|k| k as f64).collect();
-            let spline = CubicSpline::new(&steps, angle, SplineEnds::NotAKnot);
+            let spline = CubicSpline::uniform(angle, SplineEnds::NotAKnot);
             spline.slopes().iter().map(|slope| slope / self.reference.grid().step_s).collect()
         })
     }

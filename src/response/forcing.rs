@@ -20,9 +20,7 @@ pub(super) fn pieces(samples: &[f64], interpolation: Interpolation) -> Vec<Cubic
             samples.windows(2).map(|ends| [ends[0], ends[1] - ends[0], 0.0, 0.0]).collect()
         }
         Interpolation::Cubic => {
-            // In steps, so that slopes are per step.
-            let steps: Vec<f64> = (0..samples.len()).map(|k| k as f64).collect();
-            let spline = CubicSpline::new(&steps, samples, SplineEnds::NotAKnot);
+            let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
             spline.slopes().windows(2).zip(samples.windows(2)).map(hermite).collect()
         }
     }

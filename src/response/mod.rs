@@ -24,7 +24,7 @@ mod tests;
 mod torque;
 mod warning;
 
-pub use energy::EnergyBalance;
+pub use energy::{EnergyAccount, EnergyBalance};
 pub use feedback::{Feedback, FeedbackError};
 pub use forcing::Interpolation;
 pub use history::HistoryError;

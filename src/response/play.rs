@@ -40,7 +40,7 @@ impl<'a> Play<'a> {
     pub(super) fn grid(&self) -> Result<TimeGrid, SimulationError> {
         let grid = self.torque.grid();
         let Some(until_s) = self.until_s else { return Ok(grid) };
-        let end_s = grid.time_s(grid.len - 1);
+        let end_s = grid.end_s();
         let steps = (until_s - end_s) / grid.step_s;
         // An end a hair beside the last sample is that sample.
         if steps.is_nan() || steps < -1e-6 {

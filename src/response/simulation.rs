@@ -10,7 +10,9 @@ use super::stepper::Stepper;
 use super::warning::{SimulationWarning, warnings};
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
 use crate::link::Link;
-use crate::modal::{DampingError, DampingLaw, Shape, hub_moves_mass};
+use crate::modal::{
+    DampingError, DampingLaw, REPORTED_MODES, Shape, hub_moves_mass, natural_frequencies,
+};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, rounded};
 
@@ -116,6 +118,8 @@ pub struct Simulation {
     pub residual: ResidualVibration,
     /// Modes that were kept.
     pub selection: ModeSelection,
+    /// Lowest natural frequencies in rad/s, the rigid rotation left out.
+    pub natural_frequencies_rad_s: Vec<f64>,
     /// The mesh.
     pub mesh: Mesh,
     /// The damping law; the ratio of a hysteretic link is taken as its viscous ratio.
@@ -139,12 +143,11 @@ pub struct Simulation {
 /// # Errors
 /// [`SimulationError`].
 pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation, SimulationError> {
+    let band_rad_s = play.band_rad_s().ok_or(SimulationError::NoTorque)?;
     let mesh = Mesh::new(link, plan);
-    let mesh = match play.band_rad_s() {
-        Some(band_rad_s) if plan.is_automatic() => mesh.resolving(band_rad_s, plan.tolerance()),
-        _ => mesh,
-    };
-    simulate_on(link, mesh, play)
+    let mesh =
+        if plan.is_automatic() { mesh.resolving(band_rad_s, plan.tolerance()) } else { mesh };
+    play_on(link, mesh, play, band_rad_s)
 }
 
 /// Plays a torque on a link as [`simulate`] does, on a given mesh.
@@ -152,7 +155,16 @@ pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation,
 /// # Errors
 /// [`SimulationError`].
 pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, SimulationError> {
-    let band_rad_s = play.band_rad_s().ok_or(SimulationError::NoTorque)?;
+    play_on(link, mesh, play, play.band_rad_s().ok_or(SimulationError::NoTorque)?)
+}
+
+/// Plays a torque that drives the link up to a frequency.
+fn play_on(
+    link: &Link,
+    mesh: Mesh,
+    play: &Play,
+    band_rad_s: f64,
+) -> Result<Simulation, SimulationError> {
     if !hub_moves_mass(&mesh) {
         return Err(SimulationError::MasslessHub);
     }
@@ -186,6 +198,7 @@ pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, S
         tip: TipMotionHistories::default(),
         residual: ResidualVibration::default(),
         selection,
+        natural_frequencies_rad_s: natural_frequencies(&mesh, REPORTED_MODES),
         mesh,
         law,
         warnings: Vec::new(),

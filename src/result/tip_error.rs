@@ -92,8 +92,7 @@ impl TipError {
     /// [`TargetError`].
     pub fn of(simulation: &Simulation, target: &TipTarget) -> Result<Self, TargetError> {
         let (own, grid, wanted_m) = (&simulation.grid, target.grid(), target.displacement_m());
-        let steps: Vec<f64> = (0..own.len).map(|k| k as f64).collect();
-        let spline = CubicSpline::new(&steps, &simulation.tip.displacement_m, SplineEnds::NotAKnot);
+        let spline = CubicSpline::uniform(&simulation.tip.displacement_m, SplineEnds::NotAKnot);
         let way_m = target.farthest_m();
         if way_m == 0.0 {
             return Err(TargetError::NoMotion);

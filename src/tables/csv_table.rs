@@ -51,24 +51,36 @@ pub fn write_csv(
     groups: &[ColumnGroup],
     digits: Digits,
 ) -> io::Result<()> {
+    write_timed(out, "time_s", &|k| time.time_s(k), time.len(), groups, digits)
+}
+
+/// Writes a table of `rows` rows over times in s under a heading of their own.
+pub(super) fn write_timed(
+    out: &mut (impl Write + ?Sized),
+    heading: &str,
+    time_s: &(impl Fn(usize) -> f64 + Sync),
+    rows: usize,
+    groups: &[ColumnGroup],
+    digits: Digits,
+) -> io::Result<()> {
     let columns = formatted(groups, digits);
     for (column, _) in &columns {
-        assert_eq!(column.values.len(), time.len(), "{}", column.name);
+        assert_eq!(column.values.len(), rows, "{}", column.name);
     }
     let names = columns.iter().map(|(column, _)| column.name.as_str());
-    let header: Vec<&str> = std::iter::once("time_s").chain(names).collect();
+    let header: Vec<&str> = std::iter::once(heading).chain(names).collect();
     writeln!(out, "{}", header.join(","))?;
 
-    let time_format = time_format(|k| time.time_s(k), time.len());
+    let time_format = time_format(time_s, rows);
     let write_row = |block: &mut Vec<u8>, k: usize| {
-        time_format.write(block, time.time_s(k));
+        time_format.write(block, time_s(k));
         for (column, format) in &columns {
             block.push(b',');
             format.write(block, column.values[k]);
         }
         block.push(b'\n');
     };
-    write_rows(out, time.len(), write_row)
+    write_rows(out, rows, write_row)
 }
 
 /// The columns of all groups, each with the format of its group.

@@ -6,12 +6,8 @@ use super::input::InputFile;
 use super::link_record::LinkRecord;
 use super::records::{Fingerprint, MeshRecord, WarningRecord, json};
 use crate::link::Link;
-use crate::modal::natural_frequencies;
 use crate::response::{Interpolation, Play, Simulation};
 use crate::result::{PlayedMetrics, TipError};
-
-/// Natural frequencies that a summary reports.
-const REPORTED_MODES: usize = 5;
 
 /// What a simulation was given.
 #[derive(Debug, Clone, Copy)]
@@ -124,7 +120,7 @@ impl SimulationSummary {
         tip_error: Option<&TipError>,
         files: Vec<&'static str>,
     ) -> Self {
-        let frequencies = natural_frequencies(&simulation.mesh, REPORTED_MODES);
+        let frequencies = &simulation.natural_frequencies_rad_s;
         Self {
             flexlink: env!("CARGO_PKG_VERSION"),
             command: "simulate",
@@ -150,7 +146,7 @@ impl SimulationSummary {
                 highest_hz: simulation.selection.highest_hz,
             },
             periods_s: frequencies.iter().map(|omega| std::f64::consts::TAU / omega).collect(),
-            viscous_damping_ratios: simulation.law.modal_ratios(&frequencies),
+            viscous_damping_ratios: simulation.law.modal_ratios(frequencies),
             results: Results::new(metrics),
             residual: ResidualRecord {
                 amplitude_m: simulation.residual.amplitude_m,
@@ -197,8 +193,8 @@ impl TorqueRecord {
             samples: grid.len,
             step_s: grid.step_s,
             start_s: grid.time_s(0),
-            end_s: grid.time_s(grid.len - 1),
-            simulated_until_s: own.time_s(own.len - 1),
+            end_s: grid.end_s(),
+            simulated_until_s: own.end_s(),
             interpolation: match play.interpolation {
                 Interpolation::Cubic => "cubic",
                 Interpolation::Linear => "linear",

@@ -1,8 +1,10 @@
 use super::check::{Check, Question};
 use super::report::{Answer, VerificationError};
 use crate::link::Damping;
-use crate::numeric::largest;
-use crate::response::{EnergyBalance, Play, Simulation, SimulationError, Torque, simulate_on};
+use crate::numeric::{largest, largest_difference};
+use crate::response::{
+    EnergyAccount, EnergyBalance, Play, Simulation, SimulationError, Torque, simulate_on,
+};
 
 /// How far the tip may stray at most, over its way.
 const TIP: f64 = 1e-3;
@@ -90,20 +92,18 @@ fn net_torque(answer: &Answer) -> Vec<f64> {
 /// Largest distance of a tip from the wanted one, over its way.
 fn tip_error(answer: &Answer, tip_m: &[f64]) -> f64 {
     let wanted = &answer.solution.tip.displacement_m;
-    let pairs = tip_m.iter().zip(wanted);
-    let strays = pairs.fold(0.0_f64, |m, (tip, wanted)| m.max((tip - wanted).abs()));
-    strays / answer.solution.tip.farthest_m()
+    largest_difference(tip_m, wanted) / answer.solution.tip.farthest_m()
 }
 
 /// What is missing in the balance of energy, at worst, and what its integrals may be wrong by, both
 /// over the largest energy in the link.
 fn imbalance(simulation: &Simulation) -> (f64, f64) {
-    let balances = simulation.energy(BALANCES);
+    let EnergyAccount { balances, quadrature_error_j } = simulation.energy(BALANCES);
     let held = |b: &EnergyBalance| b.kinetic_j + b.strain_j;
     let largest = balances.iter().fold(0.0_f64, |m, b| m.max(held(b)));
     let missing = balances.iter().map(|b| (b.work_j - held(b) - b.dissipated_j).abs());
     let missing = missing.fold(0.0, f64::max);
-    (missing / largest, simulation.quadrature_error_j() / largest)
+    (missing / largest, quadrature_error_j / largest)
 }
 
 #[cfg(test)]
