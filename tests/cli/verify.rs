@@ -111,3 +111,14 @@ fn solve_keeps_the_table_in_its_summary_and_its_results_whatever_it_says() {
     let summary: Value = serde_json::from_str(&bench.read("plain/summary.json")).unwrap();
     assert_eq!(summary["verification"], Value::Null);
 }
+
+#[test]
+fn the_shortest_motion_is_measured_too() {
+    let bench = Bench::new();
+    bench.write("four.csv", "time,acceleration\n0,1\n0.5,1\n1,-1\n1.5,-1\n");
+    let link = repository(LINK);
+    let cut = ["--set", "analysis.lead=0", "--set", "analysis.lag=0"];
+    let output = bench.run(&[&["verify", &link, "four.csv"], &cut[..]].concat());
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert_eq!(stdout(&output).lines().count(), 1 + NAMES.len(), "{}", stdout(&output));
+}
