@@ -26,6 +26,7 @@
 //! | [`inverse`] | transfer at one frequency, period and padding, the inversion, rigid comparison |
 //! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
 //! | [`result`] | the numbers that a person reads first |
+//! | [`sweep`] | many cases in parallel, their order kept; shards |
 //! | [`verification`] | every approximation of a solution measured by other means |
 //! | [`spec`] | link file and `--set` → [`link::Link`] |
 //! | [`tables`] | CSV → motion, torque, hub reference; solution → CSV and summary.json |
@@ -119,5 +120,6 @@ pub mod numeric;
 pub mod response;
 pub mod result;
 pub mod spec;
+pub mod sweep;
 pub mod tables;
 pub mod verification;

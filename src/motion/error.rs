@@ -60,6 +60,17 @@ pub enum MotionError {
     /// A time that does not stand on the uniform grid.
     #[error(transparent)]
     NotUniform(#[from] NotUniform),
+    /// Factors that leave no motion, or none that ends.
+    #[error(
+        "the motion's distance times {distance} and duration times {duration}, but these must be \
+         finite factors, that of the duration above 0 and that of the distance not 0"
+    )]
+    Scale {
+        /// Factor on the distance.
+        distance: f64,
+        /// Factor on the duration.
+        duration: f64,
+    },
     /// The tip stands still.
     #[error("the tip stands still in all samples, but must move")]
     NoMotion,
@@ -119,9 +130,11 @@ impl MotionError {
             | Self::NotUniform(NotUniform { sample, .. })
             | Self::MovingAtEnd { sample, .. }
             | Self::Disagree { sample, .. } => Some(*sample),
-            Self::Shape { .. } | Self::TooLarge | Self::NoMotion | Self::AcceleratesAway { .. } => {
-                None
-            }
+            Self::Shape { .. }
+            | Self::TooLarge
+            | Self::Scale { .. }
+            | Self::NoMotion
+            | Self::AcceleratesAway { .. } => None,
         }
     }
 
@@ -137,7 +150,11 @@ impl MotionError {
             Self::Disagree { .. } => {
                 Some("check the units in the header, or leave one of the columns out")
             }
-            Self::Shape { .. } | Self::NotFinite { .. } | Self::TooLarge | Self::NoMotion => None,
+            Self::Shape { .. }
+            | Self::NotFinite { .. }
+            | Self::TooLarge
+            | Self::Scale { .. }
+            | Self::NoMotion => None,
         }
     }
 }

@@ -5,6 +5,7 @@ mod columns;
 mod error;
 mod histories;
 mod profile;
+mod scale;
 mod spectrum;
 mod target;
 #[cfg(test)]
@@ -15,6 +16,7 @@ pub use columns::MotionColumns;
 pub use error::{MotionColumn, MotionError};
 pub use histories::TipMotionHistories;
 pub use profile::Profile;
+pub use scale::MotionScale;
 pub use spectrum::{TipHistories, TipSpectrum};
 pub use target::TipTarget;
 pub use tip_motion::{EndVelocity, TipMotion};

@@ -1,4 +1,5 @@
-use crate::numeric::TimeGrid;
+use super::tip_motion::TipMotion;
+use crate::numeric::{TimeGrid, fast_length};
 
 /// A tip displacement to compare with; it need not be at rest at its ends.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,5 +36,41 @@ impl TipTarget {
     /// Largest distance from the first sample in m.
     pub fn farthest_m(&self) -> f64 {
         self.displacement_m.iter().fold(0.0, |m, x| m.max((x - self.start_m()).abs()))
+    }
+}
+
+impl TipMotion {
+    /// The motion as a target, with as much of the rest around it, in whole steps, as lies between
+    /// two times in s.
+    pub fn target(&self, from_s: f64, until_s: f64) -> TipTarget {
+        let own = self.grid();
+        // A time a hair beside a sample is that sample.
+        let steps = |time_s: f64| (time_s / own.step_s + 1e-6).floor().max(0.0) as usize;
+        let (before, after) = (steps(own.time_s(0) - from_s), steps(until_s - own.end_s()));
+        let len = fast_length(2 * own.len + before + after);
+        let seam = own.len + after + own.len / 2;
+        let period_m = self.histories(&self.spectrum(len, seam)).displacement_m;
+        let displacement_m = period_m[len - before..].iter().chain(&period_m[..own.len + after]);
+        let first = own.first - before as i64;
+        let grid = TimeGrid { first, len: before + own.len + after, ..own };
+        TipTarget::new(grid, displacement_m.copied().collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::Profile;
+
+    #[test]
+    fn a_target_rests_before_and_after_its_motion() {
+        let motion = TipMotion::new(Profile::Septic.sampled(0.5, 0.01, 100, [0, 0])).unwrap();
+        let target = motion.target(-0.25, 1.5);
+        let (grid, at) = (target.grid(), target.displacement_m());
+        assert_eq!((grid.len, grid.time_s(25)), (176, 0.0));
+        assert!(at[..26].iter().all(|d| d.abs() < 1e-8));
+        assert!(at[125..].iter().all(|d| (d - 0.5).abs() < 1e-8));
+        assert!((at[75] - 0.25).abs() < 1e-12, "half the way after half the time");
+        assert_eq!(motion.target(0.3, 0.6).grid(), motion.grid(), "no sample is cut off");
     }
 }

@@ -185,6 +185,15 @@ impl TipMotion {
         Self::new(columns)
     }
 
+    /// The same samples, told of a motion that starts elsewhere and had been corrected before.
+    pub(super) fn standing_for(
+        self,
+        initial_displacement_m: f64,
+        corrected: Option<EndVelocity>,
+    ) -> Self {
+        Self { initial_displacement_m, corrected, ..self }
+    }
+
     /// Grid of the given samples.
     pub fn grid(&self) -> TimeGrid {
         self.grid

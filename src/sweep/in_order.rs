@@ -1,0 +1,139 @@
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use rayon::ThreadPoolBuilder;
+
+/// Does the work of many cases on all threads of the current pool, and hands over what each gives
+/// in the order of the cases, as soon as all before it are done.
+///
+/// A case has one thread, or an even share of them where there are fewer cases than threads. When
+/// `stop` turns true, or `take` fails, the cases that were begun are finished and no other is
+/// begun: what was handed over has no gap.
+///
+/// # Errors
+/// The first of `take`.
+pub fn in_order<T: Send, E>(
+    cases: Range<usize>,
+    stop: &AtomicBool,
+    work: impl Fn(usize) -> T + Sync,
+    mut take: impl FnMut(usize, T) -> Result<(), E>,
+) -> Result<(), E> {
+    let threads = rayon::current_num_threads();
+    let workers = threads.min(cases.len());
+    if workers == 0 {
+        return Ok(());
+    }
+    let next = AtomicUsize::new(cases.start);
+    let failed = AtomicBool::new(false);
+    let (sender, receiver) = mpsc::channel();
+    let (next, failed, work) = (&next, &failed, &work);
+    thread::scope(|scope| {
+        for _ in 0..workers {
+            let (sender, end) = (sender.clone(), cases.end);
+            scope.spawn(move || {
+                // Work that is parallel in itself finds only these threads. Without them (the
+                // system has no more) it shares those of the whole program.
+                let _own = ThreadPoolBuilder::new()
+                    .num_threads(threads / workers)
+                    .use_current_thread()
+                    .build();
+                while !stop.load(Ordering::Relaxed) && !failed.load(Ordering::Relaxed) {
+                    let case = next.fetch_add(1, Ordering::Relaxed);
+                    if case >= end {
+                        break;
+                    }
+                    if sender.send((case, work(case))).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        let mut waiting = BTreeMap::new();
+        let mut expected = cases.start;
+        for (case, done) in receiver {
+            waiting.insert(case, done);
+            while let Some(done) = waiting.remove(&expected) {
+                if let Err(error) = take(expected, done) {
+                    failed.store(true, Ordering::Relaxed);
+                    return Err(error);
+                }
+                expected += 1;
+            }
+        }
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayon::prelude::*;
+
+    fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+        ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+    }
+
+    /// Uneven work, parallel in itself.
+    fn sum(case: usize) -> usize {
+        let terms = 1000 * (case % 7);
+        (0..terms).into_par_iter().map(|k| k % 3).sum::<usize>() + case
+    }
+
+    #[test]
+    fn rows_come_in_order_on_any_number_of_threads() {
+        let go = AtomicBool::new(false);
+        let rows = |threads| {
+            on_threads(threads, || {
+                let mut rows = Vec::new();
+                let take = |case, sum| {
+                    rows.push((case, sum));
+                    Ok::<(), ()>(())
+                };
+                in_order(3..200, &go, sum, take).unwrap();
+                rows
+            })
+        };
+        let expected: Vec<_> = (3..200).map(|case| (case, sum(case))).collect();
+        for threads in [1, 2, 7, 300] {
+            assert_eq!(rows(threads), expected, "{threads} threads");
+        }
+    }
+
+    #[test]
+    fn nothing_is_missing_before_the_case_at_which_it_was_stopped() {
+        let stop = AtomicBool::new(false);
+        let mut rows = Vec::new();
+        let work = |case| {
+            if case == 50 {
+                stop.store(true, Ordering::Relaxed);
+            }
+            case
+        };
+        let take = |case, done| {
+            assert_eq!(case, done);
+            rows.push(case);
+            Ok::<(), ()>(())
+        };
+        on_threads(4, || in_order(0..10_000, &stop, work, take)).unwrap();
+        assert!((51..10_000).contains(&rows.len()), "{} rows", rows.len());
+        assert!(rows.iter().copied().eq(0..rows.len()));
+    }
+
+    #[test]
+    fn a_row_that_is_not_taken_ends_the_work() {
+        let stop = AtomicBool::new(false);
+        let begun = AtomicUsize::new(0);
+        let work = |case| {
+            begun.fetch_add(1, Ordering::Relaxed);
+            case
+        };
+        let take = |case, _| if case == 5 { Err("full") } else { Ok(()) };
+        let ended = on_threads(2, || in_order(0..1_000_000, &stop, work, take));
+        assert_eq!(ended, Err("full"));
+        assert!(begun.load(Ordering::Relaxed) < 1_000_000);
+    }
+}

@@ -1,0 +1,146 @@
+use thiserror::Error;
+
+use super::variation::{Operation, Variation};
+use crate::motion::MotionScale;
+
+/// All cases of a sweep: the product of its variations, the last one running fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepPlan {
+    variations: Vec<Variation>,
+    cases: usize,
+}
+
+/// What one case of a sweep takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseValues {
+    /// The value of every variation, as its column shows it.
+    pub values: Vec<String>,
+    /// Changes of the link file, as `--set` reads them.
+    pub link_changes: Vec<String>,
+    /// Change of the motion.
+    pub motion: MotionScale,
+}
+
+/// Variations that make no sweep.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum PlanError {
+    /// One path in two variations.
+    #[error("path = {path} twice, but must be varied once")]
+    Twice {
+        /// The path.
+        path: String,
+    },
+    /// More cases than can be counted.
+    #[error("the product of all values has more cases than can be counted")]
+    TooMany,
+    /// Something else than a factor on the motion.
+    #[error("{change}, but {path} of the motion takes factors, {path}*=0.5,1,2")]
+    NoFactor {
+        /// The path, `distance` or `duration`.
+        path: String,
+        /// What was asked for.
+        change: String,
+    },
+}
+
+/// What of the motion can be varied.
+const DISTANCE: &str = "distance";
+const DURATION: &str = "duration";
+
+impl SweepPlan {
+    /// Takes the variations of a sweep.
+    ///
+    /// # Errors
+    /// A path that is varied twice, factors on the motion that are none, or more cases than can be
+    /// counted.
+    pub fn new(variations: Vec<Variation>) -> Result<Self, PlanError> {
+        for (number, variation) in variations.iter().enumerate() {
+            let path = variation.path();
+            if variations[..number].iter().any(|earlier| earlier.path() == path) {
+                return Err(PlanError::Twice { path: path.to_owned() });
+            }
+            let of_motion = path == DISTANCE || path == DURATION;
+            let not_a_factor = (0..variation.values().len())
+                .find(|k| of_motion && factor(variation, *k).is_none())
+                .map(|k| variation.change(k));
+            if let Some(change) = not_a_factor {
+                return Err(PlanError::NoFactor { path: path.to_owned(), change });
+            }
+        }
+        let product =
+            |cases: usize, variation: &Variation| cases.checked_mul(variation.values().len());
+        let cases = variations.iter().try_fold(1, product).ok_or(PlanError::TooMany)?;
+        Ok(Self { variations, cases })
+    }
+
+    /// The variations in their order.
+    pub fn variations(&self) -> &[Variation] {
+        &self.variations
+    }
+
+    /// How many cases there are.
+    pub fn cases(&self) -> usize {
+        self.cases
+    }
+
+    /// What the case of this number, from 0, takes.
+    pub fn case(&self, number: usize) -> CaseValues {
+        let mut left = number;
+        let mut chosen: Vec<usize> = Vec::with_capacity(self.variations.len());
+        for variation in self.variations.iter().rev() {
+            chosen.push(left % variation.values().len());
+            left /= variation.values().len();
+        }
+        chosen.reverse();
+        let mut case =
+            CaseValues { values: vec![], link_changes: vec![], motion: MotionScale::default() };
+        for (variation, k) in self.variations.iter().zip(chosen) {
+            case.values.push(variation.values()[k].clone());
+            match (variation.path(), factor(variation, k)) {
+                (DISTANCE, Some(factor)) => case.motion.distance = factor,
+                (DURATION, Some(factor)) => case.motion.duration = factor,
+                _ => case.link_changes.push(variation.change(k)),
+            }
+        }
+        case
+    }
+}
+
+/// The factor that a variation multiplies with, if it does.
+fn factor(variation: &Variation, number: usize) -> Option<f64> {
+    let factor = variation.values()[number].parse().ok().filter(|x: &f64| x.is_finite());
+    let plain = variation.heading() == variation.path();
+    factor.filter(|_| plain && variation.operation() == Operation::Multiply)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan(variations: &[&str]) -> Result<SweepPlan, PlanError> {
+        SweepPlan::new(variations.iter().map(|text| text.parse().unwrap()).collect())
+    }
+
+    #[test]
+    fn the_last_variation_runs_fastest() {
+        let plan = plan(&["hub.inertia=1,2", "duration*=0.5,1,2"]).unwrap();
+        assert_eq!(plan.cases(), 6);
+        let fourth = plan.case(3);
+        assert_eq!(fourth.values, ["2", "0.5"]);
+        assert_eq!(fourth.link_changes, ["hub.inertia=2"]);
+        assert_eq!(fourth.motion, MotionScale { distance: 1.0, duration: 0.5 });
+    }
+
+    #[test]
+    fn what_makes_no_sweep_is_refused() {
+        let refusal = |variations: &[&str]| plan(variations).unwrap_err().to_string();
+        assert!(refusal(&["hub.inertia=1", "hub.inertia*=2"]).starts_with("path = hub.inertia"));
+        assert!(refusal(&["duration=1,2"]).starts_with("duration=1, but duration of the motion"));
+        assert!(refusal(&["distance*=1,x"]).starts_with("distance*=x"));
+        assert!(refusal(&["distance*=1 m:2 m:2"]).starts_with("distance*=1 m"));
+        let thousand: Vec<String> = (0..7).map(|k| format!("hub.{k}=1:2:1000")).collect();
+        let thousand: Vec<&str> = thousand.iter().map(String::as_str).collect();
+        assert!(refusal(&thousand).contains("more cases than can be counted"));
+        assert_eq!(plan(&thousand[1..]).unwrap().cases(), 1_000_000_000_000_000_000);
+    }
+}

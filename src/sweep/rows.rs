@@ -1,0 +1,61 @@
+use crate::inverse::{Accuracy, Solution};
+use crate::modal::torque_zeros;
+use crate::response::{ResidualVibration, Simulation};
+use crate::result::{Metrics, PlayedMetrics, TipError};
+
+/// The numbers of a case whose torque was computed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolvedCase {
+    /// Period of the first mode in s; none where nothing vibrates.
+    pub period_s: Option<f64>,
+    /// First zero of torque → tip in 1/s.
+    pub zero_per_s: Option<f64>,
+    /// What a person reads first.
+    pub metrics: Metrics,
+    /// How exact it is.
+    pub accuracy: Accuracy,
+}
+
+impl SolvedCase {
+    /// Reads the numbers off a solution.
+    pub fn of(solution: &Solution) -> Self {
+        Self {
+            period_s: first_period_s(&solution.natural_frequencies_rad_s),
+            zero_per_s: solution.zeros_per_s.first().copied(),
+            metrics: Metrics::of(solution),
+            accuracy: solution.accuracy,
+        }
+    }
+}
+
+/// The numbers of a case on which a given torque was played.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlayedCase {
+    /// Period of the first mode in s; none where nothing vibrates.
+    pub period_s: Option<f64>,
+    /// First zero of torque → tip in 1/s.
+    pub zero_per_s: Option<f64>,
+    /// What a person reads first.
+    pub metrics: PlayedMetrics,
+    /// How far the tip strays from the wanted motion.
+    pub tip_error: TipError,
+    /// What it does after the torque.
+    pub residual: ResidualVibration,
+}
+
+impl PlayedCase {
+    /// Reads the numbers off a simulation and what it was compared with.
+    pub fn of(simulation: &Simulation, tip_error: TipError) -> Self {
+        Self {
+            period_s: first_period_s(&simulation.natural_frequencies_rad_s),
+            zero_per_s: torque_zeros(&simulation.mesh, 1).first().copied(),
+            metrics: PlayedMetrics::of(simulation),
+            tip_error,
+            residual: simulation.residual,
+        }
+    }
+}
+
+fn first_period_s(frequencies_rad_s: &[f64]) -> Option<f64> {
+    frequencies_rad_s.first().map(|omega| std::f64::consts::TAU / omega)
+}
