@@ -3,6 +3,9 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
+/// Most shards of one sweep.
+const MOST: usize = 100_000;
+
 /// Every N-th case: the share of one machine of N. `2/8` has the cases 2, 10, 18, …
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
@@ -12,7 +15,7 @@ pub struct Shard {
 
 /// A shard that there is not.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("shard = {found:?}, but must read I/N with 1 <= I <= N")]
+#[error("shard = {found:?}, but must read I/N, 1 <= I <= N, N at most {MOST}")]
 pub struct ShardError {
     found: String,
 }
@@ -59,7 +62,7 @@ impl FromStr for Shard {
         let number = |text: &str| text.trim().parse::<usize>().ok().filter(|n| *n > 0);
         let pair = text.split_once('/').and_then(|(i, n)| Some((number(i)?, number(n)?)));
         match pair {
-            Some((number, of)) if number <= of => Ok(Self { number, of }),
+            Some((number, of)) if number <= of && of <= MOST => Ok(Self { number, of }),
             _ => Err(ShardError { found: text.to_owned() }),
         }
     }
@@ -83,7 +86,7 @@ mod tests {
 
     #[test]
     fn a_shard_that_there_is_not_is_refused() {
-        for text in ["0/4", "5/4", "1", "a/b", "1/0", "-1/2", ""] {
+        for text in ["0/4", "5/4", "1", "a/b", "1/0", "-1/2", "1/100001", ""] {
             assert!(text.parse::<Shard>().is_err(), "{text}");
         }
     }

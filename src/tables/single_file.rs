@@ -8,8 +8,7 @@ use super::folder::{FolderAction, FolderError, OutputFolder};
 /// # Errors
 /// [`FolderError`] if `path` names no file, or the file cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
+    let folder = folder_of(path);
     let Some(name) = path.file_name().map(|name| name.to_string_lossy()) else {
         let cause = io::Error::other("the path names no file");
         let action = FolderAction::Write(path.display().to_string());
@@ -18,4 +17,10 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
     let mut staged = OutputFolder::stage(folder)?;
     staged.file(&name, |out| out.write_all(bytes))?;
     staged.commit(&name, &[])
+}
+
+/// The folder that a file lies in.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    folder.unwrap_or(Path::new("."))
 }

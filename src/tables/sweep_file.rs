@@ -1,0 +1,247 @@
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use super::folder::{FolderAction, FolderError};
+use super::single_file::{folder_of, write_file};
+use super::sweep_identity::SweepIdentity;
+use super::sweep_rows::SweepRows;
+use super::table_error::{Place, TableError};
+
+/// The file of a sweep while its rows come: `sweep.csv.part` beside `sweep.csv`.
+///
+/// It holds whole rows at every moment, so that an interrupted sweep can go on; it takes its own
+/// name when the last row is there. Its first line is its [`SweepIdentity`], which shards keep.
+#[derive(Debug)]
+pub struct SweepFile {
+    path: PathBuf,
+    part: PathBuf,
+    file: File,
+    identity: SweepIdentity,
+}
+
+/// A sweep that goes on where an earlier run ended.
+#[derive(Debug)]
+pub enum Resumed {
+    /// With the file, and the rows that it holds.
+    At(SweepFile, usize),
+    /// With nothing to do: the shard is complete.
+    Complete,
+}
+
+impl SweepFile {
+    /// Begins the file at `path`; what an interrupted run left beside it is overwritten.
+    ///
+    /// # Errors
+    /// [`FolderError`] if it cannot be written, or another run is writing it.
+    pub fn begin(path: &Path, identity: SweepIdentity, header: &str) -> Result<Self, FolderError> {
+        let mut file = Self::open(path, identity)?;
+        let first = format!("{}\n{header}", file.identity);
+        let begun = file.file.set_len(0);
+        begun.map_err(|cause| file.error(cause))?;
+        file.append(&first)?;
+        Ok(file)
+    }
+
+    /// Goes on with what an interrupted run left, or begins where it left nothing.
+    ///
+    /// # Errors
+    /// The outer ones as [`SweepFile::begin`]; the inner ones for what is there of another sweep.
+    pub fn resume(
+        path: &Path,
+        identity: SweepIdentity,
+        header: &str,
+    ) -> Result<Result<Resumed, TableError>, FolderError> {
+        let refused = |error: TableError| {
+            error.with_hint("remove the file, or leave --resume out to begin anew".to_owned())
+        };
+        let part = part_of(path);
+        // A finished shard tells what it is; a finished sweep does not.
+        let shown = if part.exists() { part } else { path.to_owned() };
+        let is_part = shown != path;
+        if !is_part && identity.shard().of() == 1 || !shown.exists() {
+            return Ok(Ok(Resumed::At(Self::begin(path, identity, header)?, 0)));
+        }
+        let mut file = if is_part { Some(Self::open(path, identity.clone())?) } else { None };
+        let read = fs::read(&shown).map_err(|cause| error(&shown, cause))?;
+        let name = shown.display().to_string();
+        // Ended before its first two lines were there.
+        let heads = read.iter().filter(|byte| **byte == b'\n').count();
+        if is_part && heads < 2 {
+            drop(file);
+            return Ok(Ok(Resumed::At(Self::begin(path, identity, header)?, 0)));
+        }
+        let there = match SweepRows::read(&name, &read) {
+            Ok(there) => there,
+            Err(error) => return Ok(Err(refused(error))),
+        };
+        if there.identity != identity || there.header != header.trim_end() {
+            let found = format!("\"{}\"", there.identity);
+            let must = "must be that of this sweep: files, options, values and version";
+            let place = Place { file: &name, line: Some(1) };
+            return Ok(Err(refused(place.refuse("sweep", found, must))));
+        }
+        let rows = there.rows.len();
+        Ok(Ok(match file.take() {
+            Some(mut file) => {
+                file.cut_after(&read)?;
+                Resumed::At(file, rows)
+            }
+            None if rows == identity.rows() => Resumed::Complete,
+            None => Resumed::At(Self::begin(path, identity, header)?, 0),
+        }))
+    }
+
+    /// Appends whole rows.
+    ///
+    /// # Errors
+    /// [`FolderError`] if they cannot be written.
+    pub fn append(&mut self, rows: &str) -> Result<(), FolderError> {
+        self.file.write_all(rows.as_bytes()).map_err(|cause| self.error(cause))
+    }
+
+    /// Gives the file its own name; of a whole sweep only the table is left.
+    ///
+    /// # Errors
+    /// [`FolderError`] if it cannot be written.
+    pub fn finish(self) -> Result<(), FolderError> {
+        let Self { path, part, file, identity } = self;
+        drop(file);
+        if identity.shard().of() > 1 {
+            return fs::rename(&part, &path).map_err(|cause| error(&path, cause));
+        }
+        let rows = fs::read(&part).map_err(|cause| error(&part, cause))?;
+        let first = rows.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+        write_file(&path, &rows[first..])?;
+        fs::remove_file(&part).map_err(|cause| error(&part, cause))
+    }
+
+    /// The file that holds the rows until they are complete.
+    pub fn part(&self) -> &Path {
+        &self.part
+    }
+
+    /// Opens the part for this run alone.
+    fn open(path: &Path, identity: SweepIdentity) -> Result<Self, FolderError> {
+        let part = part_of(path);
+        let folder = folder_of(path);
+        fs::create_dir_all(folder).map_err(|cause| FolderError {
+            folder: folder.to_owned(),
+            action: FolderAction::Create,
+            cause,
+        })?;
+        let file = OpenOptions::new().create(true).append(true).open(&part);
+        let file = file.map_err(|cause| error(&part, cause))?;
+        // A file system without locks has no say.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(error(&part, io::Error::other("another run is writing it")));
+        }
+        Ok(Self { path: path.to_owned(), part, file, identity })
+    }
+
+    /// Cuts off a row that was not written to its end.
+    fn cut_after(&mut self, read: &[u8]) -> Result<(), FolderError> {
+        let whole = read.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+        self.file.set_len(whole as u64).map_err(|cause| self.error(cause))
+    }
+
+    fn error(&self, cause: io::Error) -> FolderError {
+        error(&self.part, cause)
+    }
+}
+
+fn part_of(path: &Path) -> PathBuf {
+    let mut name = OsString::from(path);
+    name.push(".part");
+    PathBuf::from(name)
+}
+
+fn error(path: &Path, cause: io::Error) -> FolderError {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let action = FolderAction::Write(name.unwrap_or_default());
+    FolderError { folder: folder_of(path).to_owned(), action, cause }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::{Shard, SweepPlan};
+
+    const HEADER: &str = "a,b\n";
+
+    fn identity(values: &str, shard: &str) -> SweepIdentity {
+        let plan = SweepPlan::new(vec![format!("x={values}").parse().unwrap()]).unwrap();
+        SweepIdentity::new(&[], &[], &plan, shard.parse::<Shard>().unwrap())
+    }
+
+    #[track_caller]
+    fn resumed(path: &Path, identity: SweepIdentity) -> (SweepFile, usize) {
+        match SweepFile::resume(path, identity, HEADER).unwrap().unwrap() {
+            Resumed::At(file, rows) => (file, rows),
+            Resumed::Complete => panic!("complete"),
+        }
+    }
+
+    #[test]
+    fn rows_stay_aside_until_the_last_and_go_on_after_an_interruption() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new/sweep.csv");
+        let mut file = SweepFile::begin(&path, identity("1,2,3", "1/1"), HEADER).unwrap();
+        file.append("1,1\n").unwrap();
+        file.append("2,").unwrap();
+        drop(file);
+        assert!(!path.exists());
+
+        let (mut file, rows) = resumed(&path, identity("1,2,3", "1/1"));
+        assert_eq!(rows, 1, "the second row was cut off in writing");
+        file.append("2,2\n3,3\n").unwrap();
+        file.finish().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "a,b\n1,1\n2,2\n3,3\n");
+        assert!(!part_of(&path).exists());
+    }
+
+    #[test]
+    fn a_finished_shard_keeps_its_first_line_and_is_not_done_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.csv");
+        let own = identity("1,2,3", "2/2");
+        let mut file = SweepFile::begin(&path, own.clone(), HEADER).unwrap();
+        file.append("2,2\n").unwrap();
+        file.finish().unwrap();
+        let text = fs::read_to_string(&path).unwrap();
+        assert_eq!(text, format!("{own}\na,b\n2,2\n"));
+        assert!(matches!(SweepFile::resume(&path, own, HEADER), Ok(Ok(Resumed::Complete))));
+        let other = SweepFile::resume(&path, identity("1,2,4", "2/2"), HEADER).unwrap();
+        let error = other.unwrap_err().to_string();
+        assert!(error.ends_with("must be that of this sweep: files, options, values and version"));
+    }
+
+    #[test]
+    fn an_unfinished_sweep_is_not_mixed_with_another() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sweep.csv");
+        drop(SweepFile::begin(&path, identity("1,2,3", "1/1"), HEADER).unwrap());
+        let other = SweepFile::resume(&path, identity("1,2", "1/1"), HEADER).unwrap();
+        assert!(other.unwrap_err().to_string().contains("sweep.csv.part:1: sweep = \"# flexlink"));
+        // Killed before the first line was written to its end.
+        fs::write(part_of(&path), "# flexl").unwrap();
+        let (_, rows) = resumed(&path, identity("1,2", "1/1"));
+        assert_eq!(rows, 0);
+        let begun = fs::read_to_string(part_of(&path)).unwrap();
+        assert_eq!(begun, format!("{}\na,b\n", identity("1,2", "1/1")));
+    }
+
+    #[test]
+    fn two_runs_do_not_write_one_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sweep.csv");
+        let first = SweepFile::begin(&path, identity("1,2", "1/1"), HEADER).unwrap();
+        let second = SweepFile::begin(&path, identity("1,2", "1/1"), HEADER).unwrap_err();
+        assert!(second.to_string().ends_with("sweep.csv.part: another run is writing it"));
+        let text = fs::read_to_string(part_of(&path)).unwrap();
+        assert!(text.ends_with(HEADER), "the first run's rows are untouched");
+        drop(first);
+        assert!(SweepFile::begin(&path, identity("1,2", "1/1"), HEADER).is_ok());
+    }
+}
