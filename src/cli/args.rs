@@ -31,14 +31,16 @@ impl LinkArgs {
         self.changes.iter().map(|change| format!("--set {change}"))
     }
 
+    /// The changes, read.
+    pub(crate) fn overrides(&self) -> Result<Vec<Override>, Failure> {
+        let overrides: Result<_, SpecError> =
+            self.changes.iter().map(|change| change.parse()).collect();
+        overrides.map_err(|error| Failure::new(Exit::Usage, &error, error.hint()))
+    }
+
     /// Reads the link file and applies the changes.
     pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
-        let overrides: Vec<Override> = self
-            .changes
-            .iter()
-            .map(|change| change.parse())
-            .collect::<Result<_, _>>()
-            .map_err(|error: SpecError| Failure::new(Exit::Usage, &error, error.hint()))?;
+        let overrides = self.overrides()?;
         let file = InputFile::read(&self.link)?;
         let specification = read_specification(&file.shown, file.text()?, &overrides)?;
         Ok((file, specification))
@@ -60,13 +62,24 @@ pub(crate) struct MotionArgs {
 impl MotionArgs {
     /// Reads the trajectory of a link's tip.
     pub(crate) fn load(&self, link: &Link) -> Result<(InputFile, TipMotion), Failure> {
-        let file = InputFile::read(&self.motion)?;
+        let file = self.read()?;
+        let motion = self.motion_of(&file, link)?;
+        Ok((file, motion))
+    }
+
+    /// Reads the file alone.
+    pub(crate) fn read(&self) -> Result<InputFile, Failure> {
+        Ok(InputFile::read(&self.motion)?)
+    }
+
+    /// The trajectory that the file holds for the tip of a link.
+    pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
         let table = read_motion_table(&file.shown, &file.bytes, link.length_m())?;
         let table = match self.resample {
             Some(step_s) => table.resampled(step_s)?,
             None => table,
         };
-        Ok((file, table.into_motion()?))
+        Ok(table.into_motion()?)
     }
 
     /// The argument that changed the trajectory, for the record.

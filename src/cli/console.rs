@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::io::{self, Write};
 
+use indicatif::{ProgressBar, ProgressStyle};
+
 use super::exit::{Exit, Failure};
 
 /// Prints an error and its hint to standard error.
@@ -41,5 +43,38 @@ pub(crate) fn print_bytes(text: &[u8]) -> Result<(), Failure> {
             Err(Failure::new(Exit::CannotWrite, &message, None))
         }
         _ => Ok(()),
+    }
+}
+
+/// Progress on a terminal, with rate and time left; nothing in a pipe.
+pub(crate) struct Progress(ProgressBar);
+
+impl Progress {
+    /// Shows `done` of `all`.
+    pub(crate) fn new(done: usize, all: usize) -> Self {
+        let bar = ProgressBar::new(all as u64).with_position(done as u64);
+        let style = ProgressStyle::with_template("[{bar:30}] {pos}/{len}, {per_sec}, {eta} left");
+        // The template is a constant that the library reads.
+        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ");
+        bar.set_style(style);
+        // What an earlier run has done says nothing about the rate of this one.
+        bar.reset_eta();
+        Self(bar)
+    }
+
+    /// Shows nothing.
+    pub(crate) fn hidden() -> Self {
+        Self(ProgressBar::hidden())
+    }
+
+    /// Shows one more.
+    pub(crate) fn advance(&self) {
+        self.0.inc(1);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
     }
 }

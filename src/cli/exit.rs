@@ -18,6 +18,8 @@ pub(crate) enum Exit {
     NotSolvable = 4,
     /// The results cannot be written.
     CannotWrite = 5,
+    /// Stopped by Ctrl-C or the system's request to end, as shells number it.
+    Interrupted = 130,
 }
 
 impl From<Exit> for ExitCode {

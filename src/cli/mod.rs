@@ -5,6 +5,7 @@ mod console;
 mod exit;
 mod frf;
 mod init;
+mod interrupt;
 mod link_text;
 mod modes;
 mod modes_text;
@@ -15,6 +16,11 @@ mod simulate_inputs;
 mod simulate_text;
 mod solve;
 mod solve_text;
+mod sweep;
+mod sweep_cases;
+mod sweep_outputs;
+mod sweep_sink;
+mod sweep_tally;
 mod trajectory;
 mod verify;
 mod verify_text;
@@ -51,6 +57,7 @@ enum Command {
     Verify(Box<verify::Verify>),
     Modes(modes::Modes),
     Frf(frf::Frf),
+    Sweep(Box<sweep::Sweep>),
     Trajectory(trajectory::Trajectory),
     Init(init::Init),
     Completions(shell::Completions),
@@ -66,6 +73,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Verify(verify) => verify.run(),
         Command::Modes(modes) => modes.run(),
         Command::Frf(frf) => frf.run(),
+        Command::Sweep(sweep) => sweep.run(),
         Command::Trajectory(trajectory) => trajectory.run(),
         Command::Init(init) => init.run(),
         Command::Completions(completions) => completions.run(Cli::command()),

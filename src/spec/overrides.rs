@@ -5,12 +5,14 @@ use super::error::nearest;
 use super::tree::{Kind, Node, Place};
 use crate::numeric::split_number;
 
-/// One `--set` of the command line: `PATH=VALUE` replaces a value of the link file,
+/// One change of the link file from the command line: `PATH=VALUE` replaces a value,
 /// `PATH*=FACTOR` multiplies it.
 ///
 /// PATH is the dotted TOML path; a segment is named, numbered from 0, or `*` for all.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Override {
+    /// The option that asks for it.
+    option: &'static str,
     text: String,
     path: Vec<String>,
     change: Change,
@@ -25,21 +27,17 @@ enum Change {
 impl Override {
     /// How errors point at it.
     pub(super) fn place(&self) -> String {
-        place(&self.text)
+        place(self.option, &self.text)
     }
-}
 
-fn place(text: &str) -> String {
-    format!("--set '{text}'")
-}
-
-impl FromStr for Override {
-    type Err = SpecError;
-
-    fn from_str(text: &str) -> Result<Self, SpecError> {
+    /// Reads the change that an option of the command line asks for; errors will name the option.
+    ///
+    /// # Errors
+    /// [`SpecError`] says what the text must read like.
+    pub fn of_option(option: &'static str, text: &str) -> Result<Self, SpecError> {
         let refused = |message: &str| {
             let hint = "it reads like segments.0.EI=20 or payload.mass*=1.1".to_owned();
-            SpecError::new(place(text), message.to_owned(), Some(hint))
+            SpecError::new(place(option, text), message.to_owned(), Some(hint))
         };
         let Some((path, value)) = text.split_once('=') else {
             return Err(refused("has no `=`, but must read PATH=VALUE or PATH*=FACTOR"));
@@ -61,7 +59,19 @@ impl FromStr for Override {
         if path.iter().any(String::is_empty) {
             return Err(refused("has an empty step in its path"));
         }
-        Ok(Self { text: text.to_owned(), path, change })
+        Ok(Self { option, text: text.to_owned(), path, change })
+    }
+}
+
+fn place(option: &str, text: &str) -> String {
+    format!("{option} '{text}'")
+}
+
+impl FromStr for Override {
+    type Err = SpecError;
+
+    fn from_str(text: &str) -> Result<Self, SpecError> {
+        Self::of_option("--set", text)
     }
 }
 

@@ -1,0 +1,195 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
+use flexlink::tables::{
+    InputFile, SweepRecord, SweepRows, merge_shards, sweep_header, sweep_row, write_file,
+};
+
+use super::args::{LinkArgs, MotionArgs, ThreadArgs};
+use super::console::{self, Progress};
+use super::exit::{Exit, Failure};
+use super::interrupt;
+use super::sweep_cases::{Cases, Outcome, TorqueArgs};
+use super::sweep_outputs::OutputsArgs;
+use super::sweep_sink::{Rows, is_standard_output};
+use super::sweep_tally::Tally;
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink sweep link.toml move.csv --vary 'segments.*.EI*=0.5:8:100:log' -o stiffness.csv
+  flexlink sweep link.toml move.csv --vary payload.mass=0,0.05,0.1 --vary 'duration*=0.8:2:25'
+  flexlink sweep link.toml move.csv --vary 'segments.*.EI*=0.8:1.2:41' --torque out/torque.csv
+  flexlink sweep link.toml move.csv --vary 'segments.*.EI*=0.5:8:1000:log' --shard 2/8
+  flexlink sweep --merge sweep-*-of-8.csv -o sweep.csv
+
+LINK and MOTION as for solve. Exit codes: 0 also where single cases fail, 4 where all do.";
+
+const LONG_ABOUT: &str = "\
+Solve many cases: vary values of link and motion.
+
+Writes one table with a row for every case, in order whatever the number of threads: the values, \
+first period and zero, peaks, lead and lag, errors. A case that fails says why in the last column \
+and does not stop the rest. While it runs, the finished rows are in a file of the same name that \
+ends in .part; --resume goes on from there after an interruption.
+
+PATH is that of --set, with = for values and *= for factors; distance*= and duration*= scale the \
+motion. VALUES are START:STOP:COUNT, START:STOP:COUNT:log, or a list a,b,c; both ends of a range may \
+have a unit. Several --vary make the product, the last one running fastest.";
+
+/// Solve many cases: vary values of link and motion.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(mut_arg("link", |link| link.required(false).required_unless_present("merge")))]
+#[command(mut_arg("motion", |motion| motion.required(false).required_unless_present("merge")))]
+pub(crate) struct Sweep {
+    #[command(flatten)]
+    link: Option<LinkArgs>,
+
+    #[command(flatten)]
+    motion: Option<MotionArgs>,
+
+    /// What to vary; repeatable: the product of all.
+    #[arg(long, value_name = "PATH=VALUES", required_unless_present = "merge")]
+    vary: Vec<String>,
+
+    /// Table to write, `-` for standard output [default: sweep.csv, of a shard
+    /// sweep-I-of-N.csv].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    torque: TorqueArgs,
+
+    #[command(flatten)]
+    outputs: OutputsArgs,
+
+    /// Solve only every N-th case, from the I-th on, into a file of its own.
+    #[arg(long, value_name = "I/N", default_value_t, hide_default_value = true)]
+    shard: Shard,
+
+    /// Go on where an interrupted run of the same sweep ended.
+    #[arg(long)]
+    resume: bool,
+
+    /// Join the shards of a sweep to one table, if none is missing.
+    #[arg(long, value_name = "SHARD", num_args = 1..)]
+    #[arg(conflicts_with_all = ["link", "motion", "changes", "resample", "vary", "torque"])]
+    #[arg(conflicts_with_all = ["outputs", "shard", "resume"])]
+    merge: Vec<PathBuf>,
+
+    /// Print nothing but warnings and errors, and no progress.
+    #[arg(long, short)]
+    quiet: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+impl Sweep {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        self.threads.apply()?;
+        let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
+            return self.merge();
+        };
+        let cases = Cases::read(self.plan()?, (link, motion), &self.torque, &self.outputs)?;
+        if cases.are_played() {
+            self.sweep(&cases, |case| cases.played(case))
+        } else {
+            self.sweep(&cases, |case| cases.solved(case))
+        }
+    }
+
+    fn plan(&self) -> Result<SweepPlan, Failure> {
+        let read = |text: &String| {
+            text.parse::<Variation>().map_err(|error| {
+                let message = format!("--vary '{text}': {error}");
+                Failure::new(Exit::Usage, &message, Some(error.hint()))
+            })
+        };
+        let variations: Vec<Variation> = self.vary.iter().map(read).collect::<Result<_, _>>()?;
+        let refused = |error| Failure::new(Exit::Usage, &format!("--vary: {error}"), None);
+        SweepPlan::new(variations).map_err(refused)
+    }
+
+    /// Works through the cases of this run's shard and hands every row on as it comes.
+    fn sweep<C: SweepRecord + Send>(
+        &self,
+        cases: &Cases,
+        work: impl Fn(usize) -> Outcome<C> + Sync,
+    ) -> Result<(), Failure> {
+        let all = self.shard.len(cases.plan.cases());
+        let output = self.output_path();
+        let header = sweep_header::<C>(&cases.plan);
+        let begun = Rows::begin(&output, cases.identity(self.shard), &header, self.resume)?;
+        let Some((mut rows, done)) = begun else {
+            return self.report(&format!("complete {}, {all} cases", output.display()));
+        };
+        let stop = interrupt::watch();
+        let progress = if self.quiet || rows.are_printed() {
+            Progress::hidden()
+        } else {
+            Progress::new(done, all)
+        };
+        let mut tally = Tally::default();
+        let take = |k: usize, outcome: Outcome<C>| {
+            let case = self.shard.case(k);
+            let row = sweep_row(&cases.plan.case(case), &outcome.row);
+            tally.add(case + 1, outcome.row.as_ref().err(), outcome.remarks);
+            progress.advance();
+            rows.append(&row)
+        };
+        in_order(done..all, stop, |k| work(self.shard.case(k)), take)?;
+        drop(progress);
+        tally.warn();
+        let there = done + tally.rows();
+        if there < all {
+            return Err(rows.interrupted(there, all));
+        }
+        rows.finish()?;
+        self.report(&format!("cases    {all}\nwritten  {}", output.display()))?;
+        match tally.all_failed().filter(|_| done == 0) {
+            Some(message) => Err(Failure::new(Exit::NotSolvable, &all_failed(message), None)),
+            None => Ok(()),
+        }
+    }
+
+    /// Joins shards; nothing is read but these.
+    fn merge(&self) -> Result<(), Failure> {
+        let read = |path: &PathBuf| -> Result<SweepRows, Failure> {
+            let file = InputFile::read(path)?;
+            Ok(SweepRows::read(&file.shown, &file.bytes)?)
+        };
+        let shards: Vec<SweepRows> = self.merge.iter().map(read).collect::<Result<_, _>>()?;
+        let table = merge_shards(&shards)?;
+        let output = self.output_path();
+        if is_standard_output(&output) {
+            return console::print(&table);
+        }
+        write_file(&output, table.as_bytes())?;
+        let rows = table.lines().count() - 1;
+        let shards = shards.len();
+        self.report(&format!("cases    {rows}, of {shards} shards\nwritten  {}", output.display()))
+    }
+
+    fn output_path(&self) -> PathBuf {
+        let shard = self.shard;
+        self.output.clone().unwrap_or_else(|| match shard.of() {
+            1 => "sweep.csv".into(),
+            of => format!("sweep-{}-of-{of}.csv", shard.number()).into(),
+        })
+    }
+
+    /// A few words on standard output, where the table is not.
+    fn report(&self, text: &str) -> Result<(), Failure> {
+        if self.quiet || is_standard_output(&self.output_path()) {
+            return Ok(());
+        }
+        console::print(&format!("{text}\n"))
+    }
+}
+
+fn all_failed(message: &str) -> String {
+    format!("no case could be solved; the first: {message}")
+}

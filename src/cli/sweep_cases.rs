@@ -1,0 +1,233 @@
+//! The cases of a sweep: what one takes from files and options, and what comes of it.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use flexlink::inverse::invert;
+use flexlink::link::Link;
+use flexlink::motion::{MotionScale, TipMotion};
+use flexlink::response::{Play, Torque, simulate};
+use flexlink::result::TipError;
+use flexlink::spec::{Override, SpecError, Specification, read_specification};
+use flexlink::sweep::{CaseValues, PlayedCase, Shard, SolvedCase, SweepPlan};
+use flexlink::tables::{InputFile, RunInputs, SimulationInputs, SweepIdentity, read_torque_table};
+
+use super::args::{LinkArgs, MotionArgs};
+use super::exit::{Exit, Failure};
+use super::sweep_outputs::OutputsArgs;
+use super::sweep_tally::Remark;
+
+/// A torque to play on every case.
+#[derive(Debug, Args)]
+pub(crate) struct TorqueArgs {
+    /// Play this torque (CSV: `time`, `torque`) on every case instead, and compare the tip with
+    /// MOTION.
+    #[arg(long, value_name = "FILE")]
+    torque: Option<PathBuf>,
+
+    /// Column of --torque to play [default: `torque`].
+    #[arg(long, value_name = "NAME", requires = "torque")]
+    column: Option<String>,
+}
+
+/// All that the cases of a sweep have in common.
+pub(crate) struct Cases<'a> {
+    pub(crate) plan: SweepPlan,
+    link: &'a LinkArgs,
+    motion: &'a MotionArgs,
+    torque: &'a TorqueArgs,
+    outputs: &'a OutputsArgs,
+    overrides: Vec<Override>,
+    link_file: InputFile,
+    motion_file: InputFile,
+    torque_file: Option<(InputFile, Torque)>,
+    /// The motion of the first case, and the length of the link that it was read for.
+    first: (f64, TipMotion),
+}
+
+/// What came of a case: its numbers, or why it has none; and what to say about it.
+pub(crate) struct Outcome<C> {
+    pub(crate) row: Result<C, String>,
+    pub(crate) remarks: Vec<Remark>,
+}
+
+impl<C> Outcome<C> {
+    fn of(result: Result<(C, Vec<Remark>), Failure>) -> Self {
+        match result {
+            Ok((row, remarks)) => Self { row: Ok(row), remarks },
+            Err(failure) => Self { row: Err(failure.message), remarks: Vec::new() },
+        }
+    }
+}
+
+impl<'a> Cases<'a> {
+    /// Reads all files; refuses what leaves no case that could be solved.
+    pub(crate) fn read(
+        plan: SweepPlan,
+        (link, motion): (&'a LinkArgs, &'a MotionArgs),
+        torque: &'a TorqueArgs,
+        outputs: &'a OutputsArgs,
+    ) -> Result<Self, Failure> {
+        let overrides = link.overrides()?;
+        let link_file = InputFile::read(&link.link)?;
+        link_file.text()?;
+        let motion_file = motion.read()?;
+        let torque_file = torque.read()?;
+        let read = |case| specification(&link_file, &overrides, &plan.case(case));
+        // A path that is nowhere in the file fails every case: that is no result, but a slip.
+        let first = read(0)
+            .or_else(|error| (1..plan.cases()).find_map(|case| read(case).ok()).ok_or(error))?;
+        let length_m = first.link.length_m();
+        let first = (length_m, motion.motion_of(&motion_file, &first.link)?);
+        Ok(Self {
+            plan,
+            link,
+            motion,
+            torque,
+            outputs,
+            overrides,
+            link_file,
+            motion_file,
+            torque_file,
+            first,
+        })
+    }
+
+    /// Whether a torque is played on them.
+    pub(crate) fn are_played(&self) -> bool {
+        self.torque_file.is_some()
+    }
+
+    /// What tells the rows of this sweep from those of any other.
+    pub(crate) fn identity(&self, shard: Shard) -> SweepIdentity {
+        let torque = self.torque_file.as_ref().map(|(file, _)| file);
+        let files: Vec<&InputFile> =
+            [&self.link_file, &self.motion_file].into_iter().chain(torque).collect();
+        let column = self.torque.column.iter().map(|column| format!("--column {column}"));
+        let changes: Vec<String> =
+            self.link.record().chain(self.motion.change()).chain(column).collect();
+        SweepIdentity::new(&files, &changes, &self.plan, shard)
+    }
+
+    /// Solves a case, numbered from 0.
+    pub(crate) fn solved(&self, case: usize) -> Outcome<SolvedCase> {
+        Outcome::of(self.solve(case))
+    }
+
+    /// Plays the torque on a case, numbered from 0.
+    pub(crate) fn played(&self, case: usize) -> Outcome<PlayedCase> {
+        Outcome::of(self.play(case))
+    }
+
+    fn solve(&self, case: usize) -> Result<(SolvedCase, Vec<Remark>), Failure> {
+        let values = self.plan.case(case);
+        let specification = self.specification(&values)?;
+        let Specification { link, mesh, analysis, drive, limits } = &specification;
+        let motion = self.motion_of(link, values.motion)?;
+        let solution = invert(link, mesh, &motion, analysis)?;
+        let found = SolvedCase::of(&solution);
+        let exceeded = limits.exceeded(&found.metrics);
+        if let Some(folder) = self.outputs.folder(case, self.plan.cases()) {
+            let inputs = RunInputs {
+                link_file: &self.link_file,
+                motion_file: &self.motion_file,
+                link,
+                motion: &motion,
+                analysis,
+                drive: drive.as_ref(),
+                changes: &self.changes(&values),
+                verification: None,
+            };
+            self.outputs.write_solution(&folder, &inputs, &solution, &found, &exceeded)?;
+        }
+        let own = solution.warnings.iter().map(|w| Remark::new(w.kind(), w, w.hint()));
+        let limits = exceeded.iter().map(|limit| Remark::new(limit.key, limit, limit.hint()));
+        Ok((found, own.chain(limits).collect()))
+    }
+
+    fn play(&self, case: usize) -> Result<(PlayedCase, Vec<Remark>), Failure> {
+        let values = self.plan.case(case);
+        let Specification { link, mesh, .. } = &self.specification(&values)?;
+        let motion = self.motion_of(link, values.motion)?;
+        let Some((torque_file, torque)) = &self.torque_file else {
+            return Err(Failure::new(Exit::Usage, &"no torque to play", None));
+        };
+        let grid = torque.grid();
+        let target = motion.target(grid.time_s(0), grid.end_s());
+        let play = Play {
+            until_s: Some(grid.end_s().max(target.grid().end_s())),
+            initial_tip_m: target.start_m(),
+            ..Play::of(torque)
+        };
+        let refused = |message: String, hint| Failure::new(Exit::NotSolvable, &message, hint);
+        let simulation = simulate(link, mesh, &play)
+            .map_err(|error| refused(error.to_string(), error.hint()))?;
+        let tip_error = TipError::of(&simulation, &target)
+            .map_err(|error| refused(error.to_string(), error.hint()))?;
+        let found = PlayedCase::of(&simulation, tip_error);
+        if let Some(folder) = self.outputs.folder(case, self.plan.cases()) {
+            let inputs = SimulationInputs {
+                link_file: &self.link_file,
+                torque_file,
+                target_file: Some(&self.motion_file),
+                reference_file: None,
+                link,
+                play: &play,
+                changes: &self.changes(&values),
+            };
+            self.outputs.write_simulation(&folder, &inputs, &simulation, &found)?;
+        }
+        let own = simulation.warnings.iter().map(|w| Remark::new(w.kind(), w, w.hint()));
+        let late = tip_error.late.map(|late| Remark::new(late.kind(), &late, late.hint()));
+        Ok((found, own.chain(late).collect()))
+    }
+
+    fn specification(&self, values: &CaseValues) -> Result<Specification, SpecError> {
+        specification(&self.link_file, &self.overrides, values)
+    }
+
+    /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied.
+    fn motion_of(&self, link: &Link, scale: MotionScale) -> Result<TipMotion, Failure> {
+        let (length_m, motion) = &self.first;
+        let scaled = if link.length_m().total_cmp(length_m).is_eq() {
+            motion.scaled(scale)
+        } else {
+            self.motion.motion_of(&self.motion_file, link)?.scaled(scale)
+        };
+        scaled.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))
+    }
+
+    /// The arguments that made this case, for the record.
+    fn changes(&self, values: &CaseValues) -> Vec<String> {
+        let varied = values.link_changes.iter().map(|change| format!("--set {change}"));
+        let MotionScale { distance, duration } = values.motion;
+        let factors = [("distance", distance), ("duration", duration)];
+        let scaled = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
+        let scaled = scaled.map(|(path, factor)| format!("--vary {path}*={factor}"));
+        self.link.record().chain(varied).chain(self.motion.change()).chain(scaled).collect()
+    }
+}
+
+impl TorqueArgs {
+    fn read(&self) -> Result<Option<(InputFile, Torque)>, Failure> {
+        let Some(path) = &self.torque else { return Ok(None) };
+        let file = InputFile::read(path)?;
+        let torque = read_torque_table(&file.shown, &file.bytes, self.column.as_deref())?;
+        Ok(Some((file, torque)))
+    }
+}
+
+/// The link file with what is set for all cases and what this case takes.
+fn specification(
+    file: &InputFile,
+    overrides: &[Override],
+    values: &CaseValues,
+) -> Result<Specification, SpecError> {
+    let mut all = overrides.to_vec();
+    for change in &values.link_changes {
+        all.push(Override::of_option("--vary", change)?);
+    }
+    let text = file.text().unwrap_or_default();
+    read_specification(&file.shown, text, &all)
+}

@@ -1,0 +1,83 @@
+//! The full results of every case of a sweep.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use flexlink::inverse::Solution;
+use flexlink::response::Simulation;
+use flexlink::result::Exceeded;
+use flexlink::sweep::{PlayedCase, SolvedCase};
+use flexlink::tables::{
+    Digits, OutputFolder, RunInputs, SimulateOutputs, SimulationInputs, SimulationSummary,
+    SolveOutputs, Summary,
+};
+
+use super::args::NodeArgs;
+use super::exit::Failure;
+
+/// Which files every case is to write.
+#[derive(Debug, Args)]
+pub(crate) struct OutputsArgs {
+    /// Also write the results of every case, as solve or simulate do, into folders DIR/1, DIR/2,
+    /// …, numbered as the rows are.
+    #[arg(long, value_name = "DIR")]
+    outputs: Option<PathBuf>,
+
+    #[command(flatten)]
+    nodes: NodeArgs,
+
+    /// Digits of the tables in --outputs, as in solve.
+    #[arg(long, value_name = "N", default_value = "10")]
+    digits: Digits,
+}
+
+impl OutputsArgs {
+    /// Folder of a case, from 0, among so many.
+    pub(crate) fn folder(&self, case: usize, cases: usize) -> Option<PathBuf> {
+        let width = cases.to_string().len();
+        self.outputs.as_ref().map(|folder| folder.join(format!("{:0width$}", case + 1)))
+    }
+
+    /// Writes what solve writes.
+    pub(crate) fn write_solution(
+        &self,
+        folder: &Path,
+        inputs: &RunInputs,
+        solution: &Solution,
+        case: &SolvedCase,
+        exceeded: &[Exceeded],
+    ) -> Result<(), Failure> {
+        self.nodes.check(solution.mesh())?;
+        let outputs = SolveOutputs {
+            nodes: self.nodes.list.clone(),
+            every: self.nodes.every,
+            optional: Vec::new(),
+            drive: inputs.drive.copied(),
+            digits: self.digits,
+        };
+        let files = outputs.file_names();
+        let summary = Summary::new(inputs, solution, &case.metrics, exceeded, files);
+        Ok(outputs.write(OutputFolder::stage(folder)?, inputs.link, solution, &summary)?)
+    }
+
+    /// Writes what simulate writes.
+    pub(crate) fn write_simulation(
+        &self,
+        folder: &Path,
+        inputs: &SimulationInputs,
+        simulation: &Simulation,
+        case: &PlayedCase,
+    ) -> Result<(), Failure> {
+        self.nodes.check(&simulation.mesh)?;
+        let outputs = SimulateOutputs {
+            nodes: self.nodes.list.clone(),
+            every: self.nodes.every,
+            torque: false,
+            digits: self.digits,
+        };
+        let (files, error) = (outputs.file_names(), Some(&case.tip_error));
+        let summary = SimulationSummary::new(inputs, simulation, &case.metrics, error, files);
+        Ok(outputs.write(OutputFolder::stage(folder)?, inputs.link, simulation, &summary)?)
+    }
+}

@@ -1,0 +1,80 @@
+//! Where the rows of a sweep go: a file that is whole at the end, or standard output.
+
+use std::path::Path;
+
+use flexlink::tables::{Resumed, SweepFile, SweepIdentity};
+
+use super::console;
+use super::exit::{Exit, Failure};
+
+/// The rows of a sweep as they come.
+pub(crate) enum Rows {
+    InFile(Box<SweepFile>),
+    Printed,
+}
+
+/// Whether an output of this name is standard output.
+pub(crate) fn is_standard_output(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+impl Rows {
+    /// Begins, or goes on after as many rows as are told; `None` where all are there.
+    pub(crate) fn begin(
+        path: &Path,
+        identity: SweepIdentity,
+        header: &str,
+        resume: bool,
+    ) -> Result<Option<(Self, usize)>, Failure> {
+        if is_standard_output(path) {
+            if resume {
+                let message = "--resume = standard output, but must have a file to go on with";
+                return Err(Failure::new(Exit::Usage, &message, None));
+            }
+            let of_shard =
+                if identity.shard().of() > 1 { format!("{identity}\n") } else { String::new() };
+            console::print(&(of_shard + header))?;
+            return Ok(Some((Self::Printed, 0)));
+        }
+        if !resume {
+            let file = SweepFile::begin(path, identity, header)?;
+            return Ok(Some((Self::InFile(Box::new(file)), 0)));
+        }
+        Ok(match SweepFile::resume(path, identity, header)?? {
+            Resumed::At(file, done) => Some((Self::InFile(Box::new(file)), done)),
+            Resumed::Complete => None,
+        })
+    }
+
+    /// Whether they are printed, so that nothing else may be.
+    pub(crate) fn are_printed(&self) -> bool {
+        matches!(self, Self::Printed)
+    }
+
+    pub(crate) fn append(&mut self, row: &str) -> Result<(), Failure> {
+        match self {
+            Self::InFile(file) => Ok(file.append(row)?),
+            Self::Printed => console::print(row),
+        }
+    }
+
+    pub(crate) fn finish(self) -> Result<(), Failure> {
+        match self {
+            Self::InFile(file) => Ok(file.finish()?),
+            Self::Printed => Ok(()),
+        }
+    }
+
+    /// What to tell of a sweep that was stopped after `there` of `all` rows.
+    pub(crate) fn interrupted(&self, there: usize, all: usize) -> Failure {
+        let message = format!("interrupted after {there} of {all} cases");
+        match self {
+            Self::InFile(file) => {
+                let message = format!("{message}, which are in {}", file.part().display());
+                let hint = "the same command with --resume goes on";
+                Failure::new(Exit::Interrupted, &message, Some(hint))
+            }
+            Self::Printed => Failure::new(Exit::Interrupted, &message, None),
+        }
+    }
+}
