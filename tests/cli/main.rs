@@ -15,6 +15,8 @@ mod simulate_summary;
 mod start;
 mod streams;
 mod summary;
+mod sweep;
+mod sweep_shards;
 mod trajectory;
 mod verify;
 

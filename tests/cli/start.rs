@@ -53,11 +53,11 @@ fn every_command_has_a_manual_page() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let pages = bench.names("man1");
     for command in
-        ["solve", "simulate", "verify", "modes", "frf", "trajectory", "init", "completions", "man"]
+        ["solve", "simulate", "verify", "modes", "frf", "sweep", "trajectory", "init", "completions", "man"]
     {
         let page = format!("flexlink-{command}.1");
         assert!(pages.contains(&page), "{page} is not among {pages:?}");
         assert!(bench.read(&format!("man1/{page}")).contains("Example:"), "{page}");
     }
-    assert_eq!(pages.len(), 10);
+    assert_eq!(pages.len(), 11);
 }

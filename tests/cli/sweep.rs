@@ -1,0 +1,201 @@
+//! Many cases in one table.
+
+use std::process::Output;
+
+use super::{Bench, LINK, MOTION, column, repository, stderr, stdout};
+
+/// `sweep` of the paper's first example with more arguments.
+pub(super) fn sweep(bench: &Bench, arguments: &[&str]) -> Output {
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    bench.run(&[&["sweep", &link, &motion], arguments].concat())
+}
+
+#[track_caller]
+pub(super) fn swept(bench: &Bench, arguments: &[&str]) -> Output {
+    let output = sweep(bench, arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    output
+}
+
+/// The rows of a table, as fields of text; commas in quotes part none.
+fn rows(bench: &Bench, name: &str) -> Vec<Vec<String>> {
+    let text = bench.read(name);
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
+    let fields = |row: csv::StringRecord| row.iter().map(str::to_owned).collect();
+    reader.records().map(|row| fields(row.unwrap())).collect()
+}
+
+#[test]
+fn every_row_holds_what_solve_finds_for_its_values() {
+    let bench = Bench::new();
+    swept(&bench, &["--vary", "segments.*.EI*=1,4", "--vary", "payload.mass=0 g:50 g:2"]);
+    let rows = rows(&bench, "sweep.csv");
+    let header = "segments.*.EI,payload.mass [g],period_1_s,zero_1_per_s,peak_torque_n_m,\
+                  rms_torque_n_m,peak_rigid_torque_n_m,torque_ratio,lead_s,lag_s,\
+                  peak_hub_rate_rad_s,peak_power_w,peak_root_moment_n_m,peak_deflection_m,\
+                  mesh_error,edge_error,error";
+    assert_eq!(rows[0].join(","), header);
+    let values: Vec<_> = rows[1..].iter().map(|row| row[..2].join(" ")).collect();
+    assert_eq!(values, ["1 0", "1 50", "4 0", "4 50"]);
+    for row in &rows[1..] {
+        let stiffness = format!("segments.*.EI*={}", row[0]);
+        let mass = format!("payload.mass={} g", row[1]);
+        bench.solve(&["--set", &stiffness, "--set", &mass]);
+        let summary = bench.json("out/summary.json");
+        let results = &summary["results"];
+        let expected = [
+            ("period_1_s", &summary["periods_s"][0]),
+            ("zero_1_per_s", &summary["zeros_per_s"][0]),
+            ("mesh_error", &summary["errors"]["mesh_error"]),
+            ("edge_error", &summary["errors"]["edge_error"]),
+        ];
+        let expected = expected
+            .into_iter()
+            .chain(rows[0][4..14].iter().map(|name| (name.as_str(), &results[name.as_str()])));
+        for (name, expected) in expected {
+            let place = rows[0].iter().position(|heading| heading == name).unwrap();
+            let (found, expected) =
+                (row[place].parse::<f64>().unwrap(), expected.as_f64().unwrap());
+            // Twelve digits are written.
+            let error = (found - expected).abs();
+            assert!(error <= 1e-11 * expected.abs(), "{name}: {found} is not {expected}");
+        }
+        assert_eq!(row.last().unwrap(), "");
+    }
+}
+
+#[test]
+fn the_table_does_not_depend_on_the_number_of_threads() {
+    let bench = Bench::new();
+    for threads in ["1", "2", "7"] {
+        let arguments =
+            ["--vary", "segments.*.EI*=0.5:8:9:log", "--threads", threads, "-o", threads];
+        swept(&bench, &arguments);
+    }
+    assert_eq!(bench.read("1").lines().count(), 10);
+    assert!(bench.read("1") == bench.read("2") && bench.read("1") == bench.read("7"));
+}
+
+#[test]
+fn a_case_that_fails_says_why_and_the_rest_goes_on() {
+    let bench = Bench::new();
+    let output = swept(&bench, &["--vary", "damping.ratio=0.02,1.5,0.03"]);
+    let rows = rows(&bench, "sweep.csv");
+    let (error, numbers) = rows[2].split_last().unwrap();
+    assert_eq!(error, "--vary 'damping.ratio=1.5': damping.ratio = 1.5, but must lie in [0, 1)");
+    assert!(numbers[1..].iter().all(String::is_empty));
+    assert!(rows[1][1..15].iter().all(|field| !field.is_empty()));
+    assert_eq!(rows[3][0], "0.03");
+    assert!(
+        stderr(&output).starts_with("warning: 1 of 3 cases failed, the first is case 2: --vary")
+    );
+}
+
+#[test]
+fn a_sweep_of_which_no_case_can_be_solved_fails() {
+    let bench = Bench::new();
+    // A window far beyond what is transformed.
+    let output = sweep(&bench, &["--vary", "analysis.lead=1e6,1e7", "-q"]);
+    assert_eq!(output.status.code(), Some(4));
+    let error = stderr(&output);
+    assert!(error.contains("error: no case could be solved; the first: "), "{error}");
+    assert_eq!(bench.read("sweep.csv").lines().count(), 3);
+}
+
+#[test]
+fn slips_are_refused_before_any_work() {
+    let bench = Bench::new();
+    for (vary, code, words) in [
+        ("segmnts.*.EI*=1,2", 3, "error: --vary 'segmnts.*.EI*=1': segmnts is not in the file"),
+        ("hub.inertai=1,2", 3, "error: --vary 'hub.inertai=1': unknown key `inertai` in hub"),
+        ("hub.inertia", 2, "error: --vary 'hub.inertia': no `=`"),
+        ("hub.inertia=1:2", 2, "error: --vary 'hub.inertia=1:2': range = \"1:2\", but must read"),
+        ("duration=1,2", 2, "error: --vary: duration=1, but duration of the motion takes factors"),
+    ] {
+        let output = sweep(&bench, &["--vary", vary]);
+        assert_eq!(output.status.code(), Some(code), "{vary}");
+        assert!(stderr(&output).starts_with(words), "{vary}: {}", stderr(&output));
+    }
+    assert_eq!(bench.names("."), [""; 0], "nothing was written");
+}
+
+#[test]
+fn a_slower_and_a_longer_motion_scale_the_torque_of_a_stiff_link() {
+    let bench = Bench::new();
+    let vary =
+        ["--vary", "distance*=1,2", "--vary", "duration*=1,2", "--set", "segments.*.EI*=1e4"];
+    swept(&bench, &vary);
+    let rows = rows(&bench, "sweep.csv");
+    let place = |name: &str| rows[0].iter().position(|heading| heading == name).unwrap();
+    let column = |name: &str| -> Vec<f64> {
+        rows[1..].iter().map(|row| row[place(name)].parse().unwrap()).collect()
+    };
+    let rigid = column("peak_rigid_torque_n_m");
+    for (found, factor) in rigid.iter().zip([1.0, 0.25, 2.0, 0.5]) {
+        assert!((found / rigid[0] - factor).abs() < 1e-9, "{found} is not {factor} of the first");
+    }
+    for ratio in column("torque_ratio") {
+        assert!((ratio - 1.0).abs() < 1e-2, "{ratio}");
+    }
+}
+
+#[test]
+fn full_results_are_those_of_solve() {
+    let bench = Bench::new();
+    let thin = ["--nodes", "0,10", "--every", "5", "--digits", "8"];
+    let vary = ["--vary", "payload.mass=0.05,0.1", "--outputs", "all cases"];
+    swept(&bench, &[&vary[..], &thin].concat());
+    assert_eq!(bench.names("all cases"), ["1", "2"]);
+    bench.solve(&[&["--set", "payload.mass=0.1"], &thin[..]].concat());
+    assert!(bench.contents("all cases/2") == bench.contents("out"));
+}
+
+#[test]
+fn one_torque_on_many_links_tells_how_far_each_tip_strays() {
+    let bench = Bench::new();
+    bench.solve(&["-q"]);
+    let torque = ["--torque", "out/torque.csv", "--outputs", "played"];
+    swept(&bench, &[&["--vary", "segments.*.EI*=1,1.1"], &torque[..]].concat());
+    let table = rows(&bench, "sweep.csv");
+    let header = "segments.*.EI,period_1_s,zero_1_per_s,tip_error_m,tip_error_share,\
+                  tip_error_time_s,rms_tip_error_m,final_tip_error_m,residual_m,residual_share,\
+                  residual_frequency_hz,residual_decay_s,peak_hub_rate_rad_s,peak_power_w,\
+                  peak_deflection_m,error";
+    assert_eq!(table[0].join(","), header);
+    // What simulate finds against the same target.
+    for (row, factor) in table[1..].iter().zip(["1", "1.1"]) {
+        let set = format!("segments.*.EI*={factor}");
+        let target = ["--target", "out/tip.csv", "-o", "alone", "--set", &set];
+        super::simulated(&bench, &[&["out/torque.csv"], &target[..]].concat());
+        let summary = bench.json("alone/summary.json");
+        for (place, expected) in [
+            (3, &summary["tip_error"]["worst_m"]),
+            (4, &summary["tip_error"]["share"]),
+            (8, &summary["residual"]["amplitude_m"]),
+            (14, &summary["results"]["peak_deflection_m"]),
+        ] {
+            let found: f64 = row[place].parse().unwrap();
+            let expected = expected.as_f64().unwrap();
+            // tip.csv has ten digits of the way.
+            assert!((found - expected).abs() < 1e-9, "{}: {found}, {expected}", table[0][place]);
+        }
+        let number = if factor == "1" { "1" } else { "2" };
+        let tip = format!("played/{number}/tip.csv");
+        let (found, alone) = (
+            column(&bench, &tip, "tip_displacement_m"),
+            column(&bench, "alone/tip.csv", "tip_displacement_m"),
+        );
+        assert!(found.iter().zip(&alone).all(|(a, b)| (a - b).abs() < 1e-9));
+    }
+    // method.md, section 7: 1.4 % for ten percent of stiffness.
+    assert!((table[2][4].parse::<f64>().unwrap() - 0.0142).abs() < 2e-4);
+}
+
+#[test]
+fn rows_go_to_standard_output_for_a_dash_and_nothing_else_does() {
+    let bench = Bench::new();
+    let output = swept(&bench, &["--vary", "payload.mass=0,0.001", "-o", "-"]);
+    swept(&bench, &["--vary", "payload.mass=0,0.001"]);
+    assert!(stdout(&output) == bench.read("sweep.csv"));
+    assert_eq!(stderr(&output), "", "no progress in a pipe");
+}

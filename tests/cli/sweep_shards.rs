@@ -1,0 +1,132 @@
+//! A sweep in parts: interrupted and resumed, shared among machines and joined.
+
+use std::fs;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use super::sweep::{sweep, swept};
+use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+
+const VARY: [&str; 2] = ["--vary", "segments.*.EI*=0.5:8:40:log"];
+
+/// A sweep in the background that has written some rows.
+fn begun(bench: &Bench) -> Child {
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    let arguments = [&["sweep", &link, &motion, "--threads", "1"], &VARY[..]].concat();
+    let child = bench.program(&arguments).stderr(Stdio::piped()).spawn().unwrap();
+    for _ in 0..6000 {
+        let rows = fs::read_to_string(bench.path("sweep.csv.part")).unwrap_or_default();
+        if rows.lines().count() > 5 {
+            return child;
+        }
+        sleep(Duration::from_millis(5));
+    }
+    panic!("no rows within 30 s");
+}
+
+#[cfg(unix)]
+fn send(signal: &str, child: &Child) {
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_sweep_that_is_stopped_keeps_its_rows_and_goes_on_to_the_same_table() {
+    let whole = Bench::new();
+    swept(&whole, &VARY);
+    let whole = whole.read("sweep.csv");
+    for (signal, code) in [("-INT", Some(130)), ("-TERM", Some(130)), ("-KILL", None)] {
+        let bench = Bench::new();
+        let child = begun(&bench);
+        send(signal, &child);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), code, "{signal}");
+        assert_eq!(bench.names("."), ["sweep.csv.part"], "{signal}");
+        let part = bench.read("sweep.csv.part");
+        let (first, rows) = part.split_once('\n').unwrap();
+        assert!(first.starts_with("# flexlink ") && first.ends_with(", shard 1/1 of 40 cases"));
+        assert!(whole.starts_with(rows) && rows.len() < whole.len(), "{signal}");
+        if code.is_some() {
+            let there = rows.lines().count() - 1;
+            let error = format!(
+                "error: interrupted after {there} of 40 cases, which are in sweep.csv.part\n\
+                 hint: the same command with --resume goes on\n"
+            );
+            assert!(stderr(&output).ends_with(&error), "{}", stderr(&output));
+        }
+        let output = swept(&bench, &[&VARY[..], &["--resume"]].concat());
+        assert_eq!(stdout(&output), "cases    40\nwritten  sweep.csv\n");
+        assert!(bench.read("sweep.csv") == whole, "{signal}");
+        assert_eq!(bench.names("."), ["sweep.csv"]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn another_sweep_does_not_go_on_with_its_rows() {
+    let bench = Bench::new();
+    let child = begun(&bench);
+    // The one that is running has the file.
+    let second = sweep(&bench, &VARY);
+    assert_eq!(second.status.code(), Some(5));
+    assert!(stderr(&second).contains("sweep.csv.part: another run is writing it"));
+    send("-INT", &child);
+    child.wait_with_output().unwrap();
+    let part = bench.read("sweep.csv.part");
+    let other = [&VARY[..], &["--resume", "--set", "hub.inertia=0.2"]].concat();
+    let other = sweep(&bench, &other);
+    assert_eq!(other.status.code(), Some(3));
+    assert!(stderr(&other).contains("sweep.csv.part:1: sweep = "), "{}", stderr(&other));
+    assert!(bench.read("sweep.csv.part") == part);
+}
+
+#[test]
+fn shards_join_to_the_table_of_one_machine_and_none_may_be_missing() {
+    let bench = Bench::new();
+    swept(&bench, &VARY);
+    for shard in ["1/3", "2/3", "3/3"] {
+        swept(&bench, &[&VARY[..], &["--shard", shard]].concat());
+    }
+    let names = ["sweep-3-of-3.csv", "sweep-1-of-3.csv", "sweep-2-of-3.csv"];
+    let merged = bench.run(&[&["sweep", "--merge"], &names[..], &["-o", "merged.csv"]].concat());
+    assert_eq!(stdout(&merged), "cases    40, of 3 shards\nwritten  merged.csv\n");
+    assert!(bench.read("merged.csv") == bench.read("sweep.csv"));
+    let printed = bench.run(&[&["sweep", "-o", "-", "--merge"], &names[..]].concat());
+    assert!(stdout(&printed) == bench.read("sweep.csv"));
+
+    let refusal = |files: &[&str]| {
+        let output = bench.run(&[&["sweep", "-o", "no.csv", "--merge"], files].concat());
+        assert_eq!(output.status.code(), Some(3));
+        stderr(&output)
+    };
+    assert_eq!(
+        refusal(&names[..2]),
+        "error: sweep-3-of-3.csv: shards = 2 of 3, but must be all: 2/3 is missing\n"
+    );
+    assert!(refusal(&["sweep.csv"]).contains("sweep.csv:1: first line = \"segments.*.EI,"));
+    let text = bench.read("sweep-2-of-3.csv");
+    let cut = text.trim_end().rfind('\n').unwrap();
+    bench.write("cut.csv", &text[..=cut]);
+    assert_eq!(
+        refusal(&[names[0], names[1], "cut.csv"]),
+        "error: cut.csv: rows = 12, but must be 13\n\
+         hint: finish it with --shard 2/3 --resume\n"
+    );
+    swept(&bench, &["--vary", "segments.*.EI*=0.5:8:41:log", "--shard", "2/3"]);
+    assert!(refusal(&names).contains("must be a shard of the same sweep as sweep-3-of-3.csv"));
+    assert!(!bench.path("no.csv").exists());
+}
+
+#[test]
+fn a_shard_that_is_complete_is_not_solved_again() {
+    let bench = Bench::new();
+    let shard = [&VARY[..], &["--shard", "7/20", "--resume"]].concat();
+    swept(&bench, &shard);
+    let written = fs::metadata(bench.path("sweep-7-of-20.csv")).unwrap().modified().unwrap();
+    let again = swept(&bench, &shard);
+    assert_eq!(stdout(&again), "complete sweep-7-of-20.csv, 2 cases\n");
+    let now = fs::metadata(bench.path("sweep-7-of-20.csv")).unwrap().modified().unwrap();
+    assert_eq!(written, now);
+}

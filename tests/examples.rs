@@ -1,0 +1,147 @@
+//! The scripts of examples/, run as they stand. They need programs that a Rust toolchain does not
+//! bring; `.ci/run` installs these and runs the ignored tests too.
+
+#![cfg(unix)]
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+const VARY: &str = "segments.*.EI*=0.5:8:20:log";
+
+/// A folder with the paper's link and a motion, in which `flexlink` is on the path.
+struct Desk {
+    folder: TempDir,
+}
+
+impl Desk {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for (from, to) in [
+            ("specs/bayo1987_example1.toml", "link.toml"),
+            ("trajectories/sine_0.88s.csv", "move.csv"),
+        ] {
+            fs::copy(repository(from), folder.path().join(to)).unwrap();
+        }
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    fn command(&self, program: impl AsRef<Path>, arguments: &[&str]) -> Command {
+        let own = Path::new(env!("CARGO_BIN_EXE_flexlink")).parent().unwrap();
+        let before = env::var_os("PATH").unwrap_or_default();
+        let paths = [own.to_owned()].into_iter().chain(env::split_paths(&before));
+        let mut command = Command::new(program.as_ref());
+        command.args(arguments).current_dir(self.folder.path());
+        command.env("PATH", env::join_paths(paths).unwrap());
+        command
+    }
+
+    /// Runs a program, which must succeed.
+    #[track_caller]
+    fn run(&self, program: impl AsRef<Path>, arguments: &[&str]) -> Output {
+        let output = self.command(program, arguments).output().unwrap();
+        assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
+        output
+    }
+
+    /// The table of a sweep on this machine alone.
+    fn whole_sweep(&self) -> String {
+        self.run("flexlink", &["sweep", "link.toml", "move.csv", "--vary", VARY, "-o", "one.csv"]);
+        self.read("one.csv")
+    }
+}
+
+fn repository(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+#[ignore = "needs gnuplot"]
+fn the_stiffness_sweep_is_tabulated_and_plotted() {
+    let desk = Desk::new();
+    let script = repository("examples/stiffness_sweep.sh");
+    let output = desk.run(script, &["link.toml", "move.csv", "link's stiffness"]);
+    assert!(text(&output.stdout).ends_with("plotted  link's stiffness.svg\n"));
+    assert_eq!(desk.read("link's stiffness.csv").lines().count(), 61);
+    let plot = desk.read("link's stiffness.svg");
+    assert!(plot.contains("peak torque over rigid") && plot.trim_end().ends_with("</svg>"));
+    // Every curve of the plot has as many points as the table has rows.
+    let longest = plot.split("<path").map(|path| path.matches(['M', 'L']).count()).max();
+    assert!(plot.len() > 10_000 && longest.is_some_and(|points| points > 1));
+}
+
+#[test]
+#[ignore = "needs GNU parallel"]
+fn gnu_parallel_shares_a_sweep_among_hosts() {
+    let desk = Desk::new();
+    let whole = desk.whole_sweep();
+    let script = repository("examples/sweep_hosts.sh");
+    desk.run(script, &[":", "3", "link.toml", "move.csv", VARY]);
+    assert!(desk.read("sweep.csv") == whole);
+    assert!(desk.path("sweep-3-of-3.csv").exists());
+}
+
+#[test]
+#[ignore = "needs make"]
+fn the_makefile_solves_only_what_changed() {
+    let desk = Desk::new();
+    desk.run("cp", &["link.toml", "other.toml"]);
+    let makefile = repository("examples/Makefile");
+    let makefile = makefile.to_str().unwrap();
+    let make = || {
+        let arguments = ["-f", makefile, "-j2", "LINKS=*.toml", "MOTIONS=move.csv"];
+        text(&desk.run("make", &arguments).stdout)
+    };
+    assert_eq!(make().matches("flexlink solve").count(), 2);
+    assert!(desk.path("results/other/move/summary.json").exists());
+    assert_eq!(make().matches("flexlink solve").count(), 0);
+    desk.run("touch", &["-d", "1 minute", "other.toml"]);
+    let again = make();
+    assert_eq!(again.matches("flexlink solve").count(), 1, "{again}");
+    assert!(again.contains("flexlink solve other.toml move.csv"));
+}
+
+#[test]
+#[ignore = "needs Python with pandas and matplotlib"]
+fn pandas_reads_the_results_and_matplotlib_plots_them() {
+    let desk = Desk::new();
+    desk.whole_sweep();
+    desk.run("flexlink", &["solve", "link.toml", "move.csv", "--quiet"]);
+    let python = env::var("FLEXLINK_PYTHON").unwrap_or_else(|_| "python3".into());
+    let script = repository("examples/read_results.py");
+    let arguments = [script.to_str().unwrap(), "out", "--sweep", "one.csv", "-o", "figure.png"];
+    let output = desk.run(python, &arguments);
+    let expected = "8465 rows, peak torque 1.358 N m, plotted in figure.png\n";
+    assert_eq!(text(&output.stdout), expected);
+    assert!(fs::read(desk.path("figure.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+#[ignore = "needs a Slurm cluster, which tests/slurm/run starts on one node"]
+fn a_slurm_job_array_does_one_shard_a_task() {
+    let desk = Desk::new();
+    let whole = desk.whole_sweep();
+    let script = repository("examples/sweep_array.sbatch");
+    let script = script.to_str().unwrap();
+    let submit = ["--wait", "--array=1-3", script, "link.toml", "move.csv", VARY];
+    desk.run("sbatch", &submit);
+    let shards = ["sweep-1-of-3.csv", "sweep-2-of-3.csv", "sweep-3-of-3.csv"];
+    desk.run("flexlink", &[&["sweep", "-o", "sweep.csv", "--merge"], &shards[..]].concat());
+    assert!(desk.read("sweep.csv") == whole);
+}
