@@ -26,6 +26,10 @@ Example:
 
 LINK and MOTION as for solve. Exit codes: 0 also where single cases fail, 4 where all do.";
 
+const USAGE: &str = "\
+flexlink sweep [OPTIONS] <LINK> <MOTION> --vary <PATH=VALUES>...
+       flexlink sweep --merge <SHARD>... [-o <FILE>]";
+
 const LONG_ABOUT: &str = "\
 Solve many cases: vary values of link and motion.
 
@@ -40,7 +44,7 @@ have a unit. Several --vary make the product, the last one running fastest.";
 
 /// Solve many cases: vary values of link and motion.
 #[derive(Debug, Args)]
-#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
 #[command(mut_arg("link", |link| link.required(false).required_unless_present("merge")))]
 #[command(mut_arg("motion", |motion| motion.required(false).required_unless_present("merge")))]
 pub(crate) struct Sweep {
@@ -54,8 +58,7 @@ pub(crate) struct Sweep {
     #[arg(long, value_name = "PATH=VALUES", required_unless_present = "merge")]
     vary: Vec<String>,
 
-    /// Table to write, `-` for standard output [default: sweep.csv, of a shard
-    /// sweep-I-of-N.csv].
+    /// Table to write, `-` for standard output [default: sweep.csv, of a shard sweep-I-of-N.csv].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 

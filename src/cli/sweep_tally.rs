@@ -65,7 +65,7 @@ impl Tally {
         let of = |cases: usize| format!("{cases} of {} cases", self.rows);
         if let Some((case, message)) = &self.failure {
             let text = format!("{} failed, the first is case {case}: {message}", of(self.failed));
-            console::warning(text, "column error has the others");
+            console::warning(text, "the column error says why");
         }
         for Counted { cases, first, remark } in &self.remarks {
             let text = format!("{}, the first is case {first}: {}", of(*cases), remark.message);

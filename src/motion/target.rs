@@ -45,13 +45,18 @@ impl TipMotion {
     pub fn target(&self, from_s: f64, until_s: f64) -> TipTarget {
         let own = self.grid();
         // A time a hair beside a sample is that sample.
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of steps, at least 0"
+        )]
         let steps = |time_s: f64| (time_s / own.step_s + 1e-6).floor().max(0.0) as usize;
         let (before, after) = (steps(own.time_s(0) - from_s), steps(until_s - own.end_s()));
         let len = fast_length(2 * own.len + before + after);
         let seam = own.len + after + own.len / 2;
         let period_m = self.histories(&self.spectrum(len, seam)).displacement_m;
         let displacement_m = period_m[len - before..].iter().chain(&period_m[..own.len + after]);
-        let first = own.first - before as i64;
+        let first = own.first.saturating_sub_unsigned(before as u64);
         let grid = TimeGrid { first, len: before + own.len + after, ..own };
         TipTarget::new(grid, displacement_m.copied().collect())
     }

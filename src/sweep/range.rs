@@ -28,7 +28,6 @@ impl Range {
         let (start, stop, count, logarithmic) = match parts[..] {
             [start, stop, count] => (start, stop, count, false),
             [start, stop, count, "log"] => (start, stop, count, true),
-            [start, stop, count, "lin" | "linear"] => (start, stop, count, false),
             _ => return refuse(text, "must read START:STOP:COUNT or START:STOP:COUNT:log"),
         };
         let number = |text: &str| {
@@ -101,7 +100,7 @@ mod tests {
     fn a_range_holds_both_ends_and_even_steps_between() {
         assert_eq!(values("0.1:0.5:5"), ["0.1", "0.2", "0.3", "0.4", "0.5"]);
         assert_eq!(values("10:30:3"), ["10", "20", "30"]);
-        assert_eq!(values("1:-1:3:lin"), ["1", "0", "-1"]);
+        assert_eq!(values("1:-1:3"), ["1", "0", "-1"]);
         assert_eq!(values("7:7:1"), ["7"]);
         assert_eq!(values("1e20 : 3e20 : 3"), ["1e20", "2e20", "3e20"]);
     }

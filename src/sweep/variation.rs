@@ -131,8 +131,7 @@ fn listed(text: &str) -> Result<Range, VariationError> {
     let mut values = vec![String::new()];
     for c in text.chars() {
         match (quote, c) {
-            (Some(open), _) if c == open => quote = None,
-            (Some(_), _) => {}
+            (Some(open), _) => quote = quote.filter(|_| c != open),
             (None, '"' | '\'') => quote = Some(c),
             (None, '[' | '{') => depth += 1,
             (None, ']' | '}') => depth -= 1,

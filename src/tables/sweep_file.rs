@@ -67,8 +67,11 @@ impl SweepFile {
         let read = fs::read(&shown).map_err(|cause| error(&shown, cause))?;
         let name = shown.display().to_string();
         // Ended before its first two lines were there.
-        let heads = read.iter().filter(|byte| **byte == b'\n').count();
-        if is_part && heads < 2 {
+        let headless = read
+            .split_inclusive(|byte| *byte == b'\n')
+            .nth(1)
+            .is_none_or(|header| !header.ends_with(b"\n"));
+        if is_part && headless {
             drop(file);
             return Ok(Ok(Resumed::At(Self::begin(path, identity, header)?, 0)));
         }

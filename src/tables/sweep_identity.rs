@@ -28,11 +28,17 @@ impl SweepIdentity {
             digest.update(part.len().to_le_bytes());
             digest.update(part);
         };
-        files.iter().for_each(|file| add(&file.sha256()));
-        changes.iter().for_each(|change| add(change));
+        for file in files {
+            add(&file.sha256());
+        }
+        for change in changes {
+            add(change);
+        }
         for variation in plan.variations() {
-            (0..variation.values().len()).for_each(|k| add(&variation.change(k)));
             add(&variation.heading());
+            for k in 0..variation.values().len() {
+                add(&variation.change(k));
+            }
         }
         let mut fingerprint = hexadecimal(&digest.finalize());
         fingerprint.truncate(DIGITS);

@@ -104,9 +104,14 @@ mod tests {
     use super::*;
     use crate::sweep::Shard;
 
+    /// The numbers of cases, each as a row.
+    fn lines(cases: impl Iterator<Item = usize>) -> String {
+        cases.map(|case| case.to_string() + "\n").collect()
+    }
+
     fn shard(number: usize, of: usize, cases: usize) -> SweepRows {
         let shard: Shard = format!("{number}/{of}").parse().unwrap();
-        let rows: String = (0..shard.len(cases)).map(|k| format!("{}\n", shard.case(k))).collect();
+        let rows = lines((0..shard.len(cases)).map(|k| shard.case(k)));
         let first = format!("# flexlink 0.1.0 sweep 00ff, shard {shard} of {cases} cases");
         let text = format!("{first}\ncase\n{rows}");
         SweepRows::read(&format!("s{number}.csv"), text.as_bytes()).unwrap()
@@ -118,7 +123,7 @@ mod tests {
             let mut shards: Vec<_> = (1..=of).map(|k| shard(k, of, cases)).collect();
             shards.reverse();
             let merged = merge_shards(&shards).unwrap();
-            let expected: String = (0..cases).map(|k| format!("{k}\n")).collect();
+            let expected = lines(0..cases);
             assert_eq!(merged, format!("case\n{expected}"), "{of} shards");
         }
     }

@@ -15,14 +15,13 @@ fn begun(bench: &Bench) -> Child {
     let (link, motion) = (repository(LINK), repository(MOTION));
     let arguments = [&["sweep", &link, &motion, "--threads", "1"], &VARY[..]].concat();
     let child = bench.program(&arguments).stderr(Stdio::piped()).spawn().unwrap();
-    for _ in 0..6000 {
-        let rows = fs::read_to_string(bench.path("sweep.csv.part")).unwrap_or_default();
-        if rows.lines().count() > 5 {
-            return child;
-        }
+    let rows = || fs::read_to_string(bench.path("sweep.csv.part")).unwrap_or_default();
+    let has_some = |_| {
         sleep(Duration::from_millis(5));
-    }
-    panic!("no rows within 30 s");
+        rows().lines().count() > 5
+    };
+    assert!((0..6000).any(has_some), "no rows within 30 s");
+    child
 }
 
 #[cfg(unix)]
