@@ -149,3 +149,34 @@ fn a_slurm_job_array_does_one_shard_a_task() {
     desk.run("flexlink", &[&["sweep", "-o", "sweep.csv", "--merge"], &shards[..]].concat());
     assert!(desk.read("sweep.csv") == whole);
 }
+
+/// The script of the step of this name in the workflow for golden files.
+fn golden_step(name: &str) -> String {
+    let workflow = fs::read_to_string(repository("examples/golden_files.yml")).unwrap();
+    let (_, step) = workflow.split_once(&format!("- name: {name}\n")).unwrap();
+    let (_, run) = step.split_once("run: ").unwrap();
+    let end = run.find("\n      - ").unwrap_or(run.len());
+    run[..end].trim_start_matches("|\n").to_owned()
+}
+
+#[test]
+fn the_workflow_for_golden_files_accepts_what_is_right_and_nothing_else() {
+    let desk = Desk::new();
+    desk.run("mkdir", &["links", "motions"]);
+    desk.run("mv", &["link.toml", "links/my arm.toml"]);
+    desk.run("mv", &["move.csv", "motions"]);
+    let step = |name| {
+        desk.command("bash", &["-euo", "pipefail", "-c", &golden_step(name)]).output().unwrap()
+    };
+    let solved = step("Solve");
+    assert!(solved.status.success(), "{}", text(&solved.stderr));
+    desk.run("flexlink", &["compare", "golden", "results", "--bless"]);
+    assert_eq!(step("Compare").status.code(), Some(0));
+
+    let torque = "results/my arm/move/torque.csv";
+    let changed = desk.read(torque).replacen("0.", "0.1", 1);
+    fs::write(desk.path(torque), changed).unwrap();
+    let compared = step("Compare");
+    assert_eq!(compared.status.code(), Some(1));
+    assert!(text(&compared.stdout).contains("torque.csv"), "{}", text(&compared.stdout));
+}
