@@ -52,12 +52,21 @@ fn every_command_has_a_manual_page() {
     let output = bench.run(&["man", "-o", "man1"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let pages = bench.names("man1");
-    for command in
-        ["solve", "simulate", "verify", "modes", "frf", "trajectory", "init", "completions", "man"]
-    {
+    for command in [
+        "solve",
+        "simulate",
+        "verify",
+        "modes",
+        "frf",
+        "trajectory",
+        "compare",
+        "init",
+        "completions",
+        "man",
+    ] {
         let page = format!("flexlink-{command}.1");
         assert!(pages.contains(&page), "{page} is not among {pages:?}");
         assert!(bench.read(&format!("man1/{page}")).contains("Example:"), "{page}");
     }
-    assert_eq!(pages.len(), 10);
+    assert_eq!(pages.len(), 11);
 }
