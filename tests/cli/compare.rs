@@ -95,7 +95,14 @@ differs  e.csv: 3 columns, 2 rows
 result   1 different
 "
     );
-    // A time that is matched is still compared.
+    bench.write("a.csv", &format!("{EXPECTED}0.3,0,0\n"));
+    let told = different(&files(&bench, &[]));
+    assert!(told.contains("\n  1 row only in ACTUAL: time_s = 0.3, line 5\n"), "{told}");
+}
+
+#[test]
+fn a_time_that_is_matched_is_still_compared() {
+    let bench = bench(&EXPECTED.replace("0.1,", "0.100000001,"));
     let told = different(&files(&bench, &[]));
     assert!(told.contains("  time_s   1.0e-9   5.0e-9 "), "{told}");
 }

@@ -105,3 +105,35 @@ fn without_a_word_a_billionth_of_the_peak_is_allowed() {
     equal(&files(&with("1.0000000039"), &[]));
     different(&files(&with("1.0000000041"), &[]));
 }
+
+#[test]
+fn an_ignored_first_column_matches_no_rows() {
+    let bench = bench(&EXPECTED.replace("0.1,", "0.17,"));
+    assert!(different(&files(&bench, &[])).contains("1 row only in EXPECTED: time_s = 0.1"));
+    bench.write("tolerances.toml", "[[columns]]\ncolumn = 'time_s'\nignore = true");
+    equal(&files(&bench, &[]));
+}
+
+#[test]
+fn of_a_table_that_is_ignored_the_rows_are_too() {
+    let bench = bench("time_s,torque_n_m,angle_rad\n");
+    assert!(
+        different(&files(&bench, &[]))
+            .contains("  3 rows only in EXPECTED, the first: time_s = 0.0, line 2\n")
+    );
+    bench.write("tolerances.toml", "[[columns]]\ncolumn = '*'\nignore = true");
+    let told = equal(&files(&bench, &[]));
+    assert_eq!(told, "equal    e.csv: 0 columns, 0 rows, 3 ignored\nresult   1 equal\n");
+}
+
+#[test]
+fn a_tolerance_of_a_column_of_one_side_is_not_idle() {
+    let bench = bench(&EXPECTED.replace("angle_rad", "angle_deg"));
+    let text =
+        "[[columns]]\ncolumn = 'angle_deg'\nrtol = 1\n[[columns]]\ncolumn = 'angle_rad'\nrtol = 1";
+    bench.write("tolerances.toml", text);
+    different(&files(&bench, &[]));
+    let ignoring = "[[columns]]\ncolumn = 'angle_*'\nignore = true\n";
+    bench.write("tolerances.toml", &format!("{ignoring}{}", ignoring.replace('*', "deg")));
+    equal(&files(&bench, &[]));
+}
