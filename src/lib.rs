@@ -25,11 +25,11 @@
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
 //! | [`inverse`] | transfer at one frequency, period and padding, the inversion, rigid comparison |
 //! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
-//! | [`result`] | the numbers that a person reads first |
+//! | [`result`] | the numbers that a person reads first; two results held against each other |
 //! | [`sweep`] | many cases in parallel, their order kept; shards |
 //! | [`verification`] | every approximation of a solution measured by other means |
-//! | [`spec`] | link file and `--set` → [`link::Link`] |
-//! | [`tables`] | CSV → motion, torque, hub reference; solution → CSV and summary.json |
+//! | [`spec`] | link file and `--set` → [`link::Link`]; file of tolerances |
+//! | [`tables`] | CSV → motion, torque, hub reference; solution → CSV and summary.json; golden files |
 //!
 //! A module imports only from those above it (`tests/layers.rs` holds it to that); the program in
 //! `main.rs` and `cli/` stands on top of all.

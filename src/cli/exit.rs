@@ -7,7 +7,22 @@ use flexlink::spec::SpecError;
 use flexlink::tables::{FolderError, InputError, TableError};
 use flexlink::verification::VerificationError;
 
-/// How the program ends when it is not done. (1 is for comparisons that differ.)
+/// How a program that has done its work ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// As it should.
+    Done = 0,
+    /// What was compared is different.
+    Different = 1,
+}
+
+impl From<Ending> for ExitCode {
+    fn from(ending: Ending) -> Self {
+        Self::from(ending as u8)
+    }
+}
+
+/// How the program ends when it is not done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Exit {
     /// The command line asks for what there is not.

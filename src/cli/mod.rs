@@ -1,6 +1,9 @@
 //! The command line: arguments in, exit code out.
 
 mod args;
+mod compare;
+mod compare_sides;
+mod compare_text;
 mod console;
 mod exit;
 mod frf;
@@ -29,7 +32,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use exit::Failure;
+use exit::{Ending, Failure};
 
 /// Hub torque that makes the tip of a flexible link follow a wanted motion.
 #[derive(Debug, Parser)]
@@ -47,7 +50,8 @@ rest to rest. The torque starts before the tip moves and outlasts its motion, be
 waves travel at finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done, 2 wrong usage, 3 input refused, 4 not solvable, 5 cannot write";
+Exit codes: 0 done, 1 compared and different, 2 wrong usage, 3 input refused,
+            4 not solvable, 5 cannot write";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -59,6 +63,7 @@ enum Command {
     Frf(frf::Frf),
     Sweep(Box<sweep::Sweep>),
     Trajectory(trajectory::Trajectory),
+    Compare(compare::Compare),
     Init(init::Init),
     Completions(shell::Completions),
     #[command(name = "man")]
@@ -75,12 +80,17 @@ pub(crate) fn run() -> ExitCode {
         Command::Frf(frf) => frf.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Trajectory(trajectory) => trajectory.run(),
+        Command::Compare(compare) => return ended(compare.run()),
         Command::Init(init) => init.run(),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Manual(manual) => manual.run(Cli::command()),
     };
+    ended(outcome.map(|()| Ending::Done))
+}
+
+fn ended(outcome: Result<Ending, Failure>) -> ExitCode {
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(ending) => ending.into(),
         Err(Failure { exit, message, hint }) => {
             console::error(&message, hint.as_deref());
             exit.into()

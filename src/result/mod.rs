@@ -1,5 +1,6 @@
-//! What a run found: the numbers that a person reads first.
+//! What a run found: the numbers that a person reads first; two results held against each other.
 
+pub mod comparison;
 mod fit;
 mod limits;
 mod metrics;

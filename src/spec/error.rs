@@ -6,7 +6,7 @@ use crate::link::ParameterError;
 /// What to try where a damping ratio is missing or cannot be.
 pub(super) const USUAL_RATIO: &str = "0.02 is usual for metal links";
 
-/// Why a link file, or a `--set` on it, is refused.
+/// Why a link file, a `--set` on it, or a file of tolerances is refused.
 ///
 /// Reads `link.toml:14: damping.ratio = -0.02, but must lie in [0, 1)`.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]

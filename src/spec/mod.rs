@@ -23,8 +23,10 @@ mod reader;
 mod section;
 mod segment;
 mod specification;
+mod tolerances;
 mod tree;
 
 pub use error::SpecError;
 pub use overrides::Override;
 pub use specification::{Specification, read_specification};
+pub use tolerances::read_tolerances;

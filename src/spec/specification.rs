@@ -61,7 +61,7 @@ fn read(tree: &Node) -> Result<Specification, Fault> {
 }
 
 /// `[segments]` for `[[segments]]` is an easy slip, and serde's words for it are none of the user's.
-fn check_list_of_tables(tree: &Node, list: &str) -> Result<(), Fault> {
+pub(super) fn check_list_of_tables(tree: &Node, list: &str) -> Result<(), Fault> {
     let is_table = |node: &Node| matches!(node.kind, Kind::Table(_));
     match tree.get(list) {
         None => Ok(()),

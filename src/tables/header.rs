@@ -109,6 +109,11 @@ pub(super) fn check_names(
         );
         return Err(place.refuse("first row", quoted(&fields.join(",")), must).with_hint(hint));
     }
+    check_separator(fields, place)
+}
+
+/// Refuses a first row that separates its columns otherwise than by commas.
+pub(super) fn check_separator(fields: &[&str], place: Place) -> Result<(), TableError> {
     if let [field] = fields
         && field.contains([';', '\t'])
     {

@@ -31,6 +31,12 @@ fn words(cause: &io::Error) -> String {
     text.split(" (os error").next().unwrap_or_default().to_owned()
 }
 
+impl InputError {
+    pub(super) fn new(shown: String, cause: io::Error) -> Self {
+        Self { shown, cause }
+    }
+}
+
 impl InputFile {
     /// Reads a file, or standard input for `-`.
     ///

@@ -1,8 +1,12 @@
 //! CSV ⇄ data: every column's name and unit once; reading, and writing whole files or none.
 
+mod any_table;
+mod comparison_json;
+mod csv_folder;
 mod csv_table;
 mod folder;
 mod frf_table;
+mod golden;
 mod header;
 mod histories;
 mod hub_csv;
@@ -33,9 +37,13 @@ mod torque_header;
 mod trajectory_header;
 mod trajectory_table;
 
+pub use any_table::read_table;
+pub use comparison_json::comparison_json;
+pub use csv_folder::CsvFolder;
 pub use csv_table::{Column, ColumnGroup, write_csv};
 pub use folder::{FolderAction, FolderError, OutputFolder};
 pub use frf_table::write_frequency_response;
+pub use golden::{GoldenChanges, change_golden_files};
 pub use hub_csv::read_hub_reference;
 pub use input::{InputError, InputFile};
 pub use modes_tables::{HeldModes, ModesResult};

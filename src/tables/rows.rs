@@ -43,7 +43,8 @@ impl<'a> Rows<'a> {
                     return Err(self.place().refuse("row", error.to_string(), "must be CSV"));
                 }
             }
-            if self.record.iter().collect::<Vec<_>>() != [""] {
+            let blank = self.record.len() == 1 && self.record[0].is_empty();
+            if !blank {
                 break;
             }
         }

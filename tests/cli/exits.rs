@@ -1,4 +1,4 @@
-//! Exit codes: 0 done, 2 usage, 3 input refused, 4 not solvable, 5 cannot write.
+//! Exit codes: 0 done, 1 different (in `compare`), 2 usage, 3 input refused, 4 not solvable, 5 cannot write.
 
 use std::fs;
 use std::process::Output;

@@ -2,6 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod compare;
+mod compare_folders;
+mod compare_tolerances;
 mod damping;
 mod exits;
 mod files;

@@ -60,6 +60,7 @@ fn every_command_has_a_manual_page() {
         "frf",
         "sweep",
         "trajectory",
+        "compare",
         "init",
         "completions",
         "man",
@@ -68,5 +69,5 @@ fn every_command_has_a_manual_page() {
         assert!(pages.contains(&page), "{page} is not among {pages:?}");
         assert!(bench.read(&format!("man1/{page}")).contains("Example:"), "{page}");
     }
-    assert_eq!(pages.len(), 11);
+    assert_eq!(pages.len(), 12);
 }

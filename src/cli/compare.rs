@@ -1,0 +1,141 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use flexlink::result::comparison::{Comparison, Tolerances};
+use flexlink::spec::read_tolerances;
+use flexlink::tables::{InputFile, change_golden_files, comparison_json};
+
+use super::args::not_negative;
+use super::compare_sides::{Purpose, Sides, TOLERANCES};
+use super::compare_text::{blessed_text, comparison_text};
+use super::console;
+use super::exit::{Ending, Failure};
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink compare golden out --rtol 1e-6
+  flexlink compare golden/torque.csv out/torque.csv
+  flexlink compare golden out --bless
+
+tolerances.toml, of which all is optional:
+  rtol = 1e-9                  # of the column's peak
+  atol = 0.0                   # in the column's unit
+  [[columns]]                  # the last entry that names a column holds
+  file = \"torque.csv\"          # its name, or with a slash its path; * any text, ? one character
+  column = \"torque_*\"
+  rtol = 1e-6                  # and/or atol; or ignore = true
+
+A first row of nothing but numbers is data; the columns are then called `column 1` and so on.
+`-` as EXPECTED or ACTUAL reads standard input. Exit code 1 if the two differ.";
+
+const LONG_ABOUT: &str = "\
+Compare tables column by column, within a tolerance of the column's peak.
+
+EXPECTED and ACTUAL are two CSV files, or two folders whose CSV files are compared by name, those in \
+folders within them too. A number may differ by atol + rtol x the largest absolute value that its \
+column has in EXPECTED; words and empty fields may not differ. Columns are matched by name, rows by \
+the first column where it increases on both sides (time_s, frequency_hz), otherwise by number. \
+Columns, rows and files of one side alone are differences too. Any CSV will do: a row of names, \
+commas, # before comments.";
+
+/// Compare tables column by column.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+pub(crate) struct Compare {
+    /// File or folder that is right: the golden files.
+    #[arg(value_name = "EXPECTED")]
+    expected: PathBuf,
+
+    /// File or folder in question.
+    #[arg(value_name = "ACTUAL")]
+    actual: PathBuf,
+
+    /// Difference allowed, as a share of the column's peak [default: that of the file of tolerances,
+    /// or 1e-9].
+    #[arg(long, value_name = "R", value_parser = not_negative, allow_negative_numbers = true)]
+    rtol: Option<f64>,
+
+    /// Difference allowed, in the column's unit [default: that of the file of tolerances, or 0].
+    #[arg(long, value_name = "A", value_parser = not_negative, allow_negative_numbers = true)]
+    atol: Option<f64>,
+
+    /// Tolerances of single columns (TOML) [default: tolerances.toml in the folder EXPECTED, or
+    /// beside the file EXPECTED].
+    #[arg(long, value_name = "FILE")]
+    tolerances: Option<PathBuf>,
+
+    /// Accept: make the CSV files of EXPECTED those of ACTUAL. Files within tolerance stay as they
+    /// are, and so does what is no CSV.
+    #[arg(long)]
+    bless: bool,
+
+    /// Print everything as JSON instead of the table.
+    #[arg(long, conflicts_with = "quiet")]
+    json: bool,
+
+    /// Print nothing but warnings and errors: the exit code tells.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+impl Compare {
+    pub(crate) fn run(self) -> Result<Ending, Failure> {
+        let purpose = if self.bless { Purpose::Bless } else { Purpose::Compare };
+        let sides = Sides::find(&self.expected, &self.actual, purpose)?;
+        let tolerances = self.read_tolerances(&sides)?;
+        let comparison = sides.compare(&tolerances)?;
+        self.warn(&sides, &comparison, &tolerances);
+
+        let changes = sides.changes(&comparison);
+        if let (true, Some(folder)) = (self.bless, &sides.golden) {
+            change_golden_files(folder, &changes)?;
+        }
+        match (self.quiet, self.json) {
+            (true, _) => {}
+            (_, true) => {
+                let blessed = Some(&changes).filter(|_| self.bless);
+                console::print(&comparison_json(&comparison, blessed))?;
+            }
+            _ => {
+                let blessed = if self.bless { blessed_text(&changes) } else { String::new() };
+                console::print(&(comparison_text(&comparison) + &blessed))?;
+            }
+        }
+        Ok(if self.bless || comparison.is_equal() { Ending::Done } else { Ending::Different })
+    }
+
+    /// The file of tolerances, if there is one, with those of the command line.
+    fn read_tolerances(&self, sides: &Sides) -> Result<Tolerances, Failure> {
+        let beside = || {
+            let path = sides.golden.as_ref()?.join(TOLERANCES);
+            path.exists().then_some(path)
+        };
+        let mut tolerances = match self.tolerances.clone().or_else(beside) {
+            None => Tolerances::default(),
+            Some(path) => {
+                let file = InputFile::read(&path)?;
+                read_tolerances(&file.shown, file.text()?)?
+            }
+        };
+        tolerances.general.rtol = self.rtol.unwrap_or(tolerances.general.rtol);
+        tolerances.general.atol = self.atol.unwrap_or(tolerances.general.atol);
+        Ok(tolerances)
+    }
+
+    /// Tells of tolerances that have no effect.
+    fn warn(&self, sides: &Sides, comparison: &Comparison, tolerances: &Tolerances) {
+        for entry in comparison.idle(tolerances) {
+            let file = entry.file.as_ref().map(|file| format!(" of a file {file:?}"));
+            let (place, column) = (&entry.place, &entry.column);
+            let named = format!("{column:?}{}", file.unwrap_or_default());
+            let message = format!("{place}: column = {named}, but no column is called that");
+            console::warning(message, "`*` stands for any text, `?` for one character");
+        }
+        for inner in &sides.unread_tolerances {
+            let path = self.expected.join(inner);
+            let message = format!("{}: is not read", path.display());
+            console::warning(message, "only that of the folder EXPECTED is, with paths in `file`");
+        }
+    }
+}

@@ -1,0 +1,133 @@
+use super::column::{ColumnComparison, compare_column};
+use super::pairing::{Pairing, key};
+use super::table::{Table, TableColumn};
+use super::tolerance::{Rule, Tolerances};
+
+/// Where a row stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Line of the file, from 1.
+    pub line: u64,
+    /// The row's value in the column that rows are matched by, if there is one.
+    pub key: Option<f64>,
+}
+
+/// Rows that one side has alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unmatched {
+    /// How many, above 0.
+    pub count: usize,
+    /// The first of them.
+    pub first: Place,
+}
+
+/// Two tables held against each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableComparison {
+    /// Name of the column that rows were matched by; `None`: by their number.
+    pub matched_by: Option<String>,
+    /// Number of rows that both sides have.
+    pub rows: usize,
+    /// The columns that both sides have, and those of either that are not compared, in the order of
+    /// EXPECTED, then of ACTUAL.
+    pub columns: Vec<ColumnComparison>,
+    /// Names of columns that EXPECTED has alone.
+    pub columns_expected: Vec<String>,
+    /// Names of columns that ACTUAL has alone.
+    pub columns_actual: Vec<String>,
+    /// Rows that EXPECTED has alone.
+    pub rows_expected: Option<Unmatched>,
+    /// Rows that ACTUAL has alone.
+    pub rows_actual: Option<Unmatched>,
+}
+
+impl TableComparison {
+    /// Whether the two are the same within tolerance.
+    pub fn is_equal(&self) -> bool {
+        let complete = self.columns_expected.is_empty() && self.columns_actual.is_empty();
+        let matched = self.rows_expected.is_none() && self.rows_actual.is_none();
+        complete && matched && !self.columns.iter().any(ColumnComparison::fails)
+    }
+
+    /// The columns beyond tolerance, the worst first.
+    pub fn failing(&self) -> Vec<&ColumnComparison> {
+        let mut failing: Vec<_> = self.columns.iter().filter(|column| column.fails()).collect();
+        failing.sort_by(|a, b| b.severity().total_cmp(&a.severity()));
+        failing
+    }
+}
+
+/// Holds two tables, called `file`, against each other.
+///
+/// Rows are matched by EXPECTED's first column where both sides have it, it is not ignored and
+/// increases on both; otherwise by their number. The order of columns does not matter.
+pub fn compare_tables(
+    file: &str,
+    expected: &Table,
+    actual: &Table,
+    tolerances: &Tolerances,
+) -> TableComparison {
+    let rule = |name: &str| tolerances.rule(file, name);
+    let compared = |name: &&str| rule(name) != Rule::Ignore;
+    let keys = key(expected, actual).filter(|[key, _]| compared(&key.name()));
+    let pairing = pair(expected, actual, keys);
+    let place = |e: usize, a: usize| {
+        let [left, right] = [0, 1].map(|side| keys.map(|keys| keys[side]));
+        (place_of(expected, left, e), place_of(actual, right, a))
+    };
+    let columns = expected.columns.iter().filter_map(|column| match rule(column.name()) {
+        Rule::Ignore => Some(ignored(column)),
+        Rule::Within(tolerance) => {
+            let other = actual.column(column.name())?;
+            Some(compare_column(column, other, tolerance, &pairing, place))
+        }
+    });
+    let only_actual =
+        actual.columns.iter().filter(|column| expected.column(column.name()).is_none());
+    let columns =
+        columns.chain(only_actual.filter(|column| !compared(&column.name())).map(ignored));
+    let alone = |side: &Table, other: &Table| {
+        let missing = |name: &&str| other.column(name).is_none();
+        side.names().filter(missing).filter(compared).map(str::to_owned).collect()
+    };
+    // Rows of a table of which nothing is compared are nobody's concern.
+    let any = expected.names().chain(actual.names()).any(|name| compared(&name));
+    let unmatched = |rows: &[usize], place: &dyn Fn(usize) -> Place| {
+        let first = rows.first().filter(|_| any)?;
+        Some(Unmatched { count: rows.len(), first: place(*first) })
+    };
+    TableComparison {
+        matched_by: keys.map(|[key, _]| key.name().to_owned()),
+        rows: pairing.pairs.len(),
+        columns: columns.collect(),
+        columns_expected: alone(expected, actual),
+        columns_actual: alone(actual, expected),
+        rows_expected: unmatched(&pairing.expected, &|row| {
+            place_of(expected, keys.map(|keys| keys[0]), row)
+        }),
+        rows_actual: unmatched(&pairing.actual, &|row| {
+            place_of(actual, keys.map(|keys| keys[1]), row)
+        }),
+    }
+}
+
+fn pair(expected: &Table, actual: &Table, keys: Option<[&TableColumn; 2]>) -> Pairing {
+    match keys.map(|keys| keys.map(TableColumn::increasing)) {
+        Some([Some(left), Some(right)]) => Pairing::by_key(left, right),
+        _ => Pairing::by_number(expected.lines.len(), actual.lines.len()),
+    }
+}
+
+fn place_of(table: &Table, key: Option<&TableColumn>, row: usize) -> Place {
+    Place { line: table.lines[row], key: key.map(|key| key.number(row)) }
+}
+
+fn ignored(column: &TableColumn) -> ColumnComparison {
+    ColumnComparison {
+        name: column.name().to_owned(),
+        peak: column.peak(),
+        tolerance: None,
+        worst: None,
+        rows_beyond: 0,
+    }
+}

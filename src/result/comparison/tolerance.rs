@@ -1,0 +1,133 @@
+use wildmatch::WildMatch;
+
+/// How far a number may be from the expected one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Share of the column's peak.
+    pub rtol: f64,
+    /// In the column's own unit.
+    pub atol: f64,
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self { rtol: 1e-9, atol: 0.0 }
+    }
+}
+
+impl Tolerance {
+    /// Largest difference allowed in a column of this peak, in the column's unit.
+    pub fn allowed(&self, peak: f64) -> f64 {
+        self.atol + self.rtol * peak
+    }
+}
+
+/// What is asked of one column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rule {
+    /// Nothing: it is not compared and need not be there.
+    Ignore,
+    /// To be within a tolerance.
+    Within(Tolerance),
+}
+
+/// What an entry says of the columns that it names.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Change {
+    /// They are not compared.
+    Ignore,
+    /// They have a tolerance of their own; a part that is `None` stays the general one.
+    Tolerance {
+        /// Share of the column's peak.
+        rtol: Option<f64>,
+        /// In the column's own unit.
+        atol: Option<f64>,
+    },
+}
+
+/// Columns by name, and what holds for them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// Where it was written, for messages.
+    pub place: String,
+    /// Pattern of the file's name, or of its path where the pattern has a slash; `None`: any.
+    pub file: Option<String>,
+    /// Pattern of the column's name.
+    pub column: String,
+    /// What holds for them.
+    pub change: Change,
+}
+
+impl Entry {
+    /// Whether it speaks of this column of the file with this path, whose folders end in slashes.
+    ///
+    /// In patterns `*` stands for any text and `?` for one character.
+    pub fn names(&self, file: &str, column: &str) -> bool {
+        let in_file = self.file.as_deref().is_none_or(|pattern| {
+            let name = file.rsplit('/').next().unwrap_or(file);
+            WildMatch::new(pattern).matches(if pattern.contains('/') { file } else { name })
+        });
+        in_file && WildMatch::new(&self.column).matches(column)
+    }
+}
+
+/// What is asked of every column.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Tolerances {
+    /// Where no entry says otherwise.
+    pub general: Tolerance,
+    /// Exceptions; of those that name a column the last holds.
+    pub entries: Vec<Entry>,
+}
+
+impl Tolerances {
+    /// What is asked of a column.
+    pub fn rule(&self, file: &str, column: &str) -> Rule {
+        let general = self.general;
+        match self.entries.iter().rfind(|entry| entry.names(file, column)) {
+            None => Rule::Within(general),
+            Some(Entry { change: Change::Ignore, .. }) => Rule::Ignore,
+            Some(Entry { change: Change::Tolerance { rtol, atol }, .. }) => {
+                Rule::Within(Tolerance {
+                    rtol: rtol.unwrap_or(general.rtol),
+                    atol: atol.unwrap_or(general.atol),
+                })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(file: Option<&str>, column: &str, change: Change) -> Entry {
+        let file = file.map(str::to_owned);
+        Entry { place: "t:1".into(), file, column: column.into(), change }
+    }
+
+    fn within(rtol: f64, atol: f64) -> Rule {
+        Rule::Within(Tolerance { rtol, atol })
+    }
+
+    #[test]
+    fn the_last_entry_that_names_a_column_holds_and_leaves_the_rest_general() {
+        let rtol = |rtol| Change::Tolerance { rtol: Some(rtol), atol: None };
+        let tolerances = Tolerances {
+            general: Tolerance { rtol: 1e-6, atol: 1e-3 },
+            entries: vec![
+                entry(None, "v?_m", rtol(1e-4)),
+                entry(None, "*", Change::Tolerance { rtol: None, atol: Some(0.5) }),
+                entry(Some("t*.csv"), "v1_m", Change::Ignore),
+                entry(Some("a/*.csv"), "v2_m", rtol(0.25)),
+            ],
+        };
+        assert_eq!(tolerances.rule("x.csv", "v1_m"), within(1e-6, 0.5));
+        assert_eq!(tolerances.rule("deep/down/t.csv", "v1_m"), Rule::Ignore);
+        assert_eq!(tolerances.rule("a/x.csv", "v2_m"), within(0.25, 1e-3));
+        assert_eq!(tolerances.rule("b/a.csv", "v2_m"), within(1e-6, 0.5));
+        let first = Tolerances { entries: tolerances.entries[..1].to_vec(), ..tolerances };
+        assert_eq!(first.rule("x.csv", "v1_m"), within(1e-4, 1e-3));
+        assert_eq!(first.rule("x.csv", "v10_m"), within(1e-6, 1e-3));
+    }
+}

@@ -1,0 +1,152 @@
+use serde::Deserialize;
+
+use super::SpecError;
+use super::error::Fault;
+use super::quantity::Real;
+use super::specification::check_list_of_tables;
+use super::tree::{Node, Place};
+use crate::result::comparison::{Change, Entry, Tolerance, Tolerances};
+
+/// The whole file of tolerances, key by key.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct RawTolerances {
+    rtol: Option<Real>,
+    atol: Option<Real>,
+    #[serde(default)]
+    columns: Vec<RawEntry>,
+}
+
+/// `[[columns]]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct RawEntry {
+    file: Option<String>,
+    column: String,
+    rtol: Option<Real>,
+    atol: Option<Real>,
+    ignore: Option<bool>,
+}
+
+/// Reads the text of a file of tolerances; `name` is what errors call it.
+///
+/// ```
+/// use flexlink::result::comparison::Rule;
+/// use flexlink::spec::read_tolerances;
+/// let text = "rtol = 1e-6\n[[columns]]\ncolumn = 'wall_time_*'\nignore = true\n";
+/// let tolerances = read_tolerances("tolerances.toml", text)?;
+/// assert_eq!(tolerances.rule("sweep.csv", "wall_time_s"), Rule::Ignore);
+/// # Ok::<(), flexlink::spec::SpecError>(())
+/// ```
+///
+/// # Errors
+/// [`SpecError`] names the line and the value that cannot be.
+pub fn read_tolerances(name: &str, text: &str) -> Result<Tolerances, SpecError> {
+    let shown = |place: Place| match place {
+        Place::Line(line) => format!("{name}:{line}"),
+        Place::File | Place::Override(_) => name.to_owned(),
+    };
+    let tree = Node::document(text)
+        .map_err(|(place, message)| SpecError::new(shown(place), message, None))?;
+    let place_of = |path: &str| shown(tree.deepest(path).place);
+    read(&tree, place_of).map_err(|fault| {
+        let place = shown(fault.place(&tree));
+        fault.at(place)
+    })
+}
+
+fn read(tree: &Node, place_of: impl Fn(&str) -> String) -> Result<Tolerances, Fault> {
+    check_list_of_tables(tree, "columns")?;
+    let raw = RawTolerances::deserialize(tree)?;
+    let usual = Tolerance::default();
+    let general = Tolerance {
+        rtol: checked("rtol", raw.rtol)?.unwrap_or(usual.rtol),
+        atol: checked("atol", raw.atol)?.unwrap_or(usual.atol),
+    };
+    let entries = raw.columns.into_iter().enumerate().map(|(number, raw)| {
+        let path = format!("columns.{number}");
+        let place = place_of(&path);
+        entry(&path, place, raw)
+    });
+    Ok(Tolerances { general, entries: entries.collect::<Result<_, _>>()? })
+}
+
+fn entry(path: &str, place: String, raw: RawEntry) -> Result<Entry, Fault> {
+    let rtol = checked(&format!("{path}.rtol"), raw.rtol)?;
+    let atol = checked(&format!("{path}.atol"), raw.atol)?;
+    let change = match (raw.ignore, rtol.or(atol)) {
+        (Some(true), None) => Change::Ignore,
+        (Some(true), Some(_)) => {
+            let at = format!("{path}.ignore");
+            let message = format!("{at} = true, but must not stand beside rtol or atol");
+            return Err(Fault::new(at, message));
+        }
+        (None, None) => {
+            let message = format!("{path} = no rtol, atol or ignore, but must have one");
+            return Err(Fault::new(path, message));
+        }
+        _ => Change::Tolerance { rtol, atol },
+    };
+    Ok(Entry { place, file: raw.file, column: raw.column, change })
+}
+
+/// A tolerance, refused below 0.
+fn checked(path: &str, number: Option<Real>) -> Result<Option<f64>, Fault> {
+    match number {
+        Some(Real(number)) if number < 0.0 => {
+            Err(Fault::new(path, format!("{path} = {number}, but must be 0 or above")))
+        }
+        number => Ok(number.map(|Real(number)| number)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(text: &str) -> (String, Option<String>) {
+        let error = read_tolerances("t.toml", text).unwrap_err();
+        (error.to_string(), error.hint().map(str::to_owned))
+    }
+
+    #[test]
+    fn a_file_says_what_holds_in_general_and_for_which_columns_not() {
+        let text = "atol = 1\n[[columns]]\nfile = 'a.csv'\ncolumn = '*'\nrtol = 1e-3\n\
+                    [[columns]]\ncolumn = 'x'\nignore = false\n";
+        let read = read_tolerances("t.toml", text).unwrap();
+        assert_eq!(read.general, Tolerance { rtol: 1e-9, atol: 1.0 });
+        let change = Change::Tolerance { rtol: Some(1e-3), atol: None };
+        let (place, file) = ("t.toml:2".to_owned(), Some("a.csv".to_owned()));
+        assert_eq!(read.entries[0], Entry { place, file, column: "*".into(), change });
+        assert_eq!(read.entries[1].change, Change::Tolerance { rtol: None, atol: None });
+        assert_eq!(read_tolerances("t.toml", ""), Ok(Tolerances::default()));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused_with_its_line() {
+        let (message, hint) = refused("rtoll = 1e-6");
+        assert_eq!(message, "t.toml:1: unknown key `rtoll`");
+        assert_eq!(hint.unwrap(), "did you mean `rtol`?");
+        let (message, hint) = refused("[[columns]]\ncolumn = 'a'\n\nignored = true");
+        assert_eq!(message, "t.toml:4: unknown key `ignored` in columns.0");
+        assert_eq!(hint.unwrap(), "did you mean `ignore`?");
+        for (text, expected) in [
+            ("\nrtol = -1.0", "2: rtol = -1, but must be 0 or above"),
+            ("atol = inf", "1: atol = inf, but must be finite"),
+            ("atol = nan", "1: atol = NaN, but must be finite"),
+            ("atol = '1'", "1: atol = \"1\", but must be a number"),
+            ("columns = 1", "1: columns = 1, but must be tables headed [[columns]]"),
+            ("[[columns]]\nrtol = 1", "1: columns.0.column is missing"),
+            (
+                "[[columns]]\ncolumn = 'a'",
+                "1: columns.0 = no rtol, atol or ignore, but must have one",
+            ),
+            (
+                "[[columns]]\ncolumn = 'a'\natol = 1\nignore = true",
+                "4: columns.0.ignore = true, but must not stand beside rtol or atol",
+            ),
+        ] {
+            assert_eq!(refused(text).0, format!("t.toml:{expected}"));
+        }
+    }
+}

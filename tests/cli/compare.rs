@@ -1,0 +1,222 @@
+//! `compare`: two tables, or two folders of them, column by column.
+
+use std::fs;
+use std::io::Write as _;
+use std::process::{Output, Stdio};
+
+use serde_json::Value;
+
+use super::{Bench, stderr, stdout};
+
+pub(super) const EXPECTED: &str =
+    "time_s,torque_n_m,angle_rad\n0.0,1.0,0\n0.1,-4.0,1\n0.2,2.0,0.5\n";
+
+/// A bench with the table above as `e.csv` and another as `a.csv`.
+pub(super) fn bench(actual: &str) -> Bench {
+    let bench = Bench::new();
+    bench.write("e.csv", EXPECTED);
+    bench.write("a.csv", actual);
+    bench
+}
+
+pub(super) fn files(bench: &Bench, more: &[&str]) -> Output {
+    bench.run(&[&["compare", "e.csv", "a.csv"], more].concat())
+}
+
+/// The files are different: exit code 1, nothing on standard error.
+#[track_caller]
+pub(super) fn different(output: &Output) -> String {
+    assert_eq!((output.status.code(), stderr(output).as_str()), (Some(1), ""));
+    stdout(output)
+}
+
+#[track_caller]
+pub(super) fn equal(output: &Output) -> String {
+    let told = (output.status.code(), stderr(output));
+    assert_eq!(told, (Some(0), String::new()), "{}", stdout(output));
+    stdout(output)
+}
+
+#[track_caller]
+pub(super) fn refused(output: &Output, code: i32, message: &str) {
+    assert_eq!(stderr(output), message);
+    assert_eq!((output.status.code(), stdout(output).as_str()), (Some(code), ""));
+}
+
+fn json(bench: &Bench, more: &[&str]) -> Value {
+    serde_json::from_str(&stdout(&files(bench, &[more, &["--json"]].concat()))).unwrap()
+}
+
+#[test]
+fn the_worst_row_of_every_failing_column_is_told() {
+    let bench = bench("time_s,torque_n_m,angle_rad\n0.0,1.0,0\n0.1,-4.2,1\n0.2,2.1,0.9\n");
+    let told = different(&files(&bench, &[]));
+    assert_eq!(
+        told,
+        "\
+differs  e.csv: 3 columns, 3 rows
+  column        worst  of peak  allowed   rows    line     time_s
+  angle_rad    4.0e-1   4.0e-1   1.0e-9      1       4        0.2
+  torque_n_m   2.0e-1   5.0e-2   4.0e-9      2       3        0.1
+result   1 different
+"
+    );
+    assert_eq!(told.lines().map(|line| line.chars().count()).max(), Some(65));
+}
+
+#[test]
+fn form_does_not_matter() {
+    let other = "\u{feff}# made elsewhere\r\n\"angle_rad\", torque_n_m ,time_s\r\n\r\n\
+                 0,1,0\r\n1.0,-4e0,.1\r\n# half way\r\n5E-1,+2,0.2\r\n";
+    let told = equal(&files(&bench(other), &["--rtol", "0"]));
+    assert_eq!(told, "equal    e.csv: 3 columns, 3 rows\nresult   1 equal\n");
+}
+
+#[test]
+fn columns_of_one_side_are_named_and_the_rest_is_compared() {
+    let bench = bench("time_s,torque_n_m,rate,power\n0.0,1,0,0\n0.1,-4,0,0\n0.2,3,0,0\n");
+    let told = different(&files(&bench, &[]));
+    assert!(told.contains("  torque_n_m    1.0e0   2.5e-1 "), "{told}");
+    let only = "  only in EXPECTED: angle_rad\n  only in ACTUAL: rate, power\nresult";
+    assert!(told.contains(only), "{told}");
+}
+
+#[test]
+fn rows_are_matched_by_their_time() {
+    let bench =
+        bench("time_s,torque_n_m,angle_rad\n0.100000001,-4,1\n0.2,2,0.5\n0.3,9,9\n0.4,9,9\n");
+    let told = different(&files(&bench, &["--rtol", "1e-6"]));
+    assert_eq!(
+        told,
+        "\
+differs  e.csv: 3 columns, 2 rows
+  1 row only in EXPECTED: time_s = 0.0, line 2
+  2 rows only in ACTUAL, the first: time_s = 0.3, line 4
+result   1 different
+"
+    );
+    bench.write("a.csv", &format!("{EXPECTED}0.3,0,0\n"));
+    let told = different(&files(&bench, &[]));
+    assert!(told.contains("\n  1 row only in ACTUAL: time_s = 0.3, line 5\n"), "{told}");
+}
+
+#[test]
+fn a_time_that_is_matched_is_still_compared() {
+    let bench = bench(&EXPECTED.replace("0.1,", "0.100000001,"));
+    let told = different(&files(&bench, &[]));
+    assert!(told.contains("  time_s   1.0e-9   5.0e-9 "), "{told}");
+}
+
+#[test]
+fn rows_without_an_increasing_column_are_matched_by_their_number() {
+    let bench = Bench::new();
+    bench.write("e.csv", "stiffness,payload,peak\n2,0,1\n2,1,2\n1,0,3\n");
+    bench.write("a.csv", "stiffness,payload,peak\n2,0,1\n2,1,2.5\n");
+    let told = different(&files(&bench, &[]));
+    assert!(told.contains("  peak     5.0e-1   1.7e-1   3.0e-9      1       3\n"), "{told}");
+    assert!(told.contains("  1 row only in EXPECTED: line 4\n"), "{told}");
+    assert_eq!(json(&bench, &[])["files"][0]["table"]["matched_by"], Value::Null);
+}
+
+#[test]
+fn words_nan_and_empty_fields_equal_only_their_like() {
+    let bench = Bench::new();
+    let rows = ["root,nan,inf,,1", "beam,nan,-inf,,2"].join("\n");
+    bench.write("e.csv", &format!("segment,a,b,c,d\n{rows}\n"));
+    bench.write("a.csv", &format!("segment,a,b,c,d\n{}\n", rows.replace("nan", "NaN")));
+    equal(&files(&bench, &[]));
+    for (from, to, told) in [
+        ("root", "Root", "not \"root\" but \"Root\""),
+        ("root", "", "not \"root\" but empty"),
+        ("root", "0", "not \"root\" but 0.0"),
+        ("nan", "0", "not NaN but 0.0"),
+        ("-inf", "inf", "not -inf but inf"),
+        ("inf", "1e308", "not inf but 1e308"),
+        (",,1", ",0,1", "not empty but 0.0"),
+        (",,1", ",nan,1", "not empty but NaN"),
+        (",,2", ",,n/a", "not 2.0 but \"n/a\""),
+    ] {
+        bench.write("a.csv", &format!("segment,a,b,c,d\n{}\n", rows.replacen(from, to, 1)));
+        let output = different(&files(&bench, &["--rtol", "1e9", "--atol", "1e9"]));
+        assert!(output.contains(told), "{from} {to}: {output}");
+    }
+}
+
+#[test]
+fn a_table_without_names_has_columns_by_number() {
+    let bench = Bench::new();
+    bench.write("e.csv", "# time torque\n0,1\n1,2\n");
+    bench.write("a.csv", "0,1\n1,2.5\n");
+    let told = different(&files(&bench, &[]));
+    assert!(
+        told.contains("  column 2   5.0e-1   2.5e-1   2.0e-9      1       3        1.0"),
+        "{told}"
+    );
+}
+
+#[test]
+fn what_is_no_table_is_refused_with_its_line() {
+    for (text, message) in [
+        ("", "a.csv: content = nothing, but must hold a row of names or of numbers"),
+        ("a,b\n1\n", "a.csv:2: fields = 1, but must be 2, as many as there are columns"),
+        ("a,b,a\n", "a.csv:1: column 3 = \"a\", but must not repeat column 1"),
+    ] {
+        refused(&files(&bench(text), &[]), 3, &format!("error: {message}\n"));
+    }
+    let bench = bench("");
+    fs::write(bench.path("a.csv"), b"a,b\n1,\xff\n").unwrap();
+    let message = "error: a.csv:2: text = byte 0xff, but must be UTF-8\n\
+                   hint: save the file as text in UTF-8\n";
+    refused(&files(&bench, &[]), 3, message);
+}
+
+#[test]
+fn either_side_may_be_standard_input() {
+    let bench = bench(EXPECTED);
+    for arguments in [["compare", "-", "a.csv"], ["compare", "e.csv", "-"]] {
+        let mut child = bench
+            .program(&arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        child.stdin.take().unwrap().write_all(EXPECTED.as_bytes()).unwrap();
+        equal(&child.wait_with_output().unwrap());
+    }
+    let both = "error: EXPECTED and ACTUAL = -, but one of them must be a file\n";
+    refused(&bench.run(&["compare", "-", "-"]), 2, both);
+    let blessed = "error: --bless = standard input, but must be a file or a folder\n";
+    refused(&bench.run(&["compare", "e.csv", "-", "--bless"]), 2, blessed);
+}
+
+#[test]
+fn the_exit_code_alone_tells_when_quiet() {
+    assert_eq!(different(&files(&bench("time_s\n0\n"), &["--quiet"])), "");
+    assert_eq!(equal(&files(&bench(EXPECTED), &["-q"])), "");
+}
+
+#[test]
+fn json_tells_every_column_of_every_file() {
+    let bench = bench("time_s,torque_n_m,extra\n0.1,-4.2,1\n0.2,x,1\n0.3,0,1\n");
+    let output = files(&bench, &["--json", "--rtol", "1e-3", "--atol", "1e-2"]);
+    let found: Value = serde_json::from_str(&different(&output)).unwrap();
+    assert_eq!((&found["equal"], &found["not_compared"]), (&false.into(), &0.into()));
+    assert_eq!(found["blessed"], Value::Null);
+    let file = &found["files"][0];
+    assert_eq!((&file["file"], &file["outcome"]), (&"e.csv".into(), &"different".into()));
+    let table = &file["table"];
+    assert_eq!((&table["matched_by"], &table["rows"]), (&"time_s".into(), &2.into()));
+    assert_eq!(table["columns_only_in_expected"], serde_json::json!(["angle_rad"]));
+    assert_eq!(table["columns_only_in_actual"], serde_json::json!(["extra"]));
+    let rows = serde_json::json!({"count": 1, "first": {"line": 2, "key": 0.0}});
+    assert_eq!(table["rows_only_in_expected"], rows);
+    assert_eq!(table["rows_only_in_actual"]["first"]["line"], 4);
+    let [time, torque] = [0, 1].map(|k| &table["columns"][k]);
+    assert_eq!((&time["outcome"], &time["worst"]), (&"within".into(), &Value::Null));
+    assert_eq!((&torque["outcome"], &torque["rows_beyond"]), (&"beyond".into(), &2.into()));
+    assert_eq!((&torque["peak"], &torque["allowed"]), (&4.0.into(), &0.014.into()));
+    let worst = &torque["worst"];
+    assert_eq!((&worst["difference"], &worst["actual_field"]), (&Value::Null, &"x".into()));
+    assert_eq!((&worst["expected"]["line"], &worst["actual"]["line"]), (&4.into(), &3.into()));
+}

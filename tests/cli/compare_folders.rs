@@ -1,0 +1,146 @@
+//! `compare` of folders, and `--bless`.
+
+use std::fs;
+use std::process::Output;
+
+use serde_json::Value;
+
+use super::Bench;
+use super::compare::{EXPECTED, bench, different, equal, refused};
+
+/// Two folders with the files given, `golden` and `out`.
+pub(super) fn folders(golden: &[(&str, &str)], out: &[(&str, &str)]) -> Bench {
+    let bench = Bench::new();
+    for (folder, files) in [("golden", golden), ("out", out)] {
+        fs::create_dir(bench.path(folder)).unwrap();
+        for (name, text) in files {
+            let path = bench.path(folder).join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        }
+    }
+    bench
+}
+
+pub(super) fn compared(bench: &Bench, more: &[&str]) -> Output {
+    bench.run(&[&["compare", "golden", "out"], more].concat())
+}
+
+#[test]
+fn folders_are_compared_file_by_file() {
+    let golden = [
+        ("same.csv", EXPECTED),
+        ("b c/deep.csv", EXPECTED),
+        ("gone.csv", EXPECTED),
+        ("summary.json", "1"),
+    ];
+    let changed = EXPECTED.replace("-4.0", "-4.1");
+    let out = [
+        ("same.csv", EXPECTED),
+        ("b c/deep.csv", &changed),
+        ("more.csv", EXPECTED),
+        ("summary.json", "2"),
+        ("log", ""),
+    ];
+    let told = different(&compared(&folders(&golden, &out), &[]));
+    assert_eq!(
+        told,
+        "\
+differs  b c/deep.csv: 3 columns, 3 rows
+  column        worst  of peak  allowed   rows    line     time_s
+  torque_n_m   1.0e-1   2.5e-2   4.0e-9      1       3        0.1
+missing  gone.csv: only in EXPECTED
+new      more.csv: only in ACTUAL
+equal    same.csv: 3 columns, 3 rows
+result   1 equal, 1 different, 1 missing, 1 new; not compared: 2 files, no CSV
+"
+    );
+}
+
+#[test]
+fn a_folder_without_tables_proves_nothing() {
+    let bench = folders(&[("summary.json", "1")], &[("a.csv", EXPECTED)]);
+    let message = "error: golden: CSV files = none, but must be one or more\n";
+    refused(&compared(&bench, &[]), 3, message);
+    let bench = folders(&[("a.csv", EXPECTED)], &[]);
+    assert!(different(&compared(&bench, &[])).starts_with("missing  a.csv: only in EXPECTED\n"));
+    let message = "error: out: CSV files = none, but must be one or more\n";
+    refused(&compared(&bench, &["--bless"]), 3, message);
+    assert_eq!(bench.names("golden"), ["a.csv"]);
+}
+
+#[test]
+fn blessing_takes_over_what_differs_and_touches_nothing_else() {
+    let near = EXPECTED.replace("-4.0", "-4.000000001");
+    let changed = EXPECTED.replace("-4.0", "-4.1");
+    let golden = [
+        ("tolerances.toml", "rtol = 1e-9"),
+        ("notes.txt", "mine"),
+        ("near.csv", EXPECTED),
+        ("a/b.csv", EXPECTED),
+        ("a/gone.csv", EXPECTED),
+    ];
+    let out = [
+        ("near.csv", near.as_str()),
+        ("a/b.csv", &changed),
+        ("new/c.csv", EXPECTED),
+        ("summary.json", ""),
+    ];
+    let bench = folders(&golden, &out);
+    let told = equal(&compared(&bench, &["--bless"]));
+    assert!(told.contains("differs  a/b.csv"), "{told}");
+    assert!(told.ends_with("blessed  EXPECTED: 2 files written, 1 removed\n"), "{told}");
+    assert_eq!(bench.names("golden"), ["a", "near.csv", "new", "notes.txt", "tolerances.toml"]);
+    assert_eq!(
+        (bench.names("golden/a"), bench.names("golden/new")),
+        (vec!["b.csv".into()], vec!["c.csv".into()])
+    );
+    assert_eq!(bench.read("golden/near.csv"), EXPECTED);
+    assert_eq!(bench.read("golden/a/b.csv"), changed);
+    assert_eq!(bench.read("golden/new/c.csv"), EXPECTED);
+    let again = equal(&compared(&bench, &["--bless"]));
+    assert!(again.ends_with("blessed  nothing: EXPECTED is as it was\n"), "{again}");
+}
+
+#[test]
+fn blessing_makes_golden_files_that_are_not_there_yet() {
+    let bench = folders(&[], &[("a.csv", EXPECTED), ("b/c.csv", EXPECTED)]);
+    equal(&bench.run(&["compare", "tests/golden", "out", "--bless", "--quiet"]));
+    equal(&bench.run(&["compare", "tests/golden", "out"]));
+    equal(&bench.run(&["compare", "one.csv", "out/a.csv", "--bless"]));
+    assert_eq!(bench.read("one.csv"), EXPECTED);
+    bench.write("out/a.csv", "time_s\n0\n");
+    let told = equal(&bench.run(&["compare", "one.csv", "out/a.csv", "--bless", "--json"]));
+    let told: Value = serde_json::from_str(&told).unwrap();
+    let blessed = serde_json::json!({"written": ["one.csv"], "removed": []});
+    assert_eq!((&told["equal"], &told["blessed"]), (&false.into(), &blessed));
+    assert_eq!(bench.read("one.csv"), "time_s\n0\n");
+}
+
+#[test]
+fn a_table_that_is_refused_is_not_blessed() {
+    let bench = folders(&[("a.csv", EXPECTED)], &[("a.csv", EXPECTED), ("b.csv", "x,y\n1\n")]);
+    assert_eq!(compared(&bench, &["--bless"]).status.code(), Some(3));
+    assert_eq!(bench.names("golden"), ["a.csv"]);
+}
+
+#[test]
+fn what_is_not_there_is_refused() {
+    let bench = bench("");
+    let message = "error: none.csv: cannot read: No such file or directory\nhint: flexlink compare --bless makes it from ACTUAL\n";
+    refused(&bench.run(&["compare", "none.csv", "a.csv"]), 3, message);
+    let message = "error: none.csv: cannot read: No such file or directory\n";
+    refused(&bench.run(&["compare", "e.csv", "none.csv"]), 3, message);
+    refused(&bench.run(&["compare", "new.csv", "none.csv", "--bless"]), 3, message);
+    refused(&bench.run(&["compare", ".", "none.csv"]), 3, message);
+}
+
+#[test]
+fn a_file_and_a_folder_are_not_compared() {
+    let bench = bench("");
+    fs::create_dir(bench.path("out")).unwrap();
+    let message = "error: e.csv, out: EXPECTED and ACTUAL = a file and a folder, but must be two files or two folders\n";
+    refused(&bench.run(&["compare", "e.csv", "out"]), 2, message);
+    let message = "error: out, a.csv: EXPECTED and ACTUAL = a folder and a file, but must be two files or two folders\n";
+    refused(&bench.run(&["compare", "out", "a.csv"]), 2, message);
+}
