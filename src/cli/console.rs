@@ -2,6 +2,9 @@
 
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::path::Path;
+
+use flexlink::tables::write_file;
 
 use super::exit::{Exit, Failure};
 
@@ -27,6 +30,15 @@ fn told(kind: &str, message: &str, hint: Option<&str>) {
 /// Writes text to standard output; a reader that has gone away is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     print_bytes(text.as_bytes())
+}
+
+/// Writes what a command makes to the file `output`, or to standard output where there is none or
+/// it is `-`.
+pub(crate) fn deliver(output: Option<&Path>, text: &[u8]) -> Result<(), Failure> {
+    match output.filter(|path| path.as_os_str() != "-") {
+        None => print_bytes(text),
+        Some(path) => Ok(write_file(path, text)?),
+    }
 }
 
 /// Writes a table to standard output; a reader that has gone away is no error.

@@ -5,7 +5,7 @@ use clap::Args;
 use flexlink::beam::Mesh;
 use flexlink::inverse::{Dynamics, FrequencyResponse, KeptModes};
 use flexlink::modal::natural_frequencies;
-use flexlink::tables::{Digits, write_file, write_frequency_response};
+use flexlink::tables::{Digits, write_frequency_response};
 
 use super::args::LinkArgs;
 use super::console;
@@ -75,10 +75,7 @@ impl Frf {
         let mut text = Vec::new();
         write_frequency_response(&mut text, &rows, self.digits)
             .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
-        match &self.output {
-            None => console::print_bytes(&text),
-            Some(path) => Ok(write_file(path, &text)?),
-        }
+        console::deliver(self.output.as_deref(), &text)
     }
 
     /// The frequencies to go through, as asked for or as the link suggests.

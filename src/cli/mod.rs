@@ -9,6 +9,7 @@ mod link_text;
 mod modes;
 mod modes_text;
 mod number;
+mod schema;
 mod shell;
 mod simulate;
 mod simulate_inputs;
@@ -53,6 +54,7 @@ enum Command {
     Frf(frf::Frf),
     Trajectory(trajectory::Trajectory),
     Init(init::Init),
+    Schema(schema::Schema),
     Completions(shell::Completions),
     #[command(name = "man")]
     Manual(shell::Manual),
@@ -68,6 +70,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Frf(frf) => frf.run(),
         Command::Trajectory(trajectory) => trajectory.run(),
         Command::Init(init) => init.run(),
+        Command::Schema(schema) => schema.run(),
         Command::Completions(completions) => completions.run(Cli::command()),
         Command::Manual(manual) => manual.run(Cli::command()),
     };

@@ -6,7 +6,7 @@ use clap::{Args, builder::TypedValueParser};
 use flexlink::motion::Profile;
 use flexlink::result::{OpenMotion, shortest_steps};
 use flexlink::spec::Specification;
-use flexlink::tables::{Digits, write_file, write_trajectory};
+use flexlink::tables::{Digits, write_trajectory};
 
 use super::args::LinkArgs;
 use super::console;
@@ -104,10 +104,7 @@ impl Trajectory {
         let mut text = remark.into_bytes();
         write_trajectory(&mut text, &columns, self.digits)
             .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
-        match &self.output {
-            None => console::print_bytes(&text),
-            Some(path) => Ok(write_file(path, &text)?),
-        }
+        console::deliver(self.output.as_deref(), &text)
     }
 
     /// Steps of the motion, and what there is to tell about them.
