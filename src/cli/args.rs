@@ -1,6 +1,6 @@
 //! Arguments that several commands share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -39,10 +39,23 @@ impl LinkArgs {
             .map(|change| change.parse())
             .collect::<Result<_, _>>()
             .map_err(|error: SpecError| Failure::new(Exit::Usage, &error, error.hint()))?;
-        let file = InputFile::read(&self.link)?;
-        let specification = read_specification(&file.shown, file.text()?, &overrides)?;
-        Ok((file, specification))
+        load_link(&self.link, &overrides)
     }
+}
+
+/// Reads a link file and applies the changes.
+pub(crate) fn load_link(
+    path: &Path,
+    changes: &[Override],
+) -> Result<(InputFile, Specification), Failure> {
+    let file = InputFile::read(path)?;
+    let read = read_specification(&file.shown, file.text()?, changes);
+    let specification = read.map_err(|error| {
+        let is_table = path.extension().is_some_and(|extension| extension == "csv");
+        let order = is_table.then_some("LINK, a TOML file, stands before MOTION or TORQUE");
+        Failure::new(Exit::InputRefused, &error, error.hint().or(order))
+    })?;
+    Ok((file, specification))
 }
 
 /// A tip trajectory.

@@ -5,6 +5,8 @@
 mod damping;
 mod exits;
 mod files;
+mod hints;
+mod line_ends;
 mod modes;
 mod options;
 mod rigs;
