@@ -71,6 +71,11 @@ pub(crate) struct MotionArgs {
 }
 
 impl MotionArgs {
+    /// The file, as named on the command line.
+    pub(crate) fn path(&self) -> &Path {
+        &self.motion
+    }
+
     /// Reads the trajectory of a link's tip.
     pub(crate) fn load(&self, link: &Link) -> Result<(InputFile, TipMotion), Failure> {
         let file = InputFile::read(&self.motion)?;

@@ -7,6 +7,7 @@ use std::path::Path;
 use flexlink::tables::write_file;
 
 use super::exit::{Exit, Failure};
+use super::files::is_standard_output;
 
 /// Prints an error and its hint to standard error.
 pub(crate) fn error(message: &str, hint: Option<&str>) {
@@ -35,7 +36,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 /// Writes what a command makes to the file `output`, or to standard output where there is none or
 /// it is `-`.
 pub(crate) fn deliver(output: Option<&Path>, text: &[u8]) -> Result<(), Failure> {
-    match output.filter(|path| path.as_os_str() != "-") {
+    match output.filter(|path| !is_standard_output(path)) {
         None => print_bytes(text),
         Some(path) => Ok(write_file(path, text)?),
     }

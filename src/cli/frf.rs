@@ -13,7 +13,7 @@ use super::exit::{Exit, Failure};
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink frf specs/bayo1987_example1.toml --from 0.1 --to 50 --points 400 -o frf.csv";
+  flexlink frf link.toml --from 0.1 --to 50 -o frf.csv";
 
 const LONG_ABOUT: &str = "\
 Frequency response of a link: torque per tip acceleration, hub angle per tip displacement, tip \

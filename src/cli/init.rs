@@ -7,6 +7,7 @@ use flexlink::tables::OutputFolder;
 
 use super::console;
 use super::exit::{Exit, Failure};
+use super::files::check_folder;
 
 /// A commented link file.
 const LINK: &str = include_str!("templates/link.toml");
@@ -30,6 +31,7 @@ pub(crate) struct Init {
 
 impl Init {
     pub(crate) fn run(self) -> Result<(), Failure> {
+        check_folder("DIR", &self.folder)?;
         let paths =
             ["link.toml", "motion.csv", "link.schema.json"].map(|name| self.folder.join(name));
         if let Some(path) = paths.iter().find(|path| path.exists()) {

@@ -3,6 +3,7 @@
 mod args;
 mod console;
 mod exit;
+mod files;
 mod frf;
 mod init;
 mod link_text;
@@ -42,7 +43,8 @@ rest to rest. The torque starts before the tip moves and outlasts its motion, be
 waves travel at finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done, 2 wrong usage, 3 input refused, 4 not solvable, 5 cannot write";
+Exit codes: 0 done, 1 compared and different, 2 wrong usage,
+  3 input refused, 4 not solvable, 5 cannot write";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -62,23 +64,28 @@ enum Command {
 
 /// Runs the program: the one place that prints an error and its hint.
 pub(crate) fn run() -> ExitCode {
-    let outcome = match Cli::parse().command {
-        Command::Solve(solve) => solve.run(),
-        Command::Simulate(simulate) => simulate.run(),
-        Command::Verify(verify) => verify.run(),
-        Command::Modes(modes) => modes.run(),
-        Command::Frf(frf) => frf.run(),
-        Command::Trajectory(trajectory) => trajectory.run(),
-        Command::Init(init) => init.run(),
-        Command::Schema(schema) => schema.run(),
-        Command::Completions(completions) => completions.run(Cli::command()),
-        Command::Manual(manual) => manual.run(Cli::command()),
-    };
-    match outcome {
+    match Cli::parse().command.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure { exit, message, hint }) => {
             console::error(&message, hint.as_deref());
             exit.into()
+        }
+    }
+}
+
+impl Command {
+    fn run(self) -> Result<(), Failure> {
+        match self {
+            Self::Solve(solve) => solve.run(),
+            Self::Simulate(simulate) => simulate.run(),
+            Self::Verify(verify) => verify.run(),
+            Self::Modes(modes) => modes.run(),
+            Self::Frf(frf) => frf.run(),
+            Self::Trajectory(trajectory) => trajectory.run(),
+            Self::Init(init) => init.run(),
+            Self::Schema(schema) => schema.run(),
+            Self::Completions(completions) => completions.run(Cli::command()),
+            Self::Manual(manual) => manual.run(Cli::command()),
         }
     }
 }

@@ -5,10 +5,12 @@
 mod damping;
 mod exits;
 mod files;
+mod help;
 mod hints;
 mod line_ends;
 mod modes;
 mod options;
+mod paths;
 mod rigs;
 mod simulate;
 mod simulate_refusals;
