@@ -1,6 +1,7 @@
 //! The command line: arguments in, exit code out.
 
 mod args;
+mod charset;
 mod console;
 mod exit;
 mod files;
@@ -64,13 +65,14 @@ enum Command {
 
 /// Runs the program: the one place that prints an error and its hint.
 pub(crate) fn run() -> ExitCode {
-    match Cli::parse().command.run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(Failure { exit, message, hint }) => {
-            console::error(&message, hint.as_deref());
-            exit.into()
-        }
-    }
+    let outcome = match Cli::try_parse() {
+        Ok(cli) => cli.command.run().map(|()| ExitCode::SUCCESS),
+        Err(words) => console::told_by_parser(&words),
+    };
+    outcome.unwrap_or_else(|Failure { exit, message, hint }| {
+        console::error(&message, hint.as_deref());
+        exit.into()
+    })
 }
 
 impl Command {

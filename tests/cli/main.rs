@@ -8,6 +8,7 @@ mod files;
 mod help;
 mod hints;
 mod line_ends;
+mod locale;
 mod modes;
 mod options;
 mod paths;
@@ -66,6 +67,11 @@ impl Bench {
     fn program(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_flexlink"));
         command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
+        // What the machine at hand says of locale and terminal does not count.
+        for name in ["LC_CTYPE", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS"] {
+            command.env_remove(name);
+        }
+        command.env("LC_ALL", "C.UTF-8");
         command
     }
 

@@ -173,6 +173,16 @@ fn paths_have_blanks_and_foreign_letters_and_begin_with_a_dash() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_message_stays_in_its_line_whatever_a_file_is_called() {
+    let output = Bench::new().run(&["modes", "two\nlines\u{1b}[31m.toml"]);
+    assert_eq!(
+        stderr(&output),
+        "error: two\u{fffd}lines\u{fffd}[31m.toml: cannot read: No such file or directory\n"
+    );
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_name_that_is_no_utf8_is_kept() {
