@@ -67,11 +67,7 @@ impl Bench {
     fn program(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_flexlink"));
         command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
-        // What the machine at hand says of locale and terminal does not count.
-        for name in ["LC_CTYPE", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS"] {
-            command.env_remove(name);
-        }
-        command.env("LC_ALL", "C.UTF-8");
+        plain(&mut command);
         command
     }
 
@@ -116,6 +112,14 @@ impl Bench {
         };
         self.names(folder).into_iter().map(read).collect()
     }
+}
+
+/// What the machine at hand says of locale and terminal does not count.
+fn plain(command: &mut Command) {
+    for name in ["LC_CTYPE", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS"] {
+        command.env_remove(name);
+    }
+    command.env("LC_ALL", "C.UTF-8");
 }
 
 /// `simulate` with the paper's first link and more arguments; must succeed.

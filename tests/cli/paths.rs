@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Output, Stdio};
 
-use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, plain, repository, stderr, stdout};
 
 /// Runs the program with a file of this repository on standard input.
 fn fed(bench: &Bench, input: &str, arguments: &[&str]) -> Output {
@@ -205,6 +205,7 @@ fn a_name_that_is_no_utf8_is_kept() {
 fn shell(bench: &Bench, script: &str) -> Output {
     let script = script.replace("flexlink", &format!("'{}'", env!("CARGO_BIN_EXE_flexlink")));
     let mut shell = std::process::Command::new("bash");
+    plain(&mut shell);
     shell.args(["-c", &script]).current_dir(bench.folder.path()).output().unwrap()
 }
 
