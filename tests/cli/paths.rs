@@ -222,6 +222,7 @@ fn a_device_or_a_pipe_is_written_to_and_not_replaced() {
         format!("{{ echo a; {frf} -o /dev/stdout; echo b; }} > f; cat f"),
         format!("{{ echo a; {frf} -o /dev/stdout; echo b; }} | cat"),
         format!("{{ echo a; {frf} -o /dev/fd/3; echo b; }} 3>&1 | cat"),
+        format!("rm f; {{ echo a; {frf} -o /dev/stderr; echo b; }} >> f 2>&1; cat f"),
     ] {
         let output = shell(&bench, &script);
         assert_eq!(stdout(&output), framed, "{script}: {}", stderr(&output));
