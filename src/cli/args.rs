@@ -1,6 +1,6 @@
 //! Arguments that several commands share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -40,11 +40,23 @@ impl LinkArgs {
 
     /// Reads the link file and applies the changes.
     pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
-        let overrides = self.overrides()?;
-        let file = InputFile::read(&self.link)?;
-        let specification = read_specification(&file.shown, file.text()?, &overrides)?;
-        Ok((file, specification))
+        load_link(&self.link, &self.overrides()?)
     }
+}
+
+/// Reads a link file and applies the changes.
+pub(crate) fn load_link(
+    path: &Path,
+    changes: &[Override],
+) -> Result<(InputFile, Specification), Failure> {
+    let file = InputFile::read(path)?;
+    let read = read_specification(&file.shown, file.text()?, changes);
+    let specification = read.map_err(|error| {
+        let is_table = path.extension().is_some_and(|extension| extension == "csv");
+        let order = is_table.then_some("LINK, a TOML file, stands before MOTION or TORQUE");
+        Failure::new(Exit::InputRefused, &error, error.hint().or(order))
+    })?;
+    Ok((file, specification))
 }
 
 /// A tip trajectory.
@@ -60,6 +72,11 @@ pub(crate) struct MotionArgs {
 }
 
 impl MotionArgs {
+    /// The file, as named on the command line.
+    pub(crate) fn path(&self) -> &Path {
+        &self.motion
+    }
+
     /// Reads the trajectory of a link's tip.
     pub(crate) fn load(&self, link: &Link) -> Result<(InputFile, TipMotion), Failure> {
         let file = self.read()?;

@@ -95,7 +95,7 @@ impl Compare {
             (true, _) => {}
             (_, true) => {
                 let blessed = Some(&changes).filter(|_| self.bless);
-                console::print(&comparison_json(&comparison, blessed))?;
+                console::print_bytes(comparison_json(&comparison, blessed).as_bytes())?;
             }
             _ => {
                 let blessed = if self.bless { blessed_text(&changes) } else { String::new() };

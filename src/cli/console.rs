@@ -1,48 +1,107 @@
 //! The only place that prints.
+//!
+//! Text for people is in the locale's letters and, on a terminal, in colours; files that are printed
+//! are neither touched nor coloured.
 
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
 
+use clap::builder::styling::{AnsiColor, Style};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use flexlink::tables::write_file;
+
+use super::charset::shown;
 use super::exit::{Exit, Failure};
+use super::files::is_standard_output;
+
+const ERROR: Style = AnsiColor::Red.on_default().bold();
+const WARNING: Style = AnsiColor::Yellow.on_default().bold();
+const HINT: Style = AnsiColor::Green.on_default();
 
 /// Prints an error and its hint to standard error.
 pub(crate) fn error(message: &str, hint: Option<&str>) {
-    told("error", message, hint);
+    told("error", ERROR, message, hint);
 }
 
 /// Prints a warning and its hint to standard error.
 pub(crate) fn warning(message: impl Display, hint: &str) {
-    told("warning", &message.to_string(), Some(hint));
+    told("warning", WARNING, &message.to_string(), Some(hint));
 }
 
-fn told(kind: &str, message: &str, hint: Option<&str>) {
-    let mut err = io::stderr().lock();
+fn told(kind: &str, style: Style, message: &str, hint: Option<&str>) {
+    let line = |kind: &str, style: Style, message: &str| {
+        let message: String = message.chars().map(visible).collect();
+        format!("{style}{kind}:{style:#} {message}\n")
+    };
+    let hint = hint.map_or(String::new(), |hint| line("hint", HINT, hint));
+    let text = line(kind, style, message) + &hint;
     // There is nowhere left to tell that standard error is closed.
-    let _ = writeln!(err, "{kind}: {message}");
-    if let Some(hint) = hint {
-        let _ = writeln!(err, "hint: {hint}");
+    let _ = anstream::stderr().lock().write_all(shown(&text).as_bytes());
+}
+
+/// A letter, or the mark of a control character, which a file's name may hold.
+fn visible(letter: char) -> char {
+    if letter.is_control() { char::REPLACEMENT_CHARACTER } else { letter }
+}
+
+/// Prints what the command line's parser has to say, help or a wrong usage.
+pub(crate) fn told_by_parser(words: &clap::Error) -> Result<ExitCode, Failure> {
+    let text = words.render().ansi().to_string();
+    let text = shown(&text);
+    if words.use_stderr() {
+        let _ = anstream::stderr().lock().write_all(text.as_bytes());
+    } else {
+        let mut out = anstream::stdout().lock();
+        delivered(out.write_all(text.as_bytes()).and_then(|()| out.flush()))?;
+    }
+    Ok(ExitCode::from(u8::try_from(words.exit_code()).unwrap_or(Exit::Usage as u8)))
+}
+
+/// Writes text for people to standard output; a reader that has gone away is no error.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    print_bytes(shown(text).as_bytes())
+}
+
+/// Whether there is still someone who reads standard output.
+pub(crate) enum Reader {
+    There,
+    Gone,
+}
+
+/// Writes a file to standard output as it is; a reader that has gone away is no error.
+pub(crate) fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
+    print_part(bytes).map(drop)
+}
+
+/// Writes a part of a file to standard output, and tells whether to go on.
+pub(crate) fn print_part(bytes: &[u8]) -> Result<Reader, Failure> {
+    let mut out = io::stdout().lock();
+    delivered(out.write_all(bytes).and_then(|()| out.flush()))
+}
+
+/// Writes what a command makes to the file `output`, or to standard output where there is none or it
+/// is `-`.
+pub(crate) fn deliver(output: Option<&Path>, bytes: &[u8]) -> Result<(), Failure> {
+    match output.filter(|path| !is_standard_output(path)) {
+        None => print_bytes(bytes),
+        Some(path) => Ok(write_file(path, bytes)?),
     }
 }
 
-/// Writes text to standard output; a reader that has gone away is no error.
-pub(crate) fn print(text: &str) -> Result<(), Failure> {
-    print_bytes(text.as_bytes())
-}
-
-/// Writes a table to standard output; a reader that has gone away is no error.
-pub(crate) fn print_bytes(text: &[u8]) -> Result<(), Failure> {
-    let mut out = io::stdout().lock();
-    match out.write_all(text).and_then(|()| out.flush()) {
-        Err(cause) if cause.kind() != io::ErrorKind::BrokenPipe => {
+fn delivered(written: io::Result<()>) -> Result<Reader, Failure> {
+    match written {
+        Ok(()) => Ok(Reader::There),
+        Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => Ok(Reader::Gone),
+        Err(cause) => {
             let cause = cause.to_string();
             // The system's number for the error says nothing beside its words.
             let words = cause.split(" (os error").next().unwrap_or(&cause);
             let message = format!("standard output: cannot write: {words}");
             Err(Failure::new(Exit::CannotWrite, &message, None))
         }
-        _ => Ok(()),
     }
 }
 

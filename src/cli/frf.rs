@@ -5,15 +5,16 @@ use clap::Args;
 use flexlink::beam::Mesh;
 use flexlink::inverse::{Dynamics, FrequencyResponse, KeptModes};
 use flexlink::modal::natural_frequencies;
-use flexlink::tables::{Digits, write_file, write_frequency_response};
+use flexlink::tables::{Digits, write_frequency_response};
 
 use super::args::LinkArgs;
 use super::console;
 use super::exit::{Exit, Failure};
+use super::files::keep_files;
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink frf specs/bayo1987_example1.toml --from 0.1 --to 50 --points 400 -o frf.csv";
+  flexlink frf link.toml --from 0.1 --to 50 -o frf.csv";
 
 const LONG_ABOUT: &str = "\
 Frequency response of a link: torque per tip acceleration, hub angle per tip displacement, tip \
@@ -57,6 +58,9 @@ pub(crate) struct Frf {
 
 impl Frf {
     pub(crate) fn run(self) -> Result<(), Failure> {
+        if let Some(output) = &self.output {
+            keep_files(output, &[&self.link.link])?;
+        }
         let (_, specification) = self.link.load()?;
         let (link, plan) = (&specification.link, &specification.mesh);
         let coarsest = Mesh::new(link, plan);
@@ -75,10 +79,7 @@ impl Frf {
         let mut text = Vec::new();
         write_frequency_response(&mut text, &rows, self.digits)
             .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
-        match &self.output {
-            None => console::print_bytes(&text),
-            Some(path) => Ok(write_file(path, &text)?),
-        }
+        console::deliver(self.output.as_deref(), &text)
     }
 
     /// The frequencies to go through, as asked for or as the link suggests.

@@ -2,10 +2,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use flexlink::spec::link_file_schema;
 use flexlink::tables::OutputFolder;
 
 use super::console;
 use super::exit::{Exit, Failure};
+use super::files::check_folder;
 
 /// A commented link file.
 const LINK: &str = include_str!("templates/link.toml");
@@ -18,18 +20,20 @@ Example:
   flexlink init arm
   flexlink solve arm/link.toml arm/motion.csv -o arm/out";
 
-/// Write a commented link.toml and a motion.csv to start from.
+/// Write files to start from: link.toml with its JSON Schema, and motion.csv.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Init {
-    /// Folder for the two files; none of them may be there.
+    /// Folder for the three files; none of them may be there.
     #[arg(value_name = "DIR", default_value = ".")]
     folder: PathBuf,
 }
 
 impl Init {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let paths = ["link.toml", "motion.csv"].map(|name| self.folder.join(name));
+        check_folder("DIR", &self.folder)?;
+        let paths =
+            ["link.toml", "motion.csv", "link.schema.json"].map(|name| self.folder.join(name));
         if let Some(path) = paths.iter().find(|path| path.exists()) {
             let message = format!("{} = a file, but must not be there yet", path.display());
             let hint = "name another folder: flexlink init DIR";
@@ -38,9 +42,11 @@ impl Init {
         let mut folder = OutputFolder::stage(&self.folder)?;
         folder.file("link.toml", |out| out.write_all(LINK.as_bytes()))?;
         folder.file("motion.csv", |out| out.write_all(MOTION.as_bytes()))?;
+        let schema = link_file_schema();
+        folder.file("link.schema.json", |out| out.write_all(schema.as_bytes()))?;
         folder.commit("link.toml", &[])?;
-        let [link, motion] = paths.map(|path| path.display().to_string());
-        console::print(&format!("written  {link} and {motion}\n"))
+        let [link, motion, schema] = paths.map(|path| path.display().to_string());
+        console::print(&format!("written  {link}, {motion} and {schema}\n"))
     }
 }
 

@@ -1,11 +1,13 @@
 //! The command line: arguments in, exit code out.
 
 mod args;
+mod charset;
 mod compare;
 mod compare_sides;
 mod compare_text;
 mod console;
 mod exit;
+mod files;
 mod frf;
 mod init;
 mod interrupt;
@@ -13,6 +15,7 @@ mod link_text;
 mod modes;
 mod modes_text;
 mod number;
+mod schema;
 mod shell;
 mod simulate;
 mod simulate_inputs;
@@ -50,8 +53,8 @@ rest to rest. The torque starts before the tip moves and outlasts its motion, be
 waves travel at finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done, 1 compared and different, 2 wrong usage, 3 input refused,
-            4 not solvable, 5 cannot write";
+Exit codes: 0 done, 1 compared and different, 2 wrong usage,
+  3 input refused, 4 not solvable, 5 cannot write";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -65,6 +68,7 @@ enum Command {
     Trajectory(trajectory::Trajectory),
     Compare(compare::Compare),
     Init(init::Init),
+    Schema(schema::Schema),
     Completions(shell::Completions),
     #[command(name = "man")]
     Manual(shell::Manual),
@@ -72,29 +76,33 @@ enum Command {
 
 /// Runs the program: the one place that prints an error and its hint.
 pub(crate) fn run() -> ExitCode {
-    let outcome = match Cli::parse().command {
-        Command::Solve(solve) => solve.run(),
-        Command::Simulate(simulate) => simulate.run(),
-        Command::Verify(verify) => verify.run(),
-        Command::Modes(modes) => modes.run(),
-        Command::Frf(frf) => frf.run(),
-        Command::Sweep(sweep) => sweep.run(),
-        Command::Trajectory(trajectory) => trajectory.run(),
-        Command::Compare(compare) => return ended(compare.run()),
-        Command::Init(init) => init.run(),
-        Command::Completions(completions) => completions.run(Cli::command()),
-        Command::Manual(manual) => manual.run(Cli::command()),
+    let outcome = match Cli::try_parse() {
+        Ok(cli) => cli.command.run().map(ExitCode::from),
+        Err(words) => console::told_by_parser(&words),
     };
-    ended(outcome.map(|()| Ending::Done))
+    outcome.unwrap_or_else(|Failure { exit, message, hint }| {
+        console::error(&message, hint.as_deref());
+        exit.into()
+    })
 }
 
-fn ended(outcome: Result<Ending, Failure>) -> ExitCode {
-    match outcome {
-        Ok(ending) => ending.into(),
-        Err(Failure { exit, message, hint }) => {
-            console::error(&message, hint.as_deref());
-            exit.into()
-        }
+impl Command {
+    fn run(self) -> Result<Ending, Failure> {
+        let done = match self {
+            Self::Compare(compare) => return compare.run(),
+            Self::Solve(solve) => solve.run(),
+            Self::Simulate(simulate) => simulate.run(),
+            Self::Verify(verify) => verify.run(),
+            Self::Modes(modes) => modes.run(),
+            Self::Frf(frf) => frf.run(),
+            Self::Sweep(sweep) => sweep.run(),
+            Self::Trajectory(trajectory) => trajectory.run(),
+            Self::Init(init) => init.run(),
+            Self::Schema(schema) => schema.run(),
+            Self::Completions(completions) => completions.run(Cli::command()),
+            Self::Manual(manual) => manual.run(Cli::command()),
+        };
+        done.map(|()| Ending::Done)
     }
 }
 

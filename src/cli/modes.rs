@@ -12,11 +12,12 @@ use flexlink::tables::{Digits, HeldModes, ModesResult, OutputFolder};
 use super::args::LinkArgs;
 use super::console;
 use super::exit::Failure;
+use super::files::check_folder;
 use super::modes_text::modes_text;
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink modes specs/bayo1987_example1.toml --count 5 -o out";
+  flexlink modes link.toml --count 5 -o out";
 
 const LONG_ABOUT: &str = "\
 Natural frequencies, mode shapes and zeros of a link.
@@ -53,6 +54,7 @@ pub(crate) struct Modes {
 
 impl Modes {
     pub(crate) fn run(self) -> Result<(), Failure> {
+        self.output.as_deref().map_or(Ok(()), |folder| check_folder("--output", folder))?;
         let (_, specification) = self.link.load()?;
         let count = usize::from(self.count);
         let (mesh, omega_rad_s) = resolved(&specification, count);

@@ -11,10 +11,12 @@ use flexlink::tables::OutputFolder;
 
 use super::console;
 use super::exit::{Exit, Failure};
+use super::files::check_folder;
 
 const COMPLETIONS: &str = "\
 Example:
-  flexlink completions bash > ~/.local/share/bash-completion/completions/flexlink
+  d=~/.local/share/bash-completion/completions
+  flexlink completions bash > $d/flexlink
   flexlink completions zsh > ~/.zfunc/_flexlink";
 
 /// Print completions for a shell.
@@ -56,11 +58,12 @@ impl Manual {
         let Some(folder) = &self.output else {
             return console::print_bytes(&page(program).map_err(cannot)?);
         };
+        check_folder("--output", folder)?;
         let mut pages = OutputFolder::stage(folder)?;
         for command in program.get_subcommands().filter(|command| command.get_name() != "help") {
             let name = format!("flexlink-{}", command.get_name());
             let content = page(command.clone()).map_err(cannot)?;
-            pages.file(&format!("{name}.1"), |out| out.write_all(&content))?;
+            pages.file(format!("{name}.1"), |out| out.write_all(&content))?;
         }
         let content = page(program).map_err(cannot)?;
         pages.file("flexlink.1", |out| out.write_all(&content))?;

@@ -12,17 +12,20 @@ use flexlink::tables::{
 use super::args::{LinkArgs, NodeArgs, PrintArgs, ThreadArgs};
 use super::console;
 use super::exit::Failure;
+use super::files::keep;
 use super::simulate_inputs::PlayArgs;
 use super::simulate_text::simulate_text;
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink simulate link.toml out/torque.csv --target out/tip.csv
-  flexlink simulate link.toml out/rigid_torque.csv --column rigid_torque_n_m --until 10
-  flexlink simulate link.toml out/torque.csv --target out/tip.csv --set 'payload.mass=\"50 g\"'
-  flexlink simulate link.toml out/torque.csv --feedback 20,2 --reference out/hub_angle.csv
+  flexlink simulate link.toml out/torque.csv \\
+      --target out/tip.csv --set 'payload.mass=\"50 g\"'
+  flexlink simulate link.toml out/rigid_torque.csv \\
+      --column rigid_torque_n_m --until 10
+  flexlink simulate link.toml out/torque.csv \\
+      --feedback 20,2 --reference out/hub_angle.csv
 
-`-` reads TORQUE from standard input.";
+One of the files may be `-`, standard input.";
 
 const LONG_ABOUT: &str = "\
 Play a torque on a link: direct dynamics.
@@ -66,7 +69,7 @@ pub(crate) struct Simulate {
 impl Simulate {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.apply()?;
-        self.play.keep(&self.output)?;
+        keep(&self.output, &[&[&*self.link.link], &self.play.paths()[..]].concat())?;
         let (link_file, specification) = self.link.load()?;
         let Specification { link, mesh, .. } = &specification;
         let read = self.play.read(link)?;
@@ -102,7 +105,7 @@ impl Simulate {
         }
         match (self.print.quiet, self.print.json) {
             (true, _) => Ok(()),
-            (_, true) => console::print(&summary.to_json()),
+            (_, true) => console::print_bytes(summary.to_json().as_bytes()),
             _ => {
                 let lines = simulate_text(link, &play, &simulation, &metrics, tip_error, &written);
                 console::print(&lines)

@@ -157,26 +157,10 @@ impl PlayArgs {
         })
     }
 
-    /// Refuses to write over the files that are read, and to read standard input twice.
-    pub(crate) fn keep(&self, output: &Path) -> Result<(), Failure> {
-        let inputs = [Some(&self.torque), self.target.as_ref(), self.reference.as_ref()];
-        let inputs = || inputs.into_iter().flatten();
-        if inputs().filter(|file| file.as_os_str() == "-").count() > 1 {
-            let message = "standard input = several files, but must be one";
-            return Err(Failure::new(Exit::Usage, &message, None));
-        }
-        let Ok(folder) = output.canonicalize() else { return Ok(()) };
-        let stands_there = |file: &&PathBuf| {
-            file.canonicalize().is_ok_and(|file| file.parent() == Some(folder.as_path()))
-        };
-        let Some(file) = inputs().find(stands_there) else { return Ok(()) };
-        let message = format!(
-            "--output = {}, but must be another folder than that of {}",
-            output.display(),
-            file.display()
-        );
-        let hint = "a folder holds one run: the results would replace those read";
-        Err(Failure::new(Exit::Usage, &message, Some(hint)))
+    /// The files that are read.
+    pub(crate) fn paths(&self) -> Vec<&Path> {
+        let others = [&self.target, &self.reference].into_iter().flatten();
+        std::iter::once(&self.torque).chain(others).map(PathBuf::as_path).collect()
     }
 
     /// The arguments that changed the inputs, for the record.

@@ -11,16 +11,18 @@ use flexlink::tables::{Digits, OptionalTable, OutputFolder, RunInputs, SolveOutp
 use super::args::{LinkArgs, MotionArgs, NodeArgs, PrintArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
+use super::files::keep;
 use super::solve_text::solve_text;
 use super::verify::{measured, refuse_failed};
 use super::verify_text::verify_text;
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink solve specs/bayo1987_example1.toml trajectories/sine_0.88s.csv -o out
-  flexlink solve link.toml move.csv --set 'segments.*.EI*=4' --nodes 0,5,10 --every 10
+  flexlink solve link.toml motion.csv -o out
+  flexlink solve link.toml motion.csv \\
+      --set 'segments.*.EI*=4' --nodes 0,5,10 --every 10
 
-LINK and MOTION are described in the README; `-` reads MOTION from standard input.";
+LINK and MOTION are described in the README; one of them may be `-`, standard input.";
 
 const LONG_ABOUT: &str = "\
 Compute the hub torque for a tip motion.
@@ -82,6 +84,7 @@ struct OptionalArgs {
 impl Solve {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.apply()?;
+        keep(&self.output, &[&self.link.link, self.motion.path()])?;
         let (link_file, specification) = self.link.load()?;
         let Specification { link, mesh, analysis, drive, limits } = &specification;
         let (motion_file, motion) = self.motion.load(link)?;
@@ -118,7 +121,7 @@ impl Solve {
         let written = format!("{} files in {}", files.len(), self.output.display());
         match (self.print.quiet, self.print.json) {
             (true, _) => {}
-            (_, true) => console::print(&summary.to_json())?,
+            (_, true) => console::print_bytes(summary.to_json().as_bytes())?,
             _ => {
                 let text = solve_text(link, &motion, &solution, &metrics, &written);
                 let checks = verification.as_ref().map(verify_text).unwrap_or_default();

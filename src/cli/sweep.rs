@@ -1,27 +1,30 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
-use flexlink::tables::{
-    InputFile, SweepRecord, SweepRows, merge_shards, sweep_header, sweep_row, write_file,
-};
+use flexlink::tables::{InputFile, SweepRecord, SweepRows, merge_shards, sweep_header, sweep_row};
 
 use super::args::{LinkArgs, MotionArgs, ThreadArgs};
 use super::console::{self, Progress};
 use super::exit::{Exit, Failure};
+use super::files::{check_folder, is_standard_output, keep_files, read_once};
 use super::interrupt;
 use super::sweep_cases::{Cases, Outcome, TorqueArgs};
 use super::sweep_outputs::OutputsArgs;
-use super::sweep_sink::{Rows, is_standard_output};
+use super::sweep_sink::{NoMore, Rows};
 use super::sweep_tally::Tally;
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink sweep link.toml move.csv --vary 'segments.*.EI*=0.5:8:100:log' -o stiffness.csv
-  flexlink sweep link.toml move.csv --vary payload.mass=0,0.05,0.1 --vary 'duration*=0.8:2:25'
-  flexlink sweep link.toml move.csv --vary 'segments.*.EI*=0.8:1.2:41' --torque out/torque.csv
-  flexlink sweep link.toml move.csv --vary 'segments.*.EI*=0.5:8:1000:log' --shard 2/8
+  flexlink sweep link.toml move.csv \\
+      --vary 'segments.*.EI*=0.5:8:100:log' -o stiffness.csv
+  flexlink sweep link.toml move.csv \\
+      --vary payload.mass=0,0.05 --vary 'duration*=0.8:2:25'
+  flexlink sweep link.toml move.csv --torque out/torque.csv \\
+      --vary 'segments.*.EI*=0.8:1.2:41'
+  flexlink sweep link.toml move.csv --shard 2/8 \\
+      --vary 'segments.*.EI*=0.5:8:1000:log'
   flexlink sweep --merge sweep-*-of-8.csv -o sweep.csv
 
 LINK and MOTION as for solve. Exit codes: 0 also where single cases fail, 4 where all do.";
@@ -96,6 +99,7 @@ impl Sweep {
         let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
             return self.merge();
         };
+        self.check_files()?;
         let cases = Cases::read(self.plan()?, (link, motion), &self.torque, &self.outputs)?;
         if cases.are_played() {
             self.sweep(&cases, |case| cases.played(case))
@@ -143,8 +147,13 @@ impl Sweep {
             progress.advance();
             rows.append(&row)
         };
-        in_order(done..all, stop, |k| work(self.shard.case(k)), take)?;
+        let ended = in_order(done..all, stop, |k| work(self.shard.case(k)), take);
         drop(progress);
+        match ended {
+            Ok(()) => {}
+            Err(NoMore::ReaderGone) => return Ok(()),
+            Err(NoMore::Failed(failure)) => return Err(failure),
+        }
         tally.warn();
         let there = done + tally.rows();
         if there < all {
@@ -164,16 +173,26 @@ impl Sweep {
             let file = InputFile::read(path)?;
             Ok(SweepRows::read(&file.shown, &file.bytes)?)
         };
+        let inputs: Vec<&Path> = self.merge.iter().map(PathBuf::as_path).collect();
+        read_once(&inputs)?;
+        let output = self.output_path();
+        keep_files(&output, &inputs)?;
         let shards: Vec<SweepRows> = self.merge.iter().map(read).collect::<Result<_, _>>()?;
         let table = merge_shards(&shards)?;
-        let output = self.output_path();
-        if is_standard_output(&output) {
-            return console::print(&table);
-        }
-        write_file(&output, table.as_bytes())?;
+        console::deliver(Some(&output), table.as_bytes())?;
         let rows = table.lines().count() - 1;
         let shards = shards.len();
         self.report(&format!("cases    {rows}, of {shards} shards\nwritten  {}", output.display()))
+    }
+
+    /// Refuses files that would be read twice or written over.
+    fn check_files(&self) -> Result<(), Failure> {
+        let link = self.link.iter().map(|link| link.link.as_path());
+        let motion = self.motion.iter().map(MotionArgs::path);
+        let inputs: Vec<&Path> = link.chain(motion).chain(self.torque.path()).collect();
+        read_once(&inputs)?;
+        keep_files(&self.output_path(), &inputs)?;
+        self.outputs.folder().map_or(Ok(()), |folder| check_folder("--outputs", folder))
     }
 
     fn output_path(&self) -> PathBuf {

@@ -1,6 +1,6 @@
 //! The cases of a sweep: what one takes from files and options, and what comes of it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -128,7 +128,7 @@ impl<'a> Cases<'a> {
         let solution = invert(link, mesh, &motion, analysis)?;
         let found = SolvedCase::of(&solution);
         let exceeded = limits.exceeded(&found.metrics);
-        if let Some(folder) = self.outputs.folder(case, self.plan.cases()) {
+        if let Some(folder) = self.outputs.folder_of(case, self.plan.cases()) {
             let inputs = RunInputs {
                 link_file: &self.link_file,
                 motion_file: &self.motion_file,
@@ -166,7 +166,7 @@ impl<'a> Cases<'a> {
         let tip_error = TipError::of(&simulation, &target)
             .map_err(|error| refused(error.to_string(), error.hint()))?;
         let found = PlayedCase::of(&simulation, tip_error);
-        if let Some(folder) = self.outputs.folder(case, self.plan.cases()) {
+        if let Some(folder) = self.outputs.folder_of(case, self.plan.cases()) {
             let inputs = SimulationInputs {
                 link_file: &self.link_file,
                 torque_file,
@@ -210,6 +210,11 @@ impl<'a> Cases<'a> {
 }
 
 impl TorqueArgs {
+    /// The file, as named on the command line.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        self.torque.as_deref()
+    }
+
     fn read(&self) -> Result<Option<(InputFile, Torque)>, Failure> {
         let Some(path) = &self.torque else { return Ok(None) };
         let file = InputFile::read(path)?;
@@ -226,7 +231,7 @@ fn specification(
 ) -> Result<Specification, SpecError> {
     let mut all = overrides.to_vec();
     for change in &values.link_changes {
-        all.push(Override::of_option("--vary", change)?);
+        all.push(Override::placed(&format!("--vary '{change}'"), change)?);
     }
     let text = file.text().unwrap_or_default();
     read_specification(&file.shown, text, &all)

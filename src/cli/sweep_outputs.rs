@@ -33,8 +33,13 @@ pub(crate) struct OutputsArgs {
 }
 
 impl OutputsArgs {
+    /// The folder of all, where it is asked for.
+    pub(crate) fn folder(&self) -> Option<&Path> {
+        self.outputs.as_deref()
+    }
+
     /// Folder of a case, from 0, among so many.
-    pub(crate) fn folder(&self, case: usize, cases: usize) -> Option<PathBuf> {
+    pub(crate) fn folder_of(&self, case: usize, cases: usize) -> Option<PathBuf> {
         let width = cases.to_string().len();
         self.outputs.as_ref().map(|folder| folder.join(format!("{:0width$}", case + 1)))
     }

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use flexlink::tables::{Resumed, SweepFile, SweepIdentity};
 
-use super::console;
+use super::console::{self, Reader};
 use super::exit::{Exit, Failure};
+use super::files::is_standard_output;
 
 /// The rows of a sweep as they come.
 pub(crate) enum Rows {
@@ -13,9 +14,12 @@ pub(crate) enum Rows {
     Printed,
 }
 
-/// Whether an output of this name is standard output.
-pub(crate) fn is_standard_output(path: &Path) -> bool {
-    path.as_os_str() == "-"
+/// Why no more rows are taken.
+pub(crate) enum NoMore {
+    /// Who read them has gone away, and needs no more.
+    ReaderGone,
+    /// They cannot be written.
+    Failed(Failure),
 }
 
 impl Rows {
@@ -33,7 +37,7 @@ impl Rows {
             }
             let of_shard =
                 if identity.shard().of() > 1 { format!("{identity}\n") } else { String::new() };
-            console::print(&(of_shard + header))?;
+            console::print_bytes((of_shard + header).as_bytes())?;
             return Ok(Some((Self::Printed, 0)));
         }
         if !resume {
@@ -51,10 +55,14 @@ impl Rows {
         matches!(self, Self::Printed)
     }
 
-    pub(crate) fn append(&mut self, row: &str) -> Result<(), Failure> {
+    pub(crate) fn append(&mut self, row: &str) -> Result<(), NoMore> {
         match self {
-            Self::InFile(file) => Ok(file.append(row)?),
-            Self::Printed => console::print(row),
+            Self::InFile(file) => file.append(row).map_err(|error| NoMore::Failed(error.into())),
+            Self::Printed => match console::print_part(row.as_bytes()) {
+                Ok(Reader::There) => Ok(()),
+                Ok(Reader::Gone) => Err(NoMore::ReaderGone),
+                Err(failure) => Err(NoMore::Failed(failure)),
+            },
         }
     }
 

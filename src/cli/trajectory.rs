@@ -1,14 +1,14 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, builder::TypedValueParser};
 
 use flexlink::motion::Profile;
 use flexlink::result::{OpenMotion, shortest_steps};
-use flexlink::spec::Specification;
-use flexlink::tables::{Digits, write_file, write_trajectory};
+use flexlink::spec::{Override, SpecError, Specification};
+use flexlink::tables::{Digits, write_trajectory};
 
-use super::args::LinkArgs;
+use super::args::load_link;
 use super::console;
 use super::exit::{Exit, Failure};
 
@@ -17,10 +17,12 @@ const MOST_SAMPLES: f64 = 16_777_216.0;
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink trajectory septic --distance 0.5 --duration 0.8 --step 0.001 -o move.csv
-  flexlink trajectory s-curve --distance 0.3 --duration 1 --step 0.001 |
-      flexlink solve link.toml -
-  flexlink trajectory septic --distance 0.5 --step 0.001 --link link.toml --fit-limit torque=2";
+  flexlink trajectory septic --distance 0.5 \\
+      --duration 0.8 --step 0.001 -o move.csv
+  flexlink trajectory s-curve --distance 0.3 \\
+      --duration 1 --step 0.001 | flexlink solve link.toml -
+  flexlink trajectory septic --distance 0.5 --step 0.001 \\
+      --link link.toml --fit-limit torque=2";
 
 const LONG_ABOUT: &str = "\
 Make a tip motion from rest to rest.
@@ -104,10 +106,7 @@ impl Trajectory {
         let mut text = remark.into_bytes();
         write_trajectory(&mut text, &columns, self.digits)
             .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
-        match &self.output {
-            None => console::print_bytes(&text),
-            Some(path) => Ok(write_file(path, &text)?),
-        }
+        console::deliver(self.output.as_deref(), &text)
     }
 
     /// Steps of the motion, and what there is to tell about them.
@@ -115,9 +114,9 @@ impl Trajectory {
         if let Some(duration_s) = self.duration {
             return Ok((self.steps("--duration", duration_s, 4.0)?, String::new()));
         }
-        let changes = self.fit_limit.iter().map(|limit| format!("limits.{limit}")).collect();
-        let link = LinkArgs { link: self.link.clone().unwrap_or_default(), changes };
-        let (_, Specification { link, mesh, analysis, limits, .. }) = link.load()?;
+        let changes = self.limits()?;
+        let link = self.link.as_deref().unwrap_or(Path::new("-"));
+        let (_, Specification { link, mesh, analysis, limits, .. }) = load_link(link, &changes)?;
         let motion =
             OpenMotion { profile: self.profile, distance_m: self.distance, step_s: self.step };
         let steps = shortest_steps(&link, &mesh, &analysis, &limits, &motion)?;
@@ -127,6 +126,21 @@ impl Trajectory {
         let within = self.fit_limit.join(", ");
         let remark = format!("# {}: {duration_s} s, the shortest within {within}\n", self.profile);
         Ok((steps, remark))
+    }
+
+    /// The limits of the command line, as changes to the link file.
+    fn limits(&self) -> Result<Vec<Override>, Failure> {
+        let refused = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
+        let limit = |text: &String| {
+            let place = format!("--fit-limit '{text}'");
+            if !text.contains('=') {
+                let message = format!("{place}: has no `=`, but must read KEY=VALUE");
+                let hint = "it reads like torque=5 or 'power=\"20 W\"'";
+                return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+            }
+            Override::placed(&place, &format!("limits.{text}")).map_err(refused)
+        };
+        self.fit_limit.iter().map(limit).collect()
     }
 
     /// A time in whole steps.

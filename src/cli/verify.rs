@@ -9,13 +9,14 @@ use flexlink::verification::{Answer, Verification, VerificationError, verify};
 use super::args::{LinkArgs, MotionArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
+use super::files::read_once;
 use super::verify_text::verify_text;
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink verify specs/bayo1987_example1.toml trajectories/sine_0.88s.csv
+  flexlink verify link.toml motion.csv
 
-MOTION may be `-` for standard input.";
+One of LINK and MOTION may be `-`, standard input.";
 
 const LONG_ABOUT: &str = "\
 Measure the torque of `solve` by other means: is the answer right?
@@ -54,6 +55,7 @@ pub(crate) struct Verify {
 impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.apply()?;
+        read_once(&[&self.link.link, self.motion.path()])?;
         let (_, specification) = self.link.load()?;
         let Specification { link, mesh, analysis, .. } = &specification;
         let (_, motion) = self.motion.load(link)?;
@@ -64,7 +66,7 @@ impl Verify {
         }
         match (self.quiet, self.json) {
             (true, _) => {}
-            (_, true) => console::print(&verification_json(&verification))?,
+            (_, true) => console::print_bytes(verification_json(&verification).as_bytes())?,
             _ => console::print(&verify_text(&verification))?,
         }
         refuse_failed(&verification)

@@ -21,6 +21,6 @@ pub use scalar::Scalar;
 pub use spline::{CubicSpline, SplineEnds};
 pub use uniform::NotUniform;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
-pub(crate) use units::{reads_as_unit, split_number};
+pub(crate) use units::{quantity_pattern, reads_as_unit, split_number};
 #[cfg(test)]
 pub(crate) use wide::Wide;

@@ -1,10 +1,10 @@
 use super::Specification;
+use super::count::{Count, Elements};
 use super::damping::damping;
 use super::error::Fault;
 use super::quantity::{Quantity, Real, Unbounded};
 use super::raw::{
-    Count, Elements, RawAnalysis, RawDrive, RawHub, RawLimits, RawMass, RawMesh, RawPayload,
-    RawSpecification,
+    RawAnalysis, RawDrive, RawHub, RawLimits, RawMass, RawMesh, RawPayload, RawSpecification,
 };
 use super::segment::segment;
 use crate::beam::{ElementCount, MeshPlan};

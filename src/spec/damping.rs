@@ -1,19 +1,20 @@
+use super::count::Count;
 use super::error::{Fault, USUAL_RATIO, listed, nearest};
 use super::quantity::{Quantity, Real};
-use super::raw::{Count, RawDamping};
+use super::raw::RawDamping;
 use crate::link::{Damping, in_unit_interval};
 use crate::numeric::Dimension;
 
 /// A damping model as the file names it.
-struct Model {
-    name: &'static str,
+pub(super) struct Model {
+    pub(super) name: &'static str,
     /// Its keys besides `model`.
-    keys: &'static [&'static str],
+    pub(super) keys: &'static [&'static str],
     /// How these go together.
     takes: &'static str,
 }
 
-const MODELS: [Model; 5] = [
+pub(super) const MODELS: [Model; 5] = [
     Model { name: "hysteretic", keys: &["ratio"], takes: "ratio only" },
     Model { name: "modal", keys: &["ratio", "ratios"], takes: "ratio or ratios" },
     Model {

@@ -14,12 +14,14 @@
 //! ```
 
 mod convert;
+mod count;
 mod damping;
 mod error;
 mod overrides;
 mod quantity;
 mod raw;
 mod reader;
+mod schema;
 mod section;
 mod segment;
 mod specification;
@@ -28,5 +30,6 @@ mod tree;
 
 pub use error::SpecError;
 pub use overrides::Override;
+pub use schema::link_file_schema;
 pub use specification::{Specification, read_specification};
 pub use tolerances::read_tolerances;

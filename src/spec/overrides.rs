@@ -11,9 +11,8 @@ use crate::numeric::split_number;
 /// PATH is the dotted TOML path; a segment is named, numbered from 0, or `*` for all.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Override {
-    /// The option that asks for it.
-    option: &'static str,
-    text: String,
+    /// How errors point at it.
+    place: String,
     path: Vec<String>,
     change: Change,
 }
@@ -27,17 +26,17 @@ enum Change {
 impl Override {
     /// How errors point at it.
     pub(super) fn place(&self) -> String {
-        place(self.option, &self.text)
+        self.place.clone()
     }
 
-    /// Reads the change that an option of the command line asks for; errors will name the option.
+    /// Reads a change that errors point at as `place`, where that is no `--set`.
     ///
     /// # Errors
-    /// [`SpecError`] says what the text must read like.
-    pub fn of_option(option: &'static str, text: &str) -> Result<Self, SpecError> {
+    /// [`SpecError`] for text that is no change.
+    pub fn placed(place: &str, text: &str) -> Result<Self, SpecError> {
         let refused = |message: &str| {
             let hint = "it reads like segments.0.EI=20 or payload.mass*=1.1".to_owned();
-            SpecError::new(place(option, text), message.to_owned(), Some(hint))
+            SpecError::new(place.to_owned(), message.to_owned(), Some(hint))
         };
         let Some((path, value)) = text.split_once('=') else {
             return Err(refused("has no `=`, but must read PATH=VALUE or PATH*=FACTOR"));
@@ -59,19 +58,15 @@ impl Override {
         if path.iter().any(String::is_empty) {
             return Err(refused("has an empty step in its path"));
         }
-        Ok(Self { option, text: text.to_owned(), path, change })
+        Ok(Self { place: place.to_owned(), path, change })
     }
-}
-
-fn place(option: &str, text: &str) -> String {
-    format!("{option} '{text}'")
 }
 
 impl FromStr for Override {
     type Err = SpecError;
 
     fn from_str(text: &str) -> Result<Self, SpecError> {
-        Self::of_option("--set", text)
+        Self::placed(&format!("--set '{text}'"), text)
     }
 }
 
@@ -258,7 +253,10 @@ fn instead(entries: &[(String, Node)], step: &str) -> String {
     };
     match others.iter().find(|other| has(other)) {
         Some(other) => format!("the file gives {other} there: multiply that"),
-        None => "give it a value with `=`".into(),
+        None => match nearest(step, entries.iter().map(|(key, _)| key.as_str())) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "give it a value with `=`".into(),
+        },
     }
 }
 

@@ -3,7 +3,7 @@ use super::raw::RawSection;
 use crate::link::Section;
 use crate::numeric::Dimension;
 
-const SHAPES: [&str; 4] = ["rectangle", "circle", "tube", "box"];
+pub(super) const SHAPES: [&str; 4] = ["rectangle", "circle", "tube", "box"];
 
 /// A cross-section with just the dimensions that its shape takes.
 pub(super) fn section(path: &str, raw: &RawSection) -> Result<Section, Fault> {
@@ -47,7 +47,7 @@ pub(super) fn section(path: &str, raw: &RawSection) -> Result<Section, Fault> {
 }
 
 /// The keys that a shape takes.
-fn dimensions_of(shape: &str) -> Option<&'static [&'static str]> {
+pub(super) fn dimensions_of(shape: &str) -> Option<&'static [&'static str]> {
     Some(match shape {
         "rectangle" => &["width", "thickness"],
         "circle" => &["diameter"],

@@ -1,4 +1,4 @@
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -53,7 +53,7 @@ impl std::error::Error for FolderError {}
 #[derive(Debug)]
 pub struct OutputFolder {
     dir: PathBuf,
-    staged: Vec<(String, TempPath)>,
+    staged: Vec<(OsString, TempPath)>,
     /// Folders that were not there before, the innermost first.
     created: Vec<PathBuf>,
 }
@@ -83,11 +83,12 @@ impl OutputFolder {
     /// [`FolderError`] if the file cannot be created or `write` fails.
     pub fn file(
         &mut self,
-        name: &str,
+        name: impl AsRef<OsStr>,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), FolderError> {
+        let name = name.as_ref();
         let path = write_aside(&self.dir, name, write)
-            .map_err(|cause| self.error(FolderAction::Write(name.to_owned()), cause))?;
+            .map_err(|cause| self.error(FolderAction::Write(lossy(name)), cause))?;
         self.staged.push((name.to_owned(), path));
         Ok(())
     }
@@ -101,9 +102,10 @@ impl OutputFolder {
     /// # Errors
     /// [`FolderError`] names the first file that cannot be removed or written; no file `last` is
     /// there then.
-    pub fn commit(mut self, last: &str, owned: &[&str]) -> Result<(), FolderError> {
+    pub fn commit(mut self, last: impl AsRef<OsStr>, owned: &[&str]) -> Result<(), FolderError> {
+        let last = last.as_ref();
         self.remove(last)?;
-        for name in owned {
+        for name in owned.iter().map(OsStr::new) {
             if self.staged.iter().all(|(staged, _)| staged != name) {
                 self.remove(name)?;
             }
@@ -112,16 +114,16 @@ impl OutputFolder {
         staged.sort_by_key(|(name, _)| name == last);
         for (name, path) in staged {
             path.persist(self.dir.join(&name))
-                .map_err(|refused| self.error(FolderAction::Write(name), refused.error))?;
+                .map_err(|refused| self.error(FolderAction::Write(lossy(&name)), refused.error))?;
         }
         self.created.clear();
         Ok(())
     }
 
-    fn remove(&self, name: &str) -> Result<(), FolderError> {
+    fn remove(&self, name: &OsStr) -> Result<(), FolderError> {
         match fs::remove_file(self.dir.join(name)) {
             Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
-                Err(self.error(FolderAction::Remove(name.to_owned()), cause))
+                Err(self.error(FolderAction::Remove(lossy(name)), cause))
             }
             _ => Ok(()),
         }
@@ -143,14 +145,19 @@ impl Drop for OutputFolder {
     }
 }
 
+/// A name as a message tells it.
+fn lossy(name: &OsStr) -> String {
+    name.to_string_lossy().into_owned()
+}
+
 /// Writes a temporary file in `dir`, with the permissions of an ordinary one.
 fn write_aside(
     dir: &Path,
-    name: &str,
+    name: &OsStr,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<TempPath> {
-    let prefix = format!(".{name}.");
-    let file = ordinary_file(Builder::new().prefix(OsStr::new(&prefix)), dir)?;
+    let prefix: OsString = [OsStr::new("."), name, OsStr::new(".")].into_iter().collect();
+    let file = ordinary_file(Builder::new().prefix(&prefix), dir)?;
     let mut buffered = BufWriter::with_capacity(1 << 16, file);
     write(&mut buffered)?;
     let file = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;

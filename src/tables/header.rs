@@ -178,9 +178,14 @@ pub(super) fn names<'a>(fields: &[&'a str]) -> Vec<&'a str> {
     fields.iter().map(|field| split_unit(field).0).collect()
 }
 
-/// Refuses columns with these names for want of one.
+/// Refuses columns with these names for want of one, and asks whether one is that misspelt.
 pub(super) fn refuse_missing(names: &[&str], wanted: &str, place: Place) -> TableError {
-    place.refuse("columns", quoted(&names.join(",")), format!("must include {wanted}"))
+    let must = format!("must include {wanted}");
+    // A slip changes a letter or two; a longer name is another thing.
+    let is_slip = |name: &&&str| name.len().abs_diff(wanted.len()) <= 2;
+    let near = nearest(wanted, names.iter().filter(is_slip).copied());
+    let hint = near.map(|name| format!("did you mean {wanted} by {}?", quoted(name)));
+    place.refuse("columns", quoted(&names.join(",")), must).with_hint(hint)
 }
 
 /// The word that `name` is spelt most like, if one is near at all.

@@ -1,5 +1,6 @@
 //! Columns and files that the results of several commands share.
 
+use std::ffi::OsStr;
 use std::io::{self, Write};
 
 use super::csv_table::{Column, ColumnGroup};
@@ -27,6 +28,11 @@ pub(super) const MOTOR: &str = "motor.csv";
 
 /// Written last: who sees it, sees a whole run.
 pub(super) const SUMMARY: &str = "summary.json";
+
+/// Whether a run may write, or remove, a file of this name in its folder.
+pub fn is_result_file(name: &OsStr) -> bool {
+    RESULT_FILES.iter().chain([&SUMMARY]).any(|file| name == *file)
+}
 
 /// Columns of tip.csv.
 pub(super) fn tip_groups(tip: &TipMotionHistories) -> Vec<ColumnGroup<'_>> {

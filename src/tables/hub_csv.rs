@@ -33,7 +33,7 @@ fn read_hub_header(fields: &[&str], place: Place) -> Result<Header, TableError> 
     let time = find_time(fields, &HUB_MOTION, place)?;
     let angle = find_column(fields, Quantity::HubAngle, &HUB_MOTION, place)?.ok_or_else(|| {
         let hint = "hub_angle.csv of `flexlink solve` holds it".to_owned();
-        refuse_missing(&names(fields), Quantity::HubAngle.word(), place).with_hint(hint)
+        refuse_missing(&names(fields), Quantity::HubAngle.word(), place).or_hint(hint)
     })?;
     let rate = find_column(fields, Quantity::HubRate, &HUB_MOTION, place)?;
     Ok(Header { width: fields.len(), headings: [time, angle].into_iter().chain(rate).collect() })

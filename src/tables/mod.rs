@@ -44,6 +44,7 @@ pub use csv_table::{Column, ColumnGroup, write_csv};
 pub use folder::{FolderAction, FolderError, OutputFolder};
 pub use frf_table::write_frequency_response;
 pub use golden::{GoldenChanges, change_golden_files};
+pub use histories::is_result_file;
 pub use hub_csv::read_hub_reference;
 pub use input::{InputError, InputFile};
 pub use modes_tables::{HeldModes, ModesResult};

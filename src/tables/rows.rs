@@ -24,6 +24,7 @@ impl<'a> Rows<'a> {
                 .with_hint("save the file as text in UTF-8".to_owned())
         })?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        check_line_ends(file, text)?;
         let reader = ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
@@ -74,6 +75,17 @@ impl<'a> Rows<'a> {
         self.line += line_ends(bytes, self.counted, start);
         self.counted = start;
     }
+}
+
+/// Refuses a comment in a file whose lines end in CR alone: it would never end.
+fn check_line_ends(file: &str, text: &str) -> Result<(), TableError> {
+    let comments = text.split('\r').any(|line| line.starts_with('#'));
+    if text.contains('\n') || !text.contains('\r') || !comments {
+        return Ok(());
+    }
+    let must = "must be LF or CR LF where there are comments";
+    let hint = "save the file with the line ends of Unix or Windows";
+    Err(Place { file, line: Some(1) }.refuse("line end", "CR", must).with_hint(hint.to_owned()))
 }
 
 /// Number of line ends, LF, CR LF or CR, in `bytes[from..to]`.

@@ -1,22 +1,55 @@
-use std::io;
-use std::path::Path;
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
 
 use super::folder::{FolderAction, FolderError, OutputFolder};
 
 /// Writes one file, whole or not at all; the folder it lies in is created where it is missing.
 ///
+/// A link is followed. What is no file on a disk, a device or a named pipe, is written to as it is:
+/// taking its name would put a file in its place. A reader of it that goes away is no error.
+///
 /// # Errors
 /// [`FolderError`] if `path` names no file, or the file cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
+    let path = &followed(path);
     let folder = folder_of(path);
-    let Some(name) = path.file_name().map(|name| name.to_string_lossy()) else {
-        let cause = io::Error::other("the path names no file");
-        let action = FolderAction::Write(path.display().to_string());
-        return Err(FolderError { folder: folder.to_owned(), action, cause });
+    let refused = |cause| {
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        let action = FolderAction::Write(name.to_string_lossy().into());
+        FolderError { folder: folder.to_owned(), action, cause }
     };
+    let Some(name) = path.file_name() else {
+        return Err(refused(io::Error::other("the path names no file")));
+    };
+    if is_stream(path) {
+        return write_through(path, bytes).map_err(refused);
+    }
     let mut staged = OutputFolder::stage(folder)?;
-    staged.file(&name, |out| out.write_all(bytes))?;
-    staged.commit(&name, &[])
+    staged.file(name, |out| out.write_all(bytes))?;
+    staged.commit(name, &[])
+}
+
+/// What a symbolic link leads to, if that is there; else the path itself.
+fn followed(path: &Path) -> PathBuf {
+    let target =
+        if path.is_symlink() && !is_stream(path) { path.canonicalize().ok() } else { None };
+    target.unwrap_or_else(|| path.to_owned())
+}
+
+/// Whether a path names a device, a pipe or a file that this process has open.
+fn is_stream(path: &Path) -> bool {
+    let open = ["/dev/fd", "/dev/stdout", "/dev/stderr", "/proc/self/fd"];
+    let is_open = open.iter().any(|name| path.starts_with(name));
+    is_open || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
+}
+
+fn write_through(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = fs::File::options().append(true).open(path)?;
+    match file.write_all(bytes).and_then(|()| file.flush()) {
+        Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => written,
+    }
 }
 
 /// The folder that a file lies in.

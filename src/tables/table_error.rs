@@ -22,6 +22,12 @@ impl TableError {
     pub(super) fn with_hint(self, hint: impl Into<Option<String>>) -> Self {
         Self { hint: hint.into(), ..self }
     }
+
+    /// Adds what the user may do where nothing better is known.
+    pub(super) fn or_hint(self, hint: String) -> Self {
+        let hint = self.hint.clone().or(Some(hint));
+        self.with_hint(hint)
+    }
 }
 
 /// Where in a file something was found.

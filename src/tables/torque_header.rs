@@ -32,7 +32,7 @@ fn no_torque(fields: &[&str], place: Place) -> TableError {
         Some(field) => format!("choose the torque with --column {}", quoted(split_unit(field).0)),
         None => "choose the torque with --column NAME".to_owned(),
     };
-    refuse_missing(&names(fields), word, place).with_hint(hint)
+    refuse_missing(&names(fields), word, place).or_hint(hint)
 }
 
 /// The heading of the torque that is asked for.

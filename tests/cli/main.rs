@@ -8,8 +8,13 @@ mod compare_tolerances;
 mod damping;
 mod exits;
 mod files;
+mod help;
+mod hints;
+mod line_ends;
+mod locale;
 mod modes;
 mod options;
+mod paths;
 mod rigs;
 mod simulate;
 mod simulate_refusals;
@@ -67,6 +72,7 @@ impl Bench {
     fn program(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_flexlink"));
         command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
+        plain(&mut command);
         command
     }
 
@@ -111,6 +117,14 @@ impl Bench {
         };
         self.names(folder).into_iter().map(read).collect()
     }
+}
+
+/// What the machine at hand says of locale and terminal does not count.
+fn plain(command: &mut Command) {
+    for name in ["LC_CTYPE", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS"] {
+        command.env_remove(name);
+    }
+    command.env("LC_ALL", "C.UTF-8");
 }
 
 /// `simulate` with the paper's first link and more arguments; must succeed.

@@ -213,13 +213,13 @@ fn four_for_what_has_no_answer_and_five_for_a_folder_that_cannot_be() {
 fn the_folder_of_an_input_is_refused_however_it_is_written() {
     let bench = bench();
     std::fs::create_dir(bench.path("run")).unwrap();
-    bench.write("run/target.csv", &bench.read("tip.csv"));
+    bench.write("run/tip.csv", &bench.read("tip.csv"));
     for output in ["run", "./run/", "run/../run"] {
-        let error = failed(&bench, &["torque.csv", "--target", "run/target.csv", "-o", output], 2);
-        let message = "but must be another folder than that of run/target.csv\n";
+        let error = failed(&bench, &["torque.csv", "--target", "run/tip.csv", "-o", output], 2);
+        let message = "but must be another folder than that of run/tip.csv\n";
         assert!(error.starts_with(&format!("error: --output = {output}, {message}")), "{error}");
     }
-    assert_eq!(bench.names("run"), ["target.csv"]);
+    assert_eq!(bench.names("run"), ["tip.csv"]);
 }
 
 #[test]

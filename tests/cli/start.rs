@@ -7,7 +7,7 @@ fn the_files_to_start_from_are_solved_and_never_written_over() {
     let bench = Bench::new();
     let first = bench.run(&["init", "my arm"]);
     assert_eq!(first.status.code(), Some(0), "{}", stderr(&first));
-    assert_eq!(bench.names("my arm"), ["link.toml", "motion.csv"]);
+    assert_eq!(bench.names("my arm"), ["link.schema.json", "link.toml", "motion.csv"]);
     let solved = bench.run(&["solve", "my arm/link.toml", "my arm/motion.csv", "--quiet"]);
     assert_eq!(solved.status.code(), Some(0), "{}", stderr(&solved));
     assert_eq!(stderr(&solved), "", "it is no example of what is warned about");
@@ -21,6 +21,19 @@ fn the_files_to_start_from_are_solved_and_never_written_over() {
          hint: name another folder: flexlink init DIR\n"
     );
     assert_eq!(bench.read("my arm/link.toml"), "mine");
+}
+
+#[test]
+fn the_link_file_to_start_from_names_the_schema_beside_it() {
+    let bench = Bench::new();
+    bench.run(&["init"]);
+    assert!(bench.read("link.toml").starts_with("#:schema ./link.schema.json\n"));
+    let schema = stdout(&bench.run(&["schema"]));
+    assert!(bench.read("link.schema.json") == schema);
+    let output = bench.run(&["schema", "-o", "new/schema.json"]);
+    assert_eq!((output.status.code(), stdout(&output)), (Some(0), String::new()));
+    assert!(bench.read("new/schema.json") == schema);
+    assert_eq!(bench.json("link.schema.json")["required"][0], "segments");
 }
 
 #[test]
@@ -62,6 +75,7 @@ fn every_command_has_a_manual_page() {
         "trajectory",
         "compare",
         "init",
+        "schema",
         "completions",
         "man",
     ] {
@@ -69,5 +83,5 @@ fn every_command_has_a_manual_page() {
         assert!(pages.contains(&page), "{page} is not among {pages:?}");
         assert!(bench.read(&format!("man1/{page}")).contains("Example:"), "{page}");
     }
-    assert_eq!(pages.len(), 12);
+    assert_eq!(pages.len(), 13);
 }

@@ -10,6 +10,7 @@ mod contradictions;
 mod damping;
 mod overrides;
 mod refusals;
+mod schema;
 mod specs;
 
 use flexlink::beam::{ElementCount, MeshPlan};

@@ -1,0 +1,72 @@
+//! What is asked of the paths on the command line before any work begins.
+
+use std::path::Path;
+
+use flexlink::tables::is_result_file;
+
+use super::exit::{Exit, Failure};
+
+/// Whether a path means standard input.
+fn is_standard_input(path: &Path) -> bool {
+    ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"].iter().any(|name| path.as_os_str() == *name)
+}
+
+/// Whether a path means standard output: not to be opened a second time, which would begin at its
+/// start.
+pub(crate) fn is_standard_output(path: &Path) -> bool {
+    ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
+        .iter()
+        .any(|name| path.as_os_str() == *name)
+}
+
+/// Refuses to read standard input twice.
+pub(crate) fn read_once(inputs: &[&Path]) -> Result<(), Failure> {
+    if inputs.iter().filter(|path| is_standard_input(path)).count() < 2 {
+        return Ok(());
+    }
+    let message = "standard input = several files, but must be one";
+    Err(Failure::new(Exit::Usage, &message, None))
+}
+
+/// Refuses standard output for a folder; `argument` is what names the folder.
+pub(crate) fn check_folder(argument: &str, folder: &Path) -> Result<(), Failure> {
+    if !is_standard_output(folder) {
+        return Ok(());
+    }
+    let message = format!("{argument} = {}, but must be a folder", folder.display());
+    let hint = "standard output takes one file, and these are several";
+    Err(Failure::new(Exit::Usage, &message, Some(hint)))
+}
+
+/// Refuses to read standard input twice, and to write results over a file that is read, or over the
+/// run that it belongs to.
+pub(crate) fn keep(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+    read_once(inputs)?;
+    check_folder("--output", output)?;
+    let Ok(folder) = output.canonicalize() else { return Ok(()) };
+    let is_of_a_run = |file: &&&Path| {
+        file.canonicalize().is_ok_and(|file| {
+            file.parent() == Some(&folder) && file.file_name().is_some_and(is_result_file)
+        })
+    };
+    let Some(file) = inputs.iter().find(is_of_a_run) else { return Ok(()) };
+    let message = format!(
+        "--output = {}, but must be another folder than that of {}",
+        output.display(),
+        file.display()
+    );
+    let hint = "a folder holds one run: the results would replace those read";
+    Err(Failure::new(Exit::Usage, &message, Some(hint)))
+}
+
+/// Refuses to write a file over one that is read.
+pub(crate) fn keep_files(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+    let Ok(there) = output.canonicalize() else { return Ok(()) };
+    let is_output = |file: &&&Path| file.canonicalize().is_ok_and(|file| file == there);
+    // A device is written through, not over.
+    if !there.is_file() || !inputs.iter().any(|file| is_output(&file)) {
+        return Ok(());
+    }
+    let message = format!("--output = {}, but must not be a file that is read", output.display());
+    Err(Failure::new(Exit::Usage, &message, None))
+}

@@ -1,0 +1,59 @@
+//! Help as it stands in a window: complete, not too wide, its examples whole.
+
+use super::{Bench, stderr, stdout};
+
+/// The commands that the program's own help lists.
+fn commands(bench: &Bench) -> Vec<String> {
+    let text = stdout(&bench.run(&["--help"]));
+    let (_, list) = text.split_once("Commands:\n").unwrap();
+    let names = list.lines().take_while(|line| !line.is_empty());
+    // A description that goes on in the next line is set in farther.
+    let names = names.filter(|line| !line.starts_with("   "));
+    let names = names.map(|line| line.split_whitespace().next().unwrap().to_owned());
+    names.filter(|name| name != "help").collect()
+}
+
+fn help(bench: &Bench, arguments: &[&str], columns: &str) -> String {
+    let output = bench.program(arguments).env("COLUMNS", columns).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    stdout(&output)
+}
+
+#[test]
+fn every_command_has_an_example_that_no_window_breaks() {
+    let bench = Bench::new();
+    let commands = commands(&bench);
+    assert!(commands.len() >= 10, "{commands:?}");
+    let example = |text: &str| text.split_once("\nExample:\n").unwrap().1.to_owned();
+    for command in &commands {
+        for flag in ["-h", "--help"] {
+            let texts =
+                ["100", "80", "60"].map(|width| (width, help(&bench, &[command, flag], width)));
+            let commands_of = |text: &str| {
+                let example = example(text);
+                example.split("\n\n").next().unwrap().to_owned()
+            };
+            let whole = commands_of(&texts[0].1);
+            assert!(whole.contains(&format!("flexlink {command}")), "{command}: {whole}");
+            for (width, text) in &texts {
+                assert_eq!(commands_of(text), whole, "{command} at {width}");
+                // A usage is not broken: it is to be read as one.
+                for line in text.lines().filter(|line| !line.starts_with("Usage:")) {
+                    assert!(line.chars().count() <= width.parse().unwrap(), "{width}: {line}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn without_a_command_the_help_is_shown() {
+    let bench = Bench::new();
+    let output = bench.run(&[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(stdout(&output), "");
+    assert_eq!(stderr(&output), stdout(&bench.run(&["-h"])));
+    for code in 0..=5 {
+        assert!(stderr(&output).contains(&format!("{code} ")), "exit code {code}");
+    }
+}

@@ -1,0 +1,68 @@
+//! Files as editors on other systems save them.
+
+use super::{Bench, LINK, MOTION, repository, stderr};
+
+/// A file of this repository with other line ends, and a byte order mark where `mark` is one.
+fn saved(bench: &Bench, name: &str, from: &str, mark: &str, line_end: &str) {
+    let text = std::fs::read_to_string(repository(from)).unwrap();
+    assert!(!text.contains('\r'));
+    bench.write(name, &format!("{mark}{}", text.replace('\n', line_end)));
+}
+
+#[test]
+fn windows_line_ends_and_a_byte_order_mark_change_nothing() {
+    let bench = Bench::new();
+    bench.solve(&["-q"]);
+    for (mark, line_end) in [("", "\r\n"), ("\u{feff}", "\r\n"), ("\u{feff}", "\n")] {
+        saved(&bench, "link.toml", LINK, mark, line_end);
+        saved(&bench, "motion.csv", MOTION, mark, line_end);
+        let output = bench.run(&["solve", "link.toml", "motion.csv", "-o", "new", "-q"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(bench.read("new/torque.csv") == bench.read("out/torque.csv"));
+        saved(&bench, "torque.csv", "trajectories/sine_0.88s.csv", mark, line_end);
+        let torque = bench.read("out/torque.csv").replace('\n', line_end);
+        bench.write("torque.csv", &format!("{mark}{torque}"));
+        let played = bench.run(&["simulate", "link.toml", "torque.csv", "-o", "played", "-q"]);
+        assert_eq!(played.status.code(), Some(0), "{}", stderr(&played));
+    }
+}
+
+#[test]
+fn lines_are_counted_as_an_editor_does() {
+    let bench = Bench::new();
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    bench.write("link.toml", "\u{feff}# a\r\n\r\n[hub]\r\nradius = 0\r\nradios = 1\r\n");
+    let output = bench.run(&["solve", "link.toml", &motion]);
+    assert!(stderr(&output).starts_with("error: link.toml:5: "), "{}", stderr(&output));
+    bench.write("motion.csv", "\u{feff}# a\r\n\r\ntime,acceleration\r\n0,0\r\n1,x\r\n");
+    let output = bench.run(&["solve", &link, "motion.csv"]);
+    assert!(stderr(&output).starts_with("error: motion.csv:5: "), "{}", stderr(&output));
+}
+
+#[test]
+fn carriage_returns_alone_are_read_or_refused_in_words() {
+    let bench = Bench::new();
+    bench.solve(&["-q"]);
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    saved(&bench, "link.toml", LINK, "", "\r");
+    let output = bench.run(&["solve", "link.toml", &motion]);
+    assert_eq!(output.status.code(), Some(3));
+    let message = "error: link.toml:1: carriage return must be followed by newline";
+    assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
+    saved(&bench, "motion.csv", MOTION, "", "\r");
+    let output = bench.run(&["solve", &link, "motion.csv"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert_eq!(
+        stderr(&output),
+        "error: motion.csv:1: line end = CR, but must be LF or CR LF where there are comments\n\
+         hint: save the file with the line ends of Unix or Windows\n"
+    );
+    let bare: Vec<&str> = include_str!("../../trajectories/sine_0.88s.csv")
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .collect();
+    bench.write("motion.csv", &bare.join("\r"));
+    let output = bench.run(&["solve", &link, "motion.csv", "-o", "new", "-q"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(bench.read("new/torque.csv") == bench.read("out/torque.csv"));
+}

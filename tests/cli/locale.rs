@@ -1,0 +1,113 @@
+//! Letters and colours: of the locale and of a terminal, and never in what a program reads.
+
+use std::process::Output;
+
+use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+
+const UMLAUTS: &str = "title = 'Träger, ξ = 2 %'\nsegments = [{ length = 1.5, EI = 5, \
+                       mass_per_length = 0.8 }]\ndamping.ratio = 0.02\nmesh.elements = 4\n";
+
+/// Runs the program under these variables alone.
+fn under(bench: &Bench, variables: &[(&str, &str)], arguments: &[&str]) -> Output {
+    let mut program = bench.program(arguments);
+    program.env_remove("LC_ALL").env_remove("LANG");
+    program.envs(variables.iter().copied()).output().unwrap()
+}
+
+#[test]
+fn a_locale_without_utf8_gets_its_text_in_ascii() {
+    let bench = Bench::new();
+    bench.write("link.toml", UMLAUTS);
+    let motion = repository(MOTION);
+    for variables in [[("LC_ALL", "C")], [("LC_CTYPE", "POSIX")], [("LANG", "de_DE.ISO-8859-1")]] {
+        let output = under(&bench, &variables, &["solve", "link.toml", &motion]);
+        let text = stdout(&output);
+        assert!(text.is_ascii(), "{text}");
+        assert!(text.starts_with("Tr?ger, xi = 2 %\n"), "{text}");
+        for words in ["kg m^2", "(real, +/-)", "m/s^2", " .. "] {
+            assert!(text.contains(words), "{words} in {text}");
+        }
+    }
+    let help = stdout(&under(&bench, &[("LC_ALL", "C")], &["man", "--help"]));
+    assert!(help.is_ascii() && help.contains("flexlink-solve.1, .."), "{help}");
+    let refused = under(&bench, &[("LC_ALL", "C")], &["modes", "Ü.toml"]);
+    assert_eq!(stderr(&refused), "error: ?.toml: cannot read: No such file or directory\n");
+    let usage = under(&bench, &[("LC_ALL", "C")], &["Ü"]);
+    assert!(stderr(&usage).is_ascii(), "{}", stderr(&usage));
+}
+
+#[test]
+fn a_locale_of_utf8_and_none_get_every_letter() {
+    let bench = Bench::new();
+    bench.write("link.toml", UMLAUTS);
+    for variables in [&[][..], &[("LANG", "de_DE.UTF-8")], &[("LC_ALL", ""), ("LANG", "C.utf8")]] {
+        let text = stdout(&under(&bench, variables, &["modes", "link.toml"]));
+        assert!(text.starts_with("Träger, ξ = 2 %\n") && text.contains("±[1/s]"), "{text}");
+    }
+}
+
+#[test]
+fn what_a_program_reads_does_not_depend_on_the_locale() {
+    let bench = Bench::new();
+    bench.write("link.toml", UMLAUTS);
+    let motion = repository(MOTION);
+    bench.solve(&["-q"]);
+    for arguments in [
+        &["solve", "link.toml", &motion, "-o", "new", "--json"][..],
+        &["simulate", "link.toml", "out/torque.csv", "-o", "played", "--json"],
+        &["verify", "link.toml", &motion, "--json"],
+        &["frf", "link.toml", "--points", "3"],
+        &["schema"],
+        &["completions", "zsh"],
+        &["man"],
+    ] {
+        let [utf8, plain] = ["C.UTF-8", "C"].map(|locale| {
+            let output = under(&bench, &[("LC_ALL", locale), ("CLICOLOR_FORCE", "1")], arguments);
+            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+            output.stdout
+        });
+        assert!(utf8 == plain, "{arguments:?}");
+    }
+    assert_eq!(bench.json("new/summary.json")["title"], "Träger, ξ = 2 %");
+}
+
+const ERROR: &str = "\u{1b}[1m\u{1b}[31merror:\u{1b}[0m ";
+
+#[test]
+fn labels_are_coloured_where_colours_are_asked_for() {
+    let bench = Bench::new();
+    let forced = [("CLICOLOR_FORCE", "1"), ("LC_ALL", "C.UTF-8")];
+    bench.write("link.toml", "segments = [{ lenght = 1 }]\n");
+    assert_eq!(
+        stderr(&under(&bench, &forced, &["modes", "link.toml"])),
+        format!(
+            "{ERROR}link.toml:1: unknown key `lenght` in segments.0\n\
+             \u{1b}[32mhint:\u{1b}[0m did you mean `length`?\n"
+        )
+    );
+    let usage = stderr(&under(&bench, &forced, &["slove"]));
+    assert!(usage.starts_with(ERROR), "{usage}");
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    let warned = ["solve", &link, &motion, "--set", "analysis.lag=0.1"];
+    let warning = under(&bench, &forced, &warned);
+    assert!(stderr(&warning).starts_with("\u{1b}[1m\u{1b}[33mwarning:\u{1b}[0m the torque"));
+    assert!(!stdout(&warning).contains('\u{1b}'), "the summary has no colours");
+    assert!(stdout(&under(&bench, &forced, &["--help"])).contains('\u{1b}'));
+}
+
+#[test]
+fn no_colour_reaches_a_pipe_or_a_user_who_wants_none() {
+    let bench = Bench::new();
+    for variables in [
+        &[][..],
+        &[("TERM", "xterm-256color")],
+        &[("CLICOLOR", "1")],
+        &[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")],
+    ] {
+        for arguments in [&["modes", "none.toml"][..], &["slove"], &["solve"], &["--help"]] {
+            let output = under(&bench, variables, arguments);
+            let text = stdout(&output) + &stderr(&output);
+            assert!(!text.contains('\u{1b}'), "{variables:?} {arguments:?}: {text}");
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! Paths of any kind, standard input and output by every name they have.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Output, Stdio};
+
+use super::{Bench, LINK, MOTION, plain, repository, stderr, stdout};
+
+/// Runs the program with a file of this repository on standard input.
+fn fed(bench: &Bench, input: &str, arguments: &[&str]) -> Output {
+    let mut program = bench.program(arguments);
+    program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = program.spawn().unwrap();
+    // A program that refuses its arguments does not read.
+    let _ = child.stdin.take().unwrap().write_all(&fs::read(repository(input)).unwrap());
+    child.wait_with_output().unwrap()
+}
+
+#[track_caller]
+fn done(output: &Output) {
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
+}
+
+#[test]
+fn every_command_reads_the_link_from_standard_input() {
+    let bench = Bench::new();
+    bench.solve(&["-q"]);
+    let motion = repository(MOTION);
+    for arguments in [
+        &["solve", "-", &motion, "-o", "new", "-q"][..],
+        &["simulate", "-", "out/torque.csv", "-q"],
+        &["verify", "-", &motion],
+        &["modes", "-"],
+        &["frf", "-", "--points", "2"],
+        &[
+            "trajectory",
+            "sine",
+            "--distance",
+            "0.5",
+            "--step",
+            "0.01",
+            "--link",
+            "-",
+            "--fit-limit",
+            "torque=5",
+        ],
+    ] {
+        done(&fed(&bench, LINK, arguments));
+    }
+    assert!(bench.read("new/torque.csv") == bench.read("out/torque.csv"));
+    assert_eq!(bench.json("new/summary.json")["inputs"]["link"]["name"], "-");
+}
+
+#[test]
+fn standard_input_is_read_once() {
+    let bench = Bench::new();
+    for arguments in [
+        &["solve", "-", "-"][..],
+        &["verify", "-", "-"],
+        &["simulate", "-", "-"],
+        &["simulate", "-", "torque.csv", "--target", "-"],
+        &["solve", "-", "/dev/stdin"],
+    ] {
+        let output = fed(&bench, LINK, arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(stderr(&output), "error: standard input = several files, but must be one\n");
+    }
+}
+
+#[test]
+fn a_dash_is_standard_output_where_one_file_is_written() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    for arguments in [
+        &["frf", &link, "--points", "3"][..],
+        &["trajectory", "sine", "--distance", "0.5", "--duration", "1", "--step", "0.1"],
+        &["schema"],
+    ] {
+        let plain = bench.run(arguments);
+        let dash = bench.run(&[arguments, &["-o", "-"]].concat());
+        done(&dash);
+        assert!(dash.stdout == plain.stdout && !plain.stdout.is_empty());
+        assert_eq!(bench.names("."), [""; 0]);
+    }
+}
+
+#[test]
+fn a_dash_is_no_folder() {
+    let bench = Bench::new();
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    for (arguments, name) in [
+        (&["solve", &link, &motion, "-o", "-"][..], "--output"),
+        (&["simulate", &link, &motion, "-o", "-"], "--output"),
+        (&["modes", &link, "-o", "-"], "--output"),
+        (&["man", "-o", "-"], "--output"),
+        (&["init", "-"], "DIR"),
+    ] {
+        let output = bench.run(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        let message = format!(
+            "error: {name} = -, but must be a folder\n\
+             hint: standard output takes one file, and these are several\n"
+        );
+        assert_eq!(stderr(&output), message);
+        assert_eq!(bench.names("."), [""; 0]);
+    }
+}
+
+#[test]
+fn results_do_not_replace_what_they_are_made_from() {
+    let bench = Bench::new();
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    bench.solve(&["-q"]);
+    let tip = bench.read("out/tip.csv");
+    let refused = |arguments: &[&str], message: &str| {
+        let output = bench.run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
+    };
+    let message = "error: --output = out, but must be another folder than that of out/tip.csv\n";
+    refused(&["solve", &link, "out/tip.csv"], message);
+    refused(&["solve", &link, "out/tip.csv", "-o", "./out/../out"], "error: --output = ");
+    assert!(bench.read("out/tip.csv") == tip);
+    fs::copy(&link, bench.path("link.toml")).unwrap();
+    for output in ["link.toml", "./link.toml"] {
+        let message = format!("error: --output = {output}, but must not be a file that is read\n");
+        refused(&["frf", "link.toml", "-o", output], &message);
+    }
+    fs::copy(&motion, bench.path("move.csv")).unwrap();
+    let vary = ["--vary", "payload.mass=0,0.01", "-o", "move.csv"];
+    let message = "error: --output = move.csv, but must not be a file that is read\n";
+    refused(&[&["sweep", "link.toml", "move.csv"], &vary[..]].concat(), message);
+    // No run would write these names.
+    done(&bench.run(&["solve", "link.toml", "move.csv", "-o", ".", "-q"]));
+    done(&bench.run(&["solve", "link.toml", "out/tip.csv", "-o", "again", "-q"]));
+}
+
+#[test]
+fn paths_have_blanks_and_foreign_letters_and_begin_with_a_dash() {
+    let bench = Bench::new();
+    for folder in ["a b", "ü 橋", "-d"] {
+        let at = |name: &str| format!("{folder}/{name}");
+        done(&bench.run(&["init", "--", folder]));
+        let (link, motion) = (&at("link.toml"), &at("motion.csv"));
+        let option = |name: &str, file: &str| format!("--{name}={}", at(file));
+        done(&bench.run(&["solve", "-q", &option("output", "o t"), "--", link, motion]));
+        let torque = &at("o t/torque.csv");
+        let target = option("target", "o t/tip.csv");
+        done(&bench.run(&[
+            "simulate",
+            "-q",
+            &target,
+            &option("output", "s t"),
+            "--",
+            link,
+            torque,
+        ]));
+        done(&bench.run(&["modes", &option("output", "m s"), "--", link]));
+        done(&bench.run(&["frf", "--points", "2", &option("output", "f r.csv"), "--", link]));
+        done(&bench.run(&["schema", &option("output", "s c.json")]));
+        done(&bench.run(&["man", &option("output", "man 1")]));
+        let names = [
+            "f r.csv",
+            "link.schema.json",
+            "link.toml",
+            "m s",
+            "man 1",
+            "motion.csv",
+            "o t",
+            "s c.json",
+            "s t",
+        ];
+        assert_eq!(bench.names(folder), names);
+        let refused = bench.run(&["modes", "--", &at("no such.toml")]);
+        assert_eq!(
+            stderr(&refused),
+            format!("error: {folder}/no such.toml: cannot read: No such file or directory\n")
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_message_stays_in_its_line_whatever_a_file_is_called() {
+    let output = Bench::new().run(&["modes", "two\nlines\u{1b}[31m.toml"]);
+    assert_eq!(
+        stderr(&output),
+        "error: two\u{fffd}lines\u{fffd}[31m.toml: cannot read: No such file or directory\n"
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_name_that_is_no_utf8_is_kept() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt as _;
+    let bench = Bench::new();
+    let name = Path::new(OsStr::from_bytes(b"n\xff.csv"));
+    let folder = Path::new(OsStr::from_bytes(b"d\xfe"));
+    fs::create_dir(bench.folder.path().join(folder)).unwrap();
+    let link = folder.join("link.toml");
+    fs::copy(repository(LINK), bench.folder.path().join(&link)).unwrap();
+    let mut program = bench.program(&["frf", "--points", "2"]);
+    done(&program.arg(&link).arg("-o").arg(folder.join(name)).output().unwrap());
+    assert!(bench.folder.path().join(folder).join(name).is_file());
+    let missing = bench.program(&["modes"]).arg(name).output().unwrap();
+    assert!(stderr(&missing).starts_with("error: n\u{fffd}.csv: cannot read: "));
+}
+
+#[cfg(unix)]
+fn shell(bench: &Bench, script: &str) -> Output {
+    let script = script.replace("flexlink", &format!("'{}'", env!("CARGO_BIN_EXE_flexlink")));
+    let mut shell = std::process::Command::new("bash");
+    plain(&mut shell);
+    shell.args(["-c", &script]).current_dir(bench.folder.path()).output().unwrap()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_device_or_a_pipe_is_written_to_and_not_replaced() {
+    let bench = Bench::new();
+    let frf = format!("flexlink frf '{}' --points 2", repository(LINK));
+    let plain = stdout(&shell(&bench, &frf));
+    let framed = format!("a\n{plain}b\n");
+    for script in [
+        // The first, so that no device is touched where this fails.
+        format!("mkfifo p; cat p & {{ echo a; {frf} -o p; echo b; }} > p; wait; test -p p"),
+        format!("{{ echo a; {frf} -o /dev/stdout; echo b; }} > f; cat f"),
+        format!("{{ echo a; {frf} -o /dev/stdout; echo b; }} | cat"),
+        format!("{{ echo a; {frf} -o /dev/fd/3; echo b; }} 3>&1 | cat"),
+        format!("rm f; {{ echo a; {frf} -o /dev/stderr; echo b; }} >> f 2>&1; cat f"),
+    ] {
+        let output = shell(&bench, &script);
+        assert_eq!(stdout(&output), framed, "{script}: {}", stderr(&output));
+    }
+    assert_eq!(stdout(&shell(&bench, &format!("{frf} -o >(cat) | cat"))), plain);
+    assert_eq!(shell(&bench, &format!("{frf} -o >(true)")).status.code(), Some(0));
+    done(&shell(&bench, &format!("{frf} -o /dev/null && test -c /dev/null")));
+    let full = shell(&bench, &format!("{frf} -o /dev/full"));
+    assert_eq!(full.status.code(), Some(5));
+    assert_eq!(stderr(&full), "error: /dev: cannot write full: No space left on device\n");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_file_stays_a_link() {
+    let bench = Bench::new();
+    std::os::unix::fs::symlink("real.csv", bench.path("link.csv")).unwrap();
+    let arguments = ["frf", &repository(LINK), "--points", "2", "-o", "link.csv"];
+    bench.write("real.csv", "old");
+    done(&bench.run(&arguments));
+    assert!(bench.path("link.csv").is_symlink());
+    assert_eq!(bench.read("real.csv").lines().count(), 3);
+}

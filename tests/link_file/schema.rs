@@ -1,0 +1,192 @@
+//! The JSON Schema and the reader say the same of a link file, as far as JSON Schema can tell.
+
+use std::fs;
+use std::path::Path;
+
+use flexlink::spec::{link_file_schema, read_specification};
+use jsonschema::Validator;
+use serde_json::Value;
+
+const SEGMENT: &str = "[[segments]]\nlength = 1\nEI = 5\nmass_per_length = 0.8\n";
+
+fn schema() -> Value {
+    serde_json::from_str(&link_file_schema()).unwrap()
+}
+
+fn validator() -> Validator {
+    jsonschema::draft7::new(&schema()).unwrap()
+}
+
+/// Whether the schema and the reader accept a link file.
+fn verdicts(validator: &Validator, text: &str) -> [bool; 2] {
+    let file: Value = toml::from_str(text).unwrap();
+    [validator.is_valid(&file), read_specification("link.toml", text, &[]).is_ok()]
+}
+
+#[test]
+fn the_schema_is_one_by_its_own_standard() {
+    assert!(jsonschema::meta::is_valid(&schema()));
+    assert_eq!(schema()["$schema"], "http://json-schema.org/draft-07/schema#");
+}
+
+#[test]
+fn every_link_file_of_this_repository_is_valid() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let specs = fs::read_dir(root.join("specs")).unwrap().map(|entry| entry.unwrap().path());
+    let mut paths: Vec<_> = specs.collect();
+    assert!(paths.len() >= 8);
+    paths.push(root.join("src/cli/templates/link.toml"));
+    let mut texts: Vec<String> =
+        paths.iter().map(|path| fs::read_to_string(path).unwrap()).collect();
+    let readme = include_str!("../../README.md").split_once("```toml\n").unwrap().1;
+    texts.push(readme.split_once("```").unwrap().0.to_owned());
+    let validator = validator();
+    for text in texts {
+        let file: Value = toml::from_str(&text).unwrap();
+        let errors: Vec<String> =
+            validator.iter_errors(&file).map(|e| format!("{}: {e}", e.instance_path())).collect();
+        assert!(errors.is_empty(), "{text}: {errors:?}");
+    }
+}
+
+#[test]
+fn every_key_has_a_description() {
+    fn check(path: &str, schema: &Value, found: &mut usize) {
+        for (key, schema) in schema["properties"].as_object().into_iter().flatten() {
+            let path = format!("{path}.{key}");
+            let description = schema["description"].as_str().unwrap_or_default();
+            assert!(description.len() > 4 && !description.starts_with('`'), "{path}");
+            *found += 1;
+            check(&path, schema, found);
+            check(&path, &schema["items"], found);
+        }
+    }
+    let mut found = 0;
+    check("", &schema(), &mut found);
+    assert!(found >= 56, "only {found} keys");
+}
+
+#[test]
+fn what_the_reader_takes_the_schema_takes() {
+    let validator = validator();
+    let segment = |keys: &str| format!("[[segments]]\nlength = '15 cm'\n{keys}\n");
+    let stiffness = "EI = 5\nmass_per_length = 0.8";
+    for text in [
+        segment(stiffness),
+        segment("E = '70 GPa'\nI = ['1 cm^4', 5e-9]\ndensity = 2700\narea = ['1 cm²', '50 mm**2']"),
+        segment(
+            "E = 7e10\ndensity = 2700\nsection = { shape = 'tube', diameter = 0.02, wall = 0.001 }",
+        ),
+        segment(
+            "EI = 5\ndensity = 2700\nsection = { shape = 'box', width = 1, height = 1, wall = 0.1 }",
+        ),
+        segment("E = 7e10\nmass_per_length = 0.8\nsection = { shape = 'circle', diameter = 0.01 }"),
+        segment(
+            "E = 7e10\ndensity = 1\nsection = { shape = 'rectangle', width = 1, thickness = 1 }",
+        ),
+        format!("{SEGMENT}[hub]\ninertia = '1000 kg cm^2'\nviscous_friction = '0.015 N·m s/rad'"),
+        format!("{SEGMENT}[payload]\nmass = '+50g'\noffset = '-2 cm'"),
+        format!("{SEGMENT}[[masses]]\nat = ' .5 m '\nmass = '1e-1 kg'"),
+        format!("{SEGMENT}[damping]\nratio = 0.02"),
+        format!("{SEGMENT}[damping]\nmodel = 'none'"),
+        format!("{SEGMENT}[damping]\nmodel = 'modal'\nratios = [0.02, 0.01]"),
+        format!("{SEGMENT}[damping]\nmodel = 'caughey'\nratio = 0.02"),
+        format!("{SEGMENT}[damping]\nmodel = 'caughey'\nmodes = [1, 3]\nratios = [0.02, 0.01]"),
+        format!("{SEGMENT}[damping]\nmodel = 'rayleigh'\nmodes = [1, 3]\nratios = [0.02, 0.01]"),
+        format!("{SEGMENT}[damping]\nmodel = 'rayleigh'\nalpha = '2 /s'"),
+        format!("{SEGMENT}[drive]\njoint_stiffness = inf"),
+        format!("{SEGMENT}[drive]\njoint_stiffness = '1e3 N m/rad'\ngear_ratio = 50"),
+        format!("{SEGMENT}[limits]\nhub_rate = '30 rpm'\npower = '0.02 kN m/s'\ndeflection = 0.1"),
+        format!("{SEGMENT}[mesh]\nelements = 'auto'\ntolerance = 1e-12"),
+        format!("{SEGMENT}[mesh]\nelements = 10"),
+        format!("{SEGMENT}[analysis]\nlead = '500 ms'\nlag = 0\nmodes = 5\ntolerance = 1e-2"),
+    ] {
+        assert_eq!(verdicts(&validator, &text), [true, true], "{text}");
+    }
+}
+
+#[test]
+fn what_the_schema_refuses_the_reader_refuses() {
+    let validator = validator();
+    let segment = |keys: &str| format!("[[segments]]\n{keys}\n");
+    let whole = "EI = 5\nmass_per_length = 0.8\n";
+    for text in [
+        String::new(),
+        "segments = []".into(),
+        "segments = [1]".into(),
+        format!("{SEGMENT}[payloads]\nmass = 1"),
+        format!("{SEGMENT}title = 5\n[hub]"),
+        format!("{SEGMENT}colour = 'red'"),
+        segment(whole),
+        segment(&format!("{whole}length = true")),
+        segment(&format!("{whole}length = 0")),
+        segment(&format!("{whole}length = '-15 cm'")),
+        segment(&format!("{whole}length = '15'")),
+        segment(&format!("{whole}length = '15 parsec'")),
+        segment(&format!("{whole}length = '15 m2'")),
+        segment(&format!("{whole}length = '15 m *'")),
+        segment(&format!("{whole}length = '1,5 m'")),
+        segment(&format!("{whole}length = 'm'")),
+        segment(&format!("{whole}length = [1, 2]")),
+        segment("length = 1\nmass_per_length = 1"),
+        segment("length = 1\nEI = 5"),
+        segment("length = 1\nE = 5\nmass_per_length = 1"),
+        segment("length = 1\nI = 5\nmass_per_length = 1"),
+        segment("length = 1\nEI = 5\nE = 1\nmass_per_length = 1"),
+        segment("length = 1\nEI = 5\nI = 1\nmass_per_length = 1"),
+        segment("length = 1\nEI = [5, 4, 3]\nmass_per_length = 1"),
+        segment("length = 1\nEI = [5, 0]\nmass_per_length = 1"),
+        segment("length = 1\nEI = [5, '4 parsec']\nmass_per_length = 1"),
+        segment("length = 1\nEI = 5\nmass_per_length = -1"),
+        segment("length = 1\nEI = 5\nmass_per_length = 1\narea = 1"),
+        segment("length = 1\nEI = 5\ndensity = 1"),
+        segment(&format!("length = 1\n{whole}elements = 0")),
+        segment(&format!("length = 1\n{whole}elements = 'auto'")),
+        segment(&format!("length = 1\n{whole}section = {{ shape = 'circle', diameter = 1 }}")),
+        segment(
+            "length = 1\nE = 5\nI = 1\nmass_per_length = 1\nsection = { shape = 'circle', diameter = 1 }",
+        ),
+        segment(
+            "length = 1\nE = 5\nmass_per_length = 1\nsection = { shape = 'oval', diameter = 1 }",
+        ),
+        segment("length = 1\nE = 5\nmass_per_length = 1\nsection = { shape = 'circle' }"),
+        segment("length = 1\nE = 5\nmass_per_length = 1\nsection = { diameter = 1 }"),
+        segment(
+            "length = 1\nE = 5\nmass_per_length = 1\nsection = { shape = 'circle', diameter = 1, wall = 1 }",
+        ),
+        format!("{SEGMENT}[hub]\nradius = -1"),
+        format!("{SEGMENT}[[masses]]\nat = 1"),
+        format!("{SEGMENT}[payload]\nmass = -1"),
+        format!("{SEGMENT}[damping]"),
+        format!("{SEGMENT}[damping]\nratio = 1.5"),
+        format!("{SEGMENT}[damping]\nratio = '2 %'"),
+        format!("{SEGMENT}[damping]\nratios = [0.02]"),
+        format!("{SEGMENT}[damping]\nmodel = 'viscous'\nratio = 0.02"),
+        format!("{SEGMENT}[damping]\nmodel = 'hysteretic'"),
+        format!("{SEGMENT}[damping]\nmodel = 'none'\nratio = 0.02"),
+        format!("{SEGMENT}[damping]\nmodel = 'modal'"),
+        format!("{SEGMENT}[damping]\nmodel = 'modal'\nratio = 0.02\nratios = [0.02]"),
+        format!("{SEGMENT}[damping]\nmodel = 'modal'\nratios = []"),
+        format!("{SEGMENT}[damping]\nmodel = 'modal'\nratios = [0.02, 1]"),
+        format!("{SEGMENT}[damping]\nmodel = 'rayleigh'"),
+        format!("{SEGMENT}[damping]\nmodel = 'rayleigh'\nmodes = [1, 2]"),
+        format!("{SEGMENT}[damping]\nmodel = 'rayleigh'\nmodes = [1]\nratios = [0.02]"),
+        format!(
+            "{SEGMENT}[damping]\nmodel = 'rayleigh'\nalpha = 1\nmodes = [1, 2]\nratios = [0, 0]"
+        ),
+        format!("{SEGMENT}[damping]\nmodel = 'caughey'\nmodes = [1]"),
+        format!("{SEGMENT}[damping]\nmodel = 'caughey'\nratio = 0.1\nmodes = [1]"),
+        format!("{SEGMENT}[drive]\njoint_stiffness = 0"),
+        format!("{SEGMENT}[drive]\njoint_stiffness = true"),
+        format!("{SEGMENT}[drive]\ngear_ratio = 0"),
+        format!("{SEGMENT}[limits]\ntorque = 0"),
+        format!("{SEGMENT}[mesh]\nelements = 'many'"),
+        format!("{SEGMENT}[mesh]\nelements = 100001"),
+        format!("{SEGMENT}[mesh]\ntolerance = 0.2"),
+        format!("{SEGMENT}[analysis]\ntolerance = 0"),
+        format!("{SEGMENT}[analysis]\nlead = -1"),
+        format!("{SEGMENT}[analysis]\nmodes = 0"),
+    ] {
+        assert_eq!(verdicts(&validator, &text), [false, false], "{text}");
+    }
+}
