@@ -43,6 +43,8 @@ def plot_results(summary: dict, histories: pd.DataFrame, axes) -> None:
 
 
 def plot_sweep(table: pd.DataFrame, axis) -> None:
+    if "torque_ratio" not in table:
+        raise SystemExit("the sweep has no column torque_ratio: a sweep with --torque has none")
     varied = table.columns[0]
     failed = table["error"].notna()
     table[~failed].plot(x=varied, y=["torque_ratio"], ax=axis, ylabel="peak torque over rigid")

@@ -31,6 +31,11 @@ pub(crate) fn warning(message: impl Display, hint: &str) {
     told("warning", WARNING, &message.to_string(), Some(hint));
 }
 
+/// Prints what goes on to standard error, below what stands on a terminal's line.
+pub(crate) fn note(message: &str) {
+    let _ = anstream::stderr().lock().write_all(format!("\n{message}\n").as_bytes());
+}
+
 fn told(kind: &str, style: Style, message: &str, hint: Option<&str>) {
     let line = |kind: &str, style: Style, message: &str| {
         let message: String = message.chars().map(visible).collect();
@@ -111,12 +116,15 @@ pub(crate) struct Progress(ProgressBar);
 impl Progress {
     /// Shows `done` of `all`.
     pub(crate) fn new(done: usize, all: usize) -> Self {
-        let bar = ProgressBar::new(all as u64).with_position(done as u64);
+        let bar = ProgressBar::new(all as u64);
         let style = ProgressStyle::with_template("[{bar:30}] {pos}/{len}, {per_sec}, {eta} left");
         // The template is a constant that the library reads.
         let style = style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ");
         bar.set_style(style);
-        // What an earlier run has done says nothing about the rate of this one.
+        // What an earlier run has done says nothing about the rate of this one: the estimate begins
+        // after it has been told of it.
+        bar.set_position(done as u64);
+        bar.tick();
         bar.reset_eta();
         Self(bar)
     }

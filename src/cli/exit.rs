@@ -33,7 +33,7 @@ pub(crate) enum Exit {
     NotSolvable = 4,
     /// The results cannot be written.
     CannotWrite = 5,
-    /// Stopped by Ctrl-C or the system's request to end, as shells number it.
+    /// Stopped in order by Ctrl-C or the system's request to end: the number that shells give Ctrl-C.
     Interrupted = 130,
 }
 

@@ -3,6 +3,7 @@
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::console;
 use super::exit::Exit;
 
 static STOPPED: AtomicBool = AtomicBool::new(false);
@@ -15,8 +16,10 @@ pub(crate) fn watch() -> &'static AtomicBool {
         if STOPPED.swap(true, Ordering::Relaxed) {
             process::exit(Exit::Interrupted as i32);
         }
+        console::note("finishing the cases that have begun; once more ends at once");
     };
-    // A system that cannot be asked ends the program its own way; whole rows are on the disk.
-    let _ = ctrlc::set_handler(asked);
+    // Where signals are ignored, as under nohup, or cannot be heard they stay as they are: whole rows
+    // are on the disk.
+    let _ = ctrlc::try_set_handler(asked);
     &STOPPED
 }

@@ -12,7 +12,7 @@ use super::files::{check_folder, is_standard_output, keep_files, read_once};
 use super::interrupt;
 use super::sweep_cases::{Cases, Outcome, TorqueArgs};
 use super::sweep_outputs::OutputsArgs;
-use super::sweep_sink::{NoMore, Rows};
+use super::sweep_sink::{Begun, NoMore, Rows};
 use super::sweep_tally::Tally;
 
 const EXAMPLE: &str = "\
@@ -21,7 +21,7 @@ Example:
       --vary 'segments.*.EI*=0.5:8:100:log' -o stiffness.csv
   flexlink sweep link.toml move.csv \\
       --vary payload.mass=0,0.05 --vary 'duration*=0.8:2:25'
-  flexlink sweep link.toml move.csv --torque out/torque.csv \\
+  flexlink sweep link.toml move.csv --torque torque.csv \\
       --vary 'segments.*.EI*=0.8:1.2:41'
   flexlink sweep link.toml move.csv --shard 2/8 \\
       --vary 'segments.*.EI*=0.5:8:1000:log'
@@ -39,7 +39,8 @@ Solve many cases: vary values of link and motion.
 Writes one table with a row for every case, in order whatever the number of threads: the values, \
 first period and zero, peaks, lead and lag, errors. A case that fails says why in the last column \
 and does not stop the rest. While it runs, the finished rows are in a file of the same name that \
-ends in .part; --resume goes on from there after an interruption.
+ends in .part; after an interruption (exit code 130) the same command with --resume goes on from \
+there, without it begins anew. A finished table is made anew, a finished shard is left as it is.
 
 PATH is that of --set, with = for values and *= for factors; distance*= and duration*= scale the \
 motion. VALUES are START:STOP:COUNT, START:STOP:COUNT:log, or a list a,b,c; both ends of a range may \
@@ -50,6 +51,8 @@ have a unit. Several --vary make the product, the last one running fastest.";
 #[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
 #[command(mut_arg("link", |link| link.required(false).required_unless_present("merge")))]
 #[command(mut_arg("motion", |motion| motion.required(false).required_unless_present("merge")))]
+#[command(mut_arg("list", |nodes| nodes.requires("outputs")))]
+#[command(mut_arg("every", |every| every.requires("outputs")))]
 pub(crate) struct Sweep {
     #[command(flatten)]
     link: Option<LinkArgs>,
@@ -82,7 +85,7 @@ pub(crate) struct Sweep {
     /// Join the shards of a sweep to one table, if none is missing.
     #[arg(long, value_name = "SHARD", num_args = 1..)]
     #[arg(conflicts_with_all = ["link", "motion", "changes", "resample", "vary", "torque"])]
-    #[arg(conflicts_with_all = ["outputs", "shard", "resume"])]
+    #[arg(conflicts_with_all = ["column", "outputs", "shard", "resume"])]
     merge: Vec<PathBuf>,
 
     /// Print nothing but warnings and errors, and no progress.
@@ -129,24 +132,30 @@ impl Sweep {
         let all = self.shard.len(cases.plan.cases());
         let output = self.output_path();
         let header = sweep_header::<C>(&cases.plan);
-        let begun = Rows::begin(&output, cases.identity(self.shard), &header, self.resume)?;
-        let Some((mut rows, done)) = begun else {
-            return self.report(&format!("complete {}, {all} cases", output.display()));
+        let identity = cases.identity(self.shard);
+        let (mut rows, there) = match Rows::begin(&output, identity, &header, self.resume)? {
+            Begun::To(rows, there) => (rows, there),
+            Begun::Complete(rows) => {
+                Tally::of_rows(&rows).warn();
+                return self.report(&format!("complete {}, {all} cases", output.display()));
+            }
         };
-        let stop = interrupt::watch();
+        let mut tally = there.as_ref().map(Tally::of_rows).unwrap_or_default();
+        let done = tally.rows();
         let progress = if self.quiet || rows.are_printed() {
             Progress::hidden()
         } else {
             Progress::new(done, all)
         };
-        let mut tally = Tally::default();
         let take = |k: usize, outcome: Outcome<C>| {
             let case = self.shard.case(k);
-            let row = sweep_row(&cases.plan.case(case), &outcome.row);
-            tally.add(case + 1, outcome.row.as_ref().err(), outcome.remarks);
+            let row = outcome.row.map_err(NoMore::Failed)?;
+            let line = sweep_row(&cases.plan.case(case), &row);
+            tally.add(case + 1, row.as_ref().err(), outcome.remarks);
             progress.advance();
-            rows.append(&row)
+            rows.append(&line)
         };
+        let stop = interrupt::watch();
         let ended = in_order(done..all, stop, |k| work(self.shard.case(k)), take);
         drop(progress);
         match ended {
@@ -155,16 +164,13 @@ impl Sweep {
             Err(NoMore::Failed(failure)) => return Err(failure),
         }
         tally.warn();
-        let there = done + tally.rows();
-        if there < all {
-            return Err(rows.interrupted(there, all));
+        if tally.rows() < all {
+            return Err(rows.interrupted(tally.rows(), all));
         }
         rows.finish()?;
         self.report(&format!("cases    {all}\nwritten  {}", output.display()))?;
-        match tally.all_failed().filter(|_| done == 0) {
-            Some(message) => Err(Failure::new(Exit::NotSolvable, &all_failed(message), None)),
-            None => Ok(()),
-        }
+        // A shard is only a part: others may have numbers.
+        if self.shard.of() == 1 { tally.refuse_all_failed() } else { Ok(()) }
     }
 
     /// Joins shards; nothing is read but these.
@@ -180,9 +186,17 @@ impl Sweep {
         let shards: Vec<SweepRows> = self.merge.iter().map(read).collect::<Result<_, _>>()?;
         let table = merge_shards(&shards)?;
         console::deliver(Some(&output), table.as_bytes())?;
-        let rows = table.lines().count() - 1;
-        let shards = shards.len();
-        self.report(&format!("cases    {rows}, of {shards} shards\nwritten  {}", output.display()))
+        let mut tally = Tally::default();
+        for shard in &shards {
+            tally.join(Tally::of_rows(shard));
+        }
+        tally.warn();
+        let (rows, shards) = (tally.rows(), shards.len());
+        self.report(&format!(
+            "cases    {rows}, of {shards} shards\nwritten  {}",
+            output.display()
+        ))?;
+        tally.refuse_all_failed()
     }
 
     /// Refuses files that would be read twice or written over.
@@ -210,8 +224,4 @@ impl Sweep {
         }
         console::print(&format!("{text}\n"))
     }
-}
-
-fn all_failed(message: &str) -> String {
-    format!("no case could be solved; the first: {message}")
 }

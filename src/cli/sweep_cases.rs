@@ -46,18 +46,28 @@ pub(crate) struct Cases<'a> {
     first: (f64, TipMotion),
 }
 
-/// What came of a case: its numbers, or why it has none; and what to say about it.
+/// What came of a case.
 pub(crate) struct Outcome<C> {
-    pub(crate) row: Result<C, String>,
+    /// Its numbers, or why it has none; or why there is no sense in going on.
+    pub(crate) row: Result<Result<C, String>, Failure>,
+    /// What there is to say about it.
     pub(crate) remarks: Vec<Remark>,
 }
 
 impl<C> Outcome<C> {
     fn of(result: Result<(C, Vec<Remark>), Failure>) -> Self {
         match result {
-            Ok((row, remarks)) => Self { row: Ok(row), remarks },
-            Err(failure) => Self { row: Err(failure.message), remarks: Vec::new() },
+            Ok((row, remarks)) => Self { row: Ok(Ok(row)), remarks },
+            Err(failure) => Self { row: of_case(failure), remarks: Vec::new() },
         }
+    }
+}
+
+/// A failure of one case; results that cannot be written, or were asked for wrongly, fail the sweep.
+fn of_case<C>(failure: Failure) -> Result<Result<C, String>, Failure> {
+    match failure.exit {
+        Exit::InputRefused | Exit::NotSolvable => Ok(Err(failure.message)),
+        Exit::Usage | Exit::CannotWrite | Exit::Interrupted => Err(failure),
     }
 }
 
@@ -70,16 +80,23 @@ impl<'a> Cases<'a> {
         outputs: &'a OutputsArgs,
     ) -> Result<Self, Failure> {
         let overrides = link.overrides()?;
-        let link_file = InputFile::read(&link.link)?;
+        let mut link_file = InputFile::read(&link.link)?;
         link_file.text()?;
-        let motion_file = motion.read()?;
+        let mut motion_file = motion.read()?;
         let torque_file = torque.read()?;
-        let read = |case| specification(&link_file, &overrides, &plan.case(case));
+        let read = |case| -> Result<(f64, TipMotion), Failure> {
+            let found = specification(&link_file, &overrides, &plan.case(case))?;
+            let tip_motion = motion.motion_of(&motion_file, &found.link)?;
+            Ok((found.link.length_m(), tip_motion))
+        };
         // A path that is nowhere in the file fails every case: that is no result, but a slip.
-        let first = read(0)
-            .or_else(|error| (1..plan.cases()).find_map(|case| read(case).ok()).ok_or(error))?;
-        let length_m = first.link.length_m();
-        let first = (length_m, motion.motion_of(&motion_file, &first.link)?);
+        let first = read(0).or_else(|failure| {
+            plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
+        })?;
+        refuse_without_effect(&link_file, &overrides, &plan)?;
+        // From here on errors are for the table, which is the same wherever the files lie.
+        link_file.shown.clone_from(&link_file.name);
+        motion_file.shown.clone_from(&motion_file.name);
         Ok(Self {
             plan,
             link,
@@ -105,8 +122,13 @@ impl<'a> Cases<'a> {
         let files: Vec<&InputFile> =
             [&self.link_file, &self.motion_file].into_iter().chain(torque).collect();
         let column = self.torque.column.iter().map(|column| format!("--column {column}"));
-        let changes: Vec<String> =
-            self.link.record().chain(self.motion.change()).chain(column).collect();
+        let changes: Vec<String> = self
+            .link
+            .record()
+            .chain(self.motion.change())
+            .chain(column)
+            .chain(self.outputs.record())
+            .collect();
         SweepIdentity::new(&files, &changes, &self.plan, shard)
     }
 
@@ -221,6 +243,32 @@ impl TorqueArgs {
         let torque = read_torque_table(&file.shown, &file.bytes, self.column.as_deref())?;
         Ok(Some((file, torque)))
     }
+}
+
+/// Refuses a variation that a later one, of the same value under another name, sets again.
+fn refuse_without_effect(
+    file: &InputFile,
+    overrides: &[Override],
+    plan: &SweepPlan,
+) -> Result<(), Failure> {
+    let read = |case| specification(file, overrides, &plan.case(case)).ok();
+    let Some(first) = read(0) else { return Ok(()) };
+    let mut case = plan.cases();
+    for variation in plan.variations() {
+        // The case with its second value and the first ones of all others.
+        let values = variation.values().len();
+        case /= values;
+        if values < 2 || plan.case(case).link_changes == plan.case(0).link_changes {
+            continue;
+        }
+        if read(case).is_some_and(|second| second == first) {
+            let [a, b] = [0, 1].map(|k| variation.change(k));
+            let message = format!("--vary: {a} and {b} give the same link");
+            let hint = "a later --vary may set the same value under another name";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        }
+    }
+    Ok(())
 }
 
 /// The link file with what is set for all cases and what this case takes.

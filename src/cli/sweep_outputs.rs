@@ -28,7 +28,7 @@ pub(crate) struct OutputsArgs {
     nodes: NodeArgs,
 
     /// Digits of the tables in --outputs, as in solve.
-    #[arg(long, value_name = "N", default_value = "10")]
+    #[arg(long, value_name = "N", default_value = "10", requires = "outputs")]
     digits: Digits,
 }
 
@@ -36,6 +36,15 @@ impl OutputsArgs {
     /// The folder of all, where it is asked for.
     pub(crate) fn folder(&self) -> Option<&Path> {
         self.outputs.as_deref()
+    }
+
+    /// What makes the files of a case, for the identity of a sweep: rows that are there already have
+    /// these files.
+    pub(crate) fn record(&self) -> Option<String> {
+        let Self { outputs, nodes, digits } = self;
+        let NodeArgs { list, every } = nodes;
+        let folder = outputs.as_ref()?.display();
+        Some(format!("--outputs {folder} {list:?} {every} {digits:?}"))
     }
 
     /// Folder of a case, from 0, among so many.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use flexlink::tables::{Resumed, SweepFile, SweepIdentity};
+use flexlink::tables::{Resumed, SweepFile, SweepIdentity, SweepRows};
 
 use super::console::{self, Reader};
 use super::exit::{Exit, Failure};
@@ -14,6 +14,14 @@ pub(crate) enum Rows {
     Printed,
 }
 
+/// A table that was begun.
+pub(crate) enum Begun {
+    /// Where its rows go, and those that are there from an earlier run.
+    To(Rows, Option<SweepRows>),
+    /// All its rows are there.
+    Complete(SweepRows),
+}
+
 /// Why no more rows are taken.
 pub(crate) enum NoMore {
     /// Who read them has gone away, and needs no more.
@@ -23,13 +31,13 @@ pub(crate) enum NoMore {
 }
 
 impl Rows {
-    /// Begins, or goes on after as many rows as are told; `None` where all are there.
+    /// Begins a table, or goes on with what an interrupted run left of it.
     pub(crate) fn begin(
         path: &Path,
         identity: SweepIdentity,
         header: &str,
         resume: bool,
-    ) -> Result<Option<(Self, usize)>, Failure> {
+    ) -> Result<Begun, Failure> {
         if is_standard_output(path) {
             if resume {
                 let message = "--resume = standard output, but must have a file to go on with";
@@ -38,16 +46,23 @@ impl Rows {
             let of_shard =
                 if identity.shard().of() > 1 { format!("{identity}\n") } else { String::new() };
             console::print_bytes((of_shard + header).as_bytes())?;
-            return Ok(Some((Self::Printed, 0)));
+            return Ok(Begun::To(Self::Printed, None));
         }
-        if !resume {
-            let file = SweepFile::begin(path, identity, header)?;
-            return Ok(Some((Self::InFile(Box::new(file)), 0)));
+        if resume {
+            return Ok(match SweepFile::resume(path, identity, header)?? {
+                Resumed::Anew(file) => Begun::To(Self::InFile(Box::new(file)), None),
+                Resumed::At(file, rows) => Begun::To(Self::InFile(Box::new(file)), Some(rows)),
+                Resumed::Complete(rows) => Begun::Complete(rows),
+            });
         }
-        Ok(match SweepFile::resume(path, identity, header)?? {
-            Resumed::At(file, done) => Some((Self::InFile(Box::new(file)), done)),
-            Resumed::Complete => None,
-        })
+        let left = SweepFile::left(path);
+        let file = SweepFile::begin(path, identity, header)?;
+        if left > 0 {
+            let part = file.part().display();
+            let message = format!("{part} held {left} rows of an interrupted sweep, begun anew");
+            console::warning(message, "--resume would have gone on with them");
+        }
+        Ok(Begun::To(Self::InFile(Box::new(file)), None))
     }
 
     /// Whether they are printed, so that nothing else may be.

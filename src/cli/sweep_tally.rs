@@ -2,7 +2,10 @@
 
 use std::fmt::Display;
 
+use flexlink::tables::SweepRows;
+
 use super::console;
+use super::exit::{Exit, Failure};
 
 /// A warning of one case: its kind, its words and what to do about it.
 pub(crate) struct Remark {
@@ -34,6 +37,21 @@ struct Counted {
 }
 
 impl Tally {
+    /// Begins with rows that are there already: their number, and those that failed.
+    pub(crate) fn of_rows(rows: &SweepRows) -> Self {
+        let failures = rows.failures();
+        let first = failures.first().map(|(case, message)| (case + 1, message.clone()));
+        Self { rows: rows.len(), failed: failures.len(), failure: first, remarks: Vec::new() }
+    }
+
+    /// Joins what is known of another part of the same sweep.
+    pub(crate) fn join(&mut self, other: Self) {
+        self.rows += other.rows;
+        self.failed += other.failed;
+        let failures = [self.failure.take(), other.failure].into_iter().flatten();
+        self.failure = failures.min_by_key(|(case, _)| *case);
+    }
+
     /// Counts a case, numbered from 1: its failure, or its remarks.
     pub(crate) fn add(&mut self, case: usize, failure: Option<&String>, remarks: Vec<Remark>) {
         self.rows += 1;
@@ -54,10 +72,13 @@ impl Tally {
         self.rows
     }
 
-    /// Whether no case at all has numbers, and why the first has none.
-    pub(crate) fn all_failed(&self) -> Option<&str> {
-        let failure = self.failure.as_ref().filter(|_| self.failed == self.rows);
-        failure.map(|(_, message)| message.as_str())
+    /// Fails where no case at all has numbers, with why the first has none.
+    pub(crate) fn refuse_all_failed(&self) -> Result<(), Failure> {
+        let Some((_, message)) = self.failure.as_ref().filter(|_| self.failed == self.rows) else {
+            return Ok(());
+        };
+        let message = format!("no case could be solved; the first: {message}");
+        Err(Failure::new(Exit::NotSolvable, &message, None))
     }
 
     /// Prints the warnings, each kind once.

@@ -83,6 +83,19 @@ impl SweepPlan {
         self.cases
     }
 
+    /// The cases in which at most one value differs from the first case's: all values, each once.
+    pub fn single_changes(&self) -> impl Iterator<Item = usize> {
+        let strides = self.variations.iter().rev().scan(1, |stride, variation| {
+            let (own, values) = (*stride, variation.values().len());
+            *stride *= values;
+            Some((own, values))
+        });
+        let others: Vec<_> = strides.collect();
+        let changed =
+            others.into_iter().flat_map(|(stride, values)| (1..values).map(move |k| k * stride));
+        std::iter::once(0).chain(changed)
+    }
+
     /// What the case of this number, from 0, takes.
     pub fn case(&self, number: usize) -> CaseValues {
         let mut left = number;
@@ -95,7 +108,7 @@ impl SweepPlan {
         let mut case =
             CaseValues { values: vec![], link_changes: vec![], motion: MotionScale::default() };
         for (variation, k) in self.variations.iter().zip(chosen) {
-            case.values.push(variation.values()[k].clone());
+            case.values.push(variation.shown(k).to_owned());
             match (variation.path(), factor(variation, k)) {
                 (DISTANCE, Some(factor)) => case.motion.distance = factor,
                 (DURATION, Some(factor)) => case.motion.duration = factor,
@@ -129,6 +142,13 @@ mod tests {
         assert_eq!(fourth.values, ["2", "0.5"]);
         assert_eq!(fourth.link_changes, ["hub.inertia=2"]);
         assert_eq!(fourth.motion, MotionScale { distance: 1.0, duration: 0.5 });
+    }
+
+    #[test]
+    fn every_value_stands_alone_in_one_case() {
+        let plan = plan(&["a=1,2", "b=1,2,3", "c=1,2"]).unwrap();
+        let values = plan.single_changes().map(|case| plan.case(case).values.concat());
+        assert_eq!(values.collect::<Vec<_>>(), ["111", "112", "121", "131", "211"]);
     }
 
     #[test]

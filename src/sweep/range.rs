@@ -16,45 +16,39 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// Reads a range; `None` where `text` is not one: it has no colon outside quotes.
-    pub(super) fn read(text: &str) -> Result<Option<Self>, VariationError> {
-        if text.starts_with(['"', '\'', '[', '{']) || !text.contains(':') {
-            return Ok(None);
-        }
-        let refuse = |found: &str, must: &str| {
-            Err(VariationError::refusing(format!("range = {found:?}, but {must}")))
-        };
-        let parts: Vec<&str> = text.split(':').map(str::trim).collect();
-        let (start, stop, count, logarithmic) = match parts[..] {
+    /// Reads what stands between the colons of a range.
+    pub(super) fn read(parts: &[&str]) -> Result<Self, VariationError> {
+        let text = parts.join(":");
+        let refuse =
+            |must: &str| Err(VariationError::refusing(format!("range = {text:?}, but {must}")));
+        let (start, stop, count, logarithmic) = match *parts {
             [start, stop, count] => (start, stop, count, false),
             [start, stop, count, "log"] => (start, stop, count, true),
-            _ => return refuse(text, "must read START:STOP:COUNT or START:STOP:COUNT:log"),
+            _ => return refuse("must read START:STOP:COUNT or START:STOP:COUNT:log"),
         };
         let number = |text: &str| {
             let split = split_number(text).filter(|(number, _)| number.is_finite());
             split.map(|(number, unit)| (number, unit.trim().to_owned()))
         };
         let (Some((start, unit)), Some((stop, stop_unit))) = (number(start), number(stop)) else {
-            return refuse(text, "must begin with two finite numbers");
+            return refuse("must begin with two finite numbers");
         };
         if unit != stop_unit {
-            return refuse(text, "must have the same unit at both ends");
+            return refuse("must have the same unit at both ends");
         }
         let count = match count.parse::<usize>() {
             Ok(count) if (1..=MOST).contains(&count) => count,
-            _ => return refuse(text, &format!("must have a count from 1 to {MOST}")),
+            _ => return refuse(&format!("must have a count from 1 to {MOST}")),
         };
         if count == 1 && start.total_cmp(&stop).is_ne() {
-            return refuse(text, "must have a count of 2 or more to reach both ends");
+            return refuse("must have a count of 2 or more to reach both ends");
         }
-        if logarithmic && start * stop <= 0.0 {
-            return refuse(
-                text,
-                "must have ends of one sign, neither of them 0, to be logarithmic",
-            );
+        let one_sign = start.signum() * stop.signum() > 0.0 && start != 0.0 && stop != 0.0;
+        if logarithmic && !one_sign {
+            return refuse("must have ends of one sign, neither of them 0, to be logarithmic");
         }
         let at = |k: usize| value(start, stop, (k, count - 1), logarithmic);
-        Ok(Some(Self { values: (0..count).map(|k| shortest(at(k))).collect(), unit }))
+        Ok(Self { values: (0..count).map(|k| shortest(at(k))).collect(), unit })
     }
 }
 
@@ -68,7 +62,8 @@ fn value(start: f64, stop: f64, (k, last): (usize, usize), logarithmic: bool) ->
     }
     let share = k as f64 / last as f64;
     let between = if logarithmic {
-        start * (stop / start).powf(share)
+        // Neither their product nor their quotient, which may be beyond all numbers.
+        start.signum() * start.abs().powf(1.0 - share) * stop.abs().powf(share)
     } else {
         (1.0 - share) * start + share * stop
     };
@@ -89,11 +84,15 @@ mod tests {
     use super::*;
 
     fn values(text: &str) -> Vec<String> {
-        Range::read(text).unwrap().unwrap().values
+        range(text).unwrap().values
+    }
+
+    fn range(text: &str) -> Result<Range, VariationError> {
+        Range::read(&text.split(':').map(str::trim).collect::<Vec<_>>())
     }
 
     fn refusal(text: &str) -> String {
-        Range::read(text).err().unwrap().to_string()
+        range(text).err().unwrap().to_string()
     }
 
     #[test]
@@ -109,13 +108,15 @@ mod tests {
     fn a_logarithmic_range_has_even_ratios() {
         assert_eq!(values("0.01:100:5:log"), ["0.01", "0.1", "1", "10", "100"]);
         assert_eq!(values("-8:-1:4:log"), ["-8", "-4", "-2", "-1"]);
+        assert_eq!(values("1e-200:1e-150:3:log")[1], "1e-175");
+        assert_eq!(values("1e-200:1e200:3:log")[1], "1");
         let found: Vec<f64> = values("2:5:4:log").iter().map(|v| v.parse().unwrap()).collect();
         assert!((found[1] / found[0] - 2.5_f64.cbrt()).abs() < 1e-14);
     }
 
     #[test]
     fn a_unit_stands_at_both_ends() {
-        let range = Range::read("5e4 N cm^2:2e5 N cm^2:2").unwrap().unwrap();
+        let range = range("5e4 N cm^2:2e5 N cm^2:2").unwrap();
         assert_eq!((range.values[1].as_str(), range.unit.as_str()), ("200000", "N cm^2"));
         assert!(refusal("10 g:1 kg:3").ends_with("must have the same unit at both ends"));
     }
@@ -129,6 +130,6 @@ mod tests {
         assert!(refusal("1:2:2.5").contains("a count from 1"));
         assert!(refusal("1:2:1").contains("a count of 2 or more"));
         assert!(refusal("-1:2:3:log").contains("one sign"));
-        assert!(Range::read("'a:b'").unwrap().is_none());
+        assert!(refusal("0:2:3:log").contains("neither of them 0"));
     }
 }

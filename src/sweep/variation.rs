@@ -1,9 +1,11 @@
+use std::collections::HashSet;
 use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
 
 use super::range::Range;
+use crate::numeric::split_number;
 
 /// One value of the link file or the motion, and what it takes in turn: `PATH=START:STOP:COUNT`,
 /// `PATH=START:STOP:COUNT:log`, `PATH=a,b,c`, or these with `*=` for factors.
@@ -75,6 +77,14 @@ impl Variation {
         &self.values
     }
 
+    /// The value of this number as a table shows it: without quotes.
+    ///
+    /// # Panics
+    /// If there is no such value.
+    pub fn shown(&self, number: usize) -> &str {
+        unquoted(&self.values[number])
+    }
+
     /// The path, and the unit of the values in brackets where they share one.
     pub fn heading(&self) -> String {
         if self.unit.is_empty() {
@@ -113,44 +123,80 @@ impl FromStr for Variation {
         if text.contains(char::is_control) {
             return refuse("control characters, but must be one line of text");
         }
-        let values = values.trim();
-        let range = Range::read(values)?.map_or_else(|| listed(values), Ok)?;
-        let Range { values, unit } = range;
-        let twice = values.iter().enumerate().find(|(k, value)| values[..*k].contains(value));
-        // Ranges have none, and may be long.
-        if let Some((_, value)) = twice.filter(|_| values.len() <= 1000) {
+        let pieces = Pieces::of(values)?;
+        let Range { values, unit } = match &pieces.colons[..] {
+            [_] => listed(&pieces.commas)?,
+            parts => Range::read(parts)?,
+        };
+        let mut seen = HashSet::new();
+        if let Some(value) = values.iter().find(|value| !seen.insert(value.as_str())) {
             return refuse(&format!("value = {value} twice, but must be given once"));
         }
         Ok(Self { path: path.to_owned(), operation, unit, values })
     }
 }
 
-/// The values of a list; commas within quotes and brackets part none.
-fn listed(text: &str) -> Result<Range, VariationError> {
-    let (mut depth, mut quote) = (0_i32, None);
-    let mut values = vec![String::new()];
-    for c in text.chars() {
-        match (quote, c) {
-            (Some(open), _) => quote = quote.filter(|_| c != open),
-            (None, '"' | '\'') => quote = Some(c),
-            (None, '[' | '{') => depth += 1,
-            (None, ']' | '}') => depth -= 1,
-            (None, ',') if depth == 0 => {
-                values.push(String::new());
-                continue;
+/// Text parted by colons and by commas, both outside quotes and brackets.
+struct Pieces<'a> {
+    colons: Vec<&'a str>,
+    commas: Vec<&'a str>,
+}
+
+impl<'a> Pieces<'a> {
+    fn of(text: &'a str) -> Result<Self, VariationError> {
+        let (mut depth, mut quote) = (0_i32, None);
+        let (mut colons, mut commas) = (vec![0], vec![0]);
+        for (place, c) in text.char_indices() {
+            match (quote, c) {
+                (Some(open), _) => quote = quote.filter(|_| c != open),
+                (None, '"' | '\'') => quote = Some(c),
+                (None, '[' | '{') => depth += 1,
+                (None, ']' | '}') => depth -= 1,
+                (None, ':') if depth == 0 => colons.push(place + 1),
+                (None, ',') if depth == 0 => commas.push(place + 1),
+                _ => {}
             }
-            _ => {}
         }
-        if let Some(value) = values.last_mut() {
-            value.push(c);
+        if quote.is_some() || depth != 0 {
+            let what = format!("values = {text:?}, but quotes and brackets must be closed");
+            return Err(VariationError::refusing(what));
         }
+        let parted = |starts: &[usize]| {
+            let ends = starts[1..].iter().map(|start| start - 1).chain([text.len()]);
+            starts.iter().zip(ends).map(|(start, end)| text[*start..end].trim()).collect()
+        };
+        Ok(Self { colons: parted(&colons), commas: parted(&commas) })
     }
-    let values: Vec<String> = values.iter().map(|value| value.trim().to_owned()).collect();
-    if values.iter().any(String::is_empty) {
-        let what = format!("values = {text:?}, but none of them must be empty");
+}
+
+/// The values of a list, and the unit that all of them share.
+fn listed(values: &[&str]) -> Result<Range, VariationError> {
+    if values.contains(&"") {
+        let what = format!("values = {:?}, but none of them must be empty", values.join(","));
         return Err(VariationError::refusing(what));
     }
+    let quantity = |value: &str| {
+        let bare = unquoted(value);
+        let (_, unit) = split_number(bare).filter(|(_, unit)| !unit.trim().is_empty())?;
+        Some((bare[..bare.len() - unit.len()].trim().to_owned(), unit.trim().to_owned()))
+    };
+    let quantities: Option<Vec<_>> = values.iter().map(|value| quantity(value)).collect();
+    if let Some([(_, unit), ..]) = quantities.as_deref()
+        && let Some(quantities) = quantities.as_ref()
+        && quantities.iter().all(|(_, other)| other == unit)
+    {
+        let numbers = quantities.iter().map(|(number, _)| number.clone());
+        return Ok(Range { values: numbers.collect(), unit: unit.clone() });
+    }
+    let values = values.iter().map(|value| (*value).to_owned()).collect();
     Ok(Range { values, unit: String::new() })
+}
+
+/// A text without the quotes that a link file has around it.
+fn unquoted(value: &str) -> &str {
+    let inner = |quote: char| value.strip_prefix(quote)?.strip_suffix(quote);
+    let plain = |inner: &&str| !inner.contains(['"', '\'', '\\']);
+    inner('"').or_else(|| inner('\'')).filter(plain).unwrap_or(value)
 }
 
 #[cfg(test)]
@@ -165,9 +211,10 @@ mod tests {
     fn a_list_is_parted_by_commas_outside_quotes_and_brackets() {
         let ratios = read("damping.ratios=[0.01, 0.02],[0.03]");
         assert_eq!(ratios.values(), ["[0.01, 0.02]", "[0.03]"]);
-        let titles = read("title = \"a, b\" , 'c'");
-        assert_eq!(titles.values(), ["\"a, b\"", "'c'"]);
-        assert_eq!(titles.change(0), "title=\"a, b\"");
+        let titles = read("title = \"a: b, b\" , 'c'");
+        assert_eq!(titles.values(), ["\"a: b, b\"", "'c'"]);
+        assert_eq!(titles.shown(0), "a: b, b");
+        assert_eq!(titles.change(0), "title=\"a: b, b\"");
     }
 
     #[test]
@@ -176,6 +223,10 @@ mod tests {
         assert_eq!(mass.heading(), "payload.mass [g]");
         assert_eq!(mass.values(), ["0", "50", "100"]);
         assert_eq!(mass.change(1), "payload.mass=50 g");
+        let mass = read("payload.mass='10 g', 50 g");
+        assert_eq!((mass.heading().as_str(), mass.shown(0)), ("payload.mass [g]", "10"));
+        let mixed = read("payload.mass='10 g',1 kg");
+        assert_eq!((mixed.heading().as_str(), mixed.shown(0)), ("payload.mass", "10 g"));
         let factor = read("segments.*.EI *= 1,4");
         assert_eq!((factor.path(), factor.operation()), ("segments.*.EI", Operation::Multiply));
         assert_eq!(factor.heading(), "segments.*.EI");
@@ -190,6 +241,9 @@ mod tests {
         assert!(refusal("hub.inertia=1,,2").contains("none of them must be empty"));
         assert!(refusal("hub.inertia=").contains("none of them must be empty"));
         assert!(refusal("hub.inertia=1,2,1").contains("value = 1 twice"));
+        assert!(refusal("hub.inertia=1:1:2").contains("value = 1 twice"));
+        assert!(refusal("title=Bob's,Al").contains("quotes and brackets must be closed"));
+        assert!(refusal("damping.ratios=[1,2").contains("quotes and brackets must be closed"));
         assert!(refusal("title=a\nb").contains("control characters"));
     }
 }

@@ -3,6 +3,8 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use same_file::Handle;
+
 use super::folder::{FolderAction, FolderError};
 use super::single_file::{folder_of, write_file};
 use super::sweep_identity::SweepIdentity;
@@ -24,10 +26,12 @@ pub struct SweepFile {
 /// A sweep that goes on where an earlier run ended.
 #[derive(Debug)]
 pub enum Resumed {
+    /// From the first row on: there is nothing to go on with.
+    Anew(SweepFile),
     /// With the file, and the rows that it holds.
-    At(SweepFile, usize),
+    At(SweepFile, SweepRows),
     /// With nothing to do: the shard is complete.
-    Complete,
+    Complete(SweepRows),
 }
 
 impl SweepFile {
@@ -61,7 +65,7 @@ impl SweepFile {
         let shown = if part.exists() { part } else { path.to_owned() };
         let is_part = shown != path;
         if !is_part && identity.shard().of() == 1 || !shown.exists() {
-            return Ok(Ok(Resumed::At(Self::begin(path, identity, header)?, 0)));
+            return Ok(Ok(Resumed::Anew(Self::begin(path, identity, header)?)));
         }
         let mut file = if is_part { Some(Self::open(path, identity.clone())?) } else { None };
         let read = fs::read(&shown).map_err(|cause| error(&shown, cause))?;
@@ -73,7 +77,7 @@ impl SweepFile {
             .is_none_or(|header| !header.ends_with(b"\n"));
         if is_part && headless {
             drop(file);
-            return Ok(Ok(Resumed::At(Self::begin(path, identity, header)?, 0)));
+            return Ok(Ok(Resumed::Anew(Self::begin(path, identity, header)?)));
         }
         let there = match SweepRows::read(&name, &read) {
             Ok(there) => there,
@@ -85,15 +89,21 @@ impl SweepFile {
             let place = Place { file: &name, line: Some(1) };
             return Ok(Err(refused(place.refuse("sweep", found, must))));
         }
-        let rows = there.rows.len();
         Ok(Ok(match file.take() {
             Some(mut file) => {
                 file.cut_after(&read)?;
-                Resumed::At(file, rows)
+                Resumed::At(file, there)
             }
-            None if rows == identity.rows() => Resumed::Complete,
-            None => Resumed::At(Self::begin(path, identity, header)?, 0),
+            None if there.len() == identity.rows() => Resumed::Complete(there),
+            None => Resumed::Anew(Self::begin(path, identity, header)?),
         }))
+    }
+
+    /// Rows that an interrupted run left for the file at `path`.
+    pub fn left(path: &Path) -> usize {
+        let name = part_of(path);
+        let rows = fs::read(name).ok().and_then(|bytes| SweepRows::read("", &bytes).ok());
+        rows.map_or(0, |rows| rows.len())
     }
 
     /// Appends whole rows.
@@ -109,15 +119,12 @@ impl SweepFile {
     /// # Errors
     /// [`FolderError`] if it cannot be written.
     pub fn finish(self) -> Result<(), FolderError> {
-        let Self { path, part, file, identity } = self;
-        drop(file);
-        if identity.shard().of() > 1 {
-            return fs::rename(&part, &path).map_err(|cause| error(&path, cause));
-        }
-        let rows = fs::read(&part).map_err(|cause| error(&part, cause))?;
+        let rows = fs::read(&self.part).map_err(|cause| self.error(cause))?;
         let first = rows.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-        write_file(&path, &rows[first..])?;
-        fs::remove_file(&part).map_err(|cause| error(&part, cause))
+        let table = if self.identity.shard().of() > 1 { &rows[..] } else { &rows[first..] };
+        write_file(&self.path, table)?;
+        // The lock is held until the part is gone: no other run may take what is no part any more.
+        fs::remove_file(&self.part).map_err(|cause| self.error(cause))
     }
 
     /// The file that holds the rows until they are complete.
@@ -134,13 +141,25 @@ impl SweepFile {
             action: FolderAction::Create,
             cause,
         })?;
-        let file = OpenOptions::new().create(true).append(true).open(&part);
-        let file = file.map_err(|cause| error(&part, cause))?;
-        // A file system without locks has no say.
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            return Err(error(&part, io::Error::other("another run is writing it")));
+        if path.is_dir() || path.file_name().is_none() {
+            return Err(error(path, io::Error::other("a folder is no file")));
         }
-        Ok(Self { path: path.to_owned(), part, file, identity })
+        let opened = || {
+            let file = OpenOptions::new().create(true).append(true).open(&part)?;
+            // A file system without locks has no say.
+            if let Err(TryLockError::WouldBlock) = file.try_lock() {
+                return Err(io::Error::other("another run is writing it"));
+            }
+            // Another run may have finished, and removed the file, before it was locked here.
+            let is_there =
+                Handle::from_path(&part).ok() == Some(Handle::from_file(file.try_clone()?)?);
+            Ok(is_there.then_some(file))
+        };
+        loop {
+            if let Some(file) = opened().map_err(|cause| error(&part, cause))? {
+                return Ok(Self { path: path.to_owned(), part, file, identity });
+            }
+        }
     }
 
     /// Cuts off a row that was not written to its end.
@@ -181,8 +200,9 @@ mod tests {
     #[track_caller]
     fn resumed(path: &Path, identity: SweepIdentity) -> (SweepFile, usize) {
         match SweepFile::resume(path, identity, HEADER).unwrap().unwrap() {
-            Resumed::At(file, rows) => (file, rows),
-            Resumed::Complete => panic!("complete"),
+            Resumed::At(file, rows) => (file, rows.len()),
+            Resumed::Anew(file) => (file, 0),
+            Resumed::Complete(_) => panic!("complete"),
         }
     }
 
@@ -214,7 +234,7 @@ mod tests {
         file.finish().unwrap();
         let text = fs::read_to_string(&path).unwrap();
         assert_eq!(text, format!("{own}\na,b\n2,2\n"));
-        assert!(matches!(SweepFile::resume(&path, own, HEADER), Ok(Ok(Resumed::Complete))));
+        assert!(matches!(SweepFile::resume(&path, own, HEADER), Ok(Ok(Resumed::Complete(_)))));
         let other = SweepFile::resume(&path, identity("1,2,4", "2/2"), HEADER).unwrap();
         let error = other.unwrap_err().to_string();
         assert!(error.ends_with("must be that of this sweep: files, options, values and version"));
@@ -233,6 +253,16 @@ mod tests {
         assert_eq!(rows, 0);
         let begun = fs::read_to_string(part_of(&path)).unwrap();
         assert_eq!(begun, format!("{}\na,b\n", identity("1,2", "1/1")));
+    }
+
+    #[test]
+    fn a_folder_is_no_file_for_a_sweep() {
+        let folder = tempfile::tempdir().unwrap();
+        for path in [folder.path().to_owned(), folder.path().join("..")] {
+            let error = SweepFile::begin(&path, identity("1,2", "1/1"), HEADER).unwrap_err();
+            assert!(error.to_string().ends_with("a folder is no file"), "{error}");
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
     #[test]

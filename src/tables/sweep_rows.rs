@@ -1,3 +1,5 @@
+use csv::ReaderBuilder;
+
 use super::sweep_identity::SweepIdentity;
 use super::table_error::{Place, TableError, quoted};
 
@@ -19,25 +21,49 @@ impl SweepRows {
     /// # Errors
     /// [`TableError`] for a file that no sweep has written, or one with more rows than it may have.
     pub fn read(name: &str, bytes: &[u8]) -> Result<Self, TableError> {
-        let place = Place { file: name, line: Some(1) };
-        let text = std::str::from_utf8(bytes);
-        let text = text.map_err(|_| place.refuse("text", "other bytes", "must be UTF-8"))?;
-        // Only whole lines count.
-        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-        let mut lines = whole.lines();
+        let place = |line| Place { file: name, line: Some(line) };
+        // Only whole lines count; the last one may have been cut within a letter.
+        let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+        let text = std::str::from_utf8(&bytes[..whole])
+            .map_err(|_| place(1).refuse("text", "other bytes", "must be UTF-8"))?;
+        let mut lines = text.lines();
         let first = lines.next().unwrap_or_default();
         let (Some(identity), Some(header)) = (SweepIdentity::read(first), lines.next()) else {
             let must = "must be that of a shard, `# flexlink … sweep …`, and the names of columns";
             let hint = "a shard is written by flexlink sweep --shard I/N";
-            return Err(place.refuse("first line", quoted(first), must).with_hint(hint.to_owned()));
+            let error = place(1).refuse("first line", quoted(first), must);
+            return Err(error.with_hint(hint.to_owned()));
         };
         let rows: Vec<String> = lines.map(str::to_owned).collect();
+        let width = fields(header).len();
+        let ragged = (3..).zip(&rows).find(|(_, row)| fields(row).len() != width);
+        if let Some((line, row)) = ragged {
+            let must = format!("must be {width}, as many as there are columns");
+            return Err(place(line).refuse("fields", fields(row).len().to_string(), must));
+        }
         if rows.len() > identity.rows() {
             let must = format!("must be {}", identity.rows());
-            let place = Place { line: None, ..place };
-            return Err(place.refuse("rows", rows.len().to_string(), must));
+            let whole = Place { file: name, line: None };
+            return Err(whole.refuse("rows", rows.len().to_string(), must));
         }
         Ok(Self { name: name.to_owned(), identity, header: header.to_owned(), rows })
+    }
+
+    /// The cases that failed: their numbers, from 0, and why.
+    pub fn failures(&self) -> Vec<(usize, String)> {
+        let error = |row: &String| fields(row).pop().filter(|error| !error.is_empty());
+        let rows = self.rows.iter().enumerate();
+        rows.filter_map(|(k, row)| Some((self.identity.shard.case(k), error(row)?))).collect()
+    }
+
+    /// How many rows are there.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether no row is there.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
     }
 
     fn refuse(&self, subject: &str, found: String, must: impl Into<String>) -> TableError {
@@ -88,6 +114,13 @@ pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
     let row = |case: usize| ordered[case % of].rows[case / of].as_str();
     let lines = std::iter::once(first.header.as_str()).chain((0..cases).map(row));
     Ok(lines.flat_map(|line| [line, "\n"]).collect())
+}
+
+/// The fields of one row; none where it is no CSV.
+fn fields(row: &str) -> Vec<String> {
+    let mut reader = ReaderBuilder::new().has_headers(false).from_reader(row.as_bytes());
+    let record = reader.records().next().and_then(Result::ok);
+    record.map(|fields| fields.iter().map(str::to_owned).collect()).unwrap_or_default()
 }
 
 /// A list of a few, or how many there are.
@@ -147,12 +180,28 @@ mod tests {
     }
 
     #[test]
+    fn failed_cases_are_numbered_as_in_the_whole_sweep() {
+        let first = "# flexlink 0.1.0 sweep 00ff, shard 2/2 of 6 cases";
+        let text = format!("{first}\nx,error\n1,\n3,\"a, b\"\n5,\n");
+        let rows = SweepRows::read("s", text.as_bytes()).unwrap();
+        assert_eq!(rows.failures(), [(3, "a, b".to_owned())]);
+    }
+
+    #[test]
     fn a_row_cut_off_in_writing_does_not_count_and_one_too_many_is_refused() {
         let first = "# flexlink 0.1.0 sweep 00ff, shard 1/2 of 4 cases";
         let rows = SweepRows::read("s", format!("{first}\ncase\n0\n2").as_bytes()).unwrap();
         assert_eq!(rows.rows, ["0"]);
+        let cut = [first.as_bytes(), b"\ncase\n0\n\xc3"].concat();
+        assert_eq!(SweepRows::read("s", &cut).unwrap().rows, ["0"], "cut within a letter");
         let error = SweepRows::read("s", format!("{first}\ncase\n0\n2\n4\n").as_bytes());
         assert_eq!(error.unwrap_err().to_string(), "s: rows = 3, but must be 2");
+        for (row, fields) in [("", 0), ("0,1", 2)] {
+            let text = format!("{first}\ncase\n0\n{row}\n");
+            let error = SweepRows::read("s", text.as_bytes()).unwrap_err().to_string();
+            let expected = format!("s:4: fields = {fields}, but must be 1, as many as there are");
+            assert!(error.starts_with(&expected), "{error}");
+        }
         let error = SweepRows::read("s", b"time_s,torque_n_m\n0,1\n").unwrap_err();
         assert!(error.to_string().starts_with("s:1: first line = \"time_s,torque_n_m\", but must"));
     }

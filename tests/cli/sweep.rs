@@ -110,6 +110,11 @@ fn slips_are_refused_before_any_work() {
         ("hub.inertai=1,2", 3, "error: --vary 'hub.inertai=1': unknown key `inertai` in hub"),
         ("hub.inertia", 2, "error: --vary 'hub.inertia': no `=`"),
         ("hub.inertia=1:2", 2, "error: --vary 'hub.inertia=1:2': range = \"1:2\", but must read"),
+        (
+            "payload.mass=1,1.0",
+            2,
+            "error: --vary: payload.mass=1 and payload.mass=1.0 give the same link",
+        ),
         ("duration=1,2", 2, "error: --vary: duration=1, but duration of the motion takes factors"),
     ] {
         let output = sweep(&bench, &["--vary", vary]);
@@ -117,6 +122,79 @@ fn slips_are_refused_before_any_work() {
         assert!(stderr(&output).starts_with(words), "{vary}: {}", stderr(&output));
     }
     assert_eq!(bench.names("."), [""; 0], "nothing was written");
+}
+
+#[test]
+fn a_value_under_two_names_is_refused() {
+    let bench = Bench::new();
+    let vary = ["--vary", "segments.0.EI=5,6", "--vary", "segments.root.EI=7,8"];
+    let output = sweep(&bench, &vary);
+    assert_eq!(output.status.code(), Some(2));
+    let message = "error: --vary: segments.0.EI=5 and segments.0.EI=6 give the same link\n";
+    assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
+}
+
+#[test]
+fn results_that_cannot_be_written_end_the_sweep_and_keep_its_rows() {
+    let bench = Bench::new();
+    bench.write("file", "mine");
+    let vary = ["--vary", "payload.mass=0,0.01"];
+    let output = sweep(&bench, &[&vary[..], &["--outputs", "file"]].concat());
+    assert_eq!(output.status.code(), Some(5));
+    assert!(
+        stderr(&output).ends_with("error: file/1: cannot create the folder: Not a directory\n"),
+        "{}",
+        stderr(&output)
+    );
+    assert!(!bench.path("sweep.csv").exists());
+    let output = sweep(&bench, &[&vary[..], &["--outputs", "all", "--nodes", "11"]].concat());
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    for alone in [["--nodes", "1"], ["--every", "2"], ["--digits", "3"]] {
+        let output = sweep(&bench, &[&vary[..], &alone].concat());
+        assert_eq!(output.status.code(), Some(2), "{alone:?} without --outputs");
+    }
+    let output = sweep(&bench, &[&vary[..], &["-o", "."]].concat());
+    assert_eq!(output.status.code(), Some(5));
+    assert!(stderr(&output).ends_with("a folder is no file\n"), "{}", stderr(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_sweep_whose_reader_has_gone_away_ends() {
+    let bench = Bench::new();
+    let program = env!("CARGO_BIN_EXE_flexlink");
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    // Hours of work, were all of it done.
+    let vary = "segments.*.EI*=1:8:1000000";
+    let script = format!("'{program}' sweep '{link}' '{motion}' --vary '{vary}' -o - | head -2");
+    let output = std::process::Command::new("bash")
+        .args(["-c", &format!("set -o pipefail; {script}")])
+        .current_dir(bench.path("."))
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stdout(&output).lines().count(), 2);
+}
+
+#[test]
+fn a_path_in_an_error_does_not_get_into_the_table() {
+    let bench = Bench::new();
+    let output = swept(&bench, &["--vary", "segments.beam.length=1.35,-1"]);
+    let table = bench.read("sweep.csv");
+    let folder = repository("specs");
+    assert!(
+        !table.contains(&folder) && stderr(&output).starts_with("warning: 1 of 2 cases failed")
+    );
+    // Here the file's own line is to blame.
+    let link =
+        std::fs::read_to_string(repository(LINK)).unwrap() + "\n[[masses]]\nat = 1.4\nmass = 0.1\n";
+    bench.write("link.toml", &link);
+    let (link, motion) = (bench.path("link.toml"), repository(MOTION));
+    let vary = ["--vary", "segments.beam.length=1.35,1.2"];
+    let output = bench.run(&[&["sweep", link.to_str().unwrap(), &motion], &vary[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let error = rows(&bench, "sweep.csv")[2].last().unwrap().clone();
+    assert!(error.starts_with("link.toml:") || error.starts_with("--vary"), "{error}");
 }
 
 #[test]

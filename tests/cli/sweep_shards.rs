@@ -54,6 +54,16 @@ fn a_sweep_that_is_stopped_keeps_its_rows_and_goes_on_to_the_same_table() {
                  hint: the same command with --resume goes on\n"
             );
             assert!(stderr(&output).ends_with(&error), "{}", stderr(&output));
+            assert!(
+                stderr(&output).contains("\nfinishing the cases that have begun; once more ends")
+            );
+        }
+        if signal == "-KILL" {
+            let anew = Bench::new();
+            anew.write("sweep.csv.part", &part);
+            let output = swept(&anew, &VARY);
+            let warning = format!("warning: sweep.csv.part held {} rows", rows.lines().count() - 1);
+            assert!(stderr(&output).starts_with(&warning), "{}", stderr(&output));
         }
         let output = swept(&bench, &[&VARY[..], &["--resume"]].concat());
         assert_eq!(stdout(&output), "cases    40\nwritten  sweep.csv\n");
@@ -116,6 +126,23 @@ fn shards_join_to_the_table_of_one_machine_and_none_may_be_missing() {
     swept(&bench, &["--vary", "segments.*.EI*=0.5:8:41:log", "--shard", "2/3"]);
     assert!(refusal(&names).contains("must be a shard of the same sweep as sweep-3-of-3.csv"));
     assert!(!bench.path("no.csv").exists());
+}
+
+#[test]
+fn a_shard_of_failed_cases_is_a_shard_and_the_whole_tells_of_them() {
+    let bench = Bench::new();
+    let vary = ["--vary", "damping.ratio=0.02,1.5,0.03"];
+    for shard in ["1/3", "2/3", "3/3"] {
+        swept(&bench, &[&vary[..], &["--shard", shard]].concat());
+    }
+    let names = ["sweep-1-of-3.csv", "sweep-2-of-3.csv", "sweep-3-of-3.csv"];
+    let merged = bench.run(&[&["sweep", "--merge"], &names[..]].concat());
+    assert_eq!(merged.status.code(), Some(0));
+    let warning = "warning: 1 of 3 cases failed, the first is case 2: --vary 'damping.ratio=1.5'";
+    assert!(stderr(&merged).starts_with(warning), "{}", stderr(&merged));
+    let same = bench.run(&["sweep", "-o", names[0], "--merge", names[0]]);
+    assert_eq!(same.status.code(), Some(2));
+    assert!(stderr(&same).contains("must not be a file that is read"), "{}", stderr(&same));
 }
 
 #[test]
