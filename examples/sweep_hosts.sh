@@ -3,12 +3,14 @@
 #
 #     examples/sweep_hosts.sh host1,host2 8 link.toml move.csv 'segments.*.EI*=0.5:8:1000:log'
 #
-# `:` is this machine. Every host gets the files into a folder of its own, does one shard at a time on
-# all its cores, and sends the shard's rows back; the folder is removed.
+# Every host gets the files into a folder of its own, does one shard at a time on all its cores, and
+# sends the shard's rows back; the folder is removed. `:` alone is this machine, without ssh.
 set -euo pipefail
 
 hosts=$1 shards=$2 link=$3 motion=$4 vary=$5
-parallel -q --jobs 1 --sshlogin "$hosts" --workdir ... \
+folder=(--workdir ...)
+[ "$hosts" != : ] || folder=()
+parallel -q --jobs 1 --sshlogin "$hosts" "${folder[@]}" \
     --transferfile "$link" --transferfile "$motion" --return "sweep-{}-of-$shards.csv" --cleanup \
     flexlink sweep "$link" "$motion" --vary "$vary" --shard "{}/$shards" --quiet \
     ::: $(seq "$shards")
