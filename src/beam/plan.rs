@@ -198,7 +198,8 @@ fn wavelengths(segment: &Segment, piece: &Piece) -> f64 {
     let middle = 0.5 * (piece.from + piece.to);
     let density =
         segment.mass_per_length_kg_m.at(middle) / segment.bending_stiffness_n_m2.at(middle);
-    segment.length_m * (piece.to - piece.from) * density.powf(0.25)
+    // A square root is rounded alike everywhere, a power is not: equal shares stay equal.
+    segment.length_m * (piece.to - piece.from) * density.sqrt().sqrt()
 }
 
 #[cfg(test)]

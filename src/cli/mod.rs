@@ -40,6 +40,7 @@ use exit::{Ending, Failure};
 /// Hub torque that makes the tip of a flexible link follow a wanted motion.
 #[derive(Debug, Parser)]
 #[command(version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES, max_term_width = 100)]
+#[command(bin_name = "flexlink")] // on Windows too, where the file is flexlink.exe
 struct Cli {
     #[command(subcommand)]
     command: Command,

@@ -100,6 +100,8 @@ mod tests {
     #[test]
     fn a_missing_file_is_told_in_the_systems_words() {
         let error = InputFile::read(Path::new("no/such.toml")).unwrap_err();
-        assert_eq!(error.to_string(), "no/such.toml: cannot read: No such file or directory");
+        let text = error.to_string();
+        let words = text.strip_prefix("no/such.toml: cannot read: ").unwrap();
+        assert!(words.len() > 5 && !words.contains("os error"), "{text}");
     }
 }

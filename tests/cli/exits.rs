@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::Output;
 
-use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, no_such_file, repository, stderr, stdout};
 
 /// Runs `solve` of the paper's example with more arguments, which must fail with `code`; standard
 /// output stays empty and no folder is left.
@@ -65,10 +65,11 @@ fn three_for_an_input_that_is_refused() {
     bench.write("bad.csv", "time,acceleration\n0,0\n1,NaN\n2,0\n3,0\n");
     bench.write("away.csv", "time,acceleration\n0,0\n1,1\n2,1\n3,0\n");
     let (link, motion) = (repository(LINK), repository(MOTION));
+    let absent = |file| format!("error: {file}: cannot read: {}", no_such_file());
     for (link, motion, message) in [
-        ("none.toml", motion.as_str(), "error: none.toml: cannot read: No such file"),
+        ("none.toml", motion.as_str(), absent("none.toml").as_str()),
         ("bad.toml", &motion, "error: bad.toml:1: segments.0.length = -1 m, but must be"),
-        (&link, "none.csv", "error: none.csv: cannot read: No such file"),
+        (&link, "none.csv", &absent("none.csv")),
         (&link, "bad.csv", "error: bad.csv:3: "),
         (&link, "away.csv", "error: away.csv: the motion ends with a velocity of"),
     ] {

@@ -28,7 +28,9 @@ mod sweep_shards;
 mod trajectory;
 mod verify;
 
+use std::fmt::Debug;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -140,6 +142,18 @@ fn simulated(bench: &Bench, arguments: &[&str]) -> Output {
 fn column(bench: &Bench, file: &str, name: &str) -> Vec<f64> {
     let found = bench.table(file).into_iter().find(|(heading, _)| heading == name);
     found.unwrap_or_else(|| panic!("{file} has no {name}")).1
+}
+
+/// What the system says of a failure; other systems have other words.
+#[track_caller]
+fn said<T: Debug>(failure: io::Result<T>) -> String {
+    let text = failure.unwrap_err().to_string();
+    text.split(" (os error").next().unwrap().to_owned()
+}
+
+/// What the system says of a file that is not there.
+fn no_such_file() -> String {
+    said(fs::read("none"))
 }
 
 /// Names of the entries of a JSON object.
