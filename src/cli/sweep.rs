@@ -3,17 +3,19 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
-use flexlink::tables::{InputFile, SweepRecord, SweepRows, merge_shards, sweep_header, sweep_row};
+use flexlink::tables::{SweepRecord, sweep_header, sweep_row};
 
 use super::args::{LinkArgs, MotionArgs, ThreadArgs};
-use super::console::{self, Progress};
+use super::console::Progress;
 use super::exit::{Exit, Failure};
-use super::files::{check_folder, is_standard_output, keep_files, read_once};
+use super::files::{check_folder, keep_files, read_once};
 use super::interrupt;
-use super::sweep_cases::{Cases, Outcome, TorqueArgs};
+use super::sweep_cases::{Cases, TorqueArgs};
+use super::sweep_merge::merge;
 use super::sweep_outputs::OutputsArgs;
-use super::sweep_sink::{Begun, NoMore, Rows};
+use super::sweep_sink::{Begun, NoMore, Rows, report};
 use super::sweep_tally::Tally;
+use super::sweep_work::Outcome;
 
 const EXAMPLE: &str = "\
 Example:
@@ -100,7 +102,7 @@ impl Sweep {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.apply()?;
         let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
-            return self.merge();
+            return merge(&self.merge, &self.output_path(), self.quiet);
         };
         self.check_files()?;
         let cases = Cases::read(self.plan()?, (link, motion), &self.torque, &self.outputs)?;
@@ -173,32 +175,6 @@ impl Sweep {
         if self.shard.of() == 1 { tally.refuse_all_failed() } else { Ok(()) }
     }
 
-    /// Joins shards; nothing is read but these.
-    fn merge(&self) -> Result<(), Failure> {
-        let read = |path: &PathBuf| -> Result<SweepRows, Failure> {
-            let file = InputFile::read(path)?;
-            Ok(SweepRows::read(&file.shown, &file.bytes)?)
-        };
-        let inputs: Vec<&Path> = self.merge.iter().map(PathBuf::as_path).collect();
-        read_once(&inputs)?;
-        let output = self.output_path();
-        keep_files(&output, &inputs)?;
-        let shards: Vec<SweepRows> = self.merge.iter().map(read).collect::<Result<_, _>>()?;
-        let table = merge_shards(&shards)?;
-        console::deliver(Some(&output), table.as_bytes())?;
-        let mut tally = Tally::default();
-        for shard in &shards {
-            tally.join(Tally::of_rows(shard));
-        }
-        tally.warn();
-        let (rows, shards) = (tally.rows(), shards.len());
-        self.report(&format!(
-            "cases    {rows}, of {shards} shards\nwritten  {}",
-            output.display()
-        ))?;
-        tally.refuse_all_failed()
-    }
-
     /// Refuses files that would be read twice or written over.
     fn check_files(&self) -> Result<(), Failure> {
         let link = self.link.iter().map(|link| link.link.as_path());
@@ -217,11 +193,7 @@ impl Sweep {
         })
     }
 
-    /// A few words on standard output, where the table is not.
     fn report(&self, text: &str) -> Result<(), Failure> {
-        if self.quiet || is_standard_output(&self.output_path()) {
-            return Ok(());
-        }
-        console::print(&format!("{text}\n"))
+        report(text, &self.output_path(), self.quiet)
     }
 }

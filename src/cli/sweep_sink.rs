@@ -14,6 +14,14 @@ pub(crate) enum Rows {
     Printed,
 }
 
+/// A few words on standard output, where the table is not.
+pub(crate) fn report(text: &str, output: &Path, quiet: bool) -> Result<(), Failure> {
+    if quiet || is_standard_output(output) {
+        return Ok(());
+    }
+    console::print(&format!("{text}\n"))
+}
+
 /// A table that was begun.
 pub(crate) enum Begun {
     /// Where its rows go, and those that are there from an earlier run.

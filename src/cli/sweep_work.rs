@@ -1,0 +1,112 @@
+//! The work of one case of a sweep, and what comes of it.
+
+use flexlink::inverse::invert;
+use flexlink::response::{Play, simulate};
+use flexlink::result::TipError;
+use flexlink::spec::Specification;
+use flexlink::sweep::{PlayedCase, SolvedCase};
+use flexlink::tables::{RunInputs, SimulationInputs};
+
+use super::exit::{Exit, Failure};
+use super::sweep_cases::Cases;
+use super::sweep_tally::Remark;
+
+/// What came of a case.
+pub(crate) struct Outcome<C> {
+    /// Its numbers, or why it has none; or why there is no sense in going on.
+    pub(crate) row: Result<Result<C, String>, Failure>,
+    /// What there is to say about it.
+    pub(crate) remarks: Vec<Remark>,
+}
+
+impl<C> Outcome<C> {
+    fn of(result: Result<(C, Vec<Remark>), Failure>) -> Self {
+        match result {
+            Ok((row, remarks)) => Self { row: Ok(Ok(row)), remarks },
+            Err(failure) => Self { row: of_case(failure), remarks: Vec::new() },
+        }
+    }
+}
+
+/// A failure of one case; results that cannot be written, or were asked for wrongly, fail the sweep.
+fn of_case<C>(failure: Failure) -> Result<Result<C, String>, Failure> {
+    match failure.exit {
+        Exit::InputRefused | Exit::NotSolvable => Ok(Err(failure.message)),
+        Exit::Usage | Exit::CannotWrite | Exit::Interrupted => Err(failure),
+    }
+}
+
+impl Cases<'_> {
+    /// Solves a case, numbered from 0.
+    pub(crate) fn solved(&self, case: usize) -> Outcome<SolvedCase> {
+        Outcome::of(self.solve(case))
+    }
+
+    /// Plays the torque on a case, numbered from 0.
+    pub(crate) fn played(&self, case: usize) -> Outcome<PlayedCase> {
+        Outcome::of(self.play(case))
+    }
+
+    fn solve(&self, case: usize) -> Result<(SolvedCase, Vec<Remark>), Failure> {
+        let values = self.plan.case(case);
+        let specification = self.specification(&values)?;
+        let Specification { link, mesh, analysis, drive, limits } = &specification;
+        let motion = self.motion_of(link, values.motion)?;
+        let solution = invert(link, mesh, &motion, analysis)?;
+        let found = SolvedCase::of(&solution);
+        let exceeded = limits.exceeded(&found.metrics);
+        if let Some(folder) = self.outputs.folder_of(case, self.plan.cases()) {
+            let inputs = RunInputs {
+                link_file: &self.link_file,
+                motion_file: &self.motion_file,
+                link,
+                motion: &motion,
+                analysis,
+                drive: drive.as_ref(),
+                changes: &self.changes(&values),
+                verification: None,
+            };
+            self.outputs.write_solution(&folder, &inputs, &solution, &found, &exceeded)?;
+        }
+        let own = solution.warnings.iter().map(|w| Remark::new(w.kind(), w, w.hint()));
+        let limits = exceeded.iter().map(|limit| Remark::new(limit.key, limit, limit.hint()));
+        Ok((found, own.chain(limits).collect()))
+    }
+
+    fn play(&self, case: usize) -> Result<(PlayedCase, Vec<Remark>), Failure> {
+        let values = self.plan.case(case);
+        let Specification { link, mesh, .. } = &self.specification(&values)?;
+        let motion = self.motion_of(link, values.motion)?;
+        let Some((torque_file, torque)) = &self.torque_file else {
+            return Err(Failure::new(Exit::Usage, &"no torque to play", None));
+        };
+        let grid = torque.grid();
+        let target = motion.target(grid.time_s(0), grid.end_s());
+        let play = Play {
+            until_s: Some(grid.end_s().max(target.grid().end_s())),
+            initial_tip_m: target.start_m(),
+            ..Play::of(torque)
+        };
+        let refused = |message: String, hint| Failure::new(Exit::NotSolvable, &message, hint);
+        let simulation = simulate(link, mesh, &play)
+            .map_err(|error| refused(error.to_string(), error.hint()))?;
+        let tip_error = TipError::of(&simulation, &target)
+            .map_err(|error| refused(error.to_string(), error.hint()))?;
+        let found = PlayedCase::of(&simulation, tip_error);
+        if let Some(folder) = self.outputs.folder_of(case, self.plan.cases()) {
+            let inputs = SimulationInputs {
+                link_file: &self.link_file,
+                torque_file,
+                target_file: Some(&self.motion_file),
+                reference_file: None,
+                link,
+                play: &play,
+                changes: &self.changes(&values),
+            };
+            self.outputs.write_simulation(&folder, &inputs, &simulation, &found)?;
+        }
+        let own = simulation.warnings.iter().map(|w| Remark::new(w.kind(), w, w.hint()));
+        let late = tip_error.late.map(|late| Remark::new(late.kind(), &late, late.hint()));
+        Ok((found, own.chain(late).collect()))
+    }
+}
