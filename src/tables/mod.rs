@@ -4,6 +4,7 @@ mod any_table;
 mod comparison_json;
 mod csv_folder;
 mod csv_table;
+mod fixed;
 mod folder;
 mod frf_table;
 mod golden;

@@ -3,6 +3,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
+use super::fixed::write_fixed;
 use crate::numeric::largest;
 
 /// How many digits the numbers of one column group are given.
@@ -107,19 +108,14 @@ impl NumberFormat {
     /// assert_eq!(out, b"0.000");
     /// ```
     pub fn write(&self, out: &mut Vec<u8>, value: f64) {
-        let start = out.len();
         let size = value.abs();
         let written = match *self {
-            Self::Fixed(decimals) => write!(out, "{value:.decimals$}"),
-            Self::Shortest if size == 0.0 || (1e-5..1e17).contains(&size) => write!(out, "{value}"),
+            Self::Fixed(decimals) => return write_fixed(out, value, decimals),
+            Self::Shortest if size == 0.0 => write!(out, "0"),
+            Self::Shortest if (1e-5..1e17).contains(&size) => write!(out, "{value}"),
             Self::Shortest => write!(out, "{value:e}"),
         };
         debug_assert!(written.is_ok(), "memory takes every number");
-        if let [b'-', digits @ ..] = &out[start..]
-            && digits.iter().all(|digit| matches!(digit, b'0' | b'.'))
-        {
-            out.remove(start);
-        }
     }
 }
 
