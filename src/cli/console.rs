@@ -3,13 +3,13 @@
 //! Text for people is in the locale's letters and, on a terminal, in colours; files that are printed
 //! are neither touched nor coloured.
 
-use std::fmt::Display;
+use std::fmt::{self, Display};
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
 use clap::builder::styling::{AnsiColor, Style};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use flexlink::tables::write_file;
 
@@ -116,16 +116,21 @@ pub(crate) struct Progress(ProgressBar);
 impl Progress {
     /// Shows `done` of `all`.
     pub(crate) fn new(done: usize, all: usize) -> Self {
-        let bar = ProgressBar::new(all as u64);
-        let style = ProgressStyle::with_template("[{bar:30}] {pos}/{len}, {per_sec}, {eta} left");
+        let bar = ProgressBar::with_draw_target(Some(all as u64), ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("[{bar:30}] {pos}/{len}, {rate}, {eta} left");
         // The template is a constant that the library reads.
         let style = style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ");
-        bar.set_style(style);
+        let rate = |state: &ProgressState, out: &mut dyn fmt::Write| {
+            // A line that is not drawn is no loss.
+            let _ = write!(out, "{:.1}/s", state.per_sec());
+        };
+        bar.set_style(style.with_key("rate", rate));
         // What an earlier run has done says nothing about the rate of this one: the estimate begins
-        // after it has been told of it.
+        // after it has been told of it, and nothing is drawn before that.
         bar.set_position(done as u64);
         bar.tick();
         bar.reset_eta();
+        bar.set_draw_target(ProgressDrawTarget::stderr());
         Self(bar)
     }
 
