@@ -19,23 +19,20 @@ const FRACTION_BITS: u32 = 52;
 
 /// Appends `value` with this many decimals; a tie goes to the even digit, a zero has no sign.
 pub(super) fn write_fixed(out: &mut Vec<u8>, value: f64, decimals: usize) {
-    match scaled(value.abs(), decimals) {
-        Some(units) => {
-            if value < 0.0 && units > 0 {
-                out.push(b'-');
-            }
-            write_units(out, units, decimals);
+    if let Some(units) = scaled(value.abs(), decimals) {
+        if value < 0.0 && units > 0 {
+            out.push(b'-');
         }
-        None => {
-            let start = out.len();
-            let written = write!(out, "{value:.decimals$}");
-            debug_assert!(written.is_ok(), "memory takes every number");
-            if let [b'-', digits @ ..] = &out[start..]
-                && digits.iter().all(|digit| matches!(digit, b'0' | b'.'))
-            {
-                out.remove(start);
-            }
-        }
+        write_units(out, units, decimals);
+        return;
+    }
+    let start = out.len();
+    let written = write!(out, "{value:.decimals$}");
+    debug_assert!(written.is_ok(), "memory takes every number");
+    if let [b'-', digits @ ..] = &out[start..]
+        && digits.iter().all(|digit| matches!(digit, b'0' | b'.'))
+    {
+        out.remove(start);
     }
 }
 
@@ -46,7 +43,8 @@ pub(super) fn write_fixed(out: &mut Vec<u8>, value: f64, decimals: usize) {
 fn scaled(size: f64, decimals: usize) -> Option<u64> {
     let power = *POWERS_OF_FIVE.get(decimals)?;
     let bits = size.to_bits();
-    let (exponent, fraction) = (bits >> FRACTION_BITS, bits & ((1 << FRACTION_BITS) - 1));
+    let fraction = bits & ((1 << FRACTION_BITS) - 1);
+    let exponent = i32::try_from(bits >> FRACTION_BITS).ok()?;
     // Infinity, and what is no number, have the largest exponent.
     let (mantissa, exponent) = match exponent {
         0x7ff => return None,
@@ -55,7 +53,7 @@ fn scaled(size: f64, decimals: usize) -> Option<u64> {
     };
     let product = u128::from(mantissa) * u128::from(power);
     // value · 10ᵈ = product · 2^−shift
-    let shift = 1075 - exponent as i64 - decimals as i64;
+    let shift = 1075 - exponent - i32::try_from(decimals).ok()?;
     if shift <= 0 {
         let up = u32::try_from(-shift).ok().filter(|up| *up <= product.leading_zeros())?;
         return u64::try_from(product << up).ok();
@@ -122,7 +120,7 @@ mod tests {
         assert!(out == expected.as_bytes(), "{value:e} with {decimals}: {expected}");
     }
 
-    /// Words without pattern (Steele, Lea, Flood 2014: SplitMix64).
+    /// Words without pattern (Steele, Lea, Flood 2014: `SplitMix64`).
     fn words(seed: u64) -> impl Iterator<Item = u64> {
         (1_u64..).map(move |k| {
             let mut z = (seed + k).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -132,6 +130,11 @@ mod tests {
         })
     }
 
+    /// A count of decimals below `most`.
+    fn decimals(word: u64, most: u64) -> usize {
+        usize::try_from(word % most).unwrap()
+    }
+
     #[test]
     fn ten_million_numbers_are_written_as_the_standard_library_writes_them() {
         let mut out = Vec::new();
@@ -139,7 +142,7 @@ mod tests {
             // Sizes from 1e-16 to 1e10 with up to 13 decimals, as tables have them.
             let exponent = 1023 - 53 + more % 87;
             let value = f64::from_bits((word & !(0x7ff << 52)) | (exponent << 52));
-            check(value, (more >> 32) as usize % 14, &mut out);
+            check(value, decimals(more >> 32, 14), &mut out);
         }
     }
 
@@ -147,7 +150,7 @@ mod tests {
     fn any_double_is_written_with_any_count_of_decimals() {
         let mut out = Vec::new();
         for (word, more) in words(1 << 41).zip(words(1 << 42)).take(200_000) {
-            check(f64::from_bits(word), more as usize % 40, &mut out);
+            check(f64::from_bits(word), decimals(more, 40), &mut out);
         }
         for value in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, f64::MAX, 5e-324, -0.0, 0.0] {
             (0..40).for_each(|decimals| check(value, decimals, &mut out));
@@ -157,13 +160,13 @@ mod tests {
     #[test]
     fn ties_go_to_the_even_digit() {
         let mut out = Vec::new();
-        for decimals in 0..27 {
+        for decimals in 0..27_u8 {
             for (k, word) in (0..2000).zip(words(1 << 43)) {
                 // An odd multiple of 2^−(d+1) lies halfway between two of 10^−d, where it is one.
                 for odd in [2 * k + 1, 2 * (word >> 40) + 1] {
-                    let tie = odd as f64 * 0.5_f64.powi(decimals + 1);
-                    check(tie, decimals as usize, &mut out);
-                    check(-tie, decimals as usize, &mut out);
+                    let tie = odd as f64 * 0.5_f64.powi(i32::from(decimals) + 1);
+                    check(tie, decimals.into(), &mut out);
+                    check(-tie, decimals.into(), &mut out);
                 }
             }
         }
