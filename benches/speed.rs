@@ -6,12 +6,16 @@
 
 use std::time::{Duration, Instant};
 
-use flexlink::beam::{ElementCount, MeshPlan};
+use flexlink::beam::{
+    ElementCount, Mesh, MeshPlan, NodalQuantity, nodal_transfer, nodal_transfers, tip_transfer,
+    tip_transfers,
+};
 use flexlink::inverse::{Analysis, invert};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
 use flexlink::motion::{MotionColumns, TipMotion};
 use flexlink::response::{Play, Torque, simulate};
 use flexlink::tables::{Column, ColumnGroup, Digits, write_csv};
+use num_complex::Complex64;
 
 const ROUNDS: usize = 5;
 const ELEMENTS: usize = 1000;
@@ -31,6 +35,9 @@ fn main() {
     let nodes: Vec<usize> = (0..=ELEMENTS).collect();
     let simulation = simulate(&link, &plan, &play).unwrap();
     let moved = simulation.displacements_m(&nodes, 1);
+    let plan_of_100 = MeshPlan::new(&link, &[None], Some(ElementCount::Total(100)), 1e-6).unwrap();
+    let mesh = Mesh::new(&link, &plan_of_100);
+    let lambdas = lambdas();
     println!("{ELEMENTS} elements, {SAMPLES} samples, {} modes", simulation.selection.modes);
     print_medians(&mut [
         (
@@ -52,7 +59,47 @@ fn main() {
                 write_csv(&mut out, &moved.grid, &[group], Digits::default()).unwrap();
             }),
         ),
+        (
+            "tip transfers of 100 elements x 8192, one by one",
+            Box::new(|| drop(lambdas.iter().map(|l| tip_transfer(&mesh, *l)).collect::<Vec<_>>())),
+        ),
+        (
+            "tip transfers of 100 elements x 8192, in lanes",
+            Box::new(|| {
+                drop(lambdas.chunks(64).map(|l| tip_transfers(&mesh, l)).collect::<Vec<_>>());
+            }),
+        ),
+        (
+            "nodal transfers of the same, one by one",
+            Box::new(|| {
+                drop(lambdas.iter().map(|l| nodal_transfer(&mesh, *l)).collect::<Vec<_>>());
+            }),
+        ),
+        (
+            "deflections of the same, in lanes",
+            Box::new(|| all_nodes(&mesh, &lambdas, NodalQuantity::Deflection)),
+        ),
+        (
+            "moments of the same, in lanes",
+            Box::new(|| all_nodes(&mesh, &lambdas, NodalQuantity::Moment)),
+        ),
     ]);
+}
+
+/// Transfers to every node on one core, 64 frequencies at a time as the program does.
+fn all_nodes(mesh: &Mesh, lambdas: &[Complex64], quantity: NodalQuantity) {
+    let nodes: Vec<usize> = (0..mesh.nodes_m().len()).collect();
+    let mut table = vec![vec![Complex64::ZERO; 64]; nodes.len()];
+    for lambdas in lambdas.chunks(64) {
+        let mut rows: Vec<_> = table.iter_mut().map(Vec::as_mut_slice).collect();
+        nodal_transfers(mesh, lambdas, &nodes, quantity, &mut rows);
+    }
+}
+
+/// Of 8192 frequencies up to 130 Hz with hysteretic damping.
+fn lambdas() -> Vec<Complex64> {
+    let square = |k: u32| Complex64::from((0.1 * f64::from(k)).powi(2));
+    (0..8192).map(|k| square(k) / Complex64::new(1.0, 0.04)).collect()
 }
 
 fn print_medians(rows: &mut [Row]) {

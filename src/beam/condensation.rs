@@ -1,8 +1,10 @@
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
 use nalgebra::Matrix2;
 
 use super::element::RelativeElement;
 use super::mesh::Mesh;
-use crate::numeric::Scalar;
+use crate::numeric::{Scalar, Size};
 
 /// Symmetric 2×2 apparent inertia A on (v, φ): kg, kg m, kg m².
 ///
@@ -19,15 +21,18 @@ pub struct Inertia<S> {
 
 impl<S: Scalar> Inertia<S> {
     /// Moment in N m that a motion with accelerations (v, φ) needs.
+    #[inline(always)]
     pub fn moment(&self, v: S, phi: S) -> S {
         self.vp * v + self.pp * phi
     }
 
     /// Rotary inertia about an axis that lies `arm` inboard, kg m².
+    #[inline(always)]
     pub fn about(&self, arm: f64) -> S {
         self.pp + (self.vp + self.vp + self.vv * arm) * arm
     }
 
+    #[inline(always)]
     fn plus(self, other: Inertia<f64>) -> Self {
         Self { vv: self.vv + other.vv, vp: self.vp + other.vp, pp: self.pp + other.pp }
     }
@@ -44,8 +49,10 @@ impl Inertia<f64> {
         Matrix2::new(self.vv, self.vp, self.vp, self.pp)
     }
 
-    fn lift<S: Scalar>(self) -> Inertia<S> {
-        Inertia { vv: S::from(self.vv), vp: S::from(self.vp), pp: S::from(self.pp) }
+    /// As an inertia over numbers of the kind of `like`.
+    #[inline(always)]
+    pub(super) fn lift<S: Scalar>(self, like: S) -> Inertia<S> {
+        Inertia { vv: like.lift(self.vv), vp: like.lift(self.vp), pp: like.lift(self.pp) }
     }
 }
 
@@ -62,6 +69,16 @@ pub struct Gain<S> {
     pub pv: S,
     /// `d_φ` per `φ_i`.
     pub pp: S,
+}
+
+impl<S: Scalar> Gain<S> {
+    /// Size of the largest entry, φ counted as φL with the length L in m.
+    #[inline(always)]
+    pub(super) fn size(&self, length_m: f64) -> S::Size {
+        let v = self.vv.size().larger(self.vp.size() * (1.0 / length_m));
+        let phi = (self.pv.size() * length_m).larger(self.pp.size());
+        v.larger(phi)
+    }
 }
 
 /// What the recursion passes on at one element.
@@ -85,12 +102,13 @@ pub struct Step<S> {
 /// Γ   = (K_d − λ(M_dd + A_j))⁻¹ Bᵀ
 /// A_i = M_uu + Rᵀ A_j R + λ B Γ + lumped mass at i          (Bayo 1987, eqs 15-17, condensed)
 /// ```
+#[inline(always)]
 pub fn condense<S: Scalar>(
     mesh: &Mesh,
     lambda: S,
     mut visit: impl FnMut(usize, &Step<S>),
 ) -> Inertia<S> {
-    let mut outer = mesh.tip_inertia().lift();
+    let mut outer = mesh.tip_inertia().lift(lambda);
     for (index, element) in mesh.relative_elements().iter().enumerate().rev() {
         let mut step = condense_element(element, lambda, outer);
         if let Some(lumped) = mesh.lumped_inertia(index) {
@@ -102,6 +120,7 @@ pub fn condense<S: Scalar>(
     outer
 }
 
+#[inline(always)]
 fn condense_element<S: Scalar>(element: &RelativeElement, lambda: S, a: Inertia<S>) -> Step<S> {
     let RelativeElement { length_m: l, k_d, m_dd, m_ud, m_uu } = element;
     let l = *l;
@@ -131,30 +150,51 @@ fn condense_element<S: Scalar>(element: &RelativeElement, lambda: S, a: Inertia<
 ///
 /// The entries are compared in one unit: φ counts as φl. Without this choice the error near a
 /// resonance of the outboard part would grow with |G|² instead of |G|.
+#[inline(always)]
 fn solve_symmetric<S: Scalar>(p: &Inertia<S>, l: f64, b: &[[S; 2]; 2]) -> ([S; 2], Gain<S>) {
-    if p.vv.size() * l * l >= p.pp.size() {
-        let multiplier = p.vp / p.vv;
-        let pivot = p.pp - multiplier * p.vp;
-        let phi = |v: S, p: S| (p - multiplier * v) / pivot;
-        let (pv, pp) = (phi(b[0][0], b[0][1]), phi(b[1][0], b[1][1]));
-        let gain = Gain {
-            vv: b[0][0] / p.vv - multiplier * pv,
-            vp: b[1][0] / p.vv - multiplier * pp,
-            pv,
-            pp,
-        };
-        ([p.vv, pivot], gain)
-    } else {
-        let multiplier = p.vp / p.pp;
-        let pivot = p.vv - multiplier * p.vp;
-        let v = |v: S, p: S| (v - multiplier * p) / pivot;
-        let (vv, vp) = (v(b[0][0], b[0][1]), v(b[1][0], b[1][1]));
-        let gain = Gain {
-            vv,
-            vp,
-            pv: b[0][1] / p.pp - multiplier * vv,
-            pp: b[1][1] / p.pp - multiplier * vp,
-        };
-        ([p.pp, pivot], gain)
+    let order = Order { v: p.vv.size() * l * l, phi: p.pp.size() };
+    let first = order.first(p.vv, p.pp);
+    let per_first = first.reciprocal();
+    let multiplier = p.vp * per_first;
+    let second = order.second(p.vv, p.pp) - multiplier * p.vp;
+    let factors = Factors { per_first, multiplier, per_second: second.reciprocal() };
+    let (vv, pv) = factors.solve(&order, b[0]);
+    let (vp, pp) = factors.solve(&order, b[1]);
+    ([first, second], Gain { vv, vp, pv, pp })
+}
+
+/// Sizes of the diagonal entries; the larger one is eliminated first.
+struct Order<S: Scalar> {
+    v: S::Size,
+    phi: S::Size,
+}
+
+impl<S: Scalar> Order<S> {
+    #[inline(always)]
+    fn first(&self, v: S, phi: S) -> S {
+        S::choose(self.v, self.phi, v, phi)
+    }
+
+    #[inline(always)]
+    fn second(&self, v: S, phi: S) -> S {
+        S::choose(self.v, self.phi, phi, v)
+    }
+}
+
+/// What LDLᵀ leaves for the right-hand sides.
+struct Factors<S> {
+    per_first: S,
+    multiplier: S,
+    per_second: S,
+}
+
+impl<S: Scalar> Factors<S> {
+    /// The solution (v, φ) for a right-hand side.
+    #[inline(always)]
+    fn solve(&self, order: &Order<S>, [v, phi]: [S; 2]) -> (S, S) {
+        let (right, left) = (order.first(v, phi), order.second(v, phi));
+        let second = (left - self.multiplier * right) * self.per_second;
+        let first = right * self.per_first - self.multiplier * second;
+        (order.first(first, second), order.second(first, second))
     }
 }

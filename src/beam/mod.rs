@@ -6,7 +6,9 @@ mod histories;
 mod mesh;
 mod pivoted;
 mod plan;
+mod spectrum;
 mod transfer;
+mod walk;
 
 pub use condensation::{Gain, Inertia, Step, condense};
 pub use element::{Element, RelativeElement};
@@ -14,6 +16,6 @@ pub use histories::NodalHistories;
 pub use mesh::Mesh;
 pub use pivoted::{DrivenMotion, driven_motion};
 pub use plan::{ElementCount, MeshPlan, Piece};
-pub use transfer::{
-    HubResponse, NodalTransfer, TipTransfer, hub_response, nodal_transfer, tip_transfer,
-};
+pub use spectrum::{nodal_transfers, tip_transfers};
+pub use transfer::{HubResponse, TipTransfer, hub_response, tip_transfer};
+pub use walk::{NodalQuantity, NodalTransfer, nodal_transfer};

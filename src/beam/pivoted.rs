@@ -11,7 +11,8 @@ use num_complex::Complex64;
 
 use super::element::RelativeElement;
 use super::mesh::Mesh;
-use super::transfer::{NodalTransfer, TipTransfer};
+use super::transfer::TipTransfer;
+use super::walk::NodalTransfer;
 
 type Block = Matrix2<Complex64>;
 

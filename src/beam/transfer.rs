@@ -1,9 +1,11 @@
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
 use num_complex::Complex64;
 
 use super::condensation::{Gain, Inertia, condense};
 use super::mesh::Mesh;
 use super::pivoted::pivoted_transfer;
-use crate::numeric::Scalar;
+use crate::numeric::{Scalar, Size};
 
 /// Largest gain |G| that the recursion is trusted with: it loses about ε·|G| of its digits.
 ///
@@ -13,7 +15,7 @@ const LARGEST_GAIN: f64 = 1e4;
 
 /// Motion of the tip and moment at the axis per unit of hub angle, at one λ.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HubResponse<S> {
+pub struct HubResponse<S: Scalar> {
     /// Apparent rotary inertia about the axis, the hub's included, in kg m²: torque per angular
     /// acceleration.
     pub inertia_kg_m2: S,
@@ -22,12 +24,18 @@ pub struct HubResponse<S> {
     /// Tip deflection per λ and per hub angle in m s²: the tip moves by `L + λ·lag`.
     pub lag_m_s2: S,
     /// Largest gain |G| on the way, φ counted as φL.
-    pub largest_gain: f64,
+    pub largest_gain: S::Size,
 }
 
 impl<S: Scalar> HubResponse<S> {
     /// What the apparent inertia at the root and the tip's lag mean at the axis.
-    fn at_axis(mesh: &Mesh, root: &Inertia<S>, lag_m_s2: S, largest_gain: f64) -> Self {
+    #[inline(always)]
+    pub(super) fn at_axis(
+        mesh: &Mesh,
+        root: &Inertia<S>,
+        lag_m_s2: S,
+        largest_gain: S::Size,
+    ) -> Self {
         let root_m = mesh.nodes_m()[0];
         Self {
             inertia_kg_m2: root.about(root_m) + mesh.hub_inertia_kg_m2(),
@@ -38,50 +46,58 @@ impl<S: Scalar> HubResponse<S> {
     }
 
     /// Tip displacement per hub angle, `v_tip/θ = L + e_tip`, in m.
+    #[inline(always)]
     pub fn tip_displacement_m(&self, mesh: &Mesh, lambda: S) -> S {
         lambda * self.lag_m_s2 + mesh.length_m()
+    }
+
+    /// The same per unit of tip motion.
+    #[inline(always)]
+    pub(super) fn per_tip(&self, mesh: &Mesh, lambda: S) -> TipTransfer<S> {
+        let angle_rad_m = self.tip_displacement_m(mesh, lambda).reciprocal();
+        TipTransfer {
+            inertia_kg_m: self.inertia_kg_m2 * angle_rad_m,
+            root_inertia_kg_m: self.root_inertia_kg_m2 * angle_rad_m,
+            angle_rad_m,
+            lag_s2: self.lag_m_s2 * angle_rad_m,
+        }
     }
 }
 
 /// Transfers from the tip at one λ, per unit of tip motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TipTransfer {
+pub struct TipTransfer<S = Complex64> {
     /// `T/a_tip = (A_0[φφ] + I_H)/(L + e_tip)` in kg m (Bayo 1987, eq 20).
-    pub inertia_kg_m: Complex64,
+    pub inertia_kg_m: S,
     /// Moment at the root, node 0, per tip acceleration in kg m: what the hub exerts on the link.
-    pub root_inertia_kg_m: Complex64,
+    pub root_inertia_kg_m: S,
     /// `θ/v_tip = 1/(L + e_tip)` in rad/m (eq 21).
-    pub angle_rad_m: Complex64,
+    pub angle_rad_m: S,
     /// `e_tip/(λ (L + e_tip))` in s²: deflection of the tip.
-    pub lag_s2: Complex64,
-}
-
-/// Transfers from the tip to every node at one λ, per unit of tip motion.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NodalTransfer {
-    /// Torque, hub angle and tip.
-    pub tip: TipTransfer,
-    /// Deflection `e_i/(λ (L + e_tip))` of nodes 0 … n in s² (eq 21).
-    pub lags_s2: Vec<Complex64>,
-    /// Moment in kg m per tip acceleration that the inner part of the link exerts on the outer
-    /// part at nodes 0 … n; what is lumped at the node counts as outer.
-    pub moments_kg_m: Vec<Complex64>,
+    pub lag_s2: S,
 }
 
 /// Response to a unit hub angle by the recursion alone, for the roots that modes and zeros are.
+#[inline(always)]
 pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
     let (nodes_m, length_m) = (mesh.nodes_m(), mesh.length_m());
     // Tip displacement per motion (v, φ) of the node, less its rigid part (1, L − x), over λ.
-    let (mut lag_v, mut lag_phi) = (S::from(0.0), S::from(0.0));
-    let mut largest_gain = 0.0_f64;
-    let root = condense(mesh, lambda, |index, step| {
-        let Gain { vv, vp, pv, pp } = step.gain;
-        let (v, phi) = (lambda * lag_v + 1.0, lambda * lag_phi + (length_m - nodes_m[index + 1]));
-        let rigid_phi = lag_v * mesh.elements()[index].length_m + lag_phi;
-        (lag_v, lag_phi) = (lag_v + vv * v + pv * phi, rigid_phi + vp * v + pp * phi);
-        largest_gain = larger(largest_gain, lambda.size() * gain_size(&step.gain, length_m));
-    });
-    HubResponse::at_axis(mesh, &root, lag_v * nodes_m[0] + lag_phi, largest_gain)
+    let (mut lag_v, mut lag_phi) = (lambda.lift(0.0), lambda.lift(0.0));
+    let mut largest_gain = lambda.lift(0.0).size();
+    let root = condense(
+        mesh,
+        lambda,
+        #[inline(always)]
+        |index, step| {
+            let Gain { vv, vp, pv, pp } = step.gain;
+            let (v, phi) =
+                (lambda * lag_v + 1.0, lambda * lag_phi + (length_m - nodes_m[index + 1]));
+            let rigid_phi = lag_v * mesh.elements()[index].length_m + lag_phi;
+            (lag_v, lag_phi) = (lag_v + vv * v + pv * phi, rigid_phi + vp * v + pp * phi);
+            largest_gain = largest_gain.larger(step.gain.size(length_m));
+        },
+    );
+    HubResponse::at_axis(mesh, &root, lag_v * nodes_m[0] + lag_phi, largest_gain * lambda.size())
 }
 
 /// Transfers from the tip to torque and hub angle.
@@ -90,86 +106,21 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
 pub fn tip_transfer(mesh: &Mesh, lambda: Complex64) -> TipTransfer {
     let hub = hub_response(mesh, lambda);
     if is_trusted(hub.largest_gain) {
-        per_tip(&hub, mesh, lambda)
+        hub.per_tip(mesh, lambda)
     } else {
         pivoted_transfer(mesh, lambda).tip
     }
 }
 
-/// Transfers from the tip to every node: the recursion, then the walk from hub to tip.
-///
-/// ```text
-/// e_0 = 0,  e_j = R e_i + G (e_i + (x_i, 1)ᵀ θ)                 all divided by L + e_tip
-/// ```
-pub fn nodal_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
-    let nodes_m = mesh.nodes_m();
-    let zero = Complex64::ZERO;
-    let rigid = Gain { vv: zero, vp: zero, pv: zero, pp: zero };
-    let mut gains = vec![rigid; mesh.elements().len()];
-    let nothing = Inertia { vv: zero, vp: zero, pp: zero };
-    let mut inertias = vec![nothing; nodes_m.len()];
-    let mut largest_gain = 0.0_f64;
-    let root = condense(mesh, lambda, |index, step| {
-        gains[index] = step.gain;
-        inertias[index] = step.inner;
-        largest_gain = larger(largest_gain, lambda.size() * gain_size(&step.gain, mesh.length_m()));
-    });
-    if !is_trusted(largest_gain) {
-        return pivoted_transfer(mesh, lambda);
-    }
-    if let Some(tip) = inertias.last_mut() {
-        let Inertia { vv, vp, pp } = mesh.tip_inertia();
-        *tip = Inertia { vv: vv.into(), vp: vp.into(), pp: pp.into() };
-    }
-    let mut lags = vec![(zero, zero)];
-    for ((element, gain), x_m) in mesh.elements().iter().zip(&gains).zip(nodes_m) {
-        let (v, phi) = lags[lags.len() - 1];
-        let (u_v, u_phi) = (lambda * v + *x_m, lambda * phi + 1.0);
-        let d_v = gain.vv * u_v + gain.vp * u_phi;
-        let d_phi = gain.pv * u_v + gain.pp * u_phi;
-        lags.push((v + phi * element.length_m + d_v, phi + d_phi));
-    }
-    let hub = HubResponse::at_axis(mesh, &root, lags[lags.len() - 1].0, largest_gain);
-    let tip = per_tip(&hub, mesh, lambda);
-    let moments = inertias.iter().zip(&lags).zip(nodes_m).map(|((inertia, (v, phi)), x_m)| {
-        inertia.moment(lambda * *v + *x_m, lambda * *phi + 1.0) * tip.angle_rad_m
-    });
-    NodalTransfer {
-        tip,
-        moments_kg_m: moments.collect(),
-        lags_s2: lags.iter().map(|(v, _)| *v * tip.angle_rad_m).collect(),
-    }
-}
-
-fn per_tip(hub: &HubResponse<Complex64>, mesh: &Mesh, lambda: Complex64) -> TipTransfer {
-    let angle_rad_m = Complex64::ONE / hub.tip_displacement_m(mesh, lambda);
-    TipTransfer {
-        inertia_kg_m: hub.inertia_kg_m2 * angle_rad_m,
-        root_inertia_kg_m: hub.root_inertia_kg_m2 * angle_rad_m,
-        angle_rad_m,
-        lag_s2: hub.lag_m_s2 * angle_rad_m,
-    }
-}
-
-fn gain_size<S: Scalar>(gain: &Gain<S>, length_m: f64) -> f64 {
-    let Gain { vv, vp, pv, pp } = gain;
-    let sizes = [vv.size(), vp.size() / length_m, pv.size() * length_m, pp.size()];
-    sizes.into_iter().fold(0.0, larger)
-}
-
-/// The larger of two sizes; a NaN wins, so that a breakdown is never overlooked.
-fn larger(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
-}
-
-fn is_trusted(largest_gain: f64) -> bool {
+/// Whether the recursion has kept its digits.
+pub(super) fn is_trusted(largest_gain: f64) -> bool {
     largest_gain <= LARGEST_GAIN
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::{ElementCount, MeshPlan};
+    use crate::beam::{ElementCount, MeshPlan, nodal_transfer};
     use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
     use crate::numeric::Wide;
 

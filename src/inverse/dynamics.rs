@@ -1,7 +1,12 @@
+use num_complex::Complex64;
+
 use super::analysis::Analysis;
 use super::error::InversionError;
 use super::superposition::Superposition;
-use crate::beam::{Mesh, NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};
+use crate::beam::{
+    Mesh, NodalQuantity, NodalTransfer, TipTransfer, nodal_transfer, nodal_transfers, tip_transfer,
+    tip_transfers,
+};
 use crate::link::{Damping, Link};
 use crate::modal::{DampingLaw, MOST_ELEMENTS_OF_ALL_MODES};
 
@@ -126,5 +131,45 @@ impl Dynamics {
             None => nodal_transfer(&self.mesh, self.law.lambda(omega_rad_s)),
             Some(modes) => modes.nodal_transfer(self, omega_rad_s),
         }
+    }
+
+    /// [`Dynamics::tip_transfer`] at many ω ≥ 0.
+    pub fn tip_transfers(&self, omegas_rad_s: &[f64]) -> Vec<TipTransfer> {
+        match &self.modes {
+            None => tip_transfers(&self.mesh, &self.lambdas(omegas_rad_s)),
+            Some(modes) => omegas_rad_s.iter().map(|w| modes.tip_transfer(self, *w)).collect(),
+        }
+    }
+
+    /// [`Dynamics::nodal_transfer`] at many ω ≥ 0: a row for each of `nodes`, in it a value for
+    /// each ω.
+    ///
+    /// # Panics
+    /// If a node is not one of the mesh, or a row is shorter than `omegas_rad_s`.
+    pub fn nodal_transfers(
+        &self,
+        omegas_rad_s: &[f64],
+        nodes: &[usize],
+        quantity: NodalQuantity,
+        rows: &mut [&mut [Complex64]],
+    ) {
+        let Some(modes) = &self.modes else {
+            let lambdas = self.lambdas(omegas_rad_s);
+            return nodal_transfers(&self.mesh, &lambdas, nodes, quantity, rows);
+        };
+        for (column, omega) in omegas_rad_s.iter().enumerate() {
+            let NodalTransfer { lags_s2, moments_kg_m, .. } = modes.nodal_transfer(self, *omega);
+            let values = match quantity {
+                NodalQuantity::Deflection => lags_s2,
+                NodalQuantity::Moment => moments_kg_m,
+            };
+            for (row, node) in rows.iter_mut().zip(nodes) {
+                row[column] = values[*node];
+            }
+        }
+    }
+
+    fn lambdas(&self, omegas_rad_s: &[f64]) -> Vec<Complex64> {
+        omegas_rad_s.iter().map(|omega| self.law.lambda(*omega)).collect()
     }
 }

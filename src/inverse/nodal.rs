@@ -2,8 +2,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::solution::{Solution, cut};
-use super::spectra::Nodal;
-use crate::beam::NodalHistories;
+use crate::beam::{NodalHistories, NodalQuantity};
 
 /// Spectra that are held at a time; nodes beyond are solved in further blocks, so that thinned
 /// histories need little memory.
@@ -15,7 +14,7 @@ impl Solution {
     /// # Panics
     /// If a node is not one of the mesh, or `every` is 0.
     pub fn deflections_m(&self, nodes: &[usize], every: usize) -> NodalHistories {
-        self.nodal(nodes, every, Nodal::Deflection)
+        self.nodal(nodes, every, NodalQuantity::Deflection)
     }
 
     /// Total displacement `v = xθ + w` in m (Bayo 1987, eq 1) where `deflections` were computed.
@@ -36,10 +35,10 @@ impl Solution {
     /// # Panics
     /// If a node is not one of the mesh, or `every` is 0.
     pub fn moments_n_m(&self, nodes: &[usize], every: usize) -> NodalHistories {
-        self.nodal(nodes, every, Nodal::Moment)
+        self.nodal(nodes, every, NodalQuantity::Moment)
     }
 
-    fn nodal(&self, nodes: &[usize], every: usize, quantity: Nodal) -> NodalHistories {
+    fn nodal(&self, nodes: &[usize], every: usize, quantity: NodalQuantity) -> NodalHistories {
         let history = |amplitudes| -> Vec<f64> {
             let period = cut(&self.spectrum.pair.samples(amplitudes), &self.grid);
             period.iter().step_by(every).copied().collect()

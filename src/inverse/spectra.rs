@@ -3,12 +3,15 @@ use rayon::prelude::*;
 
 use super::dynamics::Dynamics;
 use super::error::InversionError;
-use crate::beam::NodalTransfer;
+use crate::beam::{NodalQuantity, TipTransfer};
 use crate::motion::TipSpectrum;
 
 /// Amplitudes of the acceleration below this share of the largest are not solved for: they lie
 /// below the round-off of a transform.
 pub(super) const BAND_TOLERANCE: f64 = 1e-15;
+
+/// Frequencies that a thread solves for at a time; no bit depends on it.
+const BLOCK: usize = 64;
 
 /// What a motion asks of a link, as far as the spectrum goes.
 pub(super) struct Forcing<'a> {
@@ -42,9 +45,10 @@ impl Forcing<'_> {
             + spectrum.velocity_m_s(k) * self.dynamics.law().mass_rate_per_s()
     }
 
-    /// Bins that carry spectrum.
-    fn band(&self) -> std::ops::Range<usize> {
-        0..band_len(&self.spectrum.acceleration_m_s2)
+    /// Frequencies in rad/s of the bins that carry spectrum.
+    fn omegas_rad_s(&self) -> Vec<f64> {
+        let band = band_len(&self.spectrum.acceleration_m_s2);
+        (0..band).map(|k| self.spectrum.omega_rad_s(k)).collect()
     }
 
     /// Torque and hub angle over the band.
@@ -57,26 +61,17 @@ impl Forcing<'_> {
     /// # Errors
     /// [`InversionError::NotFinite`].
     pub(super) fn hub_spectra(&self) -> Result<HubSpectra, InversionError> {
-        let length_m = self.dynamics.mesh().length_m();
-        let at_bin = |k: usize| {
-            let omega = self.spectrum.omega_rad_s(k);
-            let transfer = self.dynamics.tip_transfer(omega);
-            let felt = self.felt_acceleration(k);
-            let excess =
-                felt / self.dynamics.law().stiffness_factor(omega) * transfer.lag_s2 / length_m;
-            let rate =
-                self.spectrum.velocity_m_s(k) / length_m + Complex64::new(0.0, omega) * excess;
-            let torque = transfer.inertia_kg_m * felt + rate * self.friction_n_m_s_rad;
-            if !(torque.is_finite() && excess.is_finite()) {
-                return Err(InversionError::NotFinite {
-                    frequency_hz: omega / std::f64::consts::TAU,
-                });
-            }
-            Ok([torque, excess, transfer.root_inertia_kg_m * felt])
+        let omegas = self.omegas_rad_s();
+        let solved = |(block, omegas): (usize, &[f64])| {
+            let transfers = self.dynamics.tip_transfers(omegas);
+            let bins = omegas.iter().zip(&transfers).enumerate();
+            bins.map(|(k, (omega, tip))| self.hub_at_bin(block * BLOCK + k, *omega, tip))
+                .collect::<Result<Vec<_>, _>>()
         };
-        let bins: Vec<[Complex64; 3]> =
-            self.band().into_par_iter().map(at_bin).collect::<Result<_, _>>()?;
-        let column = |c: usize| bins.iter().map(|bin| bin[c]).collect();
+        let blocks: Vec<_> = omegas.par_chunks(BLOCK).enumerate().map(solved).collect();
+        // The lowest frequency that fails is reported, whichever thread meets one first.
+        let blocks: Vec<_> = blocks.into_iter().collect::<Result<_, _>>()?;
+        let column = |c: usize| blocks.iter().flatten().map(|bin| bin[c]).collect();
         Ok(HubSpectra {
             torque_n_m: column(0),
             excess_angle_rad: column(1),
@@ -84,30 +79,59 @@ impl Forcing<'_> {
         })
     }
 
+    /// Torque, excess angle and root moment at bin `k`, whose frequency is ω.
+    fn hub_at_bin(
+        &self,
+        k: usize,
+        omega: f64,
+        transfer: &TipTransfer,
+    ) -> Result<[Complex64; 3], InversionError> {
+        let length_m = self.dynamics.mesh().length_m();
+        let felt = self.felt_acceleration(k);
+        let excess =
+            felt / self.dynamics.law().stiffness_factor(omega) * transfer.lag_s2 / length_m;
+        let rate = self.spectrum.velocity_m_s(k) / length_m + Complex64::new(0.0, omega) * excess;
+        let torque = transfer.inertia_kg_m * felt + rate * self.friction_n_m_s_rad;
+        if !(torque.is_finite() && excess.is_finite()) {
+            return Err(InversionError::NotFinite { frequency_hz: omega / std::f64::consts::TAU });
+        }
+        Ok([torque, excess, transfer.root_inertia_kg_m * felt])
+    }
+
     /// Amplitudes of `quantity` at some nodes over the band, one spectrum for each node.
     ///
     /// Deflections `ŵ_i = −(â + αv̂)/κ · e_i/(λ(L + e_tip))` (eq 21) or bending moments.
-    pub(super) fn nodal_spectra(&self, nodes: &[usize], quantity: Nodal) -> Vec<Vec<Complex64>> {
-        let at_bin = |k: usize| {
-            let omega = self.spectrum.omega_rad_s(k);
-            let NodalTransfer { lags_s2, moments_kg_m, .. } = self.dynamics.nodal_transfer(omega);
-            let felt = self.felt_acceleration(k);
-            let (factor, transfers) = match quantity {
-                Nodal::Deflection => (-felt / self.dynamics.law().stiffness_factor(omega), lags_s2),
-                Nodal::Moment => (felt, moments_kg_m),
-            };
-            nodes.iter().map(|node| transfers[*node] * factor).collect::<Vec<_>>()
-        };
-        let bins: Vec<Vec<Complex64>> = self.band().into_par_iter().map(at_bin).collect();
-        (0..nodes.len()).map(|node| bins.iter().map(|bin| bin[node]).collect()).collect()
+    pub(super) fn nodal_spectra(
+        &self,
+        nodes: &[usize],
+        quantity: NodalQuantity,
+    ) -> Vec<Vec<Complex64>> {
+        let omegas = self.omegas_rad_s();
+        let mut spectra = vec![vec![Complex64::ZERO; omegas.len()]; nodes.len()];
+        // Each block writes its own columns of every row.
+        let mut rows: Vec<_> = spectra.iter_mut().map(|row| row.chunks_mut(BLOCK)).collect();
+        let columns =
+            |_: &[f64]| -> Vec<_> { rows.iter_mut().filter_map(Iterator::next).collect() };
+        let columns: Vec<Vec<&mut [Complex64]>> = omegas.chunks(BLOCK).map(columns).collect();
+        let blocks = omegas.par_chunks(BLOCK).zip(columns).enumerate();
+        blocks.for_each(|(block, (omegas, mut rows))| {
+            self.dynamics.nodal_transfers(omegas, nodes, quantity, &mut rows);
+            let factor =
+                |(k, omega): (usize, &f64)| self.nodal_factor(block * BLOCK + k, *omega, quantity);
+            let factors: Vec<Complex64> = omegas.iter().enumerate().map(factor).collect();
+            for (value, factor) in rows.iter_mut().flat_map(|row| row.iter_mut().zip(&factors)) {
+                *value *= factor;
+            }
+        });
+        spectra
     }
-}
 
-/// A quantity at the nodes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Nodal {
-    /// Deflection w from the hub's tangent line.
-    Deflection,
-    /// Moment of the inner on the outer part.
-    Moment,
+    /// What the transfer to the nodes is multiplied by at bin `k`, whose frequency is ω.
+    fn nodal_factor(&self, k: usize, omega: f64, quantity: NodalQuantity) -> Complex64 {
+        let felt = self.felt_acceleration(k);
+        match quantity {
+            NodalQuantity::Deflection => -felt / self.dynamics.law().stiffness_factor(omega),
+            NodalQuantity::Moment => felt,
+        }
+    }
 }

@@ -1,7 +1,9 @@
 //! Mathematics that knows no beam: time grids, Fourier pairs, roots, splines, units.
 
+mod complex_lanes;
 mod fourier;
 mod grid;
+mod lanes;
 mod largest;
 mod roots;
 mod round;
@@ -12,12 +14,13 @@ mod units;
 #[cfg(test)]
 mod wide;
 
+pub(crate) use complex_lanes::ComplexLanes;
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
 pub use largest::{largest, largest_difference};
 pub use roots::{bisect, geometric_scan};
 pub(crate) use round::rounded;
-pub use scalar::Scalar;
+pub use scalar::{Scalar, Size};
 pub use spline::{CubicSpline, SplineEnds};
 pub use uniform::NotUniform;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};

@@ -1,31 +1,101 @@
-use std::ops::{Add, Div, Mul, Neg, Sub};
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
+use std::ops::{Add, Mul, Neg, Sub};
 
 use num_complex::Complex64;
 
-/// Number over which the recursion runs: real for modes and zeros, complex for damped response.
+/// Number over which the recursion runs: real for modes and zeros, complex for damped response,
+/// many of them at once for a spectrum.
+///
+/// Every operation has one rounding scheme, whatever the kind: a lane of many has the bits of the
+/// number alone.
 pub trait Scalar:
     Copy
-    + From<f64>
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
-    + Div<Output = Self>
     + Neg<Output = Self>
     + Add<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
+    /// What sizes are measured in: a real number, or one for each lane.
+    type Size: Size;
+
+    /// `x` as a number of the kind of `self`.
+    #[must_use]
+    fn lift(self, x: f64) -> Self;
+
+    /// `1/self`; a complex number's is its conjugate times `1/|self|²`.
+    #[must_use]
+    fn reciprocal(self) -> Self;
+
     /// A cheap measure of size within a factor √2 of the modulus, for the choice of pivots.
-    fn size(self) -> f64;
+    fn size(self) -> Self::Size;
+
+    /// `large` where `a ≥ b`, `otherwise` elsewhere.
+    #[must_use]
+    fn choose(a: Self::Size, b: Self::Size, large: Self, otherwise: Self) -> Self;
+}
+
+/// Sizes of the numbers of one kind.
+pub trait Size: Copy + Mul<Output = Self> + Mul<f64, Output = Self> {
+    /// The larger of two sizes; a NaN wins, so that a breakdown is never overlooked.
+    #[must_use]
+    fn larger(self, other: Self) -> Self;
+}
+
+impl Size for f64 {
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        if self >= other || self.is_nan() { self } else { other }
+    }
 }
 
 impl Scalar for f64 {
+    type Size = f64;
+
+    #[inline(always)]
+    fn lift(self, x: f64) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        1.0 / self
+    }
+
+    #[inline(always)]
     fn size(self) -> f64 {
         self.abs()
+    }
+
+    #[inline(always)]
+    fn choose(a: f64, b: f64, large: Self, otherwise: Self) -> Self {
+        if a >= b { large } else { otherwise }
     }
 }
 
 impl Scalar for Complex64 {
+    type Size = f64;
+
+    #[inline(always)]
+    fn lift(self, x: f64) -> Self {
+        x.into()
+    }
+
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        let scale = (self.re * self.re + self.im * self.im).reciprocal();
+        Self::new(self.re * scale, -(self.im * scale))
+    }
+
+    #[inline(always)]
     fn size(self) -> f64 {
         self.re.abs() + self.im.abs()
+    }
+
+    #[inline(always)]
+    fn choose(a: f64, b: f64, large: Self, otherwise: Self) -> Self {
+        if a >= b { large } else { otherwise }
     }
 }

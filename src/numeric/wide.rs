@@ -60,8 +60,22 @@ macro_rules! arithmetic {
 arithmetic!(Add add +, Sub sub -, Mul mul *);
 
 impl Scalar for Wide {
+    type Size = f64;
+
+    fn lift(self, x: f64) -> Self {
+        x.into()
+    }
+
+    fn reciprocal(self) -> Self {
+        Self::from(1.0) / self
+    }
+
     fn size(self) -> f64 {
         self.0.hi().abs()
+    }
+
+    fn choose(a: f64, b: f64, large: Self, otherwise: Self) -> Self {
+        if a >= b { large } else { otherwise }
     }
 }
 

@@ -12,6 +12,7 @@ mod motor;
 mod nodal;
 mod period;
 mod rayleigh;
+mod threads;
 mod warnings;
 
 use std::f64::consts::PI;

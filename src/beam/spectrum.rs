@@ -1,0 +1,209 @@
+//! Transfers at many frequencies, as many at a time as the processor's vectors hold.
+//!
+//! Each λ is answered alone: neither the width of the vectors nor what stands beside it in the list
+//! changes a bit.
+
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
+use num_complex::Complex64;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::mesh::Mesh;
+use super::pivoted::pivoted_transfer;
+use super::transfer::{HubResponse, TipTransfer, hub_response, is_trusted};
+use super::walk::{NodalQuantity, Walk};
+use crate::numeric::ComplexLanes;
+
+/// Transfers from the tip to torque and hub angle, one for each λ: [`tip_transfer`] of many.
+///
+/// [`tip_transfer`]: super::tip_transfer
+pub fn tip_transfers(mesh: &Mesh, lambdas: &[Complex64]) -> Vec<TipTransfer> {
+    let mut transfers = Arch::new().dispatch(Tip { mesh, lambdas });
+    for (transfer, lambda) in transfers.iter_mut().zip(lambdas) {
+        if !is_trusted(transfer.1) {
+            transfer.0 = pivoted_transfer(mesh, *lambda).tip;
+        }
+    }
+    transfers.into_iter().map(|(transfer, _)| transfer).collect()
+}
+
+/// Transfers from the tip to some nodes, a row for each of `nodes`, in it a value for each λ:
+/// what [`nodal_transfer`] gives of many, `e_i/(λ (L + e_tip))` in s² or moments in kg m.
+///
+/// Columns of `rows` beyond the last λ are left alone.
+///
+/// # Panics
+/// If a node is not one of the mesh, or a row is shorter than `lambdas`.
+///
+/// [`nodal_transfer`]: super::nodal_transfer
+pub fn nodal_transfers(
+    mesh: &Mesh,
+    lambdas: &[Complex64],
+    nodes: &[usize],
+    quantity: NodalQuantity,
+    rows: &mut [&mut [Complex64]],
+) {
+    let nodal = Nodal { mesh, lambdas, nodes, quantity, rows };
+    for column in Arch::new().dispatch(nodal) {
+        let transfer = pivoted_transfer(mesh, lambdas[column]);
+        let values = match quantity {
+            NodalQuantity::Deflection => transfer.lags_s2,
+            NodalQuantity::Moment => transfer.moments_kg_m,
+        };
+        for (row, node) in rows.iter_mut().zip(nodes) {
+            row[column] = values[*node];
+        }
+    }
+}
+
+struct Tip<'a> {
+    mesh: &'a Mesh,
+    lambdas: &'a [Complex64],
+}
+
+impl WithSimd for Tip<'_> {
+    /// With the largest gain.
+    type Output = Vec<(TipTransfer, f64)>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let mut found = Vec::with_capacity(self.lambdas.len());
+        for lambdas in self.lambdas.chunks(ComplexLanes::<S>::LEN) {
+            let lambda = ComplexLanes::load(simd, lambdas);
+            let hub = hub_response(self.mesh, lambda);
+            let tip = hub.per_tip(self.mesh, lambda);
+            let inertia_kg_m = tip.inertia_kg_m.lanes();
+            let root_inertia_kg_m = tip.root_inertia_kg_m.lanes();
+            let angle_rad_m = tip.angle_rad_m.lanes();
+            let lag_s2 = tip.lag_s2.lanes();
+            let largest_gain = hub.largest_gain.lanes();
+            for lane in 0..lambdas.len() {
+                let transfer = TipTransfer {
+                    inertia_kg_m: inertia_kg_m[lane],
+                    root_inertia_kg_m: root_inertia_kg_m[lane],
+                    angle_rad_m: angle_rad_m[lane],
+                    lag_s2: lag_s2[lane],
+                };
+                found.push((transfer, largest_gain[lane]));
+            }
+        }
+        found
+    }
+}
+
+struct Nodal<'a, 'b> {
+    mesh: &'a Mesh,
+    lambdas: &'a [Complex64],
+    nodes: &'a [usize],
+    quantity: NodalQuantity,
+    rows: &'a mut [&'b mut [Complex64]],
+}
+
+impl WithSimd for Nodal<'_, '_> {
+    /// Columns that the recursion is not trusted with.
+    type Output = Vec<usize>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { mesh, lambdas, nodes, quantity, rows } = self;
+        let mut lost = vec![];
+        let mut walk = Walk::new(mesh, ComplexLanes::load(simd, lambdas), quantity);
+        for (block, lambdas) in lambdas.chunks(ComplexLanes::<S>::LEN).enumerate() {
+            let columns = block * ComplexLanes::<S>::LEN;
+            let lambda = ComplexLanes::load(simd, lambdas);
+            let (root, largest_gain) = walk.inward(mesh, lambda);
+            let tip_lag = walk.outward(mesh, lambda, quantity);
+            let hub = HubResponse::at_axis(mesh, &root, tip_lag, largest_gain);
+            let tip = hub.per_tip(mesh, lambda);
+            for (row, node) in rows.iter_mut().zip(nodes) {
+                let value = walk.values[*node] * tip.angle_rad_m;
+                value.store(&mut row[columns..columns + lambdas.len()]);
+            }
+            let gains = largest_gain.lanes();
+            lost.extend((0..lambdas.len()).filter(|k| !is_trusted(gains[*k])).map(|k| columns + k));
+        }
+        lost
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::{ElementCount, MeshPlan, NodalTransfer, nodal_transfer, tip_transfer};
+    use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+
+    fn mesh() -> Mesh {
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![Segment {
+                name: None,
+                length_m: 1.5,
+                bending_stiffness_n_m2: Taper { inner: 6.0, outer: 4.0 },
+                mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.7 },
+            }],
+            hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad: 0.0 },
+            masses: vec![LumpedMass { at_m: 0.8, mass_kg: 0.1, inertia_kg_m2: 1e-3 }],
+            payload: Payload { mass_kg: 0.05, inertia_kg_m2: 0.0, offset_m: 0.0 },
+            damping: Damping::None,
+        });
+        let link = link.unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6);
+        Mesh::new(&link, &plan.unwrap())
+    }
+
+    /// Undamped ones with resonances of the outboard part among them, and damped ones.
+    fn lambdas() -> Vec<Complex64> {
+        let squares = (0..600).map(|k| (0.670_123 * f64::from(k)).powi(2));
+        let damped = |k: u32| Complex64::from(f64::from(k * k)) / Complex64::new(1.0, 0.04);
+        squares.map(Complex64::from).chain((0..50).map(damped)).collect()
+    }
+
+    fn bits(z: Complex64) -> [u64; 2] {
+        [z.re.to_bits(), z.im.to_bits()]
+    }
+
+    fn tip_bits(tip: &TipTransfer) -> [[u64; 2]; 4] {
+        [tip.inertia_kg_m, tip.root_inertia_kg_m, tip.angle_rad_m, tip.lag_s2].map(bits)
+    }
+
+    #[test]
+    fn every_tip_transfer_of_many_has_the_bits_of_the_one_alone() {
+        let (mesh, lambdas) = (mesh(), lambdas());
+        let narrow = Tip { mesh: &mesh, lambdas: &lambdas }.with_simd(pulp::Scalar);
+        let lost = narrow.iter().filter(|(_, gain)| !is_trusted(*gain)).count();
+        assert!(lost > 0, "no resonance of the outboard part was met: {lost}");
+        for block in [1, 7, 64, lambdas.len()] {
+            let wide = lambdas.chunks(block).flat_map(|lambdas| tip_transfers(&mesh, lambdas));
+            for ((lambda, wide), (narrow, gain)) in lambdas.iter().zip(wide).zip(&narrow) {
+                let alone = tip_bits(&tip_transfer(&mesh, *lambda));
+                assert_eq!(tip_bits(&wide), alone, "λ = {lambda} in blocks of {block}");
+                assert!(!is_trusted(*gain) || tip_bits(narrow) == alone, "λ = {lambda}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_nodal_transfer_of_many_has_the_bits_of_the_one_alone() {
+        let (mesh, lambdas) = (mesh(), lambdas());
+        let nodes = [3, 0, 10, 7];
+        let alone: Vec<_> = lambdas.iter().map(|lambda| nodal_transfer(&mesh, *lambda)).collect();
+        for quantity in [NodalQuantity::Deflection, NodalQuantity::Moment] {
+            let value = |transfer: &NodalTransfer, node: usize| match quantity {
+                NodalQuantity::Deflection => transfer.lags_s2[node],
+                NodalQuantity::Moment => transfer.moments_kg_m[node],
+            };
+            for block in [1, 7, 64, lambdas.len()] {
+                for (lambdas, alone) in lambdas.chunks(block).zip(alone.chunks(block)) {
+                    let mut table = vec![vec![Complex64::ZERO; lambdas.len()]; nodes.len()];
+                    let mut rows: Vec<_> = table.iter_mut().map(Vec::as_mut_slice).collect();
+                    nodal_transfers(&mesh, lambdas, &nodes, quantity, &mut rows);
+                    for (node, row) in nodes.iter().zip(&table) {
+                        for (found, alone) in row.iter().zip(alone) {
+                            assert_eq!(bits(*found), bits(value(alone, *node)), "node {node}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

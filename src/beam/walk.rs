@@ -1,0 +1,119 @@
+//! The way back from hub to tip, for what the nodes do.
+
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
+use num_complex::Complex64;
+
+use super::condensation::{Gain, Inertia, condense};
+use super::mesh::Mesh;
+use super::pivoted::pivoted_transfer;
+use super::transfer::{HubResponse, TipTransfer, is_trusted};
+use crate::numeric::{Scalar, Size};
+
+/// Transfers from the tip to every node at one λ, per unit of tip motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodalTransfer {
+    /// Torque, hub angle and tip.
+    pub tip: TipTransfer,
+    /// Deflection `e_i/(λ (L + e_tip))` of nodes 0 … n in s² (eq 21).
+    pub lags_s2: Vec<Complex64>,
+    /// Moment in kg m per tip acceleration that the inner part of the link exerts on the outer
+    /// part at nodes 0 … n; what is lumped at the node counts as outer.
+    pub moments_kg_m: Vec<Complex64>,
+}
+
+/// A quantity at the nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NodalQuantity {
+    /// Deflection from the hub's tangent line.
+    Deflection,
+    /// Moment of the inner on the outer part.
+    Moment,
+}
+
+/// What the recursion leaves at the elements and nodes, for the way back.
+pub(super) struct Walk<S: Scalar> {
+    gains: Vec<Gain<S>>,
+    /// Empty unless moments are asked for.
+    inertias: Vec<Inertia<S>>,
+    /// The quantity at nodes 0 … n per hub angle.
+    pub(super) values: Vec<S>,
+}
+
+impl<S: Scalar> Walk<S> {
+    /// Room for a mesh; `like` is of the kind of number that λ will be.
+    pub(super) fn new(mesh: &Mesh, like: S, quantity: NodalQuantity) -> Self {
+        let zero = like.lift(0.0);
+        let inertias = match quantity {
+            NodalQuantity::Deflection => vec![],
+            NodalQuantity::Moment => vec![mesh.tip_inertia().lift(like); mesh.nodes_m().len()],
+        };
+        Self {
+            gains: vec![Gain { vv: zero, vp: zero, pv: zero, pp: zero }; mesh.elements().len()],
+            inertias,
+            values: vec![zero; mesh.nodes_m().len()],
+        }
+    }
+
+    /// From tip to hub; returns the apparent inertia at the root and the largest gain.
+    #[inline(always)]
+    pub(super) fn inward(&mut self, mesh: &Mesh, lambda: S) -> (Inertia<S>, S::Size) {
+        let mut largest_gain = lambda.lift(0.0).size();
+        let root = condense(
+            mesh,
+            lambda,
+            #[inline(always)]
+            |index, step| {
+                self.gains[index] = step.gain;
+                // The tip's own inertia is there from the start.
+                if let Some(inertia) = self.inertias.get_mut(index) {
+                    *inertia = step.inner;
+                }
+                largest_gain = largest_gain.larger(step.gain.size(mesh.length_m()));
+            },
+        );
+        (root, largest_gain * lambda.size())
+    }
+
+    /// From hub to tip; fills `values` and returns the tip's lag, both per unit of hub angle.
+    ///
+    /// ```text
+    /// e_0 = 0,  e_j = R e_i + G (e_i + (x_i, 1)ᵀ θ)                 all over λ, and for θ = 1
+    /// ```
+    #[inline(always)]
+    pub(super) fn outward(&mut self, mesh: &Mesh, lambda: S, quantity: NodalQuantity) -> S {
+        let nodes_m = mesh.nodes_m();
+        let (mut v, mut phi) = (lambda.lift(0.0), lambda.lift(0.0));
+        for (node, x_m) in nodes_m.iter().enumerate() {
+            let (u_v, u_phi) = (lambda * v + *x_m, lambda * phi + 1.0);
+            self.values[node] = match quantity {
+                NodalQuantity::Deflection => v,
+                NodalQuantity::Moment => self.inertias[node].moment(u_v, u_phi),
+            };
+            if let (Some(Gain { vv, vp, pv, pp }), Some(element)) =
+                (self.gains.get(node), mesh.elements().get(node))
+            {
+                let d_v = *vv * u_v + *vp * u_phi;
+                let d_phi = *pv * u_v + *pp * u_phi;
+                (v, phi) = (v + phi * element.length_m + d_v, phi + d_phi);
+            }
+        }
+        v
+    }
+}
+
+/// Transfers from the tip to every node: the recursion, then the walk from hub to tip, all divided
+/// by `L + e_tip`.
+pub fn nodal_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
+    let mut walk = Walk::new(mesh, lambda, NodalQuantity::Moment);
+    let (root, largest_gain) = walk.inward(mesh, lambda);
+    if !is_trusted(largest_gain) {
+        return pivoted_transfer(mesh, lambda);
+    }
+    let tip_lag = walk.outward(mesh, lambda, NodalQuantity::Deflection);
+    let tip = HubResponse::at_axis(mesh, &root, tip_lag, largest_gain).per_tip(mesh, lambda);
+    let per_tip = |values: &[Complex64]| values.iter().map(|x| *x * tip.angle_rad_m).collect();
+    let lags_s2 = per_tip(&walk.values);
+    walk.outward(mesh, lambda, NodalQuantity::Moment);
+    NodalTransfer { tip, lags_s2, moments_kg_m: per_tip(&walk.values) }
+}

@@ -1,0 +1,200 @@
+//! Many complex numbers at a time, as structure of arrays.
+
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+use num_complex::Complex64;
+use pulp::Simd;
+
+use super::lanes::{MOST_LANES, RealLanes};
+use super::scalar::Scalar;
+
+/// Complex numbers, two vectors full, as structure of arrays.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ComplexLanes<S: Simd> {
+    re: RealLanes<S>,
+    im: RealLanes<S>,
+}
+
+impl<S: Simd> ComplexLanes<S> {
+    /// How many numbers are worked on at a time.
+    pub(crate) const LEN: usize = RealLanes::<S>::LEN;
+
+    /// The first [`Self::LEN`] of `numbers`; where there are fewer, the last one again.
+    ///
+    /// Zero where there are none.
+    #[inline(always)]
+    pub(crate) fn load(simd: S, numbers: &[Complex64]) -> Self {
+        let last = numbers.last().copied().unwrap_or_default();
+        let (mut re, mut im) = ([last.re; MOST_LANES], [last.im; MOST_LANES]);
+        for ((re, im), z) in re.iter_mut().zip(&mut im).zip(numbers) {
+            (*re, *im) = (z.re, z.im);
+        }
+        Self { re: RealLanes::load(simd, &re), im: RealLanes::load(simd, &im) }
+    }
+
+    /// The numbers, lane by lane; what lies beyond [`Self::LEN`] is no lane's.
+    #[inline(always)]
+    pub(crate) fn lanes(self) -> [Complex64; MOST_LANES] {
+        let mut lanes = [Complex64::ZERO; MOST_LANES];
+        self.store(&mut lanes);
+        lanes
+    }
+
+    /// Writes the first lanes, as many as `numbers` has room for, at most [`Self::LEN`].
+    #[inline(always)]
+    pub(crate) fn store(self, numbers: &mut [Complex64]) {
+        let (re, im) = (self.re.lanes(), self.im.lanes());
+        for ((z, re), im) in numbers.iter_mut().zip(&re[..Self::LEN]).zip(&im) {
+            *z = Complex64::new(*re, *im);
+        }
+    }
+}
+
+impl<S: Simd> Add for ComplexLanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { re: self.re + other.re, im: self.im + other.im }
+    }
+}
+
+impl<S: Simd> Sub for ComplexLanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { re: self.re - other.re, im: self.im - other.im }
+    }
+}
+
+impl<S: Simd> Mul for ComplexLanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self {
+            re: self.re * other.re - self.im * other.im,
+            im: self.re * other.im + self.im * other.re,
+        }
+    }
+}
+
+impl<S: Simd> Neg for ComplexLanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { re: -self.re, im: -self.im }
+    }
+}
+
+impl<S: Simd> Add<f64> for ComplexLanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: f64) -> Self {
+        Self { re: self.re + other, im: self.im }
+    }
+}
+
+impl<S: Simd> Mul<f64> for ComplexLanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: f64) -> Self {
+        Self { re: self.re * other, im: self.im * other }
+    }
+}
+
+impl<S: Simd> Scalar for ComplexLanes<S> {
+    type Size = RealLanes<S>;
+
+    #[inline(always)]
+    fn lift(self, x: f64) -> Self {
+        Self { re: self.re.lift(x), im: self.im.lift(0.0) }
+    }
+
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        let scale = (self.re * self.re + self.im * self.im).reciprocal();
+        Self { re: self.re * scale, im: -(self.im * scale) }
+    }
+
+    #[inline(always)]
+    fn size(self) -> RealLanes<S> {
+        self.re.abs() + self.im.abs()
+    }
+
+    #[inline(always)]
+    fn choose(a: RealLanes<S>, b: RealLanes<S>, large: Self, otherwise: Self) -> Self {
+        Self {
+            re: RealLanes::select(a, b, large.re, otherwise.re),
+            im: RealLanes::select(a, b, large.im, otherwise.im),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::{Arch, WithSimd};
+
+    use super::*;
+    use crate::numeric::Size;
+
+    /// Numbers of every size and sign, a NaN among them.
+    fn numbers() -> Vec<Complex64> {
+        let wave = |k: i32, turn: f64| (f64::from(k) * turn).sin() * 10f64.powi(k % 13 - 6);
+        let mut numbers: Vec<_> =
+            (0..61).map(|k| Complex64::new(wave(k, 1.7), wave(k + 5, 0.9))).collect();
+        numbers[7].im = f64::NAN;
+        numbers[8] = Complex64::ZERO;
+        numbers
+    }
+
+    /// Every operation of a scalar on two of them.
+    fn operations<T: Scalar>(a: T, b: T) -> [T; 8] {
+        let chosen = T::choose(a.size(), b.size() * 0.8, a, b);
+        [a + b, a - b, a * b, -a, a + 0.3, a * 0.3, a.reciprocal(), chosen]
+    }
+
+    struct OnLanes<'a>(&'a [Complex64]);
+
+    impl WithSimd for OnLanes<'_> {
+        type Output = (Vec<[Complex64; 8]>, Vec<f64>);
+
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let (mut found, mut larger) = (vec![], vec![]);
+            for numbers in self.0.chunks(ComplexLanes::<S>::LEN) {
+                let a = ComplexLanes::load(simd, numbers);
+                let results = operations(a, a * a + 0.1);
+                let mut columns = [[Complex64::ZERO; MOST_LANES]; 8];
+                for (column, result) in columns.iter_mut().zip(results) {
+                    result.store(column);
+                }
+                let sizes = a.re.larger(a.im).lanes();
+                for lane in 0..numbers.len() {
+                    found.push(columns.map(|column| column[lane]));
+                    larger.push(sizes[lane]);
+                }
+            }
+            (found, larger)
+        }
+    }
+
+    fn bits(z: Complex64) -> [u64; 2] {
+        // Which NaN a lane holds is nobody's business.
+        [z.re, z.im].map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() })
+    }
+
+    #[test]
+    fn a_lane_has_the_bits_of_the_number_alone_on_the_widest_and_the_narrowest_vectors() {
+        let numbers = numbers();
+        for (found, larger) in
+            [Arch::new().dispatch(OnLanes(&numbers)), OnLanes(&numbers).with_simd(pulp::Scalar)]
+        {
+            assert_eq!(found.len(), numbers.len());
+            for ((z, found), larger) in numbers.iter().zip(found).zip(larger) {
+                let alone = operations(*z, *z * *z + 0.1);
+                assert_eq!(found.map(bits), alone.map(bits), "at {z}");
+                assert_eq!(bits(larger.into()), bits(z.re.larger(z.im).into()), "at {z}");
+            }
+        }
+    }
+}

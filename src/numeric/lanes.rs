@@ -1,0 +1,148 @@
+//! Many numbers at a time: the same operation on each lane, none across lanes.
+//!
+//! Products and sums are rounded one by one, without fused multiply-add, so that every instruction
+//! set gives the same bits.
+
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+use pulp::Simd;
+
+use super::scalar::{Scalar, Size};
+
+/// Most lanes that any instruction set has: two vectors of eight.
+pub(super) const MOST_LANES: usize = 16;
+
+/// The same expression for both vectors, of which `K` is the number; no closure, which the compiler
+/// need not inline.
+macro_rules! both {
+    ($k:ident => $vector:expr) => {
+        [
+            {
+                const $k: usize = 0;
+                $vector
+            },
+            {
+                const $k: usize = 1;
+                $vector
+            },
+        ]
+    };
+}
+
+/// Real numbers, two vectors full: while one waits for a quotient, the other is worked on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RealLanes<S: Simd> {
+    simd: S,
+    values: [S::f64s; 2],
+}
+
+impl<S: Simd> RealLanes<S> {
+    /// How many numbers are worked on at a time.
+    pub(crate) const LEN: usize = 2 * S::F64_LANES;
+
+    #[inline(always)]
+    fn splat(simd: S, x: f64) -> Self {
+        Self { simd, values: [simd.splat_f64s(x); 2] }
+    }
+
+    #[inline(always)]
+    pub(super) fn load(simd: S, lanes: &[f64; MOST_LANES]) -> Self {
+        let (vectors, _) = S::as_simd_f64s(lanes);
+        Self { simd, values: [vectors[0], vectors[1]] }
+    }
+
+    /// The numbers, lane by lane; what lies beyond [`Self::LEN`] is no lane's.
+    #[inline(always)]
+    pub(crate) fn lanes(self) -> [f64; MOST_LANES] {
+        let mut lanes = [0.0; MOST_LANES];
+        let (vectors, _) = S::as_mut_simd_f64s(&mut lanes);
+        vectors[..2].copy_from_slice(&self.values);
+        lanes
+    }
+
+    #[inline(always)]
+    pub(super) fn select(a: Self, b: Self, large: Self, otherwise: Self) -> Self {
+        let simd = a.simd;
+        let values = both!(K => {
+            let is_large = simd.greater_than_or_equal_f64s(a.values[K], b.values[K]);
+            simd.select_f64s(is_large, large.values[K], otherwise.values[K])
+        });
+        Self { simd, values }
+    }
+
+    #[inline(always)]
+    pub(super) fn abs(self) -> Self {
+        Self { values: both!(K => self.simd.abs_f64s(self.values[K])), ..self }
+    }
+}
+
+macro_rules! real_arithmetic {
+    ($($name:ident $method:ident $instruction:ident),*) => {$(
+        impl<S: Simd> $name for RealLanes<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                let values = both!(K => self.simd.$instruction(self.values[K], other.values[K]));
+                Self { values, ..self }
+            }
+        }
+
+        impl<S: Simd> $name<f64> for RealLanes<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                $name::$method(self, Self::splat(self.simd, other))
+            }
+        }
+    )*};
+}
+
+real_arithmetic!(Add add add_f64s, Sub sub sub_f64s, Mul mul mul_f64s);
+
+impl<S: Simd> Neg for RealLanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { values: both!(K => self.simd.neg_f64s(self.values[K])), ..self }
+    }
+}
+
+impl<S: Simd> Size for RealLanes<S> {
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        let simd = self.simd;
+        let values = both!(K => {
+            let (a, b) = (self.values[K], other.values[K]);
+            let larger = simd.select_f64s(simd.greater_than_or_equal_f64s(a, b), a, b);
+            simd.select_f64s(simd.equal_f64s(a, a), larger, a)
+        });
+        Self { simd, values }
+    }
+}
+
+impl<S: Simd> Scalar for RealLanes<S> {
+    type Size = Self;
+
+    #[inline(always)]
+    fn lift(self, x: f64) -> Self {
+        Self::splat(self.simd, x)
+    }
+
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        let one = self.simd.splat_f64s(1.0);
+        Self { values: both!(K => self.simd.div_f64s(one, self.values[K])), ..self }
+    }
+
+    #[inline(always)]
+    fn size(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn choose(a: Self, b: Self, large: Self, otherwise: Self) -> Self {
+        Self::select(a, b, large, otherwise)
+    }
+}
