@@ -6,7 +6,8 @@
 # writes stiffness.csv and stiffness.svg; gnuplot draws the plot.
 set -euo pipefail
 
-link=$1 motion=$2 name=${3:-stiffness}
+usage='usage: stiffness_sweep.sh LINK MOTION [NAME]'
+link=${1:?$usage} motion=${2:?$usage} name=${3:-stiffness}
 
 flexlink sweep "$link" "$motion" --vary 'segments.*.EI*=0.5:32:60:log' -o "$name.csv"
 

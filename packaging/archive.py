@@ -25,7 +25,7 @@ from third_party import licences
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCUMENTS = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT", "docs/torque.svg"]
-EXAMPLES = ["specs/*.toml", "trajectories/*.csv"]
+EXAMPLES = ["specs/*.toml", "trajectories/*.csv", "examples/*"]
 COMPLETIONS = {
     "bash": "flexlink.bash",
     "elvish": "flexlink.elv",

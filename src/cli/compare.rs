@@ -1,8 +1,8 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::result::comparison::{Comparison, Tolerances};
+use flexlink::result::comparison::{Comparison, Entry, Tolerances};
 use flexlink::spec::read_tolerances;
 use flexlink::tables::{InputFile, change_golden_files, comparison_json};
 
@@ -11,6 +11,7 @@ use super::compare_sides::{Purpose, Sides, TOLERANCES};
 use super::compare_text::{blessed_text, comparison_text};
 use super::console;
 use super::exit::{Ending, Failure};
+use super::files::read_once;
 
 const EXAMPLE: &str = "\
 Example:
@@ -82,6 +83,10 @@ pub(crate) struct Compare {
 impl Compare {
     pub(crate) fn run(self) -> Result<Ending, Failure> {
         let purpose = if self.bless { Purpose::Bless } else { Purpose::Compare };
+        let tolerances = self.tolerances.as_deref();
+        let inputs: Vec<&Path> =
+            [&*self.expected, &*self.actual].into_iter().chain(tolerances).collect();
+        read_once(&inputs)?;
         let sides = Sides::find(&self.expected, &self.actual, purpose)?;
         let tolerances = self.read_tolerances(&sides)?;
         let comparison = sides.compare(&tolerances)?;
@@ -125,7 +130,11 @@ impl Compare {
 
     /// Tells of tolerances that have no effect.
     fn warn(&self, sides: &Sides, comparison: &Comparison, tolerances: &Tolerances) {
-        for entry in comparison.idle(tolerances) {
+        let is_meant = |entry: &&Entry| {
+            let names = || comparison.files.iter().map(|file| file.name.as_str());
+            !sides.are_single || names().any(|name| entry.is_of(name))
+        };
+        for entry in comparison.idle(tolerances).into_iter().filter(is_meant) {
             let file = entry.file.as_ref().map(|file| format!(" of a file {file:?}"));
             let (place, column) = (&entry.place, &entry.column);
             let named = format!("{column:?}{}", file.unwrap_or_default());

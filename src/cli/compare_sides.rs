@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use flexlink::result::comparison::{
-    Comparison, FileComparison, FileOutcome, Table, Tolerances, compare_tables,
+    Comparison, FileComparison, FileOutcome, Rule, Table, Tolerances, compare_tables,
 };
 use flexlink::tables::{CsvFolder, GoldenChanges, InputFile, read_table};
 
 use super::exit::{Exit, Failure};
+use super::files::is_standard_input;
 
 /// Name of the file of tolerances beside the golden files.
 pub(crate) const TOLERANCES: &str = "tolerances.toml";
@@ -28,6 +29,8 @@ pub(crate) struct Sides {
     /// The folder of the golden files; `None`: EXPECTED is standard input.
     pub(crate) golden: Option<PathBuf>,
     pairs: Vec<Pair>,
+    /// Whether they are single files, of which the file of tolerances may have others, too.
+    pub(crate) are_single: bool,
     /// Number of files that are no tables.
     not_compared: usize,
     /// Files of tolerances in folders of the folder EXPECTED, by their paths from there.
@@ -47,11 +50,13 @@ impl Sides {
     /// Finds the files of both sides.
     pub(crate) fn find(expected: &Path, actual: &Path, purpose: Purpose) -> Result<Self, Failure> {
         let [expected_piped, actual_piped] = [expected, actual].map(is_standard_input);
-        if expected_piped && actual_piped {
-            return Err(usage("EXPECTED and ACTUAL = -, but one of them must be a file"));
-        }
         if purpose == Purpose::Bless && (expected_piped || actual_piped) {
             return Err(usage("--bless = standard input, but must be a file or a folder"));
+        }
+        if purpose == Purpose::Bless && lie_in_each_other(expected, actual) {
+            let must = "but must not be blessed where one lies in the other";
+            let paths = format!("{}, {}", expected.display(), actual.display());
+            return Err(usage(&format!("{paths}: EXPECTED and ACTUAL = folders, {must}")));
         }
         if let Some(failure) = absence(actual) {
             return Err(failure);
@@ -81,7 +86,8 @@ impl Sides {
 
     fn of_files(expected: &Path, actual: &Path, purpose: Purpose) -> Result<Self, Failure> {
         // A pipe can be read once only, but is read again where it takes the place of EXPECTED.
-        if purpose == Purpose::Bless && actual.exists() && !actual.is_file() {
+        let is_pipe = |path: &Path| path.exists() && !path.is_file();
+        if purpose == Purpose::Bless && (is_pipe(actual) || is_pipe(expected)) {
             return Err(usage("--bless = a pipe, but must be a file or a folder"));
         }
         let expected_piped = is_standard_input(expected);
@@ -94,7 +100,7 @@ impl Sides {
             actual: Some(actual.to_owned()),
         };
         let golden = expected.parent().filter(|_| !expected_piped).map(Path::to_owned);
-        Ok(Self { golden, pairs: vec![pair], ..Self::default() })
+        Ok(Self { golden, pairs: vec![pair], are_single: true, ..Self::default() })
     }
 
     fn of_folders(expected: &Path, actual: &Path, purpose: Purpose) -> Result<Self, Failure> {
@@ -123,6 +129,7 @@ impl Sides {
         Ok(Self {
             golden: Some(expected.to_owned()),
             pairs: pairs.collect(),
+            are_single: false,
             not_compared: others.len(),
             unread_tolerances: unread.cloned().collect(),
         })
@@ -163,10 +170,26 @@ impl Pair {
                 let compared = compare_tables(&self.name, &expected, actual, tolerances);
                 FileOutcome::Compared(compared)
             }
-            (Some(expected), None) => FileOutcome::OnlyExpected(names(&read(expected)?)),
-            (None, Some(actual)) => FileOutcome::OnlyActual(names(&read(actual)?)),
+            (Some(expected), None) => {
+                let table = read(expected)?;
+                self.ignored(&table, tolerances)
+                    .unwrap_or_else(|| FileOutcome::OnlyExpected(names(&table)))
+            }
+            (None, Some(actual)) => {
+                let table = read(actual)?;
+                self.ignored(&table, tolerances)
+                    .unwrap_or_else(|| FileOutcome::OnlyActual(names(&table)))
+            }
             (None, None) => FileOutcome::OnlyActual(Vec::new()),
         })
+    }
+
+    /// A file of one side is no difference where all its columns are ignored.
+    fn ignored(&self, table: &Table, tolerances: &Tolerances) -> Option<FileOutcome> {
+        let is_ignored = |column: &str| tolerances.rule(&self.name, column) == Rule::Ignore;
+        let none_counts = table.names().next().is_some() && table.names().all(is_ignored);
+        let alike = || compare_tables(&self.name, table, table, tolerances);
+        none_counts.then(|| FileOutcome::Compared(alike()))
     }
 }
 
@@ -192,8 +215,11 @@ fn absence(path: &Path) -> Option<Failure> {
     absent.then(|| InputFile::read(path).err()).flatten().map(Failure::from)
 }
 
-fn is_standard_input(path: &Path) -> bool {
-    path.as_os_str() == "-"
+/// Whether one of two folders holds the other, or both are one.
+fn lie_in_each_other(a: &Path, b: &Path) -> bool {
+    let pair = a.canonicalize().ok().zip(b.canonicalize().ok());
+    let folders = pair.filter(|(a, b)| a.is_dir() && b.is_dir());
+    folders.is_some_and(|(a, b)| a.starts_with(&b) || b.starts_with(&a))
 }
 
 fn usage(message: &str) -> Failure {

@@ -67,7 +67,8 @@ pub(crate) fn told_by_parser(words: &clap::Error) -> Result<ExitCode, Failure> {
 
 /// Writes text for people to standard output; a reader that has gone away is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
-    print_bytes(shown(text).as_bytes())
+    let text: String = text.chars().map(|c| if c == '\n' { c } else { visible(c) }).collect();
+    print_bytes(shown(&text).as_bytes())
 }
 
 /// Whether there is still someone who reads standard output.

@@ -7,7 +7,7 @@ use flexlink::tables::is_result_file;
 use super::exit::{Exit, Failure};
 
 /// Whether a path means standard input.
-fn is_standard_input(path: &Path) -> bool {
+pub(crate) fn is_standard_input(path: &Path) -> bool {
     ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"].iter().any(|name| path.as_os_str() == *name)
 }
 

@@ -36,6 +36,11 @@ impl CsvFolder {
             let inner = path.strip_prefix(folder).unwrap_or(path);
             let steps: Vec<_> = inner.iter().map(|step| step.to_string_lossy()).collect();
             let name = steps.join("/");
+            // Two names may be one in UTF-8.
+            if inner.to_str().is_none() {
+                let cause = io::Error::other("its name is not UTF-8");
+                return Err(InputError::new(path.display().to_string(), cause));
+            }
             if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
                 found.tables.insert(name, entry.into_path());
             } else {
@@ -68,6 +73,16 @@ mod tests {
     fn a_folder_that_is_not_there_is_told_in_the_systems_words() {
         let error = CsvFolder::list(Path::new("no/such")).unwrap_err();
         assert_eq!(error.to_string(), "no/such: cannot read: No such file or directory");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_name_that_is_no_utf8_is_refused() {
+        use std::os::unix::ffi::OsStrExt as _;
+        let base = tempfile::tempdir().unwrap();
+        fs::write(base.path().join(std::ffi::OsStr::from_bytes(b"a\xfe.csv")), "").unwrap();
+        let error = CsvFolder::list(base.path()).unwrap_err().to_string();
+        assert!(error.ends_with(": cannot read: its name is not UTF-8"), "{error}");
     }
 
     #[cfg(unix)]

@@ -120,6 +120,31 @@ impl OutputFolder {
         Ok(())
     }
 
+    /// Gives all files their names, one after the other, in the place of those that have them: at no
+    /// moment is a name without a whole file, and a file keeps the permissions of the one before it.
+    ///
+    /// # Errors
+    /// [`FolderError`] names the first file that cannot be written; where a folder has its name, no
+    /// file is changed.
+    pub fn replace(mut self) -> Result<(), FolderError> {
+        let in_the_way = self.staged.iter().find(|(name, _)| self.dir.join(name).is_dir());
+        if let Some((name, _)) = in_the_way {
+            let cause = io::Error::other("a folder has this name");
+            return Err(self.error(FolderAction::Write(lossy(name)), cause));
+        }
+        for (name, path) in std::mem::take(&mut self.staged) {
+            let target = self.dir.join(&name);
+            if let Ok(before) = fs::metadata(&target) {
+                // On a file system without permissions there are none to keep.
+                let _ = fs::set_permissions(&path, before.permissions());
+            }
+            path.persist(target)
+                .map_err(|refused| self.error(FolderAction::Write(lossy(&name)), refused.error))?;
+        }
+        self.created.clear();
+        Ok(())
+    }
+
     fn remove(&self, name: &OsStr) -> Result<(), FolderError> {
         match fs::remove_file(self.dir.join(name)) {
             Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
@@ -263,6 +288,32 @@ mod tests {
         let error = folder.commit("summary.json", &OWNED).unwrap_err();
         assert_eq!(error.action, FolderAction::Write("torque.csv".to_owned()));
         assert_eq!(listing(dir), files(&[("torque.csv", "")]));
+    }
+
+    #[test]
+    fn replaced_files_are_there_at_every_moment() {
+        let base = tempfile::tempdir().unwrap();
+        let dir = base.path();
+        fs::create_dir(dir.join("b.csv")).unwrap();
+        fs::write(dir.join("z.csv"), "old").unwrap();
+        let folder = stage_files(dir, &[("z.csv", "new"), ("b.csv", "new")]);
+        let error = folder.replace().unwrap_err();
+        assert_eq!(error.action, FolderAction::Write("b.csv".to_owned()));
+        assert_eq!(listing(dir), files(&[("b.csv", ""), ("z.csv", "old")]));
+        stage_files(dir, &[("z.csv", "new")]).replace().unwrap();
+        assert_eq!(listing(dir), files(&[("b.csv", ""), ("z.csv", "new")]));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_replaced_file_keeps_its_permissions() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path().join("torque.csv");
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        stage_files(base.path(), &[("torque.csv", "new")]).replace().unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
     }
 
     #[test]

@@ -1,9 +1,11 @@
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use super::folder::{FolderAction, FolderError, OutputFolder};
+use super::single_file::folder_of;
 
 /// Changes to a folder of golden files, by their paths from there, with slashes.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -21,23 +23,26 @@ pub struct GoldenChanges {
 /// # Errors
 /// [`FolderError`] names the first file that cannot be written or removed.
 pub fn change_golden_files(folder: &Path, changes: &GoldenChanges) -> Result<(), FolderError> {
-    let mut staged: BTreeMap<PathBuf, (OutputFolder, String)> = BTreeMap::new();
+    let mut staged: BTreeMap<PathBuf, OutputFolder> = BTreeMap::new();
     for (name, source) in &changes.written {
+        // What a symbolic link leads to is the golden file.
         let path = folder.join(name);
-        let inner = path.parent().filter(|inner| !inner.as_os_str().is_empty());
-        let inner = inner.unwrap_or(Path::new(".")).to_owned();
-        let own = name.rsplit('/').next().unwrap_or(name);
-        if !staged.contains_key(&inner) {
-            staged.insert(inner.clone(), (OutputFolder::stage(&inner)?, String::new()));
+        let path = path.canonicalize().unwrap_or(path);
+        let inner = folder_of(&path).to_owned();
+        let own = path.file_name().unwrap_or(OsStr::new(name)).to_owned();
+        if path.exists() && !path.is_file() {
+            let cause = io::Error::other("it is there, and no file");
+            let action = FolderAction::Write(own.to_string_lossy().into());
+            return Err(FolderError { folder: inner, action, cause });
         }
-        if let Some((aside, last)) = staged.get_mut(&inner) {
-            aside.file(own, |out| io::copy(&mut File::open(source)?, out).map(drop))?;
-            own.clone_into(last);
-        }
+        let aside = match staged.remove(&inner) {
+            Some(aside) => aside,
+            None => OutputFolder::stage(&inner)?,
+        };
+        let aside = staged.entry(inner).or_insert(aside);
+        aside.file(own, |out| io::copy(&mut File::open(source)?, out).map(drop))?;
     }
-    for (aside, last) in staged.into_values() {
-        aside.commit(&last, &[])?;
-    }
+    staged.into_values().try_for_each(OutputFolder::replace)?;
     for name in &changes.removed {
         fs::remove_file(folder.join(name)).map_err(|cause| FolderError {
             folder: folder.to_owned(),
@@ -68,6 +73,28 @@ mod tests {
         assert!(!golden.join("b/f.csv").exists() && golden.join("b/c d/e.csv").exists());
         let error = change_golden_files(&golden, &changes).unwrap_err();
         assert_eq!(error.action, FolderAction::Remove("b/f.csv".into()));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_what_is_no_file_is_left_alone() {
+        let base = tempfile::tempdir().unwrap();
+        let at = |name: &str| base.path().join(name);
+        fs::write(at("source"), "new").unwrap();
+        fs::create_dir(at("golden")).unwrap();
+        fs::write(at("real.csv"), "old").unwrap();
+        fs::write(at("golden/z.csv"), "old").unwrap();
+        std::os::unix::fs::symlink(at("real.csv"), at("golden/a.csv")).unwrap();
+        let written = |names: &[&str]| {
+            let written = names.iter().map(|name| ((*name).to_owned(), at("source"))).collect();
+            change_golden_files(&at("golden"), &GoldenChanges { written, removed: vec![] })
+        };
+        written(&["a.csv"]).unwrap();
+        assert!(at("golden/a.csv").is_symlink());
+        assert_eq!(fs::read_to_string(at("real.csv")).unwrap(), "new");
+        fs::create_dir(at("golden/b.csv")).unwrap();
+        written(&["b.csv", "z.csv"]).unwrap_err();
+        assert_eq!(fs::read_to_string(at("golden/z.csv")).unwrap(), "old");
     }
 
     #[test]

@@ -114,9 +114,8 @@ pub(super) fn check_names(
 
 /// Refuses a first row that separates its columns otherwise than by commas.
 pub(super) fn check_separator(fields: &[&str], place: Place) -> Result<(), TableError> {
-    if let [field] = fields
-        && field.contains([';', '\t'])
-    {
+    // Where decimals follow a comma, some commas are there all the same.
+    if let Some(field) = fields.iter().find(|field| field.contains([';', '\t'])) {
         let must = "must name columns that are separated by commas";
         let hint = "separate the columns with commas".to_owned();
         return Err(place.refuse("first row", quoted(field), must).with_hint(hint));

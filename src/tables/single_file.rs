@@ -27,7 +27,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
     }
     let mut staged = OutputFolder::stage(folder)?;
     staged.file(name, |out| out.write_all(bytes))?;
-    staged.commit(name, &[])
+    staged.replace()
 }
 
 /// What a symbolic link leads to, if that is there; else the path itself.

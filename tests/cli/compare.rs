@@ -184,7 +184,7 @@ fn either_side_may_be_standard_input() {
         child.stdin.take().unwrap().write_all(EXPECTED.as_bytes()).unwrap();
         equal(&child.wait_with_output().unwrap());
     }
-    let both = "error: EXPECTED and ACTUAL = -, but one of them must be a file\n";
+    let both = "error: standard input = several files, but must be one\n";
     refused(&bench.run(&["compare", "-", "-"]), 2, both);
     let blessed = "error: --bless = standard input, but must be a file or a folder\n";
     refused(&bench.run(&["compare", "e.csv", "-", "--bless"]), 2, blessed);
@@ -219,4 +219,61 @@ fn json_tells_every_column_of_every_file() {
     let worst = &torque["worst"];
     assert_eq!((&worst["difference"], &worst["actual_field"]), (&Value::Null, &"x".into()));
     assert_eq!((&worst["expected"]["line"], &worst["actual"]["line"]), (&4.into(), &3.into()));
+}
+
+#[test]
+fn a_semicolon_in_a_table_without_names_is_refused() {
+    let bench = Bench::new();
+    for name in ["e.csv", "a.csv"] {
+        bench.write(name, "0,1;2,05\n0,2;2,05\n");
+    }
+    let output = files(&bench, &[]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stderr(&output).contains("first row = "), "{}", stderr(&output));
+}
+
+#[test]
+fn no_golden_folder_is_blessed_from_a_folder_within_it_or_around_it() {
+    let bench = Bench::new();
+    std::fs::create_dir_all(bench.path("golden/out")).unwrap();
+    bench.write("golden/a.csv", EXPECTED);
+    bench.write("golden/out/a.csv", EXPECTED);
+    for [expected, actual] in [["golden", "golden/out"], ["golden/out", "golden"], [".", "golden"]]
+    {
+        let output = bench.run(&["compare", expected, actual, "--bless"]);
+        assert_eq!(output.status.code(), Some(2), "{expected}, {actual}");
+        assert!(stderr(&output).contains("must not be blessed where one lies in the other"));
+    }
+    assert_eq!(bench.names("golden"), ["a.csv", "out"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_golden_pipe_is_not_replaced_by_a_file() {
+    use std::os::unix::fs::FileTypeExt as _;
+    let bench = Bench::new();
+    bench.write("a.csv", EXPECTED);
+    let made = std::process::Command::new("mkfifo").arg(bench.path("pipe")).status().unwrap();
+    assert!(made.success());
+    let output = bench.run(&["compare", "pipe", "a.csv", "--bless"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(fs::metadata(bench.path("pipe")).unwrap().file_type().is_fifo());
+}
+
+#[test]
+fn a_file_of_one_side_whose_columns_are_all_ignored_is_no_difference() {
+    let bench = Bench::new();
+    for folder in ["golden", "out"] {
+        fs::create_dir(bench.path(folder)).unwrap();
+        bench.write(&format!("{folder}/a.csv"), EXPECTED);
+    }
+    bench.write("out/log.csv", "x\n1\n");
+    bench.write(
+        "golden/tolerances.toml",
+        "[[columns]]\nfile = 'log.csv'\ncolumn = '*'\nignore = true\n",
+    );
+    assert_eq!(bench.run(&["compare", "golden", "out"]).status.code(), Some(0));
+    // Of one file alone, what is said of others is no slip.
+    let single = bench.run(&["compare", "golden/a.csv", "out/a.csv"]);
+    assert_eq!((single.status.code(), stderr(&single).as_str()), (Some(0), ""));
 }

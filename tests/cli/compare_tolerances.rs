@@ -58,7 +58,8 @@ fn a_tolerance_that_names_no_column_is_told() {
     bench.write(
         "tolerances.toml",
         "[[columns]]\ncolumn = 'torqe_*'\nrtol = 1\n\
-                [[columns]]\nfile = 'x.csv'\ncolumn = 'time_s'\nrtol = 1",
+                [[columns]]\nfile = 'e.csv'\ncolumn = 'times'\nrtol = 1\n\
+                [[columns]]\nfile = 'x.csv'\ncolumn = 'of another file'\nrtol = 1",
     );
     let output = files(&bench, &[]);
     assert_eq!(output.status.code(), Some(0));
@@ -68,7 +69,7 @@ fn a_tolerance_that_names_no_column_is_told() {
         stderr(&output),
         format!(
             "warning: tolerances.toml:1: column = \"torqe_*\", {none}\n{hint}\
-             warning: tolerances.toml:4: column = \"time_s\" of a file \"x.csv\", {none}\n{hint}"
+             warning: tolerances.toml:4: column = \"times\" of a file \"e.csv\", {none}\n{hint}"
         )
     );
     let bench = folders(&[("a/t.csv", EXPECTED)], &[("a/t.csv", EXPECTED)]);

@@ -63,11 +63,15 @@ impl Entry {
     ///
     /// In patterns `*` stands for any text and `?` for one character.
     pub fn names(&self, file: &str, column: &str) -> bool {
-        let in_file = self.file.as_deref().is_none_or(|pattern| {
+        self.is_of(file) && WildMatch::new(&self.column).matches(column)
+    }
+
+    /// Whether it speaks of columns of the file with this path.
+    pub fn is_of(&self, file: &str) -> bool {
+        self.file.as_deref().is_none_or(|pattern| {
             let name = file.rsplit('/').next().unwrap_or(file);
             WildMatch::new(pattern).matches(if pattern.contains('/') { file } else { name })
-        });
-        in_file && WildMatch::new(&self.column).matches(column)
+        })
     }
 }
 
