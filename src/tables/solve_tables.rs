@@ -1,7 +1,8 @@
 //! The files of `solve`: every column's name and unit, once.
 
 use super::csv_table::{ColumnGroup, write_csv};
-use super::folder::{FolderError, OutputFolder};
+use super::folder::OutputFolder;
+use super::folder_error::FolderError;
 use super::histories::{MOTOR, RESULT_FILES, SUMMARY, group, nodal_group, tip_groups, write_nodes};
 use super::number::Digits;
 use super::summary::Summary;
