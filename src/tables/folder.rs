@@ -81,8 +81,8 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Gives all files their names, one after the other, in the place of those that have them: at no
-    /// moment is a name without a whole file, and a file keeps the permissions of the one before it.
+    /// Gives all files their names in the place of those that have them: at no moment is a name
+    /// without a whole file, and each keeps the permissions of the one before it.
     ///
     /// # Errors
     /// [`FolderError`] names the first file that cannot be written; where a folder has its name, no
@@ -95,10 +95,8 @@ impl OutputFolder {
         }
         for (name, path) in std::mem::take(&mut self.staged) {
             let target = self.dir.join(&name);
-            if let Ok(before) = fs::metadata(&target) {
-                // On a file system without permissions there are none to keep.
-                let _ = fs::set_permissions(&path, before.permissions());
-            }
+            // On a file system without permissions there are none to keep.
+            let _ = fs::metadata(&target).map(|old| fs::set_permissions(&path, old.permissions()));
             path.persist(target)
                 .map_err(|refused| self.error(FolderAction::Write(lossy(&name)), refused.error))?;
         }
