@@ -17,6 +17,7 @@ mod convert;
 mod count;
 mod damping;
 mod error;
+mod override_hints;
 mod overrides;
 mod quantity;
 mod raw;

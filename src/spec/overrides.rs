@@ -2,6 +2,7 @@ use std::str::FromStr;
 
 use super::SpecError;
 use super::error::nearest;
+use super::override_hints::instead;
 use super::tree::{Kind, Node, Place};
 use crate::numeric::split_number;
 
@@ -239,25 +240,6 @@ fn chosen(items: &[Node], path: &str, step: &str) -> Result<Vec<usize>, Refused>
             hint: near.map(|near| format!("did you mean `{near}`?")),
         }
     })
-}
-
-/// What to do instead of multiplying the absent key `step`.
-fn instead(entries: &[(String, Node)], step: &str) -> String {
-    let has = |wanted: &str| entries.iter().any(|(key, _)| key == wanted);
-    let others: &[&str] = match step {
-        "E" | "I" => &["EI", "E"],
-        "density" | "area" => &["mass_per_length", "density"],
-        "ratio" => &["ratios"],
-        "ratios" => &["ratio"],
-        _ => &[],
-    };
-    match others.iter().find(|other| has(other)) {
-        Some(other) => format!("the file gives {other} there: multiply that"),
-        None => match nearest(step, entries.iter().map(|(key, _)| key.as_str())) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => "give it a value with `=`".into(),
-        },
-    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,50 @@
+//! What to say where a key that is to be multiplied is not there.
+
+use super::error::nearest;
+use super::tree::Node;
+
+/// What to do instead of multiplying the absent key `step`.
+pub(super) fn instead(entries: &[(String, Node)], step: &str) -> String {
+    let has = |wanted: &str| entries.iter().any(|(key, _)| key == wanted);
+    let others: &[&str] = match step {
+        "E" | "I" => &["EI", "E"],
+        "density" | "area" => &["mass_per_length", "density"],
+        "ratio" => &["ratios"],
+        "ratios" => &["ratio"],
+        _ => &[],
+    };
+    match others.iter().find(|other| has(other)) {
+        Some(other) => format!("the file gives {other} there: multiply that"),
+        None => match nearest(step, multiplied(entries)) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "give it a value with `=`".into(),
+        },
+    }
+}
+
+/// The keys that can be multiplied: those that are there, and products of which a factor is.
+fn multiplied(entries: &[(String, Node)]) -> impl Iterator<Item = &str> {
+    let there = || entries.iter().map(|(key, _)| key.as_str());
+    let products = [("E", "EI"), ("density", "mass_per_length")];
+    let given = move |(factor, _): &(&str, &str)| there().any(|key| key == *factor);
+    there().chain(products.into_iter().filter(given).map(|(_, product)| product))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::overrides::apply;
+    use super::*;
+
+    #[test]
+    fn a_slip_in_a_product_of_which_a_factor_is_given_is_asked_about() {
+        let text = "[[segments]]\nlength = 1\nE = 2e11\nI = 1e-10\ndensity = 7800\narea = 1e-4\n";
+        let mut tree = Node::document(text).unwrap();
+        for (slip, meant) in
+            [("EII", "EI"), ("mass_per_lenght", "mass_per_length"), ("lenght", "length")]
+        {
+            let change = format!("segments.*.{slip}*=2").parse().unwrap();
+            let error = apply(&mut tree, 0, &change).unwrap_err();
+            assert_eq!(error.hint(), Some(format!("did you mean `{meant}`?").as_str()));
+        }
+    }
+}
