@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use clap::builder::styling::{AnsiColor, Style};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use flexlink::tables::write_file;
+use flexlink::tables::{system_words, write_file};
 
 use super::charset::shown;
 use super::exit::{Exit, Failure};
@@ -102,10 +102,7 @@ fn delivered(written: io::Result<()>) -> Result<Reader, Failure> {
         Ok(()) => Ok(Reader::There),
         Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => Ok(Reader::Gone),
         Err(cause) => {
-            let cause = cause.to_string();
-            // The system's number for the error says nothing beside its words.
-            let words = cause.split(" (os error").next().unwrap_or(&cause);
-            let message = format!("standard output: cannot write: {words}");
+            let message = format!("standard output: cannot write: {}", system_words(&cause));
             Err(Failure::new(Exit::CannotWrite, &message, None))
         }
     }

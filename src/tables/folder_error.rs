@@ -2,6 +2,8 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
+use super::input::system_words;
+
 /// What could not be done with an output folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FolderAction {
@@ -32,10 +34,7 @@ impl fmt::Display for FolderError {
             FolderAction::Write(name) => write!(f, "write {name}")?,
             FolderAction::Remove(name) => write!(f, "remove {name}")?,
         }
-        // The system's number for the error says nothing beside its words.
-        let cause = self.cause.to_string();
-        let words = cause.split(" (os error").next().unwrap_or(&cause);
-        write!(f, ": {words}")
+        write!(f, ": {}", system_words(&self.cause))
     }
 }
 

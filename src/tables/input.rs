@@ -19,14 +19,14 @@ pub struct InputFile {
 
 /// An input that cannot be read.
 #[derive(Debug, Error)]
-#[error("{shown}: cannot read: {}", words(cause))]
+#[error("{shown}: cannot read: {}", system_words(cause))]
 pub struct InputError {
     shown: String,
     cause: io::Error,
 }
 
-/// The system's words for an error, without its number.
-fn words(cause: &io::Error) -> String {
+/// The system's words for an error, without its number, which says nothing beside them.
+pub fn system_words(cause: &io::Error) -> String {
     let text = cause.to_string();
     text.split(" (os error").next().unwrap_or_default().to_owned()
 }

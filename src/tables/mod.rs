@@ -49,7 +49,7 @@ pub use frf_table::write_frequency_response;
 pub use golden::{GoldenChanges, change_golden_files};
 pub use histories::is_result_file;
 pub use hub_csv::read_hub_reference;
-pub use input::{InputError, InputFile};
+pub use input::{InputError, InputFile, system_words};
 pub use modes_tables::{HeldModes, ModesResult};
 pub use motion_csv::{MotionTable, read_motion_table};
 pub use number::{Digits, DigitsError, NumberFormat};
