@@ -8,6 +8,8 @@ mod pivoted;
 mod plan;
 mod spectrum;
 mod transfer;
+#[cfg(test)]
+mod undamped;
 mod walk;
 
 pub use condensation::{Gain, Inertia, Step, condense};

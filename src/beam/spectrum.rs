@@ -129,27 +129,8 @@ impl WithSimd for Nodal<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::{ElementCount, MeshPlan, NodalTransfer, nodal_transfer, tip_transfer};
-    use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
-
-    fn mesh() -> Mesh {
-        let link = Link::new(LinkParts {
-            title: String::new(),
-            segments: vec![Segment {
-                name: None,
-                length_m: 1.5,
-                bending_stiffness_n_m2: Taper { inner: 6.0, outer: 4.0 },
-                mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.7 },
-            }],
-            hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad: 0.0 },
-            masses: vec![LumpedMass { at_m: 0.8, mass_kg: 0.1, inertia_kg_m2: 1e-3 }],
-            payload: Payload { mass_kg: 0.05, inertia_kg_m2: 0.0, offset_m: 0.0 },
-            damping: Damping::None,
-        });
-        let link = link.unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6);
-        Mesh::new(&link, &plan.unwrap())
-    }
+    use crate::beam::undamped::mesh;
+    use crate::beam::{NodalTransfer, nodal_transfer, tip_transfer};
 
     /// Undamped ones with resonances of the outboard part among them, and damped ones.
     fn lambdas() -> Vec<Complex64> {
@@ -168,7 +149,7 @@ mod tests {
 
     #[test]
     fn every_tip_transfer_of_many_has_the_bits_of_the_one_alone() {
-        let (mesh, lambdas) = (mesh(), lambdas());
+        let (mesh, lambdas) = (mesh(10), lambdas());
         let narrow = Tip { mesh: &mesh, lambdas: &lambdas }.with_simd(pulp::Scalar);
         let lost = narrow.iter().filter(|(_, gain)| !is_trusted(*gain)).count();
         assert!(lost > 0, "no resonance of the outboard part was met: {lost}");
@@ -184,7 +165,7 @@ mod tests {
 
     #[test]
     fn every_nodal_transfer_of_many_has_the_bits_of_the_one_alone() {
-        let (mesh, lambdas) = (mesh(), lambdas());
+        let (mesh, lambdas) = (mesh(10), lambdas());
         let nodes = [3, 0, 10, 7];
         let alone: Vec<_> = lambdas.iter().map(|lambda| nodal_transfer(&mesh, *lambda)).collect();
         for quantity in [NodalQuantity::Deflection, NodalQuantity::Moment] {
