@@ -7,10 +7,12 @@ mod lanes;
 mod largest;
 mod roots;
 mod round;
+mod sampling;
 mod scalar;
 mod spline;
 mod uniform;
 mod units;
+mod upsampling;
 #[cfg(test)]
 mod wide;
 
@@ -20,6 +22,7 @@ pub use grid::{ThinnedGrid, TimeGrid};
 pub use largest::{largest, largest_difference};
 pub use roots::{bisect, geometric_scan};
 pub(crate) use round::rounded;
+pub(crate) use sampling::{CHANNELS, Sampling};
 pub use scalar::{Scalar, Size};
 pub use spline::{CubicSpline, SplineEnds};
 pub use uniform::NotUniform;

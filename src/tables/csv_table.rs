@@ -1,16 +1,18 @@
 use std::io::{self, Write};
+use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::cells::Cells;
+use super::number::Digits;
+use super::time_format::time_format;
+use crate::inverse::NodalTable;
 use crate::numeric::ThinnedGrid;
 
-use super::number::{Digits, NumberFormat};
-use super::time_format::time_format;
-
-/// Rows formatted by one thread at a time.
-const BLOCK_ROWS: usize = 512;
-/// Blocks held in memory before they are written.
-const BLOCKS_AT_ONCE: usize = 64;
+/// Numbers formatted by one thread at a time: their text fits its cache.
+const BLOCK_NUMBERS: usize = 1 << 15;
+/// Blocks that each thread formats before they are written.
+const BLOCKS_OF_A_THREAD: usize = 4;
 
 /// One column of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +48,7 @@ impl ColumnGroup<'_> {
 /// # Panics
 /// If a column has not as many values as there are times.
 pub fn write_csv(
-    out: &mut (impl Write + ?Sized),
+    out: &mut (dyn Write + Send),
     time: &ThinnedGrid,
     groups: &[ColumnGroup],
     digits: Digits,
@@ -56,7 +58,7 @@ pub fn write_csv(
 
 /// Writes a table of `rows` rows over times in s under a heading of their own.
 pub(super) fn write_timed(
-    out: &mut (impl Write + ?Sized),
+    out: &mut (dyn Write + Send),
     heading: &str,
     time_s: &(impl Fn(usize) -> f64 + Sync),
     rows: usize,
@@ -68,54 +70,104 @@ pub(super) fn write_timed(
         assert_eq!(column.values.len(), rows, "{}", column.name);
     }
     let names = columns.iter().map(|(column, _)| column.name.as_str());
-    let header: Vec<&str> = std::iter::once(heading).chain(names).collect();
-    writeln!(out, "{}", header.join(","))?;
-
-    let time_format = time_format(time_s, rows);
-    let write_row = |block: &mut Vec<u8>, k: usize| {
-        time_format.write(block, time_s(k));
-        for (column, format) in &columns {
-            block.push(b',');
-            format.write(block, column.values[k]);
+    write_header(out, heading, names)?;
+    let times = Cells::new(time_format(time_s, rows));
+    let write_block = |rows: Range<usize>, text: &mut Vec<u8>| {
+        let time: Vec<f64> = rows.clone().map(time_s).collect();
+        let mut all = vec![times.of(&time)];
+        all.extend(columns.iter().map(|(column, cells)| cells.of(&column.values[rows.clone()])));
+        for row in 0..time.len() {
+            all[0].append(text, b'\n', row);
+            all[1..].iter().for_each(|cells| cells.append(text, b',', row));
         }
-        block.push(b'\n');
     };
-    write_rows(out, rows, write_row)
+    write_blocks(out, &(0..rows), columns.len() + 1, write_block)?;
+    out.write_all(b"\n")
 }
 
 /// The columns of all groups, each with the format of its group.
-fn formatted<'a>(
-    groups: &'a [ColumnGroup<'a>],
-    digits: Digits,
-) -> Vec<(&'a Column<'a>, NumberFormat)> {
+fn formatted<'a>(groups: &'a [ColumnGroup<'a>], digits: Digits) -> Vec<(&'a Column<'a>, Cells)> {
     let mut columns = Vec::new();
     for group in groups {
-        let format = digits.for_peak(group.peak());
-        columns.extend(group.columns.iter().map(|column| (column, format)));
+        let cells = Cells::new(digits.for_peak(group.peak()));
+        columns.extend(group.columns.iter().map(|column| (column, cells)));
     }
     columns
 }
 
-/// Formats blocks of rows in parallel and writes them in order.
-fn write_rows(
-    out: &mut (impl Write + ?Sized),
-    rows: usize,
-    write_row: impl Fn(&mut Vec<u8>, usize) + Sync,
+/// Writes a quantity at the nodes of a link over time: a header, then one row a sample, `time_s`
+/// first and then a column a node, headed `letter`, its number and `unit`.
+///
+/// # Errors
+/// Those of `out`.
+pub(super) fn write_nodal(
+    out: &mut (dyn Write + Send),
+    table: &NodalTable,
+    (letter, unit): (&str, &str),
+    digits: Digits,
 ) -> io::Result<()> {
-    for start in (0..rows).step_by(BLOCK_ROWS * BLOCKS_AT_ONCE) {
-        let end = rows.min(start + BLOCK_ROWS * BLOCKS_AT_ONCE);
-        let blocks: Vec<Vec<u8>> = (start..end)
-            .into_par_iter()
-            .step_by(BLOCK_ROWS)
-            .map(|first| {
-                let mut block = Vec::new();
-                (first..end.min(first + BLOCK_ROWS)).for_each(|k| write_row(&mut block, k));
-                block
-            })
-            .collect();
-        blocks.iter().try_for_each(|block| out.write_all(block))?;
+    let (grid, width) = (table.grid(), table.nodes().len());
+    let names = table.nodes().iter().map(|node| format!("{letter}{node}_{unit}"));
+    write_header(out, "time_s", names)?;
+    let times = Cells::new(time_format(|k| grid.time_s(k), grid.len()));
+    let cells = Cells::new(digits.for_peak(table.peak()));
+    for number in 0..table.blocks() {
+        let block = table.block(number);
+        let write_block = |rows: Range<usize>, text: &mut Vec<u8>| {
+            let time: Vec<f64> = rows.clone().map(|k| grid.time_s(k)).collect();
+            let time = times.of(&time);
+            let mut values = vec![0.0; rows.len() * width];
+            block.write_rows(rows.clone(), &mut values);
+            for row in 0..rows.len() {
+                time.append(text, b'\n', row);
+                let values = cells.of(&values[row * width..][..width]);
+                (0..width).for_each(|column| values.append(text, b',', column));
+            }
+        };
+        write_blocks(out, &block.rows(), width + 1, write_block)?;
+    }
+    out.write_all(b"\n")
+}
+
+/// Writes the names of the columns; every row then begins with the end of the line before it.
+fn write_header<S: AsRef<str>>(
+    out: &mut (dyn Write + Send),
+    heading: &str,
+    names: impl Iterator<Item = S>,
+) -> io::Result<()> {
+    out.write_all(heading.as_bytes())?;
+    for name in names {
+        out.write_all(b",")?;
+        out.write_all(name.as_ref().as_bytes())?;
     }
     Ok(())
+}
+
+/// Formats blocks of rows in parallel and writes them in order, some while the next are formatted.
+fn write_blocks(
+    out: &mut (dyn Write + Send),
+    rows: &Range<usize>,
+    width: usize,
+    write_block: impl Fn(Range<usize>, &mut Vec<u8>) + Sync,
+) -> io::Result<()> {
+    let block_rows = (BLOCK_NUMBERS / width).max(1);
+    let at_once = BLOCKS_OF_A_THREAD * rayon::current_num_threads();
+    let (mut ready, mut next) = (vec![Vec::new(); at_once], vec![Vec::new(); at_once]);
+    for start in rows.clone().step_by(block_rows * at_once) {
+        let format = |(block, text): (usize, &mut Vec<u8>)| {
+            text.clear();
+            let first = start + block * block_rows;
+            let block = first.min(rows.end)..(first + block_rows).min(rows.end);
+            if !block.is_empty() {
+                write_block(block, text);
+            }
+        };
+        let write = || ready.iter().try_for_each(|text| out.write_all(text));
+        let (written, ()) = rayon::join(write, || next.par_iter_mut().enumerate().for_each(format));
+        written?;
+        std::mem::swap(&mut ready, &mut next);
+    }
+    ready.iter().try_for_each(|text| out.write_all(text))
 }
 
 #[cfg(test)]
@@ -158,7 +210,7 @@ mod tests {
 
     #[test]
     fn the_bytes_do_not_depend_on_the_number_of_threads() {
-        let len = 3 * BLOCK_ROWS * BLOCKS_AT_ONCE / 2 + 7;
+        let len = 3 * BLOCK_NUMBERS * BLOCKS_OF_A_THREAD / 2 + 7;
         let values: Vec<f64> = (0..len).map(|k| (0.37 * k as f64).sin()).collect();
         let grid = TimeGrid { len, ..GRID };
         let table = |threads| {

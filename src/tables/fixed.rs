@@ -101,6 +101,17 @@ fn eight_digits(number: u64) -> [u8; 8] {
     (digits + 0x3030_3030_3030_3030).to_le_bytes()
 }
 
+/// Words without pattern (Steele, Lea, Flood 2014: `SplitMix64`).
+#[cfg(test)]
+pub(super) fn words(seed: u64) -> impl Iterator<Item = u64> {
+    (1_u64..).map(move |k| {
+        let mut z = (seed + k).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,16 +129,6 @@ mod tests {
         write_fixed(out, value, decimals);
         let expected = expected(value, decimals);
         assert!(out == expected.as_bytes(), "{value:e} with {decimals}: {expected}");
-    }
-
-    /// Words without pattern (Steele, Lea, Flood 2014: `SplitMix64`).
-    fn words(seed: u64) -> impl Iterator<Item = u64> {
-        (1_u64..).map(move |k| {
-            let mut z = (seed + k).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            z ^ (z >> 31)
-        })
     }
 
     /// A count of decimals below `most`.

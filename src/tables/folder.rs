@@ -45,7 +45,7 @@ impl OutputFolder {
     pub fn file(
         &mut self,
         name: impl AsRef<OsStr>,
-        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+        write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<(), FolderError> {
         let name = name.as_ref();
         let path = write_aside(&self.dir, name, write)
@@ -138,7 +138,7 @@ fn lossy(name: &OsStr) -> String {
 fn write_aside(
     dir: &Path,
     name: &OsStr,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> io::Result<TempPath> {
     let prefix: OsString = [OsStr::new("."), name, OsStr::new(".")].into_iter().collect();
     let file = ordinary_file(Builder::new().prefix(&prefix), dir)?;

@@ -66,7 +66,7 @@ pub(super) fn nodal_group<'a>(
 /// `nodes.csv`: every node of the mesh with the segment that ends there (node 0: begins there),
 /// by name, or by number where it has none.
 pub(super) fn write_nodes(
-    out: &mut dyn Write,
+    out: &mut (dyn Write + Send),
     link: &Link,
     mesh: &Mesh,
     digits: Digits,

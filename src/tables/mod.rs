@@ -1,9 +1,11 @@
 //! CSV ⇄ data: every column's name and unit once; reading, and writing whole files or none.
 
 mod any_table;
+mod cells;
 mod comparison_json;
 mod csv_folder;
 mod csv_table;
+mod decimals;
 mod fixed;
 mod folder;
 mod folder_error;

@@ -1,13 +1,12 @@
 //! The files of `solve`: every column's name and unit, once.
 
-use super::csv_table::{ColumnGroup, write_csv};
+use super::csv_table::{ColumnGroup, write_csv, write_nodal};
 use super::folder::OutputFolder;
 use super::folder_error::FolderError;
-use super::histories::{MOTOR, RESULT_FILES, SUMMARY, group, nodal_group, tip_groups, write_nodes};
+use super::histories::{MOTOR, RESULT_FILES, SUMMARY, group, tip_groups, write_nodes};
 use super::number::Digits;
 use super::summary::Summary;
-use crate::beam::NodalHistories;
-use crate::inverse::{MotorHistories, Solution};
+use crate::inverse::{MotorHistories, NodalTable, Solution};
 use crate::link::{Drive, Link};
 
 /// Which results to write, and how.
@@ -90,21 +89,17 @@ impl SolveOutputs {
     ) -> Result<(), FolderError> {
         let every_node = || (0..solution.mesh().nodes_m().len()).collect();
         let nodes: Vec<usize> = self.nodes.clone().unwrap_or_else(every_node);
-        let mut file = |name: &str, letter: &str, unit: &str, histories: &NodalHistories| {
-            let group = nodal_group(letter, unit, histories);
-            folder.file(name, |out| write_csv(out, &histories.grid, &[group], self.digits))
+        let mut file = |name: &str, heading, table: &NodalTable| {
+            folder.file(name, |out| write_nodal(out, table, heading, self.digits))
         };
-        let deflections = solution.deflections_m(&nodes, self.every);
+        let deflections = solution.deflections(&nodes, self.every);
         if self.optional.contains(&OptionalTable::NodalDeflections) {
-            file(OptionalTable::NodalDeflections.file_name(), "w", "m", &deflections)?;
+            file(OptionalTable::NodalDeflections.file_name(), ("w", "m"), &deflections)?;
         }
-        let displacements = solution.displacements_m(&deflections, self.every);
-        drop(deflections);
-        file("nodal_displacements.csv", "v", "m", &displacements)?;
-        drop(displacements);
+        file("nodal_displacements.csv", ("v", "m"), &deflections.with_rotation())?;
         if self.optional.contains(&OptionalTable::BendingMoments) {
-            let moments = solution.moments_n_m(&nodes, self.every);
-            file(OptionalTable::BendingMoments.file_name(), "m", "n_m", &moments)?;
+            let moments = solution.moments(&nodes, self.every);
+            file(OptionalTable::BendingMoments.file_name(), ("m", "n_m"), &moments)?;
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use crate::motion::MotionColumns;
 /// # Errors
 /// Those of `out`.
 pub fn write_trajectory(
-    out: &mut impl Write,
+    out: &mut (impl Write + Send),
     columns: &MotionColumns,
     digits: Digits,
 ) -> io::Result<()> {

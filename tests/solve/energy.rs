@@ -16,7 +16,7 @@ fn work_j(solution: &Solution) -> f64 {
 /// Simpson over an even number of elements.
 fn velocity_squared_n_m(solution: &Solution, mass_per_length_kg_m: f64) -> Vec<f64> {
     let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
-    let histories = solution.displacements_m(&solution.deflections_m(&nodes, 1), 1).samples;
+    let histories = solution.displacements(&nodes, 1).histories().samples;
     let last = nodes.len() - 1;
     let spacing = solution.mesh().length_m() / last as f64;
     let weight = |node: usize| match node {

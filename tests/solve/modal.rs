@@ -28,8 +28,8 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 fn assert_same(found: &Solution, expected: &Solution, tolerance: f64) {
     let nodes: Vec<usize> = (0..expected.mesh().nodes_m().len()).collect();
-    let bent = |solution: &Solution| solution.deflections_m(&nodes, 1).samples.concat();
-    let stressed = |solution: &Solution| solution.moments_n_m(&nodes, 1).samples.concat();
+    let bent = |solution: &Solution| solution.deflections(&nodes, 1).histories().samples.concat();
+    let stressed = |solution: &Solution| solution.moments(&nodes, 1).histories().samples.concat();
     for (what, error) in [
         ("torque", difference(&found.torque_n_m, &expected.torque_n_m)),
         ("hub angle", difference(&found.hub_angle_rad, &expected.hub_angle_rad)),

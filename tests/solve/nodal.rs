@@ -27,9 +27,9 @@ fn the_root_does_not_deflect_and_the_last_node_is_the_tip() {
     });
     for link in [undamped(), loaded] {
         let solution = solved(&link, 10, &Smooth::MOVE.motion());
-        let deflections = solution.deflections_m(&all_nodes(&solution), 1);
+        let deflections = solution.deflections(&all_nodes(&solution), 1).histories();
         assert!(deflections.samples[0].iter().all(|w| *w == 0.0));
-        let displacements = solution.displacements_m(&deflections, 1);
+        let displacements = solution.displacements(&all_nodes(&solution), 1).histories();
         let tip = displacements.samples.last().unwrap();
         let wanted = solution.tip.displacement_m.iter().copied();
         assert!(largest_difference(tip, wanted) < 1e-9 * 0.5);
@@ -44,8 +44,8 @@ fn the_root_does_not_deflect_and_the_last_node_is_the_tip() {
 #[test]
 fn chosen_nodes_and_rows_are_those_of_the_whole_table() {
     let solution = solved(&link(|_| ()), 10, &Smooth::MOVE.motion());
-    let whole = solution.deflections_m(&all_nodes(&solution), 1);
-    let few = solution.deflections_m(&[7, 2], 5);
+    let whole = solution.deflections(&all_nodes(&solution), 1).histories();
+    let few = solution.deflections(&[7, 2], 5).histories();
     assert_eq!(few.nodes, [7, 2]);
     assert_eq!(few.grid.len(), solution.grid.len.div_ceil(5));
     for (node, samples) in few.nodes.iter().zip(&few.samples) {
@@ -66,7 +66,7 @@ fn the_moment_at_the_root_is_what_hub_and_friction_leave_of_the_torque() {
         .zip(hub)
         .map(|(torque, (acceleration, rate))| torque - 0.1 * acceleration - 0.1 * rate);
     assert!(largest_difference(&solution.root_moment_n_m, left) < 1e-9 * peak_n_m);
-    let at_node = solution.moments_n_m(&[0], 1);
+    let at_node = solution.moments(&[0], 1).histories();
     let difference =
         largest_difference(&at_node.samples[0], solution.root_moment_n_m.iter().copied());
     assert!(difference < 1e-12 * peak_n_m);
@@ -76,12 +76,12 @@ fn the_moment_at_the_root_is_what_hub_and_friction_leave_of_the_torque() {
 fn a_tip_without_payload_is_free_of_moment_and_one_with_inertia_is_not() {
     let solution = solved(&undamped(), 10, &Smooth::MOVE.motion());
     let tip = solution.mesh().nodes_m().len() - 1;
-    assert!(solution.moments_n_m(&[tip], 1).samples[0].iter().all(|m| *m == 0.0));
+    assert!(solution.moments(&[tip], 1).histories().samples[0].iter().all(|m| *m == 0.0));
     let heavy = link(|parts| {
         parts.payload = Payload { mass_kg: 0.1, inertia_kg_m2: 0.001, offset_m: 0.02 };
     });
     let solution = solved(&heavy, 10, &Smooth::MOVE.motion());
-    assert!(peak(&solution.moments_n_m(&[tip], 1).samples[0]) > 1e-3);
+    assert!(peak(&solution.moments(&[tip], 1).histories().samples[0]) > 1e-3);
 }
 
 /// EI w″ = −m, the curvature from second differences of the deflections.
@@ -89,8 +89,8 @@ fn a_tip_without_payload_is_free_of_moment_and_one_with_inertia_is_not() {
 fn the_moment_bends_the_link_against_its_sign() {
     let solution = solved(&undamped(), 60, &Smooth::MOVE.motion());
     let nodes = all_nodes(&solution);
-    let w = solution.deflections_m(&nodes, 4).samples;
-    let moments = solution.moments_n_m(&nodes, 4).samples;
+    let w = solution.deflections(&nodes, 4).histories().samples;
+    let moments = solution.moments(&nodes, 4).histories().samples;
     let spacing: f64 = 1.5 / 60.0;
     for node in [1, 20, 40, 55] {
         let bending = (0..w[node].len())
@@ -105,7 +105,7 @@ fn the_moment_bends_the_link_against_its_sign() {
 fn the_torque_balances_the_angular_momentum_of_the_moving_link() {
     let solution = solved(&undamped(), 24, &Smooth { steps: 1024, ..Smooth::MOVE }.motion());
     let nodes = all_nodes(&solution);
-    let v = solution.displacements_m(&solution.deflections_m(&nodes, 1), 1).samples;
+    let v = solution.displacements(&nodes, 1).histories().samples;
     let (step_s, spacing) = (solution.grid.step_s, 1.5 / 24.0);
     let weight = |node: usize| match node {
         0 | 24 => 1.0,

@@ -14,8 +14,8 @@ fn torque_and_nodes_have_the_same_bits_on_one_two_and_seven_threads() {
         pool.install(|| {
             let solution = solved(&link, 12, &Smooth::MOVE.motion());
             let torque = vec![solution.torque_n_m.clone(), solution.hub_angle_rad.clone()];
-            let deflections = solution.deflections_m(&[12, 5], 1).samples;
-            let moments = solution.moments_n_m(&[0, 7], 1).samples;
+            let deflections = solution.deflections(&[12, 5], 1).histories().samples;
+            let moments = solution.moments(&[0, 7], 1).histories().samples;
             [torque, deflections, moments].map(|histories| bits(&histories))
         })
     };

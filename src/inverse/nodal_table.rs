@@ -1,0 +1,251 @@
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use super::nodal_block::{Held, NodalBlock};
+use super::solution::Solution;
+use crate::beam::{NodalHistories, NodalQuantity};
+use crate::numeric::{CHANNELS, Sampling, ThinnedGrid, largest};
+
+/// Amplitudes that are held at a time; nodes beyond are solved in further blocks.
+const SPECTRA_BYTES: usize = 1 << 27;
+
+/// Samples that are held at a time; rows beyond are transformed in further blocks.
+const HELD_BYTES: usize = 1 << 30;
+
+/// Rows that are looked through at a time by one thread.
+const ROWS_AT_ONCE: usize = 64;
+
+/// A quantity at some nodes over time, made row by row: one row a sample, one value a node.
+///
+/// Nothing is computed before a row is asked for; no more is held of it than [`NodalTable::bytes`].
+pub struct NodalTable<'a> {
+    pub(super) solution: &'a Solution,
+    quantity: NodalQuantity,
+    pub(super) nodes: Vec<usize>,
+    pub(super) every: usize,
+    pub(super) sampling: Sampling,
+    /// Distances x in m from the axis where the rigid rotation xθ is added.
+    pub(super) arms_m: Option<Vec<f64>>,
+    /// Rows of a block.
+    block: usize,
+    /// The only block, where there is one.
+    whole: OnceLock<Arc<Held>>,
+}
+
+impl Solution {
+    /// Deflection w in m from the hub's tangent line at `nodes`, every `every`-th sample.
+    ///
+    /// # Panics
+    /// If a node is not one of the mesh, or `every` is 0.
+    pub fn deflections(&self, nodes: &[usize], every: usize) -> NodalTable<'_> {
+        NodalTable::new(self, nodes, every, NodalQuantity::Deflection)
+    }
+
+    /// Total displacement `v = xθ + w` in m (Bayo 1987, eq 1) at `nodes`, every `every`-th sample.
+    ///
+    /// # Panics
+    /// If a node is not one of the mesh, or `every` is 0.
+    pub fn displacements(&self, nodes: &[usize], every: usize) -> NodalTable<'_> {
+        self.deflections(nodes, every).with_rotation()
+    }
+
+    /// Bending moment in N m at `nodes`, every `every`-th sample: what the part of the link towards
+    /// the hub exerts on the part towards the tip, positive as the torque is, so that
+    /// `EI w'' = −m`. A lumped inertia at a node counts as outer.
+    ///
+    /// # Panics
+    /// If a node is not one of the mesh, or `every` is 0.
+    pub fn moments(&self, nodes: &[usize], every: usize) -> NodalTable<'_> {
+        NodalTable::new(self, nodes, every, NodalQuantity::Moment)
+    }
+}
+
+impl<'a> NodalTable<'a> {
+    fn new(solution: &'a Solution, nodes: &[usize], every: usize, quantity: NodalQuantity) -> Self {
+        let last = solution.mesh().nodes_m().len() - 1;
+        assert!(nodes.iter().all(|node| *node <= last), "nodes {nodes:?} of 0 … {last}");
+        let pair = &solution.spectrum.pair;
+        let first = solution.grid.first.rem_euclid(pair.len() as i64) as usize;
+        let sampling = Sampling::new(pair, solution.band.frequencies, first, every);
+        let mut table = Self {
+            solution,
+            quantity,
+            nodes: nodes.to_vec(),
+            every,
+            sampling,
+            arms_m: None,
+            block: 1,
+            whole: OnceLock::new(),
+        };
+        // Halved until they fit: the samples held grow no faster than the rows.
+        table.block = table.len().max(1);
+        while table.block > 1 && table.held_bytes() > HELD_BYTES {
+            table.block = table.block.div_ceil(2);
+        }
+        table
+    }
+
+    /// The total displacement, where these are deflections: the rigid rotation is added.
+    #[must_use]
+    pub fn with_rotation(self) -> Self {
+        let nodes_m = self.solution.mesh().nodes_m();
+        let arms_m = self.nodes.iter().map(|node| nodes_m[*node]).collect();
+        Self { arms_m: Some(arms_m), ..self }
+    }
+
+    /// Numbers of the nodes, one a column.
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    /// Times of the rows.
+    pub fn grid(&self) -> ThinnedGrid {
+        self.solution.grid.thinned(self.every)
+    }
+
+    /// Number of rows.
+    fn len(&self) -> usize {
+        self.grid().len()
+    }
+
+    /// Panels of [`CHANNELS`] nodes, the last maybe not full.
+    pub(super) fn panels(&self) -> usize {
+        self.nodes.len().div_ceil(CHANNELS)
+    }
+
+    fn held_bytes(&self) -> usize {
+        let rows = 0..self.block;
+        self.sampling.held(&rows) * self.panels() * size_of::<[f64; CHANNELS]>()
+    }
+
+    /// Memory in bytes that making the rows takes, about: amplitudes and samples of a block.
+    pub fn bytes(&self) -> usize {
+        let spectra = self.nodes.len() * self.solution.band.frequencies * size_of::<Complex64>();
+        self.held_bytes() + spectra.min(SPECTRA_BYTES)
+    }
+
+    /// Blocks that the rows are made in, one after the other; one wherever memory allows.
+    pub fn blocks(&self) -> usize {
+        self.len().div_ceil(self.block)
+    }
+
+    /// Makes the rows of a block, numbered from 0.
+    ///
+    /// # Panics
+    /// If there is no such block.
+    pub fn block(&self, number: usize) -> NodalBlock<'_> {
+        assert!(number < self.blocks(), "block {number} of {}", self.blocks());
+        let start = number * self.block;
+        let rows = start..self.len().min(start + self.block);
+        let held = if self.blocks() == 1 {
+            self.whole.get_or_init(|| Arc::new(self.hold(&rows))).clone()
+        } else {
+            Arc::new(self.hold(&rows))
+        };
+        NodalBlock { table: self, rows, held }
+    }
+
+    fn hold(&self, rows: &Range<usize>) -> Held {
+        let len = self.sampling.held(rows);
+        let mut samples = vec![[0.0; CHANNELS]; len * self.panels()];
+        let forcing = self.solution.forcing();
+        let bytes_of_node = size_of::<Complex64>() * self.solution.band.frequencies;
+        // Whole panels, one at least.
+        let nodes_at_once = (SPECTRA_BYTES / bytes_of_node / CHANNELS).max(1) * CHANNELS;
+        let panels_at_once = nodes_at_once / CHANNELS;
+        let blocks = samples.chunks_mut((panels_at_once * len).max(1));
+        for (nodes, samples) in self.nodes.chunks(nodes_at_once).zip(blocks) {
+            let spectra = forcing.nodal_spectra(nodes, self.quantity);
+            let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(CHANNELS));
+            panels.for_each(|(panel, spectra)| self.sampling.hold(rows, spectra, panel));
+        }
+        Held { samples, len }
+    }
+
+    /// Largest absolute value of all; NaN does not count.
+    pub fn peak(&self) -> f64 {
+        let of_block = |number| {
+            let block = self.block(number);
+            let starts = block.rows.clone().into_par_iter().step_by(ROWS_AT_ONCE);
+            let peak = |start: usize| {
+                let rows = start..block.rows.end.min(start + ROWS_AT_ONCE);
+                let mut values = vec![0.0; rows.len() * self.nodes.len()];
+                block.write_rows(rows, &mut values);
+                largest(&values)
+            };
+            starts.map(peak).reduce(|| 0.0, f64::max)
+        };
+        (0..self.blocks()).map(of_block).fold(0.0, f64::max)
+    }
+
+    /// All of it, node by node.
+    pub fn histories(&self) -> NodalHistories {
+        let mut samples = vec![Vec::with_capacity(self.len()); self.nodes.len()];
+        for number in 0..self.blocks() {
+            let block = self.block(number);
+            let mut row = vec![0.0; self.nodes.len()];
+            for k in block.rows() {
+                block.write_rows(k..k + 1, &mut row);
+                samples.iter_mut().zip(&row).for_each(|(history, value)| history.push(*value));
+            }
+        }
+        NodalHistories { nodes: self.nodes.clone(), grid: self.grid(), samples }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::inverse::{Analysis, invert};
+    use crate::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+    use crate::motion::{MotionColumns, TipMotion};
+
+    /// A motion of this many steps, smooth, so that its band is narrow where they are many.
+    fn solution(steps: u32) -> Solution {
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![Segment {
+                name: None,
+                length_m: 1.5,
+                bending_stiffness_n_m2: Taper::constant(5.0),
+                mass_per_length_kg_m: Taper::constant(0.8),
+            }],
+            hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
+            masses: vec![],
+            payload: Payload::default(),
+            damping: Damping::Hysteretic { ratio: 0.02 },
+        })
+        .unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(40)), 1e-4).unwrap();
+        let share = |k: u32| (2.0 * f64::from(k) / f64::from(steps) - 1.0) * 6.0;
+        let time_s = (0..=steps).map(|k| 1.2 * f64::from(k) / f64::from(steps)).collect();
+        let bell = (0..=steps).map(|k| -share(k) * (-share(k).powi(2)).exp()).collect();
+        let columns = MotionColumns { time_s, acceleration_m_s2: Some(bell), ..Default::default() };
+        let motion = TipMotion::new(columns).unwrap();
+        invert(&link, &plan, &motion, &Analysis::default()).unwrap()
+    }
+
+    #[test]
+    fn rows_made_in_blocks_have_the_bits_of_those_made_at_once() {
+        for (steps, is_narrow) in [(100, false), (4000, true)] {
+            let solution = solution(steps);
+            let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).rev().collect();
+            assert_eq!(nodes.len(), 2 * CHANNELS + 9, "two full panels and another");
+            for every in [1, 7] {
+                let whole = solution.displacements(&nodes, every);
+                assert_eq!(whole.blocks(), 1);
+                let held = whole.sampling.held(&(0..whole.len()));
+                assert_eq!(is_narrow, held != whole.len(), "{held} samples held");
+                let mut blocked = solution.displacements(&nodes, every);
+                blocked.block = blocked.len() / 3 + 1;
+                assert_eq!(blocked.blocks(), 3);
+                assert!(blocked.histories() == whole.histories());
+                assert_eq!(blocked.peak().to_bits(), whole.peak().to_bits());
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Some samples of many periodic signals that are given by their amplitudes.
+
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+
+use super::fourier::FourierPair;
+use super::upsampling::{TAPS, TAPS_BEFORE, Upsampler};
+
+/// Signals that are worked on side by side: the samples of one time stand next to one another.
+pub(crate) const CHANNELS: usize = 16;
+
+/// Which samples of a period are wanted, and how they are had: by a transform over the whole period,
+/// or, where the signals' band is narrow, by one over fewer samples that others are made of.
+#[derive(Clone)]
+pub(crate) struct Sampling {
+    transform: FourierPair,
+    upsampler: Option<Upsampler>,
+    /// Samples of a period.
+    period: usize,
+    /// Sample of the period that row 0 is.
+    first: usize,
+    every: usize,
+}
+
+impl Sampling {
+    /// Every `every`-th sample from `first` on of signals with amplitudes from zero frequency on,
+    /// `bins` of them; `transform` is that of the whole period.
+    pub(crate) fn new(transform: &FourierPair, bins: usize, first: usize, every: usize) -> Self {
+        let period = transform.len();
+        let upsampler = Upsampler::plan(period, bins);
+        let transform = upsampler
+            .as_ref()
+            .map_or_else(|| transform.clone(), |upsampler| FourierPair::new(upsampler.coarse()));
+        Self { transform, upsampler, period, first, every }
+    }
+
+    /// Samples of each signal that are held for some rows.
+    pub(crate) fn held(&self, rows: &Range<usize>) -> usize {
+        self.span(rows).len()
+    }
+
+    /// The samples that are held for some rows, counted on beyond the period's end.
+    fn span(&self, rows: &Range<usize>) -> Range<usize> {
+        match &self.upsampler {
+            None => rows.clone(),
+            Some(_) if rows.is_empty() => 0..0,
+            Some(upsampler) => {
+                let first_tap = |row: usize| upsampler.first_tap(self.sample_of(row));
+                first_tap(rows.start)..first_tap(rows.end - 1) + TAPS
+            }
+        }
+    }
+
+    /// The sample that a row is, counted on beyond the period's end.
+    fn sample_of(&self, row: usize) -> usize {
+        self.first + row * self.every
+    }
+
+    /// Fills `held` with what `rows` are made of; `amplitudes` are those of at most [`CHANNELS`]
+    /// signals.
+    pub(crate) fn hold(
+        &self,
+        rows: &Range<usize>,
+        amplitudes: &[Vec<Complex64>],
+        held: &mut [[f64; CHANNELS]],
+    ) {
+        let signals = amplitudes.iter().map(|signal| self.transform.samples(signal.clone()));
+        let signals: Vec<Vec<f64>> = signals.collect();
+        let span = self.span(rows);
+        let len = self.transform.len();
+        let place = |k: usize| match self.upsampler {
+            None => self.sample_of(k) % self.period,
+            Some(_) => (k + len - TAPS_BEFORE) % len,
+        };
+        for (k, held) in span.zip(held) {
+            let place = place(k);
+            for (held, signal) in held.iter_mut().zip(&signals) {
+                *held = signal[place];
+            }
+        }
+    }
+
+    /// One row of the signals whose samples are `held` for `rows`.
+    #[inline(always)]
+    pub(crate) fn row(
+        &self,
+        rows: &Range<usize>,
+        held: &[[f64; CHANNELS]],
+        row: usize,
+    ) -> [f64; CHANNELS] {
+        let Some(upsampler) = &self.upsampler else { return held[row - rows.start] };
+        let [start, sample] = [rows.start, row].map(|row| self.sample_of(row));
+        let first = upsampler.first_tap(sample) - upsampler.first_tap(start);
+        let weights = upsampler.weights(sample);
+        let held = &held[first..first + TAPS];
+        let mut sum = [0.0; CHANNELS];
+        for tap in 0..TAPS {
+            for channel in 0..CHANNELS {
+                sum[channel] += weights[tap] * held[tap][channel];
+            }
+        }
+        sum
+    }
+}
