@@ -1,5 +1,5 @@
 use super::header::check_separator;
-use super::rows::Rows;
+use super::rows::read_rows;
 use super::table_error::{Place, TableError, quoted};
 use crate::result::comparison::{Cell, Table, TableColumn};
 
@@ -13,24 +13,25 @@ use crate::result::comparison::{Cell, Table, TableColumn};
 /// name that occurs twice, of what is not CSV in UTF-8; a table without a row is refused too.
 pub fn read_table(name: &str, bytes: &[u8]) -> Result<Table, TableError> {
     let whole = Place { file: name, line: None };
-    let mut rows = Rows::new(name, bytes)?;
-    let Some((line, fields)) = rows.next()? else {
-        return Err(whole.refuse("content", "nothing", "must hold a row of names or of numbers"));
-    };
-    let place = Place { line: Some(line), ..whole };
-    check_separator(&fields, place)?;
-    let headless = fields.iter().all(|field| field.parse::<f64>().is_ok());
-    let mut table = if headless {
-        let unnamed = vec![""; fields.len()];
-        let mut table = columns(&unnamed, place)?;
-        push(&mut table, &fields, line, place)?;
-        table
-    } else {
-        columns(&fields, place)?
-    };
-    while let Some((line, fields)) = rows.next()? {
-        push(&mut table, &fields, line, Place { line: Some(line), ..whole })?;
+    let at = |line| Place { line: Some(line), ..whole };
+    let table = read_rows(
+        name,
+        bytes,
+        |line, fields| begun(fields, line, at(line)),
+        |table, line, fields| push(table, fields, line, at(line)),
+    )?;
+    table
+        .ok_or_else(|| whole.refuse("content", "nothing", "must hold a row of names or of numbers"))
+}
+
+/// A table that begins with this row, of names or of data.
+fn begun(fields: &[&str], line: u64, place: Place) -> Result<Table, TableError> {
+    check_separator(fields, place)?;
+    if fields.iter().any(|field| field.parse::<f64>().is_err()) {
+        return columns(fields, place);
     }
+    let mut table = columns(&vec![""; fields.len()], place)?;
+    push(&mut table, fields, line, place)?;
     Ok(table)
 }
 

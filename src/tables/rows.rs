@@ -1,79 +1,124 @@
-use csv::{Reader, ReaderBuilder, StringRecord, Trim};
+use csv::{ReaderBuilder, StringRecord, Trim};
 
 use super::table_error::{Place, TableError};
 
-/// The rows of a CSV text, each with its line; comments and blank lines are passed over.
-pub(super) struct Rows<'a> {
-    file: &'a str,
-    text: &'a str,
-    reader: Reader<&'a [u8]>,
-    record: StringRecord,
-    /// Place up to which lines have been counted, in bytes.
-    counted: usize,
-    line: u64,
+/// What `first` makes of the first row of a CSV text, the content of `file`, and `next` of it and
+/// each further row; none of a text without rows.
+///
+/// Both are given the row's line and its fields, trimmed; comments, blank lines and a byte order mark
+/// are passed over.
+///
+/// # Errors
+/// Those of `first` and `next`, and [`TableError`] for what is not UTF-8 or no CSV.
+pub(super) fn read_rows<T>(
+    file: &str,
+    bytes: &[u8],
+    first: impl Fn(u64, &[&str]) -> Result<T, TableError>,
+    next: impl Fn(&mut T, u64, &[&str]) -> Result<(), TableError>,
+) -> Result<Option<T>, TableError> {
+    let mut table = None;
+    each_row(file, bytes, |line, fields| {
+        match &mut table {
+            None => table = Some(first(line, fields)?),
+            Some(table) => next(table, line, fields)?,
+        }
+        Ok(())
+    })?;
+    Ok(table)
 }
 
-impl<'a> Rows<'a> {
-    /// Takes the content of `file`, which must be UTF-8; a byte order mark is passed over.
-    pub(super) fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, TableError> {
-        let text = std::str::from_utf8(bytes).map_err(|error| {
-            let good = error.valid_up_to();
-            let line = Some(1 + line_ends(bytes, 0, good));
-            Place { file, line }
-                .refuse("text", format!("byte 0x{:02x}", bytes[good]), "must be UTF-8")
-                .with_hint("save the file as text in UTF-8".to_owned())
+fn each_row(
+    file: &str,
+    bytes: &[u8],
+    take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
+) -> Result<(), TableError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let good = error.valid_up_to();
+        let line = Some(1 + line_ends(bytes, 0, good));
+        Place { file, line }
+            .refuse("text", format!("byte 0x{:02x}", bytes[good]), "must be UTF-8")
+            .with_hint("save the file as text in UTF-8".to_owned())
+    })?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    check_line_ends(file, text)?;
+    if is_plain(text) { each_plain_row(text, take) } else { each_quoted_row(file, text, take) }
+}
+
+/// Whether lines and fields end where a line feed and a comma stand, which is several times faster
+/// to read.
+fn is_plain(text: &str) -> bool {
+    let bytes = text.as_bytes();
+    let lone = |k: usize| bytes.get(k + 1) != Some(&b'\n');
+    !bytes.contains(&b'"') && !text.match_indices('\r').any(|(k, _)| lone(k))
+}
+
+fn each_plain_row(
+    text: &str,
+    mut take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
+) -> Result<(), TableError> {
+    let mut fields = Vec::new();
+    for (line, row) in (1..).zip(text.split('\n')) {
+        if row.starts_with('#') || row.trim().is_empty() {
+            continue;
+        }
+        fields.clear();
+        let mut start = 0;
+        for (place, byte) in row.bytes().enumerate() {
+            if byte == b',' {
+                fields.push(row[start..place].trim());
+                start = place + 1;
+            }
+        }
+        fields.push(row[start..].trim());
+        take(line, &fields)?;
+    }
+    Ok(())
+}
+
+fn each_quoted_row(
+    file: &str,
+    text: &str,
+    mut take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
+) -> Result<(), TableError> {
+    let mut reader = ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes());
+    let mut record = StringRecord::new();
+    let (mut counted, mut line) = (0, 1);
+    loop {
+        let is_row = reader.read_record(&mut record).map_err(|error| {
+            let place = Place { file, line: Some(line) };
+            place.refuse("row", error.to_string(), "must be CSV")
         })?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        check_line_ends(file, text)?;
-        let reader = ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .trim(Trim::All)
-            .comment(Some(b'#'))
-            .from_reader(text.as_bytes());
-        Ok(Self { file, text, reader, record: StringRecord::new(), counted: 0, line: 1 })
-    }
-
-    /// The next row's line and fields, trimmed; `None` after the last.
-    pub(super) fn next(&mut self) -> Result<Option<(u64, Vec<&str>)>, TableError> {
-        loop {
-            match self.reader.read_record(&mut self.record) {
-                Ok(false) => return Ok(None),
-                Ok(true) => self.count_lines(),
-                Err(error) => {
-                    return Err(self.place().refuse("row", error.to_string(), "must be CSV"));
-                }
-            }
-            let blank = self.record.len() == 1 && self.record[0].is_empty();
-            if !blank {
-                break;
-            }
+        if !is_row {
+            return Ok(());
         }
-        Ok(Some((self.line, self.record.iter().map(unquoted).collect())))
-    }
-
-    /// The row read last.
-    fn place(&self) -> Place<'a> {
-        Place { file: self.file, line: Some(self.line) }
-    }
-
-    /// Moves the line count to the row just read.
-    ///
-    /// The reader tells where it began to look for the row: before the comments, the blank lines
-    /// and the rest of the line end that it then passed over.
-    fn count_lines(&mut self) {
-        let bytes = self.text.as_bytes();
-        let looked_from = self.record.position().map_or(0, csv::Position::byte);
-        let mut start = usize::try_from(looked_from).unwrap_or(bytes.len());
-        loop {
-            match bytes.get(start) {
-                Some(b'\n' | b'\r') => start += 1,
-                Some(b'#') => start += bytes[start..].iter().take_while(|&&b| b != b'\n').count(),
-                _ => break,
-            }
+        let start = start_of(&record, text.as_bytes());
+        line += line_ends(text.as_bytes(), counted, start);
+        counted = start;
+        if record.len() > 1 || !record[0].is_empty() {
+            let fields: Vec<&str> = record.iter().map(unquoted).collect();
+            take(line, &fields)?;
         }
-        self.line += line_ends(bytes, self.counted, start);
-        self.counted = start;
+    }
+}
+
+/// Where in `bytes` a row begins.
+///
+/// The reader tells where it began to look for it: before the comments, the blank lines and the rest
+/// of the line end that it then passed over.
+fn start_of(record: &StringRecord, bytes: &[u8]) -> usize {
+    let looked_from = record.position().map_or(0, csv::Position::byte);
+    let mut start = usize::try_from(looked_from).unwrap_or(bytes.len());
+    loop {
+        match bytes.get(start) {
+            Some(b'\n' | b'\r') => start += 1,
+            Some(b'#') => start += bytes[start..].iter().take_while(|&&b| b != b'\n').count(),
+            _ => return start,
+        }
     }
 }
 
@@ -108,13 +153,44 @@ fn unquoted(field: &str) -> &str {
 mod tests {
     use super::*;
 
-    fn rows(text: &str) -> Vec<(u64, Vec<String>)> {
-        let mut rows = Rows::new("t.csv", text.as_bytes()).unwrap();
+    type Rows = Vec<(u64, Vec<String>)>;
+
+    fn collected(
+        each: impl FnOnce(
+            &mut dyn FnMut(u64, &[&str]) -> Result<(), TableError>,
+        ) -> Result<(), TableError>,
+    ) -> Rows {
         let mut all = Vec::new();
-        while let Some((line, fields)) = rows.next().unwrap() {
-            all.push((line, fields.into_iter().map(str::to_owned).collect()));
-        }
+        each(&mut |line, fields| {
+            all.push((line, fields.iter().map(|&field| field.to_owned()).collect()));
+            Ok(())
+        })
+        .unwrap();
         all
+    }
+
+    fn rows(text: &str) -> Rows {
+        collected(|take| each_row("t.csv", text.as_bytes(), take))
+    }
+
+    #[test]
+    fn plain_text_is_read_as_the_parser_of_quoted_text_reads_it() {
+        for text in [
+            "a,b\n1,2\n3,4\n",
+            "a , b\r\n 1,\t2 \r\n\r\n3,4",
+            "# c\n\n# d\na,b\n\n1,2\n#\n\n  \n3,4\n\n",
+            "a,b,\n,,\n , \n1\n",
+            " # no comment, b\n#,\n1,2",
+            "ä,\u{a0}b\u{a0}\n1,2\n",
+            "",
+            "\n",
+        ] {
+            assert!(is_plain(text), "{text:?}");
+            let plain = collected(|take| each_plain_row(text, take));
+            let quoted = collected(|take| each_quoted_row("t.csv", text, take));
+            assert_eq!(plain, quoted, "{text:?}");
+        }
+        assert!(!is_plain("a,b\r1,2\n") && !is_plain("a,\"b\"\n"));
     }
 
     fn lines(text: &str) -> Vec<u64> {

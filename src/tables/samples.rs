@@ -2,7 +2,7 @@ use crate::response::HistoryError;
 
 use super::header::{Header, Heading};
 use super::quantity::Quantity;
-use super::rows::Rows;
+use super::rows::read_rows;
 use super::table_error::{Place, TableError, quoted};
 
 /// Fewest samples that a table may have.
@@ -25,20 +25,20 @@ impl Samples {
     pub(super) fn read(
         name: &str,
         bytes: &[u8],
-        read_header: impl FnOnce(&[&str], Place) -> Result<Header, TableError>,
+        read_header: impl Fn(&[&str], Place) -> Result<Header, TableError>,
     ) -> Result<Self, TableError> {
         let whole = Place { file: name, line: None };
-        let mut rows = Rows::new(name, bytes)?;
-        let Some((line, fields)) = rows.next()? else {
+        let at = |line| Place { line: Some(line), ..whole };
+        let samples = read_rows(
+            name,
+            bytes,
+            |line, fields| Ok(Self::new(read_header(fields, at(line))?)),
+            |samples: &mut Self, line, fields| samples.push(fields, line, at(line)),
+        )?;
+        let samples = samples.ok_or_else(|| {
             let must = format!("must hold a row of names and {MIN_SAMPLES} samples or more");
-            return Err(whole.refuse("content", "nothing", must));
-        };
-        let place = Place { line: Some(line), ..whole };
-        let mut samples = Self::new(read_header(&fields, place)?);
-        while let Some((line, fields)) = rows.next()? {
-            let place = Place { line: Some(line), ..whole };
-            samples.push(&fields, line, place)?;
-        }
+            whole.refuse("content", "nothing", must)
+        })?;
         if samples.lines.len() < MIN_SAMPLES {
             let found = samples.lines.len().to_string();
             return Err(whole.refuse("samples", found, format!("must be {MIN_SAMPLES} or more")));
