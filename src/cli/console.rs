@@ -3,13 +3,12 @@
 //! Text for people is in the locale's letters and, on a terminal, in colours; files that are printed
 //! are neither touched nor coloured.
 
-use std::fmt::{self, Display};
+use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
 use clap::builder::styling::{AnsiColor, Style};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use flexlink::tables::{system_words, write_file};
 
@@ -34,6 +33,11 @@ pub(crate) fn warning(message: impl Display, hint: &str) {
 /// Prints what goes on to standard error, below what stands on a terminal's line.
 pub(crate) fn note(message: &str) {
     let _ = anstream::stderr().lock().write_all(format!("\n{message}\n").as_bytes());
+}
+
+/// Prints what there is to know before the work begins to standard error.
+pub(crate) fn remark(message: &str) {
+    told("note", HINT, message, None);
 }
 
 fn told(kind: &str, style: Style, message: &str, hint: Option<&str>) {
@@ -105,46 +109,5 @@ fn delivered(written: io::Result<()>) -> Result<Reader, Failure> {
             let message = format!("standard output: cannot write: {}", system_words(&cause));
             Err(Failure::new(Exit::CannotWrite, &message, None))
         }
-    }
-}
-
-/// Progress on a terminal, with rate and time left; nothing in a pipe.
-pub(crate) struct Progress(ProgressBar);
-
-impl Progress {
-    /// Shows `done` of `all`.
-    pub(crate) fn new(done: usize, all: usize) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(all as u64), ProgressDrawTarget::hidden());
-        let style = ProgressStyle::with_template("[{bar:30}] {pos}/{len}, {rate}, {eta} left");
-        // The template is a constant that the library reads.
-        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ");
-        let rate = |state: &ProgressState, out: &mut dyn fmt::Write| {
-            // A line that is not drawn is no loss.
-            let _ = write!(out, "{:.1}/s", state.per_sec());
-        };
-        bar.set_style(style.with_key("rate", rate));
-        // What an earlier run has done says nothing about the rate of this one: the estimate begins
-        // after it has been told of it, and nothing is drawn before that.
-        bar.set_position(done as u64);
-        bar.tick();
-        bar.reset_eta();
-        bar.set_draw_target(ProgressDrawTarget::stderr());
-        Self(bar)
-    }
-
-    /// Shows nothing.
-    pub(crate) fn hidden() -> Self {
-        Self(ProgressBar::hidden())
-    }
-
-    /// Shows one more.
-    pub(crate) fn advance(&self) {
-        self.0.inc(1);
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        self.0.finish_and_clear();
     }
 }

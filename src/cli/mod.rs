@@ -15,6 +15,7 @@ mod link_text;
 mod modes;
 mod modes_text;
 mod number;
+mod progress;
 mod schema;
 mod shell;
 mod simulate;

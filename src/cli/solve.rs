@@ -12,7 +12,8 @@ use super::args::{LinkArgs, MotionArgs, NodeArgs, PrintArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::keep;
-use super::solve_text::solve_text;
+use super::progress::StageBar;
+use super::solve_text::{memory_text, solve_text};
 use super::verify::{measured, refuse_failed};
 use super::verify_text::verify_text;
 
@@ -29,6 +30,9 @@ Compute the hub torque for a tip motion.
 
 Writes torque.csv, rigid_torque.csv, hub_angle.csv, nodal_displacements.csv, tip.csv, nodes.csv \
 and summary.json into a folder, all or none of them, and prints a short summary.";
+
+/// Memory in bytes from which on it is said before the work begins.
+const LARGE: usize = 1 << 29;
 
 /// Compute the hub torque for a tip motion.
 #[derive(Debug, Args)]
@@ -89,6 +93,7 @@ impl Solve {
         let Specification { link, mesh, analysis, drive, limits } = &specification;
         let (motion_file, motion) = self.motion.load(link)?;
 
+        let stages = if self.print.quiet { StageBar::hidden() } else { StageBar::new() };
         let solution = invert(link, mesh, &motion, analysis)?;
         self.nodes.check(solution.mesh())?;
         let measure = || measured(&specification, &motion, &solution, self.digits);
@@ -109,7 +114,14 @@ impl Solve {
         let exceeded = limits.exceeded(&metrics);
         let files = outputs.file_names();
         let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, files.clone());
-        outputs.write(OutputFolder::stage(&self.output)?, link, &solution, &summary)?;
+        if let (bytes @ LARGE.., blocks) = outputs.memory(&solution)
+            && !self.print.quiet
+        {
+            stages.say(&memory_text(bytes, blocks));
+        }
+        let folder = OutputFolder::stage(&self.output)?;
+        outputs.write(folder, link, &solution, &summary, &stages)?;
+        drop(stages);
 
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());

@@ -6,10 +6,10 @@ use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
 use flexlink::tables::{SweepRecord, sweep_header, sweep_row};
 
 use super::args::{LinkArgs, MotionArgs, ThreadArgs};
-use super::console::Progress;
 use super::exit::{Exit, Failure};
 use super::files::{check_folder, keep_files, read_once};
 use super::interrupt;
+use super::progress::CaseBar;
 use super::sweep_cases::{Cases, TorqueArgs};
 use super::sweep_merge::merge;
 use super::sweep_outputs::OutputsArgs;
@@ -145,9 +145,9 @@ impl Sweep {
         let mut tally = there.as_ref().map(Tally::of_rows).unwrap_or_default();
         let done = tally.rows();
         let progress = if self.quiet || rows.are_printed() {
-            Progress::hidden()
+            CaseBar::hidden()
         } else {
-            Progress::new(done, all)
+            CaseBar::new(done, all)
         };
         let take = |k: usize, outcome: Outcome<C>| {
             let case = self.shard.case(k);

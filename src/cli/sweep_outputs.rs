@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::inverse::Solution;
+use flexlink::inverse::{Solution, Unwatched};
 use flexlink::response::Simulation;
 use flexlink::result::Exceeded;
 use flexlink::sweep::{PlayedCase, SolvedCase};
@@ -72,7 +72,8 @@ impl OutputsArgs {
         };
         let files = outputs.file_names();
         let summary = Summary::new(inputs, solution, &case.metrics, exceeded, files);
-        Ok(outputs.write(OutputFolder::stage(folder)?, inputs.link, solution, &summary)?)
+        let folder = OutputFolder::stage(folder)?;
+        Ok(outputs.write(folder, inputs.link, solution, &summary, &Unwatched)?)
     }
 
     /// Writes what simulate writes.

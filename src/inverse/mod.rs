@@ -24,6 +24,7 @@ mod solution;
 mod spectra;
 mod superposition;
 mod warning;
+mod watch;
 
 pub use analysis::Analysis;
 pub use dense::{DenseLink, MOST_ELEMENTS_OF_DENSE_SOLVE};
@@ -36,3 +37,4 @@ pub use nodal_table::NodalTable;
 pub use response::FrequencyResponse;
 pub use solution::{Accuracy, Band, Solution};
 pub use warning::Warning;
+pub use watch::{Stage, Unwatched, Watch};

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::nodal_block::{Held, NodalBlock};
 use super::solution::Solution;
+use super::watch::{Stage, Unwatched, Watch};
 use crate::beam::{NodalHistories, NodalQuantity};
 use crate::numeric::{CHANNELS, Sampling, ThinnedGrid, largest};
 
@@ -132,23 +133,24 @@ impl<'a> NodalTable<'a> {
         self.len().div_ceil(self.block)
     }
 
-    /// Makes the rows of a block, numbered from 0.
+    /// Makes the rows of a block, numbered from 0, unless they are there.
     ///
     /// # Panics
     /// If there is no such block.
-    pub fn block(&self, number: usize) -> NodalBlock<'_> {
+    pub fn block(&self, number: usize, watch: &dyn Watch) -> NodalBlock<'_> {
         assert!(number < self.blocks(), "block {number} of {}", self.blocks());
         let start = number * self.block;
         let rows = start..self.len().min(start + self.block);
         let held = if self.blocks() == 1 {
-            self.whole.get_or_init(|| Arc::new(self.hold(&rows))).clone()
+            self.whole.get_or_init(|| Arc::new(self.hold(&rows, watch))).clone()
         } else {
-            Arc::new(self.hold(&rows))
+            Arc::new(self.hold(&rows, watch))
         };
         NodalBlock { table: self, rows, held }
     }
 
-    fn hold(&self, rows: &Range<usize>) -> Held {
+    fn hold(&self, rows: &Range<usize>, watch: &dyn Watch) -> Held {
+        watch.begin(Stage::Transform, self.nodes.len());
         let len = self.sampling.held(rows);
         let mut samples = vec![[0.0; CHANNELS]; len * self.panels()];
         let forcing = self.solution.forcing();
@@ -160,15 +162,18 @@ impl<'a> NodalTable<'a> {
         for (nodes, samples) in self.nodes.chunks(nodes_at_once).zip(blocks) {
             let spectra = forcing.nodal_spectra(nodes, self.quantity);
             let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(CHANNELS));
-            panels.for_each(|(panel, spectra)| self.sampling.hold(rows, spectra, panel));
+            panels.for_each(|(panel, spectra)| {
+                self.sampling.hold(rows, spectra, panel);
+                watch.advance(spectra.len());
+            });
         }
         Held { samples, len }
     }
 
     /// Largest absolute value of all; NaN does not count.
-    pub fn peak(&self) -> f64 {
+    pub fn peak(&self, watch: &dyn Watch) -> f64 {
         let of_block = |number| {
-            let block = self.block(number);
+            let block = self.block(number, watch);
             let starts = block.rows.clone().into_par_iter().step_by(ROWS_AT_ONCE);
             let peak = |start: usize| {
                 let rows = start..block.rows.end.min(start + ROWS_AT_ONCE);
@@ -185,7 +190,7 @@ impl<'a> NodalTable<'a> {
     pub fn histories(&self) -> NodalHistories {
         let mut samples = vec![Vec::with_capacity(self.len()); self.nodes.len()];
         for number in 0..self.blocks() {
-            let block = self.block(number);
+            let block = self.block(number, &Unwatched);
             let mut row = vec![0.0; self.nodes.len()];
             for k in block.rows() {
                 block.write_rows(k..k + 1, &mut row);
@@ -244,7 +249,7 @@ mod tests {
                 blocked.block = blocked.len() / 3 + 1;
                 assert_eq!(blocked.blocks(), 3);
                 assert!(blocked.histories() == whole.histories());
-                assert_eq!(blocked.peak().to_bits(), whole.peak().to_bits());
+                assert_eq!(blocked.peak(&Unwatched).to_bits(), whole.peak(&Unwatched).to_bits());
             }
         }
     }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::cells::Cells;
 use super::number::Digits;
 use super::time_format::time_format;
-use crate::inverse::NodalTable;
+use crate::inverse::{NodalTable, Stage, Watch};
 use crate::numeric::ThinnedGrid;
 
 /// Numbers formatted by one thread at a time: their text fits its cache.
@@ -105,14 +105,16 @@ pub(super) fn write_nodal(
     table: &NodalTable,
     (letter, unit): (&str, &str),
     digits: Digits,
+    watch: &dyn Watch,
 ) -> io::Result<()> {
     let (grid, width) = (table.grid(), table.nodes().len());
     let names = table.nodes().iter().map(|node| format!("{letter}{node}_{unit}"));
     write_header(out, "time_s", names)?;
     let times = Cells::new(time_format(|k| grid.time_s(k), grid.len()));
-    let cells = Cells::new(digits.for_peak(table.peak()));
+    let cells = Cells::new(digits.for_peak(table.peak(watch)));
     for number in 0..table.blocks() {
-        let block = table.block(number);
+        let block = table.block(number, watch);
+        watch.begin(Stage::Write, block.rows().len());
         let write_block = |rows: Range<usize>, text: &mut Vec<u8>| {
             let time: Vec<f64> = rows.clone().map(|k| grid.time_s(k)).collect();
             let time = times.of(&time);
@@ -123,6 +125,7 @@ pub(super) fn write_nodal(
                 let values = cells.of(&values[row * width..][..width]);
                 (0..width).for_each(|column| values.append(text, b',', column));
             }
+            watch.advance(rows.len());
         };
         write_blocks(out, &block.rows(), width + 1, write_block)?;
     }

@@ -6,7 +6,7 @@ use super::folder_error::FolderError;
 use super::histories::{MOTOR, RESULT_FILES, SUMMARY, group, tip_groups, write_nodes};
 use super::number::Digits;
 use super::summary::Summary;
-use crate::inverse::{MotorHistories, NodalTable, Solution};
+use crate::inverse::{MotorHistories, NodalTable, Solution, Watch};
 use crate::link::{Drive, Link};
 
 /// Which results to write, and how.
@@ -54,7 +54,8 @@ impl SolveOutputs {
         RESULT_FILES.into_iter().filter(wanted).chain([SUMMARY]).collect()
     }
 
-    /// Writes the files of a solution into `folder` and gives them their names, all or none.
+    /// Writes the files of a solution into `folder` and gives them their names, all or none; `watch`
+    /// is told how far the nodal tables are.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
@@ -67,6 +68,7 @@ impl SolveOutputs {
         link: &Link,
         solution: &Solution,
         summary: &Summary,
+        watch: &dyn Watch,
     ) -> Result<(), FolderError> {
         let all = solution.grid.thinned(1);
         for (name, groups) in histories(solution) {
@@ -77,20 +79,34 @@ impl SolveOutputs {
             folder.file(MOTOR, |out| write_csv(out, &all, &groups, self.digits))?;
         }
         folder.file("nodes.csv", |out| write_nodes(out, link, solution.mesh(), self.digits))?;
-        self.write_nodal(&mut folder, solution)?;
+        self.write_nodal(&mut folder, solution, watch)?;
         folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
         folder.commit(SUMMARY, &RESULT_FILES)
+    }
+
+    /// Memory in bytes that writing takes, about, and blocks that the nodal tables are made in.
+    ///
+    /// # Panics
+    /// If a node asked for is not one of the mesh.
+    pub fn memory(&self, solution: &Solution) -> (usize, usize) {
+        let table = solution.deflections(&self.nodes_of(solution), self.every);
+        (table.bytes(), table.blocks())
+    }
+
+    fn nodes_of(&self, solution: &Solution) -> Vec<usize> {
+        let every_node = || (0..solution.mesh().nodes_m().len()).collect();
+        self.nodes.clone().unwrap_or_else(every_node)
     }
 
     fn write_nodal(
         &self,
         folder: &mut OutputFolder,
         solution: &Solution,
+        watch: &dyn Watch,
     ) -> Result<(), FolderError> {
-        let every_node = || (0..solution.mesh().nodes_m().len()).collect();
-        let nodes: Vec<usize> = self.nodes.clone().unwrap_or_else(every_node);
+        let nodes = self.nodes_of(solution);
         let mut file = |name: &str, heading, table: &NodalTable| {
-            folder.file(name, |out| write_nodal(out, table, heading, self.digits))
+            folder.file(name, |out| write_nodal(out, table, heading, self.digits, watch))
         };
         let deflections = solution.deflections(&nodes, self.every);
         if self.optional.contains(&OptionalTable::NodalDeflections) {

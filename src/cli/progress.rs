@@ -1,0 +1,129 @@
+//! How far long work has come: on a terminal, and nothing in a pipe.
+
+use std::fmt;
+use std::io::{IsTerminal as _, stderr};
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+
+use flexlink::inverse::{Stage, Watch};
+
+use super::console;
+
+/// Work that is done before is not worth a bar.
+const SHORT: Duration = Duration::from_millis(500);
+
+/// How often a bar is drawn while nothing moves.
+const TICK: Duration = Duration::from_millis(100);
+
+/// The cases of a sweep, with rate and time left.
+pub(crate) struct CaseBar(ProgressBar);
+
+impl CaseBar {
+    /// Shows `done` of `all`.
+    pub(crate) fn new(done: usize, all: usize) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(all as u64), ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("[{bar:30}] {pos}/{len}, {rate}, {eta} left");
+        // The template is a constant that the library reads.
+        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ");
+        let rate = |state: &ProgressState, out: &mut dyn fmt::Write| {
+            // A line that is not drawn is no loss.
+            let _ = write!(out, "{:.1}/s", state.per_sec());
+        };
+        bar.set_style(style.with_key("rate", rate));
+        // What an earlier run has done says nothing about the rate of this one: the estimate begins
+        // after it has been told of it, and nothing is drawn before that.
+        bar.set_position(done as u64);
+        bar.tick();
+        bar.reset_eta();
+        bar.set_draw_target(ProgressDrawTarget::stderr());
+        Self(bar)
+    }
+
+    /// Shows nothing.
+    pub(crate) fn hidden() -> Self {
+        Self(ProgressBar::hidden())
+    }
+
+    /// Shows one more.
+    pub(crate) fn advance(&self) {
+        self.0.inc(1);
+    }
+}
+
+impl Drop for CaseBar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// The stages of one run.
+pub(crate) struct StageBar {
+    bar: ProgressBar,
+    /// Dropped when the run is over.
+    over: Option<Sender<()>>,
+    waiting: Option<JoinHandle<()>>,
+}
+
+impl StageBar {
+    /// Shows what a run is at as soon as it is no short one; nothing where standard error is no
+    /// terminal.
+    pub(crate) fn new() -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("{spinner} {msg:9} [{bar:30}] {percent:>3} %");
+        // The template is a constant that the library reads.
+        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ");
+        bar.set_style(style.tick_chars("-\\|/ "));
+        bar.set_message("solve");
+        if !stderr().is_terminal() {
+            return Self { bar, over: None, waiting: None };
+        }
+        let (over, runs) = mpsc::channel();
+        let shown = bar.clone();
+        let show = move || {
+            if runs.recv_timeout(SHORT) == Err(RecvTimeoutError::Timeout) {
+                shown.set_draw_target(ProgressDrawTarget::stderr());
+                shown.enable_steady_tick(TICK);
+            }
+        };
+        Self { bar, over: Some(over), waiting: Some(thread::spawn(show)) }
+    }
+
+    /// Shows nothing.
+    pub(crate) fn hidden() -> Self {
+        Self { bar: ProgressBar::hidden(), over: None, waiting: None }
+    }
+
+    /// Tells something above the bar.
+    pub(crate) fn say(&self, message: &str) {
+        self.bar.suspend(|| console::remark(message));
+    }
+}
+
+impl Watch for StageBar {
+    fn begin(&self, stage: Stage, parts: usize) {
+        self.bar.set_message(match stage {
+            Stage::Transform => "transform",
+            Stage::Write => "write",
+        });
+        self.bar.set_length(parts as u64);
+        self.bar.set_position(0);
+    }
+
+    fn advance(&self, parts: usize) {
+        self.bar.inc(parts as u64);
+    }
+}
+
+impl Drop for StageBar {
+    fn drop(&mut self) {
+        drop(self.over.take());
+        if let Some(waiting) = self.waiting.take() {
+            // A thread that has failed has shown nothing.
+            let _ = waiting.join();
+        }
+        self.bar.finish_and_clear();
+    }
+}
