@@ -105,7 +105,7 @@ impl Frf {
                 (0, _) => from_hz,
                 (k, _) if k + 1 == points => to_hz,
                 (_, true) => from_hz + share * (to_hz - from_hz),
-                (_, false) => from_hz * (to_hz / from_hz).powf(share),
+                (_, false) => from_hz * libm::pow(to_hz / from_hz, share),
             }
         })
     }

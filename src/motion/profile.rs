@@ -58,8 +58,8 @@ impl Profile {
     /// Acceleration at u in [0, 1/2], up to a factor.
     fn acceleration(self, u: f64) -> f64 {
         match self {
-            Self::Sine => (TAU * u).sin(),
-            Self::Versine => (PI * u).cos(),
+            Self::Sine => libm::sin(TAU * u),
+            Self::Versine => libm::cos(PI * u),
             Self::MinJerk => u * (1.0 - 3.0 * u + 2.0 * u * u),
             Self::Septic => u * u * (1.0 - u).powi(2) * (1.0 - 2.0 * u),
             Self::Trapezoid if u > 1.0 / 3.0 => 0.0,
@@ -68,7 +68,7 @@ impl Profile {
             Self::SCurve => (12.0 * u).min(4.0 - 12.0 * u).clamp(0.0, 1.0),
             Self::Gaussian => {
                 let s = 12.0 * (u - 0.5);
-                -s * (-0.5 * s * s).exp()
+                -s * libm::exp(-0.5 * s * s)
             }
         }
     }

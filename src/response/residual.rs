@@ -1,7 +1,7 @@
 use super::play::{Driving, Play};
 use super::simulation::Simulation;
 use super::stepper::Stepper;
-use crate::numeric::{FourierPair, angular_frequency, fast_length, largest};
+use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 
 /// Vibration has died down when it stays below this share of its amplitude.
 const DECAYED: f64 = 0.01;
@@ -144,7 +144,10 @@ fn strongest_hz(vibration: &[f64], step_s: f64) -> Option<f64> {
         return None;
     }
     let padded = fast_length((1 + ZEROS) * len);
-    let window = |k: usize| (std::f64::consts::PI * (k as f64 + 0.5) / len as f64).sin().powi(2);
+    let window = |k: usize| {
+        let sine = libm::sin(std::f64::consts::PI * (k as f64 + 0.5) / len as f64);
+        sine * sine
+    };
     // The mean under the window, so that none of it is left to outshine a decaying vibration.
     let weights: f64 = (0..len).map(window).sum();
     let mean = vibration.iter().enumerate().map(|(k, x)| window(k) * x).sum::<f64>() / weights;
@@ -152,12 +155,13 @@ fn strongest_hz(vibration: &[f64], step_s: f64) -> Option<f64> {
         vibration.iter().enumerate().map(|(k, x)| window(k) * (x - mean)).collect();
     samples.resize(padded, 0.0);
     let sizes: Vec<f64> =
-        FourierPair::new(padded).amplitudes(samples).iter().map(|x| x.norm()).collect();
+        FourierPair::new(padded).amplitudes(samples).into_iter().map(magnitude).collect();
     let peak = (1..sizes.len() - 1).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b]))?;
     if sizes[peak - 1..=peak + 1].contains(&0.0) {
         return None;
     }
-    let [before, at, after] = [-1, 0, 1].map(|k| sizes[peak.saturating_add_signed(k)].ln());
+    let [before, at, after] =
+        [-1_isize, 0, 1].map(|k| libm::log(sizes[peak.saturating_add_signed(k)]));
     let offset = 0.5 * (before - after) / (before - 2.0 * at + after);
     let spacing = angular_frequency(1, padded, step_s) / std::f64::consts::TAU;
     Some((peak as f64 + offset) * spacing)

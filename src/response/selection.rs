@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use crate::beam::Mesh;
 use crate::modal::{ModalBasis, flexible_modes, modes_below, natural_frequencies};
-use crate::numeric::{FourierPair, TimeGrid, angular_frequency, fast_length};
+use crate::numeric::{FourierPair, TimeGrid, angular_frequency, fast_length, magnitude};
 
 /// Share of the motion that may lie above the frequency up to which modes answer dynamically.
 const NEGLIGIBLE: f64 = 1e-12;
@@ -48,7 +48,7 @@ pub(super) fn torque_band_rad_s(grid: &TimeGrid, samples: &[f64]) -> Option<f64>
     let omega = |k: usize| angular_frequency(k, len, grid.step_s);
     let mut above = 0.0;
     for k in (1..amplitudes.len()).rev() {
-        above += 2.0 * amplitudes[k].norm() / omega(k).powi(2);
+        above += 2.0 * magnitude(amplitudes[k]) / omega(k).powi(2);
         if above > NEGLIGIBLE * whole {
             return Some(omega(k));
         }

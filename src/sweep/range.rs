@@ -63,7 +63,7 @@ fn value(start: f64, stop: f64, (k, last): (usize, usize), logarithmic: bool) ->
     let share = k as f64 / last as f64;
     let between = if logarithmic {
         // Neither their product nor their quotient, which may be beyond all numbers.
-        start.signum() * start.abs().powf(1.0 - share) * stop.abs().powf(share)
+        start.signum() * libm::pow(start.abs(), 1.0 - share) * libm::pow(stop.abs(), share)
     } else {
         (1.0 - share) * start + share * stop
     };

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use super::number::Digits;
 use super::plain_table::{PlainColumn, write_plain};
 use crate::inverse::FrequencyResponse;
+use crate::numeric::magnitude;
 
 /// One of the transfers of a row.
 type Transfer = fn(&FrequencyResponse) -> Complex64;
@@ -33,9 +34,9 @@ pub fn write_frequency_response(
     let parts: [(&str, Part); 4] = [
         ("real", |x| x.re),
         ("imag", |x| x.im),
-        ("magnitude", Complex64::norm),
+        ("magnitude", magnitude),
         // Half a turn is +π, whatever the sign of a zero.
-        ("phase_rad", |x| (x.im + 0.0).atan2(x.re)),
+        ("phase_rad", |x| libm::atan2(x.im + 0.0, x.re)),
     ];
     for (name, transfer) in transfers {
         for (part, of) in parts {

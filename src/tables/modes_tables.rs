@@ -47,7 +47,7 @@ impl ModesResult {
     /// How long before the motion the torque is still 1 % of what it is at its start, in s, were
     /// there but this zero: ln(100)/z.
     pub fn leads_s(&self) -> Vec<f64> {
-        self.zeros_per_s.iter().map(|zero| 100.0_f64.ln() / zero).collect()
+        self.zeros_per_s.iter().map(|zero| libm::log(100.0) / zero).collect()
     }
 
     /// Writes modes.csv, `mode_shapes.csv` and zeros.csv, of a link with a drive also

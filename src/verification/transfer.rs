@@ -2,6 +2,7 @@ use std::f64::consts::TAU;
 
 use super::check::{Check, Question};
 use crate::inverse::{DenseLink, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Solution};
+use crate::numeric::magnitude;
 
 /// Frequencies at which the dense system is solved.
 const FREQUENCIES: usize = 9;
@@ -35,10 +36,10 @@ pub(super) fn dense_transfer(solution: &Solution) -> Check {
     let (mut worst, mut bound) = (0.0_f64, AGREEMENT);
     for k in 0..FREQUENCIES {
         // Between poles and zeros of an undamped link none of these is likely to fall on one.
-        let omega = low * (high / low).powf((k as f64 + 0.37) / FREQUENCIES as f64);
+        let omega = low * libm::pow(high / low, (k as f64 + 0.37) / FREQUENCIES as f64);
         let exact = solution.dynamics.tip_transfer(omega).inertia_kg_m;
         let found = dense.torque_per_tip_acceleration_kg_m(omega);
-        worst = worst.max((found - exact).norm() / exact.norm());
+        worst = worst.max(magnitude(found - exact) / magnitude(exact));
         bound = bound.max(dense.round_off(omega));
     }
     if bound > SPOILT {
