@@ -2,6 +2,9 @@
 % All frequencies at once, the 2x2 blocks written out. Left out: as in solve.py.
 1;
 
+% Whoever stops this wants no octave-workspace left behind.
+sigterm_dumps_octave_core (false);
+
 function link = read_link (file)
   link = struct ("l", [], "k", [], "m", [], "n", []);
   lines = strsplit (fileread (file), "\n");
