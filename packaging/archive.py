@@ -24,7 +24,14 @@ from pathlib import Path
 from third_party import licences
 
 ROOT = Path(__file__).resolve().parent.parent
-DOCUMENTS = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT", "docs/torque.svg"]
+DOCUMENTS = [
+    "README.md",
+    "CHANGELOG.md",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "docs/growth.svg",
+    "docs/torque.svg",
+]
 EXAMPLES = ["specs/*.toml", "trajectories/*.csv", "examples/*"]
 COMPLETIONS = {
     "bash": "flexlink.bash",

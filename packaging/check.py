@@ -16,7 +16,14 @@ import tempfile
 from pathlib import Path
 
 LINK, MOTION = "specs/bayo1987_example1.toml", "trajectories/sine_0.88s.csv"
-NEEDED = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT", "docs/torque.svg"]
+NEEDED = [
+    "README.md",
+    "CHANGELOG.md",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "docs/growth.svg",
+    "docs/torque.svg",
+]
 NEEDED += ["LICENSES-THIRD-PARTY", "examples/stiffness_sweep.sh", "examples/read_results.py"]
 NEEDED += [LINK, MOTION, "man/man1/flexlink.1", "man/man1/flexlink-solve.1"]
 COMPLETIONS = ["_flexlink", "_flexlink.ps1", "flexlink.bash", "flexlink.elv", "flexlink.fish"]
