@@ -1,8 +1,8 @@
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+use super::fft::{RealFft, Scratch};
 
 /// Fourier pair on an even number N of real samples.
 ///
@@ -11,26 +11,23 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 /// x_j = Σ_k X_k e^{+2πi jk/N}          k = −N/2 + 1 … N/2, X_{−k} = conj X_k
 /// ```
 /// so that `X_k` is the complex amplitude of `e^{+iω_k t}` with `ω_k = 2πk/P` (Bayo 1987, eq 13).
-#[derive(Clone)]
-pub struct FourierPair {
-    forward: Arc<dyn RealToComplex<f64>>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
-}
+#[derive(Debug, Clone)]
+pub struct FourierPair(RealFft);
 
 impl FourierPair {
-    /// Plans the pair for `len` samples, an even number above 0 such as [`fast_length`] gives.
+    /// Plans the pair for `len` samples, an even number above 0. Lengths such as [`fast_length`]
+    /// gives are fast; any other takes time in proportion to its largest prime factor too.
     ///
     /// # Panics
     /// If `len` is odd or zero.
     pub fn new(len: usize) -> Self {
         assert!(len > 0 && len.is_multiple_of(2), "a Fourier pair needs an even length, not {len}");
-        let mut planner = RealFftPlanner::new();
-        Self { forward: planner.plan_fft_forward(len), inverse: planner.plan_fft_inverse(len) }
+        Self(RealFft::new(len))
     }
 
     /// Number N of samples.
     pub fn len(&self) -> usize {
-        self.forward.len()
+        self.0.len()
     }
 
     /// Never: a pair has at least two samples.
@@ -42,14 +39,27 @@ impl FourierPair {
     ///
     /// # Panics
     /// If there are not N samples.
-    pub fn amplitudes(&self, mut samples: Vec<f64>) -> Vec<Complex64> {
-        let mut spectrum = self.forward.make_output_vec();
-        self.forward.process(&mut samples, &mut spectrum).expect("N samples, N/2 + 1 amplitudes");
-        let scale = 1.0 / self.len() as f64;
-        for x in &mut spectrum {
-            *x *= scale;
-        }
-        spectrum
+    #[expect(clippy::needless_pass_by_value, reason = "callers collect what they have no use for")]
+    pub fn amplitudes(&self, samples: Vec<f64>) -> Vec<Complex64> {
+        let mut amplitudes = vec![Complex64::ZERO; self.len() / 2 + 1];
+        self.write_amplitudes(&samples, &mut Scratch::default(), &mut amplitudes);
+        amplitudes
+    }
+
+    /// Writes what [`Self::amplitudes`] returns, by means of memory that serves again and again.
+    ///
+    /// # Panics
+    /// If there are not N samples or not room for N/2 + 1 amplitudes.
+    pub fn write_amplitudes(
+        &self,
+        samples: &[f64],
+        scratch: &mut Scratch,
+        amplitudes: &mut [Complex64],
+    ) {
+        let (len, bins) = (self.len(), self.len() / 2 + 1);
+        assert_eq!(samples.len(), len, "samples of a Fourier pair");
+        assert_eq!(amplitudes.len(), bins, "amplitudes of a Fourier pair");
+        self.0.forward(samples, 1.0 / len as f64, scratch, amplitudes);
     }
 
     /// The N samples of the amplitudes `X_0 …`; those not given are zero.
@@ -59,15 +69,27 @@ impl FourierPair {
     ///
     /// # Panics
     /// If there are more than N/2 + 1 amplitudes.
-    pub fn samples(&self, mut amplitudes: Vec<Complex64>) -> Vec<f64> {
-        let bins = self.len() / 2 + 1;
-        assert!(amplitudes.len() <= bins, "{} amplitudes for {bins} bins", amplitudes.len());
-        amplitudes.resize(bins, Complex64::ZERO);
-        amplitudes[0].im = 0.0;
-        amplitudes[bins - 1].im = 0.0;
-        let mut samples = self.inverse.make_output_vec();
-        self.inverse.process(&mut amplitudes, &mut samples).expect("N/2 + 1 amplitudes, N samples");
+    #[expect(clippy::needless_pass_by_value, reason = "callers collect what they have no use for")]
+    pub fn samples(&self, amplitudes: Vec<Complex64>) -> Vec<f64> {
+        let mut samples = vec![0.0; self.len()];
+        self.write_samples(&amplitudes, &mut Scratch::default(), &mut samples);
         samples
+    }
+
+    /// Writes what [`Self::samples`] returns, by means of memory that serves again and again.
+    ///
+    /// # Panics
+    /// If there are more than N/2 + 1 amplitudes or not room for N samples.
+    pub fn write_samples(
+        &self,
+        amplitudes: &[Complex64],
+        scratch: &mut Scratch,
+        samples: &mut [f64],
+    ) {
+        let (len, bins) = (self.len(), self.len() / 2 + 1);
+        assert!(amplitudes.len() <= bins, "{} amplitudes for {bins} bins", amplitudes.len());
+        assert_eq!(samples.len(), len, "samples of a Fourier pair");
+        self.0.inverse(amplitudes, scratch, samples);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Mathematics that knows no beam: time grids, Fourier pairs, roots, splines, units.
 
 mod complex_lanes;
+mod fft;
 mod fourier;
 mod grid;
 mod lanes;
@@ -18,6 +19,7 @@ mod upsampling;
 mod wide;
 
 pub(crate) use complex_lanes::ComplexLanes;
+pub use fft::Scratch;
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
 pub use largest::{largest, largest_difference};

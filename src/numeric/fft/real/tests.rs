@@ -1,0 +1,218 @@
+use realfft::RealFftPlanner;
+use twofloat::TwoFloat;
+
+use super::*;
+
+/// Numbers without any pattern between −1 and 1.
+fn noise(len: usize) -> Vec<f64> {
+    let mut state = len as u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
+        (state >> 12) as f64 / 2f64.powi(51) - 1.0
+    };
+    (0..len).map(|_| next()).collect()
+}
+
+/// Amplitudes of a real signal of `len` samples.
+fn spectrum(len: usize) -> Vec<Complex64> {
+    let parts = noise(len + 2);
+    let mut amplitudes: Vec<_> =
+        parts.chunks_exact(2).map(|z| Complex64::new(z[0], z[1])).collect();
+    (amplitudes[0].im, amplitudes[len / 2].im) = (0.0, 0.0);
+    amplitudes
+}
+
+fn forward(samples: &[f64]) -> Vec<Complex64> {
+    let mut amplitudes = vec![Complex64::ZERO; samples.len() / 2 + 1];
+    let scratch = &mut Scratch::default();
+    RealFft::new(samples.len()).forward(samples, 1.0, scratch, &mut amplitudes);
+    amplitudes
+}
+
+fn inverse(amplitudes: &[Complex64], len: usize) -> Vec<f64> {
+    let mut samples = vec![0.0; len];
+    RealFft::new(len).inverse(amplitudes, &mut Scratch::default(), &mut samples);
+    samples
+}
+
+/// Root of the mean square of the differences, relative to that of `expected`.
+fn error(found: &[f64], expected: &[f64]) -> f64 {
+    let square = |x: f64| x * x;
+    let differences: f64 = found.iter().zip(expected).map(|(a, b)| square(a - b)).sum();
+    (differences / expected.iter().map(|x| square(*x)).sum::<f64>()).sqrt()
+}
+
+/// The largest difference relative to the root mean square of `expected`.
+fn largest_error(found: &[f64], expected: &[f64]) -> f64 {
+    assert_eq!(found.len(), expected.len());
+    let rms = (expected.iter().map(|x| x * x).sum::<f64>() / expected.len() as f64).sqrt();
+    found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / rms
+}
+
+fn flat(amplitudes: &[Complex64]) -> &[f64] {
+    cast_slice(amplitudes)
+}
+
+/// Cosines and sines of all multiples of a turn's N-th part.
+fn turns(len: usize) -> Vec<(f64, f64)> {
+    let angle = |k: usize| std::f64::consts::TAU * k as f64 / len as f64;
+    (0..len).map(|k| (libm::cos(angle(k)), libm::sin(angle(k)))).collect()
+}
+
+/// The definition of the forward transform, summed with 106 bits.
+fn direct_forward(samples: &[f64]) -> Vec<Complex64> {
+    let len = samples.len();
+    let turns = turns(len);
+    let sum = |k: usize, part: fn((f64, f64)) -> f64| {
+        let terms = samples.iter().enumerate();
+        let zero = TwoFloat::from(0.0);
+        let sum = terms.fold(zero, |s, (j, x)| s + TwoFloat::new_mul(*x, part(turns[j * k % len])));
+        f64::from(sum)
+    };
+    (0..=len / 2).map(|k| Complex64::new(sum(k, |t| t.0), -sum(k, |t| t.1))).collect()
+}
+
+/// The definition of the inverse transform, summed with 106 bits.
+fn direct_inverse(amplitudes: &[Complex64], len: usize) -> Vec<f64> {
+    let turns = turns(len);
+    let term = |j: usize, k: usize| {
+        let (cos, sin) = turns[j * k % len];
+        let weight = if k == 0 || k == len / 2 { 1.0 } else { 2.0 };
+        let re = TwoFloat::new_mul(weight * amplitudes[k].re, cos);
+        re - TwoFloat::new_mul(weight * amplitudes[k].im, sin)
+    };
+    let sum = |j| (0..=len / 2).fold(TwoFloat::from(0.0), |s, k| s + term(j, k));
+    (0..len).map(|j| f64::from(sum(j))).collect()
+}
+
+fn reference_forward(samples: &[f64]) -> Vec<Complex64> {
+    let fft = RealFftPlanner::new().plan_fft_forward(samples.len());
+    let mut amplitudes = fft.make_output_vec();
+    fft.process(&mut samples.to_vec(), &mut amplitudes).unwrap();
+    amplitudes
+}
+
+fn reference_inverse(amplitudes: &[Complex64], len: usize) -> Vec<f64> {
+    let mut samples = vec![0.0; len];
+    let fft = RealFftPlanner::new().plan_fft_inverse(len);
+    fft.process(&mut amplitudes.to_vec(), &mut samples).unwrap();
+    samples
+}
+
+/// What rounding may do: 1e-15 for each doubling.
+fn tolerance(len: usize) -> f64 {
+    1e-15 * (len as f64).log2().max(1.0)
+}
+
+#[test]
+fn every_even_length_up_to_400_is_the_definition() {
+    for len in (2..=400).step_by(2) {
+        let (samples, amplitudes) = (noise(len), spectrum(len));
+        let found = forward(&samples);
+        let away = largest_error(flat(&found), flat(&direct_forward(&samples)));
+        assert!(away < tolerance(len), "forward {len}: {away:e}");
+        assert!(found[0].im == 0.0 && found[len / 2].im == 0.0, "ends of {len}");
+        let away = largest_error(&inverse(&amplitudes, len), &direct_inverse(&amplitudes, len));
+        assert!(away < tolerance(len), "inverse {len}: {away:e}");
+    }
+}
+
+#[test]
+fn long_transforms_are_those_of_rustfft() {
+    for len in [2048, 2250, 5000, 13_824, 16_384, 46_656, 65_536, 109_350, 1 << 20] {
+        let (samples, amplitudes) = (noise(len), spectrum(len));
+        let away = largest_error(flat(&forward(&samples)), flat(&reference_forward(&samples)));
+        assert!(away < tolerance(len), "forward {len}: {away:e}");
+        let expected = reference_inverse(&amplitudes, len);
+        let away = largest_error(&inverse(&amplitudes, len), &expected);
+        assert!(away < tolerance(len), "inverse {len}: {away:e}");
+    }
+}
+
+#[test]
+fn rounding_is_no_worse_than_that_of_rustfft() {
+    for len in [1024, 1080, 2048, 3072] {
+        let (samples, amplitudes) = (noise(len), spectrum(len));
+        let exact = direct_forward(&samples);
+        let own = error(flat(&forward(&samples)), flat(&exact));
+        let other = error(flat(&reference_forward(&samples)), flat(&exact));
+        assert!(own < 1.05 * other, "forward {len}: {own:e}, rustfft {other:e}");
+        let exact = direct_inverse(&amplitudes, len);
+        let own = error(&inverse(&amplitudes, len), &exact);
+        let other = error(&reference_inverse(&amplitudes, len), &exact);
+        assert!(own < 1.05 * other, "inverse {len}: {own:e}, rustfft {other:e}");
+    }
+}
+
+#[test]
+fn missing_amplitudes_are_zero_however_many_are_missing() {
+    for len in [2, 6, 30, 64, 2048, 2250, 13_824, 65_536] {
+        let amplitudes = spectrum(len);
+        let mut scratch = Scratch::default();
+        let fft = RealFft::new(len);
+        for given in [0, 1, 2, 17, len / 16, len / 9, len / 4, len / 2, len / 2 + 1] {
+            let given = given.min(len / 2 + 1);
+            let mut padded = amplitudes[..given].to_vec();
+            padded.resize(len / 2 + 1, Complex64::ZERO);
+            let expected = inverse(&padded, len);
+            let mut found = vec![f64::NAN; len];
+            // What a full spectrum left in the scratch must not show.
+            fft.inverse(&amplitudes, &mut scratch, &mut found);
+            fft.inverse(&amplitudes[..given], &mut scratch, &mut found);
+            assert!(found == expected, "{given} amplitudes of {len} samples");
+        }
+    }
+}
+
+#[test]
+fn a_scratch_serves_transforms_of_any_length_in_turn() {
+    let mut scratch = Scratch::default();
+    for len in [4096, 30, 2250, 2, 4096] {
+        let (samples, amplitudes) = (noise(len), spectrum(len));
+        let fft = RealFft::new(len);
+        let mut found = vec![Complex64::ZERO; len / 2 + 1];
+        fft.forward(&samples, 1.0, &mut scratch, &mut found);
+        assert_eq!(found, forward(&samples));
+        let mut found = vec![0.0; len];
+        fft.inverse(&amplitudes, &mut scratch, &mut found);
+        assert_eq!(found, inverse(&amplitudes, len));
+    }
+}
+
+/// All bits of both transforms on the vectors of `S`.
+fn bits<S: Simd>(simd: S, len: usize) -> Vec<u64> {
+    let (samples, amplitudes) = (noise(len), spectrum(len));
+    let plan = Plan::of(len / 2);
+    let (plan, scratch) = (&*plan, &mut Scratch::default());
+    let mut found = vec![Complex64::ZERO; len / 2 + 1];
+    let out = &mut found;
+    Forward { plan, samples: &samples, scale: 0.1, scratch, amplitudes: out }.with_simd(simd);
+    let mut bits: Vec<_> = flat(&found).iter().map(|x| x.to_bits()).collect();
+    for amplitudes in [&amplitudes[..], &amplitudes[..len / 20]] {
+        let mut samples = vec![0.0; len];
+        Inverse { plan, amplitudes, scratch, samples: &mut samples }.with_simd(simd);
+        bits.extend(samples.iter().map(|x| x.to_bits()));
+    }
+    bits
+}
+
+#[test]
+fn every_width_of_vectors_gives_the_same_bits() {
+    for len in [2, 50, 512, 2048, 2250, 13_824, 2 * 7 * 11 * 13] {
+        let scalar = bits(pulp::Scalar, len);
+        #[cfg(target_arch = "x86_64")]
+        {
+            let v3 = pulp::x86::V3::try_new().map(|v3| bits(v3, len));
+            assert!(v3.is_none_or(|v3| v3 == scalar), "four lanes at {len}");
+            let v4 = pulp::x86::V4::try_new().map(|v4| bits(v4, len));
+            assert!(v4.is_none_or(|v4| v4 == scalar), "eight lanes at {len}");
+        }
+    }
+}
+
+#[test]
+fn the_plan_of_a_length_is_made_once_while_it_is_in_use() {
+    let twice = || (RealFft::new(7776), RealFft::new(7776));
+    // Tests on other threads may crowd it out once, but not every time.
+    assert!((0..100).map(|_| twice()).any(|(a, b)| Arc::ptr_eq(&a.0, &b.0)));
+}
