@@ -103,16 +103,21 @@ pub fn driven_motion<S: PivotedScalar>(mesh: &Mesh, lambda: S) -> DrivenMotion<S
 ///
 /// Not finite only where no pivot is left at all, as at a zero of torque → tip on the real axis.
 pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
+    if lambda.im == 0.0 { pivoted_over(mesh, lambda.re) } else { pivoted_over(mesh, lambda) }
+}
+
+fn pivoted_over<S: PivotedScalar + Into<Complex64>>(mesh: &Mesh, lambda: S) -> NodalTransfer {
     let motion = driven_motion(mesh, lambda);
     let last = motion.deflections.len() - 1;
-    let tip_displacement = motion.theta * mesh.length_m() + motion.deflections[last][0];
-    let lag = |e: &Vector2<Complex64>| e[0] / (lambda * tip_displacement);
-    let moment = |q: &Vector2<Complex64>| q[1] / tip_displacement;
+    let tip_displacement =
+        motion.theta * S::from_real(mesh.length_m()) + motion.deflections[last][0];
+    let lag = |e: &Vector2<S>| (e[0] / (lambda * tip_displacement)).into();
+    let moment = |q: &Vector2<S>| (q[1] / tip_displacement).into();
     NodalTransfer {
         tip: TipTransfer {
-            inertia_kg_m: motion.torque / tip_displacement,
+            inertia_kg_m: (motion.torque / tip_displacement).into(),
             root_inertia_kg_m: moment(&motion.reactions[0]),
-            angle_rad_m: motion.theta / tip_displacement,
+            angle_rad_m: (motion.theta / tip_displacement).into(),
             lag_s2: lag(&motion.deflections[last]),
         },
         lags_s2: motion.deflections.iter().map(lag).collect(),

@@ -14,7 +14,7 @@ mod units;
 #[cfg(test)]
 mod wide;
 
-pub(crate) use complex_lanes::ComplexLanes;
+pub(crate) use complex_lanes::{ComplexLanes, LambdaLanes};
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
 pub(crate) use lanes::RealLanes;
