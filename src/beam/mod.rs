@@ -6,6 +6,7 @@ mod histories;
 mod mesh;
 mod pivoted;
 mod plan;
+mod sixteen;
 mod spectrum;
 mod transfer;
 #[cfg(test)]
@@ -16,8 +17,9 @@ pub use condensation::{Gain, Inertia, Step, condense};
 pub use element::{Element, RelativeElement};
 pub use histories::NodalHistories;
 pub use mesh::Mesh;
-pub use pivoted::{DrivenMotion, driven_motion};
+pub use pivoted::{DrivenMotion, PivotedScalar, driven_motion};
 pub use plan::{ElementCount, MeshPlan, Piece};
+pub use sixteen::{Pivots, pivots, tip_displacements_m};
 pub use spectrum::{nodal_transfers, tip_transfers};
 pub use transfer::{HubResponse, TipTransfer, hub_response, tip_transfer};
 pub use walk::{NodalQuantity, NodalTransfer, nodal_transfer};

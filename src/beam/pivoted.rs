@@ -6,7 +6,7 @@
 //! every element the two rows of U and Q that span the plane best are made the new coefficients.
 //! A resonance is then nothing special: u is small beside q.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{ComplexField, Matrix2, Vector2};
 use num_complex::Complex64;
 
 use super::element::RelativeElement;
@@ -14,63 +14,74 @@ use super::mesh::Mesh;
 use super::transfer::TipTransfer;
 use super::walk::NodalTransfer;
 
-type Block = Matrix2<Complex64>;
+/// Numbers that the recursion with pivoting runs over: complex ones, and real ones for modes.
+pub trait PivotedScalar: ComplexField<RealField = f64> + Copy {}
+
+impl PivotedScalar for f64 {}
+impl PivotedScalar for Complex64 {}
+
+type Block<S> = Matrix2<S>;
 
 /// Motions `U c` and reactions `Q c` that the part outboard of a node admits.
 #[derive(Clone, Copy)]
-struct Plane {
-    motion: Block,
-    reaction: Block,
+struct Plane<S> {
+    motion: Block<S>,
+    reaction: Block<S>,
 }
 
 /// What the way back from hub to tip needs of one element.
-struct Passage {
+struct Passage<S> {
     /// Inner coefficients per outer ones: `c_i = change · c_j`.
-    change: Block,
+    change: Block<S>,
     /// Deformation `d = D c_j`.
-    deformation: Block,
+    deformation: Block<S>,
     /// Reaction at the inner node over `c_i`.
-    reaction: Block,
+    reaction: Block<S>,
 }
 
 /// A motion of the whole link at one λ under a torque at the hub alone, its size arbitrary.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DrivenMotion {
+pub struct DrivenMotion<S> {
     /// Hub angle θ.
-    pub theta: Complex64,
+    pub theta: S,
     /// Torque at the hub over −ω².
-    pub torque: Complex64,
+    pub torque: S,
     /// Deflection and slope (e, e') of nodes 0 … n from the hub's tangent line.
-    pub deflections: Vec<Vector2<Complex64>>,
+    pub deflections: Vec<Vector2<S>>,
     /// Deformation of every element: motion of its outer end seen from its inner end's tangent.
     /// Not found from the deflections, of which it is a tiny difference on fine meshes.
-    pub deformations: Vec<Vector2<Complex64>>,
+    pub deformations: Vec<Vector2<S>>,
     /// Reaction (force, moment) over −ω² of what lies outboard of nodes 0 … n.
-    pub reactions: Vec<Vector2<Complex64>>,
+    pub reactions: Vec<Vector2<S>>,
 }
 
 /// The motion that a torque at the hub drives at λ, also where the link or a part of it resonates.
-pub fn driven_motion(mesh: &Mesh, lambda: Complex64) -> DrivenMotion {
-    let mut plane =
-        Plane { motion: Block::identity(), reaction: complex(&mesh.tip_inertia().matrix()) };
+pub fn driven_motion<S: PivotedScalar>(mesh: &Mesh, lambda: S) -> DrivenMotion<S> {
+    let mut plane = Plane {
+        motion: Block::<S>::identity(),
+        reaction: lifted::<S>(&mesh.tip_inertia().matrix()),
+    };
     let tip_reaction = plane.reaction;
+    let (length_m, mass_kg) = (mesh.length_m(), mesh.reference_mass_kg());
     let mut passages = Vec::with_capacity(mesh.elements().len());
     for (index, element) in mesh.relative_elements().iter().enumerate().rev() {
         let (deformation, mut inner) = pass(element, lambda, &plane);
         if let Some(lumped) = mesh.lumped_inertia(index) {
-            inner.reaction += complex(&lumped.matrix()) * inner.motion;
+            inner.reaction += lifted::<S>(&lumped.matrix()) * inner.motion;
         }
-        let (change, renewed) = renew(&inner, mesh);
+        let (change, renewed) = renew(&inner, length_m, mass_kg);
         passages.push(Passage { change, deformation, reaction: renewed.reaction });
         plane = renewed;
     }
     // The root sits on the hub's radius: v_0 = x_0 φ_0 leaves one coefficient, its size free.
     let root_m = mesh.nodes_m()[0];
-    let held = plane.motion.row(0) - plane.motion.row(1) * Complex64::from(root_m);
+    let held = plane.motion.row(0) - plane.motion.row(1) * S::from_real(root_m);
     let mut c = Vector2::new(-held[1], held[0]).unscale(held.norm());
     let theta = (plane.motion * c)[1];
     let at_root = plane.reaction * c;
-    let torque = at_root[1] + at_root[0] * root_m + theta * mesh.hub_inertia_kg_m2();
+    let torque = at_root[1]
+        + at_root[0] * S::from_real(root_m)
+        + theta * S::from_real(mesh.hub_inertia_kg_m2());
 
     let mut e = Vector2::zeros();
     let mut deflections = vec![e];
@@ -78,9 +89,9 @@ pub fn driven_motion(mesh: &Mesh, lambda: Complex64) -> DrivenMotion {
     let mut reactions = Vec::with_capacity(passages.len() + 1);
     for (passage, element) in passages.iter().rev().zip(mesh.elements()) {
         reactions.push(passage.reaction * c);
-        c = solve(&passage.change, &c);
+        c = Elimination::of(&passage.change).solve(&c);
         let deformation = passage.deformation * c;
-        e = rigid_transfer(element.length_m) * e + deformation;
+        e = rigid_transfer::<S>(element.length_m) * e + deformation;
         deformations.push(deformation);
         deflections.push(e);
     }
@@ -92,16 +103,21 @@ pub fn driven_motion(mesh: &Mesh, lambda: Complex64) -> DrivenMotion {
 ///
 /// Not finite only where no pivot is left at all, as at a zero of torque → tip on the real axis.
 pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
+    if lambda.im == 0.0 { pivoted_over(mesh, lambda.re) } else { pivoted_over(mesh, lambda) }
+}
+
+fn pivoted_over<S: PivotedScalar + Into<Complex64>>(mesh: &Mesh, lambda: S) -> NodalTransfer {
     let motion = driven_motion(mesh, lambda);
     let last = motion.deflections.len() - 1;
-    let tip_displacement = motion.theta * mesh.length_m() + motion.deflections[last][0];
-    let lag = |e: &Vector2<Complex64>| e[0] / (lambda * tip_displacement);
-    let moment = |q: &Vector2<Complex64>| q[1] / tip_displacement;
+    let tip_displacement =
+        motion.theta * S::from_real(mesh.length_m()) + motion.deflections[last][0];
+    let lag = |e: &Vector2<S>| (e[0] / (lambda * tip_displacement)).into();
+    let moment = |q: &Vector2<S>| (q[1] / tip_displacement).into();
     NodalTransfer {
         tip: TipTransfer {
-            inertia_kg_m: motion.torque / tip_displacement,
+            inertia_kg_m: (motion.torque / tip_displacement).into(),
             root_inertia_kg_m: moment(&motion.reactions[0]),
-            angle_rad_m: motion.theta / tip_displacement,
+            angle_rad_m: (motion.theta / tip_displacement).into(),
             lag_s2: lag(&motion.deflections[last]),
         },
         lags_s2: motion.deflections.iter().map(lag).collect(),
@@ -116,58 +132,88 @@ pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer 
 /// (K_d − λ(M_dd − M_udᵀ R⁻¹)) D = λ(M_udᵀ R⁻¹ U_j + Q_j)
 /// U_i = R⁻¹(U_j − D),   Q_i = M_uu U_i + M_ud D + Rᵀ Q_j
 /// ```
-fn pass(element: &RelativeElement, lambda: Complex64, outer: &Plane) -> (Block, Plane) {
-    let back = rigid_transfer(-element.length_m);
-    let m_ud = complex(&element.m_ud);
+fn pass<S: PivotedScalar>(
+    element: &RelativeElement,
+    lambda: S,
+    outer: &Plane<S>,
+) -> (Block<S>, Plane<S>) {
+    let back = rigid_transfer::<S>(-element.length_m);
+    let m_ud = lifted::<S>(&element.m_ud);
     let through = m_ud.transpose() * back;
-    let matrix = complex(&element.k_d) - (complex(&element.m_dd) - through) * lambda;
+    let matrix = lifted::<S>(&element.k_d) - (lifted::<S>(&element.m_dd) - through) * lambda;
     let right = (through * outer.motion + outer.reaction) * lambda;
-    let deformation = Block::from_columns(&[
-        solve(&matrix, &right.column(0).into()),
-        solve(&matrix, &right.column(1).into()),
-    ]);
+    let deformation = Elimination::of(&matrix).solve_columns(&right);
     let motion = back * (outer.motion - deformation);
-    let reaction = complex(&element.m_uu) * motion
+    let reaction = lifted::<S>(&element.m_uu) * motion
         + m_ud * deformation
-        + rigid_transfer(element.length_m).transpose() * outer.reaction;
+        + rigid_transfer::<S>(element.length_m).transpose() * outer.reaction;
     (deformation, Plane { motion, reaction })
 }
 
 /// Makes the two rows that span the plane best its new coefficients.
-fn renew(plane: &Plane, mesh: &Mesh) -> (Block, Plane) {
-    let (length_m, mass_kg) = (mesh.length_m(), mesh.reference_mass_kg());
+fn renew<S: PivotedScalar>(plane: &Plane<S>, length_m: f64, mass_kg: f64) -> (Block<S>, Plane<S>) {
     // One unit for all four rows, so that their sizes can be compared.
     let rows = [
         plane.motion.row(0).into_owned(),
-        plane.motion.row(1) * Complex64::from(length_m),
-        plane.reaction.row(0) / Complex64::from(mass_kg),
-        plane.reaction.row(1) / Complex64::from(mass_kg * length_m),
+        plane.motion.row(1) * S::from_real(length_m),
+        plane.reaction.row(0) * S::from_real(1.0 / mass_kg),
+        plane.reaction.row(1) * S::from_real(1.0 / (mass_kg * length_m)),
     ];
-    let pairs = (0..4).flat_map(|a| (a + 1..4).map(move |b| Block::from_rows(&[rows[a], rows[b]])));
-    let change = pairs
-        .max_by(|a, b| a.determinant().norm().total_cmp(&b.determinant().norm()))
-        .unwrap_or_else(Block::identity);
+    let (mut change, mut largest) = (Block::identity(), f64::NEG_INFINITY);
+    for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+        let pair = Block::from_rows(&[rows[a], rows[b]]);
+        let size = pair.determinant().modulus_squared();
+        if size >= largest {
+            (change, largest) = (pair, size);
+        }
+    }
     // X̂ · change = X, row by row.
-    let transposed = change.transpose();
-    let express = |x: &Block| {
-        let row = |k: usize| solve(&transposed, &x.row(k).transpose()).transpose();
-        Block::from_rows(&[row(0), row(1)])
-    };
+    let elimination = Elimination::of(&change.transpose());
+    let express = |x: &Block<S>| elimination.solve_columns(&x.transpose()).transpose();
     (change, Plane { motion: express(&plane.motion), reaction: express(&plane.reaction) })
 }
 
 /// `R = [[1, l], [0, 1]]`.
-fn rigid_transfer(length_m: f64) -> Block {
-    complex(&Matrix2::new(1.0, length_m, 0.0, 1.0))
+fn rigid_transfer<S: PivotedScalar>(length_m: f64) -> Block<S> {
+    lifted::<S>(&Matrix2::new(1.0, length_m, 0.0, 1.0))
 }
 
-fn complex(real: &Matrix2<f64>) -> Block {
-    real.map(Complex64::from)
+fn lifted<S: PivotedScalar>(real: &Matrix2<f64>) -> Block<S> {
+    real.map(S::from_real)
 }
 
-/// Gaussian elimination with partial pivoting; not a number where the matrix is singular, which
-/// the caller's check of the result finds.
-fn solve(matrix: &Block, right: &Vector2<Complex64>) -> Vector2<Complex64> {
-    let nothing = || Vector2::repeat(Complex64::new(f64::NAN, f64::NAN));
-    matrix.lu().solve(right).unwrap_or_else(nothing)
+/// Gaussian elimination of a 2×2 matrix with partial pivoting; where the matrix is singular its
+/// solutions are not finite, which the caller's check of the result finds.
+struct Elimination<S> {
+    /// Row that the first unknown is eliminated with.
+    first: usize,
+    per_pivot: S,
+    beside_pivot: S,
+    multiplier: S,
+    per_second: S,
+}
+
+impl<S: PivotedScalar> Elimination<S> {
+    fn of(matrix: &Block<S>) -> Self {
+        let is_first = matrix[(0, 0)].norm1() >= matrix[(1, 0)].norm1();
+        let (first, second) = if is_first { (0, 1) } else { (1, 0) };
+        let per_pivot = matrix[(first, 0)].recip();
+        let multiplier = matrix[(second, 0)] * per_pivot;
+        let beside_pivot = matrix[(first, 1)];
+        let per_second = (matrix[(second, 1)] - multiplier * beside_pivot).recip();
+        Self { first, per_pivot, beside_pivot, multiplier, per_second }
+    }
+
+    fn solve(&self, right: &Vector2<S>) -> Vector2<S> {
+        let (first, second) = (right[self.first], right[1 - self.first]);
+        let y = (second - self.multiplier * first) * self.per_second;
+        Vector2::new((first - self.beside_pivot * y) * self.per_pivot, y)
+    }
+
+    fn solve_columns(&self, right: &Block<S>) -> Block<S> {
+        Block::from_columns(&[
+            self.solve(&right.column(0).into()),
+            self.solve(&right.column(1).into()),
+        ])
+    }
 }

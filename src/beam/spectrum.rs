@@ -10,9 +10,11 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::mesh::Mesh;
 use super::pivoted::pivoted_transfer;
-use super::transfer::{HubResponse, TipTransfer, hub_response, is_trusted};
+use super::transfer::{
+    HubResponse, TipTransfer, hub_response, is_real, is_trusted, untested_tip_transfer,
+};
 use super::walk::{NodalQuantity, Walk};
-use crate::numeric::ComplexLanes;
+use crate::numeric::{ComplexLanes, LambdaLanes, RealLanes};
 
 /// Transfers from the tip to torque and hub angle, one for each λ: [`tip_transfer`] of many.
 ///
@@ -67,28 +69,46 @@ impl WithSimd for Tip<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut found = Vec::with_capacity(self.lambdas.len());
-        for lambdas in self.lambdas.chunks(ComplexLanes::<S>::LEN) {
-            let lambda = ComplexLanes::load(simd, lambdas);
-            let hub = hub_response(self.mesh, lambda);
-            let tip = hub.per_tip(self.mesh, lambda);
-            let inertia_kg_m = tip.inertia_kg_m.lanes();
-            let root_inertia_kg_m = tip.root_inertia_kg_m.lanes();
-            let angle_rad_m = tip.angle_rad_m.lanes();
-            let lag_s2 = tip.lag_s2.lanes();
-            let largest_gain = hub.largest_gain.lanes();
-            for lane in 0..lambdas.len() {
-                let transfer = TipTransfer {
-                    inertia_kg_m: inertia_kg_m[lane],
-                    root_inertia_kg_m: root_inertia_kg_m[lane],
-                    angle_rad_m: angle_rad_m[lane],
-                    lag_s2: lag_s2[lane],
-                };
-                found.push((transfer, largest_gain[lane]));
-            }
+        let Self { mesh, lambdas } = self;
+        if lambdas.iter().all(|lambda| is_real(*lambda)) {
+            return untested_transfers::<S, RealLanes<S>>(simd, mesh, lambdas);
+        }
+        let mut found = untested_transfers::<S, ComplexLanes<S>>(simd, mesh, lambdas);
+        // A real λ among others has the bits that it has alone.
+        for (found, lambda) in found.iter_mut().zip(lambdas).filter(|(_, z)| is_real(**z)) {
+            *found = untested_tip_transfer(mesh, *lambda);
         }
         found
     }
+}
+
+#[inline(always)]
+fn untested_transfers<S: Simd, L: LambdaLanes<S>>(
+    simd: S,
+    mesh: &Mesh,
+    lambdas: &[Complex64],
+) -> Vec<(TipTransfer, f64)> {
+    let mut found = Vec::with_capacity(lambdas.len());
+    for lambdas in lambdas.chunks(L::LEN) {
+        let lambda = L::load_numbers(simd, lambdas);
+        let hub = hub_response(mesh, lambda);
+        let tip = hub.per_tip(mesh, lambda);
+        let inertia_kg_m = tip.inertia_kg_m.numbers();
+        let root_inertia_kg_m = tip.root_inertia_kg_m.numbers();
+        let angle_rad_m = tip.angle_rad_m.numbers();
+        let lag_s2 = tip.lag_s2.numbers();
+        let largest_gain = hub.largest_gain.lanes();
+        for lane in 0..lambdas.len() {
+            let transfer = TipTransfer {
+                inertia_kg_m: inertia_kg_m[lane],
+                root_inertia_kg_m: root_inertia_kg_m[lane],
+                angle_rad_m: angle_rad_m[lane],
+                lag_s2: lag_s2[lane],
+            };
+            found.push((transfer, largest_gain[lane]));
+        }
+    }
+    found
 }
 
 struct Nodal<'a, 'b> {

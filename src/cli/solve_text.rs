@@ -2,6 +2,7 @@
 
 use flexlink::inverse::Solution;
 use flexlink::link::Link;
+use flexlink::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use flexlink::motion::TipMotion;
 use flexlink::result::Metrics;
 
@@ -27,12 +28,14 @@ pub(crate) fn solve_text(
     metrics: &Metrics,
     written: &str,
 ) -> String {
+    let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
+    let zeros = solution.zeros_per_s(REPORTED_ZEROS);
     let lines = [
         ("link", link_line(link, solution.mesh())),
         ("damping", damping_line(link, solution.law())),
-        ("ratios", ratios_line(solution.law(), &solution.natural_frequencies_rad_s)),
-        ("periods", with_unit(&list(&periods(solution), 5), "s")),
-        ("zeros", with_unit(&list(&solution.zeros_per_s, 4), "1/s (real, ±)")),
+        ("ratios", ratios_line(solution.law(), &frequencies)),
+        ("periods", with_unit(&list(&periods(&frequencies), 5), "s")),
+        ("zeros", with_unit(&list(&zeros, 4), "1/s (real, ±)")),
         ("motion", motion_line(motion, solution, metrics)),
         ("torque", torque_line(metrics)),
         ("rigid", rigid_line(metrics)),
@@ -54,9 +57,8 @@ fn with_unit(numbers: &str, unit: &str) -> String {
     if numbers == "none" { numbers.to_owned() } else { format!("{numbers} {unit}") }
 }
 
-fn periods(solution: &Solution) -> Vec<f64> {
-    let frequencies = &solution.natural_frequencies_rad_s;
-    frequencies.iter().map(|omega| std::f64::consts::TAU / omega).collect()
+fn periods(frequencies_rad_s: &[f64]) -> Vec<f64> {
+    frequencies_rad_s.iter().map(|omega| std::f64::consts::TAU / omega).collect()
 }
 
 fn motion_line(motion: &TipMotion, solution: &Solution, metrics: &Metrics) -> String {

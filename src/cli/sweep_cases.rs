@@ -7,7 +7,7 @@ use clap::Args;
 use flexlink::link::Link;
 use flexlink::motion::{MotionScale, TipMotion};
 use flexlink::response::Torque;
-use flexlink::spec::{Override, SpecError, Specification, read_specification};
+use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 use flexlink::tables::{InputFile, SweepIdentity, read_torque_table};
 
@@ -36,6 +36,7 @@ pub(crate) struct Cases<'a> {
     torque: &'a TorqueArgs,
     pub(crate) outputs: &'a OutputsArgs,
     overrides: Vec<Override>,
+    document: LinkDocument,
     pub(crate) link_file: InputFile,
     pub(crate) motion_file: InputFile,
     pub(crate) torque_file: Option<(InputFile, Torque)>,
@@ -56,8 +57,13 @@ impl<'a> Cases<'a> {
         link_file.text()?;
         let mut motion_file = motion.read()?;
         let torque_file = torque.read()?;
+        let document = LinkDocument::read(&link_file.shown, link_file.text()?)?;
+        let specification = |case| -> Result<Specification, SpecError> {
+            let overrides = with_case(&overrides, &plan.case(case))?;
+            document.specification(&link_file.shown, &overrides)
+        };
         let read = |case| -> Result<(f64, TipMotion), Failure> {
-            let found = specification(&link_file, &overrides, &plan.case(case))?;
+            let found = specification(case)?;
             let tip_motion = motion.motion_of(&motion_file, &found.link)?;
             Ok((found.link.length_m(), tip_motion))
         };
@@ -65,7 +71,7 @@ impl<'a> Cases<'a> {
         let first = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
-        refuse_without_effect(&link_file, &overrides, &plan)?;
+        refuse_without_effect(|case| specification(case).ok(), &plan)?;
         // From here on errors are for the table, which is the same wherever the files lie.
         link_file.shown.clone_from(&link_file.name);
         motion_file.shown.clone_from(&motion_file.name);
@@ -76,6 +82,7 @@ impl<'a> Cases<'a> {
             torque,
             outputs,
             overrides,
+            document,
             link_file,
             motion_file,
             torque_file,
@@ -106,7 +113,8 @@ impl<'a> Cases<'a> {
 
     /// The link file with the changes of a case.
     pub(crate) fn specification(&self, values: &CaseValues) -> Result<Specification, SpecError> {
-        specification(&self.link_file, &self.overrides, values)
+        let overrides = with_case(&self.overrides, values)?;
+        self.document.specification(&self.link_file.shown, &overrides)
     }
 
     /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied.
@@ -147,11 +155,9 @@ impl TorqueArgs {
 
 /// Refuses a variation that a later one, of the same value under another name, sets again.
 fn refuse_without_effect(
-    file: &InputFile,
-    overrides: &[Override],
+    read: impl Fn(usize) -> Option<Specification>,
     plan: &SweepPlan,
 ) -> Result<(), Failure> {
-    let read = |case| specification(file, overrides, &plan.case(case)).ok();
     let Some(first) = read(0) else { return Ok(()) };
     let mut case = plan.cases();
     for variation in plan.variations() {
@@ -171,16 +177,9 @@ fn refuse_without_effect(
     Ok(())
 }
 
-/// The link file with what is set for all cases and what this case takes.
-fn specification(
-    file: &InputFile,
-    overrides: &[Override],
-    values: &CaseValues,
-) -> Result<Specification, SpecError> {
-    let mut all = overrides.to_vec();
-    for change in &values.link_changes {
-        all.push(Override::placed(&format!("--vary '{change}'"), change)?);
-    }
-    let text = file.text().unwrap_or_default();
-    read_specification(&file.shown, text, &all)
+/// What is set for all cases, and what this case takes.
+fn with_case(overrides: &[Override], values: &CaseValues) -> Result<Vec<Override>, SpecError> {
+    let placed = |change: &String| Override::placed(&format!("--vary '{change}'"), change);
+    let own = values.link_changes.iter().map(placed);
+    overrides.iter().cloned().map(Ok).chain(own).collect()
 }

@@ -12,6 +12,7 @@ mod analysis;
 mod dense;
 mod dynamics;
 mod error;
+mod halving;
 mod inversion;
 mod motor;
 mod nodal_block;

@@ -1,12 +1,19 @@
 use super::dynamics::Dynamics;
 use super::error::InversionError;
-use super::spectra::Forcing;
+use super::halving::change_n_m;
+use super::spectra::{Forcing, HubSpectra};
 use crate::beam::MeshPlan;
-use crate::numeric::{largest, largest_difference};
+use crate::motion::TipSpectrum;
+use crate::numeric::largest;
 
-/// The link on a mesh and the discretisation error of its torque, relative to the peak.
+/// What the measured change of the torque may be wrong by, of itself; see [`change_n_m`].
+const MEASURED_TO: f64 = 1e-3;
+
+/// The link on a mesh, its answer, and the discretisation error of its torque, relative to the peak.
 pub(super) struct Measured {
     pub(super) dynamics: Dynamics,
+    pub(super) hub: HubSpectra,
+    pub(super) torque_n_m: Vec<f64>,
     pub(super) error: f64,
 }
 
@@ -21,29 +28,26 @@ pub(super) struct Measured {
 pub(super) fn measured_mesh(
     coarsest: Dynamics,
     plan: &MeshPlan,
-    forcing: impl Fn(&Dynamics) -> Result<Vec<f64>, InversionError>,
+    friction_n_m_s_rad: f64,
+    spectrum: &TipSpectrum,
 ) -> Result<Measured, InversionError> {
     let mut dynamics = coarsest;
-    let mut torque = forcing(&dynamics)?;
     loop {
+        let forcing = Forcing { dynamics: &dynamics, friction_n_m_s_rad, spectrum };
+        let hub = forcing.hub_spectra()?;
+        let torque_n_m = spectrum.pair.samples(hub.torque_n_m.clone());
         let finer = dynamics.refined()?;
-        let finer_torque = forcing(&finer)?;
-        let difference = largest_difference(&torque, &finer_torque);
-        let error = 16.0 / 15.0 * difference / largest(&finer_torque);
-        if !plan.is_automatic() || error <= plan.tolerance() {
-            return Ok(Measured { dynamics, error });
+        let on_finer = Forcing { dynamics: &finer, ..forcing };
+        let change = change_n_m(forcing, on_finer, &hub.torque_n_m)?;
+        let finer_torque: Vec<f64> = torque_n_m.iter().zip(&change).map(|(t, d)| t + d).collect();
+        let error = 16.0 / 15.0 * largest(&change) / largest(&finer_torque);
+        if !plan.is_automatic() || error * (1.0 + MEASURED_TO) <= plan.tolerance() {
+            return Ok(Measured { dynamics, hub, torque_n_m, error });
         }
         if 2 * finer.mesh().elements().len() > finer.most_elements() {
             let (elements, tolerance) = (dynamics.mesh().elements().len(), plan.tolerance());
             return Err(InversionError::NotConverged { error, elements, tolerance });
         }
-        (dynamics, torque) = (finer, finer_torque);
-    }
-}
-
-impl Forcing<'_> {
-    /// Torque in N m over the period.
-    pub(super) fn torque_n_m(&self) -> Result<Vec<f64>, InversionError> {
-        Ok(self.spectrum.pair.samples(self.hub_spectra()?.torque_n_m))
+        dynamics = finer;
     }
 }

@@ -1,12 +1,13 @@
 use std::f64::consts::TAU;
+use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
 
 use super::dynamics::Dynamics;
-use super::spectra::{Forcing, band_len};
+use super::spectra::Forcing;
 use super::warning::Warning;
 use crate::beam::Mesh;
-use crate::modal::DampingLaw;
+use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
 use crate::motion::{TipMotionHistories, TipSpectrum};
 use crate::numeric::TimeGrid;
 
@@ -39,8 +40,8 @@ pub struct Band {
 
 impl Band {
     pub(super) fn of(spectrum: &TipSpectrum) -> Self {
-        let frequencies = band_len(&spectrum.acceleration_m_s2);
-        let hertz = |k| spectrum.omega_rad_s(k) / TAU;
+        let frequencies = spectrum.band_len();
+        let hertz = |k: usize| spectrum.omegas_rad_s[k] / TAU;
         Self {
             period_s: spectrum.period_s(),
             fft_length: spectrum.pair.len(),
@@ -67,8 +68,6 @@ pub struct Solution {
     pub hub_angle_rad: Vec<f64>,
     /// Hub rate in rad/s.
     pub hub_rate_rad_s: Vec<f64>,
-    /// Hub acceleration in rad/s².
-    pub hub_acceleration_rad_s2: Vec<f64>,
     /// Hub angle in rad of the rigid link, `v_tip/L`.
     pub rigid_hub_angle_rad: Vec<f64>,
     /// Moment in N m that the hub exerts on the link's root.
@@ -80,10 +79,8 @@ pub struct Solution {
     pub moving: (usize, usize),
     /// The link on the mesh that the answer was computed on.
     pub dynamics: Dynamics,
-    /// Lowest natural frequencies in rad/s, the rigid rotation left out.
-    pub natural_frequencies_rad_s: Vec<f64>,
-    /// Lowest zeros of torque → tip in 1/s.
-    pub zeros_per_s: Vec<f64>,
+    /// First zero of torque → tip in 1/s; none where the mesh has none.
+    pub first_zero_per_s: Option<f64>,
     /// How exact the torque is.
     pub accuracy: Accuracy,
     /// Frequencies that were solved for.
@@ -92,7 +89,11 @@ pub struct Solution {
     pub warnings: Vec<Warning>,
     /// Amplitudes of the torque in N m over the band.
     pub(super) torque_amplitudes_n_m: Vec<Complex64>,
-    pub(super) spectrum: TipSpectrum,
+    /// Amplitudes of the hub angle less that of the rigid link, in rad.
+    pub(super) excess_amplitudes_rad: Vec<Complex64>,
+    /// Found when it is asked for: a sweep has no use for it.
+    pub(super) hub_acceleration_rad_s2: OnceLock<Vec<f64>>,
+    pub(super) spectrum: Arc<TipSpectrum>,
     pub(super) friction_n_m_s_rad: f64,
 }
 
@@ -115,6 +116,24 @@ impl Solution {
         self.dynamics.law()
     }
 
+    /// The first `count` natural frequencies in rad/s, the rigid rotation left out.
+    pub fn natural_frequencies_rad_s(&self, count: usize) -> Vec<f64> {
+        natural_frequencies(self.mesh(), count)
+    }
+
+    /// The first `count` zeros of torque → tip in 1/s.
+    pub fn zeros_per_s(&self, count: usize) -> Vec<f64> {
+        torque_zeros(self.mesh(), count)
+    }
+
+    /// Hub acceleration in rad/s².
+    pub fn hub_acceleration_rad_s2(&self) -> &Vec<f64> {
+        self.hub_acceleration_rad_s2.get_or_init(|| {
+            let excess = (self.spectrum.as_ref(), &self.excess_amplitudes_rad[..], 2);
+            hub_motion(&self.tip.acceleration_m_s2, excess, &self.grid, self.mesh().length_m())
+        })
+    }
+
     /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.
     pub fn tip_deflection_m(&self) -> Vec<f64> {
         let length_m = self.mesh().length_m();
@@ -125,7 +144,27 @@ impl Solution {
 
 /// The samples of a period that `grid` covers.
 pub(super) fn cut(period: &[f64], grid: &TimeGrid) -> Vec<f64> {
-    let len = period.len() as i64;
-    let at = |k: usize| (grid.first + k as i64).rem_euclid(len) as usize;
-    (0..grid.len).map(|k| period[at(k)]).collect()
+    let mut first = grid.first.rem_euclid(period.len() as i64) as usize;
+    let mut samples = Vec::with_capacity(grid.len);
+    while samples.len() < grid.len {
+        let last = period.len().min(first + grid.len - samples.len());
+        samples.extend_from_slice(&period[first..last]);
+        first = 0;
+    }
+    samples
+}
+
+/// The `order`-th derivative of the hub angle: the tip's over the length, and what bending adds.
+pub(super) fn hub_motion(
+    tip: &[f64],
+    (spectrum, amplitudes, order): (&TipSpectrum, &[Complex64], usize),
+    grid: &TimeGrid,
+    length_m: f64,
+) -> Vec<f64> {
+    let derivative = spectrum.derivative(amplitudes, order);
+    let mut motion = cut(&spectrum.pair.samples(derivative), grid);
+    for (excess, tip) in motion.iter_mut().zip(tip) {
+        *excess += tip / length_m;
+    }
+    motion
 }

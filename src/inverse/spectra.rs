@@ -5,15 +5,13 @@ use super::dynamics::Dynamics;
 use super::error::InversionError;
 use crate::beam::{NodalQuantity, TipTransfer};
 use crate::motion::TipSpectrum;
-
-/// Amplitudes of the acceleration below this share of the largest are not solved for: they lie
-/// below the round-off of a transform.
-pub(super) const BAND_TOLERANCE: f64 = 1e-15;
+use crate::numeric::Scalar;
 
 /// Frequencies that a thread solves for at a time; no bit depends on it.
 const BLOCK: usize = 64;
 
 /// What a motion asks of a link, as far as the spectrum goes.
+#[derive(Clone, Copy)]
 pub(super) struct Forcing<'a> {
     pub(super) dynamics: &'a Dynamics,
     pub(super) friction_n_m_s_rad: f64,
@@ -30,25 +28,31 @@ pub(super) struct HubSpectra {
     pub(super) root_moment_n_m: Vec<Complex64>,
 }
 
-/// Number of bins from zero frequency on that carry spectrum.
-pub(super) fn band_len(acceleration: &[Complex64]) -> usize {
-    let peak = acceleration.iter().fold(0.0_f64, |m, a| m.max(a.norm()));
-    let carries = |a: &Complex64| a.norm() > BAND_TOLERANCE * peak;
-    acceleration.iter().rposition(carries).map_or(1, |last| last + 1)
+/// What the tip's motion is multiplied by at one frequency.
+struct HubTransfer {
+    /// Torque of the link and of what bending adds to the joint's friction, per felt acceleration,
+    /// in kg m.
+    inertia_kg_m: Complex64,
+    /// Excess of the hub angle per felt acceleration in rad s²/m.
+    excess_rad_s2_m: Complex64,
+}
+
+/// Fewest blocks that a thread takes: all of them where there is no other to share them with.
+fn fewest_blocks() -> usize {
+    if rayon::current_num_threads() == 1 { usize::MAX } else { 1 }
 }
 
 impl Forcing<'_> {
     /// Acceleration that the mass feels at bin `k`, â + αv̂, in m/s².
-    fn felt_acceleration(&self, k: usize) -> Complex64 {
+    pub(super) fn felt_acceleration(&self, k: usize) -> Complex64 {
         let spectrum = self.spectrum;
-        spectrum.acceleration_m_s2[k]
-            + spectrum.velocity_m_s(k) * self.dynamics.law().mass_rate_per_s()
+        let drag = self.dynamics.law().mass_rate_per_s();
+        spectrum.acceleration_m_s2[k] + spectrum.velocity_m_s[k] * drag
     }
 
     /// Frequencies in rad/s of the bins that carry spectrum.
-    fn omegas_rad_s(&self) -> Vec<f64> {
-        let band = band_len(&self.spectrum.acceleration_m_s2);
-        (0..band).map(|k| self.spectrum.omega_rad_s(k)).collect()
+    pub(super) fn omegas_rad_s(&self) -> &[f64] {
+        &self.spectrum.omegas_rad_s[..self.spectrum.band_len()]
     }
 
     /// Torque and hub angle over the band.
@@ -59,43 +63,68 @@ impl Forcing<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`InversionError::NotFinite`].
+    /// [`InversionError::NotFinite`] names the lowest frequency that fails.
     pub(super) fn hub_spectra(&self) -> Result<HubSpectra, InversionError> {
         let omegas = self.omegas_rad_s();
-        let solved = |(block, omegas): (usize, &[f64])| {
-            let transfers = self.dynamics.tip_transfers(omegas);
-            let bins = omegas.iter().zip(&transfers).enumerate();
-            bins.map(|(k, (omega, tip))| self.hub_at_bin(block * BLOCK + k, *omega, tip))
-                .collect::<Result<Vec<_>, _>>()
-        };
-        let blocks: Vec<_> = omegas.par_chunks(BLOCK).enumerate().map(solved).collect();
-        // The lowest frequency that fails is reported, whichever thread meets one first.
-        let blocks: Vec<_> = blocks.into_iter().collect::<Result<_, _>>()?;
-        let column = |c: usize| blocks.iter().flatten().map(|bin| bin[c]).collect();
-        Ok(HubSpectra {
-            torque_n_m: column(0),
-            excess_angle_rad: column(1),
-            root_moment_n_m: column(2),
-        })
+        let zeros = || vec![Complex64::ZERO; omegas.len()];
+        let [mut torque_n_m, mut excess_angle_rad, mut root_moment_n_m] =
+            [zeros(), zeros(), zeros()];
+        let rows = torque_n_m
+            .par_chunks_mut(BLOCK)
+            .zip(excess_angle_rad.par_chunks_mut(BLOCK))
+            .zip(root_moment_n_m.par_chunks_mut(BLOCK));
+        let blocks = omegas.par_chunks(BLOCK).zip(rows).enumerate();
+        blocks.with_min_len(fewest_blocks()).for_each(
+            |(block, (omegas, ((torque, excess), root)))| {
+                let rigid_friction = self.friction_n_m_s_rad / self.dynamics.mesh().length_m();
+                let transfers = self.dynamics.tip_transfers(omegas);
+                for (k, (omega, tip)) in omegas.iter().zip(&transfers).enumerate() {
+                    let bin = block * BLOCK + k;
+                    let felt = self.felt_acceleration(bin);
+                    let hub = self.hub_transfer(*omega, tip);
+                    let friction = self.spectrum.velocity_m_s[bin] * rigid_friction;
+                    torque[k] = hub.inertia_kg_m * felt + friction;
+                    excess[k] = hub.excess_rad_s2_m * felt;
+                    root[k] = tip.root_inertia_kg_m * felt;
+                }
+            },
+        );
+        let mut bins = torque_n_m.iter().zip(&excess_angle_rad);
+        match bins.position(|(torque, excess)| !(torque.is_finite() && excess.is_finite())) {
+            Some(bin) => {
+                let frequency_hz = omegas[bin] / std::f64::consts::TAU;
+                Err(InversionError::NotFinite { frequency_hz })
+            }
+            None => Ok(HubSpectra { torque_n_m, excess_angle_rad, root_moment_n_m }),
+        }
     }
 
-    /// Torque, excess angle and root moment at bin `k`, whose frequency is ω.
-    fn hub_at_bin(
-        &self,
-        k: usize,
-        omega: f64,
-        transfer: &TipTransfer,
-    ) -> Result<[Complex64; 3], InversionError> {
-        let length_m = self.dynamics.mesh().length_m();
-        let felt = self.felt_acceleration(k);
-        let excess =
-            felt / self.dynamics.law().stiffness_factor(omega) * transfer.lag_s2 / length_m;
-        let rate = self.spectrum.velocity_m_s(k) / length_m + Complex64::new(0.0, omega) * excess;
-        let torque = transfer.inertia_kg_m * felt + rate * self.friction_n_m_s_rad;
-        if !(torque.is_finite() && excess.is_finite()) {
-            return Err(InversionError::NotFinite { frequency_hz: omega / std::f64::consts::TAU });
-        }
-        Ok([torque, excess, transfer.root_inertia_kg_m * felt])
+    fn hub_transfer(&self, omega: f64, tip: &TipTransfer) -> HubTransfer {
+        let law = self.dynamics.law();
+        let per_length = 1.0 / self.dynamics.mesh().length_m();
+        let excess_rad_s2_m = tip.lag_s2 * law.stiffness_factor(omega).reciprocal() * per_length;
+        let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);
+        let inertia_kg_m = tip.inertia_kg_m + rate * self.friction_n_m_s_rad;
+        HubTransfer { inertia_kg_m, excess_rad_s2_m }
+    }
+
+    /// Torque per felt acceleration in kg m at many ω ≥ 0, the friction of the rigid link's rate
+    /// left out.
+    pub(super) fn apparent_inertias_kg_m(&self, omegas_rad_s: &[f64]) -> Vec<Complex64> {
+        let mut inertias = vec![Complex64::ZERO; omegas_rad_s.len()];
+        let blocks = inertias.par_chunks_mut(BLOCK).zip(omegas_rad_s.par_chunks(BLOCK));
+        blocks.with_min_len(fewest_blocks()).for_each(|(inertias, omegas)| {
+            let transfers = self.dynamics.tip_transfers(omegas);
+            for ((inertia, omega), tip) in inertias.iter_mut().zip(omegas).zip(&transfers) {
+                *inertia = self.hub_transfer(*omega, tip).inertia_kg_m;
+            }
+        });
+        inertias
+    }
+
+    /// Torque in N m over the period.
+    pub(super) fn torque_n_m(&self) -> Result<Vec<f64>, InversionError> {
+        Ok(self.spectrum.pair.samples(self.hub_spectra()?.torque_n_m))
     }
 
     /// Amplitudes of `quantity` at some nodes over the band, one spectrum for each node.
@@ -114,7 +143,7 @@ impl Forcing<'_> {
             |_: &[f64]| -> Vec<_> { rows.iter_mut().filter_map(Iterator::next).collect() };
         let columns: Vec<Vec<&mut [Complex64]>> = omegas.chunks(BLOCK).map(columns).collect();
         let blocks = omegas.par_chunks(BLOCK).zip(columns).enumerate();
-        blocks.for_each(|(block, (omegas, mut rows))| {
+        blocks.with_min_len(fewest_blocks()).for_each(|(block, (omegas, mut rows))| {
             self.dynamics.nodal_transfers(omegas, nodes, quantity, &mut rows);
             let factor =
                 |(k, omega): (usize, &f64)| self.nodal_factor(block * BLOCK + k, *omega, quantity);

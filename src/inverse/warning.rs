@@ -4,11 +4,11 @@ use num_complex::Complex64;
 use thiserror::Error;
 
 use super::solution::Solution;
-use super::spectra::HubSpectra;
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::real_frequency_zeros;
 use crate::motion::{TipMotion, TipSpectrum};
+use crate::numeric::largest;
 
 /// Amplitude near the Nyquist frequency, over the largest, from which on the user is warned.
 const NYQUIST_SHARE: f64 = 1e-3;
@@ -151,11 +151,7 @@ pub(super) struct Evidence<'a> {
 }
 
 /// All warnings that a solution and the evidence give reason for.
-pub(super) fn warnings(
-    evidence: &Evidence<'_>,
-    solution: &Solution,
-    hub: &HubSpectra,
-) -> Vec<Warning> {
+pub(super) fn warnings(evidence: &Evidence<'_>, solution: &Solution) -> Vec<Warning> {
     let Evidence { tolerance, cut, seam, mesh_error: error, .. } = *evidence;
     let (mesh, spectrum) = (solution.mesh(), &solution.spectrum);
     let corrected = evidence.motion.corrected().map(|end| Warning::EndVelocityCorrected {
@@ -171,29 +167,28 @@ pub(super) fn warnings(
         .chain((seam > tolerance).then_some(wrap_around))
         .chain(blocked_tip(mesh, spectrum, tolerance))
         .chain(near_nyquist(spectrum))
-        .chain(above_mesh(mesh, spectrum, hub))
+        .chain(above_mesh(mesh, spectrum, &solution.torque_amplitudes_n_m))
         .chain((error > COARSE_MESH).then_some(Warning::CoarseMesh { error }))
         .chain(large_deflection(solution))
         .collect()
 }
 
 fn large_deflection(solution: &Solution) -> Option<Warning> {
-    let peak_m = crate::numeric::largest(&solution.tip_deflection_m());
+    let peak_m = largest(&solution.tip_deflection_m());
     let share = peak_m / solution.mesh().length_m();
     (share > Link::LARGE_DEFLECTION).then_some(Warning::LargeDeflection { share })
 }
 
 /// Zeros of torque → tip on the real axis, where the motion holds more than the tolerance.
 fn blocked_tip(mesh: &Mesh, spectrum: &TipSpectrum, tolerance: f64) -> Vec<Warning> {
-    let amplitudes = &spectrum.acceleration_m_s2;
-    let peak = largest(amplitudes);
-    let bins = amplitudes.iter().rposition(|a| a.norm() > tolerance * peak).unwrap_or(0);
-    let spacing = spectrum.omega_rad_s(1);
-    let zeros = real_frequency_zeros(mesh, spectrum.omega_rad_s(bins));
+    let (magnitudes, peak) = (&spectrum.magnitudes_m_s2, spectrum.largest_m_s2);
+    let bins = magnitudes.iter().rposition(|a| *a > tolerance * peak).unwrap_or(0);
+    let spacing = spectrum.omegas_rad_s[1];
+    let zeros = real_frequency_zeros(mesh, spectrum.omegas_rad_s[bins]);
     let blocked = zeros.into_iter().filter_map(|omega| {
         // Damping shifts the zero off the axis, not along it; the nearest bins tell the content.
-        let below = ((omega / spacing) as usize).min(amplitudes.len() - 2);
-        let share = largest(&amplitudes[below..below + 2]) / peak;
+        let below = ((omega / spacing) as usize).min(magnitudes.len() - 2);
+        let share = largest(&magnitudes[below..below + 2]) / peak;
         let frequency_hz = omega / TAU;
         (share > tolerance).then_some(Warning::BlockedTip { frequency_hz, share })
     });
@@ -201,22 +196,19 @@ fn blocked_tip(mesh: &Mesh, spectrum: &TipSpectrum, tolerance: f64) -> Vec<Warni
 }
 
 fn near_nyquist(spectrum: &TipSpectrum) -> Option<Warning> {
-    let amplitudes = &spectrum.acceleration_m_s2;
-    let from = amplitudes.len() * 4 / 5;
-    let share = largest(&amplitudes[from..]) / largest(amplitudes);
-    let nyquist_hz = spectrum.omega_rad_s(amplitudes.len() - 1) / TAU;
+    let magnitudes = &spectrum.magnitudes_m_s2;
+    let from = magnitudes.len() * 4 / 5;
+    let share = largest(&magnitudes[from..]) / spectrum.largest_m_s2;
+    let nyquist_hz = spectrum.omegas_rad_s[magnitudes.len() - 1] / TAU;
     (share > NYQUIST_SHARE).then_some(Warning::NearNyquist { share, nyquist_hz })
 }
 
-fn above_mesh(mesh: &Mesh, spectrum: &TipSpectrum, hub: &HubSpectra) -> Option<Warning> {
+fn above_mesh(mesh: &Mesh, spectrum: &TipSpectrum, torque: &[Complex64]) -> Option<Warning> {
     let resolved = mesh.resolved_frequency_rad_s();
     let power = |torque: &[Complex64]| torque.iter().map(Complex64::norm_sqr).sum::<f64>();
-    let above = (0..hub.torque_n_m.len()).find(|k| spectrum.omega_rad_s(*k) > resolved)?;
-    let share = (power(&hub.torque_n_m[above..]) / power(&hub.torque_n_m)).sqrt();
+    let omegas = &spectrum.omegas_rad_s[..torque.len()];
+    let above = omegas.iter().position(|omega| *omega > resolved)?;
+    let share = (power(&torque[above..]) / power(torque)).sqrt();
     let resolved_hz = resolved / TAU;
     (share > ABOVE_MESH_SHARE).then_some(Warning::AboveMesh { share, resolved_hz })
-}
-
-fn largest(amplitudes: &[Complex64]) -> f64 {
-    amplitudes.iter().fold(0.0, |m, a| m.max(a.norm()))
 }

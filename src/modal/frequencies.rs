@@ -1,10 +1,9 @@
 use nalgebra::{Matrix2, Vector2};
-use num_complex::Complex64;
 
 use super::inertia::{hub_moves_mass, outboard_degrees_of_freedom};
 use super::shape::Shape;
-use crate::beam::{Mesh, condense, driven_motion};
-use crate::numeric::bisect;
+use crate::beam::{Mesh, Pivots, driven_motion, pivots};
+use crate::numeric::{SECTIONS, geometric_scan, next_places, section};
 
 /// Natural frequencies that a solution or a simulation reports.
 pub const REPORTED_MODES: usize = 5;
@@ -30,20 +29,68 @@ impl HubSpring {
     /// A spring that does not yield.
     pub(super) const CLAMPED: Self = Self(f64::INFINITY);
 
-    /// Number of modes below `omega_rad_s` > 0, the rigid rotation of a free hub included.
+    /// Number of modes below each ω > 0, the rigid rotation of a free hub included.
     ///
     /// By Sylvester's law of inertia it is the number of negative pivots of the dynamic stiffness
     /// (Wittrick and Williams), here of the blocks `K_d − λ(M_dd + A)` and of the hub's
     /// `k − λ(A_0[φφ] + I_H)`; so none is missed, however close two of them lie. For k = ∞ the
     /// hub's pivot is never negative, and what is left are the modes of the clamped link.
-    pub(super) fn modes_below(self, mesh: &Mesh, omega_rad_s: f64) -> usize {
+    pub(super) fn modes_below(
+        self,
+        mesh: &Mesh,
+        omegas_rad_s: &[f64; SECTIONS],
+    ) -> [usize; SECTIONS] {
         // Exactly on a pole of the apparent inertia nothing is finite, and a hair beside it all
         // is; numbers beyond double precision stay infinite, and are not searched for ever.
-        let beside = |hairs: u32| omega_rad_s * (1.0 + 4.0 * f64::from(hairs) * f64::EPSILON);
-        let counts = (0..4).map(|hairs| pivots(mesh, beside(hairs).powi(2)));
-        let finite = |count: &(usize, f64)| count.1.is_finite();
-        let (negative, hub) = counts.into_iter().find(finite).unwrap_or_default();
-        negative + usize::from(hub > self.0)
+        let mut found = [Pivots { negative: 0, hub_n_m: f64::NAN }; SECTIONS];
+        for hairs in 0..4 {
+            let beside = 1.0 + 4.0 * f64::from(hairs) * f64::EPSILON;
+            let counted = pivots(mesh, &omegas_rad_s.map(|omega| (omega * beside).powi(2)));
+            let open = found.iter_mut().zip(counted).filter(|(found, _)| found.hub_n_m.is_nan());
+            open.filter(|(_, counted)| counted.hub_n_m.is_finite()).for_each(|(f, c)| *f = c);
+            if found.iter().all(|found| found.hub_n_m.is_finite()) {
+                break;
+            }
+        }
+        found.map(|Pivots { negative, hub_n_m }| negative + usize::from(hub_n_m > self.0))
+    }
+
+    /// Two frequencies in rad/s, the number `sought` of mode between them: fewer modes lie below the
+    /// first, as many or more below the second, which is the least of `from_rad_s` times a power of
+    /// two where it is not `from_rad_s` itself. None where the search leads nowhere.
+    pub(super) fn bracket(self, mesh: &Mesh, sought: usize, from_rad_s: f64) -> Option<(f64, f64)> {
+        let is_above = |modes: &usize| *modes >= sought;
+        let mut before = None;
+        let mut upwards = geometric_scan(from_rad_s, 2.0);
+        let (low, high) = loop {
+            let places = next_places(&mut upwards);
+            match self.modes_below(mesh, &places).iter().position(is_above) {
+                Some(first) => {
+                    let low = if first > 0 { Some(places[first - 1]) } else { before };
+                    break (low, places[first]);
+                }
+                None => before = places.last().copied(),
+            }
+            if places[0] > SEARCH_LIMIT_RAD_S {
+                return None;
+            }
+        };
+        if let Some(low) = low {
+            return Some((low, high)).filter(|_| high <= SEARCH_LIMIT_RAD_S);
+        }
+        let (mut low, mut high) = (None, high);
+        let mut downwards = geometric_scan(0.5 * from_rad_s, 0.5);
+        while low.is_none() {
+            let places = next_places(&mut downwards);
+            for (place, modes) in places.iter().zip(self.modes_below(mesh, &places)) {
+                if !is_above(&modes) {
+                    low = Some(*place);
+                    break;
+                }
+                high = *place;
+            }
+        }
+        low.map(|low| (low, high))
     }
 
     /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.
@@ -54,19 +101,10 @@ impl HubSpring {
         let mut found: Vec<f64> = Vec::with_capacity(count);
         while found.len() < count {
             let sought = rigid + found.len() + 1;
-            let is_above = |omega: f64| self.modes_below(mesh, omega) >= sought;
-            let mut high = found.last().copied().unwrap_or(1.0);
-            while !is_above(high) {
-                high *= 2.0;
-                if high > SEARCH_LIMIT_RAD_S {
-                    return found;
-                }
-            }
-            let mut low = found.last().copied().unwrap_or(high);
-            while is_above(low) {
-                low *= 0.5;
-            }
-            found.push(bisect(low, high, is_above));
+            let from = found.last().copied().unwrap_or(1.0);
+            let Some((low, high)) = self.bracket(mesh, sought, from) else { break };
+            let are_above = |places: &_| self.modes_below(mesh, places).map(|n| n >= sought);
+            found.push(section(low, high, are_above));
         }
         found.into_iter().map(|omega| self.polished(mesh, omega)).collect()
     }
@@ -91,7 +129,7 @@ impl HubSpring {
     /// ω² = (Σ dᵀ K_d d + k θ²) / (uᵀ M u)
     /// ```
     fn rayleigh_quotient(self, mesh: &Mesh, omega_rad_s: f64) -> f64 {
-        let motion = driven_motion(mesh, (omega_rad_s * omega_rad_s).into());
+        let motion = driven_motion(mesh, omega_rad_s * omega_rad_s);
         let elements = mesh.relative_elements().iter().zip(&motion.deformations);
         let bent: f64 = elements.map(|(element, d)| quadratic(&element.k_d, d)).sum();
         let shape = Shape::of(&motion);
@@ -107,26 +145,15 @@ impl HubSpring {
     }
 }
 
-/// `dᵀ K d` of the real part of a deformation.
-fn quadratic(stiffness: &Matrix2<f64>, deformation: &Vector2<Complex64>) -> f64 {
-    let d = deformation.map(|d| d.re);
-    d.dot(&(stiffness * d))
-}
-
-/// Number of negative pivots outboard of the hub, and `λ(A_0[φφ] + I_H)`.
-fn pivots(mesh: &Mesh, lambda: f64) -> (usize, f64) {
-    let mut negative = 0;
-    let root = condense(mesh, lambda, |_, step| {
-        negative += step.pivots.iter().filter(|p| **p < 0.0).count();
-    });
-    let at_axis = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();
-    (negative, lambda * at_axis)
+/// `dᵀ K d` of a deformation.
+fn quadratic(stiffness: &Matrix2<f64>, deformation: &Vector2<f64>) -> f64 {
+    deformation.dot(&(stiffness * deformation))
 }
 
 /// Number of modes below `omega_rad_s` > 0 of the link on its free hub, the rigid rotation
 /// included.
 pub fn modes_below(mesh: &Mesh, omega_rad_s: f64) -> usize {
-    HubSpring::FREE.modes_below(mesh, omega_rad_s)
+    HubSpring::FREE.modes_below(mesh, &[omega_rad_s; SECTIONS])[0]
 }
 
 /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.
@@ -155,7 +182,7 @@ pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::{ElementCount, MeshPlan};
+    use crate::beam::{ElementCount, MeshPlan, condense};
     use crate::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
     use crate::numeric::Wide;
 

@@ -6,6 +6,7 @@ use super::complete::MOST_ELEMENTS_OF_ALL_MODES;
 use super::frequencies::natural_frequencies;
 use crate::beam::Mesh;
 use crate::link::Damping;
+use crate::numeric::Scalar;
 
 /// A damping law with all its numbers.
 ///
@@ -140,7 +141,7 @@ impl DampingLaw {
     /// λ at ω ≥ 0 in 1/s².
     pub fn lambda(&self, omega_rad_s: f64) -> Complex64 {
         let dragged = Complex64::new(omega_rad_s, -self.mass_rate_per_s()) * omega_rad_s;
-        dragged / self.stiffness_factor(omega_rad_s)
+        dragged * self.stiffness_factor(omega_rad_s).reciprocal()
     }
 
     /// Viscous ratio of flexible mode `number`, counted from 1, at its natural frequency ω: ξ, or

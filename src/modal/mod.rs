@@ -17,4 +17,4 @@ pub use frequencies::{REPORTED_MODES, held_frequencies, modes_below, natural_fre
 pub use inertia::{flexible_modes, hub_moves_mass};
 pub use law::{DampingError, DampingLaw};
 pub use shape::{Mode, Shape, mode};
-pub use zeros::{real_frequency_zeros, torque_zeros};
+pub use zeros::{REPORTED_ZEROS, real_frequency_zeros, torque_zeros};

@@ -25,17 +25,14 @@ pub struct Mode {
 
 /// Shape at a natural frequency `omega_rad_s` > 0, from the recursion at λ = ω².
 pub fn mode(mesh: &Mesh, omega_rad_s: f64) -> Mode {
-    let motion = driven_motion(mesh, (omega_rad_s * omega_rad_s).into());
+    let motion = driven_motion(mesh, omega_rad_s * omega_rad_s);
     Mode { omega_rad_s, shape: Shape::of(&motion).mass_normalised(mesh) }
 }
 
 impl Shape {
     /// The motion at a real λ.
-    pub(super) fn of(motion: &DrivenMotion) -> Self {
-        Self {
-            hub_angle: motion.theta.re,
-            deflections: motion.deflections.iter().map(|e| e.map(|e| e.re)).collect(),
-        }
+    pub(super) fn of(motion: &DrivenMotion<f64>) -> Self {
+        Self { hub_angle: motion.theta, deflections: motion.deflections.clone() }
     }
 
     /// The rotation of the rigid link by a unit angle.

@@ -1,7 +1,10 @@
 use super::frequencies::HubSpring;
 use super::inertia::{carries_rotary_inertia, outboard_degrees_of_freedom};
-use crate::beam::{Mesh, hub_response};
-use crate::numeric::{bisect, geometric_scan};
+use crate::beam::{Mesh, tip_displacements_m};
+use crate::numeric::{SECTIONS, geometric_scan, next_places, section};
+
+/// Zeros that a solution reports.
+pub const REPORTED_ZEROS: usize = 3;
 
 /// Neighbouring points of the scan for zeros are this factor apart; neighbouring zeros of a
 /// uniform link are a factor 5.4, 2.5, 1.9, … apart.
@@ -9,9 +12,6 @@ const SCAN_RATIO: f64 = 1.02;
 
 /// The scan begins at this share of the first clamped mode.
 const SCAN_START: f64 = 0.01;
-
-/// Fastest rate that is searched for a clamped mode, in 1/s: no link of this world comes near.
-const SEARCH_LIMIT_PER_S: f64 = 1e15;
 
 /// The scan ends this factor above where it begins.
 const SCAN_RANGE: f64 = 1e8;
@@ -23,22 +23,11 @@ const SCAN_RANGE: f64 = 1e8;
 /// `count` where the mesh has fewer. Rotary inertia on the link or at the tip can move zeros off
 /// the real axis in pairs ±a ± ib; those are not among them.
 pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
-    let tip = |z: f64| hub_response(mesh, -z * z).tip_displacement_m(mesh, -z * z);
     let Some(start) = scan_start(mesh) else { return Vec::new() };
-    let mut zeros = Vec::with_capacity(count);
-    let mut previous = (start, tip(start));
-    for z in geometric_scan(start * SCAN_RATIO, start * SCAN_RANGE, SCAN_RATIO) {
-        if zeros.len() == count {
-            break;
-        }
-        let value = tip(z);
-        if value.is_sign_negative() != previous.1.is_sign_negative() {
-            let negative = value.is_sign_negative();
-            zeros.push(bisect(previous.0, z, |z| tip(z).is_sign_negative() == negative));
-        }
-        previous = (z, value);
-    }
-    zeros
+    let are_negative = |places: &[f64; SECTIONS]| {
+        tip_displacements_m(mesh, &places.map(|z| -z * z)).map(f64::is_sign_negative)
+    };
+    changes(start, start * SCAN_RANGE, count, are_negative)
 }
 
 /// Zeros of torque → tip at real frequencies below `limit_rad_s`, in rad/s, ascending.
@@ -52,22 +41,39 @@ pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
         // Points of mass keep all zeros off the real frequencies.
         return Vec::new();
     }
-    let is_odd = |omega: f64| {
-        let lambda = omega * omega;
-        let displacement = hub_response(mesh, lambda).tip_displacement_m(mesh, lambda);
-        displacement.is_sign_negative() != (HubSpring::CLAMPED.modes_below(mesh, omega) % 2 == 1)
-    };
     let Some(start) = scan_start(mesh) else { return Vec::new() };
-    let mut zeros = Vec::new();
-    let mut previous = (start, is_odd(start));
-    for omega in geometric_scan(start * SCAN_RATIO, limit_rad_s, SCAN_RATIO) {
-        let odd = is_odd(omega);
-        if odd != previous.1 {
-            zeros.push(bisect(previous.0, omega, |w| is_odd(w) == odd));
+    let are_odd = |places: &[f64; SECTIONS]| {
+        let displacements = tip_displacements_m(mesh, &places.map(|omega| omega * omega));
+        let modes = HubSpring::CLAMPED.modes_below(mesh, places);
+        let is_odd = |k: usize| displacements[k].is_sign_negative() != (modes[k] % 2 == 1);
+        std::array::from_fn(is_odd)
+    };
+    changes(start, limit_rad_s, usize::MAX, are_odd)
+}
+
+/// The first `count` places, from `start` up to `limit`, at which a property changes that is told of
+/// sixteen places at a time.
+fn changes(
+    start: f64,
+    limit: f64,
+    count: usize,
+    has: impl Fn(&[f64; SECTIONS]) -> [bool; SECTIONS],
+) -> Vec<f64> {
+    let mut scan = geometric_scan(start, SCAN_RATIO);
+    let mut found = Vec::new();
+    let mut previous: Option<(f64, bool)> = None;
+    loop {
+        let places = next_places(&mut scan);
+        for (place, now) in places.into_iter().zip(has(&places)) {
+            if place > limit || found.len() == count {
+                return found;
+            }
+            if let Some((before, _)) = previous.filter(|(_, then)| *then != now) {
+                found.push(section(before, place, |places| has(places).map(|x| x == now)));
+            }
+            previous = Some((place, now));
         }
-        previous = (omega, odd);
     }
-    zeros
 }
 
 /// Where scans for zeros begin, in 1/s: far below the first mode of the link clamped at its hub,
@@ -76,15 +82,6 @@ fn scan_start(mesh: &Mesh) -> Option<f64> {
     if outboard_degrees_of_freedom(mesh) == 0 {
         return None;
     }
-    let mut first = 1.0;
-    while HubSpring::CLAMPED.modes_below(mesh, first) == 0 {
-        first *= 2.0;
-        if first > SEARCH_LIMIT_PER_S {
-            return None;
-        }
-    }
-    while HubSpring::CLAMPED.modes_below(mesh, first) > 0 {
-        first *= 0.5;
-    }
+    let first = HubSpring::CLAMPED.bracket(mesh, 1, 1.0)?.0;
     Some(SCAN_START * first)
 }

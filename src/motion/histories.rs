@@ -16,3 +16,15 @@ impl TipMotionHistories {
         away.fold(0.0, f64::max)
     }
 }
+/// Motion of the tip over a period of N samples, sample 0 the trajectory's first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TipHistories {
+    /// Acceleration in m/s².
+    pub acceleration_m_s2: Vec<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vec<f64>,
+    /// Displacement in m. Samples from `before` on stand for times before the trajectory.
+    pub displacement_m: Vec<f64>,
+    /// The first sample that stands one period earlier.
+    pub before: usize,
+}

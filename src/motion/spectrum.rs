@@ -1,7 +1,12 @@
 use num_complex::Complex64;
 
+use super::histories::TipHistories;
 use super::tip_motion::{Source, TipMotion};
-use crate::numeric::{FourierPair, angular_frequency};
+use crate::numeric::{FourierPair, angular_frequency, largest};
+
+/// Amplitudes of the acceleration below this share of the largest carry nothing: they lie below the
+/// round-off of a transform.
+const BAND_TOLERANCE: f64 = 1e-15;
 
 /// Spectrum of the tip motion on a period of N samples; sample 0 is the trajectory's first.
 ///
@@ -15,16 +20,47 @@ pub struct TipSpectrum {
     pub step_s: f64,
     /// Amplitudes â of the acceleration in m/s², N/2 + 1 of them; the one at zero is 0.
     pub acceleration_m_s2: Vec<Complex64>,
-    /// Mean velocity over the period in m/s: travel over P.
-    pub mean_velocity_m_s: f64,
+    /// Amplitudes of the velocity in m/s: â/(iω), and at zero the mean over the period, travel over
+    /// P.
+    pub velocity_m_s: Vec<Complex64>,
+    /// Angular frequency of every bin in rad/s (Bayo 1987, eq 13).
+    pub omegas_rad_s: Vec<f64>,
+    /// Magnitudes |â| in m/s².
+    pub magnitudes_m_s2: Vec<f64>,
+    /// The largest of them.
+    pub largest_m_s2: f64,
     /// The sample from which on samples stand for times before the trajectory; N where none do.
     pub seam: usize,
 }
 
 impl TipSpectrum {
-    /// Angular frequency of bin `k` in rad/s (Bayo 1987, eq 13).
-    pub fn omega_rad_s(&self, k: usize) -> f64 {
-        angular_frequency(k, self.pair.len(), self.step_s)
+    /// The spectrum with all that follows from its amplitudes alone.
+    fn new(
+        pair: FourierPair,
+        step_s: f64,
+        seam: usize,
+        acceleration_m_s2: Vec<Complex64>,
+        mean_velocity_m_s: f64,
+    ) -> Self {
+        let len = pair.len();
+        let omegas = (0..acceleration_m_s2.len()).map(|k| angular_frequency(k, len, step_s));
+        let omegas_rad_s: Vec<f64> = omegas.collect();
+        let bins = acceleration_m_s2.iter().zip(&omegas_rad_s);
+        let mut velocity_m_s: Vec<Complex64> =
+            bins.map(|(a, omega)| Complex64::new(a.im / omega, -a.re / omega)).collect();
+        velocity_m_s[0] = mean_velocity_m_s.into();
+        let magnitudes_m_s2: Vec<f64> = acceleration_m_s2.iter().map(|a| a.norm()).collect();
+        let largest_m_s2 = largest(&magnitudes_m_s2);
+        Self {
+            pair,
+            step_s,
+            acceleration_m_s2,
+            velocity_m_s,
+            omegas_rad_s,
+            magnitudes_m_s2,
+            largest_m_s2,
+            seam,
+        }
     }
 
     /// Period P in s.
@@ -32,34 +68,22 @@ impl TipSpectrum {
         self.pair.len() as f64 * self.step_s
     }
 
+    /// Number of bins from zero frequency on that carry spectrum.
+    pub fn band_len(&self) -> usize {
+        let carries = |magnitude: &f64| *magnitude > BAND_TOLERANCE * self.largest_m_s2;
+        self.magnitudes_m_s2.iter().rposition(carries).map_or(1, |last| last + 1)
+    }
+
     /// Amplitudes of the `order`-th time derivative of a quantity with `amplitudes`.
     pub fn derivative(&self, amplitudes: &[Complex64], order: usize) -> Vec<Complex64> {
-        let rate = |k| Complex64::new(0.0, self.omega_rad_s(k));
-        let derived = |(k, x): (usize, &Complex64)| (0..order).fold(*x, |x, _| x * rate(k));
-        amplitudes.iter().enumerate().map(derived).collect()
-    }
-
-    /// Amplitude of the velocity in m/s at bin `k`: â/(iω), and the mean at zero.
-    pub fn velocity_m_s(&self, k: usize) -> Complex64 {
-        if k == 0 {
-            self.mean_velocity_m_s.into()
-        } else {
-            self.acceleration_m_s2[k] / Complex64::new(0.0, self.omega_rad_s(k))
+        let mut derived = amplitudes.to_vec();
+        for _ in 0..order {
+            for (x, omega) in derived.iter_mut().zip(&self.omegas_rad_s) {
+                *x = Complex64::new(-omega * x.im, omega * x.re);
+            }
         }
+        derived
     }
-}
-
-/// Motion of the tip over a period of N samples, sample 0 the trajectory's first.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TipHistories {
-    /// Acceleration in m/s².
-    pub acceleration_m_s2: Vec<f64>,
-    /// Velocity in m/s.
-    pub velocity_m_s: Vec<f64>,
-    /// Displacement in m. Samples from `before` on stand for times before the trajectory.
-    pub displacement_m: Vec<f64>,
-    /// The first sample that stands one period earlier.
-    pub before: usize,
 }
 
 impl TipMotion {
@@ -92,7 +116,7 @@ impl TipMotion {
         }
         let step_s = self.grid().step_s;
         let mean_velocity_m_s = self.travel_m() / (len as f64 * step_s);
-        TipSpectrum { pair, step_s, acceleration_m_s2: acceleration, mean_velocity_m_s, seam }
+        TipSpectrum::new(pair, step_s, seam, acceleration, mean_velocity_m_s)
     }
 
     /// The motion over the period of `spectrum`, which must be its own.
@@ -103,9 +127,7 @@ impl TipMotion {
     pub fn histories(&self, spectrum: &TipSpectrum) -> TipHistories {
         let (len, given) = (spectrum.pair.len(), self.grid().len);
         let before = spectrum.seam;
-        let bins = spectrum.acceleration_m_s2.len();
-        let velocity = (0..bins).map(|k| spectrum.velocity_m_s(k)).collect();
-        let velocity_m_s = spectrum.pair.samples(velocity);
+        let velocity_m_s = spectrum.pair.samples(spectrum.velocity_m_s.clone());
         let (acceleration_m_s2, displacement_m) = match self.source() {
             Source::Acceleration(samples) => {
                 let mut acceleration = samples.clone();
@@ -125,11 +147,11 @@ impl TipMotion {
 
     fn integrated_displacement(&self, spectrum: &TipSpectrum, before: usize) -> Vec<f64> {
         let len = spectrum.pair.len();
-        let periodic = spectrum.acceleration_m_s2.iter().enumerate().map(|(k, a)| {
-            if k == 0 { Complex64::ZERO } else { -a / spectrum.omega_rad_s(k).powi(2) }
-        });
-        let periodic = spectrum.pair.samples(periodic.collect());
-        let ramp = spectrum.mean_velocity_m_s * spectrum.step_s;
+        let bins = spectrum.acceleration_m_s2.iter().zip(&spectrum.omegas_rad_s);
+        let mut periodic: Vec<Complex64> = bins.map(|(a, omega)| -a / (omega * omega)).collect();
+        periodic[0] = Complex64::ZERO;
+        let periodic = spectrum.pair.samples(periodic);
+        let ramp = spectrum.velocity_m_s[0].re * spectrum.step_s;
         let steps = |j: usize| {
             if j < before { j as f64 } else { j as f64 - len as f64 }
         };
@@ -210,8 +232,7 @@ mod tests {
         let (time_s, [d, ..]) = samples();
         let columns = MotionColumns { time_s, displacement_m: Some(d), ..Default::default() };
         let spectrum = TipMotion::new(columns).unwrap().spectrum(256, 230);
-        let velocity: Vec<Complex64> = (0..129).map(|k| spectrum.velocity_m_s(k)).collect();
-        let derived = spectrum.derivative(&velocity, 1);
+        let derived = spectrum.derivative(&spectrum.velocity_m_s, 1);
         for (a, b) in derived.iter().zip(&spectrum.acceleration_m_s2).take(60) {
             assert!((a - b).norm() < 1e-14);
         }

@@ -1,6 +1,7 @@
 use super::checks::{agree, at_rest, finite};
 use super::columns::MotionColumns;
 use super::error::{MotionColumn, MotionError};
+use super::period::LastPeriods;
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length, largest};
 
 /// Share of the peak acceleration below which the tip counts as at rest.
@@ -39,6 +40,7 @@ pub struct TipMotion {
     travel_m: f64,
     moving: (usize, usize),
     corrected: Option<EndVelocity>,
+    last_periods: LastPeriods,
 }
 
 impl TipMotion {
@@ -114,7 +116,15 @@ impl TipMotion {
             return Err(MotionError::TooLarge);
         }
         let source = Source::Acceleration(samples);
-        Ok(Self { grid, source, initial_displacement_m: 0.0, travel_m, moving, corrected })
+        Ok(Self {
+            grid,
+            source,
+            initial_displacement_m: 0.0,
+            travel_m,
+            moving,
+            corrected,
+            last_periods: LastPeriods::default(),
+        })
     }
 
     fn from_displacement(grid: TimeGrid, samples: Vec<f64>) -> Result<Self, MotionError> {
@@ -133,7 +143,15 @@ impl TipMotion {
         let moving = moving_samples(&second_differences).ok_or(MotionError::NoMotion)?;
         let (initial_displacement_m, travel_m) = (samples[0], samples[last] - samples[0]);
         let source = Source::Displacement { samples, second_differences };
-        Ok(Self { grid, source, initial_displacement_m, travel_m, moving, corrected: None })
+        Ok(Self {
+            grid,
+            source,
+            initial_displacement_m,
+            travel_m,
+            moving,
+            corrected: None,
+            last_periods: LastPeriods::default(),
+        })
     }
 
     fn check_agreement(
@@ -191,7 +209,7 @@ impl TipMotion {
         initial_displacement_m: f64,
         corrected: Option<EndVelocity>,
     ) -> Self {
-        Self { initial_displacement_m, corrected, ..self }
+        Self { initial_displacement_m, corrected, last_periods: LastPeriods::default(), ..self }
     }
 
     /// Grid of the given samples.
@@ -201,6 +219,10 @@ impl TipMotion {
 
     pub(super) fn source(&self) -> &Source {
         &self.source
+    }
+
+    pub(super) fn last_periods(&self) -> &LastPeriods {
+        &self.last_periods
     }
 
     /// Whether displacements were given rather than accelerations.

@@ -52,6 +52,47 @@ impl<S: Simd> ComplexLanes<S> {
     }
 }
 
+/// Lanes that complex numbers are worked on in: complex ones, or real ones where all of them are
+/// real.
+pub(crate) trait LambdaLanes<S: Simd>: Scalar<Size = RealLanes<S>> {
+    /// How many numbers are worked on at a time.
+    const LEN: usize;
+
+    /// The first [`Self::LEN`] of `numbers`, as [`ComplexLanes::load`] has them.
+    fn load_numbers(simd: S, numbers: &[Complex64]) -> Self;
+
+    /// The numbers, lane by lane; what lies beyond [`Self::LEN`] is no lane's.
+    fn numbers(self) -> [Complex64; MOST_LANES];
+}
+
+impl<S: Simd> LambdaLanes<S> for ComplexLanes<S> {
+    const LEN: usize = RealLanes::<S>::LEN;
+
+    #[inline(always)]
+    fn load_numbers(simd: S, numbers: &[Complex64]) -> Self {
+        Self::load(simd, numbers)
+    }
+
+    #[inline(always)]
+    fn numbers(self) -> [Complex64; MOST_LANES] {
+        self.lanes()
+    }
+}
+
+impl<S: Simd> LambdaLanes<S> for RealLanes<S> {
+    const LEN: usize = Self::LEN;
+
+    #[inline(always)]
+    fn load_numbers(simd: S, numbers: &[Complex64]) -> Self {
+        ComplexLanes::load(simd, numbers).re
+    }
+
+    #[inline(always)]
+    fn numbers(self) -> [Complex64; MOST_LANES] {
+        self.lanes().map(Complex64::from)
+    }
+}
+
 impl<S: Simd> Add for ComplexLanes<S> {
     type Output = Self;
     #[inline(always)]

@@ -47,9 +47,13 @@ impl<S: Simd> RealLanes<S> {
         Self { simd, values: [simd.splat_f64s(x); 2] }
     }
 
+    /// The first [`Self::LEN`] of `numbers`.
+    ///
+    /// # Panics
+    /// If there are fewer.
     #[inline(always)]
-    pub(super) fn load(simd: S, lanes: &[f64; MOST_LANES]) -> Self {
-        let (vectors, _) = S::as_simd_f64s(lanes);
+    pub(crate) fn load(simd: S, numbers: &[f64]) -> Self {
+        let (vectors, _) = S::as_simd_f64s(numbers);
         Self { simd, values: [vectors[0], vectors[1]] }
     }
 
@@ -74,7 +78,9 @@ impl<S: Simd> RealLanes<S> {
 
     #[inline(always)]
     pub(super) fn abs(self) -> Self {
-        Self { values: both!(K => self.simd.abs_f64s(self.values[K])), ..self }
+        // A sign that is masked out, by instructions that are inlined whatever the build.
+        let mask = self.simd.splat_f64s(f64::from_bits(!(1 << 63)));
+        Self { values: both!(K => self.simd.and_f64s(self.values[K], mask)), ..self }
     }
 }
 

@@ -18,13 +18,14 @@ mod upsampling;
 #[cfg(test)]
 mod wide;
 
-pub(crate) use complex_lanes::ComplexLanes;
+pub(crate) use complex_lanes::{ComplexLanes, LambdaLanes};
 pub use fft::Scratch;
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
+pub(crate) use lanes::RealLanes;
 pub use largest::{largest, largest_difference};
 pub use magnitude::magnitude;
-pub use roots::{bisect, geometric_scan};
+pub use roots::{SECTIONS, geometric_scan, next_places, section};
 pub(crate) use round::rounded;
 pub(crate) use sampling::{CHANNELS, Sampling};
 pub use scalar::{Scalar, Size};

@@ -1,5 +1,5 @@
 use crate::inverse::Solution;
-use crate::numeric::TimeGrid;
+use crate::numeric::{TimeGrid, largest};
 
 /// Share of the peak torque that counts as acting: the level of the paper's 0.3 s.
 pub const TIMING_LEVEL: f64 = 0.02;
@@ -80,13 +80,9 @@ impl Metrics {
 }
 
 pub(super) fn peak(samples: &[f64], grid: &TimeGrid) -> Peak {
-    let mut largest = (0.0, 0);
-    for (k, sample) in samples.iter().enumerate() {
-        if sample.abs() > largest.0 {
-            largest = (sample.abs(), k);
-        }
-    }
-    Peak { value: largest.0, time_s: grid.time_s(largest.1) }
+    let value = largest(samples);
+    let first = samples.iter().position(|sample| sample.abs() >= value).unwrap_or(0);
+    Peak { value, time_s: grid.time_s(first) }
 }
 
 fn rms(samples: &[f64]) -> f64 {

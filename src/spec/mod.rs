@@ -32,5 +32,5 @@ mod tree;
 pub use error::SpecError;
 pub use overrides::Override;
 pub use schema::link_file_schema;
-pub use specification::{Specification, read_specification};
+pub use specification::{LinkDocument, Specification, read_specification};
 pub use tolerances::read_tolerances;

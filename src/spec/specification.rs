@@ -37,20 +37,53 @@ pub fn read_specification(
     text: &str,
     overrides: &[Override],
 ) -> Result<Specification, SpecError> {
-    let shown = |place: Place| match place {
+    LinkDocument::read(name, text)?.specification(name, overrides)
+}
+
+/// The text of a link file, parsed once for many sets of overrides; nothing of it is checked yet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkDocument {
+    tree: Node,
+}
+
+impl LinkDocument {
+    /// Parses the text of a link file, which errors call `name`.
+    ///
+    /// # Errors
+    /// [`SpecError`] names the line that is no TOML.
+    pub fn read(name: &str, text: &str) -> Result<Self, SpecError> {
+        let tree = Node::document(text)
+            .map_err(|(place, message)| SpecError::new(shown(name, place, &[]), message, None))?;
+        Ok(Self { tree })
+    }
+
+    /// The specification with the `overrides` applied in their order.
+    ///
+    /// # Errors
+    /// As [`read_specification`].
+    pub fn specification(
+        &self,
+        name: &str,
+        overrides: &[Override],
+    ) -> Result<Specification, SpecError> {
+        let mut tree = self.tree.clone();
+        for (number, change) in overrides.iter().enumerate() {
+            apply(&mut tree, number, change)?;
+        }
+        read(&tree).map_err(|fault| {
+            let place = shown(name, fault.place(&tree), overrides);
+            fault.at(place)
+        })
+    }
+}
+
+/// How errors point at a place.
+fn shown(name: &str, place: Place, overrides: &[Override]) -> String {
+    match place {
         Place::File => name.to_owned(),
         Place::Line(line) => format!("{name}:{line}"),
         Place::Override(number) => overrides[number].place(),
-    };
-    let mut tree = Node::document(text)
-        .map_err(|(place, message)| SpecError::new(shown(place), message, None))?;
-    for (number, change) in overrides.iter().enumerate() {
-        apply(&mut tree, number, change)?;
     }
-    read(&tree).map_err(|fault| {
-        let place = shown(fault.place(&tree));
-        fault.at(place)
-    })
 }
 
 fn read(tree: &Node) -> Result<Specification, Fault> {

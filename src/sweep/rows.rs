@@ -20,8 +20,8 @@ impl SolvedCase {
     /// Reads the numbers off a solution.
     pub fn of(solution: &Solution) -> Self {
         Self {
-            period_s: first_period_s(&solution.natural_frequencies_rad_s),
-            zero_per_s: solution.zeros_per_s.first().copied(),
+            period_s: first_period_s(&solution.natural_frequencies_rad_s(1)),
+            zero_per_s: solution.first_zero_per_s,
             metrics: Metrics::of(solution),
             accuracy: solution.accuracy,
         }

@@ -136,7 +136,7 @@ fn hub_groups(solution: &Solution) -> Vec<ColumnGroup<'_>> {
     vec![
         group([("hub_angle_rad", &solution.hub_angle_rad)]),
         group([("hub_rate_rad_s", &solution.hub_rate_rad_s)]),
-        group([("hub_acceleration_rad_s2", &solution.hub_acceleration_rad_s2)]),
+        group([("hub_acceleration_rad_s2", solution.hub_acceleration_rad_s2())]),
         group([("rigid_hub_angle_rad", &solution.rigid_hub_angle_rad)]),
     ]
 }

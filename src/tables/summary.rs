@@ -7,6 +7,7 @@ use super::link_record::LinkRecord;
 use super::records::{CheckRecord, Fingerprint, MeshRecord, WarningRecord, json};
 use crate::inverse::{Analysis, Solution};
 use crate::link::{Drive, Link};
+use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
 use crate::result::{Exceeded, Metrics};
 use crate::verification::Verification;
@@ -134,7 +135,7 @@ impl Summary {
         files: Vec<&'static str>,
     ) -> Self {
         let hertz = |omega: &f64| omega / std::f64::consts::TAU;
-        let frequencies = &solution.natural_frequencies_rad_s;
+        let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         Self {
             flexlink: env!("CARGO_PKG_VERSION"),
             command: "solve",
@@ -150,8 +151,8 @@ impl Summary {
             motion: MotionRecord::new(inputs.motion, metrics),
             periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
             natural_frequencies_hz: frequencies.iter().map(hertz).collect(),
-            modal_damping_ratios: solution.law().modal_ratios(frequencies),
-            zeros_per_s: solution.zeros_per_s.clone(),
+            modal_damping_ratios: solution.law().modal_ratios(&frequencies),
+            zeros_per_s: solution.zeros_per_s(REPORTED_ZEROS),
             analysis: AnalysisRecord::new(inputs.analysis, solution),
             results: Results::new(metrics),
             errors: Errors {

@@ -2,6 +2,7 @@ use std::f64::consts::TAU;
 
 use super::check::{Check, Question};
 use crate::inverse::{DenseLink, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Solution};
+use crate::modal::REPORTED_MODES;
 use crate::numeric::magnitude;
 
 /// Frequencies at which the dense system is solved.
@@ -30,7 +31,7 @@ pub(super) fn dense_transfer(solution: &Solution) -> Check {
     let Some(dense) = DenseLink::assemble(&solution.dynamics) else {
         return question.not_measured("its modes are no finite numbers".into());
     };
-    let modes = &solution.natural_frequencies_rad_s;
+    let modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
     let first = modes.first().copied().unwrap_or(TAU / solution.band.period_s);
     let (low, high) = (0.3 * first, 3.0 * modes.last().copied().unwrap_or(first));
     let (mut worst, mut bound) = (0.0_f64, AGREEMENT);

@@ -8,7 +8,7 @@ use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Link, LinkParts, Taper};
 use flexlink::modal::natural_frequencies;
 use flexlink::motion::TipTarget;
-use flexlink::numeric::bisect;
+use flexlink::numeric::section;
 use flexlink::response::{Feedback, HubReference, Interpolation, Play, Torque};
 use flexlink::result::TipError;
 
@@ -137,7 +137,7 @@ fn a_stiffly_held_hub_vibrates_as_a_clamped_one() {
             let lambda = omega * omega;
             lambda * hub_response(&mesh, lambda).inertia_kg_m2 > kp
         };
-        bisect(0.0, clamped_rad_s * (1.0 - 1e-14), is_above)
+        section(0.0, clamped_rad_s * (1.0 - 1e-14), |places| places.map(is_above))
     };
     let torque = pulse(5e-3, 100);
     for kp in [1.0, 10.0, 100.0, 1e4, 1e6, 1e8] {

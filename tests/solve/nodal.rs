@@ -59,7 +59,8 @@ fn chosen_nodes_and_rows_are_those_of_the_whole_table() {
 fn the_moment_at_the_root_is_what_hub_and_friction_leave_of_the_torque() {
     let solution = solved(&undamped(), 10, &Smooth::MOVE.motion());
     let peak_n_m = peak(&solution.torque_n_m);
-    let hub = solution.hub_acceleration_rad_s2.iter().zip(&solution.hub_rate_rad_s);
+    let acceleration = solution.hub_acceleration_rad_s2();
+    let hub = acceleration.iter().zip(&solution.hub_rate_rad_s);
     let left = solution
         .torque_n_m
         .iter()
@@ -116,7 +117,7 @@ fn the_torque_balances_the_angular_momentum_of_the_moving_link() {
         let second = |v: &Vec<f64>| (v[k - 1] - 2.0 * v[k] + v[k + 1]) / step_s.powi(2);
         let moment = |node: usize| weight(node) * spacing * node as f64 * second(&v[node]);
         let beam = 0.8 * nodes.iter().map(|node| moment(*node)).sum::<f64>() * spacing / 3.0;
-        0.1 * solution.hub_acceleration_rad_s2[k] + 0.1 * solution.hub_rate_rad_s[k] + beam
+        0.1 * solution.hub_acceleration_rad_s2()[k] + 0.1 * solution.hub_rate_rad_s[k] + beam
     });
     let torque = &solution.torque_n_m[1..solution.grid.len - 1];
     let difference = largest_difference(torque, balance) / peak(torque);
