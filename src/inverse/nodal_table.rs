@@ -8,7 +8,7 @@ use super::nodal_block::{Held, NodalBlock};
 use super::solution::Solution;
 use super::watch::{Stage, Unwatched, Watch};
 use crate::beam::{NodalHistories, NodalQuantity};
-use crate::numeric::{CHANNELS, Sampling, ThinnedGrid, largest};
+use crate::numeric::{CHANNELS, Room, Sampling, ThinnedGrid, largest};
 
 /// Amplitudes that are held at a time; nodes beyond are solved in further blocks.
 const SPECTRA_BYTES: usize = 1 << 27;
@@ -162,8 +162,8 @@ impl<'a> NodalTable<'a> {
         for (nodes, samples) in self.nodes.chunks(nodes_at_once).zip(blocks) {
             let spectra = forcing.nodal_spectra(nodes, self.quantity);
             let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(CHANNELS));
-            panels.for_each(|(panel, spectra)| {
-                self.sampling.hold(rows, spectra, panel);
+            panels.for_each_init(Room::default, |room, (panel, spectra)| {
+                self.sampling.hold(rows, spectra, panel, room);
                 watch.advance(spectra.len());
             });
         }

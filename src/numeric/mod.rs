@@ -27,7 +27,7 @@ pub use largest::{largest, largest_difference};
 pub use magnitude::magnitude;
 pub use roots::{SECTIONS, geometric_scan, next_places, section};
 pub(crate) use round::rounded;
-pub(crate) use sampling::{CHANNELS, Sampling};
+pub(crate) use sampling::{CHANNELS, Room, Sampling};
 pub use scalar::{Scalar, Size};
 pub use spline::{CubicSpline, SplineEnds};
 pub use uniform::NotUniform;

@@ -6,11 +6,19 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
+use super::fft::Scratch;
 use super::fourier::FourierPair;
 use super::upsampling::{TAPS, TAPS_BEFORE, Upsampler};
 
 /// Signals that are worked on side by side: the samples of one time stand next to one another.
 pub(crate) const CHANNELS: usize = 16;
+
+/// Memory for the transforms of a panel, which serves again and again.
+#[derive(Debug, Default)]
+pub(crate) struct Room {
+    scratch: Scratch,
+    samples: Vec<f64>,
+}
 
 /// Which samples of a period are wanted, and how they are had: by a transform over the whole period,
 /// or, where the signals' band is narrow, by one over fewer samples that others are made of.
@@ -66,19 +74,23 @@ impl Sampling {
         rows: &Range<usize>,
         amplitudes: &[Vec<Complex64>],
         held: &mut [[f64; CHANNELS]],
+        room: &mut Room,
     ) {
-        let signals = amplitudes.iter().map(|signal| self.transform.samples(signal.clone()));
-        let signals: Vec<Vec<f64>> = signals.collect();
-        let span = self.span(rows);
         let len = self.transform.len();
+        room.samples.resize(CHANNELS * len, 0.0);
+        for (amplitudes, samples) in amplitudes.iter().zip(room.samples.chunks_exact_mut(len)) {
+            self.transform.write_samples(amplitudes, &mut room.scratch, samples);
+        }
+        let span = self.span(rows);
         let place = |k: usize| match self.upsampler {
             None => self.sample_of(k) % self.period,
             Some(_) => (k + len - TAPS_BEFORE) % len,
         };
         for (k, held) in span.zip(held) {
             let place = place(k);
-            for (held, signal) in held.iter_mut().zip(&signals) {
-                *held = signal[place];
+            let samples = room.samples.iter().skip(place).step_by(len);
+            for (held, sample) in held.iter_mut().zip(samples.take(amplitudes.len())) {
+                *held = *sample;
             }
         }
     }

@@ -111,7 +111,7 @@ mod tests {
     use num_complex::Complex64;
 
     use super::*;
-    use crate::numeric::{CHANNELS, FourierPair, Sampling};
+    use crate::numeric::{CHANNELS, FourierPair, Room, Sampling};
 
     /// Amplitudes of `bins` harmonics, all of one size.
     fn amplitudes(bins: usize) -> Vec<Complex64> {
@@ -126,7 +126,7 @@ mod tests {
         for ends in ends.windows(2) {
             let rows = ends[0]..ends[1];
             let mut held = vec![[0.0; CHANNELS]; sampling.held(&rows)];
-            sampling.hold(&rows, &spectra, &mut held);
+            sampling.hold(&rows, &spectra, &mut held, &mut Room::default());
             for row in rows.clone() {
                 let values = sampling.row(&rows, &held, row);
                 assert!(values[0] == 0.0 && values[2..] == [0.0; CHANNELS - 2]);
