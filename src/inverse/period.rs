@@ -23,7 +23,7 @@ impl Padding {
     /// e^{z₁t} before and e^{−z₁t} after the motion; rest that the trajectory has already counts.
     pub(super) fn new(motion: &TipMotion, analysis: &Analysis, first_zero: Option<f64>) -> Self {
         let step_s = motion.grid().step_s;
-        let decay_s = first_zero.map_or(0.0, |z| (10.0 / analysis.tolerance()).ln() / z);
+        let decay_s = first_zero.map_or(0.0, |z| libm::log(10.0 / analysis.tolerance()) / z);
         let decay = (decay_s / step_s).ceil() as usize;
         let (first, last) = motion.moving_samples();
         let asked = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);

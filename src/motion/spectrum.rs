@@ -111,7 +111,7 @@ impl TipMotion {
         if let Source::Displacement { .. } = self.source() {
             for (k, amplitude) in acceleration.iter_mut().enumerate().skip(1) {
                 let half = std::f64::consts::PI * k as f64 / len as f64;
-                *amplitude *= (half / half.sin()).powi(2);
+                *amplitude *= (half / libm::sin(half)).powi(2);
             }
         }
         let step_s = self.grid().step_s;
