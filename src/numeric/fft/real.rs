@@ -149,9 +149,10 @@ fn fold<S: Simd>(
             }
             let turn = Vector::splat(simd, *turn);
             for v in 0..Vector::<S>::PER_EIGHT {
-                let (near, far) = (near.vector(simd, v), far.vector(simd, v).conjugate());
+                let (near, far) = (near.vector(simd, v), far.vector(simd, v));
                 let turn = turn * plan.halves_in_eight.vector(simd, v);
-                out.set(v, (near + far).plus_i_times((near - far) * turn));
+                let difference = near.minus_conjugate(far);
+                out.set(v, near.plus_conjugate(far).plus_i_times(difference * turn));
             }
         }
     }
@@ -180,9 +181,10 @@ fn unfold<S: Simd>(
         let mut out = Eight::ZERO;
         for v in 0..Vector::<S>::PER_EIGHT {
             let near = near.vector(simd, v).exchanged();
-            let far = far.vector(simd, v).exchanged().conjugate();
-            let turn = (turn * plan.halves_in_eight.vector(simd, v)).conjugate();
-            out.set(v, (near + far).minus_i_times((near - far) * turn) * scale);
+            let far = far.vector(simd, v).exchanged();
+            let turn = turn * plan.halves_in_eight.vector(simd, v);
+            let difference = near.minus_conjugate(far).times_conjugate(turn);
+            out.set(v, near.plus_conjugate(far).minus_i_times(difference) * scale);
         }
         shuffle.write(&out, &mut numbers[2 * k..], columns - 8 * j);
     }
