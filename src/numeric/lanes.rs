@@ -111,7 +111,8 @@ impl<S: Simd> Neg for RealLanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { values: both!(K => self.simd.neg_f64s(self.values[K])), ..self }
+        // A difference, since the vectors' own negation is not always inlined.
+        Self::splat(self.simd, -0.0) - self
     }
 }
 
