@@ -88,7 +88,7 @@ impl StageBar {
                 shown.enable_steady_tick(TICK);
             }
         };
-        Self { bar, over: Some(over), waiting: Some(thread::spawn(show)) }
+        Self { bar, over: Some(over), waiting: thread::Builder::new().spawn(show).ok() }
     }
 
     /// Shows nothing.

@@ -122,10 +122,12 @@ impl<'a> NodalTable<'a> {
         self.sampling.held(&rows) * self.panels() * size_of::<[f64; CHANNELS]>()
     }
 
-    /// Memory in bytes that making the rows takes, about: amplitudes and samples of a block.
+    /// Memory in bytes that making the rows takes, about: amplitudes and samples of a block, and what
+    /// each thread transforms.
     pub fn bytes(&self) -> usize {
-        let spectra = self.nodes.len() * self.solution.band.frequencies * size_of::<Complex64>();
-        self.held_bytes() + spectra.min(SPECTRA_BYTES)
+        let nodes = self.nodes.len().min(self.nodes_at_once());
+        let rooms = rayon::current_num_threads().min(self.panels()) * self.sampling.room_bytes();
+        self.held_bytes() + nodes * self.spectrum_bytes() + rooms
     }
 
     /// Blocks that the rows are made in, one after the other; one wherever memory allows.
@@ -149,14 +151,21 @@ impl<'a> NodalTable<'a> {
         NodalBlock { table: self, rows, held }
     }
 
+    fn spectrum_bytes(&self) -> usize {
+        size_of::<Complex64>() * self.solution.band.frequencies
+    }
+
+    /// Nodes that are solved for at a time: whole panels, one at least.
+    fn nodes_at_once(&self) -> usize {
+        (SPECTRA_BYTES / self.spectrum_bytes() / CHANNELS).max(1) * CHANNELS
+    }
+
     fn hold(&self, rows: &Range<usize>, watch: &dyn Watch) -> Held {
         watch.begin(Stage::Transform, self.nodes.len());
         let len = self.sampling.held(rows);
         let mut samples = vec![[0.0; CHANNELS]; len * self.panels()];
         let forcing = self.solution.forcing();
-        let bytes_of_node = size_of::<Complex64>() * self.solution.band.frequencies;
-        // Whole panels, one at least.
-        let nodes_at_once = (SPECTRA_BYTES / bytes_of_node / CHANNELS).max(1) * CHANNELS;
+        let nodes_at_once = self.nodes_at_once();
         let panels_at_once = nodes_at_once / CHANNELS;
         let blocks = samples.chunks_mut((panels_at_once * len).max(1));
         for (nodes, samples) in self.nodes.chunks(nodes_at_once).zip(blocks) {

@@ -3,7 +3,7 @@ use crate::link::Taper;
 
 /// Whether anything but the beam itself resists rotation outboard of the hub: a lumped rotary
 /// inertia or an offset payload.
-pub(super) fn carries_rotary_inertia(mesh: &Mesh) -> bool {
+pub fn carries_rotary_inertia(mesh: &Mesh) -> bool {
     let lumped = (0..mesh.elements().len()).filter_map(|node| mesh.lumped_inertia(node));
     mesh.tip_inertia().pp > 0.0 || lumped.into_iter().any(|body| body.pp > 0.0)
 }

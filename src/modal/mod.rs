@@ -14,7 +14,7 @@ pub use basis::ModalBasis;
 pub use caughey::CaugheySeries;
 pub use complete::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES};
 pub use frequencies::{REPORTED_MODES, held_frequencies, modes_below, natural_frequencies};
-pub use inertia::{flexible_modes, hub_moves_mass};
+pub use inertia::{carries_rotary_inertia, flexible_modes, hub_moves_mass};
 pub use law::{DampingError, DampingLaw};
 pub use shape::{Mode, Shape, mode};
 pub use zeros::{REPORTED_ZEROS, real_frequency_zeros, torque_zeros};

@@ -2,7 +2,7 @@ use num_complex::Complex64;
 
 use super::histories::TipHistories;
 use super::tip_motion::{Source, TipMotion};
-use crate::numeric::{FourierPair, angular_frequency, largest};
+use crate::numeric::{FourierPair, angular_frequency, largest, magnitude};
 
 /// Amplitudes of the acceleration below this share of the largest carry nothing: they lie below the
 /// round-off of a transform.
@@ -49,7 +49,7 @@ impl TipSpectrum {
         let mut velocity_m_s: Vec<Complex64> =
             bins.map(|(a, omega)| Complex64::new(a.im / omega, -a.re / omega)).collect();
         velocity_m_s[0] = mean_velocity_m_s.into();
-        let magnitudes_m_s2: Vec<f64> = acceleration_m_s2.iter().map(|a| a.norm()).collect();
+        let magnitudes_m_s2: Vec<f64> = acceleration_m_s2.iter().map(|a| magnitude(*a)).collect();
         let largest_m_s2 = largest(&magnitudes_m_s2);
         Self {
             pair,

@@ -18,7 +18,6 @@ pub fn section(
         }
         let places = places(low, high);
         let above = are_above(&places);
-        // Rounded, a place may fall on an end, of which the answer is known.
         for (place, is_above) in places.into_iter().zip(above) {
             // Rounded, a place may fall on an end, of which the answer is known.
             if is_above && low < place {

@@ -13,6 +13,9 @@ use super::upsampling::{TAPS, TAPS_BEFORE, Upsampler};
 /// Signals that are worked on side by side: the samples of one time stand next to one another.
 pub(crate) const CHANNELS: usize = 16;
 
+/// What a thread holds of signals that are transformed but not yet taken apart, unless one is more.
+const ROOM_BYTES: usize = 1 << 25;
+
 /// Memory for the transforms of a panel, which serves again and again.
 #[derive(Debug, Default)]
 pub(crate) struct Room {
@@ -77,19 +80,44 @@ impl Sampling {
         room: &mut Room,
     ) {
         let len = self.transform.len();
-        room.samples.resize(CHANNELS * len, 0.0);
-        for (amplitudes, samples) in amplitudes.iter().zip(room.samples.chunks_exact_mut(len)) {
-            self.transform.write_samples(amplitudes, &mut room.scratch, samples);
+        let at_once = self.signals_at_once();
+        for (part, amplitudes) in amplitudes.chunks(at_once).enumerate() {
+            room.samples.resize(at_once * len, 0.0);
+            for (amplitudes, samples) in amplitudes.iter().zip(room.samples.chunks_exact_mut(len)) {
+                self.transform.write_samples(amplitudes, &mut room.scratch, samples);
+            }
+            let signals = part * at_once..part * at_once + amplitudes.len();
+            self.interleave(rows, &room.samples, signals, held);
         }
-        let span = self.span(rows);
+    }
+
+    /// Signals that are transformed before they are taken apart into rows.
+    fn signals_at_once(&self) -> usize {
+        (ROOM_BYTES / (self.transform.len() * size_of::<f64>())).clamp(1, CHANNELS)
+    }
+
+    /// Memory in bytes that a thread's [`Room`] takes.
+    pub(crate) fn room_bytes(&self) -> usize {
+        // What is transformed, and twice as much for the transform itself.
+        (self.signals_at_once() + 2) * self.transform.len() * size_of::<f64>()
+    }
+
+    /// Puts the samples of some signals, one after the other, into their channels of the rows held.
+    fn interleave(
+        &self,
+        rows: &Range<usize>,
+        samples: &[f64],
+        signals: Range<usize>,
+        held: &mut [[f64; CHANNELS]],
+    ) {
+        let len = self.transform.len();
         let place = |k: usize| match self.upsampler {
             None => self.sample_of(k) % self.period,
             Some(_) => (k + len - TAPS_BEFORE) % len,
         };
-        for (k, held) in span.zip(held) {
-            let place = place(k);
-            let samples = room.samples.iter().skip(place).step_by(len);
-            for (held, sample) in held.iter_mut().zip(samples.take(amplitudes.len())) {
+        for (k, held) in self.span(rows).zip(held) {
+            let samples = samples.iter().skip(place(k)).step_by(len);
+            for (held, sample) in held[signals.clone()].iter_mut().zip(samples) {
                 *held = *sample;
             }
         }

@@ -42,7 +42,7 @@ impl Upsampler {
     /// Plans the way from the coarse samples that `bins` amplitudes from zero frequency on need to
     /// `samples` of a period; none where the coarse ones would not be few.
     pub(super) fn plan(samples: usize, bins: usize) -> Option<Self> {
-        let least = 2 * OVERSAMPLING * bins;
+        let least = (2 * OVERSAMPLING * bins).max(TAPS);
         let phases = |coarse: &usize| samples / greatest_divisor(samples, *coarse);
         let lengths = std::iter::successors(Some(fast_length(least)), |m| Some(fast_length(m + 1)));
         let coarse = lengths.take_while(|m| 2 * m <= samples).find(|m| phases(m) <= MOST_PHASES)?;
@@ -82,6 +82,7 @@ fn greatest_divisor(a: usize, b: usize) -> usize {
 /// Weights of the coarse samples −14 … 15 for a sample at `phase` in [0, 1) behind sample 0.
 fn weights(phase: f64) -> [f64; TAPS] {
     let half = TAPS as f64 / 2.0;
+    let largest = bessel_i0(KAISER_BETA);
     // sin π(t − j) = ±sin πt: one sine for all, with the sign of each.
     let sine = libm::sin(PI * phase.min(1.0 - phase));
     std::array::from_fn(|tap| {
@@ -89,8 +90,7 @@ fn weights(phase: f64) -> [f64; TAPS] {
         let sign = if tap.is_multiple_of(2) { 1.0 } else { -1.0 };
         let sinc = if away == 0.0 { 1.0 } else { sign * sine / (PI * away) };
         let share = away / half;
-        sinc * bessel_i0(KAISER_BETA * (1.0 - share * share).max(0.0).sqrt())
-            / bessel_i0(KAISER_BETA)
+        sinc * bessel_i0(KAISER_BETA * (1.0 - share * share).max(0.0).sqrt()) / largest
     })
 }
 

@@ -9,6 +9,7 @@
 
 mod energy;
 mod equations;
+mod exponential;
 mod feedback;
 mod forcing;
 mod history;

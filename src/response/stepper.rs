@@ -1,6 +1,7 @@
 use nalgebra::DMatrix;
 
 use super::equations::Equations;
+use super::exponential::exponential;
 use super::forcing::Cubic;
 
 /// Terms of the cubic that drives a step.
@@ -113,7 +114,7 @@ impl Block {
         for term in 1..TERMS {
             generator[(states + term - 1, states + term)] = term as f64;
         }
-        let exponential = generator.exp();
+        let exponential = exponential(&generator);
         let rows = (0..states).flat_map(|row| (0..size).map(move |column| (row, column)));
         Self { first, count, rows: rows.map(|place| exponential[place]).collect() }
     }

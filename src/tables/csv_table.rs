@@ -111,7 +111,7 @@ pub(super) fn write_nodal(
     let names = table.nodes().iter().map(|node| format!("{letter}{node}_{unit}"));
     write_header(out, "time_s", names)?;
     let times = Cells::new(time_format(|k| grid.time_s(k), grid.len()));
-    let cells = Cells::new(digits.for_peak(table.peak(watch)));
+    let cells = Cells::new(digits.for_peak_of(|| table.peak(watch)));
     for number in 0..table.blocks() {
         let block = table.block(number, watch);
         watch.begin(Stage::Write, block.rows().len());

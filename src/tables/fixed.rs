@@ -1,5 +1,5 @@
 //! Numbers with a fixed count of decimals, correctly rounded, as the standard library writes them
-//! and several times faster: most of the time of a large run is spent here.
+//! and several times faster.
 
 use std::io::Write as _;
 

@@ -33,13 +33,19 @@ impl Digits {
     /// assert_eq!(Digits::BelowPeak(3).for_peak(0.05), NumberFormat::Fixed(5));
     /// ```
     pub fn for_peak(&self, peak: f64) -> NumberFormat {
-        match *self {
-            Self::Full => NumberFormat::Shortest,
-            Self::BelowPeak(n) if peak == 0.0 => NumberFormat::Fixed(usize::from(n)),
-            Self::BelowPeak(n) => decimal_exponent(peak)
-                .map(|exponent| usize::try_from(i32::from(n) - exponent).unwrap_or(0))
-                .map_or(NumberFormat::Shortest, NumberFormat::Fixed),
+        self.for_peak_of(|| peak)
+    }
+
+    /// [`Self::for_peak`] of a peak that is only sought where it matters.
+    pub(super) fn for_peak_of(self, peak: impl FnOnce() -> f64) -> NumberFormat {
+        let Self::BelowPeak(n) = self else { return NumberFormat::Shortest };
+        let peak = peak();
+        if peak == 0.0 {
+            return NumberFormat::Fixed(usize::from(n));
         }
+        decimal_exponent(peak)
+            .map(|exponent| usize::try_from(i32::from(n) - exponent).unwrap_or(0))
+            .map_or(NumberFormat::Shortest, NumberFormat::Fixed)
     }
 }
 
