@@ -1,6 +1,7 @@
-//! Mathematics that knows no beam: time grids, Fourier pairs, roots, splines, units.
+//! Mathematics that knows no beam: time grids, Fourier pairs, roots, eigenvalues, splines, units.
 
 mod complex_lanes;
+mod eigen;
 mod fourier;
 mod grid;
 mod lanes;
@@ -18,6 +19,7 @@ mod upsampling;
 mod wide;
 
 pub(crate) use complex_lanes::ComplexLanes;
+pub(crate) use eigen::SymmetricEigen;
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
 pub use largest::{largest, largest_difference};
