@@ -18,7 +18,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`numeric`] | time grids, Fourier pairs, roots, splines, units: mathematics that knows no beam |
+//! | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units: mathematics that knows no beam |
 //! | [`link`] | the physical link, checked at construction |
 //! | [`motion`] | the tip motion, checked at construction, its spectrum, analytic profiles |
 //! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |

@@ -1,7 +1,6 @@
 //! The paper's own solve: assembled matrices and a factorisation with pivoting.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, c64};
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::dynamics::Dynamics;
@@ -22,10 +21,10 @@ const CAUTION: f64 = 100.0;
 #[derive(Debug, Clone)]
 pub struct DenseLink<'a> {
     dynamics: &'a Dynamics,
-    mass: Mat<f64>,
-    stiffness: Mat<f64>,
+    mass: DMatrix<f64>,
+    stiffness: DMatrix<f64>,
     /// Mass times each mode and its 2ζω, of a modal law.
-    modes: Vec<(Mat<f64>, f64)>,
+    modes: Vec<(DVector<f64>, f64)>,
 }
 
 impl<'a> DenseLink<'a> {
@@ -52,17 +51,16 @@ impl<'a> DenseLink<'a> {
             mass[(at + 1, at)] += vp;
             mass[(at + 1, at + 1)] += pp;
         }
-        let held = held(mesh);
-        let mut mass = held.transpose() * mass * &held;
+        let mut mass = held(mesh, mass);
         mass[(0, 0)] += mesh.hub_inertia_kg_m2();
-        let stiffness = held.transpose() * stiffness * &held;
+        let stiffness = held(mesh, stiffness);
         let mut link = Self { dynamics, mass, stiffness, modes: Vec::new() };
         link.modes = link.damped_modes()?;
         Some(link)
     }
 
     /// Mass times each mode and its 2ζω: `C = Σ 2ζω (M φ)(M φ)ᵀ`.
-    fn damped_modes(&self) -> Option<Vec<(Mat<f64>, f64)>> {
+    fn damped_modes(&self) -> Option<Vec<(DVector<f64>, f64)>> {
         let (mesh, law) = (self.dynamics.mesh(), self.dynamics.law());
         if !law.is_modal() {
             return Some(Vec::new());
@@ -80,23 +78,23 @@ impl<'a> DenseLink<'a> {
         let law = self.dynamics.law();
         let size = self.mass.nrows();
         let per_lambda = law.lambda(omega_rad_s).inv();
-        let mut h = Mat::<c64>::from_fn(size, size, |row, column| {
-            c64::from(self.mass[(row, column)]) - per_lambda * self.stiffness[(row, column)]
+        let mut h = DMatrix::from_fn(size, size, |row, column| {
+            Complex64::from(self.mass[(row, column)]) - per_lambda * self.stiffness[(row, column)]
         });
         for (mode, rate) in &self.modes {
             // iωC/(−ω²)
-            let factor = c64::new(0.0, -rate / omega_rad_s);
+            let factor = Complex64::new(0.0, -rate / omega_rad_s);
             for row in 0..size {
                 for column in 0..size {
-                    h[(row, column)] += factor * (mode[(row, 0)] * mode[(column, 0)]);
+                    h[(row, column)] += factor * (mode[row] * mode[column]);
                 }
             }
         }
-        let mut load = Mat::<c64>::zeros(size, 1);
-        load[(0, 0)] = c64::ONE;
-        let acceleration = h.partial_piv_lu().solve(&load);
-        // Displacement of the tip: the last but one.
-        acceleration[(size - 2, 0)].inv()
+        let mut load = DVector::zeros(size);
+        load[0] = Complex64::ONE;
+        // Displacement of the tip: the last but one. At a pole it moves without a torque.
+        let acceleration = h.lu().solve(&load);
+        acceleration.map_or(Complex64::ZERO, |acceleration| acceleration[size - 2].inv())
     }
 
     /// Relative error that round-off may cause at ω: K annihilates rigid motion only up to ε times
@@ -106,7 +104,7 @@ impl<'a> DenseLink<'a> {
         let rigid = column(mesh, &ModalBasis::lowest(mesh, 0).rigid);
         let largest = (1..self.mass.nrows() - 1)
             .step_by(2)
-            .map(|row| self.stiffness[(row, row)] * rigid[(row, 0)].powi(2));
+            .map(|row| self.stiffness[(row, row)] * rigid[row].powi(2));
         let largest = largest.fold(0.0, f64::max);
         let sum = (mesh.elements().len() as f64).sqrt();
         CAUTION * f64::EPSILON * sum * largest / omega_rad_s.powi(2)
@@ -114,25 +112,28 @@ impl<'a> DenseLink<'a> {
 }
 
 /// A matrix on (v, φ) of all nodes.
-fn free(elements: usize) -> Mat<f64> {
-    Mat::zeros(2 * elements + 2, 2 * elements + 2)
+fn free(elements: usize) -> DMatrix<f64> {
+    DMatrix::zeros(2 * elements + 2, 2 * elements + 2)
 }
 
-/// Motions of all nodes per degree of freedom: the root sits on the hub, `v_0 = x_0 θ`, `φ_0 = θ`.
-fn held(mesh: &Mesh) -> Mat<f64> {
-    let size = 2 * mesh.nodes_m().len();
-    let mut held = Mat::zeros(size, size - 1);
-    held[(0, 0)] = mesh.nodes_m()[0];
-    for row in 1..size {
-        held[(row, row - 1)] = 1.0;
+/// A matrix on (v, φ) of all nodes, held at the hub: the root sits on it, `v_0 = x_0 θ`, `φ_0 = θ`.
+///
+/// Without a product of two matrices, in which nalgebra would use what the processor has.
+fn held(mesh: &Mesh, mut free: DMatrix<f64>) -> DMatrix<f64> {
+    let root_m = mesh.nodes_m()[0];
+    for k in 0..free.ncols() {
+        free[(1, k)] += root_m * free[(0, k)];
     }
-    held
+    for k in 0..free.nrows() {
+        free[(k, 1)] += root_m * free[(k, 0)];
+    }
+    free.remove_row(0).remove_column(0)
 }
 
 /// A shape on θ and (v, φ) of nodes 1 … n.
-fn column(mesh: &Mesh, shape: &Shape) -> Mat<f64> {
+fn column(mesh: &Mesh, shape: &Shape) -> DVector<f64> {
     let size = 2 * mesh.nodes_m().len() - 1;
-    Mat::from_fn(size, 1, |row, _| match row {
+    DVector::from_fn(size, |row, _| match row {
         0 => shape.hub_angle,
         _ if row % 2 == 1 => shape.displacement(mesh, row.div_ceil(2)),
         _ => shape.deflections[row / 2][1] + shape.hub_angle,

@@ -1,13 +1,12 @@
 //! All modes of a mesh at once, by dense algebra.
 
-use faer::linalg::solvers::SelfAdjointEigen;
-use faer::{Mat, Side};
 use nalgebra::{Matrix2, Vector2};
 use thiserror::Error;
 
 use super::basis::ModalBasis;
 use super::shape::{Mode, Shape};
 use crate::beam::Mesh;
+use crate::numeric::SymmetricEigen;
 
 /// Most elements whose modes are all computed: the work grows with the cube of their number, and
 /// is a matter of seconds here.
@@ -42,8 +41,9 @@ struct Deformations {
     coupling: Vec<Vector2<f64>>,
     /// Rigid inertia I about the axis.
     inertia_kg_m2: f64,
-    /// `C⁻¹ (M − m mᵀ/I) C⁻ᵀ`, of which the eigenvalues are 1/ω².
-    flexibility: Mat<f64>,
+    /// `C⁻¹ (M − m mᵀ/I) C⁻ᵀ`, of which the eigenvalues are 1/ω²: rows of the lower triangle, in a
+    /// square.
+    flexibility: Vec<f64>,
 }
 
 impl ModalBasis {
@@ -59,15 +59,16 @@ impl ModalBasis {
         if elements > MOST_ELEMENTS_OF_ALL_MODES {
             return Err(AllModesError::TooManyElements { elements });
         }
-        let link = Deformations::of(mesh);
-        let eigen = SelfAdjointEigen::new(link.flexibility.as_ref(), Side::Lower)
-            .map_err(|_| AllModesError::NotFinite)?;
-        let (values, vectors) = (eigen.S().column_vector(), eigen.U());
+        let mut link = Deformations::of(mesh);
+        let flexibility = std::mem::take(&mut link.flexibility);
+        let eigen =
+            SymmetricEigen::new(2 * elements, flexibility).ok_or(AllModesError::NotFinite)?;
+        let values = &eigen.values;
         let largest = values.iter().fold(0.0_f64, |m, value| m.max(*value));
-        let massless = ROUND_OFF * values.nrows() as f64 * largest;
-        let modes = (0..values.nrows()).rev().filter(|k| values[*k] > massless).map(|k| {
-            let vector = |row: usize| vectors[(row, k)];
-            Mode { omega_rad_s: values[k].sqrt().recip(), shape: link.shape(mesh, vector) }
+        let massless = ROUND_OFF * values.len() as f64 * largest;
+        let modes = (0..values.len()).rev().filter(|k| values[*k] > massless).map(|k| Mode {
+            omega_rad_s: values[k].sqrt().recip(),
+            shape: link.shape(mesh, eigen.vector(k)),
         });
         Ok(Self { rigid: Self::rigid(mesh), modes: modes.collect() })
     }
@@ -103,7 +104,8 @@ impl Deformations {
         let coupling: Vec<Vector2<f64>> =
             (0..count).map(|e| carried[e].transpose() * Vector2::new(nodes_m[e], 1.0)).collect();
         let factors: Vec<Matrix2<f64>> = elements.iter().map(|e| cholesky(&e.k_d)).collect();
-        let mut flexibility = Mat::zeros(2 * count, 2 * count);
+        let size = 2 * count;
+        let mut flexibility = vec![0.0; size * size];
         for e in 0..count {
             for f in 0..=e {
                 let rigid = coupling[e] * coupling[f].transpose() / inertia_kg_m2;
@@ -114,8 +116,7 @@ impl Deformations {
                 };
                 let block = scaled(&factors[e], &(mass - rigid), &factors[f]);
                 for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                    flexibility[(2 * e + row, 2 * f + column)] = block[(row, column)];
-                    flexibility[(2 * f + column, 2 * e + row)] = block[(row, column)];
+                    flexibility[(2 * e + row) * size + 2 * f + column] = block[(row, column)];
                 }
             }
         }
@@ -123,11 +124,11 @@ impl Deformations {
     }
 
     /// Mass-normalised shape of an eigenvector y: `d = C⁻ᵀ y`, orthogonal to the rigid rotation.
-    fn shape(&self, mesh: &Mesh, vector: impl Fn(usize) -> f64) -> Shape {
+    fn shape(&self, mesh: &Mesh, vector: &[f64]) -> Shape {
         let mut deflections: Vec<Vector2<f64>> = vec![Vector2::zeros()];
         let mut turned = 0.0;
         for (k, element) in mesh.relative_elements().iter().enumerate() {
-            let (a, b) = (vector(2 * k), vector(2 * k + 1));
+            let (a, b) = (vector[2 * k], vector[2 * k + 1]);
             let c = &self.factors[k];
             let phi = b / c.m22;
             let d = Vector2::new((a - c.m21 * phi) / c.m11, phi);

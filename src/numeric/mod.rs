@@ -1,6 +1,7 @@
-//! Mathematics that knows no beam: time grids, Fourier pairs, roots, splines, units.
+//! Mathematics that knows no beam: time grids, Fourier pairs, roots, eigenvalues, splines, units.
 
 mod complex_lanes;
+mod eigen;
 mod fft;
 mod fourier;
 mod grid;
@@ -19,6 +20,7 @@ mod upsampling;
 mod wide;
 
 pub(crate) use complex_lanes::{ComplexLanes, LambdaLanes};
+pub(crate) use eigen::SymmetricEigen;
 pub use fft::Scratch;
 pub use fourier::{FourierPair, angular_frequency, fast_length};
 pub use grid::{ThinnedGrid, TimeGrid};
