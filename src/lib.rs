@@ -101,7 +101,9 @@
 //! * A [`link::Link`] or [`motion::TipMotion`] that exists is valid; nothing repairs its input.
 //! * Warnings are returned values.
 //! * Everything inside is SI.
-//! * Same input, same bytes, on any number of threads.
+//! * Same input, same bytes, on any number of threads and on every processor: no sum depends on how
+//!   work is shared or on the width of vectors, no product is fused with a sum, and all functions
+//!   beyond the square root come from `libm`.
 //!
 //! # References
 //!

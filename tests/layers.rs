@@ -30,6 +30,35 @@ const RESERVED: [(&str, &[&str], &[&str]); 2] = [
     ),
 ];
 
+/// Functions that the system, or the processor, rounds in its own way; `libm` has those that give the
+/// same bits everywhere.
+const ROUNDED_ELSEWISE: [&str; 24] = [
+    ".sin()",
+    ".cos()",
+    ".tan()",
+    ".sin_cos()",
+    ".asin()",
+    ".acos()",
+    ".atan()",
+    ".atan2(",
+    ".sinh()",
+    ".cosh()",
+    ".tanh()",
+    ".exp()",
+    ".exp_m1()",
+    ".ln()",
+    ".ln_1p()",
+    ".log10()",
+    ".log2()",
+    ".powf(",
+    ".cbrt()",
+    ".hypot(",
+    ".mul_add(",
+    ".norm()",
+    ".arg()",
+    "::cis(",
+];
+
 fn level(module: &str) -> Option<usize> {
     LEVELS.iter().position(|level| level.contains(&module))
 }
@@ -249,4 +278,19 @@ fn lawful_code_is_left_alone() {
     for (module, source) in lawful {
         assert_eq!(violations(module, 2, source), [""; 0], "{source}");
     }
+}
+
+#[test]
+fn no_number_comes_from_a_function_that_is_rounded_elsewise_on_other_processors() {
+    let uses = |source: &str| {
+        // The tests of a file stand at its end, and may use what they like.
+        let code = without_text(source.split("\n#[cfg(test)]\nmod tests").next().unwrap_or(source));
+        ROUNDED_ELSEWISE.into_iter().find(|function| code.contains(function))
+    };
+    assert_eq!(uses("let a = x.sin();"), Some(".sin()"));
+    assert_eq!(uses("// x.sin()\nlet a = 1;\n#[cfg(test)]\nmod tests { x.sin() }"), None);
+    let is_code = |path: &Path| !path.ends_with("tests.rs");
+    let sources = sources().into_iter().filter(|(path, _)| is_code(path));
+    let found: Vec<_> = sources.filter_map(|(path, source)| Some((path, uses(&source)?))).collect();
+    assert!(found.is_empty(), "{found:?}");
 }

@@ -76,7 +76,7 @@ pub fn driven_motion<S: PivotedScalar>(mesh: &Mesh, lambda: S) -> DrivenMotion<S
     // The root sits on the hub's radius: v_0 = x_0 φ_0 leaves one coefficient, its size free.
     let root_m = mesh.nodes_m()[0];
     let held = plane.motion.row(0) - plane.motion.row(1) * S::from_real(root_m);
-    let mut c = Vector2::new(-held[1], held[0]).unscale(held.norm());
+    let mut c = Vector2::new(-held[1], held[0]).unscale(held.norm_squared().sqrt());
     let theta = (plane.motion * c)[1];
     let at_root = plane.reaction * c;
     let torque = at_root[1]

@@ -114,7 +114,7 @@ impl Solve {
         let exceeded = limits.exceeded(&metrics);
         let files = outputs.file_names();
         let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, files.clone());
-        if let (bytes @ LARGE.., blocks) = outputs.memory(&solution)
+        if let Some((bytes, blocks)) = outputs.memory(&solution, LARGE)
             && !self.print.quiet
         {
             stages.say(&memory_text(bytes, blocks));

@@ -133,3 +133,16 @@ fn window_line(solution: &Solution) -> String {
         significant(band.highest_hz, 3)
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn much_memory_is_told_with_what_becomes_slower() {
+        let one = "the motion of the nodes takes about 0.54 GB of memory";
+        assert_eq!(memory_text(540_000_000, 1), one);
+        let many = "about 1.1 GB of memory; the rows are made in 3 blocks, each transformed anew";
+        assert!(memory_text(1_100_000_000, 3).ends_with(many));
+    }
+}

@@ -24,6 +24,8 @@ mod rigid;
 mod solution;
 mod spectra;
 mod superposition;
+#[cfg(test)]
+pub(crate) mod tests;
 mod warning;
 mod watch;
 

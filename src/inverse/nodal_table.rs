@@ -97,6 +97,12 @@ impl<'a> NodalTable<'a> {
         Self { arms_m: Some(arms_m), ..self }
     }
 
+    /// The same table, made in blocks of so many rows.
+    #[cfg(test)]
+    pub(crate) fn in_blocks_of(self, rows: usize) -> Self {
+        Self { block: rows, ..self }
+    }
+
     /// Numbers of the nodes, one a column.
     pub fn nodes(&self) -> &[usize] {
         &self.nodes
@@ -213,35 +219,7 @@ impl<'a> NodalTable<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::{ElementCount, MeshPlan};
-    use crate::inverse::{Analysis, invert};
-    use crate::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
-    use crate::motion::{MotionColumns, TipMotion};
-
-    /// A motion of this many steps, smooth, so that its band is narrow where they are many.
-    fn solution(steps: u32) -> Solution {
-        let link = Link::new(LinkParts {
-            title: String::new(),
-            segments: vec![Segment {
-                name: None,
-                length_m: 1.5,
-                bending_stiffness_n_m2: Taper::constant(5.0),
-                mass_per_length_kg_m: Taper::constant(0.8),
-            }],
-            hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
-            masses: vec![],
-            payload: Payload::default(),
-            damping: Damping::Hysteretic { ratio: 0.02 },
-        })
-        .unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(40)), 1e-4).unwrap();
-        let share = |k: u32| (2.0 * f64::from(k) / f64::from(steps) - 1.0) * 6.0;
-        let time_s = (0..=steps).map(|k| 1.2 * f64::from(k) / f64::from(steps)).collect();
-        let bell = (0..=steps).map(|k| -share(k) * (-share(k).powi(2)).exp()).collect();
-        let columns = MotionColumns { time_s, acceleration_m_s2: Some(bell), ..Default::default() };
-        let motion = TipMotion::new(columns).unwrap();
-        invert(&link, &plan, &motion, &Analysis::default()).unwrap()
-    }
+    use crate::inverse::tests::solution;
 
     #[test]
     fn rows_made_in_blocks_have_the_bits_of_those_made_at_once() {
@@ -254,8 +232,9 @@ mod tests {
                 assert_eq!(whole.blocks(), 1);
                 let held = whole.sampling.held(&(0..whole.len()));
                 assert_eq!(is_narrow, held != whole.len(), "{held} samples held");
-                let mut blocked = solution.displacements(&nodes, every);
-                blocked.block = blocked.len() / 3 + 1;
+                let blocked = solution.displacements(&nodes, every);
+                let rows = blocked.len() / 3 + 1;
+                let blocked = blocked.in_blocks_of(rows);
                 assert_eq!(blocked.blocks(), 3);
                 assert!(blocked.histories() == whole.histories());
                 assert_eq!(blocked.peak(&Unwatched).to_bits(), whole.peak(&Unwatched).to_bits());

@@ -176,6 +176,7 @@ fn write_blocks(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inverse::Unwatched;
     use crate::numeric::TimeGrid;
 
     fn column<'a>(name: &str, values: &'a [f64]) -> Column<'a> {
@@ -229,6 +230,23 @@ mod tests {
             let value: f64 = line.split_once(',').unwrap().1.parse().unwrap();
             assert!((value - values[k]).abs() <= 1e-10, "row {k}");
         }
+    }
+
+    #[test]
+    fn a_nodal_table_made_in_blocks_has_the_bytes_of_one_made_at_once() {
+        let solution = crate::inverse::tests::solution(400);
+        let bytes = |table: NodalTable| {
+            let mut out = Vec::new();
+            let blocks = table.blocks();
+            write_nodal(&mut out, &table, ("v", "m"), Digits::default(), &Unwatched).unwrap();
+            (blocks, out)
+        };
+        let table = || solution.displacements(&[3, 0, 40], 1);
+        let ((one, whole), (many, blocked)) = (bytes(table()), bytes(table().in_blocks_of(97)));
+        assert!(one == 1 && many > 5 && whole == blocked, "{one} and {many} blocks");
+        let text = String::from_utf8(whole).unwrap();
+        assert!(text.starts_with("time_s,v3_m,v0_m,v40_m\n") && text.ends_with('\n'));
+        assert_eq!(text.lines().count(), 1 + solution.grid.len);
     }
 
     #[test]

@@ -84,13 +84,17 @@ impl SolveOutputs {
         folder.commit(SUMMARY, &RESULT_FILES)
     }
 
-    /// Memory in bytes that writing takes, about, and blocks that the nodal tables are made in.
+    /// Memory in bytes that writing takes, about, and blocks that the nodal tables are made in; none
+    /// where less than `large` will do.
     ///
     /// # Panics
     /// If a node asked for is not one of the mesh.
-    pub fn memory(&self, solution: &Solution) -> (usize, usize) {
-        let table = solution.deflections(&self.nodes_of(solution), self.every);
-        (table.bytes(), table.blocks())
+    pub fn memory(&self, solution: &Solution, large: usize) -> Option<(usize, usize)> {
+        let nodes = self.nodes_of(solution);
+        // A table is planned only where it may be large: more than every sample is never held.
+        let most = 8 * nodes.len() * solution.band.fft_length;
+        let table = (most >= large / 8).then(|| solution.deflections(&nodes, self.every))?;
+        Some((table.bytes(), table.blocks())).filter(|(bytes, _)| *bytes >= large)
     }
 
     fn nodes_of(&self, solution: &Solution) -> Vec<usize> {
