@@ -14,7 +14,7 @@ use super::upsampling::{TAPS, TAPS_BEFORE, Upsampler};
 pub(crate) const CHANNELS: usize = 16;
 
 /// What a thread holds of signals that are transformed but not yet taken apart, unless one is more.
-const ROOM_BYTES: usize = 1 << 25;
+const ROOM_BYTES: usize = 1 << 20;
 
 /// Memory for the transforms of a panel, which serves again and again.
 #[derive(Debug, Default)]

@@ -15,7 +15,7 @@ pub(super) struct Cells {
 pub(super) struct ReadyCells<'a> {
     cells: Cells,
     values: &'a [f64],
-    spelled: Vec<Spelled>,
+    spelled: &'a [Spelled],
 }
 
 impl Cells {
@@ -27,9 +27,15 @@ impl Cells {
         Self { format, decimals }
     }
 
-    /// Makes these numbers ready.
-    pub(super) fn of<'a>(&self, values: &'a [f64]) -> ReadyCells<'a> {
-        let spelled = self.decimals.map(|decimals| decimals.spelled(values)).unwrap_or_default();
+    /// Makes these numbers ready, in memory that serves again and again.
+    pub(super) fn of<'a>(
+        &self,
+        values: &'a [f64],
+        spelled: &'a mut Vec<Spelled>,
+    ) -> ReadyCells<'a> {
+        if let Some(decimals) = &self.decimals {
+            decimals.spell(values, spelled);
+        }
         ReadyCells { cells: *self, values, spelled }
     }
 }
@@ -39,7 +45,7 @@ impl ReadyCells<'_> {
     pub(super) fn append(&self, out: &mut Vec<u8>, separator: u8, k: usize) {
         let value = self.values[k];
         if let Some(decimals) = &self.cells.decimals {
-            decimals.append(out, separator, &self.spelled, (k, value));
+            decimals.append(out, separator, self.spelled, (k, value));
         } else {
             out.push(separator);
             self.cells.format.write(out, value);

@@ -10,9 +10,9 @@ use crate::inverse::{NodalTable, Stage, Watch};
 use crate::numeric::ThinnedGrid;
 
 /// Numbers formatted by one thread at a time: their text fits its cache.
-const BLOCK_NUMBERS: usize = 1 << 15;
+const BLOCK_NUMBERS: usize = 1 << 14;
 /// Blocks that each thread formats before they are written.
-const BLOCKS_OF_A_THREAD: usize = 4;
+const BLOCKS_OF_A_THREAD: usize = 2;
 
 /// One column of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,8 +74,14 @@ pub(super) fn write_timed(
     let times = Cells::new(time_format(time_s, rows));
     let write_block = |rows: Range<usize>, text: &mut Vec<u8>| {
         let time: Vec<f64> = rows.clone().map(time_s).collect();
-        let mut all = vec![times.of(&time)];
-        all.extend(columns.iter().map(|(column, cells)| cells.of(&column.values[rows.clone()])));
+        let (mut spelled_times, mut spelled) = (vec![], vec![vec![]; columns.len()]);
+        let mut all = vec![times.of(&time, &mut spelled_times)];
+        all.extend(
+            columns
+                .iter()
+                .zip(&mut spelled)
+                .map(|((column, cells), spelled)| cells.of(&column.values[rows.clone()], spelled)),
+        );
         for row in 0..time.len() {
             all[0].append(text, b'\n', row);
             all[1..].iter().for_each(|cells| cells.append(text, b',', row));
@@ -117,12 +123,13 @@ pub(super) fn write_nodal(
         watch.begin(Stage::Write, block.rows().len());
         let write_block = |rows: Range<usize>, text: &mut Vec<u8>| {
             let time: Vec<f64> = rows.clone().map(|k| grid.time_s(k)).collect();
-            let time = times.of(&time);
+            let (mut spelled_times, mut spelled) = (vec![], vec![]);
+            let time = times.of(&time, &mut spelled_times);
             let mut values = vec![0.0; rows.len() * width];
             block.write_rows(rows.clone(), &mut values);
             for row in 0..rows.len() {
                 time.append(text, b'\n', row);
-                let values = cells.of(&values[row * width..][..width]);
+                let values = cells.of(&values[row * width..][..width], &mut spelled);
                 (0..width).for_each(|column| values.append(text, b',', column));
             }
             watch.advance(rows.len());

@@ -58,7 +58,7 @@ pub(super) struct Spelled {
     exact: [bool; BATCH],
 }
 
-/// The work of [`Decimals::spelled`], for the processor's own vectors.
+/// The work of [`Decimals::spell`], for the processor's own vectors.
 struct Spelling<'a> {
     decimals: &'a Decimals,
     numbers: &'a [f64],
@@ -72,12 +72,12 @@ impl WithSimd for Spelling<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let (batches, rest) = self.numbers.as_chunks();
         for k in 0..batches.len() {
-            self.decimals.spell(&batches[k], &mut self.spelled[k]);
+            self.decimals.spell_batch(&batches[k], &mut self.spelled[k]);
         }
         if !rest.is_empty() {
             let mut last = [0.0; BATCH];
             last[..rest.len()].copy_from_slice(rest);
-            self.decimals.spell(&last, &mut self.spelled[batches.len()]);
+            self.decimals.spell_batch(&last, &mut self.spelled[batches.len()]);
         }
     }
 }
@@ -101,15 +101,15 @@ impl Decimals {
         })
     }
 
-    /// The digits of `numbers`, sixteen at a time; the last batch may hold further zeros.
-    pub(super) fn spelled(&self, numbers: &[f64]) -> Vec<Spelled> {
-        let mut spelled = vec![Spelled::BLANK; numbers.len().div_ceil(BATCH)];
-        Arch::new().dispatch(Spelling { decimals: self, numbers, spelled: &mut spelled });
-        spelled
+    /// The digits of `numbers`, sixteen at a time; the last batch may hold further zeros. What was
+    /// in `spelled` is written over.
+    pub(super) fn spell(&self, numbers: &[f64], spelled: &mut Vec<Spelled>) {
+        spelled.resize(numbers.len().div_ceil(BATCH), Spelled::BLANK);
+        Arch::new().dispatch(Spelling { decimals: self, numbers, spelled });
     }
 
     #[inline(always)]
-    fn spell(&self, numbers: &[f64; BATCH], spelled: &mut Spelled) {
+    fn spell_batch(&self, numbers: &[f64; BATCH], spelled: &mut Spelled) {
         let [mut wholes, mut firsts, mut seconds] = [[0.0; BATCH]; 3];
         for k in 0..BATCH {
             // Rounded once: off by at most 2⁻⁵³ of itself.
@@ -215,7 +215,10 @@ mod tests {
     #[track_caller]
     fn check(values: &[f64], count: usize) {
         let decimals = Decimals::new(count).unwrap();
-        let spelled = decimals.spelled(values);
+        // What is left of other numbers must not show.
+        let mut spelled = vec![];
+        decimals.spell(&[-1e300; 40], &mut spelled);
+        decimals.spell(values, &mut spelled);
         let (mut found, mut text) = (vec![], String::new());
         for (k, value) in values.iter().enumerate() {
             decimals.append(&mut found, b';', &spelled, (k, *value));
@@ -269,7 +272,8 @@ mod tests {
     #[test]
     fn few_numbers_need_exact_arithmetic() {
         let values: Vec<f64> = (0..1 << 20).map(|k| 0.3 * (0.37 * f64::from(k)).sin()).collect();
-        let spelled = Decimals::new(11).unwrap().spelled(&values);
+        let mut spelled = vec![];
+        Decimals::new(11).unwrap().spell(&values, &mut spelled);
         let left = spelled.iter().flat_map(|batch| batch.exact).filter(|exact| !exact).count();
         assert!(left < 1000, "{left} of a million");
     }
