@@ -1,9 +1,8 @@
 use std::io::{self, Write};
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::cells::Cells;
+use super::in_turn::write_in_turn;
 use super::number::Digits;
 use super::time_format::time_format;
 use crate::inverse::{NodalTable, Stage, Watch};
@@ -11,8 +10,6 @@ use crate::numeric::ThinnedGrid;
 
 /// Numbers formatted by one thread at a time: their text fits its cache.
 const BLOCK_NUMBERS: usize = 1 << 14;
-/// Blocks that each thread formats before they are written.
-const BLOCKS_OF_A_THREAD: usize = 2;
 
 /// One column of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,7 +150,7 @@ fn write_header<S: AsRef<str>>(
     Ok(())
 }
 
-/// Formats blocks of rows in parallel and writes them in order, some while the next are formatted.
+/// Formats blocks of rows in parallel and writes them in order.
 fn write_blocks(
     out: &mut (dyn Write + Send),
     rows: &Range<usize>,
@@ -161,23 +158,10 @@ fn write_blocks(
     write_block: impl Fn(Range<usize>, &mut Vec<u8>) + Sync,
 ) -> io::Result<()> {
     let block_rows = (BLOCK_NUMBERS / width).max(1);
-    let at_once = BLOCKS_OF_A_THREAD * rayon::current_num_threads();
-    let (mut ready, mut next) = (vec![Vec::new(); at_once], vec![Vec::new(); at_once]);
-    for start in rows.clone().step_by(block_rows * at_once) {
-        let format = |(block, text): (usize, &mut Vec<u8>)| {
-            text.clear();
-            let first = start + block * block_rows;
-            let block = first.min(rows.end)..(first + block_rows).min(rows.end);
-            if !block.is_empty() {
-                write_block(block, text);
-            }
-        };
-        let write = || ready.iter().try_for_each(|text| out.write_all(text));
-        let (written, ()) = rayon::join(write, || next.par_iter_mut().enumerate().for_each(format));
-        written?;
-        std::mem::swap(&mut ready, &mut next);
-    }
-    ready.iter().try_for_each(|text| out.write_all(text))
+    write_in_turn(out, rows.len().div_ceil(block_rows), |block, text| {
+        let first = rows.start + block * block_rows;
+        write_block(first..rows.end.min(first + block_rows), text);
+    })
 }
 
 #[cfg(test)]
@@ -221,7 +205,7 @@ mod tests {
 
     #[test]
     fn the_bytes_do_not_depend_on_the_number_of_threads() {
-        let len = 3 * BLOCK_NUMBERS * BLOCKS_OF_A_THREAD / 2 + 7;
+        let len = 9 * BLOCK_NUMBERS / 2 + 7;
         let values: Vec<f64> = (0..len).map(|k| (0.37 * k as f64).sin()).collect();
         let grid = TimeGrid { len, ..GRID };
         let table = |threads| {

@@ -14,6 +14,7 @@ mod golden;
 mod header;
 mod histories;
 mod hub_csv;
+mod in_turn;
 mod input;
 mod link_record;
 mod modes_tables;

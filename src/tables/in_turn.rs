@@ -1,0 +1,146 @@
+//! Texts that are made in parallel and written in order.
+
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// Whose turn it is to write, and how it went so far.
+struct Turn<'a> {
+    block: usize,
+    out: &'a mut (dyn Write + Send),
+    written: io::Result<()>,
+}
+
+/// Blocks that threads take one after the other, make, and write when it is their turn: a text goes
+/// out from the cache of the processor that made it, and each thread holds no more than one.
+struct Blocks<'a> {
+    next: AtomicUsize,
+    turn: Mutex<Turn<'a>>,
+    moved: Condvar,
+}
+
+/// Writes the texts of `blocks` blocks, each made by `make`, in their order; `make` appends the text
+/// of a block to what it is given, which is empty.
+///
+/// # Errors
+/// Those of `out`.
+pub(super) fn write_in_turn(
+    out: &mut (dyn Write + Send),
+    blocks: usize,
+    make: impl Fn(usize, &mut Vec<u8>) + Sync,
+) -> io::Result<()> {
+    let turn = Mutex::new(Turn { block: 0, out, written: Ok(()) });
+    let queue = Blocks { next: AtomicUsize::new(0), turn, moved: Condvar::new() };
+    let work = || {
+        let mut text = Vec::new();
+        let _leaving = Leaving(&queue);
+        loop {
+            let block = queue.next.fetch_add(1, Ordering::Relaxed);
+            if block >= blocks {
+                break;
+            }
+            text.clear();
+            make(block, &mut text);
+            if !queue.write(block, &text) {
+                break;
+            }
+        }
+    };
+    // A thread that is busy elsewhere is not waited for: others find its share done.
+    let threads = rayon::current_num_threads().min(blocks);
+    rayon::scope(|scope| (0..threads).for_each(|_| scope.spawn(|_| work())));
+    queue.turn.into_inner().unwrap_or_else(PoisonError::into_inner).written
+}
+
+impl<'a> Blocks<'a> {
+    /// Writes a block when all before it are written; whether there is sense in going on.
+    fn write(&self, block: usize, text: &[u8]) -> bool {
+        let waits = |turn: &mut Turn| turn.block != block && turn.written.is_ok();
+        let turn = self.moved.wait_while(self.lock(), waits);
+        let mut turn = turn.unwrap_or_else(PoisonError::into_inner);
+        if turn.written.is_ok() {
+            turn.written = turn.out.write_all(text);
+            turn.block += 1;
+        }
+        self.moved.notify_all();
+        turn.written.is_ok()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Turn<'a>> {
+        self.turn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Sends everyone home where a thread panics before its turn, which would never come.
+struct Leaving<'a, 'b>(&'a Blocks<'b>);
+
+impl Drop for Leaving<'_, '_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.lock().written = Err(io::Error::other("a text could not be made"));
+            self.0.moved.notify_all();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+    }
+
+    /// Blocks of uneven work.
+    fn text(block: usize, out: &mut Vec<u8>) {
+        let busy: f64 = (0..block % 7 * 500).map(|k| k as f64).sum();
+        out.extend(format!("{block}:{busy};").as_bytes());
+    }
+
+    #[test]
+    fn texts_stand_in_order_on_any_number_of_threads() {
+        let mut expected = vec![];
+        (0..300).for_each(|block| text(block, &mut expected));
+        for threads in [1, 2, 7] {
+            let mut out = vec![];
+            on_threads(threads, || write_in_turn(&mut out, 300, text)).unwrap();
+            assert!(out == expected, "{threads} threads");
+        }
+        let mut out = vec![];
+        write_in_turn(&mut out, 0, text).unwrap();
+        assert!(out.is_empty());
+    }
+
+    struct Full(usize);
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0 = self.0.checked_sub(1).ok_or(io::ErrorKind::StorageFull)?;
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn an_error_ends_the_work_and_is_told() {
+        let made = AtomicUsize::new(0);
+        let make = |block: usize, out: &mut Vec<u8>| {
+            made.fetch_add(1, Ordering::Relaxed);
+            text(block, out);
+        };
+        let written = on_threads(3, || write_in_turn(&mut Full(5), 100_000, make));
+        assert_eq!(written.unwrap_err().kind(), io::ErrorKind::StorageFull);
+        assert!(made.into_inner() < 100);
+    }
+
+    #[test]
+    #[should_panic(expected = "block 4")]
+    fn a_panic_is_passed_on_and_leaves_no_one_waiting() {
+        let make = |block: usize, _: &mut Vec<u8>| assert_ne!(block, 4, "block {block}");
+        let mut out = vec![];
+        let _ = on_threads(3, || write_in_turn(&mut out, 50, make));
+    }
+}
