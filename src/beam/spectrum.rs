@@ -48,12 +48,8 @@ pub fn nodal_transfers(
     let nodal = Nodal { mesh, lambdas, nodes, quantity, rows };
     for column in Arch::new().dispatch(nodal) {
         let transfer = pivoted_transfer(mesh, lambdas[column]);
-        let values = match quantity {
-            NodalQuantity::Deflection => transfer.lags_s2,
-            NodalQuantity::Moment => transfer.moments_kg_m,
-        };
         for (row, node) in rows.iter_mut().zip(nodes) {
-            row[column] = values[*node];
+            row[column] = transfer.values(quantity)[*node];
         }
     }
 }

@@ -22,6 +22,16 @@ pub struct NodalTransfer {
     pub moments_kg_m: Vec<Complex64>,
 }
 
+impl NodalTransfer {
+    /// Those of a quantity, at nodes 0 … n.
+    pub fn values(&self, quantity: NodalQuantity) -> &[Complex64] {
+        match quantity {
+            NodalQuantity::Deflection => &self.lags_s2,
+            NodalQuantity::Moment => &self.moments_kg_m,
+        }
+    }
+}
+
 /// A quantity at the nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NodalQuantity {

@@ -158,13 +158,9 @@ impl Dynamics {
             return nodal_transfers(&self.mesh, &lambdas, nodes, quantity, rows);
         };
         for (column, omega) in omegas_rad_s.iter().enumerate() {
-            let NodalTransfer { lags_s2, moments_kg_m, .. } = modes.nodal_transfer(self, *omega);
-            let values = match quantity {
-                NodalQuantity::Deflection => lags_s2,
-                NodalQuantity::Moment => moments_kg_m,
-            };
+            let transfer = modes.nodal_transfer(self, *omega);
             for (row, node) in rows.iter_mut().zip(nodes) {
-                row[column] = values[*node];
+                row[column] = transfer.values(quantity)[*node];
             }
         }
     }

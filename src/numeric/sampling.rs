@@ -29,8 +29,6 @@ pub(crate) struct Room {
 pub(crate) struct Sampling {
     transform: FourierPair,
     upsampler: Option<Upsampler>,
-    /// Samples of a period.
-    period: usize,
     /// Sample of the period that row 0 is.
     first: usize,
     every: usize,
@@ -40,12 +38,11 @@ impl Sampling {
     /// Every `every`-th sample from `first` on of signals with amplitudes from zero frequency on,
     /// `bins` of them; `transform` is that of the whole period.
     pub(crate) fn new(transform: &FourierPair, bins: usize, first: usize, every: usize) -> Self {
-        let period = transform.len();
-        let upsampler = Upsampler::plan(period, bins);
+        let upsampler = Upsampler::plan(transform.len(), bins);
         let transform = upsampler
             .as_ref()
             .map_or_else(|| transform.clone(), |upsampler| FourierPair::new(upsampler.coarse()));
-        Self { transform, upsampler, period, first, every }
+        Self { transform, upsampler, first, every }
     }
 
     /// Samples of each signal that are held for some rows.
@@ -112,7 +109,7 @@ impl Sampling {
     ) {
         let len = self.transform.len();
         let place = |k: usize| match self.upsampler {
-            None => self.sample_of(k) % self.period,
+            None => self.sample_of(k) % len,
             Some(_) => (k + len - TAPS_BEFORE) % len,
         };
         for (k, held) in self.span(rows).zip(held) {

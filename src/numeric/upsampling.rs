@@ -28,7 +28,7 @@ const MOST_PHASES: usize = 512;
 /// x(t) = Σ_j x_j sinc(t − j) I₀(β√(1 − (2(t − j)/TAPS)²))/I₀(β)        t in coarse steps
 /// ```
 ///
-/// (F. J. Kaiser, *Nonrecursive digital filter design using the I₀-sinh window function*, 1974.)
+/// (J. F. Kaiser, *Nonrecursive digital filter design using the I₀-sinh window function*, 1974.)
 #[derive(Debug, Clone)]
 pub(super) struct Upsampler {
     coarse: usize,
