@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use rayon::ThreadPoolBuilder;
@@ -13,13 +14,16 @@ use rayon::ThreadPoolBuilder;
 /// `stop` turns true, or `take` fails, the cases that were begun are finished and no other is
 /// begun: what was handed over has no gap.
 ///
+/// The threads that work hand over, too, one at a time: none sleeps until there is something to
+/// hand over.
+///
 /// # Errors
 /// The first of `take`.
-pub fn in_order<T: Send, E>(
+pub fn in_order<T: Send, E: Send>(
     cases: Range<usize>,
     stop: &AtomicBool,
     work: impl Fn(usize) -> T + Sync,
-    mut take: impl FnMut(usize, T) -> Result<(), E>,
+    take: impl FnMut(usize, T) -> Result<(), E> + Send,
 ) -> Result<(), E> {
     let threads = rayon::current_num_threads();
     let workers = threads.min(cases.len());
@@ -28,44 +32,64 @@ pub fn in_order<T: Send, E>(
     }
     let next = AtomicUsize::new(cases.start);
     let failed = AtomicBool::new(false);
-    let (sender, receiver) = mpsc::channel();
-    let (next, failed, work) = (&next, &failed, &work);
-    thread::scope(|scope| {
-        for _ in 0..workers {
-            let (sender, end) = (sender.clone(), cases.end);
-            scope.spawn(move || {
-                // Work that is parallel in itself finds only these threads. Without them (the
-                // system has no more) it shares those of the whole program.
-                let _own = ThreadPoolBuilder::new()
-                    .num_threads(threads / workers)
-                    .use_current_thread()
-                    .build();
-                while !stop.load(Ordering::Relaxed) && !failed.load(Ordering::Relaxed) {
-                    let case = next.fetch_add(1, Ordering::Relaxed);
-                    if case >= end {
-                        break;
-                    }
-                    if sender.send((case, work(case))).is_err() {
-                        break;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        let mut waiting = BTreeMap::new();
-        let mut expected = cases.start;
-        for (case, done) in receiver {
-            waiting.insert(case, done);
-            while let Some(done) = waiting.remove(&expected) {
-                if let Err(error) = take(expected, done) {
-                    failed.store(true, Ordering::Relaxed);
-                    return Err(error);
-                }
-                expected += 1;
+    let done = Done { waiting: BTreeMap::new(), due: cases.start, take: Some(take) };
+    let done = Mutex::new(done);
+    let worker = || {
+        // Work that is parallel in itself finds only these threads. Without them (the system has no
+        // more) it shares those of the whole program.
+        let _own =
+            ThreadPoolBuilder::new().num_threads(threads / workers).use_current_thread().build();
+        while !stop.load(Ordering::Relaxed) && !failed.load(Ordering::Relaxed) {
+            let case = next.fetch_add(1, Ordering::Relaxed);
+            if case >= cases.end {
+                break;
             }
+            hand_over(&done, case, work(case))
+                .inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
         }
         Ok(())
+    };
+    thread::scope(|scope| {
+        let begun: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
+        let ended = begun.into_iter().map(|one| one.join().unwrap_or_else(|it| resume_unwind(it)));
+        // The last thread is waited for, whichever failed.
+        ended.fold(Ok(()), Result::and)
     })
+}
+
+/// What the threads have done and not handed over yet.
+struct Done<T, F> {
+    waiting: BTreeMap<usize, T>,
+    /// The case to hand over next.
+    due: usize,
+    /// Where to; away while a thread hands over, and for good when that fails.
+    take: Option<F>,
+}
+
+/// Hands over a case and all that waited for it, unless one before it is not done or another thread
+/// is handing over, which then finds this one.
+fn hand_over<T, E>(
+    done: &Mutex<Done<T, impl FnMut(usize, T) -> Result<(), E>>>,
+    case: usize,
+    found: T,
+) -> Result<(), E> {
+    let mut now = locked(done);
+    now.waiting.insert(case, found);
+    let Some(mut take) = now.take.take() else { return Ok(()) };
+    loop {
+        let due = now.due;
+        let Some(found) = now.waiting.remove(&due) else { break };
+        drop(now);
+        take(due, found)?;
+        now = locked(done);
+        now.due += 1;
+    }
+    now.take = Some(take);
+    Ok(())
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]
