@@ -24,7 +24,7 @@ use super::dynamics::KeptModes;
 use super::error::InversionError;
 use super::spectra::Forcing;
 use crate::modal::carries_rotary_inertia;
-use crate::numeric::{Scalar, largest};
+use crate::numeric::{Scalar, cubic, largest, scale_by_cubics, whole};
 
 /// Intervals that the first cubics span.
 const FEWEST_INTERVALS: usize = 31;
@@ -47,7 +47,8 @@ pub(super) fn change_n_m(
         return Ok(samples);
     }
     let finer = to.hub_spectra()?.torque_n_m;
-    Ok(pair.samples(finer.iter().zip(torque_n_m).map(|(to, from)| to - from).collect()))
+    let change: Vec<_> = finer.iter().zip(torque_n_m).map(|(to, from)| to - from).collect();
+    Ok(pair.samples(change))
 }
 
 /// The change from few of the bins; none where these do not suffice.
@@ -62,12 +63,11 @@ fn interpolated_change_n_m(from: Forcing<'_>, to: Forcing<'_>, bins: usize) -> O
     }
     let mut change = SampledChange::new(from, to);
     while pays(change.intervals()) {
-        let Interpolated { amplitudes_n_m, bound_n_m } = change.doubled();
-        // No change is larger than the sum of its amplitudes, which is faster found.
-        let sum: f64 = amplitudes_n_m.iter().map(|d| 2.0 * d.size()).sum();
-        if bound_n_m <= WRONG * sum {
-            let samples = to.spectrum.pair.samples(amplitudes_n_m);
-            if bound_n_m <= WRONG * largest(&samples) {
+        let Bound { wrong_n_m, change_n_m } = change.doubled();
+        // No change is larger than its amplitudes add up to, which is faster found.
+        if wrong_n_m <= WRONG * change_n_m {
+            let samples = to.spectrum.pair.samples(change.amplitudes_n_m());
+            if wrong_n_m <= WRONG * largest(&samples) {
                 return Some(samples);
             }
         }
@@ -81,22 +81,29 @@ struct SampledChange<'a> {
     from: Forcing<'a>,
     to: Forcing<'a>,
     last_rad_s: f64,
+    /// Where each bin stands: √ω in √(rad/s).
+    roots: Vec<f64>,
+    /// Acceleration that the mass feels at each bin, in m/s².
+    felt_m_s2: Vec<Complex64>,
     samples_kg_m: Vec<Complex64>,
 }
 
-/// Amplitudes of the change of torque, and how far those from half as many samples may be off at
-/// any time.
-struct Interpolated {
-    amplitudes_n_m: Vec<Complex64>,
-    bound_n_m: f64,
+/// What amplitudes add up to over the band, each taken from the solved frequency nearest to it.
+struct Bound {
+    /// How far the change from half as many samples may be off at any time.
+    wrong_n_m: f64,
+    /// The change itself.
+    change_n_m: f64,
 }
 
 impl<'a> SampledChange<'a> {
     fn new(from: Forcing<'a>, to: Forcing<'a>) -> Self {
         let omegas = to.omegas_rad_s();
         let last_rad_s = omegas[omegas.len() - 1];
-        let mut change = Self { from, to, last_rad_s, samples_kg_m: vec![] };
-        change.samples_kg_m = change.solved((0..=FEWEST_INTERVALS).collect(), FEWEST_INTERVALS);
+        let roots = omegas.iter().map(|omega| omega.sqrt()).collect();
+        let felt_m_s2 = (0..omegas.len()).map(|bin| to.felt_acceleration(bin)).collect();
+        let mut change = Self { from, to, last_rad_s, roots, felt_m_s2, samples_kg_m: vec![] };
+        change.samples_kg_m = change.solved(0..=FEWEST_INTERVALS, FEWEST_INTERVALS);
         change
     }
 
@@ -105,62 +112,53 @@ impl<'a> SampledChange<'a> {
     }
 
     /// The change at samples of these numbers, where there are so many intervals.
-    fn solved(&self, numbers: Vec<usize>, intervals: usize) -> Vec<Complex64> {
+    fn solved(&self, numbers: impl Iterator<Item = usize>, intervals: usize) -> Vec<Complex64> {
         let omega = |number: usize| {
             let root = number as f64 / intervals as f64;
             self.last_rad_s * (root * root)
         };
-        let omegas: Vec<f64> = numbers.into_iter().map(omega).collect();
+        let omegas: Vec<f64> = numbers.map(omega).collect();
         let from = self.from.apparent_inertias_kg_m(&omegas);
         let to = self.to.apparent_inertias_kg_m(&omegas);
         to.iter().zip(&from).map(|(to, from)| to - from).collect()
     }
 
-    /// Solves for twice as many samples and interpolates between them.
-    fn doubled(&mut self) -> Interpolated {
+    /// Solves for twice as many samples, and tells how far off the interpolation between those
+    /// before was.
+    fn doubled(&mut self) -> Bound {
         let (before, intervals) = (&self.samples_kg_m, 2 * self.intervals());
-        let between = self.solved((1..intervals).step_by(2).collect(), intervals);
-        let mut wrong = Vec::with_capacity(between.len());
+        let between = self.solved((1..intervals).step_by(2), intervals);
         let mut samples = Vec::with_capacity(intervals + 1);
-        for (k, solved) in between.iter().enumerate() {
-            wrong.push((*solved - cubic(before, k as f64 + 0.5)).size());
-            samples.extend([before[k], *solved]);
+        let mut bound = Bound { wrong_n_m: 0.0, change_n_m: 0.0 };
+        let places = self.places(before.len() - 1);
+        let mut felt = self.felt_m_s2.iter();
+        // Of the bins between two samples the one between these is the nearest.
+        for near in places.chunk_by(|a, b| whole(*a) == whole(*b)) {
+            let k = whole(near[0]).min(between.len() - 1);
+            let sum: f64 = felt.by_ref().take(near.len()).map(|felt| 2.0 * felt.size()).sum();
+            bound.wrong_n_m += sum * (between[k] - cubic(before, k as f64 + 0.5)).size();
+            bound.change_n_m += sum * between[k].size();
+        }
+        for (before, between) in before.iter().zip(&between) {
+            samples.extend([before, between]);
         }
         samples.extend(before.last());
         self.samples_kg_m = samples;
-        self.interpolated(&wrong)
+        bound
     }
 
-    /// The change at all bins; `wrong` tells of every other sample how far off the interpolation
-    /// between its neighbours was.
-    fn interpolated(&self, wrong: &[f64]) -> Interpolated {
-        let per_root = self.intervals() as f64 / self.last_rad_s.sqrt();
-        let mut bound_n_m = 0.0;
-        let amplitude = |(bin, omega): (usize, &f64)| {
-            let place = omega.sqrt() * per_root;
-            let felt = self.to.felt_acceleration(bin);
-            bound_n_m += 2.0 * felt.size() * wrong[(whole(place) / 2).min(wrong.len() - 1)];
-            felt * cubic(&self.samples_kg_m, place)
-        };
-        let amplitudes_n_m = self.to.omegas_rad_s().iter().enumerate().map(amplitude).collect();
-        Interpolated { amplitudes_n_m, bound_n_m }
+    /// The places of all bins among the samples of so many intervals.
+    fn places(&self, intervals: usize) -> Vec<f64> {
+        let per_root = intervals as f64 / self.last_rad_s.sqrt();
+        self.roots.iter().map(|root| root * per_root).collect()
     }
-}
 
-/// The cubic through the four samples around a place, which is counted in samples.
-fn cubic(samples: &[Complex64], place: f64) -> Complex64 {
-    let first = whole(place).saturating_sub(1).min(samples.len() - 4);
-    let around = &samples[first..first + 4];
-    let t = place - first as f64;
-    let (t1, t2, t3) = (t - 1.0, t - 2.0, t - 3.0);
-    let outer = around[0] * (t2 * t3 * t1 * (-1.0 / 6.0)) + around[3] * (t * t1 * t2 * (1.0 / 6.0));
-    let inner = around[1] * (t * t2 * t3 * 0.5) + around[2] * (t * t1 * t3 * -0.5);
-    outer + inner
-}
-
-/// The sample at or before a place.
-fn whole(place: f64) -> usize {
-    place as usize
+    /// The change at all bins.
+    fn amplitudes_n_m(&self) -> Vec<Complex64> {
+        let mut amplitudes = self.felt_m_s2.clone();
+        scale_by_cubics(&self.samples_kg_m, &self.places(self.intervals()), &mut amplitudes);
+        amplitudes
+    }
 }
 
 #[cfg(test)]
@@ -208,7 +206,7 @@ mod tests {
         let found = change_n_m(from, to, &torque).unwrap();
         let interpolated = interpolated_change_n_m(from, to, torque.len());
         let finer = to.hub_spectra().unwrap().torque_n_m;
-        let exact = finer.iter().zip(&torque).map(|(to, from)| to - from).collect();
+        let exact: Vec<_> = finer.iter().zip(&torque).map(|(to, from)| to - from).collect();
         Changes { found, interpolated, exact: spectrum.pair.samples(exact) }
     }
 
@@ -229,15 +227,6 @@ mod tests {
                 assert!(wrong < 1e-3, "{damping:?}, {payload:?}: {wrong:e}");
                 assert_eq!(interpolated.is_some(), suffices, "{damping:?}, {payload:?}");
             }
-        }
-    }
-
-    #[test]
-    fn a_cubic_is_interpolated_as_it_is() {
-        let value = |t: f64| Complex64::new(t * t * t - 2.0 * t, 3.0 - t * t);
-        let samples: Vec<Complex64> = (0..7).map(|k| value(f64::from(k))).collect();
-        for place in [0.0, 0.3, 1.0, 2.7, 5.5, 6.0] {
-            assert!((cubic(&samples, place) - value(place)).norm() < 1e-13, "at {place}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Mathematics that knows no beam: time grids, Fourier pairs, roots, eigenvalues, splines, units.
 
 mod complex_lanes;
+mod cubic;
 mod eigen;
 mod fft;
 mod fourier;
@@ -20,6 +21,7 @@ mod upsampling;
 mod wide;
 
 pub(crate) use complex_lanes::{ComplexLanes, LambdaLanes};
+pub(crate) use cubic::{cubic, scale_by_cubics, whole};
 pub(crate) use eigen::SymmetricEigen;
 pub use fft::Scratch;
 pub use fourier::{FourierPair, angular_frequency, fast_length};
