@@ -20,13 +20,13 @@ use crate::numeric::{ComplexLanes, LambdaLanes, RealLanes};
 ///
 /// [`tip_transfer`]: super::tip_transfer
 pub fn tip_transfers(mesh: &Mesh, lambdas: &[Complex64]) -> Vec<TipTransfer> {
-    let mut transfers = Arch::new().dispatch(Tip { mesh, lambdas });
-    for (transfer, lambda) in transfers.iter_mut().zip(lambdas) {
-        if !is_trusted(transfer.1) {
-            transfer.0 = pivoted_transfer(mesh, *lambda).tip;
+    let Untested { mut transfers, gains } = Arch::new().dispatch(Tip { mesh, lambdas });
+    for ((transfer, gain), lambda) in transfers.iter_mut().zip(gains).zip(lambdas) {
+        if !is_trusted(gain) {
+            *transfer = pivoted_transfer(mesh, *lambda).tip;
         }
     }
-    transfers.into_iter().map(|(transfer, _)| transfer).collect()
+    transfers
 }
 
 /// Transfers from the tip to some nodes, a row for each of `nodes`, in it a value for each λ:
@@ -59,9 +59,14 @@ struct Tip<'a> {
     lambdas: &'a [Complex64],
 }
 
+/// Transfers by the recursion alone, and the largest gain of each.
+struct Untested {
+    transfers: Vec<TipTransfer>,
+    gains: Vec<f64>,
+}
+
 impl WithSimd for Tip<'_> {
-    /// With the largest gain.
-    type Output = Vec<(TipTransfer, f64)>;
+    type Output = Untested;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
@@ -71,8 +76,8 @@ impl WithSimd for Tip<'_> {
         }
         let mut found = untested_transfers::<S, ComplexLanes<S>>(simd, mesh, lambdas);
         // A real λ among others has the bits that it has alone.
-        for (found, lambda) in found.iter_mut().zip(lambdas).filter(|(_, z)| is_real(**z)) {
-            *found = untested_tip_transfer(mesh, *lambda);
+        for (k, lambda) in lambdas.iter().enumerate().filter(|(_, z)| is_real(**z)) {
+            (found.transfers[k], found.gains[k]) = untested_tip_transfer(mesh, *lambda);
         }
         found
     }
@@ -83,8 +88,9 @@ fn untested_transfers<S: Simd, L: LambdaLanes<S>>(
     simd: S,
     mesh: &Mesh,
     lambdas: &[Complex64],
-) -> Vec<(TipTransfer, f64)> {
-    let mut found = Vec::with_capacity(lambdas.len());
+) -> Untested {
+    let mut transfers = Vec::with_capacity(lambdas.len());
+    let mut gains = Vec::with_capacity(lambdas.len());
     for lambdas in lambdas.chunks(L::LEN) {
         let lambda = L::load_numbers(simd, lambdas);
         let hub = hub_response(mesh, lambda);
@@ -93,18 +99,15 @@ fn untested_transfers<S: Simd, L: LambdaLanes<S>>(
         let root_inertia_kg_m = tip.root_inertia_kg_m.numbers();
         let angle_rad_m = tip.angle_rad_m.numbers();
         let lag_s2 = tip.lag_s2.numbers();
-        let largest_gain = hub.largest_gain.lanes();
-        for lane in 0..lambdas.len() {
-            let transfer = TipTransfer {
-                inertia_kg_m: inertia_kg_m[lane],
-                root_inertia_kg_m: root_inertia_kg_m[lane],
-                angle_rad_m: angle_rad_m[lane],
-                lag_s2: lag_s2[lane],
-            };
-            found.push((transfer, largest_gain[lane]));
-        }
+        gains.extend_from_slice(&hub.largest_gain.lanes()[..lambdas.len()]);
+        transfers.extend((0..lambdas.len()).map(|lane| TipTransfer {
+            inertia_kg_m: inertia_kg_m[lane],
+            root_inertia_kg_m: root_inertia_kg_m[lane],
+            angle_rad_m: angle_rad_m[lane],
+            lag_s2: lag_s2[lane],
+        }));
     }
-    found
+    Untested { transfers, gains }
 }
 
 struct Nodal<'a, 'b> {
@@ -167,11 +170,12 @@ mod tests {
     fn every_tip_transfer_of_many_has_the_bits_of_the_one_alone() {
         let (mesh, lambdas) = (mesh(10), lambdas());
         let narrow = Tip { mesh: &mesh, lambdas: &lambdas }.with_simd(pulp::Scalar);
-        let lost = narrow.iter().filter(|(_, gain)| !is_trusted(*gain)).count();
+        let lost = narrow.gains.iter().filter(|gain| !is_trusted(**gain)).count();
         assert!(lost > 0, "no resonance of the outboard part was met: {lost}");
         for block in [1, 7, 64, lambdas.len()] {
             let wide = lambdas.chunks(block).flat_map(|lambdas| tip_transfers(&mesh, lambdas));
-            for ((lambda, wide), (narrow, gain)) in lambdas.iter().zip(wide).zip(&narrow) {
+            let narrow = narrow.transfers.iter().zip(&narrow.gains);
+            for ((lambda, wide), (narrow, gain)) in lambdas.iter().zip(wide).zip(narrow) {
                 let alone = tip_bits(&tip_transfer(&mesh, *lambda));
                 assert_eq!(tip_bits(&wide), alone, "λ = {lambda} in blocks of {block}");
                 assert!(!is_trusted(*gain) || tip_bits(narrow) == alone, "λ = {lambda}");

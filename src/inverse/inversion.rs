@@ -118,7 +118,7 @@ impl Problem<'_> {
         period: Arc<TipPeriod>,
     ) -> Result<PeriodicAnswer, InversionError> {
         let hub = self.forcing(dynamics, &period).hub_spectra()?;
-        let torque_n_m = period.spectrum.pair.samples(hub.torque_n_m.clone());
+        let torque_n_m = period.spectrum.pair.samples(&hub.torque_n_m);
         Ok(PeriodicAnswer { period, hub, torque_n_m })
     }
 
@@ -197,7 +197,7 @@ impl Problem<'_> {
             hub_angle_rad,
             hub_rate_rad_s,
             rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v / length_m).collect(),
-            root_moment_n_m: cut(&spectrum.pair.samples(answer.hub.root_moment_n_m.clone()), &grid),
+            root_moment_n_m: cut(&spectrum.pair.samples(&answer.hub.root_moment_n_m), &grid),
             tip,
             moving: (on_grid(moving.0), on_grid(moving.1)),
             first_zero_per_s,

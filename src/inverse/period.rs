@@ -87,9 +87,19 @@ pub(super) struct PeriodicTorque<'a> {
 }
 
 impl PeriodicTorque<'_> {
-    /// Torque at sample `k` of the trajectory's own numbering, negative before it.
-    fn at(&self, k: i64) -> f64 {
-        self.samples[k.rem_euclid(self.samples.len() as i64) as usize]
+    /// Torque from sample `from` of the trajectory's own numbering, negative before it, to before
+    /// sample `to`, at most a period later: in two parts, where the samples go over their end.
+    fn stretch(&self, from: i64, to: i64) -> [&[f64]; 2] {
+        let len = self.samples.len();
+        let first = from.rem_euclid(len as i64) as usize;
+        let end = first + (to - from).max(0) as usize;
+        [&self.samples[first..end.min(len)], &self.samples[..end.saturating_sub(len)]]
+    }
+
+    /// Largest torque of a [`Self::stretch`].
+    fn largest(&self, from: i64, to: i64) -> f64 {
+        let [a, b] = self.stretch(from, to);
+        largest(a).max(largest(b))
     }
 
     /// First and last sample of the period in the trajectory's numbering.
@@ -106,7 +116,7 @@ impl PeriodicTorque<'_> {
     pub(super) fn at_seam(&self) -> f64 {
         let reach = (self.samples.len() / 64).max(2) as i64;
         let seam = self.before as i64;
-        (seam - reach..seam + reach).fold(0.0, |m, k| m.max(self.at(k).abs()))
+        self.largest(seam - reach, seam + reach)
     }
 
     /// The part of the period to write: the trajectory's samples, and before and after them as
@@ -114,21 +124,24 @@ impl PeriodicTorque<'_> {
     pub(super) fn window(&self, len: usize, step_s: f64, analysis: &Analysis, peak: f64) -> Window {
         let (begin, end) = self.ends();
         let last = len as i64 - 1;
-        let acts = |k: &i64| self.at(*k).abs() > analysis.tolerance() * peak;
-        let start = match analysis.lead_s() {
-            Some(lead_s) => -(steps(lead_s, step_s) as i64),
-            None => (begin..0).find(acts).map_or(0, |k| k - 1),
+        let acts = |torque: &f64| torque.abs() > analysis.tolerance() * peak;
+        let before_it_acts = || {
+            let mut early = self.stretch(begin, 0).into_iter().flatten();
+            early.position(acts).map_or(0, |k| begin + k as i64 - 1)
         };
-        let stop = match analysis.lag_s() {
-            Some(lag_s) => last + steps(lag_s, step_s) as i64,
-            None => (last + 1..=end).rev().find(acts).map_or(last, |k| k + 1),
+        let after_it_acts = || {
+            let mut late = self.stretch(last + 1, end + 1).into_iter().flatten().rev();
+            late.position(acts).map_or(last, |k| end - k as i64 + 1)
         };
+        let asked = |time_s: f64| steps(time_s, step_s) as i64;
+        let start = analysis.lead_s().map_or_else(before_it_acts, |lead_s| -asked(lead_s));
+        let stop = analysis.lag_s().map_or_else(after_it_acts, |lag_s| last + asked(lag_s));
         Window { start: start.max(begin), stop: stop.min(end) }
     }
 
     /// Largest torque outside the window.
     pub(super) fn outside(&self, window: &Window) -> f64 {
         let (begin, end) = self.ends();
-        (begin..window.start).chain(window.stop + 1..=end).fold(0.0, |m, k| m.max(self.at(k).abs()))
+        self.largest(begin, window.start).max(self.largest(window.stop + 1, end + 1))
     }
 }

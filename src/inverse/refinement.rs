@@ -35,7 +35,7 @@ pub(super) fn measured_mesh(
     loop {
         let forcing = Forcing { dynamics: &dynamics, friction_n_m_s_rad, spectrum };
         let hub = forcing.hub_spectra()?;
-        let torque_n_m = spectrum.pair.samples(hub.torque_n_m.clone());
+        let torque_n_m = spectrum.pair.samples(&hub.torque_n_m);
         let finer = dynamics.refined()?;
         let on_finer = Forcing { dynamics: &finer, ..forcing };
         let change = change_n_m(forcing, on_finer, &hub.torque_n_m)?;

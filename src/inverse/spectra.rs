@@ -7,8 +7,11 @@ use crate::beam::{NodalQuantity, TipTransfer};
 use crate::motion::TipSpectrum;
 use crate::numeric::Scalar;
 
-/// Frequencies that a thread solves for at a time; no bit depends on it.
+/// Frequencies that a thread solves for at a time where there are others; no bit depends on it.
 const BLOCK: usize = 64;
+
+/// The same of the only thread.
+const BLOCK_ALONE: usize = 512;
 
 /// What a motion asks of a link, as far as the spectrum goes.
 #[derive(Clone, Copy)]
@@ -37,9 +40,17 @@ struct HubTransfer {
     excess_rad_s2_m: Complex64,
 }
 
+fn block_len() -> usize {
+    if is_alone() { BLOCK_ALONE } else { BLOCK }
+}
+
 /// Fewest blocks that a thread takes: all of them where there is no other to share them with.
 fn fewest_blocks() -> usize {
-    if rayon::current_num_threads() == 1 { usize::MAX } else { 1 }
+    if is_alone() { usize::MAX } else { 1 }
+}
+
+fn is_alone() -> bool {
+    rayon::current_num_threads() == 1
 }
 
 impl Forcing<'_> {
@@ -69,21 +80,22 @@ impl Forcing<'_> {
         let zeros = || vec![Complex64::ZERO; omegas.len()];
         let [mut torque_n_m, mut excess_angle_rad, mut root_moment_n_m] =
             [zeros(), zeros(), zeros()];
+        let block_len = block_len();
         let rows = torque_n_m
-            .par_chunks_mut(BLOCK)
-            .zip(excess_angle_rad.par_chunks_mut(BLOCK))
-            .zip(root_moment_n_m.par_chunks_mut(BLOCK));
-        let blocks = omegas.par_chunks(BLOCK).zip(rows).enumerate();
+            .par_chunks_mut(block_len)
+            .zip(excess_angle_rad.par_chunks_mut(block_len))
+            .zip(root_moment_n_m.par_chunks_mut(block_len));
+        let blocks = omegas.par_chunks(block_len).zip(rows).enumerate();
+        let rigid_friction = self.friction_n_m_s_rad / self.dynamics.mesh().length_m();
+        let hub_transfer = self.hub_transfer();
         blocks.with_min_len(fewest_blocks()).for_each(
             |(block, (omegas, ((torque, excess), root)))| {
-                let rigid_friction = self.friction_n_m_s_rad / self.dynamics.mesh().length_m();
                 let transfers = self.dynamics.tip_transfers(omegas);
+                let velocities = &self.spectrum.velocity_m_s[block * block_len..];
                 for (k, (omega, tip)) in omegas.iter().zip(&transfers).enumerate() {
-                    let bin = block * BLOCK + k;
-                    let felt = self.felt_acceleration(bin);
-                    let hub = self.hub_transfer(*omega, tip);
-                    let friction = self.spectrum.velocity_m_s[bin] * rigid_friction;
-                    torque[k] = hub.inertia_kg_m * felt + friction;
+                    let felt = self.felt_acceleration(block * block_len + k);
+                    let hub = hub_transfer(*omega, tip);
+                    torque[k] = hub.inertia_kg_m * felt + velocities[k] * rigid_friction;
                     excess[k] = hub.excess_rad_s2_m * felt;
                     root[k] = tip.root_inertia_kg_m * felt;
                 }
@@ -99,24 +111,30 @@ impl Forcing<'_> {
         }
     }
 
-    fn hub_transfer(&self, omega: f64, tip: &TipTransfer) -> HubTransfer {
+    /// What a transfer to the tip at ω means at the hub.
+    fn hub_transfer(&self) -> impl Fn(f64, &TipTransfer) -> HubTransfer {
         let law = self.dynamics.law();
         let per_length = 1.0 / self.dynamics.mesh().length_m();
-        let excess_rad_s2_m = tip.lag_s2 * law.stiffness_factor(omega).reciprocal() * per_length;
-        let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);
-        let inertia_kg_m = tip.inertia_kg_m + rate * self.friction_n_m_s_rad;
-        HubTransfer { inertia_kg_m, excess_rad_s2_m }
+        move |omega, tip| {
+            let excess_rad_s2_m =
+                tip.lag_s2 * law.stiffness_factor(omega).reciprocal() * per_length;
+            let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);
+            let inertia_kg_m = tip.inertia_kg_m + rate * self.friction_n_m_s_rad;
+            HubTransfer { inertia_kg_m, excess_rad_s2_m }
+        }
     }
 
     /// Torque per felt acceleration in kg m at many ω ≥ 0, the friction of the rigid link's rate
     /// left out.
     pub(super) fn apparent_inertias_kg_m(&self, omegas_rad_s: &[f64]) -> Vec<Complex64> {
         let mut inertias = vec![Complex64::ZERO; omegas_rad_s.len()];
-        let blocks = inertias.par_chunks_mut(BLOCK).zip(omegas_rad_s.par_chunks(BLOCK));
+        let block_len = block_len();
+        let blocks = inertias.par_chunks_mut(block_len).zip(omegas_rad_s.par_chunks(block_len));
+        let hub_transfer = self.hub_transfer();
         blocks.with_min_len(fewest_blocks()).for_each(|(inertias, omegas)| {
             let transfers = self.dynamics.tip_transfers(omegas);
             for ((inertia, omega), tip) in inertias.iter_mut().zip(omegas).zip(&transfers) {
-                *inertia = self.hub_transfer(*omega, tip).inertia_kg_m;
+                *inertia = hub_transfer(*omega, tip).inertia_kg_m;
             }
         });
         inertias

@@ -127,7 +127,7 @@ impl TipMotion {
     pub fn histories(&self, spectrum: &TipSpectrum) -> TipHistories {
         let (len, given) = (spectrum.pair.len(), self.grid().len);
         let before = spectrum.seam;
-        let velocity_m_s = spectrum.pair.samples(spectrum.velocity_m_s.clone());
+        let velocity_m_s = spectrum.pair.samples(&spectrum.velocity_m_s);
         let (acceleration_m_s2, displacement_m) = match self.source() {
             Source::Acceleration(samples) => {
                 let mut acceleration = samples.clone();
@@ -135,7 +135,7 @@ impl TipMotion {
                 (acceleration, self.integrated_displacement(spectrum, before))
             }
             Source::Displacement { samples, .. } => {
-                let acceleration = spectrum.pair.samples(spectrum.acceleration_m_s2.clone());
+                let acceleration = spectrum.pair.samples(&spectrum.acceleration_m_s2);
                 let mut displacement = samples.clone();
                 displacement.resize(before, samples[given - 1]);
                 displacement.resize(len, samples[0]);

@@ -69,10 +69,9 @@ impl FourierPair {
     ///
     /// # Panics
     /// If there are more than N/2 + 1 amplitudes.
-    #[expect(clippy::needless_pass_by_value, reason = "callers collect what they have no use for")]
-    pub fn samples(&self, amplitudes: Vec<Complex64>) -> Vec<f64> {
+    pub fn samples(&self, amplitudes: impl AsRef<[Complex64]>) -> Vec<f64> {
         let mut samples = vec![0.0; self.len()];
-        self.write_samples(&amplitudes, &mut Scratch::default(), &mut samples);
+        self.write_samples(amplitudes.as_ref(), &mut Scratch::default(), &mut samples);
         samples
     }
 

@@ -36,7 +36,7 @@ impl Simulation {
                 .map(|(mode, tip)| tip * mode.hub_angle / (mode.square * kappa - omega * omega));
             answers.sum::<Complex64>() * torque
         });
-        let bending = pair.samples(bending.collect());
+        let bending = pair.samples(bending.collect::<Vec<_>>());
         let moved = rigid.iter().zip(bending).map(|(q, bent)| q * tips[0] + bent);
         moved.map(|v| self.initial_tip_m + v).collect()
     }

@@ -4,6 +4,9 @@ use crate::numeric::{TimeGrid, largest};
 /// Share of the peak torque that counts as acting: the level of the paper's 0.3 s.
 pub const TIMING_LEVEL: f64 = 0.02;
 
+/// Samples that are compared at a time.
+const PART: usize = 64;
+
 /// Largest absolute value of a history and when it occurs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak {
@@ -80,9 +83,16 @@ impl Metrics {
 }
 
 pub(super) fn peak(samples: &[f64], grid: &TimeGrid) -> Peak {
-    let value = largest(samples);
-    let first = samples.iter().position(|sample| sample.abs() >= value).unwrap_or(0);
-    Peak { value, time_s: grid.time_s(first) }
+    // By and by, so that only the part with the largest is looked through for it.
+    let (mut value, mut first) = (0.0, 0);
+    for (part, samples) in samples.chunks(PART).enumerate() {
+        let here = largest(samples);
+        if here > value {
+            (value, first) = (here, part * PART);
+        }
+    }
+    let within = samples[first..].iter().position(|sample| sample.abs() >= value).unwrap_or(0);
+    Peak { value, time_s: grid.time_s(first + within) }
 }
 
 fn rms(samples: &[f64]) -> f64 {
