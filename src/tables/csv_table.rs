@@ -114,7 +114,8 @@ pub(super) fn write_nodal(
     let names = table.nodes().iter().map(|node| format!("{letter}{node}_{unit}"));
     write_header(out, "time_s", names)?;
     let times = Cells::new(time_format(|k| grid.time_s(k), grid.len()));
-    let cells = Cells::new(digits.for_peak_of(|| table.peak(watch)));
+    let are_one = |found, bound| digits.for_peak(found) == digits.for_peak(bound);
+    let cells = Cells::new(digits.for_peak_of(|| table.peak(watch, are_one)));
     for number in 0..table.blocks() {
         let block = table.block(number, watch);
         watch.begin(Stage::Write, block.rows().len());
