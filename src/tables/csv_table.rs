@@ -82,6 +82,7 @@ pub(super) fn write_timed(
         for row in 0..time.len() {
             all[0].append(text, b'\n', row);
             all[1..].iter().for_each(|cells| cells.append(text, b',', row));
+            reserve_rows(text, row, time.len());
         }
     };
     write_blocks(out, &(0..rows), columns.len() + 1, write_block)?;
@@ -129,6 +130,7 @@ pub(super) fn write_nodal(
                 time.append(text, b'\n', row);
                 let values = cells.of(&values[row * width..][..width], &mut spelled);
                 (0..width).for_each(|column| values.append(text, b',', column));
+                reserve_rows(text, row, rows.len());
             }
             watch.advance(rows.len());
         };
@@ -149,6 +151,14 @@ fn write_header<S: AsRef<str>>(
         out.write_all(name.as_ref().as_bytes())?;
     }
     Ok(())
+}
+
+/// Takes memory for all rows of a block, after the first of them, so that the text does not move
+/// while it grows.
+fn reserve_rows(text: &mut Vec<u8>, row: usize, rows: usize) {
+    if row == 0 {
+        text.reserve(text.len() * rows * 9 / 8);
+    }
 }
 
 /// Formats blocks of rows in parallel and writes them in order.
