@@ -6,7 +6,7 @@ use super::in_turn::write_in_turn;
 use super::number::Digits;
 use super::time_format::time_format;
 use crate::inverse::{NodalTable, Stage, Watch};
-use crate::numeric::ThinnedGrid;
+use crate::numeric::{ThinnedGrid, largest};
 
 /// Numbers formatted by one thread at a time: their text fits its cache.
 const BLOCK_NUMBERS: usize = 1 << 14;
@@ -30,8 +30,7 @@ pub struct ColumnGroup<'a> {
 impl ColumnGroup<'_> {
     /// Largest absolute value of all columns.
     fn peak(&self) -> f64 {
-        let values = self.columns.iter().flat_map(|column| column.values);
-        values.fold(0.0, |peak, value| peak.max(value.abs()))
+        self.columns.iter().map(|column| largest(column.values)).fold(0.0, f64::max)
     }
 }
 
