@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use rayon::ThreadPoolBuilder;
 
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
@@ -157,13 +158,26 @@ pub(crate) struct ThreadArgs {
 }
 
 impl ThreadArgs {
-    /// Prepares the threads; to be called once, before any work.
+    /// Prepares the threads, of which the calling one is the first; to be called once, before any
+    /// work.
     pub(crate) fn apply(&self) -> Result<(), Failure> {
-        let Some(threads) = self.threads else { return Ok(()) };
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(threads))
-            .build_global()
-            .map_err(|error| Failure::new(Exit::NotSolvable, &error, None))
+        self.build(ThreadPoolBuilder::new().use_current_thread())
+    }
+
+    /// Prepares threads for a caller that waits for them and is none of them itself.
+    pub(crate) fn apply_apart(&self) -> Result<(), Failure> {
+        self.build(ThreadPoolBuilder::new())
+    }
+
+    fn build(&self, threads: ThreadPoolBuilder) -> Result<(), Failure> {
+        let number = self.threads.map_or(0, usize::from);
+        match threads.num_threads(number).build_global() {
+            // Those that no one asked for are done without.
+            Err(error) if self.threads.is_some() => {
+                Err(Failure::new(Exit::NotSolvable, &error, None))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

@@ -114,13 +114,12 @@ impl Solve {
         let exceeded = limits.exceeded(&metrics);
         let files = outputs.file_names();
         let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, files.clone());
-        if let Some((bytes, blocks)) = outputs.memory(&solution, LARGE)
-            && !self.print.quiet
-        {
-            stages.say(&memory_text(bytes, blocks));
+        let deflections = outputs.deflections(&solution);
+        if deflections.bytes() >= LARGE && !self.print.quiet {
+            stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }
         let folder = OutputFolder::stage(&self.output)?;
-        outputs.write(folder, link, &solution, &summary, &stages)?;
+        outputs.write(folder, link, (&solution, deflections), &summary, &stages)?;
         drop(stages);
 
         for warning in &solution.warnings {

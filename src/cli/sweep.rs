@@ -100,7 +100,7 @@ pub(crate) struct Sweep {
 
 impl Sweep {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        self.threads.apply()?;
+        self.threads.apply_apart()?;
         let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
             return merge(&self.merge, &self.output_path(), self.quiet);
         };

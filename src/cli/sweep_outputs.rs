@@ -73,7 +73,8 @@ impl OutputsArgs {
         let files = outputs.file_names();
         let summary = Summary::new(inputs, solution, &case.metrics, exceeded, files);
         let folder = OutputFolder::stage(folder)?;
-        Ok(outputs.write(folder, inputs.link, solution, &summary, &Unwatched)?)
+        let nodal = (solution, outputs.deflections(solution));
+        Ok(outputs.write(folder, inputs.link, nodal, &summary, &Unwatched)?)
     }
 
     /// Writes what simulate writes.

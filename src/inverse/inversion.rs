@@ -169,7 +169,10 @@ impl Problem<'_> {
         let moving = self.motion.moving_samples();
         let on_grid = |k: usize| (k as i64 - window.start).max(0) as usize;
         let spectrum = Arc::clone(&answer.period.spectrum);
-        let histories = answer.period.histories(self.motion);
+        let (histories, root_moment_n_m) = rayon::join(
+            || answer.period.histories(self.motion),
+            || cut(&spectrum.pair.samples(&answer.hub.root_moment_n_m), &grid),
+        );
         let rigid_torque = rigid_torque_n_m(self.link, dynamics.law(), histories);
         let tip = TipMotionHistories {
             displacement_m: cut(&histories.displacement_m, &grid),
@@ -181,7 +184,7 @@ impl Problem<'_> {
             hub_motion(tip, (&spectrum, &answer.hub.excess_angle_rad, order), &grid, length_m)
         };
         let (hub_angle_rad, hub_rate_rad_s) =
-            (hub_motion(&tip.displacement_m, 0), hub_motion(&tip.velocity_m_s, 1));
+            rayon::join(|| hub_motion(&tip.displacement_m, 0), || hub_motion(&tip.velocity_m_s, 1));
         let evidence = Evidence {
             motion: self.motion,
             tolerance: self.analysis.tolerance(),
@@ -197,7 +200,7 @@ impl Problem<'_> {
             hub_angle_rad,
             hub_rate_rad_s,
             rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v / length_m).collect(),
-            root_moment_n_m: cut(&spectrum.pair.samples(&answer.hub.root_moment_n_m), &grid),
+            root_moment_n_m,
             tip,
             moving: (on_grid(moving.0), on_grid(moving.1)),
             first_zero_per_s,

@@ -16,6 +16,7 @@ mod halving;
 mod inversion;
 mod motor;
 mod nodal_block;
+mod nodal_peak;
 mod nodal_table;
 mod period;
 mod refinement;

@@ -8,16 +8,13 @@ use super::nodal_block::{Held, NodalBlock};
 use super::solution::Solution;
 use super::watch::{Stage, Unwatched, Watch};
 use crate::beam::{NodalHistories, NodalQuantity};
-use crate::numeric::{CHANNELS, Room, Sampling, ThinnedGrid, largest};
+use crate::numeric::{CHANNELS, Room, Sampling, ThinnedGrid};
 
 /// Amplitudes that are held at a time; nodes beyond are solved in further blocks.
 const SPECTRA_BYTES: usize = 1 << 27;
 
 /// Samples that are held at a time; rows beyond are transformed in further blocks.
 const HELD_BYTES: usize = 1 << 30;
-
-/// Rows that are looked through at a time by one thread.
-const ROWS_AT_ONCE: usize = 64;
 
 /// A quantity at some nodes over time, made row by row: one row a sample, one value a node.
 ///
@@ -185,22 +182,6 @@ impl<'a> NodalTable<'a> {
         Held { samples, len }
     }
 
-    /// Largest absolute value of all; NaN does not count.
-    pub fn peak(&self, watch: &dyn Watch) -> f64 {
-        let of_block = |number| {
-            let block = self.block(number, watch);
-            let starts = block.rows.clone().into_par_iter().step_by(ROWS_AT_ONCE);
-            let peak = |start: usize| {
-                let rows = start..block.rows.end.min(start + ROWS_AT_ONCE);
-                let mut values = vec![0.0; rows.len() * self.nodes.len()];
-                block.write_rows(rows, &mut values);
-                largest(&values)
-            };
-            starts.map(peak).reduce(|| 0.0, f64::max)
-        };
-        (0..self.blocks()).map(of_block).fold(0.0, f64::max)
-    }
-
     /// All of it, node by node.
     pub fn histories(&self) -> NodalHistories {
         let mut samples = vec![Vec::with_capacity(self.len()); self.nodes.len()];
@@ -237,7 +218,6 @@ mod tests {
                 let blocked = blocked.in_blocks_of(rows);
                 assert_eq!(blocked.blocks(), 3);
                 assert!(blocked.histories() == whole.histories());
-                assert_eq!(blocked.peak(&Unwatched).to_bits(), whole.peak(&Unwatched).to_bits());
             }
         }
     }

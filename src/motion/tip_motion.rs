@@ -160,7 +160,8 @@ impl TipMotion {
         displacement_m: Option<&[f64]>,
         from_acceleration: bool,
     ) -> Result<(), MotionError> {
-        if velocity_m_s.is_none() && !from_acceleration {
+        let displacement_m = displacement_m.filter(|_| from_acceleration);
+        if velocity_m_s.is_none() && displacement_m.is_none() {
             return Ok(());
         }
         let len = fast_length(2 * self.grid.len);
@@ -171,7 +172,7 @@ impl TipMotion {
             let expected = &expected.velocity_m_s[..self.grid.len];
             agree(MotionColumn::Velocity, found, expected, jump, from_acceleration)?;
         }
-        if let Some(found) = displacement_m.filter(|_| from_acceleration) {
+        if let Some(found) = displacement_m {
             let jump = peak(&expected.velocity_m_s);
             let expected = &expected.displacement_m[..self.grid.len];
             agree(MotionColumn::Displacement, found, expected, jump, true)?;

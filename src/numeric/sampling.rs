@@ -62,6 +62,17 @@ impl Sampling {
         }
     }
 
+    /// Which of the samples held for `rows` some of these are made of.
+    pub(crate) fn taken(&self, rows: &Range<usize>, some: &Range<usize>) -> Range<usize> {
+        let (held, taken) = (self.span(rows), self.span(some));
+        taken.start - held.start..taken.end - held.start
+    }
+
+    /// What no sample exceeds, over the largest of those held that it is made of.
+    pub(crate) fn gain(&self) -> f64 {
+        self.upsampler.as_ref().map_or(1.0, Upsampler::gain)
+    }
+
     /// The sample that a row is, counted on beyond the period's end.
     fn sample_of(&self, row: usize) -> usize {
         self.first + row * self.every

@@ -56,6 +56,12 @@ impl Upsampler {
         self.coarse
     }
 
+    /// Largest sum of the absolute weights of a sample.
+    pub(super) fn gain(&self) -> f64 {
+        let sum = |weights: &[f64; TAPS]| weights.iter().map(|weight| weight.abs()).sum();
+        self.weights.iter().map(sum).fold(0.0, f64::max)
+    }
+
     /// The first of the [`TAPS`] coarse samples that sample `k` is made of, counted from the first of
     /// sample 0, which stands [`TAPS_BEFORE`] before it.
     #[inline(always)]

@@ -6,7 +6,7 @@ use super::in_turn::write_in_turn;
 use super::number::Digits;
 use super::time_format::time_format;
 use crate::inverse::{NodalTable, Stage, Watch};
-use crate::numeric::ThinnedGrid;
+use crate::numeric::{ThinnedGrid, largest};
 
 /// Numbers formatted by one thread at a time: their text fits its cache.
 const BLOCK_NUMBERS: usize = 1 << 14;
@@ -30,8 +30,7 @@ pub struct ColumnGroup<'a> {
 impl ColumnGroup<'_> {
     /// Largest absolute value of all columns.
     fn peak(&self) -> f64 {
-        let values = self.columns.iter().flat_map(|column| column.values);
-        values.fold(0.0, |peak, value| peak.max(value.abs()))
+        self.columns.iter().map(|column| largest(column.values)).fold(0.0, f64::max)
     }
 }
 
@@ -82,6 +81,7 @@ pub(super) fn write_timed(
         for row in 0..time.len() {
             all[0].append(text, b'\n', row);
             all[1..].iter().for_each(|cells| cells.append(text, b',', row));
+            reserve_rows(text, row, time.len());
         }
     };
     write_blocks(out, &(0..rows), columns.len() + 1, write_block)?;
@@ -114,7 +114,8 @@ pub(super) fn write_nodal(
     let names = table.nodes().iter().map(|node| format!("{letter}{node}_{unit}"));
     write_header(out, "time_s", names)?;
     let times = Cells::new(time_format(|k| grid.time_s(k), grid.len()));
-    let cells = Cells::new(digits.for_peak_of(|| table.peak(watch)));
+    let are_one = |found, bound| digits.for_peak(found) == digits.for_peak(bound);
+    let cells = Cells::new(digits.for_peak_of(|| table.peak(watch, are_one)));
     for number in 0..table.blocks() {
         let block = table.block(number, watch);
         watch.begin(Stage::Write, block.rows().len());
@@ -128,6 +129,7 @@ pub(super) fn write_nodal(
                 time.append(text, b'\n', row);
                 let values = cells.of(&values[row * width..][..width], &mut spelled);
                 (0..width).for_each(|column| values.append(text, b',', column));
+                reserve_rows(text, row, rows.len());
             }
             watch.advance(rows.len());
         };
@@ -148,6 +150,14 @@ fn write_header<S: AsRef<str>>(
         out.write_all(name.as_ref().as_bytes())?;
     }
     Ok(())
+}
+
+/// Takes memory for all rows of a block, after the first of them, so that the text does not move
+/// while it grows.
+fn reserve_rows(text: &mut Vec<u8>, row: usize, rows: usize) {
+    if row == 0 {
+        text.reserve(text.len() * rows * 9 / 8);
+    }
 }
 
 /// Formats blocks of rows in parallel and writes them in order.

@@ -26,6 +26,7 @@ mod records;
 mod resample;
 mod rows;
 mod samples;
+mod shortest;
 mod simulate_tables;
 mod simulation_summary;
 mod single_file;

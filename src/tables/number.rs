@@ -1,9 +1,9 @@
-use std::io::Write as _;
 use std::str::FromStr;
 
 use thiserror::Error;
 
 use super::fixed::write_fixed;
+use super::shortest::write_shortest;
 use crate::numeric::largest;
 
 /// How many digits the numbers of one column group are given.
@@ -114,14 +114,10 @@ impl NumberFormat {
     /// assert_eq!(out, b"0.000");
     /// ```
     pub fn write(&self, out: &mut Vec<u8>, value: f64) {
-        let size = value.abs();
-        let written = match *self {
-            Self::Fixed(decimals) => return write_fixed(out, value, decimals),
-            Self::Shortest if size == 0.0 => write!(out, "0"),
-            Self::Shortest if (1e-5..1e17).contains(&size) => write!(out, "{value}"),
-            Self::Shortest => write!(out, "{value:e}"),
-        };
-        debug_assert!(written.is_ok(), "memory takes every number");
+        match *self {
+            Self::Fixed(decimals) => write_fixed(out, value, decimals),
+            Self::Shortest => write_shortest(out, value),
+        }
     }
 }
 

@@ -54,19 +54,17 @@ impl SolveOutputs {
         RESULT_FILES.into_iter().filter(wanted).chain([SUMMARY]).collect()
     }
 
-    /// Writes the files of a solution into `folder` and gives them their names, all or none; `watch`
-    /// is told how far the nodal tables are.
+    /// Writes the files of a solution into `folder` and gives them their names, all or none; its
+    /// deflections are those of [`Self::deflections`], and `watch` is told how far the nodal tables
+    /// are.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
-    ///
-    /// # Panics
-    /// If a node asked for is not one of the mesh.
     pub fn write(
         &self,
         mut folder: OutputFolder,
         link: &Link,
-        solution: &Solution,
+        (solution, deflections): (&Solution, NodalTable),
         summary: &Summary,
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
@@ -79,40 +77,30 @@ impl SolveOutputs {
             folder.file(MOTOR, |out| write_csv(out, &all, &groups, self.digits))?;
         }
         folder.file("nodes.csv", |out| write_nodes(out, link, solution.mesh(), self.digits))?;
-        self.write_nodal(&mut folder, solution, watch)?;
+        self.write_nodal(&mut folder, (solution, deflections), watch)?;
         folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
         folder.commit(SUMMARY, &RESULT_FILES)
     }
 
-    /// Memory in bytes that writing takes, about, and blocks that the nodal tables are made in; none
-    /// where less than `large` will do.
+    /// Plans the nodal tables: their deflections, of which nothing is computed yet.
     ///
     /// # Panics
     /// If a node asked for is not one of the mesh.
-    pub fn memory(&self, solution: &Solution, large: usize) -> Option<(usize, usize)> {
-        let nodes = self.nodes_of(solution);
-        // A table is planned only where it may be large: more than every sample is never held.
-        let most = 8 * nodes.len() * solution.band.fft_length;
-        let table = (most >= large / 8).then(|| solution.deflections(&nodes, self.every))?;
-        Some((table.bytes(), table.blocks())).filter(|(bytes, _)| *bytes >= large)
-    }
-
-    fn nodes_of(&self, solution: &Solution) -> Vec<usize> {
+    pub fn deflections<'a>(&self, solution: &'a Solution) -> NodalTable<'a> {
         let every_node = || (0..solution.mesh().nodes_m().len()).collect();
-        self.nodes.clone().unwrap_or_else(every_node)
+        solution.deflections(&self.nodes.clone().unwrap_or_else(every_node), self.every)
     }
 
     fn write_nodal(
         &self,
         folder: &mut OutputFolder,
-        solution: &Solution,
+        (solution, deflections): (&Solution, NodalTable),
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
-        let nodes = self.nodes_of(solution);
+        let nodes = deflections.nodes().to_vec();
         let mut file = |name: &str, heading, table: &NodalTable| {
             folder.file(name, |out| write_nodal(out, table, heading, self.digits, watch))
         };
-        let deflections = solution.deflections(&nodes, self.every);
         if self.optional.contains(&OptionalTable::NodalDeflections) {
             file(OptionalTable::NodalDeflections.file_name(), ("w", "m"), &deflections)?;
         }

@@ -1,3 +1,5 @@
+use rayon::prelude::*;
+
 use super::number::NumberFormat;
 
 /// How far a written time may stand from the grid when read back, in s.
@@ -10,6 +12,9 @@ const POWERS: [f64; MAX_DECIMALS + 1] =
 /// Below this every whole number is exact.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 
+/// Times that a thread looks at where there are many.
+const TIMES_AT_ONCE: usize = 1 << 14;
+
 /// Fewest decimals with which each of `len` times reads back within 1e-12 s.
 ///
 /// A number of decimals that does not fit is usually found out by the first few times, so that all
@@ -19,9 +24,12 @@ const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 /// use flexlink::tables::{NumberFormat, time_format};
 /// assert_eq!(time_format(|k| 0.002 * k as f64, 1000), NumberFormat::Fixed(3));
 /// ```
-pub fn time_format(time: impl Fn(usize) -> f64, len: usize) -> NumberFormat {
+pub fn time_format(time: impl Fn(usize) -> f64 + Sync, len: usize) -> NumberFormat {
     (0..=MAX_DECIMALS)
-        .find(|&decimals| (0..len).all(|k| reads_back(time(k), decimals)))
+        .find(|&decimals| {
+            let times = (0..len).into_par_iter().with_min_len(TIMES_AT_ONCE);
+            times.all(|k| reads_back(time(k), decimals))
+        })
         .map_or(NumberFormat::Shortest, NumberFormat::Fixed)
 }
 
