@@ -5,10 +5,15 @@ mod fit;
 mod limits;
 mod metrics;
 mod played;
+mod stored;
 mod tip_error;
 
 pub use fit::{FitError, OpenMotion, shortest_steps};
 pub use limits::{Exceeded, Limits};
 pub use metrics::{Metrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;
+pub use stored::{
+    Origin, StoredCheck, StoredInput, StoredNodes, StoredResult, StoredRun, StoredSolution,
+    StoredSweep, StoredWarning,
+};
 pub use tip_error::{LateTarget, TargetError, TipError};

@@ -1,0 +1,133 @@
+//! What a result folder holds, read back: the other half of what a run writes.
+
+use crate::beam::Mesh;
+use crate::link::Link;
+use crate::motion::TipMotionHistories;
+use crate::result::comparison::Table;
+
+/// A result that was read back.
+#[derive(Debug, Clone)]
+pub enum StoredResult {
+    /// The folder of one run of `solve` or `simulate`.
+    Run(Box<StoredRun>),
+    /// The table of a sweep.
+    Sweep(Box<StoredSweep>),
+}
+
+/// What one run has left. All histories have as many values as `times_s`, but those of the nodes.
+#[derive(Debug, Clone)]
+pub struct StoredRun {
+    /// What the run was, and of what.
+    pub origin: Origin,
+    /// The link.
+    pub link: Link,
+    /// The mesh that the answer was computed on.
+    pub mesh: Mesh,
+    /// How many flexible modes the link was reduced to; none where all are kept.
+    pub kept_modes: Option<usize>,
+    /// Times of all histories in s, evenly spaced.
+    pub times_s: Vec<f64>,
+    /// Torque at the hub in N m.
+    pub torque_n_m: Vec<f64>,
+    /// Hub angle in rad.
+    pub hub_angle_rad: Vec<f64>,
+    /// Motion of the tip.
+    pub tip: TipMotionHistories,
+    /// What only the answer for a wanted motion has.
+    pub solved: Option<StoredSolution>,
+    /// Deflection w in m from the hub's tangent line, if all or some nodes were written.
+    pub deflections_m: Option<StoredNodes>,
+    /// Bending moment in N m, if it was written.
+    pub moments_n_m: Option<StoredNodes>,
+    /// Numbers of the summary by name, which ends in the unit: `peak_torque_n_m`.
+    pub readings: Vec<(String, f64)>,
+    /// What verifying the answer gave; empty where it was not verified.
+    pub checks: Vec<StoredCheck>,
+    /// What the user must know.
+    pub warnings: Vec<StoredWarning>,
+}
+
+/// Who made a result, from what.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin {
+    /// The command: `solve` or `simulate`.
+    pub command: String,
+    /// Version of the program that made it.
+    pub version: String,
+    /// Title of the link.
+    pub title: String,
+    /// Input files in the order of the command line.
+    pub inputs: Vec<StoredInput>,
+    /// Arguments that changed the inputs: `--set …`.
+    pub changes: Vec<String>,
+}
+
+/// An input file of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredInput {
+    /// What it is: `link`, `motion`, `torque`, `target`.
+    pub role: String,
+    /// Its name without folders.
+    pub name: String,
+    /// Its SHA-256 in hexadecimal digits.
+    pub sha256: String,
+}
+
+/// What the answer for a wanted motion has beyond a motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredSolution {
+    /// Torque in N m that the same link would need, were it rigid.
+    pub rigid_torque_n_m: Vec<f64>,
+    /// Hub angle in rad of the rigid link.
+    pub rigid_hub_angle_rad: Vec<f64>,
+    /// Times in s between which the tip moves.
+    pub moving_s: (f64, f64),
+    /// How long before the tip's motion the torque exceeds 2 % of its peak, in s.
+    pub lead_s: f64,
+    /// How long after it, in s.
+    pub lag_s: f64,
+}
+
+/// A quantity at some nodes over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredNodes {
+    /// Numbers of the nodes, ascending.
+    pub nodes: Vec<usize>,
+    /// Times in s, some or all of those of the run.
+    pub times_s: Vec<f64>,
+    /// One history a node.
+    pub histories: Vec<Vec<f64>>,
+}
+
+/// One line of the table of checks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredCheck {
+    /// What was held against what.
+    pub what: String,
+    /// What the numbers are relative to.
+    pub of: String,
+    /// What was found and what it may be at most, or why nothing was measured.
+    pub outcome: Result<(f64, f64), String>,
+    /// Whether it holds.
+    pub passes: bool,
+}
+
+/// A warning of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredWarning {
+    /// What it says.
+    pub message: String,
+    /// What the user can do about it.
+    pub hint: String,
+}
+
+/// The table of a sweep.
+#[derive(Debug, Clone)]
+pub struct StoredSweep {
+    /// Name of the file.
+    pub name: String,
+    /// Columns that head the values varied, the first ones of the table.
+    pub varied: usize,
+    /// All of it: a row a case.
+    pub table: Table,
+}
