@@ -2,6 +2,7 @@
 
 mod condensation;
 mod element;
+mod given_nodes;
 mod histories;
 mod mesh;
 mod pivoted;

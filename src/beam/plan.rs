@@ -97,6 +97,11 @@ impl MeshPlan {
         Ok(Self { shares, automatic, tolerance })
     }
 
+    /// A plan of these pieces, not to be refined.
+    pub(super) fn shared(shares: Vec<(Piece, usize)>) -> Self {
+        Self { shares, automatic: false, tolerance: Self::DEFAULT_TOLERANCE }
+    }
+
     /// Pieces of the link from the hub outward, each with its number of elements.
     pub fn shares(&self) -> &[(Piece, usize)] {
         &self.shares
@@ -129,7 +134,7 @@ fn share_of_total(total: usize, fixed: usize, open: usize) -> Result<usize, Para
 }
 
 /// Segments cut at the lumped masses inside them.
-fn pieces(link: &Link) -> Vec<Piece> {
+pub(super) fn pieces(link: &Link) -> Vec<Piece> {
     let slack_m = POSITION_TOLERANCE * link.length_m();
     let mut pieces = Vec::new();
     let mut root_m = link.hub().radius_m;

@@ -1,0 +1,156 @@
+use super::mesh::Mesh;
+use super::plan::{MeshPlan, pieces};
+use crate::link::{Link, ParameterError};
+
+/// How far a given node may stand from the mesh's own, as a share of the link's length.
+const NODE_TOLERANCE: f64 = 1e-6;
+
+impl MeshPlan {
+    /// The plan whose mesh has nodes at these distances from the axis in m, as tables give them with
+    /// a limited number of decimals.
+    ///
+    /// Every stretch between segment borders and lumped masses gets as many elements as nodes end in
+    /// it.
+    ///
+    /// # Errors
+    /// [`ParameterError`] names the first node that stands elsewhere than in any mesh of this link,
+    /// by more than 1e-6 of its length.
+    pub fn through(link: &Link, nodes_m: &[f64]) -> Result<Self, ParameterError> {
+        let mut inner = 0;
+        let mut shares = Vec::new();
+        for piece in pieces(link) {
+            let segment = &link.segments()[piece.segment];
+            let root_m = root_m(link, piece.segment);
+            let end_m = root_m + segment.length_m * piece.to;
+            let outer = nearest(nodes_m, end_m);
+            if outer <= inner {
+                let must = format!("must hold one at {end_m} m, where a segment ends or a mass is");
+                return Err(refused(nodes_m.get(outer).copied(), &must));
+            }
+            shares.push((piece, outer - inner));
+            inner = outer;
+        }
+        let plan = Self::shared(shares);
+        check(nodes_m, &Mesh::new(link, &plan))?;
+        Ok(plan)
+    }
+}
+
+/// Distance from the axis to the inner end of a segment in m.
+fn root_m(link: &Link, segment: usize) -> f64 {
+    let before = link.segments()[..segment].iter();
+    before.fold(link.hub().radius_m, |sum, segment| sum + segment.length_m)
+}
+
+/// Number of the node next to a place; 0 of none.
+fn nearest(nodes_m: &[f64], place_m: f64) -> usize {
+    let distance = |node: &usize| (nodes_m[*node] - place_m).abs();
+    (0..nodes_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+}
+
+fn check(nodes_m: &[f64], mesh: &Mesh) -> Result<(), ParameterError> {
+    let slack_m = NODE_TOLERANCE * mesh.length_m();
+    for (node, (found_m, own_m)) in nodes_m.iter().zip(mesh.nodes_m()).enumerate() {
+        let is_there = (found_m - own_m).abs() <= slack_m;
+        if !is_there {
+            let must = format!(
+                "must be {own_m} m at node {node}: a mesh divides every stretch between borders of \
+                 segments and lumped masses evenly"
+            );
+            return Err(refused(Some(*found_m), &must));
+        }
+    }
+    match nodes_m.get(mesh.nodes_m().len()) {
+        Some(beyond_m) => Err(refused(Some(*beyond_m), "must end at the tip")),
+        None => Ok(()),
+    }
+}
+
+fn refused(found_m: Option<f64>, must: &str) -> ParameterError {
+    match found_m {
+        Some(found_m) => ParameterError::new("nodes.x_m", found_m, "m", must),
+        None => ParameterError::new("nodes.x_m", "nothing", "", must),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::ElementCount;
+    use crate::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
+
+    fn rig(radius_m: f64, lengths_m: &[f64], masses_at_m: &[f64]) -> Link {
+        let segment = |length_m: &f64| Segment {
+            name: None,
+            length_m: *length_m,
+            bending_stiffness_n_m2: Taper { inner: 9.0, outer: 2.0 },
+            mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.3 },
+        };
+        let mass = |at_m: &f64| LumpedMass { at_m: *at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 };
+        Link::new(LinkParts {
+            title: String::new(),
+            segments: lengths_m.iter().map(segment).collect(),
+            hub: Hub { radius_m, ..Hub::default() },
+            masses: masses_at_m.iter().map(mass).collect(),
+            payload: Payload::default(),
+            damping: Damping::None,
+        })
+        .unwrap()
+    }
+
+    /// Rounded as nodes.csv of a link of some metres has them.
+    fn written(mesh: &Mesh) -> Vec<f64> {
+        mesh.nodes_m().iter().map(|x_m| (x_m * 1e10).round() / 1e10).collect()
+    }
+
+    #[test]
+    fn the_nodes_of_a_mesh_give_the_mesh_again() {
+        for link in [
+            rig(0.0, &[1.5], &[]),
+            rig(0.1, &[0.3, 1.2], &[0.1, 0.7, 0.7, 1.0 / 1.7, 1.6]),
+            rig(0.07, &[1.0 / 3.0, 0.001, 0.9], &[0.07 + 1.0 / 3.0 + 1e-8, 1.1]),
+        ] {
+            for count in [None, Some(ElementCount::Total(41)), Some(ElementCount::Auto)] {
+                let own = vec![None; link.segments().len()];
+                let plan = MeshPlan::new(&link, &own, count, 1e-6).unwrap();
+                let mut mesh = Mesh::new(&link, &plan);
+                for refinement in 0..4 {
+                    let through = MeshPlan::through(&link, &written(&mesh)).unwrap();
+                    let again = Mesh::new(&link, &through);
+                    assert_eq!(again.element_segments(), mesh.element_segments());
+                    for (k, (a, b)) in again.nodes_m().iter().zip(mesh.nodes_m()).enumerate() {
+                        assert!((a - b).abs() < 1e-14, "node {k}, refined {refinement} times");
+                        assert_eq!(again.lumped_inertia(k), mesh.lumped_inertia(k));
+                    }
+                    assert!(!through.is_automatic());
+                    mesh = mesh.refined();
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nodes_of_no_mesh_of_the_link_are_refused() {
+        let link = rig(0.0, &[0.5, 0.5], &[0.75]);
+        let refusal = |nodes_m: &[f64]| MeshPlan::through(&link, nodes_m).unwrap_err().to_string();
+        let even =
+            "a mesh divides every stretch between borders of segments and lumped masses evenly";
+        for (nodes_m, expected) in [
+            (&[][..], "nothing, but must hold one at 0.5 m, where a segment ends or a mass is"),
+            (
+                &[0.0, 0.5, 1.0],
+                "0.5 m, but must hold one at 0.75 m, where a segment ends or a mass is",
+            ),
+            (&[0.0, 0.2, 0.5, 0.75, 1.0], &format!("0.2 m, but must be 0.25 m at node 1: {even}")),
+            (&[0.0, 0.5, 0.75, 0.999], &format!("0.999 m, but must be 1 m at node 3: {even}")),
+            (&[0.1, 0.5, 0.75, 1.0], &format!("0.1 m, but must be 0 m at node 0: {even}")),
+            (
+                &[0.0, f64::NAN, 0.5, 0.75, 1.0],
+                &format!("NaN m, but must be 0.25 m at node 1: {even}"),
+            ),
+            (&[0.0, 0.5, 0.75, 1.0, 1.1], "1.1 m, but must end at the tip"),
+        ] {
+            assert_eq!(refusal(nodes_m), format!("nodes.x_m = {expected}"), "{nodes_m:?}");
+        }
+    }
+}
