@@ -6,6 +6,8 @@ use flexlink::tables::is_result_file;
 
 use super::exit::{Exit, Failure};
 
+const ONE_RUN: &str = "a folder holds one run: the results would replace those read";
+
 /// Whether a path means standard input.
 pub(crate) fn is_standard_input(path: &Path) -> bool {
     ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"].iter().any(|name| path.as_os_str() == *name)
@@ -55,8 +57,29 @@ pub(crate) fn keep(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
         output.display(),
         file.display()
     );
-    let hint = "a folder holds one run: the results would replace those read";
-    Err(Failure::new(Exit::Usage, &message, Some(hint)))
+    Err(Failure::new(Exit::Usage, &message, Some(ONE_RUN)))
+}
+
+/// Refuses to write the results of many cases, each into a numbered folder of `outputs`, over a file
+/// that is read, or over the run that it belongs to.
+pub(crate) fn keep_cases(outputs: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+    check_folder("--outputs", outputs)?;
+    let Ok(outer) = outputs.canonicalize() else { return Ok(()) };
+    let is_of_a_case = |file: &&&Path| {
+        let Ok(file) = file.canonicalize() else { return false };
+        let Some(folder) = file.parent().filter(|folder| folder.parent() == Some(&outer)) else {
+            return false;
+        };
+        let name = folder.file_name().unwrap_or_default().as_encoded_bytes();
+        name.iter().all(u8::is_ascii_digit) && file.file_name().is_some_and(is_result_file)
+    };
+    let Some(file) = inputs.iter().find(is_of_a_case) else { return Ok(()) };
+    let message = format!(
+        "--outputs = {}, but must be another folder than that of {}",
+        outputs.display(),
+        file.display()
+    );
+    Err(Failure::new(Exit::Usage, &message, Some(ONE_RUN)))
 }
 
 /// Refuses to write a file over one that is read.

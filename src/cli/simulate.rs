@@ -30,9 +30,9 @@ One of the files may be `-`, standard input.";
 const LONG_ABOUT: &str = "\
 Play a torque on a link: direct dynamics.
 
-Writes tip.csv, hub_angle.csv, nodal_displacements.csv, nodes.csv and summary.json into a folder, \
-with feedback also torque.csv, all or none of them, and prints a short summary. The link is at \
-rest before the torque's first sample; after the last one it is free. Each mode is integrated \
+Writes torque.csv (the torque as played, feedback included), tip.csv, hub_angle.csv, \
+nodal_displacements.csv, nodes.csv and summary.json into a folder, all or none of them, and prints \
+a short summary. The link is at rest before the torque's first sample; after the last one it is free. Each mode is integrated \
 exactly in time, so that the answer does not depend on the Fourier transform of solve. A \
 hysteretic link has no equation in time: its ratio is taken as the viscous ratio of every mode. \
 The torque acts at the hub, on the whole link: [drive] and analysis.modes have no part in it.";
@@ -80,7 +80,7 @@ impl Simulate {
         self.nodes.check(&simulation.mesh)?;
         let tip_error = self.play.tip_error(&simulation, &read)?;
 
-        let outputs = self.outputs(play.feedback.is_some());
+        let outputs = self.outputs();
         let inputs = SimulationInputs {
             link_file: &link_file,
             torque_file: &read.torque_file,
@@ -91,7 +91,7 @@ impl Simulate {
             changes: &self.changes(),
         };
         let metrics = PlayedMetrics::of(&simulation);
-        let names = outputs.file_names();
+        let names = SimulateOutputs::file_names();
         let written = format!("{} files in {}", names.len(), self.output.display());
         let tip_error = tip_error.as_ref();
         let summary = SimulationSummary::new(&inputs, &simulation, &metrics, tip_error, names);
@@ -113,11 +113,10 @@ impl Simulate {
         }
     }
 
-    fn outputs(&self, torque: bool) -> SimulateOutputs {
+    fn outputs(&self) -> SimulateOutputs {
         SimulateOutputs {
             nodes: self.nodes.list.clone(),
             every: self.nodes.every,
-            torque,
             digits: self.digits,
         }
     }

@@ -7,7 +7,7 @@ use flexlink::tables::{SweepRecord, sweep_header, sweep_row};
 
 use super::args::{LinkArgs, MotionArgs, ThreadArgs};
 use super::exit::{Exit, Failure};
-use super::files::{check_folder, keep_files, read_once};
+use super::files::{keep_cases, keep_files, read_once};
 use super::interrupt;
 use super::progress::CaseBar;
 use super::sweep_cases::{Cases, TorqueArgs};
@@ -182,7 +182,7 @@ impl Sweep {
         let inputs: Vec<&Path> = link.chain(motion).chain(self.torque.path()).collect();
         read_once(&inputs)?;
         keep_files(&self.output_path(), &inputs)?;
-        self.outputs.folder().map_or(Ok(()), |folder| check_folder("--outputs", folder))
+        self.outputs.folder().map_or(Ok(()), |folder| keep_cases(folder, &inputs))
     }
 
     fn output_path(&self) -> PathBuf {

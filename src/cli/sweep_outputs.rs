@@ -89,10 +89,9 @@ impl OutputsArgs {
         let outputs = SimulateOutputs {
             nodes: self.nodes.list.clone(),
             every: self.nodes.every,
-            torque: false,
             digits: self.digits,
         };
-        let (files, error) = (outputs.file_names(), Some(&case.tip_error));
+        let (files, error) = (SimulateOutputs::file_names(), Some(&case.tip_error));
         let summary = SimulationSummary::new(inputs, simulation, &case.metrics, error, files);
         Ok(outputs.write(OutputFolder::stage(folder)?, inputs.link, simulation, &summary)?)
     }

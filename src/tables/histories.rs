@@ -11,7 +11,7 @@ use crate::motion::TipMotionHistories;
 
 /// Names of all files that a run may leave in its folder, summary.json left out. What an earlier
 /// run left and this one does not write goes, so that a folder holds one run.
-pub(super) const RESULT_FILES: [&str; 9] = [
+pub(super) const RESULT_FILES: [&str; 10] = [
     "torque.csv",
     "rigid_torque.csv",
     "hub_angle.csv",
@@ -21,10 +21,14 @@ pub(super) const RESULT_FILES: [&str; 9] = [
     "nodal_displacements.csv",
     "nodal_deflections.csv",
     "bending_moments.csv",
+    REPORT,
 ];
 
 /// Written for a link with a drive.
 pub(super) const MOTOR: &str = "motor.csv";
+
+/// The page that `flexlink report` makes of a run: beside another run it would show old numbers.
+pub(super) const REPORT: &str = "report.html";
 
 /// Written last: who sees it, sees a whole run.
 pub(super) const SUMMARY: &str = "summary.json";

@@ -16,18 +16,21 @@ pub struct SimulateOutputs {
     pub nodes: Option<Vec<usize>>,
     /// Every how many samples the nodal table has a row, at least 1.
     pub every: usize,
-    /// Whether the torque differs from what was given and is written, too.
-    pub torque: bool,
     /// Digits of all numbers.
     pub digits: Digits,
 }
 
 impl SimulateOutputs {
     /// Names of the files that will be written, summary.json last.
-    pub fn file_names(&self) -> Vec<&'static str> {
-        let always = ["tip.csv", "hub_angle.csv", "nodal_displacements.csv", "nodes.csv"];
-        let torque = self.torque.then_some("torque.csv");
-        always.into_iter().chain(torque).chain([SUMMARY]).collect()
+    pub fn file_names() -> Vec<&'static str> {
+        vec![
+            "torque.csv",
+            "tip.csv",
+            "hub_angle.csv",
+            "nodal_displacements.csv",
+            "nodes.csv",
+            SUMMARY,
+        ]
     }
 
     /// Writes the files of a simulation into `folder` and gives them their names, all or none.
@@ -51,12 +54,10 @@ impl SimulateOutputs {
             group([("hub_acceleration_rad_s2", &simulation.hub_acceleration_rad_s2)]),
         ];
         let tip = tip_groups(&simulation.tip);
+        let torque = [group([("torque_n_m", &simulation.torque_n_m)])];
+        folder.file("torque.csv", |out| write_csv(out, &all, &torque, self.digits))?;
         folder.file("tip.csv", |out| write_csv(out, &all, &tip, self.digits))?;
         folder.file("hub_angle.csv", |out| write_csv(out, &all, &hub, self.digits))?;
-        if self.torque {
-            let torque = [group([("torque_n_m", &simulation.torque_n_m)])];
-            folder.file("torque.csv", |out| write_csv(out, &all, &torque, self.digits))?;
-        }
         folder.file("nodes.csv", |out| write_nodes(out, link, &simulation.mesh, self.digits))?;
         let every_node = || (0..simulation.mesh.nodes_m().len()).collect();
         let nodes: Vec<usize> = self.nodes.clone().unwrap_or_else(every_node);

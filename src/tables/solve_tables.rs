@@ -3,7 +3,7 @@
 use super::csv_table::{ColumnGroup, write_csv, write_nodal};
 use super::folder::OutputFolder;
 use super::folder_error::FolderError;
-use super::histories::{MOTOR, RESULT_FILES, SUMMARY, group, tip_groups, write_nodes};
+use super::histories::{MOTOR, REPORT, RESULT_FILES, SUMMARY, group, tip_groups, write_nodes};
 use super::number::Digits;
 use super::summary::Summary;
 use crate::inverse::{MotorHistories, NodalTable, Solution, Watch};
@@ -49,7 +49,7 @@ impl SolveOutputs {
         let wanted = |name: &&str| {
             let table = optional.into_iter().find(|table| table.file_name() == *name);
             let is_driven = *name != MOTOR || self.drive.is_some();
-            is_driven && table.is_none_or(|table| self.optional.contains(&table))
+            is_driven && *name != REPORT && table.is_none_or(|table| self.optional.contains(&table))
         };
         RESULT_FILES.into_iter().filter(wanted).chain([SUMMARY]).collect()
     }

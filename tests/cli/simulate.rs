@@ -2,8 +2,14 @@
 
 use super::{Bench, LINK, column, repository, simulated, stderr, stdout};
 
-const ALWAYS: [&str; 5] =
-    ["hub_angle.csv", "nodal_displacements.csv", "nodes.csv", "summary.json", "tip.csv"];
+const ALWAYS: [&str; 6] = [
+    "hub_angle.csv",
+    "nodal_displacements.csv",
+    "nodes.csv",
+    "summary.json",
+    "tip.csv",
+    "torque.csv",
+];
 const FEEDBACK: [&str; 4] = ["--feedback", "20,2", "--reference", "out/hub_angle.csv"];
 
 /// The torque of the paper's first example in `out`, ready to be played.
@@ -28,6 +34,7 @@ fn every_file_appears_in_the_default_folder_with_its_columns() {
     assert_eq!(bench.names("simulated"), ALWAYS);
     let displacements: Vec<String> = (0..=10).map(|k| format!("v{k}_m")).collect();
     for (name, expected) in [
+        ("torque.csv", "torque_n_m"),
         ("tip.csv", "tip_displacement_m,tip_velocity_m_s,tip_acceleration_m_s2"),
         ("hub_angle.csv", "hub_angle_rad,hub_rate_rad_s,hub_acceleration_rad_s2"),
         ("nodal_displacements.csv", &displacements.join(",")),
@@ -39,17 +46,36 @@ fn every_file_appears_in_the_default_folder_with_its_columns() {
 }
 
 #[test]
-fn the_torque_is_written_with_feedback_and_only_then() {
+fn the_torque_written_is_that_played_and_zero_after_its_end() {
     let bench = solved();
-    simulated(&bench, &[&["out/torque.csv", "--set", "payload.mass=0.05"], &FEEDBACK[..]].concat());
-    let mut names = [&ALWAYS[..], &["torque.csv"]].concat();
-    names.sort_unstable();
-    assert_eq!(bench.names("simulated"), names);
-    assert_eq!(headings(&bench, "simulated/torque.csv"), ["time_s", "torque_n_m"]);
-    bench.write("simulated/notes.txt", "mine");
+    let rigid = ["out/rigid_torque.csv", "--column", "rigid_torque_n_m", "--until", "5"];
+    let friction = ["--set", "hub.viscous_friction=0.3", "--digits", "full"];
+    simulated(&bench, &[&rigid[..], &friction].concat());
+    let given = column(&bench, "out/rigid_torque.csv", "rigid_torque_n_m");
+    let played = column(&bench, "simulated/torque.csv", "torque_n_m");
+    assert_eq!(played.len(), column(&bench, "simulated/tip.csv", "time_s").len());
+    assert_eq!(played[..given.len()], given[..]);
+    let after = &played[given.len()..];
+    assert!(after.len() == 328 && after.iter().all(|torque| *torque == 0.0), "{}", after.len());
+}
+
+#[test]
+fn a_run_removes_the_page_of_the_run_before_and_nothing_of_the_users() {
+    let bench = solved();
     simulated(&bench, &["out/torque.csv"]);
-    assert!(!bench.path("simulated/torque.csv").exists(), "that of the earlier run is removed");
-    assert_eq!(bench.read("simulated/notes.txt"), "mine");
+    for folder in ["out", "simulated"] {
+        bench.write(&format!("{folder}/report.html"), "<!doctype html>");
+        bench.write(&format!("{folder}/notes.html"), "mine");
+    }
+    simulated(&bench, &["out/torque.csv"]);
+    assert!(
+        !bench.path("simulated/report.html").exists() && bench.path("out/report.html").exists()
+    );
+    bench.solve(&["-q"]);
+    assert!(!bench.path("out/report.html").exists());
+    for folder in ["out", "simulated"] {
+        assert_eq!(bench.read(&format!("{folder}/notes.html")), "mine");
+    }
 }
 
 /// `u = T + k_p (θ_ref − θ) + k_d (θ̇_ref − θ̇)`
@@ -90,7 +116,7 @@ fn all_histories_stand_on_the_torques_times() {
     let bench = solved();
     simulated(&bench, &["out/torque.csv"]);
     let time = column(&bench, "out/torque.csv", "time_s");
-    for name in ["tip.csv", "hub_angle.csv", "nodal_displacements.csv"] {
+    for name in ["torque.csv", "tip.csv", "hub_angle.csv", "nodal_displacements.csv"] {
         assert_eq!(column(&bench, &format!("simulated/{name}"), "time_s"), time, "{name}");
     }
 }

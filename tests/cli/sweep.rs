@@ -270,6 +270,22 @@ fn one_torque_on_many_links_tells_how_far_each_tip_strays() {
 }
 
 #[test]
+fn the_cases_do_not_replace_the_torque_that_is_played_on_them() {
+    let bench = Bench::new();
+    bench.solve(&["-q", "-o", "all/2"]);
+    let before = bench.contents("all/2");
+    let torque = ["--torque", "all/2/torque.csv", "--outputs", "./all"];
+    let output = sweep(&bench, &[&["--vary", "payload.mass=0,0.01"], &torque[..]].concat());
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert_eq!(
+        stderr(&output),
+        "error: --outputs = ./all, but must be another folder than that of all/2/torque.csv\n\
+         hint: a folder holds one run: the results would replace those read\n"
+    );
+    assert!(bench.contents("all/2") == before);
+}
+
+#[test]
 fn rows_go_to_standard_output_for_a_dash_and_nothing_else_does() {
     let bench = Bench::new();
     let output = swept(&bench, &["--vary", "payload.mass=0,0.001", "-o", "-"]);
