@@ -65,7 +65,7 @@ pub struct Origin {
 /// An input file of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredInput {
-    /// What it is: `link`, `motion`, `torque`, `target`.
+    /// What it is: `link`, `motion`, `torque`, `target`, `reference`.
     pub role: String,
     /// Its name without folders.
     pub name: String,

@@ -1,53 +1,53 @@
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::link::{Damping, Link, Taper};
 use crate::modal::DampingLaw;
 
 /// The link in SI, keyed as in its file, for summary.json.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct LinkRecord {
-    length_m: f64,
-    rigid_inertia_kg_m2: f64,
-    segments: Vec<SegmentRecord>,
-    hub: HubRecord,
-    masses: Vec<MassRecord>,
-    payload: PayloadRecord,
-    damping: DampingRecord,
+    pub(super) length_m: f64,
+    pub(super) rigid_inertia_kg_m2: f64,
+    pub(super) segments: Vec<SegmentRecord>,
+    pub(super) hub: HubRecord,
+    pub(super) masses: Vec<MassRecord>,
+    pub(super) payload: PayloadRecord,
+    pub(super) damping: DampingRecord,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct SegmentRecord {
-    name: Option<String>,
-    length_m: f64,
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct SegmentRecord {
+    pub(super) name: Option<String>,
+    pub(super) length_m: f64,
     /// At the inner and the outer end.
-    bending_stiffness_n_m2: [f64; 2],
-    mass_per_length_kg_m: [f64; 2],
+    pub(super) bending_stiffness_n_m2: [f64; 2],
+    pub(super) mass_per_length_kg_m: [f64; 2],
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct HubRecord {
-    inertia_kg_m2: f64,
-    radius_m: f64,
-    viscous_friction_n_m_s_rad: f64,
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct HubRecord {
+    pub(super) inertia_kg_m2: f64,
+    pub(super) radius_m: f64,
+    pub(super) viscous_friction_n_m_s_rad: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct MassRecord {
-    at_m: f64,
-    mass_kg: f64,
-    inertia_kg_m2: f64,
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct MassRecord {
+    pub(super) at_m: f64,
+    pub(super) mass_kg: f64,
+    pub(super) inertia_kg_m2: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct PayloadRecord {
-    mass_kg: f64,
-    inertia_kg_m2: f64,
-    offset_m: f64,
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct PayloadRecord {
+    pub(super) mass_kg: f64,
+    pub(super) inertia_kg_m2: f64,
+    pub(super) offset_m: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "model", rename_all = "lowercase")]
-enum DampingRecord {
+pub(super) enum DampingRecord {
     None,
     Hysteretic { ratio: f64 },
     Rayleigh { alpha_per_s: f64, beta_s: f64 },

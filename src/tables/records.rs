@@ -1,16 +1,18 @@
 //! Parts that the summaries of several commands share.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 
 use super::input::InputFile;
 use crate::beam::Mesh;
 use crate::verification::{Check, Outcome, Verification};
 
 /// An input file of a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Fingerprint {
-    name: String,
-    sha256: String,
+    pub(super) name: String,
+    pub(super) sha256: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,25 +22,25 @@ pub(super) struct MeshRecord {
     resolved_hz: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct WarningRecord {
-    pub(super) kind: &'static str,
+    pub(super) kind: Cow<'static, str>,
     pub(super) message: String,
-    pub(super) hint: &'static str,
+    pub(super) hint: Cow<'static, str>,
 }
 
 /// One check of an answer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct CheckRecord {
-    name: &'static str,
-    what: &'static str,
-    of: &'static str,
+    pub(super) name: Cow<'static, str>,
+    pub(super) what: Cow<'static, str>,
+    pub(super) of: Cow<'static, str>,
     /// Nothing where it was not measured.
-    found: Option<f64>,
-    bound: Option<f64>,
+    pub(super) found: Option<f64>,
+    pub(super) bound: Option<f64>,
     /// Why it was not measured.
-    reason: Option<String>,
-    passes: bool,
+    pub(super) reason: Option<String>,
+    pub(super) passes: bool,
 }
 
 impl CheckRecord {
@@ -52,6 +54,7 @@ impl CheckRecord {
             Outcome::NotMeasured { reason } => (None, None, Some(reason.clone())),
         };
         let Check { name, what, of, .. } = *check;
+        let [name, what, of] = [name, what, of].map(Cow::Borrowed);
         Self { name, what, of, found, bound, reason, passes: !check.fails() }
     }
 }

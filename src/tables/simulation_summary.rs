@@ -174,14 +174,14 @@ impl SimulationSummary {
 
 fn warnings(simulation: &Simulation, tip_error: Option<&TipError>) -> Vec<WarningRecord> {
     let played = simulation.warnings.iter().map(|warning| WarningRecord {
-        kind: warning.kind(),
+        kind: warning.kind().into(),
         message: warning.to_string(),
-        hint: warning.hint(),
+        hint: warning.hint().into(),
     });
     let compared = tip_error.and_then(|error| error.late).map(|late| WarningRecord {
-        kind: late.kind(),
+        kind: late.kind().into(),
         message: late.to_string(),
-        hint: late.hint(),
+        hint: late.hint().into(),
     });
     played.chain(compared).collect()
 }

@@ -177,14 +177,14 @@ impl Summary {
 
 fn warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<WarningRecord> {
     let record = |warning: &crate::inverse::Warning| WarningRecord {
-        kind: warning.kind(),
+        kind: warning.kind().into(),
         message: warning.to_string(),
-        hint: warning.hint(),
+        hint: warning.hint().into(),
     };
     let limit = |exceeded: &Exceeded| WarningRecord {
-        kind: "limit_exceeded",
+        kind: "limit_exceeded".into(),
         message: exceeded.to_string(),
-        hint: exceeded.hint(),
+        hint: exceeded.hint().into(),
     };
     solution.warnings.iter().map(record).chain(exceeded.iter().map(limit)).collect()
 }

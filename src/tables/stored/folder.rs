@@ -1,0 +1,61 @@
+use std::path::Path;
+
+use super::super::input::{InputError, InputFile};
+use super::super::table_error::{Place, TableError, quoted};
+
+/// What a folder must be whose files are missed.
+pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve` or `simulate`";
+
+/// The folder of one run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RunFolder<'a> {
+    path: &'a Path,
+}
+
+impl<'a> RunFolder<'a> {
+    pub(super) fn new(path: &'a Path) -> Self {
+        Self { path }
+    }
+
+    /// Reads a file that every run has.
+    pub(super) fn file(&self, name: &str) -> Result<InputFile, TableError> {
+        if !self.has(name) {
+            return Err(self.refuse(name, "nothing", &format!("must be there: {A_RUN}")));
+        }
+        InputFile::read(&self.path.join(name)).map_err(|error| unreadable(&error))
+    }
+
+    /// Reads a file that some runs have.
+    pub(super) fn optional(&self, name: &str) -> Result<Option<InputFile>, TableError> {
+        self.has(name).then(|| self.file(name)).transpose()
+    }
+
+    /// Refuses a folder in which one of the files is missing that its summary names.
+    pub(super) fn check_named(&self, names: &[String]) -> Result<(), TableError> {
+        for name in names {
+            if Path::new(name).file_name().is_none_or(|own| own != name.as_str()) {
+                return Err(self.refuse("files", &quoted(name), "must be names without folders"));
+            }
+            if !self.has(name) {
+                return Err(self.refuse(name, "nothing", "must be there: summary.json names it"));
+            }
+        }
+        Ok(())
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.path.join(name).exists()
+    }
+
+    fn refuse(&self, subject: &str, found: &str, must: &str) -> TableError {
+        let shown = self.path.display().to_string();
+        Place { file: &shown, line: None }.refuse(subject, found, must)
+    }
+}
+
+/// A file that the system does not give, told as one that is refused.
+pub(super) fn unreadable(error: &InputError) -> TableError {
+    let text = error.to_string();
+    let (file, message) = text.split_once(": ").unwrap_or(("", &text));
+    Place { file, line: None }.refuse_whole(message.to_owned())
+}

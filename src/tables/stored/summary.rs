@@ -1,0 +1,179 @@
+//! summary.json read back.
+
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use super::super::input::InputFile;
+use super::super::link_record::LinkRecord;
+use super::super::records::{CheckRecord, Fingerprint, WarningRecord};
+use super::super::table_error::{Place, TableError, quoted};
+use super::folder::A_RUN;
+use super::readings::Readings;
+use crate::result::{Origin, StoredCheck, StoredInput, StoredWarning};
+
+/// What of a summary is read; other keys are passed over, so that a later version may have more.
+#[derive(Debug, Deserialize)]
+pub(super) struct StoredSummary {
+    flexlink: String,
+    pub(super) command: String,
+    pub(super) title: String,
+    inputs: Inputs,
+    pub(super) link: LinkRecord,
+    /// Of solve alone, as `analysis` and `errors`.
+    pub(super) motion: Option<Moving>,
+    pub(super) analysis: Option<Window>,
+    errors: Option<Readings>,
+    /// Of simulate alone, as `residual` and `tip_error`.
+    pub(super) torque: Option<Played>,
+    residual: Option<Readings>,
+    tip_error: Option<Readings>,
+    pub(super) results: Readings,
+    verification: Option<Vec<CheckRecord>>,
+    warnings: Vec<WarningRecord>,
+    pub(super) files: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Inputs {
+    link: Fingerprint,
+    motion: Option<Fingerprint>,
+    torque: Option<Fingerprint>,
+    target: Option<Fingerprint>,
+    reference: Option<Fingerprint>,
+    changes: Vec<String>,
+}
+
+/// Times in s between which the tip moves.
+#[derive(Debug, Deserialize)]
+pub(super) struct Moving {
+    pub(super) moves_from_s: f64,
+    pub(super) moves_until_s: f64,
+}
+
+/// What was solved, and written of it.
+#[derive(Debug, Deserialize)]
+pub(super) struct Window {
+    pub(super) modes: Option<usize>,
+    #[serde(rename = "window_start_s")]
+    pub(super) start_s: f64,
+    #[serde(rename = "window_end_s")]
+    pub(super) end_s: f64,
+}
+
+/// What was played.
+#[derive(Debug, Deserialize)]
+pub(super) struct Played {
+    pub(super) start_s: f64,
+    pub(super) simulated_until_s: f64,
+}
+
+/// What tells a summary from other files.
+#[derive(Debug, Deserialize)]
+struct Head {
+    flexlink: Option<String>,
+    command: Option<String>,
+}
+
+impl StoredSummary {
+    pub(super) fn read(file: &InputFile) -> Result<Self, TableError> {
+        let whole = Place { file: &file.shown, line: None };
+        let head: Head = parsed(file, "must be the summary of a run, in JSON")?;
+        let Some(version) = head.flexlink else {
+            let must = format!("must be the version that wrote it: {A_RUN}");
+            return Err(whole.refuse("flexlink", "nothing", must));
+        };
+        let command = head.command.unwrap_or_default();
+        if !["solve", "simulate"].contains(&command.as_str()) {
+            let must = "must be \"solve\" or \"simulate\"";
+            return Err(whole.refuse("command", quoted(&command), must));
+        }
+        let must = format!("must be as flexlink {} writes it", env!("CARGO_PKG_VERSION"));
+        parsed(file, &must).map_err(|error| newer(error, &version))
+    }
+
+    /// Adds to an error that the run is of a later version than this one, if it is.
+    pub(super) fn told(&self, error: TableError) -> TableError {
+        newer(error, &self.flexlink)
+    }
+
+    pub(super) fn origin(&mut self) -> Origin {
+        let Inputs { link, motion, torque, target, reference, changes } = &mut self.inputs;
+        let roles = [
+            ("link", Some(link)),
+            ("motion", motion.as_mut()),
+            ("torque", torque.as_mut()),
+            ("target", target.as_mut()),
+            ("reference", reference.as_mut()),
+        ];
+        let input = |(role, file): (&str, Option<&mut Fingerprint>)| {
+            let Fingerprint { name, sha256 } = file?.clone();
+            Some(StoredInput { role: role.to_owned(), name, sha256 })
+        };
+        Origin {
+            command: self.command.clone(),
+            version: self.flexlink.clone(),
+            title: self.title.clone(),
+            inputs: roles.into_iter().filter_map(input).collect(),
+            changes: std::mem::take(changes),
+        }
+    }
+
+    /// All numbers by name.
+    pub(super) fn take_readings(&mut self) -> Vec<(String, f64)> {
+        let parts = [
+            ("", Some(std::mem::take(&mut self.results))),
+            ("", self.errors.take()),
+            ("residual_", self.residual.take()),
+            ("tip_error_", self.tip_error.take()),
+        ];
+        let named = |(prefix, part): (&'static str, Option<Readings>)| {
+            part.unwrap_or_default().prefixed(prefix)
+        };
+        parts.into_iter().flat_map(named).collect()
+    }
+
+    pub(super) fn take_checks(&mut self) -> Vec<StoredCheck> {
+        let check = |check: CheckRecord| StoredCheck {
+            what: check.what.into_owned(),
+            of: check.of.into_owned(),
+            outcome: match (check.found, check.bound) {
+                (Some(found), Some(bound)) => Ok((found, bound)),
+                _ => Err(check.reason.unwrap_or_else(|| "no finite number was found".to_owned())),
+            },
+            passes: check.passes,
+        };
+        self.verification.take().unwrap_or_default().into_iter().map(check).collect()
+    }
+
+    pub(super) fn take_warnings(&mut self) -> Vec<StoredWarning> {
+        let warning = |warning: WarningRecord| StoredWarning {
+            message: warning.message,
+            hint: warning.hint.into_owned(),
+        };
+        std::mem::take(&mut self.warnings).into_iter().map(warning).collect()
+    }
+}
+
+/// What a JSON file holds, or the line that is to blame and what the file `must` be.
+fn parsed<T: DeserializeOwned>(file: &InputFile, must: &str) -> Result<T, TableError> {
+    serde_json::from_slice(&file.bytes).map_err(|error| {
+        let line = u64::try_from(error.line()).ok().filter(|line| *line > 0);
+        let text = error.to_string();
+        let found = text.split(" at line ").next().unwrap_or_default().to_owned();
+        Place { file: &file.shown, line }.refuse("content", found, must)
+    })
+}
+
+fn newer(error: TableError, version: &str) -> TableError {
+    let own = env!("CARGO_PKG_VERSION");
+    if numbers(version) <= numbers(own) {
+        return error;
+    }
+    error.or_hint(format!("flexlink {version} wrote it, and this is {own}: take that version"))
+}
+
+/// The numbers of a version, the first one first.
+fn numbers(version: &str) -> Vec<u64> {
+    let plain = version.split(['-', '+']).next().unwrap_or_default();
+    plain.split('.').map(|number| number.parse().unwrap_or(0)).collect()
+}

@@ -1,0 +1,108 @@
+//! What `read_result` gives of a folder is what `solve`, `simulate` or `sweep` has written there.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+mod read_back;
+mod refusals;
+mod summaries;
+mod sweeps;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use flexlink::result::{StoredResult, StoredRun, StoredSweep};
+use flexlink::tables::read_result;
+use tempfile::TempDir;
+
+const LINK: &str = "specs/bayo1987_example1.toml";
+const MOTION: &str = "trajectories/sine_0.88s.csv";
+
+/// A short window: what is asked here is not how exact an answer is.
+const SHORT: [&str; 4] = ["--resample", "0.002", "--set", "analysis.tolerance=1e-3"];
+
+/// A folder of its own, for results.
+struct Bench {
+    folder: TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    /// Runs the program in the repository's folder, with the results into `folder`.
+    #[track_caller]
+    fn run(&self, arguments: &[&str], folder: &str) {
+        let into = self.path(folder);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_flexlink"));
+        command.args(arguments).arg("-o").arg(into).arg("--quiet");
+        let output = command.current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+
+    /// `solve` into `out`, with a short window.
+    #[track_caller]
+    fn solve(&self, arguments: &[&str]) {
+        self.run(&[&["solve"], arguments, &SHORT].concat(), "out");
+    }
+
+    #[track_caller]
+    fn run_of(&self, folder: &str) -> StoredRun {
+        match read_result(&self.path(folder)) {
+            Ok(StoredResult::Run(run)) => *run,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[track_caller]
+    fn sweep_of(&self, name: &str) -> StoredSweep {
+        match read_result(&self.path(name)) {
+            Ok(StoredResult::Sweep(sweep)) => *sweep,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// The refusal of a path, without the folder of the bench, and its hint.
+    #[track_caller]
+    fn refusal(&self, name: &str) -> (String, Option<String>) {
+        let error = read_result(&self.path(name)).unwrap_err();
+        let own = format!("{}/", self.folder.path().display());
+        (error.to_string().replace(&own, ""), error.hint().map(str::to_owned))
+    }
+
+    /// The columns of a table, read in the plainest way.
+    fn columns(&self, name: &str) -> Vec<(String, Vec<f64>)> {
+        let text = self.text(name);
+        let mut lines = text.lines();
+        let names = lines.next().unwrap().split(',');
+        let rows: Vec<Vec<f64>> = lines
+            .map(|line| line.split(',').map(|field| field.parse().unwrap()).collect())
+            .collect();
+        let column = |k: usize| rows.iter().map(|row| row[k]).collect();
+        names.enumerate().map(|(k, name)| (name.to_owned(), column(k))).collect()
+    }
+
+    #[track_caller]
+    fn column(&self, name: &str, heading: &str) -> Vec<f64> {
+        let columns = self.columns(name);
+        columns.into_iter().find(|(own, _)| own == heading).unwrap().1
+    }
+}
+
+/// A file of the repository.
+fn repository(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}

@@ -1,0 +1,208 @@
+//! Runs of solve and simulate.
+
+use flexlink::beam::Mesh;
+use flexlink::link::{Damping, Link};
+use flexlink::result::{StoredNodes, StoredRun};
+use flexlink::spec::read_specification;
+
+use super::{Bench, LINK, MOTION, repository};
+
+/// The link of a file with changes, as the program reads it.
+fn link_of(file: &str, changes: &[&str]) -> Link {
+    let text = std::fs::read_to_string(repository(file)).unwrap();
+    let changes: Vec<_> = changes.iter().map(|change| change.parse().unwrap()).collect();
+    read_specification(file, &text, &changes).unwrap().link
+}
+
+/// Whether two numbers are one but for round-off.
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-15 * a.abs().max(b.abs())
+}
+
+#[track_caller]
+fn assert_same_link(found: &Link, expected: &Link) {
+    assert_eq!(
+        (found.title(), found.segments().len()),
+        (expected.title(), expected.segments().len())
+    );
+    for (a, b) in found.segments().iter().zip(expected.segments()) {
+        assert_eq!(a.name, b.name);
+        let numbers = |s: &flexlink::link::Segment| {
+            let (ei, mass) = (s.bending_stiffness_n_m2, s.mass_per_length_kg_m);
+            [s.length_m, ei.inner, ei.outer, mass.inner, mass.outer]
+        };
+        assert!(numbers(a).into_iter().zip(numbers(b)).all(|(a, b)| same(a, b)), "{a:?} {b:?}");
+    }
+    assert_eq!(found.hub(), expected.hub());
+    assert_eq!(found.payload(), expected.payload());
+    assert_eq!(found.masses(), expected.masses());
+}
+
+/// That the histories of a run are the columns of its tables, every bit.
+#[track_caller]
+fn assert_histories(bench: &Bench, folder: &str, run: &StoredRun) {
+    let column = |file: &str, name: &str| bench.column(&format!("{folder}/{file}"), name);
+    assert!(run.times_s == column("torque.csv", "time_s") && run.times_s.len() > 100);
+    assert!(run.torque_n_m == column("torque.csv", "torque_n_m"));
+    assert!(run.hub_angle_rad == column("hub_angle.csv", "hub_angle_rad"));
+    assert!(run.tip.displacement_m == column("tip.csv", "tip_displacement_m"));
+    assert!(run.tip.velocity_m_s == column("tip.csv", "tip_velocity_m_s"));
+    assert!(run.tip.acceleration_m_s2 == column("tip.csv", "tip_acceleration_m_s2"));
+    let nodes = bench.text(&format!("{folder}/nodes.csv"));
+    let places = nodes.lines().skip(1).map(|row| row.split(',').nth(1).unwrap());
+    let places: Vec<f64> = places.map(|place| place.parse().unwrap()).collect();
+    assert_eq!(places.len(), run.mesh.nodes_m().len());
+    for (place, own) in places.iter().zip(run.mesh.nodes_m()) {
+        assert!((place - own).abs() < 1e-9);
+    }
+    if let Some(solved) = &run.solved {
+        assert!(solved.rigid_torque_n_m == column("rigid_torque.csv", "rigid_torque_n_m"));
+        assert!(solved.rigid_hub_angle_rad == column("hub_angle.csv", "rigid_hub_angle_rad"));
+    }
+}
+
+/// That a quantity at nodes is the table's.
+#[track_caller]
+fn assert_nodes(bench: &Bench, table: &str, heading: (&str, &str), found: &StoredNodes) {
+    assert!(found.times_s == bench.column(table, "time_s"), "{table}");
+    assert_eq!(found.nodes.len(), bench.columns(table).len() - 1, "{table}");
+    for (node, history) in found.nodes.iter().zip(&found.histories) {
+        let name = format!("{}{node}_{}", heading.0, heading.1);
+        assert!(*history == bench.column(table, &name), "{table}: {name}");
+    }
+}
+
+#[track_caller]
+fn assert_near(found: &StoredNodes, expected: &StoredNodes) {
+    assert_eq!((&found.nodes, &found.times_s), (&expected.nodes, &expected.times_s));
+    let pairs = found.histories.iter().flatten().zip(expected.histories.iter().flatten());
+    let worst = pairs.fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
+    assert!(worst < 2e-9, "{worst:e} m");
+}
+
+/// Changes of the link, and the damping that the run has then.
+const RIGS: [(&str, &str, &[&str]); 7] = [
+    ("none", LINK, &["damping={ model = \"none\" }"]),
+    ("hysteretic", LINK, &["payload={ mass = 0.05, inertia = 0.001, offset = 0.02 }"]),
+    ("modal", LINK, &["damping={ model = \"modal\", ratios = [0.01, 0.02] }", "hub.radius=0.07"]),
+    (
+        "rayleigh",
+        "specs/rome_link.toml",
+        &["damping={ model = \"rayleigh\", modes = [1, 3], ratios = [0.01, 0.02] }"],
+    ),
+    (
+        "caughey",
+        "specs/gu_petkov.toml",
+        &["damping={ model = \"caughey\", ratios = [0.01, 0.02, 0.03, 0.04] }"],
+    ),
+    (
+        "hysteretic",
+        "specs/bayo1987_example2.toml",
+        &["masses=[{ at = 1.1, mass = 0.03 }, { at = 0.75, mass = 0.05, inertia = 0.001 }]"],
+    ),
+    ("hysteretic", LINK, &["segments.beam.EI=[9, 3]", "segments.root.name=\"a, b\""]),
+];
+
+#[test]
+fn every_rig_comes_back_as_it_was_solved() {
+    let bench = Bench::new();
+    for (law, file, changes) in RIGS {
+        let set: Vec<&str> = changes.iter().flat_map(|change| ["--set", *change]).collect();
+        bench.solve(&[&[file, MOTION], &set[..]].concat());
+        let run = bench.run_of("out");
+        let expected = link_of(file, changes);
+        assert_same_link(&run.link, &expected);
+        assert_eq!(run.link.damping().name(), law);
+        match (run.link.damping(), expected.damping()) {
+            // Told by α and β, which are what the law has come to on the mesh.
+            (Damping::Rayleigh { alpha_per_s, beta_s }, _) => {
+                assert!(*alpha_per_s > 0.0 && *beta_s > 0.0);
+            }
+            (found, expected) => assert_eq!(found, expected),
+        }
+        assert_histories(&bench, "out", &run);
+        let derived = run.deflections_m.unwrap();
+        bench.solve(&[&[file, MOTION], &set[..], &["--deflections", "--moments"]].concat());
+        let run = bench.run_of("out");
+        let (deflections, moments) = (run.deflections_m.unwrap(), run.moments_n_m.unwrap());
+        assert_nodes(&bench, "out/nodal_deflections.csv", ("w", "m"), &deflections);
+        assert_nodes(&bench, "out/bending_moments.csv", ("m", "n_m"), &moments);
+        assert_near(&derived, &deflections);
+    }
+}
+
+#[test]
+fn nodal_tables_may_be_thinned_in_any_order() {
+    let bench = Bench::new();
+    for every in ["1", "7", "300", "100000"] {
+        let thin = ["--nodes", "10,0,5", "--every", every, "--moments"];
+        bench.solve(&[&[LINK, MOTION], &thin[..]].concat());
+        let derived = bench.run_of("out").deflections_m.unwrap();
+        assert_eq!(derived.nodes, [0, 5, 10]);
+        bench.solve(&[&[LINK, MOTION, "--deflections"], &thin[..]].concat());
+        let run = bench.run_of("out");
+        let every: usize = every.parse().unwrap();
+        let thinned: Vec<f64> = run.times_s.iter().step_by(every).copied().collect();
+        assert_eq!(derived.times_s, thinned);
+        assert_near(&derived, &run.deflections_m.unwrap());
+        assert_nodes(&bench, "out/bending_moments.csv", ("m", "n_m"), &run.moments_n_m.unwrap());
+    }
+}
+
+#[test]
+fn all_digits_and_an_automatic_mesh_with_few_kept_modes_come_back() {
+    let bench = Bench::new();
+    let set = ["--set", "mesh.elements=\"auto\"", "--set", "mesh.tolerance=1e-7"];
+    bench.write("link.toml", "segments = [{ length = 1.5, EI = 5, mass_per_length = 0.8 }]\n");
+    let link = bench.path("link.toml");
+    let link = link.to_str().unwrap();
+    let digits = ["--digits", "full", "--set", "analysis.modes=4"];
+    bench.solve(&[&[link, MOTION], &set[..], &digits].concat());
+    let run = bench.run_of("out");
+    assert_eq!(run.kept_modes, Some(4));
+    assert!(run.mesh.nodes_m().len() > 9);
+    assert_histories(&bench, "out", &run);
+    bench.solve(&[LINK, MOTION]);
+    assert_eq!(bench.run_of("out").kept_modes, None);
+}
+
+#[test]
+fn a_simulation_comes_back_with_and_without_feedback_and_target() {
+    let bench = Bench::new();
+    bench.solve(&[LINK, MOTION]);
+    let [torque, tip, hub] =
+        ["torque.csv", "tip.csv", "hub_angle.csv"].map(|name| bench.path("out").join(name));
+    let [torque, tip, hub] = [&torque, &tip, &hub].map(|path| path.to_str().unwrap());
+    let play = ["simulate", LINK, torque, "--set", "payload.mass=0.05"];
+    let feedback = ["--feedback", "20,2", "--reference", hub];
+    for (options, roles) in [
+        (&["--until", "4"][..], &["link", "torque"][..]),
+        (&["--target", tip, "--nodes", "3,1"], &["link", "torque", "target"]),
+        (&feedback, &["link", "torque", "reference"]),
+        (
+            &[&feedback[..], &["--target", tip, "--digits", "full"]].concat(),
+            &["link", "torque", "target", "reference"],
+        ),
+    ] {
+        bench.run(&[&play[..], options].concat(), "played");
+        let run = bench.run_of("played");
+        assert_same_link(&run.link, &link_of(LINK, &["payload.mass=0.05"]));
+        assert_histories(&bench, "played", &run);
+        assert_eq!(run.origin.inputs.iter().map(|i| i.role.as_str()).collect::<Vec<_>>(), roles);
+        assert_eq!((run.solved, run.moments_n_m, run.kept_modes), (None, None, None));
+        assert_eq!(run.origin.changes[0], "--set payload.mass=0.05");
+        // v = xθ + w, the other way round.
+        let found = run.deflections_m.unwrap();
+        assert_deflected(&bench, &run.mesh, &run.hub_angle_rad, &found);
+    }
+}
+
+#[track_caller]
+fn assert_deflected(bench: &Bench, mesh: &Mesh, hub_angle_rad: &[f64], found: &StoredNodes) {
+    for (node, history) in found.nodes.iter().zip(&found.histories) {
+        let v = bench.column("played/nodal_displacements.csv", &format!("v{node}_m"));
+        for ((v, w), angle) in v.iter().zip(history).zip(hub_angle_rad) {
+            assert!((w + mesh.nodes_m()[*node] * angle - v).abs() < 1e-14);
+        }
+    }
+}

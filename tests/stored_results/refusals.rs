@@ -1,0 +1,289 @@
+//! Folders that are refused, each in its words.
+
+use super::{Bench, LINK, MOTION};
+
+const A_RUN: &str = "must be there: the folder of a run of `flexlink solve` or `simulate`";
+const ONE_RUN: &str = "a folder holds one run";
+
+/// A run of solve in `out`, with all of its tables.
+fn solved() -> Bench {
+    let bench = Bench::new();
+    bench.solve(&[LINK, MOTION, "--deflections", "--moments", "--nodes", "0,10", "--every", "10"]);
+    bench
+}
+
+/// The refusal of the run after a change of the text of one of its files, which is then undone.
+#[track_caller]
+fn after(bench: &Bench, file: &str, change: impl Fn(&str) -> String) -> String {
+    let name = format!("out/{file}");
+    let text = bench.text(&name);
+    let changed = change(&text);
+    assert_ne!(changed, text, "{file} is changed");
+    bench.write(&name, &changed);
+    let refusal = bench.refusal("out").0;
+    bench.write(&name, &text);
+    refusal
+}
+
+/// A text with another line, numbered from 1, or without it.
+fn with_line(text: &str, line: usize, change: impl Fn(&str) -> Option<String>) -> String {
+    let lines = text.lines().enumerate();
+    let changed =
+        lines.filter_map(|(k, row)| if k + 1 == line { change(row) } else { Some(row.to_owned()) });
+    changed.map(|row| row + "\n").collect()
+}
+
+fn with_field(text: &str, line: usize, field: usize, value: &str) -> String {
+    with_line(text, line, |row| {
+        let mut fields: Vec<&str> = row.split(',').collect();
+        fields[field] = value;
+        Some(fields.join(","))
+    })
+}
+
+#[test]
+fn a_missing_file_is_told_by_its_name() {
+    let bench = solved();
+    for name in [
+        "torque.csv",
+        "rigid_torque.csv",
+        "hub_angle.csv",
+        "tip.csv",
+        "nodes.csv",
+        "nodal_displacements.csv",
+        "nodal_deflections.csv",
+        "bending_moments.csv",
+    ] {
+        let path = bench.path("out").join(name);
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        let named = "must be there: summary.json names it";
+        assert_eq!(bench.refusal("out").0, format!("out: {name} = nothing, but {named}"));
+        let summary = bench.text("out/summary.json");
+        let unnamed = summary.replace(&format!("    \"{name}\",\n"), "");
+        assert_ne!(unnamed, summary);
+        bench.write("out/summary.json", &unnamed);
+        if name.starts_with("nodal") || name.starts_with("bending") {
+            let run = bench.run_of("out");
+            assert_eq!(run.moments_n_m.is_none(), name.starts_with("bending"));
+            assert!(run.deflections_m.is_some());
+        } else {
+            assert_eq!(bench.refusal("out").0, format!("out: {name} = nothing, but {A_RUN}"));
+        }
+        bench.write("out/summary.json", &summary);
+        std::fs::write(&path, bytes).unwrap();
+    }
+    bench.run_of("out");
+}
+
+#[test]
+fn a_foreign_folder_and_a_path_of_nothing_are_refused() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("none")).unwrap();
+    let too = "the table of a sweep will do, too";
+    let empty = (format!("none: summary.json = nothing, but {A_RUN}"), Some(too.to_owned()));
+    assert_eq!(bench.refusal("none"), empty);
+    bench.write("none/data.csv", "a,b\n1,2\n");
+    assert_eq!(bench.refusal("none"), empty);
+    let missing = bench.refusal("nowhere").0;
+    assert!(missing.starts_with("nowhere: cannot read: "), "{missing}");
+}
+
+#[test]
+fn a_foreign_or_damaged_summary_is_refused() {
+    let bench = solved();
+    let summary = |text: &str| {
+        let text = text.to_owned();
+        after(&bench, "summary.json", |_| text.clone())
+    };
+    let foreign = summary("{\"name\": \"a page\"}");
+    let version = "must be the version that wrote it: the folder of a run of `flexlink solve`";
+    assert_eq!(
+        foreign,
+        format!("out/summary.json: flexlink = nothing, but {version} or `simulate`")
+    );
+    let command = summary("{\"flexlink\": \"0.1.0\", \"command\": \"modes\"}");
+    let known = "must be \"solve\" or \"simulate\"";
+    assert_eq!(command, format!("out/summary.json: command = \"modes\", but {known}"));
+    for (text, expected) in [
+        ("", "out/summary.json:1: content = EOF while parsing a value, but must be the summary"),
+        ("[1]", "out/summary.json:1: content = "),
+        ("{\n\"flexlink\": \"0.1", "out/summary.json:2: content = EOF while parsing a string, but"),
+    ] {
+        let refusal = summary(text);
+        assert!(refusal.starts_with(expected), "{refusal}");
+    }
+    let must = format!("must be as flexlink {} writes it", env!("CARGO_PKG_VERSION"));
+    let change =
+        |from: &str, to: &str| after(&bench, "summary.json", |text| text.replacen(from, to, 1));
+    let untitled = change("\"title\"", "\"name\"");
+    assert!(
+        untitled.ends_with(&format!("content = missing field `title`, but {must}")),
+        "{untitled}"
+    );
+    let length = change("\"length_m\": 0.15", "\"length_m\": \"0.15\"");
+    let words = format!("content = invalid type: string \"0.15\", expected f64, but {must}");
+    assert!(length.starts_with("out/summary.json:") && length.ends_with(&words), "{length}");
+    let negative = change("\"length_m\": 0.15", "\"length_m\": -0.15");
+    let above =
+        "out/summary.json: link.segments.0.length = -0.15 m, but must be finite and above 0";
+    assert_eq!(negative, above);
+    assert_eq!(
+        change("\"length_m\": 0.15", "\"length_m\": 0.25"),
+        "out/summary.json: link.length_m = 1.5 m, but must be 1.6 m, the sum of hub radius and segments"
+    );
+    assert_eq!(
+        change("\"lead_s\"", "\"lead\""),
+        "out/summary.json: results.lead_s = nothing, but must be there"
+    );
+    assert_eq!(
+        change("\"motion\": {\n    \"given\"", "\"mution\": {\n    \"given\""),
+        "out/summary.json: motion = nothing, but must be there"
+    );
+    assert_eq!(
+        change("\"tip.csv\"", "\"../tip.csv\""),
+        "out: files = \"../tip.csv\", but must be names without folders"
+    );
+}
+
+#[test]
+fn a_later_version_is_told_of_where_something_is_missing() {
+    let bench = solved();
+    let summary = bench.text("out/summary.json");
+    let later = summary.replace(
+        &format!("\"flexlink\": \"{}\"", env!("CARGO_PKG_VERSION")),
+        "\"flexlink\": \"10.0.0\"",
+    );
+    let hint = format!(
+        "flexlink 10.0.0 wrote it, and this is {}: take that version",
+        env!("CARGO_PKG_VERSION")
+    );
+    bench.write("out/summary.json", &later);
+    bench.run_of("out");
+    bench.write("out/summary.json", &later.replace("\"title\"", "\"name\""));
+    assert_eq!(bench.refusal("out").1, Some(hint.clone()));
+    bench.write("out/summary.json", &later);
+    std::fs::remove_file(bench.path("out/tip.csv")).unwrap();
+    assert_eq!(bench.refusal("out").1, Some(hint));
+    bench.write("out/summary.json", &summary);
+    assert_eq!(bench.refusal("out").1, None);
+}
+
+#[test]
+fn columns_that_are_missing_unknown_or_twice_are_refused() {
+    let bench = solved();
+    let header =
+        |file: &str, from: &str, to: &str| after(&bench, file, |text| text.replacen(from, to, 1));
+    for (file, from, to, expected) in [
+        (
+            "torque.csv",
+            "torque_n_m",
+            "torque_nm",
+            "columns = \"time_s,torque_nm\", but must include torque_n_m",
+        ),
+        ("torque.csv", "time_s", "time", "columns = \"time,torque_n_m\", but must include time_s"),
+        (
+            "rigid_torque.csv",
+            "time_s,rigid_torque_n_m",
+            "rigid_torque_n_m,time_s",
+            "column 1 = \"rigid_torque_n_m\", but must be time_s",
+        ),
+        (
+            "nodes.csv",
+            "node,x_m",
+            "node,x",
+            "columns = \"node,x,segment\", but must be \"node,x_m,segment\"",
+        ),
+        (
+            "nodal_displacements.csv",
+            "v10_m",
+            "v11_m",
+            "column 3 = \"v11_m\", but must be of a node, v0_m to v10_m",
+        ),
+        (
+            "nodal_displacements.csv",
+            "v10_m",
+            "v010_m",
+            "column 3 = \"v010_m\", but must be of a node, v0_m to v10_m",
+        ),
+        (
+            "nodal_deflections.csv",
+            "w0_m",
+            "v0_m",
+            "column 2 = \"v0_m\", but must be of a node, w0_m to w10_m",
+        ),
+        (
+            "bending_moments.csv",
+            "m0_n_m",
+            "m10_n_m",
+            "column 3 = \"m10_n_m\", but must not repeat column 2",
+        ),
+    ] {
+        assert_eq!(header(file, from, to), format!("out/{file}:1: {expected}"));
+    }
+    let more = after(&bench, "tip.csv", |text| {
+        let rows: Vec<&str> = text.lines().collect();
+        rows.join(",tip_angle_rad\n") + ",tip_angle_rad\n"
+    });
+    let known = "time_s, tip_displacement_m, tip_velocity_m_s, tip_acceleration_m_s2";
+    assert_eq!(
+        more,
+        format!("out/tip.csv:1: column 5 = \"tip_angle_rad\", but must be one of {known}")
+    );
+}
+
+#[test]
+fn fields_that_are_no_numbers_are_refused() {
+    let bench = solved();
+    for (file, value, expected) in [
+        ("torque.csv", "", "torque_n_m = nothing, but must be a finite number"),
+        ("torque.csv", "NaN", "torque_n_m = NaN, but must be a finite number"),
+        ("torque.csv", "-inf", "torque_n_m = -inf, but must be a finite number"),
+        ("tip.csv", "much", "tip_displacement_m = \"much\", but must be a number"),
+        ("hub_angle.csv", "", "hub_angle_rad = nothing, but must be a finite number"),
+        ("bending_moments.csv", "nan", "m0_n_m = nan, but must be a finite number"),
+        ("nodes.csv", "x", "x_m = \"x\", but must be a number"),
+    ] {
+        let refusal = after(&bench, file, |text| with_field(text, 5, 1, value));
+        assert_eq!(refusal, format!("out/{file}:5: {expected}"));
+    }
+    let short = after(&bench, "torque.csv", |text| with_line(text, 7, |_| Some("1".into())));
+    assert_eq!(short, "out/torque.csv:7: fields = 1, but must be 2, as many as there are columns");
+    let none = after(&bench, "tip.csv", |text| text.lines().next().unwrap().to_owned());
+    assert_eq!(none, "out/tip.csv: rows = none, but must be one or more below the names");
+}
+
+#[test]
+fn times_that_are_uneven_or_of_another_run_are_refused() {
+    let bench = solved();
+    let times = bench.column("out/torque.csv", "time_s");
+    let rows = times.len();
+    let lost = |text: &str| with_line(text, 9, |_| None);
+    let uneven = after(&bench, "torque.csv", lost);
+    let expected = format!("out/torque.csv:9: time = {} s, but must be {} s: ", times[8], times[7]);
+    assert!(uneven.starts_with(&expected), "{uneven} is not {expected}");
+    let back = after(&bench, "torque.csv", |text| with_field(text, 5, 0, &times[0].to_string()));
+    let above = format!("must be above {} s of the row before", times[2]);
+    assert_eq!(back, format!("out/torque.csv:5: time_s = {} s, but {above}", times[0]));
+    for file in ["rigid_torque.csv", "hub_angle.csv", "tip.csv"] {
+        let has = format!("must be {rows}, as torque.csv has it: {ONE_RUN}");
+        let refusal = after(&bench, file, lost);
+        assert_eq!(refusal, format!("out/{file}: rows = {}, but {has}", rows - 1));
+        let late = format!("{}", times[3] + 1e-4);
+        let other = format!("must be {} s as in torque.csv: {ONE_RUN}", times[3]);
+        let refusal = after(&bench, file, |text| with_field(text, 5, 0, &late));
+        assert_eq!(refusal, format!("out/{file}:5: time_s = {late} s, but {other}"));
+    }
+    let fewer = after(&bench, "nodal_displacements.csv", lost);
+    assert!(fewer.contains(&format!("as torque.csv has it: {ONE_RUN}")), "{fewer}");
+    let shorter = after(&bench, "torque.csv", |text| with_line(text, rows + 1, |_| None));
+    let end = format!("must be {} s as in summary.json: {ONE_RUN}", times[rows - 1]);
+    assert_eq!(
+        shorter,
+        format!("out/torque.csv:{rows}: time_s = {} s, but {end}", times[rows - 2])
+    );
+    let other = after(&bench, "nodes.csv", |text| with_field(text, 4, 1, "0.31"));
+    assert!(other.starts_with("out/nodes.csv: nodes.x_m = 0.31 m, but must be 0.3"), "{other}");
+    let number = after(&bench, "nodes.csv", |text| with_field(text, 4, 0, "3"));
+    assert_eq!(number, "out/nodes.csv:4: node = \"3\", but must be 2");
+}

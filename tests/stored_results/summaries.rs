@@ -1,0 +1,136 @@
+//! What of summary.json comes back: origin, readings, checks, warnings.
+
+use serde_json::Value;
+
+use super::{Bench, LINK, MOTION};
+
+fn json(bench: &Bench, folder: &str) -> Value {
+    serde_json::from_str(&bench.text(&format!("{folder}/summary.json"))).unwrap()
+}
+
+/// That the numbers of the readings are those of the summary under their keys.
+#[track_caller]
+fn assert_readings(found: &[(String, f64)], summary: &Value) {
+    for (name, number) in found {
+        let of = |part: &str, key: &str| summary[part].get(key).and_then(Value::as_f64);
+        let expected = of("results", name)
+            .or_else(|| of("errors", name))
+            .or_else(|| of("residual", name.strip_prefix("residual_")?))
+            .or_else(|| of("tip_error", name.strip_prefix("tip_error_")?));
+        assert_eq!(expected.map(f64::to_bits), Some(number.to_bits()), "{name}");
+    }
+}
+
+#[test]
+fn a_verified_run_tells_its_origin_numbers_checks_and_warnings() {
+    let bench = Bench::new();
+    let changes = ["--set", "analysis.lead=0.1", "--set", "limits.torque=0.5"];
+    bench.solve(&[&[LINK, MOTION], &changes[..]].concat());
+    let run = bench.run_of("out");
+    let summary = json(&bench, "out");
+    assert_eq!(
+        (run.origin.command.as_str(), run.origin.version.as_str()),
+        ("solve", env!("CARGO_PKG_VERSION"))
+    );
+    assert_eq!(run.origin.title, "Bayo (1987), example 1: I = 0.25e-2 cm^4");
+    let inputs: Vec<_> =
+        run.origin.inputs.iter().map(|i| (i.role.as_str(), i.name.as_str())).collect();
+    assert_eq!(inputs, [("link", "bayo1987_example1.toml"), ("motion", "sine_0.88s.csv")]);
+    for input in &run.origin.inputs {
+        assert_eq!(summary["inputs"][&input.role]["sha256"], input.sha256);
+    }
+    assert_eq!(run.origin.changes.len(), 4, "{:?}", run.origin.changes);
+    let names: Vec<&str> = run.readings.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names[0], "peak_torque_n_m");
+    assert_eq!(names[12..], ["mesh_error", "edge_error"], "truncation_error is null");
+    assert_readings(&run.readings, &summary);
+    let solved = run.solved.unwrap();
+    for (found, expected) in [
+        (solved.lead_s, &summary["results"]["lead_s"]),
+        (solved.lag_s, &summary["results"]["lag_s"]),
+        (solved.moving_s.0, &summary["motion"]["moves_from_s"]),
+        (solved.moving_s.1, &summary["motion"]["moves_until_s"]),
+    ] {
+        assert_eq!(Some(found.to_bits()), expected.as_f64().map(f64::to_bits));
+    }
+    let warnings = summary["warnings"].as_array().unwrap();
+    assert!(warnings.len() >= 2 && warnings.len() == run.warnings.len());
+    for (found, expected) in run.warnings.iter().zip(warnings) {
+        assert_eq!(
+            (&expected["message"], &expected["hint"]),
+            (&Value::from(found.message.as_str()), &Value::from(found.hint.as_str()))
+        );
+    }
+    assert!(run.checks.is_empty());
+}
+
+#[test]
+fn checks_come_back_measured_or_with_the_reason() {
+    let bench = Bench::new();
+    bench.run(&["solve", LINK, MOTION, "--verify", "--every", "50"], "out");
+    let checks = bench.run_of("out").checks;
+    let summary = json(&bench, "out");
+    let expected = summary["verification"].as_array().unwrap();
+    assert!(checks.len() == 7 && expected.len() == 7);
+    for (found, expected) in checks.iter().zip(expected) {
+        assert_eq!(
+            (found.what.as_str(), found.of.as_str()),
+            (expected["what"].as_str().unwrap(), expected["of"].as_str().unwrap())
+        );
+        let number = |key: &str| expected[key].as_f64().unwrap().to_bits();
+        let (value, bound) = found.outcome.clone().unwrap();
+        assert_eq!((value.to_bits(), bound.to_bits()), (number("found"), number("bound")));
+        assert!(found.passes);
+    }
+    let text = bench.text("out/summary.json");
+    let (before, after) = text.split_once("\"found\": ").unwrap();
+    let (_, after) = after.split_once("\"passes\": true").unwrap();
+    let unmeasured = "null, \"bound\": null, \"reason\": \"no modes\", \"passes\": false";
+    bench.write("out/summary.json", &format!("{before}\"found\": {unmeasured}{after}"));
+    let check = bench.run_of("out").checks.swap_remove(0);
+    assert_eq!((check.outcome, check.passes), (Err("no modes".to_owned()), false));
+}
+
+#[test]
+fn the_numbers_of_a_simulation_are_named_by_what_they_are_of() {
+    let bench = Bench::new();
+    bench.solve(&[LINK, MOTION]);
+    let (torque, tip) = (bench.path("out/torque.csv"), bench.path("out/tip.csv"));
+    let target = ["--target", tip.to_str().unwrap()];
+    bench.run(&[&["simulate", LINK, torque.to_str().unwrap()], &target[..]].concat(), "played");
+    let run = bench.run_of("played");
+    let names: Vec<&str> = run.readings.iter().map(|(name, _)| name.as_str()).collect();
+    let expected = [
+        "peak_torque_n_m",
+        "farthest_m",
+        "travel_m",
+        "final_tip_velocity_m_s",
+        "peak_hub_angle_rad",
+        "peak_hub_rate_rad_s",
+        "peak_power_w",
+        "peak_deflection_m",
+        "residual_amplitude_m",
+        "residual_share",
+        "residual_frequency_hz",
+        "residual_decay_s",
+        "tip_error_worst_m",
+        "tip_error_share",
+        "tip_error_time_s",
+        "tip_error_rms_m",
+        "tip_error_final_m",
+    ];
+    assert_eq!(names, expected);
+    assert_readings(&run.readings, &json(&bench, "played"));
+}
+
+#[test]
+fn keys_of_a_later_version_are_passed_over() {
+    let bench = Bench::new();
+    bench.solve(&[LINK, MOTION]);
+    let text = bench.text("out/summary.json");
+    let version = format!("\"flexlink\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    assert!(text.contains(&version));
+    bench
+        .write("out/summary.json", &text.replace(&version, "\"flexlink\": \"9.1.0\", \"new\": {}"));
+    assert_eq!(bench.run_of("out").origin.version, "9.1.0");
+}
