@@ -31,6 +31,7 @@ DOCUMENTS = [
     "LICENSE-MIT",
     "docs/growth.svg",
     "docs/torque.svg",
+    "docs/waves.svg",
 ]
 EXAMPLES = ["specs/*.toml", "trajectories/*.csv", "examples/*"]
 COMPLETIONS = {

@@ -23,6 +23,7 @@ NEEDED = [
     "LICENSE-MIT",
     "docs/growth.svg",
     "docs/torque.svg",
+    "docs/waves.svg",
 ]
 NEEDED += ["LICENSES-THIRD-PARTY", "examples/stiffness_sweep.sh", "examples/read_results.py"]
 NEEDED += [LINK, MOTION, "man/man1/flexlink.1", "man/man1/flexlink-solve.1"]

@@ -14,6 +14,8 @@ LIBC = """\
 So is the GNU C library (LGPL-2.1 or later); the sources of flexlink with their Cargo.lock are what
 it takes to link with another version of it.
 """
+# Inside the program for `flexlink report --png`.
+FONT_LICENCE = "src/report/font/LICENSE"
 
 
 def linked(root, target):
@@ -53,6 +55,9 @@ def licences(root, target):
         lines.append(f"{name}: {package['license']}")
         for text in texts(package):
             users.setdefault(text, []).append(name)
+    font = "DejaVu Sans 2.37, the letters of figures"
+    lines.append(font)
+    users.setdefault((root / FONT_LICENCE).read_text(encoding="utf-8").strip(), []).append(font)
     for text, names in users.items():
         lines += ["", "=" * 80, ", ".join(names), "=" * 80, "", text]
     return "\n".join(lines).encode() + b"\n"

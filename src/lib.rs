@@ -14,6 +14,7 @@
 //! motion.csv ─tables─► TipMotion ─► inverse ─► Solution + warnings ─► result, tables
 //! torque.csv ─tables─► Torque ─► response ─► Simulation ─► result, tables
 //!                                   Solution, Simulation ─► verification
+//! result folder ─tables─► StoredResult ─► report
 //! ```
 //!
 //! | module | holds |
@@ -25,11 +26,12 @@
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
 //! | [`inverse`] | transfer at one frequency, period and padding, the inversion, rigid comparison |
 //! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
-//! | [`result`] | the numbers that a person reads first; two results held against each other |
+//! | [`result`] | the numbers that a person reads first; results held against each other, or read back |
 //! | [`sweep`] | many cases in parallel, their order kept; shards |
 //! | [`verification`] | every approximation of a solution measured by other means |
 //! | [`spec`] | link file and `--set` → [`link::Link`]; file of tolerances |
-//! | [`tables`] | CSV → motion, torque, hub reference; solution → CSV and summary.json; golden files |
+//! | [`tables`] | CSV → motion, torque, hub reference; solution → CSV and summary.json, and back; golden files |
+//! | [`report`] | a result as figures, and as a page to look at |
 //!
 //! A module imports only from those above it (`tests/layers.rs` holds it to that); the program in
 //! `main.rs` and `cli/` stands on top of all.
@@ -119,6 +121,7 @@ pub mod link;
 pub mod modal;
 pub mod motion;
 pub mod numeric;
+pub mod report;
 pub mod response;
 pub mod result;
 pub mod spec;

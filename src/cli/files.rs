@@ -93,3 +93,16 @@ pub(crate) fn keep_files(output: &Path, inputs: &[&Path]) -> Result<(), Failure>
     let message = format!("--output = {}, but must not be a file that is read", output.display());
     Err(Failure::new(Exit::Usage, &message, None))
 }
+
+/// Refuses to write the page of a run over a file of the run.
+pub(crate) fn keep_page(output: &Path, run: &Path) -> Result<(), Failure> {
+    let (Ok(there), Ok(folder)) = (output.canonicalize(), run.canonicalize()) else {
+        return Ok(());
+    };
+    let name = there.file_name().unwrap_or_default();
+    if there.parent() != Some(&folder) || !is_result_file(name) || name == "report.html" {
+        return Ok(());
+    }
+    let message = format!("--output = {}, but must not be a file of the run", output.display());
+    Err(Failure::new(Exit::Usage, &message, None))
+}

@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use flexlink::beam::Mesh;
 use flexlink::link::{Damping, Link};
 use flexlink::modal::DampingLaw;
+use flexlink::numeric::significant;
 use flexlink::result::Peak;
 
-use super::number::{list, significant};
+use super::number::list;
 
 /// The link's title, then a line for each label that has content.
 pub(crate) fn labelled(link: &Link, lines: &[(&str, String)]) -> String {

@@ -16,6 +16,7 @@ mod modes;
 mod modes_text;
 mod number;
 mod progress;
+mod report;
 mod schema;
 mod shell;
 mod simulate;
@@ -71,6 +72,7 @@ enum Command {
     Sweep(Box<sweep::Sweep>),
     Trajectory(trajectory::Trajectory),
     Compare(compare::Compare),
+    Report(report::Report),
     Init(init::Init),
     Schema(schema::Schema),
     Completions(shell::Completions),
@@ -101,6 +103,7 @@ impl Command {
             Self::Frf(frf) => frf.run(),
             Self::Sweep(sweep) => sweep.run(),
             Self::Trajectory(trajectory) => trajectory.run(),
+            Self::Report(report) => report.run(),
             Self::Init(init) => init.run(),
             Self::Schema(schema) => schema.run(),
             Self::Completions(completions) => completions.run(Cli::command()),

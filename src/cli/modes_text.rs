@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
+use flexlink::numeric::significant;
 use flexlink::tables::ModesResult;
 
 use super::link_text::{link_line, title};
-use super::number::significant;
 
 /// Modes, zeros and the modes with the rotor held, lines of at most 80 columns.
 pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> String {

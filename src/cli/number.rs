@@ -1,16 +1,4 @@
-/// A number with `digits` significant digits, for people.
-pub(crate) fn significant(value: f64, digits: usize) -> String {
-    let after_first = digits - 1;
-    let scientific = format!("{value:.after_first$e}");
-    let exponent = scientific.split_once('e').and_then(|(_, e)| e.parse::<isize>().ok());
-    match exponent {
-        Some(exponent) if (-3..6).contains(&exponent) => {
-            let decimals = after_first.saturating_add_signed(-exponent);
-            format!("{value:.decimals$}")
-        }
-        _ => scientific,
-    }
-}
+use flexlink::numeric::significant;
 
 /// Several numbers with `digits` significant digits each.
 pub(crate) fn list(values: &[f64], digits: usize) -> String {
@@ -18,19 +6,4 @@ pub(crate) fn list(values: &[f64], digits: usize) -> String {
         return "none".into();
     }
     values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn digits_are_significant_and_extremes_are_scientific() {
-        assert_eq!(significant(0.526_425_1, 4), "0.5264");
-        assert_eq!(significant(181.588, 4), "181.6");
-        assert_eq!(significant(123_456.7, 3), "123457");
-        assert_eq!(significant(9.9996, 4), "10.00");
-        assert_eq!(significant(1.5e-4, 2), "1.5e-4");
-        assert_eq!(significant(0.0, 3), "0.00");
-    }
 }

@@ -32,10 +32,11 @@ Play a torque on a link: direct dynamics.
 
 Writes torque.csv (the torque as played, feedback included), tip.csv, hub_angle.csv, \
 nodal_displacements.csv, nodes.csv and summary.json into a folder, all or none of them, and prints \
-a short summary. The link is at rest before the torque's first sample; after the last one it is free. Each mode is integrated \
-exactly in time, so that the answer does not depend on the Fourier transform of solve. A \
-hysteretic link has no equation in time: its ratio is taken as the viscous ratio of every mode. \
-The torque acts at the hub, on the whole link: [drive] and analysis.modes have no part in it.";
+a short summary. The link is at rest before the torque's first sample; after the last one it is \
+free. Each mode is integrated exactly in time, so that the answer does not depend on the Fourier \
+transform of solve. A hysteretic link has no equation in time: its ratio is taken as the viscous \
+ratio of every mode. The torque acts at the hub, on the whole link: [drive] and analysis.modes have \
+no part in it.";
 
 /// Play a torque on a link: direct dynamics.
 #[derive(Debug, Args)]

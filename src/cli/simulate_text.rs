@@ -1,11 +1,11 @@
 //! The short summary that `simulate` prints.
 
 use flexlink::link::{Damping, Link};
+use flexlink::numeric::significant;
 use flexlink::response::{Interpolation, Play, Simulation};
 use flexlink::result::{PlayedMetrics, TipError};
 
 use super::link_text::{damping_line, hub_line, labelled, link_line, ratios_line};
-use super::number::significant;
 
 /// The summary, lines of at most 80 columns.
 pub(crate) fn simulate_text(

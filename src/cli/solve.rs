@@ -13,6 +13,7 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::files::keep;
 use super::progress::StageBar;
+use super::report::write_page;
 use super::solve_text::{memory_text, solve_text};
 use super::verify::{measured, refuse_failed};
 use super::verify_text::verify_text;
@@ -75,7 +76,7 @@ pub(crate) struct Solve {
     threads: ThreadArgs,
 }
 
-/// Tables beyond those that are always written.
+/// What is written beyond what always is.
 #[derive(Debug, Args)]
 struct OptionalArgs {
     #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
@@ -83,6 +84,9 @@ struct OptionalArgs {
 
     #[arg(long, help = "Also write bending_moments.csv")]
     moments: bool,
+
+    #[arg(long, help = "Also write report.html, the page that `flexlink report` makes")]
+    report: bool,
 }
 
 impl Solve {
@@ -137,6 +141,12 @@ impl Solve {
                 let text = solve_text(link, &motion, &solution, &metrics, &written);
                 let checks = verification.as_ref().map(verify_text).unwrap_or_default();
                 console::print(&(text + &checks))?;
+            }
+        }
+        if self.also.report {
+            let page = write_page(&self.output)?;
+            if !self.print.quiet && !self.print.json {
+                console::print(&page)?;
             }
         }
         if let Some(verification) = &verification {

@@ -1,4 +1,5 @@
-//! What a run found: the numbers that a person reads first; two results held against each other.
+//! What a run found: the numbers that a person reads first; results held against each other, or read
+//! back.
 
 pub mod comparison;
 mod fit;

@@ -3,6 +3,7 @@
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::motion::TipMotionHistories;
+use crate::numeric::largest;
 use crate::result::comparison::Table;
 
 /// A result that was read back.
@@ -80,6 +81,8 @@ pub struct StoredSolution {
     pub rigid_torque_n_m: Vec<f64>,
     /// Hub angle in rad of the rigid link.
     pub rigid_hub_angle_rad: Vec<f64>,
+    /// Torque in N m of the motor, where a drive sits between it and the hub.
+    pub motor_torque_n_m: Option<Vec<f64>>,
     /// Times in s between which the tip moves.
     pub moving_s: (f64, f64),
     /// How long before the tip's motion the torque exceeds 2 % of its peak, in s.
@@ -97,6 +100,13 @@ pub struct StoredNodes {
     pub times_s: Vec<f64>,
     /// One history a node.
     pub histories: Vec<Vec<f64>>,
+}
+
+impl StoredNodes {
+    /// Largest absolute value of all histories.
+    pub fn peak(&self) -> f64 {
+        self.histories.iter().map(|history| largest(history)).fold(0.0, f64::max)
+    }
 }
 
 /// One line of the table of checks.

@@ -15,6 +15,7 @@ mod locale;
 mod modes;
 mod options;
 mod paths;
+mod report;
 mod rigs;
 mod simulate;
 mod simulate_refusals;

@@ -81,6 +81,7 @@ fn every_command_has_a_manual_page() {
         "sweep",
         "trajectory",
         "compare",
+        "report",
         "init",
         "schema",
         "completions",
@@ -90,5 +91,5 @@ fn every_command_has_a_manual_page() {
         assert!(pages.contains(&page), "{page} is not among {pages:?}");
         assert!(bench.read(&format!("man1/{page}")).contains("Example:"), "{page}");
     }
-    assert_eq!(pages.len(), 13);
+    assert_eq!(pages.len(), 14);
 }

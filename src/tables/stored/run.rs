@@ -1,6 +1,6 @@
 //! The folder of a run, read back.
 
-use super::super::histories::SUMMARY;
+use super::super::histories::{MOTOR, SUMMARY};
 use super::super::input::InputFile;
 use super::super::table_error::{Place, TableError};
 use super::folder::RunFolder;
@@ -15,6 +15,9 @@ use crate::result::{StoredNodes, StoredRun, StoredSolution};
 const V_M: Heading = Heading { letter: "v", unit: "m" };
 const W_M: Heading = Heading { letter: "w", unit: "m" };
 const M_N_M: Heading = Heading { letter: "m", unit: "n_m" };
+
+const MOTOR_COLUMNS: [&str; 4] =
+    ["motor_torque_n_m", "motor_angle_rad", "motor_rate_rad_s", "motor_power_w"];
 
 /// Reads all that a run has left.
 pub(super) fn read_run(folder: RunFolder) -> Result<StoredRun, TableError> {
@@ -115,6 +118,8 @@ impl Histories<'_> {
         place: Place,
     ) -> Result<StoredSolution, TableError> {
         let mut rigid = self.table("rigid_torque.csv", &["rigid_torque_n_m"])?;
+        let motor =
+            self.folder.optional(MOTOR)?.map(|_| self.table(MOTOR, &MOTOR_COLUMNS)).transpose()?;
         let missing = |key: &str| place.refuse(key, "nothing", "must be there");
         let reading = |key: &str| {
             let found = summary.results.get(key);
@@ -124,6 +129,7 @@ impl Histories<'_> {
         Ok(StoredSolution {
             rigid_torque_n_m: rigid.take("rigid_torque_n_m"),
             rigid_hub_angle_rad: hub.take("rigid_hub_angle_rad"),
+            motor_torque_n_m: motor.map(|mut motor| motor.take(MOTOR_COLUMNS[0])),
             moving_s: (moving.moves_from_s, moving.moves_until_s),
             lead_s: reading("lead_s")?,
             lag_s: reading("lag_s")?,

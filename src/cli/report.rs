@@ -1,0 +1,122 @@
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use flexlink::report::chart::Figure;
+use flexlink::report::{Figures, page};
+use flexlink::tables::{OutputFolder, read_result};
+
+use super::console;
+use super::exit::{Exit, Failure};
+use super::files::{is_standard_output, keep_files, keep_page};
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink report out
+  flexlink report sweep.csv -o sweep.html
+  flexlink report out --png figures
+
+RESULT is a folder of `solve` or `simulate`, or the table of `sweep`.";
+
+const LONG_ABOUT: &str = "\
+Turn a result into a page to look at.
+
+The page is one HTML file that needs nothing else, neither network nor server: figures, waves, an \
+animation, all warnings and numbers. Where figures are asked for alone, no page is written.";
+
+/// Name of the page of a run.
+const PAGE: &str = "report.html";
+
+/// Turn a result into a page to look at.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+pub(crate) struct Report {
+    /// Folder of a run, or table of a sweep.
+    #[arg(value_name = "RESULT")]
+    result: PathBuf,
+
+    /// The page; without it report.html in the folder of the run, or NAME.html beside the table
+    /// NAME.csv of a sweep.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Write the figures alone into this folder, as SVG.
+    #[arg(long, value_name = "DIR")]
+    svg: Option<PathBuf>,
+
+    /// Write the figures alone into this folder, as PNG; in their font there are Latin, Greek and
+    /// Cyrillic letters.
+    #[arg(long, value_name = "DIR")]
+    png: Option<PathBuf>,
+
+    /// Print nothing but warnings and errors.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+impl Report {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        if let Some(output) = &self.output {
+            keep_files(output, &[&self.result])?;
+            keep_page(output, &self.result)?;
+        }
+        let result = read_result(&self.result)?;
+        let figures = Figures::of(&result);
+        let mut told = Vec::new();
+        if let Some(folder) = &self.svg {
+            told.push(write_figures(folder, &figures, "svg", |figure| {
+                Ok(figure.svg_file().into_bytes())
+            })?);
+        }
+        if let Some(folder) = &self.png {
+            told.push(write_figures(folder, &figures, "png", Figure::png_file)?);
+        }
+        if self.output.is_some() || told.is_empty() {
+            let file = self.output.clone().unwrap_or_else(|| beside(&self.result));
+            console::deliver(Some(&file), page(&result, &figures).as_bytes())?;
+            if !is_standard_output(&file) {
+                told.push(written(&file));
+            }
+        }
+        if self.quiet { Ok(()) } else { console::print(&told.concat()) }
+    }
+}
+
+/// Writes the page of a run into its folder, and says so.
+pub(crate) fn write_page(folder: &Path) -> Result<String, Failure> {
+    let (result, file) = (read_result(folder)?, beside(folder));
+    console::deliver(Some(&file), page(&result, &Figures::of(&result)).as_bytes())?;
+    Ok(written(&file))
+}
+
+fn written(file: &Path) -> String {
+    format!("written  {}\n", file.display())
+}
+
+/// Where the page of a result goes.
+fn beside(result: &Path) -> PathBuf {
+    match result.extension() {
+        Some(extension) if extension == "csv" && !result.is_dir() => result.with_extension("html"),
+        _ => result.join(PAGE),
+    }
+}
+
+fn write_figures(
+    folder: &Path,
+    figures: &Figures,
+    format: &str,
+    file: impl Fn(&Figure) -> Result<Vec<u8>, String>,
+) -> Result<String, Failure> {
+    let mut output = OutputFolder::stage(folder)?;
+    for figure in &figures.drawn {
+        let name = format!("{}.{format}", figure.id);
+        let refused = |why| {
+            let message = format!("{}: not drawn: {why}", folder.join(&name).display());
+            Failure::new(Exit::CannotWrite, &message, None)
+        };
+        let bytes = file(figure).map_err(refused)?;
+        output.file(&name, |out| out.write_all(&bytes))?;
+    }
+    output.replace()?;
+    Ok(format!("written  {} figures in {}\n", figures.drawn.len(), folder.display()))
+}

@@ -1,0 +1,204 @@
+use std::ops::Range;
+
+/// How an axis spreads its numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Evenly.
+    Linear,
+    /// By their logarithm.
+    Logarithmic,
+}
+
+impl Scale {
+    /// The word that the page's script knows it by.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Logarithmic => "log",
+        }
+    }
+}
+
+/// One axis of a figure: what it counts, in which unit, from where to where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// What is counted: `torque`.
+    pub name: String,
+    /// Its unit, empty for a pure number: `N m`.
+    pub unit: String,
+    /// How its numbers are spread.
+    pub scale: Scale,
+    /// First and last number; on a logarithmic axis both above 0.
+    pub range: Range<f64>,
+    /// Numbers that are written beside it; round ones where there are none of its own.
+    pub places: Vec<f64>,
+}
+
+/// Ticks of a linear axis, about.
+const TICKS: f64 = 6.0;
+
+/// Decades of a logarithmic axis that have a tick each; beyond them only some have.
+const MOST_DECADES: i32 = 7;
+
+impl Axis {
+    /// An axis from the first to the last number of a range.
+    pub fn linear(name: &str, unit: &str, range: Range<f64>) -> Self {
+        Self {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            scale: Scale::Linear,
+            range,
+            places: Vec::new(),
+        }
+    }
+
+    /// A logarithmic axis over a range above 0.
+    pub fn logarithmic(name: &str, unit: &str, range: Range<f64>) -> Self {
+        Self { scale: Scale::Logarithmic, ..Self::linear(name, unit, range) }
+    }
+
+    /// An axis that holds all of `values`, and 0, with a margin.
+    pub fn around<'a>(name: &str, unit: &str, values: impl Iterator<Item = &'a f64>) -> Self {
+        let finite = values.copied().filter(|value| value.is_finite());
+        let (low, high) = finite
+            .fold((0.0, 0.0), |(low, high): (f64, f64), value| (low.min(value), high.max(value)));
+        let margin = 0.06 * (high - low);
+        let range = match (low < 0.0, high > 0.0) {
+            (false, false) => -1.0..1.0,
+            (false, true) => 0.0..high + margin,
+            (true, false) => low - margin..0.0,
+            (true, true) => low - margin..high + margin,
+        };
+        Self::linear(name, unit, range)
+    }
+
+    /// Where a number stands: 0 at the axis' begin, 1 at its end.
+    pub(in crate::report) fn share(&self, value: f64) -> f64 {
+        let Range { start, end } = self.range;
+        match self.scale {
+            Scale::Linear => (value - start) / (end - start),
+            Scale::Logarithmic => libm::log(value / start) / libm::log(end / start),
+        }
+    }
+
+    /// Name and unit: `torque in N m`.
+    pub(super) fn title(&self) -> String {
+        if self.unit.is_empty() {
+            self.name.clone()
+        } else {
+            format!("{} in {}", self.name, self.unit)
+        }
+    }
+
+    /// Numbers that are written beside the axis, each with its text.
+    pub(super) fn ticks(&self) -> Vec<(f64, String)> {
+        if !self.places.is_empty() {
+            return self.places.iter().map(|value| (*value, short_label(*value))).collect();
+        }
+        match self.scale {
+            Scale::Linear => self.linear_ticks(),
+            Scale::Logarithmic => self.decades(),
+        }
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "few ticks, few decades")]
+    fn linear_ticks(&self) -> Vec<(f64, String)> {
+        let Range { start, end } = self.range;
+        let raw = (end - start) / TICKS;
+        let exponent = libm::floor(libm::log10(raw)) as i32;
+        let power = power_of_ten(exponent);
+        let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter();
+        let step = step.filter(|step| *step >= 0.999 * raw).fold(10.0 * power, f64::min);
+        let first = libm::ceil(start / step - 1e-6) as i64;
+        let last = libm::floor(end / step + 1e-6) as i64;
+        // One digit of the step is all that a tick needs.
+        let decimals = usize::try_from(-libm::floor(libm::log10(step * 1.001)) as i32).unwrap_or(0);
+        let label = |value: f64| {
+            if (1e-4..1e6).contains(&start.abs().max(end.abs())) {
+                unsigned_zero(&format!("{value:.decimals$}"))
+            } else {
+                format!("{:e}", crate::numeric::rounded(value, 6))
+            }
+        };
+        (first..=last).map(|k| k as f64 * step).map(|value| (value, label(value))).collect()
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "few decades")]
+    fn decades(&self) -> Vec<(f64, String)> {
+        let Range { start, end } = self.range;
+        let exponents =
+            libm::floor(libm::log10(start)) as i32..=libm::ceil(libm::log10(end)) as i32;
+        let decades = libm::log10(end / start);
+        let between: &[f64] = match decades {
+            few if few < 0.7 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+            few if few < 1.6 => &[1.0, 2.0, 3.0, 5.0],
+            few if few < 3.1 => &[1.0, 3.0],
+            _ => &[1.0],
+        };
+        let every = 1 + decades as i32 / MOST_DECADES;
+        let inside = |value: &f64| (0.999 * start..=1.001 * end).contains(value);
+        exponents
+            .filter(|exponent| exponent % every == 0)
+            .flat_map(|exponent| between.iter().map(move |b| b * power_of_ten(exponent)))
+            .filter(inside)
+            .map(|value| (value, short_label(value)))
+            .collect()
+    }
+}
+
+/// Plain where that is short.
+fn short_label(value: f64) -> String {
+    let value = crate::numeric::rounded(value, 4);
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        format!("{value}").replace('-', "−")
+    } else {
+        format!("{value:e}")
+    }
+}
+
+fn power_of_ten(exponent: i32) -> f64 {
+    libm::pow(10.0, f64::from(exponent))
+}
+
+fn unsigned_zero(text: &str) -> String {
+    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    if is_zero { text.trim_start_matches('-').to_owned() } else { text.replace('-', "−") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis) -> Vec<String> {
+        axis.ticks().into_iter().map(|(_, label)| label).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        let axis = |range| Axis::linear("torque", "N m", range);
+        assert_eq!(labels(&axis(-1.5..1.5)), ["−1.5", "−1.0", "−0.5", "0.0", "0.5", "1.0", "1.5"]);
+        assert_eq!(labels(&axis(0.0..0.05)), ["0.00", "0.01", "0.02", "0.03", "0.04", "0.05"]);
+        assert_eq!(labels(&axis(0.0..0.6)), ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6"]);
+        assert_eq!(labels(&axis(97.0..412.0)), ["100", "200", "300", "400"]);
+        assert_eq!(labels(&axis(0.0..3e-7)).last().unwrap(), "3e-7");
+    }
+
+    #[test]
+    fn decades_have_their_ticks() {
+        let axis = |range| Axis::logarithmic("frequency", "Hz", range);
+        assert_eq!(labels(&axis(0.19..500.0)), ["1", "10", "100"]);
+        assert_eq!(labels(&axis(0.5..8.0)), ["0.5", "1", "2", "3", "5"]);
+        assert_eq!(labels(&axis(1e-9..1e9)).len(), 7);
+        assert!((axis(1.0..100.0).share(10.0) - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn an_axis_holds_its_values_and_zero() {
+        let around = |values: &[f64]| Axis::around("a", "", values.iter()).range;
+        assert_eq!(around(&[]), -1.0..1.0);
+        assert_eq!(around(&[0.0, f64::NAN]), -1.0..1.0);
+        assert!(around(&[1.0, 2.0]).start.abs() < 1e-15);
+        assert!(around(&[-1.0, 2.0]).contains(&2.1));
+        assert!(around(&[-1.0]).contains(&-1.05));
+    }
+}

@@ -1,0 +1,219 @@
+//! A figure as SVG. Colours are classes: the page has its own for light and dark, a figure of its
+//! own brings them along.
+
+use std::fmt::Write as _;
+
+use maud::{Markup, html};
+
+use super::axis::Axis;
+use super::figure::{Across, Curve, Figure, Stroke};
+use super::thinning::thinned;
+
+/// Width of every figure in pixels.
+pub(super) const WIDTH: f64 = 760.0;
+
+/// The plot within the figure: what is left of it, above it, right of it and below it.
+pub(super) const LEFT: f64 = 66.0;
+pub(super) const TOP: f64 = 34.0;
+pub(super) const RIGHT: f64 = 16.0;
+const BOTTOM: f64 = 46.0;
+
+/// Height of the line above a colour map, and the gap below it.
+const STRIP: f64 = 70.0;
+const GAP: f64 = 10.0;
+
+/// Heights between which a y axis lies in the plot.
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    top: f64,
+    height: f64,
+}
+
+impl Stretch {
+    fn y(&self, share: f64) -> f64 {
+        self.top + self.height * (1.0 - share)
+    }
+}
+
+impl Figure {
+    /// Height of the figure in pixels.
+    pub(super) fn height(&self) -> f64 {
+        if self.map.is_some() { 380.0 } else { 300.0 }
+    }
+
+    /// Width and height of the plot.
+    pub(super) fn plot(&self) -> (f64, f64) {
+        (WIDTH - LEFT - RIGHT, self.height() - TOP - BOTTOM)
+    }
+
+    /// Where the y axis lies: below the strip, where there is one.
+    fn main_stretch(&self) -> Stretch {
+        let top = if self.strip.is_some() { STRIP + GAP } else { 0.0 };
+        Stretch { top, height: self.plot().1 - top }
+    }
+
+    /// The drawing. Its own namespace makes it a file; in a page it is needless, and harmless.
+    pub fn svg(&self) -> Markup {
+        let (width, height) = self.plot();
+        let stretch = self.main_stretch();
+        let (x, y) = (&self.x, &self.y);
+        let range = |axis: &Axis| format!("{} {}", axis.range.start, axis.range.end);
+        let across = if self.across == Across::Time { "time" } else { "other" };
+        html! {
+            svg class="chart" xmlns="http://www.w3.org/2000/svg" role="img"
+                aria-label=(format!("{}: {} against {}", self.title, y.title(), x.title()))
+                viewBox=(format!("0 0 {WIDTH} {}", self.height()))
+                data-plot=(format!("{LEFT} {TOP} {width} {height}"))
+                data-band=(format!("{} {}", stretch.top, stretch.height))
+                data-x=(range(x)) data-y=(range(y))
+                data-x-name=(x.name) data-x-unit=(x.unit)
+                data-y-name=(y.name) data-y-unit=(y.unit)
+                data-x-places=[(!x.places.is_empty()).then(|| places(x))]
+                data-x-axis=(across)
+                data-x-scale=(x.scale.word()) data-y-scale=(y.scale.word()) {
+                rect class="plot-area" x=(LEFT) y=(TOP) width=(width) height=(height) {}
+                (self.ticks(stretch))
+                svg class="plot" x=(LEFT) y=(TOP) width=(width) height=(height)
+                    viewBox=(format!("0 0 {width} {height}")) preserveAspectRatio="none" {
+                    g class="zoom" { (self.content(stretch)) }
+                    g class="marks" {
+                        @for mark in &self.marks {
+                            @let at = number(width * x.share(mark.at));
+                            line class=(format!("mark {}", mark.class)) data-at=(mark.at)
+                                x1=(at) x2=(at) y1="0" y2=(height) {}
+                        }
+                    }
+                }
+                (self.mark_labels())
+                (self.legend())
+            }
+        }
+    }
+
+    fn content(&self, stretch: Stretch) -> Markup {
+        let (width, height) = self.plot();
+        html! {
+            @for span in &self.spans {
+                @let [from, to] = [span.range.start, span.range.end].map(|x| width * self.x.share(x));
+                rect class=(format!("span {}", span.class)) x=(number(from)) y="0"
+                    width=(number(to - from)) height=(height) {}
+            }
+            @if let Some(map) = &self.map {
+                image x="0" y=(stretch.top) width=(width) height=(stretch.height)
+                    preserveAspectRatio="none" href=(map.picture()) {}
+            }
+            @if let Some(curve) = &self.backdrop {
+                path class="fill" data-name=(curve.name)
+                    d=(self.area(curve)) {}
+            }
+            @if let Some((curve, axis)) = &self.strip {
+                (self.line(curve, axis, Stretch { top: 0.0, height: STRIP }, true))
+            }
+            @for curve in &self.curves { (self.line(curve, &self.y, stretch, false)) }
+        }
+    }
+
+    fn line(&self, curve: &Curve, y: &Axis, stretch: Stretch, is_strip: bool) -> Markup {
+        let width = self.plot().0;
+        let points = thinned(&curve.points);
+        let places = points
+            .iter()
+            .map(|(at, value)| (width * self.x.share(*at), stretch.y(y.share(*value))));
+        let places: Vec<(f64, f64)> = places.collect();
+        let (colour, class) = match curve.stroke {
+            Stroke::Solid(colour) | Stroke::Dotted(colour) => (colour, ""),
+            Stroke::Dashed(colour) => (colour, " dashed"),
+        };
+        let own = is_strip.then(|| {
+            (
+                format!("{} {}", y.range.start, y.range.end),
+                format!("{} {}", stretch.top, stretch.height),
+            )
+        });
+        html! {
+            path class=(format!("line s{colour}{class}")) data-name=(curve.name)
+                data-y=[own.as_ref().map(|own| &own.0)] data-band=[own.as_ref().map(|own| &own.1)]
+                data-unit=[is_strip.then_some(&y.unit)] d=(path(&places)) {}
+            @if let Stroke::Dotted(_) = curve.stroke {
+                path class=(format!("dots s{colour}")) d=(dots(&places)) {}
+            }
+        }
+    }
+
+    /// The area below a line that goes from 0 to 1.
+    fn area(&self, curve: &Curve) -> String {
+        let (width, height) = self.plot();
+        let points = thinned(&curve.points);
+        let places =
+            points.iter().map(|(at, share)| (width * self.x.share(*at), height * (1.0 - share)));
+        let places: Vec<(f64, f64)> = places.collect();
+        let [Some(first), Some(last)] = [places.first(), places.last()] else {
+            return String::new();
+        };
+        format!("{}L{},{height}L{},{height}Z", path(&places), number(last.0), number(first.0))
+    }
+
+    fn ticks(&self, stretch: Stretch) -> Markup {
+        let (width, height) = self.plot();
+        let right = LEFT + width;
+        let foot = TOP + height;
+        let middle = TOP + stretch.top + stretch.height / 2.0;
+        html! {
+            g class="ticks x" {
+                @for (value, label) in self.x.ticks() {
+                    @let at = number(LEFT + width * self.x.share(value));
+                    line class="grid-line" x1=(at) x2=(at) y1=(TOP) y2=(foot) {}
+                    text class="tick" x=(at) y=(foot + 17.0) text-anchor="middle" { (label) }
+                }
+            }
+            g class="ticks y" {
+                @for (value, label) in self.y.ticks() {
+                    @let at = TOP + stretch.y(self.y.share(value));
+                    line class="grid-line" x1=(LEFT) x2=(right) y1=(number(at)) y2=(number(at)) {}
+                    text class="tick" x=(LEFT - 7.0) y=(number(at + 4.0)) text-anchor="end" { (label) }
+                }
+            }
+            text class="axis x" x=(LEFT + width / 2.0) y=(foot + 37.0) text-anchor="middle" {
+                (self.x.title())
+            }
+            text class="axis y" x="0" y="0" text-anchor="middle"
+                transform=(format!("translate(15 {}) rotate(-90)", number(middle))) { (self.y.title()) }
+        }
+    }
+}
+
+/// The numbers that are written beside an axis.
+fn places(axis: &Axis) -> String {
+    axis.places.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// A coordinate as text, to a hundredth of a pixel.
+pub(super) fn number(value: f64) -> String {
+    let text = format!("{value:.2}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+/// A line through all places; one that is not finite parts it.
+fn path(places: &[(f64, f64)]) -> String {
+    let mut text = String::new();
+    let mut pen = 'M';
+    for (x, y) in places {
+        if !(x.is_finite() && y.is_finite()) {
+            pen = 'M';
+            continue;
+        }
+        // Far outside it is out of sight, and too large for some viewers.
+        let y = y.clamp(-1e5, 1e5);
+        // Into a string nothing fails.
+        let _ = write!(text, "{pen}{},{}", number(*x), number(y));
+        pen = 'L';
+    }
+    text
+}
+
+/// A dot at each place.
+fn dots(places: &[(f64, f64)]) -> String {
+    let finite = places.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+    finite.map(|(x, y)| format!("M{},{}h0", number(*x), number(*y))).collect::<Vec<_>>().concat()
+}

@@ -1,0 +1,120 @@
+use maud::{Markup, html};
+
+use super::readings::given;
+use crate::link::{Link, Segment};
+use crate::numeric::significant;
+
+/// Width and height of the drawing in pixels, where the axis is, and where the farthest body ends.
+const WIDTH: f64 = 760.0;
+const HEIGHT: f64 = 150.0;
+const AXIS: (f64, f64) = (60.0, 62.0);
+const END: f64 = 700.0;
+
+/// Thickness in pixels of the stiffest and at least of the softest place.
+const THICKEST: f64 = 26.0;
+const THINNEST: f64 = 3.0;
+
+/// Radius in pixels of a body as heavy as the link.
+const LINK_SIZED: f64 = 14.0;
+
+/// Thickness of a place relative to the stiffest, as that of a section whose width stays: EI ∝ h³.
+pub(super) fn relative_thickness(stiffness: f64, largest: f64) -> f64 {
+    libm::cbrt(stiffness / largest)
+}
+
+/// Largest stiffness EI of a link in N m².
+pub(super) fn largest_stiffness(link: &Link) -> f64 {
+    let ends = |s: &Segment| s.bending_stiffness_n_m2.inner.max(s.bending_stiffness_n_m2.outer);
+    link.segments().iter().map(ends).fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// The link to scale along its length: thickness for stiffness, dots for masses.
+pub(super) fn link_drawing(link: &Link) -> Markup {
+    let offset = link.payload().offset_m.max(0.0);
+    let per_m = (END - AXIS.0) / (link.length_m() + offset);
+    let at = |x_m: f64| AXIS.0 + per_m * x_m;
+    let radius_px = (per_m * link.hub().radius_m).max(0.0);
+    let largest = largest_stiffness(link);
+    let half =
+        |stiffness: f64| 0.5 * (THICKEST * relative_thickness(stiffness, largest)).max(THINNEST);
+    let mass_per_length = |s: &Segment| {
+        0.5 * (s.mass_per_length_kg_m.inner + s.mass_per_length_kg_m.outer) * s.length_m
+    };
+    let link_kg: f64 = link.segments().iter().map(mass_per_length).sum();
+    let size =
+        |kg: f64| (LINK_SIZED * libm::cbrt(kg / link_kg.max(f64::MIN_POSITIVE))).clamp(3.5, 22.0);
+    let mut borders = vec![link.hub().radius_m];
+    for segment in link.segments() {
+        borders.push(borders[borders.len() - 1] + segment.length_m);
+    }
+    let words = format!(
+        "The link to scale: {} segments, {} m from the axis to the tip",
+        link.segments().len(),
+        significant(link.length_m(), 4)
+    );
+    html! {
+        svg role="img" aria-label=(words) viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) {
+            path class="ground" d=(format!("M{} {}h36m-30 0l-7 8m15 -8l-7 8m15 -8l-7 8m15 -8l-7 8", AXIS.0 - 18.0, AXIS.1 + 26.0)) {}
+            path class="ground" d=(format!("M{} {}v26", AXIS.0, AXIS.1)) {}
+            @if radius_px > 0.0 {
+                rect class="radius" x=(AXIS.0) y=(AXIS.1 - 8.0) width=(radius_px) height="16" {}
+            }
+            @for (k, segment) in link.segments().iter().enumerate() {
+                @let (from, to) = (at(borders[k]), at(borders[k + 1]));
+                @let taper = segment.bending_stiffness_n_m2;
+                @let (inner, outer) = (half(taper.inner), half(taper.outer));
+                polygon class="segment" points=(format!(
+                    "{from:.1},{:.1} {to:.1},{:.1} {to:.1},{:.1} {from:.1},{:.1}",
+                    AXIS.1 - inner, AXIS.1 - outer, AXIS.1 + outer, AXIS.1 + inner)) {}
+            }
+            circle class="hub" cx=(AXIS.0) cy=(AXIS.1) r="13" {}
+            circle class="axis-point" cx=(AXIS.0) cy=(AXIS.1) r="3" {}
+            @for mass in link.masses() {
+                circle class="mass" cx=(format!("{:.1}", at(mass.at_m))) cy=(AXIS.1)
+                    r=(format!("{:.1}", size(mass.mass_kg))) {}
+            }
+            @if link.payload().mass_kg > 0.0 || link.payload().inertia_kg_m2 > 0.0 {
+                @let centre = at(link.length_m() + link.payload().offset_m);
+                path class="ground" d=(format!("M{:.1} {}H{centre:.1}", at(link.length_m()), AXIS.1)) {}
+                circle class="payload" cx=(format!("{centre:.1}")) cy=(AXIS.1)
+                    r=(format!("{:.1}", size(link.payload().mass_kg))) {}
+            }
+            (dimensions(link, &borders, at))
+        }
+    }
+}
+
+/// Names of the segments and distances of their ends from the axis.
+fn dimensions(link: &Link, borders: &[f64], at: impl Fn(f64) -> f64) -> Markup {
+    let line = HEIGHT - 32.0;
+    let mut last = f64::NEG_INFINITY;
+    let mut shown: Vec<(f64, String)> = Vec::new();
+    let ends = std::iter::once(&0.0).chain(borders);
+    for (k, border) in ends.enumerate() {
+        let is_last = k == borders.len();
+        // Labels that would lie over each other are left out, the tip's never.
+        if at(*border) - last > 46.0 || is_last {
+            if is_last && shown.len() > 1 && at(*border) - last < 46.0 {
+                shown.pop();
+            }
+            last = at(*border);
+            shown.push((last, given(*border, "m")));
+        }
+    }
+    html! {
+        path class="dimension" d=(format!("M{:.1} {line}H{:.1}", at(0.0), at(link.length_m()))) {}
+        @for (place, label) in &shown {
+            path class="dimension" d=(format!("M{place:.1} {}v10", line - 5.0)) {}
+            text class="dimension-text" x=(format!("{place:.1}")) y=(line + 20.0) text-anchor="middle" {
+                (label)
+            }
+        }
+        @for (k, segment) in link.segments().iter().enumerate() {
+            @let (from, to) = (at(borders[k]), at(borders[k + 1]));
+            @if let Some(name) = segment.name.as_ref().filter(|name| 7.0 * name.chars().count() as f64 <= to - from + 12.0) {
+                text class="dimension-text" x=(format!("{:.1}", 0.5 * (from + to))) y=(line - 8.0)
+                    text-anchor="middle" { (name) }
+            }
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Torque per tip acceleration over frequency, and what of it the motion needs.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use crate::beam::Mesh;
+use crate::inverse::{Dynamics, FrequencyResponse, KeptModes};
+use crate::modal::{natural_frequencies, real_frequency_zeros, torque_zeros};
+use crate::numeric::{FourierPair, angular_frequency, fast_length, magnitude};
+use crate::report::chart::{Across, Axis, Curve, Figure, Mark, Stroke};
+use crate::result::StoredRun;
+
+/// Frequencies that are drawn.
+const POINTS: usize = 900;
+
+/// Modes and zeros that are marked at most.
+const MARKED: usize = 8;
+
+/// Decades of the motion's spectrum that are shown.
+const DECADES: f64 = 4.0;
+
+/// Amplitudes of the motion over frequency, relative to the largest.
+struct MotionSpectrum {
+    hertz: Vec<f64>,
+    shares: Vec<f64>,
+}
+
+impl MotionSpectrum {
+    fn of(run: &StoredRun) -> Self {
+        let step_s = run.times_s[1] - run.times_s[0];
+        let mut samples = run.tip.acceleration_m_s2.clone();
+        let len = fast_length(samples.len().next_multiple_of(2));
+        samples.resize(len, 0.0);
+        let amplitudes = FourierPair::new(len).amplitudes(samples);
+        let sizes: Vec<f64> = amplitudes.iter().map(|a| magnitude(*a)).collect();
+        let peak = sizes.iter().fold(f64::MIN_POSITIVE, |peak, size| peak.max(*size));
+        Self {
+            hertz: (0..sizes.len()).map(|k| angular_frequency(k, len, step_s) / TAU).collect(),
+            shares: sizes.iter().map(|size| size / peak).collect(),
+        }
+    }
+
+    /// Frequency in Hz above which nothing is left that is shown.
+    fn last_shown_hz(&self) -> f64 {
+        let shown = |share: &f64| *share > libm::pow(10.0, -DECADES);
+        self.shares.iter().rposition(shown).map_or(0.0, |last| self.hertz[last])
+    }
+
+    /// The spectrum at these frequencies as heights from 0 to 1.
+    fn backdrop(&self, hertz: &[f64]) -> Curve {
+        let apart = hertz[1] / hertz[0];
+        let height = |f: &f64| {
+            let share = self.between(*f, f * apart).max(f64::MIN_POSITIVE);
+            (1.0 + libm::log10(share) / DECADES).clamp(0.0, 1.0)
+        };
+        let heights: Vec<f64> = hertz.iter().map(height).collect();
+        Curve::new("motion's spectrum", Stroke::Solid(6), hertz, &heights)
+    }
+
+    /// Largest share between two frequencies, or the one nearest to them.
+    fn between(&self, from_hz: f64, to_hz: f64) -> f64 {
+        let start = self.hertz.partition_point(|f| *f < from_hz).min(self.hertz.len() - 1);
+        let end = self.hertz.partition_point(|f| *f < to_hz).clamp(start + 1, self.hertz.len());
+        self.shares[start..end].iter().fold(0.0, |largest, share| largest.max(*share))
+    }
+}
+
+/// `|T/a_tip|` with natural frequencies and zeros, the motion's spectrum behind it.
+pub(super) fn transfer(run: &StoredRun) -> Result<Figure, String> {
+    let why = |error: &dyn std::fmt::Display| format!("torque per tip acceleration, since {error}");
+    let kept = run.kept_modes.map_or(KeptModes::All, KeptModes::First);
+    let dynamics = Dynamics::new(&run.link, run.mesh.clone(), kept).map_err(|error| why(&error))?;
+    // A simulated tip may vibrate on at its end: its samples have no spectrum of their own.
+    let spectrum = run.solved.is_some().then(|| MotionSpectrum::of(run));
+    let (from_hz, to_hz) = band(run, spectrum.as_ref());
+    let hertz: Vec<f64> = (0..POINTS)
+        .map(|k| from_hz * libm::pow(to_hz / from_hz, k as f64 / (POINTS - 1) as f64))
+        .collect();
+    let friction = run.link.hub().viscous_friction_n_m_s_rad;
+    let flexible = |f: &f64| {
+        magnitude(FrequencyResponse::at(&dynamics, friction, *f).torque_per_tip_acceleration_kg_m)
+    };
+    let length_m = run.link.length_m();
+    let rigid =
+        |f: &f64| libm::hypot(run.link.rigid_inertia_kg_m2(), friction / (TAU * f)) / length_m;
+    let sizes: Vec<f64> = hertz.iter().map(flexible).collect();
+    let rigid: Vec<f64> = hertz.iter().map(rigid).collect();
+    let finite = || sizes.iter().chain(&rigid).copied().filter(|s| s.is_finite() && *s > 0.0);
+    let range = 0.7 * finite().fold(f64::INFINITY, f64::min)..1.5 * finite().fold(0.0, f64::max);
+    let y = Axis::logarithmic("|T / a|", "kg m", range);
+    let x = Axis::logarithmic("frequency", "Hz", from_hz..to_hz);
+    let marks = marks(&run.mesh, from_hz..to_hz);
+    let title = "Torque per tip acceleration";
+    Ok(Figure {
+        caption: caption(&marks, spectrum.is_some()),
+        backdrop: spectrum.map(|spectrum| spectrum.backdrop(&hertz)),
+        curves: vec![
+            Curve::new("flexible link", Stroke::Solid(1), &hertz, &sizes),
+            Curve::new("rigid link", Stroke::Dashed(2), &hertz, &rigid),
+        ],
+        marks,
+        ..Figure::new("transfer", title, Across::Other, x, y)
+    })
+}
+
+/// First and last frequency in Hz that are drawn: from far below the first mode to where the motion
+/// has nothing left, or to the last mode marked.
+fn band(run: &StoredRun, spectrum: Option<&MotionSpectrum>) -> (f64, f64) {
+    let modes = natural_frequencies(&run.mesh, MARKED);
+    let nyquist_hz = 0.5 / (run.times_s[1] - run.times_s[0]);
+    let first_hz = modes.first().map_or(0.1 * nyquist_hz, |omega| omega / TAU);
+    let last_hz = match spectrum {
+        Some(spectrum) => spectrum.last_shown_hz(),
+        None => modes.last().map_or(0.0, |omega| omega / TAU),
+    };
+    let to_hz = (1.5 * last_hz).max(6.0 * first_hz).min(nyquist_hz);
+    (0.1 * first_hz.min(to_hz), to_hz)
+}
+
+fn marks(mesh: &Mesh, range: std::ops::Range<f64>) -> Vec<Mark> {
+    let of = |class, letter: &'static str, places: Vec<f64>| {
+        let mark = move |(k, omega): (usize, f64)| Mark {
+            at: omega / TAU,
+            label: format!("{letter}{}", k + 1),
+            class,
+        };
+        places.into_iter().enumerate().map(mark).collect::<Vec<_>>()
+    };
+    let blocked = real_frequency_zeros(mesh, TAU * range.end);
+    let all = [
+        of("mode", "f", natural_frequencies(mesh, MARKED)),
+        of("zero", "z", torque_zeros(mesh, MARKED)),
+        of("blocked", "b", blocked),
+    ];
+    all.into_iter().flatten().filter(|mark| range.contains(&mark.at)).collect()
+}
+
+fn caption(marks: &[Mark], has_spectrum: bool) -> String {
+    let mut caption = "How much torque an acceleration of the tip takes at each frequency, of this \
+                       link and were it rigid. Natural frequencies f, and zeros ±z of torque → tip, \
+                       drawn at z/2π."
+        .to_owned();
+    if marks.iter().any(|mark| mark.class == "blocked") {
+        caption
+            .push_str(" At b no torque moves the tip, for what is lumped there: the curve peaks.");
+    }
+    if has_spectrum {
+        let _ = write!(
+            caption,
+            " Grey: the motion's spectrum over {DECADES} decades, so the part of the curve that matters."
+        );
+    }
+    caption
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tests::run;
+
+    #[test]
+    fn the_curve_begins_at_the_rigid_link_and_falls_at_natural_frequencies() {
+        let run = run();
+        let figure = transfer(&run).unwrap();
+        let rigid = run.link.rigid_inertia_kg_m2() / run.link.length_m();
+        let points = &figure.curves[0].points;
+        assert!((points[0].1 / rigid - 1.0).abs() < 0.02, "{} of {rigid}", points[0].1);
+        let modes = figure.marks.iter().filter(|mark| mark.class == "mode");
+        let fallen = modes.filter(|mark| {
+            let near = points.iter().filter(|(f, _)| (f / mark.at - 1.0).abs() < 0.02);
+            near.fold(f64::INFINITY, |least, (_, size)| least.min(*size)) < 0.3 * rigid
+        });
+        assert!(fallen.count() >= 3, "{:?}", figure.marks);
+        assert!(figure.marks.iter().any(|mark| mark.class == "zero"));
+    }
+
+    #[test]
+    fn the_curves_are_absolute_values_friction_included() {
+        let mut run = run();
+        run.link = crate::report::tests::link(2.0);
+        let figure = transfer(&run).unwrap();
+        let dynamics = Dynamics::new(&run.link, run.mesh.clone(), KeptModes::All).unwrap();
+        let inertia = run.link.rigid_inertia_kg_m2() / run.link.length_m();
+        for k in (0..POINTS).step_by(37) {
+            let (f, size) = figure.curves[0].points[k];
+            let exact = FrequencyResponse::at(&dynamics, 2.0, f).torque_per_tip_acceleration_kg_m;
+            let exact = (exact.re * exact.re + exact.im * exact.im).sqrt();
+            assert!((size / exact - 1.0).abs() < 1e-12, "{size} of {exact} at {f} Hz");
+            let drag = 2.0 / run.link.length_m() / (TAU * f);
+            let rigid = (inertia * inertia + drag * drag).sqrt();
+            assert!((figure.curves[1].points[k].1 / rigid - 1.0).abs() < 1e-12, "rigid at {f} Hz");
+        }
+    }
+
+    #[test]
+    fn the_spectrum_is_that_of_the_motion() {
+        let run = run();
+        let spectrum = MotionSpectrum::of(&run);
+        // A sine of 0.88 s has its peak just below 1/0.88 s and a gap at 2/0.88 s.
+        let peak = spectrum.shares.iter().position(|share| *share >= 1.0).unwrap();
+        assert!((0.7..1.2).contains(&spectrum.hertz[peak]), "{} Hz", spectrum.hertz[peak]);
+        let gap = 2.0 / 0.88;
+        assert!(spectrum.between(gap * 0.97, gap * 1.03) < 0.06);
+        assert!(spectrum.between(0.8, 1.2) > 0.99);
+    }
+}

@@ -1,0 +1,170 @@
+use std::ops::Range;
+
+use crate::modal::natural_frequencies;
+use crate::numeric::largest;
+use crate::report::chart::{Across, Axis, Curve, Figure, Mark, Span, Stroke};
+use crate::result::{StoredNodes, StoredRun};
+
+/// Lead and lag are shown with this many times their length; the calm before and after is not.
+const AROUND: f64 = 1.7;
+
+/// Periods of the first mode that are shown after the motion, if the result has them.
+const PERIODS: f64 = 4.0;
+
+/// Torque below this share of its peak is calm where no motion tells when it begins.
+const CALM: f64 = 1e-3;
+
+/// The part of a run's time that its figures show: the motion, what comes before and after it, and
+/// no more of the calm than that.
+#[derive(Debug, Clone)]
+pub struct View<'a> {
+    /// The run.
+    pub run: &'a StoredRun,
+    /// Samples shown.
+    pub samples: Range<usize>,
+    /// Period of the first mode in s, if anything vibrates.
+    pub period_s: Option<f64>,
+}
+
+impl<'a> View<'a> {
+    /// Looks for the part of a run where something happens.
+    pub fn of(run: &'a StoredRun) -> Self {
+        let times = &run.times_s;
+        let period_s = natural_frequencies(&run.mesh, 1).first().map(|w| std::f64::consts::TAU / w);
+        let after = PERIODS * period_s.unwrap_or(0.0);
+        let (from_s, until_s) = if let Some(solved) = &run.solved {
+            let (from, until) = solved.moving_s;
+            let short = 0.15 * (until - from);
+            let before = (AROUND * solved.lead_s).max(short);
+            (from - before, until + (AROUND * solved.lag_s).max(short).max(after))
+        } else {
+            let peak = largest(&run.torque_n_m);
+            let acts = |torque: &f64| torque.abs() > CALM * peak;
+            let first = run.torque_n_m.iter().position(acts).unwrap_or(0);
+            let last = run.torque_n_m.iter().rposition(acts).unwrap_or(times.len() - 1);
+            let short = 0.1 * (times[last] - times[first]);
+            (times[first] - short, times[last] + short.max(2.0 * after))
+        };
+        let samples = inside(times, from_s, until_s);
+        Self { run, samples, period_s }
+    }
+
+    /// First and last time shown, in s.
+    pub fn span_s(&self) -> (f64, f64) {
+        (self.run.times_s[self.samples.start], self.run.times_s[self.samples.end - 1])
+    }
+
+    /// A history as a line over the time shown.
+    pub fn curve(&self, name: &str, stroke: Stroke, history: &[f64]) -> Curve {
+        let samples = self.samples.clone();
+        Curve::new(name, stroke, &self.run.times_s[samples.clone()], &history[samples])
+    }
+
+    /// A figure over the time shown, with the axis that its lines need.
+    pub fn figure(
+        &self,
+        id: &str,
+        title: &str,
+        quantity: (&str, &str),
+        curves: Vec<Curve>,
+    ) -> Figure {
+        let (name, unit) = quantity;
+        let values = curves.iter().flat_map(|curve| curve.points.iter().map(|(_, value)| value));
+        let y = Axis::around(name, unit, values);
+        Figure { curves, ..Figure::new(id, title, Across::Time, self.time_axis(), y) }
+    }
+
+    /// Deflections with those of root and tip, which are known without having been written: at the
+    /// root there is none, and at the tip it is `v − Lθ`. None where no node between was written, or
+    /// fewer than two times.
+    pub(in crate::report) fn deflections(&self) -> Option<StoredNodes> {
+        let run = self.run;
+        let mut nodes = run.deflections_m.clone().filter(|nodes| nodes.times_s.len() > 1)?;
+        let tip = run.mesh.nodes_m().len() - 1;
+        if nodes.nodes.first() != Some(&0) {
+            nodes.nodes.insert(0, 0);
+            nodes.histories.insert(0, vec![0.0; nodes.times_s.len()]);
+        }
+        if nodes.nodes.last() != Some(&tip) {
+            let length_m = run.mesh.length_m();
+            let bent = |time_s: &f64| {
+                let k = nearest(&run.times_s, *time_s);
+                run.tip.displacement_m[k] - length_m * run.hub_angle_rad[k]
+            };
+            nodes.histories.push(nodes.times_s.iter().map(bent).collect());
+            nodes.nodes.push(tip);
+        }
+        (nodes.nodes.len() > 2 || tip < 2).then_some(nodes)
+    }
+
+    /// The axis of the time shown.
+    pub fn time_axis(&self) -> Axis {
+        let (from, until) = self.span_s();
+        Axis::linear("time", "s", from..until)
+    }
+
+    /// Lead and lag, where the run has them.
+    pub fn lead_and_lag(&self) -> Vec<Span> {
+        let Some(solved) = &self.run.solved else { return vec![] };
+        let (from, until) = solved.moving_s;
+        let spans = [
+            ("lead", "lead", from - solved.lead_s..from),
+            ("lag", "lag", until..until + solved.lag_s),
+        ];
+        let long = spans.into_iter().filter(|(_, _, range)| range.end > range.start);
+        long.map(|(name, class, range)| Span { name: name.to_owned(), class, range }).collect()
+    }
+
+    /// When the tip starts and stops, where that is known.
+    pub fn start_and_stop(&self) -> Vec<Mark> {
+        let Some(solved) = &self.run.solved else { return vec![] };
+        let (from, until) = solved.moving_s;
+        let mark = |at, label: &str, class| Mark { at, label: label.to_owned(), class };
+        vec![mark(from, "tip starts", "start"), mark(until, "tip stops", "stop")]
+    }
+}
+
+/// The sample nearest to a time.
+pub(in crate::report) fn nearest(times_s: &[f64], time_s: f64) -> usize {
+    let next = times_s.partition_point(|t| *t < time_s).min(times_s.len() - 1);
+    let before = next.saturating_sub(1);
+    if time_s - times_s[before] < times_s[next] - time_s { before } else { next }
+}
+
+/// The samples from one time to another, two at least where there are two.
+pub(in crate::report) fn inside(times_s: &[f64], from_s: f64, until_s: f64) -> Range<usize> {
+    let len = times_s.len();
+    let start = times_s.partition_point(|t| *t < from_s).min(len.saturating_sub(2));
+    let end = times_s.partition_point(|t| *t <= until_s).max(start + 2).min(len);
+    start..end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tests::run;
+
+    #[test]
+    fn the_view_holds_lead_and_lag_and_some_periods_but_not_all_the_calm() {
+        let mut run = run();
+        let (first, last) = (run.times_s[0], run.times_s[run.times_s.len() - 1]);
+        let solved = run.solved.clone().unwrap();
+        let (from, until) = View::of(&run).span_s();
+        assert!(first < from && from < solved.moving_s.0 - solved.lead_s, "from {from} s");
+        assert!(until > solved.moving_s.1 + 4.0 * 0.52 && until < last, "until {until} s");
+        run.solved = None;
+        let (from, until) = View::of(&run).span_s();
+        assert!(first < from && from < solved.moving_s.0 - solved.lead_s, "from {from} s");
+        assert!(until > solved.moving_s.1 + solved.lag_s, "until {until} s");
+    }
+
+    #[test]
+    fn a_view_has_two_samples_at_least() {
+        let times: Vec<f64> = (0..10).map(f64::from).collect();
+        assert_eq!(inside(&times, 2.5, 6.0), 3..7);
+        assert_eq!(inside(&times, -9.0, -8.0), 0..2);
+        assert_eq!(inside(&times, 20.0, 30.0), 8..10);
+        assert_eq!(inside(&times[..1], 0.0, 9.0), 0..1, "there is but one");
+        assert_eq!([-5.0, 2.4, 2.6, 50.0].map(|t| nearest(&times, t)), [0, 2, 3, 9]);
+    }
+}

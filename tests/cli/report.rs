@@ -1,0 +1,332 @@
+//! `flexlink report`: pages and figures.
+
+use std::collections::HashSet;
+use std::fs;
+use std::io::Cursor;
+
+use super::{Bench, LINK, MOTION, repository, stderr};
+
+const QUIET: [&str; 3] = ["-q", "-o", "out"];
+
+fn solved(bench: &Bench, more: &[&str]) {
+    let output =
+        bench.run(&[&["solve", &repository(LINK), &repository(MOTION)], &QUIET[..], more].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[track_caller]
+fn done(bench: &Bench, arguments: &[&str]) -> String {
+    let output = bench.run(arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[track_caller]
+fn refused(bench: &Bench, arguments: &[&str]) -> String {
+    let output = bench.run(arguments);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    stderr(&output)
+}
+
+/// Numbers of an attribute, the first of this name after `from`.
+fn attribute<'a>(text: &'a str, name: &str) -> &'a str {
+    let begin = text.find(&format!(" {name}=\"")).unwrap() + name.len() + 3;
+    text[begin..].split('"').next().unwrap()
+}
+
+fn numbers(text: &str) -> Vec<f64> {
+    text.split_whitespace().map(|number| number.parse().unwrap()).collect()
+}
+
+/// All colours of a picture.
+fn colours(picture: &[u8]) -> HashSet<[u8; 3]> {
+    let mut reader = png::Decoder::new(Cursor::new(picture)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    pixels.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
+}
+
+/// Points of a line of a figure, in the units of its axes.
+fn points(svg: &str, line: &str) -> Vec<(f64, f64)> {
+    let (x, y) = (numbers(attribute(svg, "data-x")), numbers(attribute(svg, "data-y")));
+    let plot = numbers(attribute(svg, "data-plot"));
+    let path = &svg[svg.find(&format!("data-name=\"{line}\"")).unwrap()..];
+    let places = attribute(path, "d").split(['M', 'L']).filter(|place| !place.is_empty());
+    let point = |place: &str| {
+        let (across, down) = place.split_once(',').unwrap();
+        let (across, down): (f64, f64) = (across.parse().unwrap(), down.parse().unwrap());
+        (x[0] + across / plot[2] * (x[1] - x[0]), y[1] - down / plot[3] * (y[1] - y[0]))
+    };
+    places.map(point).collect()
+}
+
+#[test]
+fn a_figure_shows_the_numbers_of_the_table() {
+    let bench = Bench::new();
+    solved(&bench, &[]);
+    let told = done(&bench, &["report", "out", "--svg", "figures"]);
+    assert_eq!(told, "written  8 figures in figures\n");
+    for (figure, line, file, column) in [
+        ("torque", "flexible link", "torque.csv", 1),
+        ("torque", "rigid link", "rigid_torque.csv", 1),
+        ("hub-angle", "flexible link", "hub_angle.csv", 1),
+        ("hub-angle", "rigid link", "hub_angle.csv", 4),
+        ("tip-acceleration", "tip", "tip.csv", 3),
+        ("tip-displacement", "tip", "tip.csv", 1),
+        ("tip-under-rigid-torque", "wanted", "tip.csv", 1),
+    ] {
+        let shown = points(&bench.read(&format!("figures/{figure}.svg")), line);
+        let table = bench.table(&format!("out/{file}"));
+        let peak = table[column].1.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
+        assert!(shown.len() > 500, "{figure}: {} points", shown.len());
+        for (time_s, value) in shown {
+            let row = table[0].1.partition_point(|time| *time < time_s - 0.0005);
+            assert!((table[0].1[row] - time_s).abs() < 1e-4, "{figure} at {time_s} s");
+            let error = (table[column].1[row] - value).abs();
+            assert!(error < 3e-4 * peak, "{figure}, {line}, at {time_s} s: {error:e} off");
+        }
+    }
+}
+
+#[test]
+fn a_page_needs_nothing_else_and_escapes_what_it_is_given() {
+    let bench = Bench::new();
+    let title = "title=\"</script><script>alert(1)</script>\"";
+    let name = "segments.beam.name=\"<img>\"";
+    solved(&bench, &["--set", title, "--set", name, "--report", "--verify"]);
+    let page = bench.read("out/report.html");
+    assert!(page.starts_with("<!DOCTYPE html>"), "{}", &page[..40]);
+    assert!(page.contains("&lt;/script&gt;&lt;script&gt;alert(1)"), "the title is not there");
+    assert!(!page.contains("<script>alert") && !page.contains("<img"), "a name is not escaped");
+    assert_eq!(page.matches("</script>").count(), 2, "the motion and the script");
+    let addresses = page.matches("http").count();
+    assert_eq!(addresses, page.matches("http://www.w3.org/2000/svg").count(), "an address");
+    for section in ["link", "warnings", "checks", "animation", "figures", "inputs"] {
+        assert_eq!(
+            page.contains(&format!("<section id=\"{section}\"")),
+            section != "warnings",
+            "{section}"
+        );
+    }
+    assert!(
+        page.contains("T/a_tip of the paper&#39;s dense H")
+            || page.contains("T/a_tip of the paper's dense H")
+    );
+    assert!(page.len() < 2_000_000, "{} bytes", page.len());
+}
+
+#[test]
+fn the_same_result_gives_the_same_page_and_the_same_pictures() {
+    let bench = Bench::new();
+    solved(&bench, &["--every", "10"]);
+    done(&bench, &["report", "out", "-q", "-o", "a.html", "--png", "a"]);
+    done(&bench, &["report", "out", "-q", "-o", "b.html", "--png", "b"]);
+    assert!(bench.read("a.html") == bench.read("b.html"));
+    assert_eq!(bench.names("a").len(), 8);
+    for name in bench.names("a") {
+        let picture = fs::read(bench.path("a").join(&name)).unwrap();
+        assert!(picture.starts_with(b"\x89PNG\r\n\x1a\n"), "{name}");
+        let width = u32::from_be_bytes(picture[16..20].try_into().unwrap());
+        assert_eq!(width, 1520, "{name}");
+        assert!(picture == fs::read(bench.path("b").join(&name)).unwrap(), "{name}");
+        let colours = colours(&picture);
+        assert!(colours.len() > 40, "{name}: {} colours", colours.len());
+        assert!(colours.contains(&[28, 36, 48]), "{name} has no letters");
+    }
+}
+
+#[test]
+fn a_page_goes_with_its_run() {
+    let bench = Bench::new();
+    let arguments = ["solve", &repository(LINK), &repository(MOTION), "-o", "out", "--report"];
+    let told = done(&bench, &arguments);
+    assert!(
+        told.lines().any(|line| line.starts_with("written  out") && line.ends_with("report.html"))
+    );
+    assert!(bench.names("out").contains(&"report.html".to_owned()));
+    solved(&bench, &["--set", "payload.mass=0.1"]);
+    assert!(!bench.names("out").contains(&"report.html".to_owned()), "an old page stays");
+    let page = done(&bench, &["report", "out", "-o", "-"]);
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"), "standard output");
+    assert!(!bench.names("out").contains(&"report.html".to_owned()));
+}
+
+#[test]
+fn what_was_not_written_is_not_shown_and_that_is_said() {
+    let bench = Bench::new();
+    solved(&bench, &["--nodes", "0,10"]);
+    done(&bench, &["report", "out", "-q"]);
+    let page = bench.read("out/report.html");
+    assert!(!page.contains("id=\"fig-waves\""));
+    assert!(
+        page.contains("since no node between root and tip was written"),
+        "why there are no waves"
+    );
+    assert!(!page.contains("id=\"animation\""), "a link of two points");
+    solved(&bench, &["--every", "9000"]);
+    done(&bench, &["report", "out", "-q"]);
+    assert!(!bench.read("out/report.html").contains("id=\"fig-waves\""), "waves of one moment");
+}
+
+#[test]
+fn the_rigid_torque_moves_the_tip_as_a_simulation_says() {
+    let bench = Bench::new();
+    solved(&bench, &["--set", "hub.viscous_friction=0.1"]);
+    let play =
+        ["-q", "-o", "played", "--column", "rigid_torque_n_m", "--set", "hub.viscous_friction=0.1"];
+    let output =
+        bench.run(&[&["simulate", &repository(LINK), "out/rigid_torque.csv"], &play[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    done(&bench, &["report", "out", "-q", "--svg", "figures"]);
+    let shown = points(&bench.read("figures/tip-under-rigid-torque.svg"), "rigid link's torque");
+    let tip = bench.table("played/tip.csv");
+    for (time_s, value) in shown {
+        let row = tip[0].1.partition_point(|time| *time < time_s - 0.0005);
+        assert!((tip[1].1[row] - value).abs() < 3e-4, "{value} at {time_s} s");
+    }
+}
+
+#[test]
+fn the_motors_torque_is_shown_beside_the_hubs() {
+    let bench = Bench::new();
+    let drive = "drive={joint_stiffness=100.0, rotor_inertia=0.01, gear_ratio=2.0}";
+    solved(&bench, &["--set", drive, "--report"]);
+    let page = bench.read("out/report.html");
+    assert!(page.contains("data-name=\"motor\"") && page.contains("On its side of the drive"));
+}
+
+#[test]
+fn results_that_no_page_can_be_made_of_are_written_and_told_of() {
+    let bench = Bench::new();
+    let arguments =
+        ["solve", &repository(LINK), &repository(MOTION), "-o", "out", "--digits", "1", "--report"];
+    let output = bench.run(&arguments);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert!(stderr(&output).contains("nodes.csv"), "{}", stderr(&output));
+    let told = String::from_utf8(output.stdout).unwrap();
+    assert!(told.contains("written  7 files"), "the summary: {told}");
+}
+
+#[test]
+fn warnings_stand_in_the_page_with_what_helps() {
+    let bench = Bench::new();
+    bench.run(&[
+        "solve",
+        &repository(LINK),
+        &repository(MOTION),
+        "-q",
+        "-o",
+        "out",
+        "--set",
+        "payload.mass=0.1",
+    ]);
+    done(&bench, &["report", "out", "-q"]);
+    let page = bench.read("out/report.html");
+    assert!(page.contains("<section id=\"warnings\""));
+    assert!(page.contains("elements halved") && page.contains("What helps: more elements"));
+}
+
+#[test]
+fn a_simulation_has_a_page() {
+    let bench = Bench::new();
+    solved(&bench, &[]);
+    done(&bench, &["simulate", &repository(LINK), "out/torque.csv", "-q", "-o", "played"]);
+    done(&bench, &["report", "played", "-q"]);
+    let page = bench.read("played/report.html");
+    for figure in ["torque", "tip-displacement", "hub-angle", "waves", "transfer", "mode-shapes"] {
+        assert!(page.contains(&format!("id=\"fig-{figure}\"")), "{figure}");
+    }
+    assert!(!page.contains("fig-tip-under-rigid-torque"), "no motion was asked for");
+    assert!(page.contains("residual amplitude"), "its numbers");
+}
+
+#[test]
+fn a_sweep_has_lines_over_one_value_and_colours_over_two() {
+    let bench = Bench::new();
+    let sweep = |vary: &[&str], file: &str| {
+        let mut arguments = vec!["sweep"];
+        let (link, motion) = (repository(LINK), repository(MOTION));
+        arguments.extend([link.as_str(), motion.as_str(), "-q", "-o", file]);
+        for vary in vary {
+            arguments.extend(["--vary", *vary]);
+        }
+        assert!(bench.run(&arguments).status.success());
+    };
+    sweep(&["segments.*.EI*=1,2,8,16"], "one.csv");
+    done(&bench, &["report", "one.csv", "-q", "--svg", "one"]);
+    assert_eq!(
+        bench.names("one"),
+        ["deflection.svg", "lag.svg", "lead.svg", "peak-torque.svg", "torque-ratio.svg"]
+    );
+    let svg = bench.read("one/torque-ratio.svg");
+    let text = bench.read("one.csv");
+    let names: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let ratio = names.iter().position(|name| *name == "torque_ratio").unwrap();
+    let rows = text.lines().skip(1).map(|row| row.split(',').collect::<Vec<_>>());
+    let (factors, ratios): (Vec<f64>, Vec<f64>) = rows
+        .map(|row| (row[0].parse::<f64>().unwrap(), row[ratio].parse::<f64>().unwrap()))
+        .unzip();
+    let axis = numbers(attribute(&svg, "data-x"));
+    let (shown, plot) = (points(&svg, "ratio"), numbers(attribute(&svg, "data-plot")));
+    assert_eq!(attribute(&svg, "data-x-scale"), "log");
+    for (k, (at, ratio)) in shown.iter().enumerate() {
+        let across = (at - axis[0]) / (axis[1] - axis[0]) * plot[2];
+        let expected = (factors[k] / axis[0]).ln() / (axis[1] / axis[0]).ln() * plot[2];
+        assert!((across - expected).abs() < 0.01, "factor {}", factors[k]);
+        assert!((ratio - ratios[k]).abs() < 1e-3, "ratio {}", ratios[k]);
+    }
+
+    sweep(&["segments.*.EI*=1,4", "payload.mass=0,0.05,0.1"], "two.csv");
+    done(&bench, &["report", "two.csv", "-q", "-o", "two.html"]);
+    let page = bench.read("two.html");
+    assert_eq!(page.matches("data:image/png;base64,").count(), 5, "colour maps");
+    sweep(&["segments.*.EI*=1,4", "payload.mass=0,0.1", "hub.inertia=0.1,0.2"], "three.csv");
+    let told = done(&bench, &["report", "three.csv"]);
+    assert_eq!(told, "written  three.html\n");
+    done(&bench, &["report", "three.csv", "-q", "--svg", "three"]);
+    let svg = bench.read("three/lead.svg");
+    assert!(
+        svg.contains("data-name=\"segments.*.EI = 4, payload.mass = 0.1\""),
+        "a line of its own"
+    );
+    let last = attribute(&svg, "data-x-name");
+    assert_eq!(last, "hub.inertia");
+}
+
+#[test]
+fn what_is_no_result_is_refused_in_words() {
+    let bench = Bench::new();
+    assert!(refused(&bench, &["report", "nowhere"]).contains("nowhere"));
+    fs::create_dir(bench.path("empty")).unwrap();
+    let told = refused(&bench, &["report", "empty"]);
+    assert!(told.contains("empty") && told.contains("flexlink solve"), "{told}");
+    solved(&bench, &[]);
+    fs::remove_file(bench.path("out").join("torque.csv")).unwrap();
+    let told = refused(&bench, &["report", "out"]);
+    assert!(told.contains("torque.csv"), "{told}");
+    bench.write("foreign.csv", "a,b\n1,2\n");
+    let told = refused(&bench, &["report", "foreign.csv"]);
+    assert!(told.contains("foreign.csv"), "{told}");
+    assert!(!bench.names(".").contains(&"report.html".to_owned()), "a page of nothing");
+    for over in [["foreign.csv", "foreign.csv"], ["out", "out/tip.csv"]] {
+        let refused = bench.run(&["report", over[0], "-o", over[1]]);
+        assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+    }
+    assert!(bench.read("out/tip.csv").starts_with("time_s,"), "a page over a table");
+}
+
+#[test]
+fn the_figures_of_the_readme_are_those_of_the_papers_example() {
+    let bench = Bench::new();
+    solved(&bench, &[]);
+    done(&bench, &["report", "out", "-q", "--svg", "figures"]);
+    for figure in ["torque.svg", "waves.svg"] {
+        let kept = fs::read_to_string(repository(&format!("docs/{figure}"))).unwrap();
+        let drawn = bench.read(&format!("figures/{figure}"));
+        assert!(
+            kept.lines().eq(drawn.lines()),
+            "docs/{figure} is another: write it anew with `report --svg`"
+        );
+    }
+}
