@@ -1,0 +1,389 @@
+// npm install && node page.mjs CHROMIUM PAGE.html [--points FILE.json] [PAGE.html …]: opens pages of `flexlink report` and tries all that they must do.
+//
+// --points belongs to the page before it: [{"figure": "fig-torque", "line": "flexible link",
+// "x": 0.187, "y": 1.358, "within": 0.002}, …], values that the line of the figure must show there.
+// Exit code 0: every check passed, 1: one did not, 2: wrong usage.
+
+import { readFile, stat } from "node:fs/promises";
+import { basename, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+import axe from "axe-core";
+import puppeteer from "puppeteer-core";
+
+const MOST_BYTES = 2e6;
+const SLOW_MS = 1000; // what a page should take to open
+const MOST_MS = 3000; // what fails: machines differ
+const wide = { width: 1280, height: 900 };
+const narrow = { width: 360, height: 740, isMobile: true, hasTouch: true, deviceScaleFactor: 2 };
+
+const [chromium, ...rest] = process.argv.slice(2);
+const pages = [];
+for (let i = 0; i < rest.length; i++) {
+  if (rest[i] !== "--points") pages.push({ file: resolve(rest[i]), points: null });
+  else if (pages.length && rest[i + 1]) pages.at(-1).points = rest[++i];
+  else usage();
+}
+if (!chromium || !pages.length) usage();
+
+function usage() {
+  console.error("usage: node page.mjs CHROMIUM PAGE.html [--points FILE.json] [PAGE.html …]");
+  process.exit(2);
+}
+
+const must = (holds, message) => { if (!holds) throw new Error(message); };
+const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+let passed = 0, failed = 0, where = "";
+
+async function check(name, body) {
+  try {
+    const note = await body();
+    passed++;
+    console.log(`ok    ${where}: ${name}${note ? `: ${note}` : ""}`);
+  } catch (error) {
+    failed++;
+    console.log(`FAIL  ${where}: ${name}: ${error.message}`);
+  }
+}
+
+// A tab of its own storage, that keeps what was asked of the network and said on the console.
+async function open(browser, file, viewport, features = {}) {
+  const context = await browser.createBrowserContext();
+  const page = await context.newPage();
+  const url = pathToFileURL(file).href;
+  const asked = [], said = [];
+  page.on("console", (message) => {
+    if (["error", "warn", "assert"].includes(message.type())) said.push(`${message.type()}: ${message.text()}`);
+  });
+  page.on("pageerror", (error) => said.push(`error: ${error.message}`));
+  await page.setRequestInterception(true);
+  page.on("request", (request) => {
+    const own = request.url().split("#")[0] === url || /^(data|blob):/.test(request.url());
+    if (!own) asked.push(request.url());
+    // Another file is answered, to be told of here rather than as an error on the console.
+    if (own || request.url().startsWith("file:")) request.continue();
+    else request.abort();
+  });
+  const wanted = { "prefers-color-scheme": "light", "prefers-reduced-motion": "no-preference", ...features };
+  await page.emulateMediaFeatures(Object.entries(wanted).map(([name, value]) => ({ name, value })));
+  await page.setViewport(viewport);
+  await page.evaluateOnNewDocument(() => {
+    addEventListener("DOMContentLoaded", () => requestAnimationFrame(() => setTimeout(() => { window.openedAfter = performance.now(); })));
+  });
+  await page.goto(url, { waitUntil: "load", timeout: 60_000 });
+  await page.waitForFunction("window.openedAfter", { timeout: 60_000 });
+  return { page, asked, said, close: () => context.close() };
+}
+
+const figuresOf = (page) => page.$$eval("figure.chart", (all) => all.map((figure) => figure.id));
+const ticksOf = (page, id) => page.$eval(`#${id}`, (figure) => [...figure.querySelectorAll(".ticks.x text")].map((t) => t.textContent).join(" "));
+const readOut = (page, id) => page.$eval(`#${id}`, (figure) => [...figure.querySelectorAll(".key .value")].map((v) => v.textContent));
+const full = (values) => values.length > 1 && values[0] !== "" && values.slice(1).some((text) => /\d/.test(text));
+const boxOf = async (page, id) => {
+  const reader = await page.$(`#${id} .reader`);
+  must(reader, `${id} has nothing to read it with: did the script run?`);
+  await reader.evaluate((node) => node.scrollIntoView({ block: "center" }));
+  return reader.boundingBox();
+};
+const timeCharts = (page) =>
+  page.$$eval("figure.chart", (all) => all.filter((f) => f.querySelector("[data-x-axis=time]")).map((f) => f.id));
+const sliderValue = (page) => page.$eval("#animation input[type=range]", (slider) => Number(slider.value));
+const playButton = async (page) => {
+  for (const button of await page.$$("#animation .controls button"))
+    if (/play|pause/i.test(await button.evaluate((node) => node.textContent))) return button;
+  throw new Error("the animation has no button to play it");
+};
+const background = (page) => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+
+async function quiet({ asked, said }) {
+  await check("asks nothing of the network or of other files", async () => must(!asked.length, asked.join(", ")));
+  await check("no error or warning on the console", async () => must(!said.length, said.join(" | ")));
+}
+
+async function accessible(page) {
+  for (const scheme of ["light", "dark"]) {
+    await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: scheme }, { name: "prefers-reduced-motion", value: "reduce" }]);
+    await check(`axe-core finds nothing serious, ${scheme}`, async () => {
+      await page.evaluate(() => { for (const more of document.querySelectorAll("details")) more.open = true; });
+      if (!(await page.evaluate("typeof axe === 'object'"))) await page.evaluate(axe.source);
+      const { violations, passes } = await page.evaluate(() => globalThis.axe.run(document, {
+        runOnly: { type: "tag", values: ["wcag2a", "wcag2aa", "wcag21aa", "best-practice"] },
+      }));
+      must(passes.length > 5, "axe-core looked at nearly nothing");
+      const grave = violations.filter(({ impact }) => ["serious", "critical"].includes(impact));
+      must(!grave.length, grave.map(({ id, help, nodes }) => `${id} (${help}) at ${nodes[0].target}, ${nodes.length} in all`).join("; "));
+      return `${passes.length} rules hold${violations.length ? `, lesser: ${violations.map(({ id }) => id).join(", ")}` : ""}`;
+    });
+  }
+}
+
+async function figures(page) {
+  await check("every figure holds a line or an image", async () => {
+    const held = await page.$$eval("figure.chart", (all) => all.map((figure) => ({
+      id: figure.id,
+      points: [...figure.querySelectorAll("svg.plot .zoom path:is(.line, .dots)")].reduce((n, p) => n + (p.getAttribute("d").match(/[ML]/g) || []).length, 0),
+      image: [...figure.querySelectorAll("svg.plot .zoom image")].some((i) => (i.getAttribute("href") || "").length > 100),
+    })));
+    must(held.length, "the page has no figure");
+    for (const { id, points, image } of held) must(points > 1 || image, `${id} holds neither`);
+    return `${held.length} figures`;
+  });
+
+  await check("the pointer reads every figure", async () => {
+    for (const id of await figuresOf(page)) {
+      const box = await boxOf(page, id);
+      const seen = [];
+      for (const part of [0.3, 0.7]) {
+        await page.mouse.move(box.x + box.width * part, box.y + box.height / 2);
+        const values = await readOut(page, id);
+        must(full(values), `${id}: the read-out is empty: ${JSON.stringify(values)}`);
+        seen.push(values[0]);
+      }
+      must(seen[0] !== seen[1], `${id}: the read-out stays at ${seen[0]}`);
+    }
+    await page.mouse.move(1, 1);
+  });
+
+  await check("the keyboard reads every figure", async () => {
+    for (const id of await figuresOf(page)) {
+      await boxOf(page, id);
+      await page.focus(`#${id} .reader`);
+      await page.keyboard.press("Home");
+      const first = (await readOut(page, id))[0];
+      for (const key of ["ArrowRight", "ArrowRight"]) await page.keyboard.press(key);
+      await page.keyboard.down("Shift");
+      await page.keyboard.press("ArrowRight");
+      await page.keyboard.up("Shift");
+      const values = await readOut(page, id);
+      must(full(values), `${id}: the read-out is empty: ${JSON.stringify(values)}`);
+      must(values[0] !== first, `${id}: the arrows do not move the cursor from ${first}`);
+      const said = await page.$eval(`#${id} .reader`, (node) => node.getAttribute("aria-valuetext"));
+      must(said.includes(values[0]), `${id}: what is read aloud lacks ${values[0]}: ${said}`);
+    }
+  });
+
+  await check("zoom is shared by the figures over time, and by no other", async () => {
+    const ids = await figuresOf(page), overTime = await timeCharts(page);
+    const all = async () => Object.fromEntries(await Promise.all(ids.map(async (id) => [id, await ticksOf(page, id)])));
+    const resets = () => page.$$eval(".tools button:last-child", (buttons) => buttons.filter((b) => b.offsetParent).length);
+    const before = await all();
+    for (const id of [overTime[0], ...ids.filter((one) => !overTime.includes(one))].filter(Boolean)) {
+      const together = overTime.includes(id) ? overTime : [id];
+      const box = await boxOf(page, id);
+      await page.mouse.move(box.x + box.width * 0.35, box.y + 20);
+      await page.mouse.down();
+      await page.mouse.move(box.x + box.width * 0.6, box.y + 40, { steps: 4 });
+      await page.mouse.up();
+      const zoomed = await all();
+      for (const other of ids) {
+        const changed = zoomed[other] !== before[other];
+        must(changed === together.includes(other), `a drag in ${id} ${changed ? "changes" : "does not change"} the ticks of ${other}: ${zoomed[other]}`);
+      }
+      must((await resets()) === together.length, `${await resets()} buttons to reset the zoom are seen, not ${together.length}`);
+      await page.mouse.click(box.x + box.width / 2, box.y + 30, { clickCount: 2 });
+      must(JSON.stringify(await all()) === JSON.stringify(before), `a double click in ${id} does not undo the zoom`);
+      await page.focus(`#${id} .reader`);
+      await page.keyboard.press("+");
+      must((await all())[id] !== before[id], `the key + does not zoom ${id}`);
+      await page.keyboard.press("Escape");
+      must(JSON.stringify(await all()) === JSON.stringify(before), `Escape in ${id} does not undo the zoom`);
+      must((await resets()) === 0, "a button to reset the zoom stays");
+    }
+    return overTime.length ? `${overTime.length} over time` : "none over time";
+  });
+}
+
+// Reads the page's lines by themselves, not through its script.
+async function holdsPoints(page, file) {
+  const wanted = JSON.parse(await readFile(file, "utf8"));
+  await check(`lines pass through the points of ${basename(file)}`, async () => {
+    must(wanted.length, "the file holds no point");
+    let worst = 0;
+    for (const { figure, line, x, y, within } of wanted) {
+      const found = await page.evaluate((figure, line, x) => {
+        const chart = document.getElementById(figure)?.querySelector("svg.chart");
+        if (!chart) return "there is no such figure";
+        const path = [...chart.querySelectorAll(".zoom path.line")].find((one) => one.getAttribute("data-name") === line);
+        if (!path) return "there is no such line";
+        // The line above a map has its own axis.
+        const numbers = (name) => (path.getAttribute(name) || chart.getAttribute(name)).trim().split(/\s+/).map(Number);
+        const [, , width, height] = numbers("data-plot");
+        const [above, band] = (path.dataset.band || chart.dataset.band || `0 ${height}`).split(/\s+/).map(Number);
+        const scale = (name, v) => (chart.getAttribute(`${name}-scale`) === "log" ? Math.log10(v) : v);
+        const back = (name, s) => (chart.getAttribute(`${name}-scale`) === "log" ? 10 ** s : s);
+        const ends = (name) => numbers(name).map((v) => scale(name, v));
+        const [x0, x1] = ends("data-x"), [y0, y1] = ends("data-y");
+        const u = ((scale("data-x", x) - x0) / (x1 - x0)) * width;
+        const points = [...path.getAttribute("d").matchAll(/([ML])(-?[\d.e-]+),(-?[\d.e-]+)/g)].map((m) => [m[1], +m[2], +m[3]]);
+        for (let i = 1; i < points.length; i++) {
+          const [, ua, va] = points[i - 1], [command, ub, vb] = points[i];
+          if (command === "M" || u < Math.min(ua, ub) - 0.01 || u > Math.max(ua, ub) + 0.01) continue;
+          const v = ub === ua ? vb : va + ((vb - va) * (u - ua)) / (ub - ua);
+          return back("data-y", y0 + (1 - (v - above) / band) * (y1 - y0));
+        }
+        return "the line does not reach there";
+      }, figure, line, x);
+      must(typeof found === "number", `${figure}, ${line}, x = ${x}: ${found}`);
+      must(Math.abs(found - y) <= within, `${figure}, ${line}, x = ${x}: found ${found}, must be ${y} within ${within}`);
+      worst = Math.max(worst, Math.abs(found - y) / within);
+    }
+    return `${wanted.length} points, the worst at ${Math.round(worst * 100)} % of what is allowed`;
+  });
+}
+
+async function animation(browser, file) {
+  const still = await open(browser, file, wide, { "prefers-reduced-motion": "reduce" });
+  await check("with reduced motion the animation does not start by itself", async () => {
+    await still.page.$eval("#stage", (stage) => stage.scrollIntoView({ block: "center" }));
+    const before = await sliderValue(still.page);
+    await wait(700);
+    must((await sliderValue(still.page)) === before, `the time went from ${before} to ${await sliderValue(still.page)} s`);
+  });
+  await check("play moves the time, pause stops it", async () => {
+    const { page } = still;
+    const button = await playButton(page);
+    const at = [await sliderValue(page)];
+    await button.click();
+    await wait(500);
+    at.push(await sliderValue(page));
+    must(at[1] > at[0], `after play the time stays at ${at[1]} s`);
+    await button.click();
+    await wait(150);
+    at.push(await sliderValue(page));
+    await wait(500);
+    at.push(await sliderValue(page));
+    must(at[3] === at[2], `after pause the time goes on from ${at[2]} to ${at[3]} s`);
+    await page.$eval("#stage", (stage) => stage.focus());
+    await page.keyboard.press("Space");
+    await wait(500);
+    await page.keyboard.press("Space");
+    const on = await sliderValue(page);
+    must(on > at[3], `the space bar on the stage does not play: the time stays at ${on} s`);
+    return `${at[0]} to ${on} s`;
+  });
+  await check("the caption and the charts follow the time", async () => {
+    const { page } = still;
+    const state = () => page.evaluate(() => [
+      document.getElementById("stage-caption").textContent,
+      document.querySelector("#animation input[type=range]").getAttribute("aria-valuetext"),
+      [...document.querySelectorAll(".now")].map((line) => line.getAttribute("x1")).join(" "),
+    ]);
+    const before = await state();
+    await page.focus("#animation input[type=range]");
+    for (let i = 0; i < 10; i++) await page.keyboard.press("ArrowRight");
+    const after = await state();
+    ["caption", "text of the slider", "line in the charts"].forEach((what, i) => must(before[i] !== after[i], `the ${what} stays: ${after[i]}`));
+    must(after[0].includes(after[1]), `the caption lacks the time ${after[1]}: ${after[0]}`);
+  });
+  await quiet(still);
+  await still.close();
+
+  const moving = await open(browser, file, wide);
+  await check("it starts by itself when it is first seen", async () => {
+    const { page } = moving;
+    const before = await sliderValue(page);
+    await page.$eval("#stage", (stage) => stage.scrollIntoView({ block: "center" }));
+    await wait(700);
+    must((await sliderValue(page)) > before, `the time stays at ${before} s`);
+    await (await playButton(page)).click();
+  });
+  await moving.close();
+}
+
+async function themes(page) {
+  await check("the theme button changes the background, and is remembered", async () => {
+    const button = await page.$("#theme");
+    must(button && (await button.isVisible()), "there is no theme button to be seen");
+    const seen = {};
+    for (let i = 0; i < 3; i++) {
+      await button.click();
+      seen[await page.evaluate(() => document.documentElement.dataset.theme)] = await background(page);
+    }
+    must(seen.light && seen.dark, `it does not go through light and dark: ${JSON.stringify(seen)}`);
+    must(seen.light !== seen.dark, `the background stays ${seen.light}`);
+    while ((await page.evaluate(() => document.documentElement.dataset.theme)) !== "dark") await button.click();
+    await page.reload();
+    must((await background(page)) === seen.dark, "after opening the page again dark is forgotten");
+    return `${seen.light}, ${seen.dark}`;
+  });
+  await check("paper is white, and holds no buttons", async () => {
+    await page.emulateMediaType("print");
+    const seen = await page.evaluate(() => ({
+      buttons: [...document.querySelectorAll("button, #animation, .reader")].filter((node) => node.checkVisibility()).length,
+      open: document.querySelectorAll("details[open]").length,
+    }));
+    const paper = await background(page);
+    await page.emulateMediaType("screen");
+    must(paper === "rgb(255, 255, 255)", `the background is ${paper}`);
+    must(!seen.buttons, `${seen.buttons} buttons are seen`);
+    must(!seen.open, `${seen.open} details are open`);
+  });
+}
+
+async function tryPage(browser, { file, points }) {
+  const name = basename(file);
+  where = name;
+  await check("is at most 2 MB", async () => {
+    const { size } = await stat(file);
+    must(size <= MOST_BYTES, `${size} bytes`);
+    return `${(size / 1000).toFixed(0)} kB`;
+  });
+
+  for (const viewport of [wide, narrow]) {
+    where = `${name} at ${viewport.width}`;
+    const tab = await open(browser, file, viewport, viewport === narrow ? { "prefers-reduced-motion": "reduce" } : {});
+    const { page } = tab;
+    await check("opens in time", async () => {
+      const ms = await page.evaluate("window.openedAfter");
+      must(ms <= MOST_MS, `${ms.toFixed(0)} ms to the first frame, at most ${MOST_MS}`);
+      return `${ms.toFixed(0)} ms${ms > SLOW_MS ? `, SLOW: more than ${SLOW_MS}` : ""}`;
+    });
+    await check("does not scroll sideways", async () => {
+      const overhang = await page.evaluate(() => {
+        for (const more of document.querySelectorAll("details")) more.open = true;
+        const room = document.documentElement.clientWidth;
+        const widest = Math.max(document.documentElement.scrollWidth, document.body.scrollWidth);
+        const culprit = [...document.body.querySelectorAll("*")].filter((n) => !n.closest(".scroll, svg")).find((n) => n.getBoundingClientRect().right > room + 1);
+        for (const more of document.querySelectorAll("details")) more.open = false;
+        return widest > room ? `${widest} px in ${room}, from ${culprit?.tagName}.${culprit?.className}` : "";
+      });
+      must(!overhang, overhang);
+    });
+    if (viewport === wide) {
+      await figures(page);
+      if (points) await holdsPoints(page, points);
+      await themes(page);
+    } else {
+      await check("a finger reads every figure", async () => {
+        for (const id of await figuresOf(page)) {
+          const box = await boxOf(page, id);
+          await page.touchscreen.tap(box.x + box.width * 0.4, box.y + box.height / 2);
+          const values = await readOut(page, id);
+          must(full(values), `${id}: the read-out is empty: ${JSON.stringify(values)}`);
+        }
+      });
+    }
+    await quiet(tab);
+    await tab.close();
+    const fresh = await open(browser, file, viewport, { "prefers-reduced-motion": "reduce" });
+    await accessible(fresh.page);
+    await fresh.close();
+  }
+  where = name;
+  if ((await readFile(file, "utf8")).includes('id="animation"')) await animation(browser, file);
+}
+
+const browser = await puppeteer.launch({
+  executablePath: chromium, headless: true,
+  // As root, in a container, Chromium has no sandbox.
+  args: process.getuid?.() === 0 ? ["--no-sandbox"] : [],
+});
+try {
+  for (const page of pages) await tryPage(browser, page);
+} catch (error) {
+  failed++;
+  console.log(`FAIL  ${where}: ${error.message}`);
+} finally {
+  await browser.close();
+}
+console.log(`${passed} passed, ${failed} failed`);
+process.exitCode = failed ? 1 : 0;
