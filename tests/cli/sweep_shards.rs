@@ -41,7 +41,7 @@ fn a_sweep_that_is_stopped_keeps_its_rows_and_goes_on_to_the_same_table() {
         let child = begun(&bench);
         send(signal, &child);
         let output = child.wait_with_output().unwrap();
-        assert_eq!(output.status.code(), code, "{signal}");
+        assert_eq!(output.status.code(), code, "{signal}: {}", output.status);
         assert_eq!(bench.names("."), ["sweep.csv.part"], "{signal}");
         let part = bench.read("sweep.csv.part");
         let (first, rows) = part.split_once('\n').unwrap();
