@@ -14,7 +14,8 @@ const VARY: [&str; 2] = ["--vary", "segments.*.EI*=0.5:8:40:log"];
 fn begun(bench: &Bench) -> Child {
     let (link, motion) = (repository(LINK), repository(MOTION));
     let arguments = [&["sweep", &link, &motion, "--threads", "1"], &VARY[..]].concat();
-    let child = bench.program(&arguments).stderr(Stdio::piped()).spawn().unwrap();
+    let mut program = hearing(bench.program(&arguments));
+    let child = program.stderr(Stdio::piped()).spawn().unwrap();
     let rows = || fs::read_to_string(bench.path("sweep.csv.part")).unwrap_or_default();
     let has_some = |_| {
         sleep(Duration::from_millis(5));
@@ -22,6 +23,23 @@ fn begun(bench: &Bench) -> Child {
     };
     assert!((0..6000).any(has_some), "no rows within 30 s");
     child
+}
+
+/// The same where the tests themselves ignore signals, as under nohup or in a script's background.
+fn hearing(program: Command) -> Command {
+    if !cfg!(target_os = "linux") {
+        return program;
+    }
+    let mut command = Command::new("env");
+    command.arg("--default-signal=INT,TERM").arg(program.get_program()).args(program.get_args());
+    command.current_dir(program.get_current_dir().unwrap()).stdin(Stdio::null());
+    for (name, value) in program.get_envs() {
+        match value {
+            Some(value) => command.env(name, value),
+            None => command.env_remove(name),
+        };
+    }
+    command
 }
 
 #[cfg(unix)]
