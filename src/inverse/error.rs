@@ -33,6 +33,12 @@ pub enum InversionError {
         /// The frequency in Hz.
         frequency_hz: f64,
     },
+    /// A torque whose square leaves double precision.
+    #[error("the peak torque = {peak_n_m:e} N m, but must lie from 1e-100 to 1e100 N m")]
+    OutOfRange {
+        /// Peak torque in N m.
+        peak_n_m: f64,
+    },
     /// An automatic mesh that does not converge.
     #[error(
         "mesh error = {error:.2e} of the peak torque with {elements} elements, but must be at most \
@@ -47,13 +53,22 @@ pub enum InversionError {
         tolerance: f64,
     },
     /// A window longer than this program transforms.
-    #[error("the period = {samples} samples, but must be at most {limit}")]
+    #[error("the period = {} samples, but must be at most {limit}", counted(*samples))]
     TooLong {
         /// Samples needed.
         samples: usize,
         /// Samples possible.
         limit: usize,
     },
+}
+
+/// A number of samples; beyond what can be counted, by its power of ten.
+fn counted(samples: usize) -> String {
+    if samples < 1_000_000_000_000 {
+        samples.to_string()
+    } else {
+        format!("{:.0e} or more", samples as f64)
+    }
 }
 
 impl InversionError {
@@ -68,6 +83,9 @@ impl InversionError {
             Self::NotFinite { .. } => {
                 "no torque moves the tip there (a payload's inertia without damping), the mesh is far \
                  too coarse, or the inputs are too large for double precision"
+            }
+            Self::OutOfRange { .. } => {
+                "check the units of motion and link, and their powers of ten"
             }
             Self::NotConverged { .. } => {
                 "sample the motion more smoothly, or loosen mesh.tolerance"
