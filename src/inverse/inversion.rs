@@ -79,6 +79,21 @@ pub fn invert(
     Ok(problem.written(dynamics, known, answer))
 }
 
+/// Memory in bytes that [`invert`] takes, about, the inputs left out; it grows where the torque needs
+/// a longer period to decay than the link's first zero tells.
+///
+/// # Errors
+/// [`InversionError::TooLong`].
+pub fn inversion_bytes(
+    link: &Link,
+    plan: &MeshPlan,
+    motion: &TipMotion,
+    analysis: &Analysis,
+) -> Result<usize, InversionError> {
+    let first_zero = torque_zeros(&Mesh::new(link, plan), 1).first().copied();
+    Padding::new(motion, analysis, first_zero).bytes(motion.grid().len)
+}
+
 /// The torque in N m that another sampling of a motion asks of a solution's link, on the same mesh
 /// and over the same window; the first sample stands at the window's start.
 ///

@@ -8,6 +8,9 @@ use crate::numeric::{fast_length, largest};
 /// Most samples of a period.
 const LONGEST: usize = 1 << 24;
 
+/// Memory in bytes that solving takes for each sample of the period, as measured.
+const BYTES_PER_SAMPLE: usize = 190;
+
 /// A period is lengthened to at most this many samples, or to four times what it began with.
 const LENGTHENED: usize = 1 << 20;
 
@@ -43,6 +46,14 @@ impl Padding {
             return Err(InversionError::TooLong { samples, limit: LONGEST });
         }
         Ok(fast_length(samples))
+    }
+
+    /// Memory in bytes that solving a motion of `len` samples takes, about.
+    ///
+    /// # Errors
+    /// [`InversionError::TooLong`].
+    pub(super) fn bytes(self, len: usize) -> Result<usize, InversionError> {
+        Ok(self.period_len(len)? * BYTES_PER_SAMPLE)
     }
 
     /// The sample from which on a period of `len` samples stands for times before a motion of
