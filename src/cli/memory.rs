@@ -7,7 +7,7 @@ use super::exit::{Exit, Failure};
 
 /// Refuses work that takes more memory than there is; where that cannot be known, it goes on.
 pub(crate) fn check_memory(work: &str, bytes: usize, remedy: &str) -> Result<(), Failure> {
-    let Some(available) = available_memory().filter(|available| (bytes as u64) > *available) else {
+    let Some(available) = available().filter(|available| bytes > *available) else {
         return Ok(());
     };
     let message = format!(
@@ -16,6 +16,11 @@ pub(crate) fn check_memory(work: &str, bytes: usize, remedy: &str) -> Result<(),
         gigabytes(available as f64)
     );
     Err(Failure::new(Exit::NotSolvable, &message, Some(remedy)))
+}
+
+/// Memory in bytes that can be taken, where the system tells.
+pub(crate) fn available() -> Option<usize> {
+    available_memory().map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX))
 }
 
 /// Bytes in GB.

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::inverse::{inversion_bytes, invert};
+use flexlink::inverse::invert;
 use flexlink::link::Drive;
 use flexlink::result::Metrics;
 use flexlink::spec::Specification;
@@ -12,7 +12,7 @@ use super::args::{LinkArgs, MotionArgs, NodeArgs, PrintArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::keep;
-use super::memory::check_memory;
+use super::memory::{available, check_memory};
 use super::progress::StageBar;
 use super::report::write_page;
 use super::solve_text::{memory_text, solve_text};
@@ -36,7 +36,6 @@ and summary.json into a folder, all or none of them, and prints a short summary.
 /// Memory in bytes from which on it is said before the work begins.
 const LARGE: usize = 1 << 29;
 
-const SHORTER: &str = "use a longer step, or a shorter analysis.lead and analysis.lag";
 const FEWER: &str = "use --nodes or --every";
 
 /// Compute the hub torque for a tip motion.
@@ -102,8 +101,7 @@ impl Solve {
         let (motion_file, motion) = self.motion.load(link)?;
 
         let stages = if self.print.quiet { StageBar::hidden() } else { StageBar::new() };
-        let bytes = inversion_bytes(link, mesh, &motion, analysis)?;
-        check_memory("the inversion", bytes, SHORTER)?;
+        let analysis = &analysis.within_memory(available());
         let solution = invert(link, mesh, &motion, analysis)?;
         self.nodes.check(solution.mesh())?;
         let measure = || measured(&specification, &motion, &solution, self.digits);

@@ -1,6 +1,7 @@
 use thiserror::Error;
 
 use crate::modal::DampingError;
+use crate::numeric::significant;
 
 /// Why a valid link and a valid motion have no torque here.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -52,6 +53,18 @@ pub enum InversionError {
         /// Tolerance asked for.
         tolerance: f64,
     },
+    /// A period that takes more memory than is allowed.
+    #[error(
+        "the inversion would need {} GB of memory, but must fit in the {} GB available",
+        significant(*bytes as f64 / 1e9, 2),
+        significant(*allowed as f64 / 1e9, 2)
+    )]
+    TooMuchMemory {
+        /// Bytes needed, about.
+        bytes: usize,
+        /// Bytes allowed.
+        allowed: usize,
+    },
     /// A window longer than this program transforms.
     #[error("the period = {} samples, but must be at most {limit}", counted(*samples))]
     TooLong {
@@ -90,7 +103,7 @@ impl InversionError {
             Self::NotConverged { .. } => {
                 "sample the motion more smoothly, or loosen mesh.tolerance"
             }
-            Self::TooLong { .. } => {
+            Self::TooMuchMemory { .. } | Self::TooLong { .. } => {
                 "use a longer step, or a shorter analysis.lead and analysis.lag"
             }
         })

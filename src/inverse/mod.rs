@@ -34,7 +34,7 @@ pub use analysis::Analysis;
 pub use dense::{DenseLink, MOST_ELEMENTS_OF_DENSE_SOLVE};
 pub use dynamics::{Dynamics, KeptModes};
 pub use error::InversionError;
-pub use inversion::{inversion_bytes, invert, torque_over_window};
+pub use inversion::{invert, torque_over_window};
 pub use motor::MotorHistories;
 pub use nodal_block::NodalBlock;
 pub use nodal_table::NodalTable;

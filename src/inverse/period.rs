@@ -48,14 +48,6 @@ impl Padding {
         Ok(fast_length(samples))
     }
 
-    /// Memory in bytes that solving a motion of `len` samples takes, about.
-    ///
-    /// # Errors
-    /// [`InversionError::TooLong`].
-    pub(super) fn bytes(self, len: usize) -> Result<usize, InversionError> {
-        Ok(self.period_len(len)? * BYTES_PER_SAMPLE)
-    }
-
     /// The sample from which on a period of `len` samples stands for times before a motion of
     /// `given` samples; what the period has to spare is shared between both sides.
     pub(super) fn seam(self, given: usize, len: usize) -> usize {
@@ -66,6 +58,18 @@ impl Padding {
     pub(super) fn lengthened(current: usize, initial: usize) -> Option<usize> {
         let limit = LENGTHENED.max(4 * initial).min(LONGEST);
         (2 * current <= limit).then(|| fast_length(2 * current))
+    }
+}
+
+/// Refuses a period that takes more memory to solve than the analysis allows.
+///
+/// # Errors
+/// [`InversionError::TooMuchMemory`].
+pub(super) fn check_memory(samples: usize, analysis: &Analysis) -> Result<(), InversionError> {
+    let bytes = samples * BYTES_PER_SAMPLE;
+    match analysis.memory_bytes().filter(|allowed| bytes > *allowed) {
+        Some(allowed) => Err(InversionError::TooMuchMemory { bytes, allowed }),
+        None => Ok(()),
     }
 }
 

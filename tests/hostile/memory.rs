@@ -74,6 +74,11 @@ fn what_solving_would_need_is_told_before_it_is_taken() {
     let output = bench.run_within(1000, &long, Stdio::null());
     let message = "error: the inversion would need 1.5 GB of memory, but must fit in the 0.";
     bench.is_refusal(&output, NOT_SOLVABLE, message);
+    // The period fits, but twice as long, as the decay before the motion asks for, it does not.
+    let longer = ["solve", "link.toml", "motion.csv", "--set", "analysis.lag=20000"];
+    let output = bench.run_within(700, &longer, Stdio::null());
+    let message = "error: the inversion would need 0.77 GB of memory, but must fit in the 0.";
+    bench.is_refusal(&output, NOT_SOLVABLE, message);
     let hint = "hint: use a longer step, or a shorter analysis.lead and analysis.lag\n";
     assert!(text(&output.stderr).ends_with(hint), "{}", text(&output.stderr));
 }
