@@ -239,7 +239,11 @@ fn every_field_of_a_used_column_is_a_finite_number() {
         ("-inf", "-inf, but must be a finite number", None),
         ("1e999", "1e999, but must be a finite number", None),
         ("0.5 Nm", "\"0.5 Nm\", but must be a number", None),
-        ("\"0,5\"", "\"0,5\", but must be a number", Some("decimals follow a point")),
+        (
+            "\"0,5\"",
+            "\"0,5\", but must be a number",
+            Some("decimals follow a point, and nothing divides thousands"),
+        ),
     ] {
         let message = format!("lab.csv:4: torque = {told}");
         assert_refused(&with_fourth_line(&format!("2,{field},")), None, &message, hint);

@@ -196,7 +196,7 @@ fn every_field_is_a_finite_number() {
     refused("-inf", "-inf, but must be a finite number", None);
     refused("1e999", "1e999, but must be a finite number", None);
     refused("0.5 m", "\"0.5 m\", but must be a number", None);
-    let hint = Some("decimals follow a point");
+    let hint = Some("decimals follow a point, and nothing divides thousands");
     refused("\"0,5\"", "\"0,5\", but must be a number", hint);
     let message = "traj.csv:4: time = NaN, but must be a finite number";
     assert_refused(&with_fourth_line("NaN,0"), message, None);

@@ -12,6 +12,7 @@ mod frf;
 mod init;
 mod interrupt;
 mod link_text;
+mod memory;
 mod modes;
 mod modes_text;
 mod number;

@@ -8,17 +8,18 @@ use flexlink::numeric::significant;
 use flexlink::result::Metrics;
 
 use super::link_text::{damping_line, hub_line, labelled, link_line, ratios_line};
+use super::memory::gigabytes;
 use super::number::list;
 
 /// What is said of the memory before it is taken.
 pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
-    let gigabytes = significant(bytes as f64 / 1e9, 2);
+    let gigabytes = gigabytes(bytes as f64);
     let more = if blocks > 1 {
         format!("; the rows are made in {blocks} blocks, each transformed anew")
     } else {
         String::new()
     };
-    format!("the motion of the nodes takes about {gigabytes} GB of memory{more}")
+    format!("the motion of the nodes takes about {gigabytes} of memory{more}")
 }
 
 /// The summary, lines of at most 80 columns.

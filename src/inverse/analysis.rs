@@ -8,6 +8,7 @@ pub struct Analysis {
     lead_s: Option<f64>,
     lag_s: Option<f64>,
     modes: Option<usize>,
+    memory_bytes: Option<usize>,
 }
 
 impl Analysis {
@@ -33,7 +34,7 @@ impl Analysis {
                 return Err(ParameterError::new(parameter, value, "s", must));
             }
         }
-        Ok(Self { tolerance, lead_s, lag_s, modes: None })
+        Ok(Self { tolerance, lead_s, lag_s, ..Self::default() })
     }
 
     /// The same analysis with the rigid mode and the lowest `modes` flexible ones only, the reduction
@@ -55,6 +56,12 @@ impl Analysis {
         Ok(Self { modes: Some(modes), ..self })
     }
 
+    /// The same analysis in so much memory in bytes: what would take more is refused.
+    #[must_use]
+    pub fn within_memory(self, bytes: Option<usize>) -> Self {
+        Self { memory_bytes: bytes, ..self }
+    }
+
     /// Share of the peak torque that padding and wrap-around may cost.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
@@ -74,11 +81,22 @@ impl Analysis {
     pub fn modes(&self) -> Option<usize> {
         self.modes
     }
+
+    /// Memory in bytes that solving may take; `None`: whatever it needs.
+    pub fn memory_bytes(&self) -> Option<usize> {
+        self.memory_bytes
+    }
 }
 
 impl Default for Analysis {
     fn default() -> Self {
-        Self { tolerance: Self::DEFAULT_TOLERANCE, lead_s: None, lag_s: None, modes: None }
+        Self {
+            tolerance: Self::DEFAULT_TOLERANCE,
+            lead_s: None,
+            lag_s: None,
+            modes: None,
+            memory_bytes: None,
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 use thiserror::Error;
 
 use crate::modal::DampingError;
+use crate::numeric::significant;
 
 /// Why a valid link and a valid motion have no torque here.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -33,6 +34,12 @@ pub enum InversionError {
         /// The frequency in Hz.
         frequency_hz: f64,
     },
+    /// A torque whose square leaves double precision.
+    #[error("the peak torque = {peak_n_m:e} N m, but must lie from 1e-100 to 1e100 N m")]
+    OutOfRange {
+        /// Peak torque in N m.
+        peak_n_m: f64,
+    },
     /// An automatic mesh that does not converge.
     #[error(
         "mesh error = {error:.2e} of the peak torque with {elements} elements, but must be at most \
@@ -46,14 +53,35 @@ pub enum InversionError {
         /// Tolerance asked for.
         tolerance: f64,
     },
+    /// A period that takes more memory than is allowed.
+    #[error(
+        "the inversion would need {} GB of memory, but must fit in the {} GB available",
+        significant(*bytes as f64 / 1e9, 2),
+        significant(*allowed as f64 / 1e9, 2)
+    )]
+    TooMuchMemory {
+        /// Bytes needed, about.
+        bytes: usize,
+        /// Bytes allowed.
+        allowed: usize,
+    },
     /// A window longer than this program transforms.
-    #[error("the period = {samples} samples, but must be at most {limit}")]
+    #[error("the period = {} samples, but must be at most {limit}", counted(*samples))]
     TooLong {
         /// Samples needed.
         samples: usize,
         /// Samples possible.
         limit: usize,
     },
+}
+
+/// A number of samples; beyond what can be counted, by its power of ten.
+fn counted(samples: usize) -> String {
+    if samples < 1_000_000_000_000 {
+        samples.to_string()
+    } else {
+        format!("{:.0e} or more", samples as f64)
+    }
 }
 
 impl InversionError {
@@ -69,10 +97,13 @@ impl InversionError {
                 "no torque moves the tip there (a payload's inertia without damping), the mesh is far \
                  too coarse, or the inputs are too large for double precision"
             }
+            Self::OutOfRange { .. } => {
+                "check the units of motion and link, and their powers of ten"
+            }
             Self::NotConverged { .. } => {
                 "sample the motion more smoothly, or loosen mesh.tolerance"
             }
-            Self::TooLong { .. } => {
+            Self::TooMuchMemory { .. } | Self::TooLong { .. } => {
                 "use a longer step, or a shorter analysis.lead and analysis.lag"
             }
         })

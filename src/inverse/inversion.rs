@@ -3,7 +3,7 @@ use std::sync::{Arc, OnceLock};
 use super::analysis::Analysis;
 use super::dynamics::{Dynamics, KeptModes};
 use super::error::InversionError;
-use super::period::{Padding, PeriodicTorque};
+use super::period::{Padding, PeriodicTorque, check_memory};
 use super::refinement::{Measured, measured_mesh};
 use super::rigid::rigid_torque_n_m;
 use super::solution::{Accuracy, Band, Solution, cut, hub_motion};
@@ -52,7 +52,7 @@ impl PeriodicAnswer {
 ///
 /// # Errors
 /// [`InversionError`]: damping that cannot be, a torque that is not finite, an automatic mesh that
-/// does not converge, or a window too long to transform.
+/// does not converge, or a window too long to transform or for the memory allowed.
 pub fn invert(
     link: &Link,
     plan: &MeshPlan,
@@ -67,7 +67,7 @@ pub fn invert(
         (coarsest.mesh().elements().len(), first_zero_of(coarsest.mesh()));
     let padding = Padding::new(motion, analysis, first_zero);
     let problem = Problem { link, motion, analysis, padding };
-    let period = problem.period(padding.period_len(motion.grid().len)?);
+    let period = problem.shortest_period()?;
     let friction_n_m_s_rad = link.hub().viscous_friction_n_m_s_rad;
     let measured = measured_mesh(coarsest, plan, friction_n_m_s_rad, &period.spectrum)?;
     let Measured { dynamics, hub, torque_n_m, error } = measured;
@@ -93,7 +93,7 @@ pub fn torque_over_window(
     let first_zero = solution.first_zero_per_s;
     let padding = Padding::new(motion, analysis, first_zero);
     let problem = Problem { link, motion, analysis, padding };
-    let shortest = problem.period(padding.period_len(motion.grid().len)?);
+    let shortest = problem.shortest_period()?;
     let answer = problem.answer(&solution.dynamics, shortest)?;
     let answer = problem.decayed(&solution.dynamics, answer)?;
     let (window, grid) = (&solution.grid, motion.grid());
@@ -103,8 +103,13 @@ pub fn torque_over_window(
 }
 
 impl Problem<'_> {
-    fn period(&self, len: usize) -> Arc<TipPeriod> {
-        self.motion.over_period(len, self.padding.seam(self.motion.grid().len, len))
+    fn shortest_period(&self) -> Result<Arc<TipPeriod>, InversionError> {
+        self.period(self.padding.period_len(self.motion.grid().len)?)
+    }
+
+    fn period(&self, len: usize) -> Result<Arc<TipPeriod>, InversionError> {
+        check_memory(len, self.analysis)?;
+        Ok(self.motion.over_period(len, self.padding.seam(self.motion.grid().len, len)))
     }
 
     fn forcing<'a>(&self, dynamics: &'a Dynamics, period: &'a TipPeriod) -> Forcing<'a> {
@@ -138,7 +143,7 @@ impl Problem<'_> {
             let has_decayed = torque.at_seam() <= self.analysis.tolerance() * torque.peak();
             let next = Padding::lengthened(answer.torque_n_m.len(), initial);
             match next.filter(|_| !has_decayed) {
-                Some(len) => answer = self.answer(dynamics, self.period(len))?,
+                Some(len) => answer = self.answer(dynamics, self.period(len)?)?,
                 None => return Ok(answer),
             }
         }

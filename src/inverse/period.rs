@@ -8,6 +8,9 @@ use crate::numeric::{fast_length, largest};
 /// Most samples of a period.
 const LONGEST: usize = 1 << 24;
 
+/// Memory in bytes that solving takes for each sample of the period, as measured.
+const BYTES_PER_SAMPLE: usize = 190;
+
 /// A period is lengthened to at most this many samples, or to four times what it began with.
 const LENGTHENED: usize = 1 << 20;
 
@@ -55,6 +58,18 @@ impl Padding {
     pub(super) fn lengthened(current: usize, initial: usize) -> Option<usize> {
         let limit = LENGTHENED.max(4 * initial).min(LONGEST);
         (2 * current <= limit).then(|| fast_length(2 * current))
+    }
+}
+
+/// Refuses a period that takes more memory to solve than the analysis allows.
+///
+/// # Errors
+/// [`InversionError::TooMuchMemory`].
+pub(super) fn check_memory(samples: usize, analysis: &Analysis) -> Result<(), InversionError> {
+    let bytes = samples * BYTES_PER_SAMPLE;
+    match analysis.memory_bytes().filter(|allowed| bytes > *allowed) {
+        Some(allowed) => Err(InversionError::TooMuchMemory { bytes, allowed }),
+        None => Ok(()),
     }
 }
 

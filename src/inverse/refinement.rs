@@ -1,3 +1,5 @@
+use std::ops::RangeInclusive;
+
 use super::dynamics::Dynamics;
 use super::error::InversionError;
 use super::halving::change_n_m;
@@ -8,6 +10,9 @@ use crate::numeric::largest;
 
 /// What the measured change of the torque may be wrong by, of itself; see [`change_n_m`].
 const MEASURED_TO: f64 = 1e-3;
+
+/// Peak torques in N m whose squares, and products with rates and times, are numbers, too.
+const TORQUES_N_M: RangeInclusive<f64> = 1e-100..=1e100;
 
 /// The link on a mesh, its answer, and the discretisation error of its torque, relative to the peak.
 pub(super) struct Measured {
@@ -24,7 +29,7 @@ pub(super) struct Measured {
 /// sixteenth of it and the difference is 15/16 of it.
 ///
 /// # Errors
-/// [`InversionError::NotConverged`], or a torque that is not finite.
+/// [`InversionError::NotConverged`], or a torque that is not finite or beyond what can be squared.
 pub(super) fn measured_mesh(
     coarsest: Dynamics,
     plan: &MeshPlan,
@@ -36,6 +41,10 @@ pub(super) fn measured_mesh(
         let forcing = Forcing { dynamics: &dynamics, friction_n_m_s_rad, spectrum };
         let hub = forcing.hub_spectra()?;
         let torque_n_m = spectrum.pair.samples(&hub.torque_n_m);
+        let peak_n_m = largest(&torque_n_m);
+        if !TORQUES_N_M.contains(&peak_n_m) {
+            return Err(InversionError::OutOfRange { peak_n_m });
+        }
         let finer = dynamics.refined()?;
         let on_finer = Forcing { dynamics: &finer, ..forcing };
         let change = change_n_m(forcing, on_finer, &hub.torque_n_m)?;

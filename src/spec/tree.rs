@@ -39,10 +39,9 @@ impl Node {
     /// # Errors
     /// The place and the TOML parser's own words.
     pub(super) fn document(text: &str) -> Result<Self, (Place, String)> {
-        let line = |span: Range<usize>| {
-            let before = text.bytes().take(span.start);
-            Place::Line(before.filter(|byte| *byte == b'\n').count() + 1)
-        };
+        let line_ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
+        let line =
+            |span: Range<usize>| Place::Line(line_ends.partition_point(|at| *at < span.start) + 1);
         let root = DeTable::parse(text).map_err(|error| complaint(&error, text, line))?;
         let kind = table(root.get_ref(), &line);
         Ok(Self { place: Place::File, kind })

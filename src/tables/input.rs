@@ -1,10 +1,19 @@
 use std::fmt::Write as _;
-use std::fs;
-use std::io::{self, Read as _};
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 
 use sha2::{Digest as _, Sha256};
 use thiserror::Error;
+
+use super::memory::available_memory;
+
+/// Longest line of an input in bytes: far beyond any table or link file, and soon told from a device
+/// or a file that holds no text.
+const LONGEST_LINE: usize = 1 << 24;
+
+/// Bytes that are read at a time.
+const CHUNK: usize = 1 << 20;
 
 /// An input file, read whole.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,20 +50,24 @@ impl InputFile {
     /// Reads a file, or standard input for `-`.
     ///
     /// # Errors
-    /// [`InputError`] with the system's words.
+    /// [`InputError`] with the system's words, or for a line of more than 16 MiB or a content that
+    /// half the available memory does not hold.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let standard_input = path.as_os_str() == "-";
         let shown =
             if standard_input { "standard input".to_owned() } else { path.display().to_string() };
-        let mut bytes = Vec::new();
         let read = if standard_input {
-            io::stdin().lock().read_to_end(&mut bytes).map(drop)
+            read_whole(io::stdin().lock(), 0)
         } else {
-            fs::read(path).map(|content| bytes = content)
+            File::open(path).and_then(|file| {
+                let len = file.metadata().map_or(0, |about| about.len());
+                read_whole(file, len)
+            })
         };
-        if let Err(cause) = read {
-            return Err(InputError { shown, cause });
-        }
+        let bytes = match read {
+            Ok(bytes) => bytes,
+            Err(cause) => return Err(InputError { shown, cause }),
+        };
         let name = path.file_name().map_or_else(|| shown.clone(), |n| n.to_string_lossy().into());
         Ok(Self { shown, name, bytes })
     }
@@ -73,6 +86,39 @@ impl InputFile {
     /// SHA-256 of the bytes, in hexadecimal.
     pub fn sha256(&self) -> String {
         hexadecimal(&Sha256::digest(&self.bytes))
+    }
+}
+
+/// Reads all of an input, expected to hold `len` bytes, but no line and no content beyond bounds: what
+/// is no text, or never ends, is told from what is while memory lasts.
+fn read_whole(mut input: impl Read, len: u64) -> io::Result<Vec<u8>> {
+    // As much again goes into the numbers that are made of the text.
+    let room = available_memory().map_or(u64::MAX, |bytes| bytes / 2);
+    let mut bytes = Vec::new();
+    if len <= room {
+        // A sparse file is only as long as it says; its first line may be refused.
+        bytes.reserve_exact(usize::try_from(len).unwrap_or(0).min(LONGEST_LINE));
+    }
+    let (mut lines, mut line_start) = (0, 0);
+    loop {
+        let before = bytes.len();
+        if input.by_ref().take(CHUNK as u64).read_to_end(&mut bytes)? == 0 {
+            return Ok(bytes);
+        }
+        for (k, _) in bytes[before..].iter().enumerate().filter(|(_, b)| matches!(b, b'\n' | b'\r'))
+        {
+            (lines, line_start) = (lines + 1, before + k + 1);
+        }
+        if bytes.len() - line_start > LONGEST_LINE {
+            let line = lines + 1;
+            return Err(io::Error::other(format!("line {line} is longer than 16 MiB")));
+        }
+        // A vector that grows takes twice its size for a moment.
+        if bytes.len() as u64 > room {
+            let megabytes = room / 1_000_000;
+            let cause = format!("more than {megabytes} MB, half of the memory that is available");
+            return Err(io::Error::other(cause));
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use super::samples::MIN_SAMPLES;
 use super::table_error::{Place, TableError};
 
 /// Most samples that a resampled motion may have.
-const MAX_SAMPLES: f64 = 1e8;
+const MAX_SAMPLES: f64 = 1e7;
 /// How far the motion may end from a whole number of steps, in steps.
 const WHOLE_STEPS: f64 = 1e-6;
 
@@ -26,7 +26,7 @@ impl MotionTable {
     ///
     /// # Errors
     /// [`TableError`] unless the step is above 0, divides the motion's duration within 1e-6
-    /// of a step, and gives from 4 to 1e8 samples.
+    /// of a step, and gives from 4 to 1e7 samples.
     pub fn resampled(self, step_s: f64) -> Result<Self, TableError> {
         let known = &self.columns.time_s;
         let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
@@ -86,7 +86,7 @@ fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, Tabl
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a whole number from 3 to 1e8"
+        reason = "a whole number from 3 to 1e7"
     )]
     Ok(steps as usize)
 }

@@ -8,6 +8,12 @@ use super::table_error::{Place, TableError, quoted};
 /// Fewest samples that a table may have.
 pub(super) const MIN_SAMPLES: usize = 4;
 
+/// Longest number that a message tells as it is.
+const LONGEST_SHOWN: usize = 60;
+
+/// How numbers are written.
+const NUMBERS: &str = "decimals follow a point, and nothing divides thousands";
+
 /// The columns of a table that are read, in SI, with the line of every sample.
 pub(super) struct Samples {
     header: Header,
@@ -75,7 +81,9 @@ impl Samples {
         let Header { width, headings } = &self.header;
         if fields.len() != *width {
             let must = format!("must be {width}, as many as there are columns");
-            return Err(place.refuse("fields", fields.len().to_string(), must));
+            let hint = (fields.len() > *width && fields.iter().all(|field| is_digits(field)))
+                .then(|| format!("{NUMBERS}, and one comma divides two fields"));
+            return Err(place.refuse("fields", fields.len().to_string(), must).with_hint(hint));
         }
         for (heading, values) in headings.iter().zip(&mut self.values) {
             values.push(read_number(fields[heading.index], heading, place)?);
@@ -109,10 +117,38 @@ fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, Tabl
         return Err(place.refuse(&heading.name, "nothing", finite));
     }
     let Ok(number) = field.parse::<f64>() else {
-        let decimal_comma = field.replace(',', ".").parse::<f64>().is_ok();
-        let hint = decimal_comma.then(|| "decimals follow a point".to_owned());
+        let hint = hint_for(field, heading);
         return Err(place.refuse(&heading.name, quoted(field), "must be a number").with_hint(hint));
     };
     let value = heading.to_si(number);
-    if value.is_finite() { Ok(value) } else { Err(place.refuse(&heading.name, field, finite)) }
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(place.refuse(&heading.name, shown(field), finite))
+    }
+}
+
+/// A number as a message tells it: it may have millions of digits.
+fn shown(field: &str) -> String {
+    if field.len() <= LONGEST_SHOWN { field.to_owned() } else { quoted(field) }
+}
+
+/// What the user may have meant by a field that is no number.
+fn hint_for(field: &str, heading: &Heading) -> Option<String> {
+    let has_clock = field.contains(':') || field.matches(['-', '/', '.']).count() == 2;
+    if heading.quantity == Quantity::Time
+        && has_clock
+        && field.starts_with(|c: char| c.is_ascii_digit())
+    {
+        return Some("time is a number from any start, 0.25 for a quarter of a second".to_owned());
+    }
+    let plain = field.replace([',', ' ', '\'', '_', '\u{a0}', '\u{202f}'], "");
+    (plain != field && plain.parse::<f64>().is_ok()).then(|| NUMBERS.to_owned())
+}
+
+/// Whether a field could be a part of a number that commas divide.
+fn is_digits(field: &str) -> bool {
+    let digits = field.strip_prefix(['-', '+']).unwrap_or(field);
+    !digits.is_empty()
+        && digits.bytes().all(|byte| byte.is_ascii_digit() || b".eE-".contains(&byte))
 }

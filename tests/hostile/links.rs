@@ -1,0 +1,113 @@
+//! Links whose numbers lie at the ends of what can be written.
+
+use super::{Bench, NOT_SOLVABLE, REFUSED, link};
+
+#[track_caller]
+fn refused(change: &str, code: i32, message: &str) {
+    let arguments = ["solve", "link.toml", "motion.csv", "--set", change];
+    Bench::new().refuses(&arguments, code, message);
+}
+
+/// What is told of the link with this change, where it is solved.
+#[track_caller]
+fn warnings(change: &str) -> String {
+    Bench::new().solves(&["--set", change])
+}
+
+/// A link of two segments, each of these keys.
+fn segments(first: &str, second: &str) -> Bench {
+    let bench = Bench::new();
+    let (_, rest) = link("").split_once('\n').map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+    bench.write("link.toml", format!("segments = [{{ {first} }}, {{ {second} }}]\n{rest}"));
+    bench
+}
+
+#[test]
+fn stiffness_may_span_12_orders_between_segments() {
+    let with = |ei: &str| format!("length = 0.75, EI = {ei}, mass_per_length = 0.8");
+    for [first, second] in [["5e12", "5.0"], ["5.0", "5e12"]] {
+        assert_eq!(segments(&with(first), &with(second)).solves(&[]), "");
+    }
+    // So soft that no ten elements hold its waves.
+    let told = segments(&with("5e6"), &with("5e-6")).solves(&["--nodes", "0"]);
+    assert!(told.contains("the mesh changes the torque by 1.1e0 of its peak"), "{told}");
+}
+
+#[test]
+fn a_length_of_nothing_is_refused_and_a_short_one_solved() {
+    let message = "segments.0.length = 0 m, but must be finite and above 0";
+    refused("segments.beam.length=0", REFUSED, message);
+    let inertia =
+        "kg m^2, but the link and all it carries must have a finite rotary inertia above 0";
+    let bench = Bench::new();
+    bench.write("link.toml", "segments = [{ length = 1e-300, EI = 5, mass_per_length = 1 }]");
+    bench.refuses(&["solve", "link.toml", "motion.csv"], REFUSED, inertia);
+    refused("segments.beam.length=1e300", REFUSED, inertia);
+    let long = "length = 1.5, EI = 5, mass_per_length = 0.8";
+    let short = |length: &str| segments(long, &long.replace("1.5", length));
+    assert_eq!(short("1e-12").solves(&[]), "");
+    let arguments = ["solve", "link.toml", "motion.csv"];
+    short("1e-300").refuses(&arguments, NOT_SOLVABLE, "= not a finite number, but must be one");
+}
+
+#[test]
+fn stiffness_towards_nothing_and_towards_everything() {
+    refused("segments.beam.EI=0", REFUSED, "segments.0.EI = 0 N m^2, but must be");
+    for ei in ["5e-324", "1e-30", "1e-12"] {
+        let message = "samples, but must be at most 16777216\n";
+        refused(&format!("segments.beam.EI={ei}"), NOT_SOLVABLE, message);
+    }
+    let told = warnings("segments.beam.EI=0.005");
+    assert!(told.contains("% of the link's length, beyond the small deflections"), "{told}");
+    for ei in ["1e6", "1e15", "1e300"] {
+        assert_eq!(warnings(&format!("segments.beam.EI={ei}")), "", "{ei}: rigid");
+    }
+}
+
+#[test]
+fn a_payload_a_million_times_heavier_than_the_link() {
+    let told = warnings("payload.mass=1.2e6");
+    assert!(told.contains("% of the link's length, beyond the small deflections"), "{told}");
+    let told = warnings("payload={ mass = 1.2e6, inertia = 1e6 }");
+    assert!(told.contains("no torque moves the tip (lumped inertia or payload)"), "{told}");
+    let range = "but must lie from 1e-100 to 1e100 N m";
+    refused("hub.inertia=1e200", NOT_SOLVABLE, range);
+}
+
+#[test]
+fn damping_of_nothing_and_next_to_critical() {
+    for model in ["hysteretic", "modal"] {
+        let with = |ratio: &str| format!("damping={{ model = \"{model}\", ratio = {ratio} }}");
+        assert_eq!(warnings(&with("0")), "", "{model}");
+        assert_eq!(warnings(&with("1e-300")), "", "{model}");
+        assert_eq!(warnings(&with("0.99")), "", "{model}");
+        refused(&with("1"), REFUSED, "damping.ratio = 1, but must lie in [0, 1)");
+    }
+}
+
+#[test]
+fn a_segment_without_mass_is_a_spring_and_a_link_without_inertia_is_none() {
+    let with = |mass: &str| format!("length = 0.75, EI = 5, mass_per_length = {mass}");
+    assert_eq!(segments(&with("0"), &with("0.8")).solves(&[]), "");
+    assert_eq!(segments(&with("0.8"), &with("0")).solves(&[]), "");
+    let bench = Bench::new();
+    bench.write("link.toml", "segments = [{ length = 1, EI = 5, mass_per_length = 0 }]");
+    let message =
+        "link.toml:1: segments = a total of 0 kg m^2, but the link and all it carries must";
+    bench.refuses(&["solve", "link.toml", "motion.csv"], REFUSED, message);
+}
+
+#[test]
+fn a_million_elements_are_refused_and_ten_thousand_segments_read_in_a_breath() {
+    let message =
+        "mesh.elements = 1000000, but must be a whole number from 1 to 100000, or \"auto\"";
+    refused("mesh.elements=1000000", REFUSED, message);
+    let bench = Bench::new();
+    let segment = "[[segments]]\nlength = 1e-4\nEI = 5\nmass_per_length = 0.8\nelements = 1\n";
+    bench.write("link.toml", segment.repeat(10_000));
+    let begin = std::time::Instant::now();
+    let output = bench.run(&["modes", "link.toml", "--count", "1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", super::text(&output.stderr));
+    // Lines counted anew for every key took 8 s of an optimised program.
+    assert!(begin.elapsed().as_secs_f64() < 6.0, "{:?}", begin.elapsed());
+}

@@ -1,0 +1,98 @@
+//! Inputs that ask for more memory than there is. The system's own limit stands for a small machine.
+#![cfg(target_os = "linux")]
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::process::{Output, Stdio};
+
+use super::{Bench, NOT_SOLVABLE, PROGRAM, REFUSED, text};
+
+impl Bench {
+    /// Runs the program on two threads with so many MB of address space, `input` as standard input.
+    fn run_within(&self, megabytes: u32, arguments: &[&str], input: Stdio) -> Output {
+        let script = format!("ulimit -v {}; exec \"$0\" \"$@\"", 1000 * megabytes);
+        let words = [&["-c", &script, PROGRAM], arguments].concat();
+        let mut command = self.command("sh", &words);
+        command.env("RAYON_NUM_THREADS", "2").stdin(input);
+        command.output().unwrap()
+    }
+}
+
+#[test]
+fn a_line_of_1_gb_takes_little_memory_to_refuse() {
+    let bench = Bench::new();
+    File::create(bench.path("sparse")).unwrap().set_len(1 << 30).unwrap();
+    let message = "error: sparse: cannot read: line 1 is longer than 16 MiB\n";
+    for arguments in [
+        ["solve", "sparse", "motion.csv"],
+        ["solve", "link.toml", "sparse"],
+        ["simulate", "link.toml", "sparse"],
+        ["compare", "sparse", "motion.csv"],
+    ] {
+        let output = bench.run_within(300, &arguments, Stdio::null());
+        bench.is_refusal(&output, REFUSED, message);
+    }
+}
+
+#[test]
+fn an_input_without_end_is_refused_before_memory_ends() {
+    let bench = Bench::new();
+    let zeros = File::open("/dev/zero").unwrap();
+    let output = bench.run_within(300, &["solve", "link.toml", "-"], zeros.into());
+    bench.is_refusal(&output, REFUSED, "standard input: cannot read: line 1 is longer than 16 MiB");
+    let mut lines = bench.command("yes", &["0.1,0.2"]).stdout(Stdio::piped()).spawn().unwrap();
+    let input = lines.stdout.take().unwrap();
+    let output = bench.run_within(400, &["solve", "link.toml", "-"], input.into());
+    let _ = lines.kill();
+    lines.wait().unwrap();
+    bench.is_refusal(&output, REFUSED, "MB, half of the memory that is available\n");
+}
+
+#[test]
+#[ignore = "half a minute and 3 GB: cargo test --release --test hostile -- --ignored"]
+fn ten_million_rows_are_solved_in_the_memory_that_was_estimated() {
+    let bench = Bench::new();
+    let mut rows = String::from("time,acceleration\n");
+    for k in 0..=10_000_000_u32 {
+        let phase = std::f64::consts::TAU * f64::from(k) / 1e7;
+        writeln!(rows, "{:.4},{}", 1e-4 * f64::from(k), phase.sin()).unwrap();
+    }
+    bench.write("motion.csv", rows);
+    let options = ["--nodes", "10", "--every", "1000", "-q"];
+    let solve = [&["solve", "link.toml", "motion.csv"], &options[..]].concat();
+    let output = bench.run_within(4000, &solve, Stdio::null());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let output = bench.run_within(1500, &[&solve[..], &["-o", "other"]].concat(), Stdio::null());
+    assert_eq!(output.status.code(), Some(NOT_SOLVABLE), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("the inversion would need 1.9 GB of memory"));
+}
+
+#[test]
+fn what_solving_would_need_is_told_before_it_is_taken() {
+    let bench = Bench::new();
+    let long = ["solve", "link.toml", "motion.csv", "--set", "analysis.lag=80000"];
+    let output = bench.run_within(1000, &long, Stdio::null());
+    let message = "error: the inversion would need 1.5 GB of memory, but must fit in the 0.";
+    bench.is_refusal(&output, NOT_SOLVABLE, message);
+    // The period fits, but twice as long, as the decay before the motion asks for, it does not.
+    let longer = ["solve", "link.toml", "motion.csv", "--set", "analysis.lag=20000"];
+    let output = bench.run_within(700, &longer, Stdio::null());
+    let message = "error: the inversion would need 0.77 GB of memory, but must fit in the 0.";
+    bench.is_refusal(&output, NOT_SOLVABLE, message);
+    let hint = "hint: use a longer step, or a shorter analysis.lead and analysis.lag\n";
+    assert!(text(&output.stderr).ends_with(hint), "{}", text(&output.stderr));
+}
+
+#[test]
+fn what_the_nodes_would_need_is_told_and_fewer_nodes_need_less() {
+    let bench = Bench::new();
+    let many = ["solve", "link.toml", "motion.csv", "--set", "analysis.lag=2000"];
+    let many = [&many[..], &["--set", "mesh.elements=600"]].concat();
+    let output = bench.run_within(700, &many, Stdio::null());
+    let message = "error: the motion of the nodes would need 1.";
+    bench.is_refusal(&output, NOT_SOLVABLE, message);
+    assert!(text(&output.stderr).ends_with("hint: use --nodes or --every\n"));
+    let few = [&many[..], &["--nodes", "0,600", "--every", "100"]].concat();
+    let output = bench.run_within(700, &few, Stdio::null());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
