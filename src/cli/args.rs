@@ -9,7 +9,7 @@ use flexlink::beam::Mesh;
 use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
-use flexlink::tables::{InputFile, read_motion_table};
+use flexlink::tables::{Durability, InputFile, read_motion_table};
 
 use super::exit::{Exit, Failure};
 
@@ -146,6 +146,21 @@ impl NodeArgs {
             }
             None => Ok(()),
         }
+    }
+}
+
+/// How safe a folder of results is.
+#[derive(Debug, Args)]
+pub(crate) struct SyncArgs {
+    /// Do not wait until the results are on the disk: faster, but a power failure soon after the run
+    /// may leave files cut short.
+    #[arg(long)]
+    no_sync: bool,
+}
+
+impl SyncArgs {
+    pub(crate) fn durability(&self) -> Durability {
+        if self.no_sync { Durability::InMemory } else { Durability::OnDisk }
     }
 }
 

@@ -95,6 +95,10 @@ pub(crate) fn run() -> ExitCode {
 
 impl Command {
     fn run(self) -> Result<Ending, Failure> {
+        // A sweep ends between two cases.
+        if !matches!(self, Self::Sweep(_)) {
+            interrupt::end_in_order();
+        }
         let done = match self {
             Self::Compare(compare) => return compare.run(),
             Self::Solve(solve) => solve.run(),

@@ -9,7 +9,7 @@ use flexlink::modal::{
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, HeldModes, ModesResult, OutputFolder};
 
-use super::args::LinkArgs;
+use super::args::{LinkArgs, SyncArgs};
 use super::console;
 use super::exit::Failure;
 use super::files::check_folder;
@@ -50,6 +50,9 @@ pub(crate) struct Modes {
     /// reads back to the same number.
     #[arg(long, value_name = "N", default_value = "12")]
     digits: Digits,
+
+    #[command(flatten)]
+    sync: SyncArgs,
 }
 
 impl Modes {
@@ -75,7 +78,7 @@ impl Modes {
             held,
         };
         if let Some(folder) = &self.output {
-            result.write(OutputFolder::stage(folder)?, self.digits)?;
+            result.write(OutputFolder::stage(folder)?.with(self.sync.durability()), self.digits)?;
         }
         console::print(&modes_text(&specification.link, &mesh, &result))
     }

@@ -9,7 +9,7 @@ use flexlink::tables::{
     Digits, OutputFolder, SimulateOutputs, SimulationInputs, SimulationSummary,
 };
 
-use super::args::{LinkArgs, NodeArgs, PrintArgs, ThreadArgs};
+use super::args::{LinkArgs, NodeArgs, PrintArgs, SyncArgs, ThreadArgs};
 use super::console;
 use super::exit::Failure;
 use super::files::keep;
@@ -61,6 +61,9 @@ pub(crate) struct Simulate {
     digits: Digits,
 
     #[command(flatten)]
+    sync: SyncArgs,
+
+    #[command(flatten)]
     print: PrintArgs,
 
     #[command(flatten)]
@@ -96,7 +99,12 @@ impl Simulate {
         let written = format!("{} files in {}", names.len(), self.output.display());
         let tip_error = tip_error.as_ref();
         let summary = SimulationSummary::new(&inputs, &simulation, &metrics, tip_error, names);
-        outputs.write(OutputFolder::stage(&self.output)?, link, &simulation, &summary)?;
+        outputs.write(
+            OutputFolder::stage(&self.output)?.with(self.sync.durability()),
+            link,
+            &simulation,
+            &summary,
+        )?;
 
         for warning in &simulation.warnings {
             console::warning(warning, warning.hint());

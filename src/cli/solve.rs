@@ -8,7 +8,7 @@ use flexlink::result::Metrics;
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, OptionalTable, OutputFolder, RunInputs, SolveOutputs, Summary};
 
-use super::args::{LinkArgs, MotionArgs, NodeArgs, PrintArgs, ThreadArgs};
+use super::args::{LinkArgs, MotionArgs, NodeArgs, PrintArgs, SyncArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::keep;
@@ -73,6 +73,9 @@ pub(crate) struct Solve {
     strict: bool,
 
     #[command(flatten)]
+    sync: SyncArgs,
+
+    #[command(flatten)]
     print: PrintArgs,
 
     #[command(flatten)]
@@ -127,7 +130,7 @@ impl Solve {
         if deflections.bytes() >= LARGE && !self.print.quiet {
             stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }
-        let folder = OutputFolder::stage(&self.output)?;
+        let folder = OutputFolder::stage(&self.output)?.with(self.sync.durability());
         outputs.write(folder, link, (&solution, deflections), &summary, &stages)?;
         drop(stages);
 

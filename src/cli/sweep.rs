@@ -55,6 +55,7 @@ have a unit. Several --vary make the product, the last one running fastest.";
 #[command(mut_arg("motion", |motion| motion.required(false).required_unless_present("merge")))]
 #[command(mut_arg("list", |nodes| nodes.requires("outputs")))]
 #[command(mut_arg("every", |every| every.requires("outputs")))]
+#[command(mut_arg("no_sync", |no_sync| no_sync.requires("outputs")))]
 pub(crate) struct Sweep {
     #[command(flatten)]
     link: Option<LinkArgs>,

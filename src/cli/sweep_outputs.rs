@@ -13,7 +13,7 @@ use flexlink::tables::{
     SolveOutputs, Summary,
 };
 
-use super::args::NodeArgs;
+use super::args::{NodeArgs, SyncArgs};
 use super::exit::Failure;
 
 /// Which files every case is to write.
@@ -30,6 +30,9 @@ pub(crate) struct OutputsArgs {
     /// Digits of the tables in --outputs, as in solve.
     #[arg(long, value_name = "N", default_value = "10", requires = "outputs")]
     digits: Digits,
+
+    #[command(flatten)]
+    sync: SyncArgs,
 }
 
 impl OutputsArgs {
@@ -41,7 +44,7 @@ impl OutputsArgs {
     /// What makes the files of a case, for the identity of a sweep: rows that are there already have
     /// these files.
     pub(crate) fn record(&self) -> Option<String> {
-        let Self { outputs, nodes, digits } = self;
+        let Self { outputs, nodes, digits, sync: _ } = self;
         let NodeArgs { list, every } = nodes;
         let folder = outputs.as_ref()?.display();
         Some(format!("--outputs {folder} {list:?} {every} {digits:?}"))
@@ -72,7 +75,7 @@ impl OutputsArgs {
         };
         let files = outputs.file_names();
         let summary = Summary::new(inputs, solution, &case.metrics, exceeded, files);
-        let folder = OutputFolder::stage(folder)?;
+        let folder = OutputFolder::stage(folder)?.with(self.sync.durability());
         let nodal = (solution, outputs.deflections(solution));
         Ok(outputs.write(folder, inputs.link, nodal, &summary, &Unwatched)?)
     }
@@ -93,6 +96,7 @@ impl OutputsArgs {
         };
         let (files, error) = (SimulateOutputs::file_names(), Some(&case.tip_error));
         let summary = SimulationSummary::new(inputs, simulation, &case.metrics, error, files);
-        Ok(outputs.write(OutputFolder::stage(folder)?, inputs.link, simulation, &summary)?)
+        let folder = OutputFolder::stage(folder)?.with(self.sync.durability());
+        Ok(outputs.write(folder, inputs.link, simulation, &summary)?)
     }
 }

@@ -4,8 +4,7 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::folder::OutputFolder;
-use super::folder_error::{FolderAction, FolderError};
+use super::folder::{FolderAction, FolderError, OutputFolder};
 use super::single_file::folder_of;
 
 /// Changes to a folder of golden files, by their paths from there, with slashes.

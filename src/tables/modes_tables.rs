@@ -2,8 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::folder::OutputFolder;
-use super::folder_error::FolderError;
+use super::folder::{FolderError, OutputFolder};
 use super::number::Digits;
 use super::plain_table::{PlainColumn, write_plain};
 

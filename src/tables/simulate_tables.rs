@@ -1,8 +1,7 @@
 //! The files of `simulate`: every column's name and unit, once.
 
 use super::csv_table::write_csv;
-use super::folder::OutputFolder;
-use super::folder_error::FolderError;
+use super::folder::{FolderError, OutputFolder};
 use super::histories::{RESULT_FILES, SUMMARY, group, nodal_group, tip_groups, write_nodes};
 use super::number::Digits;
 use super::simulation_summary::SimulationSummary;

@@ -2,8 +2,7 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::folder::OutputFolder;
-use super::folder_error::{FolderAction, FolderError};
+use super::folder::{FolderAction, FolderError, OutputFolder};
 
 /// Writes one file, whole or not at all; the folder it lies in is created where it is missing.
 ///

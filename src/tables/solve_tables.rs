@@ -1,8 +1,7 @@
 //! The files of `solve`: every column's name and unit, once.
 
 use super::csv_table::{ColumnGroup, write_csv, write_nodal};
-use super::folder::OutputFolder;
-use super::folder_error::FolderError;
+use super::folder::{FolderError, OutputFolder};
 use super::histories::{MOTOR, REPORT, RESULT_FILES, SUMMARY, group, tip_groups, write_nodes};
 use super::number::Digits;
 use super::summary::Summary;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use same_file::Handle;
 
-use super::folder_error::{FolderAction, FolderError};
+use super::folder::{FolderAction, FolderError};
 use super::single_file::{folder_of, write_file};
 use super::sweep_identity::SweepIdentity;
 use super::sweep_rows::SweepRows;

@@ -2,13 +2,15 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-use super::input::system_words;
+use crate::tables::input::system_words;
 
 /// What could not be done with an output folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FolderAction {
     /// Creating the folder itself.
     Create,
+    /// Writing into the folder at all.
+    Enter,
     /// Writing the file of this name.
     Write(String),
     /// Removing the file of this name, left by an earlier run.
@@ -31,6 +33,7 @@ impl fmt::Display for FolderError {
         write!(f, "{}: cannot ", self.folder.display())?;
         match &self.action {
             FolderAction::Create => write!(f, "create the folder")?,
+            FolderAction::Enter => write!(f, "write into the folder")?,
             FolderAction::Write(name) => write!(f, "write {name}")?,
             FolderAction::Remove(name) => write!(f, "remove {name}")?,
         }

@@ -1,0 +1,51 @@
+use std::collections::BTreeSet;
+use std::fs;
+use std::mem;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard};
+
+use super::lock::LOCK;
+
+static PATHS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+static END: RwLock<()> = RwLock::new(());
+
+/// A file or folder that goes if the program is ended now.
+#[derive(Debug)]
+pub(super) struct Unfinished(PathBuf);
+
+impl Unfinished {
+    /// Notes what is there, or is about to be, while the end is held off.
+    pub(super) fn note(path: &Path, _: &HeldOff) -> Self {
+        PATHS.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned());
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        PATHS.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.0);
+    }
+}
+
+/// What keeps [`abandon_unfinished`] waiting.
+pub(super) type HeldOff = RwLockReadGuard<'static, ()>;
+
+/// Holds off the end until the guard is dropped; not to be asked for twice by one thread.
+pub(super) fn hold_off_the_end() -> HeldOff {
+    END.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all that is written aside and not finished, for a program that is about to end: files
+/// that are taking their names take them first, and no file is begun or named afterwards.
+pub fn abandon_unfinished() {
+    mem::forget(END.write().unwrap_or_else(PoisonError::into_inner));
+    let paths = mem::take(&mut *PATHS.lock().unwrap_or_else(PoisonError::into_inner));
+    // A lock after the files that it tells of: what cannot be removed is left to the next run.
+    for path in paths.iter().filter(|path| !path.ends_with(LOCK)) {
+        let _ = fs::remove_file(path);
+    }
+    // What lies in a folder before it; a folder goes only if nothing else is in it.
+    for path in paths.iter().rev() {
+        let _ = fs::remove_dir(path).or_else(|_| fs::remove_file(path));
+    }
+}
