@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use flexlink::tables::is_result_file;
+use flexlink::tables::{REPORT, is_result_file};
 
 use super::exit::{Exit, Failure};
 
@@ -100,7 +100,7 @@ pub(crate) fn keep_page(output: &Path, run: &Path) -> Result<(), Failure> {
         return Ok(());
     };
     let name = there.file_name().unwrap_or_default();
-    if there.parent() != Some(&folder) || !is_result_file(name) || name == "report.html" {
+    if there.parent() != Some(&folder) || !is_result_file(name) || name == REPORT {
         return Ok(());
     }
     let message = format!("--output = {}, but must not be a file of the run", output.display());

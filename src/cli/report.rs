@@ -4,7 +4,8 @@ use clap::Args;
 
 use flexlink::report::chart::Figure;
 use flexlink::report::{Figures, page};
-use flexlink::tables::{OutputFolder, read_result};
+use flexlink::result::StoredResult;
+use flexlink::tables::{OutputFolder, REPORT, read_result};
 
 use super::console;
 use super::exit::{Exit, Failure};
@@ -23,9 +24,6 @@ Turn a result into a page to look at.
 
 The page is one HTML file that needs nothing else, neither network nor server: figures, waves, an \
 animation, all warnings and numbers. Where figures are asked for alone, no page is written.";
-
-/// Name of the page of a run.
-const PAGE: &str = "report.html";
 
 /// Turn a result into a page to look at.
 #[derive(Debug, Args)]
@@ -73,10 +71,7 @@ impl Report {
         }
         if self.output.is_some() || told.is_empty() {
             let file = self.output.clone().unwrap_or_else(|| beside(&self.result));
-            console::deliver(Some(&file), page(&result, &figures).as_bytes())?;
-            if !is_standard_output(&file) {
-                told.push(written(&file));
-            }
+            told.push(deliver_page(&result, &figures, &file)?);
         }
         if self.quiet { Ok(()) } else { console::print(&told.concat()) }
     }
@@ -84,20 +79,22 @@ impl Report {
 
 /// Writes the page of a run into its folder, and says so.
 pub(crate) fn write_page(folder: &Path) -> Result<String, Failure> {
-    let (result, file) = (read_result(folder)?, beside(folder));
-    console::deliver(Some(&file), page(&result, &Figures::of(&result)).as_bytes())?;
-    Ok(written(&file))
+    let result = read_result(folder)?;
+    deliver_page(&result, &Figures::of(&result), &beside(folder))
 }
 
-fn written(file: &Path) -> String {
-    format!("written  {}\n", file.display())
+/// Writes a page to a file, and says so; to standard output, and says nothing.
+fn deliver_page(result: &StoredResult, figures: &Figures, file: &Path) -> Result<String, Failure> {
+    console::deliver(Some(file), page(result, figures).as_bytes())?;
+    let told = || format!("written  {}\n", file.display());
+    Ok(if is_standard_output(file) { String::new() } else { told() })
 }
 
 /// Where the page of a result goes.
 fn beside(result: &Path) -> PathBuf {
     match result.extension() {
         Some(extension) if extension == "csv" && !result.is_dir() => result.with_extension("html"),
-        _ => result.join(PAGE),
+        _ => result.join(REPORT),
     }
 }
 

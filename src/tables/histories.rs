@@ -28,7 +28,7 @@ pub(super) const RESULT_FILES: [&str; 10] = [
 pub(super) const MOTOR: &str = "motor.csv";
 
 /// The page that `flexlink report` makes of a run: beside another run it would show old numbers.
-pub(super) const REPORT: &str = "report.html";
+pub const REPORT: &str = "report.html";
 
 /// Written last: who sees it, sees a whole run.
 pub(super) const SUMMARY: &str = "summary.json";

@@ -51,7 +51,7 @@ pub use csv_table::{Column, ColumnGroup, write_csv};
 pub use folder::{Durability, FolderAction, FolderError, OutputFolder, abandon_unfinished};
 pub use frf_table::write_frequency_response;
 pub use golden::{GoldenChanges, change_golden_files};
-pub use histories::is_result_file;
+pub use histories::{REPORT, is_result_file};
 pub use hub_csv::read_hub_reference;
 pub use input::{InputError, InputFile, system_words};
 pub use memory::available_memory;

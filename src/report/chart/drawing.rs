@@ -120,10 +120,6 @@ impl Figure {
             .iter()
             .map(|(at, value)| (width * self.x.share(*at), stretch.y(y.share(*value))));
         let places: Vec<(f64, f64)> = places.collect();
-        let (colour, class) = match curve.stroke {
-            Stroke::Solid(colour) | Stroke::Dotted(colour) => (colour, ""),
-            Stroke::Dashed(colour) => (colour, " dashed"),
-        };
         let own = is_strip.then(|| {
             (
                 format!("{} {}", y.range.start, y.range.end),
@@ -131,10 +127,10 @@ impl Figure {
             )
         });
         html! {
-            path class=(format!("line s{colour}{class}")) data-name=(curve.name)
+            path class=(curve.stroke.classes()) data-name=(curve.name)
                 data-y=[own.as_ref().map(|own| &own.0)] data-band=[own.as_ref().map(|own| &own.1)]
                 data-unit=[is_strip.then_some(&y.unit)] d=(path(&places)) {}
-            @if let Stroke::Dotted(_) = curve.stroke {
+            @if let Stroke::Dotted(colour) = curve.stroke {
                 path class=(format!("dots s{colour}")) d=(dots(&places)) {}
             }
         }

@@ -50,6 +50,21 @@ pub enum Stroke {
     Dotted(usize),
 }
 
+impl Stroke {
+    /// Number of its colour.
+    pub(super) fn colour(self) -> usize {
+        match self {
+            Self::Solid(colour) | Self::Dashed(colour) | Self::Dotted(colour) => colour,
+        }
+    }
+
+    /// Its classes in the style sheet.
+    pub(super) fn classes(self) -> String {
+        let dashes = if let Self::Dashed(_) = self { " dashed" } else { "" };
+        format!("line s{}{dashes}", self.colour())
+    }
+}
+
 /// A line of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {

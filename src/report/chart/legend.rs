@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 
 use super::drawing::{LEFT, RIGHT, TOP, WIDTH, number};
-use super::figure::{Figure, Mark, Stroke};
+use super::figure::{Figure, Mark};
 use crate::numeric::significant;
 
 /// Width of a letter, about.
@@ -54,11 +54,7 @@ impl Figure {
             g class="legend" {
                 @for curve in strip.into_iter().chain(&self.curves) {
                     @let x = place(&curve.name);
-                    @let (colour, class) = match curve.stroke {
-                        Stroke::Solid(colour) | Stroke::Dotted(colour) => (colour, ""),
-                        Stroke::Dashed(colour) => (colour, " dashed"),
-                    };
-                    path class=(format!("line s{colour}{class}")) d=(format!("M{x},17h26")) {}
+                    path class=(curve.stroke.classes()) d=(format!("M{x},17h26")) {}
                     text class="legend-text" x=(x + 32.0) y="21" { (curve.name) }
                 }
                 @for span in &self.spans {

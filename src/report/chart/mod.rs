@@ -14,3 +14,4 @@ pub use axis::{Axis, Scale};
 pub use colour_map::{ColourMap, Colours};
 pub use figure::{Across, Curve, Figure, Mark, Span, Stroke};
 pub use table::FigureTable;
+pub(super) use table::evenly;

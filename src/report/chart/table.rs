@@ -78,7 +78,7 @@ fn value_at(curve: &Curve, at: f64) -> Option<f64> {
 }
 
 /// At most `most` of `len` numbers, evenly, the first and the last among them.
-fn evenly(len: usize, most: usize) -> Vec<usize> {
+pub(in crate::report) fn evenly(len: usize, most: usize) -> Vec<usize> {
     let count = len.min(most);
     (0..count).map(|k| if count < 2 { 0 } else { k * (len - 1) / (count - 1) }).collect()
 }

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::link_drawing::{largest_stiffness, relative_thickness};
 use crate::numeric::{largest, rounded};
 use crate::report::View;
+use crate::report::chart::evenly;
 use crate::report::run::{bending_moments, inside, nearest};
 use crate::result::{StoredNodes, StoredRun};
 
@@ -21,15 +22,13 @@ pub(super) fn motion_data(view: &View) -> Option<String> {
     let nodes = &view.deflections()?;
     let (from_s, until_s) = view.span_s();
     let shown = inside(&nodes.times_s, from_s, until_s);
-    let frames = shown.len().min(FRAMES);
-    let last = shown.len() - 1;
     let frames: Vec<usize> =
-        (0..frames).map(|k| shown.start + k * last / (frames - 1).max(1)).collect();
+        evenly(shown.len(), FRAMES).into_iter().map(|k| shown.start + k).collect();
     // The nodes may be thinned over time: each frame's sample of the run.
     let samples: Vec<usize> =
         frames.iter().map(|k| nearest(&run.times_s, nodes.times_s[*k])).collect();
     let of = |history: &[f64]| -> Vec<f64> { samples.iter().map(|k| short(history[*k])).collect() };
-    let kept = kept_nodes(nodes.nodes.len());
+    let kept = evenly(nodes.nodes.len(), NODES);
     let of_nodes = |quantity: &StoredNodes, frame: &usize| -> Vec<f64> {
         kept.iter().map(|node| short(quantity.histories[*node][*frame])).collect()
     };
@@ -58,11 +57,6 @@ pub(super) fn motion_data(view: &View) -> Option<String> {
     });
     // Inside a page no text may look like the end of the script.
     Some(data.to_string().replace('<', "\\u003c"))
-}
-
-fn kept_nodes(len: usize) -> Vec<usize> {
-    let count = len.min(NODES);
-    (0..count).map(|k| k * (len - 1) / (count - 1).max(1)).collect()
 }
 
 /// Relative thickness along the link: two places for each segment.
