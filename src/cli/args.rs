@@ -12,6 +12,7 @@ use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::tables::{Durability, InputFile, read_motion_table};
 
 use super::exit::{Exit, Failure};
+use super::memory::available;
 
 /// A link file and the changes to it.
 #[derive(Debug, Args)]
@@ -52,11 +53,12 @@ pub(crate) fn load_link(
 ) -> Result<(InputFile, Specification), Failure> {
     let file = InputFile::read(path)?;
     let read = read_specification(&file.shown, file.text()?, changes);
-    let specification = read.map_err(|error| {
+    let mut specification = read.map_err(|error| {
         let is_table = path.extension().is_some_and(|extension| extension == "csv");
         let order = is_table.then_some("LINK, a TOML file, stands before MOTION or TORQUE");
         Failure::new(Exit::InputRefused, &error, error.hint().or(order))
     })?;
+    specification.analysis = specification.analysis.within_memory(available());
     Ok((file, specification))
 }
 

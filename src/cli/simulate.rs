@@ -13,6 +13,7 @@ use super::args::{LinkArgs, NodeArgs, PrintArgs, SyncArgs, ThreadArgs};
 use super::console;
 use super::exit::Failure;
 use super::files::keep;
+use super::memory::check_nodal_memory;
 use super::simulate_inputs::PlayArgs;
 use super::simulate_text::simulate_text;
 
@@ -85,6 +86,7 @@ impl Simulate {
         let tip_error = self.play.tip_error(&simulation, &read)?;
 
         let outputs = self.outputs();
+        check_nodal_memory(outputs.nodal_bytes(&simulation))?;
         let inputs = SimulationInputs {
             link_file: &link_file,
             torque_file: &read.torque_file,

@@ -14,6 +14,7 @@ use flexlink::tables::{InputFile, read_hub_reference, read_motion_table, read_to
 
 use super::args::finite;
 use super::exit::{Exit, Failure};
+use super::memory::available;
 
 /// What to play on the link, and what to compare with.
 #[derive(Debug, Args)]
@@ -109,6 +110,7 @@ impl PlayArgs {
             until_s: self.until.or(both_s),
             feedback: inputs.feedback.as_ref(),
             initial_tip_m: inputs.initial_tip_m,
+            memory_bytes: available(),
         }
     }
 
@@ -132,7 +134,7 @@ impl PlayArgs {
             }
             SimulationError::Damping(_)
             | SimulationError::MasslessHub
-            | SimulationError::TooMuch { .. }
+            | SimulationError::TooMuchMemory { .. }
             | SimulationError::NotFinite { .. } => (Exit::NotSolvable, String::new()),
         };
         Failure::new(exit, &format!("{place}{error}"), error.hint())

@@ -12,7 +12,7 @@ use super::args::{LinkArgs, MotionArgs, NodeArgs, PrintArgs, SyncArgs, ThreadArg
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::keep;
-use super::memory::{available, check_memory};
+use super::memory::check_nodal_memory;
 use super::progress::StageBar;
 use super::report::write_page;
 use super::solve_text::{memory_text, solve_text};
@@ -35,8 +35,6 @@ and summary.json into a folder, all or none of them, and prints a short summary.
 
 /// Memory in bytes from which on it is said before the work begins.
 const LARGE: usize = 1 << 29;
-
-const FEWER: &str = "use --nodes or --every";
 
 /// Compute the hub torque for a tip motion.
 #[derive(Debug, Args)]
@@ -104,7 +102,6 @@ impl Solve {
         let (motion_file, motion) = self.motion.load(link)?;
 
         let stages = if self.print.quiet { StageBar::hidden() } else { StageBar::new() };
-        let analysis = &analysis.within_memory(available());
         let solution = invert(link, mesh, &motion, analysis)?;
         self.nodes.check(solution.mesh())?;
         let measure = || measured(&specification, &motion, &solution, self.digits);
@@ -126,7 +123,7 @@ impl Solve {
         let files = outputs.file_names();
         let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, files.clone());
         let deflections = outputs.deflections(&solution);
-        check_memory("the motion of the nodes", deflections.bytes(), FEWER)?;
+        check_nodal_memory(deflections.bytes())?;
         if deflections.bytes() >= LARGE && !self.print.quiet {
             stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }

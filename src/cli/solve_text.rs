@@ -4,16 +4,15 @@ use flexlink::inverse::Solution;
 use flexlink::link::Link;
 use flexlink::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use flexlink::motion::TipMotion;
-use flexlink::numeric::significant;
+use flexlink::numeric::{gigabytes, significant};
 use flexlink::result::Metrics;
 
 use super::link_text::{damping_line, hub_line, labelled, link_line, ratios_line};
-use super::memory::gigabytes;
 use super::number::list;
 
 /// What is said of the memory before it is taken.
 pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
-    let gigabytes = gigabytes(bytes as f64);
+    let gigabytes = gigabytes(bytes);
     let more = if blocks > 1 {
         format!("; the rows are made in {blocks} blocks, each transformed anew")
     } else {

@@ -13,6 +13,7 @@ use flexlink::tables::{InputFile, SweepIdentity, read_torque_table};
 
 use super::args::{LinkArgs, MotionArgs};
 use super::exit::{Exit, Failure};
+use super::memory::available;
 use super::sweep_outputs::OutputsArgs;
 
 /// A torque to play on every case.
@@ -42,6 +43,8 @@ pub(crate) struct Cases<'a> {
     pub(crate) torque_file: Option<(InputFile, Torque)>,
     /// The motion of the first case, and the length of the link that it was read for.
     first: (f64, TipMotion),
+    /// Memory in bytes that each of the cases solved at the same time may take.
+    pub(crate) memory_bytes: Option<usize>,
 }
 
 impl<'a> Cases<'a> {
@@ -87,6 +90,7 @@ impl<'a> Cases<'a> {
             motion_file,
             torque_file,
             first,
+            memory_bytes: available().map(|bytes| bytes / rayon::current_num_threads()),
         })
     }
 
@@ -114,7 +118,9 @@ impl<'a> Cases<'a> {
     /// The link file with the changes of a case.
     pub(crate) fn specification(&self, values: &CaseValues) -> Result<Specification, SpecError> {
         let overrides = with_case(&self.overrides, values)?;
-        self.document.specification(&self.link_file.shown, &overrides)
+        let found = self.document.specification(&self.link_file.shown, &overrides)?;
+        let analysis = found.analysis.within_memory(self.memory_bytes);
+        Ok(Specification { analysis, ..found })
     }
 
     /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied.

@@ -85,6 +85,7 @@ impl Cases<'_> {
         let play = Play {
             until_s: Some(grid.end_s().max(target.grid().end_s())),
             initial_tip_m: target.start_m(),
+            memory_bytes: self.memory_bytes,
             ..Play::of(torque)
         };
         let refused = |message: String, hint| Failure::new(Exit::NotSolvable, &message, hint);

@@ -1,7 +1,7 @@
 use thiserror::Error;
 
 use crate::modal::DampingError;
-use crate::numeric::significant;
+use crate::numeric::gigabytes;
 
 /// Why a valid link and a valid motion have no torque here.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -55,9 +55,9 @@ pub enum InversionError {
     },
     /// A period that takes more memory than is allowed.
     #[error(
-        "the inversion would need {} GB of memory, but must fit in the {} GB available",
-        significant(*bytes as f64 / 1e9, 2),
-        significant(*allowed as f64 / 1e9, 2)
+        "the inversion would need {} of memory, but must fit in the {} available",
+        gigabytes(*bytes),
+        gigabytes(*allowed)
     )]
     TooMuchMemory {
         /// Bytes needed, about.

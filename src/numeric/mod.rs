@@ -34,7 +34,7 @@ pub use roots::{SECTIONS, geometric_scan, next_places, section};
 pub(crate) use round::rounded;
 pub(crate) use sampling::{CHANNELS, Room, Sampling};
 pub use scalar::{Scalar, Size};
-pub use significant::significant;
+pub use significant::{gigabytes, significant};
 pub use spline::{CubicSpline, SplineEnds};
 pub use uniform::NotUniform;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};

@@ -19,6 +19,16 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// Memory in GB, for people.
+///
+/// ```
+/// use flexlink::numeric::gigabytes;
+/// assert_eq!(gigabytes(1_530_000_000), "1.5 GB");
+/// ```
+pub fn gigabytes(bytes: usize) -> String {
+    format!("{} GB", significant(bytes as f64 / 1e9, 2))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

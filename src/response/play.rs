@@ -22,6 +22,8 @@ pub struct Play<'a> {
     pub feedback: Option<&'a Feedback>,
     /// Displacement of the tip before, in m.
     pub initial_tip_m: f64,
+    /// Memory in bytes that playing may take; `None`: whatever it needs.
+    pub memory_bytes: Option<usize>,
 }
 
 impl<'a> Play<'a> {
@@ -33,6 +35,7 @@ impl<'a> Play<'a> {
             until_s: None,
             feedback: None,
             initial_tip_m: 0.0,
+            memory_bytes: None,
         }
     }
 
@@ -111,7 +114,9 @@ impl Driving {
 
     /// Steps from rest through all samples.
     pub(super) fn record(&self, stepper: &mut Stepper, samples: usize) -> Record {
-        let mut record = Record::default();
+        let numbers = samples * stepper.coordinates().len();
+        let mut record =
+            Record { coordinates: Vec::with_capacity(numbers), rates: Vec::with_capacity(numbers) };
         for sample in 0..samples {
             if sample > 0 {
                 stepper.advance(&self.after(sample - 1));

@@ -14,15 +14,11 @@ use crate::modal::{
     DampingError, DampingLaw, REPORTED_MODES, Shape, hub_moves_mass, natural_frequencies,
 };
 use crate::motion::TipMotionHistories;
-use crate::numeric::{TimeGrid, rounded};
+use crate::numeric::{TimeGrid, gigabytes, rounded};
 
-/// Most modal coordinates that are recorded, samples times modes.
-const MOST_RECORDED: usize = 1 << 27;
-
-/// Memory in GB of modal coordinates and their rates.
-fn gigabytes(recorded: usize) -> f64 {
-    (2 * size_of::<f64>() * recorded) as f64 * 1e-9
-}
+/// Memory in bytes that playing takes for each sample, as measured, besides the coordinate and the
+/// rate of each mode.
+const BYTES_PER_SAMPLE: usize = 190;
 
 /// Why a torque is not played.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -60,17 +56,22 @@ pub enum SimulationError {
         /// Samples possible.
         limit: usize,
     },
-    /// More numbers than this program holds.
+    /// More memory than is allowed.
     #[error(
-        "{samples} samples of {modes} modes = {:.1} GB, but must be at most {:.1} GB",
-        gigabytes(samples * modes),
-        gigabytes(MOST_RECORDED)
+        "{samples} samples of {modes} modes would need {} of memory, but must fit in the {} \
+         available",
+        gigabytes(*bytes),
+        gigabytes(*allowed)
     )]
-    TooMuch {
+    TooMuchMemory {
         /// Samples of the simulation.
         samples: usize,
         /// Modes kept, rigid rotation and residual mode included.
         modes: usize,
+        /// Bytes needed, about.
+        bytes: usize,
+        /// Bytes allowed.
+        allowed: usize,
     },
     /// Numbers beyond double precision.
     #[error("the motion at {} s = not a finite number, but must be one", rounded(*time_s, 12))]
@@ -86,7 +87,7 @@ impl SimulationError {
         match self {
             Self::Damping(error) => Some(error.hint()),
             Self::Feedback(error) => error.hint(),
-            Self::TooLong { .. } | Self::TooMuch { .. } => {
+            Self::TooLong { .. } | Self::TooMuchMemory { .. } => {
                 Some("an earlier end, or a torque with a longer step")
             }
             Self::NotFinite { .. } => Some("the inputs are too large for double precision"),
@@ -180,9 +181,7 @@ fn play_on(
     };
     let equations = Equations::new(&mesh, &law, basis, reaction);
     let modes = equations.coordinates.len();
-    if grid.len * modes > MOST_RECORDED {
-        return Err(SimulationError::TooMuch { samples: grid.len, modes });
-    }
+    check_memory(grid.len, modes, play)?;
     let mut stepper = Stepper::new(&equations, grid.step_s);
     let record = driving.record(&mut stepper, grid.len);
     if let Some(bad) = record.coordinates.iter().position(|q| !q.is_finite()) {
@@ -214,6 +213,15 @@ fn play_on(
     simulation.residual = ResidualVibration::of(&simulation, play, &driving);
     simulation.warnings = warnings(&simulation, play);
     Ok(simulation)
+}
+
+/// Refuses a simulation that takes more memory than the play allows.
+fn check_memory(samples: usize, modes: usize, play: &Play) -> Result<(), SimulationError> {
+    let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE);
+    match play.memory_bytes.filter(|allowed| bytes > *allowed) {
+        Some(allowed) => Err(SimulationError::TooMuchMemory { samples, modes, bytes, allowed }),
+        None => Ok(()),
+    }
 }
 
 impl Simulation {

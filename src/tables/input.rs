@@ -1,3 +1,4 @@
+use std::cell::OnceCell;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, Read};
@@ -92,13 +93,10 @@ impl InputFile {
 /// Reads all of an input, expected to hold `len` bytes, but no line and no content beyond bounds: what
 /// is no text, or never ends, is told from what is while memory lasts.
 fn read_whole(mut input: impl Read, len: u64) -> io::Result<Vec<u8>> {
-    // As much again goes into the numbers that are made of the text.
-    let room = available_memory().map_or(u64::MAX, |bytes| bytes / 2);
+    let room = OnceCell::new();
     let mut bytes = Vec::new();
-    if len <= room {
-        // A sparse file is only as long as it says; its first line may be refused.
-        bytes.reserve_exact(usize::try_from(len).unwrap_or(0).min(LONGEST_LINE));
-    }
+    // A sparse file is only as long as it says; its first line may be refused.
+    bytes.reserve_exact(usize::try_from(len).unwrap_or(usize::MAX).min(LONGEST_LINE));
     let (mut lines, mut line_start) = (0, 0);
     loop {
         let before = bytes.len();
@@ -113,8 +111,13 @@ fn read_whole(mut input: impl Read, len: u64) -> io::Result<Vec<u8>> {
             let line = lines + 1;
             return Err(io::Error::other(format!("line {line} is longer than 16 MiB")));
         }
-        // A vector that grows takes twice its size for a moment.
-        if bytes.len() as u64 > room {
+        if bytes.len() <= LONGEST_LINE {
+            continue;
+        }
+        // As much again goes into the numbers that are made of the text, and a vector that grows
+        // takes twice its size for a moment.
+        let room = room.get_or_init(|| available_memory().map_or(u64::MAX, |bytes| bytes / 2));
+        if bytes.len() as u64 > *room {
             let megabytes = room / 1_000_000;
             let cause = format!("more than {megabytes} MB, half of the memory that is available");
             return Err(io::Error::other(cause));

@@ -32,6 +32,12 @@ impl SimulateOutputs {
         ]
     }
 
+    /// Memory in bytes that the motion of the nodes takes while it is written.
+    pub fn nodal_bytes(&self, simulation: &Simulation) -> usize {
+        let nodes = self.nodes.as_ref().map_or(simulation.mesh.nodes_m().len(), Vec::len);
+        size_of::<f64>() * nodes * simulation.grid.len.div_ceil(self.every)
+    }
+
     /// Writes the files of a simulation into `folder` and gives them their names, all or none.
     ///
     /// # Errors

@@ -96,3 +96,41 @@ fn what_the_nodes_would_need_is_told_and_fewer_nodes_need_less() {
     let output = bench.run_within(700, &few, Stdio::null());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }
+
+#[test]
+fn verifying_and_the_cases_of_a_sweep_are_held_to_the_same_memory() {
+    let bench = Bench::new();
+    let lag = "analysis.lag=80000";
+    let verify = ["verify", "link.toml", "motion.csv", "--set", lag];
+    let output = bench.run_within(1000, &verify, Stdio::null());
+    bench.is_refusal(&output, NOT_SOLVABLE, "error: the inversion would need 1.5 GB of memory");
+    let vary = "segments.*.EI*=1,2";
+    let sweep = ["sweep", "link.toml", "motion.csv", "--vary", vary, "-q", "-o", "sweep.csv"];
+    let sweep = [&sweep[..], &["--threads", "2", "--set"]].concat();
+    // Both cases may be solved at once: each has half.
+    for (lag, megabytes) in [(lag, 1000), ("analysis.lag=40000", 1300)] {
+        let output = bench.run_within(megabytes, &[&sweep[..], &[lag]].concat(), Stdio::null());
+        assert_eq!(output.status.code(), Some(NOT_SOLVABLE), "{}", text(&output.stderr));
+        let table = std::fs::read_to_string(bench.path("sweep.csv")).unwrap();
+        assert_eq!(table.matches("the inversion would need").count(), 2, "{table}");
+    }
+}
+
+#[test]
+fn what_playing_and_its_nodes_would_need_is_told_before_it_is_taken() {
+    let bench = Bench::new();
+    bench.write("torque.csv", "time,torque\n0,0\n0.01,1\n0.02,0\n0.03,0\n");
+    let simulate = ["simulate", "link.toml", "torque.csv", "--until"];
+    let long = [&simulate[..], &["100000"]].concat();
+    let output = bench.run_within(1000, &long, Stdio::null());
+    let message = "error: 10000001 samples of ";
+    bench.is_refusal(&output, NOT_SOLVABLE, message);
+    assert!(text(&output.stderr).contains(" of memory, but must fit in the 0."));
+    let many = [&simulate[..], &["1000", "--set", "mesh.elements=600"]].concat();
+    let output = bench.run_within(500, &many, Stdio::null());
+    let message = "error: the motion of the nodes would need 0.48 GB of memory";
+    bench.is_refusal(&output, NOT_SOLVABLE, message);
+    let few = [&many[..], &["--nodes", "0,600"]].concat();
+    let output = bench.run_within(500, &few, Stdio::null());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
