@@ -1,7 +1,8 @@
-//! Laws that hold for every link: segments, limits, energy, units, counts of modes.
+//! Laws that hold for every link: segments, limits, energy, reciprocity, units, counts of modes.
 
 mod links;
 mod modes;
 mod power;
+mod reciprocity;
 mod segments;
 mod units;

@@ -116,6 +116,46 @@ proptest! {
         prop_assert_eq!(there.torque_n_m, opposite);
     }
 
+    /// Without damping and friction nothing tells the past from the future: the torque that leads the
+    /// motion is the one that follows it, run backwards.
+    #[test]
+    fn the_torque_of_an_undamped_link_runs_backwards_with_its_motion(
+        damped in any_link(),
+        (rise, fall) in (3..5_i32, 6..9_i32),
+    ) {
+        let undamped = Link::new(LinkParts {
+            segments: damped.segments().to_vec(),
+            hub: *damped.hub(),
+            payload: *damped.payload(),
+            damping: Damping::None,
+            ..uniform()
+        })
+        .unwrap();
+        // The derivative of a velocity (t/T)ᵐ(1 − t/T)ⁿ, skewed as m and n differ.
+        let steps = 256;
+        let acceleration = |k: i32| {
+            let s = f64::from(k) / f64::from(steps);
+            let (up, down) = (s.powi(rise - 1), (1.0 - s).powi(fall - 1));
+            1e3 * up * down * (f64::from(rise) * (1.0 - s) - f64::from(fall) * s)
+        };
+        let time_s: Vec<f64> = (0..=steps).map(|k| f64::from(k) / f64::from(steps)).collect();
+        let forward: Vec<f64> = (0..=steps).map(acceleration).collect();
+        let backward = forward.iter().rev().copied().collect();
+        let forward = solved(&undamped, 6, &accelerated(time_s.clone(), forward));
+        let backward = solved(&undamped, 6, &accelerated(time_s, backward));
+        let mirrored = |k: i64| i64::from(steps) - k;
+        let peak = peak(&forward.torque_n_m);
+        for k in samples(&forward) {
+            let difference = torque_at(&forward, k) - torque_at(&backward, mirrored(k));
+            prop_assert!(difference.abs() <= PADDING * peak, "{difference:e} at {k}");
+        }
+        // The torque is not its own mirror image, so that the mirror is no formality.
+        let skew = samples(&forward)
+            .map(|k| torque_at(&forward, k).abs() - torque_at(&forward, mirrored(k)).abs());
+        let skew = skew.fold(0.0_f64, |m, x| m.max(x.abs()));
+        prop_assert!(skew > 0.05 * peak, "{skew:e} of {peak:e}");
+    }
+
     #[test]
     fn friction_of_the_hub_adds_its_own_torque_and_no_other(link in any_link(), b in 0.0..0.5_f64) {
         let hub = Hub { viscous_friction_n_m_s_rad: b, ..*link.hub() };
