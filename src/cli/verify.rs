@@ -3,7 +3,7 @@ use clap::Args;
 use flexlink::inverse::{Solution, invert};
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
-use flexlink::tables::{Digits, verification_json};
+use flexlink::tables::{Digits, InputFile, verification_json};
 use flexlink::verification::{Answer, Verification, VerificationError, verify};
 
 use super::args::{LinkArgs, MotionArgs, ThreadArgs};
@@ -55,10 +55,11 @@ pub(crate) struct Verify {
 impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.apply()?;
-        read_once(&[&self.link.link, self.motion.path()])?;
+        read_once(&[&self.link.link, &self.motion.motion])?;
         let (_, specification) = self.link.load()?;
         let Specification { link, mesh, analysis, .. } = &specification;
-        let (_, motion) = self.motion.load(link)?;
+        let motion_file = InputFile::read(&self.motion.motion)?;
+        let motion = self.motion.resample.motion_of(&motion_file, link)?;
         let solution = invert(link, mesh, &motion, analysis)?;
         let verification = measured(&specification, &motion, &solution, self.digits)?;
         for warning in &solution.warnings {

@@ -104,11 +104,36 @@ fn a_setting_changes_the_link_and_is_recorded() {
     bench.solve(&["--set", "segments.*.I*=4", "--set", "payload.mass=\"50 g\"", "-q"]);
     let summary: serde_json::Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
     assert_eq!(
-        summary["inputs"]["changes"],
-        serde_json::json!(["--set segments.*.I*=4", "--set payload.mass=\"50 g\""])
+        summary["inputs"]["arguments"],
+        serde_json::json!(["--set", "segments.*.I*=4", "--set", "payload.mass=\"50 g\""])
     );
     assert_eq!(summary["link"]["segments"][1]["bending_stiffness_n_m2"][0], 20.0);
     assert_eq!(summary["link"]["payload"]["mass_kg"], 0.05);
+}
+
+#[test]
+fn what_shapes_the_results_is_recorded_as_it_is_given_and_nothing_else() {
+    let bench = Bench::new();
+    let shaping = [
+        "--set",
+        "payload.mass=0.05",
+        "--resample",
+        "0.002",
+        "--nodes",
+        "0,10",
+        "--every",
+        "10",
+        "--deflections",
+        "--moments",
+        "--digits",
+        "full",
+    ];
+    let others = ["--threads", "1", "--no-sync", "--strict", "--report", "-q", "-o", "all"];
+    bench.solve(&[&shaping[..], &others].concat());
+    let arguments = &bench.json("all/summary.json")["inputs"]["arguments"];
+    assert_eq!(*arguments, serde_json::json!(shaping));
+    bench.solve(&["--every", "1", "--digits", "10"]);
+    assert_eq!(bench.json("out/summary.json")["inputs"]["arguments"], serde_json::json!([]));
 }
 
 #[test]
