@@ -7,7 +7,7 @@ use rayon::ThreadPoolBuilder;
 
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
-use flexlink::motion::TipMotion;
+use flexlink::motion::{MotionScale, TipMotion};
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::tables::{Durability, InputFile, read_motion_table};
 
@@ -112,6 +112,51 @@ impl ResampleArgs {
     pub(crate) fn arguments(&self) -> Vec<String> {
         self.resample.map(|step_s| option("--resample", step_s)).unwrap_or_default()
     }
+}
+
+/// Factors on a motion, as a sweep has them.
+#[derive(Debug, Args)]
+pub(crate) struct ScaleArgs {
+    #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(
+        default_value_t = 1.0,
+        hide_default_value = true,
+        help = "Multiply the motion's distance"
+    )]
+    scale_distance: f64,
+
+    /// Multiply the motion's duration, from its first sample on.
+    #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(default_value_t = 1.0, hide_default_value = true)]
+    scale_duration: f64,
+}
+
+impl ScaleArgs {
+    fn scale(&self) -> MotionScale {
+        MotionScale { distance: self.scale_distance, duration: self.scale_duration }
+    }
+
+    /// A motion with these factors.
+    pub(crate) fn scaled(&self, motion: TipMotion) -> Result<TipMotion, Failure> {
+        if self.scale() == MotionScale::default() {
+            return Ok(motion);
+        }
+        let scaled = motion.scaled(self.scale());
+        scaled.map_err(|error| Failure::new(Exit::Usage, &error, error.hint()))
+    }
+
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        scale_arguments(self.scale())
+    }
+}
+
+/// The arguments that scale a motion so, for the record.
+pub(crate) fn scale_arguments(scale: MotionScale) -> Vec<String> {
+    let MotionScale { distance, duration } = scale;
+    let factors = [("--scale-distance", distance), ("--scale-duration", duration)];
+    let others = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
+    others.flat_map(|(name, factor)| option(name, factor)).collect()
 }
 
 /// What to print on standard output.

@@ -7,7 +7,7 @@ use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, InputFile, OptionalTable, SolveOutputs};
 
-use super::args::{ChangeArgs, NodeArgs, ResampleArgs};
+use super::args::{ChangeArgs, NodeArgs, ResampleArgs, ScaleArgs};
 use super::exit::Failure;
 use super::record::digits_arguments;
 
@@ -19,6 +19,9 @@ pub(crate) struct SolveOptions {
 
     #[command(flatten)]
     resample: ResampleArgs,
+
+    #[command(flatten)]
+    scale: ScaleArgs,
 
     #[command(flatten)]
     pub(crate) nodes: NodeArgs,
@@ -48,7 +51,7 @@ impl SolveOptions {
 
     /// The motion of a link's tip that a file holds.
     pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
-        self.resample.motion_of(file, link)
+        self.scale.scaled(self.resample.motion_of(file, link)?)
     }
 
     /// Which tables to write.
@@ -72,6 +75,7 @@ impl SolveOptions {
         [
             self.changes.arguments(),
             self.resample.arguments(),
+            self.scale.arguments(),
             self.nodes.arguments(),
             Vec::from_iter(flag(self.deflections, "--deflections")),
             Vec::from_iter(flag(self.moments, "--moments")),

@@ -11,7 +11,7 @@ use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 use flexlink::tables::{InputFile, SweepIdentity, read_torque_table};
 
-use super::args::{ChangeArgs, ResampleArgs};
+use super::args::{ChangeArgs, ResampleArgs, scale_arguments};
 use super::exit::{Exit, Failure};
 use super::record::option;
 use super::sweep_outputs::OutputsArgs;
@@ -131,16 +131,11 @@ impl<'a> Cases<'a> {
     /// The arguments that shape the results of this case, for the record: those of `solve`.
     pub(crate) fn arguments(&self, values: &CaseValues) -> Vec<String> {
         let varied = values.link_changes.iter().flat_map(|change| option("--set", change));
-        let MotionScale { distance, duration } = values.motion;
-        let factors = [("distance", distance), ("duration", duration)];
-        let scaled = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
-        let scaled =
-            scaled.flat_map(|(path, factor)| option("--vary", format!("{path}*={factor}")));
         [
             self.shared.changes.arguments(),
             varied.collect(),
             self.shared.resample.arguments(),
-            scaled.collect(),
+            scale_arguments(values.motion),
             self.shared.torque.arguments(),
             self.shared.outputs.arguments(),
         ]

@@ -1,5 +1,6 @@
 //! Options that thin, round, replace or silence what is written.
 
+use super::sweep::swept;
 use super::{Bench, LINK, MOTION, repository, stderr, stdout};
 
 #[test]
@@ -154,4 +155,26 @@ fn a_motion_off_the_grid_is_resampled_on_demand() {
     let (thin, whole) = (bench.table("out/torque.csv"), bench.table("whole/torque.csv"));
     let peak = |torque: &[f64]| torque.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
     assert!((peak(&thin[1].1) / peak(&whole[1].1) - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn a_scaled_motion_is_that_of_the_same_factors_in_solve() {
+    let bench = Bench::new();
+    let vary = ["--vary", "distance*=-0.5,0.3", "--vary", "duration*=1,1.3", "--outputs", "all"];
+    swept(&bench, &vary);
+    for (case, factors) in [
+        ("all/1", &["--scale-distance=-0.5"][..]),
+        ("all/2", &["--scale-distance=-0.5", "--scale-duration", "1.3"]),
+        ("all/4", &["--scale-distance", "0.3", "--scale-duration", "1.3"]),
+    ] {
+        bench.solve(factors);
+        assert!(bench.contents(case) == bench.contents("out"), "{case}");
+        let recorded = &bench.json(&format!("{case}/summary.json"))["inputs"]["arguments"];
+        assert_eq!(*recorded, serde_json::json!(factors));
+    }
+    let refused =
+        bench.run(&["solve", &repository(LINK), &repository(MOTION), "--scale-duration=0"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let error = "error: the motion's distance times 1 and duration times 0, but these must";
+    assert!(stderr(&refused).starts_with(error), "{}", stderr(&refused));
 }
