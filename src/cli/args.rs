@@ -12,6 +12,7 @@ use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::tables::{Durability, InputFile, read_motion_table};
 
 use super::exit::{Exit, Failure};
+use super::progress::StageBar;
 use super::record::option;
 
 pub(crate) const LINK: &str = "Link file (TOML)";
@@ -168,6 +169,13 @@ pub(crate) struct PrintArgs {
     /// Print nothing but warnings and errors.
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+impl PrintArgs {
+    /// Shows how far the work is.
+    pub(crate) fn stages(&self) -> StageBar {
+        if self.quiet { StageBar::hidden() } else { StageBar::new() }
+    }
 }
 
 /// Which part of the nodal tables to write.

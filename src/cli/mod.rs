@@ -18,6 +18,8 @@ mod modes_text;
 mod number;
 mod progress;
 mod record;
+mod repeat;
+mod repeat_text;
 mod report;
 mod schema;
 mod shell;
@@ -104,7 +106,7 @@ impl Command {
         }
         let done = match self {
             Self::Compare(compare) => return compare.run(),
-            Self::Solve(solve) => solve.run(),
+            Self::Solve(solve) => return solve.run(),
             Self::Simulate(simulate) => simulate.run(),
             Self::Verify(verify) => verify.run(),
             Self::Modes(modes) => modes.run(),

@@ -1,15 +1,16 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use clap::builder::ArgPredicate;
 
 use flexlink::spec::Specification;
 use flexlink::tables::InputFile;
 
 use super::args::{LINK, MOTION, PrintArgs, SyncArgs, ThreadArgs};
 use super::console;
-use super::exit::{Exit, Failure};
+use super::exit::{Ending, Exit, Failure};
 use super::files::keep;
-use super::progress::StageBar;
+use super::repeat::Repetition;
 use super::report::write_page;
 use super::solve_options::SolveOptions;
 use super::solve_run::{Destination, Problem, Solved};
@@ -22,6 +23,7 @@ Example:
   flexlink solve link.toml motion.csv -o out
   flexlink solve link.toml motion.csv \\
       --set 'segments.*.EI*=4' --nodes 0,5,10 --every 10
+  flexlink solve --repeat out
 
 LINK and MOTION are described in the README; one of them may be `-`, standard input.";
 
@@ -31,19 +33,33 @@ Compute the hub torque for a tip motion.
 Writes torque.csv, rigid_torque.csv, hub_angle.csv, nodal_displacements.csv, tip.csv, nodes.csv \
 and summary.json into a folder, all or none of them, and prints a short summary.";
 
+const USAGE: &str = "\
+flexlink solve [OPTIONS] <LINK> <MOTION>
+       flexlink solve --repeat <DIR> [LINK [MOTION]]";
+
 /// Compute the hub torque for a tip motion.
 #[derive(Debug, Args)]
-#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
 pub(crate) struct Solve {
-    #[arg(value_name = "LINK", help = LINK)]
-    link: PathBuf,
+    #[arg(value_name = "LINK", help = LINK, required_unless_present = "repeat")]
+    link: Option<PathBuf>,
 
-    #[arg(value_name = "MOTION", help = MOTION)]
-    motion: PathBuf,
+    #[arg(value_name = "MOTION", help = MOTION, required_unless_present = "repeat")]
+    motion: Option<PathBuf>,
 
     /// Folder for the results.
     #[arg(short, long, value_name = "DIR", default_value = "out")]
-    output: PathBuf,
+    #[arg(default_value_if("repeat", ArgPredicate::IsPresent, None))]
+    output: Option<PathBuf>,
+
+    /// Run again what left its results in this folder, and compare every file byte for byte; exit
+    /// code 1 if one differs. LINK and MOTION, where they are not given, are looked for here, in the
+    /// folder and above it; the new results are kept where -o names another folder.
+    #[arg(long, value_name = "DIR")]
+    #[arg(conflicts_with_all = ["ChangeArgs", "ResampleArgs", "ScaleArgs", "NodeArgs"])]
+    #[arg(conflicts_with_all = ["deflections", "moments", "digits", "verify"])]
+    #[arg(conflicts_with_all = ["report", "strict", "json"])]
+    repeat: Option<PathBuf>,
 
     #[command(flatten)]
     options: SolveOptions,
@@ -66,23 +82,29 @@ pub(crate) struct Solve {
 }
 
 impl Solve {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<Ending, Failure> {
         self.threads.apply()?;
-        keep(&self.output, &[&self.link, &self.motion])?;
-        let motion_file = || Ok(InputFile::read(&self.motion)?);
-        let problem = Problem::read(&self.options, InputFile::read(&self.link)?, motion_file)?;
-
-        let stages = if self.print.quiet { StageBar::hidden() } else { StageBar::new() };
-        let to = Destination {
-            folder: &self.output,
-            durability: self.sync.durability(),
-            stages: &stages,
+        let durability = self.sync.durability();
+        if let Some(run) = &self.repeat {
+            let (link, motion) = (self.link.as_deref(), self.motion.as_deref());
+            let (output, print) = (self.output.as_deref(), &self.print);
+            return Repetition { run, link, motion, output, durability, print }.run();
+        }
+        let (Some(link), Some(motion), Some(output)) = (&self.link, &self.motion, &self.output)
+        else {
+            // The parser asks for them.
+            return Err(Failure::new(Exit::Usage, &"nothing to solve", None));
         };
+        keep(output, &[link, motion])?;
+        let motion_file = || Ok(InputFile::read(motion)?);
+        let problem = Problem::read(&self.options, InputFile::read(link)?, motion_file)?;
+        let stages = self.print.stages();
+        let to = Destination { folder: output, durability, stages: &stages };
         let solved = problem.solve(&self.options, &to)?;
         drop(stages);
-        self.tell(&problem, &solved)?;
+        self.tell(&problem, &solved, output)?;
         if self.report {
-            let page = write_page(&self.output)?;
+            let page = write_page(output)?;
             if !self.print.quiet && !self.print.json {
                 console::print(&page)?;
             }
@@ -92,11 +114,11 @@ impl Solve {
         }
         match solved.exceeded.first().filter(|_| self.strict) {
             Some(limit) => Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint()))),
-            None => Ok(()),
+            None => Ok(Ending::Done),
         }
     }
 
-    fn tell(&self, problem: &Problem, solved: &Solved) -> Result<(), Failure> {
+    fn tell(&self, problem: &Problem, solved: &Solved, output: &Path) -> Result<(), Failure> {
         let Solved { solution, metrics, exceeded, verification, summary, files } = solved;
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
@@ -109,7 +131,7 @@ impl Solve {
             (true, _) => Ok(()),
             (_, true) => console::print_bytes(summary.to_json().as_bytes()),
             _ => {
-                let written = format!("{files} files in {}", self.output.display());
+                let written = format!("{files} files in {}", output.display());
                 let Specification { link, .. } = &problem.specification;
                 let text = solve_text(link, &problem.motion, solution, metrics, &written);
                 let checks = verification.as_ref().map(verify_text).unwrap_or_default();

@@ -1,6 +1,6 @@
 //! What shapes the results of `solve` beside its files.
 
-use clap::Args;
+use clap::{Args, Parser};
 
 use flexlink::link::{Drive, Link};
 use flexlink::motion::TipMotion;
@@ -43,6 +43,14 @@ pub(crate) struct SolveOptions {
     pub(crate) verify: bool,
 }
 
+/// The arguments of a record, read as those of the command line are.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+pub(super) struct Recorded {
+    #[command(flatten)]
+    options: SolveOptions,
+}
+
 impl SolveOptions {
     /// What a link file describes.
     pub(crate) fn specification(&self, file: &InputFile) -> Result<Specification, Failure> {
@@ -67,6 +75,11 @@ impl SolveOptions {
             drive,
             digits: self.digits,
         }
+    }
+
+    /// Reads the arguments of a record.
+    pub(crate) fn recorded(arguments: &[String]) -> Result<Self, clap::Error> {
+        Recorded::try_parse_from(arguments).map(|recorded| recorded.options)
     }
 
     /// The arguments, for the record.
