@@ -6,6 +6,7 @@ mod comparison_json;
 mod csv_folder;
 mod csv_table;
 mod decimals;
+mod encoding;
 mod fixed;
 mod folder;
 mod frf_table;
