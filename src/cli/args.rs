@@ -7,30 +7,52 @@ use rayon::ThreadPoolBuilder;
 
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
-use flexlink::motion::TipMotion;
+use flexlink::motion::{MotionScale, TipMotion};
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::tables::{Durability, InputFile, read_motion_table};
 
 use super::exit::{Exit, Failure};
 use super::memory::available;
+use super::progress::StageBar;
+use super::record::option;
+
+pub(crate) const LINK: &str = "Link file (TOML)";
+
+pub(crate) const MOTION: &str =
+    "Tip trajectory (CSV): `time` and `acceleration`, `displacement` or `angle`";
 
 /// A link file and the changes to it.
 #[derive(Debug, Args)]
 pub(crate) struct LinkArgs {
-    /// Link file (TOML).
-    #[arg(value_name = "LINK")]
+    #[arg(value_name = "LINK", help = LINK)]
     pub(crate) link: PathBuf,
 
-    /// Replace a value of the link file, or multiply it with `*=`; repeatable, in order. A segment
-    /// is named, numbered from 0, or `*` for all: 'segments.*.EI*=4', 'payload.mass="50 g"'.
-    #[arg(long = "set", value_name = "PATH=VALUE")]
-    pub(crate) changes: Vec<String>,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
 }
 
 impl LinkArgs {
-    /// The arguments that changed the link, for the record.
-    pub(crate) fn record(&self) -> impl Iterator<Item = String> {
-        self.changes.iter().map(|change| format!("--set {change}"))
+    /// Reads the link file and applies the changes.
+    pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
+        let file = InputFile::read(&self.link)?;
+        let specification = self.changes.specification(&file)?;
+        Ok((file, specification))
+    }
+}
+
+/// Changes to a link file.
+#[derive(Debug, Args)]
+pub(crate) struct ChangeArgs {
+    /// Replace a value of the link file, or multiply it with `*=`; repeatable, in order. A segment
+    /// is named, numbered from 0, or `*` for all: 'segments.*.EI*=4', 'payload.mass="50 g"'.
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    changes: Vec<String>,
+}
+
+impl ChangeArgs {
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        self.changes.iter().flat_map(|change| option("--set", change)).collect()
     }
 
     /// The changes, read.
@@ -40,59 +62,48 @@ impl LinkArgs {
         overrides.map_err(|error| Failure::new(Exit::Usage, &error, error.hint()))
     }
 
-    /// Reads the link file and applies the changes.
-    pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
-        load_link(&self.link, &self.overrides()?)
+    /// What a link file describes with the changes.
+    pub(crate) fn specification(&self, file: &InputFile) -> Result<Specification, Failure> {
+        specification(file, &self.overrides()?)
     }
 }
 
-/// Reads a link file and applies the changes.
-pub(crate) fn load_link(
-    path: &Path,
+/// What a link file describes with some changes.
+pub(crate) fn specification(
+    file: &InputFile,
     changes: &[Override],
-) -> Result<(InputFile, Specification), Failure> {
-    let file = InputFile::read(path)?;
+) -> Result<Specification, Failure> {
     let read = read_specification(&file.shown, file.text()?, changes);
     let mut specification = read.map_err(|error| {
-        let is_table = path.extension().is_some_and(|extension| extension == "csv");
+        let extension = Path::new(&file.name).extension();
+        let is_table = extension.is_some_and(|extension| extension == "csv");
         let order = is_table.then_some("LINK, a TOML file, stands before MOTION or TORQUE");
-        Failure::new(Exit::InputRefused, &error, error.hint().or(order))
+        Failure::new(Exit::InputRefused, &error, file.disguise().or(error.hint()).or(order))
     })?;
     specification.analysis = specification.analysis.within_memory(available());
-    Ok((file, specification))
+    Ok(specification)
 }
 
 /// A tip trajectory.
 #[derive(Debug, Args)]
 pub(crate) struct MotionArgs {
-    /// Tip trajectory (CSV): `time` and `acceleration`, `displacement` or `angle`.
-    #[arg(value_name = "MOTION")]
-    motion: PathBuf,
+    #[arg(value_name = "MOTION", help = MOTION)]
+    pub(crate) motion: PathBuf,
 
+    #[command(flatten)]
+    pub(crate) resample: ResampleArgs,
+}
+
+/// How the samples of a trajectory are taken.
+#[derive(Debug, Args)]
+pub(crate) struct ResampleArgs {
     /// Make the trajectory uniform by a cubic spline, at this step in s.
     #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
     resample: Option<f64>,
 }
 
-impl MotionArgs {
-    /// The file, as named on the command line.
-    pub(crate) fn path(&self) -> &Path {
-        &self.motion
-    }
-
-    /// Reads the trajectory of a link's tip.
-    pub(crate) fn load(&self, link: &Link) -> Result<(InputFile, TipMotion), Failure> {
-        let file = self.read()?;
-        let motion = self.motion_of(&file, link)?;
-        Ok((file, motion))
-    }
-
-    /// Reads the file alone.
-    pub(crate) fn read(&self) -> Result<InputFile, Failure> {
-        Ok(InputFile::read(&self.motion)?)
-    }
-
-    /// The trajectory that the file holds for the tip of a link.
+impl ResampleArgs {
+    /// The trajectory that a file holds for the tip of a link.
     pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
         let table = read_motion_table(&file.shown, &file.bytes, link.length_m())?;
         let table = match self.resample {
@@ -102,10 +113,55 @@ impl MotionArgs {
         Ok(table.into_motion()?)
     }
 
-    /// The argument that changed the trajectory, for the record.
-    pub(crate) fn change(&self) -> Option<String> {
-        self.resample.map(|step_s| format!("--resample {step_s}"))
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        self.resample.map(|step_s| option("--resample", step_s)).unwrap_or_default()
     }
+}
+
+/// Factors on a motion, as a sweep has them.
+#[derive(Debug, Args)]
+pub(crate) struct ScaleArgs {
+    #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(
+        default_value_t = 1.0,
+        hide_default_value = true,
+        help = "Multiply the motion's distance"
+    )]
+    scale_distance: f64,
+
+    /// Multiply the motion's duration, from its first sample on.
+    #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(default_value_t = 1.0, hide_default_value = true)]
+    scale_duration: f64,
+}
+
+impl ScaleArgs {
+    fn scale(&self) -> MotionScale {
+        MotionScale { distance: self.scale_distance, duration: self.scale_duration }
+    }
+
+    /// A motion with these factors.
+    pub(crate) fn scaled(&self, motion: TipMotion) -> Result<TipMotion, Failure> {
+        if self.scale() == MotionScale::default() {
+            return Ok(motion);
+        }
+        let scaled = motion.scaled(self.scale());
+        scaled.map_err(|error| Failure::new(Exit::Usage, &error, error.hint()))
+    }
+
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        scale_arguments(self.scale())
+    }
+}
+
+/// The arguments that scale a motion so, for the record.
+pub(crate) fn scale_arguments(scale: MotionScale) -> Vec<String> {
+    let MotionScale { distance, duration } = scale;
+    let factors = [("--scale-distance", distance), ("--scale-duration", duration)];
+    let others = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
+    others.flat_map(|(name, factor)| option(name, factor)).collect()
 }
 
 /// What to print on standard output.
@@ -117,6 +173,13 @@ pub(crate) struct PrintArgs {
     /// Print nothing but warnings and errors.
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+impl PrintArgs {
+    /// Shows how far the work is.
+    pub(crate) fn stages(&self) -> StageBar {
+        if self.quiet { StageBar::hidden() } else { StageBar::new() }
+    }
 }
 
 /// Which part of the nodal tables to write.
@@ -132,6 +195,16 @@ pub(crate) struct NodeArgs {
 }
 
 impl NodeArgs {
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        let list = self.list.as_deref().map(|nodes| {
+            let nodes: Vec<String> = nodes.iter().map(usize::to_string).collect();
+            option("--nodes", nodes.join(","))
+        });
+        let every = (self.every != 1).then(|| option("--every", self.every));
+        list.into_iter().chain(every).flatten().collect()
+    }
+
     /// Refuses nodes that the mesh does not have, and those named twice.
     pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Failure> {
         let last = mesh.nodes_m().len() - 1;

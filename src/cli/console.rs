@@ -40,6 +40,11 @@ pub(crate) fn remark(message: &str) {
     told("note", HINT, message, None);
 }
 
+/// Prints what the user can do to standard error.
+pub(crate) fn hint(message: &str) {
+    told("hint", HINT, message, None);
+}
+
 fn told(kind: &str, style: Style, message: &str, hint: Option<&str>) {
     let line = |kind: &str, style: Style, message: &str| {
         let message: String = message.chars().map(visible).collect();

@@ -59,7 +59,7 @@ impl Failure {
 
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Self {
-        Self::new(Exit::InputRefused, &error, None)
+        Self::new(Exit::InputRefused, &error, error.hint())
     }
 }
 

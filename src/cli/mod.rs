@@ -17,6 +17,9 @@ mod modes;
 mod modes_text;
 mod number;
 mod progress;
+mod record;
+mod repeat;
+mod repeat_text;
 mod report;
 mod schema;
 mod shell;
@@ -24,6 +27,8 @@ mod simulate;
 mod simulate_inputs;
 mod simulate_text;
 mod solve;
+mod solve_options;
+mod solve_run;
 mod solve_text;
 mod sweep;
 mod sweep_cases;
@@ -101,7 +106,7 @@ impl Command {
         }
         let done = match self {
             Self::Compare(compare) => return compare.run(),
-            Self::Solve(solve) => solve.run(),
+            Self::Solve(solve) => return solve.run(),
             Self::Simulate(simulate) => simulate.run(),
             Self::Verify(verify) => verify.run(),
             Self::Modes(modes) => modes.run(),

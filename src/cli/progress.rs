@@ -62,6 +62,8 @@ impl Drop for CaseBar {
 /// The stages of one run.
 pub(crate) struct StageBar {
     bar: ProgressBar,
+    /// Whether nothing is told above it either.
+    is_hidden: bool,
     /// Dropped when the run is over.
     over: Option<Sender<()>>,
     waiting: Option<JoinHandle<()>>,
@@ -78,7 +80,7 @@ impl StageBar {
         bar.set_style(style.tick_chars("-\\|/ "));
         bar.set_message("solve");
         if !stderr().is_terminal() {
-            return Self { bar, over: None, waiting: None };
+            return Self { bar, is_hidden: false, over: None, waiting: None };
         }
         let (over, runs) = mpsc::channel();
         let shown = bar.clone();
@@ -88,17 +90,20 @@ impl StageBar {
                 shown.enable_steady_tick(TICK);
             }
         };
-        Self { bar, over: Some(over), waiting: thread::Builder::new().spawn(show).ok() }
+        let waiting = thread::Builder::new().spawn(show).ok();
+        Self { bar, is_hidden: false, over: Some(over), waiting }
     }
 
     /// Shows nothing.
     pub(crate) fn hidden() -> Self {
-        Self { bar: ProgressBar::hidden(), over: None, waiting: None }
+        Self { bar: ProgressBar::hidden(), is_hidden: true, over: None, waiting: None }
     }
 
-    /// Tells something above the bar.
+    /// Tells something above the bar, if that is no hidden one.
     pub(crate) fn say(&self, message: &str) {
-        self.bar.suspend(|| console::remark(message));
+        if !self.is_hidden {
+            self.bar.suspend(|| console::remark(message));
+        }
     }
 }
 

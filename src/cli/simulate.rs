@@ -14,6 +14,7 @@ use super::console;
 use super::exit::Failure;
 use super::files::keep;
 use super::memory::check_nodal_memory;
+use super::record::digits_arguments;
 use super::simulate_inputs::PlayArgs;
 use super::simulate_text::simulate_text;
 
@@ -94,7 +95,7 @@ impl Simulate {
             reference_file: read.reference_file.as_ref(),
             link,
             play: &play,
-            changes: &self.changes(),
+            arguments: &self.arguments(),
         };
         let metrics = PlayedMetrics::of(&simulation);
         let names = SimulateOutputs::file_names();
@@ -132,8 +133,9 @@ impl Simulate {
         }
     }
 
-    /// The arguments that changed the inputs, for the record.
-    fn changes(&self) -> Vec<String> {
-        self.link.record().chain(self.play.changes()).collect()
+    /// The arguments that shape the results, for the record.
+    fn arguments(&self) -> Vec<String> {
+        let (nodes, digits) = (self.nodes.arguments(), digits_arguments(self.digits));
+        [self.link.changes.arguments(), self.play.arguments(), nodes, digits].concat()
     }
 }

@@ -15,6 +15,7 @@ use flexlink::tables::{InputFile, read_hub_reference, read_motion_table, read_to
 use super::args::finite;
 use super::exit::{Exit, Failure};
 use super::memory::available;
+use super::record::option;
 
 /// What to play on the link, and what to compare with.
 #[derive(Debug, Args)]
@@ -165,12 +166,13 @@ impl PlayArgs {
         std::iter::once(&self.torque).chain(others).map(PathBuf::as_path).collect()
     }
 
-    /// The arguments that changed the inputs, for the record.
-    pub(crate) fn changes(&self) -> Vec<String> {
-        let column = self.column.iter().map(|column| format!("--column {column}"));
-        let until = self.until.map(|until| format!("--until {until}"));
-        let linear = self.linear.then(|| "--linear".to_owned());
-        column.chain(until).chain(linear).collect()
+    /// The arguments that name no file, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        let column = self.column.iter().map(|column| option("--column", column));
+        let until = self.until.map(|until| option("--until", until));
+        let linear = self.linear.then(|| vec!["--linear".to_owned()]);
+        let feedback = self.feedback.map(|(kp, kd)| option("--feedback", format!("{kp},{kd}")));
+        column.chain(until).chain(linear).chain(feedback).flatten().collect()
     }
 }
 

@@ -5,14 +5,13 @@ use clap::Args;
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
 use flexlink::tables::{SweepRecord, sweep_header, sweep_row};
 
-use super::args::{LinkArgs, MotionArgs, ThreadArgs};
+use super::args::{LINK, MOTION, ThreadArgs};
 use super::exit::{Exit, Failure};
 use super::files::{keep_cases, keep_files, read_once};
 use super::interrupt;
 use super::progress::CaseBar;
-use super::sweep_cases::{Cases, TorqueArgs};
+use super::sweep_cases::{CaseArgs, Cases};
 use super::sweep_merge::merge;
-use super::sweep_outputs::OutputsArgs;
 use super::sweep_sink::{Begun, NoMore, Rows, report};
 use super::sweep_tally::Tally;
 use super::sweep_work::Outcome;
@@ -51,17 +50,15 @@ have a unit. Several --vary make the product, the last one running fastest.";
 /// Solve many cases: vary values of link and motion.
 #[derive(Debug, Args)]
 #[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
-#[command(mut_arg("link", |link| link.required(false).required_unless_present("merge")))]
-#[command(mut_arg("motion", |motion| motion.required(false).required_unless_present("merge")))]
 #[command(mut_arg("list", |nodes| nodes.requires("outputs")))]
 #[command(mut_arg("every", |every| every.requires("outputs")))]
 #[command(mut_arg("no_sync", |no_sync| no_sync.requires("outputs")))]
 pub(crate) struct Sweep {
-    #[command(flatten)]
-    link: Option<LinkArgs>,
+    #[arg(value_name = "LINK", help = LINK, required_unless_present = "merge")]
+    link: Option<PathBuf>,
 
-    #[command(flatten)]
-    motion: Option<MotionArgs>,
+    #[arg(value_name = "MOTION", help = MOTION, required_unless_present = "merge")]
+    motion: Option<PathBuf>,
 
     /// What to vary; repeatable: the product of all.
     #[arg(long, value_name = "PATH=VALUES", required_unless_present = "merge")]
@@ -72,10 +69,7 @@ pub(crate) struct Sweep {
     output: Option<PathBuf>,
 
     #[command(flatten)]
-    torque: TorqueArgs,
-
-    #[command(flatten)]
-    outputs: OutputsArgs,
+    shared: CaseArgs,
 
     /// Solve only every N-th case, from the I-th on, into a file of its own.
     #[arg(long, value_name = "I/N", default_value_t, hide_default_value = true)]
@@ -106,7 +100,7 @@ impl Sweep {
             return merge(&self.merge, &self.output_path(), self.quiet);
         };
         self.check_files()?;
-        let cases = Cases::read(self.plan()?, (link, motion), &self.torque, &self.outputs)?;
+        let cases = Cases::read(self.plan()?, link, motion, &self.shared)?;
         if cases.are_played() {
             self.sweep(&cases, |case| cases.played(case))
         } else {
@@ -178,12 +172,11 @@ impl Sweep {
 
     /// Refuses files that would be read twice or written over.
     fn check_files(&self) -> Result<(), Failure> {
-        let link = self.link.iter().map(|link| link.link.as_path());
-        let motion = self.motion.iter().map(MotionArgs::path);
-        let inputs: Vec<&Path> = link.chain(motion).chain(self.torque.path()).collect();
+        let files = self.link.iter().chain(&self.motion).map(PathBuf::as_path);
+        let inputs: Vec<&Path> = files.chain(self.shared.torque.path()).collect();
         read_once(&inputs)?;
         keep_files(&self.output_path(), &inputs)?;
-        self.outputs.folder().map_or(Ok(()), |folder| keep_cases(folder, &inputs))
+        self.shared.outputs.folder().map_or(Ok(()), |folder| keep_cases(folder, &inputs))
     }
 
     fn output_path(&self) -> PathBuf {

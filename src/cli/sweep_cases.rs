@@ -11,10 +11,27 @@ use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 use flexlink::tables::{InputFile, SweepIdentity, read_torque_table};
 
-use super::args::{LinkArgs, MotionArgs};
+use super::args::{ChangeArgs, ResampleArgs, scale_arguments};
 use super::exit::{Exit, Failure};
 use super::memory::available;
+use super::record::option;
 use super::sweep_outputs::OutputsArgs;
+
+/// What all cases of a sweep share beside LINK and MOTION.
+#[derive(Debug, Args)]
+pub(crate) struct CaseArgs {
+    #[command(flatten)]
+    changes: ChangeArgs,
+
+    #[command(flatten)]
+    resample: ResampleArgs,
+
+    #[command(flatten)]
+    pub(crate) torque: TorqueArgs,
+
+    #[command(flatten)]
+    pub(crate) outputs: OutputsArgs,
+}
 
 /// A torque to play on every case.
 #[derive(Debug, Args)]
@@ -32,10 +49,7 @@ pub(crate) struct TorqueArgs {
 /// All that the cases of a sweep have in common.
 pub(crate) struct Cases<'a> {
     pub(crate) plan: SweepPlan,
-    link: &'a LinkArgs,
-    motion: &'a MotionArgs,
-    torque: &'a TorqueArgs,
-    pub(crate) outputs: &'a OutputsArgs,
+    pub(crate) shared: &'a CaseArgs,
     overrides: Vec<Override>,
     document: LinkDocument,
     pub(crate) link_file: InputFile,
@@ -51,15 +65,15 @@ impl<'a> Cases<'a> {
     /// Reads all files; refuses what leaves no case that could be solved.
     pub(crate) fn read(
         plan: SweepPlan,
-        (link, motion): (&'a LinkArgs, &'a MotionArgs),
-        torque: &'a TorqueArgs,
-        outputs: &'a OutputsArgs,
+        link: &Path,
+        motion: &Path,
+        shared: &'a CaseArgs,
     ) -> Result<Self, Failure> {
-        let overrides = link.overrides()?;
-        let mut link_file = InputFile::read(&link.link)?;
+        let overrides = shared.changes.overrides()?;
+        let mut link_file = InputFile::read(link)?;
         link_file.text()?;
-        let mut motion_file = motion.read()?;
-        let torque_file = torque.read()?;
+        let mut motion_file = InputFile::read(motion)?;
+        let torque_file = shared.torque.read()?;
         let document = LinkDocument::read(&link_file.shown, link_file.text()?)?;
         let specification = |case| -> Result<Specification, SpecError> {
             let overrides = with_case(&overrides, &plan.case(case))?;
@@ -67,7 +81,7 @@ impl<'a> Cases<'a> {
         };
         let read = |case| -> Result<(f64, TipMotion), Failure> {
             let found = specification(case)?;
-            let tip_motion = motion.motion_of(&motion_file, &found.link)?;
+            let tip_motion = shared.resample.motion_of(&motion_file, &found.link)?;
             Ok((found.link.length_m(), tip_motion))
         };
         // A path that is nowhere in the file fails every case: that is no result, but a slip.
@@ -80,10 +94,7 @@ impl<'a> Cases<'a> {
         motion_file.shown.clone_from(&motion_file.name);
         Ok(Self {
             plan,
-            link,
-            motion,
-            torque,
-            outputs,
+            shared,
             overrides,
             document,
             link_file,
@@ -104,15 +115,13 @@ impl<'a> Cases<'a> {
         let torque = self.torque_file.as_ref().map(|(file, _)| file);
         let files: Vec<&InputFile> =
             [&self.link_file, &self.motion_file].into_iter().chain(torque).collect();
-        let column = self.torque.column.iter().map(|column| format!("--column {column}"));
-        let changes: Vec<String> = self
-            .link
-            .record()
-            .chain(self.motion.change())
-            .chain(column)
-            .chain(self.outputs.record())
-            .collect();
-        SweepIdentity::new(&files, &changes, &self.plan, shard)
+        let arguments = [
+            self.shared.changes.arguments(),
+            self.shared.resample.arguments(),
+            self.shared.torque.arguments(),
+            self.shared.outputs.identity(),
+        ];
+        SweepIdentity::new(&files, &arguments.concat(), &self.plan, shard)
     }
 
     /// The link file with the changes of a case.
@@ -129,23 +138,32 @@ impl<'a> Cases<'a> {
         let scaled = if link.length_m().total_cmp(length_m).is_eq() {
             motion.scaled(scale)
         } else {
-            self.motion.motion_of(&self.motion_file, link)?.scaled(scale)
+            self.shared.resample.motion_of(&self.motion_file, link)?.scaled(scale)
         };
         scaled.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))
     }
 
-    /// The arguments that made this case, for the record.
-    pub(crate) fn changes(&self, values: &CaseValues) -> Vec<String> {
-        let varied = values.link_changes.iter().map(|change| format!("--set {change}"));
-        let MotionScale { distance, duration } = values.motion;
-        let factors = [("distance", distance), ("duration", duration)];
-        let scaled = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
-        let scaled = scaled.map(|(path, factor)| format!("--vary {path}*={factor}"));
-        self.link.record().chain(varied).chain(self.motion.change()).chain(scaled).collect()
+    /// The arguments that shape the results of this case, for the record: those of `solve`.
+    pub(crate) fn arguments(&self, values: &CaseValues) -> Vec<String> {
+        let varied = values.link_changes.iter().flat_map(|change| option("--set", change));
+        [
+            self.shared.changes.arguments(),
+            varied.collect(),
+            self.shared.resample.arguments(),
+            scale_arguments(values.motion),
+            self.shared.torque.arguments(),
+            self.shared.outputs.arguments(),
+        ]
+        .concat()
     }
 }
 
 impl TorqueArgs {
+    /// The arguments that name no file, for the record.
+    fn arguments(&self) -> Vec<String> {
+        self.column.iter().flat_map(|column| option("--column", column)).collect()
+    }
+
     /// The file, as named on the command line.
     pub(crate) fn path(&self) -> Option<&Path> {
         self.torque.as_deref()

@@ -15,6 +15,7 @@ use flexlink::tables::{
 
 use super::args::{NodeArgs, SyncArgs};
 use super::exit::Failure;
+use super::record::{digits_arguments, option};
 
 /// Which files every case is to write.
 #[derive(Debug, Args)]
@@ -41,13 +42,16 @@ impl OutputsArgs {
         self.outputs.as_deref()
     }
 
-    /// What makes the files of a case, for the identity of a sweep: rows that are there already have
-    /// these files.
-    pub(crate) fn record(&self) -> Option<String> {
-        let Self { outputs, nodes, digits, sync: _ } = self;
-        let NodeArgs { list, every } = nodes;
-        let folder = outputs.as_ref()?.display();
-        Some(format!("--outputs {folder} {list:?} {every} {digits:?}"))
+    /// The arguments that shape the files of a case, for its record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        [self.nodes.arguments(), digits_arguments(self.digits)].concat()
+    }
+
+    /// What makes the files of the cases, for the identity of a sweep: rows that are there already
+    /// have these files.
+    pub(crate) fn identity(&self) -> Vec<String> {
+        let folder = self.outputs.iter().flat_map(|folder| option("--outputs", folder.display()));
+        folder.chain(self.arguments()).collect()
     }
 
     /// Folder of a case, from 0, among so many.

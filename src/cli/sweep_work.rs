@@ -55,7 +55,7 @@ impl Cases<'_> {
         let solution = invert(link, mesh, &motion, analysis)?;
         let found = SolvedCase::of(&solution);
         let exceeded = limits.exceeded(&found.metrics);
-        if let Some(folder) = self.outputs.folder_of(case, self.plan.cases()) {
+        if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let inputs = RunInputs {
                 link_file: &self.link_file,
                 motion_file: &self.motion_file,
@@ -63,10 +63,10 @@ impl Cases<'_> {
                 motion: &motion,
                 analysis,
                 drive: drive.as_ref(),
-                changes: &self.changes(&values),
+                arguments: &self.arguments(&values),
                 verification: None,
             };
-            self.outputs.write_solution(&folder, &inputs, &solution, &found, &exceeded)?;
+            self.shared.outputs.write_solution(&folder, &inputs, &solution, &found, &exceeded)?;
         }
         let own = solution.warnings.iter().map(|w| Remark::new(w.kind(), w, w.hint()));
         let limits = exceeded.iter().map(|limit| Remark::new(limit.key, limit, limit.hint()));
@@ -94,7 +94,7 @@ impl Cases<'_> {
         let tip_error = TipError::of(&simulation, &target)
             .map_err(|error| refused(error.to_string(), error.hint()))?;
         let found = PlayedCase::of(&simulation, tip_error);
-        if let Some(folder) = self.outputs.folder_of(case, self.plan.cases()) {
+        if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let inputs = SimulationInputs {
                 link_file: &self.link_file,
                 torque_file,
@@ -102,9 +102,9 @@ impl Cases<'_> {
                 reference_file: None,
                 link,
                 play: &play,
-                changes: &self.changes(&values),
+                arguments: &self.arguments(&values),
             };
-            self.outputs.write_simulation(&folder, &inputs, &simulation, &found)?;
+            self.shared.outputs.write_simulation(&folder, &inputs, &simulation, &found)?;
         }
         let own = simulation.warnings.iter().map(|w| Remark::new(w.kind(), w, w.hint()));
         let late = tip_error.late.map(|late| Remark::new(late.kind(), &late, late.hint()));

@@ -6,9 +6,9 @@ use clap::{Args, builder::TypedValueParser};
 use flexlink::motion::Profile;
 use flexlink::result::{OpenMotion, shortest_steps};
 use flexlink::spec::{Override, SpecError, Specification};
-use flexlink::tables::{Digits, write_trajectory};
+use flexlink::tables::{Digits, InputFile, write_trajectory};
 
-use super::args::load_link;
+use super::args::specification;
 use super::console;
 use super::exit::{Exit, Failure};
 
@@ -116,7 +116,8 @@ impl Trajectory {
         }
         let changes = self.limits()?;
         let link = self.link.as_deref().unwrap_or(Path::new("-"));
-        let (_, Specification { link, mesh, analysis, limits, .. }) = load_link(link, &changes)?;
+        let file = InputFile::read(link)?;
+        let Specification { link, mesh, analysis, limits, .. } = specification(&file, &changes)?;
         let motion =
             OpenMotion { profile: self.profile, distance_m: self.distance, step_s: self.step };
         let steps = shortest_steps(&link, &mesh, &analysis, &limits, &motion)?;

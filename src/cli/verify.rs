@@ -3,10 +3,10 @@ use clap::Args;
 use flexlink::inverse::{Solution, invert};
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
-use flexlink::tables::{Digits, verification_json};
+use flexlink::tables::{Digits, InputFile, verification_json};
 use flexlink::verification::{Answer, Verification, VerificationError, verify};
 
-use super::args::{LinkArgs, MotionArgs, ThreadArgs};
+use super::args::{LinkArgs, MotionArgs, ScaleArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::read_once;
@@ -36,6 +36,9 @@ pub(crate) struct Verify {
     #[command(flatten)]
     motion: MotionArgs,
 
+    #[command(flatten)]
+    scale: ScaleArgs,
+
     /// Digits of the torque that is played: the last one is 10^-N of its peak, or `full`.
     #[arg(long, value_name = "N", default_value = "10")]
     digits: Digits,
@@ -55,10 +58,11 @@ pub(crate) struct Verify {
 impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.apply()?;
-        read_once(&[&self.link.link, self.motion.path()])?;
+        read_once(&[&self.link.link, &self.motion.motion])?;
         let (_, specification) = self.link.load()?;
         let Specification { link, mesh, analysis, .. } = &specification;
-        let (_, motion) = self.motion.load(link)?;
+        let motion_file = InputFile::read(&self.motion.motion)?;
+        let motion = self.scale.scaled(self.motion.resample.motion_of(&motion_file, link)?)?;
         let solution = invert(link, mesh, &motion, analysis)?;
         let verification = measured(&specification, &motion, &solution, self.digits)?;
         for warning in &solution.warnings {

@@ -53,7 +53,7 @@ pub(super) fn run() -> StoredRun {
                 name: "<i>link.toml".to_owned(),
                 sha256: "0".repeat(64),
             }],
-            changes: vec!["--set title=<u>".to_owned()],
+            arguments: vec!["--set".to_owned(), "title=<u>".to_owned()],
         },
         kept_modes: None,
         torque_n_m: solution.torque_n_m.clone(),

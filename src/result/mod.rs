@@ -6,6 +6,7 @@ mod fit;
 mod limits;
 mod metrics;
 mod played;
+mod repetition;
 mod stored;
 mod tip_error;
 
@@ -13,6 +14,7 @@ pub use fit::{FitError, OpenMotion, shortest_steps};
 pub use limits::{Exceeded, Limits};
 pub use metrics::{Metrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;
+pub use repetition::{LineDifference, Repeated, RepeatedFile, line_difference};
 pub use stored::{
     Origin, StoredCheck, StoredInput, StoredNodes, StoredResult, StoredRun, StoredSolution,
     StoredSweep, StoredWarning,

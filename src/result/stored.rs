@@ -59,8 +59,9 @@ pub struct Origin {
     pub title: String,
     /// Input files in the order of the command line.
     pub inputs: Vec<StoredInput>,
-    /// Arguments that changed the inputs: `--set …`.
-    pub changes: Vec<String>,
+    /// Arguments that shaped the results beside the files, as the program takes them: `--set`,
+    /// `payload.mass=0`.
+    pub arguments: Vec<String>,
 }
 
 /// An input file of a run.

@@ -7,6 +7,7 @@ use std::path::Path;
 use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
+use super::encoding::{disguise, remedy};
 use super::memory::available_memory;
 
 /// Longest line of an input in bytes: far beyond any table or link file, and soon told from a device
@@ -33,6 +34,7 @@ pub struct InputFile {
 pub struct InputError {
     shown: String,
     cause: io::Error,
+    hint: Option<&'static str>,
 }
 
 /// The system's words for an error, without its number, which says nothing beside them.
@@ -43,7 +45,12 @@ pub fn system_words(cause: &io::Error) -> String {
 
 impl InputError {
     pub(super) fn new(shown: String, cause: io::Error) -> Self {
-        Self { shown, cause }
+        Self { shown, cause, hint: None }
+    }
+
+    /// What the user may do, if there is something to add.
+    pub fn hint(&self) -> Option<&'static str> {
+        self.hint
     }
 }
 
@@ -67,7 +74,7 @@ impl InputFile {
         };
         let bytes = match read {
             Ok(bytes) => bytes,
-            Err(cause) => return Err(InputError { shown, cause }),
+            Err(cause) => return Err(InputError::new(shown, cause)),
         };
         let name = path.file_name().map_or_else(|| shown.clone(), |n| n.to_string_lossy().into());
         Ok(Self { shown, name, bytes })
@@ -80,8 +87,14 @@ impl InputFile {
     pub fn text(&self) -> Result<&str, InputError> {
         std::str::from_utf8(&self.bytes).map_err(|error| {
             let cause = format!("not UTF-8 from byte {} on", error.valid_up_to() + 1);
-            InputError { shown: self.shown.clone(), cause: io::Error::other(cause) }
+            let error = InputError::new(self.shown.clone(), io::Error::other(cause));
+            InputError { hint: Some(remedy(&self.bytes)), ..error }
         })
+    }
+
+    /// What to do about a file that seems to be something else than a text in UTF-8.
+    pub fn disguise(&self) -> Option<&'static str> {
+        disguise(&self.bytes)
     }
 
     /// SHA-256 of the bytes, in hexadecimal.

@@ -6,6 +6,7 @@ mod comparison_json;
 mod csv_folder;
 mod csv_table;
 mod decimals;
+mod encoding;
 mod fixed;
 mod folder;
 mod frf_table;
@@ -48,7 +49,9 @@ pub use any_table::read_table;
 pub use comparison_json::comparison_json;
 pub use csv_folder::CsvFolder;
 pub use csv_table::{Column, ColumnGroup, write_csv};
-pub use folder::{Durability, FolderAction, FolderError, OutputFolder, abandon_unfinished};
+pub use folder::{
+    Durability, FolderAction, FolderError, OutputFolder, TemporaryFolder, abandon_unfinished,
+};
 pub use frf_table::write_frequency_response;
 pub use golden::{GoldenChanges, change_golden_files};
 pub use histories::{REPORT, is_result_file};
@@ -63,7 +66,7 @@ pub use simulate_tables::SimulateOutputs;
 pub use simulation_summary::{SimulationInputs, SimulationSummary};
 pub use single_file::write_file;
 pub use solve_tables::{OptionalTable, SolveOutputs};
-pub use stored::read_result;
+pub use stored::{FoundInput, InputRole, RunRecord, read_result};
 pub use summary::{RunInputs, Summary};
 pub use sweep_file::{Resumed, SweepFile};
 pub use sweep_identity::SweepIdentity;

@@ -1,3 +1,4 @@
+use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
@@ -90,6 +91,16 @@ impl FromStr for Digits {
         match text.parse() {
             Ok(n @ 1..=17) => Ok(Self::BelowPeak(n)),
             _ => Err(DigitsError { found: text.to_owned() }),
+        }
+    }
+}
+
+/// As it is read.
+impl fmt::Display for Digits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BelowPeak(n) => write!(f, "{n}"),
+            Self::Full => f.write_str("full"),
         }
     }
 }
@@ -191,6 +202,9 @@ mod tests {
     fn digits_are_one_to_seventeen_or_full() {
         assert_eq!("10".parse(), Ok(Digits::default()));
         assert_eq!("full".parse(), Ok(Digits::Full));
+        for digits in [Digits::BelowPeak(17), Digits::Full] {
+            assert_eq!(digits.to_string().parse(), Ok(digits));
+        }
         for refused in ["0", "18", "-1", "ten", "", "3.0"] {
             let error = refused.parse::<Digits>().unwrap_err();
             let must = "but must be a whole number from 1 to 17, or full";

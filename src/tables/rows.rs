@@ -1,5 +1,6 @@
 use csv::{ReaderBuilder, StringRecord, Trim};
 
+use super::encoding::{disguise, remedy};
 use super::table_error::{Place, TableError};
 
 /// What `first` makes of the first row of a CSV text, the content of `file`, and `next` of it and
@@ -23,6 +24,10 @@ pub(super) fn read_rows<T>(
             Some(table) => next(table, line, fields)?,
         }
         Ok(())
+    })
+    .map_err(|error| match disguise(bytes) {
+        Some(remedy) => error.with_hint(remedy.to_owned()),
+        None => error,
     })?;
     Ok(table)
 }
@@ -37,7 +42,7 @@ fn each_row(
         let line = Some(1 + line_ends(bytes, 0, good));
         Place { file, line }
             .refuse("text", format!("byte 0x{:02x}", bytes[good]), "must be UTF-8")
-            .with_hint("save the file as text in UTF-8".to_owned())
+            .with_hint(remedy(bytes).to_owned())
     })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     check_line_ends(file, text)?;

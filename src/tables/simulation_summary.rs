@@ -24,8 +24,9 @@ pub struct SimulationInputs<'a> {
     pub link: &'a Link,
     /// What was played.
     pub play: &'a Play<'a>,
-    /// The arguments that changed the inputs, in order: `--set …`, `--column …`.
-    pub changes: &'a [String],
+    /// The arguments that shape the results beside the files, in order, as the program takes them:
+    /// `--set`, `payload.mass=0`.
+    pub arguments: &'a [String],
 }
 
 /// The content of summary.json, in the order of its keys.
@@ -55,7 +56,7 @@ struct Inputs {
     torque: Fingerprint,
     target: Option<Fingerprint>,
     reference: Option<Fingerprint>,
-    changes: Vec<String>,
+    arguments: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -130,7 +131,7 @@ impl SimulationSummary {
                 torque: Fingerprint::of(inputs.torque_file),
                 target: inputs.target_file.map(Fingerprint::of),
                 reference: inputs.reference_file.map(Fingerprint::of),
-                changes: inputs.changes.to_vec(),
+                arguments: inputs.arguments.to_vec(),
             },
             link: LinkRecord::new(inputs.link, &simulation.law),
             mesh: MeshRecord::of(&simulation.mesh),

@@ -27,8 +27,9 @@ pub struct RunInputs<'a> {
     pub analysis: &'a Analysis,
     /// What sits between motor and hub, if anything does.
     pub drive: Option<&'a Drive>,
-    /// The arguments that changed the inputs, in order: `--set …`, `--resample …`.
-    pub changes: &'a [String],
+    /// The arguments that shape the results beside the files, in order, as the program takes them:
+    /// `--set`, `payload.mass=0`.
+    pub arguments: &'a [String],
     /// What verifying the answer gave, if it was verified.
     pub verification: Option<&'a Verification>,
 }
@@ -60,7 +61,7 @@ pub struct Summary {
 struct Inputs {
     link: Fingerprint,
     motion: Fingerprint,
-    changes: Vec<String>,
+    arguments: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -143,7 +144,7 @@ impl Summary {
             inputs: Inputs {
                 link: Fingerprint::of(inputs.link_file),
                 motion: Fingerprint::of(inputs.motion_file),
-                changes: inputs.changes.to_vec(),
+                arguments: inputs.arguments.to_vec(),
             },
             link: LinkRecord::new(inputs.link, solution.law()),
             drive: inputs.drive.map(DriveRecord::of),

@@ -20,8 +20,8 @@ pub struct SweepIdentity {
 }
 
 impl SweepIdentity {
-    /// The identity of a sweep over these files, with these other arguments that change its rows.
-    pub fn new(files: &[&InputFile], changes: &[String], plan: &SweepPlan, shard: Shard) -> Self {
+    /// The identity of a sweep over these files, with these other arguments that shape its rows.
+    pub fn new(files: &[&InputFile], arguments: &[String], plan: &SweepPlan, shard: Shard) -> Self {
         let mut digest = Sha256::new();
         let mut add = |part: &str| {
             // The length first, so that no two lists of parts read the same.
@@ -31,8 +31,8 @@ impl SweepIdentity {
         for file in files {
             add(&file.sha256());
         }
-        for change in changes {
-            add(change);
+        for argument in arguments {
+            add(argument);
         }
         for variation in plan.variations() {
             add(&variation.heading());
@@ -91,10 +91,10 @@ mod tests {
         InputFile { shown: "x".into(), name: "x".into(), bytes: text.as_bytes().to_vec() }
     }
 
-    fn identity(link: &str, changes: &[&str], vary: &str) -> SweepIdentity {
+    fn identity(link: &str, arguments: &[&str], vary: &str) -> SweepIdentity {
         let plan = SweepPlan::new(vec![vary.parse().unwrap()]).unwrap();
-        let changes: Vec<String> = changes.iter().map(|c| (*c).to_owned()).collect();
-        SweepIdentity::new(&[&file(link)], &changes, &plan, "2/8".parse().unwrap())
+        let arguments: Vec<String> = arguments.iter().map(|a| (*a).to_owned()).collect();
+        SweepIdentity::new(&[&file(link)], &arguments, &plan, "2/8".parse().unwrap())
     }
 
     #[test]
@@ -109,16 +109,16 @@ mod tests {
 
     #[test]
     fn whatever_changes_a_row_changes_the_fingerprint() {
-        let known = identity("link", &["--set a=1"], "hub.inertia=1,2");
+        let known = identity("link", &["--set", "a=1"], "hub.inertia=1,2");
         for other in [
-            identity("link ", &["--set a=1"], "hub.inertia=1,2"),
-            identity("link", &["--set a=2"], "hub.inertia=1,2"),
-            identity("link", &["--set a=1"], "hub.inertia=1,3"),
-            identity("link", &["--set a=1"], "hub.inertia*=1,2"),
+            identity("link ", &["--set", "a=1"], "hub.inertia=1,2"),
+            identity("link", &["--set", "a=2"], "hub.inertia=1,2"),
+            identity("link", &["--set", "a=1"], "hub.inertia=1,3"),
+            identity("link", &["--set", "a=1"], "hub.inertia*=1,2"),
         ] {
             assert!(!known.is_of_sweep(&other));
         }
-        let same = identity("link", &["--set a=1"], "hub.inertia=1:2:2");
+        let same = identity("link", &["--set", "a=1"], "hub.inertia=1:2:2");
         assert!(known.is_of_sweep(&same), "the same rows, written otherwise");
     }
 }

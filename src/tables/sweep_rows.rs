@@ -1,5 +1,6 @@
 use csv::ReaderBuilder;
 
+use super::encoding::remedy;
 use super::sweep_identity::SweepIdentity;
 use super::table_error::{Place, TableError, quoted};
 
@@ -25,7 +26,8 @@ impl SweepRows {
         // Only whole lines count; the last one may have been cut within a letter.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let text = std::str::from_utf8(&bytes[..whole])
-            .map_err(|_| place(1).refuse("text", "other bytes", "must be UTF-8"))?;
+            .map_err(|_| place(1).refuse("text", "other bytes", "must be UTF-8"))
+            .map_err(|error| error.with_hint(remedy(bytes).to_owned()))?;
         let mut lines = text.lines();
         let first = lines.next().unwrap_or_default();
         let (Some(identity), Some(header)) = (SweepIdentity::read(first), lines.next()) else {

@@ -15,6 +15,7 @@ mod locale;
 mod modes;
 mod options;
 mod paths;
+mod repeat;
 mod report;
 mod rigs;
 mod simulate;

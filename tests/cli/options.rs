@@ -1,5 +1,6 @@
 //! Options that thin, round, replace or silence what is written.
 
+use super::sweep::swept;
 use super::{Bench, LINK, MOTION, repository, stderr, stdout};
 
 #[test]
@@ -104,11 +105,36 @@ fn a_setting_changes_the_link_and_is_recorded() {
     bench.solve(&["--set", "segments.*.I*=4", "--set", "payload.mass=\"50 g\"", "-q"]);
     let summary: serde_json::Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
     assert_eq!(
-        summary["inputs"]["changes"],
-        serde_json::json!(["--set segments.*.I*=4", "--set payload.mass=\"50 g\""])
+        summary["inputs"]["arguments"],
+        serde_json::json!(["--set", "segments.*.I*=4", "--set", "payload.mass=\"50 g\""])
     );
     assert_eq!(summary["link"]["segments"][1]["bending_stiffness_n_m2"][0], 20.0);
     assert_eq!(summary["link"]["payload"]["mass_kg"], 0.05);
+}
+
+#[test]
+fn what_shapes_the_results_is_recorded_as_it_is_given_and_nothing_else() {
+    let bench = Bench::new();
+    let shaping = [
+        "--set",
+        "payload.mass=0.05",
+        "--resample",
+        "0.002",
+        "--nodes",
+        "0,10",
+        "--every",
+        "10",
+        "--deflections",
+        "--moments",
+        "--digits",
+        "full",
+    ];
+    let others = ["--threads", "1", "--no-sync", "--strict", "--report", "-q", "-o", "all"];
+    bench.solve(&[&shaping[..], &others].concat());
+    let arguments = &bench.json("all/summary.json")["inputs"]["arguments"];
+    assert_eq!(*arguments, serde_json::json!(shaping));
+    bench.solve(&["--every", "1", "--digits", "10"]);
+    assert_eq!(bench.json("out/summary.json")["inputs"]["arguments"], serde_json::json!([]));
 }
 
 #[test]
@@ -129,4 +155,26 @@ fn a_motion_off_the_grid_is_resampled_on_demand() {
     let (thin, whole) = (bench.table("out/torque.csv"), bench.table("whole/torque.csv"));
     let peak = |torque: &[f64]| torque.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
     assert!((peak(&thin[1].1) / peak(&whole[1].1) - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn a_scaled_motion_is_that_of_the_same_factors_in_solve() {
+    let bench = Bench::new();
+    let vary = ["--vary", "distance*=-0.5,0.3", "--vary", "duration*=1,1.3", "--outputs", "all"];
+    swept(&bench, &vary);
+    for (case, factors) in [
+        ("all/1", &["--scale-distance=-0.5"][..]),
+        ("all/2", &["--scale-distance=-0.5", "--scale-duration", "1.3"]),
+        ("all/4", &["--scale-distance", "0.3", "--scale-duration", "1.3"]),
+    ] {
+        bench.solve(factors);
+        assert!(bench.contents(case) == bench.contents("out"), "{case}");
+        let recorded = &bench.json(&format!("{case}/summary.json"))["inputs"]["arguments"];
+        assert_eq!(*recorded, serde_json::json!(factors));
+    }
+    let refused =
+        bench.run(&["solve", &repository(LINK), &repository(MOTION), "--scale-duration=0"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let error = "error: the motion's distance times 1 and duration times 0, but these must";
+    assert!(stderr(&refused).starts_with(error), "{}", stderr(&refused));
 }

@@ -99,6 +99,8 @@ fn a_page_needs_nothing_else_and_escapes_what_it_is_given() {
     assert!(page.starts_with("<!DOCTYPE html>"), "{}", &page[..40]);
     assert!(page.contains("&lt;/script&gt;&lt;script&gt;alert(1)"), "the title is not there");
     assert!(!page.contains("<script>alert") && !page.contains("<img"), "a name is not escaped");
+    let arguments = "<code>--set 'title=&quot;&lt;/script&gt;&lt;script&gt;alert(1)";
+    assert!(page.contains(arguments), "the arguments as a shell takes them");
     assert_eq!(page.matches("</script>").count(), 2, "the motion and the script");
     let addresses = page.matches("http").count();
     assert_eq!(addresses, page.matches("http://www.w3.org/2000/svg").count(), "an address");

@@ -30,7 +30,7 @@ fn every_documented_key_is_there() {
                  results tip_error title torque viscous_damping_ratios warnings";
     for (path, expected) in [
         ("", whole),
-        ("/inputs", "changes link reference target torque"),
+        ("/inputs", "arguments link reference target torque"),
         ("/inputs/torque", "name sha256"),
         ("/torque", "end_s interpolation samples simulated_until_s start_s step_s"),
         ("/feedback", "damping_n_m_s_rad stiffness_n_m_rad"),
@@ -52,19 +52,29 @@ fn every_documented_key_is_there() {
 }
 
 #[test]
-fn what_was_not_given_is_null_and_changes_are_recorded() {
+fn what_was_not_given_is_null_and_arguments_are_recorded() {
     let bench = solved();
-    let options = ["--set", "payload.mass=0.05", "--column", "torque_n_m", "--until", "5"];
-    simulated(&bench, &[&["out/torque.csv", "--linear"], &options[..]].concat());
+    let options =
+        ["--set", "payload.mass=0.05", "--column", "torque_n_m", "--until", "5", "--linear"];
+    let thinned = ["--nodes", "10", "--every", "7", "--digits", "full"];
+    simulated(&bench, &[&["out/torque.csv"], &options[..], &thinned, &["--no-sync"]].concat());
     let summary = bench.json("simulated/summary.json");
     for path in ["/inputs/target", "/inputs/reference", "/feedback", "/tip_error"] {
         assert_eq!(summary.pointer(path), Some(&Value::Null), "{path}");
     }
-    let changes =
-        ["--set payload.mass=0.05", "--column torque_n_m", "--until 5", "--linear"].as_slice();
-    assert_eq!(summary["inputs"]["changes"], serde_json::json!(changes));
+    let arguments = [&options[..], &thinned].concat();
+    assert_eq!(summary["inputs"]["arguments"], serde_json::json!(arguments));
     assert_eq!(summary["torque"]["interpolation"], "linear");
     assert_eq!(summary["inputs"]["torque"]["name"], "torque.csv");
+}
+
+#[test]
+fn feedback_is_recorded_as_it_is_given() {
+    let bench = solved();
+    let feedback = ["--feedback", "20,2", "--reference", "out/hub_angle.csv", "--until", "5"];
+    simulated(&bench, &[&["out/torque.csv"], &feedback[..]].concat());
+    let arguments = &bench.json("simulated/summary.json")["inputs"]["arguments"];
+    assert_eq!(*arguments, serde_json::json!(["--until", "5", "--feedback", "20,2"]));
 }
 
 #[test]

@@ -60,14 +60,15 @@ fn a_directory_is_no_file() {
 
 #[test]
 fn utf_16_is_refused_with_and_without_its_mark() {
+    const HINT: &str = "\nhint: it seems to be UTF-16: save the file as text in UTF-8\n";
     let bench = Bench::new();
     let table = fs::read_to_string(bench.path("motion.csv")).unwrap();
     for (text, messages) in [
-        (link(""), [": cannot read: not UTF-8 from byte 1 on\n", ":1: key with no value"]),
+        (link(""), [": cannot read: not UTF-8 from byte 1 on", ":1: key with no value"]),
         (
             table,
             [
-                ":1: text = byte 0xff, but must be UTF-8\nhint: save the file as text in UTF-8\n",
+                ":1: text = byte 0xff, but must be UTF-8",
                 ":1: column 1 = \"t\\0i\\0m\\0e\\0\", but must be one of time",
             ],
         ),
@@ -80,6 +81,28 @@ fn utf_16_is_refused_with_and_without_its_mark() {
             let [as_link, as_motion, ..] = readers(file);
             let arguments = if is_link { as_link } else { as_motion };
             bench.refuses(&arguments, REFUSED, &format!("{file}{message}"));
+            bench.refuses(&arguments, REFUSED, HINT);
+        }
+    }
+}
+
+#[test]
+fn a_compressed_file_or_a_spreadsheet_is_told_to_be_one() {
+    let bench = Bench::new();
+    let sheet = "it seems to be a spreadsheet or an archive: export the table as CSV";
+    for (name, bytes, hint) in [
+        ("motion.xlsx", &b"PK\x03\x04\x14\0\x06\0\x08\0\0\0!\0\xdf\xa4"[..], sheet),
+        ("stored.zip", b"PK\x03\x04\n\0\0\0\0\0motion.csvtime,acceleration\n", sheet),
+        (
+            "motion.csv.gz",
+            b"\x1f\x8b\x08\0\0",
+            "it seems to be compressed by gzip: unpack it first",
+        ),
+        ("other", b"caf\xe9", "save the file as text in UTF-8"),
+    ] {
+        bench.write(name, bytes);
+        for arguments in &readers(name)[..3] {
+            bench.refuses(arguments, REFUSED, &format!("\nhint: {hint}\n"));
         }
     }
 }

@@ -190,7 +190,7 @@ fn a_simulation_comes_back_with_and_without_feedback_and_target() {
         assert_histories(&bench, "played", &run);
         assert_eq!(run.origin.inputs.iter().map(|i| i.role.as_str()).collect::<Vec<_>>(), roles);
         assert_eq!((run.solved, run.moments_n_m, run.kept_modes), (None, None, None));
-        assert_eq!(run.origin.changes[0], "--set payload.mass=0.05");
+        assert_eq!(run.origin.arguments[..2], ["--set", "payload.mass=0.05"]);
         // v = xθ + w, the other way round.
         let found = run.deflections_m.unwrap();
         assert_deflected(&bench, &run.mesh, &run.hub_angle_rad, &found);

@@ -193,9 +193,19 @@ pub(super) fn inputs(origin: &Origin) -> Markup {
                     }
                 }
             }
-            @if !origin.changes.is_empty() {
-                p { "Changed by " @for change in &origin.changes { code { (change) } " " } }
+            @if !origin.arguments.is_empty() {
+                p { "Arguments " code { (command_line(&origin.arguments)) } }
             }
         }
     }
+}
+
+/// Arguments as a shell reads them.
+fn command_line(arguments: &[String]) -> String {
+    let quoted = |argument: &String| match shlex::try_quote(argument) {
+        Ok(quoted) => quoted.into_owned(),
+        // No shell takes a NUL.
+        Err(_) => argument.clone(),
+    };
+    arguments.iter().map(quoted).collect::<Vec<_>>().join(" ")
 }

@@ -8,6 +8,7 @@ mod aside;
 mod error;
 mod lock;
 mod output;
+mod temporary;
 mod unfinished;
 
 #[cfg(test)]
@@ -15,4 +16,5 @@ mod tests;
 
 pub use error::{FolderAction, FolderError};
 pub use output::{Durability, OutputFolder};
+pub use temporary::TemporaryFolder;
 pub use unfinished::abandon_unfinished;

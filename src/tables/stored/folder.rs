@@ -32,10 +32,9 @@ impl<'a> RunFolder<'a> {
 
     /// Refuses a folder in which one of the files is missing that its summary names.
     pub(super) fn check_named(&self, names: &[String]) -> Result<(), TableError> {
+        let shown = self.path.display().to_string();
+        check_names("files", names, Place { file: &shown, line: None })?;
         for name in names {
-            if Path::new(name).file_name().is_none_or(|own| own != name.as_str()) {
-                return Err(self.refuse("files", &quoted(name), "must be names without folders"));
-            }
             if !self.has(name) {
                 return Err(self.refuse(name, "nothing", "must be there: summary.json names it"));
             }
@@ -50,6 +49,15 @@ impl<'a> RunFolder<'a> {
     fn refuse(&self, subject: &str, found: &str, must: &str) -> TableError {
         let shown = self.path.display().to_string();
         Place { file: &shown, line: None }.refuse(subject, found, must)
+    }
+}
+
+/// Refuses names that lead into a folder.
+pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Result<(), TableError> {
+    let leads = |name: &&String| Path::new(name).file_name().is_none_or(|own| own != name.as_str());
+    match names.iter().find(leads) {
+        Some(name) => Err(place.refuse(subject, quoted(name), "must be names without folders")),
+        None => Ok(()),
     }
 }
 

@@ -6,9 +6,12 @@ mod mesh;
 mod nodal;
 mod numbers;
 mod readings;
+mod record;
+mod repetition;
 mod result;
 mod run;
 mod summary;
 mod sweep;
 
+pub use record::{FoundInput, InputRole, RunRecord};
 pub use result::read_result;

@@ -40,7 +40,7 @@ struct Inputs {
     torque: Option<Fingerprint>,
     target: Option<Fingerprint>,
     reference: Option<Fingerprint>,
-    changes: Vec<String>,
+    arguments: Vec<String>,
 }
 
 /// Times in s between which the tip moves.
@@ -97,7 +97,7 @@ impl StoredSummary {
     }
 
     pub(super) fn origin(&mut self) -> Origin {
-        let Inputs { link, motion, torque, target, reference, changes } = &mut self.inputs;
+        let Inputs { link, motion, torque, target, reference, arguments } = &mut self.inputs;
         let roles = [
             ("link", Some(link)),
             ("motion", motion.as_mut()),
@@ -114,7 +114,7 @@ impl StoredSummary {
             version: self.flexlink.clone(),
             title: self.title.clone(),
             inputs: roles.into_iter().filter_map(input).collect(),
-            changes: std::mem::take(changes),
+            arguments: std::mem::take(arguments),
         }
     }
 

@@ -1,0 +1,196 @@
+//! A run of `solve` done again, and held against what it has left.
+
+use std::path::Path;
+
+use flexlink::result::{Repeated, RepeatedFile};
+use flexlink::tables::{Durability, InputRole, RunRecord, TemporaryFolder};
+
+use super::args::PrintArgs;
+use super::console;
+use super::exit::{Ending, Exit, Failure};
+use super::files::{keep, read_once};
+use super::repeat_text::repetition_text;
+use super::solve_options::SolveOptions;
+use super::solve_run::{Destination, Problem};
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// What to do again.
+pub(crate) struct Repetition<'a> {
+    /// The folder of the run.
+    pub(crate) run: &'a Path,
+    pub(crate) link: Option<&'a Path>,
+    pub(crate) motion: Option<&'a Path>,
+    /// Where the new results are kept, if they are.
+    pub(crate) output: Option<&'a Path>,
+    pub(crate) durability: Durability,
+    pub(crate) print: &'a PrintArgs,
+}
+
+impl Repetition<'_> {
+    pub(crate) fn run(&self) -> Result<Ending, Failure> {
+        let given: Vec<&Path> = self.link.into_iter().chain(self.motion).collect();
+        read_once(&given)?;
+        let record = RunRecord::read(self.run)?;
+        let options = recorded_options(&record)?;
+        let link = record.input(InputRole::Link, self.link)?;
+        let motion = record.input(InputRole::Motion, self.motion)?;
+        if let Some(output) = self.output {
+            keep(output, &[&record.path(), &link.path, &motion.path])?;
+        }
+        warn_of_version(&record);
+        let problem = Problem::read(&options, link.file, || Ok(motion.file));
+        let problem = problem.map_err(|failure| of_record(failure, &record))?;
+        let files = if let Some(output) = self.output {
+            self.compared(&record, &problem, &options, output)?
+        } else {
+            let folder = TemporaryFolder::new().map_err(|error| elsewhere(error.into()))?;
+            self.compared(&record, &problem, &options, folder.path()).map_err(elsewhere)?
+        };
+        self.tell(&files)
+    }
+
+    fn compared(
+        &self,
+        record: &RunRecord,
+        problem: &Problem,
+        options: &SolveOptions,
+        folder: &Path,
+    ) -> Result<Vec<RepeatedFile>, Failure> {
+        // What nobody keeps need not be on the disk.
+        let durability = self.output.map_or(Durability::InMemory, |_| self.durability);
+        let stages = self.print.stages();
+        let solved = problem.solve(options, &Destination { folder, durability, stages: &stages });
+        drop(stages);
+        solved.map_err(|failure| of_record(failure, record))?;
+        Ok(record.compare(folder)?)
+    }
+
+    fn tell(&self, files: &[RepeatedFile]) -> Result<Ending, Failure> {
+        let is_same = files.iter().all(|file| file.outcome == Repeated::Same);
+        if !self.print.quiet {
+            console::print(&repetition_text(files, self.run, self.output))?;
+            if let Some(hint) = self.hint(files) {
+                console::hint(&hint);
+            }
+        }
+        Ok(if is_same { Ending::Done } else { Ending::Different })
+    }
+
+    /// How to find out by how much tables differ, if any does.
+    fn hint(&self, files: &[RepeatedFile]) -> Option<String> {
+        let is_other_table = |file: &RepeatedFile| {
+            let is_table = Path::new(&file.name).extension().is_some_and(|end| end == "csv");
+            is_table && matches!(file.outcome, Repeated::Differs(_))
+        };
+        files.iter().any(is_other_table).then(|| match self.output {
+            Some(output) => {
+                let (run, output) = (self.run.display(), output.display());
+                format!("flexlink compare {run} {output} says by how much")
+            }
+            None => "-o DIR keeps the new results, for flexlink compare".to_owned(),
+        })
+    }
+}
+
+/// The recorded arguments, read as those of the command line are.
+fn recorded_options(record: &RunRecord) -> Result<SolveOptions, Failure> {
+    SolveOptions::recorded(&record.origin.arguments).map_err(|words| {
+        let words = words.to_string();
+        let first = words.lines().next().unwrap_or_default();
+        let why = first.strip_prefix("error: ").unwrap_or(first);
+        let shown = &record.shown;
+        let message =
+            format!("{shown}: inputs.arguments are not those of flexlink {VERSION}: {why}");
+        let version = &record.origin.version;
+        let hint = (version != VERSION).then(|| format!("flexlink {version} wrote it"));
+        Failure::new(Exit::InputRefused, &message, hint.as_deref())
+    })
+}
+
+/// A wrong argument is one of the record.
+fn of_record(failure: Failure, record: &RunRecord) -> Failure {
+    match failure.exit {
+        Exit::Usage => Failure {
+            exit: Exit::InputRefused,
+            message: format!("{}: inputs.arguments: {}", record.shown, failure.message),
+            ..failure
+        },
+        _ => failure,
+    }
+}
+
+/// What cannot be written to where nobody keeps it may be written elsewhere.
+fn elsewhere(failure: Failure) -> Failure {
+    match failure.exit {
+        Exit::CannotWrite => {
+            Failure { hint: Some("-o DIR takes another folder".to_owned()), ..failure }
+        }
+        _ => failure,
+    }
+}
+
+fn warn_of_version(record: &RunRecord) {
+    let (shown, version) = (&record.shown, &record.origin.version);
+    if version != VERSION {
+        let message = format!("{shown}: flexlink = {version}, but this is {VERSION}");
+        console::warning(message, "what differs may come from that");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{CommandFactory as _, Parser as _};
+
+    use super::super::Cli;
+    use super::super::solve_options::{Recorded, SolveOptions};
+
+    /// Arguments that shape no result.
+    const OTHERS: [&str; 11] = [
+        "link", "motion", "output", "repeat", "report", "strict", "no_sync", "json", "quiet",
+        "threads", "help",
+    ];
+
+    /// Every argument that shapes the results, with a value where it takes one.
+    fn shaping() -> Vec<Vec<String>> {
+        let command = Recorded::command();
+        let arguments = command.get_arguments().map(|argument| {
+            let name = format!("--{}", argument.get_long().unwrap());
+            let value = argument.get_action().takes_values().then(|| "2".to_owned());
+            std::iter::once(name).chain(value).collect()
+        });
+        arguments.collect()
+    }
+
+    #[test]
+    fn every_argument_that_shapes_the_results_is_recorded_as_it_is_given() {
+        let all = shaping();
+        assert!(all.len() >= 10, "{all:?}");
+        for given in &all {
+            assert_eq!(SolveOptions::recorded(given).unwrap().arguments(), *given);
+        }
+        let together = all.concat();
+        assert_eq!(SolveOptions::recorded(&together).unwrap().arguments(), together);
+    }
+
+    #[test]
+    fn every_argument_is_either_recorded_or_shapes_no_result() {
+        let cli = Cli::command();
+        let solve = cli.find_subcommand("solve").unwrap();
+        let recorded = Recorded::command();
+        let is_recorded = |id| recorded.get_arguments().any(|argument| argument.get_id() == id);
+        for argument in solve.get_arguments() {
+            let id = argument.get_id();
+            assert!(is_recorded(id) != OTHERS.contains(&id.as_str()), "{id}");
+        }
+    }
+
+    #[test]
+    fn every_argument_that_shapes_the_results_contradicts_a_repetition() {
+        for given in shaping() {
+            let line = ["flexlink", "solve", "--repeat", "out"].map(str::to_owned);
+            let words = Cli::try_parse_from(line.into_iter().chain(given.clone())).unwrap_err();
+            assert_eq!(words.kind(), clap::error::ErrorKind::ArgumentConflict, "{given:?}");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! What shapes the results of `solve` beside its files.
+
+use clap::{Args, Parser};
+
+use flexlink::link::{Drive, Link};
+use flexlink::motion::TipMotion;
+use flexlink::spec::Specification;
+use flexlink::tables::{Digits, InputFile, OptionalTable, SolveOutputs};
+
+use super::args::{ChangeArgs, NodeArgs, ResampleArgs, ScaleArgs};
+use super::exit::Failure;
+use super::record::digits_arguments;
+
+/// The arguments that a run records.
+#[derive(Debug, Args)]
+pub(crate) struct SolveOptions {
+    #[command(flatten)]
+    changes: ChangeArgs,
+
+    #[command(flatten)]
+    resample: ResampleArgs,
+
+    #[command(flatten)]
+    scale: ScaleArgs,
+
+    #[command(flatten)]
+    pub(crate) nodes: NodeArgs,
+
+    #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
+    deflections: bool,
+
+    #[arg(long, help = "Also write bending_moments.csv")]
+    moments: bool,
+
+    /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
+    /// reads back to the same number.
+    #[arg(long, value_name = "N", default_value = "10")]
+    pub(crate) digits: Digits,
+
+    /// Measure the answer by other means, as `flexlink verify` does, and keep the table in
+    /// summary.json; exit code 4 if a number is out of its bound, the results are written.
+    #[arg(long)]
+    pub(crate) verify: bool,
+}
+
+/// The arguments of a record, read as those of the command line are.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+pub(super) struct Recorded {
+    #[command(flatten)]
+    options: SolveOptions,
+}
+
+impl SolveOptions {
+    /// What a link file describes.
+    pub(crate) fn specification(&self, file: &InputFile) -> Result<Specification, Failure> {
+        self.changes.specification(file)
+    }
+
+    /// The motion of a link's tip that a file holds.
+    pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
+        self.scale.scaled(self.resample.motion_of(file, link)?)
+    }
+
+    /// Which tables to write.
+    pub(crate) fn outputs(&self, drive: Option<Drive>) -> SolveOutputs {
+        let optional = [
+            (self.deflections, OptionalTable::NodalDeflections),
+            (self.moments, OptionalTable::BendingMoments),
+        ];
+        SolveOutputs {
+            nodes: self.nodes.list.clone(),
+            every: self.nodes.every,
+            optional: optional.into_iter().filter(|(on, _)| *on).map(|(_, table)| table).collect(),
+            drive,
+            digits: self.digits,
+        }
+    }
+
+    /// Reads the arguments of a record.
+    pub(crate) fn recorded(arguments: &[String]) -> Result<Self, clap::Error> {
+        Recorded::try_parse_from(arguments).map(|recorded| recorded.options)
+    }
+
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        let flag = |on: bool, name: &str| on.then(|| name.to_owned());
+        [
+            self.changes.arguments(),
+            self.resample.arguments(),
+            self.scale.arguments(),
+            self.nodes.arguments(),
+            Vec::from_iter(flag(self.deflections, "--deflections")),
+            Vec::from_iter(flag(self.moments, "--moments")),
+            digits_arguments(self.digits),
+            Vec::from_iter(flag(self.verify, "--verify")),
+        ]
+        .concat()
+    }
+}

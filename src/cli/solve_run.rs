@@ -1,0 +1,100 @@
+//! One run of `solve`: computed and written, nothing told.
+
+use std::path::Path;
+
+use flexlink::inverse::{Solution, invert};
+use flexlink::motion::TipMotion;
+use flexlink::result::{Exceeded, Metrics};
+use flexlink::spec::Specification;
+use flexlink::tables::{Durability, InputFile, OutputFolder, RunInputs, Summary};
+use flexlink::verification::Verification;
+
+use super::exit::Failure;
+use super::memory::check_nodal_memory;
+use super::progress::StageBar;
+use super::solve_options::SolveOptions;
+use super::solve_text::memory_text;
+use super::verify::measured;
+
+/// Memory in bytes from which on it is said before the work begins.
+const LARGE: usize = 1 << 29;
+
+/// What is solved.
+pub(crate) struct Problem {
+    link_file: InputFile,
+    motion_file: InputFile,
+    pub(crate) specification: Specification,
+    pub(crate) motion: TipMotion,
+}
+
+/// What came of it.
+pub(crate) struct Solved {
+    pub(crate) solution: Solution,
+    pub(crate) metrics: Metrics,
+    pub(crate) exceeded: Vec<Exceeded>,
+    pub(crate) verification: Option<Verification>,
+    pub(crate) summary: Summary,
+    /// How many files were written.
+    pub(crate) files: usize,
+}
+
+/// Where the results go.
+pub(crate) struct Destination<'a> {
+    pub(crate) folder: &'a Path,
+    pub(crate) durability: Durability,
+    /// Told of how far the work is.
+    pub(crate) stages: &'a StageBar,
+}
+
+impl Problem {
+    /// Reads the link from its file, and then the motion.
+    pub(crate) fn read(
+        options: &SolveOptions,
+        link_file: InputFile,
+        motion_file: impl FnOnce() -> Result<InputFile, Failure>,
+    ) -> Result<Self, Failure> {
+        let specification = options.specification(&link_file)?;
+        let motion_file = motion_file()?;
+        let motion = options.motion_of(&motion_file, &specification.link)?;
+        Ok(Self { link_file, motion_file, specification, motion })
+    }
+
+    /// Solves it, and writes the results.
+    pub(crate) fn solve(
+        &self,
+        options: &SolveOptions,
+        to: &Destination,
+    ) -> Result<Solved, Failure> {
+        let Self { link_file, motion_file, specification, motion } = self;
+        let Specification { link, mesh, analysis, drive, limits } = specification;
+        let solution = invert(link, mesh, motion, analysis)?;
+        options.nodes.check(solution.mesh())?;
+        let measure = || measured(specification, motion, &solution, options.digits);
+        let verification = options.verify.then(measure).transpose()?;
+
+        let outputs = options.outputs(*drive);
+        let inputs = RunInputs {
+            link_file,
+            motion_file,
+            link,
+            motion,
+            analysis,
+            drive: drive.as_ref(),
+            arguments: &options.arguments(),
+            verification: verification.as_ref(),
+        };
+        let metrics = Metrics::of(&solution);
+        let exceeded = limits.exceeded(&metrics);
+        let names = outputs.file_names();
+        let files = names.len();
+        let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, names);
+        let deflections = outputs.deflections(&solution);
+        check_nodal_memory(deflections.bytes())?;
+        if deflections.bytes() >= LARGE {
+            to.stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
+        }
+        let folder = OutputFolder::stage(to.folder)?.with(to.durability);
+        outputs.write(folder, link, (&solution, deflections), &summary, to.stages)?;
+        Ok(Solved { solution, metrics, exceeded, verification, summary, files })
+    }
+}

@@ -1,0 +1,434 @@
+//! A run done again: `solve --repeat`.
+
+use std::fs;
+use std::io::Write as _;
+use std::process::{Output, Stdio};
+
+use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+
+/// A bench with link.toml and motion.csv.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    fs::copy(repository(LINK), bench.path("link.toml")).unwrap();
+    fs::copy(repository(MOTION), bench.path("motion.csv")).unwrap();
+    bench
+}
+
+#[track_caller]
+fn done(bench: &Bench, arguments: &[&str]) -> Output {
+    let output = bench.run(arguments);
+    assert_eq!(output.status.code(), Some(0), "{}{}", stdout(&output), stderr(&output));
+    output
+}
+
+/// A bench whose folder `out` holds a run.
+#[track_caller]
+fn solved(arguments: &[&str]) -> Bench {
+    let bench = bench();
+    done(&bench, &[&["solve", "link.toml", "motion.csv", "-q"], arguments].concat());
+    bench
+}
+
+fn repeat(bench: &Bench, arguments: &[&str]) -> Output {
+    bench.run(&[&["solve", "--repeat"], arguments].concat())
+}
+
+#[track_caller]
+fn repeats(bench: &Bench, arguments: &[&str], files: usize) {
+    let output = repeat(bench, arguments);
+    let same = format!("same     {files} files of {}, byte for byte\n", arguments[0]);
+    assert_eq!((stdout(&output), stderr(&output)), (same, String::new()));
+    assert_eq!(output.status.code(), Some(0));
+}
+
+/// The repetition must find that these lines, and the result, are not as they were.
+#[track_caller]
+fn differs(bench: &Bench, lines: &str, differing: usize, hint: &str) {
+    let output = repeat(bench, &["out"]);
+    let told = format!("{lines}result   {differing} of 7 files of out not the same\n");
+    assert_eq!((stdout(&output), stderr(&output)), (told, hint.to_owned()));
+    assert_eq!(output.status.code(), Some(1));
+}
+
+/// The repetition must be refused; returns what is said.
+#[track_caller]
+fn refused(bench: &Bench, arguments: &[&str]) -> String {
+    let output = repeat(bench, arguments);
+    assert_eq!((output.status.code(), stdout(&output)), (Some(3), String::new()));
+    stderr(&output)
+}
+
+/// Runs the program with this text on standard input.
+fn fed(bench: &Bench, input: &str, arguments: &[&str]) -> Output {
+    let mut program = bench.program(arguments);
+    program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = program.spawn().unwrap();
+    let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
+    child.wait_with_output().unwrap()
+}
+
+/// SHA-256 in a summary of `out`.
+fn recorded(bench: &Bench, input: &str) -> String {
+    bench.json("out/summary.json")["inputs"][input]["sha256"].as_str().unwrap().to_owned()
+}
+
+/// Changes the first place of a text in a file.
+#[track_caller]
+fn change(bench: &Bench, file: &str, from: &str, to: &str) {
+    let text = bench.read(file);
+    assert!(text.contains(from), "{file} has no {from}");
+    bench.write(file, &text.replacen(from, to, 1));
+}
+
+#[test]
+fn a_run_with_any_arguments_gives_the_same_bytes_again() {
+    for (arguments, files) in [
+        (&[][..], 7),
+        (&["--set", "segments.*.EI*=2", "--set", "payload.mass=\"50 g\""], 7),
+        (&["--resample", "0.002", "--nodes", "0,5,10", "--every", "10", "--deflections"], 8),
+        (&["--moments", "--digits", "full", "--threads", "1", "--report"], 8),
+        (&["--digits=6", "--verify", "--no-sync", "--set", "drive.gear_ratio=3"], 8),
+        (&["--scale-distance=-0.3", "--scale-duration", "1.7"], 7),
+    ] {
+        let bench = solved(arguments);
+        repeats(&bench, &["out"], files);
+        repeats(&bench, &["out", "--threads", "2"], files);
+    }
+}
+
+#[test]
+fn a_run_whose_answer_was_out_of_its_bounds_is_repeated_all_the_same() {
+    let bench = bench();
+    let arguments = ["solve", "link.toml", "motion.csv", "--digits=2", "--verify", "--every=99"];
+    assert_eq!(bench.run(&arguments).status.code(), Some(4));
+    repeats(&bench, &["out"], 7);
+}
+
+#[test]
+fn new_results_are_kept_where_they_are_asked_for_and_else_nothing_is_left() {
+    let bench = solved(&["--moments"]);
+    let names = bench.names(".");
+    let temporary = bench.path("temporary");
+    fs::create_dir(&temporary).unwrap();
+    let mut program = bench.program(&["solve", "--repeat", "out"]);
+    let output = program.env("TMPDIR", &temporary).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(bench.names("temporary"), [""; 0]);
+    fs::remove_dir(&temporary).unwrap();
+    assert_eq!(bench.names("."), names);
+    let output = done(&bench, &["solve", "--repeat", "out", "-o", "again", "--no-sync"]);
+    let told = "same     8 files of out, byte for byte\nwritten  again\n";
+    assert_eq!((stdout(&output).as_str(), stderr(&output).as_str()), (told, ""));
+    assert!(bench.contents("out") == bench.contents("again"));
+    let quiet = done(&bench, &["solve", "--repeat", "out", "-q"]);
+    assert_eq!((stdout(&quiet), stderr(&quiet)), (String::new(), String::new()));
+}
+
+#[test]
+fn one_byte_of_a_table_is_found_and_its_line_told() {
+    let bench = solved(&["--digits", "4"]);
+    let text = bench.read("out/torque.csv");
+    let row = text.lines().nth(3799).unwrap();
+    let (last, rows) = (row.chars().last().unwrap(), text.lines().count());
+    let other = format!("{}{}", &row[..row.len() - 1], if last == '1' { '2' } else { '1' });
+    bench
+        .write("out/torque.csv", &text.replacen(&format!("\n{row}\n"), &format!("\n{other}\n"), 1));
+    let place = format!("line 3800, 1 of {rows} in all");
+    let line = format!("differs  torque.csv: {place}: was \"{other}\", now \"{row}\"\n");
+    differs(&bench, &line, 1, "hint: -o DIR keeps the new results, for flexlink compare\n");
+    let kept = repeat(&bench, &["out", "-o", "again"]);
+    assert_eq!(kept.status.code(), Some(1));
+    assert_eq!(stderr(&kept), "hint: flexlink compare out again says by how much\n");
+    assert_eq!(bench.run(&["compare", "out", "again"]).status.code(), Some(1));
+    let quiet = repeat(&bench, &["out", "-q"]);
+    assert_eq!(
+        (quiet.status.code(), stdout(&quiet), stderr(&quiet)),
+        (Some(1), String::new(), String::new())
+    );
+}
+
+#[test]
+fn a_table_that_is_missing_or_too_many_is_told_and_foreign_files_are_not() {
+    let bench = solved(&["--report"]);
+    bench.write("out/notes.txt", "mine");
+    bench.write("out/report.html", "another page");
+    repeats(&bench, &["out"], 7);
+    fs::remove_file(bench.path("out/tip.csv")).unwrap();
+    differs(&bench, "missing  tip.csv: the run wrote it\n", 1, "");
+    bench.write("out/motor.csv", "time_s\n");
+    let output = repeat(&bench, &["out"]);
+    assert_eq!(output.status.code(), Some(1));
+    let lines =
+        "missing  tip.csv: the run wrote it\nextra    motor.csv: the run does not write it\n";
+    assert_eq!(stdout(&output), format!("{lines}result   2 of 8 files of out not the same\n"));
+}
+
+#[test]
+fn a_number_of_the_summary_is_compared_too() {
+    let bench = solved(&[]);
+    change(&bench, "out/summary.json", "\"torque_ratio\": 0.5", "\"torque_ratio\": 0.6");
+    let output = repeat(&bench, &["out"]);
+    assert_eq!((output.status.code(), stderr(&output)), (Some(1), String::new()));
+    let told = stdout(&output);
+    assert!(told.starts_with("differs  summary.json: line ") && told.contains("was \""), "{told}");
+}
+
+#[test]
+fn another_version_is_warned_of_and_its_line_differs() {
+    let bench = solved(&[]);
+    let version = env!("CARGO_PKG_VERSION");
+    let line = |version: &str| format!("\"flexlink\": \"{version}\",");
+    change(&bench, "out/summary.json", &line(version), &line("9.1.0"));
+    let lines = bench.read("out/summary.json").lines().count();
+    let shown = |version| format!("\"  {}\"", line(version).escape_default());
+    let place = format!("line 2, 1 of {lines} in all");
+    let (was, now) = (shown("9.1.0"), shown(version));
+    let warning = format!(
+        "warning: out/summary.json: flexlink = 9.1.0, but this is {version}\n\
+         hint: what differs may come from that\n"
+    );
+    differs(
+        &bench,
+        &format!("differs  summary.json: {place}: was {was}, now {now}\n"),
+        1,
+        &warning,
+    );
+}
+
+#[test]
+fn an_input_is_found_by_its_content_here_in_the_folder_or_above_it() {
+    let bench = bench();
+    fs::create_dir(bench.path("case")).unwrap();
+    for name in ["link.toml", "motion.csv"] {
+        fs::rename(bench.path(name), bench.path(&format!("case/{name}"))).unwrap();
+    }
+    done(&bench, &["solve", "case/link.toml", "case/motion.csv", "-o", "case/out", "-q"]);
+    repeats(&bench, &["case/out"], 7);
+    // Another file of the name stands first.
+    bench.write("link.toml", "segments = []");
+    repeats(&bench, &["case/out"], 7);
+    fs::rename(bench.path("case/motion.csv"), bench.path("case/out/motion.csv")).unwrap();
+    repeats(&bench, &["case/out"], 7);
+    fs::remove_file(bench.path("link.toml")).unwrap();
+    fs::rename(bench.path("case/link.toml"), bench.path("moved.toml")).unwrap();
+    let folders = "must be in one of the folders ., case/out, case";
+    let name = "name both: flexlink solve --repeat case/out LINK MOTION, one of them may be `-`";
+    assert_eq!(
+        refused(&bench, &["case/out"]),
+        format!(
+            "error: case/out/summary.json: inputs.link = \"link.toml\", but {folders}\nhint: {name}\n"
+        )
+    );
+    repeats(&bench, &["case/out", "moved.toml"], 7);
+}
+
+#[test]
+fn an_input_that_has_changed_is_refused_with_both_fingerprints() {
+    let bench = solved(&[]);
+    let before = recorded(&bench, "link");
+    change(&bench, "link.toml", "Bayo", "Baio");
+    done(&bench, &["solve", "link.toml", "motion.csv", "-o", "new", "-q"]);
+    let after = bench.json("new/summary.json")["inputs"]["link"]["sha256"].to_string();
+    let after = after.trim_matches('"');
+    let give = "name both: flexlink solve --repeat out LINK MOTION, one of them may be `-`";
+    let told = |found: &str, role: &str| {
+        format!(
+            "error: out/summary.json: {found}\n\
+             hint: {role} has changed since the run, or is another file; {give}\n"
+        )
+    };
+    let here = format!("link.toml has SHA-256 {after}");
+    let must = format!("but must have {before}");
+    assert_eq!(refused(&bench, &["out"]), told(&format!("{here}, {must}"), "LINK"));
+    assert_eq!(refused(&bench, &["out", "link.toml"]), told(&format!("{here}, {must}"), "LINK"));
+    fs::copy(bench.path("link.toml"), bench.path("out/link.toml")).unwrap();
+    let both = format!("{here}, out/{here}, {must}");
+    assert_eq!(refused(&bench, &["out"]), told(&both, "LINK"));
+    fs::copy(repository(LINK), bench.path("link.toml")).unwrap();
+    let swapped = refused(&bench, &["out", "link.toml", "link.toml"]);
+    let other =
+        format!("link.toml has SHA-256 {before}, but must have {}", recorded(&bench, "motion"));
+    assert_eq!(swapped, told(&other, "MOTION"));
+}
+
+#[test]
+fn standard_input_must_be_given_again() {
+    let bench = bench();
+    let motion = bench.read("motion.csv");
+    let output = fed(&bench, &motion, &["solve", "link.toml", "-", "-q"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let told = refused(&bench, &["out"]);
+    let error =
+        "error: out/summary.json: inputs.motion = standard input, but must be given again\n";
+    assert!(told.starts_with(error) && told.contains("\nhint: name both: "), "{told}");
+    let output = fed(&bench, &motion, &["solve", "--repeat", "out", "link.toml", "-"]);
+    assert_eq!(stdout(&output), "same     7 files of out, byte for byte\n", "{}", stderr(&output));
+    // The content counts, and not where it comes from.
+    repeats(&bench, &["out", "link.toml", "motion.csv"], 7);
+    let twice = fed(&bench, &motion, &["solve", "--repeat", "out", "-", "-"]);
+    assert_eq!(twice.status.code(), Some(2));
+    assert_eq!(stderr(&twice), "error: standard input = several files, but must be one\n");
+}
+
+#[test]
+fn names_may_have_blanks_and_begin_with_a_dash() {
+    let bench = bench();
+    fs::rename(bench.path("link.toml"), bench.path("-my link.toml")).unwrap();
+    fs::rename(bench.path("motion.csv"), bench.path("--set")).unwrap();
+    let set = "--set=title=\"-a b\"";
+    done(&bench, &["solve", "-q", "-o", "o t", set, "--", "-my link.toml", "--set"]);
+    repeats(&bench, &["o t"], 7);
+    repeats(&bench, &["o t", "--", "-my link.toml"], 7);
+}
+
+#[test]
+fn the_case_of_a_sweep_is_repeated_as_a_run_of_solve() {
+    let bench = bench();
+    let vary = ["--vary", "segments.*.EI*=1,3", "--vary", "duration*=1,1.3"];
+    let thin =
+        ["--outputs", "all", "--nodes", "0,10", "--digits", "6", "--set", "payload.mass=50 g"];
+    done(&bench, &[&["sweep", "link.toml", "motion.csv", "-q"], &vary[..], &thin].concat());
+    for case in ["all/1", "all/2", "all/4"] {
+        repeats(&bench, &[case], 7);
+    }
+    let told = refused(&bench, &["all"]);
+    let hint =
+        "hint: --repeat takes the folder of a run of `solve`, or of a case of `sweep --outputs`\n";
+    let error = "error: all: summary.json = nothing, but must be there: the folder of a run";
+    assert!(told.starts_with(error) && told.ends_with(hint), "{told}");
+}
+
+#[test]
+fn a_simulation_and_what_is_no_run_are_refused() {
+    let bench = solved(&[]);
+    done(&bench, &["simulate", "link.toml", "out/torque.csv", "-q"]);
+    let hint =
+        "hint: --repeat takes the folder of a run of `solve`, or of a case of `sweep --outputs`\n";
+    let error = "error: simulated/summary.json: command = \"simulate\", but must be \"solve\"\n";
+    assert_eq!(refused(&bench, &["simulated"]), format!("{error}{hint}"));
+    for other in ["nowhere", "link.toml"] {
+        let told = refused(&bench, &[other]);
+        let error = format!("error: {other}: summary.json = nothing, but must be there");
+        assert!(told.starts_with(&error) && told.ends_with(hint), "{told}");
+    }
+}
+
+#[test]
+fn a_damaged_record_is_refused_and_leads_nowhere() {
+    let bench = solved(&["--digits", "8"]);
+    let summary = bench.read("out/summary.json");
+    let after = |from: &str, to: &str| {
+        change(&bench, "out/summary.json", from, to);
+        let told = refused(&bench, &["out"]);
+        bench.write("out/summary.json", &summary);
+        told
+    };
+    let version = env!("CARGO_PKG_VERSION");
+    let unknown = |why: &str| {
+        format!(
+            "error: out/summary.json: inputs.arguments are not those of flexlink {version}: {why}\n"
+        )
+    };
+    let digits = "\"--digits\",";
+    for (argument, why) in [
+        ("\"--frobnicate\",", "unexpected argument '--frobnicate' found"),
+        ("\"--output=other\",", "unexpected argument '--output' found"),
+        ("\"--repeat=out\",", "unexpected argument '--repeat' found"),
+        ("\"--help\",", "unexpected argument '--help' found"),
+        ("\"motion.csv\",", "unexpected argument 'motion.csv' found"),
+    ] {
+        assert_eq!(after(digits, &format!("{argument}{digits}")), unknown(why));
+    }
+    let value = after("\"8\"", "\"88\"");
+    assert!(
+        value.starts_with(unknown("invalid value '88' for '--digits <N>'").trim_end()),
+        "{value}"
+    );
+    for (argument, error) in [
+        ("\"--set\", \"x\",", "--set 'x': has no `=`, but must read PATH=VALUE or PATH*=FACTOR\n"),
+        ("\"--nodes\", \"99\",", "--nodes = 99, but must name nodes of the mesh, 0 to 10\n"),
+    ] {
+        let told = after(digits, &format!("{argument}{digits}"));
+        let expected = format!("error: out/summary.json: inputs.arguments: {error}");
+        assert!(told.starts_with(&expected), "{told}");
+    }
+    let folder = after("\"name\": \"link.toml\"", "\"name\": \"../link.toml\"");
+    let must = "but must be names without folders";
+    assert_eq!(folder, format!("error: out/summary.json: inputs = \"../link.toml\", {must}\n"));
+    let folder = after("\"tip.csv\"", "\"/etc/tip.csv\"");
+    assert_eq!(folder, format!("error: out/summary.json: files = \"/etc/tip.csv\", {must}\n"));
+    let cut = after("\"arguments\"", "\"changes\"");
+    assert!(cut.contains("content = missing field `arguments`, but must be as"), "{cut}");
+    bench.write("out/summary.json", &summary[..300]);
+    let half = refused(&bench, &["out"]);
+    assert!(half.contains("but must be the summary of a run, in JSON"), "{half}");
+    assert_eq!(bench.names("."), ["link.toml", "motion.csv", "out"]);
+}
+
+#[test]
+fn other_arguments_contradict_a_repetition() {
+    let bench = solved(&[]);
+    for argument in [
+        "--set=a=1",
+        "--resample=1",
+        "--scale-distance=1",
+        "--scale-duration=1",
+        "--nodes=1",
+        "--every=1",
+        "--deflections",
+        "--moments",
+        "--digits=10",
+        "--verify",
+        "--report",
+        "--strict",
+        "--json",
+    ] {
+        let output = repeat(&bench, &["out", argument]);
+        assert_eq!(output.status.code(), Some(2), "{argument}");
+        let told = stderr(&output);
+        assert!(
+            told.starts_with("error: the argument '--repeat <DIR>' cannot be used with"),
+            "{told}"
+        );
+    }
+    let missing = bench.run(&["solve", "link.toml"]);
+    assert_eq!(missing.status.code(), Some(2));
+    assert!(stderr(&missing).contains("<MOTION>"), "{}", stderr(&missing));
+}
+
+#[test]
+fn new_results_do_not_replace_those_that_they_are_held_against() {
+    let bench = solved(&[]);
+    let before = bench.contents("out");
+    for output in ["out", "./out/../out"] {
+        let refused = repeat(&bench, &["out", "-o", output]);
+        assert_eq!(refused.status.code(), Some(2));
+        let error = format!(
+            "error: --output = {output}, but must be another folder than that of out/summary.json\n\
+             hint: a folder holds one run: the results would replace those read\n"
+        );
+        assert_eq!(stderr(&refused), error);
+    }
+    assert!(bench.contents("out") == before);
+    // Nor an input, wherever it was found.
+    fs::copy(bench.path("out/tip.csv"), bench.path("tip.csv")).unwrap();
+    done(&bench, &["solve", "link.toml", "tip.csv", "-o", "second", "-q"]);
+    let refused = repeat(&bench, &["second", "-o", "."]);
+    assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+    assert!(bench.read("tip.csv") == bench.read("out/tip.csv"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_of_the_system_that_takes_no_file_is_told_with_the_way_out() {
+    let bench = solved(&[]);
+    let mut program = bench.program(&["solve", "--repeat", "out"]);
+    let output = program.env("TMPDIR", bench.path("none")).output().unwrap();
+    assert_eq!(output.status.code(), Some(5));
+    let told = stderr(&output);
+    let hint = "hint: -o DIR takes another folder\n";
+    assert!(
+        told.contains("/none: cannot write into the folder: ") && told.ends_with(hint),
+        "{told}"
+    );
+}
