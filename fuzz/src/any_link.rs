@@ -44,7 +44,7 @@ pub fn any_drive(u: &mut Unstructured) -> Result<Option<Drive>> {
         rotor_inertia_kg_m2: any_or_none(u, 30)?,
         gear_ratio: any_size(u, 10)?,
     };
-    Ok(drive.check().map_err(|_: ParameterError| arbitrary::Error::IncorrectFormat).map(Some)?)
+    drive.check().map_err(|_: ParameterError| arbitrary::Error::IncorrectFormat).map(Some)
 }
 
 fn any_segment(u: &mut Unstructured) -> Result<Segment> {

@@ -9,7 +9,7 @@ mod wording;
 pub use any_link::{any_drive, any_link, any_size};
 pub use any_motion::TwoMotions;
 pub use link_file::link_file;
-pub use solution_laws::{check_finite, check_linear, check_rigid};
+pub use solution_laws::{bending, check_finite, check_linear, check_rigid};
 pub use wording::check_words;
 
 /// Whether all samples are finite numbers.

@@ -10,11 +10,12 @@ use flexlink::spec::Specification;
 pub fn link_file(specification: &Specification) -> String {
     let Specification { link, analysis, drive, limits, .. } = specification;
     let mut file = bodies(link);
-    write!(file, "{}", damping(link.damping())).expect("a string");
+    file += &damping(link.damping());
     let mut table = |name: &str, entries: &[(&str, Option<f64>)]| {
-        let given = entries.iter().filter_map(|(key, value)| value.map(|value| (key, value)));
-        let entries: String = given.map(|(key, value)| format!("{key} = {value:?}\n")).collect();
-        write!(file, "[{name}]\n{entries}").expect("a string");
+        writeln!(file, "[{name}]").expect("a string");
+        for (key, value) in entries.iter().filter_map(|(key, value)| Some((key, (*value)?))) {
+            writeln!(file, "{key} = {value:?}").expect("a string");
+        }
     };
     if let Some(drive) = drive {
         let entries = [

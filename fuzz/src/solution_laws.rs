@@ -1,7 +1,9 @@
 use std::f64::consts::TAU;
 
-use flexlink::inverse::{NodalTable, Solution, Unwatched};
+use flexlink::beam::TipTransfer;
+use flexlink::inverse::{Dynamics, NodalTable, Solution, Unwatched};
 use flexlink::link::{Drive, Link};
+use flexlink::modal::natural_frequencies;
 use flexlink::numeric::largest;
 use flexlink::result::{Metrics, Peak};
 
@@ -131,7 +133,7 @@ fn transfers(solution: &Solution, friction_n_m_s_rad: f64, bins: usize) -> Vec<f
     let omegas: Vec<f64> =
         (1..bins.max(2)).map(|k| TAU * k as f64 / solution.band.period_s).collect();
     let found = solution.dynamics.tip_transfers(&omegas);
-    let size = |(omega, tip): (&f64, &flexlink::beam::TipTransfer)| {
+    let size = |(omega, tip): (&f64, &TipTransfer)| {
         let factor = law.stiffness_factor(*omega);
         let bent = (tip.lag_s2 / factor).norm() * omega * friction_n_m_s_rad / length_m;
         let drag = 1.0 + law.mass_rate_per_s() / omega;
@@ -143,22 +145,33 @@ fn transfers(solution: &Solution, friction_n_m_s_rad: f64, bins: usize) -> Vec<f
     sizes
 }
 
-/// Law: the torque is that of the rigid link, but for the little that the link still bends, and for
-/// round-off.
+/// How far a link's torque per acceleration lies from that of the rigid link, at most and relative to
+/// it, for each unit of λ in 1/s²; none where nothing bends.
 ///
 /// ```text
-/// T/a_tip = I/L Π(1 − λ/ω_k²) / Π(1 + λ/z_k²) = I/L (1 + C λ/ω_1²),   |C| < 10⁹
+/// T/a_tip = I/L Π(1 − λ/ω_k²) / Π(1 + λ/z_k²)
+/// |T/a_tip L/I − 1| < 2 |λ| (Σ 1/ω_k² + Σ 1/|z_k²|)        where that is below 1
 /// ```
 ///
-/// C counts modes and zeros by (ω_1/ω_k)² and (ω_1/z_k)²: the bound leaves the first zero to be
-/// twenty thousand times slower than the first mode.
+/// The first sum is at most the number of modes over `ω_1²`. The second, but for its signs, is how far
+/// the tip lags at λ = 0; zeros off the real axis have other signs, which may hide all but a share of
+/// it: here a thousandth.
+pub fn bending(dynamics: &Dynamics) -> Option<f64> {
+    let first_rad_s = natural_frequencies(dynamics.mesh(), 1).first().copied()?;
+    let modes = 2 * dynamics.mesh().elements().len();
+    let lag_s2 = dynamics.tip_transfer(0.0).lag_s2.norm();
+    Some(2.0 * (modes as f64 / first_rad_s.powi(2) + 1e3 * lag_s2))
+}
+
+/// Law: the torque is that of the rigid link, but for the little that the link still bends, as
+/// [`bending`] has it, and for round-off.
 ///
 /// # Panics
 /// If it is not.
 pub fn check_rigid(link: &Link, solution: &Solution, nyquist_rad_s: f64) {
-    let Some(first_rad_s) = solution.natural_frequencies_rad_s(1).first().copied() else { return };
+    let Some(bending) = bending(&solution.dynamics) else { return };
     let law = solution.law();
-    let bent = 1e9 * law.lambda(nyquist_rad_s).norm() / first_rad_s.powi(2);
+    let bent = bending * law.lambda(nyquist_rad_s).norm();
     let period = solution.band.fft_length as f64;
     let round_off = TRANSFORM * f64::EPSILON * (period.log2() * period.sqrt() + period);
     let (length_m, inertia) = (link.length_m(), link.rigid_inertia_kg_m2());
