@@ -18,6 +18,7 @@ mod spline;
 mod uniform;
 mod units;
 mod upsampling;
+mod visible;
 #[cfg(test)]
 mod wide;
 
@@ -39,5 +40,6 @@ pub use spline::{CubicSpline, SplineEnds};
 pub use uniform::NotUniform;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
 pub(crate) use units::{quantity_pattern, reads_as_unit, split_number};
+pub(crate) use visible::visible;
 #[cfg(test)]
 pub(crate) use wide::Wide;

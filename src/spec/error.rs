@@ -2,6 +2,7 @@ use thiserror::Error;
 
 use super::tree::{Node, Place};
 use crate::link::ParameterError;
+use crate::numeric::visible;
 
 /// What to try where a damping ratio is missing or cannot be.
 pub(super) const USUAL_RATIO: &str = "0.02 is usual for metal links";
@@ -23,8 +24,10 @@ impl SpecError {
         self.hint.as_deref()
     }
 
-    pub(super) fn new(place: String, message: String, hint: Option<String>) -> Self {
-        Self { place, message, hint }
+    /// Keys, names and units of the file stand in `message` and `hint` as they were found.
+    pub(super) fn new(place: String, message: &str, hint: Option<&str>) -> Self {
+        let told = |text: &str| visible(text).into_owned();
+        Self { place, message: told(message), hint: hint.map(told) }
     }
 }
 
@@ -59,7 +62,7 @@ impl Fault {
 
     /// The refusal, with its place as text.
     pub(super) fn at(self, place: String) -> SpecError {
-        SpecError::new(place, self.message, self.hint)
+        SpecError::new(place, &self.message, self.hint.as_deref())
     }
 }
 

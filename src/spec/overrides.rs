@@ -4,7 +4,7 @@ use super::SpecError;
 use super::error::nearest;
 use super::override_hints::instead;
 use super::tree::{Kind, Node, Place};
-use crate::numeric::split_number;
+use crate::numeric::{split_number, visible};
 
 /// One change of the link file from the command line: `PATH=VALUE` replaces a value,
 /// `PATH*=FACTOR` multiplies it.
@@ -36,8 +36,8 @@ impl Override {
     /// [`SpecError`] for text that is no change.
     pub fn placed(place: &str, text: &str) -> Result<Self, SpecError> {
         let refused = |message: &str| {
-            let hint = "it reads like segments.0.EI=20 or payload.mass*=1.1".to_owned();
-            SpecError::new(place.to_owned(), message.to_owned(), Some(hint))
+            let hint = "it reads like segments.0.EI=20 or payload.mass*=1.1";
+            SpecError::new(place.to_owned(), message, Some(hint))
         };
         let Some((path, value)) = text.split_once('=') else {
             return Err(refused("has no `=`, but must read PATH=VALUE or PATH*=FACTOR"));
@@ -67,15 +67,16 @@ impl FromStr for Override {
     type Err = SpecError;
 
     fn from_str(text: &str) -> Result<Self, SpecError> {
-        Self::placed(&format!("--set '{text}'"), text)
+        Self::placed(&format!("--set '{}'", visible(text)), text)
     }
 }
 
 /// Changes the tree as the `number`-th override says.
 pub(super) fn apply(tree: &mut Node, number: usize, change: &Override) -> Result<(), SpecError> {
     let step = Step { change: &change.change, place: Place::Override(number) };
-    step.descend(tree, "", &change.path)
-        .map_err(|refused| SpecError::new(change.place(), refused.message, refused.hint))
+    step.descend(tree, "", &change.path).map_err(|Refused { message, hint }| {
+        SpecError::new(change.place(), &message, hint.as_deref())
+    })
 }
 
 struct Refused {

@@ -53,7 +53,7 @@ impl LinkDocument {
     /// [`SpecError`] names the line that is no TOML.
     pub fn read(name: &str, text: &str) -> Result<Self, SpecError> {
         let tree = Node::document(text)
-            .map_err(|(place, message)| SpecError::new(shown(name, place, &[]), message, None))?;
+            .map_err(|(place, message)| SpecError::new(shown(name, place, &[]), &message, None))?;
         Ok(Self { tree })
     }
 

@@ -47,7 +47,7 @@ pub fn read_tolerances(name: &str, text: &str) -> Result<Tolerances, SpecError> 
         Place::File | Place::Override(_) => name.to_owned(),
     };
     let tree = Node::document(text)
-        .map_err(|(place, message)| SpecError::new(shown(place), message, None))?;
+        .map_err(|(place, message)| SpecError::new(shown(place), &message, None))?;
     let place_of = |path: &str| shown(tree.deepest(path).place);
     read(&tree, place_of).map_err(|fault| {
         let place = shown(fault.place(&tree));

@@ -16,6 +16,27 @@ fn a_slip_of_the_toml_is_refused_in_its_line() {
 }
 
 #[test]
+fn control_characters_of_the_file_are_told_and_not_printed() {
+    for (text, expected) in [
+        (r#"hub."\u001b[31m" = 1"#, r"unknown key `\u{1b}[31m` in hub"),
+        ("\"a\tb\" = 1", r"unknown key `a\tb`"),
+        ("\"a\tb\" = 1\n\"a\tb\" = 2", r#"duplicate key `"a\tb"`"#),
+        (
+            r#"payload.mass = "1 g\u0007""#,
+            r#"payload.mass = "1 g\u{7}" has the malformed unit `g\u{7}`"#,
+        ),
+        (
+            "payload.mass = \"1 g\tm\"",
+            r#"payload.mass = "1 g\tm" is measured in g\tm, but must be a mass such as kg"#,
+        ),
+    ] {
+        let message = refusal(&format!("{SHORT}{text}"));
+        let (place, message) = message.split_once(": ").unwrap();
+        assert!(place.starts_with("link.toml:") && message.starts_with(expected), "{message}");
+    }
+}
+
+#[test]
 fn a_file_without_segments_is_refused() {
     let must = "must hold at least one [[segments]]";
     assert_eq!(refusal(""), format!("link.toml: {must}"));

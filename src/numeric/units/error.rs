@@ -2,6 +2,7 @@ use thiserror::Error;
 
 use super::Dimension;
 use super::known::run_together;
+use crate::numeric::visible;
 
 /// Text that is no value with a unit, or no unit.
 ///
@@ -43,7 +44,7 @@ pub enum UnitError {
     #[error("is ambiguous: only one unit may follow the only `/`")]
     Ambiguous,
     /// No unit at all, or signs in between that make no sense.
-    #[error("has the malformed unit `{unit}`")]
+    #[error("has the malformed unit `{}`", visible(.unit))]
     Malformed {
         /// The unit, as it was found.
         unit: String,
@@ -86,5 +87,5 @@ fn wanted(dimension: Dimension) -> String {
 }
 
 fn described(unit: &str, dimension: Dimension) -> String {
-    dimension.name().map_or_else(|| format!("measured in {unit}"), Into::into)
+    dimension.name().map_or_else(|| format!("measured in {}", visible(unit)), Into::into)
 }

@@ -47,7 +47,12 @@ impl Unit {
             }
             unit = unit.times(factor, -1).ok_or_else(malformed)??;
         }
-        Ok(unit)
+        if unit.is_in_range() { Ok(unit) } else { Err(malformed()) }
+    }
+
+    /// Whether its factor is a number: that of `um^60 m^-59`, a length, is not.
+    fn is_in_range(&self) -> bool {
+        self.coefficient.is_normal() && self.to_si(1.0).is_normal()
     }
 
     /// The value in SI of `value` in this unit.
@@ -145,6 +150,9 @@ mod tests {
             "m^99 m^99",
             "1/",
             "/",
+            "um^60 m^-59",
+            "km^103 m^-102",
+            "oz^30 kg^-29",
         ] {
             let error = Unit::parse(text).unwrap_err();
             assert!(matches!(error, UnitError::Malformed { .. }), "{text:?}");

@@ -1,0 +1,39 @@
+#![no_main]
+
+use flexlink::beam::Mesh;
+use flexlink::spec::{Specification, read_specification};
+use flexlink_fuzz::{check_words, link_file};
+use libfuzzer_sys::fuzz_target;
+
+/// Elements of a mesh that is worth the time.
+const MOST_ELEMENTS: usize = 10_000;
+
+// Laws: a link file is refused with words, or is a link that can move and be meshed, and that is the
+// same when it is written out in SI and read again.
+fuzz_target!(|bytes: &[u8]| {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    match read_specification("link.toml", text, &[]) {
+        Err(error) => check_words("link.toml", &error, error.hint()),
+        Ok(specification) => check(&specification),
+    }
+});
+
+fn check(specification: &Specification) {
+    let (link, plan) = (&specification.link, &specification.mesh);
+    let inertia = link.rigid_inertia_kg_m2();
+    assert!(inertia.is_finite() && inertia > 0.0, "a rigid inertia of {inertia}");
+    assert!(plan.shares().iter().all(|(piece, count)| *count > 0 && piece.from < piece.to));
+    let elements: usize = plan.shares().iter().map(|(_, count)| count).sum();
+    if elements <= MOST_ELEMENTS {
+        let mesh = Mesh::new(link, plan);
+        assert_eq!(mesh.elements().len(), elements);
+        let off = (mesh.length_m() / link.length_m() - 1.0).abs();
+        assert!(off < 1e-12, "{} m are meshed of {} m", mesh.length_m(), link.length_m());
+    }
+    let written = link_file(specification);
+    let again = read_specification("again.toml", &written, &[]).expect(&written);
+    assert_eq!(
+        (&again.link, &again.analysis, &again.drive, &again.limits),
+        (link, &specification.analysis, &specification.drive, &specification.limits),
+    );
+}

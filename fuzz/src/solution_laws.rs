@@ -1,0 +1,187 @@
+use std::f64::consts::TAU;
+
+use flexlink::beam::TipTransfer;
+use flexlink::inverse::{Dynamics, NodalTable, Solution, Unwatched};
+use flexlink::link::{Drive, Link};
+use flexlink::modal::natural_frequencies;
+use flexlink::numeric::largest;
+use flexlink::result::{Metrics, Peak};
+
+use crate::finite;
+
+/// What a Fourier transform of N samples costs is this times ε log₂N of the root of the sum of
+/// squares; the usual bound has about 3.
+const TRANSFORM: f64 = 4.0;
+
+/// By how much a displacement's noise grows on the way to the acceleration: (π/2)² at the Nyquist
+/// frequency.
+const DIFFERENCED: f64 = 2.5;
+
+/// Law: histories, metrics, nodal tables and warnings hold no NaN and no infinity.
+///
+/// # Panics
+/// If one does.
+pub fn check_finite(solution: &Solution, drive: Option<&Drive>) {
+    let tip = &solution.tip;
+    let histories = [
+        ("torque", &solution.torque_n_m),
+        ("rigid torque", &solution.rigid_torque_n_m),
+        ("hub angle", &solution.hub_angle_rad),
+        ("hub rate", &solution.hub_rate_rad_s),
+        ("hub acceleration", solution.hub_acceleration_rad_s2()),
+        ("rigid hub angle", &solution.rigid_hub_angle_rad),
+        ("root moment", &solution.root_moment_n_m),
+        ("displacement", &tip.displacement_m),
+        ("velocity", &tip.velocity_m_s),
+        ("acceleration", &tip.acceleration_m_s2),
+    ];
+    for (name, samples) in histories {
+        assert!(samples.len() == solution.grid.len && finite(samples), "{name}");
+    }
+    if let Some(drive) = drive {
+        let motor = solution.motor(drive);
+        for samples in [motor.torque_n_m, motor.angle_rad, motor.rate_rad_s, motor.power_w] {
+            assert!(finite(&samples), "a motor's history of {drive:?}");
+        }
+    }
+    let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
+    for table in [solution.displacements(&nodes, 5), solution.moments(&nodes, 5)] {
+        check_table(&table);
+    }
+    check_metrics(&Metrics::of(solution));
+    let accuracy = solution.accuracy;
+    let shares = [Some(accuracy.mesh_error), Some(accuracy.edge_error), accuracy.truncation_error];
+    assert!(shares.into_iter().flatten().all(|share| share.is_finite() && share >= 0.0));
+    for warning in &solution.warnings {
+        let text = warning.to_string();
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+    }
+}
+
+fn check_table(table: &NodalTable) {
+    let width = table.nodes().len();
+    for number in 0..table.blocks() {
+        let block = table.block(number, &Unwatched);
+        let mut values = vec![0.0; block.rows().len() * width];
+        block.write_rows(block.rows(), &mut values);
+        assert!(finite(&values), "a nodal table");
+    }
+}
+
+fn check_metrics(metrics: &Metrics) {
+    let numbers = [metrics.rms_torque_n_m, metrics.torque_ratio, metrics.lead_s, metrics.lag_s];
+    assert!(finite(&numbers), "{metrics:?}");
+    let peaks = [
+        metrics.peak_torque_n_m,
+        metrics.peak_rigid_torque_n_m,
+        metrics.peak_hub_angle_rad,
+        metrics.peak_hub_rate_rad_s,
+        metrics.peak_power_w,
+        metrics.peak_root_moment_n_m,
+        metrics.peak_deflection_m,
+        metrics.peak_tip_velocity_m_s,
+        metrics.peak_tip_acceleration_m_s2,
+    ];
+    let is_peak = |Peak { value, time_s }: &Peak| finite(&[*value, *time_s]) && *value >= 0.0;
+    assert!(peaks.iter().all(is_peak), "{metrics:?}");
+}
+
+/// Law: `both`, of the sum of two motions, is the sum of their torques but for round-off, where all
+/// three stand on the same period.
+///
+/// Each transform of a motion makes noise in every bin; the link's transfer makes it a torque:
+///
+/// ```text
+/// |δT| ≤ 2/N Σ_k |G_k| |δÂ|,   |δÂ| ≤ 4 ε log₂N √N ‖a‖₂,   G = T̂/â
+/// ```
+///
+/// and so does the transform back, of the torques. Bins that one band has and another has not hold
+/// less than the noise.
+///
+/// # Panics
+/// If it is not.
+pub fn check_linear(first: &Solution, second: &Solution, both: &Solution, friction_n_m_s_rad: f64) {
+    let all = [first, second, both];
+    if all.iter().any(|solution| solution.band.fft_length != both.band.fft_length) {
+        return;
+    }
+    let period = both.band.fft_length as f64;
+    let round_off = TRANSFORM * f64::EPSILON * period.log2() * period.sqrt();
+    let norm = |solution: &&Solution| {
+        let squares = solution.tip.acceleration_m_s2.iter().map(|a| a * a);
+        squares.sum::<f64>().sqrt()
+    };
+    let way = all.iter().map(|solution| largest(&solution.tip.displacement_m)).fold(0.0, f64::max);
+    let step_s = both.grid.step_s;
+    // Displacements are rounded, too, before they are differenced twice.
+    let rounded = 10.0 * f64::EPSILON * both.grid.len as f64 * way / step_s.powi(2);
+    let noise = DIFFERENCED * (round_off * all.iter().map(norm).sum::<f64>() + rounded);
+    let bins = all.iter().map(|solution| solution.band.frequencies).max().unwrap_or(0);
+    let transfers: f64 = transfers(both, friction_n_m_s_rad, bins).iter().sum();
+    let torques: f64 = all.iter().map(|solution| largest(&solution.torque_n_m)).sum();
+    let allowed = 2.0 / period * transfers * noise + round_off * torques;
+    let sum = first.torque_n_m.iter().zip(&second.torque_n_m).map(|(a, b)| a + b);
+    for (k, (both, sum)) in both.torque_n_m.iter().zip(sum).enumerate() {
+        let off = (both - sum).abs();
+        assert!(off <= allowed, "{both:e} is not {sum:e} at {k}: off by {off:e} of {allowed:e}");
+    }
+}
+
+/// Largest |T̂/â| of every bin above zero, in kg m; the first stands for the mean velocity, too.
+fn transfers(solution: &Solution, friction_n_m_s_rad: f64, bins: usize) -> Vec<f64> {
+    let (law, length_m) = (solution.law(), solution.mesh().length_m());
+    let omegas: Vec<f64> =
+        (1..bins.max(2)).map(|k| TAU * k as f64 / solution.band.period_s).collect();
+    let found = solution.dynamics.tip_transfers(&omegas);
+    let size = |(omega, tip): (&f64, &TipTransfer)| {
+        let factor = law.stiffness_factor(*omega);
+        let bent = (tip.lag_s2 / factor).norm() * omega * friction_n_m_s_rad / length_m;
+        let drag = 1.0 + law.mass_rate_per_s() / omega;
+        (tip.inertia_kg_m.norm() + bent) * drag + friction_n_m_s_rad / (length_m * omega)
+    };
+    let mut sizes: Vec<f64> = omegas.iter().zip(&found).map(size).collect();
+    // The travel sums up what the samples are off by, over up to the whole period.
+    sizes[0] *= solution.band.fft_length as f64;
+    sizes
+}
+
+/// How far a link's torque per acceleration lies from that of the rigid link, at most and relative to
+/// it, for each unit of λ in 1/s²; none where nothing bends.
+///
+/// ```text
+/// T/a_tip = I/L Π(1 − λ/ω_k²) / Π(1 + λ/z_k²)
+/// |T/a_tip L/I − 1| < 2 |λ| (Σ 1/ω_k² + Σ 1/|z_k²|)        where that is below 1
+/// ```
+///
+/// The first sum is at most the number of modes over `ω_1²`. The second, but for its signs, is how far
+/// the tip lags at λ = 0; zeros off the real axis have other signs, which may hide all but a share of
+/// it: here a thousandth.
+pub fn bending(dynamics: &Dynamics) -> Option<f64> {
+    let first_rad_s = natural_frequencies(dynamics.mesh(), 1).first().copied()?;
+    let modes = 2 * dynamics.mesh().elements().len();
+    let lag_s2 = dynamics.tip_transfer(0.0).lag_s2.norm();
+    Some(2.0 * (modes as f64 / first_rad_s.powi(2) + 1e3 * lag_s2))
+}
+
+/// Law: the torque is that of the rigid link, but for the little that the link still bends, as
+/// [`bending`] has it, and for round-off.
+///
+/// # Panics
+/// If it is not.
+pub fn check_rigid(link: &Link, solution: &Solution, nyquist_rad_s: f64) {
+    let Some(bending) = bending(&solution.dynamics) else { return };
+    let law = solution.law();
+    let bent = bending * law.lambda(nyquist_rad_s).norm();
+    let period = solution.band.fft_length as f64;
+    let round_off = TRANSFORM * f64::EPSILON * (period.log2() * period.sqrt() + period);
+    let (length_m, inertia) = (link.length_m(), link.rigid_inertia_kg_m2());
+    let drag = inertia * law.mass_rate_per_s() + link.hub().viscous_friction_n_m_s_rad;
+    let accelerating = inertia * largest(&solution.tip.acceleration_m_s2);
+    let moving = drag * largest(&solution.tip.velocity_m_s);
+    let allowed = (bent * period.sqrt() + round_off) * (accelerating + moving) / length_m;
+    let pairs = solution.torque_n_m.iter().zip(&solution.rigid_torque_n_m);
+    for (torque, rigid) in pairs {
+        let off = (torque - rigid).abs();
+        assert!(off <= allowed, "{torque:e} is not {rigid:e}: off by {off:e} of {allowed:e}");
+    }
+}
