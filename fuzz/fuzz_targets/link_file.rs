@@ -1,12 +1,12 @@
 #![no_main]
 
-use flexlink::beam::Mesh;
+use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::spec::{Specification, read_specification};
 use flexlink_fuzz::{check_words, link_file};
 use libfuzzer_sys::fuzz_target;
 
-/// Elements of a mesh that is worth the time.
-const MOST_ELEMENTS: usize = 10_000;
+/// Elements of a mesh at most that is made.
+const WORTH_THE_TIME: usize = 10_000;
 
 // Laws: a link file is refused with words, or is a link that can move and be meshed, and that is the
 // same when it is written out in SI and read again.
@@ -24,7 +24,8 @@ fn check(specification: &Specification) {
     assert!(inertia.is_finite() && inertia > 0.0, "a rigid inertia of {inertia}");
     assert!(plan.shares().iter().all(|(piece, count)| *count > 0 && piece.from < piece.to));
     let elements: usize = plan.shares().iter().map(|(_, count)| count).sum();
-    if elements <= MOST_ELEMENTS {
+    assert!(elements <= MeshPlan::MOST_ELEMENTS, "{elements} elements");
+    if elements <= WORTH_THE_TIME {
         let mesh = Mesh::new(link, plan);
         assert_eq!(mesh.elements().len(), elements);
         let off = (mesh.length_m() / link.length_m() - 1.0).abs();

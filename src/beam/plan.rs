@@ -32,6 +32,9 @@ impl MeshPlan {
     /// Discretisation error of the torque, relative to its peak, that `auto` refines to.
     pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 
+    /// Elements of a link at most: more than any motion asks for, no more than memory holds.
+    pub const MOST_ELEMENTS: usize = 100_000;
+
     /// Elements that an automatic mesh starts from, at the least.
     const COARSEST: usize = 8;
 
@@ -68,6 +71,11 @@ impl MeshPlan {
             }
         }
         let fixed: usize = own.iter().flatten().sum();
+        if fixed > Self::MOST_ELEMENTS {
+            let must = format!("must be at most {}", Self::MOST_ELEMENTS);
+            let found = format!("{fixed} elements in all");
+            return Err(ParameterError::new("segments", found, "", must));
+        }
         let open: Vec<Piece> =
             pieces.iter().filter(|p| own[p.segment].is_none()).copied().collect();
         let automatic = match count {

@@ -16,6 +16,15 @@ fn a_slip_of_the_toml_is_refused_in_its_line() {
 }
 
 #[test]
+fn segments_have_no_more_elements_than_memory_holds() {
+    let segment = "[[segments]]\nlength = 1\nEI = 1\nmass_per_length = 1\nelements = 50001\n";
+    assert_eq!(
+        refusal(&segment.repeat(2)),
+        "link.toml:1: segments = 100002 elements in all, but must be at most 100000"
+    );
+}
+
+#[test]
 fn control_characters_of_the_file_are_told_and_not_printed() {
     for (text, expected) in [
         (r#"hub."\u001b[31m" = 1"#, r"unknown key `\u{1b}[31m` in hub"),
