@@ -168,7 +168,8 @@ pub(super) fn pieces(link: &Link) -> Vec<Piece> {
 
 /// Shares `total` elements, at least one each, by the bending wavelengths that a piece holds.
 ///
-/// The next element goes where elements are longest, measured in wavelengths.
+/// The next element goes where elements are longest, measured in wavelengths: so the longest of all
+/// is as short as it can be.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -182,17 +183,11 @@ fn divide(link: &Link, pieces: &[Piece], total: usize) -> Vec<(Piece, usize)> {
         weights =
             pieces.iter().map(|p| link.segments()[p.segment].length_m * (p.to - p.from)).collect();
     }
-    let spare = total - pieces.len();
     let sum: f64 = weights.iter().sum();
-    // The bulk at once, never more than the greedy rule would give; then one by one.
-    let mut counts: Vec<usize> = weights
-        .iter()
-        .map(|w| ((w / sum * total as f64).floor() as usize).clamp(1, 1 + spare))
-        .collect();
-    while counts.iter().sum::<usize>() > total {
-        let most = (0..counts.len()).max_by_key(|&k| counts[k]).unwrap_or(0);
-        counts[most] -= 1;
-    }
+    let spare = total - pieces.len();
+    // The bulk at once, never more than the rule gives: it leaves no element longer than sum/spare.
+    let bulk = |weight: &f64| ((weight / sum * spare as f64).floor() as usize).max(1);
+    let mut counts: Vec<usize> = weights.iter().map(bulk).collect();
     for _ in counts.iter().sum::<usize>()..total {
         let longest = (0..counts.len())
             .max_by(|&a, &b| {

@@ -5,4 +5,5 @@ mod modes;
 mod power;
 mod reciprocity;
 mod segments;
+mod shares;
 mod units;
