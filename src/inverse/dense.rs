@@ -102,7 +102,7 @@ impl<'a> DenseLink<'a> {
     pub fn round_off(&self, omega_rad_s: f64) -> f64 {
         let mesh = self.dynamics.mesh();
         let rigid = column(mesh, &ModalBasis::lowest(mesh, 0).rigid);
-        let largest = (1..self.mass.nrows() - 1)
+        let largest = (1..self.mass.nrows())
             .step_by(2)
             .map(|row| self.stiffness[(row, row)] * rigid[row].powi(2));
         let largest = largest.fold(0.0, f64::max);
@@ -133,9 +133,12 @@ fn held(mesh: &Mesh, mut free: DMatrix<f64>) -> DMatrix<f64> {
 /// A shape on θ and (v, φ) of nodes 1 … n.
 fn column(mesh: &Mesh, shape: &Shape) -> DVector<f64> {
     let size = 2 * mesh.nodes_m().len() - 1;
-    DVector::from_fn(size, |row, _| match row {
-        0 => shape.hub_angle,
-        _ if row % 2 == 1 => shape.displacement(mesh, row.div_ceil(2)),
-        _ => shape.deflections[row / 2][1] + shape.hub_angle,
+    DVector::from_fn(size, |row, _| {
+        if row % 2 == 1 {
+            shape.displacement(mesh, row.div_ceil(2))
+        } else {
+            // The root has no slope of its own: θ alone.
+            shape.deflections[row / 2][1] + shape.hub_angle
+        }
     })
 }

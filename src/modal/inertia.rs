@@ -1,6 +1,9 @@
 use crate::beam::{Element, Inertia, Mesh};
 use crate::link::Taper;
 
+/// What rounding may leave of a body's resistance to its second motion, as a share.
+const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
+
 /// Whether anything but the beam itself resists rotation outboard of the hub: a lumped rotary
 /// inertia or an offset payload.
 pub fn carries_rotary_inertia(mesh: &Mesh) -> bool {
@@ -38,10 +41,115 @@ fn has_mass(element: &Element) -> bool {
     inner > 0.0 || outer > 0.0
 }
 
+/// Motions of a body that move mass: a point beyond its node turns and shifts in one.
 fn rank(body: &Inertia<f64>) -> usize {
+    let (both, coupled) = (body.vv * body.pp, body.vp * body.vp);
     match (body.vv > 0.0, body.pp > 0.0) {
-        (true, true) if body.vv * body.pp > body.vp * body.vp => 2,
+        (true, true) if both - coupled > ROUND_OFF * both => 2,
         (false, false) => 0,
         _ => 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment};
+    use crate::modal::{ModalBasis, natural_frequencies};
+
+    /// A link of twenty elements that has these bodies and a beam of this mass.
+    fn mesh(beam: Taper, hub: Hub, masses: Vec<LumpedMass>, payload: Payload) -> Mesh {
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![Segment {
+                name: None,
+                length_m: 1.5,
+                bending_stiffness_n_m2: Taper::constant(5.0),
+                mass_per_length_kg_m: beam,
+            }],
+            hub,
+            masses,
+            payload,
+            damping: Damping::None,
+        })
+        .unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(20)), 1e-6).unwrap();
+        Mesh::new(&link, &plan)
+    }
+
+    const NOTHING: Taper = Taper { inner: 0.0, outer: 0.0 };
+    const HUB: Hub = Hub { inertia_kg_m2: 0.1, radius_m: 0.0, viscous_friction_n_m_s_rad: 0.0 };
+
+    fn body(at_m: f64, mass_kg: f64, inertia_kg_m2: f64) -> LumpedMass {
+        LumpedMass { at_m, mass_kg, inertia_kg_m2 }
+    }
+
+    #[test]
+    fn a_beam_without_mass_has_a_mode_for_each_motion_of_its_bodies_that_moves_mass() {
+        let tip = |mass_kg, inertia_kg_m2, offset_m| Payload { mass_kg, inertia_kg_m2, offset_m };
+        let (point, block) = (tip(0.4, 0.0, 0.0), tip(0.4, 0.01, 0.0));
+        for (masses, payload, modes) in [
+            (vec![], Payload::default(), 0),
+            (vec![], point, 1),
+            (vec![], block, 2),
+            (vec![], tip(0.4, 0.01, 0.1), 2),
+            (vec![body(0.75, 0.3, 0.0)], Payload::default(), 1),
+            (vec![body(0.75, 0.3, 0.02)], Payload::default(), 2),
+            (vec![body(0.75, 0.0, 0.02)], Payload::default(), 1),
+            (vec![body(0.75, 0.3, 0.02)], block, 4),
+            (vec![body(0.75, 0.3, 0.0)], point, 2),
+        ] {
+            let mesh = mesh(NOTHING, HUB, masses, payload);
+            assert_eq!(flexible_modes(&mesh), modes, "{mesh:?}");
+            assert_eq!(natural_frequencies(&mesh, 9).len(), modes, "{mesh:?}");
+            let all = ModalBasis::complete(&mesh).unwrap().modes.len();
+            assert_eq!(all, modes, "{mesh:?}");
+        }
+    }
+
+    #[test]
+    fn a_point_beyond_the_tip_moves_in_one_way_whatever_the_rounding() {
+        for k in 1..200 {
+            let (mass_kg, offset_m) = (0.013 * f64::from(k), 0.3 - 0.007 * f64::from(k));
+            let payload = Payload { mass_kg, inertia_kg_m2: 0.0, offset_m };
+            let mesh = mesh(NOTHING, HUB, vec![], payload);
+            assert_eq!(flexible_modes(&mesh), 1, "{payload:?}");
+            assert_eq!(natural_frequencies(&mesh, 9).len(), 1, "{payload:?}");
+        }
+    }
+
+    #[test]
+    fn a_beam_with_mass_at_one_end_alone_has_mass() {
+        for beam in [Taper { inner: 0.8, outer: 0.0 }, Taper { inner: 0.0, outer: 0.8 }] {
+            let mesh = mesh(beam, HUB, vec![], Payload::default());
+            assert_eq!(flexible_modes(&mesh), 40, "{beam:?}");
+            assert_eq!(natural_frequencies(&mesh, 99).len(), 40, "{beam:?}");
+        }
+    }
+
+    #[test]
+    fn a_body_at_the_root_moves_with_the_hub_if_it_has_an_arm_or_an_inertia() {
+        for (radius_m, inertia_kg_m2, moves) in
+            [(0.0, 0.0, false), (0.0, 0.01, true), (0.2, 0.0, true), (0.2, 0.01, true)]
+        {
+            let hub = Hub { inertia_kg_m2: 0.0, radius_m, ..HUB };
+            let masses = vec![body(radius_m, 0.3, inertia_kg_m2)];
+            let mesh = mesh(NOTHING, hub, masses, Payload { mass_kg: 0.4, ..Payload::default() });
+            assert_eq!(hub_moves_mass(&mesh), moves, "radius {radius_m} m, {inertia_kg_m2} kg m²");
+            assert_eq!(flexible_modes(&mesh), usize::from(moves));
+        }
+    }
+
+    #[test]
+    fn points_of_mass_resist_no_rotation_and_bodies_and_offsets_do() {
+        let carries = |inertia_kg_m2: f64, payload: Payload| {
+            let masses = vec![body(0.75, 0.3, inertia_kg_m2)];
+            carries_rotary_inertia(&mesh(Taper::constant(0.8), HUB, masses, payload))
+        };
+        let point = Payload { mass_kg: 0.4, ..Payload::default() };
+        assert!(!carries(0.0, point) && carries(1e-3, point));
+        assert!(carries(0.0, Payload { inertia_kg_m2: 1e-3, ..point }));
+        assert!(carries(0.0, Payload { offset_m: 0.1, ..point }));
     }
 }

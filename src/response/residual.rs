@@ -129,11 +129,14 @@ fn peak_between(samples: &[f64]) -> f64 {
     let bend = |s: f64| curvature + s * (third + s * fourth / 2.0);
     // From within half a step a few of Newton's steps reach the last bit.
     let at = (0..4).fold(0.0, |s, _| s - derivative(s) / bend(s));
-    if !at.is_finite() || at.abs() > 1.0 {
-        return c.abs();
+    if at.abs() < 1.0 {
+        let series = [c, slope, curvature / 2.0, third / 6.0, fourth / 24.0];
+        let crest = series.iter().rev().fold(0.0, |sum, term| sum * at + term);
+        c.abs().max(crest.abs())
+    } else {
+        // Beside a kink the quartic says nothing.
+        c.abs()
     }
-    let series = [c, slope, curvature / 2.0, third / 6.0, fourth / 24.0];
-    series.iter().rev().fold(0.0, |sum, term| sum * at + term).abs()
 }
 
 /// Frequency of the strongest part: the highest point of the spectrum under a Hann window, by a
@@ -182,5 +185,62 @@ mod tests {
             let found = strongest_hz(&vibration, 0.5).unwrap();
             assert!((found / hertz - 1.0).abs() < 0.03, "{found} Hz is not {hertz} Hz");
         }
+    }
+
+    #[test]
+    fn the_crest_between_samples_is_that_of_the_quartic_through_them() {
+        for place in [-0.45, -0.1, 0.3, 0.45] {
+            let quartic = |k: i32| {
+                let s = f64::from(k) - place;
+                3.0 - 0.5 * s * s + 0.05 * s.powi(3) - 0.02 * s.powi(4)
+            };
+            for sign in [1.0, -1.0] {
+                let samples = [-2, -1, 0, 1, 2].map(|k| sign * quartic(k));
+                let found = peak_between(&samples);
+                assert!((found - 3.0).abs() < 1e-14, "{found} at {place}");
+                // Next to an end there is no quartic, but the largest sample.
+                for cut in [&samples[1..], &samples[..4]] {
+                    assert_eq!(peak_between(cut).to_bits(), quartic(0).to_bits());
+                }
+            }
+        }
+        assert_eq!(peak_between(&[]).to_bits(), 0);
+    }
+
+    #[test]
+    fn no_excursion_is_smaller_than_the_largest_sample_nor_far_above_it() {
+        for kinked in [[0.0, 0.99, 1.0, 0.9999, -0.9], [0.9, 0.95, 1.0, 0.99999, 0.1]] {
+            assert_eq!(peak_between(&kinked).to_bits(), 1.0_f64.to_bits());
+        }
+    }
+
+    #[test]
+    fn a_lasting_vibration_has_its_frequency_beside_any_offset_and_up_to_nyquists() {
+        for offset in [0.0, 50.0] {
+            let turns = 7.3 / 200.0;
+            let swinging = |k: i32| offset + (std::f64::consts::TAU * turns * f64::from(k)).sin();
+            let vibration: Vec<f64> = (0..200).map(swinging).collect();
+            let found = strongest_hz(&vibration, 0.5).unwrap();
+            assert!((found / (2.0 * turns) - 1.0).abs() < 1e-4, "{found} Hz beside {offset}");
+        }
+        let alternating: Vec<f64> = (0..64).map(|k| f64::from(1 - 2 * (k % 2))).collect();
+        let found = strongest_hz(&alternating, 0.5).unwrap();
+        assert!((found - 1.0).abs() < 1e-3, "{found} Hz is not 1 Hz");
+        assert!(strongest_hz(&alternating[..8], 0.5).is_some());
+        assert_eq!(strongest_hz(&alternating[..7], 0.5), None, "too short to tell");
+        assert_eq!(strongest_hz(&[0.0; 64], 0.5), None, "at rest");
+    }
+
+    #[test]
+    fn a_decay_lasts_until_the_vibration_stays_below_a_hundredth() {
+        // The tenth sample is the last above a hundredth of the first.
+        let vibration: Vec<f64> = (0..30).map(|k| 2.0 * 0.6_f64.powi(k)).collect();
+        let measured = |watch| ResidualVibration::measured(&vibration, 0.5, 4.0, watch);
+        assert_eq!(measured(20).decay_s, Some(5.0));
+        assert_eq!(measured(21).decay_s, Some(5.0));
+        assert_eq!(measured(22).decay_s, None, "not watched for so long");
+        assert!((measured(20).share - 0.5).abs() < 1e-15, "{:?}", measured(20));
+        let still = ResidualVibration { decay_s: Some(0.0), ..ResidualVibration::default() };
+        assert_eq!(ResidualVibration::measured(&[0.0; 9], 0.5, 0.0, 4), still);
     }
 }
