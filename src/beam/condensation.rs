@@ -198,3 +198,24 @@ impl<S: Scalar> Factors<S> {
         (order.first(first, second), order.second(first, second))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gain_has_no_unit() {
+        // Each entry in turn is the largest: of d over u, lengths in m.
+        let entries = [[4.0, 1.0, 1.0, 1.0], [1.0, 6.0, 1.0, 1.0], [1.0, 1.0, 3.0, 1.0], [1.0; 4]];
+        for [vv, vp, pv, pp] in entries {
+            let metres = Gain { vv, vp, pv, pp };
+            for per_metre in [1.0, 1e3, 1e-3] {
+                let there = Gain { vv, vp: vp * per_metre, pv: pv / per_metre, pp };
+                let (found, expected) = (there.size(1.5 * per_metre), metres.size(1.5));
+                assert!((found / expected - 1.0).abs() < 1e-14, "{found} is not {expected}");
+            }
+        }
+        let sizes = entries.map(|[vv, vp, pv, pp]| Gain { vv, vp, pv, pp }.size(1.5));
+        assert_eq!(sizes.map(f64::to_bits), [4.0_f64, 4.0, 4.5, 1.5].map(f64::to_bits));
+    }
+}

@@ -231,6 +231,17 @@ mod tests {
     }
 
     #[test]
+    fn a_wave_is_followed_up_to_one_per_cent_of_a_natural_frequency() {
+        let omega_rad_s = ELEMENT.resolved_frequency_rad_s();
+        // It is shortest where the element is softest and heaviest.
+        let wave_number = (1.4 * omega_rad_s * omega_rad_s / 3.0).sqrt().sqrt();
+        let error = (wave_number * 0.7).powi(4) / 1440.0;
+        assert!((error / 0.01 - 1.0).abs() < 1e-14, "{error}");
+        let massless = Element { mass_per_length_kg_m: Taper::constant(0.0), ..ELEMENT };
+        assert!(massless.resolved_frequency_rad_s().is_infinite());
+    }
+
+    #[test]
     fn two_halves_carry_the_rigid_inertia_of_the_whole() {
         let whole = ELEMENT.relative().m_uu;
         let [a, b] = ELEMENT.halves().map(|half| half.relative().m_uu);

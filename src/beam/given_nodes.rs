@@ -153,4 +153,18 @@ mod tests {
             assert_eq!(refusal(nodes_m), format!("nodes.x_m = {expected}"), "{nodes_m:?}");
         }
     }
+
+    #[test]
+    fn a_node_may_stand_a_millionth_of_the_length_off() {
+        for length_m in [0.02, 300.0] {
+            let link = rig(0.0, &[length_m], &[]);
+            let takes = |share: f64| {
+                let mut nodes_m: Vec<f64> =
+                    (0..=4).map(|k| length_m * f64::from(k) / 4.0).collect();
+                nodes_m[2] += share * length_m;
+                MeshPlan::through(&link, &nodes_m).is_ok()
+            };
+            assert_eq!([-1.1e-6, -0.9e-6, 0.9e-6, 1.1e-6].map(takes), [false, true, true, false]);
+        }
+    }
 }

@@ -217,3 +217,19 @@ impl<S: PivotedScalar> Elimination<S> {
         ])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_entry_of_a_matrix_may_be_next_to_nothing() {
+        for tiny in [0.0, 1e-30, -1e-18] {
+            for matrix in [Matrix2::new(tiny, 2.0, 3.0, 1.0), Matrix2::new(3.0, 1.0, tiny, 2.0)] {
+                let exact = Vector2::new(1.0, 2.0);
+                let found = Elimination::of(&matrix).solve(&(matrix * exact));
+                assert!((found - exact).norm() < 1e-15, "{found} of {matrix}");
+            }
+        }
+    }
+}

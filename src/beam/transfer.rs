@@ -147,14 +147,21 @@ pub(super) fn is_trusted(largest_gain: f64) -> bool {
 mod tests {
     use super::*;
     use crate::beam::nodal_transfer;
-    use crate::beam::undamped::mesh;
+    use crate::beam::undamped::{Units, mesh, mesh_in};
     use crate::numeric::Wide;
 
     #[test]
     fn undamped_transfers_keep_their_digits_at_resonances_of_the_outboard_part() {
+        let (large, small) = (2.0_f64.powi(20), 2.0_f64.powi(-20));
+        let si = Units { length: 1.0, mass: 1.0 };
+        let lengths = [large, small].map(|length| Units { length, ..si });
+        let masses = [large, small].map(|mass| Units { mass, ..si });
         let mut flagged = 0;
-        for elements in [10, 100] {
-            let mesh = mesh(elements);
+        for (elements, units) in [(10, si), (100, si)]
+            .into_iter()
+            .chain([lengths, masses].as_flattened().iter().map(|units| (10, *units)))
+        {
+            let mesh = mesh_in(elements, units);
             for k in 1..600 {
                 let lambda = (0.670_123 * f64::from(k)).powi(2);
                 let exact = hub_response(&mesh, Wide::from(lambda));
@@ -163,9 +170,10 @@ mod tests {
                 let plain = hub_response(&mesh, lambda).largest_gain;
                 flagged += usize::from(!is_trusted(plain));
                 let found = tip_transfer(&mesh, lambda.into()).inertia_kg_m.re;
-                let error = (found - exact.nearest()).abs() / (exact.size() + 0.3);
+                let size = exact.size() + 0.3 * units.mass * units.length;
+                let error = (found - exact.nearest()).abs() / size;
                 let bound = if is_trusted(plain) { 1e-11 } else { 1e-12 };
-                assert!(error < bound, "{elements} elements, λ = {lambda}: {error:e}");
+                assert!(error < bound, "{elements} elements, {units:?}, λ = {lambda}: {error:e}");
             }
         }
         assert!(flagged > 3, "no resonance of the outboard part was met: {flagged}");
@@ -183,6 +191,12 @@ mod tests {
             };
             assert!(close(&plain.lags_s2, &pivoted.lags_s2), "deflections at {omega} rad/s");
             assert!(close(&plain.moments_kg_m, &pivoted.moments_kg_m), "moments at {omega} rad/s");
+            let numbers = |tip: TipTransfer| {
+                [tip.inertia_kg_m, tip.root_inertia_kg_m, tip.angle_rad_m, tip.lag_s2]
+            };
+            for (a, b) in numbers(plain.tip).into_iter().zip(numbers(pivoted.tip)) {
+                assert!((a / b - 1.0).norm() < 1e-11, "at {omega} rad/s: {a} is not {b}");
+            }
         }
     }
 

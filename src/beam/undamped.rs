@@ -6,17 +6,40 @@ use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, T
 
 /// The link on this many elements.
 pub(super) fn mesh(elements: usize) -> Mesh {
+    mesh_in(elements, Units { length: 1.0, mass: 1.0 })
+}
+
+/// How many of other units a metre and a kilogram are, the second kept: powers of two, which cost no
+/// digit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Units {
+    pub(super) length: f64,
+    pub(super) mass: f64,
+}
+
+/// The link on this many elements, measured in these units.
+pub(super) fn mesh_in(elements: usize, Units { length, mass }: Units) -> Mesh {
+    let inertia = mass * length * length;
+    let (stiffness, density) = (inertia * length, mass / length);
     let link = Link::new(LinkParts {
         title: String::new(),
         segments: vec![Segment {
             name: None,
-            length_m: 1.5,
-            bending_stiffness_n_m2: Taper { inner: 6.0, outer: 4.0 },
-            mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.7 },
+            length_m: 1.5 * length,
+            bending_stiffness_n_m2: Taper { inner: 6.0, outer: 4.0 }.scaled(stiffness),
+            mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.7 }.scaled(density),
         }],
-        hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad: 0.0 },
-        masses: vec![LumpedMass { at_m: 0.8, mass_kg: 0.1, inertia_kg_m2: 1e-3 }],
-        payload: Payload { mass_kg: 0.05, inertia_kg_m2: 0.0, offset_m: 0.0 },
+        hub: Hub {
+            inertia_kg_m2: 0.1 * inertia,
+            radius_m: 0.05 * length,
+            viscous_friction_n_m_s_rad: 0.0,
+        },
+        masses: vec![LumpedMass {
+            at_m: 0.8 * length,
+            mass_kg: 0.1 * mass,
+            inertia_kg_m2: 1e-3 * inertia,
+        }],
+        payload: Payload { mass_kg: 0.05 * mass, inertia_kg_m2: 0.0, offset_m: 0.0 },
         damping: Damping::None,
     });
     let link = link.unwrap();

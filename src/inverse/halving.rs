@@ -179,7 +179,7 @@ mod tests {
         exact: Vec<f64>,
     }
 
-    fn changes(damping: Damping, payload: Payload) -> Changes {
+    fn changes(damping: Damping, payload: Payload, travel_m: f64) -> Changes {
         let link = Link::new(LinkParts {
             title: String::new(),
             segments: vec![Segment {
@@ -198,7 +198,8 @@ mod tests {
         let coarse = Dynamics::new(&link, mesh, KeptModes::All).unwrap();
         let fine = coarse.refined().unwrap();
         let rests = [15_000, 8_000];
-        let motion = TipMotion::new(Profile::Septic.sampled(0.5, 0.000_25, 4800, rests)).unwrap();
+        let motion =
+            TipMotion::new(Profile::Septic.sampled(travel_m, 0.000_25, 4800, rests)).unwrap();
         let spectrum = motion.spectrum(32_000, 31_000);
         let from = Forcing { dynamics: &coarse, friction_n_m_s_rad: 0.1, spectrum: &spectrum };
         let to = Forcing { dynamics: &fine, ..from };
@@ -222,11 +223,22 @@ mod tests {
         let block = Payload { inertia_kg_m2: 0.001, ..point };
         for damping in dampings {
             for (payload, suffices) in [(Payload::default(), true), (point, true), (block, false)] {
-                let Changes { found, interpolated, exact } = changes(damping.clone(), payload);
+                let Changes { found, interpolated, exact } = changes(damping.clone(), payload, 0.5);
                 let wrong = largest_difference(&found, &exact) / largest(&exact);
                 assert!(wrong < 1e-3, "{damping:?}, {payload:?}: {wrong:e}");
                 assert_eq!(interpolated.is_some(), suffices, "{damping:?}, {payload:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_motion_of_another_size_changes_the_torque_in_proportion() {
+        let hysteretic = Damping::Hysteretic { ratio: 0.02 };
+        let of = |travel_m| changes(hysteretic.clone(), Payload::default(), travel_m).interpolated;
+        let one = of(0.5).unwrap();
+        for factor in [2.0_f64.powi(-14), 2.0_f64.powi(14)] {
+            let scaled: Vec<f64> = one.iter().map(|torque| torque * factor).collect();
+            assert!(of(0.5 * factor).unwrap() == scaled, "{factor} times the way");
         }
     }
 }

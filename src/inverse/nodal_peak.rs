@@ -99,7 +99,9 @@ impl NodalBlock<'_> {
 mod tests {
     use super::*;
     use crate::inverse::Unwatched;
+    use crate::inverse::nodal_block::Held;
     use crate::inverse::tests::solution;
+    use crate::numeric::CHANNELS;
 
     #[test]
     fn no_value_exceeds_the_bound_of_its_part_and_no_bound_is_far_above() {
@@ -144,6 +146,41 @@ mod tests {
             assert_eq!(exact.to_bits(), f64::to_bits(all));
             let near = table.peak(&Unwatched, |found, bound| 4.0 * found >= bound);
             assert!((0.25 * all..=all).contains(&near), "{near} of {all}");
+        }
+    }
+
+    #[test]
+    fn a_bound_takes_the_very_first_and_last_row_of_its_part_in() {
+        let mut spiked = solution(4000);
+        let nodes: Vec<usize> = (0..spiked.mesh().nodes_m().len()).collect();
+        for (row, every) in [(0, 1), (63, 1), (64, 1), (127, 7), (128, 7)] {
+            spiked.hub_angle_rad.fill(0.0);
+            spiked.hub_angle_rad[row * every] = -1e6;
+            let table = spiked.displacements(&nodes, every);
+            let block = table.block(0, &Unwatched);
+            let mut above = 0;
+            for Part { rows, bound } in block.parts() {
+                let found = block.peak_of(&rows);
+                assert!(found <= bound, "row {row}, every {every}: {found} above {bound}");
+                above += usize::from(found > 1e5);
+            }
+            assert_eq!(above, 1, "row {row}, every {every}");
+        }
+    }
+
+    #[test]
+    fn every_sample_held_counts_in_its_own_tile_and_no_other() {
+        let solution = solution(4000);
+        let table = solution.moments(&[0; CHANNELS + 3], 1);
+        let (panels, len) = (table.panels(), 3 * TILE + 5);
+        for (panel, sample) in [(0, 0), (1, 15), (0, 16), (1, 47), (0, 48), (1, 52)] {
+            let mut samples = vec![[0.0; CHANNELS]; panels * len];
+            samples[panel * len + sample][2] = -7.0;
+            let held = std::sync::Arc::new(Held { samples, len });
+            let tiles = NodalBlock { table: &table, rows: 0..9, held }.largest_of_tiles();
+            let expected: Vec<f64> =
+                (0..4).map(|tile| if tile == sample / TILE { 7.0 } else { 0.0 }).collect();
+            assert_eq!(tiles, expected, "sample {sample} of panel {panel}");
         }
     }
 }

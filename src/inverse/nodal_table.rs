@@ -221,4 +221,35 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_table_holds_as_many_bytes_as_it_says() {
+        for steps in [100, 4000] {
+            let solution = solution(steps);
+            for nodes in [&[3][..], &[0, 1, 2, 3, 4, 5, 6, 7, 8], &[5; 40]] {
+                for (every, rows) in [(1, 80), (1, 13), (7, 13)] {
+                    let table = solution.moments(nodes, every).in_blocks_of(rows);
+                    let held = table.block(0, &Unwatched).held;
+                    let bytes = size_of_val(&held.samples[..]);
+                    assert_eq!(table.held_bytes(), bytes, "{nodes:?}, {rows} rows, {every}");
+                    let amplitudes = solution.forcing().nodal_spectra(nodes, table.quantity);
+                    let bytes =
+                        bytes + amplitudes.iter().map(|row| size_of_val(&row[..])).sum::<usize>();
+                    let rooms = table.bytes() - bytes;
+                    assert!(rooms <= rayon::current_num_threads() * table.sampling.room_bytes());
+                    assert!(rooms >= table.sampling.room_bytes(), "one thread at least");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn as_many_whole_panels_are_solved_for_at_once_as_their_memory_allows() {
+        let solution = solution(4000);
+        let table = solution.deflections(&[1], 1);
+        let panel = CHANNELS * table.spectrum_bytes();
+        assert_eq!(table.nodes_at_once() % CHANNELS, 0);
+        let bytes = table.nodes_at_once() * table.spectrum_bytes();
+        assert!(bytes <= SPECTRA_BYTES && bytes + panel > SPECTRA_BYTES, "{bytes} and {panel}");
+    }
 }

@@ -160,3 +160,55 @@ impl PeriodicTorque<'_> {
         self.largest(begin, window.start).max(self.largest(window.stop + 1, end + 1))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_period_is_doubled_to_a_million_samples_or_four_times_what_it_began_with() {
+        assert_eq!(Padding::lengthened(1000, 500), Some(fast_length(2000)));
+        assert_eq!(Padding::lengthened(1 << 19, 1000), Some(1 << 20));
+        assert_eq!(Padding::lengthened(1 << 20, 1000), None);
+        assert_eq!(Padding::lengthened(1 << 21, 1 << 20), Some(1 << 22));
+        assert_eq!(Padding::lengthened(1 << 22, 1 << 20), None);
+        assert_eq!(Padding::lengthened(1 << 23, 1 << 23), Some(1 << 24));
+        assert_eq!(Padding::lengthened(1 << 24, 1 << 23), None, "the most that is transformed");
+    }
+
+    /// A period of 20 samples, five of them before the first of the trajectory, with a torque from
+    /// one to another.
+    fn acting(from: i64, to: i64) -> Vec<f64> {
+        (0..20)
+            .map(
+                |k| {
+                    if (from..=to).contains(&(k - if k < 15 { 0 } else { 20 })) { 2.0 } else { 0.0 }
+                },
+            )
+            .collect()
+    }
+
+    fn window(samples: &[f64], lead_s: Option<f64>, lag_s: Option<f64>) -> (i64, i64, f64) {
+        let torque = PeriodicTorque { samples, before: 15 };
+        let analysis = Analysis::new(1e-6, lead_s, lag_s).unwrap();
+        let window = torque.window(4, 0.1, &analysis, 2.0);
+        assert_eq!(window.len(), usize::try_from(window.stop - window.start).unwrap() + 1);
+        (window.start, window.stop, torque.outside(&window))
+    }
+
+    #[test]
+    fn a_window_begins_and_ends_with_a_sample_of_rest_around_torque_and_motion() {
+        assert_eq!(window(&acting(-3, 8), None, None), (-4, 9, 0.0));
+        assert_eq!(window(&acting(1, 2), None, None), (0, 3, 0.0), "within the trajectory");
+        assert_eq!(window(&acting(-5, 14), None, None), (-5, 14, 0.0), "all of the period");
+    }
+
+    #[test]
+    fn a_window_as_asked_for_leaves_out_what_lies_beyond_it_and_goes_no_further_than_the_period() {
+        assert_eq!(window(&acting(-3, 8), Some(0.3), Some(0.5)), (-3, 8, 0.0));
+        assert_eq!(window(&acting(-3, -3), Some(0.2), Some(0.5)), (-2, 8, 2.0));
+        assert_eq!(window(&acting(8, 8), Some(0.2), Some(0.4)), (-2, 7, 2.0));
+        assert_eq!(window(&acting(-5, -5), Some(0.4), Some(9.0)), (-4, 14, 2.0));
+        assert_eq!(window(&acting(14, 14), Some(9.0), Some(1.0)), (-5, 13, 2.0));
+    }
+}

@@ -85,3 +85,41 @@ fn scan_start(mesh: &Mesh) -> Option<f64> {
     let first = HubSpring::CLAMPED.bracket(mesh, 1, 1.0)?.0;
     Some(SCAN_START * first)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+
+    #[test]
+    fn a_search_from_anywhere_ends_a_power_of_two_from_there_around_the_mode() {
+        let link = Link::new(LinkParts {
+            title: String::new(),
+            segments: vec![Segment {
+                name: None,
+                length_m: 1.5,
+                bending_stiffness_n_m2: Taper::constant(5.0),
+                mass_per_length_kg_m: Taper::constant(0.8),
+            }],
+            hub: Hub::default(),
+            masses: vec![],
+            payload: Payload::default(),
+            damping: Damping::None,
+        })
+        .unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(4)), 1e-6).unwrap();
+        let mesh = Mesh::new(&link, &plan);
+        let below = |omega: f64| HubSpring::CLAMPED.modes_below(&mesh, &[omega; SECTIONS])[0];
+        for from_rad_s in [1e-9, 0.3, 1.0, 7.0, 300.0, 1e9] {
+            for sought in [1, 3] {
+                let (low, high) = HubSpring::CLAMPED.bracket(&mesh, sought, from_rad_s).unwrap();
+                assert!(below(low) < sought && below(high) >= sought, "from {from_rad_s} rad/s");
+                assert!((high / low - 2.0).abs() < 1e-15, "{low} and {high}");
+                let octaves = (high / from_rad_s).log2();
+                assert!((octaves - octaves.round()).abs() < 1e-9, "{octaves} from {from_rad_s}");
+            }
+        }
+        assert_eq!(HubSpring::CLAMPED.bracket(&mesh, 9, 1.0), None, "eight modes are all");
+    }
+}

@@ -83,3 +83,50 @@ pub(super) fn kept_modes(mesh: &Mesh, band_rad_s: f64) -> (ModalBasis, ModeSelec
     };
     (basis, selection)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pulse sin⁸ of so many steps and a peak of `torque_n_m`, with as much rest on both sides.
+    fn pulse(steps: u32, step_s: f64, torque_n_m: f64) -> (TimeGrid, Vec<f64>) {
+        let steps_s: Vec<f64> = (0..=3 * steps).map(|k| step_s * f64::from(k)).collect();
+        let at = |k: u32| {
+            let phase =
+                std::f64::consts::PI * f64::from(k) / f64::from(steps) - std::f64::consts::PI;
+            if (steps..2 * steps).contains(&k) { torque_n_m * phase.sin().powi(8) } else { 0.0 }
+        };
+        (TimeGrid::through(&steps_s).unwrap(), (0..=3 * steps).map(at).collect())
+    }
+
+    fn band_rad_s(steps: u32, step_s: f64, torque_n_m: f64) -> f64 {
+        let (grid, samples) = pulse(steps, step_s, torque_n_m);
+        torque_band_rad_s(&grid, &samples).unwrap()
+    }
+
+    #[test]
+    fn the_band_of_a_torque_is_per_unit_of_time_and_has_nothing_to_do_with_its_size() {
+        let band = band_rad_s(200, 0.01, 1.0);
+        for (step_s, torque_n_m) in [(0.01, 1e3), (0.01, 1e-3), (0.01, -1.0)] {
+            assert_eq!(band_rad_s(200, step_s, torque_n_m).to_bits(), band.to_bits());
+        }
+        for faster in [4096.0, 1.0 / 4096.0] {
+            let found = band_rad_s(200, 0.01 / faster, 1.0);
+            assert!((found / (band * faster) - 1.0).abs() < 1e-12, "{found} is not {band} times");
+        }
+        assert_eq!(torque_band_rad_s(&pulse(9, 0.1, 0.0).0, &[0.0; 28]), None);
+    }
+
+    /// sin⁸ over T has eight continuous derivatives less one, its spectrum falls as ω⁻⁹ from a few
+    /// times 2π/T on, and the motion as ω⁻¹¹: 1e-12 of it is left at some tens of times that.
+    #[test]
+    fn samples_beyond_what_a_smooth_torque_needs_do_not_change_its_band() {
+        let bands = [400, 800, 1600].map(|steps| band_rad_s(steps, 2.0 / f64::from(steps), 1.0));
+        for band in bands {
+            assert!((band / bands[0] - 1.0).abs() < 0.01, "{bands:?}");
+        }
+        assert!(
+            (10.0..100.0).contains(&(band_rad_s(400, 2.0 / 400.0, 1.0) / std::f64::consts::PI))
+        );
+    }
+}

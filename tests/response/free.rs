@@ -273,3 +273,15 @@ fn an_undamped_link_swings_on_in_its_first_mode() {
     assert_eq!(residual.decay_s, None);
     assert!(residual.share > 0.01, "{residual:?}");
 }
+
+/// ln 100/(ζω) of the first mode: the others are gone by then.
+#[test]
+fn a_decay_over_hundreds_of_periods_is_told() {
+    let link = link(|parts| parts.damping = Damping::Modal { ratios: vec![0.0025, 0.05] });
+    let found = shoved(&link);
+    let omega = found.natural_frequencies_rad_s[0];
+    let expected = 100.0_f64.ln() / (0.0025 * omega);
+    let decay_s = found.residual.decay_s.unwrap();
+    // The crests of a cosine stand half a period apart.
+    assert!((decay_s - expected).abs() < TAU / omega, "{decay_s} s is not {expected} s");
+}

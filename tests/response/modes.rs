@@ -1,11 +1,12 @@
 //! Which modes answer, what stands for the others, and what all of them together weigh and store.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use flexlink::beam::nodal_transfer;
 use flexlink::link::{Damping, Hub, Link, LumpedMass, Payload, Taper};
+use flexlink::modal::natural_frequencies;
 use flexlink::response::{Play, Simulation, Torque};
 use num_complex::Complex64;
 
@@ -212,4 +213,38 @@ fn only_a_damped_link_keeps_work() {
     assert!((left - rubbed).abs() < 1e-11 && left > 0.04, "{left} in all, {rubbed} in the joint");
     let (damped, _) = kept(Damping::Modal { ratios: vec![0.02] }, 0.0);
     assert!((0.05..0.2).contains(&damped), "{damped}");
+}
+
+#[test]
+fn modes_are_kept_to_four_times_the_band_or_forty_times_the_first_frequency() {
+    let link = loaded(Damping::None);
+    for (duration_s, few) in [(8.0, true), (0.01, false)] {
+        let found = played(&link, &mesh_of(&link, 60), &Play::of(&pulse(duration_s, 400)));
+        let all = natural_frequencies(&found.mesh, 120);
+        let (kept, band_hz) = (found.selection.modes, found.selection.torque_band_hz);
+        let first_hz = all[0] / TAU;
+        assert_eq!(10.0 * first_hz > band_hz, few, "{:?}", found.selection);
+        let reach_hz = 4.0 * band_hz.max(10.0 * first_hz);
+        assert_eq!(kept, all.iter().filter(|omega| **omega / TAU < reach_hz).count());
+        assert!((found.selection.highest_hz * TAU / all[kept - 1] - 1.0).abs() < 1e-14);
+        assert_eq!(found.selection.of, all.len());
+    }
+}
+
+#[test]
+fn a_hysteretic_link_has_its_vibration_behind_it_before_the_next_period_begins() {
+    let link = link(|parts| parts.damping = Damping::Hysteretic { ratio: 0.05 });
+    let tip_m = |until_s: f64| {
+        let time_s = times(0.01, 40);
+        let pulse = time_s.iter().map(|t| (PI * t / 0.4).sin().powi(2)).collect();
+        let torque = Torque::new(&time_s, pulse).unwrap();
+        let play = Play { until_s: Some(until_s), ..Play::of(&torque) };
+        let found = played(&link, &mesh_of(&link, 10), &play);
+        let mut net_n_m = torque.torque_n_m().to_vec();
+        net_n_m.resize(found.grid.len, 0.0);
+        found.hysteretic_tip_m(0.05, &net_n_m)
+    };
+    let (once, thrice) = (tip_m(8.0), tip_m(24.0));
+    let bent = once.iter().zip(&thrice).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(bent < 1e-3 * once[40], "{bent:e} m of {} m", once[40]);
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{link, mesh_of, played, times};
+use super::{link, mesh_of, peak, played, times};
 use flexlink::link::{Damping, Link, Segment, Taper};
 use flexlink::response::{
     Feedback, FeedbackError, HubReference, Play, SimulationError, SimulationWarning, Torque,
@@ -60,6 +60,31 @@ fn an_end_far_too_late_is_refused() {
     assert_eq!(error.hint(), Some("an earlier end, or a torque with a longer step"));
     let endless = refusal(&bayo(), &Play { until_s: Some(f64::INFINITY), ..Play::of(&torque) });
     assert!(matches!(endless, SimulationError::TooLong { .. }), "{endless}");
+}
+
+#[test]
+fn more_numbers_than_can_be_held_are_refused_with_their_size() {
+    let torque = torque(f64::sin);
+    // The most samples that there may be, of the rigid rotation, eight modes and their residual one.
+    let until_s = Some(0.01 * f64::from((1 << 24) - 1));
+    let error = refusal(&bayo(), &Play { until_s, ..Play::of(&torque) });
+    assert_eq!(
+        error.to_string(),
+        "16777216 samples of 10 modes = 2.7 GB, but must be at most 2.1 GB"
+    );
+    assert_eq!(error.hint(), Some("an earlier end, or a torque with a longer step"));
+}
+
+#[test]
+fn a_motion_is_played_up_to_the_end_of_double_precision_and_not_beyond_its_power() {
+    let time_s = times(0.001, 40);
+    let played = |peak: f64| {
+        let samples = time_s.iter().map(|t| peak * (PI * t / 0.04).sin()).collect();
+        let torque = Torque::new(&time_s, samples).unwrap();
+        simulate(&bayo(), &mesh_of(&bayo(), 5), &Play::of(&torque)).map(|found| found.grid.len)
+    };
+    assert_eq!(played(1e154), Ok(41));
+    assert!(matches!(played(1e160), Err(SimulationError::NotFinite { .. })), "its power is not");
 }
 
 #[test]
@@ -154,6 +179,11 @@ fn a_step_that_hides_the_first_mode_is_warned_about() {
 fn a_link_bent_beyond_the_theory_is_warned_about() {
     let found = warned(&bayo(), &torque(|x| 12.0 * x.sin()));
     let [SimulationWarning::LargeDeflection { share }] = found[..] else { panic!("{found:?}") };
+    let pushed = torque(|x| 12.0 * x.sin());
+    let bayo_link = bayo();
+    let deflection_m =
+        played(&bayo_link, &mesh_of(&bayo_link, 5), &Play::of(&pushed)).tip_deflection_m();
+    assert!((share * 1.5 / peak(&deflection_m) - 1.0).abs() < 1e-12, "{share} of 1.5 m");
     // Bending is linear in the torque.
     let bent = |to: f64| warned(&bayo(), &torque(|x| to / share * 12.0 * x.sin()));
     assert_eq!(bent(0.999 * Link::LARGE_DEFLECTION), []);
@@ -204,4 +234,24 @@ fn a_reference_at_other_times_is_refused_with_both() {
     assert_eq!(error.hint(), Some("take hub_angle.csv and torque.csv of one run of solve"));
     assert!(played(reference(0.01, 0.001, 40)).is_err(), "a tenth of a step late");
     assert_eq!(played(reference(0.01, 1e-7, 40)), Ok(41), "a file with few digits");
+    assert!(played(reference(0.0101, 0.0, 40)).is_err(), "another end");
+    assert!(played(reference(0.0101, -0.004, 40)).is_err(), "another start");
+    assert!(played(reference(0.02, 0.0, 20)).is_err(), "half as many samples");
+}
+
+#[test]
+fn a_reference_drives_the_link_if_a_gain_lets_it() {
+    let rest = torque(|_| 0.0);
+    let link = bayo();
+    let played = |kp, kd| {
+        let time_s = times(0.01, 40);
+        let angle = time_s.iter().map(|t| 0.1 * (1.0 - (PI * t / 0.4).cos())).collect();
+        let feedback = Feedback::new(kp, kd, HubReference::new(&time_s, angle, None).unwrap());
+        let feedback = feedback.unwrap();
+        let play = Play { feedback: Some(&feedback), ..Play::of(&rest) };
+        simulate(&link, &mesh_of(&link, 5), &play)
+            .map(|found| peak(&found.tip.displacement_m) > 0.0)
+    };
+    assert_eq!(played(0.0, 0.0), Err(SimulationError::NoTorque));
+    assert_eq!([played(2.0, 0.0), played(0.0, 2.0), played(2.0, 2.0)], [const { Ok(true) }; 3]);
 }

@@ -3,7 +3,8 @@
 use super::{Smooth, link, mesh_of, sine, solved, torque_difference};
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, Solution, invert};
-use flexlink::link::{Link, LumpedMass, Segment, Taper};
+use flexlink::link::{Damping, Link, LumpedMass, Segment, Taper};
+use flexlink::modal::torque_zeros;
 use flexlink::motion::TipMotion;
 
 fn automatic(link: &Link, motion: &TipMotion, tolerance: f64) -> Solution {
@@ -93,4 +94,29 @@ fn a_mesh_that_was_chosen_may_be_finer_than_any_automatic_one() {
     let solution = solved(&link, 5000, &Smooth { steps: 32, ..Smooth::MOVE }.motion());
     assert_eq!(solution.mesh().elements().len(), 5000);
     assert!(solution.accuracy.mesh_error < 1e-9, "{:e}", solution.accuracy.mesh_error);
+}
+
+#[test]
+fn the_zero_that_is_reported_is_that_of_the_refined_mesh() {
+    let (link, motion) =
+        (tapered(), Smooth { duration_s: 0.3, steps: 300, ..Smooth::SHORT }.motion());
+    let solution = automatic(&link, &motion, 1e-7);
+    assert!(solution.mesh().elements().len() > 16, "not refined");
+    assert_eq!(solution.first_zero_per_s, torque_zeros(solution.mesh(), 1).first().copied());
+    let coarse = solved(&link, 8, &motion);
+    assert_ne!(coarse.first_zero_per_s, solution.first_zero_per_s);
+}
+
+/// 16/15 of what halved elements change, over the peak of the torque on these: also where that is
+/// much.
+#[test]
+fn the_reported_error_is_that_of_the_series_in_the_fourth_power_over_the_better_torque() {
+    let link = link(|parts| parts.damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 1e-3 });
+    let rested = Smooth { duration_s: 0.5, rest: [512, 511], ..Smooth::SHORT }.motion();
+    let [coarse, fine] = [2, 4].map(|elements| solved(&link, elements, &rested));
+    let change = torque_difference(&fine, &coarse, 0);
+    assert!(change > 0.01, "{change}");
+    let expected = 16.0 / 15.0 * change;
+    let found = coarse.accuracy.mesh_error;
+    assert!((found / expected - 1.0).abs() < 2e-3, "{found} is not {expected}");
 }

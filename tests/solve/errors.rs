@@ -2,7 +2,7 @@
 
 use super::{Smooth, accelerated, link, mesh_of, refused, sine};
 use flexlink::beam::{ElementCount, MeshPlan};
-use flexlink::inverse::{Analysis, InversionError};
+use flexlink::inverse::{Analysis, InversionError, invert};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::DampingError;
 
@@ -52,7 +52,10 @@ fn numbers_beyond_double_precision() {
     let InversionError::NotFinite { frequency_hz } = error else {
         panic!("{error}");
     };
-    assert!(frequency_hz > 0.0);
+    // Of a torque without end the lowest frequency but zero is named, one period's.
+    let periods_s = 1.0 / frequency_hz;
+    assert!((1.0..20.0).contains(&periods_s), "{periods_s} s");
+    assert!((periods_s * 256.0 - (periods_s * 256.0).round()).abs() < 1e-6, "{periods_s} s");
     let message = error.to_string();
     let expected =
         format!("the torque at {frequency_hz:.4} Hz = not a finite number, but must be one");
@@ -92,4 +95,33 @@ fn a_window_longer_than_can_be_transformed() {
     );
     let hint = "use a longer step, or a shorter analysis.lead and analysis.lag";
     assert_eq!(error.hint(), Some(hint));
+}
+
+#[test]
+fn the_memory_that_a_refusal_names_is_what_it_takes() {
+    let (link, motion) = (link(|_| ()), Smooth::SHORT.motion());
+    let within = |bytes: usize| {
+        let analysis = Analysis::new(1e-2, None, None).unwrap().within_memory(Some(bytes));
+        invert(&link, &mesh_of(&link, 4), &motion, &analysis)
+            .map(|solution| solution.band.fft_length)
+    };
+    let Err(InversionError::TooMuchMemory { bytes, allowed: 1 }) = within(1) else {
+        panic!("a period was solved in one byte");
+    };
+    let samples = within(bytes).unwrap();
+    // Torque, motion and their amplitudes at least, of two meshes.
+    assert!(bytes > 100 * samples && bytes < 1000 * samples, "{bytes} for {samples}");
+    let refused = within(bytes - 1).unwrap_err();
+    assert_eq!(refused, InversionError::TooMuchMemory { bytes, allowed: bytes - 1 });
+}
+
+#[test]
+fn a_count_of_samples_is_written_out_until_it_is_a_power_of_ten() {
+    let link = link(|_| ());
+    let asked = |lag_s: f64| {
+        let analysis = Analysis::new(1e-6, None, Some(lag_s)).unwrap();
+        refused(&link, &mesh_of(&link, 2), &Smooth::MOVE.motion(), &analysis).to_string()
+    };
+    assert!(asked(1e8).starts_with("the period = 256000"), "{}", asked(1e8));
+    assert!(asked(1e12).starts_with("the period = 3e14 or more samples"), "{}", asked(1e12));
 }

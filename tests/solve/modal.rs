@@ -1,9 +1,10 @@
 //! Damping mode by mode, and links reduced to few modes.
 
 use super::{Smooth, link, mesh_of, peak, refused, solved, torque_difference};
-use flexlink::inverse::{Analysis, InversionError, Solution, invert};
+use flexlink::beam::Mesh;
+use flexlink::inverse::{Analysis, Dynamics, InversionError, KeptModes, Solution, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Payload};
-use flexlink::modal::DampingError;
+use flexlink::modal::{DampingError, ModalBasis};
 
 /// A link with all that a link can have.
 fn loaded(damping: Damping) -> Link {
@@ -132,4 +133,42 @@ fn what_modes_cannot_do_is_refused() {
         panic!("{error}");
     };
     assert!(mode > 3 && ratio < 0.0 && modes == 16, "mode {mode} of {modes}: {ratio}");
+}
+
+#[test]
+fn an_undamped_link_needs_no_torque_at_its_natural_frequencies_and_all_is_finite_there() {
+    let link = loaded(Damping::Modal { ratios: vec![0.0] });
+    let mesh = Mesh::new(&link, &mesh_of(&link, 8));
+    let modes = ModalBasis::complete(&mesh).unwrap().modes;
+    let dynamics = Dynamics::new(&link, mesh, KeptModes::All).unwrap();
+    for mode in &modes[..5] {
+        let at = |omega: f64| dynamics.tip_transfer(omega);
+        let (exact, beside) = (at(mode.omega_rad_s), at(mode.omega_rad_s * (1.0 + 1e-9)));
+        assert!(exact.inertia_kg_m.norm() < 1e-9 * at(0.0).inertia_kg_m.norm(), "{exact:?}");
+        assert!((exact.angle_rad_m / beside.angle_rad_m - 1.0).norm() < 1e-6, "{exact:?}");
+        assert!((exact.lag_s2 / beside.lag_s2 - 1.0).norm() < 1e-6, "{exact:?}");
+    }
+}
+
+#[test]
+fn ratios_of_nothing_are_no_damping_under_every_law() {
+    for damping in [
+        Damping::RayleighThroughModes { modes: [1, 2], ratios: [0.0, 0.0] },
+        Damping::Caughey { modes: vec![1, 2], ratios: vec![0.0, 0.0] },
+    ] {
+        let motion = Smooth::SHORT.motion();
+        let (none, found) = (loaded(Damping::None), loaded(damping));
+        assert_same(&solved(&found, 8, &motion), &solved(&none, 8, &motion), 1e-9);
+    }
+}
+
+#[test]
+fn a_solution_tells_the_zeros_of_its_mesh() {
+    let solution = solved(&link(|_| ()), 200, &Smooth::SHORT.motion());
+    let found = solution.zeros_per_s(3);
+    assert_eq!(found.len(), 3);
+    for (z, unit) in found.iter().zip([11.186_642_72, 60.451_695_86, 149.277_767_6]) {
+        let exact = unit * (5.0 / 0.8_f64).sqrt() / 2.25;
+        assert!((z / exact - 1.0).abs() < 1e-6, "{z} is not {exact}");
+    }
 }

@@ -123,3 +123,17 @@ fn the_torque_balances_the_angular_momentum_of_the_moving_link() {
     let difference = largest_difference(torque, balance) / peak(torque);
     assert!(difference < 5e-4, "{difference:e}");
 }
+
+#[test]
+fn a_thinned_table_of_displacements_ends_with_the_tip_at_the_same_times() {
+    let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
+    let last = solution.mesh().nodes_m().len() - 1;
+    for every in [1, 3, 7] {
+        let rows = solution.displacements(&[last], every).histories().samples.concat();
+        assert_eq!(rows.len(), solution.grid.len.div_ceil(every));
+        for (row, v) in rows.iter().enumerate() {
+            let tip = solution.tip.displacement_m[row * every];
+            assert!((v - tip).abs() < 1e-12, "row {row} of every {every}: {v} is not {tip}");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! The period: how long it is, what is written of it, and what that costs.
 
-use super::{Smooth, link, mesh_of, samples, sine, solved, torque_difference};
-use flexlink::inverse::{Analysis, Solution, Warning, invert};
+use super::{Smooth, accelerated, link, mesh_of, samples, sine, solved, torque_difference};
+use flexlink::inverse::{Analysis, Solution, Warning, invert, torque_over_window};
 use flexlink::link::Damping;
 
 /// With viscous damping the torque decays exponentially on both sides, as the zeros say.
@@ -118,4 +118,31 @@ fn a_looser_tolerance_writes_a_shorter_window() {
         invert(&link, &plan, &sine(0.5, 0.88, 440), &analysis).unwrap().grid.len
     };
     assert!(rows(1e-2) < rows(1e-4) && rows(1e-4) < rows(1e-6));
+}
+
+#[test]
+fn another_sampling_of_a_motion_asks_for_the_same_torque_over_the_same_window() {
+    let link = link(|parts| parts.damping = VISCOUS);
+    let late = |steps: u32| {
+        let motion = Smooth { steps, ..Smooth::SHORT };
+        let time_s = motion.time_s().into_iter().map(|t| 7.0 + t).collect();
+        accelerated(time_s, motion.acceleration_m_s2())
+    };
+    let solution = solved(&link, 16, &late(256));
+    let finer = torque_over_window(&solution, &link, &late(512), &Analysis::default()).unwrap();
+    assert_eq!(finer.len(), 2 * solution.grid.len - 1);
+    let peak = super::peak(&solution.torque_n_m);
+    for (k, torque_n_m) in solution.torque_n_m.iter().enumerate() {
+        assert!((torque_n_m - finer[2 * k]).abs() < 4e-6 * peak, "sample {k}");
+    }
+}
+
+#[test]
+fn the_band_is_told_in_hertz_of_period_and_step() {
+    let solution = solved(&link(|_| ()), 8, &Smooth::SHORT.motion());
+    let band = solution.band;
+    let close = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-12, "{band:?}");
+    close(band.period_s, band.fft_length as f64 / 256.0);
+    close(band.highest_hz, (band.frequencies - 1) as f64 / band.period_s);
+    close(band.nyquist_hz, 128.0);
 }

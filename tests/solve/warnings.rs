@@ -122,6 +122,11 @@ fn a_blocked_tip_is_named_with_its_frequency() {
     let Warning::BlockedTip { frequency_hz, share } = *warning else { panic!("{warning}") };
     let expected = 4.607_14_f64.powi(2) * (5.0 / 0.8_f64).sqrt() / 2.25 / std::f64::consts::TAU;
     assert!((frequency_hz / expected - 1.0).abs() < 1e-5, "{frequency_hz} Hz for {expected} Hz");
+    // The spectrum of one period of a sine over x = fT.
+    let amplitude = |x: f64| ((std::f64::consts::PI * x).sin() / (1.0 - x * x)).abs();
+    let largest = (1..200).map(|k| amplitude(0.009 * f64::from(k))).fold(0.0, f64::max);
+    let held = amplitude(0.5 * expected) / largest;
+    assert!((share / held - 1.0).abs() < 0.15, "{share} is not {held}");
     assert_eq!(
         warning.to_string(),
         format!(

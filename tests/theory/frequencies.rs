@@ -95,3 +95,18 @@ fn a_frequency_is_too_high_by_the_fourth_power_of_the_phase_per_element_over_144
         }
     }
 }
+
+#[test]
+fn a_mesh_is_halved_until_frequencies_are_exact_to_a_tolerance_or_it_has_thousands_of_elements() {
+    let link = UniformLink::unit(0.0, 0.0);
+    let highest = frequency_roots(&link)[4].powi(2);
+    for tolerance in [1e-3, 1e-6] {
+        let mesh = link.mesh(3).resolving(highest, tolerance);
+        let error =
+            |elements: usize| natural_frequencies(&link.mesh(elements), 5)[4] / highest - 1.0;
+        let elements = mesh.elements().len();
+        assert!(error(elements) < 1.01 * tolerance, "{elements} elements for {tolerance:e}");
+        assert!(error(elements / 2) > 0.9 * tolerance, "{elements} elements for {tolerance:e}");
+    }
+    assert_eq!(link.mesh(5).resolving(1e9, 1e-12).elements().len(), 5 << 10);
+}

@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use flexlink::beam::nodal_transfer;
-use flexlink::link::Payload;
+use flexlink::beam::{Mesh, MeshPlan, nodal_transfer};
+use flexlink::inverse::{Dynamics, FrequencyResponse, KeptModes};
+use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
 use num_complex::Complex64;
 
 use crate::closed_form::UniformLink;
@@ -129,5 +130,40 @@ fn four_thousand_elements_are_exact_to_thirteen_digits_at_a_hundredth_radian_per
             let errors = errors(&link, 0.01, elements);
             assert!(errors.iter().all(|e| *e < 1e-13), "{elements} elements: {errors:?}");
         }
+    }
+}
+
+/// `T/a = (I/L)(1 + α/(iω)) + b/(iωL)`, `θ/v = 1/L` and `v/T = −1/(ω² T/a)`, bending left out.
+#[test]
+fn the_frequency_response_of_a_stiff_link_is_that_of_the_rigid_one_with_drag_and_friction() {
+    let link = Link::new(LinkParts {
+        title: String::new(),
+        segments: vec![Segment {
+            name: None,
+            length_m: 1.3,
+            bending_stiffness_n_m2: Taper::constant(1e13),
+            mass_per_length_kg_m: Taper::constant(0.8),
+        }],
+        hub: Hub { inertia_kg_m2: 0.1, viscous_friction_n_m_s_rad: 0.7, radius_m: 0.0 },
+        masses: vec![],
+        payload: Payload::default(),
+        damping: Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 0.0 },
+    })
+    .expect("a valid link");
+    let plan = MeshPlan::new(&link, &[Some(4)], None, 1e-6).expect("a valid plan");
+    let dynamics = Dynamics::new(&link, Mesh::new(&link, &plan), KeptModes::All);
+    let dynamics = dynamics.expect("damping that can be");
+    for frequency_hz in [0.05, 0.3, 2.0] {
+        let found = FrequencyResponse::at(&dynamics, 0.7, frequency_hz);
+        let rate = Complex64::new(0.0, TAU * frequency_hz);
+        let inertia = 0.1 + 0.8 * 1.3_f64.powi(3) / 3.0;
+        let torque = inertia / 1.3 * (1.0 + 0.4 / rate) + 0.7 / (rate * 1.3);
+        let close = |found: Complex64, exact: Complex64| {
+            assert!((found / exact - 1.0).norm() < 1e-9, "{frequency_hz} Hz: {found}, {exact}");
+        };
+        close(found.torque_per_tip_acceleration_kg_m, torque);
+        close(found.hub_angle_per_tip_displacement_rad_m, (1.0 / 1.3).into());
+        close(found.tip_displacement_per_torque_1_n, 1.0 / (torque * rate * rate));
+        assert!((found.frequency_hz / frequency_hz - 1.0).abs() < 1e-15);
     }
 }

@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod dense;
+
 use std::f64::consts::PI;
 
 use flexlink::beam::{ElementCount, MeshPlan};
