@@ -31,7 +31,10 @@ fn hearing(program: Command) -> Command {
         return program;
     }
     let mut command = Command::new("env");
-    command.arg("--default-signal=INT,TERM,HUP").arg(program.get_program()).args(program.get_args());
+    command
+        .arg("--default-signal=INT,TERM,HUP")
+        .arg(program.get_program())
+        .args(program.get_args());
     command.current_dir(program.get_current_dir().unwrap()).stdin(Stdio::null());
     for (name, value) in program.get_envs() {
         match value {

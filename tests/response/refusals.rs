@@ -67,10 +67,11 @@ fn more_numbers_than_can_be_held_are_refused_with_their_size() {
     let torque = torque(f64::sin);
     // The most samples that there may be, of the rigid rotation, eight modes and their residual one.
     let until_s = Some(0.01 * f64::from((1 << 24) - 1));
-    let error = refusal(&bayo(), &Play { until_s, ..Play::of(&torque) });
+    let memory_bytes = Some(1_000_000_000);
+    let error = refusal(&bayo(), &Play { until_s, memory_bytes, ..Play::of(&torque) });
     assert_eq!(
         error.to_string(),
-        "16777216 samples of 10 modes = 2.7 GB, but must be at most 2.1 GB"
+        "16777216 samples of 10 modes would need 5.9 GB of memory, but must fit in the 1.0 GB available"
     );
     assert_eq!(error.hint(), Some("an earlier end, or a torque with a longer step"));
 }
