@@ -97,6 +97,11 @@ fn samples_that_are_no_numbers_are_refused_wherever_they_stand() {
         assert!(error.to_string().starts_with("acceleration = "), "{error}");
     }
     assert_eq!(accelerated(|t| 1e307 * least_jerk(t).1), Err(MotionError::TooLarge));
+    // Every sample and difference is a number, but their transform is not.
+    let displacement_m = Some(vec![0.0, 0.0, 3e306, 3e306, 3e306]);
+    let time_s = vec![0.0, 1.0, 2.0, 3.0, 4.0];
+    let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
+    assert_eq!(TipMotion::new(columns), Err(MotionError::TooLarge));
 }
 
 #[test]

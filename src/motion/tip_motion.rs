@@ -13,6 +13,9 @@ const ROUND_OFF: f64 = 1e-9;
 /// End velocity over peak velocity that a file with few digits may have; it is corrected.
 const FEW_DIGITS: f64 = 1e-3;
 
+/// Periods of so many times the motion's own samples are transformed without a number too large.
+const PERIODS: f64 = 64.0;
+
 /// What the samples of a motion were.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Source {
@@ -94,7 +97,7 @@ impl TipMotion {
         });
         let (peak, velocity_m_s) =
             velocities.fold((0.0_f64, 0.0), |(peak, _), v| (peak.max(v.abs()), v));
-        if !peak.is_finite() {
+        if !peak.is_finite() || !can_be_transformed(&samples) {
             return Err(MotionError::TooLarge);
         }
         let share = velocity_m_s.abs() / peak;
@@ -137,7 +140,7 @@ impl TipMotion {
                 ((after - samples[k]) - (samples[k] - before)) / grid.step_s.powi(2)
             })
             .collect();
-        if !second_differences.iter().all(|a| a.is_finite()) {
+        if !can_be_transformed(&second_differences) {
             return Err(MotionError::TooLarge);
         }
         let moving = moving_samples(&second_differences).ok_or(MotionError::NoMotion)?;
@@ -260,6 +263,12 @@ impl TipMotion {
     pub fn corrected(&self) -> Option<EndVelocity> {
         self.corrected
     }
+}
+
+/// Whether the sums of a Fourier transform over many times the motion stay numbers.
+fn can_be_transformed(forcing: &[f64]) -> bool {
+    let sum: f64 = forcing.iter().map(|a| a.abs()).sum();
+    (sum * PERIODS * forcing.len() as f64).is_finite()
 }
 
 fn moving_samples(forcing: &[f64]) -> Option<(usize, usize)> {
