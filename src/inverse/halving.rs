@@ -166,7 +166,7 @@ mod tests {
     use super::*;
     use crate::beam::{Mesh, MeshPlan};
     use crate::inverse::dynamics::Dynamics;
-    use crate::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+    use crate::link::{Damping, Hub, Link, LinkParts, Payload, uniform};
     use crate::motion::{Profile, TipMotion};
     use crate::numeric::largest_difference;
 
@@ -180,20 +180,8 @@ mod tests {
     }
 
     fn changes(damping: Damping, payload: Payload, travel_m: f64) -> Changes {
-        let link = Link::new(LinkParts {
-            title: String::new(),
-            segments: vec![Segment {
-                name: None,
-                length_m: 1.5,
-                bending_stiffness_n_m2: Taper::constant(5.0),
-                mass_per_length_kg_m: Taper::constant(0.8),
-            }],
-            hub: Hub { inertia_kg_m2: 0.1, viscous_friction_n_m_s_rad: 0.1, ..Hub::default() },
-            masses: vec![],
-            payload,
-            damping,
-        })
-        .unwrap();
+        let hub = Hub { viscous_friction_n_m_s_rad: 0.1, ..uniform().hub };
+        let link = Link::new(LinkParts { hub, payload, damping, ..uniform() }).unwrap();
         let mesh = Mesh::new(&link, &MeshPlan::new(&link, &[Some(10)], None, 1e-6).unwrap());
         let coarse = Dynamics::new(&link, mesh, KeptModes::All).unwrap();
         let fine = coarse.refined().unwrap();

@@ -2,25 +2,13 @@
 
 use super::{Analysis, Solution, invert};
 use crate::beam::{ElementCount, MeshPlan};
-use crate::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+use crate::link::{Damping, Link, LinkParts, uniform};
 use crate::motion::{MotionColumns, TipMotion};
 
 /// A motion of this many steps, smooth, so that its band is narrow where they are many.
 pub(crate) fn solution(steps: u32) -> Solution {
-    let link = Link::new(LinkParts {
-        title: String::new(),
-        segments: vec![Segment {
-            name: None,
-            length_m: 1.5,
-            bending_stiffness_n_m2: Taper::constant(5.0),
-            mass_per_length_kg_m: Taper::constant(0.8),
-        }],
-        hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
-        masses: vec![],
-        payload: Payload::default(),
-        damping: Damping::Hysteretic { ratio: 0.02 },
-    })
-    .unwrap();
+    let damping = Damping::Hysteretic { ratio: 0.02 };
+    let link = Link::new(LinkParts { damping, ..uniform() }).unwrap();
     let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(40)), 1e-4).unwrap();
     let share = |k: u32| (2.0 * f64::from(k) / f64::from(steps) - 1.0) * 6.0;
     let time_s = (0..=steps).map(|k| 1.2 * f64::from(k) / f64::from(steps)).collect();

@@ -9,6 +9,8 @@ mod drive;
 mod error;
 mod section;
 mod segment;
+#[cfg(test)]
+mod uniform;
 mod whole;
 
 pub use bodies::{Hub, LumpedMass, Payload};
@@ -18,5 +20,7 @@ pub use drive::Drive;
 pub use error::ParameterError;
 pub use section::Section;
 pub use segment::{Segment, Taper};
+#[cfg(test)]
+pub(crate) use uniform::{uniform, uniform_segment};
 pub(crate) use whole::POSITION_TOLERANCE;
 pub use whole::{Link, LinkParts};

@@ -105,24 +105,20 @@ fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
 mod tests {
     use super::*;
     use crate::beam::{ElementCount, MeshPlan};
-    use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+    use crate::link::{
+        Hub, Link, LinkParts, LumpedMass, Payload, Segment, uniform, uniform_segment,
+    };
 
     /// Two like spans between three bodies so heavy that each span vibrates by itself: every mode
     /// comes twice but for a share of span over body.
     fn twins(body_kg: f64) -> Mesh {
         let inertia_kg_m2 = 10.0 * body_kg;
         let link = Link::new(LinkParts {
-            title: String::new(),
-            segments: vec![Segment {
-                name: None,
-                length_m: 2.0,
-                bending_stiffness_n_m2: Taper::constant(5.0),
-                mass_per_length_kg_m: Taper::constant(0.8),
-            }],
+            segments: vec![Segment { length_m: 2.0, ..uniform_segment() }],
             hub: Hub { inertia_kg_m2, ..Hub::default() },
             masses: vec![LumpedMass { at_m: 1.0, mass_kg: body_kg, inertia_kg_m2 }],
             payload: Payload { mass_kg: body_kg, inertia_kg_m2, offset_m: 0.0 },
-            damping: Damping::None,
+            ..uniform()
         })
         .unwrap();
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(24)), 1e-6).unwrap();

@@ -183,22 +183,18 @@ pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize)
 mod tests {
     use super::*;
     use crate::beam::{ElementCount, MeshPlan, condense};
-    use crate::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+    use crate::link::{Hub, Link, LinkParts, Payload, Segment, Taper, uniform, uniform_segment};
     use crate::numeric::Wide;
 
     fn massless(hub_kg_m2: f64, payload_kg: f64) -> Mesh {
         let link = Link::new(LinkParts {
-            title: String::new(),
             segments: vec![Segment {
-                name: None,
-                length_m: 1.5,
-                bending_stiffness_n_m2: Taper::constant(5.0),
                 mass_per_length_kg_m: Taper::constant(0.0),
+                ..uniform_segment()
             }],
             hub: Hub { inertia_kg_m2: hub_kg_m2, ..Hub::default() },
-            masses: vec![],
             payload: Payload { mass_kg: payload_kg, ..Payload::default() },
-            damping: Damping::None,
+            ..uniform()
         })
         .unwrap();
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6);
@@ -258,17 +254,14 @@ mod tests {
     #[test]
     fn natural_frequencies_have_thirteen_digits_on_every_mesh() {
         let link = Link::new(LinkParts {
-            title: String::new(),
             segments: vec![Segment {
-                name: None,
-                length_m: 1.5,
                 bending_stiffness_n_m2: Taper { inner: 9.0, outer: 4.0 },
                 mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.7 },
+                ..uniform_segment()
             }],
             hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.05, ..Hub::default() },
-            masses: vec![],
             payload: Payload { mass_kg: 0.1, inertia_kg_m2: 1e-3, offset_m: 0.02 },
-            damping: Damping::None,
+            ..uniform()
         })
         .unwrap();
         for elements in [2, 10, 100, 1000, 4000] {

@@ -55,23 +55,19 @@ fn rank(body: &Inertia<f64>) -> usize {
 mod tests {
     use super::*;
     use crate::beam::{ElementCount, MeshPlan};
-    use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment};
+    use crate::link::{
+        Hub, Link, LinkParts, LumpedMass, Payload, Segment, uniform, uniform_segment,
+    };
     use crate::modal::{ModalBasis, natural_frequencies};
 
     /// A link of twenty elements that has these bodies and a beam of this mass.
     fn mesh(beam: Taper, hub: Hub, masses: Vec<LumpedMass>, payload: Payload) -> Mesh {
         let link = Link::new(LinkParts {
-            title: String::new(),
-            segments: vec![Segment {
-                name: None,
-                length_m: 1.5,
-                bending_stiffness_n_m2: Taper::constant(5.0),
-                mass_per_length_kg_m: beam,
-            }],
+            segments: vec![Segment { mass_per_length_kg_m: beam, ..uniform_segment() }],
             hub,
             masses,
             payload,
-            damping: Damping::None,
+            ..uniform()
         })
         .unwrap();
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(20)), 1e-6).unwrap();

@@ -151,24 +151,11 @@ impl Shape {
 mod tests {
     use super::*;
     use crate::beam::{ElementCount, MeshPlan};
-    use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+    use crate::link::{Hub, Link, LinkParts, LumpedMass, Payload, uniform};
     use crate::modal::natural_frequencies;
 
     fn mesh(elements: usize, hub: Hub, masses: Vec<LumpedMass>, payload: Payload) -> Mesh {
-        let link = Link::new(LinkParts {
-            title: String::new(),
-            segments: vec![Segment {
-                name: None,
-                length_m: 1.5,
-                bending_stiffness_n_m2: Taper::constant(5.0),
-                mass_per_length_kg_m: Taper::constant(0.8),
-            }],
-            hub,
-            masses,
-            payload,
-            damping: Damping::None,
-        })
-        .unwrap();
+        let link = Link::new(LinkParts { hub, masses, payload, ..uniform() }).unwrap();
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);
         Mesh::new(&link, &plan.unwrap())
     }

@@ -90,24 +90,11 @@ fn scan_start(mesh: &Mesh) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::beam::{ElementCount, MeshPlan};
-    use crate::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+    use crate::link::{Link, uniform};
 
     #[test]
     fn a_search_from_anywhere_ends_a_power_of_two_from_there_around_the_mode() {
-        let link = Link::new(LinkParts {
-            title: String::new(),
-            segments: vec![Segment {
-                name: None,
-                length_m: 1.5,
-                bending_stiffness_n_m2: Taper::constant(5.0),
-                mass_per_length_kg_m: Taper::constant(0.8),
-            }],
-            hub: Hub::default(),
-            masses: vec![],
-            payload: Payload::default(),
-            damping: Damping::None,
-        })
-        .unwrap();
+        let link = Link::new(uniform()).unwrap();
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(4)), 1e-6).unwrap();
         let mesh = Mesh::new(&link, &plan);
         let below = |omega: f64| HubSpring::CLAMPED.modes_below(&mesh, &[omega; SECTIONS])[0];

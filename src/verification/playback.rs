@@ -110,25 +110,14 @@ fn imbalance(simulation: &Simulation) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::beam::{ElementCount, MeshPlan};
-    use crate::link::{Hub, Link, LinkParts, Payload, Segment, Taper};
+    use crate::link::{Hub, Link, LinkParts, uniform};
     use crate::response::simulate;
 
     #[test]
     fn work_that_is_nowhere_in_the_link_is_missed() {
-        let link = Link::new(LinkParts {
-            title: String::new(),
-            segments: vec![Segment {
-                name: None,
-                length_m: 1.5,
-                bending_stiffness_n_m2: Taper::constant(5.0),
-                mass_per_length_kg_m: Taper::constant(0.8),
-            }],
-            hub: Hub { inertia_kg_m2: 0.1, viscous_friction_n_m_s_rad: 0.1, ..Hub::default() },
-            masses: vec![],
-            payload: Payload::default(),
-            damping: Damping::Hysteretic { ratio: 0.02 },
-        })
-        .unwrap();
+        let hub = Hub { viscous_friction_n_m_s_rad: 0.1, ..uniform().hub };
+        let damping = Damping::Hysteretic { ratio: 0.02 };
+        let link = Link::new(LinkParts { hub, damping, ..uniform() }).unwrap();
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6).unwrap();
         let time_s: Vec<f64> = (0..=1000).map(|k| 1e-3 * f64::from(k)).collect();
         let sine = time_s.iter().map(|t| (std::f64::consts::TAU * t).sin().powi(3)).collect();
