@@ -12,30 +12,51 @@ static STOPPED: AtomicBool = AtomicBool::new(false);
 
 /// From now on a request to end removes what is not finished and ends the program.
 pub(crate) fn end_in_order() {
-    // Where signals are ignored, as under nohup, or cannot be heard they stay as they are: the next
-    // run removes what this one leaves.
-    let _ = ctrlc::try_set_handler(end);
+    listen(end);
 }
 
 /// From now on the first request to end turns the returned flag true, and leaves it to the work to
 /// end in order; the second ends the program at once.
 pub(crate) fn watch() -> &'static AtomicBool {
-    let asked = || {
+    listen(|signal| {
         if STOPPED.swap(true, Ordering::Relaxed) {
-            end();
+            end(signal);
         }
         console::note("finishing the cases that have begun; once more ends at once");
-    };
-    // As above; whole rows are on the disk.
-    let _ = ctrlc::try_set_handler(asked);
+    });
     &STOPPED
 }
 
+/// From now on each request to end is told by its signal, but for those that the program was started
+/// to ignore.
+///
+/// Where they cannot be heard they stay as they are: the next run removes what this one leaves.
+#[cfg(unix)]
+fn listen(asked: impl Fn(i32) + Send + 'static) {
+    use flexlink::tables::is_signal_ignored;
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::iterator::Signals;
+
+    // Of a system that does not tell: to end with its terminal is what most often is not wanted.
+    let is_heard = |signal: &i32| !is_signal_ignored(*signal).unwrap_or(*signal == SIGHUP);
+    let heard: Vec<i32> = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(is_heard).collect();
+    if let Ok(mut signals) = Signals::new(heard) {
+        std::thread::spawn(move || signals.forever().for_each(asked));
+    }
+}
+
+#[cfg(not(unix))]
+fn listen(asked: impl Fn(i32) + Send + 'static) {
+    const CTRL_C: i32 = 2;
+    let _ = ctrlc::try_set_handler(move || asked(CTRL_C));
+}
+
 #[expect(clippy::exit, reason = "whoever asks to end does not want to wait")]
-fn end() {
+#[cfg_attr(not(unix), expect(unused_variables, reason = "there is no signal to end by"))]
+fn end(signal: i32) {
     abandon_unfinished();
     // A shell ends its script only if what it ran was ended by the signal.
     #[cfg(unix)]
-    let _ = signal_hook::low_level::emulate_default_handler(signal_hook::consts::SIGINT);
+    let _ = signal_hook::low_level::emulate_default_handler(signal);
     process::exit(Exit::Interrupted as i32);
 }

@@ -12,29 +12,35 @@ const VARY: [&str; 2] = ["--vary", "segments.*.EI*=0.5:8:40:log"];
 
 /// A sweep in the background that has written some rows.
 fn begun(bench: &Bench) -> Child {
+    begun_with(bench, &["--default-signal=INT,TERM,HUP"])
+}
+
+/// The same with what `env` makes of the signals: those of the tests themselves may be ignored, as
+/// under nohup or in a script's background.
+fn begun_with(bench: &Bench, signals: &[&str]) -> Child {
     let (link, motion) = (repository(LINK), repository(MOTION));
     let arguments = [&["sweep", &link, &motion, "--threads", "1"], &VARY[..]].concat();
-    let mut program = hearing(bench.program(&arguments));
+    let mut program = with_signals(signals, bench.program(&arguments));
     let child = program.stderr(Stdio::piped()).spawn().unwrap();
-    let rows = || fs::read_to_string(bench.path("sweep.csv.part")).unwrap_or_default();
-    let has_some = |_| {
-        sleep(Duration::from_millis(5));
-        rows().lines().count() > 5
-    };
-    assert!((0..6000).any(has_some), "no rows within 30 s");
+    wait_for_rows(bench, 6);
     child
 }
 
-/// The same where the tests themselves ignore signals, as under nohup or in a script's background.
-fn hearing(program: Command) -> Command {
+fn wait_for_rows(bench: &Bench, rows: usize) {
+    let written = || fs::read_to_string(bench.path("sweep.csv.part")).unwrap_or_default();
+    let are_there = |_| {
+        sleep(Duration::from_millis(5));
+        written().lines().count() >= rows
+    };
+    assert!((0..6000).any(are_there), "no {rows} rows within 30 s");
+}
+
+fn with_signals(signals: &[&str], program: Command) -> Command {
     if !cfg!(target_os = "linux") {
         return program;
     }
     let mut command = Command::new("env");
-    command
-        .arg("--default-signal=INT,TERM,HUP")
-        .arg(program.get_program())
-        .args(program.get_args());
+    command.args(signals).arg(program.get_program()).args(program.get_args());
     command.current_dir(program.get_current_dir().unwrap()).stdin(Stdio::null());
     for (name, value) in program.get_envs() {
         match value {
@@ -90,6 +96,26 @@ fn a_sweep_that_is_stopped_keeps_its_rows_and_goes_on_to_the_same_table() {
         assert_eq!(stdout(&output), "cases    40\nwritten  sweep.csv\n");
         assert!(bench.read("sweep.csv") == whole, "{signal}");
         assert_eq!(bench.names("."), ["sweep.csv"]);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_sweep_started_to_ignore_ctrl_c_and_hangup_goes_on_but_ends_when_the_system_asks() {
+    for (ignored, heard) in [("INT,HUP", "-TERM"), ("TERM,HUP", "-INT"), ("INT,TERM", "-HUP")] {
+        let bench = Bench::new();
+        let others = format!("--default-signal={}", heard.trim_start_matches('-'));
+        let child = begun_with(&bench, &[&others, &format!("--ignore-signal={ignored}")]);
+        for signal in ignored.split(',') {
+            send(&format!("-{signal}"), &child);
+        }
+        wait_for_rows(&bench, 10);
+        send(heard, &child);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{heard}: {}", output.status);
+        let words = "finishing the cases that have begun; once more ends at once";
+        assert_eq!(stderr(&output).matches(words).count(), 1, "{}", stderr(&output));
+        assert_eq!(bench.names("."), ["sweep.csv.part"], "{heard}");
     }
 }
 
