@@ -1,7 +1,7 @@
 use arbitrary::{Result, Unstructured};
 use flexlink::motion::{MotionColumns, Profile};
 
-use crate::any_link::any_size;
+use super::any_link::any_size;
 
 /// Samples of a motion at most.
 const MOST_SAMPLES: usize = 128;

@@ -1,111 +1,41 @@
-use std::fmt::Write as _;
+use super::link_text::link_text;
+use super::wording::check_words;
+use flexlink::beam::{Mesh, MeshPlan};
+use flexlink::spec::{Specification, read_specification};
 
-use flexlink::link::{Damping, Link, Segment, Taper};
-use flexlink::spec::Specification;
+/// Elements of a mesh at most that is made.
+const WORTH_THE_TIME: usize = 10_000;
 
-/// A link file in SI that says all that a specification holds, but for its mesh.
+/// Laws: a link file is refused with words, or is a link that can move and be meshed, and that is the
+/// same when it is written out in SI and read again.
 ///
 /// # Panics
-/// Never: a string can be written to.
-pub fn link_file(specification: &Specification) -> String {
-    let Specification { link, analysis, drive, limits, .. } = specification;
-    let mut file = bodies(link);
-    file += &damping(link.damping());
-    let mut table = |name: &str, entries: &[(&str, Option<f64>)]| {
-        writeln!(file, "[{name}]").expect("a string");
-        for (key, value) in entries.iter().filter_map(|(key, value)| Some((key, (*value)?))) {
-            writeln!(file, "{key} = {value:?}").expect("a string");
-        }
-    };
-    if let Some(drive) = drive {
-        let entries = [
-            ("joint_stiffness", drive.joint_stiffness_n_m_rad),
-            ("rotor_inertia", drive.rotor_inertia_kg_m2),
-            ("gear_ratio", drive.gear_ratio),
-        ];
-        table("drive", &entries.map(|(key, value)| (key, Some(value))));
+/// If one is broken.
+pub fn link_file(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    match read_specification("link.toml", text, &[]) {
+        Err(error) => check_words("link.toml", &error, error.hint()),
+        Ok(specification) => check(&specification),
     }
-    let limits = [
-        ("torque", limits.torque_n_m),
-        ("rms_torque", limits.rms_torque_n_m),
-        ("hub_rate", limits.hub_rate_rad_s),
-        ("power", limits.power_w),
-        ("deflection", limits.deflection_m),
-        ("bending_moment", limits.bending_moment_n_m),
-    ];
-    table("limits", &limits);
-    let times = [
-        ("tolerance", Some(analysis.tolerance())),
-        ("lead", analysis.lead_s()),
-        ("lag", analysis.lag_s()),
-    ];
-    table("analysis", &times);
-    if let Some(modes) = analysis.modes() {
-        writeln!(file, "modes = {modes}").expect("a string");
+}
+
+fn check(specification: &Specification) {
+    let (link, plan) = (&specification.link, &specification.mesh);
+    let inertia = link.rigid_inertia_kg_m2();
+    assert!(inertia.is_finite() && inertia > 0.0, "a rigid inertia of {inertia}");
+    assert!(plan.shares().iter().all(|(piece, count)| *count > 0 && piece.from < piece.to));
+    let elements: usize = plan.shares().iter().map(|(_, count)| count).sum();
+    assert!(elements <= MeshPlan::MOST_ELEMENTS, "{elements} elements");
+    if elements <= WORTH_THE_TIME {
+        let mesh = Mesh::new(link, plan);
+        assert_eq!(mesh.elements().len(), elements);
+        let off = (mesh.length_m() / link.length_m() - 1.0).abs();
+        assert!(off < 1e-12, "{} m are meshed of {} m", mesh.length_m(), link.length_m());
     }
-    file
-}
-
-/// Title, segments and all that is rigid.
-fn bodies(link: &Link) -> String {
-    let segments: Vec<String> = link.segments().iter().map(segment).collect();
-    let mass = |mass: &flexlink::link::LumpedMass| {
-        let (at, mass, inertia) = (mass.at_m, mass.mass_kg, mass.inertia_kg_m2);
-        format!("{{ at = {at:?}, mass = {mass:?}, inertia = {inertia:?} }}")
-    };
-    let masses: Vec<String> = link.masses().iter().map(mass).collect();
-    let (hub, payload) = (link.hub(), link.payload());
-    format!(
-        "title = {}\nsegments = [{}]\nmasses = [{}]\n\
-         hub = {{ inertia = {:?}, radius = {:?}, viscous_friction = {:?} }}\n\
-         payload = {{ mass = {:?}, inertia = {:?}, offset = {:?} }}\n",
-        quoted(link.title()),
-        segments.join(", "),
-        masses.join(", "),
-        hub.inertia_kg_m2,
-        hub.radius_m,
-        hub.viscous_friction_n_m_s_rad,
-        payload.mass_kg,
-        payload.inertia_kg_m2,
-        payload.offset_m,
-    )
-}
-
-fn segment(segment: &Segment) -> String {
-    let taper = |Taper { inner, outer }: Taper| format!("[{inner:?}, {outer:?}]");
-    let name = segment.name.as_deref().map(|name| format!("name = {}, ", quoted(name)));
-    format!(
-        "{{ {}length = {:?}, EI = {}, mass_per_length = {} }}",
-        name.unwrap_or_default(),
-        segment.length_m,
-        taper(segment.bending_stiffness_n_m2),
-        taper(segment.mass_per_length_kg_m),
-    )
-}
-
-fn damping(damping: &Damping) -> String {
-    let keys = match damping {
-        Damping::None => String::new(),
-        Damping::Hysteretic { ratio } => format!(", ratio = {ratio:?}"),
-        Damping::Rayleigh { alpha_per_s, beta_s } => {
-            format!(", alpha = {alpha_per_s:?}, beta = {beta_s:?}")
-        }
-        Damping::RayleighThroughModes { modes, ratios } => {
-            format!(", modes = {modes:?}, ratios = {ratios:?}")
-        }
-        Damping::Modal { ratios } => format!(", ratios = {ratios:?}"),
-        Damping::Caughey { modes, ratios } => format!(", modes = {modes:?}, ratios = {ratios:?}"),
-    };
-    format!("damping = {{ model = \"{}\"{keys} }}\n", damping.name())
-}
-
-/// A string of TOML.
-fn quoted(text: &str) -> String {
-    let escaped = |letter: char| match letter {
-        '"' | '\\' => format!("\\{letter}"),
-        letter if letter.is_control() => format!("\\u{:04x}", u32::from(letter)),
-        letter => letter.to_string(),
-    };
-    let inner: String = text.chars().map(escaped).collect();
-    format!("\"{inner}\"")
+    let written = link_text(specification);
+    let again = read_specification("again.toml", &written, &[]).expect(&written);
+    assert_eq!(
+        (&again.link, &again.analysis, &again.drive, &again.limits),
+        (link, &specification.analysis, &specification.drive, &specification.limits),
+    );
 }

@@ -7,7 +7,7 @@ use flexlink::modal::natural_frequencies;
 use flexlink::numeric::largest;
 use flexlink::result::{Metrics, Peak};
 
-use crate::finite;
+use super::finite;
 
 /// What a Fourier transform of N samples costs is this times ε log₂N of the root of the sum of
 /// squares; the usual bound has about 3.
