@@ -11,6 +11,7 @@ use super::args::LinkArgs;
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::keep_files;
+use super::memory::check_memory;
 
 const EXAMPLE: &str = "\
 Example:
@@ -22,6 +23,9 @@ displacement per torque.
 
 Writes a CSV with real and imaginary part, magnitude and phase of each, to standard output or a \
 file. An automatic mesh is refined until it follows the highest frequency to mesh.tolerance.";
+
+/// Bytes of a row as text, its thirteen numbers with all digits.
+const ROW_BYTES: usize = 13 * 25;
 
 /// Frequency response of a link.
 #[derive(Debug, Args)]
@@ -70,6 +74,8 @@ impl Frf {
         } else {
             coarsest
         };
+        let bytes = self.points.saturating_mul(size_of::<FrequencyResponse>() + ROW_BYTES);
+        check_memory("the frequency response", bytes, None, "use fewer --points")?;
         let dynamics = Dynamics::new(link, mesh, KeptModes::of(&specification.analysis))?;
         let friction = link.hub().viscous_friction_n_m_s_rad;
         let rows: Vec<FrequencyResponse> = self

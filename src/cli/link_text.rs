@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use flexlink::beam::Mesh;
 use flexlink::link::{Damping, Link};
 use flexlink::modal::DampingLaw;
-use flexlink::numeric::significant;
+use flexlink::numeric::{significant, visible};
 use flexlink::result::Peak;
 
 use super::number::list;
@@ -22,7 +22,7 @@ pub(crate) fn labelled(link: &Link, lines: &[(&str, String)]) -> String {
 
 /// The link's title on a line of its own, if it has one.
 pub(crate) fn title(link: &Link) -> String {
-    if link.title().is_empty() { String::new() } else { format!("{}\n", link.title()) }
+    if link.title().is_empty() { String::new() } else { format!("{}\n", visible(link.title())) }
 }
 
 /// Length, mesh and rigid inertia.

@@ -5,18 +5,29 @@ use flexlink::tables::available_memory;
 
 use super::exit::{Exit, Failure};
 
-/// Refuses nodal tables that take more memory than there is; where that cannot be known, it goes
-/// on.
-pub(crate) fn check_nodal_memory(bytes: usize) -> Result<(), Failure> {
-    let Some(available) = available().filter(|available| bytes > *available) else {
+/// Refuses nodal tables that take more memory than there is, or than `share` of it is theirs.
+pub(crate) fn check_nodal_memory(bytes: usize, share: Option<usize>) -> Result<(), Failure> {
+    check_memory("the motion of the nodes", bytes, share, "use --nodes or --every")
+}
+
+/// Refuses what takes more memory than there is, or than `share` of it is its own; where neither is
+/// known, it goes on.
+pub(crate) fn check_memory(
+    what: &str,
+    bytes: usize,
+    share: Option<usize>,
+    hint: &str,
+) -> Result<(), Failure> {
+    let least = share.into_iter().chain(available()).min();
+    let Some(available) = least.filter(|available| bytes > *available) else {
         return Ok(());
     };
     let message = format!(
-        "the motion of the nodes would need {} of memory, but must fit in the {} available",
+        "{what} would need {} of memory, but must fit in the {} available",
         gigabytes(bytes),
         gigabytes(available)
     );
-    Err(Failure::new(Exit::NotSolvable, &message, Some("use --nodes or --every")))
+    Err(Failure::new(Exit::NotSolvable, &message, Some(hint)))
 }
 
 /// Memory in bytes that can be taken, where the system tells.

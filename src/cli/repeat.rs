@@ -110,14 +110,16 @@ fn recorded_options(record: &RunRecord) -> Result<SolveOptions, Failure> {
 
 /// A wrong argument is one of the record.
 fn of_record(failure: Failure, record: &RunRecord) -> Failure {
-    match failure.exit {
-        Exit::Usage => Failure {
-            exit: Exit::InputRefused,
-            message: format!("{}: inputs.arguments: {}", record.shown, failure.message),
-            ..failure
-        },
-        _ => failure,
+    let is_argument = match failure.exit {
+        Exit::Usage => true,
+        Exit::InputRefused => failure.message.starts_with("--"),
+        _ => false,
+    };
+    if !is_argument {
+        return failure;
     }
+    let message = format!("{}: inputs.arguments: {}", record.shown, failure.message);
+    Failure { exit: Exit::InputRefused, message, ..failure }
 }
 
 /// What cannot be written to where nobody keeps it may be written elsewhere.

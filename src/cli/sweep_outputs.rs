@@ -14,7 +14,8 @@ use flexlink::tables::{
 };
 
 use super::args::{NodeArgs, SyncArgs};
-use super::exit::Failure;
+use super::exit::{Exit, Failure};
+use super::memory::check_nodal_memory;
 use super::record::{digits_arguments, option};
 
 /// Which files every case is to write.
@@ -79,9 +80,10 @@ impl OutputsArgs {
         };
         let files = outputs.file_names();
         let summary = Summary::new(inputs, solution, &case.metrics, exceeded, files);
-        let folder = OutputFolder::stage(folder)?.with(self.sync.durability());
-        let nodal = (solution, outputs.deflections(solution));
-        Ok(outputs.write(folder, inputs.link, nodal, &summary, &Unwatched)?)
+        let deflections = outputs.deflections(solution);
+        check_nodal_memory(deflections.bytes(), inputs.analysis.memory_bytes())?;
+        let nodal = (solution, deflections);
+        Ok(outputs.write(self.stage(folder)?, inputs.link, nodal, &summary, &Unwatched)?)
     }
 
     /// Writes what simulate writes.
@@ -98,9 +100,19 @@ impl OutputsArgs {
             every: self.nodes.every,
             digits: self.digits,
         };
+        check_nodal_memory(outputs.nodal_bytes(simulation), inputs.play.memory_bytes)?;
         let (files, error) = (SimulateOutputs::file_names(), Some(&case.tip_error));
         let summary = SimulationSummary::new(inputs, simulation, &case.metrics, error, files);
-        let folder = OutputFolder::stage(folder)?.with(self.sync.durability());
-        Ok(outputs.write(folder, inputs.link, simulation, &summary)?)
+        Ok(outputs.write(self.stage(folder)?, inputs.link, simulation, &summary)?)
+    }
+
+    /// Opens the folder of a case, which the command line does not name: it must lead nowhere else.
+    fn stage(&self, folder: &Path) -> Result<OutputFolder, Failure> {
+        if folder.is_symlink() {
+            let shown = folder.display();
+            let message = format!("{shown}: is a symbolic link, but must be a folder of its own");
+            return Err(Failure::new(Exit::CannotWrite, &message, None));
+        }
+        Ok(OutputFolder::stage(folder)?.with(self.sync.durability()))
     }
 }

@@ -40,6 +40,6 @@ pub use spline::{CubicSpline, SplineEnds};
 pub use uniform::NotUniform;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
 pub(crate) use units::{quantity_pattern, reads_as_unit, split_number};
-pub(crate) use visible::visible;
+pub use visible::visible;
 #[cfg(test)]
 pub(crate) use wide::Wide;

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 
 /// A piece of an input as a message quotes it: control characters told, so that it stays on its line
 /// and no terminal obeys it.
-pub(crate) fn visible(text: &str) -> Cow<'_, str> {
+pub fn visible(text: &str) -> Cow<'_, str> {
     if !text.contains(char::is_control) {
         return text.into();
     }

@@ -42,6 +42,11 @@ impl CsvFolder {
                 return Err(InputError::new(path.display().to_string(), cause));
             }
             if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
+                // It may have no end.
+                if !entry.file_type().is_file() {
+                    let cause = io::Error::other("it is a device or a pipe");
+                    return Err(InputError::new(path.display().to_string(), cause));
+                }
                 found.tables.insert(name, entry.into_path());
             } else {
                 found.others.insert(name);

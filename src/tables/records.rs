@@ -83,7 +83,20 @@ impl MeshRecord {
 pub(super) fn json(summary: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(summary).expect("plain records are JSON");
     text.push('\n');
-    text
+    without_controls(text)
+}
+
+/// JSON lets U+007F to U+009F stand as they are, which terminals obey; they can only be in strings.
+fn without_controls(text: String) -> String {
+    let is_bare = |letter: char| letter.is_control() && letter != '\n';
+    if !text.contains(is_bare) {
+        return text;
+    }
+    let escaped = |letter: char| match letter {
+        letter if is_bare(letter) => format!("\\u{:04x}", u32::from(letter)),
+        letter => letter.to_string(),
+    };
+    text.chars().map(escaped).collect()
 }
 
 /// The JSON text of a verification: a list of its checks.

@@ -144,6 +144,10 @@ impl SweepFile {
         if path.is_dir() || path.file_name().is_none() {
             return Err(error(path, io::Error::other("a folder is no file")));
         }
+        // Who may write beside the table must not have another file cut off by this.
+        if part.is_symlink() {
+            return Err(error(&part, io::Error::other("it is a symbolic link")));
+        }
         let opened = || {
             let file = OpenOptions::new().create(true).append(true).open(&part)?;
             // A file system without locks has no say.

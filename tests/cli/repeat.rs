@@ -238,7 +238,7 @@ fn an_input_that_has_changed_is_refused_with_both_fingerprints() {
         )
     };
     let here = format!("link.toml has SHA-256 {after}");
-    let must = format!("but must have {before}");
+    let must = format!("but must have SHA-256 {before}");
     assert_eq!(refused(&bench, &["out"]), told(&format!("{here}, {must}"), "LINK"));
     assert_eq!(refused(&bench, &["out", "link.toml"]), told(&format!("{here}, {must}"), "LINK"));
     fs::copy(bench.path("link.toml"), bench.path("out/link.toml")).unwrap();
@@ -246,8 +246,10 @@ fn an_input_that_has_changed_is_refused_with_both_fingerprints() {
     assert_eq!(refused(&bench, &["out"]), told(&both, "LINK"));
     fs::copy(repository(LINK), bench.path("link.toml")).unwrap();
     let swapped = refused(&bench, &["out", "link.toml", "link.toml"]);
-    let other =
-        format!("link.toml has SHA-256 {before}, but must have {}", recorded(&bench, "motion"));
+    let other = format!(
+        "link.toml has SHA-256 {before}, but must have SHA-256 {}",
+        recorded(&bench, "motion")
+    );
     assert_eq!(swapped, told(&other, "MOTION"));
 }
 
@@ -353,7 +355,7 @@ fn a_damaged_record_is_refused_and_leads_nowhere() {
         assert!(told.starts_with(&expected), "{told}");
     }
     let folder = after("\"name\": \"link.toml\"", "\"name\": \"../link.toml\"");
-    let must = "but must be names without folders";
+    let must = "but must be names, without folders or control characters";
     assert_eq!(folder, format!("error: out/summary.json: inputs = \"../link.toml\", {must}\n"));
     let folder = after("\"tip.csv\"", "\"/etc/tip.csv\"");
     assert_eq!(folder, format!("error: out/summary.json: files = \"/etc/tip.csv\", {must}\n"));

@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::sweep::{sweep, swept};
 use super::{Bench, LINK, MOTION, repository, stderr, stdout};
 
-const VARY: [&str; 2] = ["--vary", "segments.*.EI*=0.5:8:40:log"];
+const VARY: [&str; 2] = ["--vary", "segments.*.EI*=0.5:8:200:log"];
 
 /// A sweep in the background that has written some rows.
 fn begun(bench: &Bench) -> Child {
@@ -72,12 +72,12 @@ fn a_sweep_that_is_stopped_keeps_its_rows_and_goes_on_to_the_same_table() {
         assert_eq!(bench.names("."), ["sweep.csv.part"], "{signal}");
         let part = bench.read("sweep.csv.part");
         let (first, rows) = part.split_once('\n').unwrap();
-        assert!(first.starts_with("# flexlink ") && first.ends_with(", shard 1/1 of 40 cases"));
+        assert!(first.starts_with("# flexlink ") && first.ends_with(", shard 1/1 of 200 cases"));
         assert!(whole.starts_with(rows) && rows.len() < whole.len(), "{signal}");
         if code.is_some() {
             let there = rows.lines().count() - 1;
             let error = format!(
-                "error: interrupted after {there} of 40 cases, which are in sweep.csv.part\n\
+                "error: interrupted after {there} of 200 cases, which are in sweep.csv.part\n\
                  hint: the same command with --resume goes on\n"
             );
             assert!(stderr(&output).ends_with(&error), "{}", stderr(&output));
@@ -93,7 +93,7 @@ fn a_sweep_that_is_stopped_keeps_its_rows_and_goes_on_to_the_same_table() {
             assert!(stderr(&output).starts_with(&warning), "{}", stderr(&output));
         }
         let output = swept(&bench, &[&VARY[..], &["--resume"]].concat());
-        assert_eq!(stdout(&output), "cases    40\nwritten  sweep.csv\n");
+        assert_eq!(stdout(&output), "cases    200\nwritten  sweep.csv\n");
         assert!(bench.read("sweep.csv") == whole, "{signal}");
         assert_eq!(bench.names("."), ["sweep.csv"]);
     }
@@ -147,7 +147,7 @@ fn shards_join_to_the_table_of_one_machine_and_none_may_be_missing() {
     }
     let names = ["sweep-3-of-3.csv", "sweep-1-of-3.csv", "sweep-2-of-3.csv"];
     let merged = bench.run(&[&["sweep", "--merge"], &names[..], &["-o", "merged.csv"]].concat());
-    assert_eq!(stdout(&merged), "cases    40, of 3 shards\nwritten  merged.csv\n");
+    assert_eq!(stdout(&merged), "cases    200, of 3 shards\nwritten  merged.csv\n");
     assert!(bench.read("merged.csv") == bench.read("sweep.csv"));
     let printed = bench.run(&[&["sweep", "-o", "-", "--merge"], &names[..]].concat());
     assert!(stdout(&printed) == bench.read("sweep.csv"));
@@ -167,7 +167,7 @@ fn shards_join_to_the_table_of_one_machine_and_none_may_be_missing() {
     bench.write("cut.csv", &text[..=cut]);
     assert_eq!(
         refusal(&[names[0], names[1], "cut.csv"]),
-        "error: cut.csv: rows = 12, but must be 13\n\
+        "error: cut.csv: rows = 66, but must be 67\n\
          hint: finish it with --shard 2/3 --resume\n"
     );
     swept(&bench, &["--vary", "segments.*.EI*=0.5:8:41:log", "--shard", "2/3"]);
@@ -199,7 +199,7 @@ fn a_shard_that_is_complete_is_not_solved_again() {
     swept(&bench, &shard);
     let written = fs::metadata(bench.path("sweep-7-of-20.csv")).unwrap().modified().unwrap();
     let again = swept(&bench, &shard);
-    assert_eq!(stdout(&again), "complete sweep-7-of-20.csv, 2 cases\n");
+    assert_eq!(stdout(&again), "complete sweep-7-of-20.csv, 10 cases\n");
     let now = fs::metadata(bench.path("sweep-7-of-20.csv")).unwrap().modified().unwrap();
     assert_eq!(written, now);
 }

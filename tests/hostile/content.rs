@@ -108,6 +108,39 @@ fn a_compressed_file_or_a_spreadsheet_is_told_to_be_one() {
 }
 
 #[test]
+fn a_mark_of_utf_8_and_the_line_ends_of_windows_change_nothing() {
+    let bench = Bench::new();
+    let solved = |bench: &Bench| {
+        bench.solves(&["--json"]);
+        fs::read(bench.path("out/torque.csv")).unwrap()
+    };
+    let plain = solved(&bench);
+    for file in ["link.toml", "motion.csv"] {
+        let text = fs::read_to_string(bench.path(file)).unwrap();
+        bench.write(file, format!("\u{feff}{}", text.replace('\n', "\r\n")));
+    }
+    assert!(solved(&bench) == plain);
+}
+
+#[test]
+fn quoted_fields_are_read_and_one_that_never_ends_is_told() {
+    let bench = Bench::new();
+    bench.solves(&[]);
+    let plain = fs::read(bench.path("out/torque.csv")).unwrap();
+    let rows = fs::read_to_string(bench.path("motion.csv")).unwrap();
+    let fields = rows.trim_end().replace(',', "\",\"").replace('\n', "\"\n\"");
+    let quoted = format!("\"{fields}\"\n");
+    bench.write("motion.csv", &quoted);
+    bench.solves(&[]);
+    assert!(fs::read(bench.path("out/torque.csv")).unwrap() == plain);
+    fs::remove_dir_all(bench.path("out")).unwrap();
+    let at = quoted.match_indices('"').nth(40).unwrap().0;
+    bench.write("motion.csv", format!("{}{}", &quoted[..at], &quoted[at + 1..]));
+    let output = bench.run(&["solve", "link.toml", "motion.csv"]);
+    bench.is_refusal(&output, REFUSED, "motion.csv:1");
+}
+
+#[test]
 fn nul_bytes_are_shown_and_refused() {
     let bench = Bench::new();
     bench.write("zeros", [0; 5000]);

@@ -107,4 +107,5 @@ fn a_million_elements_are_refused_and_ten_thousand_segments_read() {
     bench.write("link.toml", segment.repeat(10_000));
     let output = bench.run(&["modes", "link.toml", "--count", "1"]);
     assert_eq!(output.status.code(), Some(0), "{}", super::text(&output.stderr));
+    bench.solves(&["--nodes", "0,10000"]);
 }

@@ -9,6 +9,7 @@ mod content;
 mod links;
 mod memory;
 mod motions;
+mod places;
 mod rights;
 
 use std::f64::consts::TAU;
@@ -67,7 +68,11 @@ impl Bench {
         assert!(error.len() < 1000, "{error}");
         assert_eq!(output.status.code(), Some(code), "{error}");
         assert_eq!(text(&output.stdout), "");
-        assert!(!self.path("out").exists(), "nothing is left behind");
+        for result in
+            ["out", "simulated", "sweep.csv", "sweep.csv.part", "merged.csv", "report.html"]
+        {
+            assert!(!self.path(result).exists(), "{result} is left behind");
+        }
     }
 
     /// `solve` must succeed, with every number that it writes and prints a finite one; returns what

@@ -49,7 +49,7 @@ fn an_input_without_end_is_refused_before_memory_ends() {
 }
 
 #[test]
-#[ignore = "half a minute and 3 GB: cargo test --release --test hostile -- --ignored"]
+#[ignore = "half a minute and 3 GB: cargo test --test hostile -- --ignored"]
 fn ten_million_rows_are_solved_in_the_memory_that_was_estimated() {
     let bench = Bench::new();
     let mut rows = String::from("time,acceleration\n");
@@ -114,6 +114,31 @@ fn verifying_and_the_cases_of_a_sweep_are_held_to_the_same_memory() {
         let table = std::fs::read_to_string(bench.path("sweep.csv")).unwrap();
         assert_eq!(table.matches("the inversion would need").count(), 2, "{table}");
     }
+}
+
+#[test]
+fn a_case_whose_files_would_need_too_much_fails_alone() {
+    let bench = Bench::new();
+    let vary = "mesh.elements=10,600";
+    let sweep = ["sweep", "link.toml", "motion.csv", "--vary", vary, "-q", "-o", "sweep.csv"];
+    let outputs = ["--outputs", "cases", "--threads", "1", "--set", "analysis.lag=2000"];
+    let output = bench.run_within(700, &[&sweep[..], &outputs[..]].concat(), Stdio::null());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let table = std::fs::read_to_string(bench.path("sweep.csv")).unwrap();
+    let rows: Vec<&str> = table.lines().collect();
+    assert!(rows[1].ends_with(','), "{table}");
+    assert!(rows[2].contains("the motion of the nodes would need 1."), "{table}");
+    assert!(bench.path("cases/1/summary.json").exists() && !bench.path("cases/2").exists());
+}
+
+#[test]
+fn a_frequency_response_that_would_need_too_much_is_refused() {
+    let bench = Bench::new();
+    let many = ["frf", "link.toml", "--points", "100000000"];
+    let output = bench.run_within(500, &many, Stdio::null());
+    let message = "error: the frequency response would need 38 GB of memory";
+    bench.is_refusal(&output, NOT_SOLVABLE, message);
+    assert!(text(&output.stderr).ends_with("hint: use fewer --points\n"));
 }
 
 #[test]

@@ -142,7 +142,7 @@ fn a_foreign_or_damaged_summary_is_refused() {
     );
     assert_eq!(
         change("\"tip.csv\"", "\"../tip.csv\""),
-        "out: files = \"../tip.csv\", but must be names without folders"
+        "out: files = \"../tip.csv\", but must be names, without folders or control characters"
     );
 }
 

@@ -51,6 +51,10 @@ impl FolderLock {
         let (file, was_there) = match File::create_new(&path) {
             Ok(file) => (file, false),
             Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => match open(&path) {
+                Err(_) if path.is_symlink() => {
+                    let message = format!("{LOCK} in it is a link that leads nowhere");
+                    return Err(io::Error::other(message));
+                }
                 Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(None),
                 opened => (opened?, true),
             },

@@ -97,9 +97,9 @@ impl OutputFolder {
     pub fn commit(mut self, last: impl AsRef<OsStr>, owned: &[&str]) -> Result<(), FolderError> {
         let last = last.as_ref();
         self.refuse_folders()?;
+        self.sync_files()?;
         // From here on: who is ended meanwhile must not tell of files that are gone.
         let held_off = hold_off_the_end();
-        self.sync_files()?;
         if self.dir.join(last).exists() {
             self.remove(last)?;
             self.sync_names()?;
@@ -129,8 +129,8 @@ impl OutputFolder {
     /// file is changed.
     pub fn replace(mut self) -> Result<(), FolderError> {
         self.refuse_folders()?;
-        let held_off = hold_off_the_end();
         self.sync_files()?;
+        let held_off = hold_off_the_end();
         for aside in &self.staged {
             aside.take_permissions_of(&self.dir.join(&aside.name));
         }

@@ -22,7 +22,12 @@ impl<'a> RunFolder<'a> {
         if !self.has(name) {
             return Err(self.refuse(name, "nothing", &format!("must be there: {A_RUN}")));
         }
-        InputFile::read(&self.path.join(name)).map_err(|error| unreadable(&error))
+        let path = self.path.join(name);
+        // A pipe that a command line names has an end; what lies in a folder may have none.
+        if !path.is_file() && !path.is_dir() {
+            return Err(self.refuse(name, "a device or a pipe", "must be a file"));
+        }
+        InputFile::read(&path).map_err(|error| unreadable(&error))
     }
 
     /// Reads a file that some runs have.
@@ -54,9 +59,13 @@ impl<'a> RunFolder<'a> {
 
 /// Refuses names that lead into a folder.
 pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Result<(), TableError> {
-    let leads = |name: &&String| Path::new(name).file_name().is_none_or(|own| own != name.as_str());
-    match names.iter().find(leads) {
-        Some(name) => Err(place.refuse(subject, quoted(name), "must be names without folders")),
+    let leads = |name: &String| Path::new(name).file_name().is_none_or(|own| own != name.as_str());
+    let is_told = |name: &String| !name.contains(char::is_control);
+    match names.iter().find(|name| leads(name) || !is_told(name)) {
+        Some(name) => {
+            let must = "must be names, without folders or control characters";
+            Err(place.refuse(subject, quoted(name), must))
+        }
         None => Ok(()),
     }
 }

@@ -76,13 +76,21 @@ impl RunRecord {
         };
         let mut others = Vec::new();
         for path in candidates {
-            let mut file = InputFile::read(&path).map_err(|error| unreadable(&error))?;
+            let mut file = match InputFile::read(&path) {
+                Ok(file) => file,
+                Err(error) if given.is_some() => return Err(unreadable(&error)),
+                // The right one may lie in another folder.
+                Err(error) => {
+                    others.push(error.to_string());
+                    continue;
+                }
+            };
             let sha256 = file.sha256();
             if sha256 == input.sha256 {
                 file.name.clone_from(&input.name);
                 return Ok(FoundInput { path, file });
             }
-            others.push((file.shown, sha256));
+            others.push(format!("{} has SHA-256 {sha256}", file.shown));
         }
         Err(self.refuse_others(&others, role, &input.sha256))
     }
@@ -123,15 +131,8 @@ impl RunRecord {
         Ok(found)
     }
 
-    fn refuse_others(
-        &self,
-        others: &[(String, String)],
-        role: InputRole,
-        expected: &str,
-    ) -> TableError {
-        let found: Vec<String> =
-            others.iter().map(|(shown, sha256)| format!("{shown} has SHA-256 {sha256}")).collect();
-        let message = format!("{}, but must have {expected}", found.join(", "));
+    fn refuse_others(&self, others: &[String], role: InputRole, expected: &str) -> TableError {
+        let message = format!("{}, but must have SHA-256 {expected}", others.join(", "));
         let name = role.name().to_uppercase();
         let hint = format!("{name} has changed since the run, or is another file; {}", self.give());
         self.place().refuse_whole(message).with_hint(hint)

@@ -1,7 +1,7 @@
 //! The files of a run held against those of its repetition.
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader};
 use std::path::Path;
 
 use super::super::histories::{REPORT, RESULT_FILES, SUMMARY};
@@ -21,7 +21,8 @@ impl RunRecord {
     pub fn compare(&self, repetition: &Path) -> Result<Vec<RepeatedFile>, InputError> {
         let known = RESULT_FILES.into_iter().filter(|name| *name != REPORT).chain([SUMMARY]);
         let is_there = |name: &&str| {
-            [&*self.folder, repetition].iter().any(|folder| folder.join(name).exists())
+            let folders = [&*self.folder, repetition];
+            folders.iter().any(|folder| folder.join(name).symlink_metadata().is_ok())
         };
         let unnamed = |name: &&str| !self.files.iter().any(|file| file == name);
         let unnamed = known.filter(is_there).filter(unnamed);
@@ -35,15 +36,26 @@ impl RunRecord {
 }
 
 fn compared(run: &Path, repetition: &Path) -> Result<Repeated, InputError> {
-    if !run.exists() {
-        return Ok(Repeated::Missing);
-    }
-    if !repetition.exists() {
-        return Ok(Repeated::Extra);
-    }
-    let refused = |cause| InputError::new(run.display().to_string(), cause);
-    let open = |path| File::open(path).map(|file| BufReader::with_capacity(CHUNK, file));
-    let (run, repetition) = (open(run).map_err(refused)?, open(repetition).map_err(refused)?);
-    let difference = line_difference(run, repetition).map_err(refused)?;
+    let Some(own) = opened(run)? else { return Ok(Repeated::Missing) };
+    let Some(other) = opened(repetition)? else { return Ok(Repeated::Extra) };
+    let difference = line_difference(own, other).map_err(|cause| {
+        let shown = format!("{} or {}", run.display(), repetition.display());
+        InputError::new(shown, cause)
+    })?;
     Ok(difference.map_or(Repeated::Same, Repeated::Differs))
+}
+
+/// A file in a folder, if it is there.
+fn opened(path: &Path) -> Result<Option<BufReader<File>>, InputError> {
+    let refused = |cause| InputError::new(path.display().to_string(), cause);
+    match path.metadata() {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound && !path.is_symlink() => Ok(None),
+        Err(cause) => Err(refused(cause)),
+        // It may have no end.
+        Ok(found) if !found.is_file() => Err(refused(io::Error::other("it is no file"))),
+        Ok(_) => {
+            let file = File::open(path).map_err(refused)?;
+            Ok(Some(BufReader::with_capacity(CHUNK, file)))
+        }
+    }
 }

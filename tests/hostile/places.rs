@@ -1,0 +1,131 @@
+//! Links and pipes where a run expects its own files, and inputs that would forge what it prints.
+#![cfg(unix)]
+
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use super::{Bench, PROGRAM, REFUSED, link, text};
+
+const CANNOT_WRITE: i32 = 5;
+const VARY: [&str; 7] =
+    ["sweep", "link.toml", "motion.csv", "--vary", "segments.*.EI*=1,2", "-o", "sweep.csv"];
+
+impl Bench {
+    /// With a run in `out`.
+    fn solved() -> Self {
+        let bench = Self::new();
+        let output = bench.run(&["solve", "link.toml", "motion.csv", "-q"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        bench
+    }
+
+    /// The program must refuse in a moment: what it must not wait for has no end.
+    #[track_caller]
+    fn refuses_soon(&self, arguments: &[&str], code: i32, message: &str) {
+        let mut command = self.command(PROGRAM, arguments);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let has_ended = (0..3000).any(|_| {
+            sleep(Duration::from_millis(10));
+            child.try_wait().unwrap().is_some()
+        });
+        let _ = child.kill();
+        let output = child.wait_with_output().unwrap();
+        assert!(has_ended, "{arguments:?} does not end");
+        let error = text(&output.stderr);
+        assert!(error.starts_with("error: ") && error.contains(message), "{message}: {error}");
+        assert_eq!(output.status.code(), Some(code), "{error}");
+    }
+}
+
+#[test]
+fn a_link_in_the_place_of_a_sweeps_unfinished_rows_is_not_followed() {
+    let bench = Bench::new();
+    bench.write("victim", "of value");
+    symlink("victim", bench.path("sweep.csv.part")).unwrap();
+    bench.refuses_soon(&VARY, CANNOT_WRITE, "sweep.csv.part: it is a symbolic link");
+    assert_eq!(fs::read_to_string(bench.path("victim")).unwrap(), "of value");
+}
+
+#[test]
+fn a_link_in_the_place_of_a_cases_folder_is_not_followed() {
+    let bench = Bench::new();
+    for folder in ["all", "elsewhere"] {
+        fs::create_dir(bench.path(folder)).unwrap();
+    }
+    bench.write("elsewhere/report.html", "of value");
+    symlink("../elsewhere", bench.path("all/1")).unwrap();
+    let outputs = [&VARY[..], &["--outputs", "all"]].concat();
+    bench.refuses_soon(&outputs, CANNOT_WRITE, "all/1: is a symbolic link, but must be a folder");
+    let names: Vec<_> = fs::read_dir(bench.path("elsewhere")).unwrap().collect();
+    assert_eq!(names.len(), 1);
+    // One that the command line names is meant.
+    symlink("elsewhere", bench.path("out")).unwrap();
+    let output = bench.run(&["solve", "link.toml", "motion.csv", "-q"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(bench.path("elsewhere/summary.json").exists());
+}
+
+#[test]
+fn a_lock_that_leads_nowhere_is_told() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("out")).unwrap();
+    symlink("nowhere", bench.path("out/.flexlink.lock")).unwrap();
+    let message = ".flexlink.lock in it is a link that leads nowhere";
+    bench.refuses_soon(&["solve", "link.toml", "motion.csv"], CANNOT_WRITE, message);
+}
+
+#[test]
+fn a_device_or_a_pipe_in_a_folder_is_not_waited_for() {
+    let repeat = ["solve", "--repeat", "out"];
+    for (name, arguments, message) in [
+        ("torque.csv", &repeat[..], "out/torque.csv: cannot read: it is no file"),
+        ("summary.json", &repeat[..], "out: summary.json = a device or a pipe, but must be a file"),
+        ("torque.csv", &["report", "out"], "out: torque.csv = a device or a pipe"),
+        ("torque.csv", &["compare", "out", "out2"], "out/torque.csv: cannot read: it is a device"),
+    ] {
+        for is_pipe in [false, true] {
+            let bench = Bench::solved();
+            let path = bench.path("out").join(name);
+            fs::remove_file(&path).unwrap();
+            if is_pipe {
+                assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
+            } else {
+                symlink("/dev/zero", &path).unwrap();
+            }
+            fs::create_dir(bench.path("out2")).unwrap();
+            bench.refuses_soon(arguments, REFUSED, message);
+        }
+    }
+}
+
+#[test]
+fn a_title_makes_no_line_of_its_own_and_no_control_character() {
+    let bench = Bench::new();
+    let title = r#"title = "arm\nwarning: all is well\u009b31m""#;
+    bench.write("link.toml", format!("{title}\n{}", link("")));
+    let solve = ["solve", "link.toml", "motion.csv"];
+    let printed = text(&bench.run(&solve).stdout);
+    assert!(printed.starts_with("arm\\nwarning: all is well\\u{9b}31m\n"), "{printed}");
+    let printed = text(&bench.run(&[&solve[..], &["--json"]].concat()).stdout);
+    assert!(!printed.contains(|c: char| c.is_control() && c != '\n'), "{printed}");
+    assert!(printed.contains(r#""arm\nwarning: all is well\u009b31m""#), "{printed}");
+}
+
+#[test]
+fn a_record_forges_no_line_of_what_a_repetition_prints() {
+    let bench = Bench::solved();
+    let summary = fs::read_to_string(bench.path("out/summary.json")).unwrap();
+    let forged = summary.replace(r#""torque.csv""#, r#""x\nsame     7 files of out""#);
+    assert_ne!(forged, summary);
+    bench.write("out/summary.json", forged);
+    let message = "files = \"x\\nsame     7 files of out\", but must be names, without folders or";
+    bench.refuses_soon(&["solve", "--repeat", "out"], REFUSED, message);
+    let foreign = summary.replace(r#""arguments": []"#, r#""arguments": ["--set", "foo=1"]"#);
+    assert_ne!(foreign, summary);
+    bench.write("out/summary.json", foreign);
+    let message = "out/summary.json: inputs.arguments: --set 'foo=1'";
+    bench.refuses_soon(&["solve", "--repeat", "out"], REFUSED, message);
+}
