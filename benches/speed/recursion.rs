@@ -30,6 +30,10 @@ pub(crate) fn bench(criterion: &mut Criterion) {
             group.bench_function(BenchmarkId::new("moments", elements), |bencher| {
                 bencher.iter(|| nodal(&mesh, &damped, &nodes, NodalQuantity::Moment));
             });
+            // With the few frequencies that hit a resonance of an outer part, which are solved again.
+            group.bench_function(BenchmarkId::new("torque undamped", elements), |bencher| {
+                bencher.iter(|| torque(&mesh, &undamped));
+            });
             group.bench_function(BenchmarkId::new("deflections undamped", elements), |bencher| {
                 bencher.iter(|| nodal(&mesh, &undamped, &nodes, NodalQuantity::Deflection));
             });

@@ -13,7 +13,7 @@ use super::pivoted::pivoted_transfer;
 use super::transfer::{
     HubResponse, TipTransfer, hub_response, is_real, is_trusted, untested_tip_transfer,
 };
-use super::walk::{NodalQuantity, Walk};
+use super::walk::{NodalQuantity, Walk, nodal_transfer};
 use crate::numeric::{ComplexLanes, LambdaLanes, RealLanes};
 
 /// Transfers from the tip to torque and hub angle, one for each λ: [`tip_transfer`] of many.
@@ -47,7 +47,7 @@ pub fn nodal_transfers(
 ) {
     let nodal = Nodal { mesh, lambdas, nodes, quantity, rows };
     for column in Arch::new().dispatch(nodal) {
-        let transfer = pivoted_transfer(mesh, lambdas[column]);
+        let transfer = nodal_transfer(mesh, lambdas[column]);
         for (row, node) in rows.iter_mut().zip(nodes) {
             row[column] = transfer.values(quantity)[*node];
         }
@@ -119,30 +119,43 @@ struct Nodal<'a, 'b> {
 }
 
 impl WithSimd for Nodal<'_, '_> {
-    /// Columns that the recursion is not trusted with.
+    /// Columns that must be answered alone.
     type Output = Vec<usize>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { mesh, lambdas, nodes, quantity, rows } = self;
-        let mut lost = vec![];
-        let mut walk = Walk::new(mesh, ComplexLanes::load(simd, lambdas), quantity);
-        for (block, lambdas) in lambdas.chunks(ComplexLanes::<S>::LEN).enumerate() {
-            let columns = block * ComplexLanes::<S>::LEN;
-            let lambda = ComplexLanes::load(simd, lambdas);
-            let (root, largest_gain) = walk.inward(mesh, lambda);
-            let tip_lag = walk.outward(mesh, lambda, quantity);
-            let hub = HubResponse::at_axis(mesh, &root, tip_lag, largest_gain);
-            let tip = hub.per_tip(mesh, lambda);
-            for (row, node) in rows.iter_mut().zip(nodes) {
-                let value = walk.values[*node] * tip.angle_rad_m;
-                value.store(&mut row[columns..columns + lambdas.len()]);
-            }
-            let gains = largest_gain.lanes();
-            lost.extend((0..lambdas.len()).filter(|k| !is_trusted(gains[*k])).map(|k| columns + k));
+        let lambdas = self.lambdas;
+        if lambdas.iter().all(|lambda| is_real(*lambda)) {
+            return untested_nodes::<S, RealLanes<S>>(simd, self);
         }
-        lost
+        let mut alone = untested_nodes::<S, ComplexLanes<S>>(simd, self);
+        // A real λ among others has the bits that it has alone.
+        alone.extend((0..lambdas.len()).filter(|k| is_real(lambdas[*k])));
+        alone
     }
+}
+
+/// Fills the rows by the recursion alone; returns the columns that it is not trusted with.
+#[inline(always)]
+fn untested_nodes<S: Simd, L: LambdaLanes<S>>(simd: S, asked: Nodal) -> Vec<usize> {
+    let Nodal { mesh, lambdas, nodes, quantity, rows } = asked;
+    let mut lost = vec![];
+    let mut walk = Walk::new(mesh, L::load_numbers(simd, lambdas), quantity);
+    for (block, lambdas) in lambdas.chunks(L::LEN).enumerate() {
+        let (columns, len) = (block * L::LEN, lambdas.len());
+        let lambda = L::load_numbers(simd, lambdas);
+        let (root, largest_gain) = walk.inward(mesh, lambda);
+        let tip_lag = walk.outward(mesh, lambda, quantity);
+        let hub = HubResponse::at_axis(mesh, &root, tip_lag, largest_gain);
+        let tip = hub.per_tip(mesh, lambda);
+        for (row, node) in rows.iter_mut().zip(nodes) {
+            let values = (walk.values[*node] * tip.angle_rad_m).numbers();
+            row[columns..columns + len].copy_from_slice(&values[..len]);
+        }
+        let gains = largest_gain.lanes();
+        lost.extend((0..len).filter(|k| !is_trusted(gains[*k])).map(|k| columns + k));
+    }
+    lost
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use super::condensation::{Gain, Inertia, condense};
 use super::mesh::Mesh;
 use super::pivoted::pivoted_transfer;
-use super::transfer::{HubResponse, TipTransfer, is_trusted};
+use super::transfer::{HubResponse, TipTransfer, is_real, is_trusted};
 use crate::numeric::{Scalar, Size};
 
 /// Transfers from the tip to every node at one λ, per unit of tip motion.
@@ -115,15 +115,25 @@ impl<S: Scalar> Walk<S> {
 /// Transfers from the tip to every node: the recursion, then the walk from hub to tip, all divided
 /// by `L + e_tip`.
 pub fn nodal_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
+    let walked = if is_real(lambda) { walked(mesh, lambda.re) } else { walked(mesh, lambda) };
+    walked.unwrap_or_else(|| pivoted_transfer(mesh, lambda))
+}
+
+/// The same by the recursion alone; none where it has not kept its digits.
+fn walked<S: Scalar<Size = f64> + Into<Complex64>>(
+    mesh: &Mesh,
+    lambda: S,
+) -> Option<NodalTransfer> {
     let mut walk = Walk::new(mesh, lambda, NodalQuantity::Moment);
     let (root, largest_gain) = walk.inward(mesh, lambda);
     if !is_trusted(largest_gain) {
-        return pivoted_transfer(mesh, lambda);
+        return None;
     }
     let tip_lag = walk.outward(mesh, lambda, NodalQuantity::Deflection);
     let tip = HubResponse::at_axis(mesh, &root, tip_lag, largest_gain).per_tip(mesh, lambda);
-    let per_tip = |values: &[Complex64]| values.iter().map(|x| *x * tip.angle_rad_m).collect();
+    let per_tip = |values: &[S]| values.iter().map(|x| (*x * tip.angle_rad_m).into()).collect();
     let lags_s2 = per_tip(&walk.values);
     walk.outward(mesh, lambda, NodalQuantity::Moment);
-    NodalTransfer { tip, lags_s2, moments_kg_m: per_tip(&walk.values) }
+    let moments_kg_m = per_tip(&walk.values);
+    Some(NodalTransfer { tip: tip.map(Into::into), lags_s2, moments_kg_m })
 }

@@ -78,10 +78,8 @@ impl Frf {
         check_memory("the frequency response", bytes, None, "use fewer --points")?;
         let dynamics = Dynamics::new(link, mesh, KeptModes::of(&specification.analysis))?;
         let friction = link.hub().viscous_friction_n_m_s_rad;
-        let rows: Vec<FrequencyResponse> = self
-            .grid(from_hz, to_hz)
-            .map(|frequency_hz| FrequencyResponse::at(&dynamics, friction, frequency_hz))
-            .collect();
+        let frequencies_hz: Vec<f64> = self.grid(from_hz, to_hz).collect();
+        let rows = FrequencyResponse::at_all(&dynamics, friction, &frequencies_hz);
         let mut text = Vec::new();
         write_frequency_response(&mut text, &rows, self.digits)
             .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;

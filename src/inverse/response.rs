@@ -1,6 +1,9 @@
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
 
 use super::dynamics::Dynamics;
+use crate::beam::TipTransfer;
 
 /// Transfers of a link at one frequency, for e^{+iωt}.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,8 +27,28 @@ impl FrequencyResponse {
     ///
     /// At a pole of an undamped link a transfer may be infinite.
     pub fn at(dynamics: &Dynamics, friction_n_m_s_rad: f64, frequency_hz: f64) -> Self {
-        let omega = frequency_hz * std::f64::consts::TAU;
-        let transfer = dynamics.tip_transfer(omega);
+        let transfer = dynamics.tip_transfer(frequency_hz * TAU);
+        Self::of(transfer, dynamics, friction_n_m_s_rad, frequency_hz)
+    }
+
+    /// [`FrequencyResponse::at`] many frequencies, as many at a time as the processor's vectors hold.
+    pub fn at_all(
+        dynamics: &Dynamics,
+        friction_n_m_s_rad: f64,
+        frequencies_hz: &[f64],
+    ) -> Vec<Self> {
+        let omegas: Vec<f64> = frequencies_hz.iter().map(|hz| hz * TAU).collect();
+        let transfers = dynamics.tip_transfers(&omegas).into_iter().zip(frequencies_hz);
+        transfers.map(|(of, hz)| Self::of(of, dynamics, friction_n_m_s_rad, *hz)).collect()
+    }
+
+    fn of(
+        transfer: TipTransfer,
+        dynamics: &Dynamics,
+        friction_n_m_s_rad: f64,
+        frequency_hz: f64,
+    ) -> Self {
+        let omega = frequency_hz * TAU;
         let rate = Complex64::new(0.0, omega);
         let torque = transfer.inertia_kg_m * (1.0 + dynamics.law().mass_rate_per_s() / rate)
             + transfer.angle_rad_m * friction_n_m_s_rad / rate;
