@@ -33,13 +33,15 @@ pub(crate) fn watch() -> &'static AtomicBool {
 /// Where they cannot be heard they stay as they are: the next run removes what this one leaves.
 #[cfg(unix)]
 fn listen(asked: impl Fn(i32) + Send + 'static) {
-    use flexlink::tables::is_signal_ignored;
+    use flexlink::tables::ignored_signals;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
 
+    const ALL: [i32; 3] = [SIGINT, SIGTERM, SIGHUP];
+
     // Of a system that does not tell: to end with its terminal is what most often is not wanted.
-    let is_heard = |signal: &i32| !is_signal_ignored(*signal).unwrap_or(*signal == SIGHUP);
-    let heard: Vec<i32> = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(is_heard).collect();
+    let ignored = ignored_signals(&ALL).unwrap_or_else(|| vec![SIGHUP]);
+    let heard = ALL.iter().filter(|signal| !ignored.contains(signal));
     if let Ok(mut signals) = Signals::new(heard) {
         std::thread::spawn(move || signals.forever().for_each(asked));
     }

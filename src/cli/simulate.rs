@@ -87,7 +87,7 @@ impl Simulate {
         let tip_error = self.play.tip_error(&simulation, &read)?;
 
         let outputs = self.outputs();
-        check_nodal_memory(outputs.nodal_bytes(&simulation), None)?;
+        check_nodal_memory(outputs.nodal_bytes(&simulation), play.memory_bytes)?;
         let inputs = SimulationInputs {
             link_file: &link_file,
             torque_file: &read.torque_file,

@@ -89,7 +89,7 @@ impl Problem {
         let files = names.len();
         let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, names);
         let deflections = outputs.deflections(&solution);
-        check_nodal_memory(deflections.bytes(), None)?;
+        check_nodal_memory(deflections.bytes(), analysis.memory_bytes())?;
         if deflections.bytes() >= LARGE {
             to.stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }

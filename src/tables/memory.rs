@@ -57,10 +57,14 @@ fn around(root: &Path, path: &str) -> Vec<PathBuf> {
     own.ancestors().take_while(|folder| folder.starts_with(root)).map(Path::to_owned).collect()
 }
 
+const NO_LIMIT: u64 = 1 << 60;
+
 /// What one group leaves; none where it sets no limit.
 fn room_in(group: &Path, names: &GroupFiles) -> Option<u64> {
     let number = |name| whole(&read(group.join(name))?);
-    let (limit, used) = (number(names.limit)?, number(names.used)?);
+    // The first version says "none" by a number that no machine has; what is used need not be asked.
+    let limit = number(names.limit).filter(|limit| *limit < NO_LIMIT)?;
+    let used = number(names.used)?;
     let given_back = read(group.join("memory.stat"))
         .and_then(|text| whole(text.lines().find_map(|line| line.strip_prefix(names.given_back))?));
     Some(limit.saturating_sub(used.saturating_sub(given_back.unwrap_or(0))))

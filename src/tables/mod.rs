@@ -63,7 +63,7 @@ pub use modes_tables::{HeldModes, ModesResult};
 pub use motion_csv::{MotionTable, read_motion_table};
 pub use number::{Digits, DigitsError, NumberFormat};
 pub use records::verification_json;
-pub use signals::is_signal_ignored;
+pub use signals::ignored_signals;
 pub use simulate_tables::SimulateOutputs;
 pub use simulation_summary::{SimulationInputs, SimulationSummary};
 pub use single_file::write_file;

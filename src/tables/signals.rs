@@ -2,18 +2,23 @@
 
 use std::fs;
 
-/// Whether whoever started this program had it ignore a signal, as `nohup` does with SIGHUP and a
-/// shell with the SIGINT of a script's background; none where the system does not tell.
-pub fn is_signal_ignored(signal: i32) -> Option<bool> {
-    ignores(&fs::read_to_string("/proc/self/status").ok()?, signal)
+/// Those of `signals` that whoever started this program had it ignore, as `nohup` does with SIGHUP and
+/// a shell with the SIGINT of a script's background; none where the system does not tell.
+pub fn ignored_signals(signals: &[i32]) -> Option<Vec<i32>> {
+    let mask = ignored_mask(&fs::read_to_string("/proc/self/status").ok()?)?;
+    Some(signals.iter().copied().filter(|signal| is_in(mask, *signal)).collect())
 }
 
-/// The same from the system's words on a process: bit n − 1 of `SigIgn`, in hexadecimal, is signal n.
-fn ignores(status: &str, signal: i32) -> Option<bool> {
+/// `SigIgn` of the system's words on a process, in hexadecimal.
+fn ignored_mask(status: &str) -> Option<u64> {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
-    let mask = u64::from_str_radix(mask.trim(), 16).ok()?;
-    let bit = u32::try_from(signal).ok()?.checked_sub(1)?;
-    Some(mask.checked_shr(bit)? & 1 == 1)
+    u64::from_str_radix(mask.trim(), 16).ok()
+}
+
+/// Whether bit n − 1 is set for signal n.
+fn is_in(mask: u64, signal: i32) -> bool {
+    let bit = u32::try_from(signal).ok().and_then(|signal| signal.checked_sub(1));
+    bit.and_then(|bit| mask.checked_shr(bit)).is_some_and(|rest| rest & 1 == 1)
 }
 
 #[cfg(test)]
@@ -23,17 +28,10 @@ mod tests {
     #[test]
     fn a_bit_of_the_mask_is_a_signal_counted_from_one() {
         let status = "Name:\tflexlink\nSigBlk:\tffffffffffffffff\nSigIgn:\t8000000000000003\n";
-        let ignored = |signal| ignores(status, signal);
-        for signal in [1, 2, 64] {
-            assert_eq!(ignored(signal), Some(true), "{signal}");
-        }
-        for signal in [3, 15, 63] {
-            assert_eq!(ignored(signal), Some(false), "{signal}");
-        }
-        for signal in [-1, 0, 65] {
-            assert_eq!(ignored(signal), None, "{signal}");
-        }
-        assert_eq!(ignores("Name:\tflexlink\n", 2), None);
-        assert_eq!(ignores("SigIgn:\tmany\n", 2), None);
+        let mask = ignored_mask(status).unwrap();
+        let ignored: Vec<i32> = (-1..=65).filter(|signal| is_in(mask, *signal)).collect();
+        assert_eq!(ignored, [1, 2, 64]);
+        assert_eq!(ignored_mask("Name:\tflexlink\n"), None);
+        assert_eq!(ignored_mask("SigIgn:\tmany\n"), None);
     }
 }

@@ -22,9 +22,10 @@ const BEFORE_USE: Duration = Duration::from_secs(60);
 /// dropped, or the program is ended; what a killed run leaves goes with the next one.
 #[derive(Debug)]
 pub struct TemporaryFolder {
-    folder: TempDir,
-    // The system releases it with the process, however that ends.
+    // The system releases it with the process, however that ends. Dropped before the folder: some
+    // systems remove no file that is open.
     _in_use: File,
+    folder: TempDir,
     // Dropped after the folder: what is there is noted.
     _unfinished: Vec<Unfinished>,
 }
@@ -57,7 +58,7 @@ impl TemporaryFolder {
         let files = RESULT_FILES.into_iter().chain([SUMMARY, IN_USE]);
         let paths = files.map(|name| folder.path().join(name)).chain([folder.path().to_owned()]);
         let unfinished = paths.map(|path| Unfinished::note(&path, &held_off)).collect();
-        Ok(Self { folder, _in_use: in_use, _unfinished: unfinished })
+        Ok(Self { _in_use: in_use, folder, _unfinished: unfinished })
     }
 
     /// Where it is.
