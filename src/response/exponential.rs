@@ -56,6 +56,21 @@ mod tests {
         assert!(largest_difference(&exponential(&shift), &exact) < 1e-14);
     }
 
+    /// What reaches a coordinate over many others is tiny, and as exact as all else.
+    #[test]
+    fn a_chain_of_integrators_gives_every_power_of_time_to_its_last_digits() {
+        let time = 0.001_f64;
+        let chain =
+            DMatrix::from_fn(9, 9, |row, column| if column == row + 1 { time } else { 0.0 });
+        let found = exponential(&chain);
+        let mut exact = 1.0;
+        for k in 0..9 {
+            let error = (found[(0, k)] / exact - 1.0).abs();
+            assert!(error < 1e-14, "t to the power of {k}: {error:e}");
+            exact *= time / (k + 1) as f64;
+        }
+    }
+
     #[test]
     fn a_strong_decay_leaves_nothing_and_a_matrix_of_no_numbers_ends() {
         let decay = DMatrix::from_diagonal_element(2, 2, -60.0);

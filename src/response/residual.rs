@@ -198,6 +198,10 @@ mod tests {
                 let samples = [-2, -1, 0, 1, 2].map(|k| sign * quartic(k));
                 let found = peak_between(&samples);
                 assert!((found - 3.0).abs() < 1e-14, "{found} at {place}");
+                for long in [[&[0.0; 9], &samples[..]].concat(), [&samples[..], &[0.0; 9]].concat()]
+                {
+                    assert_eq!(peak_between(&long).to_bits(), found.to_bits(), "wherever it is");
+                }
                 // Next to an end there is no quartic, but the largest sample.
                 for cut in [&samples[1..], &samples[..4]] {
                     assert_eq!(peak_between(cut).to_bits(), quartic(0).to_bits());

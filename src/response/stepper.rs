@@ -119,3 +119,32 @@ impl Block {
         Self { first, count, rows: rows.map(|place| exponential[place]).collect() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::equations::HubReaction;
+    use super::*;
+    use crate::beam::{ElementCount, Mesh, MeshPlan};
+    use crate::link::{Link, uniform};
+    use crate::modal::{DampingLaw, ModalBasis};
+
+    #[test]
+    fn a_motion_goes_on_from_the_coordinates_and_rates_that_it_is_given() {
+        let link = Link::new(uniform()).unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(4)), 1e-6).unwrap();
+        let mesh = Mesh::new(&link, &plan);
+        for damping_n_m_s_rad in [0.0, 0.3] {
+            let law = DampingLaw::of(link.damping(), &mesh).unwrap();
+            let reaction = HubReaction { damping_n_m_s_rad, ..HubReaction::default() };
+            let basis = ModalBasis::lowest(&mesh, 3);
+            let equations = Equations::new(&mesh, &law, basis, reaction);
+            let count = equations.coordinates.len();
+            let coordinates: Vec<f64> = (1..=count).map(|k| 0.1 * k as f64).collect();
+            let rates: Vec<f64> = (1..=count).map(|k| 7.0 - k as f64).collect();
+            let stepper = Stepper::new(&equations, 0.01).starting_at(&coordinates, &rates);
+            assert_eq!(stepper.rates(), rates);
+            let pairs = stepper.coordinates().into_iter().zip(coordinates);
+            assert!(pairs.map(|(a, b)| (a / b - 1.0).abs()).all(|error| error < 1e-15));
+        }
+    }
+}

@@ -3,6 +3,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod after;
 #[path = "../dense/assembly.rs"]
 #[expect(dead_code, reason = "it serves the frequency domain, too")]
 mod assembly;

@@ -248,3 +248,31 @@ fn a_hysteretic_link_has_its_vibration_behind_it_before_the_next_period_begins()
     let bent = once.iter().zip(&thrice).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(bent < 1e-3 * once[40], "{bent:e} m of {} m", once[40]);
 }
+
+/// What the integrals of few samples miss is told, of the loss as of the work; of fewer than eight
+/// nothing can be.
+#[test]
+fn the_energy_of_few_samples_balances_within_the_error_that_is_told() {
+    for (ratio, friction) in [(0.0, 0.0), (0.1, 0.0), (0.0, 0.5), (0.1, 0.5)] {
+        let link = link(|parts| {
+            parts.damping = Damping::Modal { ratios: vec![ratio] };
+            parts.hub.viscous_friction_n_m_s_rad = friction;
+        });
+        for steps in [4, 5, 6, 7, 8, 20, 50] {
+            let found = played(&link, &mesh_of(&link, 10), &Play::of(&pulse(0.8, steps)));
+            let account = found.energy(3);
+            let told = account.quadrature_error_j;
+            if steps < 7 {
+                assert_eq!(told.to_bits(), 0.0_f64.to_bits());
+                continue;
+            }
+            for at in account.balances {
+                let off = (at.work_j - at.kinetic_j - at.strain_j - at.dissipated_j).abs();
+                assert!(
+                    off <= told,
+                    "{ratio}, {friction}, {steps} steps: {off:e} J, not {told:e} J"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What is left to see when the torque has ended.
+
+use std::f64::consts::PI;
+
+use super::{link, mesh_of, played, times};
+use flexlink::link::{Damping, Taper};
+use flexlink::response::{Feedback, HubReference, Play, Torque};
+
+/// A link that only friction slows down is bent by `b θ̇`, as slowly as that falls, and still.
+#[test]
+fn what_friction_bends_a_turning_link_to_is_no_vibration() {
+    let link = link(|parts| {
+        parts.damping = Damping::Modal { ratios: vec![0.02] };
+        parts.hub.viscous_friction_n_m_s_rad = 0.02;
+    });
+    let time_s = times(0.01, 800);
+    let pulse = time_s.iter().map(|t| (PI * t / 8.0).sin().powi(8)).collect();
+    let torque = Torque::new(&time_s, pulse).unwrap();
+    let found = played(&link, &mesh_of(&link, 10), &Play::of(&torque));
+    let bent_m = found.tip_deflection_m()[found.grid.len - 1].abs();
+    let vibrating_m = found.residual.amplitude_m;
+    assert!(bent_m > 1e-3, "{bent_m} m");
+    assert!(vibrating_m < 0.01 * bent_m, "{vibrating_m:e} m of {bent_m} m");
+}
+
+/// A hub alone on its axis: nothing bends, and nothing is left to vibrate.
+#[test]
+fn a_link_without_modes_turns_and_has_no_vibration() {
+    let link = link(|parts| {
+        for segment in &mut parts.segments {
+            segment.mass_per_length_kg_m = Taper::constant(0.0);
+        }
+    });
+    let torque = Torque::new(&times(0.01, 50), vec![0.4; 51]).unwrap();
+    let found = played(&link, &mesh_of(&link, 4), &Play::of(&torque));
+    let turned = 0.5 * 0.4 / 0.1 * 0.5_f64.powi(2);
+    assert!((found.hub_angle_rad[50] - turned).abs() < 1e-12, "{}", found.hub_angle_rad[50]);
+    assert!((found.tip.displacement_m[50] - 1.5 * turned).abs() < 1e-12);
+    let residual = found.residual;
+    assert_eq!((residual.frequency_hz, residual.decay_s), (None, Some(0.0)));
+    assert_eq!(residual.amplitude_m.to_bits(), 0.0_f64.to_bits());
+}
+
+/// Feedback brings a link to where its reference ends, slowly: there is nothing to vibrate about.
+#[test]
+fn a_link_at_its_goal_under_feedback_does_not_vibrate_wherever_that_is() {
+    let link = link(|parts| parts.damping = Damping::Modal { ratios: vec![0.05] });
+    let time_s = times(0.01, 400);
+    let torque = Torque::new(&time_s, vec![0.0; 401]).unwrap();
+    for goal_rad in [0.2, -0.1] {
+        let risen = |t: f64| t / 4.0 - (2.0 * PI * t / 4.0).sin() / (2.0 * PI);
+        let angles = time_s.iter().map(|t| goal_rad * risen(*t)).collect();
+        let reference = HubReference::new(&time_s, angles, None).unwrap();
+        let feedback = Feedback::new(200.0, 20.0, reference).unwrap();
+        let play = Play { feedback: Some(&feedback), ..Play::of(&torque) };
+        let residual = played(&link, &mesh_of(&link, 10), &play).residual;
+        assert!(residual.share < 0.05, "{goal_rad} rad: {residual:?}");
+    }
+}
