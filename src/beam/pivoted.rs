@@ -221,6 +221,45 @@ impl<S: PivotedScalar> Elimination<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::link::{Hub, Link, LinkParts, Taper, uniform, uniform_segment};
+
+    /// A uniform link whose lengths and masses are so many times as large, and the stiffness as
+    /// keeps the time it takes.
+    fn mesh(lengths: f64, masses: f64) -> Mesh {
+        let mut segment = uniform_segment();
+        segment.length_m *= lengths;
+        segment.bending_stiffness_n_m2 = Taper::constant(5.0 * masses * lengths.powi(3));
+        segment.mass_per_length_kg_m = Taper::constant(0.8 * masses / lengths);
+        let hub = Hub { inertia_kg_m2: 0.1 * masses * lengths.powi(2), ..Hub::default() };
+        let link = Link::new(LinkParts { segments: vec![segment], hub, ..uniform() }).unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(12)), 1e-6).unwrap();
+        Mesh::new(&link, &plan)
+    }
+
+    /// Units that are powers of two leave every digit as it is; only lengths choose other pivots.
+    #[test]
+    fn a_transfer_is_the_same_in_all_units() {
+        let one = mesh(1.0, 1.0);
+        for omega in [0.3, 4.0, 11.0, 33.9, 120.0, 700.0_f64] {
+            for lambda in
+                [Complex64::from(omega.powi(2)), Complex64::new(1.0, -0.04) * omega.powi(2)]
+            {
+                let expected = pivoted_transfer(&one, lambda);
+                for power in [-40, -12, 12, 40] {
+                    let unit = 2.0_f64.powi(power);
+                    let heavy = pivoted_transfer(&mesh(1.0, unit), lambda);
+                    assert!(heavy.lags_s2 == expected.lags_s2, "{lambda}: masses times {unit}");
+                    let moments = expected.moments_kg_m.iter().map(|moment| moment * unit);
+                    assert!(heavy.moments_kg_m.iter().copied().eq(moments), "{lambda}, {unit}");
+                    let long = pivoted_transfer(&mesh(unit, 1.0), lambda);
+                    let off =
+                        (long.tip.inertia_kg_m / (expected.tip.inertia_kg_m * unit) - 1.0).norm();
+                    assert!(off < 1e-11, "{lambda}: {off:e} with lengths times {unit}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn the_first_entry_of_a_matrix_may_be_next_to_nothing() {

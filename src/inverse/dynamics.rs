@@ -169,3 +169,21 @@ impl Dynamics {
         omegas_rad_s.iter().map(|omega| self.law.lambda(*omega)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::{LinkParts, uniform};
+
+    #[test]
+    fn damping_of_modes_allows_as_many_elements_as_all_modes_are_sought_of_and_no_more() {
+        let limit = MOST_ELEMENTS_OF_ALL_MODES;
+        let link = |damping| Link::new(LinkParts { damping, ..uniform() }).unwrap();
+        let modal = link(Damping::Modal { ratios: vec![0.02] });
+        assert_eq!(Dynamics::check_size(&modal, limit, 2), Ok(()));
+        let (elements, limit) = (limit / 2 + 1, limit / 2);
+        let error = InversionError::TooManyElements { elements, limit };
+        assert_eq!(Dynamics::check_size(&modal, 2 * elements, 2), Err(error));
+        assert_eq!(Dynamics::check_size(&link(Damping::None), 9 * elements, 2), Ok(()));
+    }
+}

@@ -252,4 +252,16 @@ mod tests {
         let bytes = table.nodes_at_once() * table.spectrum_bytes();
         assert!(bytes <= SPECTRA_BYTES && bytes + panel > SPECTRA_BYTES, "{bytes} and {panel}");
     }
+
+    #[test]
+    fn each_thread_takes_a_room_of_its_own_as_long_as_there_are_panels_for_it() {
+        let solution = solution(100);
+        let table = solution.deflections(&[1; 3 * CHANNELS], 1);
+        let room = table.sampling.room_bytes();
+        let bytes = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| table.bytes())
+        };
+        assert_eq!([2, 3, 4].map(|threads| bytes(threads) - bytes(1)), [room, 2 * room, 2 * room]);
+    }
 }

@@ -174,6 +174,16 @@ mod tests {
         assert_eq!(Padding::lengthened(1 << 22, 1 << 20), None);
         assert_eq!(Padding::lengthened(1 << 23, 1 << 23), Some(1 << 24));
         assert_eq!(Padding::lengthened(1 << 24, 1 << 23), None, "the most that is transformed");
+        assert_eq!(Padding::lengthened(3 << 18, 1000), None, "twice as many would be more");
+    }
+
+    #[test]
+    fn a_period_may_be_as_long_as_the_most_samples_and_no_longer() {
+        let padding = Padding { before: 100, after: 23 };
+        assert_eq!(padding.period_len(LONGEST - 123), Ok(fast_length(LONGEST)));
+        let samples = LONGEST + 1;
+        let error = InversionError::TooLong { samples, limit: LONGEST };
+        assert_eq!(padding.period_len(LONGEST - 122), Err(error));
     }
 
     /// A period of 20 samples, five of them before the first of the trajectory, with a torque from
@@ -199,7 +209,10 @@ mod tests {
     #[test]
     fn a_window_begins_and_ends_with_a_sample_of_rest_around_torque_and_motion() {
         assert_eq!(window(&acting(-3, 8), None, None), (-4, 9, 0.0));
-        assert_eq!(window(&acting(1, 2), None, None), (0, 3, 0.0), "within the trajectory");
+        for (from, to) in [(0, 0), (1, 2), (0, 3), (3, 3)] {
+            let found = window(&acting(from, to), None, None);
+            assert_eq!(found, (0, 3, 0.0), "{from} to {to}: within the trajectory");
+        }
         assert_eq!(window(&acting(-5, 14), None, None), (-5, 14, 0.0), "all of the period");
     }
 

@@ -146,3 +146,26 @@ impl Superposition {
         NodalTransfer { tip, lags_s2, moments_kg_m }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::inverse::KeptModes;
+    use crate::link::{Link, uniform};
+
+    #[test]
+    fn an_undamped_link_at_its_own_frequency_takes_no_torque_and_moves_in_its_mode() {
+        let link = Link::new(uniform()).unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(8)), 1e-6).unwrap();
+        let mesh = Mesh::new(&link, &plan);
+        let dynamics = Dynamics::new(&link, mesh.clone(), KeptModes::First(3)).unwrap();
+        for (k, mode) in ModalBasis::lowest(&mesh, 3).modes.iter().enumerate() {
+            let found = dynamics.tip_transfer(mode.omega_rad_s);
+            assert!(found.inertia_kg_m.norm() < 1e-12, "mode {}: {found:?}", k + 1);
+            let angle_rad_m = mode.shape.hub_angle / mode.shape.tip_displacement(&mesh);
+            let off = (found.angle_rad_m / angle_rad_m - 1.0).norm();
+            assert!(off < 1e-10, "mode {}: {off:e}", k + 1);
+        }
+    }
+}

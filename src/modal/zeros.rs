@@ -32,10 +32,11 @@ pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
 
 /// Zeros of torque → tip at real frequencies below `limit_rad_s`, in rad/s, ascending.
 ///
-/// Rotary inertia at the tip or on the link, or an offset payload, causes them: at such a frequency no torque moves the tip,
-/// and the torque that the inversion asks for grows as 1/ξ. They are the roots of `L + e_tip` at
-/// λ = ω². Its sign flips at every mode of the link clamped at the hub too; the number of these
-/// below ω is known from the pivots, so that only the zeros remain as changes of parity.
+/// Rotary inertia at the tip or on the link, or an offset payload, causes them: at such a frequency
+/// no torque moves the tip, and the torque that the inversion asks for grows as 1/ξ. They are the
+/// roots of `L + e_tip` at λ = ω². Its sign flips at every mode of the link clamped at the hub too;
+/// the number of these below ω is known from the pivots, so that only the zeros remain as changes
+/// of parity.
 pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
     if !carries_rotary_inertia(mesh) {
         // Points of mass keep all zeros off the real frequencies.
@@ -90,7 +91,8 @@ fn scan_start(mesh: &Mesh) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::beam::{ElementCount, MeshPlan};
-    use crate::link::{Link, uniform};
+    use crate::link::{Hub, Link, LinkParts, Payload, Segment, Taper, uniform, uniform_segment};
+    use crate::modal::modes_below;
 
     #[test]
     fn a_search_from_anywhere_ends_a_power_of_two_from_there_around_the_mode() {
@@ -108,5 +110,29 @@ mod tests {
             }
         }
         assert_eq!(HubSpring::CLAMPED.bracket(&mesh, 9, 1.0), None, "eight modes are all");
+    }
+
+    /// A body of 3 kg on a beam without mass and 3EI/L³ = 3 N/m: behind a held hub it swings at
+    /// 1 rad/s, exactly, and on a free one of 1 kg m² at √(1 + 3) rad/s.
+    #[test]
+    fn modes_are_counted_where_what_the_hub_feels_is_infinite() {
+        let segment = Segment {
+            length_m: 1.0,
+            bending_stiffness_n_m2: Taper::constant(1.0),
+            mass_per_length_kg_m: Taper::constant(0.0),
+            ..uniform_segment()
+        };
+        let parts = LinkParts {
+            segments: vec![segment],
+            hub: Hub { inertia_kg_m2: 1.0, ..Hub::default() },
+            payload: Payload { mass_kg: 3.0, ..Payload::default() },
+            ..uniform()
+        };
+        let link = Link::new(parts).unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(1)), 1e-6).unwrap();
+        let mesh = Mesh::new(&link, &plan);
+        for (omega_rad_s, modes) in [(0.5, 1), (1.0, 1), (1.5, 1), (1.999_999, 1), (2.000_001, 2)] {
+            assert_eq!(modes_below(&mesh, omega_rad_s), modes, "below {omega_rad_s} rad/s");
+        }
     }
 }

@@ -120,3 +120,18 @@ fn the_reported_error_is_that_of_the_series_in_the_fourth_power_over_the_better_
     let found = coarse.accuracy.mesh_error;
     assert!((found / expected - 1.0).abs() < 2e-3, "{found} is not {expected}");
 }
+
+/// Elements half as long err by a sixteenth: fifteen sixteenths of the error are the change, which
+/// is told over the peak of the better torque.
+#[test]
+fn the_reported_error_is_sixteen_fifteenths_of_what_halved_elements_change() {
+    let link = link(|_| ());
+    let motion = Smooth { duration_s: 0.5, steps: 500, ..Smooth::MOVE }.motion();
+    for elements in [2, 3, 5] {
+        let (coarse, fine) =
+            (solved(&link, elements, &motion), solved(&link, 2 * elements, &motion));
+        let expected = 16.0 / 15.0 * torque_difference(&fine, &coarse, 0);
+        let off = coarse.accuracy.mesh_error / expected - 1.0;
+        assert!(off.abs() < 2e-3, "{elements} elements: {off:e} of {expected}");
+    }
+}

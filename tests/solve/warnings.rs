@@ -222,3 +222,19 @@ fn a_ripple_above_four_fifths_of_the_nyquist_frequency_is_told_and_one_below_is_
     };
     assert!(rippled(0.87) && !rippled(0.7));
 }
+
+#[test]
+fn a_blocked_tip_is_told_whatever_the_size_of_the_motion() {
+    let link = with_payload_inertia(Damping::Hysteretic { ratio: 0.02 });
+    let told = [5e-9, 5e-3, 0.5].map(|travel_m| {
+        let solution = solved(&link, 20, &sine(travel_m, 0.5, 500));
+        let Warning::BlockedTip { frequency_hz, share } = *of_kind(&solution, "blocked_tip") else {
+            panic!("{:?}", solution.warnings);
+        };
+        (frequency_hz, share)
+    });
+    for (frequency_hz, share) in told {
+        assert!(frequency_hz.to_bits() == told[0].0.to_bits(), "{told:?}");
+        assert!((share / told[0].1 - 1.0).abs() < 1e-12, "{told:?}");
+    }
+}
