@@ -160,8 +160,12 @@ mod tests {
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(8)), 1e-6).unwrap();
         let mesh = Mesh::new(&link, &plan);
         let dynamics = Dynamics::new(&link, mesh.clone(), KeptModes::First(3)).unwrap();
-        for (k, mode) in ModalBasis::lowest(&mesh, 3).modes.iter().enumerate() {
-            let found = dynamics.tip_transfer(mode.omega_rad_s);
+        let stored = Superposition::of_first(&mesh, 3).unwrap().modes;
+        let modes = ModalBasis::lowest(&mesh, 3).modes;
+        for (k, ((omega, _), mode)) in stored.iter().zip(&modes).enumerate() {
+            // To the last bit, where its share of the sum is infinite.
+            assert_eq!(dynamics.law().modal_denominator(k + 1, *omega, *omega), Complex64::ZERO);
+            let found = dynamics.tip_transfer(*omega);
             assert!(found.inertia_kg_m.norm() < 1e-12, "mode {}: {found:?}", k + 1);
             let angle_rad_m = mode.shape.hub_angle / mode.shape.tip_displacement(&mesh);
             let off = (found.angle_rad_m / angle_rad_m - 1.0).norm();

@@ -1,7 +1,6 @@
-//! Figures of a sweep: what changes with the values that were varied.
-
-use super::chart::{Across, Axis, ColourMap, Colours, Curve, Figure, Stroke};
-use super::figures::Figures;
+use super::super::chart::{Across, Axis, ColourMap, Colours, Curve, Figure, Stroke};
+use super::super::figures::Figures;
+use super::topics::{TOPICS, Topic};
 use crate::result::StoredSweep;
 use crate::result::comparison::{Cell, TableColumn};
 
@@ -13,68 +12,6 @@ const MOST_TICKS: usize = 12;
 
 /// From this ratio on values above 0 are drawn by their logarithm.
 const WIDE: f64 = 12.0;
-
-/// Heading, title, y axis and columns of a figure, the latter with their names.
-struct Topic {
-    id: &'static str,
-    title: &'static str,
-    quantity: (&'static str, &'static str),
-    columns: &'static [(&'static str, &'static str)],
-    caption: &'static str,
-}
-
-const TOPICS: [Topic; 7] = [
-    Topic {
-        id: "torque-ratio",
-        title: "Peak torque, flexible over rigid",
-        quantity: ("ratio", ""),
-        columns: &[("torque_ratio", "ratio")],
-        caption: "Peak torque of the flexible link over that of the rigid one. It tends to 1 where the \
-                  link is stiff for this motion.",
-    },
-    Topic {
-        id: "lead",
-        title: "Lead",
-        quantity: ("lead", "s"),
-        columns: &[("lead_s", "lead")],
-        caption: "How long before the tip moves the torque begins, at 2 % of its peak.",
-    },
-    Topic {
-        id: "lag",
-        title: "Lag",
-        quantity: ("lag", "s"),
-        columns: &[("lag_s", "lag")],
-        caption: "How long the torque goes on after the tip has stopped, at 2 % of its peak.",
-    },
-    Topic {
-        id: "peak-torque",
-        title: "Peak torque",
-        quantity: ("torque", "N m"),
-        columns: &[("peak_torque_n_m", "flexible link"), ("peak_rigid_torque_n_m", "rigid link")],
-        caption: "Largest torque at the hub.",
-    },
-    Topic {
-        id: "residual",
-        title: "Vibration left behind",
-        quantity: ("amplitude", "m"),
-        columns: &[("residual_m", "residual")],
-        caption: "How far the tip vibrates after the torque's last sample.",
-    },
-    Topic {
-        id: "tip-error",
-        title: "Error of the tip",
-        quantity: ("error", "m"),
-        columns: &[("tip_error_m", "largest error")],
-        caption: "How far the tip strays from the wanted motion, at most.",
-    },
-    Topic {
-        id: "deflection",
-        title: "Peak deflection",
-        quantity: ("deflection", "m"),
-        columns: &[("peak_deflection_m", "tip")],
-        caption: "Largest deflection of the tip from the hub's tangent line.",
-    },
-];
 
 /// A value that was varied: its heading and one number a case.
 struct Varied<'a> {
@@ -115,7 +52,7 @@ fn number(column: &TableColumn, row: usize) -> f64 {
 }
 
 /// Figures of a sweep, and what could not be shown and why.
-pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
+pub(in crate::report) fn sweep_figures(sweep: &StoredSweep) -> Figures {
     let rows = sweep.table.lines.len();
     let columns = &sweep.table.columns[..sweep.varied];
     // What has several values, numbers to draw over and words to tell lines apart.
