@@ -51,7 +51,8 @@ pub fn check_finite(solution: &Solution, drive: Option<&Drive>) {
     check_metrics(&Metrics::of(solution));
     let accuracy = solution.accuracy;
     let shares = [Some(accuracy.mesh_error), Some(accuracy.edge_error), accuracy.truncation_error];
-    assert!(shares.into_iter().flatten().all(|share| share.is_finite() && share >= 0.0));
+    let are_shares = shares.into_iter().flatten().all(|share| share.is_finite() && share >= 0.0);
+    assert!(are_shares, "{accuracy:?}");
     for warning in &solution.warnings {
         let text = warning.to_string();
         assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");

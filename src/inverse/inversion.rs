@@ -4,7 +4,7 @@ use super::analysis::Analysis;
 use super::dynamics::{Dynamics, KeptModes};
 use super::error::InversionError;
 use super::period::{Padding, PeriodicTorque, check_memory};
-use super::refinement::{Measured, measured_mesh};
+use super::refinement::{Measured, measured_mesh, peak_in_range};
 use super::rigid::rigid_torque_n_m;
 use super::solution::{Accuracy, Band, Solution, cut, hub_motion};
 use super::spectra::{Forcing, HubSpectra};
@@ -13,7 +13,7 @@ use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::torque_zeros;
 use crate::motion::{TipMotion, TipMotionHistories, TipPeriod};
-use crate::numeric::{TimeGrid, largest, largest_difference};
+use crate::numeric::{TimeGrid, largest_difference};
 
 /// What is to be solved, the mesh and the period left open.
 struct Problem<'a> {
@@ -160,7 +160,7 @@ impl Problem<'_> {
         }
         let all = dynamics.unreduced()?;
         let exact = self.forcing(&all, &answer.period).torque_n_m()?;
-        Ok(Some(largest_difference(&exact, &answer.torque_n_m) / largest(&exact)))
+        Ok(Some(largest_difference(&exact, &answer.torque_n_m) / peak_in_range(&exact)?))
     }
 
     /// Cuts the window to write out of the period and gathers what is known of the answer.

@@ -22,6 +22,19 @@ pub(super) struct Measured {
     pub(super) error: f64,
 }
 
+/// Peak of a torque in N m.
+///
+/// # Errors
+/// [`InversionError::OutOfRange`] if its square is no number.
+pub(super) fn peak_in_range(torque_n_m: &[f64]) -> Result<f64, InversionError> {
+    let peak_n_m = largest(torque_n_m);
+    if TORQUES_N_M.contains(&peak_n_m) {
+        Ok(peak_n_m)
+    } else {
+        Err(InversionError::OutOfRange { peak_n_m })
+    }
+}
+
 /// Measures the discretisation error of the torque against the mesh with halved elements, and
 /// refines an automatic mesh until it is below the plan's tolerance.
 ///
@@ -41,15 +54,14 @@ pub(super) fn measured_mesh(
         let forcing = Forcing { dynamics: &dynamics, friction_n_m_s_rad, spectrum };
         let hub = forcing.hub_spectra()?;
         let torque_n_m = spectrum.pair.samples(&hub.torque_n_m);
-        let peak_n_m = largest(&torque_n_m);
-        if !TORQUES_N_M.contains(&peak_n_m) {
-            return Err(InversionError::OutOfRange { peak_n_m });
-        }
+        let peak_n_m = peak_in_range(&torque_n_m)?;
         let finer = dynamics.refined()?;
         let on_finer = Forcing { dynamics: &finer, ..forcing };
         let change = change_n_m(forcing, on_finer, &hub.torque_n_m)?;
         let finer_torque: Vec<f64> = torque_n_m.iter().zip(&change).map(|(t, d)| t + d).collect();
-        let error = 16.0 / 15.0 * largest(&change) / largest(&finer_torque);
+        // What is less than the rounding of the sum is not known.
+        let finer_peak_n_m = largest(&finer_torque).max(f64::EPSILON * peak_n_m);
+        let error = 16.0 / 15.0 * largest(&change) / finer_peak_n_m;
         if !plan.is_automatic() || error * (1.0 + MEASURED_TO) <= plan.tolerance() {
             return Ok(Measured { dynamics, hub, torque_n_m, error });
         }
