@@ -221,7 +221,6 @@ impl<S: PivotedScalar> Elimination<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::{ElementCount, MeshPlan};
     use crate::link::{Hub, Link, LinkParts, Taper, uniform, uniform_segment};
 
     /// A uniform link whose lengths and masses are so many times as large, and the stiffness as
@@ -233,8 +232,7 @@ mod tests {
         segment.mass_per_length_kg_m = Taper::constant(0.8 * masses / lengths);
         let hub = Hub { inertia_kg_m2: 0.1 * masses * lengths.powi(2), ..Hub::default() };
         let link = Link::new(LinkParts { segments: vec![segment], hub, ..uniform() }).unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(12)), 1e-6).unwrap();
-        Mesh::new(&link, &plan)
+        Mesh::on(&link, 12)
     }
 
     /// Units that are powers of two leave every digit as it is; only lengths choose other pivots.

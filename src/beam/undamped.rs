@@ -4,6 +4,14 @@
 use super::{ElementCount, Mesh, MeshPlan};
 use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 
+impl Mesh {
+    /// A link of one segment on this many elements, as unit tests mesh theirs.
+    pub(crate) fn on(link: &Link, elements: usize) -> Self {
+        let plan = MeshPlan::new(link, &[None], Some(ElementCount::Total(elements)), 1e-6);
+        Self::new(link, &plan.unwrap())
+    }
+}
+
 /// The link on this many elements.
 pub(super) fn mesh(elements: usize) -> Mesh {
     mesh_in(elements, Units { length: 1.0, mass: 1.0 })
@@ -43,6 +51,5 @@ pub(super) fn mesh_in(elements: usize, Units { length, mass }: Units) -> Mesh {
         damping: Damping::None,
     });
     let link = link.unwrap();
-    let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);
-    Mesh::new(&link, &plan.unwrap())
+    Mesh::on(&link, elements)
 }

@@ -150,15 +150,13 @@ impl Superposition {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::{ElementCount, MeshPlan};
     use crate::inverse::KeptModes;
     use crate::link::{Link, uniform};
 
     #[test]
     fn an_undamped_link_at_its_own_frequency_takes_no_torque_and_moves_in_its_mode() {
         let link = Link::new(uniform()).unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(8)), 1e-6).unwrap();
-        let mesh = Mesh::new(&link, &plan);
+        let mesh = Mesh::on(&link, 8);
         let dynamics = Dynamics::new(&link, mesh.clone(), KeptModes::First(3)).unwrap();
         let stored = Superposition::of_first(&mesh, 3).unwrap().modes;
         let modes = ModalBasis::lowest(&mesh, 3).modes;

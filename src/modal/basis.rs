@@ -104,7 +104,6 @@ fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::{ElementCount, MeshPlan};
     use crate::link::{
         Hub, Link, LinkParts, LumpedMass, Payload, Segment, uniform, uniform_segment,
     };
@@ -121,8 +120,7 @@ mod tests {
             ..uniform()
         })
         .unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(24)), 1e-6).unwrap();
-        Mesh::new(&link, &plan)
+        Mesh::on(&link, 24)
     }
 
     #[test]

@@ -197,8 +197,7 @@ mod tests {
             ..uniform()
         })
         .unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6);
-        Mesh::new(&link, &plan.unwrap())
+        Mesh::on(&link, 10)
     }
 
     #[test]

@@ -150,14 +150,12 @@ impl Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::{ElementCount, MeshPlan};
     use crate::link::{Hub, Link, LinkParts, LumpedMass, Payload, uniform};
     use crate::modal::natural_frequencies;
 
     fn mesh(elements: usize, hub: Hub, masses: Vec<LumpedMass>, payload: Payload) -> Mesh {
         let link = Link::new(LinkParts { hub, masses, payload, ..uniform() }).unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);
-        Mesh::new(&link, &plan.unwrap())
+        Mesh::on(&link, elements)
     }
 
     #[test]

@@ -90,15 +90,13 @@ fn scan_start(mesh: &Mesh) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::{ElementCount, MeshPlan};
     use crate::link::{Hub, Link, LinkParts, Payload, Segment, Taper, uniform, uniform_segment};
     use crate::modal::modes_below;
 
     #[test]
     fn a_search_from_anywhere_ends_a_power_of_two_from_there_around_the_mode() {
         let link = Link::new(uniform()).unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(4)), 1e-6).unwrap();
-        let mesh = Mesh::new(&link, &plan);
+        let mesh = Mesh::on(&link, 4);
         let below = |omega: f64| HubSpring::CLAMPED.modes_below(&mesh, &[omega; SECTIONS])[0];
         for from_rad_s in [1e-9, 0.3, 1.0, 7.0, 300.0, 1e9] {
             for sought in [1, 3] {
@@ -129,8 +127,7 @@ mod tests {
             ..uniform()
         };
         let link = Link::new(parts).unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(1)), 1e-6).unwrap();
-        let mesh = Mesh::new(&link, &plan);
+        let mesh = Mesh::on(&link, 1);
         for (omega_rad_s, modes) in [(0.5, 1), (1.0, 1), (1.5, 1), (1.999_999, 1), (2.000_001, 2)] {
             assert_eq!(modes_below(&mesh, omega_rad_s), modes, "below {omega_rad_s} rad/s");
         }

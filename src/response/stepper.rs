@@ -124,15 +124,14 @@ impl Block {
 mod tests {
     use super::super::equations::HubReaction;
     use super::*;
-    use crate::beam::{ElementCount, Mesh, MeshPlan};
+    use crate::beam::Mesh;
     use crate::link::{Link, uniform};
     use crate::modal::{DampingLaw, ModalBasis};
 
     #[test]
     fn a_motion_goes_on_from_the_coordinates_and_rates_that_it_is_given() {
         let link = Link::new(uniform()).unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(4)), 1e-6).unwrap();
-        let mesh = Mesh::new(&link, &plan);
+        let mesh = Mesh::on(&link, 4);
         for damping_n_m_s_rad in [0.0, 0.3] {
             let law = DampingLaw::of(link.damping(), &mesh).unwrap();
             let reaction = HubReaction { damping_n_m_s_rad, ..HubReaction::default() };
