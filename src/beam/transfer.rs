@@ -90,6 +90,15 @@ impl<S> TipTransfer<S> {
     }
 }
 
+impl TipTransfer {
+    /// Whether the tip of a link of length L in m moves by no more than rounding: `|L + e_tip|` below
+    /// 64 ε L. The numbers here are of any size then.
+    pub fn is_blocked(&self, length_m: f64) -> bool {
+        let rounding_m = 64.0 * f64::EPSILON * length_m;
+        self.angle_rad_m.norm_sqr() * rounding_m.powi(2) > 1.0
+    }
+}
+
 /// Response to a unit hub angle by the recursion alone, for the roots that modes and zeros are.
 #[inline(always)]
 pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {

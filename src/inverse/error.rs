@@ -28,7 +28,8 @@ pub enum InversionError {
         /// Elements possible.
         limit: usize,
     },
-    /// A frequency at which no torque moves the tip, or numbers beyond double precision.
+    /// A frequency at which no torque moves the tip, to within rounding, or numbers beyond double
+    /// precision.
     #[error("the torque at {frequency_hz:.4} Hz = not a finite number, but must be one")]
     NotFinite {
         /// The frequency in Hz.
@@ -94,8 +95,9 @@ impl InversionError {
                 "fewer elements, or hysteretic or rayleigh damping, which have no such limit"
             }
             Self::NotFinite { .. } => {
-                "no torque moves the tip there (a payload's inertia without damping), the mesh is far \
-                 too coarse, or the inputs are too large for double precision"
+                "no torque moves the tip there (a payload's inertia without damping, or damping that \
+                 no wave survives), the mesh is far too coarse, or the inputs are too large for \
+                 double precision"
             }
             Self::OutOfRange { .. } => {
                 "check the units of motion and link, and their powers of ten"

@@ -111,11 +111,16 @@ impl Forcing<'_> {
         }
     }
 
-    /// What a transfer to the tip at ω means at the hub.
+    /// What a transfer to the tip at ω means at the hub; infinite where no torque moves the tip.
     fn hub_transfer(&self) -> impl Fn(f64, &TipTransfer) -> HubTransfer {
         let law = self.dynamics.law();
-        let per_length = 1.0 / self.dynamics.mesh().length_m();
+        let length_m = self.dynamics.mesh().length_m();
+        let per_length = 1.0 / length_m;
         move |omega, tip| {
+            if tip.is_blocked(length_m) {
+                let infinite = Complex64::from(f64::INFINITY);
+                return HubTransfer { inertia_kg_m: infinite, excess_rad_s2_m: infinite };
+            }
             let excess_rad_s2_m =
                 tip.lag_s2 * law.stiffness_factor(omega).reciprocal() * per_length;
             let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);

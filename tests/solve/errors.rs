@@ -1,10 +1,13 @@
 //! Every refusal of a valid link and a valid motion.
 
+use std::f64::consts::TAU;
+
 use super::{Smooth, accelerated, link, mesh_of, refused, sine};
-use flexlink::beam::{ElementCount, MeshPlan};
-use flexlink::inverse::{Analysis, InversionError, invert};
+
+use flexlink::beam::{ElementCount, Mesh, MeshPlan};
+use flexlink::inverse::{Analysis, InversionError, Warning, invert};
 use flexlink::link::{Damping, Link};
-use flexlink::modal::DampingError;
+use flexlink::modal::{DampingError, real_frequency_zeros};
 
 fn through_modes(modes: [usize; 2], ratios: [f64; 2]) -> Link {
     link(|parts| parts.damping = Damping::RayleighThroughModes { modes, ratios })
@@ -61,6 +64,37 @@ fn numbers_beyond_double_precision() {
         format!("the torque at {frequency_hz:.4} Hz = not a finite number, but must be one");
     assert_eq!(message, expected);
     assert!(error.hint().unwrap().contains("too large for double precision"));
+}
+
+/// An undamped payload's rotary inertia holds the tip still at one frequency. Rounding leaves a tip
+/// displacement of its own size there, and would make a torque of any size of it.
+#[test]
+fn a_frequency_at_which_no_torque_moves_the_tip() {
+    let link = link(|parts| {
+        parts.damping = Damping::None;
+        parts.payload.inertia_kg_m2 = 0.01;
+    });
+    let plan = mesh_of(&link, 6);
+    let blocked_rad_s = real_frequency_zeros(&Mesh::new(&link, &plan), 1e3)[0];
+    let analysis = Analysis::new(1e-6, Some(0.1), Some(0.1)).unwrap();
+    let found = |step_s: f64| {
+        let time_s = (0..=256).map(|k| f64::from(k) * step_s).collect();
+        let motion = accelerated(time_s, Smooth::MOVE.acceleration_m_s2());
+        invert(&link, &plan, &motion, &analysis)
+    };
+    // A bin of the period is moved onto that frequency by a change of the step.
+    let step_s = Smooth::MOVE.step_s();
+    let beside = found(step_s).unwrap();
+    assert!(beside.warnings.iter().any(|w| matches!(w, Warning::BlockedTip { .. })));
+    let bin = (blocked_rad_s * beside.band.period_s / TAU).round();
+    let samples = beside.band.fft_length as f64;
+    let step_s = bin * TAU / (samples * blocked_rad_s);
+    let error = found(step_s).map(|_| ()).unwrap_err();
+    let InversionError::NotFinite { frequency_hz } = error else { panic!("{error}") };
+    assert!((frequency_hz * TAU / blocked_rad_s - 1.0).abs() < 1e-12, "{frequency_hz} Hz");
+    assert!(error.hint().unwrap().starts_with("no torque moves the tip there"));
+    // A billionth beside it the tip moves.
+    assert!(found(step_s * (1.0 + 1e-9)).is_ok());
 }
 
 #[test]
