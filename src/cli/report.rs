@@ -104,7 +104,7 @@ fn write_figures(
     format: &str,
     file: impl Fn(&Figure) -> Result<Vec<u8>, String>,
 ) -> Result<String, Failure> {
-    let mut output = OutputFolder::stage(folder)?;
+    let output = OutputFolder::stage(folder)?;
     for figure in &figures.drawn {
         let name = format!("{}.{format}", figure.id);
         let refused = |why| {

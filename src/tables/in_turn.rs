@@ -1,22 +1,34 @@
 //! Texts that are made in parallel and written in order.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Whose turn it is to write, and how it went so far.
+/// Texts that may be made for each thread before the one whose turn it is.
+const AHEAD: usize = 2;
+
+/// How far the writing is.
 struct Turn<'a> {
+    /// Number of the text that is to be written next.
     block: usize,
-    out: &'a mut (dyn Write + Send),
+    /// None while a thread writes.
+    out: Option<&'a mut (dyn Write + Send)>,
+    /// Texts that are made and not yet written, by number.
+    made: BTreeMap<usize, Vec<u8>>,
+    /// Memory of texts that are written, for further ones.
+    spare: Vec<Vec<u8>>,
     written: io::Result<()>,
 }
 
-/// Blocks that threads take one after the other, make, and write when it is their turn: a text goes
-/// out from the cache of the processor that made it, and each thread holds no more than one.
+/// Blocks that threads take one after the other, make and hand in. Who hands one in writes it, and all
+/// that are ready after it, unless another thread does so: none waits for its turn.
 struct Blocks<'a> {
     next: AtomicUsize,
     turn: Mutex<Turn<'a>>,
     moved: Condvar,
+    /// Texts that may be made and not yet written.
+    room: usize,
 }
 
 /// Writes the texts of `blocks` blocks, each made by `make`, in their order; `make` appends the text
@@ -29,8 +41,16 @@ pub(super) fn write_in_turn(
     blocks: usize,
     make: impl Fn(usize, &mut Vec<u8>) + Sync,
 ) -> io::Result<()> {
-    let turn = Mutex::new(Turn { block: 0, out, written: Ok(()) });
-    let queue = Blocks { next: AtomicUsize::new(0), turn, moved: Condvar::new() };
+    // A thread that is busy elsewhere is not waited for: others find its share done.
+    let threads = rayon::current_num_threads().min(blocks);
+    let (made, spare) = (BTreeMap::new(), vec![]);
+    let turn = Turn { block: 0, out: Some(out), made, spare, written: Ok(()) };
+    let queue = Blocks {
+        next: AtomicUsize::new(0),
+        turn: Mutex::new(turn),
+        moved: Condvar::new(),
+        room: AHEAD * threads,
+    };
     let work = || {
         let mut text = Vec::new();
         let _leaving = Leaving(&queue);
@@ -39,31 +59,52 @@ pub(super) fn write_in_turn(
             if block >= blocks {
                 break;
             }
-            text.clear();
             make(block, &mut text);
-            if !queue.write(block, &text) {
-                break;
-            }
+            let Some(empty) = queue.hand_in(block, text) else { break };
+            text = empty;
         }
     };
-    // A thread that is busy elsewhere is not waited for: others find its share done.
-    let threads = rayon::current_num_threads().min(blocks);
     rayon::scope(|scope| (0..threads).for_each(|_| scope.spawn(|_| work())));
     queue.turn.into_inner().unwrap_or_else(PoisonError::into_inner).written
 }
 
 impl<'a> Blocks<'a> {
-    /// Writes a block when all before it are written; whether there is sense in going on.
-    fn write(&self, block: usize, text: &[u8]) -> bool {
-        let waits = |turn: &mut Turn| turn.block != block && turn.written.is_ok();
-        let turn = self.moved.wait_while(self.lock(), waits);
+    /// Takes the text of a block, and sees to it that it is written when all before it are; returns an
+    /// empty text, or none where there is no sense in going on.
+    fn hand_in(&self, block: usize, text: Vec<u8>) -> Option<Vec<u8>> {
+        let is_full = |turn: &mut Turn| turn.written.is_ok() && block >= turn.block + self.room;
+        let turn = self.moved.wait_while(self.lock(), is_full);
         let mut turn = turn.unwrap_or_else(PoisonError::into_inner);
-        if turn.written.is_ok() {
-            turn.written = turn.out.write_all(text);
-            turn.block += 1;
+        turn.made.insert(block, text);
+        if let Some(out) = turn.out.take() {
+            turn = self.write(turn, out);
         }
-        self.moved.notify_all();
-        turn.written.is_ok()
+        turn.written.is_ok().then(|| turn.spare.pop().unwrap_or_default())
+    }
+
+    /// Writes all texts that are ready, others being made meanwhile.
+    fn write<'b>(
+        &'b self,
+        mut turn: MutexGuard<'b, Turn<'a>>,
+        out: &'a mut (dyn Write + Send),
+    ) -> MutexGuard<'b, Turn<'a>> {
+        let mut ready = turn.block;
+        while turn.written.is_ok()
+            && let Some(mut text) = turn.made.remove(&ready)
+        {
+            drop(turn);
+            let written = out.write_all(&text);
+            text.clear();
+            ready += 1;
+            turn = self.lock();
+            turn.block = ready;
+            turn.spare.push(text);
+            // A thread that panicked meanwhile has told so, and is not to be forgotten.
+            turn.written = std::mem::replace(&mut turn.written, Ok(())).and(written);
+            self.moved.notify_all();
+        }
+        turn.out = Some(out);
+        turn
     }
 
     fn lock(&self) -> MutexGuard<'_, Turn<'a>> {
@@ -71,7 +112,8 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// Sends everyone home where a thread panics before its turn, which would never come.
+/// Sends everyone home where a thread panics before it has handed in its block, which would never
+/// come.
 struct Leaving<'a, 'b>(&'a Blocks<'b>);
 
 impl Drop for Leaving<'_, '_> {

@@ -54,7 +54,7 @@ impl ModesResult {
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
-    pub fn write(&self, mut folder: OutputFolder, digits: Digits) -> Result<(), FolderError> {
+    pub fn write(&self, folder: OutputFolder, digits: Digits) -> Result<(), FolderError> {
         let mut modes = frequency_columns(&self.omega_rad_s);
         modes.push(PlainColumn::values("damping_ratio", &self.damping_ratios));
         folder.file(MODES, |out| write_plain(out, &modes, digits))?;

@@ -47,7 +47,7 @@ impl SimulateOutputs {
     /// If a node asked for is not one of the mesh.
     pub fn write(
         &self,
-        mut folder: OutputFolder,
+        folder: OutputFolder,
         link: &Link,
         simulation: &Simulation,
         summary: &SimulationSummary,

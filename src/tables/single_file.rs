@@ -25,7 +25,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
     if is_stream(path) {
         return write_through(path, bytes).map_err(refused);
     }
-    let mut staged = OutputFolder::stage(folder)?;
+    let staged = OutputFolder::stage(folder)?;
     staged.file(name, |out| out.write_all(bytes))?;
     staged.replace()
 }

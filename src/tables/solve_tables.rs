@@ -1,5 +1,7 @@
 //! The files of `solve`: every column's name and unit, once.
 
+use rayon::prelude::*;
+
 use super::csv_table::{ColumnGroup, write_csv, write_nodal};
 use super::folder::{FolderError, OutputFolder};
 use super::histories::{MOTOR, REPORT, RESULT_FILES, SUMMARY, group, tip_groups, write_nodes};
@@ -61,22 +63,19 @@ impl SolveOutputs {
     /// [`FolderError`] names the file that cannot be written.
     pub fn write(
         &self,
-        mut folder: OutputFolder,
+        folder: OutputFolder,
         link: &Link,
         (solution, deflections): (&Solution, NodalTable),
         summary: &Summary,
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
-        let all = solution.grid.thinned(1);
-        for (name, groups) in histories(solution) {
-            folder.file(name, |out| write_csv(out, &all, &groups, self.digits))?;
-        }
-        if let Some(motor) = self.drive.map(|drive| solution.motor(&drive)) {
-            let groups = motor_groups(&motor);
-            folder.file(MOTOR, |out| write_csv(out, &all, &groups, self.digits))?;
-        }
+        // The nodal tables take longest, and what they leave of the threads serves the others.
+        let (nodal, others) = rayon::join(
+            || self.write_nodal(&folder, (solution, deflections), watch),
+            || self.write_histories(&folder, solution),
+        );
+        others.and(nodal)?;
         folder.file("nodes.csv", |out| write_nodes(out, link, solution.mesh(), self.digits))?;
-        self.write_nodal(&mut folder, (solution, deflections), watch)?;
         folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
         folder.commit(SUMMARY, &RESULT_FILES)
     }
@@ -90,14 +89,33 @@ impl SolveOutputs {
         solution.deflections(&self.nodes.clone().unwrap_or_else(every_node), self.every)
     }
 
+    /// Tables over the whole grid, several at a time.
+    fn write_histories(
+        &self,
+        folder: &OutputFolder,
+        solution: &Solution,
+    ) -> Result<(), FolderError> {
+        let time = solution.grid.thinned(1);
+        let motor = self.drive.map(|drive| solution.motor(&drive));
+        let mut tables = histories(solution);
+        tables.extend(motor.as_ref().map(|motor| (MOTOR, motor_groups(motor))));
+        let write = |(name, groups): &(_, Vec<_>)| {
+            folder.file(name, |out| write_csv(out, &time, groups, self.digits))
+        };
+        // All of them, so that of two that fail the same one is told of.
+        let written: Vec<_> = tables.par_iter().map(write).collect();
+        written.into_iter().collect()
+    }
+
+    /// Tables at the nodes, one after the other: each may take much memory.
     fn write_nodal(
         &self,
-        folder: &mut OutputFolder,
+        folder: &OutputFolder,
         (solution, deflections): (&Solution, NodalTable),
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
         let nodes = deflections.nodes().to_vec();
-        let mut file = |name: &str, heading, table: &NodalTable| {
+        let file = |name: &str, heading, table: &NodalTable| {
             folder.file(name, |out| write_nodal(out, table, heading, self.digits, watch))
         };
         if self.optional.contains(&OptionalTable::NodalDeflections) {
@@ -113,9 +131,9 @@ impl SolveOutputs {
 }
 
 /// Tables over the whole grid; columns of one unit share a group.
-fn histories(solution: &Solution) -> [(&'static str, Vec<ColumnGroup<'_>>); 4] {
+fn histories(solution: &Solution) -> Vec<(&'static str, Vec<ColumnGroup<'_>>)> {
     let Solution { tip, .. } = solution;
-    [
+    vec![
         ("torque.csv", vec![group([("torque_n_m", &solution.torque_n_m)])]),
         ("rigid_torque.csv", vec![group([("rigid_torque_n_m", &solution.rigid_torque_n_m)])]),
         ("hub_angle.csv", hub_groups(solution)),

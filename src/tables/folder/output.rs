@@ -2,6 +2,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Instant;
 
@@ -30,7 +31,8 @@ pub enum Durability {
 pub struct OutputFolder {
     dir: PathBuf,
     durability: Durability,
-    staged: Vec<Aside>,
+    /// By whom it may be: files are written at the same time.
+    staged: Mutex<Vec<Aside>>,
     lock: Option<FolderLock>,
     /// Folders that were not there before, the innermost first.
     created: Vec<(PathBuf, Unfinished)>,
@@ -45,7 +47,7 @@ impl OutputFolder {
         let mut folder = Self {
             dir: dir.to_owned(),
             durability: Durability::OnDisk,
-            staged: Vec::new(),
+            staged: Mutex::default(),
             lock: None,
             created: Vec::new(),
         };
@@ -69,19 +71,20 @@ impl OutputFolder {
         self
     }
 
-    /// Writes one file aside; `write` receives a buffered writer.
+    /// Writes one file aside; `write` receives a buffered writer. Several may be written at the same
+    /// time.
     ///
     /// # Errors
     /// [`FolderError`] if the file cannot be created or `write` fails.
     pub fn file(
-        &mut self,
+        &self,
         name: impl AsRef<OsStr>,
         write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<(), FolderError> {
         let name = name.as_ref();
         let aside = Aside::write(&self.dir, name, write)
             .map_err(|cause| self.error(FolderAction::Write(lossy(name)), cause))?;
-        self.staged.push(aside);
+        self.staged.lock().unwrap_or_else(PoisonError::into_inner).push(aside);
         Ok(())
     }
 
@@ -96,8 +99,9 @@ impl OutputFolder {
     /// there then. Where a folder has the name of a file, nothing is changed.
     pub fn commit(mut self, last: impl AsRef<OsStr>, owned: &[&str]) -> Result<(), FolderError> {
         let last = last.as_ref();
-        self.refuse_folders()?;
-        self.sync_files()?;
+        let staged = self.take_staged();
+        self.refuse_folders(&staged)?;
+        self.sync_files(&staged)?;
         // From here on: who is ended meanwhile must not tell of files that are gone.
         let held_off = hold_off_the_end();
         if self.dir.join(last).exists() {
@@ -105,8 +109,7 @@ impl OutputFolder {
             self.sync_names()?;
         }
         owned.iter().try_for_each(|name| self.remove(OsStr::new(name)))?;
-        self.staged.iter().try_for_each(|aside| self.remove(&aside.name))?;
-        let staged = std::mem::take(&mut self.staged);
+        staged.iter().try_for_each(|aside| self.remove(&aside.name))?;
         let (end, others): (Vec<_>, Vec<_>) =
             staged.into_iter().partition(|file| file.name == last);
         let names: Vec<_> = others.iter().map(|file| file.name.clone()).collect();
@@ -128,13 +131,13 @@ impl OutputFolder {
     /// [`FolderError`] names the first file that cannot be written; where a folder has its name, no
     /// file is changed.
     pub fn replace(mut self) -> Result<(), FolderError> {
-        self.refuse_folders()?;
-        self.sync_files()?;
+        let staged = self.take_staged();
+        self.refuse_folders(&staged)?;
+        self.sync_files(&staged)?;
         let held_off = hold_off_the_end();
-        for aside in &self.staged {
+        for aside in &staged {
             aside.take_permissions_of(&self.dir.join(&aside.name));
         }
-        let staged = std::mem::take(&mut self.staged);
         self.name(staged, &held_off)?;
         self.keep()
     }
@@ -152,20 +155,26 @@ impl OutputFolder {
         fs::create_dir_all(&self.dir)
     }
 
-    fn refuse_folders(&self) -> Result<(), FolderError> {
-        let Some(aside) = self.staged.iter().find(|aside| self.dir.join(&aside.name).is_dir())
-        else {
+    /// All files that are aside, in an order that does not depend on which was written first.
+    fn take_staged(&mut self) -> Vec<Aside> {
+        let staged = self.staged.get_mut().unwrap_or_else(PoisonError::into_inner);
+        staged.sort_by(|a, b| a.name.cmp(&b.name));
+        std::mem::take(staged)
+    }
+
+    fn refuse_folders(&self, staged: &[Aside]) -> Result<(), FolderError> {
+        let Some(aside) = staged.iter().find(|aside| self.dir.join(&aside.name).is_dir()) else {
             return Ok(());
         };
         let cause = io::Error::other("a folder has this name");
         Err(self.error(FolderAction::Write(lossy(&aside.name)), cause))
     }
 
-    fn sync_files(&self) -> Result<(), FolderError> {
+    fn sync_files(&self, staged: &[Aside]) -> Result<(), FolderError> {
         if self.durability == Durability::InMemory {
             return Ok(());
         }
-        self.staged
+        staged
             .chunks(AT_ONCE)
             .try_for_each(sync_together)
             .map_err(|(name, cause)| self.error(FolderAction::Write(name), cause))
@@ -217,7 +226,7 @@ impl OutputFolder {
 impl Drop for OutputFolder {
     fn drop(&mut self) {
         // The files first: a folder goes only when it is empty.
-        self.staged.clear();
+        drop(self.take_staged());
         self.lock = None;
         for (dir, _) in &self.created {
             // Someone else's file may be there by now; then the folder stays, rightly.

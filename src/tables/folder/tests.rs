@@ -1,6 +1,7 @@
 use std::fs;
 use std::io;
 use std::path::Path;
+use std::sync::Barrier;
 use std::thread;
 use std::time::Duration;
 
@@ -27,7 +28,7 @@ fn files(expected: &[(&str, &str)]) -> Vec<(String, String)> {
 }
 
 fn stage_files(dir: &Path, files: &[(&str, &str)]) -> OutputFolder {
-    let mut folder = OutputFolder::stage(dir).unwrap();
+    let folder = OutputFolder::stage(dir).unwrap();
     for (name, text) in files {
         folder.file(name, |w| w.write_all(text.as_bytes())).unwrap();
     }
@@ -54,11 +55,31 @@ fn a_second_run_replaces_the_first_and_nothing_else() {
 }
 
 #[test]
+fn files_are_written_at_the_same_time() {
+    let base = tempfile::tempdir().unwrap();
+    let folder = OutputFolder::stage(base.path()).unwrap();
+    let both = Barrier::new(2);
+    let write = |(name, text): (&str, &str)| {
+        folder.file(name, |w| {
+            both.wait();
+            w.write_all(text.as_bytes())
+        })
+    };
+    thread::scope(|scope| {
+        let nodes = scope.spawn(|| write(("nodes.csv", "1")));
+        write(("torque.csv", "2")).unwrap();
+        nodes.join().unwrap().unwrap();
+    });
+    folder.commit("torque.csv", &OWNED).unwrap();
+    assert_eq!(listing(base.path()), files(&[("nodes.csv", "1"), ("torque.csv", "2")]));
+}
+
+#[test]
 fn a_failing_writer_leaves_the_folder_as_it_was() {
     let base = tempfile::tempdir().unwrap();
     let dir = base.path();
     fs::write(dir.join("torque.csv"), "old").unwrap();
-    let mut folder = stage_files(dir, &[("nodes.csv", "new")]);
+    let folder = stage_files(dir, &[("nodes.csv", "new")]);
     let error = folder
         .file("torque.csv", |w| {
             w.write_all(b"half a ta")?;
