@@ -4,7 +4,7 @@
 //! → tip, which lie on the axis of real exponents, away from all frequencies. Between its zeros, the
 //! natural frequencies, it follows the bending wave, whose phase grows with √ω. So the change that
 //! halved elements make is solved for at few frequencies, evenly spaced in √ω, and interpolated
-//! between them by cubics. Whether they suffice is measured: twice as many are solved for, until
+//! between them by quintics. Whether they suffice is measured: twice as many are solved for, until
 //! what those before said of the new ones is right.
 //!
 //! ```text
@@ -12,8 +12,9 @@
 //! ```
 //!
 //! is then the most that the interpolation from half as many frequencies is wrong by at any time.
-//! It must stay within a hundredth of the largest change; from the frequencies as they are, cubics
-//! err by a sixteenth of that, so that the change is known to better than a thousandth of itself.
+//! It must stay within three hundredths of the largest change; from the frequencies as they are,
+//! quintics err by a sixty-fourth of that, so that the change is known to better than a thousandth of
+//! itself.
 //!
 //! Rotary inertia on the link, or a reduction to few modes, brings zeros of torque → tip near the
 //! axis of frequencies: there every frequency is solved for.
@@ -24,13 +25,13 @@ use super::dynamics::KeptModes;
 use super::error::InversionError;
 use super::spectra::Forcing;
 use crate::modal::carries_rotary_inertia;
-use crate::numeric::{Scalar, cubic, largest, scale_by_cubics, whole};
+use crate::numeric::{Scalar, largest, quintic, scale_by_quintics, whole};
 
-/// Intervals that the first cubics span.
-const FEWEST_INTERVALS: usize = 31;
+/// Intervals that the first quintics span; for most motions twice as many suffice.
+const FEWEST_INTERVALS: usize = 36;
 
 /// What the interpolation from half as many frequencies may be wrong by, over the largest change.
-const WRONG: f64 = 1e-2;
+const WRONG: f64 = 3e-2;
 
 /// Change of the torque in N m over the period from a mesh to another, `torque_n_m` being the
 /// amplitudes on the former.
@@ -136,7 +137,7 @@ impl<'a> SampledChange<'a> {
         for near in places.chunk_by(|a, b| whole(*a) == whole(*b)) {
             let k = whole(near[0]).min(between.len() - 1);
             let sum: f64 = felt.by_ref().take(near.len()).map(|felt| 2.0 * felt.size()).sum();
-            bound.wrong_n_m += sum * (between[k] - cubic(before, k as f64 + 0.5)).size();
+            bound.wrong_n_m += sum * (between[k] - quintic(before, k as f64 + 0.5)).size();
             bound.change_n_m += sum * between[k].size();
         }
         for (before, between) in before.iter().zip(&between) {
@@ -156,7 +157,7 @@ impl<'a> SampledChange<'a> {
     /// The change at all bins.
     fn amplitudes_n_m(&self) -> Vec<Complex64> {
         let mut amplitudes = self.felt_m_s2.clone();
-        scale_by_cubics(&self.samples_kg_m, &self.places(self.intervals()), &mut amplitudes);
+        scale_by_quintics(&self.samples_kg_m, &self.places(self.intervals()), &mut amplitudes);
         amplitudes
     }
 }

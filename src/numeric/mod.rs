@@ -1,7 +1,6 @@
 //! Mathematics that knows no beam: time grids, Fourier pairs, roots, eigenvalues, splines, units.
 
 mod complex_lanes;
-mod cubic;
 mod eigen;
 mod fft;
 mod fourier;
@@ -9,6 +8,7 @@ mod grid;
 mod lanes;
 mod largest;
 mod magnitude;
+mod quintic;
 mod roots;
 mod round;
 mod sampling;
@@ -23,7 +23,6 @@ mod visible;
 mod wide;
 
 pub(crate) use complex_lanes::{ComplexLanes, LambdaLanes};
-pub(crate) use cubic::{cubic, scale_by_cubics, whole};
 pub(crate) use eigen::SymmetricEigen;
 pub use fft::Scratch;
 pub use fourier::{FourierPair, angular_frequency, fast_length};
@@ -31,6 +30,7 @@ pub use grid::{ThinnedGrid, TimeGrid};
 pub(crate) use lanes::RealLanes;
 pub use largest::{largest, largest_difference};
 pub use magnitude::magnitude;
+pub(crate) use quintic::{quintic, scale_by_quintics, whole};
 pub use roots::{SECTIONS, geometric_scan, next_places, section};
 pub(crate) use round::rounded;
 pub(crate) use sampling::{CHANNELS, Room, Sampling};

@@ -1,4 +1,4 @@
-//! Cubics through evenly spaced samples of a complex function.
+//! Polynomials of the fifth degree through evenly spaced samples of a complex function.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 #![expect(
@@ -10,26 +10,26 @@
 use num_complex::Complex64;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Samples around a place that its cubic goes through.
-const AROUND: usize = 4;
+/// Samples around a place that its quintic goes through.
+const AROUND: usize = 6;
 
-/// The cubic through the four samples around a place, which is counted in samples.
+/// The quintic through the six samples around a place, which is counted in samples.
 ///
 /// # Panics
-/// If there are fewer than four.
-pub(crate) fn cubic(samples: &[Complex64], place: f64) -> Complex64 {
+/// If there are fewer than six.
+pub(crate) fn quintic(samples: &[Complex64], place: f64) -> Complex64 {
     let (first, around) = around(samples, place);
     through(around, place - first)
 }
 
-/// Multiplies each value by the cubic at its place, as [`cubic`] has it, with the same bits on every
-/// processor.
+/// Multiplies each value by the quintic at its place, as [`quintic`] has it, with the same bits on
+/// every processor.
 ///
 /// Fast where places ascend, so that many one after the other lie between the same samples.
 ///
 /// # Panics
-/// As [`cubic`].
-pub(crate) fn scale_by_cubics(samples: &[Complex64], places: &[f64], values: &mut [Complex64]) {
+/// As [`quintic`].
+pub(crate) fn scale_by_quintics(samples: &[Complex64], places: &[f64], values: &mut [Complex64]) {
     Arch::new().dispatch(Scale { samples, places, values });
 }
 
@@ -64,17 +64,22 @@ impl WithSimd for Scale<'_> {
 /// The samples around a place, and the number of the first.
 #[inline(always)]
 fn around(samples: &[Complex64], place: f64) -> (f64, [Complex64; AROUND]) {
-    let first = whole(place).saturating_sub(1).min(samples.len() - AROUND);
+    let first = whole(place).saturating_sub(2).min(samples.len() - AROUND);
     (first as f64, std::array::from_fn(|k| samples[first + k]))
 }
 
-/// The cubic through four samples at `t` behind the first.
+/// The quintic through six samples at `t` behind the first, by Lagrange's formula.
 #[inline(always)]
 fn through(around: [Complex64; AROUND], t: f64) -> Complex64 {
-    let (t1, t2, t3) = (t - 1.0, t - 2.0, t - 3.0);
-    let outer = around[0] * (t2 * t3 * t1 * (-1.0 / 6.0)) + around[3] * (t * t1 * t2 * (1.0 / 6.0));
-    let inner = around[1] * (t * t2 * t3 * 0.5) + around[2] * (t * t1 * t3 * -0.5);
-    outer + inner
+    let [t1, t2, t3, t4, t5] = [t - 1.0, t - 2.0, t - 3.0, t - 4.0, t - 5.0];
+    let (outside, inside, beyond) = (t * t1, t2 * t3, t4 * t5);
+    let first = around[0] * (t1 * inside * beyond * (-1.0 / 120.0))
+        + around[1] * (t * inside * beyond * (1.0 / 24.0));
+    let middle = around[2] * (outside * t3 * beyond * (-1.0 / 12.0))
+        + around[3] * (outside * t2 * beyond * (1.0 / 12.0));
+    let last = around[4] * (outside * inside * t5 * (-1.0 / 24.0))
+        + around[5] * (outside * inside * t4 * (1.0 / 120.0));
+    first + middle + last
 }
 
 #[cfg(test)]
@@ -82,14 +87,15 @@ mod tests {
     use super::*;
 
     fn value(t: f64) -> Complex64 {
-        Complex64::new(t * t * t - 2.0 * t, 3.0 - t * t)
+        Complex64::new(t.powi(5) - 20.0 * t * t, 3.0 - t.powi(4))
     }
 
     #[test]
-    fn a_cubic_is_interpolated_as_it_is() {
-        let samples: Vec<Complex64> = (0..7).map(|k| value(f64::from(k))).collect();
-        for place in [0.0, 0.3, 1.0, 2.7, 5.5, 6.0] {
-            assert!((cubic(&samples, place) - value(place)).norm() < 1e-13, "at {place}");
+    fn a_quintic_is_interpolated_as_it_is() {
+        let samples: Vec<Complex64> = (0..9).map(|k| value(f64::from(k))).collect();
+        for place in [0.0, 0.3, 1.0, 2.7, 4.5, 7.5, 8.0] {
+            let off = (quintic(&samples, place) - value(place)).norm();
+            assert!(off < 1e-15 * samples[8].norm(), "at {place}: {off:e}");
         }
     }
 
@@ -100,10 +106,10 @@ mod tests {
         let factor = |k: usize| Complex64::new(1.0 + k as f64, -0.7);
         let mut wide: Vec<Complex64> = (0..500).map(factor).collect();
         let mut narrow = wide.clone();
-        scale_by_cubics(&samples, &places, &mut wide);
+        scale_by_quintics(&samples, &places, &mut wide);
         Scale { samples: &samples, places: &places, values: &mut narrow }.with_simd(pulp::Scalar);
         for (k, place) in places.iter().enumerate() {
-            let alone = factor(k) * cubic(&samples, *place);
+            let alone = factor(k) * quintic(&samples, *place);
             assert!(wide[k] == alone && narrow[k] == alone, "at {place}");
         }
     }
