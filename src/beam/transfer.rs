@@ -91,11 +91,12 @@ impl<S> TipTransfer<S> {
 }
 
 impl TipTransfer {
-    /// Whether the tip of a link of length L in m moves by no more than rounding: `|L + e_tip|` below
-    /// 64 ε L. The numbers here are of any size then.
-    pub fn is_blocked(&self, length_m: f64) -> bool {
-        let rounding_m = 64.0 * f64::EPSILON * length_m;
-        self.angle_rad_m.norm_sqr() * rounding_m.powi(2) > 1.0
+    /// Whether the tip moves by no more than rounding: `|L + e_tip|` below `(64 + 2n) ε L` on n
+    /// elements, somewhat more than was found at blocked frequencies. The numbers here are of any size
+    /// then.
+    pub fn is_blocked(&self, mesh: &Mesh) -> bool {
+        let rounding = (64.0 + 2.0 * mesh.elements().len() as f64) * f64::EPSILON;
+        self.angle_rad_m.norm_sqr() * (rounding * mesh.length_m()).powi(2) > 1.0
     }
 }
 

@@ -72,6 +72,10 @@ pub fn invert(
     let measured = measured_mesh(coarsest, plan, friction_n_m_s_rad, &period.spectrum)?;
     let Measured { dynamics, hub, torque_n_m, error } = measured;
     let answer = problem.decayed(&dynamics, PeriodicAnswer { period, hub, torque_n_m })?;
+    // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
+    if let Some(frequency_hz) = answer.hub.blocked_hz {
+        return Err(InversionError::NotFinite { frequency_hz });
+    }
     let truncation_error = problem.truncation_error(&dynamics, &answer)?;
     let is_refined = dynamics.mesh().elements().len() > coarsest_elements;
     let first_zero_per_s = if is_refined { first_zero_of(dynamics.mesh()) } else { first_zero };

@@ -51,24 +51,47 @@ pub(super) fn measured_mesh(
 ) -> Result<Measured, InversionError> {
     let mut dynamics = coarsest;
     loop {
-        let forcing = Forcing { dynamics: &dynamics, friction_n_m_s_rad, spectrum };
-        let hub = forcing.hub_spectra()?;
-        let torque_n_m = spectrum.pair.samples(&hub.torque_n_m);
-        let peak_n_m = peak_in_range(&torque_n_m)?;
         let finer = dynamics.refined()?;
-        let on_finer = Forcing { dynamics: &finer, ..forcing };
-        let change = change_n_m(forcing, on_finer, &hub.torque_n_m)?;
-        let finer_torque: Vec<f64> = torque_n_m.iter().zip(&change).map(|(t, d)| t + d).collect();
-        // What is less than the rounding of the sum is not known.
-        let finer_peak_n_m = largest(&finer_torque).max(f64::EPSILON * peak_n_m);
-        let error = 16.0 / 15.0 * largest(&change) / finer_peak_n_m;
-        if !plan.is_automatic() || error * (1.0 + MEASURED_TO) <= plan.tolerance() {
-            return Ok(Measured { dynamics, hub, torque_n_m, error });
-        }
-        if 2 * finer.mesh().elements().len() > finer.most_elements() {
-            let (elements, tolerance) = (dynamics.mesh().elements().len(), plan.tolerance());
-            return Err(InversionError::NotConverged { error, elements, tolerance });
+        let may_refine =
+            plan.is_automatic() && 2 * finer.mesh().elements().len() <= finer.most_elements();
+        let forcing = Forcing { dynamics: &dynamics, friction_n_m_s_rad, spectrum };
+        match answer(forcing, &finer) {
+            // A mesh far too coarse for its band may give no numbers at all.
+            Err(InversionError::NotFinite { .. }) if may_refine => {}
+            Err(error) => return Err(error),
+            Ok(Answer { hub, torque_n_m, error }) => {
+                let is_fine = error * (1.0 + MEASURED_TO) <= plan.tolerance();
+                if !plan.is_automatic() || is_fine {
+                    return Ok(Measured { dynamics, hub, torque_n_m, error });
+                }
+                if !may_refine {
+                    let (elements, tolerance) =
+                        (dynamics.mesh().elements().len(), plan.tolerance());
+                    return Err(InversionError::NotConverged { error, elements, tolerance });
+                }
+            }
         }
         dynamics = finer;
     }
+}
+
+/// What a mesh answers, and how far it is from what a finer one does.
+struct Answer {
+    hub: HubSpectra,
+    torque_n_m: Vec<f64>,
+    error: f64,
+}
+
+/// The answer on a mesh, measured against that of `finer`, whose elements are half as long.
+fn answer(forcing: Forcing<'_>, finer: &Dynamics) -> Result<Answer, InversionError> {
+    let hub = forcing.hub_spectra()?;
+    let torque_n_m = forcing.spectrum.pair.samples(&hub.torque_n_m);
+    let peak_n_m = peak_in_range(&torque_n_m)?;
+    let on_finer = Forcing { dynamics: finer, ..forcing };
+    let change = change_n_m(forcing, on_finer, &hub.torque_n_m)?;
+    let finer_torque: Vec<f64> = torque_n_m.iter().zip(&change).map(|(t, d)| t + d).collect();
+    // What is less than the rounding of the sum is not known.
+    let finer_peak_n_m = largest(&finer_torque).max(f64::EPSILON * peak_n_m);
+    let error = 16.0 / 15.0 * largest(&change) / finer_peak_n_m;
+    Ok(Answer { hub, torque_n_m, error })
 }

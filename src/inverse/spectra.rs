@@ -1,3 +1,6 @@
+use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -29,6 +32,9 @@ pub(super) struct HubSpectra {
     pub(super) excess_angle_rad: Vec<Complex64>,
     /// Moment of the hub on the link's root in N m.
     pub(super) root_moment_n_m: Vec<Complex64>,
+    /// The lowest frequency in Hz at which no torque moves the tip, but for rounding: what stands
+    /// there is of any size.
+    pub(super) blocked_hz: Option<f64>,
 }
 
 /// What the tip's motion is multiplied by at one frequency.
@@ -66,6 +72,11 @@ impl Forcing<'_> {
         &self.spectrum.omegas_rad_s[..self.spectrum.band_len()]
     }
 
+    /// The highest of them.
+    pub(super) fn last_rad_s(&self) -> f64 {
+        self.omegas_rad_s().last().copied().unwrap_or(0.0)
+    }
+
     /// Torque and hub angle over the band.
     ///
     /// ```text
@@ -88,9 +99,14 @@ impl Forcing<'_> {
         let blocks = omegas.par_chunks(block_len).zip(rows).enumerate();
         let rigid_friction = self.friction_n_m_s_rad / self.dynamics.mesh().length_m();
         let hub_transfer = self.hub_transfer();
+        let lowest_blocked = AtomicUsize::new(usize::MAX);
         blocks.with_min_len(fewest_blocks()).for_each(
             |(block, (omegas, ((torque, excess), root)))| {
                 let transfers = self.dynamics.tip_transfers(omegas);
+                let blocked = |tip: &TipTransfer| tip.is_blocked(self.dynamics.mesh());
+                if let Some(k) = transfers.iter().position(blocked) {
+                    lowest_blocked.fetch_min(block * block_len + k, Ordering::Relaxed);
+                }
                 let velocities = &self.spectrum.velocity_m_s[block * block_len..];
                 for (k, (omega, tip)) in omegas.iter().zip(&transfers).enumerate() {
                     let felt = self.felt_acceleration(block * block_len + k);
@@ -101,26 +117,22 @@ impl Forcing<'_> {
                 }
             },
         );
+        let frequency_hz = |bin: usize| omegas[bin] / TAU;
         let mut bins = torque_n_m.iter().zip(&excess_angle_rad);
-        match bins.position(|(torque, excess)| !(torque.is_finite() && excess.is_finite())) {
-            Some(bin) => {
-                let frequency_hz = omegas[bin] / std::f64::consts::TAU;
-                Err(InversionError::NotFinite { frequency_hz })
-            }
-            None => Ok(HubSpectra { torque_n_m, excess_angle_rad, root_moment_n_m }),
+        let is_lost = |(t, e): (&Complex64, &Complex64)| !(t.is_finite() && e.is_finite());
+        if let Some(bin) = bins.position(is_lost) {
+            return Err(InversionError::NotFinite { frequency_hz: frequency_hz(bin) });
         }
+        let blocked = lowest_blocked.into_inner();
+        let blocked_hz = (blocked < omegas.len()).then(|| frequency_hz(blocked));
+        Ok(HubSpectra { torque_n_m, excess_angle_rad, root_moment_n_m, blocked_hz })
     }
 
-    /// What a transfer to the tip at ω means at the hub; infinite where no torque moves the tip.
+    /// What a transfer to the tip at ω means at the hub.
     fn hub_transfer(&self) -> impl Fn(f64, &TipTransfer) -> HubTransfer {
         let law = self.dynamics.law();
-        let length_m = self.dynamics.mesh().length_m();
-        let per_length = 1.0 / length_m;
+        let per_length = 1.0 / self.dynamics.mesh().length_m();
         move |omega, tip| {
-            if tip.is_blocked(length_m) {
-                let infinite = Complex64::from(f64::INFINITY);
-                return HubTransfer { inertia_kg_m: infinite, excess_rad_s2_m: infinite };
-            }
             let excess_rad_s2_m =
                 tip.lag_s2 * law.stiffness_factor(omega).reciprocal() * per_length;
             let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);

@@ -72,14 +72,14 @@ fn around(samples: &[Complex64], place: f64) -> (f64, [Complex64; AROUND]) {
 #[inline(always)]
 fn through(around: [Complex64; AROUND], t: f64) -> Complex64 {
     let [t1, t2, t3, t4, t5] = [t - 1.0, t - 2.0, t - 3.0, t - 4.0, t - 5.0];
-    let (outside, inside, beyond) = (t * t1, t2 * t3, t4 * t5);
-    let first = around[0] * (t1 * inside * beyond * (-1.0 / 120.0))
-        + around[1] * (t * inside * beyond * (1.0 / 24.0));
-    let middle = around[2] * (outside * t3 * beyond * (-1.0 / 12.0))
-        + around[3] * (outside * t2 * beyond * (1.0 / 12.0));
-    let last = around[4] * (outside * inside * t5 * (-1.0 / 24.0))
-        + around[5] * (outside * inside * t4 * (1.0 / 120.0));
-    first + middle + last
+    let (low, middle, high) = (t * t1, t2 * t3, t4 * t5);
+    let early = around[0] * (t1 * middle * high * (-1.0 / 120.0))
+        + around[1] * (t * middle * high * (1.0 / 24.0));
+    let amid = around[2] * (low * t3 * high * (-1.0 / 12.0))
+        + around[3] * (low * t2 * high * (1.0 / 12.0));
+    let late = around[4] * (low * middle * t5 * (-1.0 / 24.0))
+        + around[5] * (low * middle * t4 * (1.0 / 120.0));
+    early + amid + late
 }
 
 #[cfg(test)]
@@ -96,6 +96,19 @@ mod tests {
         for place in [0.0, 0.3, 1.0, 2.7, 4.5, 7.5, 8.0] {
             let off = (quintic(&samples, place) - value(place)).norm();
             assert!(off < 1e-15 * samples[8].norm(), "at {place}: {off:e}");
+        }
+    }
+
+    /// What a quintic errs by of t⁶ is the product of its distances from the six samples.
+    #[test]
+    fn a_place_lies_amid_its_samples() {
+        let samples: Vec<Complex64> =
+            (0..9).map(|k| Complex64::from(f64::from(k).powi(6))).collect();
+        for (place, first) in [(0.5, 0), (2.5, 0), (3.5, 1), (4.5, 2), (5.5, 3), (7.5, 3)] {
+            let distances = (first..first + 6).map(|k| place - f64::from(k));
+            let error = place.powi(6) - quintic(&samples, place).re;
+            let expected: f64 = distances.product();
+            assert!((error - expected).abs() < 1e-9, "at {place}: {error}, {expected}");
         }
     }
 

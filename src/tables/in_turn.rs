@@ -22,12 +22,12 @@ struct Turn<'a> {
 }
 
 /// Blocks that threads take one after the other, make and hand in. Who hands one in writes it, and all
-/// that are ready after it, unless another thread does so: none waits for its turn.
+/// that are ready after it, unless another thread does so; who is far ahead waits.
 struct Blocks<'a> {
     next: AtomicUsize,
     turn: Mutex<Turn<'a>>,
     moved: Condvar,
-    /// Texts that may be made and not yet written.
+    /// How far ahead of the text to be written next one may be handed in.
     room: usize,
 }
 
@@ -176,6 +176,41 @@ mod tests {
         let written = on_threads(3, || write_in_turn(&mut Full(5), 100_000, make));
         assert_eq!(written.unwrap_err().kind(), io::ErrorKind::StorageFull);
         assert!(made.into_inner() < 100);
+    }
+
+    #[test]
+    fn few_texts_are_made_before_the_one_whose_turn_it_is() {
+        let made = AtomicUsize::new(0);
+        let make = |block: usize, out: &mut Vec<u8>| {
+            if block == 0 {
+                // As long as the others get on.
+                let mut before = usize::MAX;
+                while before != made.load(Ordering::Relaxed) {
+                    before = made.load(Ordering::Relaxed);
+                    std::thread::sleep(std::time::Duration::from_millis(20));
+                }
+                assert!(before <= 3 * (AHEAD + 1), "{before} texts are made");
+            }
+            made.fetch_add(1, Ordering::Relaxed);
+            text(block, out);
+        };
+        on_threads(3, || write_in_turn(&mut vec![], 1000, make)).unwrap();
+        assert_eq!(made.into_inner(), 1000);
+    }
+
+    #[test]
+    #[should_panic(expected = "a broken pipe")]
+    fn a_panic_while_writing_is_passed_on_and_leaves_no_one_waiting() {
+        struct Broken;
+        impl Write for Broken {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                panic!("a broken pipe")
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let _ = on_threads(3, || write_in_turn(&mut Broken, 1000, text));
     }
 
     #[test]

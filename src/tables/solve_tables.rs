@@ -69,6 +69,10 @@ impl SolveOutputs {
         summary: &Summary,
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
+        if let Some(motor) = self.drive.map(|drive| solution.motor(&drive)) {
+            let (time, groups) = (solution.grid.thinned(1), motor_groups(&motor));
+            folder.file(MOTOR, |out| write_csv(out, &time, &groups, self.digits))?;
+        }
         // The nodal tables take longest, and what they leave of the threads serves the others.
         let (nodal, others) = rayon::join(
             || self.write_nodal(&folder, (solution, deflections), watch),
@@ -96,9 +100,7 @@ impl SolveOutputs {
         solution: &Solution,
     ) -> Result<(), FolderError> {
         let time = solution.grid.thinned(1);
-        let motor = self.drive.map(|drive| solution.motor(&drive));
-        let mut tables = histories(solution);
-        tables.extend(motor.as_ref().map(|motor| (MOTOR, motor_groups(motor))));
+        let tables = histories(solution);
         let write = |(name, groups): &(_, Vec<_>)| {
             folder.file(name, |out| write_csv(out, &time, groups, self.digits))
         };
@@ -131,9 +133,9 @@ impl SolveOutputs {
 }
 
 /// Tables over the whole grid; columns of one unit share a group.
-fn histories(solution: &Solution) -> Vec<(&'static str, Vec<ColumnGroup<'_>>)> {
+fn histories(solution: &Solution) -> [(&'static str, Vec<ColumnGroup<'_>>); 4] {
     let Solution { tip, .. } = solution;
-    vec![
+    [
         ("torque.csv", vec![group([("torque_n_m", &solution.torque_n_m)])]),
         ("rigid_torque.csv", vec![group([("rigid_torque_n_m", &solution.rigid_torque_n_m)])]),
         ("hub_angle.csv", hub_groups(solution)),

@@ -1,6 +1,6 @@
 //! The discretisation error: what is reported is what it is.
 
-use super::{Smooth, link, mesh_of, sine, solved, torque_difference};
+use super::{Smooth, accelerated, link, mesh_of, peak, sine, solved, torque_difference};
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Segment, Taper};
@@ -43,6 +43,23 @@ fn the_reported_error_of_a_given_mesh_is_the_true_one() {
             let ratio = reported_over_true(&solution, &link, &motion);
             assert!((0.5..2.0).contains(&ratio), "{elements} elements: {ratio}");
         }
+    }
+}
+
+/// Far above the highest mode of a coarse mesh nothing reaches the tip, and the torque there is of any
+/// size, or infinite. The round-off of a file's digits is in the band up to the Nyquist frequency.
+#[test]
+fn an_automatic_mesh_begins_too_coarse_for_its_band() {
+    let link = link(|parts| {
+        parts.segments[0].length_m = 10.0;
+        parts.damping = Damping::Hysteretic { ratio: 0.02 };
+    });
+    for steps in [14_000, 15_000, 21_000] {
+        let slow = Smooth { travel_m: 3.0, duration_s: 21.0, steps, ..Smooth::MOVE };
+        let written = slow.acceleration_m_s2().iter().map(|a| (a * 1e12).round() / 1e12).collect();
+        let solution = automatic(&link, &accelerated(slow.time_s(), written), 1e-6);
+        assert!(solution.accuracy.mesh_error < 1e-6);
+        assert!(peak(&solution.torque_n_m) < 1.0);
     }
 }
 

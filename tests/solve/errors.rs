@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::{Smooth, accelerated, link, mesh_of, refused, sine};
 
-use flexlink::beam::{ElementCount, Mesh, MeshPlan};
+use flexlink::beam::{ElementCount, Mesh, MeshPlan, tip_transfer};
 use flexlink::inverse::{Analysis, InversionError, Warning, invert};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingError, real_frequency_zeros};
@@ -95,6 +95,26 @@ fn a_frequency_at_which_no_torque_moves_the_tip() {
     assert!(error.hint().unwrap().starts_with("no torque moves the tip there"));
     // A billionth beside it the tip moves.
     assert!(found(step_s * (1.0 + 1e-9)).is_ok());
+}
+
+#[test]
+fn a_blocked_tip_is_known_from_a_moving_one_on_any_mesh() {
+    let link = link(|parts| {
+        parts.damping = Damping::None;
+        parts.payload.inertia_kg_m2 = 0.01;
+    });
+    for elements in [1, 6, 400, 4000] {
+        let mesh = Mesh::new(&link, &mesh_of(&link, elements));
+        let blocked_rad_s = real_frequency_zeros(&mesh, 1e3)[0];
+        let is_blocked = |beside: f64| {
+            let lambda = (blocked_rad_s * (1.0 + beside)).powi(2);
+            tip_transfer(&mesh, lambda.into()).is_blocked(&mesh)
+        };
+        for hairs in -3..=3 {
+            assert!(is_blocked(f64::from(hairs) * f64::EPSILON), "{elements} elements, {hairs}");
+        }
+        assert!(!is_blocked(1e-9) && !is_blocked(-1e-9), "{elements} elements");
+    }
 }
 
 #[test]

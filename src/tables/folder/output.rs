@@ -31,7 +31,7 @@ pub enum Durability {
 pub struct OutputFolder {
     dir: PathBuf,
     durability: Durability,
-    /// By whom it may be: files are written at the same time.
+    /// Behind a lock: files are written at the same time, and end in any order.
     staged: Mutex<Vec<Aside>>,
     lock: Option<FolderLock>,
     /// Folders that were not there before, the innermost first.

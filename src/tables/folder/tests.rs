@@ -1,7 +1,7 @@
 use std::fs;
 use std::io;
 use std::path::Path;
-use std::sync::Barrier;
+use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
@@ -58,17 +58,17 @@ fn a_second_run_replaces_the_first_and_nothing_else() {
 fn files_are_written_at_the_same_time() {
     let base = tempfile::tempdir().unwrap();
     let folder = OutputFolder::stage(base.path()).unwrap();
-    let both = Barrier::new(2);
-    let write = |(name, text): (&str, &str)| {
-        folder.file(name, |w| {
-            both.wait();
-            w.write_all(text.as_bytes())
-        })
-    };
+    let (begun, waits) = mpsc::channel();
     thread::scope(|scope| {
-        let nodes = scope.spawn(|| write(("nodes.csv", "1")));
-        write(("torque.csv", "2")).unwrap();
-        nodes.join().unwrap().unwrap();
+        let nodes = folder.file("nodes.csv", |w| {
+            scope.spawn(|| {
+                let torque = folder.file("torque.csv", |w| w.write_all(b"2"));
+                begun.send(torque).unwrap();
+            });
+            waits.recv_timeout(Duration::from_secs(20)).unwrap().unwrap();
+            w.write_all(b"1")
+        });
+        nodes.unwrap();
     });
     folder.commit("torque.csv", &OWNED).unwrap();
     assert_eq!(listing(base.path()), files(&[("nodes.csv", "1"), ("torque.csv", "2")]));
