@@ -177,9 +177,13 @@ pub fn check_rigid(link: &Link, solution: &Solution, nyquist_rad_s: f64) {
     let round_off = TRANSFORM * f64::EPSILON * (period.log2() * period.sqrt() + period);
     let (length_m, inertia) = (link.length_m(), link.rigid_inertia_kg_m2());
     let drag = inertia * law.mass_rate_per_s() + link.hub().viscous_friction_n_m_s_rad;
-    let accelerating = inertia * largest(&solution.tip.acceleration_m_s2);
+    let acceleration = largest(&solution.tip.acceleration_m_s2);
     let moving = drag * largest(&solution.tip.velocity_m_s);
-    let allowed = (bent * period.sqrt() + round_off) * (accelerating + moving) / length_m;
+    // A payload that lies far inboard takes away most of what its mass adds at the tip; each is rounded.
+    let payload = link.payload();
+    let taken_away = payload.mass_kg * (length_m + payload.offset_m.abs()).powi(2);
+    let allowed = (bent * period.sqrt() + round_off) * (inertia * acceleration + moving) / length_m
+        + round_off * taken_away * acceleration / length_m;
     let pairs = solution.torque_n_m.iter().zip(&solution.rigid_torque_n_m);
     for (torque, rigid) in pairs {
         let off = (torque - rigid).abs();
