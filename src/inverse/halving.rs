@@ -229,15 +229,14 @@ mod tests {
         LinkParts { segments: vec![segment], hub, damping: Damping::None, ..uniform() }
     }
 
-    /// An acceleration of so many steps, given by the share of them that has passed, rest around it.
-    fn accelerated(step_s: f64, steps: u32, at: impl Fn(f64) -> f64) -> TipMotion {
+    /// An acceleration of so many cycles of a sine in so many steps of 0.25 ms, rest around it.
+    fn tone(cycles: f64, steps: u32) -> TipMotion {
         let all = steps + 40;
-        let share = |k: u32| (f64::from(k) - 20.0) / f64::from(steps);
-        let is_moving = |share: &f64| *share > 0.0 && *share < 1.0;
-        let acceleration = (0..=all).map(|k| Some(share(k)).filter(is_moving).map_or(0.0, &at));
+        let phase = |k: u32| TAU * cycles * f64::from(k - 20) / f64::from(steps);
+        let acceleration = |k| if (20..20 + steps).contains(&k) { phase(k).sin() } else { 0.0 };
         TipMotion::new(MotionColumns {
-            time_s: (0..=all).map(|k| step_s * f64::from(k)).collect(),
-            acceleration_m_s2: Some(acceleration.collect()),
+            time_s: (0..=all).map(|k| 0.000_25 * f64::from(k)).collect(),
+            acceleration_m_s2: Some((0..=all).map(acceleration).collect()),
             ..MotionColumns::default()
         })
         .unwrap()
@@ -253,8 +252,8 @@ mod tests {
             (1.181_964, 0.0, 94.0, 813),
             (1.021_025, 0.0, 36.0, 1772),
         ] {
-            let motion = accelerated(0.000_25, steps, |share| (TAU * cycles * share).sin());
-            let wrong = changes(of_stiffness(stiffness, hub_inertia), 20, &motion, 8192).wrong();
+            let link = of_stiffness(stiffness, hub_inertia);
+            let wrong = changes(link, 20, &tone(cycles, steps), 8192).wrong();
             assert!(wrong < 1e-3, "{cycles} cycles: {wrong:e}");
         }
     }
@@ -266,7 +265,8 @@ mod tests {
         for turns in [1.8, 2.0, 2.1] {
             let waves = TAU * turns * FEWEST_INTERVALS as f64;
             let stiffness = 0.8 * (1.5_f64 / waves).powi(4) * (PI / step_s).powi(2);
-            let motion = accelerated(step_s, 3000, |share| if share < 0.5 { 1.0 } else { -1.0 });
+            let motion = Profile::BangBang.sampled(0.5, step_s, 3000, [0, 0]);
+            let motion = TipMotion::new(motion).unwrap();
             let wrong = changes(of_stiffness(stiffness, 0.1), 400, &motion, 16_384).wrong();
             assert!(wrong < 1e-3, "{turns} turns: {wrong:e}");
         }

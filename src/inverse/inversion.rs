@@ -69,8 +69,8 @@ pub fn invert(
     let problem = Problem { link, motion, analysis, padding };
     let period = problem.shortest_period()?;
     let friction_n_m_s_rad = link.hub().viscous_friction_n_m_s_rad;
-    let measured = measured_mesh(coarsest, plan, friction_n_m_s_rad, &period.spectrum)?;
-    let Measured { dynamics, hub, torque_n_m, error } = measured;
+    let (dynamics, Measured { hub, torque_n_m, error }) =
+        measured_mesh(coarsest, plan, friction_n_m_s_rad, &period.spectrum)?;
     let answer = problem.decayed(&dynamics, PeriodicAnswer { period, hub, torque_n_m })?;
     // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
     if let Some(frequency_hz) = answer.hub.blocked_hz {

@@ -14,9 +14,8 @@ const MEASURED_TO: f64 = 1e-3;
 /// Peak torques in N m whose squares, and products with rates and times, are numbers, too.
 const TORQUES_N_M: RangeInclusive<f64> = 1e-100..=1e100;
 
-/// The link on a mesh, its answer, and the discretisation error of its torque, relative to the peak.
+/// The answer on a mesh, and the discretisation error of its torque, relative to the peak.
 pub(super) struct Measured {
-    pub(super) dynamics: Dynamics,
     pub(super) hub: HubSpectra,
     pub(super) torque_n_m: Vec<f64>,
     pub(super) error: f64,
@@ -48,21 +47,22 @@ pub(super) fn measured_mesh(
     plan: &MeshPlan,
     friction_n_m_s_rad: f64,
     spectrum: &TipSpectrum,
-) -> Result<Measured, InversionError> {
+) -> Result<(Dynamics, Measured), InversionError> {
     let mut dynamics = coarsest;
     loop {
         let finer = dynamics.refined()?;
         let may_refine =
             plan.is_automatic() && 2 * finer.mesh().elements().len() <= finer.most_elements();
         let forcing = Forcing { dynamics: &dynamics, friction_n_m_s_rad, spectrum };
-        match answer(forcing, &finer) {
+        match measured(forcing, &finer) {
             // A mesh far too coarse for its band may give no numbers at all.
             Err(InversionError::NotFinite { .. }) if may_refine => {}
             Err(error) => return Err(error),
-            Ok(Answer { hub, torque_n_m, error }) => {
+            Ok(measured) => {
+                let error = measured.error;
                 let is_fine = error * (1.0 + MEASURED_TO) <= plan.tolerance();
                 if !plan.is_automatic() || is_fine {
-                    return Ok(Measured { dynamics, hub, torque_n_m, error });
+                    return Ok((dynamics, measured));
                 }
                 if !may_refine {
                     let (elements, tolerance) =
@@ -75,15 +75,8 @@ pub(super) fn measured_mesh(
     }
 }
 
-/// What a mesh answers, and how far it is from what a finer one does.
-struct Answer {
-    hub: HubSpectra,
-    torque_n_m: Vec<f64>,
-    error: f64,
-}
-
 /// The answer on a mesh, measured against that of `finer`, whose elements are half as long.
-fn answer(forcing: Forcing<'_>, finer: &Dynamics) -> Result<Answer, InversionError> {
+fn measured(forcing: Forcing<'_>, finer: &Dynamics) -> Result<Measured, InversionError> {
     let hub = forcing.hub_spectra()?;
     let torque_n_m = forcing.spectrum.pair.samples(&hub.torque_n_m);
     let peak_n_m = peak_in_range(&torque_n_m)?;
@@ -93,5 +86,5 @@ fn answer(forcing: Forcing<'_>, finer: &Dynamics) -> Result<Answer, InversionErr
     // What is less than the rounding of the sum is not known.
     let finer_peak_n_m = largest(&finer_torque).max(f64::EPSILON * peak_n_m);
     let error = 16.0 / 15.0 * largest(&change) / finer_peak_n_m;
-    Ok(Answer { hub, torque_n_m, error })
+    Ok(Measured { hub, torque_n_m, error })
 }

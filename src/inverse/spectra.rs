@@ -1,5 +1,4 @@
 use std::f64::consts::TAU;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -99,14 +98,9 @@ impl Forcing<'_> {
         let blocks = omegas.par_chunks(block_len).zip(rows).enumerate();
         let rigid_friction = self.friction_n_m_s_rad / self.dynamics.mesh().length_m();
         let hub_transfer = self.hub_transfer();
-        let lowest_blocked = AtomicUsize::new(usize::MAX);
-        blocks.with_min_len(fewest_blocks()).for_each(
+        let lowest_blocked = blocks.with_min_len(fewest_blocks()).filter_map(
             |(block, (omegas, ((torque, excess), root)))| {
                 let transfers = self.dynamics.tip_transfers(omegas);
-                let blocked = |tip: &TipTransfer| tip.is_blocked(self.dynamics.mesh());
-                if let Some(k) = transfers.iter().position(blocked) {
-                    lowest_blocked.fetch_min(block * block_len + k, Ordering::Relaxed);
-                }
                 let velocities = &self.spectrum.velocity_m_s[block * block_len..];
                 for (k, (omega, tip)) in omegas.iter().zip(&transfers).enumerate() {
                     let felt = self.felt_acceleration(block * block_len + k);
@@ -115,16 +109,18 @@ impl Forcing<'_> {
                     excess[k] = hub.excess_rad_s2_m * felt;
                     root[k] = tip.root_inertia_kg_m * felt;
                 }
+                let is_blocked = |tip: &TipTransfer| tip.is_blocked(self.dynamics.mesh());
+                transfers.iter().position(is_blocked).map(|k| block * block_len + k)
             },
         );
+        let lowest_blocked = lowest_blocked.min();
         let frequency_hz = |bin: usize| omegas[bin] / TAU;
         let mut bins = torque_n_m.iter().zip(&excess_angle_rad);
         let is_lost = |(t, e): (&Complex64, &Complex64)| !(t.is_finite() && e.is_finite());
         if let Some(bin) = bins.position(is_lost) {
             return Err(InversionError::NotFinite { frequency_hz: frequency_hz(bin) });
         }
-        let blocked = lowest_blocked.into_inner();
-        let blocked_hz = (blocked < omegas.len()).then(|| frequency_hz(blocked));
+        let blocked_hz = lowest_blocked.map(frequency_hz);
         Ok(HubSpectra { torque_n_m, excess_angle_rad, root_moment_n_m, blocked_hz })
     }
 

@@ -68,6 +68,14 @@ pub(super) fn write_in_turn(
     queue.turn.into_inner().unwrap_or_else(PoisonError::into_inner).written
 }
 
+impl Turn<'_> {
+    /// The text whose turn it is, where it is made and there is sense in writing it.
+    fn ready(&mut self) -> Option<Vec<u8>> {
+        self.written.as_ref().ok()?;
+        self.made.remove(&self.block)
+    }
+}
+
 impl<'a> Blocks<'a> {
     /// Takes the text of a block, and sees to it that it is written when all before it are; returns an
     /// empty text, or none where there is no sense in going on.
@@ -77,34 +85,23 @@ impl<'a> Blocks<'a> {
         let mut turn = turn.unwrap_or_else(PoisonError::into_inner);
         turn.made.insert(block, text);
         if let Some(out) = turn.out.take() {
-            turn = self.write(turn, out);
+            while let Some(mut text) = turn.ready() {
+                // Others make and hand in meanwhile.
+                drop(turn);
+                let written = out.write_all(&text);
+                text.clear();
+                turn = self.lock();
+                turn.block += 1;
+                turn.spare.push(text);
+                // A thread that panicked meanwhile has told so, and is not to be forgotten.
+                if turn.written.is_ok() {
+                    turn.written = written;
+                }
+                self.moved.notify_all();
+            }
+            turn.out = Some(out);
         }
         turn.written.is_ok().then(|| turn.spare.pop().unwrap_or_default())
-    }
-
-    /// Writes all texts that are ready, others being made meanwhile.
-    fn write<'b>(
-        &'b self,
-        mut turn: MutexGuard<'b, Turn<'a>>,
-        out: &'a mut (dyn Write + Send),
-    ) -> MutexGuard<'b, Turn<'a>> {
-        let mut ready = turn.block;
-        while turn.written.is_ok()
-            && let Some(mut text) = turn.made.remove(&ready)
-        {
-            drop(turn);
-            let written = out.write_all(&text);
-            text.clear();
-            ready += 1;
-            turn = self.lock();
-            turn.block = ready;
-            turn.spare.push(text);
-            // A thread that panicked meanwhile has told so, and is not to be forgotten.
-            turn.written = std::mem::replace(&mut turn.written, Ok(())).and(written);
-            self.moved.notify_all();
-        }
-        turn.out = Some(out);
-        turn
     }
 
     fn lock(&self) -> MutexGuard<'_, Turn<'a>> {

@@ -69,6 +69,7 @@ impl SolveOutputs {
         summary: &Summary,
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
+        // Alone, because these histories are made for their table only, and then dropped.
         if let Some(motor) = self.drive.map(|drive| solution.motor(&drive)) {
             let (time, groups) = (solution.grid.thinned(1), motor_groups(&motor));
             folder.file(MOTOR, |out| write_csv(out, &time, &groups, self.digits))?;

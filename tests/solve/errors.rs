@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 
 use super::{Smooth, accelerated, link, mesh_of, refused, sine};
-
 use flexlink::beam::{ElementCount, Mesh, MeshPlan, tip_transfer};
 use flexlink::inverse::{Analysis, InversionError, Warning, invert};
 use flexlink::link::{Damping, Link};
@@ -66,20 +65,24 @@ fn numbers_beyond_double_precision() {
     assert!(error.hint().unwrap().contains("too large for double precision"));
 }
 
-/// An undamped payload's rotary inertia holds the tip still at one frequency. Rounding leaves a tip
-/// displacement of its own size there, and would make a torque of any size of it.
-#[test]
-fn a_frequency_at_which_no_torque_moves_the_tip() {
-    let link = link(|parts| {
+/// An undamped payload's rotary inertia holds the tip still at one frequency.
+fn blocked() -> Link {
+    link(|parts| {
         parts.damping = Damping::None;
         parts.payload.inertia_kg_m2 = 0.01;
-    });
+    })
+}
+
+/// Rounding leaves a tip displacement of its own size where the tip is blocked, and would make a torque
+/// of any size of it.
+#[test]
+fn a_frequency_at_which_no_torque_moves_the_tip() {
+    let link = blocked();
     let plan = mesh_of(&link, 6);
     let blocked_rad_s = real_frequency_zeros(&Mesh::new(&link, &plan), 1e3)[0];
     let analysis = Analysis::new(1e-6, Some(0.1), Some(0.1)).unwrap();
     let found = |step_s: f64| {
-        let time_s = (0..=256).map(|k| f64::from(k) * step_s).collect();
-        let motion = accelerated(time_s, Smooth::MOVE.acceleration_m_s2());
+        let motion = Smooth { duration_s: 256.0 * step_s, ..Smooth::MOVE }.motion();
         invert(&link, &plan, &motion, &analysis)
     };
     // A bin of the period is moved onto that frequency by a change of the step.
@@ -99,10 +102,7 @@ fn a_frequency_at_which_no_torque_moves_the_tip() {
 
 #[test]
 fn a_blocked_tip_is_known_from_a_moving_one_on_any_mesh() {
-    let link = link(|parts| {
-        parts.damping = Damping::None;
-        parts.payload.inertia_kg_m2 = 0.01;
-    });
+    let link = blocked();
     for elements in [1, 6, 400, 4000] {
         let mesh = Mesh::new(&link, &mesh_of(&link, elements));
         let blocked_rad_s = real_frequency_zeros(&mesh, 1e3)[0];
