@@ -190,6 +190,19 @@ mod tests {
     }
 
     #[test]
+    fn a_tip_is_blocked_within_rounding_of_its_length_in_any_units() {
+        for exponent in [-20, 0, 20] {
+            let mesh = mesh_in(10, Units { length: 2.0_f64.powi(exponent), mass: 1.0 });
+            let at_rest = tip_transfer(&mesh, Complex64::ZERO);
+            let is_blocked = |epsilons: f64| {
+                let moved_m = Complex64::from(epsilons * f64::EPSILON * mesh.length_m());
+                TipTransfer { angle_rad_m: moved_m.inv(), ..at_rest }.is_blocked(&mesh)
+            };
+            assert!(is_blocked(83.0) && !is_blocked(85.0), "length 2^{exponent}");
+        }
+    }
+
+    #[test]
     fn the_pivoted_recursion_agrees_with_the_plain_one_at_every_node() {
         let mesh = mesh(30);
         for omega in [0.5, 7.0, 40.0, 333.0] {
