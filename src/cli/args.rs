@@ -34,7 +34,7 @@ pub(crate) struct LinkArgs {
 impl LinkArgs {
     /// Reads the link file and applies the changes.
     pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
-        let file = InputFile::read(&self.link)?;
+        let file = InputFile::read_toml(&self.link)?;
         let specification = self.changes.specification(&file)?;
         Ok((file, specification))
     }
@@ -147,7 +147,10 @@ impl ScaleArgs {
             return Ok(motion);
         }
         let scaled = motion.scaled(self.scale());
-        scaled.map_err(|error| Failure::new(Exit::Usage, &error, error.hint()))
+        scaled.map_err(|error| {
+            let message = format!("{}: {error}", scale_arguments(self.scale()).join(" "));
+            Failure::new(Exit::Usage, &message, error.hint())
+        })
     }
 
     /// The arguments, for the record.

@@ -4,7 +4,9 @@ use clap::Args;
 
 use flexlink::result::comparison::{Comparison, Entry, Tolerances};
 use flexlink::spec::read_tolerances;
-use flexlink::tables::{InputFile, change_golden_files, comparison_json};
+use flexlink::tables::{
+    GoldenChanges, InputFile, change_golden_files, comparison_json, write_file,
+};
 
 use super::args::not_negative;
 use super::compare_sides::{Purpose, Sides, TOLERANCES};
@@ -93,8 +95,8 @@ impl Compare {
         self.warn(&sides, &comparison, &tolerances);
 
         let changes = sides.changes(&comparison);
-        if let (true, Some(folder)) = (self.bless, &sides.golden) {
-            change_golden_files(folder, &changes)?;
+        if self.bless {
+            self.accept(&sides, &changes)?;
         }
         match (self.quiet, self.json) {
             (true, _) => {}
@@ -110,6 +112,17 @@ impl Compare {
         Ok(if self.bless || comparison.is_equal() { Ending::Done } else { Ending::Different })
     }
 
+    /// Makes EXPECTED like ACTUAL.
+    fn accept(&self, sides: &Sides, changes: &GoldenChanges) -> Result<(), Failure> {
+        match &sides.golden {
+            Some(folder) if !sides.are_single => Ok(change_golden_files(folder, changes)?),
+            // A file that is named itself may be a link to anywhere.
+            _ => changes.written.values().try_for_each(|source| {
+                Ok(write_file(&self.expected, &InputFile::read(source)?.bytes)?)
+            }),
+        }
+    }
+
     /// The file of tolerances, if there is one, with those of the command line.
     fn read_tolerances(&self, sides: &Sides) -> Result<Tolerances, Failure> {
         let beside = || {
@@ -119,7 +132,7 @@ impl Compare {
         let mut tolerances = match self.tolerances.clone().or_else(beside) {
             None => Tolerances::default(),
             Some(path) => {
-                let file = InputFile::read(&path)?;
+                let file = InputFile::read_toml(&path)?;
                 read_tolerances(&file.shown, file.text()?)?
             }
         };

@@ -65,6 +65,10 @@ pub(crate) fn keep(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
 pub(crate) fn keep_cases(outputs: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     check_folder("--outputs", outputs)?;
     let Ok(outer) = outputs.canonicalize() else { return Ok(()) };
+    if !outer.is_dir() {
+        let message = format!("--outputs = {}, but must be a folder", outputs.display());
+        return Err(Failure::new(Exit::Usage, &message, None));
+    }
     let is_of_a_case = |file: &&&Path| {
         let Ok(file) = file.canonicalize() else { return false };
         let Some(folder) = file.parent().filter(|folder| folder.parent() == Some(&outer)) else {

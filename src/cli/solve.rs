@@ -97,7 +97,7 @@ impl Solve {
         };
         keep(output, &[link, motion])?;
         let motion_file = || Ok(InputFile::read(motion)?);
-        let problem = Problem::read(&self.options, InputFile::read(link)?, motion_file)?;
+        let problem = Problem::read(&self.options, InputFile::read_toml(link)?, motion_file)?;
         let stages = self.print.stages();
         let to = Destination { folder: output, durability, stages: &stages };
         let solved = problem.solve(&self.options, &to)?;

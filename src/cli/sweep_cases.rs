@@ -70,7 +70,7 @@ impl<'a> Cases<'a> {
         shared: &'a CaseArgs,
     ) -> Result<Self, Failure> {
         let overrides = shared.changes.overrides()?;
-        let mut link_file = InputFile::read(link)?;
+        let mut link_file = InputFile::read_toml(link)?;
         link_file.text()?;
         let mut motion_file = InputFile::read(motion)?;
         let torque_file = shared.torque.read()?;

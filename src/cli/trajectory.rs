@@ -1,3 +1,4 @@
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValuesParser;
@@ -11,6 +12,10 @@ use flexlink::tables::{Digits, InputFile, write_trajectory};
 use super::args::specification;
 use super::console;
 use super::exit::{Exit, Failure};
+
+/// Distances in m and steps in s, within which all samples are numbers and none vanishes.
+const DISTANCES_M: RangeInclusive<f64> = 1e-100..=1e100;
+const STEPS_S: RangeInclusive<f64> = 1e-90..=1e90;
 
 /// Most samples of a trajectory.
 const MOST_SAMPLES: f64 = 16_777_216.0;
@@ -93,11 +98,12 @@ impl Trajectory {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let refuse = |message: String| Err(Failure::new(Exit::Usage, &message, None));
         let (step_s, distance_m) = (self.step, self.distance);
-        if !(step_s.is_finite() && step_s > 0.0) {
-            return refuse(format!("--step = {step_s} s, but must be finite and above 0"));
+        if !STEPS_S.contains(&step_s) {
+            return refuse(format!("--step = {step_s:?} s, but must lie from 1e-90 to 1e90 s"));
         }
-        if !distance_m.is_finite() || distance_m == 0.0 {
-            return refuse(format!("--distance = {distance_m} m, but must be finite and not 0"));
+        if !DISTANCES_M.contains(&distance_m.abs()) {
+            let must = "must lie from 1e-100 to 1e100 m, in either direction";
+            return refuse(format!("--distance = {distance_m:?} m, but {must}"));
         }
         let (steps, remark) = self.duration()?;
         let before = self.steps("--rest-before", self.rest_before, 0.0)?;
@@ -116,7 +122,7 @@ impl Trajectory {
         }
         let changes = self.limits()?;
         let link = self.link.as_deref().unwrap_or(Path::new("-"));
-        let file = InputFile::read(link)?;
+        let file = InputFile::read_toml(link)?;
         let Specification { link, mesh, analysis, limits, .. } = specification(&file, &changes)?;
         let motion =
             OpenMotion { profile: self.profile, distance_m: self.distance, step_s: self.step };

@@ -1,7 +1,7 @@
 use thiserror::Error;
 
 use crate::modal::DampingError;
-use crate::numeric::gigabytes;
+use crate::numeric::{gigabytes, significant};
 
 /// Why a valid link and a valid motion have no torque here.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -28,10 +28,21 @@ pub enum InversionError {
         /// Elements possible.
         limit: usize,
     },
-    /// A frequency at which no torque moves the tip, to within rounding, or numbers beyond double
-    /// precision.
-    #[error("the torque at {frequency_hz:.4} Hz = not a finite number, but must be one")]
+    /// A frequency at which no torque moves the tip at all, or numbers beyond double precision.
+    #[error(
+        "the torque at {} Hz = not a finite number, but must be one",
+        significant(*frequency_hz, 6)
+    )]
     NotFinite {
+        /// The frequency in Hz.
+        frequency_hz: f64,
+    },
+    /// A frequency at which any torque moves the tip by no more than rounding.
+    #[error(
+        "the tip at {} Hz = held still whatever the torque, but must move there",
+        significant(*frequency_hz, 6)
+    )]
+    BlockedTip {
         /// The frequency in Hz.
         frequency_hz: f64,
     },
@@ -98,6 +109,10 @@ impl InversionError {
                 "no torque moves the tip there (a payload's inertia without damping, or damping that \
                  no wave survives), the mesh is far too coarse, or the inputs are too large for \
                  double precision"
+            }
+            Self::BlockedTip { .. } => {
+                "a payload's inertia without damping does that, damping that no wave survives, or a \
+                 mesh far too coarse: give damping, more elements or a smoother motion"
             }
             Self::OutOfRange { .. } => {
                 "check the units of motion and link, and their powers of ten"

@@ -74,7 +74,7 @@ pub fn invert(
     let answer = problem.decayed(&dynamics, PeriodicAnswer { period, hub, torque_n_m })?;
     // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
     if let Some(frequency_hz) = answer.hub.blocked_hz {
-        return Err(InversionError::NotFinite { frequency_hz });
+        return Err(InversionError::BlockedTip { frequency_hz });
     }
     let truncation_error = problem.truncation_error(&dynamics, &answer)?;
     let is_refined = dynamics.mesh().elements().len() > coarsest_elements;

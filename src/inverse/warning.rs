@@ -8,7 +8,7 @@ use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::real_frequency_zeros;
 use crate::motion::{TipMotion, TipSpectrum};
-use crate::numeric::largest;
+use crate::numeric::{largest, significant};
 
 /// Amplitude near the Nyquist frequency, over the largest, from which on the user is warned.
 const NYQUIST_SHARE: f64 = 1e-3;
@@ -59,8 +59,9 @@ pub enum Warning {
     },
     /// A payload's inertia or offset blocks the tip at a frequency that the motion contains.
     #[error(
-        "at {frequency_hz:.4} Hz no torque moves the tip (lumped inertia or payload), and the \
-         motion holds {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)"
+        "at {} Hz no torque moves the tip (lumped inertia or payload), and the motion holds \
+         {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)",
+        significant(*frequency_hz, 6)
     )]
     BlockedTip {
         /// The zero of torque → tip in Hz.

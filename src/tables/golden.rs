@@ -25,9 +25,11 @@ pub struct GoldenChanges {
 pub fn change_golden_files(folder: &Path, changes: &GoldenChanges) -> Result<(), FolderError> {
     let mut staged: BTreeMap<PathBuf, OutputFolder> = BTreeMap::new();
     for (name, source) in &changes.written {
-        // What a symbolic link leads to is the golden file.
-        let path = folder.join(name);
-        let path = path.canonicalize().unwrap_or(path);
+        let refused = |cause| {
+            let action = FolderAction::Write(name.clone());
+            FolderError { folder: folder.to_owned(), action, cause }
+        };
+        let path = real(folder, name).map_err(refused)?;
         let inner = folder_of(&path).to_owned();
         let own = path.file_name().unwrap_or(OsStr::new(name)).to_owned();
         if path.exists() && !path.is_file() {
@@ -44,13 +46,33 @@ pub fn change_golden_files(folder: &Path, changes: &GoldenChanges) -> Result<(),
     }
     staged.into_values().try_for_each(OutputFolder::replace)?;
     for name in &changes.removed {
-        fs::remove_file(folder.join(name)).map_err(|cause| FolderError {
+        let removed = real(folder, name).and_then(|_| fs::remove_file(folder.join(name)));
+        removed.map_err(|cause| FolderError {
             folder: folder.to_owned(),
             action: FolderAction::Remove(name.clone()),
             cause,
         })?;
     }
     Ok(())
+}
+
+/// The golden file that a name leads to, through symbolic links within the folder and none out of it:
+/// a stranger's folder is not to say what else is written.
+fn real(folder: &Path, name: &str) -> io::Result<PathBuf> {
+    let (root, real) = (resolved(folder)?, resolved(&folder.join(name))?);
+    if real.starts_with(&root) {
+        return Ok(real);
+    }
+    let cause = format!("a symbolic link leads to {}, out of the folder", real.display());
+    Err(io::Error::other(cause))
+}
+
+/// A path without symbolic links; what is not there yet is none.
+fn resolved(path: &Path) -> io::Result<PathBuf> {
+    let path = std::path::absolute(path)?;
+    let there = path.ancestors().find_map(|outer| Some((outer, outer.canonicalize().ok()?)));
+    let Some((outer, real)) = there else { return Ok(path) };
+    Ok(path.strip_prefix(outer).map_or(real.clone(), |rest| real.join(rest)))
 }
 
 #[cfg(test)]
@@ -77,21 +99,38 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_are_followed_and_what_is_no_file_is_left_alone() {
+    fn links_are_followed_within_the_folder_and_what_is_no_file_is_left_alone() {
         let base = tempfile::tempdir().unwrap();
         let at = |name: &str| base.path().join(name);
         fs::write(at("source"), "new").unwrap();
         fs::create_dir(at("golden")).unwrap();
-        fs::write(at("real.csv"), "old").unwrap();
-        fs::write(at("golden/z.csv"), "old").unwrap();
-        std::os::unix::fs::symlink(at("real.csv"), at("golden/a.csv")).unwrap();
+        fs::create_dir(at("other")).unwrap();
+        for name in ["golden/real", "golden/z.csv", "other/x.csv"] {
+            fs::write(at(name), "old").unwrap();
+        }
+        let links = [
+            ("golden/real", "golden/a.csv"),
+            ("other/x.csv", "golden/x.csv"),
+            ("other", "golden/sub"),
+        ];
+        for (target, link) in links {
+            std::os::unix::fs::symlink(at(target), at(link)).unwrap();
+        }
         let written = |names: &[&str]| {
             let written = names.iter().map(|name| ((*name).to_owned(), at("source"))).collect();
             change_golden_files(&at("golden"), &GoldenChanges { written, removed: vec![] })
         };
         written(&["a.csv"]).unwrap();
         assert!(at("golden/a.csv").is_symlink());
-        assert_eq!(fs::read_to_string(at("real.csv")).unwrap(), "new");
+        assert_eq!(fs::read_to_string(at("golden/real")).unwrap(), "new");
+        for name in ["x.csv", "sub/x.csv", "sub/new.csv"] {
+            let error = written(&["z.csv", name]).unwrap_err();
+            assert!(error.cause.to_string().ends_with(", out of the folder"), "{error}");
+        }
+        let removed = GoldenChanges { removed: vec!["sub/x.csv".into()], ..Default::default() };
+        change_golden_files(&at("golden"), &removed).unwrap_err();
+        assert_eq!(fs::read_to_string(at("other/x.csv")).unwrap(), "old");
+        assert!(!at("other/new.csv").exists());
         fs::create_dir(at("golden/b.csv")).unwrap();
         written(&["b.csv", "z.csv"]).unwrap_err();
         assert_eq!(fs::read_to_string(at("golden/z.csv")).unwrap(), "old");

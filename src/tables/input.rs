@@ -14,6 +14,9 @@ use super::memory::available_memory;
 /// or a file that holds no text.
 const LONGEST_LINE: usize = 1 << 24;
 
+/// Longest link file, or file of tolerances, in bytes: some million segments.
+const LONGEST_TOML: u64 = 1 << 28;
+
 /// Bytes that are read at a time.
 const CHUNK: usize = 1 << 20;
 
@@ -61,15 +64,27 @@ impl InputFile {
     /// [`InputError`] with the system's words, or for a line of more than 16 MiB or a content that
     /// half the available memory does not hold.
     pub fn read(path: &Path) -> Result<Self, InputError> {
+        Self::read_within(path, u64::MAX)
+    }
+
+    /// Reads a link file or a file of tolerances, which are short.
+    ///
+    /// # Errors
+    /// As [`InputFile::read`], and for more than 256 MiB.
+    pub fn read_toml(path: &Path) -> Result<Self, InputError> {
+        Self::read_within(path, LONGEST_TOML)
+    }
+
+    fn read_within(path: &Path, most: u64) -> Result<Self, InputError> {
         let standard_input = path.as_os_str() == "-";
         let shown =
             if standard_input { "standard input".to_owned() } else { path.display().to_string() };
         let read = if standard_input {
-            read_whole(io::stdin().lock(), 0)
+            read_whole(io::stdin().lock(), 0, most)
         } else {
             File::open(path).and_then(|file| {
                 let len = file.metadata().map_or(0, |about| about.len());
-                read_whole(file, len)
+                read_whole(file, len, most)
             })
         };
         let bytes = match read {
@@ -104,8 +119,8 @@ impl InputFile {
 }
 
 /// Reads all of an input, expected to hold `len` bytes, but no line and no content beyond bounds: what
-/// is no text, or never ends, is told from what is while memory lasts.
-fn read_whole(mut input: impl Read, len: u64) -> io::Result<Vec<u8>> {
+/// is no text, or never ends, is told from what is while memory lasts. `most` bytes are enough.
+fn read_whole(mut input: impl Read, len: u64, most: u64) -> io::Result<Vec<u8>> {
     let room = OnceCell::new();
     let mut bytes = Vec::new();
     // A sparse file is only as long as it says; its first line may be refused.
@@ -126,6 +141,9 @@ fn read_whole(mut input: impl Read, len: u64) -> io::Result<Vec<u8>> {
         }
         if bytes.len() <= LONGEST_LINE {
             continue;
+        }
+        if bytes.len() as u64 > most {
+            return Err(io::Error::other(format!("longer than {} MiB", most >> 20)));
         }
         // As much again goes into the numbers that are made of the text, and a vector that grows
         // takes twice its size for a moment.

@@ -1,3 +1,4 @@
+use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -19,7 +20,10 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
         let action = FolderAction::Write(name.to_string_lossy().into());
         FolderError { folder: folder.to_owned(), action, cause }
     };
-    let Some(name) = path.file_name() else {
+    // A path may end in a separator, or in a dot after it, which its last name does not show.
+    let is_last =
+        |name: &&OsStr| path.as_os_str().as_encoded_bytes().ends_with(name.as_encoded_bytes());
+    let Some(name) = path.file_name().filter(is_last) else {
         return Err(refused(io::Error::other("the path names no file")));
     };
     if is_stream(path) {

@@ -3,7 +3,8 @@ use super::report::{Answer, VerificationError};
 use crate::link::Damping;
 use crate::numeric::{largest, largest_difference};
 use crate::response::{
-    EnergyAccount, EnergyBalance, Play, Simulation, SimulationError, Torque, simulate_on,
+    EnergyAccount, EnergyBalance, Interpolation, Play, Simulation, SimulationError, Torque,
+    simulate_on,
 };
 
 /// How far the tip may stray at most, over its way.
@@ -50,7 +51,10 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
         Err(SimulationError::MasslessHub) => return Ok(Played::not("the hub moves no mass")),
         played => played?,
     };
-    let bound = allowed_tip_error(answer);
+    let straight = Play { interpolation: Interpolation::Linear, ..play };
+    let straight = simulate_on(link, solution.mesh().clone(), &straight)?.tip.displacement_m;
+    let between_m = largest_difference(&simulation.tip.displacement_m, &straight);
+    let bound = allowed_tip_error(answer, between_m);
     let viscous = tip_error(answer, &simulation.tip.displacement_m);
     let tip = match link.damping() {
         Damping::Hysteretic { ratio } if *ratio > 0.0 => {
@@ -73,13 +77,14 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
 }
 
 /// How far the tip may stray, over its way: as far as a torque that is wrong by the tolerance of its
-/// peak, from one end of the window to the other, drives the rigid link, and never more than 1e-3.
-fn allowed_tip_error(answer: &Answer) -> f64 {
+/// peak, from one end of the window to the other, drives the rigid link, and by what the samples leave
+/// open, `between_m` from cubics to straight lines; never more than 1e-3.
+fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
     let Answer { link, analysis, solution, .. } = answer;
     let peak = largest(&solution.torque_n_m);
     let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
-    TIP.min(driven_m / solution.tip.farthest_m())
+    TIP.min((driven_m + between_m) / solution.tip.farthest_m())
 }
 
 /// The written torque less what the hub's friction takes of it.

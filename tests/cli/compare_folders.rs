@@ -109,6 +109,12 @@ fn blessing_makes_golden_files_that_are_not_there_yet() {
     equal(&bench.run(&["compare", "tests/golden", "out"]));
     equal(&bench.run(&["compare", "one.csv", "out/a.csv", "--bless"]));
     assert_eq!(bench.read("one.csv"), EXPECTED);
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("golden/two.csv", bench.path("two.csv")).unwrap();
+    bench.write("golden/two.csv", "time_s\n1\n");
+    equal(&bench.run(&["compare", "two.csv", "out/a.csv", "--bless"]));
+    #[cfg(unix)]
+    assert_eq!(bench.read("golden/two.csv"), EXPECTED, "a link that is named is followed");
     bench.write("out/a.csv", "time_s\n0\n");
     let told = equal(&bench.run(&["compare", "one.csv", "out/a.csv", "--bless", "--json"]));
     let told: Value = serde_json::from_str(&told).unwrap();

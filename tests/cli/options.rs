@@ -175,6 +175,7 @@ fn a_scaled_motion_is_that_of_the_same_factors_in_solve() {
     let refused =
         bench.run(&["solve", &repository(LINK), &repository(MOTION), "--scale-duration=0"]);
     assert_eq!(refused.status.code(), Some(2));
-    let error = "error: the motion's distance times 1 and duration times 0, but these must";
+    let error =
+        "error: --scale-duration 0: the motion's distance times 1 and duration times 0, but";
     assert!(stderr(&refused).starts_with(error), "{}", stderr(&refused));
 }

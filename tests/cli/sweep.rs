@@ -137,12 +137,13 @@ fn a_value_under_two_names_is_refused() {
 #[test]
 fn results_that_cannot_be_written_end_the_sweep_and_keep_its_rows() {
     let bench = Bench::new();
-    bench.write("file", "mine");
+    std::fs::create_dir(bench.path("cases")).unwrap();
+    bench.write("cases/1", "mine");
     let vary = ["--vary", "payload.mass=0,0.01"];
-    let output = sweep(&bench, &[&vary[..], &["--outputs", "file"]].concat());
+    let output = sweep(&bench, &[&vary[..], &["--outputs", "cases"]].concat());
     assert_eq!(output.status.code(), Some(5));
     assert!(
-        stderr(&output).ends_with("error: file/1: cannot create the folder: Not a directory\n"),
+        stderr(&output).ends_with("error: cases/1: cannot create the folder: File exists\n"),
         "{}",
         stderr(&output)
     );

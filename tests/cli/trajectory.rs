@@ -78,8 +78,17 @@ fn what_is_no_motion_is_refused() {
     refused(&with("1", "1.05", "0.1"), &format!("--duration = 1.05 s, but {steps}"));
     refused(&with("1", "0.3", "0.1"), &format!("--duration = 0.3 s, but {steps}"));
     refused(&with("1", "nan", "0.1"), &format!("--duration = NaN s, but {steps}"));
-    refused(&with("0", "1", "0.1"), "--distance = 0 m, but must be finite and not 0");
-    refused(&with("1", "1", "-1"), "--step = -1 s, but must be finite and above 0");
+    refused(
+        &with("0", "1", "0.1"),
+        "--distance = 0.0 m, but must lie from 1e-100 to 1e100 m, in either direction",
+    );
+    // Beyond these a sample would be no number, or none would be left.
+    refused(
+        &with("-1e101", "1", "0.1"),
+        "--distance = -1e101 m, but must lie from 1e-100 to 1e100 m, in either direction",
+    );
+    refused(&with("1", "1", "1e-91"), "--step = 1e-91 s, but must lie from 1e-90 to 1e90 s");
+    refused(&with("1", "1", "-1"), "--step = -1.0 s, but must lie from 1e-90 to 1e90 s");
 }
 
 #[test]

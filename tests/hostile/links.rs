@@ -1,6 +1,6 @@
 //! Links whose numbers lie at the ends of what can be written.
 
-use super::{Bench, NOT_SOLVABLE, REFUSED, link};
+use super::{Bench, NOT_SOLVABLE, REFUSED, link, text};
 
 #[track_caller]
 fn refused(change: &str, code: i32, message: &str) {
@@ -61,6 +61,24 @@ fn stiffness_towards_nothing_and_towards_everything() {
     assert!(told.contains("% of the link's length, beyond the small deflections"), "{told}");
     for ei in ["1e6", "1e15", "1e300"] {
         assert_eq!(warnings(&format!("segments.beam.EI={ei}")), "", "{ei}: rigid");
+    }
+}
+
+/// Its torque is that of a rigid link, which ends where the motion does: what is played between the
+/// samples then matters.
+#[test]
+fn the_torque_of_a_link_next_to_rigid_is_verified() {
+    let bench = Bench::new();
+    let profile =
+        ["trajectory", "min-jerk", "--distance", "0.5", "--duration", "1", "--step", "0.01"];
+    let output = bench.run(&[&profile[..], &["-o", "min-jerk.csv"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    for motion in ["motion.csv", "min-jerk.csv"] {
+        for ei in ["1e6", "1e7", "1e15"] {
+            let set = format!("segments.beam.EI={ei}");
+            let output = bench.run(&["verify", "link.toml", motion, "--set", &set]);
+            assert_eq!(output.status.code(), Some(0), "{motion}, {ei}: {}", text(&output.stdout));
+        }
     }
 }
 

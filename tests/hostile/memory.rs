@@ -49,6 +49,17 @@ fn an_input_without_end_is_refused_before_memory_ends() {
 }
 
 #[test]
+fn a_link_file_without_end_is_refused_before_it_takes_much() {
+    let bench = Bench::new();
+    let mut lines = bench.command("yes", &["[[segments]]"]).stdout(Stdio::piped()).spawn().unwrap();
+    let input = lines.stdout.take().unwrap();
+    let output = bench.run_within(900, &["modes", "-"], input.into());
+    let _ = lines.kill();
+    lines.wait().unwrap();
+    bench.is_refusal(&output, REFUSED, "standard input: cannot read: longer than 256 MiB\n");
+}
+
+#[test]
 #[ignore = "half a minute and 3 GB: cargo test --test hostile -- --ignored"]
 fn ten_million_rows_are_solved_in_the_memory_that_was_estimated() {
     let bench = Bench::new();

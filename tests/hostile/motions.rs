@@ -133,3 +133,15 @@ fn a_step_too_coarse_for_the_first_mode_is_told_where_the_motion_reaches_its_end
     let smooth = motion(|k| k.to_string(), |a| a.to_string());
     assert_eq!(warnings(&smooth), "", "slow enough to need no mode");
 }
+
+#[test]
+fn factors_that_leave_no_motion_are_told_by_their_option() {
+    for (factor, what) in [
+        ("1e-300", "acceleration = NaN, but must be a finite number"),
+        ("1e300", "the tip stands still in all samples, but must move"),
+    ] {
+        let solve = ["solve", "link.toml", "motion.csv", "--scale-duration", factor];
+        let factor: f64 = factor.parse().unwrap();
+        Bench::new().refuses(&solve, 2, &format!("error: --scale-duration {factor}: {what}\n"));
+    }
+}

@@ -129,3 +129,22 @@ fn a_record_forges_no_line_of_what_a_repetition_prints() {
     let message = "out/summary.json: inputs.arguments: --set 'foo=1'";
     bench.refuses_soon(&["solve", "--repeat", "out"], REFUSED, message);
 }
+
+#[test]
+fn a_path_that_ends_as_a_folders_does_names_no_file() {
+    let bench = Bench::new();
+    let good = fs::read_to_string(bench.path("link.toml")).unwrap();
+    for path in ["link.toml/", "link.toml/.", "new/", "new/.."] {
+        let frf = ["frf", "link.toml", "--points", "5", "-o", path];
+        bench.refuses(&frf, CANNOT_WRITE, "the path names no file");
+    }
+    assert_eq!(fs::read_to_string(bench.path("link.toml")).unwrap(), good);
+    assert!(!bench.path("new").exists());
+}
+
+#[test]
+fn a_file_where_the_cases_folders_are_to_be_is_told_before_any_is_solved() {
+    let bench = Bench::new();
+    let outputs = [&VARY[..], &["--outputs", "link.toml"]].concat();
+    bench.refuses(&outputs, 2, "--outputs = link.toml, but must be a folder");
+}

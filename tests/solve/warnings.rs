@@ -4,6 +4,7 @@ use super::{Smooth, accelerated, link, mesh_of, sine, solved};
 use flexlink::inverse::{Analysis, Solution, Warning, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Payload};
 use flexlink::motion::TipMotion;
+use flexlink::numeric::significant;
 
 /// The only warning of a kind.
 #[track_caller]
@@ -130,8 +131,9 @@ fn a_blocked_tip_is_named_with_its_frequency() {
     assert_eq!(
         warning.to_string(),
         format!(
-            "at {frequency_hz:.4} Hz no torque moves the tip (lumped inertia or payload), and the \
-             motion holds {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)"
+            "at {} Hz no torque moves the tip (lumped inertia or payload), and the \
+             motion holds {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)",
+            significant(frequency_hz, 6)
         )
     );
     assert_eq!(warning.hint(), "a smoother or slower motion avoids the frequency");
