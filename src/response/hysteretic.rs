@@ -48,12 +48,7 @@ impl Simulation {
             shapes: self.equations.shapes[..1].to_vec(),
             reaction: HubReaction::default(),
         };
-        let mut stepper = Stepper::new(&alone, self.grid.step_s);
-        let mut rotation = stepper.coordinates();
-        for piece in pieces(torque_n_m, Interpolation::Cubic) {
-            stepper.advance(&piece);
-            rotation.extend(stepper.coordinates());
-        }
-        rotation
+        let stepper = Stepper::new(&alone, self.grid.step_s);
+        stepper.through(&pieces(torque_n_m, Interpolation::Cubic), |q| q[0])
     }
 }

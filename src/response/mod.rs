@@ -20,6 +20,7 @@ mod residual;
 mod selection;
 mod simulation;
 mod stepper;
+mod straight;
 #[cfg(test)]
 mod tests;
 mod torque;

@@ -72,6 +72,17 @@ impl Stepper {
         std::mem::swap(&mut self.state, &mut self.next);
     }
 
+    /// Goes through all pieces; returns what `of` reads off the coordinates before the first and after
+    /// each.
+    pub(super) fn through(mut self, pieces: &[Cubic], of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+        let mut values = vec![of(&self.coordinates())];
+        for piece in pieces {
+            self.advance(piece);
+            values.push(of(&self.coordinates()));
+        }
+        values
+    }
+
     /// The coordinates q.
     pub(super) fn coordinates(&self) -> Vec<f64> {
         let scaled = self.read(|_, k| k);

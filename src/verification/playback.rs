@@ -3,8 +3,7 @@ use super::report::{Answer, VerificationError};
 use crate::link::Damping;
 use crate::numeric::{largest, largest_difference};
 use crate::response::{
-    EnergyAccount, EnergyBalance, Interpolation, Play, Simulation, SimulationError, Torque,
-    simulate_on,
+    EnergyAccount, EnergyBalance, Play, Simulation, SimulationError, Torque, simulate_on,
 };
 
 /// How far the tip may stray at most, over its way.
@@ -51,9 +50,8 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
         Err(SimulationError::MasslessHub) => return Ok(Played::not("the hub moves no mass")),
         played => played?,
     };
-    let straight = Play { interpolation: Interpolation::Linear, ..play };
-    let straight = simulate_on(link, solution.mesh().clone(), &straight)?.tip.displacement_m;
-    let between_m = largest_difference(&simulation.tip.displacement_m, &straight);
+    let straight_m = simulation.straight_tip_m(answer.written_torque_n_m);
+    let between_m = largest_difference(&simulation.tip.displacement_m, &straight_m);
     let bound = allowed_tip_error(answer, between_m);
     let viscous = tip_error(answer, &simulation.tip.displacement_m);
     let tip = match link.damping() {
