@@ -37,6 +37,16 @@ pub(crate) fn check_memory(
     Err(Failure::new(Exit::NotSolvable, &message, Some(hint)))
 }
 
+/// Keeps memory that a run frees, up to twice as much, for what it takes next.
+///
+/// Otherwise the C library gives small amounts back to the system after every case of a sweep and takes
+/// them again for the next one, page by page, with all threads interrupted each time. glibc adapts to
+/// the largest block that was freed; elsewhere this does nothing, and costs as much.
+pub(crate) fn keep_freed() {
+    const BYTES: usize = 4 << 20;
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(BYTES)));
+}
+
 /// Memory in bytes that can be taken, where the system tells.
 pub(crate) fn available() -> Option<usize> {
     available_memory().map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX))

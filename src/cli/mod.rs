@@ -88,6 +88,7 @@ enum Command {
 
 /// Runs the program: the one place that prints an error and its hint.
 pub(crate) fn run() -> ExitCode {
+    memory::keep_freed();
     let outcome = match Cli::try_parse() {
         Ok(cli) => cli.command.run().map(ExitCode::from),
         Err(words) => console::told_by_parser(&words),
