@@ -90,7 +90,7 @@
 //! | κ | relative complex stiffness, 1 + 2iξ or 1 + iωβ | |
 //! | λ | ω²(1 + α/(iω))/κ, `lambda`: all that the recursion needs to know of frequency and damping | 1/s² |
 //! | A | apparent inertia of all that is outboard, [`beam::Inertia`] | kg, kg m, kg m² |
-//! | d, R, G = λΓ | deformation of an element, its rigid transfer, its gain [`beam::Gain`] | |
+//! | d, R, G | deformation of an element, its rigid transfer, its gain [`beam::Gain`] | |
 //! | e | deflection and slope for θ = 1; `lags` are e/λ | |
 //! | z | zero of torque → tip | 1/s |
 //!

@@ -134,13 +134,13 @@ fn transfers(solution: &Solution, friction_n_m_s_rad: f64, bins: usize) -> Vec<f
     let omegas: Vec<f64> =
         (1..bins.max(2)).map(|k| TAU * k as f64 / solution.band.period_s).collect();
     let found = solution.dynamics.tip_transfers(&omegas);
-    let size = |(omega, tip): (&f64, &TipTransfer)| {
+    let size = |(omega, tip): (&f64, TipTransfer)| {
         let factor = law.stiffness_factor(*omega);
         let bent = (tip.lag_s2 / factor).norm() * omega * friction_n_m_s_rad / length_m;
         let drag = 1.0 + law.mass_rate_per_s() / omega;
         (tip.inertia_kg_m.norm() + bent) * drag + friction_n_m_s_rad / (length_m * omega)
     };
-    let mut sizes: Vec<f64> = omegas.iter().zip(&found).map(size).collect();
+    let mut sizes: Vec<f64> = omegas.iter().zip(found.iter()).map(size).collect();
     // The travel sums up what the samples are off by, over up to the whole period.
     sizes[0] *= solution.band.fft_length as f64;
     sizes

@@ -19,6 +19,8 @@ pub struct Mesh {
     lumped: Vec<Option<Inertia<f64>>>,
     tip: Inertia<f64>,
     hub_inertia_kg_m2: f64,
+    /// λ in 1/s² up to which the link is rigid to the last digit.
+    pub(super) rigid_lambda: f64,
 }
 
 impl Mesh {
@@ -42,7 +44,7 @@ impl Mesh {
         }
         let mut mesh = Self::assemble(elements, segments, link);
         mesh.place_masses(link);
-        mesh
+        mesh.with_rigid_limit()
     }
 
     fn assemble(elements: Vec<Element>, segments: Vec<usize>, link: &Link) -> Self {
@@ -53,6 +55,7 @@ impl Mesh {
             lumped: vec![None; nodes_m.len()],
             tip: Inertia::rigid(payload.mass_kg, payload.inertia_kg_m2, payload.offset_m),
             hub_inertia_kg_m2: link.hub().inertia_kg_m2,
+            rigid_lambda: 0.0,
             nodes_m,
             elements,
             segments,
@@ -97,7 +100,9 @@ impl Mesh {
             lumped,
             tip: self.tip,
             hub_inertia_kg_m2: self.hub_inertia_kg_m2,
+            rigid_lambda: 0.0,
         }
+        .with_rigid_limit()
     }
 
     /// Elements from the hub outward.

@@ -2,25 +2,30 @@
 
 mod condensation;
 mod element;
+mod elimination;
 mod given_nodes;
 mod histories;
 mod mesh;
 mod pivoted;
 mod plan;
+mod rigid_limit;
 mod sixteen;
 mod spectrum;
+mod tip_transfers;
 mod transfer;
 #[cfg(test)]
 mod undamped;
 mod walk;
 
-pub use condensation::{Gain, Inertia, Step, condense};
+pub use condensation::{Inertia, Step, condense};
 pub use element::{Element, RelativeElement};
+pub use elimination::Gain;
 pub use histories::NodalHistories;
 pub use mesh::Mesh;
 pub use pivoted::{DrivenMotion, PivotedScalar, driven_motion};
 pub use plan::{ElementCount, MeshPlan, Piece};
 pub use sixteen::{Pivots, pivots, tip_displacements_m};
 pub use spectrum::{nodal_transfers, tip_transfers};
+pub use tip_transfers::TipTransfers;
 pub use transfer::{HubResponse, TipTransfer, hub_response, tip_transfer};
 pub use walk::{NodalQuantity, NodalTransfer, nodal_transfer};

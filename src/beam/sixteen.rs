@@ -54,7 +54,7 @@ impl WithSimd for Counted<'_> {
             let mut negative = zero;
             let root = condense(
                 mesh,
-                lambda,
+                mesh.per_lambda(lambda),
                 #[inline(always)]
                 |_, step| {
                     for pivot in step.pivots {
@@ -87,7 +87,7 @@ impl WithSimd for Displaced<'_> {
         let blocks = lambdas.chunks(RealLanes::<S>::LEN);
         for (found, lambdas) in found.chunks_mut(RealLanes::<S>::LEN).zip(blocks) {
             let lambda = RealLanes::load(simd, lambdas);
-            let displacement = hub_response(mesh, lambda).tip_displacement_m(mesh, lambda);
+            let displacement = hub_response(mesh, lambda).tip_displacement_m(mesh);
             found.copy_from_slice(&displacement.lanes()[..found.len()]);
         }
         found
@@ -117,7 +117,7 @@ mod tests {
         let narrow = Displaced { mesh: &mesh, lambdas: &lambdas }.with_simd(pulp::Scalar);
         let wide = tip_displacements_m(&mesh, &lambdas);
         for ((lambda, wide), narrow) in lambdas.iter().zip(wide).zip(narrow) {
-            let alone = hub_response(&mesh, *lambda).tip_displacement_m(&mesh, *lambda);
+            let alone = hub_response(&mesh, *lambda).tip_displacement_m(&mesh);
             assert_eq!([wide, narrow].map(f64::to_bits), [alone.to_bits(); 2], "λ = {lambda}");
         }
     }

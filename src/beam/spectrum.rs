@@ -10,8 +10,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::mesh::Mesh;
 use super::pivoted::pivoted_transfer;
+use super::tip_transfers::TipTransfers;
 use super::transfer::{
-    HubResponse, TipTransfer, hub_response, is_real, is_trusted, untested_tip_transfer,
+    HubResponse, Reached, hub_response, is_real, is_trusted, untested_tip_transfer,
 };
 use super::walk::{NodalQuantity, Walk, nodal_transfer};
 use crate::numeric::{ComplexLanes, LambdaLanes, RealLanes};
@@ -19,12 +20,10 @@ use crate::numeric::{ComplexLanes, LambdaLanes, RealLanes};
 /// Transfers from the tip to torque and hub angle, one for each λ: [`tip_transfer`] of many.
 ///
 /// [`tip_transfer`]: super::tip_transfer
-pub fn tip_transfers(mesh: &Mesh, lambdas: &[Complex64]) -> Vec<TipTransfer> {
+pub fn tip_transfers(mesh: &Mesh, lambdas: &[Complex64]) -> TipTransfers {
     let Untested { mut transfers, gains } = Arch::new().dispatch(Tip { mesh, lambdas });
-    for ((transfer, gain), lambda) in transfers.iter_mut().zip(gains).zip(lambdas) {
-        if !is_trusted(gain) {
-            *transfer = pivoted_transfer(mesh, *lambda).tip;
-        }
+    for (k, _) in gains.iter().enumerate().filter(|(_, gain)| !is_trusted(**gain)) {
+        transfers.set(k, pivoted_transfer(mesh, lambdas[k]).tip);
     }
     transfers
 }
@@ -61,7 +60,7 @@ struct Tip<'a> {
 
 /// Transfers by the recursion alone, and the largest gain of each.
 struct Untested {
-    transfers: Vec<TipTransfer>,
+    transfers: TipTransfers,
     gains: Vec<f64>,
 }
 
@@ -77,7 +76,9 @@ impl WithSimd for Tip<'_> {
         let mut found = untested_transfers::<S, ComplexLanes<S>>(simd, mesh, lambdas);
         // A real λ among others has the bits that it has alone.
         for (k, lambda) in lambdas.iter().enumerate().filter(|(_, z)| is_real(**z)) {
-            (found.transfers[k], found.gains[k]) = untested_tip_transfer(mesh, *lambda);
+            let (transfer, gain) = untested_tip_transfer(mesh, *lambda);
+            found.transfers.set(k, transfer);
+            found.gains[k] = gain;
         }
         found
     }
@@ -89,23 +90,18 @@ fn untested_transfers<S: Simd, L: LambdaLanes<S>>(
     mesh: &Mesh,
     lambdas: &[Complex64],
 ) -> Untested {
-    let mut transfers = Vec::with_capacity(lambdas.len());
+    let mut transfers = TipTransfers::with_capacity(lambdas.len());
     let mut gains = Vec::with_capacity(lambdas.len());
     for lambdas in lambdas.chunks(L::LEN) {
         let lambda = L::load_numbers(simd, lambdas);
         let hub = hub_response(mesh, lambda);
-        let tip = hub.per_tip(mesh, lambda);
-        let inertia_kg_m = tip.inertia_kg_m.numbers();
-        let root_inertia_kg_m = tip.root_inertia_kg_m.numbers();
-        let angle_rad_m = tip.angle_rad_m.numbers();
-        let lag_s2 = tip.lag_s2.numbers();
-        gains.extend_from_slice(&hub.largest_gain.lanes()[..lambdas.len()]);
-        transfers.extend((0..lambdas.len()).map(|lane| TipTransfer {
-            inertia_kg_m: inertia_kg_m[lane],
-            root_inertia_kg_m: root_inertia_kg_m[lane],
-            angle_rad_m: angle_rad_m[lane],
-            lag_s2: lag_s2[lane],
-        }));
+        let tip = hub.per_tip(mesh);
+        let len = lambdas.len();
+        gains.extend_from_slice(&hub.largest_gain.lanes()[..len]);
+        transfers.inertia_kg_m.extend_from_slice(&tip.inertia_kg_m.numbers()[..len]);
+        transfers.root_inertia_kg_m.extend_from_slice(&tip.root_inertia_kg_m.numbers()[..len]);
+        transfers.angle_rad_m.extend_from_slice(&tip.angle_rad_m.numbers()[..len]);
+        transfers.lag_s2.extend_from_slice(&tip.lag_s2.numbers()[..len]);
     }
     Untested { transfers, gains }
 }
@@ -144,12 +140,14 @@ fn untested_nodes<S: Simd, L: LambdaLanes<S>>(simd: S, asked: Nodal) -> Vec<usiz
     for (block, lambdas) in lambdas.chunks(L::LEN).enumerate() {
         let (columns, len) = (block * L::LEN, lambdas.len());
         let lambda = L::load_numbers(simd, lambdas);
-        let (root, largest_gain) = walk.inward(mesh, lambda);
-        let tip_lag = walk.outward(mesh, lambda, quantity);
-        let hub = HubResponse::at_axis(mesh, &root, tip_lag, largest_gain);
-        let tip = hub.per_tip(mesh, lambda);
+        let per_lambda_s2 = mesh.per_lambda(lambda);
+        let (root, largest_gain) = walk.inward(mesh, per_lambda_s2);
+        let tip_deflection_m = walk.outward(mesh, lambda, quantity);
+        let reached = Reached { root, tip_deflection_m, largest_gain };
+        let hub = HubResponse::at_axis(mesh, per_lambda_s2, reached);
+        let per_tip = hub.per_tip_of(quantity, &hub.per_tip(mesh));
         for (row, node) in rows.iter_mut().zip(nodes) {
-            let values = (walk.values[*node] * tip.angle_rad_m).numbers();
+            let values = (walk.values[*node] * per_tip).numbers();
             row[columns..columns + len].copy_from_slice(&values[..len]);
         }
         let gains = largest_gain.lanes();
@@ -162,7 +160,7 @@ fn untested_nodes<S: Simd, L: LambdaLanes<S>>(simd: S, asked: Nodal) -> Vec<usiz
 mod tests {
     use super::*;
     use crate::beam::undamped::mesh;
-    use crate::beam::{NodalTransfer, nodal_transfer, tip_transfer};
+    use crate::beam::{NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};
 
     /// Undamped ones with resonances of the outboard part among them, and damped ones.
     fn lambdas() -> Vec<Complex64> {
@@ -186,12 +184,14 @@ mod tests {
         let lost = narrow.gains.iter().filter(|gain| !is_trusted(**gain)).count();
         assert!(lost > 0, "no resonance of the outboard part was met: {lost}");
         for block in [1, 7, 64, lambdas.len()] {
-            let wide = lambdas.chunks(block).flat_map(|lambdas| tip_transfers(&mesh, lambdas));
+            let blocks = lambdas.chunks(block).map(|lambdas| tip_transfers(&mesh, lambdas));
+            let wide: Vec<TipTransfer> =
+                blocks.flat_map(|all| all.iter().collect::<Vec<_>>()).collect();
             let narrow = narrow.transfers.iter().zip(&narrow.gains);
             for ((lambda, wide), (narrow, gain)) in lambdas.iter().zip(wide).zip(narrow) {
                 let alone = tip_bits(&tip_transfer(&mesh, *lambda));
                 assert_eq!(tip_bits(&wide), alone, "λ = {lambda} in blocks of {block}");
-                assert!(!is_trusted(*gain) || tip_bits(narrow) == alone, "λ = {lambda}");
+                assert!(!is_trusted(*gain) || tip_bits(&narrow) == alone, "λ = {lambda}");
             }
         }
     }

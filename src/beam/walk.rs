@@ -4,10 +4,11 @@
 
 use num_complex::Complex64;
 
-use super::condensation::{Gain, Inertia, condense};
+use super::condensation::{Inertia, condense};
+use super::elimination::Gain;
 use super::mesh::Mesh;
 use super::pivoted::pivoted_transfer;
-use super::transfer::{HubResponse, TipTransfer, is_real, is_trusted};
+use super::transfer::{HubResponse, Reached, TipTransfer, is_real, is_trusted};
 use crate::numeric::{Scalar, Size};
 
 /// Transfers from the tip to every node at one λ, per unit of tip motion.
@@ -46,7 +47,7 @@ pub(super) struct Walk<S: Scalar> {
     gains: Vec<Gain<S>>,
     /// Empty unless moments are asked for.
     inertias: Vec<Inertia<S>>,
-    /// The quantity at nodes 0 … n per hub angle.
+    /// The quantity at nodes 0 … n per hub angle: deflections in m, or moments in kg m².
     pub(super) values: Vec<S>,
 }
 
@@ -65,37 +66,39 @@ impl<S: Scalar> Walk<S> {
         }
     }
 
-    /// From tip to hub; returns the apparent inertia at the root and the largest gain.
+    /// From tip to hub; returns the apparent inertia at the root and what no gain exceeds.
     #[inline(always)]
-    pub(super) fn inward(&mut self, mesh: &Mesh, lambda: S) -> (Inertia<S>, S::Size) {
-        let mut largest_gain = lambda.lift(0.0).size();
+    pub(super) fn inward(&mut self, mesh: &Mesh, per_lambda: S) -> (Inertia<S>, S::Size) {
+        let one = per_lambda.lift(1.0).size();
+        let mut largest_gain = per_lambda.lift(0.0).size();
         let root = condense(
             mesh,
-            lambda,
+            per_lambda,
             #[inline(always)]
             |index, step| {
-                self.gains[index] = step.gain;
+                self.gains[index] = step.gain();
                 // The tip's own inertia is there from the start.
                 if let Some(inertia) = self.inertias.get_mut(index) {
                     *inertia = step.inner;
                 }
-                largest_gain = largest_gain.larger(step.gain.size(mesh.length_m()));
+                largest_gain = largest_gain.larger(step.eliminated.size(one, mesh.length_m()));
             },
         );
-        (root, largest_gain * lambda.size())
+        (root, largest_gain)
     }
 
-    /// From hub to tip; fills `values` and returns the tip's lag, both per unit of hub angle.
+    /// From hub to tip; fills `values` and returns the tip's deflection in m, both per unit of hub
+    /// angle; `like` is of the kind of number that λ is.
     ///
     /// ```text
-    /// e_0 = 0,  e_j = R e_i + G (e_i + (x_i, 1)ᵀ θ)                 all over λ, and for θ = 1
+    /// e_0 = 0,  e_j = R e_i + G (e_i + (x_i, 1)ᵀ θ)                              for θ = 1
     /// ```
     #[inline(always)]
-    pub(super) fn outward(&mut self, mesh: &Mesh, lambda: S, quantity: NodalQuantity) -> S {
+    pub(super) fn outward(&mut self, mesh: &Mesh, like: S, quantity: NodalQuantity) -> S {
         let nodes_m = mesh.nodes_m();
-        let (mut v, mut phi) = (lambda.lift(0.0), lambda.lift(0.0));
+        let (mut v, mut phi) = (like.lift(0.0), like.lift(0.0));
         for (node, x_m) in nodes_m.iter().enumerate() {
-            let (u_v, u_phi) = (lambda * v + *x_m, lambda * phi + 1.0);
+            let (u_v, u_phi) = (v + *x_m, phi + 1.0);
             self.values[node] = match quantity {
                 NodalQuantity::Deflection => v,
                 NodalQuantity::Moment => self.inertias[node].moment(u_v, u_phi),
@@ -112,6 +115,18 @@ impl<S: Scalar> Walk<S> {
     }
 }
 
+impl<S: Scalar> HubResponse<S> {
+    /// What the values of a walk are multiplied by, so that they are per unit of tip motion:
+    /// deflections in s², moments in kg m.
+    #[inline(always)]
+    pub(super) fn per_tip_of(&self, quantity: NodalQuantity, tip: &TipTransfer<S>) -> S {
+        match quantity {
+            NodalQuantity::Deflection => self.per_lambda_s2 * tip.angle_rad_m,
+            NodalQuantity::Moment => tip.angle_rad_m,
+        }
+    }
+}
+
 /// Transfers from the tip to every node: the recursion, then the walk from hub to tip, all divided
 /// by `L + e_tip`.
 pub fn nodal_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
@@ -125,15 +140,18 @@ fn walked<S: Scalar<Size = f64> + Into<Complex64>>(
     lambda: S,
 ) -> Option<NodalTransfer> {
     let mut walk = Walk::new(mesh, lambda, NodalQuantity::Moment);
-    let (root, largest_gain) = walk.inward(mesh, lambda);
+    let per_lambda_s2 = mesh.per_lambda(lambda);
+    let (root, largest_gain) = walk.inward(mesh, per_lambda_s2);
     if !is_trusted(largest_gain) {
         return None;
     }
-    let tip_lag = walk.outward(mesh, lambda, NodalQuantity::Deflection);
-    let tip = HubResponse::at_axis(mesh, &root, tip_lag, largest_gain).per_tip(mesh, lambda);
-    let per_tip = |values: &[S]| values.iter().map(|x| (*x * tip.angle_rad_m).into()).collect();
-    let lags_s2 = per_tip(&walk.values);
+    let tip_deflection_m = walk.outward(mesh, lambda, NodalQuantity::Deflection);
+    let reached = Reached { root, tip_deflection_m, largest_gain };
+    let hub = HubResponse::at_axis(mesh, per_lambda_s2, reached);
+    let tip = hub.per_tip(mesh);
+    let times = |factor: S, values: &[S]| values.iter().map(|x| (*x * factor).into()).collect();
+    let lags_s2 = times(hub.per_tip_of(NodalQuantity::Deflection, &tip), &walk.values);
     walk.outward(mesh, lambda, NodalQuantity::Moment);
-    let moments_kg_m = per_tip(&walk.values);
+    let moments_kg_m = times(hub.per_tip_of(NodalQuantity::Moment, &tip), &walk.values);
     Some(NodalTransfer { tip: tip.map(Into::into), lags_s2, moments_kg_m })
 }

@@ -4,8 +4,8 @@ use super::analysis::Analysis;
 use super::error::InversionError;
 use super::superposition::Superposition;
 use crate::beam::{
-    Mesh, NodalQuantity, NodalTransfer, TipTransfer, nodal_transfer, nodal_transfers, tip_transfer,
-    tip_transfers,
+    Mesh, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers, nodal_transfer, nodal_transfers,
+    tip_transfer, tip_transfers,
 };
 use crate::link::{Damping, Link};
 use crate::modal::{DampingLaw, MOST_ELEMENTS_OF_ALL_MODES};
@@ -134,7 +134,7 @@ impl Dynamics {
     }
 
     /// [`Dynamics::tip_transfer`] at many ω ≥ 0.
-    pub fn tip_transfers(&self, omegas_rad_s: &[f64]) -> Vec<TipTransfer> {
+    pub fn tip_transfers(&self, omegas_rad_s: &[f64]) -> TipTransfers {
         match &self.modes {
             None => tip_transfers(&self.mesh, &self.lambdas(omegas_rad_s)),
             Some(modes) => omegas_rad_s.iter().map(|w| modes.tip_transfer(self, *w)).collect(),
@@ -166,7 +166,8 @@ impl Dynamics {
     }
 
     fn lambdas(&self, omegas_rad_s: &[f64]) -> Vec<Complex64> {
-        omegas_rad_s.iter().map(|omega| self.law.lambda(*omega)).collect()
+        let lambda = self.law.lambdas();
+        omegas_rad_s.iter().map(|omega| lambda(*omega)).collect()
     }
 }
 

@@ -188,9 +188,9 @@ impl Problem<'_> {
             velocity_m_s: cut(&histories.velocity_m_s, &grid),
             acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
         };
-        let length_m = dynamics.mesh().length_m();
+        let per_length = 1.0 / dynamics.mesh().length_m();
         let hub_motion = |tip: &[f64], order: usize| {
-            hub_motion(tip, (&spectrum, &answer.hub.excess_angle_rad, order), &grid, length_m)
+            hub_motion(tip, (&spectrum, &answer.hub.excess_angle_rad, order), &grid, per_length)
         };
         let (hub_angle_rad, hub_rate_rad_s) =
             rayon::join(|| hub_motion(&tip.displacement_m, 0), || hub_motion(&tip.velocity_m_s, 1));
@@ -208,7 +208,7 @@ impl Problem<'_> {
             rigid_torque_n_m: cut(&rigid_torque, &grid),
             hub_angle_rad,
             hub_rate_rad_s,
-            rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v / length_m).collect(),
+            rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v * per_length).collect(),
             root_moment_n_m,
             tip,
             moving: (on_grid(moving.0), on_grid(moving.1)),

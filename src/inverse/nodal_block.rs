@@ -8,11 +8,36 @@ use pulp::{Arch, Simd, WithSimd};
 use super::nodal_table::NodalTable;
 use crate::numeric::CHANNELS;
 
+/// Bytes of a line of the processors' caches, and of the widest vectors.
+const LINE: usize = 64;
+
 /// Samples that rows are made of, panel by panel of [`CHANNELS`] nodes.
 pub(super) struct Held {
-    pub(super) samples: Vec<[f64; CHANNELS]>,
+    /// Those of all panels, from the first that begins a line of cache.
+    numbers: Vec<f64>,
+    first: usize,
     /// Samples of a panel.
     pub(super) len: usize,
+}
+
+impl Held {
+    /// Zeros for so many panels.
+    pub(super) fn zeros(panels: usize, len: usize) -> Self {
+        // No vector of them lies across two lines, which takes half as long again to read.
+        let most = LINE / size_of::<f64>() - 1;
+        let numbers = vec![0.0; most + panels * len * CHANNELS];
+        let first = numbers.as_ptr().align_offset(LINE).min(most);
+        Self { numbers, first, len }
+    }
+
+    /// The samples of all panels, one panel after the other.
+    pub(super) fn samples(&self) -> &[[f64; CHANNELS]] {
+        self.numbers[self.first..].as_chunks().0
+    }
+
+    pub(super) fn samples_mut(&mut self) -> &mut [[f64; CHANNELS]] {
+        self.numbers[self.first..].as_chunks_mut().0
+    }
 }
 
 /// Some rows of a [`NodalTable`], ready to be written.
@@ -84,9 +109,9 @@ impl WithSimd for WriteRows<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Held { samples, len } = &*self.block.held;
+        let (samples, len) = (self.block.held.samples(), self.block.held.len);
         for panel in 0..self.block.table.panels() {
-            let held = &samples[panel * len..][..*len];
+            let held = &samples[panel * len..][..len];
             self.block.write_panel(&self.range, held, panel * CHANNELS, self.values);
         }
     }

@@ -84,7 +84,7 @@ impl NodalBlock<'_> {
 
     /// The largest of so many samples held at a time, all nodes together.
     fn largest_of_tiles(&self) -> Vec<f64> {
-        let (held, len) = (&self.held.samples, self.held.len);
+        let (held, len) = (self.held.samples(), self.held.len);
         let of_tile = |tile: usize| {
             let (start, end) = (tile * TILE, len.min((tile + 1) * TILE));
             let panels = (0..self.table.panels()).map(|panel| panel * len);
@@ -174,9 +174,9 @@ mod tests {
         let table = solution.moments(&[0; CHANNELS + 3], 1);
         let (panels, len) = (table.panels(), 3 * TILE + 5);
         for (panel, sample) in [(0, 0), (1, 15), (0, 16), (1, 47), (0, 48), (1, 52)] {
-            let mut samples = vec![[0.0; CHANNELS]; panels * len];
-            samples[panel * len + sample][2] = -7.0;
-            let held = std::sync::Arc::new(Held { samples, len });
+            let mut held = Held::zeros(panels, len);
+            held.samples_mut()[panel * len + sample][2] = -7.0;
+            let held = std::sync::Arc::new(held);
             let tiles = NodalBlock { table: &table, rows: 0..9, held }.largest_of_tiles();
             let expected: Vec<f64> =
                 (0..4).map(|tile| if tile == sample / TILE { 7.0 } else { 0.0 }).collect();

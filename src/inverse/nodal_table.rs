@@ -166,11 +166,11 @@ impl<'a> NodalTable<'a> {
     fn hold(&self, rows: &Range<usize>, watch: &dyn Watch) -> Held {
         watch.begin(Stage::Transform, self.nodes.len());
         let len = self.sampling.held(rows);
-        let mut samples = vec![[0.0; CHANNELS]; len * self.panels()];
+        let mut held = Held::zeros(self.panels(), len);
         let forcing = self.solution.forcing();
         let nodes_at_once = self.nodes_at_once();
         let panels_at_once = nodes_at_once / CHANNELS;
-        let blocks = samples.chunks_mut((panels_at_once * len).max(1));
+        let blocks = held.samples_mut().chunks_mut((panels_at_once * len).max(1));
         for (nodes, samples) in self.nodes.chunks(nodes_at_once).zip(blocks) {
             let spectra = forcing.nodal_spectra(nodes, self.quantity);
             let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(CHANNELS));
@@ -179,7 +179,7 @@ impl<'a> NodalTable<'a> {
                 watch.advance(spectra.len());
             });
         }
-        Held { samples, len }
+        held
     }
 
     /// All of it, node by node.
@@ -230,7 +230,7 @@ mod tests {
                 for (every, rows) in [(1, 80), (1, 13), (7, 13)] {
                     let table = solution.moments(nodes, every).in_blocks_of(rows);
                     let held = table.block(0, &Unwatched).held;
-                    let bytes = size_of_val(&held.samples[..]);
+                    let bytes = size_of_val(held.samples());
                     assert_eq!(table.held_bytes(), bytes, "{nodes:?}, {rows} rows, {every}");
                     let amplitudes = solution.forcing().nodal_spectra(nodes, table.quantity);
                     let bytes =

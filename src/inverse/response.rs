@@ -38,8 +38,9 @@ impl FrequencyResponse {
         frequencies_hz: &[f64],
     ) -> Vec<Self> {
         let omegas: Vec<f64> = frequencies_hz.iter().map(|hz| hz * TAU).collect();
-        let transfers = dynamics.tip_transfers(&omegas).into_iter().zip(frequencies_hz);
-        transfers.map(|(of, hz)| Self::of(of, dynamics, friction_n_m_s_rad, *hz)).collect()
+        let transfers = dynamics.tip_transfers(&omegas);
+        let all = transfers.iter().zip(frequencies_hz);
+        all.map(|(of, hz)| Self::of(of, dynamics, friction_n_m_s_rad, *hz)).collect()
     }
 
     fn of(

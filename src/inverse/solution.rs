@@ -130,7 +130,12 @@ impl Solution {
     pub fn hub_acceleration_rad_s2(&self) -> &Vec<f64> {
         self.hub_acceleration_rad_s2.get_or_init(|| {
             let excess = (self.spectrum.as_ref(), &self.excess_amplitudes_rad[..], 2);
-            hub_motion(&self.tip.acceleration_m_s2, excess, &self.grid, self.mesh().length_m())
+            hub_motion(
+                &self.tip.acceleration_m_s2,
+                excess,
+                &self.grid,
+                1.0 / self.mesh().length_m(),
+            )
         })
     }
 
@@ -159,12 +164,12 @@ pub(super) fn hub_motion(
     tip: &[f64],
     (spectrum, amplitudes, order): (&TipSpectrum, &[Complex64], usize),
     grid: &TimeGrid,
-    length_m: f64,
+    per_length: f64,
 ) -> Vec<f64> {
     let derivative = spectrum.derivative(amplitudes, order);
     let mut motion = cut(&spectrum.pair.samples(derivative), grid);
     for (excess, tip) in motion.iter_mut().zip(tip) {
-        *excess += tip / length_m;
+        *excess += tip * per_length;
     }
     motion
 }

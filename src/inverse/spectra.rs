@@ -5,15 +5,18 @@ use rayon::prelude::*;
 
 use super::dynamics::Dynamics;
 use super::error::InversionError;
-use crate::beam::{NodalQuantity, TipTransfer};
+use crate::beam::NodalQuantity;
 use crate::motion::TipSpectrum;
-use crate::numeric::Scalar;
 
-/// Frequencies that a thread solves for at a time where there are others; no bit depends on it.
-const BLOCK: usize = 64;
+/// Frequencies that a thread solves for at a time, the hub's alone, where there are other threads; no
+/// bit depends on it.
+const HUB_BLOCK: usize = 256;
 
 /// The same of the only thread.
-const BLOCK_ALONE: usize = 512;
+const HUB_BLOCK_ALONE: usize = 512;
+
+/// The same with the nodes, which are many numbers for each frequency.
+const NODAL_BLOCK: usize = 64;
 
 /// What a motion asks of a link, as far as the spectrum goes.
 #[derive(Clone, Copy)]
@@ -45,8 +48,8 @@ struct HubTransfer {
     excess_rad_s2_m: Complex64,
 }
 
-fn block_len() -> usize {
-    if is_alone() { BLOCK_ALONE } else { BLOCK }
+fn hub_block() -> usize {
+    if is_alone() { HUB_BLOCK_ALONE } else { HUB_BLOCK }
 }
 
 /// Fewest blocks that a thread takes: all of them where there is no other to share them with.
@@ -90,7 +93,7 @@ impl Forcing<'_> {
         let zeros = || vec![Complex64::ZERO; omegas.len()];
         let [mut torque_n_m, mut excess_angle_rad, mut root_moment_n_m] =
             [zeros(), zeros(), zeros()];
-        let block_len = block_len();
+        let block_len = hub_block();
         let rows = torque_n_m
             .par_chunks_mut(block_len)
             .zip(excess_angle_rad.par_chunks_mut(block_len))
@@ -100,17 +103,17 @@ impl Forcing<'_> {
         let hub_transfer = self.hub_transfer();
         let lowest_blocked = blocks.with_min_len(fewest_blocks()).filter_map(
             |(block, (omegas, ((torque, excess), root)))| {
-                let transfers = self.dynamics.tip_transfers(omegas);
-                let velocities = &self.spectrum.velocity_m_s[block * block_len..];
-                for (k, (omega, tip)) in omegas.iter().zip(&transfers).enumerate() {
-                    let felt = self.felt_acceleration(block * block_len + k);
-                    let hub = hub_transfer(*omega, tip);
+                let tip = self.dynamics.tip_transfers(omegas);
+                let first = block * block_len;
+                let velocities = &self.spectrum.velocity_m_s[first..];
+                for (k, omega) in omegas.iter().enumerate() {
+                    let felt = self.felt_acceleration(first + k);
+                    let hub = hub_transfer(*omega, tip.inertia_kg_m[k], tip.lag_s2[k]);
                     torque[k] = hub.inertia_kg_m * felt + velocities[k] * rigid_friction;
                     excess[k] = hub.excess_rad_s2_m * felt;
-                    root[k] = tip.root_inertia_kg_m * felt;
+                    root[k] = tip.root_inertia_kg_m[k] * felt;
                 }
-                let is_blocked = |tip: &TipTransfer| tip.is_blocked(self.dynamics.mesh());
-                transfers.iter().position(is_blocked).map(|k| block * block_len + k)
+                tip.first_blocked(self.dynamics.mesh()).map(|k| first + k)
             },
         );
         let lowest_blocked = lowest_blocked.min();
@@ -124,15 +127,14 @@ impl Forcing<'_> {
         Ok(HubSpectra { torque_n_m, excess_angle_rad, root_moment_n_m, blocked_hz })
     }
 
-    /// What a transfer to the tip at ω means at the hub.
-    fn hub_transfer(&self) -> impl Fn(f64, &TipTransfer) -> HubTransfer {
-        let law = self.dynamics.law();
+    /// What the inertia and the lag of a transfer to the tip at ω mean at the hub.
+    fn hub_transfer(&self) -> impl Fn(f64, Complex64, Complex64) -> HubTransfer {
+        let compliance_factor = self.dynamics.law().compliance_factor();
         let per_length = 1.0 / self.dynamics.mesh().length_m();
-        move |omega, tip| {
-            let excess_rad_s2_m =
-                tip.lag_s2 * law.stiffness_factor(omega).reciprocal() * per_length;
+        move |omega, inertia_kg_m, lag_s2| {
+            let excess_rad_s2_m = lag_s2 * compliance_factor(omega) * per_length;
             let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);
-            let inertia_kg_m = tip.inertia_kg_m + rate * self.friction_n_m_s_rad;
+            let inertia_kg_m = inertia_kg_m + rate * self.friction_n_m_s_rad;
             HubTransfer { inertia_kg_m, excess_rad_s2_m }
         }
     }
@@ -141,13 +143,13 @@ impl Forcing<'_> {
     /// left out.
     pub(super) fn apparent_inertias_kg_m(&self, omegas_rad_s: &[f64]) -> Vec<Complex64> {
         let mut inertias = vec![Complex64::ZERO; omegas_rad_s.len()];
-        let block_len = block_len();
+        let block_len = hub_block();
         let blocks = inertias.par_chunks_mut(block_len).zip(omegas_rad_s.par_chunks(block_len));
         let hub_transfer = self.hub_transfer();
         blocks.with_min_len(fewest_blocks()).for_each(|(inertias, omegas)| {
-            let transfers = self.dynamics.tip_transfers(omegas);
-            for ((inertia, omega), tip) in inertias.iter_mut().zip(omegas).zip(&transfers) {
-                *inertia = hub_transfer(*omega, tip).inertia_kg_m;
+            let tip = self.dynamics.tip_transfers(omegas);
+            for (k, (inertia, omega)) in inertias.iter_mut().zip(omegas).enumerate() {
+                *inertia = hub_transfer(*omega, tip.inertia_kg_m[k], tip.lag_s2[k]).inertia_kg_m;
             }
         });
         inertias
@@ -169,15 +171,16 @@ impl Forcing<'_> {
         let omegas = self.omegas_rad_s();
         let mut spectra = vec![vec![Complex64::ZERO; omegas.len()]; nodes.len()];
         // Each block writes its own columns of every row.
-        let mut rows: Vec<_> = spectra.iter_mut().map(|row| row.chunks_mut(BLOCK)).collect();
+        let mut rows: Vec<_> = spectra.iter_mut().map(|row| row.chunks_mut(NODAL_BLOCK)).collect();
         let columns =
             |_: &[f64]| -> Vec<_> { rows.iter_mut().filter_map(Iterator::next).collect() };
-        let columns: Vec<Vec<&mut [Complex64]>> = omegas.chunks(BLOCK).map(columns).collect();
-        let blocks = omegas.par_chunks(BLOCK).zip(columns).enumerate();
+        let columns: Vec<Vec<&mut [Complex64]>> = omegas.chunks(NODAL_BLOCK).map(columns).collect();
+        let blocks = omegas.par_chunks(NODAL_BLOCK).zip(columns).enumerate();
         blocks.with_min_len(fewest_blocks()).for_each(|(block, (omegas, mut rows))| {
             self.dynamics.nodal_transfers(omegas, nodes, quantity, &mut rows);
-            let factor =
-                |(k, omega): (usize, &f64)| self.nodal_factor(block * BLOCK + k, *omega, quantity);
+            let factor = |(k, omega): (usize, &f64)| {
+                self.nodal_factor(block * NODAL_BLOCK + k, *omega, quantity)
+            };
             let factors: Vec<Complex64> = omegas.iter().enumerate().map(factor).collect();
             for (value, factor) in rows.iter_mut().flat_map(|row| row.iter_mut().zip(&factors)) {
                 *value *= factor;

@@ -84,16 +84,18 @@ impl ModalBasis {
 }
 
 /// What a constant unit torque bends the freely turning link to, relative to its rigid motion, in
-/// m and rad per N m: the recursion at λ = 0, made orthogonal to the rigid rotation.
+/// m and rad per N m: the recursion at rest, made orthogonal to the rigid rotation.
 fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
     let zero = Gain { vv: 0.0, vp: 0.0, pv: 0.0, pp: 0.0 };
     let mut gains = vec![zero; mesh.elements().len()];
-    condense(mesh, 0.0, |index, step| gains[index] = step.gain);
+    let per_lambda = mesh.per_lambda(0.0);
+    condense(mesh, per_lambda, |index, step| gains[index] = step.gain());
     let mut deflections: Vec<Vector2<f64>> = vec![Vector2::zeros()];
     for ((element, gain), x_m) in mesh.elements().iter().zip(&gains).zip(mesh.nodes_m()) {
         let e = deflections[deflections.len() - 1];
-        let (d_v, d_phi) = (gain.vv * x_m + gain.vp, gain.pv * x_m + gain.pp);
-        deflections.push(Vector2::new(e[0] + element.length_m * e[1] + d_v, e[1] + d_phi));
+        // Per λ, which leaves what a constant acceleration bends.
+        let d = Vector2::new(gain.vv * x_m + gain.vp, gain.pv * x_m + gain.pp) * per_lambda;
+        deflections.push(Vector2::new(e[0] + element.length_m * e[1], e[1]) + d);
     }
     // Inertia bends the link backwards; a unit torque turns it by 1/I = θ² of the rigid mode.
     let bent = Shape { hub_angle: 0.0, deflections }.scaled(-rigid.hub_angle.powi(2));

@@ -243,7 +243,7 @@ mod tests {
     /// Modes below √λ of the free link, counted in 106 bits.
     fn counted_in_106_bits(mesh: &Mesh, lambda: Wide) -> usize {
         let mut negative = 0;
-        let root = condense(mesh, lambda, |_, step| {
+        let root = condense(mesh, mesh.per_lambda(lambda), |_, step| {
             negative += step.pivots.iter().filter(|p| p.nearest() < 0.0).count();
         });
         let hub = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();

@@ -138,10 +138,25 @@ impl DampingLaw {
         }
     }
 
+    /// 1/κ at ω ≥ 0, found once where it is the same at all of them.
+    pub fn compliance_factor(&self) -> impl Fn(f64) -> Complex64 {
+        let at = |omega_rad_s| self.stiffness_factor(omega_rad_s).reciprocal();
+        let at_all = if matches!(self, Self::Rayleigh { .. }) { None } else { Some(at(0.0)) };
+        move |omega_rad_s| at_all.unwrap_or_else(|| at(omega_rad_s))
+    }
+
     /// λ at ω ≥ 0 in 1/s².
     pub fn lambda(&self, omega_rad_s: f64) -> Complex64 {
-        let dragged = Complex64::new(omega_rad_s, -self.mass_rate_per_s()) * omega_rad_s;
-        dragged * self.stiffness_factor(omega_rad_s).reciprocal()
+        self.lambdas()(omega_rad_s)
+    }
+
+    /// The same for many ω, one after the other.
+    pub fn lambdas(&self) -> impl Fn(f64) -> Complex64 {
+        let (compliance, mass_rate_per_s) = (self.compliance_factor(), self.mass_rate_per_s());
+        move |omega_rad_s| {
+            let dragged = Complex64::new(omega_rad_s, -mass_rate_per_s) * omega_rad_s;
+            dragged * compliance(omega_rad_s)
+        }
     }
 
     /// Viscous ratio of flexible mode `number`, counted from 1, at its natural frequency ω: ξ, or

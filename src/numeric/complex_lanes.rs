@@ -46,7 +46,7 @@ impl<S: Simd> ComplexLanes<S> {
     #[inline(always)]
     pub(crate) fn store(self, numbers: &mut [Complex64]) {
         let (re, im) = (self.re.lanes(), self.im.lanes());
-        for ((z, re), im) in numbers.iter_mut().zip(&re[..Self::LEN]).zip(&im) {
+        for ((z, re), im) in numbers.iter_mut().zip(&re[..Self::LEN]).zip(&*im) {
             *z = Complex64::new(*re, *im);
         }
     }

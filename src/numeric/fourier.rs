@@ -1,8 +1,26 @@
+use std::cell::RefCell;
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
 use super::fft::{RealFft, Scratch};
+
+/// Longest transform that its thread keeps the memory of, some hundred kilobytes.
+const SHORT: usize = 1 << 13;
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// Memory for one transform: that of a short one, which is asked for again and again, costs as much as
+/// a part of the transform itself.
+fn with_scratch(len: usize, transform: impl FnOnce(&mut Scratch)) {
+    if len <= SHORT {
+        SCRATCH.with_borrow_mut(transform);
+    } else {
+        transform(&mut Scratch::default());
+    }
+}
 
 /// Fourier pair on an even number N of real samples.
 ///
@@ -42,7 +60,9 @@ impl FourierPair {
     #[expect(clippy::needless_pass_by_value, reason = "callers collect what they have no use for")]
     pub fn amplitudes(&self, samples: Vec<f64>) -> Vec<Complex64> {
         let mut amplitudes = vec![Complex64::ZERO; self.len() / 2 + 1];
-        self.write_amplitudes(&samples, &mut Scratch::default(), &mut amplitudes);
+        with_scratch(self.len(), |scratch| {
+            self.write_amplitudes(&samples, scratch, &mut amplitudes);
+        });
         amplitudes
     }
 
@@ -71,7 +91,9 @@ impl FourierPair {
     /// If there are more than N/2 + 1 amplitudes.
     pub fn samples(&self, amplitudes: impl AsRef<[Complex64]>) -> Vec<f64> {
         let mut samples = vec![0.0; self.len()];
-        self.write_samples(amplitudes.as_ref(), &mut Scratch::default(), &mut samples);
+        with_scratch(self.len(), |scratch| {
+            self.write_samples(amplitudes.as_ref(), scratch, &mut samples);
+        });
         samples
     }
 

@@ -5,7 +5,7 @@
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Deref, Mul, Neg, Sub};
 
 use pulp::Simd;
 
@@ -13,6 +13,20 @@ use super::scalar::{Scalar, Size};
 
 /// Most lanes that any instruction set has: two vectors of eight.
 pub(super) const MOST_LANES: usize = 16;
+
+/// The numbers of all lanes, where a vector never lies across two lines of cache. A function that has
+/// them on its stack keeps all its vectors there so, which is a tenth of its time.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Lanes([f64; MOST_LANES]);
+
+impl Deref for Lanes {
+    type Target = [f64; MOST_LANES];
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
 
 /// The same expression for both vectors, of which `K` is the number; no closure, which the compiler
 /// need not inline.
@@ -59,9 +73,9 @@ impl<S: Simd> RealLanes<S> {
 
     /// The numbers, lane by lane; what lies beyond [`Self::LEN`] is no lane's.
     #[inline(always)]
-    pub(crate) fn lanes(self) -> [f64; MOST_LANES] {
-        let mut lanes = [0.0; MOST_LANES];
-        let (vectors, _) = S::as_mut_simd_f64s(&mut lanes);
+    pub(crate) fn lanes(self) -> Lanes {
+        let mut lanes = Lanes([0.0; MOST_LANES]);
+        let (vectors, _) = S::as_mut_simd_f64s(&mut lanes.0);
         vectors[..2].copy_from_slice(&self.values);
         lanes
     }
@@ -126,6 +140,11 @@ impl<S: Simd> Size for RealLanes<S> {
             simd.select_f64s(simd.equal_f64s(a, a), larger, a)
         });
         Self { simd, values }
+    }
+
+    #[inline(always)]
+    fn choose(a: Self, b: Self, large: Self, otherwise: Self) -> Self {
+        Self::select(a, b, large, otherwise)
     }
 }
 

@@ -38,16 +38,25 @@ pub trait Scalar:
 }
 
 /// Sizes of the numbers of one kind.
-pub trait Size: Copy + Mul<Output = Self> + Mul<f64, Output = Self> {
+pub trait Size: Copy + Add<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self> {
     /// The larger of two sizes; a NaN wins, so that a breakdown is never overlooked.
     #[must_use]
     fn larger(self, other: Self) -> Self;
+
+    /// `large` where `a ≥ b`, `otherwise` elsewhere.
+    #[must_use]
+    fn choose(a: Self, b: Self, large: Self, otherwise: Self) -> Self;
 }
 
 impl Size for f64 {
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
         if self >= other || self.is_nan() { self } else { other }
+    }
+
+    #[inline(always)]
+    fn choose(a: f64, b: f64, large: f64, otherwise: f64) -> f64 {
+        if a >= b { large } else { otherwise }
     }
 }
 

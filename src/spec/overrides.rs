@@ -182,13 +182,15 @@ impl Step<'_> {
     }
 
     fn multiply(self, node: &mut Node, path: &str, factor: f64) -> Result<(), Refused> {
-        let refused = format!("{path} = {}, which cannot be multiplied", node.shown());
+        let refused = |found: &Node| {
+            Refused::new(format!("{path} = {}, which cannot be multiplied", found.shown()))
+        };
         node.kind = match &mut node.kind {
             Kind::Integer(number) => whole_where_possible(*number as f64 * factor),
             Kind::Number(number) => Kind::Number(*number * factor),
             Kind::Text(text) => match split_number(text) {
                 Some((number, unit)) => Kind::Text(format!("{:?}{unit}", number * factor)),
-                None => return Err(Refused::new(refused)),
+                None => return Err(refused(node)),
             },
             Kind::List(items) => {
                 for (number, item) in items.iter_mut().enumerate() {
@@ -197,7 +199,7 @@ impl Step<'_> {
                 node.place = self.place;
                 return Ok(());
             }
-            Kind::Boolean(_) | Kind::Date(_) | Kind::Table(_) => return Err(Refused::new(refused)),
+            Kind::Boolean(_) | Kind::Date(_) | Kind::Table(_) => return Err(refused(node)),
         };
         node.place = self.place;
         Ok(())

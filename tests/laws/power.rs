@@ -11,16 +11,16 @@ use crate::links::{any_excitation, any_parts, mesh};
 /// these deformations, and the motion of the tip.
 ///
 /// ```text
-/// u_0 = (x_0, 1)ᵀ θ,  d = λ Γ u_i,  u_j = R u_i + d
+/// u_0 = (x_0, 1)ᵀ θ,  d = G u_i,  u_j = R u_i + d
 /// ```
 fn strain(mesh: &Mesh, lambda: Complex64, theta: Complex64) -> (f64, Complex64) {
     let mut gains = Vec::new();
-    condense(mesh, lambda, |_, step| gains.push(step.gain));
+    condense(mesh, mesh.per_lambda(lambda), |_, step| gains.push(step.gain()));
     let mut u = Vector2::new(theta * mesh.nodes_m()[0], theta);
     let mut sum = 0.0;
     for (element, gain) in mesh.relative_elements().iter().zip(gains.iter().rev()) {
         let Gain { vv, vp, pv, pp } = *gain;
-        let d = Matrix2::new(vv, vp, pv, pp) * u * lambda;
+        let d = Matrix2::new(vv, vp, pv, pp) * u;
         sum += (d.adjoint() * element.k_d.map(Complex64::from) * d)[0].re;
         u = Vector2::new(u[0] + u[1] * element.length_m, u[1]) + d;
     }

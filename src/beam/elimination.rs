@@ -1,0 +1,190 @@
+//! One 2×2 system of the recursion: what an element's inner end does to its outer end.
+
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
+use super::condensation::Inertia;
+use crate::numeric::{Scalar, Size};
+
+/// Deformation of an element per motion of its inner end: `d = G u_i` on (v, φ).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gain<S> {
+    /// `d_v` per `v_i`.
+    pub vv: S,
+    /// `d_v` per `φ_i`.
+    pub vp: S,
+    /// `d_φ` per `v_i`.
+    pub pv: S,
+    /// `d_φ` per `φ_i`.
+    pub pp: S,
+}
+
+/// Solves `P G = Bᵀ` by LDLᵀ, the larger of the two diagonal entries first, but for the last step.
+///
+/// The entries are compared in one unit: φ counts as φl. Without this choice the error near a
+/// resonance of the outboard part would grow with |G|² instead of |G|.
+#[inline(always)]
+pub(super) fn eliminate<S: Scalar>(
+    p: &Inertia<S>,
+    l: f64,
+    b: &[[S; 2]; 2],
+) -> ([S; 2], Eliminated<S>) {
+    let order = Order { v: p.vv.size() * (l * l), phi: p.pp.size() };
+    let [first, other] = order.of([p.vv, p.pp]);
+    let per_first = first.reciprocal();
+    let multiplier = p.vp * per_first;
+    let second = other - multiplier * p.vp;
+    let per_second = second.reciprocal();
+    let [v, phi] = [order.reduced(multiplier, b[0]), order.reduced(multiplier, b[1])];
+    let scaled = [[v[0] * per_first, v[1] * per_second], [phi[0] * per_first, phi[1] * per_second]];
+    ([first, second], Eliminated { order, multiplier, reduced: [v, phi], scaled })
+}
+
+/// `P G = Bᵀ` after `P = L D Lᵀ`, but for the last step: few need G itself.
+///
+/// Rows are those of B, the motion (v, φ) of the inner end; in each stands the unknown that was
+/// eliminated first, then the other.
+#[derive(Clone, Copy)]
+pub(super) struct Eliminated<S: Scalar> {
+    order: Order<S>,
+    /// The entry of L below its diagonal.
+    multiplier: S,
+    /// `(L⁻¹ Bᵀ)ᵀ`.
+    reduced: [[S; 2]; 2],
+    /// `(D⁻¹ L⁻¹ Bᵀ)ᵀ`.
+    scaled: [[S; 2]; 2],
+}
+
+impl<S: Scalar> Eliminated<S> {
+    /// `B G = (L⁻¹ Bᵀ)ᵀ D⁻¹ (L⁻¹ Bᵀ)`, symmetric.
+    #[inline(always)]
+    pub(super) fn inertia(&self) -> Inertia<S> {
+        let ([v, phi], [v_scaled, phi_scaled]) = (self.reduced, self.scaled);
+        Inertia { vv: dot(v, v_scaled), vp: dot(v, phi_scaled), pp: dot(phi, phi_scaled) }
+    }
+
+    /// `tᵀ G = (L⁻¹ t)ᵀ D⁻¹ (L⁻¹ Bᵀ)` for the motion (v, φ) of the inner end.
+    #[inline(always)]
+    pub(super) fn along(&self, t: [S; 2]) -> [S; 2] {
+        let reduced = self.order.reduced(self.multiplier, t);
+        [dot(reduced, self.scaled[0]), dot(reduced, self.scaled[1])]
+    }
+
+    /// G itself, by the last step: what L keeps of the second unknown is taken off the first.
+    #[inline(always)]
+    pub(super) fn gain(&self) -> Gain<S> {
+        let [[v_first, v_second], [phi_first, phi_second]] = self.scaled;
+        let [vv, pv] = self.order.of([v_first - self.multiplier * v_second, v_second]);
+        let [vp, pp] = self.order.of([phi_first - self.multiplier * phi_second, phi_second]);
+        Gain { vv, vp, pv, pp }
+    }
+
+    /// What the last step sums G up from, all entries together, φ counted as φL with the length L
+    /// in m: no entry is larger. `one` is the size of 1.
+    #[inline(always)]
+    pub(super) fn size(&self, one: S::Size, length_m: f64) -> S::Size {
+        let [first, second] = self.order.of_sizes([one, one * length_m]);
+        let second = second + self.multiplier.size() * first;
+        let [v, phi] = self.scaled;
+        let v = v[0].size() * first + v[1].size() * second;
+        let phi = phi[0].size() * first + phi[1].size() * second;
+        v + phi * (1.0 / length_m)
+    }
+}
+
+#[inline(always)]
+fn dot<S: Scalar>(a: [S; 2], b: [S; 2]) -> S {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Sizes of the diagonal entries; the larger one is eliminated first.
+#[derive(Clone, Copy)]
+struct Order<S: Scalar> {
+    v: S::Size,
+    phi: S::Size,
+}
+
+impl<S: Scalar> Order<S> {
+    /// What belongs to (v, φ) in the order of elimination, and back again.
+    #[inline(always)]
+    fn of(&self, [v, phi]: [S; 2]) -> [S; 2] {
+        [S::choose(self.v, self.phi, v, phi), S::choose(self.v, self.phi, phi, v)]
+    }
+
+    /// The same of sizes.
+    #[inline(always)]
+    fn of_sizes(&self, [v, phi]: [S::Size; 2]) -> [S::Size; 2] {
+        [Size::choose(self.v, self.phi, v, phi), Size::choose(self.v, self.phi, phi, v)]
+    }
+
+    /// `L⁻¹` times a vector on (v, φ).
+    #[inline(always)]
+    fn reduced(&self, multiplier: S, vector: [S; 2]) -> [S; 2] {
+        let [first, second] = self.of(vector);
+        [first, second - multiplier * first]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What an elimination leaves in units of so many to the metre, the link being 1.5 m long and
+    /// the element 0.3 m: the entries of G, φ counted as φL, their solution's residual, and the size.
+    fn solved([vv, vp, pp]: [f64; 3], b: [[f64; 2]; 2], per_metre: f64) -> ([f64; 4], f64, f64) {
+        let unit = [1.0, per_metre];
+        let p = Inertia { vv, vp: vp * per_metre, pp: pp * per_metre * per_metre };
+        let b = [0, 1].map(|i| [0, 1].map(|j| b[i][j] * unit[i] * unit[j]));
+        let (_, eliminated) = eliminate(&p, 0.3 * per_metre, &b);
+        let gain = eliminated.gain();
+        let [(d_v, d_phi), (e_v, e_phi)] = [(gain.vv, gain.pv), (gain.vp, gain.pp)];
+        let residuals = [
+            p.vv * d_v + p.vp * d_phi - b[0][0],
+            (p.vp * d_v + p.pp * d_phi - b[0][1]) / per_metre,
+            (p.vv * e_v + p.vp * e_phi - b[1][0]) / per_metre,
+            (p.vp * e_v + p.pp * e_phi - b[1][1]) / (per_metre * per_metre),
+        ];
+        let length = 1.5 * per_metre;
+        let entries = [gain.vv, gain.vp / length, gain.pv * length, gain.pp];
+        (
+            entries,
+            residuals.map(f64::abs).into_iter().fold(0.0, f64::max),
+            eliminated.size(1.0, length),
+        )
+    }
+
+    #[test]
+    fn no_entry_of_a_gain_exceeds_its_size_and_the_size_has_no_unit() {
+        let b = [[1.0, 0.2], [0.3, -0.4]];
+        // v first, φ first, neither diagonal entry of any use alone, and nearly singular.
+        for p in [[4.0, 0.5, 0.1], [1.0, 0.5, 7.0], [1e-3, 0.4, 1e-5], [1.0, 0.3, 0.090_000_1]] {
+            let (_, _, metres) = solved(p, b, 1.0);
+            for per_metre in [1.0, 1e3, 1e-3] {
+                let (entries, residual, size) = solved(p, b, per_metre);
+                let largest = entries.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+                assert!(residual < 1e-15 * (1.0 + size), "{residual:e} of {p:?}");
+                assert!(largest <= size && size < 3e3 * largest, "{size} of {entries:?}");
+                assert!((size / metres - 1.0).abs() < 1e-8, "{size} is not {metres}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_asked_of_a_gain_is_the_same_with_its_last_step_and_without() {
+        for p in [[4.0, 0.5, 0.1], [1.0, 0.5, 7.0]] {
+            let p = Inertia { vv: p[0], vp: p[1], pp: p[2] };
+            let b = [[1.0, 0.2], [0.3, -0.4]];
+            let (pivots, eliminated) = eliminate(&p, 0.3, &b);
+            assert!((pivots[0] * pivots[1] / (p.vv * p.pp - p.vp * p.vp) - 1.0).abs() < 1e-15);
+            let Gain { vv, vp, pv, pp } = eliminated.gain();
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-15 * (1.0 + b.abs());
+            let inertia = eliminated.inertia();
+            assert!(close(inertia.vv, b[0][0] * vv + b[0][1] * pv), "{inertia:?}");
+            assert!(close(inertia.vp, b[0][0] * vp + b[0][1] * pp), "{inertia:?}");
+            assert!(close(inertia.vp, b[1][0] * vv + b[1][1] * pv), "{inertia:?}");
+            assert!(close(inertia.pp, b[1][0] * vp + b[1][1] * pp), "{inertia:?}");
+            let along = eliminated.along([0.7, -2.0]);
+            assert!(close(along[0], 0.7 * vv - 2.0 * pv), "{along:?}");
+            assert!(close(along[1], 0.7 * vp - 2.0 * pp), "{along:?}");
+        }
+    }
+}
