@@ -80,8 +80,7 @@ impl<S: Scalar> Step<S> {
 /// outermost element first. Returns the apparent inertia at the link's root, node 0.
 ///
 /// λ is the squared frequency over the relative complex stiffness: ω²/(1 + 2iξ) for the hysteretic
-/// law, ω² without damping, −σ² for the zeros of torque → tip; what is asked for is 1/λ, as
-/// [`Mesh::per_lambda`] has it. With `B = M_ud + Rᵀ A_j`:
+/// law, ω² without damping, −σ² for the zeros of torque → tip. With `B = M_ud + Rᵀ A_j`:
 ///
 /// ```text
 /// G   = (K_d/λ − (M_dd + A_j))⁻¹ Bᵀ
@@ -90,9 +89,10 @@ impl<S: Scalar> Step<S> {
 #[inline(always)]
 pub fn condense<S: Scalar>(
     mesh: &Mesh,
-    per_lambda: S,
+    lambda: S,
     mut visit: impl FnMut(usize, &Step<S>),
 ) -> Inertia<S> {
+    let per_lambda = mesh.per_lambda(lambda);
     let mut outer = mesh.tip_inertia().lift(per_lambda);
     for (index, element) in mesh.relative_elements().iter().enumerate().rev() {
         let mut step = condense_element(element, per_lambda, outer);

@@ -10,7 +10,7 @@ use crate::link::Link;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     elements: Vec<Element>,
-    relative: Vec<RelativeElement>,
+    pub(super) relative: Vec<RelativeElement>,
     /// Segment of each element.
     segments: Vec<usize>,
     /// Distance of each node from the axis in m.

@@ -12,6 +12,9 @@ use crate::numeric::Scalar;
 /// rounding of any sum.
 const NEGLIGIBLE: f64 = 1.0 / (1_u128 << 70) as f64;
 
+/// Largest `K_d/λ` in kg or kg m²: a number, with room for what is added to it.
+const STIFFEST: f64 = 1e280;
+
 impl Mesh {
     /// 1/λ in s², for the recursion. Where λ is so small that the link is rigid to the last digit,
     /// as at rest, that of the largest such λ: finite, and with the same answers.
@@ -29,6 +32,9 @@ impl Mesh {
     /// ```text
     /// λ Σ(|A_vv| L² + 2 |A_vφ| L + |A_φφ|) Σ l/EI = 2⁻⁷⁰
     /// ```
+    ///
+    /// An element so stiff beside the others that `K_d/λ` would be infinite there keeps a stiffness at
+    /// which it is a number: it does not bend by any digit either way.
     pub(super) fn with_rigid_limit(mut self) -> Self {
         let flexibility = |element: &Element| {
             let Taper { inner, outer } = element.bending_stiffness_n_m2;
@@ -47,6 +53,13 @@ impl Mesh {
         let slowness_s2 = inertia * self.elements().iter().map(flexibility).sum::<f64>();
         // Without any inertia nothing bends at any λ.
         self.rigid_lambda = if slowness_s2 > 0.0 { NEGLIGIBLE / slowness_s2 } else { 1.0 };
+        let most = STIFFEST * self.rigid_lambda;
+        for element in &mut self.relative {
+            let largest = element.k_d.m11.max(element.k_d.m22);
+            if largest > most {
+                element.k_d *= most / largest;
+            }
+        }
         self
     }
 }
@@ -56,7 +69,10 @@ mod tests {
     use num_complex::Complex64;
 
     use crate::beam::undamped::mesh;
-    use crate::beam::{NodalTransfer, hub_response, nodal_transfer};
+    use crate::beam::{Mesh, NodalTransfer, nodal_transfer};
+    use crate::link::{
+        Link, LinkParts, LumpedMass, Payload, Segment, Taper, uniform, uniform_segment,
+    };
 
     /// The transfers at rest are those of the lowest frequencies, to the last digits; and what bends
     /// there at all is kept: the lags, which are per λ.
@@ -65,8 +81,14 @@ mod tests {
         let mesh = mesh(17);
         let NodalTransfer { tip, lags_s2, moments_kg_m } = nodal_transfer(&mesh, Complex64::ZERO);
         assert!(tip.lag_s2.re > 1e-4 || tip.lag_s2.re < -1e-4, "{}", tip.lag_s2);
-        for lambda in [1e-300, 0.9 * mesh.rigid_lambda, 1.1 * mesh.rigid_lambda, 1e-18] {
-            let slow = nodal_transfer(&mesh, lambda.into());
+        let rigid = mesh.rigid_lambda;
+        let turned = Complex64::new(1.0, -0.04);
+        for lambda in [1.1 * rigid, -1.1 * rigid, 1e-18, -1e-18]
+            .map(Complex64::from)
+            .into_iter()
+            .chain([0.5 * rigid, 1.1 * rigid, 1e-18].map(|lambda| lambda * turned))
+        {
+            let slow = nodal_transfer(&mesh, lambda);
             let close = |a: &[Complex64], b: &[Complex64]| {
                 a.iter().zip(b).all(|(a, b)| (a - b).norm() <= 1e-14 * b.norm())
             };
@@ -75,8 +97,43 @@ mod tests {
             let numbers = [slow.tip.inertia_kg_m, slow.tip.angle_rad_m, slow.tip.lag_s2];
             assert!(close(&numbers, &[tip.inertia_kg_m, tip.angle_rad_m, tip.lag_s2]));
         }
-        // As slow as that, it bends by less than any digit of its length.
-        let bent_m = hub_response(&mesh, mesh.rigid_lambda).tip_deflection_m.abs();
-        assert!(bent_m < 1e-3 * f64::EPSILON * mesh.length_m() && bent_m > 0.0, "{bent_m:e} m");
+    }
+
+    /// As slow as that, no node bends by any digit of its way, wherever the inertia is.
+    #[test]
+    fn a_link_at_its_rigid_limit_bends_by_no_digit() {
+        let light = Payload::default();
+        let heavy = Payload { mass_kg: 1e6, ..light };
+        let turning = Payload { inertia_kg_m2: 1e6, ..light };
+        let behind = Payload { mass_kg: 1e6, offset_m: -1.5, ..light };
+        let mass = LumpedMass { at_m: 1.5, mass_kg: 1e6, inertia_kg_m2: 1e6 };
+        for (payload, masses) in [
+            (light, vec![]),
+            (heavy, vec![]),
+            (turning, vec![]),
+            (behind, vec![]),
+            (light, vec![LumpedMass { at_m: 0.75, ..mass }]),
+        ] {
+            let link = Link::new(LinkParts { masses, payload, ..uniform() }).unwrap();
+            let mesh = Mesh::on(&link, 10);
+            let transfer = nodal_transfer(&mesh, mesh.rigid_lambda.into());
+            let bent = transfer.lags_s2.iter().map(|lag| lag.norm() * mesh.rigid_lambda);
+            let most = bent.fold(0.0, f64::max);
+            assert!(most < 1e-4 * f64::EPSILON && most > 0.0, "{payload:?}: {most:e}");
+        }
+    }
+
+    #[test]
+    fn a_link_at_rest_is_rigid_however_soft_or_stiff() {
+        for bending_stiffness in [1e-280, 1.0, 1e280, 1e305] {
+            let bending_stiffness_n_m2 = Taper::constant(bending_stiffness);
+            let segments = vec![Segment { bending_stiffness_n_m2, ..uniform_segment() }];
+            let link = Link::new(LinkParts { segments, ..uniform() }).unwrap();
+            let mesh = Mesh::on(&link, 3);
+            let at_rest = nodal_transfer(&mesh, Complex64::ZERO).tip;
+            let rigid = link.rigid_inertia_kg_m2() / mesh.length_m();
+            let off = (at_rest.inertia_kg_m.re / rigid - 1.0).abs();
+            assert!(off < 1e-14, "EI = {bending_stiffness} N m²: {off:e}");
+        }
     }
 }

@@ -111,7 +111,7 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
     let mut largest_gain = zero.size();
     let root = condense(
         mesh,
-        per_lambda_s2,
+        lambda,
         #[inline(always)]
         |index, step| {
             let rigid = [e_v, e_v * mesh.relative_elements()[index].length_m + e_phi];
@@ -132,7 +132,7 @@ pub fn tip_transfer(mesh: &Mesh, lambda: Complex64) -> TipTransfer {
     if is_trusted(largest_gain) { tip } else { pivoted_transfer(mesh, lambda).tip }
 }
 
-/// The same by the recursion alone, with its largest gain.
+/// The same by the recursion alone, with what no gain exceeds.
 pub(super) fn untested_tip_transfer(mesh: &Mesh, lambda: Complex64) -> (TipTransfer, f64) {
     if is_real(lambda) {
         let hub = hub_response(mesh, lambda.re);

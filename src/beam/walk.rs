@@ -68,12 +68,12 @@ impl<S: Scalar> Walk<S> {
 
     /// From tip to hub; returns the apparent inertia at the root and what no gain exceeds.
     #[inline(always)]
-    pub(super) fn inward(&mut self, mesh: &Mesh, per_lambda: S) -> (Inertia<S>, S::Size) {
-        let one = per_lambda.lift(1.0).size();
-        let mut largest_gain = per_lambda.lift(0.0).size();
+    pub(super) fn inward(&mut self, mesh: &Mesh, lambda: S) -> (Inertia<S>, S::Size) {
+        let one = lambda.lift(1.0).size();
+        let mut largest_gain = lambda.lift(0.0).size();
         let root = condense(
             mesh,
-            per_lambda,
+            lambda,
             #[inline(always)]
             |index, step| {
                 self.gains[index] = step.gain();
@@ -141,7 +141,7 @@ fn walked<S: Scalar<Size = f64> + Into<Complex64>>(
 ) -> Option<NodalTransfer> {
     let mut walk = Walk::new(mesh, lambda, NodalQuantity::Moment);
     let per_lambda_s2 = mesh.per_lambda(lambda);
-    let (root, largest_gain) = walk.inward(mesh, per_lambda_s2);
+    let (root, largest_gain) = walk.inward(mesh, lambda);
     if !is_trusted(largest_gain) {
         return None;
     }

@@ -37,14 +37,17 @@ pub(crate) fn check_memory(
     Err(Failure::new(Exit::NotSolvable, &message, Some(hint)))
 }
 
-/// Keeps memory that a run frees, up to twice as much, for what it takes next.
+/// Keeps memory that a run frees, some megabytes for each thread, for what it takes next.
 ///
 /// Otherwise the C library gives small amounts back to the system after every case of a sweep and takes
 /// them again for the next one, page by page, with all threads interrupted each time. glibc adapts to
-/// the largest block that was freed; elsewhere this does nothing, and costs as much.
+/// the largest block that was freed; with other libraries this has no effect.
 pub(crate) fn keep_freed() {
     const BYTES: usize = 4 << 20;
-    drop(std::hint::black_box(Vec::<u8>::with_capacity(BYTES)));
+    let mut block = Vec::<u8>::new();
+    // Where there is not so much, nothing is gained, and the run goes on.
+    _ = block.try_reserve_exact(BYTES);
+    drop(std::hint::black_box(block));
 }
 
 /// Memory in bytes that can be taken, where the system tells.

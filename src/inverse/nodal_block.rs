@@ -13,8 +13,9 @@ const LINE: usize = 64;
 
 /// Samples that rows are made of, panel by panel of [`CHANNELS`] nodes.
 pub(super) struct Held {
-    /// Those of all panels, from the first that begins a line of cache.
+    /// Those of all panels, with some spare ones before them.
     numbers: Vec<f64>,
+    /// Number of the first of them, which begins a line of cache.
     first: usize,
     /// Samples of a panel.
     pub(super) len: usize,

@@ -88,8 +88,8 @@ impl ModalBasis {
 fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
     let zero = Gain { vv: 0.0, vp: 0.0, pv: 0.0, pp: 0.0 };
     let mut gains = vec![zero; mesh.elements().len()];
+    condense(mesh, 0.0, |index, step| gains[index] = step.gain());
     let per_lambda = mesh.per_lambda(0.0);
-    condense(mesh, per_lambda, |index, step| gains[index] = step.gain());
     let mut deflections: Vec<Vector2<f64>> = vec![Vector2::zeros()];
     for ((element, gain), x_m) in mesh.elements().iter().zip(&gains).zip(mesh.nodes_m()) {
         let e = deflections[deflections.len() - 1];

@@ -32,7 +32,7 @@ impl HubSpring {
     /// Number of modes below each ω > 0, the rigid rotation of a free hub included.
     ///
     /// By Sylvester's law of inertia it is the number of negative pivots of the dynamic stiffness
-    /// (Wittrick and Williams), here of the blocks `K_d − λ(M_dd + A)` and of the hub's
+    /// (Wittrick and Williams), here of the blocks `K_d − λ(M_dd + A)`, over λ, and of the hub's
     /// `k − λ(A_0[φφ] + I_H)`; so none is missed, however close two of them lie. For k = ∞ the
     /// hub's pivot is never negative, and what is left are the modes of the clamped link.
     pub(super) fn modes_below(
@@ -243,7 +243,7 @@ mod tests {
     /// Modes below √λ of the free link, counted in 106 bits.
     fn counted_in_106_bits(mesh: &Mesh, lambda: Wide) -> usize {
         let mut negative = 0;
-        let root = condense(mesh, mesh.per_lambda(lambda), |_, step| {
+        let root = condense(mesh, lambda, |_, step| {
             negative += step.pivots.iter().filter(|p| p.nearest() < 0.0).count();
         });
         let hub = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();

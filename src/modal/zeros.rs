@@ -1,6 +1,6 @@
 use super::frequencies::HubSpring;
 use super::inertia::{carries_rotary_inertia, outboard_degrees_of_freedom};
-use crate::beam::{Mesh, tip_displacements_m};
+use crate::beam::{Mesh, hub_response, tip_displacements_m};
 use crate::numeric::{SECTIONS, geometric_scan, next_places, section};
 
 /// Zeros that a solution reports.
@@ -16,6 +16,13 @@ const SCAN_START: f64 = 0.01;
 /// The scan ends this factor above where it begins.
 const SCAN_RANGE: f64 = 1e8;
 
+/// Where zeros are real, the scan begins at this share of a bound that lies below the first: a mesh of
+/// few elements may have others, which take a little off their sum.
+const NEAR: f64 = 0.5;
+
+/// That scan ends this factor above where it begins.
+const NEAR_RANGE: f64 = 1e6;
+
 /// The first `count` real zeros z of torque → tip in 1/s, ascending: the transfer vanishes at ±z.
 ///
 /// They are the roots of `L + e_tip` at λ = −z². The torque that moves the tip grows as e^{z₁t}
@@ -23,11 +30,13 @@ const SCAN_RANGE: f64 = 1e8;
 /// `count` where the mesh has fewer. Rotary inertia on the link or at the tip can move zeros off
 /// the real axis in pairs ±a ± ib; those are not among them.
 pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
-    let Some(start) = scan_start(mesh) else { return Vec::new() };
+    let near = start_near_real_zeros(mesh).map(|start| (start, start * NEAR_RANGE));
+    let scan = near.or_else(|| scan_start(mesh).map(|start| (start, start * SCAN_RANGE)));
+    let Some((start, limit)) = scan else { return Vec::new() };
     let are_negative = |places: &[f64; SECTIONS]| {
         tip_displacements_m(mesh, &places.map(|z| -z * z)).map(f64::is_sign_negative)
     };
-    changes(start, start * SCAN_RANGE, count, are_negative)
+    changes(start, limit, count, are_negative)
 }
 
 /// Zeros of torque → tip at real frequencies below `limit_rad_s`, in rad/s, ascending.
@@ -77,6 +86,23 @@ fn changes(
     }
 }
 
+/// Where the scan for zeros of torque → tip may begin, in 1/s, if points of mass leave them all real:
+/// they and the modes of the clamped link tell what inertia bends the tip by at rest.
+///
+/// ```text
+/// L + e_tip = L ∏ (1 + λ/z_k²)/(1 − λ/ω_k²),   at rest  e_tip/(λL) = Σ 1/z_k² + Σ 1/ω_k² > 1/z₁²
+/// ```
+fn start_near_real_zeros(mesh: &Mesh) -> Option<f64> {
+    if carries_rotary_inertia(mesh) || outboard_degrees_of_freedom(mesh) == 0 {
+        return None;
+    }
+    let rest = hub_response(mesh, 0.0);
+    let lag_m_s2 = rest.tip_deflection_m * rest.per_lambda_s2;
+    let start = NEAR * (mesh.length_m() / lag_m_s2).sqrt();
+    let displacement_m = hub_response(mesh, -start * start).tip_displacement_m(mesh);
+    Some(start).filter(|start| start.is_finite() && displacement_m > 0.0)
+}
+
 /// Where scans for zeros begin, in 1/s: far below the first mode of the link clamped at its hub,
 /// which no zero is near. None where no mass is left to vibrate.
 fn scan_start(mesh: &Mesh) -> Option<f64> {
@@ -90,7 +116,10 @@ fn scan_start(mesh: &Mesh) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::{Hub, Link, LinkParts, Payload, Segment, Taper, uniform, uniform_segment};
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::link::{
+        Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, uniform, uniform_segment,
+    };
     use crate::modal::modes_below;
 
     #[test]
@@ -108,6 +137,72 @@ mod tests {
             }
         }
         assert_eq!(HubSpring::CLAMPED.bracket(&mesh, 9, 1.0), None, "eight modes are all");
+    }
+
+    /// The scan from near finds the zeros that the one from far below finds, and begins next to them.
+    #[test]
+    fn real_zeros_are_sought_from_little_below_the_first() {
+        let segment = |length_m, bending_stiffness, mass_per_length| Segment {
+            length_m,
+            bending_stiffness_n_m2: bending_stiffness,
+            mass_per_length_kg_m: mass_per_length,
+            ..uniform_segment()
+        };
+        let constant = Taper::constant;
+        let taper = |inner, outer| Taper { inner, outer };
+        let point = |at_m, mass_kg| LumpedMass { at_m, mass_kg, inertia_kg_m2: 0.0 };
+        for segments in [
+            vec![segment(1.5, constant(5.0), constant(0.8))],
+            vec![segment(1.5, taper(9.0, 0.01), taper(0.1, 2.0))],
+            vec![
+                segment(0.3, constant(1e-3), constant(9.0)),
+                segment(1.2, constant(5.0), constant(0.1)),
+            ],
+            vec![
+                segment(1.2, constant(5.0), constant(0.1)),
+                segment(0.3, constant(1e-3), constant(9.0)),
+            ],
+            vec![
+                segment(0.7, constant(5.0), constant(0.0)),
+                segment(0.8, constant(5.0), constant(0.8)),
+            ],
+        ] {
+            for (radius_m, payload_kg, masses) in [
+                (0.0, 0.0, vec![]),
+                (0.4, 0.1, vec![point(1.0, 3.0)]),
+                (0.0, 10.0, vec![point(0.1, 100.0)]),
+            ] {
+                let link = Link::new(LinkParts {
+                    segments: segments.clone(),
+                    hub: Hub { radius_m, ..uniform().hub },
+                    payload: Payload { mass_kg: payload_kg, ..Payload::default() },
+                    masses,
+                    ..uniform()
+                })
+                .unwrap();
+                for elements in [5, 7, 10, 40] {
+                    let own = vec![None; segments.len()];
+                    let total = Some(ElementCount::Total(elements));
+                    let mesh = Mesh::new(&link, &MeshPlan::new(&link, &own, total, 1e-6).unwrap());
+                    let start = start_near_real_zeros(&mesh).unwrap();
+                    let far = scan_start(&mesh).unwrap();
+                    let are_negative = |places: &[f64; SECTIONS]| {
+                        tip_displacements_m(&mesh, &places.map(|z| -z * z))
+                            .map(f64::is_sign_negative)
+                    };
+                    let exact = changes(far, far * SCAN_RANGE, 2, are_negative);
+                    let found = torque_zeros(&mesh, 2);
+                    let off = exact.iter().zip(&found).map(|(a, b)| (a / b - 1.0).abs());
+                    assert_eq!(found.len(), exact.len(), "{segments:?}, {elements} elements");
+                    let off = off.fold(0.0, f64::max);
+                    assert!(off < 1e-11, "{found:?} are not {exact:?}");
+                    assert!(
+                        start < 0.51 * found[0] && start > 10.0 * far,
+                        "{far}, {start}, {found:?}"
+                    );
+                }
+            }
+        }
     }
 
     /// A body of 3 kg on a beam without mass and 3EI/L³ = 3 N/m: behind a held hub it swings at

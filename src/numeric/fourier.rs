@@ -91,8 +91,9 @@ impl FourierPair {
     /// If there are more than N/2 + 1 amplitudes.
     pub fn samples(&self, amplitudes: impl AsRef<[Complex64]>) -> Vec<f64> {
         let mut samples = vec![0.0; self.len()];
+        let amplitudes = amplitudes.as_ref();
         with_scratch(self.len(), |scratch| {
-            self.write_samples(amplitudes.as_ref(), scratch, &mut samples);
+            self.write_samples(amplitudes, scratch, &mut samples);
         });
         samples
     }

@@ -1,6 +1,6 @@
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Mul, Sub};
 
 use num_complex::Complex64;
 
@@ -14,7 +14,6 @@ pub trait Scalar:
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
-    + Neg<Output = Self>
     + Add<f64, Output = Self>
     + Mul<f64, Output = Self>
 {

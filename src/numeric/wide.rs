@@ -1,6 +1,6 @@
 //! A scalar for tests: twice the digits, to tell how many the same recursion loses.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 use twofloat::TwoFloat;
 
@@ -20,13 +20,6 @@ impl Wide {
 impl From<f64> for Wide {
     fn from(value: f64) -> Self {
         Self(value.into())
-    }
-}
-
-impl Neg for Wide {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self(-self.0)
     }
 }
 

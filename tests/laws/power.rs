@@ -15,7 +15,7 @@ use crate::links::{any_excitation, any_parts, mesh};
 /// ```
 fn strain(mesh: &Mesh, lambda: Complex64, theta: Complex64) -> (f64, Complex64) {
     let mut gains = Vec::new();
-    condense(mesh, mesh.per_lambda(lambda), |_, step| gains.push(step.gain()));
+    condense(mesh, lambda, |_, step| gains.push(step.gain()));
     let mut u = Vector2::new(theta * mesh.nodes_m()[0], theta);
     let mut sum = 0.0;
     for (element, gain) in mesh.relative_elements().iter().zip(gains.iter().rev()) {

@@ -7,8 +7,9 @@ use crate::inverse::spectra::Forcing;
 use crate::modal::{carries_rotary_inertia, modes_below};
 use crate::numeric::largest;
 
-/// Intervals that the first quintics span at least.
-pub(super) const FEWEST_INTERVALS: usize = 36;
+/// Intervals that the first quintics span at least: 48 frequencies at their ends, and then 47 between
+/// them, just fill vectors of sixteen.
+pub(super) const FEWEST_INTERVALS: usize = 47;
 
 /// What the interpolation from half as many frequencies may be wrong by, over the largest change.
 const WRONG: f64 = 4e-2;
