@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use flexlink::result::{Repeated, RepeatedFile};
-use flexlink::tables::{Durability, InputRole, RunRecord, TemporaryFolder};
+use flexlink::tables::{Durability, InputRole, RunRecord, TemporaryFolder, wait_if_ending};
 
 use super::args::PrintArgs;
 use super::console;
@@ -63,7 +63,10 @@ impl Repetition<'_> {
         let solved = problem.solve(options, &Destination { folder, durability, stages: &stages });
         drop(stages);
         solved.map_err(|failure| of_record(failure, record))?;
-        Ok(record.compare(folder)?)
+        let files = record.compare(folder);
+        // A request to end takes the temporary folder away.
+        wait_if_ending();
+        Ok(files?)
     }
 
     fn tell(&self, files: &[RepeatedFile]) -> Result<Ending, Failure> {

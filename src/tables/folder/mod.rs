@@ -17,4 +17,4 @@ mod tests;
 pub use error::{FolderAction, FolderError};
 pub use output::{Durability, OutputFolder};
 pub use temporary::TemporaryFolder;
-pub use unfinished::abandon_unfinished;
+pub use unfinished::{abandon_unfinished, wait_if_ending};

@@ -9,7 +9,7 @@ use std::time::Instant;
 use super::aside::{Aside, sync_folder};
 use super::error::{FolderAction, FolderError};
 use super::lock::FolderLock;
-use super::unfinished::{HeldOff, Unfinished, hold_off_the_end};
+use super::unfinished::{HeldOff, Unfinished, hold_off_the_end, wait_if_ending};
 
 /// Whether files are waited for until they are on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -174,10 +174,11 @@ impl OutputFolder {
         if self.durability == Durability::InMemory {
             return Ok(());
         }
-        staged
-            .chunks(AT_ONCE)
-            .try_for_each(sync_together)
-            .map_err(|(name, cause)| self.error(FolderAction::Write(name), cause))
+        staged.chunks(AT_ONCE).try_for_each(sync_together).map_err(|(name, cause)| {
+            // Nothing holds off the end here: the disk may take its time.
+            wait_if_ending();
+            self.error(FolderAction::Write(name), cause)
+        })
     }
 
     fn sync_names(&self) -> Result<(), FolderError> {

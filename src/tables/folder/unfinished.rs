@@ -35,6 +35,13 @@ pub(super) fn hold_off_the_end() -> HeldOff {
     END.read().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Returns if no end has begun, and else waits for it: what is missing then went with the end, and
+/// Returns if no end has begun, and else waits for it: what is missing then went with the end, and
+/// nobody is to be told of it. Not to be called while the end is held off.
+pub fn wait_if_ending() {
+    drop(hold_off_the_end());
+}
+
 /// Removes all that is written aside and not finished, for a program that is about to end: files
 /// that are taking their names take them first, and no file is begun or named afterwards.
 pub fn abandon_unfinished() {
