@@ -1,11 +1,14 @@
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::dynamics::Dynamics;
 use super::error::InversionError;
-use crate::beam::NodalQuantity;
+use crate::beam::{NodalQuantity, TipTransfers};
 use crate::motion::TipSpectrum;
 
 /// Frequencies that a thread solves for at a time, the hub's alone, where there are other threads; no
@@ -61,12 +64,64 @@ fn is_alone() -> bool {
     rayon::current_num_threads() == 1
 }
 
+/// Transfers to the tip at some frequencies, from bin `first` on, that the motion is to excite.
+struct Excited<'a> {
+    forcing: Forcing<'a>,
+    first: usize,
+    omegas: &'a [f64],
+    tip_transfers: &'a TipTransfers,
+    rows: HubRows<'a>,
+}
+
+/// Where the amplitudes at these frequencies belong.
+struct HubRows<'a> {
+    torque: &'a mut [Complex64],
+    excess: &'a mut [Complex64],
+    root: &'a mut [Complex64],
+}
+
+impl WithSimd for Excited<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { forcing, first, omegas, tip_transfers, rows } = self;
+        let len = omegas.len();
+        let bins = first..first + len;
+        let accelerations = &forcing.spectrum.acceleration_m_s2[bins.clone()];
+        let velocities = &forcing.spectrum.velocity_m_s[bins];
+        let inertias = &tip_transfers.inertia_kg_m[..len];
+        let root_inertias = &tip_transfers.root_inertia_kg_m[..len];
+        let lags = &tip_transfers.lag_s2[..len];
+        let HubRows { torque, excess, root } = rows;
+        let (torque, excess, root) = (&mut torque[..len], &mut excess[..len], &mut root[..len]);
+        let drag = forcing.dynamics.law().mass_rate_per_s();
+        let rigid_friction = forcing.friction_n_m_s_rad / forcing.dynamics.mesh().length_m();
+        let hub_transfer = forcing.hub_transfer();
+        for k in 0..len {
+            let felt = accelerations[k] + velocities[k] * drag;
+            let hub = hub_transfer(omegas[k], inertias[k], lags[k]);
+            torque[k] = hub.inertia_kg_m * felt + velocities[k] * rigid_friction;
+            excess[k] = hub.excess_rad_s2_m * felt;
+            root[k] = root_inertias[k] * felt;
+        }
+    }
+}
+
 impl Forcing<'_> {
     /// Acceleration that the mass feels at bin `k`, â + αv̂, in m/s².
     pub(super) fn felt_acceleration(&self, k: usize) -> Complex64 {
         let spectrum = self.spectrum;
         let drag = self.dynamics.law().mass_rate_per_s();
         spectrum.acceleration_m_s2[k] + spectrum.velocity_m_s[k] * drag
+    }
+
+    /// The same at all bins that carry spectrum.
+    pub(super) fn felt_accelerations_m_s2(&self) -> Vec<Complex64> {
+        let drag = self.dynamics.law().mass_rate_per_s();
+        let accelerations = &self.spectrum.acceleration_m_s2[..self.spectrum.band_len()];
+        let felt = accelerations.iter().zip(&self.spectrum.velocity_m_s);
+        felt.map(|(acceleration, velocity)| acceleration + velocity * drag).collect()
     }
 
     /// Frequencies in rad/s of the bins that carry spectrum.
@@ -99,20 +154,13 @@ impl Forcing<'_> {
             .zip(excess_angle_rad.par_chunks_mut(block_len))
             .zip(root_moment_n_m.par_chunks_mut(block_len));
         let blocks = omegas.par_chunks(block_len).zip(rows).enumerate();
-        let rigid_friction = self.friction_n_m_s_rad / self.dynamics.mesh().length_m();
-        let hub_transfer = self.hub_transfer();
         let lowest_blocked = blocks.with_min_len(fewest_blocks()).filter_map(
             |(block, (omegas, ((torque, excess), root)))| {
                 let tip = self.dynamics.tip_transfers(omegas);
                 let first = block * block_len;
-                let velocities = &self.spectrum.velocity_m_s[first..];
-                for (k, omega) in omegas.iter().enumerate() {
-                    let felt = self.felt_acceleration(first + k);
-                    let hub = hub_transfer(*omega, tip.inertia_kg_m[k], tip.lag_s2[k]);
-                    torque[k] = hub.inertia_kg_m * felt + velocities[k] * rigid_friction;
-                    excess[k] = hub.excess_rad_s2_m * felt;
-                    root[k] = tip.root_inertia_kg_m[k] * felt;
-                }
+                let (forcing, tip_transfers) = (*self, &tip);
+                let rows = HubRows { torque, excess, root };
+                Arch::new().dispatch(Excited { forcing, first, omegas, tip_transfers, rows });
                 tip.first_blocked(self.dynamics.mesh()).map(|k| first + k)
             },
         );
@@ -131,6 +179,7 @@ impl Forcing<'_> {
     fn hub_transfer(&self) -> impl Fn(f64, Complex64, Complex64) -> HubTransfer {
         let compliance_factor = self.dynamics.law().compliance_factor();
         let per_length = 1.0 / self.dynamics.mesh().length_m();
+        #[inline(always)]
         move |omega, inertia_kg_m, lag_s2| {
             let excess_rad_s2_m = lag_s2 * compliance_factor(omega) * per_length;
             let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);

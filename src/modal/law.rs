@@ -142,6 +142,7 @@ impl DampingLaw {
     pub fn compliance_factor(&self) -> impl Fn(f64) -> Complex64 {
         let at = |omega_rad_s| self.stiffness_factor(omega_rad_s).reciprocal();
         let at_all = if matches!(self, Self::Rayleigh { .. }) { None } else { Some(at(0.0)) };
+        #[inline(always)]
         move |omega_rad_s| at_all.unwrap_or_else(|| at(omega_rad_s))
     }
 

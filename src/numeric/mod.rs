@@ -30,7 +30,7 @@ pub use grid::{ThinnedGrid, TimeGrid};
 pub(crate) use lanes::RealLanes;
 pub use largest::{largest, largest_difference};
 pub use magnitude::magnitude;
-pub(crate) use quintic::{quintic, scale_by_quintics, whole};
+pub(crate) use quintic::{RootPlaces, quintic, scale_by_quintics};
 pub use roots::{SECTIONS, geometric_scan, next_places, section};
 pub(crate) use round::rounded;
 pub(crate) use sampling::{CHANNELS, Room, Sampling};

@@ -7,6 +7,8 @@
     reason = "places are counted in samples from zero on"
 )]
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -22,25 +24,50 @@ pub(crate) fn quintic(samples: &[Complex64], place: f64) -> Complex64 {
     through(around, place - first)
 }
 
-/// Multiplies each value by the quintic at its place, as [`quintic`] has it, with the same bits on
-/// every processor.
-///
-/// Fast where places ascend, so that many one after the other lie between the same samples.
-///
-/// # Panics
-/// As [`quintic`].
-pub(crate) fn scale_by_quintics(samples: &[Complex64], places: &[f64], values: &mut [Complex64]) {
-    Arch::new().dispatch(Scale { samples, places, values });
+/// Numbers 0, 1, … laid over evenly spaced samples by their roots: the first stands at the first
+/// sample, the last at the last.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RootPlaces {
+    /// How many numbers there are, two or more.
+    pub(crate) numbers: usize,
+    /// Intervals between the samples.
+    pub(crate) intervals: usize,
 }
 
-/// The sample at or before a place.
-pub(crate) fn whole(place: f64) -> usize {
-    place as usize
+impl RootPlaces {
+    /// The numbers that stand between a sample and the next, those at the latter left out unless it
+    /// is the last.
+    #[inline(always)]
+    pub(crate) fn between(&self, sample: usize) -> Range<usize> {
+        self.first_at(sample)..self.first_at(sample + 1)
+    }
+
+    #[inline(always)]
+    fn first_at(&self, sample: usize) -> usize {
+        let share = sample as f64 / self.intervals as f64;
+        let number = ((self.numbers - 1) as f64 * (share * share)).ceil() as usize;
+        if sample < self.intervals { number } else { self.numbers }
+    }
+}
+
+/// Multiplies each value, which are as many as the places', by the quintic at its place, as
+/// [`quintic`] has it, with the same bits on every processor.
+///
+/// # Panics
+/// If there are fewer than six samples, other than one more than intervals, or fewer values than
+/// numbers.
+pub(crate) fn scale_by_quintics(
+    samples: &[Complex64],
+    places: RootPlaces,
+    values: &mut [Complex64],
+) {
+    assert_eq!(samples.len(), places.intervals + 1, "a sample at both ends of each interval");
+    Arch::new().dispatch(Scale { samples, places, values });
 }
 
 struct Scale<'a> {
     samples: &'a [Complex64],
-    places: &'a [f64],
+    places: RootPlaces,
     values: &'a mut [Complex64],
 }
 
@@ -49,14 +76,15 @@ impl WithSimd for Scale<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { samples, places, mut values } = self;
-        for places in places.chunk_by(|a, b| whole(*a) == whole(*b)) {
-            let (first, around) = around(samples, places[0]);
-            let (here, further) = values.split_at_mut(places.len().min(values.len()));
-            for (value, place) in here.iter_mut().zip(places) {
-                *value *= through(around, place - first);
+        let Self { samples, places, values } = self;
+        let per_root = places.intervals as f64 / ((places.numbers - 1) as f64).sqrt();
+        for sample in 0..places.intervals {
+            let (first, around) = around(samples, sample as f64);
+            let between = places.between(sample);
+            let start = between.start;
+            for (k, value) in values[between].iter_mut().enumerate() {
+                *value *= through(around, ((start + k) as f64).sqrt() * per_root - first);
             }
-            values = further;
         }
     }
 }
@@ -64,7 +92,7 @@ impl WithSimd for Scale<'_> {
 /// The samples around a place, and the number of the first.
 #[inline(always)]
 fn around(samples: &[Complex64], place: f64) -> (f64, [Complex64; AROUND]) {
-    let first = whole(place).saturating_sub(2).min(samples.len() - AROUND);
+    let first = (place as usize).saturating_sub(2).min(samples.len() - AROUND);
     (first as f64, std::array::from_fn(|k| samples[first + k]))
 }
 
@@ -115,15 +143,40 @@ mod tests {
     #[test]
     fn many_places_have_the_bits_of_each_alone_on_all_vectors() {
         let samples: Vec<Complex64> = (0..20).map(|k| value(0.3 * f64::from(k)).inv()).collect();
-        let places: Vec<f64> = (0..500).map(|k| 19.0 * (f64::from(k) / 499.0).sqrt()).collect();
+        let places = RootPlaces { numbers: 500, intervals: 19 };
         let factor = |k: usize| Complex64::new(1.0 + k as f64, -0.7);
         let mut wide: Vec<Complex64> = (0..500).map(factor).collect();
         let mut narrow = wide.clone();
-        scale_by_quintics(&samples, &places, &mut wide);
-        Scale { samples: &samples, places: &places, values: &mut narrow }.with_simd(pulp::Scalar);
-        for (k, place) in places.iter().enumerate() {
-            let alone = factor(k) * quintic(&samples, *place);
-            assert!(wide[k] == alone && narrow[k] == alone, "at {place}");
+        scale_by_quintics(&samples, places, &mut wide);
+        Scale { samples: &samples, places, values: &mut narrow }.with_simd(pulp::Scalar);
+        for k in 0..500_u32 {
+            let place = f64::from(k).sqrt() * (19.0 / 499.0_f64.sqrt());
+            let alone = factor(k as usize) * quintic(&samples, place);
+            assert!(wide[k as usize] == narrow[k as usize], "{k}");
+            let off = (wide[k as usize] - alone).norm();
+            assert!(off <= 1e-12 * alone.norm(), "{k} at {place}: {off:e}");
+        }
+    }
+
+    #[test]
+    fn every_number_stands_between_the_two_samples_next_to_its_root() {
+        for (numbers, intervals) in [(500, 19), (1025, 47), (101, 10), (95, 94), (2, 6)] {
+            let places = RootPlaces { numbers, intervals };
+            let mut next = 0;
+            for sample in 0..intervals {
+                let between = places.between(sample);
+                assert_eq!(between.start, next, "a number is lost, or stands twice");
+                next = between.end;
+                for number in between {
+                    let share = number as f64 / (numbers - 1) as f64;
+                    let place = intervals as f64 * share.sqrt() - sample as f64;
+                    assert!(
+                        (-1e-12..1.0 + 1e-12).contains(&place),
+                        "{number} of {numbers}: {place}"
+                    );
+                }
+            }
+            assert_eq!(next, numbers);
         }
     }
 }

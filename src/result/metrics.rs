@@ -5,7 +5,7 @@ use crate::numeric::{TimeGrid, largest};
 pub const TIMING_LEVEL: f64 = 0.02;
 
 /// Samples that are compared at a time.
-const PART: usize = 64;
+const PART: usize = 512;
 
 /// Largest absolute value of a history and when it occurs.
 #[derive(Debug, Clone, Copy, PartialEq)]

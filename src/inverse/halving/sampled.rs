@@ -1,7 +1,7 @@
 use num_complex::Complex64;
 
 use crate::inverse::spectra::Forcing;
-use crate::numeric::{Scalar, largest, quintic, scale_by_quintics, whole};
+use crate::numeric::{RootPlaces, Scalar, largest, quintic, scale_by_quintics};
 
 /// Change of torque per felt acceleration in kg m, evenly sampled in √ω from zero to the end of the
 /// band.
@@ -9,8 +9,6 @@ pub(super) struct SampledChange<'a> {
     from: Forcing<'a>,
     to: Forcing<'a>,
     last_rad_s: f64,
-    /// Where each bin stands: √ω in √(rad/s).
-    roots: Vec<f64>,
     /// Acceleration that the mass feels at each bin, in m/s².
     felt_m_s2: Vec<Complex64>,
     samples_kg_m: Vec<Complex64>,
@@ -26,10 +24,8 @@ pub(super) struct Estimate {
 
 impl<'a> SampledChange<'a> {
     pub(super) fn new(from: Forcing<'a>, to: Forcing<'a>, intervals: usize) -> Self {
-        let (omegas, last_rad_s) = (to.omegas_rad_s(), to.last_rad_s());
-        let roots = omegas.iter().map(|omega| omega.sqrt()).collect();
-        let felt_m_s2 = (0..omegas.len()).map(|bin| to.felt_acceleration(bin)).collect();
-        let mut change = Self { from, to, last_rad_s, roots, felt_m_s2, samples_kg_m: vec![] };
+        let (last_rad_s, felt_m_s2) = (to.last_rad_s(), to.felt_accelerations_m_s2());
+        let mut change = Self { from, to, last_rad_s, felt_m_s2, samples_kg_m: vec![] };
         change.samples_kg_m = change.solved(0..=intervals, intervals);
         change
     }
@@ -59,15 +55,14 @@ impl<'a> SampledChange<'a> {
         let mut estimate = Estimate { wrong_n_m: 0.0, change_n_m: 0.0 };
         let off = |k: usize| (between[k] - quintic(before, k as f64 + 0.5)).size();
         let off: Vec<f64> = (0..between.len()).map(off).collect();
-        let places = self.places(before.len() - 1);
-        let mut felt = self.felt_m_s2.iter();
+        let places = self.places();
         // Of the bins between two samples the one between these is the nearest.
-        for near in places.chunk_by(|a, b| whole(*a) == whole(*b)) {
-            let k = whole(near[0]).min(between.len() - 1);
-            let sum: f64 = felt.by_ref().take(near.len()).map(|felt| 2.0 * felt.size()).sum();
+        for (k, here) in between.iter().enumerate() {
+            let felt = &self.felt_m_s2[places.between(k)];
+            let sum: f64 = felt.iter().map(|felt| 2.0 * felt.size()).sum();
             let neighbours = &off[k.saturating_sub(1)..off.len().min(k + 2)];
             estimate.wrong_n_m += sum * largest(neighbours);
-            estimate.change_n_m += sum * between[k].size();
+            estimate.change_n_m += sum * here.size();
         }
         for (before, between) in before.iter().zip(&between) {
             samples.extend([before, between]);
@@ -77,16 +72,15 @@ impl<'a> SampledChange<'a> {
         estimate
     }
 
-    /// The places of all bins among the samples of so many intervals.
-    fn places(&self, intervals: usize) -> Vec<f64> {
-        let per_root = intervals as f64 / self.last_rad_s.sqrt();
-        self.roots.iter().map(|root| root * per_root).collect()
+    /// Where the bins stand among the samples.
+    fn places(&self) -> RootPlaces {
+        RootPlaces { numbers: self.felt_m_s2.len(), intervals: self.intervals() }
     }
 
     /// The change at all bins.
     pub(super) fn amplitudes_n_m(&self) -> Vec<Complex64> {
         let mut amplitudes = self.felt_m_s2.clone();
-        scale_by_quintics(&self.samples_kg_m, &self.places(self.intervals()), &mut amplitudes);
+        scale_by_quintics(&self.samples_kg_m, self.places(), &mut amplitudes);
         amplitudes
     }
 }
