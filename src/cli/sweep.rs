@@ -52,7 +52,7 @@ have a unit. Several --vary make the product, the last one running fastest.";
 #[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
 #[command(mut_arg("list", |nodes| nodes.requires("outputs")))]
 #[command(mut_arg("every", |every| every.requires("outputs")))]
-#[command(mut_arg("no_sync", |no_sync| no_sync.requires("outputs")))]
+#[command(mut_arg("no_sync", |no_sync| no_sync.conflicts_with("merge")))]
 pub(crate) struct Sweep {
     #[arg(value_name = "LINK", help = LINK, required_unless_present = "merge")]
     link: Option<PathBuf>,
@@ -164,7 +164,7 @@ impl Sweep {
         if tally.rows() < all {
             return Err(rows.interrupted(tally.rows(), all));
         }
-        rows.finish()?;
+        rows.finish(self.shared.outputs.durability())?;
         self.report(&format!("cases    {all}\nwritten  {}", output.display()))?;
         // A shard is only a part: others may have numbers.
         if self.shard.of() == 1 { tally.refuse_all_failed() } else { Ok(()) }

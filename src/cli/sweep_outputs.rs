@@ -9,8 +9,8 @@ use flexlink::response::Simulation;
 use flexlink::result::Exceeded;
 use flexlink::sweep::{PlayedCase, SolvedCase};
 use flexlink::tables::{
-    Digits, OutputFolder, RunInputs, SimulateOutputs, SimulationInputs, SimulationSummary,
-    SolveOutputs, Summary,
+    Digits, Durability, OutputFolder, RunInputs, SimulateOutputs, SimulationInputs,
+    SimulationSummary, SolveOutputs, Summary,
 };
 
 use super::args::{NodeArgs, SyncArgs};
@@ -38,6 +38,11 @@ pub(crate) struct OutputsArgs {
 }
 
 impl OutputsArgs {
+    /// Whether table and folders are waited for until they are on the disk.
+    pub(crate) fn durability(&self) -> Durability {
+        self.sync.durability()
+    }
+
     /// The folder of all, where it is asked for.
     pub(crate) fn folder(&self) -> Option<&Path> {
         self.outputs.as_deref()
@@ -113,6 +118,6 @@ impl OutputsArgs {
             let message = format!("{shown}: is a symbolic link, but must be a folder of its own");
             return Err(Failure::new(Exit::CannotWrite, &message, None));
         }
-        Ok(OutputFolder::stage(folder)?.with(self.sync.durability()))
+        Ok(OutputFolder::stage(folder)?.with(self.durability()))
     }
 }

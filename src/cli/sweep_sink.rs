@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use flexlink::tables::{Resumed, SweepFile, SweepIdentity, SweepRows};
+use flexlink::tables::{Durability, Resumed, SweepFile, SweepIdentity, SweepRows};
 
 use super::console::{self, Reader};
 use super::exit::{Exit, Failure};
@@ -89,18 +89,21 @@ impl Rows {
         }
     }
 
-    pub(crate) fn finish(self) -> Result<(), Failure> {
+    pub(crate) fn finish(self, durability: Durability) -> Result<(), Failure> {
         match self {
-            Self::InFile(file) => Ok(file.finish()?),
+            Self::InFile(file) => Ok(file.finish(durability)?),
             Self::Printed => Ok(()),
         }
     }
 
     /// What to tell of a sweep that was stopped after `there` of `all` rows.
-    pub(crate) fn interrupted(&self, there: usize, all: usize) -> Failure {
+    pub(crate) fn interrupted(self, there: usize, all: usize) -> Failure {
         let message = format!("interrupted after {there} of {all} cases");
         match self {
-            Self::InFile(file) => {
+            Self::InFile(mut file) => {
+                if let Err(error) = file.flush() {
+                    return error.into();
+                }
                 let message = format!("{message}, which are in {}", file.part().display());
                 let hint = "the same command with --resume goes on";
                 Failure::new(Exit::Interrupted, &message, Some(hint))

@@ -3,7 +3,7 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::folder::{FolderAction, FolderError, OutputFolder};
+use super::folder::{Durability, FolderAction, FolderError, OutputFolder};
 
 /// Writes one file, whole or not at all; the folder it lies in is created where it is missing.
 ///
@@ -13,6 +13,15 @@ use super::folder::{FolderAction, FolderError, OutputFolder};
 /// # Errors
 /// [`FolderError`] if `path` names no file, or the file cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
+    write_file_with(path, bytes, Durability::OnDisk)
+}
+
+/// The same, waiting for the disk or not.
+pub(super) fn write_file_with(
+    path: &Path,
+    bytes: &[u8],
+    durability: Durability,
+) -> Result<(), FolderError> {
     let path = &followed(path);
     let folder = folder_of(path);
     let refused = |cause| {
@@ -29,7 +38,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
     if is_stream(path) {
         return write_through(path, bytes).map_err(refused);
     }
-    let staged = OutputFolder::stage(folder)?;
+    let staged = OutputFolder::stage(folder)?.with(durability);
     staged.file(name, |out| out.write_all(bytes))?;
     staged.replace()
 }
