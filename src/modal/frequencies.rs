@@ -1,9 +1,11 @@
+use std::cmp::Ordering;
+
 use nalgebra::{Matrix2, Vector2};
 
 use super::inertia::{hub_moves_mass, outboard_degrees_of_freedom};
 use super::shape::Shape;
 use crate::beam::{Mesh, Pivots, driven_motion, pivots};
-use crate::numeric::{SECTIONS, geometric_scan, next_places, section};
+use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
 
 /// Natural frequencies that a solution or a simulation reports.
 pub const REPORTED_MODES: usize = 5;
@@ -40,19 +42,8 @@ impl HubSpring {
         mesh: &Mesh,
         omegas_rad_s: &[f64; SECTIONS],
     ) -> [usize; SECTIONS] {
-        // Exactly on a pole of the apparent inertia nothing is finite, and a hair beside it all
-        // is; numbers beyond double precision stay infinite, and are not searched for ever.
-        let mut found = [Pivots { negative: 0, hub_n_m: f64::NAN }; SECTIONS];
-        for hairs in 0..4 {
-            let beside = 1.0 + 4.0 * f64::from(hairs) * f64::EPSILON;
-            let counted = pivots(mesh, &omegas_rad_s.map(|omega| (omega * beside).powi(2)));
-            let open = found.iter_mut().zip(counted).filter(|(found, _)| found.hub_n_m.is_nan());
-            open.filter(|(_, counted)| counted.hub_n_m.is_finite()).for_each(|(f, c)| *f = c);
-            if found.iter().all(|found| found.hub_n_m.is_finite()) {
-                break;
-            }
-        }
-        found.map(|Pivots { negative, hub_n_m }| negative + usize::from(hub_n_m > self.0))
+        counted(mesh, omegas_rad_s)
+            .map(|Pivots { negative, hub_n_m }| negative + usize::from(hub_n_m > self.0))
     }
 
     /// Two frequencies in rad/s, the number `sought` of mode between them: fewer modes lie below the
@@ -103,10 +94,31 @@ impl HubSpring {
             let sought = rigid + found.len() + 1;
             let from = found.last().copied().unwrap_or(1.0);
             let Some((low, high)) = self.bracket(mesh, sought, from) else { break };
-            let are_above = |places: &_| self.modes_below(mesh, places).map(|n| n >= sought);
-            found.push(section(low, high, are_above));
+            let [below, above] = [f64::NEG_INFINITY, f64::INFINITY];
+            let surplus = |places: &_| self.surplus_n_m(mesh, places, sought);
+            found.push(root((low, below), (high, above), surplus));
         }
         found.into_iter().map(|omega| self.polished(mesh, omega)).collect()
+    }
+
+    /// A function of ω that is negative below mode number `sought` and positive above it, in N m: minus
+    /// the hub's pivot, between the two poles of it that the mode has as neighbours, and infinite
+    /// elsewhere.
+    fn surplus_n_m(
+        self,
+        mesh: &Mesh,
+        omegas_rad_s: &[f64; SECTIONS],
+        sought: usize,
+    ) -> [f64; SECTIONS] {
+        counted(mesh, omegas_rad_s).map(|Pivots { negative, hub_n_m }| {
+            let surplus = match (negative + 1).cmp(&sought) {
+                Ordering::Less => None,
+                // Zero has a sign, and counts as below; so does what is no number.
+                Ordering::Equal => Some(-(self.0 - hub_n_m)).filter(|n_m| !n_m.is_nan()),
+                Ordering::Greater => Some(f64::INFINITY),
+            };
+            surplus.unwrap_or(f64::NEG_INFINITY)
+        })
     }
 
     /// The frequency with the digits that counting loses where an outboard part of a fine mesh
@@ -143,6 +155,23 @@ impl HubSpring {
         let hub = self != Self::CLAMPED && hub_moves_mass(mesh);
         outboard_degrees_of_freedom(mesh) + usize::from(hub)
     }
+}
+
+/// Negative pivots at each ω > 0.
+fn counted(mesh: &Mesh, omegas_rad_s: &[f64; SECTIONS]) -> [Pivots; SECTIONS] {
+    // Exactly on a pole of the apparent inertia nothing is finite, and a hair beside it all is;
+    // numbers beyond double precision stay infinite, and are not searched for ever.
+    let mut found = [Pivots { negative: 0, hub_n_m: f64::NAN }; SECTIONS];
+    for hairs in 0..4 {
+        let beside = 1.0 + 4.0 * f64::from(hairs) * f64::EPSILON;
+        let counted = pivots(mesh, &omegas_rad_s.map(|omega| (omega * beside).powi(2)));
+        let open = found.iter_mut().zip(counted).filter(|(found, _)| found.hub_n_m.is_nan());
+        open.filter(|(_, counted)| counted.hub_n_m.is_finite()).for_each(|(f, c)| *f = c);
+        if found.iter().all(|found| found.hub_n_m.is_finite()) {
+            break;
+        }
+    }
+    found
 }
 
 /// `dᵀ K d` of a deformation.

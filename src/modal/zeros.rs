@@ -1,7 +1,7 @@
 use super::frequencies::HubSpring;
 use super::inertia::{carries_rotary_inertia, outboard_degrees_of_freedom};
 use crate::beam::{Mesh, hub_response, tip_displacements_m};
-use crate::numeric::{SECTIONS, geometric_scan, next_places, section};
+use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
 
 /// Zeros that a solution reports.
 pub const REPORTED_ZEROS: usize = 3;
@@ -30,13 +30,18 @@ const NEAR_RANGE: f64 = 1e6;
 /// `count` where the mesh has fewer. Rotary inertia on the link or at the tip can move zeros off
 /// the real axis in pairs ±a ± ib; those are not among them.
 pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
+    if outboard_degrees_of_freedom(mesh) == 0 {
+        return Vec::new();
+    }
     let near = start_near_real_zeros(mesh).map(|start| (start, start * NEAR_RANGE));
     let scan = near.or_else(|| scan_start(mesh).map(|start| (start, start * SCAN_RANGE)));
     let Some((start, limit)) = scan else { return Vec::new() };
-    let are_negative = |places: &[f64; SECTIONS]| {
-        tip_displacements_m(mesh, &places.map(|z| -z * z)).map(f64::is_sign_negative)
-    };
-    changes(start, limit, count, are_negative)
+    changes(start, limit, count, |exponents| displacements_m(mesh, exponents))
+}
+
+/// Tip displacement per hub angle, `L + e_tip`, in m where both grow as e^{zt}.
+fn displacements_m(mesh: &Mesh, exponents_per_s: &[f64; SECTIONS]) -> [f64; SECTIONS] {
+    tip_displacements_m(mesh, &exponents_per_s.map(|z| -z * z))
 }
 
 /// Zeros of torque → tip at real frequencies below `limit_rad_s`, in rad/s, ascending.
@@ -47,41 +52,44 @@ pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
 /// the number of these below ω is known from the pivots, so that only the zeros remain as changes
 /// of parity.
 pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
-    if !carries_rotary_inertia(mesh) {
-        // Points of mass keep all zeros off the real frequencies.
+    if !carries_rotary_inertia(mesh) || outboard_degrees_of_freedom(mesh) == 0 {
+        // Points of mass keep all zeros off the real frequencies; without mass there are none.
         return Vec::new();
     }
     let Some(start) = scan_start(mesh) else { return Vec::new() };
-    let are_odd = |places: &[f64; SECTIONS]| {
+    let unflipped = |places: &[f64; SECTIONS]| {
         let displacements = tip_displacements_m(mesh, &places.map(|omega| omega * omega));
         let modes = HubSpring::CLAMPED.modes_below(mesh, places);
-        let is_odd = |k: usize| displacements[k].is_sign_negative() != (modes[k] % 2 == 1);
-        std::array::from_fn(is_odd)
+        let unflip =
+            |k: usize| if modes[k] % 2 == 1 { -displacements[k] } else { displacements[k] };
+        std::array::from_fn(unflip)
     };
-    changes(start, limit_rad_s, usize::MAX, are_odd)
+    changes(start, limit_rad_s, usize::MAX, unflipped)
 }
 
-/// The first `count` places, from `start` up to `limit`, at which a property changes that is told of
-/// sixteen places at a time.
+/// The first `count` places, from `start` up to `limit`, at which a function's sign changes that is
+/// told of sixteen places at a time.
 fn changes(
     start: f64,
     limit: f64,
     count: usize,
-    has: impl Fn(&[f64; SECTIONS]) -> [bool; SECTIONS],
+    values: impl Fn(&[f64; SECTIONS]) -> [f64; SECTIONS],
 ) -> Vec<f64> {
     let mut scan = geometric_scan(start, SCAN_RATIO);
     let mut found = Vec::new();
-    let mut previous: Option<(f64, bool)> = None;
+    let mut previous: Option<(f64, f64)> = None;
     loop {
         let places = next_places(&mut scan);
-        for (place, now) in places.into_iter().zip(has(&places)) {
-            if place > limit || found.len() == count {
+        for now in places.into_iter().zip(values(&places)) {
+            if now.0 > limit || found.len() == count {
                 return found;
             }
-            if let Some((before, _)) = previous.filter(|(_, then)| *then != now) {
-                found.push(section(before, place, |places| has(places).map(|x| x == now)));
+            let is_other =
+                |then: &(f64, f64)| then.1.is_sign_negative() != now.1.is_sign_negative();
+            if let Some(before) = previous.filter(is_other) {
+                found.push(root(before, now, &values));
             }
-            previous = Some((place, now));
+            previous = Some(now);
         }
     }
 }
@@ -93,7 +101,7 @@ fn changes(
 /// L + e_tip = L ∏ (1 + λ/z_k²)/(1 − λ/ω_k²),   at rest  e_tip/(λL) = Σ 1/z_k² + Σ 1/ω_k² > 1/z₁²
 /// ```
 fn start_near_real_zeros(mesh: &Mesh) -> Option<f64> {
-    if carries_rotary_inertia(mesh) || outboard_degrees_of_freedom(mesh) == 0 {
+    if carries_rotary_inertia(mesh) {
         return None;
     }
     let rest = hub_response(mesh, 0.0);
@@ -104,11 +112,8 @@ fn start_near_real_zeros(mesh: &Mesh) -> Option<f64> {
 }
 
 /// Where scans for zeros begin, in 1/s: far below the first mode of the link clamped at its hub,
-/// which no zero is near. None where no mass is left to vibrate.
+/// which no zero is near. None where that cannot be found.
 fn scan_start(mesh: &Mesh) -> Option<f64> {
-    if outboard_degrees_of_freedom(mesh) == 0 {
-        return None;
-    }
     let first = HubSpring::CLAMPED.bracket(mesh, 1, 1.0)?.0;
     Some(SCAN_START * first)
 }
@@ -186,11 +191,8 @@ mod tests {
                     let mesh = Mesh::new(&link, &MeshPlan::new(&link, &own, total, 1e-6).unwrap());
                     let start = start_near_real_zeros(&mesh).unwrap();
                     let far = scan_start(&mesh).unwrap();
-                    let are_negative = |places: &[f64; SECTIONS]| {
-                        tip_displacements_m(&mesh, &places.map(|z| -z * z))
-                            .map(f64::is_sign_negative)
-                    };
-                    let exact = changes(far, far * SCAN_RANGE, 2, are_negative);
+                    let displacements = |exponents: &_| displacements_m(&mesh, exponents);
+                    let exact = changes(far, far * SCAN_RANGE, 2, displacements);
                     let found = torque_zeros(&mesh, 2);
                     let off = exact.iter().zip(&found).map(|(a, b)| (a / b - 1.0).abs());
                     assert_eq!(found.len(), exact.len(), "{segments:?}, {elements} elements");

@@ -31,7 +31,7 @@ pub(crate) use lanes::RealLanes;
 pub use largest::{largest, largest_difference};
 pub use magnitude::magnitude;
 pub(crate) use quintic::{RootPlaces, quintic, scale_by_quintics};
-pub use roots::{SECTIONS, geometric_scan, next_places, section};
+pub use roots::{SECTIONS, geometric_scan, next_places, root};
 pub(crate) use round::rounded;
 pub(crate) use sampling::{CHANNELS, Room, Sampling};
 pub use scalar::{Scalar, Size};

@@ -1,34 +1,57 @@
 /// Places at which a bracket is looked at in one step: as many as the widest vectors hold twice.
 pub const SECTIONS: usize = 16;
 
-/// Cuts the bracket of a predicate that is false at `low` and true at `high` until no number lies
-/// between, and returns the smaller end.
+/// Cuts the bracket of a root, at whose ends a function's values have other signs, until no number lies
+/// between, and returns the place of the smaller end.
 ///
-/// The predicate tells of sixteen places, ascending, at a time. The bracket is positive; it is cut
-/// in the logarithm first, so its width does not matter.
-pub fn section(
-    mut low: f64,
-    mut high: f64,
-    mut are_above: impl FnMut(&[f64; SECTIONS]) -> [bool; SECTIONS],
+/// The ends are place and value, the places positive. The function, asked about sixteen places at a
+/// time, need not be smooth, nor finite; where it is, the root is looked for around where a straight
+/// line from end to end has it. Elsewhere the bracket is cut evenly, in the logarithm first, so that
+/// its width does not matter.
+pub fn root(
+    mut low: (f64, f64),
+    mut high: (f64, f64),
+    mut values: impl FnMut(&[f64; SECTIONS]) -> [f64; SECTIONS],
 ) -> f64 {
-    loop {
-        let middle = low + 0.5 * (high - low);
-        if middle <= low || middle >= high {
-            return low;
-        }
-        let places = places(low, high);
-        let above = are_above(&places);
-        for (place, is_above) in places.into_iter().zip(above) {
-            // Rounded, a place may fall on an end, of which the answer is known.
-            if is_above && low < place {
-                high = high.min(place);
+    let mut is_straight = true;
+    while is_open(low.0, high.0) {
+        let width = high.0 - low.0;
+        let guess = low.0 + width * (low.1 / (low.1 - high.1));
+        let is_guessed = is_straight && low.0 <= guess && guess <= high.0;
+        let places = if is_guessed { around(guess, width) } else { places(low.0, high.0) };
+        for (place, value) in places.into_iter().zip(values(&places)) {
+            let is_between = low.0 < place && place < high.0;
+            if is_between && value.is_sign_negative() == high.1.is_sign_negative() {
+                high = (place, value);
                 break;
             }
-            if low < place && place < high {
-                low = place;
+            if is_between {
+                low = (place, value);
             }
         }
+        // A guess that leaves more than equal steps would is followed by these.
+        let is_narrow = (high.0 - low.0) * (SECTIONS + 1) as f64 <= width;
+        is_straight = !is_guessed || is_narrow;
     }
+    low.0
+}
+
+/// Whether there is a number between two.
+fn is_open(low: f64, high: f64) -> bool {
+    let middle = low + 0.5 * (high - low);
+    low < middle && middle < high
+}
+
+/// Sixteen places on both sides of a guess, each pair a sixteenth as far from it as the one before.
+fn around(guess: f64, width: f64) -> [f64; SECTIONS] {
+    let mut places = [guess; SECTIONS];
+    let mut distance = width;
+    for k in 0..SECTIONS / 2 {
+        distance *= 1.0 / 16.0;
+        places[k] -= distance;
+        places[SECTIONS - 1 - k] += distance;
+    }
+    places
 }
 
 /// Sixteen places between two ends, in equal steps or, far apart, in equal ratios.
@@ -66,15 +89,42 @@ pub fn next_places(scan: &mut impl Iterator<Item = f64>) -> [f64; SECTIONS] {
 mod tests {
     use super::*;
 
+    /// How many steps a root takes, and whether it is found to the last bit.
+    fn steps_to(exact: f64, (low, high): (f64, f64), value: impl Fn(f64) -> f64) -> usize {
+        let mut steps = 0;
+        let found = root((low, value(low)), (high, value(high)), |places| {
+            assert!(places.is_sorted(), "{places:?}");
+            steps += 1;
+            places.map(&value)
+        });
+        assert!(found <= exact && exact <= found.next_up(), "{found} is not {exact}");
+        steps
+    }
+
     #[test]
-    fn sections_reach_the_last_bit_from_a_bracket_of_many_decades() {
+    fn the_root_of_a_smooth_function_takes_few_steps_of_either_sign() {
+        for sign in [1.0, -1.0] {
+            let steps = steps_to(2.0_f64.sqrt(), (1.0, 2.0), |x| sign * (x * x - 2.0));
+            assert!(steps <= 6, "{steps} steps");
+            let near = steps_to(2.0_f64.sqrt(), (1.4, 1.42), |x| sign * (x * x - 2.0));
+            assert!(near <= 4, "{near} steps");
+        }
+    }
+
+    /// A value of which only the sign says anything.
+    fn side(is_above: bool) -> f64 {
+        if is_above { f64::INFINITY } else { f64::NEG_INFINITY }
+    }
+
+    #[test]
+    fn roots_are_found_to_the_last_bit_in_a_bracket_of_many_decades() {
         for square in [2.0, 1e-50, 3e70, 1.0 + 1e-15] {
             let mut steps = 0;
-            let root = section(1e-30, 1e40, |places| {
+            let root = root((1e-30, side(false)), (1e40, side(true)), |places| {
                 steps += 1;
-                places.map(|x| x * x > square)
+                places.map(|x| side(x * x > square))
             });
-            let above = f64::from_bits(root.to_bits() + 1);
+            let above = root.next_up();
             assert!(root * root <= square && above * above > square, "{root} is not √{square}");
             assert!(steps < 20, "{steps} steps");
         }
@@ -82,7 +132,23 @@ mod tests {
 
     #[test]
     fn a_bracket_from_zero_is_cut_too() {
-        let root = section(0.0, 8.0, |places| places.map(|x| x >= 5.0));
+        let root =
+            root((0.0, side(false)), (8.0, side(true)), |places| places.map(|x| side(x >= 5.0)));
         assert_eq!(root.to_bits(), 5.0_f64.to_bits() - 1);
+    }
+
+    #[test]
+    fn the_root_of_a_rough_function_takes_no_more_than_twice_the_steps() {
+        let values: [fn(f64) -> f64; 5] = [
+            |x| if x < 1.3 { -1.0 } else { 1.0 },
+            |x| if x < 1.3 { -1e-300 } else { 1e300 },
+            |x| if x < 1.3 { -1e300 } else { 1e-300 },
+            |x| if x < 1.3 { f64::NEG_INFINITY } else { f64::INFINITY },
+            |x| (x - 1.3).powi(9),
+        ];
+        for value in values {
+            let steps = steps_to(1.3, (1.0, 2.0), value);
+            assert!(steps <= 28, "{steps} steps");
+        }
     }
 }

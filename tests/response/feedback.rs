@@ -8,7 +8,7 @@ use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Link, LinkParts, Taper};
 use flexlink::modal::natural_frequencies;
 use flexlink::motion::TipTarget;
-use flexlink::numeric::section;
+use flexlink::numeric::root;
 use flexlink::response::{Feedback, HubReference, Interpolation, Play, Torque};
 use flexlink::result::TipError;
 
@@ -133,11 +133,12 @@ fn a_stiffly_held_hub_vibrates_as_a_clamped_one() {
     let clamped = Mesh::new(&super::link(|parts| parts.hub.inertia_kg_m2 = 1e12), &plan);
     let clamped_rad_s = natural_frequencies(&clamped, 2)[0];
     let held_rad_s = |kp: f64| {
-        let is_above = |omega: f64| {
+        let surplus = |omega: f64| {
             let lambda = omega * omega;
-            lambda * hub_response(&mesh, lambda).inertia_kg_m2 > kp
+            lambda * hub_response(&mesh, lambda).inertia_kg_m2 - kp
         };
-        section(0.0, clamped_rad_s * (1.0 - 1e-14), |places| places.map(is_above))
+        let high = (clamped_rad_s * (1.0 - 1e-14), f64::INFINITY);
+        root((0.0, -kp), high, |places| places.map(surplus))
     };
     let torque = pulse(5e-3, 100);
     for kp in [1.0, 10.0, 100.0, 1e4, 1e6, 1e8] {
