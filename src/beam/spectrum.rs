@@ -97,11 +97,13 @@ fn untested_transfers<S: Simd, L: LambdaLanes<S>>(
         let hub = hub_response(mesh, lambda);
         let tip = hub.per_tip(mesh);
         let len = lambdas.len();
-        gains.extend_from_slice(&hub.largest_gain.lanes()[..len]);
-        transfers.inertia_kg_m.extend_from_slice(&tip.inertia_kg_m.numbers()[..len]);
-        transfers.root_inertia_kg_m.extend_from_slice(&tip.root_inertia_kg_m.numbers()[..len]);
-        transfers.angle_rad_m.extend_from_slice(&tip.angle_rad_m.numbers()[..len]);
-        transfers.lag_s2.extend_from_slice(&tip.lag_s2.numbers()[..len]);
+        gains.extend(hub.largest_gain.complex().numbers()[..len].iter().map(|gain| gain.re));
+        transfers.inertia_kg_m.extend_from_slice(&tip.inertia_kg_m.complex().numbers()[..len]);
+        transfers
+            .root_inertia_kg_m
+            .extend_from_slice(&tip.root_inertia_kg_m.complex().numbers()[..len]);
+        transfers.angle_rad_m.extend_from_slice(&tip.angle_rad_m.complex().numbers()[..len]);
+        transfers.lag_s2.extend_from_slice(&tip.lag_s2.complex().numbers()[..len]);
     }
     Untested { transfers, gains }
 }
@@ -147,11 +149,10 @@ fn untested_nodes<S: Simd, L: LambdaLanes<S>>(simd: S, asked: Nodal) -> Vec<usiz
         let hub = HubResponse::at_axis(mesh, per_lambda_s2, reached);
         let per_tip = hub.per_tip_of(quantity, &hub.per_tip(mesh));
         for (row, node) in rows.iter_mut().zip(nodes) {
-            let values = (walk.values[*node] * per_tip).numbers();
-            row[columns..columns + len].copy_from_slice(&values[..len]);
+            (walk.values[*node] * per_tip).complex().store(&mut row[columns..columns + len]);
         }
-        let gains = largest_gain.lanes();
-        lost.extend((0..len).filter(|k| !is_trusted(gains[*k])).map(|k| columns + k));
+        let gains = largest_gain.complex().numbers();
+        lost.extend((0..len).filter(|k| !is_trusted(gains[*k].re)).map(|k| columns + k));
     }
     lost
 }

@@ -6,11 +6,15 @@ use std::ops::{Add, Mul, Sub};
 
 use num_complex::Complex64;
 use pulp::Simd;
+use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
-use super::lanes::{MOST_LANES, RealLanes};
+use super::lanes::{Lanes, MOST_LANES, RealLanes};
 use super::scalar::Scalar;
 
 /// Complex numbers, two vectors full, as structure of arrays.
+///
+/// Which lane holds which number is the vectors' own business: they are parted as fast as that goes,
+/// and come back in the order in which they were.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ComplexLanes<S: Simd> {
     re: RealLanes<S>,
@@ -26,29 +30,52 @@ impl<S: Simd> ComplexLanes<S> {
     /// Zero where there are none.
     #[inline(always)]
     pub(crate) fn load(simd: S, numbers: &[Complex64]) -> Self {
-        let last = numbers.last().copied().unwrap_or_default();
-        let (mut re, mut im) = ([last.re; MOST_LANES], [last.im; MOST_LANES]);
-        for ((re, im), z) in re.iter_mut().zip(&mut im).zip(numbers) {
-            (*re, *im) = (z.re, z.im);
+        if numbers.len() >= Self::LEN {
+            return Self::load_all(simd, numbers);
         }
-        Self { re: RealLanes::load(simd, &re), im: RealLanes::load(simd, &im) }
+        let last = numbers.last().copied().unwrap_or_default();
+        let mut padded = Lanes([last; MOST_LANES]);
+        padded.0[..numbers.len()].copy_from_slice(numbers);
+        Self::load_all(simd, &*padded)
     }
 
-    /// The numbers, lane by lane; what lies beyond [`Self::LEN`] is no lane's.
     #[inline(always)]
-    pub(crate) fn lanes(self) -> [Complex64; MOST_LANES] {
-        let mut lanes = [Complex64::ZERO; MOST_LANES];
-        self.store(&mut lanes);
-        lanes
+    fn load_all(simd: S, numbers: &[Complex64]) -> Self {
+        let (vectors, _) = S::as_simd_f64s(cast_slice(numbers));
+        let [re_a, im_a] = simd.deinterleave_shfl_f64s([vectors[0], vectors[1]]);
+        let [re_b, im_b] = simd.deinterleave_shfl_f64s([vectors[2], vectors[3]]);
+        Self {
+            re: RealLanes::of_vectors(simd, [re_a, re_b]),
+            im: RealLanes::of_vectors(simd, [im_a, im_b]),
+        }
     }
 
-    /// Writes the first lanes, as many as `numbers` has room for, at most [`Self::LEN`].
+    /// The numbers in their order; what lies beyond [`Self::LEN`] is none of them.
+    #[inline(always)]
+    pub(crate) fn numbers(self) -> Lanes<Complex64> {
+        let mut numbers = Lanes([Complex64::ZERO; MOST_LANES]);
+        self.store_all(&mut numbers.0);
+        numbers
+    }
+
+    /// Writes the first numbers, as many as there is room for, at most [`Self::LEN`].
     #[inline(always)]
     pub(crate) fn store(self, numbers: &mut [Complex64]) {
-        let (re, im) = (self.re.lanes(), self.im.lanes());
-        for ((z, re), im) in numbers.iter_mut().zip(&re[..Self::LEN]).zip(&*im) {
-            *z = Complex64::new(*re, *im);
+        if numbers.len() >= Self::LEN {
+            self.store_all(numbers);
+        } else {
+            numbers.copy_from_slice(&self.numbers()[..numbers.len()]);
         }
+    }
+
+    #[inline(always)]
+    fn store_all(self, numbers: &mut [Complex64]) {
+        let (vectors, _) = S::as_mut_simd_f64s(cast_slice_mut(numbers));
+        let (simd, [re_a, re_b]) = self.re.vectors();
+        let (_, [im_a, im_b]) = self.im.vectors();
+        let [first, second] = simd.interleave_shfl_f64s([re_a, im_a]);
+        let [third, fourth] = simd.interleave_shfl_f64s([re_b, im_b]);
+        (vectors[0], vectors[1], vectors[2], vectors[3]) = (first, second, third, fourth);
     }
 }
 
@@ -61,8 +88,8 @@ pub(crate) trait LambdaLanes<S: Simd>: Scalar<Size = RealLanes<S>> {
     /// The first [`Self::LEN`] of `numbers`, as [`ComplexLanes::load`] has them.
     fn load_numbers(simd: S, numbers: &[Complex64]) -> Self;
 
-    /// The numbers, lane by lane; what lies beyond [`Self::LEN`] is no lane's.
-    fn numbers(self) -> [Complex64; MOST_LANES];
+    /// As complex numbers.
+    fn complex(self) -> ComplexLanes<S>;
 }
 
 impl<S: Simd> LambdaLanes<S> for ComplexLanes<S> {
@@ -74,8 +101,8 @@ impl<S: Simd> LambdaLanes<S> for ComplexLanes<S> {
     }
 
     #[inline(always)]
-    fn numbers(self) -> [Complex64; MOST_LANES] {
-        self.lanes()
+    fn complex(self) -> Self {
+        self
     }
 }
 
@@ -88,8 +115,8 @@ impl<S: Simd> LambdaLanes<S> for RealLanes<S> {
     }
 
     #[inline(always)]
-    fn numbers(self) -> [Complex64; MOST_LANES] {
-        self.lanes().map(Complex64::from)
+    fn complex(self) -> ComplexLanes<S> {
+        ComplexLanes { re: self, im: self.lift(0.0) }
     }
 }
 
@@ -201,10 +228,10 @@ mod tests {
                 for (column, result) in columns.iter_mut().zip(results) {
                     result.store(column);
                 }
-                let sizes = a.re.larger(a.im).lanes();
+                let sizes = a.re.larger(a.im).complex().numbers();
                 for lane in 0..numbers.len() {
                     found.push(columns.map(|column| column[lane]));
-                    larger.push(sizes[lane]);
+                    larger.push(sizes[lane].re);
                 }
             }
             (found, larger)

@@ -18,11 +18,12 @@ pub(super) const MOST_LANES: usize = 16;
 /// them on its stack keeps all its vectors there so, which is a tenth of its time.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Lanes([f64; MOST_LANES]);
+pub(crate) struct Lanes<T>(pub(super) [T; MOST_LANES]);
 
-impl Deref for Lanes {
-    type Target = [f64; MOST_LANES];
+impl<T> Deref for Lanes<T> {
+    type Target = [T; MOST_LANES];
 
+    #[inline(always)]
     fn deref(&self) -> &Self::Target {
         &self.0
     }
@@ -71,9 +72,19 @@ impl<S: Simd> RealLanes<S> {
         Self { simd, values: [vectors[0], vectors[1]] }
     }
 
+    #[inline(always)]
+    pub(super) fn of_vectors(simd: S, values: [S::f64s; 2]) -> Self {
+        Self { simd, values }
+    }
+
+    #[inline(always)]
+    pub(super) fn vectors(self) -> (S, [S::f64s; 2]) {
+        (self.simd, self.values)
+    }
+
     /// The numbers, lane by lane; what lies beyond [`Self::LEN`] is no lane's.
     #[inline(always)]
-    pub(crate) fn lanes(self) -> Lanes {
+    pub(crate) fn lanes(self) -> Lanes<f64> {
         let mut lanes = Lanes([0.0; MOST_LANES]);
         let (vectors, _) = S::as_mut_simd_f64s(&mut lanes.0);
         vectors[..2].copy_from_slice(&self.values);

@@ -1,5 +1,5 @@
 use crate::inverse::Solution;
-use crate::numeric::{TimeGrid, largest};
+use crate::numeric::{TimeGrid, largest, sum_over};
 
 /// Share of the peak torque that counts as acting: the level of the paper's 0.3 s.
 pub const TIMING_LEVEL: f64 = 0.02;
@@ -96,7 +96,7 @@ pub(super) fn peak(samples: &[f64], grid: &TimeGrid) -> Peak {
 }
 
 fn rms(samples: &[f64]) -> f64 {
-    let squares: f64 = samples.iter().map(|x| x * x).sum();
+    let squares = sum_over(samples, |x| x * x);
     (squares / samples.len() as f64).sqrt()
 }
 

@@ -1,7 +1,7 @@
 use num_complex::Complex64;
 
 use crate::inverse::spectra::Forcing;
-use crate::numeric::{RootPlaces, Scalar, largest, quintic, scale_by_quintics};
+use crate::numeric::{RootPlaces, Scalar, largest, quintic, scale_by_quintics, sum_over};
 
 /// Change of torque per felt acceleration in kg m, evenly sampled in √ω from zero to the end of the
 /// band.
@@ -59,7 +59,7 @@ impl<'a> SampledChange<'a> {
         // Of the bins between two samples the one between these is the nearest.
         for (k, here) in between.iter().enumerate() {
             let felt = &self.felt_m_s2[places.between(k)];
-            let sum: f64 = felt.iter().map(|felt| 2.0 * felt.size()).sum();
+            let sum = 2.0 * sum_over(felt, |felt| felt.size());
             let neighbours = &off[k.saturating_sub(1)..off.len().min(k + 2)];
             estimate.wrong_n_m += sum * largest(neighbours);
             estimate.change_n_m += sum * here.size();
