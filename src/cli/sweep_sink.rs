@@ -97,13 +97,10 @@ impl Rows {
     }
 
     /// What to tell of a sweep that was stopped after `there` of `all` rows.
-    pub(crate) fn interrupted(self, there: usize, all: usize) -> Failure {
+    pub(crate) fn interrupted(&self, there: usize, all: usize) -> Failure {
         let message = format!("interrupted after {there} of {all} cases");
         match self {
-            Self::InFile(mut file) => {
-                if let Err(error) = file.flush() {
-                    return error.into();
-                }
+            Self::InFile(file) => {
                 let message = format!("{message}, which are in {}", file.part().display());
                 let hint = "the same command with --resume goes on";
                 Failure::new(Exit::Interrupted, &message, Some(hint))

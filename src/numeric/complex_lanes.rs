@@ -88,7 +88,7 @@ pub(crate) trait LambdaLanes<S: Simd>: Scalar<Size = RealLanes<S>> {
     /// The first [`Self::LEN`] of `numbers`, as [`ComplexLanes::load`] has them.
     fn load_numbers(simd: S, numbers: &[Complex64]) -> Self;
 
-    /// As complex numbers.
+    /// As complex numbers, which know the order that [`Self::load_numbers`] gave the lanes.
     fn complex(self) -> ComplexLanes<S>;
 }
 

@@ -82,7 +82,8 @@ impl<S: Simd> RealLanes<S> {
         (self.simd, self.values)
     }
 
-    /// The numbers, lane by lane; what lies beyond [`Self::LEN`] is no lane's.
+    /// The numbers, lane by lane, of lanes that [`Self::load`] filled; what lies beyond
+    /// [`Self::LEN`] is no lane's.
     #[inline(always)]
     pub(crate) fn lanes(self) -> Lanes<f64> {
         let mut lanes = Lanes([0.0; MOST_LANES]);

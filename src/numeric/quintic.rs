@@ -50,8 +50,8 @@ impl RootPlaces {
     }
 }
 
-/// Multiplies each value, which are as many as the places', by the quintic at its place, as
-/// [`quintic`] has it, with the same bits on every processor.
+/// Multiplies each value, which are as many as the places', by the [`quintic`] at its place, with the
+/// same bits on every processor.
 ///
 /// # Panics
 /// If there are fewer than six samples, other than one more than intervals, or fewer values than
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn many_places_have_the_bits_of_each_alone_on_all_vectors() {
+    fn many_values_are_scaled_as_each_alone_with_the_same_bits_on_all_vectors() {
         let samples: Vec<Complex64> = (0..20).map(|k| value(0.3 * f64::from(k)).inv()).collect();
         let places = RootPlaces { numbers: 500, intervals: 19 };
         let factor = |k: usize| Complex64::new(1.0 + k as f64, -0.7);

@@ -5,7 +5,7 @@ pub const SECTIONS: usize = 16;
 /// between, and returns the place of the smaller end.
 ///
 /// The ends are place and value, the places positive. The function, asked about sixteen places at a
-/// time, need not be smooth, nor finite; where it is, the root is looked for around where a straight
+/// time, none beyond the ends, need not be smooth, nor finite; where it is, the root is looked for around where a straight
 /// line from end to end has it. Elsewhere the bracket is cut evenly, in the logarithm first, so that
 /// its width does not matter.
 pub fn root(
@@ -17,8 +17,9 @@ pub fn root(
     while is_open(low.0, high.0) {
         let width = high.0 - low.0;
         let guess = low.0 + width * (low.1 / (low.1 - high.1));
-        let is_guessed = is_straight && low.0 <= guess && guess <= high.0;
+        let is_guessed = is_straight && low.1.is_finite() && high.1.is_finite();
         let places = if is_guessed { around(guess, width) } else { places(low.0, high.0) };
+        let places = places.map(|place| place.clamp(low.0, high.0));
         for (place, value) in places.into_iter().zip(values(&places)) {
             let is_between = low.0 < place && place < high.0;
             if is_between && value.is_sign_negative() == high.1.is_sign_negative() {
@@ -28,6 +29,10 @@ pub fn root(
             if is_between {
                 low = (place, value);
             }
+        }
+        if high.0 - low.0 >= width && !is_guessed {
+            // Of the least numbers there are, steps have no length.
+            break;
         }
         // A guess that leaves more than equal steps would is followed by these.
         let is_narrow = (high.0 - low.0) * (SECTIONS + 1) as f64 <= width;
@@ -93,7 +98,7 @@ mod tests {
     fn steps_to(exact: f64, (low, high): (f64, f64), value: impl Fn(f64) -> f64) -> usize {
         let mut steps = 0;
         let found = root((low, value(low)), (high, value(high)), |places| {
-            assert!(places.is_sorted(), "{places:?}");
+            assert!(places.is_sorted() && places[0] >= low && places[15] <= high, "{places:?}");
             steps += 1;
             places.map(&value)
         });
@@ -128,6 +133,14 @@ mod tests {
             assert!(root * root <= square && above * above > square, "{root} is not √{square}");
             assert!(steps < 20, "{steps} steps");
         }
+    }
+
+    #[test]
+    fn a_bracket_of_the_least_numbers_is_no_search_without_end() {
+        let high = f64::from_bits(2);
+        let root =
+            root((0.0, side(false)), (high, side(true)), |places| places.map(|x| side(x >= high)));
+        assert_eq!(root, 0.0);
     }
 
     #[test]

@@ -1,8 +1,7 @@
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, BufWriter, Write as _};
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use same_file::Handle;
 
@@ -12,21 +11,15 @@ use super::sweep_identity::SweepIdentity;
 use super::sweep_rows::SweepRows;
 use super::table_error::{Place, TableError};
 
-/// How long rows may wait for others that are written with them: what a killed sweep loses is no more
-/// work than that.
-const TOGETHER: Duration = Duration::from_millis(50);
-
 /// The file of a sweep while its rows come: `sweep.csv.part` beside `sweep.csv`.
 ///
 /// It holds whole rows at every moment, so that an interrupted sweep can go on; it takes its own
-/// name when the last row is there. Its first line is its [`SweepIdentity`], which shards keep. Many
-/// rows in a moment are written together.
+/// name when the last row is there. Its first line is its [`SweepIdentity`], which shards keep.
 #[derive(Debug)]
 pub struct SweepFile {
     path: PathBuf,
     part: PathBuf,
-    file: BufWriter<File>,
-    written: Instant,
+    file: File,
     identity: SweepIdentity,
 }
 
@@ -49,10 +42,9 @@ impl SweepFile {
     pub fn begin(path: &Path, identity: SweepIdentity, header: &str) -> Result<Self, FolderError> {
         let mut file = Self::open(path, identity)?;
         let first = format!("{}\n{header}", file.identity);
-        let begun = file.file.get_ref().set_len(0);
+        let begun = file.file.set_len(0);
         begun.map_err(|cause| file.error(cause))?;
         file.append(&first)?;
-        file.flush()?;
         Ok(file)
     }
 
@@ -114,31 +106,19 @@ impl SweepFile {
         rows.map_or(0, |rows| rows.len())
     }
 
-    /// Appends whole rows, which are in the file when they are [flushed](Self::flush), and at the
-    /// latest with a row that comes a twentieth of a second later.
+    /// Appends whole rows, at once: a case may have taken hours.
     ///
     /// # Errors
     /// [`FolderError`] if they cannot be written.
     pub fn append(&mut self, rows: &str) -> Result<(), FolderError> {
-        self.file.write_all(rows.as_bytes()).map_err(|cause| self.error(cause))?;
-        if self.written.elapsed() >= TOGETHER { self.flush() } else { Ok(()) }
-    }
-
-    /// Writes all rows that wait.
-    ///
-    /// # Errors
-    /// [`FolderError`] if they cannot be written.
-    pub fn flush(&mut self) -> Result<(), FolderError> {
-        self.written = Instant::now();
-        self.file.flush().map_err(|cause| self.error(cause))
+        self.file.write_all(rows.as_bytes()).map_err(|cause| self.error(cause))
     }
 
     /// Gives the file its own name; of a whole sweep only the table is left.
     ///
     /// # Errors
     /// [`FolderError`] if it cannot be written.
-    pub fn finish(mut self, durability: Durability) -> Result<(), FolderError> {
-        self.flush()?;
+    pub fn finish(self, durability: Durability) -> Result<(), FolderError> {
         let rows = fs::read(&self.part).map_err(|cause| self.error(cause))?;
         let first = rows.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let table = if self.identity.shard().of() > 1 { &rows[..] } else { &rows[first..] };
@@ -181,8 +161,7 @@ impl SweepFile {
         };
         loop {
             if let Some(file) = opened().map_err(|cause| error(&part, cause))? {
-                let (file, written) = (BufWriter::new(file), Instant::now());
-                return Ok(Self { path: path.to_owned(), part, file, written, identity });
+                return Ok(Self { path: path.to_owned(), part, file, identity });
             }
         }
     }
@@ -190,7 +169,7 @@ impl SweepFile {
     /// Cuts off a row that was not written to its end.
     fn cut_after(&mut self, read: &[u8]) -> Result<(), FolderError> {
         let whole = read.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-        self.file.get_ref().set_len(whole as u64).map_err(|cause| self.error(cause))
+        self.file.set_len(whole as u64).map_err(|cause| self.error(cause))
     }
 
     fn error(&self, cause: io::Error) -> FolderError {
@@ -247,27 +226,6 @@ mod tests {
         file.finish(Durability::InMemory).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "a,b\n1,1\n2,2\n3,3\n");
         assert!(!part_of(&path).exists());
-    }
-
-    #[test]
-    fn rows_wait_for_others_no_longer_than_a_moment_and_are_never_cut() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("sweep.csv");
-        let mut file = SweepFile::begin(&path, identity("1,2,3", "1/1"), HEADER).unwrap();
-        let part = || fs::read_to_string(part_of(&path)).unwrap();
-        let begun = part();
-        let row = |text: &str| format!("{text}\n");
-        // More than any buffer holds at once, in rows of odd lengths.
-        for k in 0..2000 {
-            file.append(&row(&k.to_string().repeat(1 + k % 7))).unwrap();
-            assert!(part().ends_with('\n'), "cut after {k} rows");
-        }
-        file.flush().unwrap();
-        assert_eq!(part().lines().count(), begun.lines().count() + 2000);
-        file.append(&row("waits")).unwrap();
-        std::thread::sleep(TOGETHER);
-        file.append(&row("goes")).unwrap();
-        assert!(part().ends_with("waits\ngoes\n"), "a row waits");
     }
 
     #[test]

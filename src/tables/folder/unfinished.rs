@@ -36,7 +36,6 @@ pub(super) fn hold_off_the_end() -> HeldOff {
 }
 
 /// Returns if no end has begun, and else waits for it: what is missing then went with the end, and
-/// Returns if no end has begun, and else waits for it: what is missing then went with the end, and
 /// nobody is to be told of it. Not to be called while the end is held off.
 pub fn wait_if_ending() {
     drop(hold_off_the_end());
