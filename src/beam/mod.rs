@@ -27,5 +27,5 @@ pub use plan::{ElementCount, MeshPlan, Piece};
 pub use sixteen::{Pivots, pivots, tip_displacements_m};
 pub use spectrum::{nodal_transfers, tip_transfers};
 pub use tip_transfers::TipTransfers;
-pub use transfer::{HubResponse, TipTransfer, hub_response, tip_transfer};
+pub use transfer::{HubResponse, TipTransfer, hub_response, tip_displacement_m, tip_transfer};
 pub use walk::{NodalQuantity, NodalTransfer, nodal_transfer};

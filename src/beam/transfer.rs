@@ -124,6 +124,27 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
     HubResponse::at_axis(mesh, per_lambda_s2, Reached { root, tip_deflection_m, largest_gain })
 }
 
+/// Tip displacement per hub angle, `v_tip/θ = L + e_tip`, in m, where it is small beside L, too.
+///
+/// Where both grow as e^{zt} the tip hardly moves, and less the larger z: as a sum, L + e_tip would be
+/// rounding. What is carried here from tip to hub is the displacement itself, all of it.
+#[inline(always)]
+pub fn tip_displacement_m<S: Scalar>(mesh: &Mesh, lambda: S) -> S {
+    // Tip displacement per motion (v, φ) of the node.
+    let (mut t_v, mut t_phi) = (lambda.lift(1.0), lambda.lift(0.0));
+    condense(
+        mesh,
+        lambda,
+        #[inline(always)]
+        |index, step| {
+            let rigid = [t_v, t_v * mesh.relative_elements()[index].length_m + t_phi];
+            let bent = step.eliminated.along([t_v, t_phi]);
+            [t_v, t_phi] = [rigid[0] + bent[0], rigid[1] + bent[1]];
+        },
+    );
+    t_v * mesh.nodes_m()[0] + t_phi
+}
+
 /// Transfers from the tip to torque and hub angle.
 ///
 /// Time in the number of elements; nothing is singular at λ = 0, where the link is rigid.

@@ -1,6 +1,6 @@
 use super::frequencies::HubSpring;
 use super::inertia::{carries_rotary_inertia, outboard_degrees_of_freedom};
-use crate::beam::{Mesh, hub_response, tip_displacements_m};
+use crate::beam::{Mesh, hub_response, tip_displacement_m, tip_displacements_m};
 use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
 
 /// Zeros that a solution reports.
@@ -107,8 +107,8 @@ fn start_near_real_zeros(mesh: &Mesh) -> Option<f64> {
     let rest = hub_response(mesh, 0.0);
     let lag_m_s2 = rest.tip_deflection_m * rest.per_lambda_s2;
     let start = NEAR * (mesh.length_m() / lag_m_s2).sqrt();
-    let displacement_m = hub_response(mesh, -start * start).tip_displacement_m(mesh);
-    Some(start).filter(|start| start.is_finite() && displacement_m > 0.0)
+    let is_below = tip_displacement_m(mesh, -start * start) > 0.0;
+    Some(start).filter(|start| start.is_finite() && is_below)
 }
 
 /// Where scans for zeros begin, in 1/s: far below the first mode of the link clamped at its hub,
@@ -126,6 +126,7 @@ mod tests {
         Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, uniform, uniform_segment,
     };
     use crate::modal::modes_below;
+    use crate::numeric::Wide;
 
     #[test]
     fn a_search_from_anywhere_ends_a_power_of_two_from_there_around_the_mode() {
@@ -203,6 +204,26 @@ mod tests {
                         "{far}, {start}, {found:?}"
                     );
                 }
+            }
+        }
+    }
+
+    /// The tip moves by less than 1e-13 of L around the last of these.
+    #[test]
+    fn high_zeros_have_their_digits_where_the_tip_hardly_moves() {
+        let link = Link::new(uniform()).unwrap();
+        for elements in [10, 40, 400] {
+            let mesh = Mesh::on(&link, elements);
+            let zeros = torque_zeros(&mesh, 10);
+            assert_eq!(zeros.len(), 10, "{elements} elements");
+            for (k, zero) in zeros.into_iter().enumerate() {
+                // In 106 bits.
+                let is_negative = |share: f64| {
+                    let z = Wide::from(zero) * (Wide::from(1.0) + share);
+                    tip_displacement_m(&mesh, z * z * -1.0).nearest() < 0.0
+                };
+                let sides = (is_negative(-1e-11), is_negative(1e-11));
+                assert_eq!(sides, (k % 2 == 1, k % 2 == 0), "zero {k} of {elements} elements");
             }
         }
     }
