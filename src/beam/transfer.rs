@@ -126,8 +126,8 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
 
 /// Tip displacement per hub angle, `v_tip/θ = L + e_tip`, in m, where it is small beside L, too.
 ///
-/// Where both grow as e^{zt} the tip hardly moves, and less the larger z: as a sum, L + e_tip would be
-/// rounding. What is carried here from tip to hub is the displacement itself, all of it.
+/// Where both grow as e^{zt} the tip hardly moves, and less the larger z: as a sum, `L + e_tip` would
+/// be rounding. What is carried here from tip to hub is the displacement itself, all of it.
 #[inline(always)]
 pub fn tip_displacement_m<S: Scalar>(mesh: &Mesh, lambda: S) -> S {
     // Tip displacement per motion (v, φ) of the node.
