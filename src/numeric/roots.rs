@@ -5,9 +5,9 @@ pub const SECTIONS: usize = 16;
 /// between, and returns the place of the smaller end.
 ///
 /// The ends are place and value, the places positive. The function, asked about sixteen places at a
-/// time, none beyond the ends, need not be smooth, nor finite; where it is, the root is looked for around where a straight
-/// line from end to end has it. Elsewhere the bracket is cut evenly, in the logarithm first, so that
-/// its width does not matter.
+/// time, none beyond the ends, need not be smooth, nor finite; where it is, the root is looked for
+/// around where a straight line from end to end has it. Elsewhere the bracket is cut evenly, in the
+/// logarithm first, so that its width does not matter.
 pub fn root(
     mut low: (f64, f64),
     mut high: (f64, f64),
