@@ -5,7 +5,8 @@ use nalgebra::Matrix2;
 use super::element::RelativeElement;
 use super::elimination::{Eliminated, Gain, eliminate};
 use super::mesh::Mesh;
-use crate::numeric::Scalar;
+use super::stretch::Stretch;
+use crate::numeric::{Scalar, Size};
 
 /// Symmetric 2×2 apparent inertia A on (v, φ): kg, kg m, kg m².
 ///
@@ -76,7 +77,7 @@ impl<S: Scalar> Step<S> {
     }
 }
 
-/// Runs the recursion from tip to hub at λ and shows every element's [`Step`] to `visit`, the
+/// Runs the recursion from tip to hub at λ, element by element, and shows every element's [`Step`] to `visit`, the
 /// outermost element first. Returns the apparent inertia at the link's root, node 0.
 ///
 /// λ is the squared frequency over the relative complex stiffness: ω²/(1 + 2iξ) for the hysteretic
@@ -105,6 +106,53 @@ pub fn condense<S: Scalar>(
     outer
 }
 
+/// The same over stretches of equal elements, each of 2ᵏ of them, in time with k: `visit` gets the
+/// number of a stretch's outer node, its length in m, and its [`Step`].
+///
+/// Returns, besides, what no gain within a stretch exceeds.
+#[inline(always)]
+pub(super) fn condense_stretches<S: Scalar>(
+    mesh: &Mesh,
+    lambda: S,
+    mut visit: impl FnMut(usize, f64, &Step<S>),
+) -> (Inertia<S>, S::Size) {
+    let per_lambda = mesh.per_lambda(lambda);
+    let mut largest_gain = lambda.lift(0.0).size();
+    let mut outer = mesh.tip_inertia().lift(per_lambda);
+    for row in mesh.rows().iter().rev() {
+        let (element, count) = (&mesh.relative_elements()[row.start], row.len());
+        let mut outer_node = row.end;
+        if count % 2 == 1 {
+            let step = condense_element(element, per_lambda, outer);
+            visit(outer_node, element.length_m, &step);
+            outer = step.inner;
+            outer_node -= 1;
+        }
+        if count > 1 {
+            let (mut stretch, mut gain) = Stretch::of(element, per_lambda).doubled();
+            let mut elements = 2;
+            loop {
+                largest_gain = largest_gain.larger(gain);
+                if count & elements != 0 {
+                    let step = stretch.condense(outer);
+                    visit(outer_node, stretch.length_m, &step);
+                    outer = step.inner;
+                    outer_node -= elements;
+                }
+                elements *= 2;
+                if elements > count {
+                    break;
+                }
+                (stretch, gain) = stretch.doubled();
+            }
+        }
+        if let Some(lumped) = mesh.lumped_inertia(row.start) {
+            outer = outer.plus(lumped);
+        }
+    }
+    (outer, largest_gain)
+}
+
 #[inline(always)]
 fn condense_element<S: Scalar>(element: &RelativeElement, per_lambda: S, a: Inertia<S>) -> Step<S> {
     let RelativeElement { length_m: l, k_d, m_dd, m_ud, m_uu } = element;
@@ -112,17 +160,40 @@ fn condense_element<S: Scalar>(element: &RelativeElement, per_lambda: S, a: Iner
     // Rᵀ A, of which the first row is A's own.
     let (ra_pv, ra_pp) = (a.vv * l + a.vp, a.vp * l + a.pp);
     let b = [[a.vv + m_ud.m11, a.vp + m_ud.m12], [ra_pv + m_ud.m21, ra_pp + m_ud.m22]];
-    let pivot_block = Inertia {
-        vv: per_lambda * k_d.m11 - (a.vv + m_dd.m11),
-        vp: per_lambda * k_d.m12 - (a.vp + m_dd.m12),
-        pp: per_lambda * k_d.m22 - (a.pp + m_dd.m22),
-    };
-    let (pivots, eliminated) = eliminate(&pivot_block, l, &b);
-    let bg = eliminated.inertia();
-    let inner = Inertia {
-        vv: bg.vv + (a.vv + m_uu.m11),
-        vp: bg.vp + (ra_pv + m_uu.m12),
-        pp: bg.pp + (ra_pv * l + ra_pp + m_uu.m22),
-    };
-    Step { eliminated, pivots, inner }
+    Outboard {
+        pivot_block: Inertia {
+            vv: per_lambda * k_d.m11 - (a.vv + m_dd.m11),
+            vp: per_lambda * k_d.m12 - (a.vp + m_dd.m12),
+            pp: per_lambda * k_d.m22 - (a.pp + m_dd.m22),
+        },
+        b,
+        carried: Inertia {
+            vv: a.vv + m_uu.m11,
+            vp: ra_pv + m_uu.m12,
+            pp: ra_pv * l + ra_pp + m_uu.m22,
+        },
+    }
+    .condensed(l)
+}
+
+/// A stretch and all that is outboard of it, before its outer end is condensed.
+pub(super) struct Outboard<S> {
+    /// `K_d/λ − (M_dd + A_j)`.
+    pub(super) pivot_block: Inertia<S>,
+    /// `M_ud + Rᵀ A_j`.
+    pub(super) b: [[S; 2]; 2],
+    /// `M_uu + Rᵀ A_j R`.
+    pub(super) carried: Inertia<S>,
+}
+
+impl<S: Scalar> Outboard<S> {
+    /// Condenses the outer end of a stretch of this length in m.
+    #[inline(always)]
+    pub(super) fn condensed(&self, length_m: f64) -> Step<S> {
+        let (pivots, eliminated) = eliminate(&self.pivot_block, length_m, &self.b);
+        let (bg, carried) = (eliminated.inertia(), self.carried);
+        let inner =
+            Inertia { vv: bg.vv + carried.vv, vp: bg.vp + carried.vp, pp: bg.pp + carried.pp };
+        Step { eliminated, pivots, inner }
+    }
 }

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use super::condensation::Inertia;
 use super::element::{Element, RelativeElement};
 use super::plan::MeshPlan;
@@ -21,6 +23,8 @@ pub struct Mesh {
     hub_inertia_kg_m2: f64,
     /// λ in 1/s² up to which the link is rigid to the last digit.
     pub(super) rigid_lambda: f64,
+    /// Elements of each row of equal ones.
+    pub(super) rows: Vec<Range<usize>>,
 }
 
 impl Mesh {
@@ -44,7 +48,7 @@ impl Mesh {
         }
         let mut mesh = Self::assemble(elements, segments, link);
         mesh.place_masses(link);
-        mesh.with_rigid_limit()
+        mesh.with_rigid_limit().with_rows()
     }
 
     fn assemble(elements: Vec<Element>, segments: Vec<usize>, link: &Link) -> Self {
@@ -56,6 +60,7 @@ impl Mesh {
             tip: Inertia::rigid(payload.mass_kg, payload.inertia_kg_m2, payload.offset_m),
             hub_inertia_kg_m2: link.hub().inertia_kg_m2,
             rigid_lambda: 0.0,
+            rows: vec![],
             nodes_m,
             elements,
             segments,
@@ -101,8 +106,10 @@ impl Mesh {
             tip: self.tip,
             hub_inertia_kg_m2: self.hub_inertia_kg_m2,
             rigid_lambda: 0.0,
+            rows: vec![],
         }
         .with_rigid_limit()
+        .with_rows()
     }
 
     /// Elements from the hub outward.

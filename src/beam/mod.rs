@@ -9,8 +9,10 @@ mod mesh;
 mod pivoted;
 mod plan;
 mod rigid_limit;
+mod rows;
 mod sixteen;
 mod spectrum;
+mod stretch;
 mod tip_transfers;
 mod transfer;
 #[cfg(test)]

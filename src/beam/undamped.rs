@@ -12,9 +12,16 @@ impl Mesh {
     }
 }
 
+const SI: Units = Units { length: 1.0, mass: 1.0 };
+
 /// The link on this many elements.
 pub(super) fn mesh(elements: usize) -> Mesh {
-    mesh_in(elements, Units { length: 1.0, mass: 1.0 })
+    mesh_in(elements, SI)
+}
+
+/// The same without tapers: two rows of equal elements, the mass between them.
+pub(super) fn even_mesh(elements: usize) -> Mesh {
+    mesh_of(elements, SI, [5.0, 0.8].map(Taper::constant))
 }
 
 /// How many of other units a metre and a kilogram are, the second kept: powers of two, which cost no
@@ -26,7 +33,14 @@ pub(super) struct Units {
 }
 
 /// The link on this many elements, measured in these units.
-pub(super) fn mesh_in(elements: usize, Units { length, mass }: Units) -> Mesh {
+pub(super) fn mesh_in(elements: usize, units: Units) -> Mesh {
+    let (stiffness, density) = (Taper { inner: 6.0, outer: 4.0 }, Taper { inner: 0.9, outer: 0.7 });
+    mesh_of(elements, units, [stiffness, density])
+}
+
+/// The link with this bending stiffness in N m² and mass per length in kg/m, were the units SI.
+fn mesh_of(elements: usize, units: Units, [ei, per_length]: [Taper; 2]) -> Mesh {
+    let Units { length, mass } = units;
     let inertia = mass * length * length;
     let (stiffness, density) = (inertia * length, mass / length);
     let link = Link::new(LinkParts {
@@ -34,8 +48,8 @@ pub(super) fn mesh_in(elements: usize, Units { length, mass }: Units) -> Mesh {
         segments: vec![Segment {
             name: None,
             length_m: 1.5 * length,
-            bending_stiffness_n_m2: Taper { inner: 6.0, outer: 4.0 }.scaled(stiffness),
-            mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.7 }.scaled(density),
+            bending_stiffness_n_m2: ei.scaled(stiffness),
+            mass_per_length_kg_m: per_length.scaled(density),
         }],
         hub: Hub {
             inertia_kg_m2: 0.1 * inertia,

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::{Smooth, accelerated, link, mesh_of, refused, sine};
 use flexlink::beam::{ElementCount, Mesh, MeshPlan, tip_transfers};
 use flexlink::inverse::{Analysis, InversionError, Warning, invert};
-use flexlink::link::{Damping, Link};
+use flexlink::link::{Damping, Link, Taper};
 use flexlink::modal::{DampingError, real_frequency_zeros};
 use flexlink::numeric::significant;
 
@@ -127,7 +127,11 @@ fn a_blocked_tip_is_known_from_a_moving_one_on_any_mesh() {
 
 #[test]
 fn an_automatic_mesh_that_does_not_converge() {
-    let link = link(|parts| parts.damping = Damping::None);
+    // Rounding adds up over thousands of elements that are not equal.
+    let link = link(|parts| {
+        parts.damping = Damping::None;
+        parts.segments[0].bending_stiffness_n_m2 = Taper { inner: 6.0, outer: 4.0 };
+    });
     let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Auto), 1e-12).unwrap();
     let error = refused(&link, &plan, &sine(0.5, 0.2, 20), &Analysis::default());
     let InversionError::NotConverged { error: reached, elements, tolerance } = error else {
