@@ -77,8 +77,8 @@ impl<S: Scalar> Step<S> {
     }
 }
 
-/// Runs the recursion from tip to hub at λ, element by element, and shows every element's [`Step`] to `visit`, the
-/// outermost element first. Returns the apparent inertia at the link's root, node 0.
+/// Runs the recursion from tip to hub at λ, element by element, and shows every element's [`Step`] to
+/// `visit`, the outermost element first. Returns the apparent inertia at the link's root, node 0.
 ///
 /// λ is the squared frequency over the relative complex stiffness: ω²/(1 + 2iξ) for the hysteretic
 /// law, ω² without damping, −σ² for the zeros of torque → tip. With `B = M_ud + Rᵀ A_j`:
@@ -106,8 +106,9 @@ pub fn condense<S: Scalar>(
     outer
 }
 
-/// The same over stretches of equal elements, each of 2ᵏ of them, in time with k: `visit` gets the
-/// number of a stretch's outer node, its length in m, and its [`Step`].
+/// The same by stretches of 2ᵏ equal elements, of which a row has as many as its number of elements
+/// has binary ones, in time that grows with k: `visit` gets the number of a stretch's outer node, its
+/// length in m, and its [`Step`].
 ///
 /// Returns, besides, what no gain within a stretch exceeds.
 #[inline(always)]

@@ -11,7 +11,7 @@ use num_complex::Complex64;
 
 use super::element::RelativeElement;
 use super::mesh::Mesh;
-use super::transfer::TipTransfer;
+use super::tip_transfers::TipTransfer;
 use super::walk::NodalTransfer;
 
 /// Numbers that the recursion with pivoting runs over: complex ones, and real ones for modes.

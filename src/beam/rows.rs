@@ -36,28 +36,58 @@ mod tests {
 
     #[test]
     fn equal_elements_stand_in_rows_between_masses() {
-        let segment = |length_m, inner, outer| Segment {
-            name: None,
-            length_m,
-            bending_stiffness_n_m2: Taper { inner, outer },
-            mass_per_length_kg_m: Taper::constant(0.7),
-        };
-        let mass = LumpedMass { at_m: 0.75, mass_kg: 0.1, inertia_kg_m2: 0.0 };
-        let link = Link::new(LinkParts {
+        let constant = Taper::constant;
+        let mesh = meshed(
             // The second is the first, gone on with; the last one tapers.
-            segments: vec![
-                segment(0.25, 4.1, 4.1),
-                segment(1.0, 4.1, 4.1),
-                segment(0.6, 5.0, 5.0),
-                segment(0.2, 5.0, 2.0),
+            vec![
+                segment(0.25, constant(4.1), constant(0.7)),
+                segment(1.0, constant(4.1), constant(0.7)),
+                segment(0.6, constant(5.0), constant(0.7)),
+                segment(0.2, Taper { inner: 5.0, outer: 2.0 }, constant(0.7)),
             ],
-            masses: vec![mass],
-            ..uniform()
-        })
-        .unwrap();
-        let own = [1, 4, 3, 2].map(Some);
-        let mesh = Mesh::new(&link, &MeshPlan::new(&link, &own, None, 1e-6).unwrap());
+            &[1, 4, 3, 2],
+            &[0.75],
+        );
         assert_eq!(mesh.rows(), [0..3, 3..5, 5..8, 8..9, 9..10]);
         assert_eq!(mesh.refined().rows(), [0..6, 6..10, 10..16, 16..17, 17..18, 18..19, 19..20]);
+    }
+
+    #[test]
+    fn equal_elements_that_taper_are_no_row() {
+        let (taper, constant) = (Taper { inner: 6.0, outer: 4.0 }, Taper::constant(0.7));
+        for (stiffness, density) in [(taper, constant), (constant, taper)] {
+            let tooth = segment(0.5, stiffness, density);
+            let mesh = meshed(vec![tooth.clone(), tooth], &[1, 1], &[]);
+            assert_eq!(mesh.elements()[0], mesh.elements()[1]);
+            assert_eq!(mesh.rows(), [0..1, 1..2]);
+        }
+    }
+
+    #[test]
+    fn a_mass_ends_a_row_where_segments_meet_and_not_at_the_ends_of_the_link() {
+        let half = segment(0.5, Taper::constant(4.1), Taper::constant(0.7));
+        let starts = |masses_at_m: &[f64]| -> Vec<usize> {
+            let mesh = meshed(vec![half.clone(), half.clone()], &[2, 2], masses_at_m);
+            mesh.rows().iter().map(|row| row.start).collect()
+        };
+        assert_eq!(starts(&[]), [0]);
+        assert_eq!(starts(&[0.5]), [0, 2]);
+        assert_eq!(starts(&[0.0, 1.0]), [0]);
+    }
+
+    fn segment(
+        length_m: f64,
+        bending_stiffness_n_m2: Taper,
+        mass_per_length_kg_m: Taper,
+    ) -> Segment {
+        Segment { name: None, length_m, bending_stiffness_n_m2, mass_per_length_kg_m }
+    }
+
+    fn meshed(segments: Vec<Segment>, counts: &[usize], masses_at_m: &[f64]) -> Mesh {
+        let mass = |at_m: &f64| LumpedMass { at_m: *at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 };
+        let masses = masses_at_m.iter().map(mass).collect();
+        let link = Link::new(LinkParts { segments, masses, ..uniform() }).unwrap();
+        let own: Vec<_> = counts.iter().copied().map(Some).collect();
+        Mesh::new(&link, &MeshPlan::new(&link, &own, None, 1e-6).unwrap())
     }
 }

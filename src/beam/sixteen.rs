@@ -12,8 +12,8 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::condensation::condense;
+use super::hub_response::tip_displacement_m;
 use super::mesh::Mesh;
-use super::transfer::tip_displacement_m;
 use crate::numeric::{RealLanes, SECTIONS, Scalar};
 
 /// Negative pivots of the dynamic stiffness, at one λ > 0.

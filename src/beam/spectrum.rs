@@ -8,12 +8,10 @@
 use num_complex::Complex64;
 use pulp::{Arch, Simd, WithSimd};
 
+use super::hub_response::{HubResponse, Reached};
 use super::mesh::Mesh;
-use super::pivoted::pivoted_transfer;
 use super::tip_transfers::TipTransfers;
-use super::transfer::{
-    HubResponse, Reached, hub_response, is_real, is_trusted, untested_tip_transfer,
-};
+use super::transfer::{Way, is_real, is_trusted, tip_transfer};
 use super::walk::{NodalQuantity, Walk, nodal_transfer};
 use crate::numeric::{ComplexLanes, LambdaLanes, RealLanes};
 
@@ -23,7 +21,7 @@ use crate::numeric::{ComplexLanes, LambdaLanes, RealLanes};
 pub fn tip_transfers(mesh: &Mesh, lambdas: &[Complex64]) -> TipTransfers {
     let Untested { mut transfers, gains } = Arch::new().dispatch(Tip { mesh, lambdas });
     for (k, _) in gains.iter().enumerate().filter(|(_, gain)| !is_trusted(**gain)) {
-        transfers.set(k, pivoted_transfer(mesh, lambdas[k]).tip);
+        transfers.set(k, tip_transfer(mesh, lambdas[k]));
     }
     transfers
 }
@@ -70,42 +68,47 @@ impl WithSimd for Tip<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { mesh, lambdas } = self;
-        if lambdas.iter().all(|lambda| is_real(*lambda)) {
-            return untested_transfers::<S, RealLanes<S>>(simd, mesh, lambdas);
-        }
-        let mut found = untested_transfers::<S, ComplexLanes<S>>(simd, mesh, lambdas);
-        // A real λ among others has the bits that it has alone.
-        for (k, lambda) in lambdas.iter().enumerate().filter(|(_, z)| is_real(**z)) {
-            let (transfer, gain) = untested_tip_transfer(mesh, *lambda);
-            found.transfers.set(k, transfer);
-            found.gains[k] = gain;
+        let mut found = Untested::with_capacity(lambdas.len());
+        // So that each has the bits that it has alone.
+        for alike in lambdas.chunk_by(|a, b| Way::of(*a) == Way::of(*b)) {
+            let way = Way::of(alike[0]);
+            if way == Way::RealElements {
+                found.extend::<S, RealLanes<S>>(simd, mesh, alike, way);
+            } else {
+                found.extend::<S, ComplexLanes<S>>(simd, mesh, alike, way);
+            }
         }
         found
     }
 }
 
-#[inline(always)]
-fn untested_transfers<S: Simd, L: LambdaLanes<S>>(
-    simd: S,
-    mesh: &Mesh,
-    lambdas: &[Complex64],
-) -> Untested {
-    let mut transfers = TipTransfers::with_capacity(lambdas.len());
-    let mut gains = Vec::with_capacity(lambdas.len());
-    for lambdas in lambdas.chunks(L::LEN) {
-        let lambda = L::load_numbers(simd, lambdas);
-        let hub = hub_response(mesh, lambda);
-        let tip = hub.per_tip(mesh);
-        let len = lambdas.len();
-        gains.extend(hub.largest_gain.complex().numbers()[..len].iter().map(|gain| gain.re));
-        transfers.inertia_kg_m.extend_from_slice(&tip.inertia_kg_m.complex().numbers()[..len]);
-        transfers
-            .root_inertia_kg_m
-            .extend_from_slice(&tip.root_inertia_kg_m.complex().numbers()[..len]);
-        transfers.angle_rad_m.extend_from_slice(&tip.angle_rad_m.complex().numbers()[..len]);
-        transfers.lag_s2.extend_from_slice(&tip.lag_s2.complex().numbers()[..len]);
+impl Untested {
+    fn with_capacity(len: usize) -> Self {
+        Self { transfers: TipTransfers::with_capacity(len), gains: Vec::with_capacity(len) }
     }
-    Untested { transfers, gains }
+
+    /// Those at further λ that go one way.
+    #[inline(always)]
+    fn extend<S: Simd, L: LambdaLanes<S>>(
+        &mut self,
+        simd: S,
+        mesh: &Mesh,
+        lambdas: &[Complex64],
+        way: Way,
+    ) {
+        let Self { transfers, gains } = self;
+        for lambdas in lambdas.chunks(L::LEN) {
+            let (tip, gain) = way.untested(mesh, L::load_numbers(simd, lambdas));
+            let len = lambdas.len();
+            gains.extend(gain.complex().numbers()[..len].iter().map(|gain| gain.re));
+            transfers.inertia_kg_m.extend_from_slice(&tip.inertia_kg_m.complex().numbers()[..len]);
+            transfers
+                .root_inertia_kg_m
+                .extend_from_slice(&tip.root_inertia_kg_m.complex().numbers()[..len]);
+            transfers.angle_rad_m.extend_from_slice(&tip.angle_rad_m.complex().numbers()[..len]);
+            transfers.lag_s2.extend_from_slice(&tip.lag_s2.complex().numbers()[..len]);
+        }
+    }
 }
 
 struct Nodal<'a, 'b> {
@@ -194,7 +197,7 @@ mod tests {
         assert!(lost > 0, "no resonance of the outboard part was met: {lost}");
         let wide = Arch::new().dispatch(Tip { mesh, lambdas: &lambdas });
         for ((lambda, wide), narrow) in lambdas.iter().zip(wide.gains).zip(&narrow.gains) {
-            let (_, alone) = untested_tip_transfer(mesh, *lambda);
+            let (_, alone) = Way::of(*lambda).untested_alone(mesh, *lambda);
             assert_eq!([wide, *narrow].map(f64::to_bits), [alone.to_bits(); 2], "λ = {lambda}");
         }
         for block in [1, 7, 64, lambdas.len()] {

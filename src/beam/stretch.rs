@@ -1,31 +1,33 @@
 //! Equal elements in a row, condensed by doubling: 2ᵏ of them for the price of about k.
 //!
 //! A stretch of equal elements is its own mirror image. So where two of them are joined, the node
-//! between moves either even (its slope is zero) or odd (its deflection is zero) as the ends do, and
-//! takes one scalar pivot for each. What is left is the apparent inertia between the ends: the
-//! answers of the recursion over single elements, but for what the nodes in between do. For
-//! that, see `walk.rs`.
+//! between moves either even (its slope is zero) or odd (its deflection is zero), as the ends do, and
+//! takes one scalar pivot for each. What is left is the apparent inertia between the ends. It answers
+//! as the elements one by one do, and tells nothing of the nodes in between: for those, see `walk.rs`.
+//! And it keeps its digits only with some damping, see [`Way::Stretches`].
 //!
-//! Coordinates, in m, of a stretch of length ℓ from end 1 to end 2, slopes counted as φℓ:
+//! Coordinates, in m, of a stretch of length l from end 1 to end 2, by letters of this file alone:
 //!
 //! ```text
-//! even:  w = v_1 + v_2    translation     φ = ℓ(φ_1 − φ_2)/2        bent to a bow
-//! odd:   ψ = v_2 − v_1    rotation        γ = ℓ(φ_1 + φ_2)/2 − ψ    bent to an S
+//! even:  s = v_1 + v_2    translation     χ = l(φ_1 − φ_2)/2        bent to a bow
+//! odd:   ψ = v_2 − v_1    rotation        γ = l(φ_1 + φ_2)/2 − ψ    bent to an S
 //! ```
 //!
-//! Stiffness acts on φ and γ alone, with 4κ and 12κ of κ = EI/(ℓ³λ) at any ℓ: Hermite cubics are exact
+//! Stiffness acts on χ and γ alone, with 4k and 12k of k = EI/(l³λ) at any l: Hermite cubics are exact
 //! where no inertia acts. So it is not summed up, and no digit of the inertia is lost to it at
 //! low frequency. For the same reason the node between is counted from where it would be without
-//! inertia: even by its deflection q, odd by its slope times ℓ/2, r. With φ′ = φ/4, ψ′ = ψ/2 and
-//! γ′ = γ/8 of the whole, its halves move by
+//! inertia: even by its deflection δ, odd by its slope times half the length, ρ. With χ′ = χ/4,
+//! ψ′ = ψ/2 and γ′ = γ/8 of the whole, its halves move by
 //!
 //! ```text
-//! even:  w = w + φ′ + q    φ = φ′          ψ = φ′ + q    γ = −q
-//! odd:   w = −ψ′           φ = 3γ′ − r     ψ = ψ′        γ = γ′ + r
+//! even:  s = s + χ′ + δ    χ = χ′          ψ = χ′ + δ    γ = −δ
+//! odd:   s = −ψ′           χ = 3γ′ − ρ     ψ = ψ′        γ = γ′ + ρ
 //! ```
 //!
-//! and no stiffness couples q or r to the ends: it stands in their pivots alone, as 12κ and 16κ of a
-//! half.
+//! (those of the inner half, the outer one mirrors them), and no stiffness couples δ or ρ to the ends:
+//! it stands in their pivots alone, as 12k and 16k of a half.
+//!
+//! [`Way::Stretches`]: super::transfer::Way::Stretches
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -39,13 +41,13 @@ use crate::numeric::{Scalar, Size};
 /// or real ones of a single element.
 #[derive(Clone, Copy)]
 pub(super) struct Stretch<S, M = S> {
-    /// Length ℓ in m.
+    /// Length l in m.
     pub(super) length_m: f64,
-    /// Stiffness over λ in the pivot of q: 12κ in kg.
-    shift: S,
-    /// The same in that of r: 16κ in kg.
-    turn: S,
-    /// Inertia on (w, φ).
+    /// Stiffness over λ of the node between two of these, against δ: 12k in kg.
+    k_even: S,
+    /// The same against ρ: 16k in kg.
+    k_odd: S,
+    /// Inertia on (s, χ).
     even: Inertia<M>,
     /// Inertia on (ψ, γ).
     odd: Inertia<M>,
@@ -58,8 +60,8 @@ impl<S: Scalar> Stretch<S, f64> {
         let (stiffness, mass) = (element.k_d.m11, element.m_uu.m11);
         Self {
             length_m: element.length_m,
-            shift: per_lambda * stiffness,
-            turn: per_lambda * (stiffness * (4.0 / 3.0)),
+            k_even: per_lambda * stiffness,
+            k_odd: per_lambda * (stiffness * (4.0 / 3.0)),
             even: Inertia { vv: mass / 4.0, vp: mass / 12.0, pp: mass / 30.0 },
             odd: Inertia { vv: mass / 12.0, vp: mass / -60.0, pp: mass / 210.0 },
         }
@@ -71,35 +73,37 @@ where
     S: Scalar + Add<M, Output = S> + Mul<M, Output = S>,
     M: Copy + Add<Output = M> + Sub<Output = M> + Mul<f64, Output = M>,
 {
-    /// The stretch and its equal, joined, and what the motion of the node between them per motion of
-    /// the ends does not exceed.
+    /// The stretch and its equal, joined, and what the motion of the node between them does not exceed
+    /// per motion of the ends.
     #[inline(always)]
     pub(super) fn doubled(&self) -> (Stretch<S>, S::Size) {
-        let Self { length_m, shift, turn, even: a, odd: b } = *self;
-        let [rigid, bent, sheared] = [a.vv + b.vv, a.vv + a.vp, b.vv - b.vp];
-        let bow = Node {
-            pivot: shift + ((b.vp - b.pp) - (a.vv + sheared)),
-            rigid: a.vv,
-            bent: bent + sheared,
-        };
-        let bend = Node {
-            pivot: turn + (a.pp + b.pp) * -1.0,
-            rigid: a.vp + b.vp,
-            bent: b.pp - a.pp * 3.0,
-        };
-        let ((bow, bow_gain), (bend, bend_gain)) = (bow.condensed(), bend.condensed());
+        let Self { length_m, k_even, k_odd, even: a, odd: b } = *self;
+        // Of a half: moved sideways and turned by as much, moved and bowed, turned and bent.
+        let [turned, bowed, bent] = [a.vv + b.vv, a.vv + a.vp, b.vv - b.vp];
+        let (even_node, even_gain) = Node {
+            pivot: k_even + ((b.vp - b.pp) - (a.vv + bent)),
+            to_rigid: a.vv,
+            to_bent: bowed + bent,
+        }
+        .condensed();
+        let (odd_node, odd_gain) = Node {
+            pivot: k_odd + (a.pp + b.pp) * -1.0,
+            to_rigid: a.vp + b.vp,
+            to_bent: b.pp - a.pp * 3.0,
+        }
+        .condensed();
         let even = Inertia {
-            vv: (bow.vv + a.vv) * 2.0,
-            vp: (bow.vp + bent) * 0.5,
-            pp: (bow.pp + (rigid + a.vp * 2.0 + a.pp)) * 0.125,
+            vv: (even_node.vv + a.vv) * 2.0,
+            vp: (even_node.vp + bowed) * 0.5,
+            pp: (even_node.pp + (turned + a.vp * 2.0 + a.pp)) * 0.125,
         };
         let odd = Inertia {
-            vv: (bend.vv + rigid) * 0.5,
-            vp: (bend.vp + (b.vp - a.vp * 3.0)) * 0.125,
-            pp: (bend.pp + (a.pp * 9.0 + b.pp)) * 0.031_25,
+            vv: (odd_node.vv + turned) * 0.5,
+            vp: (odd_node.vp + (b.vp - a.vp * 3.0)) * 0.125,
+            pp: (odd_node.pp + (a.pp * 9.0 + b.pp)) * 0.031_25,
         };
-        let (length_m, shift, turn) = (2.0 * length_m, shift * 0.125, turn * 0.125);
-        (Stretch { length_m, shift, turn, even, odd }, bow_gain.larger(bend_gain))
+        let (length_m, k_even, k_odd) = (2.0 * length_m, k_even * 0.125, k_odd * 0.125);
+        (Stretch { length_m, k_even, k_odd, even, odd }, even_gain.larger(odd_gain))
     }
 }
 
@@ -108,8 +112,8 @@ where
 #[derive(Clone, Copy)]
 struct Node<S, M> {
     pivot: S,
-    rigid: M,
-    bent: M,
+    to_rigid: M,
+    to_bent: M,
 }
 
 impl<S, M> Node<S, M>
@@ -121,8 +125,10 @@ where
     #[inline(always)]
     fn condensed(&self) -> (Inertia<S>, S::Size) {
         let per_pivot = self.pivot.reciprocal();
-        let (rigid, bent) = (per_pivot * self.rigid, per_pivot * self.bent);
-        let added = Inertia { vv: rigid * self.rigid, vp: bent * self.rigid, pp: bent * self.bent };
+        let Self { to_rigid, to_bent, .. } = *self;
+        // The node's motion per rigid and per bent motion of the ends.
+        let (rigid, bent) = (per_pivot * to_rigid, per_pivot * to_bent);
+        let added = Inertia { vv: rigid * to_rigid, vp: bent * to_rigid, pp: bent * to_bent };
         (added, rigid.size() + bent.size())
     }
 }
@@ -133,29 +139,29 @@ impl<S: Scalar> Stretch<S> {
     /// In relative coordinates,
     ///
     /// ```text
-    /// w = 2v + φl + d_v    φ = −l d_φ/2    ψ = φl + d_v    γ = l d_φ/2 − d_v
+    /// s = 2v + φl + d_v    χ = −l d_φ/2    ψ = φl + d_v    γ = l d_φ/2 − d_v
     /// ```
     #[inline(always)]
     pub(super) fn condense(&self, a: Inertia<S>) -> Step<S> {
-        let Self { length_m: l, shift, turn, even, odd } = *self;
+        let Self { length_m: l, k_even, k_odd, even, odd } = *self;
         // Rᵀ A, of which the first row is A's own.
         let (ra_pv, ra_pp) = (a.vv * l + a.vp, a.vp * l + a.pp);
-        let (twice, rigid) = (even.vv + even.vv, even.vv + odd.vv);
-        let (sheared, cross) = (rigid - odd.vp, odd.vp - even.vp);
+        let (twice, turned) = (even.vv + even.vv, even.vv + odd.vv);
+        let (bent, cross) = (turned - odd.vp, odd.vp - even.vp);
         Outboard {
             pivot_block: Inertia {
-                vv: (shift + (odd.vp - odd.pp) - sheared) - a.vv,
-                vp: (odd.pp - cross - shift) * (0.5 * l) - a.vp,
-                pp: (turn - (even.pp + odd.pp)) * (0.25 * l * l) - a.pp,
+                vv: (k_even + (odd.vp - odd.pp) - bent) - a.vv,
+                vp: (odd.pp - cross - k_even) * (0.5 * l) - a.vp,
+                pp: (k_odd - (even.pp + odd.pp)) * (0.25 * l * l) - a.pp,
             },
             b: [
                 [a.vv + twice, a.vp - even.vp * l],
-                [ra_pv + sheared * l, ra_pp + cross * (0.5 * l * l)],
+                [ra_pv + bent * l, ra_pp + cross * (0.5 * l * l)],
             ],
             carried: Inertia {
                 vv: a.vv + (twice + twice),
                 vp: ra_pv + twice * l,
-                pp: ra_pv * l + ra_pp + rigid * (l * l),
+                pp: ra_pv * l + ra_pp + turned * (l * l),
             },
         }
         .condensed(l)
@@ -165,7 +171,8 @@ impl<S: Scalar> Stretch<S> {
 #[cfg(test)]
 mod tests {
     use crate::beam::condensation::condense;
-    use crate::beam::{Mesh, MeshPlan, hub_response, tip_displacement_m};
+    use crate::beam::hub_response::hub_response_by_stretches;
+    use crate::beam::{Mesh, MeshPlan, tip_displacement_m};
     use crate::link::{
         Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, uniform,
     };
@@ -201,7 +208,7 @@ mod tests {
             for k in 0..400 {
                 // Past the first modes of a single element, and as many zeros.
                 let lambda = Wide::from(1.07_f64.powi(k) * if k % 2 == 0 { 1e-3 } else { -1e-3 });
-                let hub = hub_response(&mesh, lambda);
+                let hub = hub_response_by_stretches(&mesh, lambda);
                 let root = condense(&mesh, lambda, |_, _| {});
                 let inertia = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();
                 let tip_m = tip_displacement_m(&mesh, lambda);

@@ -1,7 +1,33 @@
+//! What the recursion is asked for: transfers per unit of tip motion, at one λ and at many.
+
 use num_complex::Complex64;
 
 use super::mesh::Mesh;
-use super::transfer::TipTransfer;
+
+/// Transfers from the tip at one λ, per unit of tip motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TipTransfer<S = Complex64> {
+    /// `T/a_tip = (A_0[φφ] + I_H)/(L + e_tip)` in kg m (Bayo 1987, eq 20).
+    pub inertia_kg_m: S,
+    /// Moment at the root, node 0, per tip acceleration in kg m: what the hub exerts on the link.
+    pub root_inertia_kg_m: S,
+    /// `θ/v_tip = 1/(L + e_tip)` in rad/m (eq 21).
+    pub angle_rad_m: S,
+    /// `e_tip/(λ (L + e_tip))` in s²: deflection of the tip.
+    pub lag_s2: S,
+}
+
+impl<S> TipTransfer<S> {
+    /// The same with each number changed.
+    pub(super) fn map<T>(self, change: impl Fn(S) -> T) -> TipTransfer<T> {
+        TipTransfer {
+            inertia_kg_m: change(self.inertia_kg_m),
+            root_inertia_kg_m: change(self.root_inertia_kg_m),
+            angle_rad_m: change(self.angle_rad_m),
+            lag_s2: change(self.lag_s2),
+        }
+    }
+}
 
 /// [`TipTransfer`]s at many λ: each quantity by itself, a value for each λ.
 #[derive(Debug, Clone, PartialEq, Default)]

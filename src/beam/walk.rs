@@ -6,9 +6,11 @@ use num_complex::Complex64;
 
 use super::condensation::{Inertia, condense};
 use super::elimination::Gain;
+use super::hub_response::{HubResponse, Reached};
 use super::mesh::Mesh;
 use super::pivoted::pivoted_transfer;
-use super::transfer::{HubResponse, Reached, TipTransfer, is_real, is_trusted};
+use super::tip_transfers::TipTransfer;
+use super::transfer::{is_real, is_trusted};
 use crate::numeric::{Scalar, Size};
 
 /// Transfers from the tip to every node at one λ, per unit of tip motion.

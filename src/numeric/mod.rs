@@ -44,4 +44,4 @@ pub use units::{Dimension, Unit, UnitError, parse_quantity};
 pub(crate) use units::{quantity_pattern, reads_as_unit, split_number};
 pub use visible::visible;
 #[cfg(test)]
-pub(crate) use wide::Wide;
+pub(crate) use wide::{Wide, WideComplex};
