@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use rayon::ThreadPoolBuilder;
+use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
@@ -243,7 +243,7 @@ impl SyncArgs {
 }
 
 /// How many threads to use.
-#[derive(Debug, Args)]
+#[derive(Debug, Args, Default)]
 pub(crate) struct ThreadArgs {
     /// Threads to use [default: all cores]; the results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -252,26 +252,34 @@ pub(crate) struct ThreadArgs {
 
 impl ThreadArgs {
     /// Prepares the threads, of which the calling one is the first; to be called once, before any
-    /// work.
+    /// work. Where the system has no others, and no one asked for them, it does the work of all.
     pub(crate) fn apply(&self) -> Result<(), Failure> {
-        self.build(ThreadPoolBuilder::new().use_current_thread())
+        // They start while this one goes on; for the global ones it would wait, which a small run
+        // feels.
+        match self.number(ThreadPoolBuilder::new()).use_current_thread().build() {
+            Ok(pool) => {
+                // They serve until the program ends.
+                Box::leak(Box::new(pool));
+                Ok(())
+            }
+            Err(error) if self.threads.is_some() => Err(no_threads(&error)),
+            Err(_) => Ok(()),
+        }
     }
 
     /// Prepares threads for a caller that waits for them and is none of them itself.
     pub(crate) fn apply_apart(&self) -> Result<(), Failure> {
-        self.build(ThreadPoolBuilder::new())
+        self.number(ThreadPoolBuilder::new()).build_global().map_err(|error| no_threads(&error))
     }
 
-    fn build(&self, threads: ThreadPoolBuilder) -> Result<(), Failure> {
-        let number = self.threads.map_or(0, usize::from);
-        match threads.num_threads(number).build_global() {
-            // Those that no one asked for are done without.
-            Err(error) if self.threads.is_some() => {
-                Err(Failure::new(Exit::NotSolvable, &error, None))
-            }
-            _ => Ok(()),
-        }
+    fn number(&self, threads: ThreadPoolBuilder) -> ThreadPoolBuilder {
+        threads.num_threads(self.threads.map_or(0, usize::from))
     }
+}
+
+fn no_threads(error: &ThreadPoolBuildError) -> Failure {
+    let hint = "the system limits threads and memory (`ulimit -u`, `ulimit -v`)";
+    Failure::new(Exit::NotSolvable, &format!("cannot start threads: {error}"), Some(hint))
 }
 
 /// A whole number above 0.

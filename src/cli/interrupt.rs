@@ -30,11 +30,16 @@ pub(crate) fn watch() -> &'static AtomicBool {
 /// From now on each request to end is told by its signal, but for those that the program was started
 /// to ignore.
 ///
-/// Where they cannot be heard they stay as they are: the next run removes what this one leaves.
+/// Where no thread is to be had that hears them they end the program as they do any other: the next
+/// run removes what this one leaves.
 #[cfg(unix)]
 fn listen(asked: impl Fn(i32) + Send + 'static) {
+    use std::sync::Arc;
+    use std::thread;
+
     use flexlink::tables::ignored_signals;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::flag::register_conditional_default;
     use signal_hook::iterator::Signals;
 
     const ALL: [i32; 3] = [SIGINT, SIGTERM, SIGHUP];
@@ -42,8 +47,13 @@ fn listen(asked: impl Fn(i32) + Send + 'static) {
     // Of a system that does not tell: to end with its terminal is what most often is not wanted.
     let ignored = ignored_signals(&ALL).unwrap_or_else(|| vec![SIGHUP]);
     let heard = ALL.iter().filter(|signal| !ignored.contains(signal));
-    if let Ok(mut signals) = Signals::new(heard) {
-        std::thread::spawn(move || signals.forever().for_each(asked));
+    let Ok(mut signals) = Signals::new(heard.clone()) else { return };
+    let listener = thread::Builder::new().spawn(move || signals.forever().for_each(asked));
+    if listener.is_err() {
+        for signal in heard {
+            // Where that fails, too, the signal that cannot be caught is left.
+            let _ = register_conditional_default(*signal, Arc::new(AtomicBool::new(true)));
+        }
     }
 }
 

@@ -45,6 +45,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
+use args::ThreadArgs;
 use exit::{Ending, Failure};
 
 /// Hub torque that makes the tip of a flexible link follow a wanted motion.
@@ -104,6 +105,16 @@ impl Command {
         // A sweep ends between two cases.
         if !matches!(self, Self::Sweep(_)) {
             interrupt::end_in_order();
+        }
+        if matches!(
+            self,
+            Self::Compare(_)
+                | Self::Modes(_)
+                | Self::Frf(_)
+                | Self::Trajectory(_)
+                | Self::Report(_)
+        ) {
+            ThreadArgs::default().apply()?;
         }
         let done = match self {
             Self::Compare(compare) => return compare.run(),

@@ -50,7 +50,11 @@ pub fn in_order<T: Send, E: Send>(
         Ok(())
     };
     thread::scope(|scope| {
-        let begun: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
+        let begin = |_| thread::Builder::new().spawn_scoped(scope, worker).ok();
+        let begun: Vec<_> = (0..workers).filter_map(begin).collect();
+        if begun.is_empty() {
+            return worker();
+        }
         let ended = begun.into_iter().map(|one| one.join().unwrap_or_else(|it| resume_unwind(it)));
         // The last thread is waited for, whichever failed.
         ended.fold(Ok(()), Result::and)

@@ -10,8 +10,10 @@ pub fn available_memory() -> Option<u64> {
     let groups = read("/proc/self/cgroup")
         .and_then(|groups| room_in_groups(Path::new("/sys/fs/cgroup"), &groups));
     let own = read("/proc/self/limits").and_then(|limits| {
+        // Where there is no limit, what is used need not be asked.
+        let limit = address_space(&limits)?;
         let used = read("/proc/self/status").and_then(|text| kilobytes(&text, "VmSize:"))?;
-        Some(address_space(&limits)?.saturating_sub(used))
+        Some(limit.saturating_sub(used))
     });
     [system, groups, own].into_iter().flatten().min()
 }

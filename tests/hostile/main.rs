@@ -11,6 +11,7 @@ mod memory;
 mod motions;
 mod places;
 mod rights;
+mod threads;
 
 use std::f64::consts::TAU;
 use std::fs;
