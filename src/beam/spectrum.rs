@@ -10,8 +10,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::hub_response::{HubResponse, Reached};
 use super::mesh::Mesh;
+use super::pivoted::pivoted_transfer;
 use super::tip_transfers::TipTransfers;
-use super::transfer::{Way, is_real, is_trusted, tip_transfer};
+use super::transfer::{Way, is_real, is_trusted};
 use super::walk::{NodalQuantity, Walk, nodal_transfer};
 use crate::numeric::{ComplexLanes, LambdaLanes, RealLanes};
 
@@ -19,11 +20,24 @@ use crate::numeric::{ComplexLanes, LambdaLanes, RealLanes};
 ///
 /// [`tip_transfer`]: super::tip_transfer
 pub fn tip_transfers(mesh: &Mesh, lambdas: &[Complex64]) -> TipTransfers {
-    let Untested { mut transfers, gains } = Arch::new().dispatch(Tip { mesh, lambdas });
-    for (k, _) in gains.iter().enumerate().filter(|(_, gain)| !is_trusted(**gain)) {
-        transfers.set(k, tip_transfer(mesh, lambdas[k]));
+    let mut found = Arch::new().dispatch(Tip { mesh, lambdas, way: Way::of });
+    let by_stretches = |k: &usize| Way::of(lambdas[*k]) == Way::Stretches;
+    let again: Vec<usize> = found.lost().filter(by_stretches).collect();
+    let by_elements = Arch::new().dispatch(Tip {
+        mesh,
+        lambdas: &again.iter().map(|k| lambdas[*k]).collect::<Vec<_>>(),
+        way: |_| Way::Elements,
+    });
+    for ((k, tip), gain) in
+        again.into_iter().zip(by_elements.transfers.iter()).zip(by_elements.gains)
+    {
+        found.transfers.set(k, tip);
+        found.gains[k] = gain;
     }
-    transfers
+    for k in found.lost().collect::<Vec<_>>() {
+        found.transfers.set(k, pivoted_transfer(mesh, lambdas[k]).tip);
+    }
+    found.transfers
 }
 
 /// Transfers from the tip to some nodes, a row for each of `nodes`, in it a value for each λ:
@@ -54,6 +68,7 @@ pub fn nodal_transfers(
 struct Tip<'a> {
     mesh: &'a Mesh,
     lambdas: &'a [Complex64],
+    way: fn(Complex64) -> Way,
 }
 
 /// Transfers by the recursion alone, and what no gain exceeds at each.
@@ -67,15 +82,21 @@ impl WithSimd for Tip<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { mesh, lambdas } = self;
+        let Self { mesh, lambdas, way } = self;
         let mut found = Untested::with_capacity(lambdas.len());
         // So that each has the bits that it has alone.
-        for alike in lambdas.chunk_by(|a, b| Way::of(*a) == Way::of(*b)) {
-            let way = Way::of(alike[0]);
-            if way == Way::RealElements {
-                found.extend::<S, RealLanes<S>>(simd, mesh, alike, way);
-            } else {
-                found.extend::<S, ComplexLanes<S>>(simd, mesh, alike, way);
+        for alike in lambdas.chunk_by(|a, b| way(*a) == way(*b)) {
+            // Each by its name, so that the loops ask no more.
+            match way(alike[0]) {
+                Way::RealElements => {
+                    found.extend::<S, RealLanes<S>>(simd, mesh, alike, Way::RealElements);
+                }
+                Way::Elements => {
+                    found.extend::<S, ComplexLanes<S>>(simd, mesh, alike, Way::Elements);
+                }
+                Way::Stretches => {
+                    found.extend::<S, ComplexLanes<S>>(simd, mesh, alike, Way::Stretches);
+                }
             }
         }
         found
@@ -85,6 +106,12 @@ impl WithSimd for Tip<'_> {
 impl Untested {
     fn with_capacity(len: usize) -> Self {
         Self { transfers: TipTransfers::with_capacity(len), gains: Vec::with_capacity(len) }
+    }
+
+    /// Which of them the recursion is not trusted with.
+    fn lost(&self) -> impl Iterator<Item = usize> {
+        let gains = self.gains.iter().enumerate();
+        gains.filter(|(_, gain)| !is_trusted(**gain)).map(|(k, _)| k)
     }
 
     /// Those at further λ that go one way.
@@ -166,13 +193,17 @@ mod tests {
     use crate::beam::undamped::{even_mesh, mesh};
     use crate::beam::{NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};
 
-    /// Undamped ones with resonances of the outboard part among them, and damped ones.
+    /// Undamped ones with resonances of the outboard part among them, damped ones to far beyond what a
+    /// mesh resolves, and lightly damped ones.
     fn lambdas() -> Vec<Complex64> {
         let squares = (0..600).map(|k| (0.670_123 * f64::from(k)).powi(2));
         let damped = |k: u32| Complex64::from(f64::from(k * k)) / Complex64::new(1.0, 0.04);
         // At one the link is rigid to the last digit.
         let slow = [Complex64::new(1e-30, -1e-32)];
-        squares.map(Complex64::from).chain((0..50).map(damped)).chain(slow).collect()
+        let far = (0..90).map(|k| Complex64::new(1.0, -0.04) * (1e4 * 1.4_f64.powi(k)));
+        let light = |k: u32| Complex64::new(1.0, -0.002) * f64::from(k * k);
+        let damped = (0..50).map(damped).chain(slow).chain(far);
+        squares.map(Complex64::from).chain(damped).chain((1..30).map(light)).collect()
     }
 
     fn bits(z: Complex64) -> [u64; 2] {
@@ -192,10 +223,13 @@ mod tests {
 
     fn every_tip_transfer_has_its_bits_alone(mesh: &Mesh) {
         let lambdas = lambdas();
-        let narrow = Tip { mesh, lambdas: &lambdas }.with_simd(pulp::Scalar);
-        let lost = narrow.gains.iter().filter(|gain| !is_trusted(**gain)).count();
-        assert!(lost > 0, "no resonance of the outboard part was met: {lost}");
-        let wide = Arch::new().dispatch(Tip { mesh, lambdas: &lambdas });
+        let asked = || Tip { mesh, lambdas: &lambdas, way: Way::of };
+        let narrow = asked().with_simd(pulp::Scalar);
+        for way in [Way::RealElements, Way::Stretches] {
+            let lost = narrow.lost().filter(|k| Way::of(lambdas[*k]) == way).count();
+            assert!(lost > 0, "{way:?} is trusted with all");
+        }
+        let wide = Arch::new().dispatch(asked());
         for ((lambda, wide), narrow) in lambdas.iter().zip(wide.gains).zip(&narrow.gains) {
             let (_, alone) = Way::of(*lambda).untested_alone(mesh, *lambda);
             assert_eq!([wide, *narrow].map(f64::to_bits), [alone.to_bits(); 2], "λ = {lambda}");
