@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn every_tip_transfer_of_many_has_the_bits_of_the_one_alone() {
-        for mesh in [mesh(10), even_mesh(11)] {
+        for mesh in [mesh(10), even_mesh(11), even_mesh(16), even_mesh(37)] {
             every_tip_transfer_has_its_bits_alone(&mesh);
         }
     }
