@@ -55,6 +55,7 @@
 //!     masses: vec![],
 //!     payload: Payload::default(),
 //!     damping: Damping::Hysteretic { ratio: 0.02 },
+//!     drive: None,
 //! })?;
 //! let plan = MeshPlan::new(&link, &[None], None, 1e-4)?;
 //! // One period of a sine acceleration.

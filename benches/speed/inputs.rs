@@ -25,6 +25,7 @@ fn link_of(bending_stiffness_n_m2: Taper, damping: Damping) -> Link {
         masses: vec![],
         payload: Payload::default(),
         damping,
+        drive: None,
     })
     .unwrap()
 }

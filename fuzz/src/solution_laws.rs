@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use flexlink::beam::TipTransfer;
 use flexlink::inverse::{Dynamics, NodalTable, Solution, Unwatched};
-use flexlink::link::{Drive, Link};
+use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
 use flexlink::numeric::largest;
 use flexlink::result::{Metrics, Peak};
@@ -21,7 +21,7 @@ const DIFFERENCED: f64 = 2.5;
 ///
 /// # Panics
 /// If one does.
-pub fn check_finite(solution: &Solution, drive: Option<&Drive>) {
+pub fn check_finite(solution: &Solution) {
     let tip = &solution.tip;
     let histories = [
         ("torque", &solution.torque_n_m),
@@ -38,10 +38,9 @@ pub fn check_finite(solution: &Solution, drive: Option<&Drive>) {
     for (name, samples) in histories {
         assert!(samples.len() == solution.grid.len && finite(samples), "{name}");
     }
-    if let Some(drive) = drive {
-        let motor = solution.motor(drive);
+    if let Some(motor) = solution.motor() {
         for samples in [motor.torque_n_m, motor.angle_rad, motor.rate_rad_s, motor.power_w] {
-            assert!(finite(&samples), "a motor's history of {drive:?}");
+            assert!(finite(&samples), "a motor's history");
         }
     }
     let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();

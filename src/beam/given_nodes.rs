@@ -94,6 +94,7 @@ mod tests {
             masses: masses_at_m.iter().map(mass).collect(),
             payload: Payload::default(),
             damping: Damping::None,
+            drive: None,
         })
         .unwrap()
     }

@@ -233,6 +233,7 @@ mod tests {
             masses: vec![mass(1.6), mass(0.7), mass(0.1), mass(0.7)],
             payload: Payload { mass_kg: 0.2, inertia_kg_m2: 0.01, offset_m: 0.1 },
             damping: Damping::None,
+            drive: None,
         })
         .unwrap();
         Mesh::new(&link, &MeshPlan::new(&link, &[Some(1), Some(4)], None, 1e-6).unwrap())
@@ -272,6 +273,7 @@ mod tests {
                 masses: vec![mass],
                 payload: Payload::default(),
                 damping: Damping::None,
+                drive: None,
             })
             .unwrap();
             let mesh = Mesh::new(&link, &MeshPlan::new(&link, &[None; 2], None, 1e-6).unwrap());

@@ -63,6 +63,7 @@ fn mesh_of(elements: usize, units: Units, [ei, per_length]: [Taper; 2]) -> Mesh 
         }],
         payload: Payload { mass_kg: 0.05 * mass, inertia_kg_m2: 0.0, offset_m: 0.0 },
         damping: Damping::None,
+        drive: None,
     });
     let link = link.unwrap();
     Mesh::on(&link, elements)

@@ -64,7 +64,7 @@ impl Modes {
         let law = DampingLaw::of(specification.link.damping(), &mesh)?;
         let highest = omega_rad_s.last().copied().unwrap_or_default();
         let blocked = real_frequency_zeros(&mesh, highest);
-        let held = specification.drive.map(|drive| HeldModes {
+        let held = specification.link.drive().map(|drive| HeldModes {
             joint_stiffness_n_m_rad: drive.joint_stiffness_n_m_rad,
             omega_rad_s: held_frequencies(&mesh, drive.joint_stiffness_n_m_rad, count),
         });

@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser};
 
-use flexlink::link::{Drive, Link};
+use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, InputFile, OptionalTable, SolveOutputs};
@@ -63,7 +63,7 @@ impl SolveOptions {
     }
 
     /// Which tables to write.
-    pub(crate) fn outputs(&self, drive: Option<Drive>) -> SolveOutputs {
+    pub(crate) fn outputs(&self) -> SolveOutputs {
         let optional = [
             (self.deflections, OptionalTable::NodalDeflections),
             (self.moments, OptionalTable::BendingMoments),
@@ -72,7 +72,6 @@ impl SolveOptions {
             nodes: self.nodes.list.clone(),
             every: self.nodes.every,
             optional: optional.into_iter().filter(|(on, _)| *on).map(|(_, table)| table).collect(),
-            drive,
             digits: self.digits,
         }
     }

@@ -66,26 +66,25 @@ impl Problem {
         to: &Destination,
     ) -> Result<Solved, Failure> {
         let Self { link_file, motion_file, specification, motion } = self;
-        let Specification { link, mesh, analysis, drive, limits } = specification;
+        let Specification { link, mesh, analysis, limits } = specification;
         let solution = invert(link, mesh, motion, analysis)?;
         options.nodes.check(solution.mesh())?;
         let measure = || measured(specification, motion, &solution, options.digits);
         let verification = options.verify.then(measure).transpose()?;
 
-        let outputs = options.outputs(*drive);
+        let outputs = options.outputs();
         let inputs = RunInputs {
             link_file,
             motion_file,
             link,
             motion,
             analysis,
-            drive: drive.as_ref(),
             arguments: &options.arguments(),
             verification: verification.as_ref(),
         };
         let metrics = Metrics::of(&solution);
         let exceeded = limits.exceeded(&metrics);
-        let names = outputs.file_names();
+        let names = outputs.file_names(link);
         let files = names.len();
         let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, names);
         let deflections = outputs.deflections(&solution);

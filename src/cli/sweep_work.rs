@@ -50,7 +50,7 @@ impl Cases<'_> {
     fn solve(&self, case: usize) -> Result<(SolvedCase, Vec<Remark>), Failure> {
         let values = self.plan.case(case);
         let specification = self.specification(&values)?;
-        let Specification { link, mesh, analysis, drive, limits } = &specification;
+        let Specification { link, mesh, analysis, limits } = &specification;
         let motion = self.motion_of(link, values.motion)?;
         let solution = invert(link, mesh, &motion, analysis)?;
         let found = SolvedCase::of(&solution);
@@ -62,7 +62,6 @@ impl Cases<'_> {
                 link,
                 motion: &motion,
                 analysis,
-                drive: drive.as_ref(),
                 arguments: &self.arguments(&values),
                 verification: None,
             };

@@ -223,6 +223,7 @@ impl Problem<'_> {
             hub_acceleration_rad_s2: OnceLock::new(),
             spectrum,
             friction_n_m_s_rad: self.link.hub().viscous_friction_n_m_s_rad,
+            drive: self.link.drive().copied(),
         };
         solution.warnings = warnings(&evidence, &solution);
         solution

@@ -7,6 +7,7 @@ use super::dynamics::Dynamics;
 use super::spectra::Forcing;
 use super::warning::Warning;
 use crate::beam::Mesh;
+use crate::link::Drive;
 use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
 use crate::motion::{TipMotionHistories, TipSpectrum};
 use crate::numeric::TimeGrid;
@@ -95,6 +96,7 @@ pub struct Solution {
     pub(super) hub_acceleration_rad_s2: OnceLock<Vec<f64>>,
     pub(super) spectrum: Arc<TipSpectrum>,
     pub(super) friction_n_m_s_rad: f64,
+    pub(super) drive: Option<Drive>,
 }
 
 impl Solution {

@@ -12,6 +12,7 @@ pub(crate) fn uniform() -> LinkParts {
         masses: vec![],
         payload: Payload::default(),
         damping: Damping::None,
+        drive: None,
     }
 }
 

@@ -1,5 +1,5 @@
 use super::error::{ParameterError, not_negative};
-use super::{Damping, Hub, LumpedMass, Payload, Segment};
+use super::{Damping, Drive, Hub, LumpedMass, Payload, Segment};
 
 /// Positions closer than this share of the link's length are one: a sum of segment lengths is
 /// not always the decimal number that a user writes for `at`.
@@ -20,6 +20,8 @@ pub struct LinkParts {
     pub payload: Payload,
     /// The damping law.
     pub damping: Damping,
+    /// What sits between motor and hub, if anything does.
+    pub drive: Option<Drive>,
 }
 
 /// A valid link.
@@ -38,6 +40,7 @@ pub struct LinkParts {
 ///     masses: vec![],
 ///     payload: Payload::default(),
 ///     damping: Damping::Hysteretic { ratio: 0.02 },
+///     drive: None,
 /// })?;
 /// assert!((bayo.rigid_inertia_kg_m2() - 1.0).abs() < 1e-15);
 /// # Ok::<(), flexlink::link::ParameterError>(())
@@ -87,6 +90,7 @@ impl Link {
             return Err(ParameterError::new("payload.offset", offset_m, "m", "must be finite"));
         }
         parts.damping.check()?;
+        parts.drive.as_ref().map_or(Ok(()), Drive::check)?;
         link.check_movable()?;
         parts.masses.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
         Ok(Self { parts })
@@ -142,6 +146,11 @@ impl Link {
     /// The damping law.
     pub fn damping(&self) -> &Damping {
         &self.parts.damping
+    }
+
+    /// What sits between motor and hub, if anything does.
+    pub fn drive(&self) -> Option<&Drive> {
+        self.parts.drive.as_ref()
     }
 
     /// Distance L from the axis to the tip in m: hub radius and all segments.
@@ -200,6 +209,7 @@ mod tests {
             masses: vec![],
             payload: Payload::default(),
             damping: Damping::None,
+            drive: None,
         }
     }
 

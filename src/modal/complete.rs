@@ -191,6 +191,7 @@ mod tests {
             masses: vec![LumpedMass { at_m: 0.8, mass_kg: 0.3, inertia_kg_m2: 0.01 }],
             payload: Payload { mass_kg: 0.2, inertia_kg_m2: 0.002, offset_m: 0.03 },
             damping: Damping::None,
+            drive: None,
         })
         .unwrap();
         let plan = MeshPlan::new(&link, &[None; 2], Some(ElementCount::Total(elements)), 1e-6);

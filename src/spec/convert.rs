@@ -29,11 +29,11 @@ pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
         masses: masses.map(|(index, raw)| lumped_mass(index, raw)).collect::<Result<_, _>>()?,
         payload: payload(&raw.payload)?,
         damping: raw.damping.as_ref().map_or(Ok(Damping::None), damping)?,
+        drive: raw.drive.as_ref().map(drive).transpose()?,
     })?;
     let mesh = mesh(&link, &own_elements, &raw.mesh)?;
     let analysis = analysis(&raw.analysis)?;
-    let drive = raw.drive.as_ref().map(drive).transpose()?;
-    Ok(Specification { link, mesh, analysis, drive, limits: limits(&raw.limits)? })
+    Ok(Specification { link, mesh, analysis, limits: limits(&raw.limits)? })
 }
 
 fn hub(raw: &RawHub) -> Result<Hub, Fault> {
@@ -71,14 +71,13 @@ fn drive(raw: &RawDrive) -> Result<Drive, Fault> {
         .joint_stiffness
         .as_ref()
         .map(|Unbounded(value)| value.si("drive.joint_stiffness", Dimension::TORQUE));
-    let drive = Drive {
+    Ok(Drive {
         joint_stiffness_n_m_rad: stiffness.unwrap_or(Ok(f64::INFINITY))?,
         rotor_inertia_kg_m2: raw
             .rotor_inertia
             .si("drive.rotor_inertia", Dimension::ROTARY_INERTIA)?,
         gear_ratio: raw.gear_ratio.map_or(1.0, |Real(ratio)| ratio),
-    };
-    Ok(drive.check()?)
+    })
 }
 
 fn limits(raw: &RawLimits) -> Result<Limits, Fault> {

@@ -8,7 +8,7 @@ use super::tree::{Kind, Node, Place};
 use super::{Override, SpecError};
 use crate::beam::MeshPlan;
 use crate::inverse::Analysis;
-use crate::link::{Drive, Link};
+use crate::link::Link;
 use crate::result::Limits;
 
 /// What a link file says, checked.
@@ -20,8 +20,6 @@ pub struct Specification {
     pub mesh: MeshPlan,
     /// How exact the answer must be, around which time, of which modes.
     pub analysis: Analysis,
-    /// What sits between motor and hub, where the file says so.
-    pub drive: Option<Drive>,
     /// What link and motor stand.
     pub limits: Limits,
 }

@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::input::InputFile;
-use super::link_record::LinkRecord;
+use super::link_record::{DriveRecord, LinkRecord};
 use super::records::{CheckRecord, Fingerprint, MeshRecord, WarningRecord, json};
 use crate::inverse::{Analysis, Solution};
-use crate::link::{Drive, Link};
+use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
 use crate::result::{Exceeded, Metrics};
@@ -25,8 +25,6 @@ pub struct RunInputs<'a> {
     pub motion: &'a TipMotion,
     /// How exact the answer was to be.
     pub analysis: &'a Analysis,
-    /// What sits between motor and hub, if anything does.
-    pub drive: Option<&'a Drive>,
     /// The arguments that shape the results beside the files, in order, as the program takes them:
     /// `--set`, `payload.mass=0`.
     pub arguments: &'a [String],
@@ -62,14 +60,6 @@ struct Inputs {
     link: Fingerprint,
     motion: Fingerprint,
     arguments: Vec<String>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct DriveRecord {
-    /// Nothing for a stiff joint: JSON has no infinity.
-    joint_stiffness_n_m_rad: Option<f64>,
-    rotor_inertia_kg_m2: f64,
-    gear_ratio: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -147,7 +137,7 @@ impl Summary {
                 arguments: inputs.arguments.to_vec(),
             },
             link: LinkRecord::new(inputs.link, solution.law()),
-            drive: inputs.drive.map(DriveRecord::of),
+            drive: inputs.link.drive().map(DriveRecord::of),
             mesh: MeshRecord::of(solution.mesh()),
             motion: MotionRecord::new(inputs.motion, metrics),
             periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
@@ -188,17 +178,6 @@ fn warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<WarningRecord> {
         hint: exceeded.hint().into(),
     };
     solution.warnings.iter().map(record).chain(exceeded.iter().map(limit)).collect()
-}
-
-impl DriveRecord {
-    fn of(drive: &Drive) -> Self {
-        let stiffness = drive.joint_stiffness_n_m_rad;
-        Self {
-            joint_stiffness_n_m_rad: Some(stiffness).filter(|k| k.is_finite()),
-            rotor_inertia_kg_m2: drive.rotor_inertia_kg_m2,
-            gear_ratio: drive.gear_ratio,
-        }
-    }
 }
 
 impl MotionRecord {

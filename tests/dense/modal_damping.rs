@@ -30,6 +30,7 @@ fn arm(damping: Damping) -> LinkParts {
         masses: vec![LumpedMass { at_m: 0.9, mass_kg: 0.2, inertia_kg_m2: 1e-3 }],
         payload: Payload { mass_kg: 0.3, inertia_kg_m2: 4e-3, offset_m: 0.06 },
         damping,
+        drive: None,
     }
 }
 

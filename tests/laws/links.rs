@@ -31,6 +31,7 @@ pub(crate) fn any_parts() -> impl Strategy<Value = LinkParts> {
             hub,
             payload,
             damping: Damping::None,
+            drive: None,
         }
     })
 }

@@ -70,6 +70,7 @@ fn a_mass_within_a_billionth_of_the_length_of_a_border_needs_no_node_of_its_own(
                 masses: vec![LumpedMass { at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 }],
                 payload: Payload::default(),
                 damping: Damping::None,
+                drive: None,
             });
             shares(&link.expect("a valid link"), 9).len()
         };

@@ -44,6 +44,7 @@ impl TwoBodies {
             masses: vec![],
             payload: Payload { mass_kg: Self::MASS_KG, ..Payload::default() },
             damping: Damping::None,
+            drive: None,
         })
         .unwrap();
         let plan = mesh_of(&link, 3);

@@ -40,6 +40,7 @@ fn bayo() -> LinkParts {
         masses: vec![],
         payload: Payload::default(),
         damping: Damping::None,
+        drive: None,
     }
 }
 

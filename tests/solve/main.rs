@@ -37,6 +37,7 @@ fn uniform() -> LinkParts {
         masses: vec![],
         payload: Payload::default(),
         damping: Damping::Hysteretic { ratio: 0.02 },
+        drive: None,
     }
 }
 

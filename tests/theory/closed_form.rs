@@ -83,6 +83,7 @@ impl UniformLink {
             masses: vec![],
             payload: self.payload,
             damping: Damping::None,
+            drive: None,
         })
         .expect("a valid link");
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);

@@ -41,6 +41,7 @@ fn dynamics(elements: usize, taper: f64, damping: Damping, units: Units) -> Dyna
             offset_m: 0.15 * length,
         },
         damping,
+        drive: None,
     })
     .unwrap();
     let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6).unwrap();

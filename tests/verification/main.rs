@@ -26,6 +26,7 @@ fn link(stiffness_n_m2: f64, damping: Damping) -> Link {
         masses: vec![LumpedMass { at_m: 0.8, mass_kg: 0.1, inertia_kg_m2: 0.0 }],
         payload: Payload { mass_kg: 0.1, inertia_kg_m2: 0.0, offset_m: 0.0 },
         damping,
+        drive: None,
     })
     .unwrap()
 }

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::super::input::InputFile;
-use super::super::link_record::LinkRecord;
+use super::super::link_record::{DriveRecord, LinkRecord};
 use super::super::records::{CheckRecord, Fingerprint, WarningRecord};
 use super::super::table_error::{Place, TableError, quoted};
 use super::folder::A_RUN;
@@ -19,7 +19,8 @@ pub(super) struct StoredSummary {
     pub(super) title: String,
     inputs: Inputs,
     pub(super) link: LinkRecord,
-    /// Of solve alone, as `analysis` and `errors`.
+    /// Of solve alone, as `motion`, `analysis` and `errors`.
+    pub(super) drive: Option<DriveRecord>,
     pub(super) motion: Option<Moving>,
     pub(super) analysis: Option<Window>,
     errors: Option<Readings>,
