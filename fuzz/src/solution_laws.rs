@@ -49,8 +49,11 @@ pub fn check_finite(solution: &Solution) {
     }
     check_metrics(&Metrics::of(solution));
     let accuracy = solution.accuracy;
-    let shares = [Some(accuracy.mesh_error), Some(accuracy.edge_error), accuracy.truncation_error];
-    let are_shares = shares.into_iter().flatten().all(|share| share.is_finite() && share >= 0.0);
+    let shares = accuracy.errors.iter().flat_map(|(_, errors)| {
+        [Some(errors.mesh), Some(errors.window), errors.step, errors.modes]
+    });
+    let mut shares = shares.flatten().chain([accuracy.tip]);
+    let are_shares = shares.all(|share| share.is_finite() && share >= 0.0);
     assert!(are_shares, "{accuracy:?}");
     for warning in &solution.warnings {
         let text = warning.to_string();

@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser};
 
+use flexlink::inverse::Analysis;
 use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
@@ -60,6 +61,11 @@ impl SolveOptions {
     /// The motion of a link's tip that a file holds.
     pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
         self.scale.scaled(self.resample.motion_of(file, link)?)
+    }
+
+    /// The analysis of a link file, of all that is to be written.
+    pub(crate) fn analysis(&self, analysis: &Analysis) -> Analysis {
+        if self.moments { analysis.with_moments() } else { *analysis }
     }
 
     /// Which tables to write.

@@ -67,6 +67,7 @@ impl Problem {
     ) -> Result<Solved, Failure> {
         let Self { link_file, motion_file, specification, motion } = self;
         let Specification { link, mesh, analysis, limits } = specification;
+        let analysis = &options.analysis(analysis);
         let solution = invert(link, mesh, motion, analysis)?;
         options.nodes.check(solution.mesh())?;
         let measure = || measured(specification, motion, &solution, options.digits);

@@ -113,7 +113,8 @@ fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {
     let Real(tolerance) = raw.tolerance.unwrap_or(Real(Analysis::DEFAULT_TOLERANCE));
     let lead_s = time("analysis.lead", &raw.lead)?;
     let lag_s = time("analysis.lag", &raw.lag)?;
-    let analysis = Analysis::new(tolerance, lead_s, lag_s)?;
+    let Real(tip) = raw.tip_tolerance.unwrap_or(Real(Analysis::DEFAULT_TIP_TOLERANCE));
+    let analysis = Analysis::new(tolerance, lead_s, lag_s)?.with_tip_tolerance(tip)?;
     match raw.modes {
         Some(Count(modes)) => Ok(analysis.keeping_modes(modes)?),
         None => Ok(analysis),

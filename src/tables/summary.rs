@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::input::InputFile;
 use super::link_record::{DriveRecord, LinkRecord};
 use super::records::{CheckRecord, Fingerprint, MeshRecord, WarningRecord, json};
-use crate::inverse::{Analysis, Solution};
+use crate::inverse::{Accuracy, Analysis, QuantityErrors, Solution};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
@@ -78,6 +78,9 @@ struct MotionRecord {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct AnalysisRecord {
     tolerance: f64,
+    tip_tolerance: f64,
+    /// Nothing where every frequency of the samples is solved for.
+    band_hz: Option<f64>,
     /// Nothing where all modes are kept.
     modes: Option<usize>,
     period_s: f64,
@@ -107,12 +110,24 @@ struct Results {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[expect(clippy::struct_field_names, reason = "the names are keys of the file")]
 struct Errors {
-    mesh_error: f64,
-    edge_error: f64,
-    /// Nothing where all modes are kept.
-    truncation_error: Option<f64>,
+    tip: f64,
+    torque: QuantityRecord,
+    hub_angle: QuantityRecord,
+    displacement: QuantityRecord,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bending_moment: Option<QuantityRecord>,
+    motor_torque: Option<QuantityRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct QuantityRecord {
+    mesh: f64,
+    window: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    modes: Option<f64>,
 }
 
 impl Summary {
@@ -146,11 +161,7 @@ impl Summary {
             zeros_per_s: solution.zeros_per_s(REPORTED_ZEROS),
             analysis: AnalysisRecord::new(inputs.analysis, solution),
             results: Results::new(metrics),
-            errors: Errors {
-                mesh_error: solution.accuracy.mesh_error,
-                edge_error: solution.accuracy.edge_error,
-                truncation_error: solution.accuracy.truncation_error,
-            },
+            errors: Errors::of(&solution.accuracy),
             verification: inputs.verification.map(CheckRecord::all),
             warnings: warnings(solution, exceeded),
             files,
@@ -202,6 +213,8 @@ impl AnalysisRecord {
         let (band, grid) = (&solution.band, &solution.grid);
         Self {
             tolerance: analysis.tolerance(),
+            tip_tolerance: analysis.tip_tolerance(),
+            band_hz: band.cutoff_hz,
             modes: analysis.modes(),
             period_s: band.period_s,
             fft_length: band.fft_length,
@@ -211,6 +224,24 @@ impl AnalysisRecord {
             window_start_s: grid.time_s(0),
             window_end_s: grid.time_s(grid.len - 1),
             rows: grid.len,
+        }
+    }
+}
+
+impl Errors {
+    fn of(accuracy: &Accuracy) -> Self {
+        let record = |errors: QuantityErrors| {
+            let QuantityErrors { mesh, window, step, modes } = errors;
+            QuantityRecord { mesh, window, step, modes }
+        };
+        let errors = &accuracy.errors;
+        Self {
+            tip: accuracy.tip,
+            torque: record(errors.torque),
+            hub_angle: record(errors.hub_angle),
+            displacement: record(errors.displacement),
+            bending_moment: errors.bending_moment.map(record),
+            motor_torque: errors.motor_torque.map(record),
         }
     }
 }

@@ -31,8 +31,10 @@ impl SweepRecord for SolvedCase {
         ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
         ("peak_root_moment_n_m", |case| Some(case.metrics.peak_root_moment_n_m.value)),
         ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
-        ("mesh_error", |case| Some(case.accuracy.mesh_error)),
-        ("edge_error", |case| Some(case.accuracy.edge_error)),
+        ("band_hz", |case| Some(case.band_hz)),
+        ("tip_error", |case| Some(case.accuracy.tip)),
+        ("torque_mesh_error", |case| Some(case.accuracy.errors.torque.mesh)),
+        ("torque_window_error", |case| Some(case.accuracy.errors.torque.window)),
     ];
 }
 
@@ -113,6 +115,8 @@ mod tests {
         let header = sweep_header::<SolvedCase>(&plan);
         assert_eq!(header.matches(',').count(), 15);
         assert!(header.starts_with("damping.ratio,period_1_s,zero_1_per_s,peak_torque_n_m,"));
-        assert!(header.ends_with(",mesh_error,edge_error,error\n"));
+        assert!(
+            header.ends_with(",band_hz,tip_error,torque_mesh_error,torque_window_error,error\n")
+        );
     }
 }

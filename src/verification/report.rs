@@ -75,20 +75,19 @@ impl VerificationError {
 /// [`VerificationError`].
 pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     let Answer { plan, analysis, solution, .. } = answer;
-    let accuracy = &solution.accuracy;
+    let errors = solution.accuracy.errors.torque;
     let Played { tip: mut checks, energy } = played(answer)?;
     let mesh_bound = if plan.is_automatic() { plan.tolerance() } else { CHOSEN };
     let torque = |name, what| Question { name, what, of: "the peak torque" };
     checks.extend([
-        torque("mesh_halving", "torque with elements halved")
-            .measured(accuracy.mesh_error, mesh_bound),
+        torque("mesh_halving", "torque with elements halved").measured(errors.mesh, mesh_bound),
         Question { of: "the torque, rms", ..torque("step_halving", "torque with the step halved") }
             .measured(step_error(answer)?, CHOSEN),
         torque("wrap_around", "torque at the window's edge")
-            .measured(accuracy.edge_error, analysis.tolerance()),
+            .measured(errors.window, analysis.tolerance()),
     ]);
     let truncation = torque("truncation", "torque with all modes");
-    checks.extend(accuracy.truncation_error.map(|e| truncation.measured(e, CHOSEN)));
+    checks.extend(errors.modes.map(|e| truncation.measured(e, CHOSEN)));
     checks.extend([dense_transfer(solution), energy]);
     Ok(Verification { checks })
 }

@@ -69,7 +69,9 @@ fn every_documented_key_is_there() {
                 "torque_ratio",
             ],
         ),
-        ("/errors", &["edge_error", "mesh_error", "truncation_error"]),
+        ("/errors", &["displacement", "hub_angle", "motor_torque", "tip", "torque"]),
+        ("/errors/torque", &["mesh", "window"]),
+        ("/errors/displacement", &["mesh", "window"]),
     ] {
         let mut found = keys(summary.pointer(path).unwrap());
         found.sort_unstable();

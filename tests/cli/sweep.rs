@@ -33,7 +33,7 @@ fn every_row_holds_what_solve_finds_for_its_values() {
     let header = "segments.*.EI,payload.mass [g],period_1_s,zero_1_per_s,peak_torque_n_m,\
                   rms_torque_n_m,peak_rigid_torque_n_m,torque_ratio,lead_s,lag_s,\
                   peak_hub_rate_rad_s,peak_power_w,peak_root_moment_n_m,peak_deflection_m,\
-                  mesh_error,edge_error,error";
+                  band_hz,tip_error,torque_mesh_error,torque_window_error,error";
     assert_eq!(rows[0].join(","), header);
     let values: Vec<_> = rows[1..].iter().map(|row| row[..2].join(" ")).collect();
     assert_eq!(values, ["1 0", "1 50", "4 0", "4 50"]);
@@ -46,8 +46,10 @@ fn every_row_holds_what_solve_finds_for_its_values() {
         let expected = [
             ("period_1_s", &summary["periods_s"][0]),
             ("zero_1_per_s", &summary["zeros_per_s"][0]),
-            ("mesh_error", &summary["errors"]["mesh_error"]),
-            ("edge_error", &summary["errors"]["edge_error"]),
+            ("band_hz", &summary["analysis"]["band_hz"]),
+            ("tip_error", &summary["errors"]["tip"]),
+            ("torque_mesh_error", &summary["errors"]["torque"]["mesh"]),
+            ("torque_window_error", &summary["errors"]["torque"]["window"]),
         ];
         let expected = expected
             .into_iter()

@@ -55,8 +55,8 @@ fn all_modes_together_are_the_whole_link() {
         let whole = solved(&link, 8, &motion);
         let summed = invert(&link, &mesh_of(&link, 8), &motion, &keeping(16)).unwrap();
         assert_same(&summed, &whole, 1e-9);
-        assert!(summed.accuracy.truncation_error.unwrap() < 1e-9);
-        assert_eq!(whole.accuracy.truncation_error, None);
+        assert!(summed.accuracy.errors.torque.modes.unwrap() < 1e-9);
+        assert_eq!(whole.accuracy.errors.torque.modes, None);
     }
 }
 
@@ -100,7 +100,7 @@ fn a_reduction_tells_what_it_costs() {
     let mut before = f64::INFINITY;
     for modes in [2, 4, 8] {
         let reduced = invert(&link, &plan, &motion, &keeping(modes)).unwrap();
-        let told = reduced.accuracy.truncation_error.unwrap();
+        let told = reduced.accuracy.errors.torque.modes.unwrap();
         let found = torque_difference(&whole, &reduced, 0);
         assert!((found - told).abs() < 1e-5 + 0.01 * told, "{modes} modes: {told}");
         assert!(told < before, "{modes} modes cost {told}, fewer {before}");

@@ -21,7 +21,11 @@ fn a_trajectory_with_enough_rest_is_not_padded() {
     let solution = solved(&link, 16, &rested.motion());
     assert_eq!(solution.band.fft_length, 1280);
     assert_eq!(samples(&solution), 0..1280);
-    assert!(solution.accuracy.edge_error <= 1e-6, "{:e}", solution.accuracy.edge_error);
+    assert!(
+        solution.accuracy.errors.torque.window <= 1e-6,
+        "{:e}",
+        solution.accuracy.errors.torque.window
+    );
     assert!(solution.warnings.is_empty());
 }
 
@@ -30,7 +34,7 @@ fn what_rest_there_is_counts_for_the_padding() {
     let link = link(|parts| parts.damping = VISCOUS);
     let period = |rest: [u32; 2]| {
         let solution = solved(&link, 16, &Smooth { rest, ..Smooth::MOVE }.motion());
-        assert!(solution.accuracy.edge_error <= 1e-6, "{rest:?}");
+        assert!(solution.accuracy.errors.torque.window <= 1e-6, "{rest:?}");
         solution.band.fft_length
     };
     let bare = period([0, 0]);
@@ -46,7 +50,7 @@ fn the_edge_error_stays_below_the_tolerance() {
     for damping in [Damping::Hysteretic { ratio: 0.02 }, VISCOUS, Damping::None] {
         let link = link(|parts| parts.damping = damping.clone());
         let solution = solved(&link, 16, &sine(0.5, 0.88, 440));
-        let edge = solution.accuracy.edge_error;
+        let edge = solution.accuracy.errors.torque.window;
         assert!(edge <= 1e-6, "{damping:?}: {edge:e}");
         assert!(edge > 1e-9, "{damping:?}: far more padding than needed, {edge:e}");
     }
@@ -80,7 +84,7 @@ fn a_cut_torque_is_warned_about_with_what_is_cut() {
     let outside = samples(&whole).filter(|k| !samples(&cut).contains(k));
     let largest = outside.fold(0.0_f64, |m, k| m.max(super::torque_at(&whole, k).abs()));
     assert!((share / (largest / peak) - 1.0).abs() < 1e-3, "{share} of {}", largest / peak);
-    assert!((cut.accuracy.edge_error - share).abs() < 1e-15);
+    assert!((cut.accuracy.errors.torque.window - share).abs() < 1e-15);
     // What is written is the same torque.
     for k in samples(&cut) {
         assert!((super::torque_at(&cut, k) - super::torque_at(&whole, k)).abs() < 1e-6 * peak);

@@ -99,7 +99,7 @@ fn an_undamped_tip_that_is_blocked_rings_around_the_period() {
         )
     );
     assert_eq!(warning.hint(), "a longer analysis.lag, more damping or a looser tolerance");
-    assert!((solution.accuracy.edge_error - share).abs() < 1e-15);
+    assert!((solution.accuracy.errors.torque.window - share).abs() < 1e-15);
 }
 
 /// A generalised eigenvalue problem of the same link, solved apart, gives 3.5427 Hz.
@@ -182,7 +182,7 @@ fn a_quick_motion_on_two_elements_is_beyond_the_mesh() {
 
     let coarse = of_kind(&solution, "coarse_mesh");
     let Warning::CoarseMesh { error } = *coarse else { panic!("{coarse}") };
-    assert!((error - solution.accuracy.mesh_error).abs() < 1e-15 && error > 0.01);
+    assert!((error - solution.accuracy.errors.torque.mesh).abs() < 1e-15 && error > 0.01);
     assert_eq!(
         coarse.to_string(),
         format!("the mesh changes the torque by {error:.1e} of its peak (elements halved)")

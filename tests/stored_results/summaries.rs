@@ -43,7 +43,9 @@ fn a_verified_run_tells_its_origin_numbers_checks_and_warnings() {
     assert!(arguments.len() == 8 && arguments.iter().eq(&run.origin.arguments), "{arguments:?}");
     let names: Vec<&str> = run.readings.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names[0], "peak_torque_n_m");
-    assert_eq!(names[12..], ["mesh_error", "edge_error"], "truncation_error is null");
+    let expected =
+        ["tip_error", "torque_mesh_error", "torque_window_error", "hub_angle_mesh_error"];
+    assert_eq!(names[12..16], expected, "of each quantity its errors, those that are there");
     assert_readings(&run.readings, &summary);
     let solved = run.solved.unwrap();
     for (found, expected) in [

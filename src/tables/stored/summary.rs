@@ -123,14 +123,15 @@ impl StoredSummary {
     pub(super) fn take_readings(&mut self) -> Vec<(String, f64)> {
         let parts = [
             ("", Some(std::mem::take(&mut self.results))),
-            ("", self.errors.take()),
             ("residual_", self.residual.take()),
             ("tip_error_", self.tip_error.take()),
         ];
         let named = |(prefix, part): (&'static str, Option<Readings>)| {
             part.unwrap_or_default().prefixed(prefix)
         };
-        parts.into_iter().flat_map(named).collect()
+        let errors = self.errors.take().unwrap_or_default().0.into_iter();
+        let errors = errors.map(|(name, error)| (format!("{name}_error"), error));
+        parts.into_iter().flat_map(named).chain(errors).collect()
     }
 
     pub(super) fn take_checks(&mut self) -> Vec<StoredCheck> {
