@@ -181,7 +181,7 @@ fn a_quick_motion_on_two_elements_is_beyond_the_mesh() {
     );
 
     let coarse = of_kind(&solution, "coarse_mesh");
-    let Warning::CoarseMesh { error } = *coarse else { panic!("{coarse}") };
+    let Warning::CoarseMesh { error, .. } = *coarse else { panic!("{coarse}") };
     assert!((error - solution.accuracy.errors.torque.mesh).abs() < 1e-15 && error > 0.01);
     assert_eq!(
         coarse.to_string(),
