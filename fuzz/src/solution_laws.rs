@@ -105,7 +105,8 @@ fn check_metrics(metrics: &Metrics) {
 /// If it is not.
 pub fn check_linear(first: &Solution, second: &Solution, both: &Solution, friction_n_m_s_rad: f64) {
     let all = [first, second, both];
-    if all.iter().any(|solution| solution.band.fft_length != both.band.fft_length) {
+    let span = |solution: &Solution| (solution.band.fft_length, solution.band.cutoff_hz);
+    if all.iter().any(|solution| span(solution) != span(both)) {
         return;
     }
     let period = both.band.fft_length as f64;

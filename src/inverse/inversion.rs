@@ -209,7 +209,7 @@ impl<'a> Problem<'a> {
             let (tolerance, torque) =
                 (self.analysis.tolerance(), answer.periodic(&answer.torque_n_m));
             let has_decayed = torque.at_seam() <= tolerance * torque.peak()
-                && answer.hub_residual_rad(tail) <= tolerance * self.hub_peak_rad(&answer);
+                && answer.hub_residual_rad(tail) <= tolerance * self.allowed_turn_rad(&answer);
             let next = Padding::lengthened(answer.torque_n_m.len(), initial);
             match next.filter(|_| !has_decayed) {
                 Some(len) => {
@@ -220,6 +220,13 @@ impl<'a> Problem<'a> {
                 None => return Ok(answer),
             }
         }
+    }
+
+    /// Turn of the hub in rad that is the peak of its own angle or moves a node by the tip's way,
+    /// whichever is less.
+    fn allowed_turn_rad(&self, answer: &PeriodicAnswer) -> f64 {
+        let way_m = answer.period.histories(self.motion).way_m();
+        self.hub_peak_rad(answer).min(way_m / self.link.length_m())
     }
 
     fn hub_peak_rad(&self, answer: &PeriodicAnswer) -> f64 {

@@ -27,7 +27,7 @@ pub(super) struct Amplitudes {
     displacement_m: Vec<Vec<Complex64>>,
     /// Bending moment at the probes in N m, where it is asked for.
     moment_n_m: Option<Vec<Vec<Complex64>>>,
-    /// A transform with twice the samples that the band needs: enough to tell a peak.
+    /// A transform with four times the samples that the band needs: enough to tell a peak.
     pair: FourierPair,
 }
 
@@ -64,7 +64,7 @@ impl Amplitudes {
         }
         let moments = || forcing.nodal_spectra(&probes.nodes, NodalQuantity::Moment);
         let moment_n_m = probes.with_moments.then(moments);
-        let coarse = fast_length(4 * hub.torque_n_m.len());
+        let coarse = fast_length(8 * hub.torque_n_m.len());
         let whole = &forcing.spectrum.pair;
         let pair = if coarse < whole.len() { FourierPair::new(coarse) } else { whole.clone() };
         Ok(Self { hub, motor_torque_n_m, displacement_m, moment_n_m, pair })

@@ -110,10 +110,10 @@ mod tests {
             motion: MotionScale::default(),
         };
         let row = sweep_row::<SolvedCase>(&case, &Err("damping.ratio = 2, too much".into()));
-        assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(15)));
+        assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(17)));
         let plan = SweepPlan::new(vec!["damping.ratio=2".parse().unwrap()]).unwrap();
         let header = sweep_header::<SolvedCase>(&plan);
-        assert_eq!(header.matches(',').count(), 15);
+        assert_eq!(header.matches(',').count(), 17);
         assert!(header.starts_with("damping.ratio,period_1_s,zero_1_per_s,peak_torque_n_m,"));
         assert!(
             header.ends_with(",band_hz,tip_error,torque_mesh_error,torque_window_error,error\n")

@@ -222,6 +222,10 @@ fn warnings_stand_in_the_page_with_what_helps() {
         "out",
         "--set",
         "payload.mass=0.1",
+        "--set",
+        "mesh.elements=2",
+        "--set",
+        "segments.*.elements=1",
     ]);
     done(&bench, &["report", "out", "-q"]);
     let page = bench.read("out/report.html");

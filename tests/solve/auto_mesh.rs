@@ -1,6 +1,8 @@
 //! The discretisation error: what is reported is what it is.
 
-use super::{Smooth, accelerated, link, mesh_of, peak, sine, solved, torque_difference};
+use super::{
+    Smooth, accelerated, link, mesh_of, peak, sine, solved, torque_difference, whole_band,
+};
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Segment, Taper};
@@ -10,7 +12,7 @@ use flexlink::motion::TipMotion;
 fn automatic(link: &Link, motion: &TipMotion, tolerance: f64) -> Solution {
     let own = vec![None; link.segments().len()];
     let plan = MeshPlan::new(link, &own, Some(ElementCount::Auto), tolerance).unwrap();
-    invert(link, &plan, motion, &Analysis::default()).unwrap()
+    invert(link, &plan, motion, &whole_band(Analysis::default())).unwrap()
 }
 
 /// A tapered link of two segments with a lumped mass.

@@ -1,6 +1,6 @@
 //! Every warning, provoked; and none where there is nothing to warn about.
 
-use super::{Smooth, accelerated, link, mesh_of, sine, solved};
+use super::{Smooth, accelerated, link, mesh_of, sine, solved, whole_band};
 use flexlink::inverse::{Analysis, Solution, Warning, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Payload};
 use flexlink::motion::TipMotion;
@@ -66,7 +66,7 @@ fn an_end_velocity_of_few_digits_is_corrected() {
 #[test]
 fn a_short_window_cuts_torque() {
     let link = link(|_| ());
-    let analysis = Analysis::new(1e-4, Some(0.05), Some(0.05)).unwrap();
+    let analysis = whole_band(Analysis::new(1e-4, Some(0.05), Some(0.05)).unwrap());
     let solution = invert(&link, &mesh_of(&link, 10), &Smooth::MOVE.motion(), &analysis).unwrap();
     let warning = of_kind(&solution, "torque_cut");
     let Warning::TorqueCut { share, .. } = *warning else { panic!("{warning}") };
