@@ -16,7 +16,7 @@ use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::torque_zeros;
 use crate::motion::{Cutoff, TailTerms, TipMotion, TipMotionHistories, TipPeriod};
-use crate::numeric::{TimeGrid, largest};
+use crate::numeric::{TimeGrid, fast_length, largest};
 
 /// What is to be solved, the mesh and the period left open.
 struct Problem<'a> {
@@ -177,9 +177,12 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The motion on the mesh of a solution, on a period of its own.
+    /// The motion on the mesh of a solution, on a period no shorter than that one's, which holds its
+    /// window.
     fn answer_on(&self, solution: &Solution) -> Result<PeriodicAnswer, InversionError> {
-        let period = self.shortest_period()?;
+        let own = self.padding.period_len(self.motion.grid().len)?;
+        let that = (solution.band.period_s / self.motion.grid().step_s).ceil() as usize;
+        let period = self.period(own.max(fast_length(that)))?;
         let dynamics = &solution.dynamics;
         let shortest = PeriodicAnswer::of(self.asked(&period).of(dynamics), Arc::clone(&period))?;
         self.decayed(dynamics, solution.hub_tail.as_ref(), shortest)
@@ -309,12 +312,15 @@ impl<'a> Problem<'a> {
             tail: known.hub_tail,
             per_length,
         };
+        let joint = Joint::of(self.link);
         let (hub_angle_rad, hub_rate_rad_s) = rayon::join(
             || hub.on(&grid, &tip.displacement_m, 0),
             || hub.on(&grid, &tip.velocity_m_s, 1),
         );
+        let mut torque_n_m = cut(&answer.torque_n_m, &grid);
+        hub.take_images_off(&grid, 1, joint.friction_n_m_s_rad, &mut torque_n_m);
         let solution = Solution {
-            torque_n_m: cut(&answer.torque_n_m, &grid),
+            torque_n_m,
             rigid_torque_n_m: cut(&rigid_torque, &grid),
             hub_angle_rad,
             hub_rate_rad_s,
@@ -334,7 +340,7 @@ impl<'a> Problem<'a> {
             hub_tail: known.hub_tail,
             period: answer.period,
             spectrum,
-            joint: Joint::of(self.link),
+            joint,
         };
         (solution, edges)
     }

@@ -165,15 +165,26 @@ impl HubMotion<'_> {
         let spectrum = &self.period.spectrum;
         let derivative = spectrum.derivative(self.excess_amplitudes_rad, order);
         let mut motion = cut(&spectrum.pair.samples(derivative), grid);
-        if let Some(tail) = &self.tail {
-            let images = self.period.images().history(order);
-            for (k, excess) in motion.iter_mut().enumerate() {
-                *excess -= tail_sum(tail, &images[grid.in_period(k, images.len())]);
-            }
-        }
+        self.take_images_off(grid, order, 1.0, &mut motion);
         for (excess, tip) in motion.iter_mut().zip(tip) {
             *excess += tip * self.per_length;
         }
         motion
+    }
+
+    /// Takes what other periods add to the `order`-th derivative, times a factor, off samples of a grid.
+    pub(super) fn take_images_off(
+        &self,
+        grid: &TimeGrid,
+        order: usize,
+        factor: f64,
+        samples: &mut [f64],
+    ) {
+        let Some(tail) = self.tail.filter(|_| factor != 0.0) else { return };
+        let tail = tail.map(|s| factor * s);
+        let images = self.period.images().history(order);
+        for (k, sample) in samples.iter_mut().enumerate() {
+            *sample -= tail_sum(&tail, &images[grid.in_period(k, images.len())]);
+        }
     }
 }

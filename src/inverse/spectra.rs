@@ -33,7 +33,7 @@ pub(super) struct Forcing<'a> {
 /// What the joint adds to the link's own dynamics.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Joint {
-    friction_n_m_s_rad: f64,
+    pub(super) friction_n_m_s_rad: f64,
     pub(super) drive: Option<Drive>,
 }
 
