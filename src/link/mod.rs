@@ -8,6 +8,7 @@ mod cross_section;
 mod damping;
 mod drive;
 mod error;
+mod large_deflection;
 mod section;
 mod segment;
 #[cfg(test)]

@@ -52,10 +52,6 @@ pub struct Link {
 }
 
 impl Link {
-    /// Tip deflection over length beyond which deflections are no longer small: a cantilever that a
-    /// tip force bends by a fifth of its length deflects some 4 % less than linear theory says.
-    pub const LARGE_DEFLECTION: f64 = 0.2;
-
     /// Checks every range and puts the lumped masses in order from the hub outward.
     ///
     /// # Errors

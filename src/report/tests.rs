@@ -80,6 +80,10 @@ pub(super) fn run() -> StoredRun {
         moments_n_m: None,
         readings: vec![("peak_torque_n_m".to_owned(), metrics.peak_torque_n_m.value)],
         checks: vec![],
+        remarks: vec![StoredWarning {
+            message: "a density of <b>".to_owned(),
+            hint: "another unit".to_owned(),
+        }],
         warnings: vec![StoredWarning {
             message: "<em>bent".to_owned(),
             hint: "less & slower".to_owned(),

@@ -4,6 +4,7 @@ use super::raw::RawSegment;
 use super::section::section;
 use crate::link::{CrossSection, ParameterError, Section, Segment, Taper};
 use crate::numeric::Dimension;
+use crate::result::Remark;
 
 /// A segment, its stiffness and its mass each given in exactly one way.
 pub(super) fn segment(index: usize, raw: RawSegment) -> Result<Segment, Fault> {
@@ -37,6 +38,22 @@ pub(super) fn segment(index: usize, raw: RawSegment) -> Result<Segment, Fault> {
         mass_per_length_kg_m: mass_per_length(&at, &mass_way)?,
         cross_section,
     })
+}
+
+/// What there is to say about the materials of segments.
+pub(super) fn remarks(segments: &[RawSegment]) -> Result<Vec<Remark>, Fault> {
+    let mut remarks = Vec::new();
+    for (index, raw) in segments.iter().enumerate() {
+        if let Some(modulus) = &raw.modulus {
+            let path = format!("segments.{index}.E");
+            remarks.extend(Remark::on_modulus(&path, modulus.si(&path, Dimension::PRESSURE)?));
+        }
+        if let Some(density) = &raw.density {
+            let path = format!("segments.{index}.density");
+            remarks.extend(Remark::on_density(&path, density.si(&path, Dimension::DENSITY)?));
+        }
+    }
+    Ok(remarks)
 }
 
 /// How thick the segment is, by its section, or by I and area where both are given.
