@@ -60,7 +60,7 @@ impl ThickLink {
 
     /// What the user can do about it.
     pub fn hint(&self) -> &'static str {
-        "a slower motion, which leaves these modes alone, or a more slender link"
+        "a more slender link; a torque whose motion lies far below these modes hardly feels it"
     }
 }
 

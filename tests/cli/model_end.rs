@@ -55,8 +55,8 @@ fn a_thick_link_is_told_with_the_share_of_its_frequencies_wherever_they_are_used
     let modes = bench.run(&["modes", "bar.toml", "--count", "2"]);
     assert!(stdout(&modes).contains("4007.6"), "{}", stdout(&modes));
     let told = format!(
-        "{lower} to 41 % (mode 2)\nhint: a slower motion, which leaves these modes alone, or a more \
-         slender link\n"
+        "{lower} to 41 % (mode 2)\nhint: a more slender link; a torque whose motion lies far below \
+         these modes hardly feels it\n"
     );
     assert_eq!(stderr(&modes), told);
     for arguments in [
