@@ -52,6 +52,7 @@ fn any_segment(u: &mut Unstructured) -> Result<Segment> {
         length_m,
         bending_stiffness_n_m2: taper(u, stiffness)?,
         mass_per_length_kg_m: taper(u, mass)?,
+        cross_section: None,
     })
 }
 

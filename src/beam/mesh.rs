@@ -221,6 +221,7 @@ mod tests {
             length_m,
             bending_stiffness_n_m2: ei,
             mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.5 },
+            cross_section: None,
         };
         let mass = |at_m| LumpedMass { at_m, mass_kg: 0.1, inertia_kg_m2: 0.02 };
         let link = Link::new(LinkParts {
@@ -264,6 +265,7 @@ mod tests {
                 length_m,
                 bending_stiffness_n_m2: Taper::constant(5.0),
                 mass_per_length_kg_m: Taper::constant(0.8),
+                cross_section: None,
             };
             let mass = LumpedMass { at_m: 0.7 + hair, mass_kg: 0.1, inertia_kg_m2: 0.0 };
             let link = Link::new(LinkParts {

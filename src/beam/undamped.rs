@@ -50,6 +50,7 @@ fn mesh_of(elements: usize, units: Units, [ei, per_length]: [Taper; 2]) -> Mesh 
             length_m: 1.5 * length,
             bending_stiffness_n_m2: ei.scaled(stiffness),
             mass_per_length_kg_m: per_length.scaled(density),
+            cross_section: None,
         }],
         hub: Hub {
             inertia_kg_m2: 0.1 * inertia,

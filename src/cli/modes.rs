@@ -4,8 +4,10 @@ use clap::Args;
 
 use flexlink::beam::Mesh;
 use flexlink::modal::{
-    DampingLaw, held_frequencies, mode, natural_frequencies, real_frequency_zeros, torque_zeros,
+    DampingLaw, Thickness, held_frequencies, mode, natural_frequencies, real_frequency_zeros,
+    torque_zeros,
 };
+use flexlink::result::Remark;
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, HeldModes, ModesResult, OutputFolder};
 
@@ -63,6 +65,10 @@ impl Modes {
         let (mesh, omega_rad_s) = resolved(&specification, count);
         let law = DampingLaw::of(specification.link.damping(), &mesh)?;
         let highest = omega_rad_s.last().copied().unwrap_or_default();
+        let link = &specification.link;
+        let thick = Thickness::known(link).noticeable(&mesh, &omega_rad_s);
+        let of_modes = Remark::on_modes(link, &mesh, &omega_rad_s);
+        let remarks = [specification.remarks.clone(), of_modes].concat();
         let blocked = real_frequency_zeros(&mesh, highest);
         let held = specification.link.drive().map(|drive| HeldModes {
             joint_stiffness_n_m_rad: drive.joint_stiffness_n_m_rad,
@@ -79,6 +85,10 @@ impl Modes {
         };
         if let Some(folder) = &self.output {
             result.write(OutputFolder::stage(folder)?.with(self.sync.durability()), self.digits)?;
+        }
+        console::remarks(&remarks);
+        if let Some(thick) = thick {
+            console::warning(thick, thick.hint());
         }
         console::print(&modes_text(&specification.link, &mesh, &result))
     }

@@ -119,7 +119,8 @@ impl Solve {
     }
 
     fn tell(&self, problem: &Problem, solved: &Solved, output: &Path) -> Result<(), Failure> {
-        let Solved { solution, metrics, exceeded, verification, summary, files } = solved;
+        let Solved { solution, metrics, exceeded, verification, remarks, summary, files } = solved;
+        console::remarks(remarks);
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
         }

@@ -6,6 +6,7 @@ use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
 use flexlink::tables::{SweepRecord, sweep_header, sweep_row};
 
 use super::args::{LINK, MOTION, ThreadArgs};
+use super::console;
 use super::exit::{Exit, Failure};
 use super::files::{keep_cases, keep_files, read_once};
 use super::interrupt;
@@ -101,6 +102,7 @@ impl Sweep {
         };
         self.check_files()?;
         let cases = Cases::read(self.plan()?, link, motion, &self.shared)?;
+        console::remarks(&cases.remarks());
         if cases.are_played() {
             self.sweep(&cases, |case| cases.played(case))
         } else {

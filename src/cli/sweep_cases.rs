@@ -7,6 +7,7 @@ use clap::Args;
 use flexlink::link::Link;
 use flexlink::motion::{MotionScale, TipMotion};
 use flexlink::response::Torque;
+use flexlink::result::Remark;
 use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 use flexlink::tables::{InputFile, SweepIdentity, read_torque_table};
@@ -122,6 +123,11 @@ impl<'a> Cases<'a> {
             self.shared.outputs.identity(),
         ];
         SweepIdentity::new(&files, &arguments.concat(), &self.plan, shard)
+    }
+
+    /// What is possible but rare in the link of the first case.
+    pub(crate) fn remarks(&self) -> Vec<Remark> {
+        self.specification(&self.plan.case(0)).map(|found| found.remarks).unwrap_or_default()
     }
 
     /// The link file with the changes of a case.

@@ -8,6 +8,7 @@ use flexlink::sweep::{PlayedCase, SolvedCase};
 use flexlink::tables::{RunInputs, SimulationInputs};
 
 use super::exit::{Exit, Failure};
+use super::solve_run::remarks;
 use super::sweep_cases::Cases;
 use super::sweep_tally::Remark;
 
@@ -50,7 +51,7 @@ impl Cases<'_> {
     fn solve(&self, case: usize) -> Result<(SolvedCase, Vec<Remark>), Failure> {
         let values = self.plan.case(case);
         let specification = self.specification(&values)?;
-        let Specification { link, mesh, analysis, limits } = &specification;
+        let Specification { link, mesh, analysis, limits, .. } = &specification;
         let motion = self.motion_of(link, values.motion)?;
         let solution = invert(link, mesh, &motion, analysis)?;
         let found = SolvedCase::of(&solution);
@@ -64,6 +65,7 @@ impl Cases<'_> {
                 analysis,
                 arguments: &self.arguments(&values),
                 verification: None,
+                remarks: &remarks(&specification, &motion, &solution),
             };
             self.shared.outputs.write_solution(&folder, &inputs, &solution, &found, &exceeded)?;
         }

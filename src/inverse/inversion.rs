@@ -122,7 +122,7 @@ pub fn invert(
         problem.measure_step(&mut solution)?;
     }
     solution.warnings =
-        warnings(&Evidence { motion, analysis, cut: edges.cut, seam: edges.seam }, &solution);
+        warnings(&Evidence { link, motion, analysis, cut: edges.cut, seam: edges.seam }, &solution);
     Ok(solution)
 }
 

@@ -14,6 +14,7 @@ mod dense;
 mod dynamics;
 mod error;
 mod inversion;
+mod model_end;
 mod motor;
 mod nodal_block;
 mod nodal_peak;

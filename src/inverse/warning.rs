@@ -5,10 +5,11 @@ use thiserror::Error;
 
 use super::accuracy::Quantity;
 use super::analysis::Analysis;
+use super::model_end::{FastHub, fast_hub, stiffening, thick_link};
 use super::solution::Solution;
 use crate::beam::Mesh;
 use crate::link::Link;
-use crate::modal::real_frequency_zeros;
+use crate::modal::{ThickLink, real_frequency_zeros};
 use crate::motion::{Shortfall, TipMotion, TipSpectrum};
 use crate::numeric::{largest, significant};
 
@@ -134,13 +135,25 @@ pub enum Warning {
         resolved_hz: f64,
     },
     /// More bending than the linear theory of small deflections holds for.
-    #[error(
-        "the tip deflects by {:.0} % of the link's length, beyond the small deflections that the \
-         method holds for",
-        100.0 * share
-    )]
+    #[error("{}", Link::large_deflection_words(*share))]
     LargeDeflection {
         /// Largest deflection of the tip from the hub's tangent line over the length.
+        share: f64,
+    },
+    /// Shear and rotary inertia that the model leaves out.
+    #[error(transparent)]
+    ThickLink(#[from] ThickLink),
+    /// A hub that turns as fast as the link vibrates.
+    #[error(
+        "the hub turns at up to {} rad/s, {share:.2} of the clamped link's first natural frequency: \
+         centrifugal stiffening, which the model leaves out, moves the tip by {} of its way",
+        significant(*rate_rad_s, 3),
+        stiffening(*share)
+    )]
+    FastHub {
+        /// Largest hub rate in rad/s.
+        rate_rad_s: f64,
+        /// The same over the first natural frequency of the link clamped at its hub.
         share: f64,
     },
     /// A mesh that is too coarse for the motion.
@@ -167,6 +180,8 @@ impl Warning {
             Self::NearNyquist { .. } => "near_nyquist",
             Self::AboveMesh { .. } => "above_mesh",
             Self::LargeDeflection { .. } => "large_deflection",
+            Self::ThickLink(thick) => thick.kind(),
+            Self::FastHub { .. } => "fast_hub",
             Self::CoarseMesh { .. } => "coarse_mesh",
         }
     }
@@ -185,7 +200,10 @@ impl Warning {
             Self::CoarseStep { .. } => "an analysis.tip_tolerance above 0, or a smoother motion",
             Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or none of them",
             Self::WrapAround { .. } => "a longer analysis.lag, more damping or a looser tolerance",
-            Self::LargeDeflection { .. } => "a slower motion or a stiffer link",
+            Self::LargeDeflection { .. } | Self::FastHub { .. } => {
+                "a slower motion or a stiffer link"
+            }
+            Self::ThickLink(thick) => thick.hint(),
             Self::BlockedTip { .. } => "a smoother or slower motion avoids the frequency",
             Self::NearNyquist { .. } => "a smoother motion or a shorter step",
             Self::AboveMesh { .. } | Self::CoarseMesh { .. } => {
@@ -206,6 +224,7 @@ fn cause(shortfall: &Shortfall) -> String {
 
 /// What a run was given and measured of itself.
 pub(super) struct Evidence<'a> {
+    pub(super) link: &'a Link,
     pub(super) motion: &'a TipMotion,
     pub(super) analysis: &'a Analysis,
     /// Torque outside the written window, over the peak.
@@ -216,7 +235,7 @@ pub(super) struct Evidence<'a> {
 
 /// All warnings that a solution and the evidence give reason for.
 pub(super) fn warnings(evidence: &Evidence<'_>, solution: &Solution) -> Vec<Warning> {
-    let Evidence { motion, analysis, cut, seam } = *evidence;
+    let Evidence { link, motion, analysis, cut, seam } = *evidence;
     let tolerance = analysis.tolerance();
     let (mesh, spectrum) = (solution.mesh(), &solution.spectrum);
     let corrected = motion.corrected().map(|end| Warning::EndVelocityCorrected {
@@ -244,6 +263,11 @@ pub(super) fn warnings(evidence: &Evidence<'_>, solution: &Solution) -> Vec<Warn
         .chain((error > COARSE).then_some(Warning::CoarseMesh { quantity, error }))
         .chain(coarse_step(solution))
         .chain(large_deflection(solution))
+        .chain(thick_link(link, solution).map(Warning::ThickLink))
+        .chain(
+            fast_hub(solution)
+                .map(|FastHub { rate_rad_s, share }| Warning::FastHub { rate_rad_s, share }),
+        )
         .collect()
 }
 

@@ -23,5 +23,6 @@ pub(crate) fn uniform_segment() -> Segment {
         length_m: 1.5,
         bending_stiffness_n_m2: Taper::constant(5.0),
         mass_per_length_kg_m: Taper::constant(0.8),
+        cross_section: None,
     }
 }

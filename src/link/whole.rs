@@ -35,6 +35,7 @@ pub struct LinkParts {
 ///         length_m: 1.5,
 ///         bending_stiffness_n_m2: Taper::constant(5.0),
 ///         mass_per_length_kg_m: Taper::constant(0.8),
+///         cross_section: None,
 ///     }],
 ///     hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
 ///     masses: vec![],
@@ -51,10 +52,6 @@ pub struct Link {
 }
 
 impl Link {
-    /// Tip deflection over length beyond which deflections are no longer small: a cantilever that a
-    /// tip force bends by a fifth of its length deflects some 4 % less than linear theory says.
-    pub const LARGE_DEFLECTION: f64 = 0.2;
-
     /// Checks every range and puts the lumped masses in order from the hub outward.
     ///
     /// # Errors
@@ -201,6 +198,7 @@ mod tests {
             length_m,
             bending_stiffness_n_m2: Taper::constant(5.0),
             mass_per_length_kg_m: Taper::constant(0.8),
+            cross_section: None,
         };
         LinkParts {
             title: String::new(),

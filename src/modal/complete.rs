@@ -183,6 +183,7 @@ mod tests {
             length_m,
             bending_stiffness_n_m2: Taper { inner: stiffness, outer: 0.7 * stiffness },
             mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.6 },
+            cross_section: None,
         };
         let link = Link::new(LinkParts {
             title: String::new(),

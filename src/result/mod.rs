@@ -6,6 +6,7 @@ mod fit;
 mod limits;
 mod metrics;
 mod played;
+mod remark;
 mod repetition;
 mod stored;
 mod tip_error;
@@ -14,6 +15,7 @@ pub use fit::{FitError, OpenMotion, shortest_steps};
 pub use limits::{Exceeded, Limits};
 pub use metrics::{Metrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;
+pub use remark::Remark;
 pub use repetition::{LineDifference, Repeated, RepeatedFile, line_difference};
 pub use stored::{
     Origin, StoredCheck, StoredInput, StoredNodes, StoredResult, StoredRun, StoredSolution,

@@ -46,6 +46,8 @@ pub struct StoredRun {
     pub checks: Vec<StoredCheck>,
     /// What the user must know.
     pub warnings: Vec<StoredWarning>,
+    /// What is possible but rare.
+    pub remarks: Vec<StoredWarning>,
 }
 
 /// Who made a result, from what.

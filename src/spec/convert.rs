@@ -6,7 +6,7 @@ use super::quantity::{Quantity, Real, Unbounded};
 use super::raw::{
     RawAnalysis, RawDrive, RawHub, RawLimits, RawMass, RawMesh, RawPayload, RawSpecification,
 };
-use super::segment::segment;
+use super::segment::{remarks, segment};
 use crate::beam::{ElementCount, MeshPlan};
 use crate::inverse::Analysis;
 use crate::link::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload};
@@ -20,6 +20,7 @@ pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
     }
     let own_elements = raw.segments.iter().map(|s| s.elements.map(|count| count.0));
     let own_elements: Vec<Option<usize>> = own_elements.collect();
+    let remarks = remarks(&raw.segments)?;
     let segments = raw.segments.into_iter().enumerate();
     let masses = raw.masses.iter().enumerate();
     let link = Link::new(LinkParts {
@@ -33,7 +34,7 @@ pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
     })?;
     let mesh = mesh(&link, &own_elements, &raw.mesh)?;
     let analysis = analysis(&raw.analysis)?;
-    Ok(Specification { link, mesh, analysis, limits: limits(&raw.limits)? })
+    Ok(Specification { link, mesh, analysis, limits: limits(&raw.limits)?, remarks })
 }
 
 fn hub(raw: &RawHub) -> Result<Hub, Fault> {

@@ -9,7 +9,7 @@ use super::{Override, SpecError};
 use crate::beam::MeshPlan;
 use crate::inverse::Analysis;
 use crate::link::Link;
-use crate::result::Limits;
+use crate::result::{Limits, Remark};
 
 /// What a link file says, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Specification {
     pub analysis: Analysis,
     /// What link and motor stand.
     pub limits: Limits,
+    /// What of the file is possible but rare, and often a slip of units.
+    pub remarks: Vec<Remark>,
 }
 
 /// Reads the text of a link file and applies the `overrides` in their order.

@@ -9,7 +9,7 @@ use crate::inverse::{Accuracy, Analysis, QuantityErrors, Solution};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
-use crate::result::{Exceeded, Metrics};
+use crate::result::{Exceeded, Metrics, Remark};
 use crate::verification::Verification;
 
 /// What a run was given.
@@ -30,6 +30,8 @@ pub struct RunInputs<'a> {
     pub arguments: &'a [String],
     /// What verifying the answer gave, if it was verified.
     pub verification: Option<&'a Verification>,
+    /// What is possible but rare in link and motion.
+    pub remarks: &'a [Remark],
 }
 
 /// The content of summary.json, in the order of its keys.
@@ -52,6 +54,7 @@ pub struct Summary {
     errors: Errors,
     verification: Option<Vec<CheckRecord>>,
     warnings: Vec<WarningRecord>,
+    remarks: Vec<WarningRecord>,
     files: Vec<&'static str>,
 }
 
@@ -164,6 +167,7 @@ impl Summary {
             errors: Errors::of(&solution.accuracy),
             verification: inputs.verification.map(CheckRecord::all),
             warnings: warnings(solution, exceeded),
+            remarks: inputs.remarks.iter().map(remark).collect(),
             files,
         }
     }
@@ -174,6 +178,14 @@ impl Summary {
     /// Never: the summary holds nothing that JSON cannot.
     pub fn to_json(&self) -> String {
         json(self)
+    }
+}
+
+fn remark(remark: &Remark) -> WarningRecord {
+    WarningRecord {
+        kind: remark.kind().into(),
+        message: remark.to_string(),
+        hint: remark.hint().into(),
     }
 }
 

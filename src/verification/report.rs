@@ -7,6 +7,7 @@ use crate::beam::MeshPlan;
 use crate::inverse::{Analysis, InversionError, Solution, torque_over_window};
 use crate::link::Link;
 use crate::motion::{MotionError, TipMotion};
+use crate::numeric::largest;
 use crate::response::{HistoryError, SimulationError};
 
 /// What the user's choice of mesh, modes or step may change of the torque.
@@ -69,7 +70,7 @@ impl VerificationError {
 ///
 /// the torque as it is written, played on the link with its own damping law and with viscous
 /// damping; halved elements; halved steps; what is left at the edge of the window; the paper's
-/// dense system at sample frequencies; the balance of energy.
+/// dense system at sample frequencies; the balance of energy; how small the deflections are.
 ///
 /// # Errors
 /// [`VerificationError`].
@@ -88,7 +89,11 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     ]);
     let truncation = torque("truncation", "torque with all modes");
     checks.extend(errors.modes.map(|e| truncation.measured(e, CHOSEN)));
-    checks.extend([dense_transfer(solution), energy]);
+    let bent = largest(&solution.tip_deflection_m()) / solution.mesh().length_m();
+    let deflection =
+        Question { name: "tip_deflection", what: "tip deflection", of: "the link's length" };
+    let deflection = deflection.measured(bent, Link::LARGEST_DEFLECTION);
+    checks.extend([dense_transfer(solution), energy, deflection]);
     Ok(Verification { checks })
 }
 

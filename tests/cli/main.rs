@@ -12,6 +12,7 @@ mod help;
 mod hints;
 mod line_ends;
 mod locale;
+mod model_end;
 mod modes;
 mod options;
 mod paths;

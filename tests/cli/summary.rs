@@ -39,6 +39,7 @@ fn every_documented_key_is_there() {
                 "motion",
                 "natural_frequencies_hz",
                 "periods_s",
+                "remarks",
                 "results",
                 "title",
                 "verification",

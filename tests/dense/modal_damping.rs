@@ -22,6 +22,7 @@ fn arm(damping: Damping) -> LinkParts {
         length_m,
         bending_stiffness_n_m2: Taper { inner: stiffness.0, outer: stiffness.1 },
         mass_per_length_kg_m: Taper { inner: mass.0, outer: mass.1 },
+        cross_section: None,
     };
     LinkParts {
         title: String::new(),

@@ -13,6 +13,7 @@ fn bayo(elements: usize) -> Mesh {
         length_m: 1.5 * count as f64 / elements as f64,
         bending_stiffness_n_m2: Taper::constant(stiffness),
         mass_per_length_kg_m: Taper::constant(0.8),
+        cross_section: None,
     };
     let link = Link::new(LinkParts {
         title: String::new(),

@@ -108,7 +108,7 @@ fn segment_refusal(keys: &str) -> String {
 
 #[test]
 fn the_whole_example_is_read_in_si() {
-    let Specification { link, mesh, analysis, limits } = read(EXAMPLE).unwrap();
+    let Specification { link, mesh, analysis, limits, .. } = read(EXAMPLE).unwrap();
     assert_eq!(link.title(), "Bayo (1987), example 1: I = 0.25e-2 cm^4");
     let [root, beam] = link.segments() else {
         panic!("{:?}", link.segments());
@@ -139,7 +139,7 @@ fn the_whole_example_is_read_in_si() {
 
 #[test]
 fn only_segments_are_required() {
-    let Specification { link, mesh, analysis, limits } = read(SHORT).unwrap();
+    let Specification { link, mesh, analysis, limits, .. } = read(SHORT).unwrap();
     assert_eq!((link.drive(), limits), (None, Limits::default()));
     assert_eq!(link.title(), "");
     assert_eq!(*link.hub(), Hub::default());

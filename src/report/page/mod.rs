@@ -8,7 +8,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use self::link_drawing::link_drawing;
 use self::motion_data::motion_data;
-use self::readings::{checks, given, inputs, link_readings, readings, warnings};
+use self::readings::{checks, given, inputs, link_readings, readings, remarks, warnings};
 use super::chart::Figure;
 use super::{Figures, View};
 use crate::numeric::significant;
@@ -98,6 +98,9 @@ fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
             name: "Warnings",
             content: warnings(&run.warnings),
         });
+    }
+    if !run.remarks.is_empty() {
+        sections.push(Section { id: "remarks", name: "Remarks", content: remarks(&run.remarks) });
     }
     if !run.checks.is_empty() {
         sections.push(Section { id: "checks", name: "Verification", content: checks(&run.checks) });

@@ -54,6 +54,7 @@ impl SegmentRecord {
             length_m: self.length_m,
             bending_stiffness_n_m2: taper(self.bending_stiffness_n_m2),
             mass_per_length_kg_m: taper(self.mass_per_length_kg_m),
+            cross_section: None,
         }
     }
 }

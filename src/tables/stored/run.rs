@@ -63,6 +63,7 @@ fn gathered(
         readings: summary.take_readings(),
         checks: summary.take_checks(),
         warnings: summary.take_warnings(),
+        remarks: summary.take_remarks(),
     })
 }
 

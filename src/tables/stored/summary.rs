@@ -31,6 +31,9 @@ pub(super) struct StoredSummary {
     pub(super) results: Readings,
     verification: Option<Vec<CheckRecord>>,
     warnings: Vec<WarningRecord>,
+    /// Of solve alone.
+    #[serde(default)]
+    remarks: Vec<WarningRecord>,
     pub(super) files: Vec<String>,
 }
 
@@ -148,12 +151,20 @@ impl StoredSummary {
     }
 
     pub(super) fn take_warnings(&mut self) -> Vec<StoredWarning> {
-        let warning = |warning: WarningRecord| StoredWarning {
-            message: warning.message,
-            hint: warning.hint.into_owned(),
-        };
-        std::mem::take(&mut self.warnings).into_iter().map(warning).collect()
+        stored(&mut self.warnings)
     }
+
+    pub(super) fn take_remarks(&mut self) -> Vec<StoredWarning> {
+        stored(&mut self.remarks)
+    }
+}
+
+fn stored(records: &mut Vec<WarningRecord>) -> Vec<StoredWarning> {
+    let stored = |record: WarningRecord| StoredWarning {
+        message: record.message,
+        hint: record.hint.into_owned(),
+    };
+    std::mem::take(records).into_iter().map(stored).collect()
 }
 
 /// What a JSON file holds, or the line that is to blame and what the file `must` be.
