@@ -8,6 +8,9 @@ use super::input::InputFile;
 use crate::beam::Mesh;
 use crate::verification::{Check, Outcome, Verification};
 
+/// What a record is written by: it grows with every change that a reader of an earlier one must know.
+pub(super) const FORMAT: u32 = 2;
+
 /// An input file of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Fingerprint {

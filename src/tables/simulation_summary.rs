@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::input::InputFile;
 use super::link_record::LinkRecord;
-use super::records::{Fingerprint, MeshRecord, WarningRecord, json};
+use super::records::{FORMAT, Fingerprint, MeshRecord, WarningRecord, json};
 use crate::link::Link;
 use crate::response::{Interpolation, Play, Simulation};
 use crate::result::{PlayedMetrics, TipError};
@@ -32,6 +32,7 @@ pub struct SimulationInputs<'a> {
 /// The content of summary.json, in the order of its keys.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimulationSummary {
+    format: u32,
     flexlink: &'static str,
     command: &'static str,
     title: String,
@@ -123,6 +124,7 @@ impl SimulationSummary {
     ) -> Self {
         let frequencies = &simulation.natural_frequencies_rad_s;
         Self {
+            format: FORMAT,
             flexlink: env!("CARGO_PKG_VERSION"),
             command: "simulate",
             title: inputs.link.title().to_owned(),

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::input::InputFile;
 use super::link_record::{DriveRecord, LinkRecord};
-use super::records::{CheckRecord, Fingerprint, MeshRecord, WarningRecord, json};
+use super::records::{CheckRecord, FORMAT, Fingerprint, MeshRecord, WarningRecord, json};
 use crate::inverse::{Accuracy, Analysis, QuantityErrors, Solution};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
@@ -35,6 +35,7 @@ pub struct RunInputs<'a> {
 /// The content of summary.json, in the order of its keys.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
+    format: u32,
     flexlink: &'static str,
     command: &'static str,
     title: String,
@@ -143,6 +144,7 @@ impl Summary {
         let hertz = |omega: &f64| omega / std::f64::consts::TAU;
         let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         Self {
+            format: FORMAT,
             flexlink: env!("CARGO_PKG_VERSION"),
             command: "solve",
             title: inputs.link.title().to_owned(),

@@ -90,8 +90,7 @@ fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
     let files =
         origin.inputs.iter().map(|input| input.name.as_str()).collect::<Vec<_>>().join(", ");
     let told = html! { "flexlink " (origin.version) " " (origin.command) " · " (files) };
-    let mut sections =
-        vec![Section { id: "link", name: "Link and results", content: link_section(run) }];
+    let mut sections = Vec::new();
     if !run.warnings.is_empty() {
         sections.push(Section {
             id: "warnings",
@@ -99,6 +98,7 @@ fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
             content: warnings(&run.warnings),
         });
     }
+    sections.push(Section { id: "link", name: "Link and results", content: link_section(run) });
     if !run.checks.is_empty() {
         sections.push(Section { id: "checks", name: "Verification", content: checks(&run.checks) });
     }

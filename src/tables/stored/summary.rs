@@ -5,7 +5,7 @@ use serde::de::DeserializeOwned;
 
 use super::super::input::InputFile;
 use super::super::link_record::{DriveRecord, LinkRecord};
-use super::super::records::{CheckRecord, Fingerprint, WarningRecord};
+use super::super::records::{CheckRecord, FORMAT, Fingerprint, WarningRecord};
 use super::super::table_error::{Place, TableError, quoted};
 use super::folder::A_RUN;
 use super::readings::Readings;
@@ -71,6 +71,7 @@ pub(super) struct Played {
 /// What tells a summary from other files.
 #[derive(Debug, Deserialize)]
 struct Head {
+    format: Option<u32>,
     flexlink: Option<String>,
     command: Option<String>,
 }
@@ -88,6 +89,7 @@ impl StoredSummary {
             let must = "must be \"solve\" or \"simulate\"";
             return Err(whole.refuse("command", quoted(&command), must));
         }
+        check_format(head.format, &version, whole)?;
         let must = format!("must be as flexlink {} writes it", env!("CARGO_PKG_VERSION"));
         parsed(file, &must).map_err(|error| newer(error, &version))
     }
@@ -154,6 +156,23 @@ impl StoredSummary {
         };
         std::mem::take(&mut self.warnings).into_iter().map(warning).collect()
     }
+}
+
+/// Refuses a record of another format than this version writes and reads.
+pub(in super::super) fn check_format(
+    found: Option<u32>,
+    version: &str,
+    place: Place,
+) -> Result<(), TableError> {
+    if found == Some(FORMAT) {
+        return Ok(());
+    }
+    let shown = found.map_or_else(|| "nothing".to_owned(), |format| format.to_string());
+    let error = place.refuse("format", shown, format!("must be {FORMAT}"));
+    if found > Some(FORMAT) {
+        return Err(newer(error, version));
+    }
+    Err(error.with_hint(format!("flexlink {version} wrote it in an older format: run it again")))
 }
 
 /// What a JSON file holds, or the line that is to blame and what the file `must` be.
