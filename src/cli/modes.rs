@@ -14,6 +14,7 @@ use super::console;
 use super::exit::Failure;
 use super::files::check_folder;
 use super::modes_text::modes_text;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -52,6 +53,9 @@ pub(crate) struct Modes {
     digits: Digits,
 
     #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
     sync: SyncArgs,
 }
 
@@ -80,7 +84,8 @@ impl Modes {
         if let Some(folder) = &self.output {
             result.write(OutputFolder::stage(folder)?.with(self.sync.durability()), self.digits)?;
         }
-        console::print(&modes_text(&specification.link, &mesh, &result))
+        console::print(&modes_text(&specification.link, &mesh, &result))?;
+        self.warnings.refuse(0)
     }
 }
 

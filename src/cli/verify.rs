@@ -11,6 +11,7 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::files::read_once;
 use super::verify_text::verify_text;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -52,6 +53,9 @@ pub(crate) struct Verify {
     quiet: bool,
 
     #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
     threads: ThreadArgs,
 }
 
@@ -73,7 +77,8 @@ impl Verify {
             (_, true) => console::print_bytes(verification_json(&verification).as_bytes())?,
             _ => console::print(&verify_text(&verification))?,
         }
-        refuse_failed(&verification)
+        refuse_failed(&verification)?;
+        self.warnings.refuse(solution.warnings.len())
     }
 }
 

@@ -8,9 +8,6 @@ use super::input::InputFile;
 use crate::beam::Mesh;
 use crate::verification::{Check, Outcome, Verification};
 
-/// What a record is written by: it grows with every change that a reader of an earlier one must know.
-pub(super) const FORMAT: u32 = 2;
-
 /// An input file of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Fingerprint {
@@ -87,6 +84,14 @@ pub(super) fn json(summary: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(summary).expect("plain records are JSON");
     text.push('\n');
     without_controls(text)
+}
+
+/// The JSON text of a record on one line, without a line end.
+///
+/// # Panics
+/// Never, as [`json`].
+pub(super) fn json_line(record: &impl Serialize) -> String {
+    without_controls(serde_json::to_string(record).expect("plain records are JSON"))
 }
 
 /// JSON lets U+007F to U+009F stand as they are, which terminals obey; they can only be in strings.

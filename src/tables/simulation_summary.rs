@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::input::InputFile;
+use super::json_record::FORMAT;
 use super::link_record::LinkRecord;
-use super::records::{FORMAT, Fingerprint, MeshRecord, WarningRecord, json};
+use super::records::{Fingerprint, MeshRecord, WarningRecord, json};
 use crate::link::Link;
 use crate::response::{Interpolation, Play, Simulation};
 use crate::result::{PlayedMetrics, TipError};

@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::input::InputFile;
+use super::json_record::FORMAT;
 use super::link_record::{DriveRecord, LinkRecord};
-use super::records::{CheckRecord, FORMAT, Fingerprint, MeshRecord, WarningRecord, json};
+use super::records::{CheckRecord, Fingerprint, MeshRecord, WarningRecord, json};
 use crate::inverse::{Accuracy, Analysis, QuantityErrors, Solution};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
@@ -186,7 +187,7 @@ fn warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<WarningRecord> {
         hint: warning.hint().into(),
     };
     let limit = |exceeded: &Exceeded| WarningRecord {
-        kind: "limit_exceeded".into(),
+        kind: Exceeded::KIND.into(),
         message: exceeded.to_string(),
         hint: exceeded.hint().into(),
     };
