@@ -132,8 +132,8 @@ mod tests {
         let header = sweep_header::<SolvedCase>(&plan);
         assert_eq!(header.matches(',').count(), 18);
         assert!(header.starts_with("damping.ratio,period_1_s,zero_1_per_s,peak_torque_n_m,"));
-        assert!(
-            header.ends_with(",band_hz,tip_error,torque_mesh_error,torque_window_error,warnings,error\n")
-        );
+        assert!(header.ends_with(
+            ",band_hz,tip_error,torque_mesh_error,torque_window_error,warnings,error\n"
+        ));
     }
 }
