@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use flexlink::tables::{Durability, InputFile, SweepRows, SweptCase, merge_shards, write_sweep};
+use flexlink::tables::{
+    Durability, InputFile, SweepRows, SweptCase, check_record, merge_shards, write_sweep,
+};
 
 use super::console;
 use super::exit::Failure;
@@ -18,7 +20,9 @@ pub(crate) fn merge(shards: &[PathBuf], output: &Path, quiet: bool) -> Result<Ta
     keep_record(output)?;
     let read = |path: &&Path| -> Result<SweepRows, Failure> {
         let file = InputFile::read(path)?;
-        Ok(SweepRows::read(&file.shown, &file.bytes)?)
+        let rows = SweepRows::read(&file.shown, &file.bytes)?;
+        check_record(path, &file)?;
+        Ok(rows)
     };
     let shards: Vec<SweepRows> = inputs.iter().map(read).collect::<Result<_, _>>()?;
     let table = merge_shards(&shards)?;

@@ -75,7 +75,7 @@ pub use stored::{FoundInput, InputRole, RunRecord, read_result};
 pub use summary::{RunInputs, Summary};
 pub use sweep_file::{Resumed, SweepFile};
 pub use sweep_identity::{SweepIdentity, SweepInputs};
-pub use sweep_record::{foreign_record, write_sweep};
+pub use sweep_record::{check_record, foreign_record, write_sweep};
 pub use sweep_rows::{SweepRows, SweptCase, merge_shards};
 pub use sweep_table::{SweepColumn, SweepRecord, sweep_header, sweep_row};
 pub use table_error::TableError;

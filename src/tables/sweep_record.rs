@@ -54,6 +54,15 @@ pub fn write_sweep(
     write_file_with(&record_of(path), json.as_bytes(), durability)
 }
 
+/// Refuses a shard that has changed since its record was written beside it; one that was copied
+/// without its record is taken.
+///
+/// # Errors
+/// [`TableError`] for such a shard, and for a record that is damaged or of another format.
+pub fn check_record(path: &Path, shard: &InputFile) -> Result<(), TableError> {
+    read_record(path, shard).map(drop)
+}
+
 /// The record beside a table that was read; none where there is none.
 ///
 /// # Errors
@@ -76,7 +85,7 @@ pub(super) fn read_record(
     if found != must {
         let must = format!("must be {}, that of {}", quoted(&must), table.name);
         let hint =
-            format!("the table has changed since; without {} it is shown as it is", file.name);
+            format!("the table has changed since; without {} it is taken as it is", file.name);
         return Err(place.refuse("table.sha256", quoted(found), must).with_hint(hint));
     }
     Ok(Some(identity))

@@ -71,7 +71,7 @@ fn a_table_that_was_changed_is_not_shown_as_that_of_its_record() {
     assert_eq!(output.status.code(), Some(3));
     let error = stderr(&output);
     assert!(error.starts_with("error: sweep.json: table.sha256 = \""), "{error}");
-    let hint = "hint: the table has changed since; without sweep.json it is shown as it is\n";
+    let hint = "hint: the table has changed since; without sweep.json it is taken as it is\n";
     assert!(error.ends_with(hint), "{error}");
 }
 

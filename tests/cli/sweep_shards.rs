@@ -258,6 +258,13 @@ fn rows_that_are_not_those_of_their_cases_are_neither_joined_nor_gone_on_with() 
         assert_eq!(stderr(&output), format!("error: c.csv.part:{words}{hint}"));
         assert!(bench.read("c.csv.part") == changed);
     }
+    // A number is no other case's; the record tells of it.
+    bench.write("sweep-2-of-2.csv", &text.replacen(number, "1.5", 1));
+    let names = ["sweep-1-of-2.csv", "sweep-2-of-2.csv"];
+    let output = bench.run(&[&["sweep", "-o", "no.csv", "--merge"], &names[..]].concat());
+    assert_eq!(output.status.code(), Some(3));
+    let error = stderr(&output);
+    assert!(error.starts_with("error: sweep-2-of-2.json: table.sha256 = \""), "{error}");
     assert!(!bench.path("no.csv").exists());
 }
 

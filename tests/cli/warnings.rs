@@ -3,8 +3,8 @@
 use super::sweep::{rows, sweep, swept};
 use super::{Bench, LINK, MOTION, repository, stderr, stdout};
 
-/// Cases of which the second has a mesh that is too coarse.
-const VARY: [&str; 2] = ["--vary", "payload.mass=0,0.05"];
+/// Cases of which the second bends too much.
+const VARY: [&str; 2] = ["--vary", "distance*=1,2.5"];
 
 /// The cells of a column of a sweep's table.
 fn cells(bench: &Bench, table: &str, name: &str) -> Vec<String> {
@@ -47,7 +47,7 @@ fn a_verified_answer_with_a_warning_fails_where_warnings_are_denied() {
     let plain = bench.run(&arguments);
     assert_eq!((plain.status.code(), stderr(&plain)), (Some(0), String::new()));
     // A deflection that every check of `verify` passes.
-    let warned = bench.run(&[&arguments[..], &["--scale-distance", "1.5"]].concat());
+    let warned = bench.run(&[&arguments[..], &["--scale-distance", "2.5"]].concat());
     assert_eq!(warned.status.code(), Some(4));
     let error = "error: --deny-warnings: warnings = 1, but must be none; the results are written\n";
     let told = stderr(&warned);
@@ -77,14 +77,14 @@ fn the_table_of_a_sweep_names_the_kinds_of_every_cases_warnings() {
     let more = ["--set", "limits.torque=1", "--set", "limits.rms_torque=1e3"];
     swept(&bench, &[&VARY[..], &more].concat());
     let limit = "limit_exceeded:torque";
-    let expected = [limit.to_owned(), format!("coarse_mesh;{limit}")];
+    let expected = [limit.to_owned(), format!("large_deflection;{limit}")];
     assert_eq!(cells(&bench, "sweep.csv", "warnings"), expected);
     assert_eq!(cells(&bench, "sweep.csv", "error"), ["", ""]);
     // What a run of solve has in its summary.
-    bench.solve(&[&["--set", "payload.mass=0.05"], &more[..]].concat());
+    bench.solve(&[&["--scale-distance", "2.5"], &more[..]].concat());
     let summary = bench.json("out/summary.json");
     let kinds = summary["warnings"].as_array().unwrap().iter().map(|warning| &warning["kind"]);
-    assert!(kinds.eq(["coarse_mesh", "limit_exceeded"]));
+    assert!(kinds.eq(["large_deflection", "limit_exceeded"]));
 
     let page = |table: &str| {
         let output = bench.run(&["report", table, "-o", "page.html"]);
@@ -95,16 +95,16 @@ fn the_table_of_a_sweep_names_the_kinds_of_every_cases_warnings() {
     let warnings = shown.find("<h2>Warnings</h2>").unwrap();
     assert!(warnings < shown.find("<h2>Figures</h2>").unwrap());
     assert!(shown.contains(
-        "<strong>coarse_mesh</strong> <span class=\"hint\">1 of 2 cases, the first is row 2."
+        "<strong>large_deflection</strong> <span class=\"hint\">1 of 2 cases, the first is row 2."
     ));
     assert!(shown.contains("<strong>limit_exceeded:torque</strong>"));
-    assert!(shown.contains("<td>coarse_mesh;limit_exceeded:torque</td>"));
+    assert!(shown.contains("<td>large_deflection;limit_exceeded:torque</td>"));
 }
 
 #[test]
 fn the_page_of_a_run_has_its_warnings_above_its_results() {
     let bench = Bench::new();
-    bench.solve(&["--set", "payload.mass=0.05", "--report", "-q"]);
+    bench.solve(&["--scale-distance", "2.5", "--report", "-q"]);
     let page = bench.read("out/report.html");
     let place = |heading: &str| page.find(&format!("<h2>{heading}</h2>")).unwrap();
     assert!(place("Warnings") < place("Link and results"));
@@ -116,7 +116,7 @@ fn a_sweep_fails_where_it_is_asked_to_and_its_table_is_written() {
     let denied = "error: --deny-warnings: cases that failed or warn";
     let hint = "hint: the columns warnings and error name them\n";
     let failing = ["--vary", "damping.ratio=0.02,1.5,0.03"];
-    let limit = [&VARY[..], &["--set", "limits.torque=1.4"]].concat();
+    let limit = [&VARY[..], &["--set", "limits.torque=2"]].concat();
     for (arguments, option, error) in [
         (&VARY[..], "--strict", None),
         (&VARY[..], "--deny-warnings", Some(format!("{denied} = 1 of 2"))),
@@ -143,7 +143,7 @@ fn what_a_shard_warned_of_is_told_when_it_is_joined_or_was_complete() {
     for shard in ["1/2", "2/2"] {
         swept(&bench, &[&VARY[..], &["--shard", shard]].concat());
     }
-    let warning = "1 of 2 cases, the first is case 2: coarse_mesh\n\
+    let warning = "1 of 2 cases, the first is case 2: large_deflection\n\
                    hint: flexlink solve tells more of a single case\n";
     let names = ["sweep-1-of-2.csv", "sweep-2-of-2.csv"];
     let merged = bench.run(&[&["sweep", "--deny-warnings", "--merge"], &names[..]].concat());
@@ -153,5 +153,7 @@ fn what_a_shard_warned_of_is_told_when_it_is_joined_or_was_complete() {
     let again = [&VARY[..], &["--shard", "2/2", "--resume", "--deny-warnings"]].concat();
     let again = sweep(&bench, &again);
     assert_eq!(again.status.code(), Some(4));
-    assert!(stderr(&again).starts_with("warning: 1 of 1 cases, the first is case 2: coarse_mesh"));
+    assert!(
+        stderr(&again).starts_with("warning: 1 of 1 cases, the first is case 2: large_deflection")
+    );
 }
