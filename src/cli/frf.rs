@@ -12,6 +12,7 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::files::keep_files;
 use super::memory::check_memory;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -58,6 +59,9 @@ pub(crate) struct Frf {
     /// reads back to the same number.
     #[arg(long, value_name = "N", default_value = "full")]
     digits: Digits,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
 }
 
 impl Frf {
@@ -83,7 +87,8 @@ impl Frf {
         let mut text = Vec::new();
         write_frequency_response(&mut text, &rows, self.digits)
             .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
-        console::deliver(self.output.as_deref(), &text)
+        console::deliver(self.output.as_deref(), &text)?;
+        self.warnings.refuse(0)
     }
 
     /// The frequencies to go through, as asked for or as the link suggests.

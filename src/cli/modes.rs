@@ -16,6 +16,7 @@ use super::console;
 use super::exit::Failure;
 use super::files::check_folder;
 use super::modes_text::modes_text;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -54,6 +55,9 @@ pub(crate) struct Modes {
     digits: Digits,
 
     #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
     sync: SyncArgs,
 }
 
@@ -87,10 +91,11 @@ impl Modes {
             result.write(OutputFolder::stage(folder)?.with(self.sync.durability()), self.digits)?;
         }
         console::remarks(&remarks);
-        if let Some(thick) = thick {
+        if let Some(thick) = &thick {
             console::warning(thick, thick.hint());
         }
-        console::print(&modes_text(&specification.link, &mesh, &result))
+        console::print(&modes_text(&specification.link, &mesh, &result))?;
+        self.warnings.refuse(usize::from(thick.is_some()))
     }
 }
 

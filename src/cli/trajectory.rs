@@ -12,6 +12,7 @@ use flexlink::tables::{Digits, InputFile, write_trajectory};
 use super::args::specification;
 use super::console;
 use super::exit::{Exit, Failure};
+use super::warnings::WarningArgs;
 
 /// Distances in m and steps in s, within which all samples are numbers and none vanishes.
 const DISTANCES_M: RangeInclusive<f64> = 1e-100..=1e100;
@@ -86,6 +87,9 @@ pub(crate) struct Trajectory {
     /// to the same number.
     #[arg(long, value_name = "N", default_value = "full")]
     digits: Digits,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
 }
 
 fn profiles() -> impl TypedValueParser<Value = Profile> {
@@ -112,7 +116,8 @@ impl Trajectory {
         let mut text = remark.into_bytes();
         write_trajectory(&mut text, &columns, self.digits)
             .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
-        console::deliver(self.output.as_deref(), &text)
+        console::deliver(self.output.as_deref(), &text)?;
+        self.warnings.refuse(0)
     }
 
     /// Steps of the motion, and what there is to tell about them.

@@ -12,6 +12,7 @@ use super::exit::{Exit, Failure};
 use super::files::read_once;
 use super::solve_run::remarks;
 use super::verify_text::verify_text;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -54,6 +55,9 @@ pub(crate) struct Verify {
     quiet: bool,
 
     #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
     threads: ThreadArgs,
 }
 
@@ -76,7 +80,8 @@ impl Verify {
             (_, true) => console::print_bytes(verification_json(&verification).as_bytes())?,
             _ => console::print(&verify_text(&verification))?,
         }
-        refuse_failed(&verification)
+        refuse_failed(&verification)?;
+        self.warnings.refuse(solution.warnings.len())
     }
 }
 

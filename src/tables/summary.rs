@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::input::InputFile;
+use super::json_record::FORMAT;
 use super::link_record::{DriveRecord, LinkRecord};
 use super::records::{CheckRecord, Fingerprint, MeshRecord, WarningRecord, json};
 use crate::inverse::{Accuracy, Analysis, QuantityErrors, Solution};
@@ -37,6 +38,7 @@ pub struct RunInputs<'a> {
 /// The content of summary.json, in the order of its keys.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
+    format: u32,
     flexlink: &'static str,
     command: &'static str,
     title: String,
@@ -146,6 +148,7 @@ impl Summary {
         let hertz = |omega: &f64| omega / std::f64::consts::TAU;
         let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         Self {
+            format: FORMAT,
             flexlink: env!("CARGO_PKG_VERSION"),
             command: "solve",
             title: inputs.link.title().to_owned(),
@@ -196,7 +199,7 @@ fn warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<WarningRecord> {
         hint: warning.hint().into(),
     };
     let limit = |exceeded: &Exceeded| WarningRecord {
-        kind: "limit_exceeded".into(),
+        kind: Exceeded::KIND.into(),
         message: exceeded.to_string(),
         hint: exceeded.hint().into(),
     };

@@ -27,9 +27,11 @@ mod start;
 mod streams;
 mod summary;
 mod sweep;
+mod sweep_record;
 mod sweep_shards;
 mod trajectory;
 mod verify;
+mod warnings;
 
 use std::fmt::Debug;
 use std::fs;

@@ -293,7 +293,7 @@ fn a_sweep_has_lines_over_one_value_and_colours_over_two() {
     done(&bench, &["report", "three.csv", "-q", "--svg", "three"]);
     let svg = bench.read("three/lead.svg");
     assert!(
-        svg.contains("data-name=\"segments.*.EI = 4, payload.mass = 0.1\""),
+        svg.contains("data-name=\"segments.*.EI* = 4, payload.mass = 0.1\""),
         "a line of its own"
     );
     let last = attribute(&svg, "data-x-name");

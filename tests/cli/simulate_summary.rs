@@ -26,7 +26,7 @@ fn every_documented_key_is_there() {
     let feedback = ["--feedback", "20,2", "--reference", "out/hub_angle.csv"];
     simulated(&bench, &[&PLAYED[..], &feedback].concat());
     let summary = bench.json("simulated/summary.json");
-    let whole = "command feedback files flexlink inputs link mesh modes periods_s residual \
+    let whole = "command feedback files flexlink format inputs link mesh modes periods_s residual \
                  results tip_error title torque viscous_damping_ratios warnings";
     for (path, expected) in [
         ("", whole),

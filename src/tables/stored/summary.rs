@@ -1,9 +1,9 @@
 //! summary.json read back.
 
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 
 use super::super::input::InputFile;
+use super::super::json_record::{Head, as_written, check_format, newer, parsed};
 use super::super::link_record::{DriveRecord, LinkRecord};
 use super::super::records::{CheckRecord, Fingerprint, WarningRecord};
 use super::super::table_error::{Place, TableError, quoted};
@@ -71,17 +71,10 @@ pub(super) struct Played {
     pub(super) simulated_until_s: f64,
 }
 
-/// What tells a summary from other files.
-#[derive(Debug, Deserialize)]
-struct Head {
-    flexlink: Option<String>,
-    command: Option<String>,
-}
-
 impl StoredSummary {
     pub(super) fn read(file: &InputFile) -> Result<Self, TableError> {
         let whole = Place { file: &file.shown, line: None };
-        let head: Head = parsed(file, "must be the summary of a run, in JSON")?;
+        let head: Head = parsed(&file.bytes, whole, "must be the summary of a run, in JSON")?;
         let Some(version) = head.flexlink else {
             let must = format!("must be the version that wrote it: {A_RUN}");
             return Err(whole.refuse("flexlink", "nothing", must));
@@ -91,8 +84,8 @@ impl StoredSummary {
             let must = "must be \"solve\" or \"simulate\"";
             return Err(whole.refuse("command", quoted(&command), must));
         }
-        let must = format!("must be as flexlink {} writes it", env!("CARGO_PKG_VERSION"));
-        parsed(file, &must).map_err(|error| newer(error, &version))
+        check_format(head.format, &version, whole)?;
+        parsed(&file.bytes, whole, &as_written()).map_err(|error| newer(error, &version))
     }
 
     /// Adds to an error that the run is of a later version than this one, if it is.
@@ -165,28 +158,4 @@ fn stored(records: &mut Vec<WarningRecord>) -> Vec<StoredWarning> {
         hint: record.hint.into_owned(),
     };
     std::mem::take(records).into_iter().map(stored).collect()
-}
-
-/// What a JSON file holds, or the line that is to blame and what the file `must` be.
-fn parsed<T: DeserializeOwned>(file: &InputFile, must: &str) -> Result<T, TableError> {
-    serde_json::from_slice(&file.bytes).map_err(|error| {
-        let line = u64::try_from(error.line()).ok().filter(|line| *line > 0);
-        let text = error.to_string();
-        let found = text.split(" at line ").next().unwrap_or_default().to_owned();
-        Place { file: &file.shown, line }.refuse("content", found, must)
-    })
-}
-
-fn newer(error: TableError, version: &str) -> TableError {
-    let own = env!("CARGO_PKG_VERSION");
-    if numbers(version) <= numbers(own) {
-        return error;
-    }
-    error.or_hint(format!("flexlink {version} wrote it, and this is {own}: take that version"))
-}
-
-/// The numbers of a version, the first one first.
-fn numbers(version: &str) -> Vec<u64> {
-    let plain = version.split(['-', '+']).next().unwrap_or_default();
-    plain.split('.').map(|number| number.parse().unwrap_or(0)).collect()
 }
