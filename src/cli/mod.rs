@@ -66,7 +66,7 @@ waves travel at finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).";
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 compared and different, 2 wrong usage,
-  3 input refused, 4 not solvable, 5 cannot write";
+  3 input refused, 4 not solvable, 5 cannot write, 130 interrupted";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -78,7 +78,7 @@ impl SolveOutputs {
             || self.write_histories(&folder, solution),
         );
         others.and(nodal)?;
-        folder.file("nodes.csv", |out| write_nodes(out, link, solution.mesh(), self.digits))?;
+        folder.file("nodes.csv", |out| write_nodes(out, link, solution.mesh()))?;
         folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
         folder.commit(SUMMARY, &RESULT_FILES)
     }
