@@ -40,6 +40,12 @@ pub(crate) fn remark(message: &str) {
     told("note", HINT, message, None);
 }
 
+/// Prints to standard error why nothing goes on: another run holds the folder.
+pub(crate) fn waiting(folder: &Path) {
+    let folder = folder.display();
+    remark(&format!("{folder}: another run is writing into the folder; waiting until it is done"));
+}
+
 /// Prints what the user can do to standard error.
 pub(crate) fn hint(message: &str) {
     told("hint", HINT, message, None);
@@ -102,7 +108,7 @@ pub(crate) fn print_part(bytes: &[u8]) -> Result<Reader, Failure> {
 pub(crate) fn deliver(output: Option<&Path>, bytes: &[u8]) -> Result<(), Failure> {
     match output.filter(|path| !is_standard_output(path)) {
         None => print_bytes(bytes),
-        Some(path) => Ok(write_file(path, bytes)?),
+        Some(path) => Ok(write_file(path, bytes, &waiting)?),
     }
 }
 

@@ -3,6 +3,7 @@
 mod args;
 mod charset;
 mod compare;
+mod compare_runs;
 mod compare_sides;
 mod compare_text;
 mod console;

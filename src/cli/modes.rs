@@ -78,7 +78,8 @@ impl Modes {
             held,
         };
         if let Some(folder) = &self.output {
-            result.write(OutputFolder::stage(folder)?.with(self.sync.durability()), self.digits)?;
+            let staged = OutputFolder::stage(folder, &console::waiting)?;
+            result.write(staged.with(self.sync.durability()), self.digits)?;
         }
         console::print(&modes_text(&specification.link, &mesh, &result))
     }

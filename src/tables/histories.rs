@@ -31,7 +31,7 @@ pub(super) const MOTOR: &str = "motor.csv";
 pub const REPORT: &str = "report.html";
 
 /// Written last: who sees it, sees a whole run.
-pub(super) const SUMMARY: &str = "summary.json";
+pub const SUMMARY: &str = "summary.json";
 
 /// Whether a run may write, or remove, a file of this name in its folder.
 pub fn is_result_file(name: &OsStr) -> bool {

@@ -1,8 +1,11 @@
 //! summary.json read back.
 
+use std::path::Path;
+
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
+use super::super::histories::SUMMARY;
 use super::super::input::InputFile;
 use super::super::link_record::{DriveRecord, LinkRecord};
 use super::super::records::{CheckRecord, Fingerprint, WarningRecord};
@@ -73,6 +76,13 @@ pub(super) struct Played {
 struct Head {
     flexlink: Option<String>,
     command: Option<String>,
+}
+
+/// Whether a folder has the summary of a run, of any version.
+pub fn is_run(folder: &Path) -> bool {
+    let file = InputFile::read(&folder.join(SUMMARY));
+    let head = file.ok().and_then(|file| serde_json::from_slice::<Head>(&file.bytes).ok());
+    head.is_some_and(|head| head.flexlink.is_some())
 }
 
 impl StoredSummary {
