@@ -204,7 +204,7 @@ fn the_motors_torque_is_shown_beside_the_hubs() {
 #[test]
 fn a_page_does_not_depend_on_the_digits_that_are_written() {
     let bench = Bench::new();
-    for more in [&["--digits", "1"][..], &["--digits", "5", "--set", "mesh.elements=7"]] {
+    for more in [&["--digits", "1"][..], &["--digits", "5", "--set", "segments.beam.elements=7"]] {
         solved(&bench, &[more, &["--report"]].concat());
         let page = bench.read("out/report.html");
         assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));

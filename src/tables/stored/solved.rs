@@ -5,10 +5,12 @@ use super::super::input::InputFile;
 use super::super::solve_tables::{OptionalTable, SolveOutputs};
 use super::super::summary::Summary;
 use super::super::table_error::{Place, TableError};
+use super::super::time_format::time_format;
 use super::summary::StoredSummary;
 use crate::beam::NodalHistories;
 use crate::inverse::{NodalTable, Solution};
 use crate::link::Link;
+use crate::numeric::ThinnedGrid;
 use crate::result::{StoredNodes, StoredResult, StoredRun, StoredSolution};
 
 /// Copies of the histories of the nodes that a page holds at a time, besides those kept.
@@ -38,12 +40,14 @@ impl SolveOutputs {
             let missing = || place.refuse(format!("results.{key}"), "nothing", "must be there");
             told.results.get(key).ok_or_else(missing)
         };
-        let (grid, moving) = (&solution.grid, solution.moving);
+        let grid = &solution.grid;
+        let moving = told.motion.as_ref();
+        let moving = moving.ok_or_else(|| place.refuse("motion", "nothing", "must be there"))?;
         let solved = StoredSolution {
             rigid_torque_n_m: solution.rigid_torque_n_m.clone(),
             rigid_hub_angle_rad: solution.rigid_hub_angle_rad.clone(),
             motor_torque_n_m: solution.motor().map(|motor| motor.torque_n_m),
-            moving_s: (grid.time_s(moving.0), grid.time_s(moving.1)),
+            moving_s: (moving.moves_from_s, moving.moves_until_s),
             lead_s: reading("lead_s")?,
             lag_s: reading("lag_s")?,
         };
@@ -54,7 +58,7 @@ impl SolveOutputs {
             link: link.clone(),
             mesh: solution.mesh().clone(),
             kept_modes: told.analysis.as_ref().and_then(|analysis| analysis.modes),
-            times_s: (0..grid.len).map(|k| grid.time_s(k)).collect(),
+            times_s: times_s(&grid.thinned(1)),
             torque_n_m: solution.torque_n_m.clone(),
             hub_angle_rad: solution.hub_angle_rad.clone(),
             tip: solution.tip.clone(),
@@ -74,6 +78,16 @@ fn in_order(histories: NodalHistories) -> StoredNodes {
     let mut pairs: Vec<(usize, Vec<f64>)> = nodes.into_iter().zip(samples).collect();
     pairs.sort_by_key(|(node, _)| *node);
     let (nodes, histories) = pairs.into_iter().unzip();
-    let times_s = (0..grid.len()).map(|k| grid.time_s(k)).collect();
-    StoredNodes { nodes, times_s, histories }
+    StoredNodes { nodes, times_s: times_s(&grid), histories }
+}
+
+/// Times in s as tables tell them, rounded.
+fn times_s(grid: &ThinnedGrid) -> Vec<f64> {
+    let format = time_format(|k| grid.time_s(k), grid.len());
+    let told = |k: usize| {
+        let mut text = Vec::new();
+        format.write(&mut text, grid.time_s(k));
+        std::str::from_utf8(&text).ok().and_then(|text| text.parse().ok())
+    };
+    (0..grid.len()).map(|k| told(k).unwrap_or(grid.time_s(k))).collect()
 }
