@@ -260,6 +260,48 @@ fn a_page_waits_for_the_run_that_holds_its_folder_and_says_so() {
     assert!(bench.names("out").contains(&"report.html".to_owned()));
 }
 
+/// Multiplies a column of a table of the folder `out`.
+fn scale(bench: &Bench, file: &str, column: usize, factor: f64) {
+    let text = bench.read(&format!("out/{file}"));
+    let (head, rows) = text.split_once('\n').unwrap();
+    let row = |line: &str| {
+        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let value: f64 = fields[column].parse().unwrap();
+        fields[column] = format!("{:e}", value * factor);
+        fields.join(",")
+    };
+    let rows: Vec<String> = rows.lines().map(row).collect();
+    bench.write(&format!("out/{file}"), &format!("{head}\n{}\n", rows.join("\n")));
+}
+
+#[test]
+fn numbers_at_the_ends_of_what_a_computer_has_are_left_out_of_a_page_in_words() {
+    let bench = Bench::new();
+    // The largest number of a column becomes 1.7e308, or a denormal.
+    for (file, column, told) in [
+        ("torque.csv", 1, ["Torque at the hub, since", ""]),
+        ("tip.csv", 1, ["Displacement of the tip, since"; 2]),
+        ("hub_angle.csv", 1, ["Rotation of the hub, since", ""]),
+        ("rigid_torque.csv", 1, ["Torque at the hub, since", ""]),
+        ("nodal_displacements.csv", 5, ["waves and animation, since", ""]),
+    ] {
+        for (peak, told) in [1.7e308, 1e-310].into_iter().zip(told) {
+            solved(&bench, &["--every", "4", "--nodes", "1,3,5,7,9"]);
+            let table = bench.table(&format!("out/{file}"));
+            let largest = table[column].1.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            scale(&bench, file, column, peak / largest);
+            done(&bench, &["report", "out", "-q"]);
+            let page = bench.read("out/report.html");
+            let plain = page.split("<style>").next().unwrap().to_owned()
+                + page.split("</style>").nth(1).unwrap().split("<script>").next().unwrap();
+            for word in [">inf", " inf ", "NaN", "\"inf", ",inf", ":null,"] {
+                assert!(!plain.contains(word), "{file} to {peak:e}: {word}");
+            }
+            assert!(page.contains(told), "{file} to {peak:e}: {told}");
+        }
+    }
+}
+
 #[test]
 fn warnings_stand_in_the_page_with_what_helps() {
     let bench = Bench::new();

@@ -21,9 +21,11 @@ const DIGITS: usize = 5;
 pub(super) fn motion_data(view: &View) -> Option<String> {
     let run = view.run;
     let nodes = &view.deflections()?;
-    let histories = [&run.torque_n_m, &run.tip.displacement_m, &run.hub_angle_rad];
-    let peaks = histories.map(|history| largest(history));
-    if peaks.into_iter().chain([nodes.peak()]).any(is_extreme) {
+    // What only turns an arrow or the hub may be small.
+    let [torque_n_m, angle_rad] =
+        [&run.torque_n_m, &run.hub_angle_rad].map(|h| largest(h).max(1.0));
+    let tip_m = largest(&run.tip.displacement_m);
+    if [torque_n_m, angle_rad, tip_m, nodes.peak()].into_iter().any(is_extreme) {
         return None;
     }
     let (from_s, until_s) = view.span_s();

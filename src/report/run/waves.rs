@@ -28,7 +28,7 @@ pub(super) fn waves(view: &View) -> Result<Figure, String> {
         }
     };
     if is_extreme(nodes.peak()) {
-        let why = "waves, since what bends is too large or too small to be drawn";
+        let why = "waves and animation, since what bends is too large or too small to be drawn";
         return Err(why.to_owned());
     }
     let story = if view.run.solved.is_some() && name == "moment" {
