@@ -78,9 +78,9 @@ impl Axis {
         let Range { start, end } = self.range;
         let spread = match self.scale {
             Scale::Linear => end - start,
-            Scale::Logarithmic => (end / start).min(start),
+            Scale::Logarithmic => end / start,
         };
-        is_extreme(start) || is_extreme(end) || is_extreme(spread) || spread <= 0.0
+        [start, end, spread].into_iter().any(is_extreme) || end <= start
     }
 
     /// Where a number stands: 0 at the axis' begin, 1 at its end.

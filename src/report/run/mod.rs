@@ -19,7 +19,9 @@ pub(super) fn run_figures(view: &View) -> Figures {
     let run = view.run;
     let mut figures = Figures::default();
     figures.add(Ok(time::torque(view)));
-    time::motion(view).into_iter().for_each(|figure| figures.add(Ok(figure)));
+    for figure in time::motion(view) {
+        figures.add(Ok(figure));
+    }
     figures.add(Ok(time::hub(view)));
     figures.add(waves::waves(view));
     if let Some(figure) = rigid_torque::tip_under_rigid_torque(view) {

@@ -36,9 +36,10 @@ fn figure(view: &View, solved: &StoredSolution, simulation: &Simulation) -> Resu
         return Err("it strays by more or less than can be drawn".to_owned());
     }
     let share = 100.0 * strays_m / run.tip.farthest_m();
-    let of_way = match is_extreme(share) {
-        true => String::new(),
-        false => format!(", {} % of its way", significant(share, 2)),
+    let of_way = if is_extreme(share) {
+        String::new()
+    } else {
+        format!(", {} % of its way", significant(share, 2))
     };
     let damping = match run.link.damping() {
         Damping::Hysteretic { .. } => ", its damping ratio as viscous in every mode",
