@@ -107,7 +107,7 @@ impl Simulate {
         let tip_error = tip_error.as_ref();
         let summary = SimulationSummary::new(&inputs, &simulation, &metrics, tip_error, names);
         outputs.write(
-            OutputFolder::stage(&self.output)?.with(self.sync.durability()),
+            OutputFolder::stage(&self.output, &console::waiting)?.with(self.sync.durability()),
             link,
             &simulation,
             &summary,

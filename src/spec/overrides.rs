@@ -4,7 +4,7 @@ use super::SpecError;
 use super::error::nearest;
 use super::override_hints::instead;
 use super::tree::{Kind, Node, Place};
-use crate::numeric::{split_number, visible};
+use crate::numeric::{excerpt, split_number, visible};
 
 /// One change of the link file from the command line: `PATH=VALUE` replaces a value,
 /// `PATH*=FACTOR` multiplies it.
@@ -49,6 +49,7 @@ impl Override {
             Some(path) => match value.parse::<f64>() {
                 Ok(factor) if factor.is_finite() => (path, Change::Multiply(factor)),
                 _ => {
+                    let value = excerpt(value);
                     return Err(refused(&format!(
                         "{value:?} must be a finite number without unit"
                     )));
@@ -67,7 +68,7 @@ impl FromStr for Override {
     type Err = SpecError;
 
     fn from_str(text: &str) -> Result<Self, SpecError> {
-        Self::placed(&format!("--set '{}'", visible(text)), text)
+        Self::placed(&format!("--set '{}'", visible(&excerpt(text))), text)
     }
 }
 
@@ -122,7 +123,12 @@ impl Step<'_> {
                 };
                 self.descend(&mut entries[number].1, &inner, rest)
             }
-            _ => Err(Refused::new(format!("{path} = {}, which holds no {step}", node.shown()))),
+            _ => Err(Refused::new(format!(
+                "{} = {}, which holds no {}",
+                excerpt(path),
+                node.shown(),
+                excerpt(step)
+            ))),
         }
     }
 
@@ -146,12 +152,15 @@ impl Step<'_> {
     ) -> Result<usize, Refused> {
         if matches!(self.change, Change::Multiply(_)) {
             return Err(Refused {
-                message: format!("{path} is not in the file, so it cannot be multiplied"),
+                message: format!(
+                    "{} is not in the file, so it cannot be multiplied",
+                    excerpt(path)
+                ),
                 hint: Some(instead(entries, step)),
             });
         }
         if matches!(step, "segments" | "masses") && !rest.is_empty() {
-            return Err(Refused::new(format!("{path} is not in the file")));
+            return Err(Refused::new(format!("{} is not in the file", excerpt(path))));
         }
         if rest.is_empty() {
             // A product that is set takes the place of the factors it was given by, and one ratio
@@ -239,7 +248,11 @@ fn chosen(items: &[Node], path: &str, step: &str) -> Result<Vec<usize>, Refused>
         let known = if known.is_empty() { "none".into() } else { known.join(", ") };
         let near = nearest(step, names.iter().map(String::as_str));
         Refused {
-            message: format!("{} is not in the file, which has {known}", below(path, step)),
+            message: format!(
+                "{} is not in the file, which has {}",
+                excerpt(&below(path, step)),
+                excerpt(&known)
+            ),
             hint: near.map(|near| format!("did you mean `{near}`?")),
         }
     })

@@ -58,7 +58,7 @@ pub use folder::{
 };
 pub use frf_table::write_frequency_response;
 pub use golden::{GoldenChanges, change_golden_files};
-pub use histories::{REPORT, is_result_file};
+pub use histories::{REPORT, SUMMARY, is_result_file};
 pub use hub_csv::read_hub_reference;
 pub use input::{InputError, InputFile, system_words};
 pub use memory::available_memory;
@@ -71,7 +71,7 @@ pub use simulate_tables::SimulateOutputs;
 pub use simulation_summary::{SimulationInputs, SimulationSummary};
 pub use single_file::write_file;
 pub use solve_tables::{OptionalTable, SolveOutputs};
-pub use stored::{FoundInput, InputRole, RunRecord, read_result};
+pub use stored::{FoundInput, InputRole, RunRecord, is_run, read_result};
 pub use summary::{RunInputs, Summary};
 pub use sweep_file::{Resumed, SweepFile};
 pub use sweep_identity::{SweepIdentity, SweepInputs};

@@ -8,12 +8,13 @@ use super::folder::{Durability, FolderAction, FolderError, OutputFolder};
 /// Writes one file, whole or not at all; the folder it lies in is created where it is missing.
 ///
 /// A link is followed. What is no file on a disk, a device or a named pipe, is written to as it is:
-/// taking its name would put a file in its place. A reader of it that goes away is no error.
+/// taking its name would put a file in its place. A reader of it that goes away is no error. Where
+/// another run writes into the folder for more than a second `on_wait` is told, once.
 ///
 /// # Errors
 /// [`FolderError`] if `path` names no file, or the file cannot be written.
-pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
-    write_file_with(path, bytes, Durability::OnDisk)
+pub fn write_file(path: &Path, bytes: &[u8], on_wait: &dyn Fn(&Path)) -> Result<(), FolderError> {
+    write_file_with(path, bytes, Durability::OnDisk, on_wait)
 }
 
 /// The same, waiting for the disk or not.
@@ -21,6 +22,7 @@ pub(super) fn write_file_with(
     path: &Path,
     bytes: &[u8],
     durability: Durability,
+    on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
     let path = &followed(path);
     let folder = folder_of(path);
@@ -38,7 +40,7 @@ pub(super) fn write_file_with(
     if is_stream(path) {
         return write_through(path, bytes).map_err(refused);
     }
-    let staged = OutputFolder::stage(folder)?.with(durability);
+    let staged = OutputFolder::stage(folder, on_wait)?.with(durability);
     staged.file(name, |out| out.write_all(bytes))?;
     staged.replace()
 }
