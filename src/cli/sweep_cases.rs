@@ -55,8 +55,8 @@ pub(crate) struct Cases<'a> {
     pub(crate) link_file: InputFile,
     pub(crate) motion_file: InputFile,
     pub(crate) torque_file: Option<(InputFile, Torque)>,
-    /// The motion of the first case, and the length of the link that it was read for.
-    first: (f64, TipMotion),
+    /// The link of the first case that can be read, and its motion.
+    first: (Link, TipMotion),
     /// Memory in bytes that each of the cases solved at the same time may take.
     pub(crate) memory_bytes: Option<usize>,
 }
@@ -79,10 +79,10 @@ impl<'a> Cases<'a> {
             let overrides = with_case(&overrides, &plan.case(case))?;
             document.specification(&link_file.shown, &overrides)
         };
-        let read = |case| -> Result<(f64, TipMotion), Failure> {
+        let read = |case| -> Result<(Link, TipMotion), Failure> {
             let found = specification(case)?;
             let tip_motion = shared.resample.motion_of(&motion_file, &found.link)?;
-            Ok((found.link.length_m(), tip_motion))
+            Ok((found.link, tip_motion))
         };
         // A path that is nowhere in the file fails every case: that is no result, but a slip.
         let first = read(0).or_else(|failure| {
@@ -103,6 +103,11 @@ impl<'a> Cases<'a> {
             first,
             memory_bytes: available().map(|bytes| bytes / rayon::current_num_threads()),
         })
+    }
+
+    /// The link of the first case that can be read.
+    pub(crate) fn link(&self) -> &Link {
+        &self.first.0
     }
 
     /// Whether a torque is played on them.
@@ -134,8 +139,8 @@ impl<'a> Cases<'a> {
 
     /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied.
     pub(crate) fn motion_of(&self, link: &Link, scale: MotionScale) -> Result<TipMotion, Failure> {
-        let (length_m, motion) = &self.first;
-        let scaled = if link.length_m().total_cmp(length_m).is_eq() {
+        let (first, motion) = &self.first;
+        let scaled = if link.length_m().total_cmp(&first.length_m()).is_eq() {
             motion.scaled(scale)
         } else {
             self.shared.resample.motion_of(&self.motion_file, link)?.scaled(scale)

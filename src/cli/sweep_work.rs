@@ -68,7 +68,7 @@ impl Cases<'_> {
             self.shared.outputs.write_solution(&folder, &inputs, &solution, &found, &exceeded)?;
         }
         let own = solution.warnings.iter().map(|w| Remark::new(w.kind(), w, w.hint()));
-        let limits = exceeded.iter().map(|limit| Remark::new(limit.key, limit, limit.hint()));
+        let limits = exceeded.iter().map(|limit| Remark::new(limit.0.key, limit, limit.hint()));
         Ok((found, own.chain(limits).collect()))
     }
 

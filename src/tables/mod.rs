@@ -74,7 +74,7 @@ pub use summary::{RunInputs, Summary};
 pub use sweep_file::{Resumed, SweepFile};
 pub use sweep_identity::SweepIdentity;
 pub use sweep_rows::{SweepRows, merge_shards};
-pub use sweep_table::{SweepColumn, SweepRecord, sweep_header, sweep_row};
+pub use sweep_table::{SweepColumn, SweepRecord, sweep_columns, sweep_header, sweep_row};
 pub use table_error::TableError;
 pub use time_format::time_format;
 pub use torque_csv::read_torque_table;

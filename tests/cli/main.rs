@@ -13,6 +13,7 @@ mod hints;
 mod line_ends;
 mod locale;
 mod modes;
+mod motor;
 mod options;
 mod paths;
 mod repeat;
