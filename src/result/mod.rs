@@ -12,8 +12,8 @@ mod stored;
 mod tip_error;
 
 pub use fit::{FitError, OpenMotion, shortest_steps};
-pub use limits::{Exceeded, Limits};
-pub use metrics::{Metrics, Peak, TIMING_LEVEL};
+pub use limits::{Exceeded, Held, Limits};
+pub use metrics::{Metrics, MotorMetrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;
 pub use remark::Remark;
 pub use repetition::{LineDifference, Repeated, RepeatedFile, line_difference};

@@ -77,7 +77,7 @@ pub use sweep_file::{Resumed, SweepFile};
 pub use sweep_identity::{SweepIdentity, SweepInputs};
 pub use sweep_record::{check_record, foreign_record, write_sweep};
 pub use sweep_rows::{SweepRows, SweptCase, merge_shards};
-pub use sweep_table::{SweepColumn, SweepRecord, sweep_header, sweep_row};
+pub use sweep_table::{SweepColumn, SweepRecord, sweep_columns, sweep_header, sweep_row};
 pub use table_error::TableError;
 pub use time_format::time_format;
 pub use torque_csv::read_torque_table;
