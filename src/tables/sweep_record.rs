@@ -142,7 +142,8 @@ mod tests {
         for content in ["{\"flexlink\": \"0.1.0\", \"command\": \"solve\"}", "notes", ""] {
             fs::write(&mine, content).unwrap();
             assert_eq!(foreign_record(&path).as_ref(), Some(&mine));
-            let error = write_sweep(&path, b"x\n", &identity, Durability::InMemory, &|_| {}).unwrap_err();
+            let error =
+                write_sweep(&path, b"x\n", &identity, Durability::InMemory, &|_| {}).unwrap_err();
             assert!(error.to_string().ends_with("no sweep has written has its place"), "{error}");
             assert_eq!(fs::read_to_string(&mine).unwrap(), content);
             assert!(!path.exists());

@@ -149,12 +149,8 @@ mod tests {
             link_changes: vec![],
             motion: MotionScale::default(),
         };
-        let row = sweep_row(
-            &case,
-            &Err("damping.ratio = 2, too much".into()),
-            SolvedCase::COLUMNS,
-            &[],
-        );
+        let row =
+            sweep_row(&case, &Err("damping.ratio = 2, too much".into()), SolvedCase::COLUMNS, &[]);
         assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(18)));
         let plan = SweepPlan::new(vec!["damping.ratio=2".parse().unwrap()]).unwrap();
         let header = sweep_header(&plan, SolvedCase::COLUMNS);
