@@ -110,6 +110,13 @@ impl MeshPlan {
         Self { shares, automatic: false, tolerance: Self::DEFAULT_TOLERANCE }
     }
 
+    /// The plan's first mesh with its elements halved so many times, not to be refined.
+    #[must_use]
+    pub fn halved(&self, times: u32) -> Self {
+        let halved = |(piece, count): &(Piece, usize)| (*piece, count << times);
+        Self { shares: self.shares.iter().map(halved).collect(), automatic: false, ..*self }
+    }
+
     /// Pieces of the link from the hub outward, each with its number of elements.
     pub fn shares(&self) -> &[(Piece, usize)] {
         &self.shares

@@ -5,7 +5,8 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, builder::TypedValueParser};
 
 use flexlink::motion::Profile;
-use flexlink::result::{OpenMotion, shortest_steps};
+use flexlink::numeric::significant;
+use flexlink::result::{Fit, FitProblem, OpenMotion, Reached, shortest_fit};
 use flexlink::spec::{Override, SpecError, Specification};
 use flexlink::tables::{Digits, InputFile, write_trajectory};
 
@@ -59,7 +60,8 @@ pub(crate) struct Trajectory {
     duration: Option<f64>,
 
     /// Find the shortest duration within a limit, torque=5 or 'power="20 W"', and those of the link
-    /// file; repeatable. Keys as in [limits].
+    /// file; repeatable. Keys as in [limits]. All shorter ones are tried, or a thousand of them, as
+    /// the message says.
     #[arg(long, value_name = "KEY=VALUE", requires = "link", conflicts_with = "duration")]
     fit_limit: Vec<String>,
 
@@ -90,6 +92,19 @@ pub(crate) struct Trajectory {
 
     #[command(flatten)]
     warnings: WarningArgs,
+}
+
+/// Which limit a motion comes closest to, and by how much.
+fn binding_text(reached: &Reached) -> String {
+    let Reached { held, error } = reached;
+    format!(
+        "; limits.{} binds: {} of {} {}, {:.2} % below it with the error of {error:.1e}",
+        held.key,
+        significant(held.found, 5),
+        held.limit,
+        held.unit,
+        100.0 * (1.0 - reached.share())
+    )
 }
 
 fn profiles() -> impl TypedValueParser<Value = Profile> {
@@ -131,13 +146,29 @@ impl Trajectory {
         let Specification { link, mesh, analysis, limits, .. } = specification(&file, &changes)?;
         let motion =
             OpenMotion { profile: self.profile, distance_m: self.distance, step_s: self.step };
-        let steps = shortest_steps(&link, &mesh, &analysis, &limits, &motion)?;
-        let product = steps as f64 * self.step;
+        let (link, plan, analysis, limits) = (&link, &mesh, &analysis, &limits);
+        let fit = shortest_fit(&FitProblem { link, plan, analysis, limits, motion })?;
+        let product = fit.steps as f64 * self.step;
         // Without the last digits of the product.
         let duration_s: f64 = format!("{product:.12}").parse().unwrap_or(product);
+        let found = format!("{duration_s} s, {}", self.found(&fit));
+        let binding = fit.binding.as_ref().map_or(String::new(), binding_text);
+        console::remark(&format!("{found}{binding}"));
+        for warning in &fit.solution.warnings {
+            console::warning(warning, warning.hint());
+        }
+        Ok((fit.steps, format!("# {}: {found}\n", self.profile)))
+    }
+
+    /// What a duration is among those that were tried.
+    fn found(&self, fit: &Fit) -> String {
         let within = self.fit_limit.join(", ");
-        let remark = format!("# {}: {duration_s} s, the shortest within {within}\n", self.profile);
-        Ok((steps, remark))
+        if fit.is_shortest() {
+            format!("the shortest within {within}")
+        } else {
+            let tried = fit.shorter_tried;
+            format!("within {within}; none of the {tried} shorter ones tried is")
+        }
     }
 
     /// The limits of the command line, as changes to the link file.

@@ -1,17 +1,28 @@
+//! The shortest motion within limits.
+
 use thiserror::Error;
 
-use super::limits::Limits;
+use super::limits::{Held, Limits};
 use super::metrics::Metrics;
 use crate::beam::MeshPlan;
-use crate::inverse::{Analysis, InversionError, invert};
+use crate::inverse::{Accuracy, Analysis, InversionError, QuantityErrors, Solution, invert};
 use crate::link::Link;
 use crate::motion::{MotionError, Profile, TipMotion};
 
-/// Fewest steps of a motion that is tried.
-const FEWEST_STEPS: usize = 32;
+/// Fewest steps of a profile, and of a motion that is tried.
+const FEWEST_STEPS: usize = 4;
 
 /// Most steps of a motion that is tried.
 const MOST_STEPS: usize = 1 << 18;
+
+/// Up to this many steps every number is tried; of more, at most as many as this.
+const TRIALS: usize = 1024;
+
+/// How many times the elements of an automatic mesh are halved to see that a trial is far too fast.
+const HALVINGS: u32 = 3;
+
+/// Measured errors up to this tell what a finer mesh would say.
+const TELLING: f64 = 0.25;
 
 /// A motion of which only the duration is open.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,10 +39,20 @@ pub struct OpenMotion {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FitError {
     /// Limits that even a slow motion exceeds.
-    #[error("the shortest duration = above {duration_s} s, but must be at most that")]
+    #[error(
+        "the durations within the limits = none of the {tried} tried from {shortest_s} to \
+         {longest_s} s{}, but must be one",
+        unsolved(failed.as_ref())
+    )]
     TooSlow {
-        /// The longest duration tried in s.
-        duration_s: f64,
+        /// How many durations were tried.
+        tried: usize,
+        /// The shortest in s.
+        shortest_s: f64,
+        /// The longest in s.
+        longest_s: f64,
+        /// How many of them cannot be solved, and why the longest of these cannot.
+        failed: Option<(usize, Box<FitError>)>,
     },
     /// A motion that is none.
     #[error(transparent)]
@@ -41,38 +62,251 @@ pub enum FitError {
     Inversion(#[from] InversionError),
 }
 
-/// The fewest steps of a motion whose torque, rate, power, bending stay within limits: the answer
-/// to how fast a link may move its tip.
+fn unsolved(failed: Option<&(usize, Box<FitError>)>) -> String {
+    failed.map_or(String::new(), |(count, why)| {
+        format!(" ({count} of them cannot be solved, the longest because {why})")
+    })
+}
+
+/// The fewest steps found within the limits.
+#[derive(Clone)]
+pub struct Fit {
+    /// Steps of the motion.
+    pub steps: usize,
+    /// What it asks of the link.
+    pub solution: Solution,
+    /// The limit that it comes closest to; none where none is set.
+    pub binding: Option<Reached>,
+    /// How many motions of fewer steps were tried; none of them is within the limits.
+    pub shorter_tried: usize,
+}
+
+impl Fit {
+    /// Whether every motion of fewer steps was tried, so that none can be shorter.
+    pub fn is_shortest(&self) -> bool {
+        self.shorter_tried == self.steps - FEWEST_STEPS
+    }
+}
+
+/// How near a solution comes to a limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reached {
+    /// The limit, and the value of the solution.
+    pub held: Held,
+    /// Measured error of the value, a share of it.
+    pub error: f64,
+}
+
+impl Reached {
+    /// The value with its error over the limit: at most 1 within it.
+    pub fn share(&self) -> f64 {
+        self.held.found * (1.0 + self.error) / self.held.limit
+    }
+}
+
+/// The motion and the link of which the shortest duration is sought.
+#[derive(Debug, Clone, Copy)]
+pub struct FitProblem<'a> {
+    /// The link.
+    pub link: &'a Link,
+    /// How it is to be meshed.
+    pub plan: &'a MeshPlan,
+    /// How exact the answers must be.
+    pub analysis: &'a Analysis,
+    /// What link and motor stand.
+    pub limits: &'a Limits,
+    /// The motion.
+    pub motion: OpenMotion,
+}
+
+/// The fewest steps of a motion within limits: the answer to how fast a link may move its tip.
 ///
-/// Found by halving, in whole steps, as what a motion asks for falls with its duration.
+/// What a motion asks for does not simply fall with its duration: it jumps with the number of steps,
+/// and rises again where the link resonates. So nothing is concluded from one duration about
+/// another. Doubled durations find one that is within the limits; then all shorter ones are tried
+/// upward, or, of more than a thousand, a thousand of them, as many in each doubling, and all between
+/// the first of these that fits and the one before it. A motion fits if every value, its measured error added, is within
+/// its limit; one that cannot be solved does not fit.
 ///
 /// # Errors
-/// [`FitError`].
-pub fn shortest_steps(
-    link: &Link,
-    plan: &MeshPlan,
-    analysis: &Analysis,
-    limits: &Limits,
-    motion: &OpenMotion,
-) -> Result<usize, FitError> {
-    let fits = |steps: usize| -> Result<bool, FitError> {
-        let OpenMotion { profile, distance_m, step_s } = *motion;
-        let motion = TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0]))?;
-        let solution = invert(link, plan, &motion, analysis)?;
-        Ok(limits.exceeded(&Metrics::of(&solution)).is_empty())
+/// [`FitError`] where no duration fits.
+pub fn shortest_fit(problem: &FitProblem) -> Result<Fit, FitError> {
+    let (mut refused, upper) = problem.doubled()?;
+    let mut last = FEWEST_STEPS - 1;
+    let mut found = upper;
+    for steps in grid(found.steps) {
+        if let Some(fit) = problem.tried_once(steps, &mut refused) {
+            found = fit;
+            break;
+        }
+        last = steps;
+    }
+    let between = last + 1..found.steps;
+    let earlier = { between }.find_map(|steps| problem.tried_once(steps, &mut refused));
+    let fit = earlier.unwrap_or(found);
+    let shorter_tried = refused.iter().filter(|steps| **steps < fit.steps).count();
+    Ok(Fit { shorter_tried, ..fit })
+}
+
+/// Steps below `end`, a power of two, to try, upward: all, or at most [`TRIALS`], as many in each
+/// doubling.
+fn grid(end: usize) -> impl Iterator<Item = usize> {
+    let doublings = (end / FEWEST_STEPS).ilog2() as usize;
+    let next = move |steps: &usize| {
+        let doubled_from = 1 << steps.ilog2();
+        let stride = if end <= TRIALS { 1 } else { doubled_from * doublings / TRIALS };
+        Some(steps + stride.max(1)).filter(|next| *next < end)
     };
-    let mut fitting = FEWEST_STEPS;
-    while !fits(fitting)? {
-        fitting *= 2;
-        if fitting > MOST_STEPS {
-            let duration_s = MOST_STEPS as f64 * motion.step_s;
-            return Err(FitError::TooSlow { duration_s });
+    std::iter::successors(Some(FEWEST_STEPS).filter(|first| *first < end), next)
+}
+
+/// What came of one duration.
+enum Trial {
+    Fits(Box<Fit>),
+    Exceeds,
+    Fails(FitError),
+}
+
+impl FitProblem<'_> {
+    /// The first of doubled durations that fits, and those before it.
+    fn doubled(&self) -> Result<(Vec<usize>, Fit), FitError> {
+        let (mut refused, mut failed) = (Vec::new(), None);
+        let mut steps = FEWEST_STEPS;
+        while steps <= MOST_STEPS {
+            match self.tried(steps) {
+                Trial::Fits(fit) => return Ok((refused, *fit)),
+                Trial::Exceeds => {}
+                Trial::Fails(error) => {
+                    let count = failed.map_or(0, |(count, _)| count);
+                    failed = Some((count + 1, Box::new(error)));
+                }
+            }
+            refused.push(steps);
+            steps *= 2;
+        }
+        let tried = refused.len();
+        match failed {
+            Some((count, error)) if count == tried => Err(*error),
+            failed => {
+                let step_s = self.motion.step_s;
+                let (shortest_s, longest_s) =
+                    (FEWEST_STEPS as f64 * step_s, MOST_STEPS as f64 * step_s);
+                Err(FitError::TooSlow { tried, shortest_s, longest_s, failed })
+            }
         }
     }
-    let mut too_fast = if fitting == FEWEST_STEPS { fitting - 1 } else { fitting / 2 };
-    while fitting - too_fast > 1 {
-        let middle = usize::midpoint(fitting, too_fast);
-        if fits(middle)? { fitting = middle } else { too_fast = middle }
+
+    /// Tries a number of steps, unless it was refused before; adds it to these if it does not fit.
+    fn tried_once(&self, steps: usize, refused: &mut Vec<usize>) -> Option<Fit> {
+        if refused.contains(&steps) {
+            return None;
+        }
+        match self.tried(steps) {
+            Trial::Fits(fit) => Some(*fit),
+            Trial::Exceeds | Trial::Fails(_) => {
+                refused.push(steps);
+                None
+            }
+        }
     }
-    Ok(fitting)
+
+    fn tried(&self, steps: usize) -> Trial {
+        let OpenMotion { profile, distance_m, step_s } = self.motion;
+        let motion = match TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0])) {
+            Ok(motion) => motion,
+            Err(error) => return Trial::Fails(error.into()),
+        };
+        if self.plan.is_automatic() && self.exceeds_on_a_coarse_mesh(&motion) {
+            return Trial::Exceeds;
+        }
+        match invert(self.link, self.plan, &motion, self.analysis) {
+            Ok(solution) => {
+                let binding = self.closest(&solution);
+                if binding.is_some_and(|reached| reached.share() > 1.0) {
+                    return Trial::Exceeds;
+                }
+                Trial::Fits(Box::new(Fit { steps, solution, binding, shorter_tried: 0 }))
+            }
+            Err(error) => Trial::Fails(error.into()),
+        }
+    }
+
+    /// Whether a value exceeds its limit by more than four times its error on a mesh that is
+    /// coarser than the plan's: then it is not worth refining.
+    fn exceeds_on_a_coarse_mesh(&self, motion: &TipMotion) -> bool {
+        for halvings in 0..HALVINGS {
+            let plan = self.plan.halved(halvings);
+            let Ok(solution) = invert(self.link, &plan, motion, self.analysis) else { continue };
+            let reached = self.reached(&solution);
+            let exceeds = |reached: &Reached| {
+                let Reached { held, error } = reached;
+                *error <= TELLING && held.found > held.limit * (1.0 + 4.0 * error)
+            };
+            if reached.iter().any(exceeds) {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn closest(&self, solution: &Solution) -> Option<Reached> {
+        let reached = self.reached(solution).into_iter();
+        reached.max_by(|a, b| a.share().total_cmp(&b.share()))
+    }
+
+    fn reached(&self, solution: &Solution) -> Vec<Reached> {
+        let metrics = Metrics::of(solution);
+        let held = self.limits.held(&metrics).into_iter();
+        held.map(|held| Reached { held, error: error_of(held, solution, &metrics) }).collect()
+    }
+}
+
+/// Measured error of what a limit holds, a share of its value.
+///
+/// What is not measured itself has the error of what it is made of: power that of torque and rate,
+/// deflection that of the hub angle, the root's moment that of the torque.
+fn error_of(held: Held, solution: &Solution, metrics: &Metrics) -> f64 {
+    let Accuracy { errors, .. } = solution.accuracy;
+    let torque = total(errors.torque);
+    let angle = total(errors.hub_angle);
+    let motor = errors.motor_torque.map_or(0.0, total);
+    match held.key {
+        "hub_rate" => angle,
+        "power" => torque + angle,
+        "deflection" => {
+            let turned_m = solution.mesh().length_m() * metrics.peak_hub_angle_rad.value;
+            // Of a link that does not bend, a number all the same.
+            (angle * turned_m / metrics.peak_deflection_m.value).min(f64::MAX)
+        }
+        "bending_moment" => {
+            torque * (metrics.peak_torque_n_m.value / metrics.peak_root_moment_n_m.value).max(1.0)
+        }
+        "motor_torque" | "motor_rms_torque" => motor,
+        "motor_rate" => motor.max(angle),
+        "motor_power" => motor + motor.max(angle),
+        _ => torque,
+    }
+}
+
+fn total(errors: QuantityErrors) -> f64 {
+    let QuantityErrors { mesh, window, step, modes } = errors;
+    mesh + window + step.unwrap_or(0.0) + modes.unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn up_to_a_thousand_steps_are_all_tried_and_of_more_as_many_in_each_doubling() {
+        assert_eq!(grid(4).count(), 0);
+        assert!(grid(1024).eq(4..1024));
+        for end in [2048, 1 << 14, MOST_STEPS] {
+            let tried: Vec<usize> = grid(end).collect();
+            assert!(tried.len() <= TRIALS && tried.len() > TRIALS / 3, "{end}: {}", tried.len());
+            assert!(tried.windows(2).all(|pair| pair[0] < pair[1]));
+            let last = tried[tried.len() - 1];
+            assert!(last < end && end - last <= end / 50, "{end}: {last}");
+        }
+    }
 }

@@ -11,7 +11,7 @@ mod repetition;
 mod stored;
 mod tip_error;
 
-pub use fit::{FitError, OpenMotion, shortest_steps};
+pub use fit::{Fit, FitError, FitProblem, OpenMotion, Reached, shortest_fit};
 pub use limits::{Exceeded, Held, Limits};
 pub use metrics::{Metrics, MotorMetrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;

@@ -124,7 +124,7 @@ fn limits_of_the_motor_are_held_beside_the_hubs() {
         let exceeded = strict(&format!("{key}={:?}", 0.99 * found));
         assert_eq!(exceeded.status.code(), Some(4), "{key}");
         let error = stderr(&exceeded);
-        assert!(error.starts_with(&format!("error: limits.{key} = ")), "{error}");
+        assert!(error.contains(&format!("error: limits.{key} = ")), "{error}");
         assert!(error.contains(&format!("is exceeded: {found:.4e} ")), "{error}");
     }
     // The torque of the limit without a name is the hub's, 100 times as much as the motor's.

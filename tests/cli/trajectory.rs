@@ -107,6 +107,14 @@ fn the_shortest_duration_within_a_limit_is_found_to_the_step() {
         .unwrap()
         .parse()
         .unwrap();
+    // The same is told beside the file, with the limit that binds and by how much.
+    let told = stderr(&output);
+    let note = format!("note: {duration} s, the shortest within torque=1; limits.torque binds: ");
+    let rest = told.strip_prefix(&note).unwrap_or_else(|| panic!("{told}"));
+    let (found, rest) = rest.split_once(" of 1 N m, ").unwrap();
+    let (below, _) = rest.split_once(" % below it with the error of ").unwrap();
+    let (found, below): (f64, f64) = (found.parse().unwrap(), below.parse().unwrap());
+    assert!((100.0 * (1.0 - found) - below).abs() < 0.02, "{told}");
     let peak = |duration_s: f64| -> f64 {
         let duration = format!("{duration_s:.6}");
         let exact = ["--duration", &duration, "-o", "exact.csv"];
@@ -129,10 +137,51 @@ fn a_limit_that_no_duration_keeps_is_refused() {
     assert_eq!(output.status.code(), Some(4));
     assert_eq!(
         stderr(&output),
-        "error: the shortest duration = above 2621.44 s, but must be at most that\n\
-         hint: a higher limit, a shorter way or a longer step\n"
+        "error: the durations within the limits = none of the 17 tried from 0.04 to 2621.44 s, but \
+         must be one\nhint: a higher limit, a shorter way or a longer step\n"
     );
     let unknown = fit("torqe=1");
     assert_eq!(unknown.status.code(), Some(3));
     assert!(stderr(&unknown).contains("did you mean `torque`?"), "{}", stderr(&unknown));
+}
+
+#[test]
+fn warnings_of_the_motion_that_fits_are_told_and_do_not_lengthen_it() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", "0.01", "--link", &link];
+    let fit = bench.run(&[&fixed[..], &["--fit-limit", "torque=4", "-o", "fit.csv"]].concat());
+    assert_eq!(fit.status.code(), Some(0), "{}", stderr(&fit));
+    let told = stderr(&fit);
+    assert!(told.starts_with("note: 0.42 s, the shortest within torque=4; "), "{told}");
+    assert!(told.contains("\nwarning: the tip deflects by 27 % of the link's length"), "{told}");
+    // Every step from the profile's own fewest was tried: a shorter one needs more.
+    let shorter = ["trajectory", "septic", "--distance", "0.5", "--step", "0.01"];
+    bench.run(&[&shorter[..], &["--duration", "0.41", "-o", "shorter.csv"]].concat());
+    let summary = stdout(&bench.run(&["solve", &link, "shorter.csv", "--json"]));
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert!(summary["results"]["peak_torque_n_m"].as_f64().unwrap() > 4.0);
+}
+
+#[test]
+fn a_limit_of_the_motor_is_fitted_to_with_a_drive_and_refused_without() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let text = std::fs::read_to_string(&link).unwrap();
+    let drive = "joint_stiffness = 1000\nrotor_inertia = '2 kg cm^2'\ngear_ratio = 100";
+    bench.write("driven.toml", &format!("{text}\n[drive]\n{drive}\n"));
+    let fit = |link: &str| {
+        let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", "0.01", "--link", link];
+        bench.run(&[&fixed[..], &["--fit-limit", "motor_torque=0.4"]].concat())
+    };
+    let fitted = fit("driven.toml");
+    assert_eq!(fitted.status.code(), Some(0), "{}", stderr(&fitted));
+    assert!(stderr(&fitted).contains("limits.motor_torque binds: "), "{}", stderr(&fitted));
+    let refused = fit(&link);
+    assert_eq!(refused.status.code(), Some(3));
+    assert_eq!(
+        stderr(&refused),
+        "error: --fit-limit 'motor_torque=0.4': limits.motor_torque = 0.4 N m, but must come with a \
+         [drive], the motor's side of the hub\n"
+    );
 }
