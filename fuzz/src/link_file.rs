@@ -34,8 +34,7 @@ fn check(specification: &Specification) {
     }
     let written = link_text(specification);
     let again = read_specification("again.toml", &written, &[]).expect(&written);
-    assert_eq!(
-        (&again.link, &again.analysis, &again.limits),
-        (link, &specification.analysis, &specification.limits),
-    );
+    // Numbers in SI do not tell a section's shape, which only estimates need.
+    assert_eq!(link_text(&again), written);
+    assert_eq!((&again.analysis, &again.limits), (&specification.analysis, &specification.limits),);
 }

@@ -4,7 +4,7 @@ use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
 use super::analysis::Analysis;
 use super::dynamics::{Dynamics, KeptModes};
 use super::error::InversionError;
-use super::period::{Padding, PeriodicTorque, check_memory};
+use super::period::{Padding, PeriodicTorque, Window, check_memory};
 use super::probes::Amplitudes;
 use super::refinement::{Asked, Measured, hub_peak_rad, measured_mesh, shares};
 use super::rigid::rigid_torque_n_m;
@@ -244,7 +244,7 @@ impl<'a> Problem<'a> {
         answer: &PeriodicAnswer,
         dynamics: &Dynamics,
         tail: Option<&TailTerms>,
-        window: &super::period::Window,
+        window: &Window,
     ) -> PerQuantity<f64> {
         let edge = |samples: &[f64]| answer.periodic(samples).edge_share(window);
         let pair = &answer.period.spectrum.pair;
@@ -264,6 +264,22 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The samples to write: until both the torque and that of the motor stay below the tolerance.
+    fn window(&self, answer: &PeriodicAnswer, dynamics: &Dynamics) -> Window {
+        let given = self.motion.grid();
+        let of = |samples: &[f64]| {
+            let torque = answer.periodic(samples);
+            torque.window(given.len, given.step_s, self.analysis, torque.peak())
+        };
+        let hub = of(&answer.torque_n_m);
+        let forcing = self.asked(&answer.period).of(dynamics);
+        let motor = forcing.motor_torque_n_m(&answer.hub);
+        motor.map_or(hub, |amplitudes| {
+            let motor = of(&answer.period.spectrum.pair.samples(amplitudes));
+            Window { start: hub.start.min(motor.start), stop: hub.stop.max(motor.stop) }
+        })
+    }
+
     /// Cuts the window to write out of the period and gathers what is known of the answer.
     fn written(
         &self,
@@ -273,7 +289,7 @@ impl<'a> Problem<'a> {
     ) -> (Solution, Edges) {
         let given = self.motion.grid();
         let torque = answer.periodic(&answer.torque_n_m);
-        let window = torque.window(given.len, given.step_s, self.analysis, torque.peak());
+        let window = self.window(&answer, &dynamics);
         let edges = Edges {
             cut: torque.outside(&window) / torque.peak(),
             seam: torque.at_seam() / torque.peak(),

@@ -151,7 +151,7 @@ fn a_target_may_have_a_step_and_times_of_its_own() {
     let with = |rows: &[&str]| format!("{}\n{}\n", text.lines().next().unwrap(), rows.join("\n"));
     let fifth: Vec<&str> = rows.iter().skip(2).step_by(5).copied().collect();
     bench.write("fifth.csv", &with(&fifth));
-    let before = ["-3.794,0,0,0", "-3.793,0,0,0"];
+    let before = ["-3.678,0,0,0", "-3.677,0,0,0"];
     bench.write("early.csv", &with(&[&before[..], &rows].concat()));
     bench.write("short.csv", &with(&rows[3000..5000]));
     for target in ["fifth.csv", "early.csv", "short.csv"] {
