@@ -9,6 +9,7 @@
 )]
 
 mod analysis;
+mod band_change;
 mod dense;
 mod dynamics;
 mod error;
@@ -31,6 +32,7 @@ mod warning;
 mod watch;
 
 pub use analysis::Analysis;
+pub use band_change::changes_on_halves;
 pub use dense::{DenseLink, MOST_ELEMENTS_OF_DENSE_SOLVE};
 pub use dynamics::{Dynamics, KeptModes};
 pub use error::InversionError;

@@ -4,6 +4,7 @@
 pub mod comparison;
 mod fit;
 mod limits;
+mod mesh_error;
 mod metrics;
 mod played;
 mod repetition;
@@ -12,6 +13,7 @@ mod tip_error;
 
 pub use fit::{FitError, OpenMotion, shortest_steps};
 pub use limits::{Exceeded, Limits};
+pub use mesh_error::{BandMeshError, CoarseMesh, mesh_error, mesh_errors};
 pub use metrics::{Metrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;
 pub use repetition::{LineDifference, Repeated, RepeatedFile, line_difference};

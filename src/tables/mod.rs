@@ -67,7 +67,7 @@ pub use records::verification_json;
 pub use signals::ignored_signals;
 pub use simulate_tables::SimulateOutputs;
 pub use simulation_summary::{SimulationInputs, SimulationSummary};
-pub use single_file::write_file;
+pub use single_file::{write_file, write_file_by};
 pub use solve_tables::{OptionalTable, SolveOutputs};
 pub use stored::{FoundInput, InputRole, RunRecord, read_result};
 pub use summary::{RunInputs, Summary};
