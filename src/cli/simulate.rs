@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::response::simulate;
+use flexlink::response::{PlayError, simulate};
 use flexlink::result::PlayedMetrics;
 use flexlink::spec::Specification;
 use flexlink::tables::{
@@ -101,7 +101,10 @@ impl Simulate {
         let names = SimulateOutputs::file_names();
         let written = format!("{} files in {}", names.len(), self.output.display());
         let tip_error = tip_error.as_ref();
-        let summary = SimulationSummary::new(&inputs, &simulation, &metrics, tip_error, names);
+        let error = PlayError::of(&simulation, link, &play)
+            .map_err(|error| self.play.refused(&error, &read))?;
+        let errors = (error.as_ref(), tip_error);
+        let summary = SimulationSummary::new(&inputs, &simulation, &metrics, errors, names);
         outputs.write(
             OutputFolder::stage(&self.output)?.with(self.sync.durability()),
             link,
@@ -109,7 +112,7 @@ impl Simulate {
             &summary,
         )?;
 
-        for warning in &simulation.warnings {
+        for warning in simulation.warnings.iter().copied().chain(error.and_then(|e| e.warning())) {
             console::warning(warning, warning.hint());
         }
         if let Some(late) = tip_error.and_then(|error| error.late) {
@@ -119,7 +122,7 @@ impl Simulate {
             (true, _) => Ok(()),
             (_, true) => console::print_bytes(summary.to_json().as_bytes()),
             _ => {
-                let lines = simulate_text(link, &play, &simulation, &metrics, tip_error, &written);
+                let lines = simulate_text(link, &play, &simulation, &metrics, errors, &written);
                 console::print(&lines)
             }
         }

@@ -1,8 +1,10 @@
 use std::fmt;
 
+use serde::Deserialize as Derived;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 
-/// Numbers of a JSON object by name, in the order in which they stand there; null is no number.
+/// Numbers of a JSON object by name, in the order in which they stand there, those of an object in it
+/// by both names; null is no number.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Readings(pub(super) Vec<(String, f64)>);
 
@@ -24,6 +26,15 @@ impl<'de> Deserialize<'de> for Readings {
     }
 }
 
+/// What stands at a name.
+#[derive(Derived)]
+#[serde(untagged)]
+enum Reading {
+    Number(Option<f64>),
+    /// Of one thing, and by name again.
+    Inner(Readings),
+}
+
 struct Entries;
 
 impl<'de> Visitor<'de> for Entries {
@@ -35,8 +46,11 @@ impl<'de> Visitor<'de> for Entries {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Readings, A::Error> {
         let mut readings = Readings::default();
-        while let Some((name, number)) = map.next_entry::<String, Option<f64>>()? {
-            readings.0.extend(number.map(|number| (name, number)));
+        while let Some((name, reading)) = map.next_entry()? {
+            match reading {
+                Reading::Number(number) => readings.0.extend(number.map(|number| (name, number))),
+                Reading::Inner(inner) => readings.0.extend(inner.prefixed(&format!("{name}_"))),
+            }
         }
         Ok(readings)
     }
