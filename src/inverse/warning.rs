@@ -19,6 +19,10 @@ const ABOVE_MESH_SHARE: f64 = 1e-2;
 /// Mesh error from which on the user is warned.
 const COARSE_MESH: f64 = 1e-2;
 
+/// Rows, and times the motion's own samples, above which a window that was lengthened is told of.
+const LONG_ROWS: usize = 50_000;
+const LONG_TIMES: f64 = 10.0;
+
 /// Something that the user must know to believe the answer. Returned, never printed here.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Warning {
@@ -56,6 +60,17 @@ pub enum Warning {
         tolerance: f64,
         /// Period P in s.
         period_s: f64,
+    },
+    /// A torque that does not decay has made the window long.
+    #[error(
+        "the torque hardly decays: its window was lengthened to {rows} rows, {times:.0} times the \
+         motion's own"
+    )]
+    LongWindow {
+        /// Rows of the window.
+        rows: usize,
+        /// The same over the samples of the motion.
+        times: f64,
     },
     /// A payload's inertia or offset blocks the tip at a frequency that the motion contains.
     #[error(
@@ -116,6 +131,7 @@ impl Warning {
             Self::EndVelocityCorrected { .. } => "end_velocity_corrected",
             Self::TorqueCut { .. } => "torque_cut",
             Self::WrapAround { .. } => "wrap_around",
+            Self::LongWindow { .. } => "long_window",
             Self::BlockedTip { .. } => "blocked_tip",
             Self::NearNyquist { .. } => "near_nyquist",
             Self::AboveMesh { .. } => "above_mesh",
@@ -130,6 +146,10 @@ impl Warning {
             Self::EndVelocityCorrected { .. } => "write the trajectory with more digits",
             Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or none of them",
             Self::WrapAround { .. } => "a longer analysis.lag, more damping or a looser tolerance",
+            Self::LongWindow { .. } => {
+                "damping lets it decay; analysis.lead and analysis.lag bound the window, --every the \
+                 tables of the nodes"
+            }
             Self::LargeDeflection { .. } => "a slower motion or a stiffer link",
             Self::BlockedTip { .. } => "a smoother or slower motion avoids the frequency",
             Self::NearNyquist { .. } => "a smoother motion or a shorter step",
@@ -162,10 +182,14 @@ pub(super) fn warnings(evidence: &Evidence<'_>, solution: &Solution) -> Vec<Warn
     let period_s = spectrum.period_s();
     let wrap_around = Warning::WrapAround { share: seam, tolerance, period_s };
     let torque_cut = Warning::TorqueCut { share: cut, tolerance };
+    let (rows, given) = (solution.grid.len, evidence.motion.grid().len);
+    let times = rows as f64 / given as f64;
+    let is_long = seam > tolerance && rows > LONG_ROWS && times > LONG_TIMES;
     corrected
         .into_iter()
         .chain((cut > tolerance.max(seam)).then_some(torque_cut))
         .chain((seam > tolerance).then_some(wrap_around))
+        .chain(is_long.then_some(Warning::LongWindow { rows, times }))
         .chain(blocked_tip(mesh, spectrum, tolerance))
         .chain(near_nyquist(spectrum))
         .chain(above_mesh(mesh, spectrum, &solution.torque_amplitudes_n_m))
