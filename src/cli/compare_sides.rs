@@ -10,9 +10,13 @@ use flexlink::tables::{CsvFolder, GoldenChanges, InputFile, read_table};
 
 use super::exit::{Exit, Failure};
 use super::files::is_standard_input;
+use super::memory::check_files_memory;
 
 /// Name of the file of tolerances beside the golden files.
 pub(crate) const TOLERANCES: &str = "tolerances.toml";
+
+/// Memory that reading and comparing two tables takes, over the size of their files, as measured.
+const TABLE_TIMES: usize = 4;
 
 /// What becomes of EXPECTED.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -161,6 +165,8 @@ impl Sides {
 
 impl Pair {
     fn compare(&self, tolerances: &Tolerances) -> Result<FileOutcome, Failure> {
+        let files = self.expected.iter().chain(&self.actual).map(PathBuf::as_path);
+        check_files_memory(files, TABLE_TIMES)?;
         let names = |table: &Table| table.names().map(str::to_owned).collect();
         Ok(match (&self.expected, &self.actual) {
             (Some(expected), Some(actual)) => {

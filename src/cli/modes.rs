@@ -14,6 +14,7 @@ use super::args::{LinkArgs, SyncArgs};
 use super::console;
 use super::exit::Failure;
 use super::files::check_folder;
+use super::memory::check_memory;
 use super::modes_text::modes_text;
 
 const EXAMPLE: &str = "\
@@ -31,6 +32,9 @@ error of each number is measured on elements of half the length; above 1 % it is
 
 A link file with a [drive] also gets the frequencies with the rotor held, the hub on the spring of \
 the joint or, behind a stiff joint, clamped; with -o, in held_modes.csv.";
+
+/// Memory in bytes that a node takes in a shape: as computed, and as it is written.
+const BYTES_PER_DISPLACEMENT: usize = 16;
 
 /// Natural frequencies, mode shapes and zeros of a link.
 #[derive(Debug, Args)]
@@ -66,6 +70,8 @@ impl Modes {
         let law = DampingLaw::of(specification.link.damping(), &mesh)?;
         let highest = omega_rad_s.last().copied().unwrap_or_default();
         let blocked = real_frequency_zeros(&mesh, highest);
+        let shapes = omega_rad_s.len() * mesh.nodes_m().len() * BYTES_PER_DISPLACEMENT;
+        check_memory("the mode shapes", shapes, None, "ask for fewer modes: --count")?;
         let finer = mesh.refined();
         let held = specification.drive.map(|drive| {
             let spring_n_m_rad = drive.joint_stiffness_n_m_rad;

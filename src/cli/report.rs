@@ -10,6 +10,7 @@ use flexlink::tables::{OutputFolder, REPORT, read_result};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::{is_standard_output, keep_files, keep_page};
+use super::memory::check_files_memory;
 
 const EXAMPLE: &str = "\
 Example:
@@ -58,6 +59,7 @@ impl Report {
             keep_files(output, &[&self.result])?;
             keep_page(output, &self.result)?;
         }
+        check_files_memory(files_of(&self.result).iter().map(PathBuf::as_path), PAGE_TIMES)?;
         let result = read_result(&self.result)?;
         let figures = Figures::of(&result);
         let mut told = Vec::new();
@@ -88,6 +90,15 @@ fn deliver_page(result: &StoredResult, figures: &Figures, file: &Path) -> Result
     console::deliver(Some(file), page(result, figures).as_bytes())?;
     let told = || format!("written  {}\n", file.display());
     Ok(if is_standard_output(file) { String::new() } else { told() })
+}
+
+/// Memory that reading a result and making its page takes, over the size of its files, as measured.
+const PAGE_TIMES: usize = 8;
+
+/// The files of a result: itself, or those of its folder.
+fn files_of(result: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = result.read_dir() else { return vec![result.to_owned()] };
+    entries.flatten().map(|entry| entry.path()).filter(|path| path.is_file()).collect()
 }
 
 /// Where the page of a result goes.

@@ -59,7 +59,7 @@ pub use golden::{GoldenChanges, change_golden_files};
 pub use histories::{REPORT, is_result_file};
 pub use hub_csv::read_hub_reference;
 pub use input::{InputError, InputFile, system_words};
-pub use memory::available_memory;
+pub use memory::{available_addresses, available_memory};
 pub use modes_tables::{HeldModes, ModesResult};
 pub use motion_csv::{MotionTable, read_motion_table};
 pub use number::{Digits, DigitsError, NumberFormat};
