@@ -96,12 +96,14 @@ impl Frf {
             Err(InversionError::TooManyElements { .. }) => None,
             Err(error) => return Err(error.into()),
         };
-        tell(&rows, changes.as_deref());
-        let errors = changes.map(|changes| changes.into_iter().map(mesh_error).collect());
-        let errors: Option<Vec<f64>> = errors;
+        let errors: Option<Vec<f64>> = changes
+            .as_deref()
+            .map(|changes| changes.iter().map(|change| mesh_error(*change)).collect());
         console::deliver_by(self.output.as_deref(), |out| {
             write_frequency_response(out, &rows, errors.as_deref(), self.digits)
-        })
+        })?;
+        tell(&rows, changes.as_deref());
+        Ok(())
     }
 
     /// The frequencies to go through, as asked for or as the link suggests.

@@ -1,7 +1,5 @@
 //! Memory, asked about before it is taken.
 
-use std::path::Path;
-
 use flexlink::numeric::gigabytes;
 use flexlink::tables::{available_addresses, available_memory};
 
@@ -80,14 +78,10 @@ pub(crate) fn check_room(threads: usize) -> Result<(), Failure> {
     Err(Failure::new(Exit::NotSolvable, &message, Some(hint)))
 }
 
-/// Refuses files that take more memory to work with than there is: so many times their size.
-pub(crate) fn check_files_memory<'a>(
-    files: impl IntoIterator<Item = &'a Path>,
-    times: usize,
-) -> Result<(), Failure> {
-    let size = |file: &Path| file.metadata().map_or(0, |found| found.len());
-    let bytes: u64 = files.into_iter().map(size).sum();
-    let bytes = usize::try_from(bytes).unwrap_or(usize::MAX).saturating_mul(times);
+/// Refuses tables whose files have so many bytes, and take so many times that to work with, where
+/// there is not so much memory.
+pub(crate) fn check_tables_memory(bytes: usize, times: usize) -> Result<(), Failure> {
+    let bytes = bytes.saturating_mul(times);
     // To ask costs more than what is small takes.
     if bytes < OWN_BYTES / 2 {
         return Ok(());

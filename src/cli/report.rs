@@ -10,7 +10,7 @@ use flexlink::tables::{OutputFolder, REPORT, read_result};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::{is_standard_output, keep_files, keep_page};
-use super::memory::check_files_memory;
+use super::memory::check_tables_memory;
 
 const EXAMPLE: &str = "\
 Example:
@@ -59,7 +59,7 @@ impl Report {
             keep_files(output, &[&self.result])?;
             keep_page(output, &self.result)?;
         }
-        check_files_memory(files_of(&self.result).iter().map(PathBuf::as_path), PAGE_TIMES)?;
+        check_tables_memory(bytes_of(&self.result), PAGE_TIMES)?;
         let result = read_result(&self.result)?;
         let figures = Figures::of(&result);
         let mut told = Vec::new();
@@ -95,10 +95,17 @@ fn deliver_page(result: &StoredResult, figures: &Figures, file: &Path) -> Result
 /// Memory that reading a result and making its page takes, over the size of its files, as measured.
 const PAGE_TIMES: usize = 8;
 
-/// The files of a result: itself, or those of its folder.
-fn files_of(result: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = result.read_dir() else { return vec![result.to_owned()] };
-    entries.flatten().map(|entry| entry.path()).filter(|path| path.is_file()).collect()
+/// Bytes of a result: of the file itself, or of those in its folder.
+fn bytes_of(result: &Path) -> usize {
+    let size = |path: &Path| path.metadata().map_or(0, |found| found.len());
+    let bytes = match result.read_dir() {
+        Err(_) => size(result),
+        Ok(entries) => {
+            let paths = entries.flatten().map(|entry| entry.path());
+            paths.filter(|path| path.is_file()).map(|path| size(&path)).sum()
+        }
+    };
+    usize::try_from(bytes).unwrap_or(usize::MAX)
 }
 
 /// Where the page of a result goes.
