@@ -203,7 +203,7 @@ fn the_mesh_error_of_a_response_is_what_a_fine_mesh_shows_and_is_told() {
     let run = |rest: &[&str]| {
         let output = bench.run(&[&["frf", link.as_str()], &band[..], rest].concat());
         assert!(output.status.success() && output.stdout.is_empty(), "{}", stderr(&output));
-        stderr(&output).to_owned()
+        stderr(&output)
     };
     let told = run(&["coarse.csv"]);
     let finer = run(&["fine.csv", "--set", "mesh.elements=320"]);
