@@ -26,13 +26,13 @@ set multiplot layout 2,1
 set ylabel 'peak torque over rigid'
 set yrange [0:1.1]
 set key bottom right
-plot name.'.csv' using (column('segments.*.EI')):(column('torque_ratio')) \
+plot name.'.csv' using (column('segments.*.EI*')):(column('torque_ratio')) \
     with lines lw 2 title 'peak torque', 1 with lines dt 2 lc rgb 'gray40' title 'rigid link'
 set ylabel 'time [s]'
 set yrange [0:*]
 set key top right
-plot name.'.csv' using (column('segments.*.EI')):(column('lead_s')) with lines lw 2 title 'lead', \
-    '' using (column('segments.*.EI')):(column('lag_s')) with lines lw 2 title 'lag'
+plot name.'.csv' using (column('segments.*.EI*')):(column('lead_s')) with lines lw 2 title 'lead', \
+    '' using (column('segments.*.EI*')):(column('lag_s')) with lines lw 2 title 'lag'
 unset multiplot
 PLOT
 echo "plotted  $name.svg"

@@ -50,11 +50,13 @@
 //!         length_m: 1.5,
 //!         bending_stiffness_n_m2: Taper::constant(5.0),
 //!         mass_per_length_kg_m: Taper::constant(0.8),
+//!         cross_section: None,
 //!     }],
 //!     hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
 //!     masses: vec![],
 //!     payload: Payload::default(),
 //!     damping: Damping::Hysteretic { ratio: 0.02 },
+//!     drive: None,
 //! })?;
 //! let plan = MeshPlan::new(&link, &[None], None, 1e-4)?;
 //! // One period of a sine acceleration.

@@ -20,11 +20,13 @@ fn link_of(bending_stiffness_n_m2: Taper, damping: Damping) -> Link {
             length_m: 1.5,
             bending_stiffness_n_m2,
             mass_per_length_kg_m: Taper::constant(0.8),
+            cross_section: None,
         }],
         hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
         masses: vec![],
         payload: Payload::default(),
         damping,
+        drive: None,
     })
     .unwrap()
 }

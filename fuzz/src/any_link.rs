@@ -1,7 +1,5 @@
 use arbitrary::{Result, Unstructured};
-use flexlink::link::{
-    Damping, Drive, Hub, LinkParts, LumpedMass, ParameterError, Payload, Segment, Taper,
-};
+use flexlink::link::{Damping, Drive, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
 
 /// A link of any make, its bodies and stiffnesses over many orders of magnitude.
 ///
@@ -27,24 +25,21 @@ pub fn any_link(u: &mut Unstructured) -> Result<LinkParts> {
             offset_m: any_or_none(u, 10)? * f64::from(u.int_in_range(-1..=1)?),
         },
         damping: any_damping(u)?,
+        drive: any_drive(u)?,
     })
 }
 
 /// A drive, or none.
-///
-/// # Errors
-/// Those of `u`.
-pub fn any_drive(u: &mut Unstructured) -> Result<Option<Drive>> {
+fn any_drive(u: &mut Unstructured) -> Result<Option<Drive>> {
     if !u.arbitrary()? {
         return Ok(None);
     }
     let stiffness = any_or_none(u, 30)?;
-    let drive = Drive {
+    Ok(Some(Drive {
         joint_stiffness_n_m_rad: if stiffness > 0.0 { stiffness } else { f64::INFINITY },
         rotor_inertia_kg_m2: any_or_none(u, 30)?,
         gear_ratio: any_size(u, 10)?,
-    };
-    drive.check().map_err(|_: ParameterError| arbitrary::Error::IncorrectFormat).map(Some)
+    }))
 }
 
 fn any_segment(u: &mut Unstructured) -> Result<Segment> {
@@ -57,6 +52,7 @@ fn any_segment(u: &mut Unstructured) -> Result<Segment> {
         length_m,
         bending_stiffness_n_m2: taper(u, stiffness)?,
         mass_per_length_kg_m: taper(u, mass)?,
+        cross_section: None,
     })
 }
 

@@ -8,7 +8,7 @@ use flexlink::spec::Specification;
 /// # Panics
 /// Never: a string can be written to.
 pub fn link_text(specification: &Specification) -> String {
-    let Specification { link, analysis, drive, limits, .. } = specification;
+    let Specification { link, analysis, limits, .. } = specification;
     let mut file = bodies(link);
     file += &damping(link.damping());
     let mut table = |name: &str, entries: &[(&str, Option<f64>)]| {
@@ -17,7 +17,7 @@ pub fn link_text(specification: &Specification) -> String {
             writeln!(file, "{key} = {value:?}").expect("a string");
         }
     };
-    if let Some(drive) = drive {
+    if let Some(drive) = link.drive() {
         let entries = [
             ("joint_stiffness", drive.joint_stiffness_n_m_rad),
             ("rotor_inertia", drive.rotor_inertia_kg_m2),

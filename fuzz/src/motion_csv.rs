@@ -1,6 +1,6 @@
 use super::finite;
 use super::wording::check_words;
-use flexlink::motion::{MotionColumns, TipMotion};
+use flexlink::motion::{Cutoff, MotionColumns, TipMotion};
 use flexlink::numeric::TimeGrid;
 use flexlink::tables::{Digits, MotionTable, read_motion_table, write_trajectory};
 
@@ -71,7 +71,7 @@ fn check_rest(motion: &TipMotion) {
     }
     // The middle of the rest between two repetitions.
     let (len, seam) = (4 * grid.len, grid.len + 3 * grid.len / 2);
-    let period = motion.over_period(len, seam);
+    let period = motion.over_period(len, seam, Cutoff::ALL);
     let histories = period.histories(motion);
     let speeds = &histories.velocity_m_s;
     let accelerations = &histories.acceleration_m_s2;

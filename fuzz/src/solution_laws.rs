@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use flexlink::beam::TipTransfer;
 use flexlink::inverse::{Dynamics, NodalTable, Solution, Unwatched};
-use flexlink::link::{Drive, Link};
+use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
 use flexlink::numeric::largest;
 use flexlink::result::{Metrics, Peak};
@@ -21,7 +21,7 @@ const DIFFERENCED: f64 = 2.5;
 ///
 /// # Panics
 /// If one does.
-pub fn check_finite(solution: &Solution, drive: Option<&Drive>) {
+pub fn check_finite(solution: &Solution) {
     let tip = &solution.tip;
     let histories = [
         ("torque", &solution.torque_n_m),
@@ -38,10 +38,9 @@ pub fn check_finite(solution: &Solution, drive: Option<&Drive>) {
     for (name, samples) in histories {
         assert!(samples.len() == solution.grid.len && finite(samples), "{name}");
     }
-    if let Some(drive) = drive {
-        let motor = solution.motor(drive);
+    if let Some(motor) = solution.motor() {
         for samples in [motor.torque_n_m, motor.angle_rad, motor.rate_rad_s, motor.power_w] {
-            assert!(finite(&samples), "a motor's history of {drive:?}");
+            assert!(finite(&samples), "a motor's history");
         }
     }
     let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
@@ -50,8 +49,11 @@ pub fn check_finite(solution: &Solution, drive: Option<&Drive>) {
     }
     check_metrics(&Metrics::of(solution));
     let accuracy = solution.accuracy;
-    let shares = [Some(accuracy.mesh_error), Some(accuracy.edge_error), accuracy.truncation_error];
-    let are_shares = shares.into_iter().flatten().all(|share| share.is_finite() && share >= 0.0);
+    let shares = accuracy.errors.iter().flat_map(|(_, errors)| {
+        [Some(errors.mesh), Some(errors.window), errors.step, errors.modes]
+    });
+    let mut shares = shares.flatten().chain([accuracy.tip]);
+    let are_shares = shares.all(|share| share.is_finite() && share >= 0.0);
     assert!(are_shares, "{accuracy:?}");
     for warning in &solution.warnings {
         let text = warning.to_string();
@@ -103,7 +105,8 @@ fn check_metrics(metrics: &Metrics) {
 /// If it is not.
 pub fn check_linear(first: &Solution, second: &Solution, both: &Solution, friction_n_m_s_rad: f64) {
     let all = [first, second, both];
-    if all.iter().any(|solution| solution.band.fft_length != both.band.fft_length) {
+    let span = |solution: &Solution| (solution.band.fft_length, solution.band.cutoff_hz);
+    if all.iter().any(|solution| span(solution) != span(both)) {
         return;
     }
     let period = both.band.fft_length as f64;

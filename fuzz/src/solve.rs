@@ -1,13 +1,13 @@
 use std::f64::consts::PI;
 
-use super::any_link::{any_drive, any_link};
+use super::any_link::any_link;
 use super::any_motion::TwoMotions;
 use super::solution_laws::{bending, check_finite, check_linear, check_rigid};
 use super::wording::check_words;
 use arbitrary::{Result, Unstructured};
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
 use flexlink::inverse::{Analysis, Dynamics, KeptModes, Solution, invert};
-use flexlink::link::{Drive, Link, LinkParts, ParameterError};
+use flexlink::link::{Link, LinkParts, ParameterError};
 use flexlink::modal::{natural_frequencies, torque_zeros};
 use flexlink::motion::{MotionColumns, TipMotion};
 
@@ -42,14 +42,14 @@ fn run(u: &mut Unstructured) -> Result<()> {
         assert!(positive && found.is_sorted(), "{found:?} of {link:?}");
     }
     let scale_s = omegas.first().map_or(1.0, |omega| 1.0 / omega);
-    let (motions, drive) = (TwoMotions::any(u, scale_s)?, any_drive(u)?);
+    let motions = TwoMotions::any(u, scale_s)?;
     let problem = Problem { link, plan, analysis: any_analysis(u)? };
     let both = motions.sum([1.0, 1.0]);
     match u.int_in_range(0..=3)? {
         0 => check_scaled(&problem, &motions, u.int_in_range(-20..=20)?),
         1 => check_sum(problem, &motions, zeros.first().copied()),
         2 => check_stiff(&problem, parts, &both),
-        _ => drop(solved(&problem, both, drive.as_ref())),
+        _ => drop(solved(&problem, both)),
     }
     Ok(())
 }
@@ -74,20 +74,20 @@ fn any_analysis(u: &mut Unstructured) -> Result<Analysis> {
 }
 
 // Law: what is solved is finite, and what is not is refused with words.
-fn solved(problem: &Problem, columns: MotionColumns, drive: Option<&Drive>) -> Option<Solution> {
+fn solved(problem: &Problem, columns: MotionColumns) -> Option<Solution> {
     let motion = TipMotion::new(columns);
     let motion = motion.map_err(|error| check_words("", &error, error.hint())).ok()?;
     let found = invert(&problem.link, &problem.plan, &motion, &problem.analysis);
     let solution = found.map_err(|error| check_words("", &error, error.hint())).ok()?;
-    check_finite(&solution, drive);
+    check_finite(&solution);
     Some(solution)
 }
 
 // Law: a power of two, of either sign, on the motion is one on all that is solved for, to the last bit.
 fn check_scaled(problem: &Problem, motions: &TwoMotions, exponent: i32) {
     let factor = -(2.0_f64.powi(exponent));
-    let Some(one) = solved(problem, motions.sum([1.0, 1.0]), None) else { return };
-    let Some(other) = solved(problem, motions.sum([factor, factor]), None) else { return };
+    let Some(one) = solved(problem, motions.sum([1.0, 1.0])) else { return };
+    let Some(other) = solved(problem, motions.sum([factor, factor])) else { return };
     let histories = |of: &Solution| {
         [&of.torque_n_m, &of.hub_angle_rad, &of.hub_rate_rad_s, &of.root_moment_n_m].map(Vec::clone)
     };
@@ -107,7 +107,7 @@ fn check_sum(problem: Problem, motions: &TwoMotions, first_zero: Option<f64>) {
     let decay_s = first_zero.map_or(0.0, |zero| (10.0 / tolerance).ln() / zero) + step_s;
     let Ok(analysis) = Analysis::new(tolerance, Some(decay_s), Some(decay_s)) else { return };
     let problem = Problem { analysis: analysis.within_memory(Some(MEMORY_BYTES)), ..problem };
-    let [first, second, both] = [first, second, both].map(|motion| solved(&problem, motion, None));
+    let [first, second, both] = [first, second, both].map(|motion| solved(&problem, motion));
     if let (Some(first), Some(second), Some(both)) = (first, second, both) {
         check_linear(&first, &second, &both, problem.link.hub().viscous_friction_n_m_s_rad);
     }
@@ -125,7 +125,7 @@ fn check_stiff(problem: &Problem, mut parts: LinkParts, columns: &MotionColumns)
     }
     let Ok(link) = Link::new(parts) else { return };
     let problem = Problem { link, plan: problem.plan.clone(), analysis: problem.analysis };
-    if let Some(solution) = solved(&problem, columns.clone(), None) {
+    if let Some(solution) = solved(&problem, columns.clone()) {
         check_rigid(&problem.link, &solution, nyquist_rad_s);
     }
 }

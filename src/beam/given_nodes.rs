@@ -85,6 +85,7 @@ mod tests {
             length_m: *length_m,
             bending_stiffness_n_m2: Taper { inner: 9.0, outer: 2.0 },
             mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.3 },
+            cross_section: None,
         };
         let mass = |at_m: &f64| LumpedMass { at_m: *at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 };
         Link::new(LinkParts {
@@ -94,6 +95,7 @@ mod tests {
             masses: masses_at_m.iter().map(mass).collect(),
             payload: Payload::default(),
             damping: Damping::None,
+            drive: None,
         })
         .unwrap()
     }

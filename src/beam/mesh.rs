@@ -221,6 +221,7 @@ mod tests {
             length_m,
             bending_stiffness_n_m2: ei,
             mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.5 },
+            cross_section: None,
         };
         let mass = |at_m| LumpedMass { at_m, mass_kg: 0.1, inertia_kg_m2: 0.02 };
         let link = Link::new(LinkParts {
@@ -233,6 +234,7 @@ mod tests {
             masses: vec![mass(1.6), mass(0.7), mass(0.1), mass(0.7)],
             payload: Payload { mass_kg: 0.2, inertia_kg_m2: 0.01, offset_m: 0.1 },
             damping: Damping::None,
+            drive: None,
         })
         .unwrap();
         Mesh::new(&link, &MeshPlan::new(&link, &[Some(1), Some(4)], None, 1e-6).unwrap())
@@ -263,6 +265,7 @@ mod tests {
                 length_m,
                 bending_stiffness_n_m2: Taper::constant(5.0),
                 mass_per_length_kg_m: Taper::constant(0.8),
+                cross_section: None,
             };
             let mass = LumpedMass { at_m: 0.7 + hair, mass_kg: 0.1, inertia_kg_m2: 0.0 };
             let link = Link::new(LinkParts {
@@ -272,6 +275,7 @@ mod tests {
                 masses: vec![mass],
                 payload: Payload::default(),
                 damping: Damping::None,
+                drive: None,
             })
             .unwrap();
             let mesh = Mesh::new(&link, &MeshPlan::new(&link, &[None; 2], None, 1e-6).unwrap());

@@ -221,6 +221,7 @@ mod tests {
             length_m: 0.5,
             bending_stiffness_n_m2: Taper::constant(*ei),
             mass_per_length_kg_m: Taper::constant(0.8),
+            cross_section: None,
         };
         let mass = |at_m: &f64| LumpedMass { at_m: *at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 };
         Link::new(LinkParts {
@@ -230,6 +231,7 @@ mod tests {
             masses: masses_at_m.iter().map(mass).collect(),
             payload: Payload::default(),
             damping: Damping::None,
+            drive: None,
         })
         .unwrap()
     }

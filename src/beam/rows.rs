@@ -80,7 +80,13 @@ mod tests {
         bending_stiffness_n_m2: Taper,
         mass_per_length_kg_m: Taper,
     ) -> Segment {
-        Segment { name: None, length_m, bending_stiffness_n_m2, mass_per_length_kg_m }
+        Segment {
+            name: None,
+            length_m,
+            bending_stiffness_n_m2,
+            mass_per_length_kg_m,
+            cross_section: None,
+        }
     }
 
     fn meshed(segments: Vec<Segment>, counts: &[usize], masses_at_m: &[f64]) -> Mesh {

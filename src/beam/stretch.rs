@@ -185,6 +185,7 @@ mod tests {
             length_m: 0.125 * count as f64,
             bending_stiffness_n_m2: Taper::constant(bending_stiffness),
             mass_per_length_kg_m: Taper::constant(3360.0),
+            cross_section: None,
         };
         let at_m = 0.125 * (counts[0] + 1) as f64;
         let masses = vec![LumpedMass { at_m, mass_kg: 100.0, inertia_kg_m2: 2.0 }];

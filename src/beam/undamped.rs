@@ -50,6 +50,7 @@ fn mesh_of(elements: usize, units: Units, [ei, per_length]: [Taper; 2]) -> Mesh 
             length_m: 1.5 * length,
             bending_stiffness_n_m2: ei.scaled(stiffness),
             mass_per_length_kg_m: per_length.scaled(density),
+            cross_section: None,
         }],
         hub: Hub {
             inertia_kg_m2: 0.1 * inertia,
@@ -63,6 +64,7 @@ fn mesh_of(elements: usize, units: Units, [ei, per_length]: [Taper; 2]) -> Mesh 
         }],
         payload: Payload { mass_kg: 0.05 * mass, inertia_kg_m2: 0.0, offset_m: 0.0 },
         damping: Damping::None,
+        drive: None,
     });
     let link = link.unwrap();
     Mesh::on(&link, elements)

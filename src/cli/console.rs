@@ -10,6 +10,7 @@ use std::process::ExitCode;
 
 use clap::builder::styling::{AnsiColor, Style};
 
+use flexlink::result::Remark;
 use flexlink::tables::{system_words, write_file_by};
 
 use super::charset::shown;
@@ -28,6 +29,13 @@ pub(crate) fn error(message: &str, hint: Option<&str>) {
 /// Prints a warning and its hint to standard error.
 pub(crate) fn warning(message: impl Display, hint: &str) {
     told("warning", WARNING, &message.to_string(), Some(hint));
+}
+
+/// Prints what is possible but rare, and what the user can do, to standard error.
+pub(crate) fn remarks(remarks: &[Remark]) {
+    for remark in remarks {
+        told("remark", WARNING, &remark.to_string(), Some(remark.hint()));
+    }
 }
 
 /// Prints what goes on to standard error, below what stands on a terminal's line.

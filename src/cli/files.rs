@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use flexlink::tables::{REPORT, is_result_file};
+use flexlink::tables::{REPORT, foreign_record, is_result_file};
 
 use super::exit::{Exit, Failure};
 
@@ -96,6 +96,21 @@ pub(crate) fn keep_files(output: &Path, inputs: &[&Path]) -> Result<(), Failure>
     }
     let message = format!("--output = {}, but must not be a file that is read", output.display());
     Err(Failure::new(Exit::Usage, &message, None))
+}
+
+/// Refuses to write the record of a sweep's table over a file that is none.
+pub(crate) fn keep_record(output: &Path) -> Result<(), Failure> {
+    if is_standard_output(output) {
+        return Ok(());
+    }
+    let Some(foreign) = foreign_record(output) else { return Ok(()) };
+    let message = format!(
+        "--output = {}, but {} has the place of its record, and is none of a sweep",
+        output.display(),
+        foreign.display()
+    );
+    let hint = "another name for the table, or for that file";
+    Err(Failure::new(Exit::Usage, &message, Some(hint)))
 }
 
 /// Refuses to write the page of a run over a file of the run.

@@ -16,6 +16,7 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::files::keep_files;
 use super::memory::check_memory;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -67,6 +68,9 @@ pub(crate) struct Frf {
     /// reads back to the same number.
     #[arg(long, value_name = "N", default_value = "full")]
     digits: Digits,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
 }
 
 impl Frf {
@@ -102,8 +106,7 @@ impl Frf {
         console::deliver_by(self.output.as_deref(), |out| {
             write_frequency_response(out, &rows, errors.as_deref(), self.digits)
         })?;
-        tell(&rows, changes.as_deref());
-        Ok(())
+        self.warnings.refuse(tell(&rows, changes.as_deref()))
     }
 
     /// The frequencies to go through, as asked for or as the link suggests.
@@ -135,22 +138,24 @@ impl Frf {
     }
 }
 
-/// Says what the mesh makes the response wrong by at the worst.
-fn tell(rows: &[FrequencyResponse], changes: Option<&[f64]>) {
+/// Says what the mesh makes the response wrong by at the worst; returns how many warnings it gave.
+fn tell(rows: &[FrequencyResponse], changes: Option<&[f64]>) -> usize {
     let Some(changes) = changes else {
         console::remark(
             "the mesh error is not known: modal damping allows no halved elements here",
         );
-        return;
+        return 0;
     };
     let pairs = rows.iter().map(|row| row.frequency_hz).zip(changes.iter().copied());
-    let Some(error) = BandMeshError::of_changes(pairs) else { return };
-    match error.warning() {
-        Some(warning) => console::warning(warning, warning.hint()),
-        None => console::remark(&format!(
-            "the mesh error is {:.1e} of the magnitude at the worst, at {} Hz (elements halved)",
-            error.worst,
-            significant(error.at_hz, 4)
-        )),
+    let Some(error) = BandMeshError::of_changes(pairs) else { return 0 };
+    if let Some(warning) = error.warning() {
+        console::warning(warning, warning.hint());
+        return 1;
     }
+    console::remark(&format!(
+        "the mesh error is {:.1e} of the magnitude at the worst, at {} Hz (elements halved)",
+        error.worst,
+        significant(error.at_hz, 4)
+    ));
+    0
 }

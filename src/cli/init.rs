@@ -76,6 +76,6 @@ mod tests {
             .fold(String::new(), |text, line| text + line + "\n");
         let read = read_specification("link.toml", &uncommented, &[]).expect("a link file");
         assert_eq!(read.link.masses().len(), 1);
-        assert!(read.drive.is_some() && read.limits.torque_n_m.is_some());
+        assert!(read.link.drive().is_some() && read.limits.torque_n_m.is_some());
     }
 }

@@ -40,6 +40,7 @@ mod sweep_work;
 mod trajectory;
 mod verify;
 mod verify_text;
+mod warnings;
 
 use std::process::ExitCode;
 

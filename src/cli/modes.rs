@@ -4,9 +4,10 @@ use clap::Args;
 
 use flexlink::beam::Mesh;
 use flexlink::modal::{
-    DampingLaw, held_frequencies, mode, natural_frequencies, real_frequency_zeros, torque_zeros,
+    DampingLaw, Thickness, held_frequencies, mode, natural_frequencies, real_frequency_zeros,
+    torque_zeros,
 };
-use flexlink::result::mesh_errors;
+use flexlink::result::{Remark, mesh_errors};
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, HeldModes, ModesResult, OutputFolder};
 
@@ -16,6 +17,7 @@ use super::exit::Failure;
 use super::files::check_folder;
 use super::memory::check_memory;
 use super::modes_text::modes_text;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -58,6 +60,9 @@ pub(crate) struct Modes {
     digits: Digits,
 
     #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
     sync: SyncArgs,
 }
 
@@ -69,11 +74,15 @@ impl Modes {
         let (mesh, omega_rad_s) = resolved(&specification, count);
         let law = DampingLaw::of(specification.link.damping(), &mesh)?;
         let highest = omega_rad_s.last().copied().unwrap_or_default();
+        let link = &specification.link;
+        let thick = Thickness::known(link).noticeable(&mesh, &omega_rad_s);
+        let of_modes = Remark::on_modes(link, &mesh, &omega_rad_s);
+        let remarks = [specification.remarks.clone(), of_modes].concat();
         let blocked = real_frequency_zeros(&mesh, highest);
         let shapes = omega_rad_s.len() * mesh.nodes_m().len() * BYTES_PER_DISPLACEMENT;
         check_memory("the mode shapes", shapes, None, "ask for fewer modes: --count")?;
         let finer = mesh.refined();
-        let held = specification.drive.map(|drive| {
+        let held = link.drive().map(|drive| {
             let spring_n_m_rad = drive.joint_stiffness_n_m_rad;
             let held_on = |mesh: &Mesh| held_frequencies(mesh, spring_n_m_rad, count);
             let omega_rad_s = held_on(&mesh);
@@ -96,10 +105,16 @@ impl Modes {
         if let Some(folder) = &self.output {
             result.write(OutputFolder::stage(folder)?.with(self.sync.durability()), self.digits)?;
         }
-        for warning in result.warnings() {
+        console::remarks(&remarks);
+        if let Some(thick) = &thick {
+            console::warning(thick, thick.hint());
+        }
+        let coarse = result.warnings();
+        for warning in &coarse {
             console::warning(warning, warning.hint());
         }
-        console::print(&modes_text(&specification.link, &mesh, &result))
+        console::print(&modes_text(&specification.link, &mesh, &result))?;
+        self.warnings.refuse(usize::from(thick.is_some()) + coarse.len())
     }
 }
 

@@ -151,9 +151,19 @@ mod tests {
     use super::super::solve_options::{Recorded, SolveOptions};
 
     /// Arguments that shape no result.
-    const OTHERS: [&str; 11] = [
-        "link", "motion", "output", "repeat", "report", "strict", "no_sync", "json", "quiet",
-        "threads", "help",
+    const OTHERS: [&str; 12] = [
+        "link",
+        "motion",
+        "output",
+        "repeat",
+        "report",
+        "strict",
+        "deny_warnings",
+        "no_sync",
+        "json",
+        "quiet",
+        "threads",
+        "help",
     ];
 
     /// Every argument that shapes the results, with a value where it takes one.

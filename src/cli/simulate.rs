@@ -17,6 +17,7 @@ use super::memory::check_nodal_memory;
 use super::record::digits_arguments;
 use super::simulate_inputs::PlayArgs;
 use super::simulate_text::simulate_text;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -61,6 +62,9 @@ pub(crate) struct Simulate {
     /// reads back to the same number.
     #[arg(long, value_name = "N", default_value = "10")]
     digits: Digits,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
 
     #[command(flatten)]
     sync: SyncArgs,
@@ -112,20 +116,24 @@ impl Simulate {
             &summary,
         )?;
 
-        for warning in simulation.warnings.iter().copied().chain(error.and_then(|e| e.warning())) {
+        let coarse = error.and_then(|error| error.warning());
+        let warnings: Vec<_> = simulation.warnings.iter().copied().chain(coarse).collect();
+        for warning in &warnings {
             console::warning(warning, warning.hint());
         }
-        if let Some(late) = tip_error.and_then(|error| error.late) {
+        let late = tip_error.and_then(|error| error.late);
+        if let Some(late) = late {
             console::warning(late, late.hint());
         }
         match (self.print.quiet, self.print.json) {
-            (true, _) => Ok(()),
-            (_, true) => console::print_bytes(summary.to_json().as_bytes()),
+            (true, _) => {}
+            (_, true) => console::print_bytes(summary.to_json().as_bytes())?,
             _ => {
                 let lines = simulate_text(link, &play, &simulation, &metrics, errors, &written);
-                console::print(&lines)
+                console::print(&lines)?;
             }
         }
+        self.warnings.refuse(warnings.len() + usize::from(late.is_some()))
     }
 
     fn outputs(&self) -> SimulateOutputs {

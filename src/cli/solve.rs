@@ -17,6 +17,7 @@ use super::solve_run::{Destination, Problem, Solved};
 use super::solve_text::solve_text;
 use super::verify::refuse_failed;
 use super::verify_text::verify_text;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -58,7 +59,7 @@ pub(crate) struct Solve {
     #[arg(long, value_name = "DIR")]
     #[arg(conflicts_with_all = ["ChangeArgs", "ResampleArgs", "ScaleArgs", "NodeArgs"])]
     #[arg(conflicts_with_all = ["deflections", "moments", "digits", "verify"])]
-    #[arg(conflicts_with_all = ["report", "strict", "json"])]
+    #[arg(conflicts_with_all = ["report", "strict", "deny_warnings", "json"])]
     repeat: Option<PathBuf>,
 
     #[command(flatten)]
@@ -70,6 +71,9 @@ pub(crate) struct Solve {
     /// Fail with exit code 4 if a limit of the link file is exceeded; the results are written.
     #[arg(long)]
     strict: bool,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
 
     #[command(flatten)]
     sync: SyncArgs,
@@ -112,14 +116,16 @@ impl Solve {
         if let Some(verification) = &solved.verification {
             refuse_failed(verification)?;
         }
-        match solved.exceeded.first().filter(|_| self.strict) {
-            Some(limit) => Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint()))),
-            None => Ok(Ending::Done),
+        if let Some(limit) = solved.exceeded.first().filter(|_| self.strict) {
+            return Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint())));
         }
+        self.warnings.refuse(solved.solution.warnings.len() + solved.exceeded.len())?;
+        Ok(Ending::Done)
     }
 
     fn tell(&self, problem: &Problem, solved: &Solved, output: &Path) -> Result<(), Failure> {
-        let Solved { solution, metrics, exceeded, verification, summary, files } = solved;
+        let Solved { solution, metrics, exceeded, verification, remarks, summary, files } = solved;
+        console::remarks(remarks);
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
         }

@@ -2,7 +2,8 @@
 
 use clap::{Args, Parser};
 
-use flexlink::link::{Drive, Link};
+use flexlink::inverse::Analysis;
+use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, InputFile, OptionalTable, SolveOutputs};
@@ -62,8 +63,13 @@ impl SolveOptions {
         self.scale.scaled(self.resample.motion_of(file, link)?)
     }
 
+    /// The analysis of a link file, of all that is to be written.
+    pub(crate) fn analysis(&self, analysis: &Analysis) -> Analysis {
+        if self.moments { analysis.with_moments() } else { *analysis }
+    }
+
     /// Which tables to write.
-    pub(crate) fn outputs(&self, drive: Option<Drive>) -> SolveOutputs {
+    pub(crate) fn outputs(&self) -> SolveOutputs {
         let optional = [
             (self.deflections, OptionalTable::NodalDeflections),
             (self.moments, OptionalTable::BendingMoments),
@@ -72,7 +78,6 @@ impl SolveOptions {
             nodes: self.nodes.list.clone(),
             every: self.nodes.every,
             optional: optional.into_iter().filter(|(on, _)| *on).map(|(_, table)| table).collect(),
-            drive,
             digits: self.digits,
         }
     }

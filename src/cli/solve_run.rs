@@ -1,10 +1,12 @@
 //! One run of `solve`: computed and written, nothing told.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use flexlink::inverse::{Solution, invert};
+use flexlink::modal::REPORTED_MODES;
 use flexlink::motion::TipMotion;
-use flexlink::result::{Exceeded, Metrics};
+use flexlink::result::{Exceeded, Metrics, Remark};
 use flexlink::spec::Specification;
 use flexlink::tables::{Durability, InputFile, OutputFolder, RunInputs, Summary};
 use flexlink::verification::Verification;
@@ -33,6 +35,7 @@ pub(crate) struct Solved {
     pub(crate) metrics: Metrics,
     pub(crate) exceeded: Vec<Exceeded>,
     pub(crate) verification: Option<Verification>,
+    pub(crate) remarks: Vec<Remark>,
     pub(crate) summary: Summary,
     /// How many files were written.
     pub(crate) files: usize,
@@ -66,26 +69,28 @@ impl Problem {
         to: &Destination,
     ) -> Result<Solved, Failure> {
         let Self { link_file, motion_file, specification, motion } = self;
-        let Specification { link, mesh, analysis, drive, limits } = specification;
+        let Specification { link, mesh, analysis, limits, .. } = specification;
+        let analysis = &options.analysis(analysis);
         let solution = invert(link, mesh, motion, analysis)?;
         options.nodes.check(solution.mesh())?;
         let measure = || measured(specification, motion, &solution, options.digits);
         let verification = options.verify.then(measure).transpose()?;
 
-        let outputs = options.outputs(*drive);
+        let remarks = remarks(specification, motion, &solution);
+        let outputs = options.outputs();
         let inputs = RunInputs {
             link_file,
             motion_file,
             link,
             motion,
             analysis,
-            drive: drive.as_ref(),
             arguments: &options.arguments(),
             verification: verification.as_ref(),
+            remarks: &remarks,
         };
         let metrics = Metrics::of(&solution);
         let exceeded = limits.exceeded(&metrics);
-        let names = outputs.file_names();
+        let names = outputs.file_names(link);
         let files = names.len();
         let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, names);
         let deflections = outputs.deflections(&solution);
@@ -95,6 +100,22 @@ impl Problem {
         }
         let folder = OutputFolder::stage(to.folder)?.with(to.durability);
         outputs.write(folder, link, (&solution, deflections), &summary, to.stages)?;
-        Ok(Solved { solution, metrics, exceeded, verification, summary, files })
+        Ok(Solved { solution, metrics, exceeded, verification, remarks, summary, files })
     }
+}
+
+/// What is possible but rare in a link and its motion.
+pub(crate) fn remarks(
+    specification: &Specification,
+    motion: &TipMotion,
+    solution: &Solution,
+) -> Vec<Remark> {
+    let Specification { link, remarks, .. } = specification;
+    let highest = TAU * solution.band.highest_hz;
+    let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
+    let within = modes.iter().filter(|omega| **omega <= highest).count();
+    modes.truncate(within.max(1));
+    let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
+    let of_motion = Remark::on_motion(link, motion, solution.tip.farthest_m());
+    remarks.iter().cloned().chain(of_modes).chain(of_motion).collect()
 }

@@ -1,6 +1,6 @@
 //! The short summary that `solve` prints.
 
-use flexlink::inverse::Solution;
+use flexlink::inverse::{Quantity, QuantityErrors, Solution};
 use flexlink::link::Link;
 use flexlink::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use flexlink::motion::TipMotion;
@@ -46,6 +46,7 @@ pub(crate) fn solve_text(
             hub_line(metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w),
         ),
         ("bending", bending_line(metrics)),
+        ("band", band_line(solution)),
         ("errors", errors_line(solution)),
         ("window", window_line(solution)),
         ("written", written.to_owned()),
@@ -112,15 +113,36 @@ fn bending_line(metrics: &Metrics) -> String {
     )
 }
 
+fn band_line(solution: &Solution) -> String {
+    match solution.band.cutoff_hz {
+        Some(cutoff_hz) => format!(
+            "to {} Hz; the tip within {:.1e} of its way of the motion asked for",
+            significant(cutoff_hz, 3),
+            solution.accuracy.tip
+        ),
+        None => "every frequency of the samples".into(),
+    }
+}
+
+/// The worst error of each kind, and of which quantity it is, where that is not the torque.
 fn errors_line(solution: &Solution) -> String {
-    let accuracy = &solution.accuracy;
-    let truncation = accuracy
-        .truncation_error
-        .map_or(String::new(), |error| format!(", modes left out {error:.1e}"));
-    format!(
-        "mesh {:.1e}, edge {:.1e}{truncation} (of the peak torque)",
-        accuracy.mesh_error, accuracy.edge_error
-    )
+    let errors = &solution.accuracy;
+    let kinds: [(&str, fn(QuantityErrors) -> Option<f64>); 4] = [
+        ("mesh", |errors| Some(errors.mesh)),
+        ("window", |errors| Some(errors.window)),
+        ("step", |errors| errors.step),
+        ("modes left out", |errors| errors.modes),
+    ];
+    let worst = kinds.iter().filter_map(|(name, kind)| {
+        kind(errors.errors.torque)?;
+        let (quantity, error) = errors.of_kind(|e| kind(e).unwrap_or(0.0)).worst();
+        let of = match quantity {
+            Quantity::Torque => String::new(),
+            other => format!(" ({})", other.name()),
+        };
+        Some(format!("{name} {error:.1e}{of}"))
+    });
+    format!("{} of the peak", worst.collect::<Vec<_>>().join(", "))
 }
 
 fn window_line(solution: &Solution) -> String {

@@ -6,15 +6,17 @@ use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
 use flexlink::tables::{SweepRecord, sweep_header, sweep_row};
 
 use super::args::{LINK, MOTION, ThreadArgs};
+use super::console;
 use super::exit::{Exit, Failure};
-use super::files::{keep_cases, keep_files, read_once};
+use super::files::{keep_cases, keep_files, keep_record, read_once};
 use super::interrupt;
 use super::progress::CaseBar;
 use super::sweep_cases::{CaseArgs, Cases};
 use super::sweep_merge::merge;
 use super::sweep_sink::{Begun, NoMore, Rows, report};
-use super::sweep_tally::Tally;
+use super::sweep_tally::{Remark, Tally};
 use super::sweep_work::Outcome;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -28,7 +30,8 @@ Example:
       --vary 'segments.*.EI*=0.5:8:1000:log'
   flexlink sweep --merge sweep-*-of-8.csv -o sweep.csv
 
-LINK and MOTION as for solve. Exit codes: 0 also where single cases fail, 4 where all do.";
+LINK and MOTION as for solve. Exit codes: 0 also where single cases fail, 4 where all do or, with
+--strict or --deny-warnings, where one does.";
 
 const USAGE: &str = "\
 flexlink sweep [OPTIONS] <LINK> <MOTION> --vary <PATH=VALUES>...
@@ -38,8 +41,9 @@ const LONG_ABOUT: &str = "\
 Solve many cases: vary values of link and motion.
 
 Writes one table with a row for every case, in order whatever the number of threads: the values, \
-first period and zero, peaks, lead and lag, errors. A case that fails says why in the last column \
-and does not stop the rest. While it runs, the finished rows are in a file of the same name that \
+first period and zero, peaks, lead and lag, errors, kinds of warnings. A case that fails says why in \
+the last column and does not stop the rest. Beside the table NAME.csv lies NAME.json: link, motion, \
+arguments and SHA-256. While it runs, the finished rows are in a file of the same name that \
 ends in .part; after an interruption (exit code 130) the same command with --resume goes on from \
 there, without it begins anew. A finished table is made anew, a finished shard is left as it is.
 
@@ -85,6 +89,14 @@ pub(crate) struct Sweep {
     #[arg(conflicts_with_all = ["column", "outputs", "shard", "resume"])]
     merge: Vec<PathBuf>,
 
+    /// Fail with exit code 4 if a case failed or exceeds a limit of the link file; the table is
+    /// written.
+    #[arg(long)]
+    strict: bool,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+
     /// Print nothing but warnings and errors, and no progress.
     #[arg(long, short)]
     quiet: bool,
@@ -97,10 +109,12 @@ impl Sweep {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.apply_apart()?;
         let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
-            return merge(&self.merge, &self.output_path(), self.quiet);
+            let tally = merge(&self.merge, &self.output_path(), self.quiet)?;
+            return self.refuse(&tally);
         };
         self.check_files()?;
         let cases = Cases::read(self.plan()?, link, motion, &self.shared)?;
+        console::remarks(&cases.remarks());
         if cases.are_played() {
             self.sweep(&cases, |case| cases.played(case))
         } else {
@@ -129,15 +143,17 @@ impl Sweep {
         let all = self.shard.len(cases.plan.cases());
         let output = self.output_path();
         let header = sweep_header::<C>(&cases.plan);
-        let identity = cases.identity(self.shard);
+        let identity = cases.identity(&self.vary, self.shard);
         let (mut rows, there) = match Rows::begin(&output, identity, &header, self.resume)? {
             Begun::To(rows, there) => (rows, there),
             Begun::Complete(rows) => {
-                Tally::of_rows(&rows).warn();
-                return self.report(&format!("complete {}, {all} cases", output.display()));
+                let tally = Tally::of_cases(rows.cases());
+                tally.warn();
+                self.report(&format!("complete {}, {all} cases", output.display()))?;
+                return self.refuse(&tally);
             }
         };
-        let mut tally = there.as_ref().map(Tally::of_rows).unwrap_or_default();
+        let mut tally = there.map(|rows| Tally::of_cases(rows.cases())).unwrap_or_default();
         let done = tally.rows();
         let progress = if self.quiet || rows.are_printed() {
             CaseBar::hidden()
@@ -147,7 +163,8 @@ impl Sweep {
         let take = |k: usize, outcome: Outcome<C>| {
             let case = self.shard.case(k);
             let row = outcome.row.map_err(NoMore::Failed)?;
-            let line = sweep_row(&cases.plan.case(case), &row);
+            let kinds: Vec<&str> = outcome.remarks.iter().map(Remark::kind).collect();
+            let line = sweep_row(&cases.plan.case(case), &row, &kinds);
             tally.add(case + 1, row.as_ref().err(), outcome.remarks);
             progress.advance();
             rows.append(&line)
@@ -167,7 +184,18 @@ impl Sweep {
         rows.finish(self.shared.outputs.durability())?;
         self.report(&format!("cases    {all}\nwritten  {}", output.display()))?;
         // A shard is only a part: others may have numbers.
-        if self.shard.of() == 1 { tally.refuse_all_failed() } else { Ok(()) }
+        if self.shard.of() == 1 {
+            tally.refuse_all_failed()?;
+        }
+        self.refuse(&tally)
+    }
+
+    /// Ends a program whose cases are not as they were asked to be.
+    fn refuse(&self, tally: &Tally) -> Result<(), Failure> {
+        if self.strict {
+            tally.refuse_exceeding()?;
+        }
+        if self.warnings.are_denied() { tally.refuse_warned() } else { Ok(()) }
     }
 
     /// Refuses files that would be read twice or written over.
@@ -176,6 +204,7 @@ impl Sweep {
         let inputs: Vec<&Path> = files.chain(self.shared.torque.path()).collect();
         read_once(&inputs)?;
         keep_files(&self.output_path(), &inputs)?;
+        keep_record(&self.output_path())?;
         self.shared.outputs.folder().map_or(Ok(()), |folder| keep_cases(folder, &inputs))
     }
 

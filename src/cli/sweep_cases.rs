@@ -7,9 +7,10 @@ use clap::Args;
 use flexlink::link::Link;
 use flexlink::motion::{MotionScale, TipMotion};
 use flexlink::response::Torque;
+use flexlink::result::Remark;
 use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
-use flexlink::tables::{InputFile, SweepIdentity, read_torque_table};
+use flexlink::tables::{InputFile, SweepIdentity, SweepInputs, read_torque_table};
 
 use super::args::{ChangeArgs, ResampleArgs, scale_arguments};
 use super::exit::{Exit, Failure};
@@ -55,8 +56,8 @@ pub(crate) struct Cases<'a> {
     pub(crate) link_file: InputFile,
     pub(crate) motion_file: InputFile,
     pub(crate) torque_file: Option<(InputFile, Torque)>,
-    /// The motion of the first case, and the length of the link that it was read for.
-    first: (f64, TipMotion),
+    /// The link of the first case, and the motion that was read for it.
+    first: (Link, TipMotion),
     /// Memory in bytes that each of the cases solved at the same time may take.
     pub(crate) memory_bytes: Option<usize>,
 }
@@ -79,10 +80,10 @@ impl<'a> Cases<'a> {
             let overrides = with_case(&overrides, &plan.case(case))?;
             document.specification(&link_file.shown, &overrides)
         };
-        let read = |case| -> Result<(f64, TipMotion), Failure> {
+        let read = |case| -> Result<(Link, TipMotion), Failure> {
             let found = specification(case)?;
             let tip_motion = shared.resample.motion_of(&motion_file, &found.link)?;
-            Ok((found.link.length_m(), tip_motion))
+            Ok((found.link, tip_motion))
         };
         // A path that is nowhere in the file fails every case: that is no result, but a slip.
         let first = read(0).or_else(|failure| {
@@ -110,18 +111,28 @@ impl<'a> Cases<'a> {
         self.torque_file.is_some()
     }
 
-    /// What tells the rows of this sweep from those of any other.
-    pub(crate) fn identity(&self, shard: Shard) -> SweepIdentity {
-        let torque = self.torque_file.as_ref().map(|(file, _)| file);
-        let files: Vec<&InputFile> =
-            [&self.link_file, &self.motion_file].into_iter().chain(torque).collect();
+    /// What tells the rows of this sweep, which varies `vary`, from those of any other.
+    pub(crate) fn identity(&self, vary: &[String], shard: Shard) -> SweepIdentity {
         let arguments = [
             self.shared.changes.arguments(),
             self.shared.resample.arguments(),
             self.shared.torque.arguments(),
             self.shared.outputs.identity(),
         ];
-        SweepIdentity::new(&files, &arguments.concat(), &self.plan, shard)
+        let inputs = SweepInputs {
+            link_file: &self.link_file,
+            motion_file: &self.motion_file,
+            torque_file: self.torque_file.as_ref().map(|(file, _)| file),
+            title: self.first.0.title(),
+            vary,
+            arguments: &arguments.concat(),
+        };
+        SweepIdentity::new(&inputs, self.plan.clone(), shard)
+    }
+
+    /// What is possible but rare in the link of the first case.
+    pub(crate) fn remarks(&self) -> Vec<Remark> {
+        self.specification(&self.plan.case(0)).map(|found| found.remarks).unwrap_or_default()
     }
 
     /// The link file with the changes of a case.
@@ -134,8 +145,8 @@ impl<'a> Cases<'a> {
 
     /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied.
     pub(crate) fn motion_of(&self, link: &Link, scale: MotionScale) -> Result<TipMotion, Failure> {
-        let (length_m, motion) = &self.first;
-        let scaled = if link.length_m().total_cmp(length_m).is_eq() {
+        let (first, motion) = &self.first;
+        let scaled = if link.length_m().total_cmp(&first.length_m()).is_eq() {
             motion.scaled(scale)
         } else {
             self.shared.resample.motion_of(&self.motion_file, link)?.scaled(scale)

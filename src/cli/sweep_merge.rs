@@ -2,33 +2,43 @@
 
 use std::path::{Path, PathBuf};
 
-use flexlink::tables::{InputFile, SweepRows, merge_shards};
+use flexlink::tables::{
+    Durability, InputFile, SweepRows, SweptCase, check_record, merge_shards, write_sweep,
+};
 
 use super::console;
 use super::exit::Failure;
-use super::files::{keep_files, read_once};
+use super::files::{is_standard_output, keep_files, keep_record, read_once};
 use super::sweep_sink::report;
 use super::sweep_tally::Tally;
 
 /// Joins the shards in these files; nothing else is read.
-pub(crate) fn merge(shards: &[PathBuf], output: &Path, quiet: bool) -> Result<(), Failure> {
+pub(crate) fn merge(shards: &[PathBuf], output: &Path, quiet: bool) -> Result<Tally, Failure> {
     let inputs: Vec<&Path> = shards.iter().map(PathBuf::as_path).collect();
     read_once(&inputs)?;
     keep_files(output, &inputs)?;
+    keep_record(output)?;
     let read = |path: &&Path| -> Result<SweepRows, Failure> {
         let file = InputFile::read(path)?;
-        Ok(SweepRows::read(&file.shown, &file.bytes)?)
+        let rows = SweepRows::read(&file.shown, &file.bytes)?;
+        check_record(path, &file)?;
+        Ok(rows)
     };
     let shards: Vec<SweepRows> = inputs.iter().map(read).collect::<Result<_, _>>()?;
     let table = merge_shards(&shards)?;
-    console::deliver(Some(output), table.as_bytes())?;
-    let mut tally = Tally::default();
-    for shard in &shards {
-        tally.join(Tally::of_rows(shard));
+    if is_standard_output(output) {
+        console::print_bytes(table.as_bytes())?;
+    } else {
+        let whole = shards[0].identity().whole();
+        write_sweep(output, table.as_bytes(), &whole, Durability::OnDisk)?;
     }
+    let mut cases: Vec<SweptCase> = shards.iter().flat_map(SweepRows::cases).collect();
+    cases.sort_by_key(|case| case.number);
+    let tally = Tally::of_cases(cases.into_iter());
     tally.warn();
     let (rows, shards, output_shown) = (tally.rows(), shards.len(), output.display());
     let text = format!("cases    {rows}, of {shards} shards\nwritten  {output_shown}");
     report(&text, output, quiet)?;
-    tally.refuse_all_failed()
+    tally.refuse_all_failed()?;
+    Ok(tally)
 }

@@ -80,10 +80,9 @@ impl OutputsArgs {
             nodes: self.nodes.list.clone(),
             every: self.nodes.every,
             optional: Vec::new(),
-            drive: inputs.drive.copied(),
             digits: self.digits,
         };
-        let files = outputs.file_names();
+        let files = outputs.file_names(inputs.link);
         let summary = Summary::new(inputs, solution, &case.metrics, exceeded, files);
         let deflections = outputs.deflections(solution);
         check_nodal_memory(deflections.bytes(), inputs.analysis.memory_bytes())?;

@@ -51,8 +51,7 @@ impl Rows {
                 let message = "--resume = standard output, but must have a file to go on with";
                 return Err(Failure::new(Exit::Usage, &message, None));
             }
-            let of_shard =
-                if identity.shard().of() > 1 { format!("{identity}\n") } else { String::new() };
+            let of_shard = if identity.shard().of() > 1 { identity.line() } else { String::new() };
             console::print_bytes((of_shard + header).as_bytes())?;
             return Ok(Begun::To(Self::Printed, None));
         }

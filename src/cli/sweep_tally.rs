@@ -2,21 +2,38 @@
 
 use std::fmt::Display;
 
-use flexlink::tables::SweepRows;
+use flexlink::result::Exceeded;
+use flexlink::tables::SweptCase;
 
 use super::console;
 use super::exit::{Exit, Failure};
 
-/// A warning of one case: its kind, its words and what to do about it.
+const NAMED: &str = "the columns warnings and error name them";
+
+/// A warning of one case.
 pub(crate) struct Remark {
-    kind: &'static str,
-    message: String,
-    hint: &'static str,
+    kind: String,
+    /// Its words and what to do about it; a row of a table has the kind alone.
+    words: Option<(String, &'static str)>,
 }
 
 impl Remark {
-    pub(crate) fn new(kind: &'static str, message: &impl Display, hint: &'static str) -> Self {
-        Self { kind, message: message.to_string(), hint }
+    pub(crate) fn new(kind: &str, message: &impl Display, hint: &'static str) -> Self {
+        Self { kind: kind.to_owned(), words: Some((message.to_string(), hint)) }
+    }
+
+    /// The warning of an exceeded limit, whose key its kind names.
+    pub(crate) fn of_limit(limit: &Exceeded) -> Self {
+        Self::new(&format!("{}:{}", Exceeded::KIND, limit.key), limit, limit.hint())
+    }
+
+    /// The kind, for the table.
+    pub(crate) fn kind(&self) -> &str {
+        &self.kind
+    }
+
+    fn is_of_limit(&self) -> bool {
+        self.kind.split(':').next() == Some(Exceeded::KIND)
     }
 }
 
@@ -25,6 +42,9 @@ impl Remark {
 pub(crate) struct Tally {
     rows: usize,
     failed: usize,
+    /// Cases that exceed a limit, and cases with any warning.
+    exceeding: usize,
+    warned: usize,
     failure: Option<(usize, String)>,
     remarks: Vec<Counted>,
 }
@@ -37,19 +57,14 @@ struct Counted {
 }
 
 impl Tally {
-    /// Begins with rows that are there already: their number, and those that failed.
-    pub(crate) fn of_rows(rows: &SweepRows) -> Self {
-        let failures = rows.failures();
-        let first = failures.first().map(|(case, message)| (case + 1, message.clone()));
-        Self { rows: rows.len(), failed: failures.len(), failure: first, remarks: Vec::new() }
-    }
-
-    /// Joins what is known of another part of the same sweep.
-    pub(crate) fn join(&mut self, other: Self) {
-        self.rows += other.rows;
-        self.failed += other.failed;
-        let failures = [self.failure.take(), other.failure].into_iter().flatten();
-        self.failure = failures.min_by_key(|(case, _)| *case);
+    /// Counts cases whose rows are there already.
+    pub(crate) fn of_cases(cases: impl Iterator<Item = SweptCase>) -> Self {
+        let mut tally = Self::default();
+        for SweptCase { number, warnings, error } in cases {
+            let remarks = warnings.into_iter().map(|kind| Remark { kind, words: None });
+            tally.add(number + 1, error.as_ref(), remarks.collect());
+        }
+        tally
     }
 
     /// Counts a case, numbered from 1: its failure, or its remarks.
@@ -59,6 +74,8 @@ impl Tally {
             self.failed += 1;
             self.failure.get_or_insert_with(|| (case, message.clone()));
         }
+        self.exceeding += usize::from(remarks.iter().any(Remark::is_of_limit));
+        self.warned += usize::from(!remarks.is_empty());
         for remark in remarks {
             match self.remarks.iter_mut().find(|counted| counted.remark.kind == remark.kind) {
                 Some(counted) => counted.cases += 1,
@@ -81,6 +98,26 @@ impl Tally {
         Err(Failure::new(Exit::NotSolvable, &message, None))
     }
 
+    /// Fails where a case failed or exceeds a limit.
+    pub(crate) fn refuse_exceeding(&self) -> Result<(), Failure> {
+        self.refuse("--strict: cases that failed or exceed a limit", self.failed + self.exceeding)
+    }
+
+    /// Fails where a case failed or has a warning.
+    pub(crate) fn refuse_warned(&self) -> Result<(), Failure> {
+        self.refuse("--deny-warnings: cases that failed or warn", self.failed + self.warned)
+    }
+
+    /// Fails where there are such cases.
+    fn refuse(&self, what: &str, cases: usize) -> Result<(), Failure> {
+        if cases == 0 {
+            return Ok(());
+        }
+        let of = format!("{cases} of {}", self.rows);
+        let message = format!("{what} = {of}, but must be none; the table is written");
+        Err(Failure::new(Exit::NotSolvable, &message, Some(NAMED)))
+    }
+
     /// Prints the warnings, each kind once.
     pub(crate) fn warn(&self) {
         let of = |cases: usize| format!("{cases} of {} cases", self.rows);
@@ -89,8 +126,12 @@ impl Tally {
             console::warning(text, "the column error says why");
         }
         for Counted { cases, first, remark } in &self.remarks {
-            let text = format!("{}, the first is case {first}: {}", of(*cases), remark.message);
-            console::warning(text, remark.hint);
+            let (words, hint) = match &remark.words {
+                Some((message, hint)) => (message, *hint),
+                None => (&remark.kind, "flexlink solve tells more of a single case"),
+            };
+            let text = format!("{}, the first is case {first}: {words}", of(*cases));
+            console::warning(text, hint);
         }
     }
 }

@@ -8,6 +8,7 @@ use flexlink::sweep::{PlayedCase, SolvedCase};
 use flexlink::tables::{RunInputs, SimulationInputs};
 
 use super::exit::{Exit, Failure};
+use super::solve_run::remarks;
 use super::sweep_cases::Cases;
 use super::sweep_tally::Remark;
 
@@ -50,7 +51,7 @@ impl Cases<'_> {
     fn solve(&self, case: usize) -> Result<(SolvedCase, Vec<Remark>), Failure> {
         let values = self.plan.case(case);
         let specification = self.specification(&values)?;
-        let Specification { link, mesh, analysis, drive, limits } = &specification;
+        let Specification { link, mesh, analysis, limits, .. } = &specification;
         let motion = self.motion_of(link, values.motion)?;
         let solution = invert(link, mesh, &motion, analysis)?;
         let found = SolvedCase::of(&solution);
@@ -62,14 +63,14 @@ impl Cases<'_> {
                 link,
                 motion: &motion,
                 analysis,
-                drive: drive.as_ref(),
                 arguments: &self.arguments(&values),
                 verification: None,
+                remarks: &remarks(&specification, &motion, &solution),
             };
             self.shared.outputs.write_solution(&folder, &inputs, &solution, &found, &exceeded)?;
         }
         let own = solution.warnings.iter().map(|w| Remark::new(w.kind(), w, w.hint()));
-        let limits = exceeded.iter().map(|limit| Remark::new(limit.key, limit, limit.hint()));
+        let limits = exceeded.iter().map(Remark::of_limit);
         Ok((found, own.chain(limits).collect()))
     }
 

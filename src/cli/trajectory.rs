@@ -13,6 +13,7 @@ use super::args::specification;
 use super::console;
 use super::exit::{Exit, Failure};
 use super::memory::check_memory;
+use super::warnings::WarningArgs;
 
 /// Distances in m and steps in s, within which all samples are numbers and none vanishes.
 const DISTANCES_M: RangeInclusive<f64> = 1e-100..=1e100;
@@ -90,6 +91,9 @@ pub(crate) struct Trajectory {
     /// to the same number.
     #[arg(long, value_name = "N", default_value = "full")]
     digits: Digits,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
 }
 
 fn profiles() -> impl TypedValueParser<Value = Profile> {
@@ -118,7 +122,8 @@ impl Trajectory {
         console::deliver_by(self.output.as_deref(), |mut out| {
             out.write_all(remark.as_bytes())?;
             write_trajectory(&mut out, &columns, self.digits)
-        })
+        })?;
+        self.warnings.refuse(0)
     }
 
     /// Steps of the motion, and what there is to tell about them.

@@ -11,7 +11,9 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::files::read_once;
 use super::memory::available;
+use super::solve_run::remarks;
 use super::verify_text::verify_text;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -23,9 +25,10 @@ const LONG_ABOUT: &str = "\
 Measure the torque of `solve` by other means: is the answer right?
 
 Prints a table, each line a number against what it may be: the tip under the torque as it is \
-written, with the link's own damping law and with viscous damping in its place; the torque on \
-halved elements and with the step halved; the torque left at the window's edge; the transfer of the \
-paper's dense system; the balance of energy. Exit code 4 if one is out of its bound.";
+written, with the link's own damping law and, against what is predicted of it, with viscous damping \
+in its place; the torque on halved elements and with the step halved; the torque left at the window's \
+edge; the transfer of the paper's dense system; the balance of energy; the deflection of the tip, \
+which must be small. Exit code 4 if one is out of its bound.";
 
 /// Measure the torque of `solve` by other means.
 #[derive(Debug, Args)]
@@ -53,6 +56,9 @@ pub(crate) struct Verify {
     quiet: bool,
 
     #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
     threads: ThreadArgs,
 }
 
@@ -66,6 +72,7 @@ impl Verify {
         let motion = self.scale.scaled(self.motion.resample.motion_of(&motion_file, link)?)?;
         let solution = invert(link, mesh, &motion, analysis)?;
         let verification = measured(&specification, &motion, &solution, self.digits)?;
+        console::remarks(&remarks(&specification, &motion, &solution));
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
         }
@@ -74,7 +81,8 @@ impl Verify {
             (_, true) => console::print_bytes(verification_json(&verification).as_bytes())?,
             _ => console::print(&verify_text(&verification))?,
         }
-        refuse_failed(&verification)
+        refuse_failed(&verification)?;
+        self.warnings.refuse(solution.warnings.len())
     }
 }
 
@@ -104,7 +112,6 @@ pub(crate) fn refuse_failed(verification: &Verification) -> Result<(), Failure> 
         return Ok(());
     }
     let message = format!("out of bounds: {}", failed.join("; "));
-    let hint =
-        "a longer window, more elements, a shorter step or a smoother motion, as the check says";
+    let hint = "a longer window, more elements, a shorter step, a smoother or slower motion, as the check says";
     Err(Failure::new(Exit::NotSolvable, &message, Some(hint)))
 }

@@ -5,15 +5,20 @@ use crate::link::ParameterError;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Analysis {
     tolerance: f64,
+    tip_tolerance: f64,
     lead_s: Option<f64>,
     lag_s: Option<f64>,
     modes: Option<usize>,
+    with_moments: bool,
     memory_bytes: Option<usize>,
 }
 
 impl Analysis {
-    /// Share of the peak torque that padding and wrap-around may cost.
+    /// Share of its peak that padding and wrap-around may cost every quantity.
     pub const DEFAULT_TOLERANCE: f64 = 1e-6;
+
+    /// Share of its way that the tip may stray from the wanted motion.
+    pub const DEFAULT_TIP_TOLERANCE: f64 = 1e-6;
 
     /// Checks the ranges: `tolerance` in [1e-12, 1e-2], lead and lag at least 0 s. All modes are kept.
     ///
@@ -56,15 +61,47 @@ impl Analysis {
         Ok(Self { modes: Some(modes), ..self })
     }
 
+    /// The same analysis with the tip within this share of its way of the wanted motion: the motion is
+    /// solved up to the lowest frequency that this takes (see [`TipMotion::cutoff`]); at 0 up to the
+    /// Nyquist frequency.
+    ///
+    /// [`TipMotion::cutoff`]: crate::motion::TipMotion::cutoff
+    ///
+    /// # Errors
+    /// [`ParameterError`] unless it is 0 or lies in [1e-12, 1e-1].
+    pub fn with_tip_tolerance(self, tip_tolerance: f64) -> Result<Self, ParameterError> {
+        if tip_tolerance != 0.0 && !(1e-12..=1e-1).contains(&tip_tolerance) {
+            let must = "must be 0, for all frequencies, or lie in [1e-12, 1e-1]";
+            return Err(ParameterError::new("analysis.tip_tolerance", tip_tolerance, "", must));
+        }
+        Ok(Self { tip_tolerance, ..self })
+    }
+
+    /// The same analysis, bending moments along the link measured as well.
+    #[must_use]
+    pub fn with_moments(self) -> Self {
+        Self { with_moments: true, ..self }
+    }
+
     /// The same analysis in so much memory in bytes: what would take more is refused.
     #[must_use]
     pub fn within_memory(self, bytes: Option<usize>) -> Self {
         Self { memory_bytes: bytes, ..self }
     }
 
-    /// Share of the peak torque that padding and wrap-around may cost.
+    /// Share of its peak that padding and wrap-around may cost every quantity.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
+    }
+
+    /// Share of its way that the tip may stray from the wanted motion; 0: all frequencies are solved.
+    pub fn tip_tolerance(&self) -> f64 {
+        self.tip_tolerance
+    }
+
+    /// Whether bending moments along the link are measured.
+    pub fn measures_moments(&self) -> bool {
+        self.with_moments
     }
 
     /// Time to add before the trajectory's first sample in s; `None`: as much as needed.
@@ -92,9 +129,11 @@ impl Default for Analysis {
     fn default() -> Self {
         Self {
             tolerance: Self::DEFAULT_TOLERANCE,
+            tip_tolerance: Self::DEFAULT_TIP_TOLERANCE,
             lead_s: None,
             lag_s: None,
             modes: None,
+            with_moments: false,
             memory_bytes: None,
         }
     }

@@ -1,25 +1,29 @@
 use std::sync::{Arc, OnceLock};
 
+use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
 use super::analysis::Analysis;
 use super::dynamics::{Dynamics, KeptModes};
 use super::error::InversionError;
 use super::period::{Padding, PeriodicTorque, check_memory};
-use super::refinement::{Measured, measured_mesh, peak_in_range};
+use super::probes::Amplitudes;
+use super::refinement::{Asked, Measured, hub_peak_rad, measured_mesh, shares};
 use super::rigid::rigid_torque_n_m;
-use super::solution::{Accuracy, Band, Solution, cut, hub_motion};
-use super::spectra::{Forcing, HubSpectra};
+use super::slow_tail::Series;
+use super::solution::{Band, HubMotion, Solution, cut};
+use super::spectra::{Forcing, HubSpectra, Joint};
 use super::warning::{Evidence, warnings};
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::torque_zeros;
-use crate::motion::{TipMotion, TipMotionHistories, TipPeriod};
-use crate::numeric::{TimeGrid, largest_difference};
+use crate::motion::{Cutoff, TailTerms, TipMotion, TipMotionHistories, TipPeriod};
+use crate::numeric::{TimeGrid, fast_length, largest};
 
 /// What is to be solved, the mesh and the period left open.
 struct Problem<'a> {
     link: &'a Link,
     motion: &'a TipMotion,
     analysis: &'a Analysis,
+    cutoff: Cutoff,
     padding: Padding,
 }
 
@@ -28,25 +32,54 @@ struct PeriodicAnswer {
     period: Arc<TipPeriod>,
     hub: HubSpectra,
     torque_n_m: Vec<f64>,
+    /// Hub angle less that of the rigid link in rad, the images of its slow tail still in it.
+    excess_rad: Vec<f64>,
 }
 
-/// What is known of the mesh besides the answer on it.
-#[derive(Clone, Copy)]
+/// What is left of the torque at the ends of a window, over its peak.
+struct Edges {
+    /// Largest outside the window.
+    cut: f64,
+    /// Largest where one period meets the next.
+    seam: f64,
+}
+
+/// What is known of a mesh besides the answer on it.
 struct Known {
-    mesh_error: f64,
-    truncation_error: Option<f64>,
     first_zero_per_s: Option<f64>,
+    hub_tail: Option<TailTerms>,
+    mesh_errors: PerQuantity<f64>,
+    mode_errors: Option<PerQuantity<f64>>,
 }
 
 impl PeriodicAnswer {
-    fn periodic(&self) -> PeriodicTorque<'_> {
-        PeriodicTorque { samples: &self.torque_n_m, before: self.period.spectrum.seam }
+    fn of(forcing: Forcing<'_>, period: Arc<TipPeriod>) -> Result<Self, InversionError> {
+        Ok(Self::from_hub(forcing.hub_spectra()?, period))
+    }
+
+    fn from_hub(hub: HubSpectra, period: Arc<TipPeriod>) -> Self {
+        let pair = &period.spectrum.pair;
+        let torque_n_m = pair.samples(&hub.torque_n_m);
+        let excess_rad = pair.samples(&hub.excess_angle_rad);
+        Self { period, hub, torque_n_m, excess_rad }
+    }
+
+    fn periodic<'a>(&self, samples: &'a [f64]) -> PeriodicTorque<'a> {
+        PeriodicTorque { samples, before: self.period.spectrum.seam }
+    }
+
+    /// What the finite period costs the hub angle, in rad: what is left at the seam beyond its tail.
+    fn hub_residual_rad(&self, tail: Option<&TailTerms>) -> f64 {
+        match tail {
+            Some(tail) => self.period.images().residual_at_seam(&self.excess_rad, tail),
+            None => self.periodic(&self.excess_rad).at_seam(),
+        }
     }
 }
 
 /// Finds the hub torque that makes the tip of `link` follow `motion` (Bayo 1987, eqs 13-21).
 ///
-/// Each frequency of the motion is divided by the link's transfer from torque to tip, on a period
+/// Each frequency that the tip needs is divided by the link's transfer from torque to tip, on a period
 /// long enough for the torque to decay before and after the motion; the mesh is measured against
 /// one of half the element length, and refined where the plan says so.
 ///
@@ -62,25 +95,39 @@ pub fn invert(
     let mesh = Mesh::new(link, plan);
     Dynamics::check_size(link, 2 * mesh.elements().len(), 2)?;
     let coarsest = Dynamics::new(link, mesh, KeptModes::of(analysis))?;
-    let first_zero_of = |mesh: &Mesh| torque_zeros(mesh, 1).first().copied();
-    let (coarsest_elements, first_zero) =
-        (coarsest.mesh().elements().len(), first_zero_of(coarsest.mesh()));
-    let padding = Padding::new(motion, analysis, first_zero);
-    let problem = Problem { link, motion, analysis, padding };
+    let first_zero = first_zero_of(coarsest.mesh());
+    let problem = Problem::new(link, motion, analysis, first_zero);
     let period = problem.shortest_period()?;
-    let friction_n_m_s_rad = link.hub().viscous_friction_n_m_s_rad;
-    let (dynamics, Measured { hub, torque_n_m, error }) =
-        measured_mesh(coarsest, plan, friction_n_m_s_rad, &period.spectrum)?;
-    let answer = problem.decayed(&dynamics, PeriodicAnswer { period, hub, torque_n_m })?;
+    let asked = problem.asked(&period);
+    let Measured { dynamics, probes, amplitudes, mesh_errors } =
+        measured_mesh(coarsest, plan, &asked)?;
+    let mode_errors = (dynamics.kept_modes() != KeptModes::All).then(|| {
+        let all = dynamics.unreduced()?;
+        let exact = Amplitudes::of(asked.of(&all), &probes)?;
+        let peaks = asked.peaks(all.mesh().length_m(), &exact);
+        Ok::<_, InversionError>(shares(&amplitudes.change_to(&exact), &peaks))
+    });
+    let first_zero_per_s = first_zero_of(dynamics.mesh());
+    let hub_tail = Series::of(&dynamics, first_zero_per_s).map(|s| s.hub_tail(&dynamics));
+    let mode_errors = mode_errors.transpose()?;
+    let known = Known { first_zero_per_s, hub_tail, mesh_errors, mode_errors };
+    let shortest = PeriodicAnswer::from_hub(amplitudes.hub, Arc::clone(&period));
+    let answer = problem.decayed(&dynamics, known.hub_tail.as_ref(), shortest)?;
     // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
     if let Some(frequency_hz) = answer.hub.blocked_hz {
         return Err(InversionError::BlockedTip { frequency_hz });
     }
-    let truncation_error = problem.truncation_error(&dynamics, &answer)?;
-    let is_refined = dynamics.mesh().elements().len() > coarsest_elements;
-    let first_zero_per_s = if is_refined { first_zero_of(dynamics.mesh()) } else { first_zero };
-    let known = Known { mesh_error: error, truncation_error, first_zero_per_s };
-    Ok(problem.written(dynamics, known, answer))
+    let (mut solution, edges) = problem.written(dynamics, &known, answer);
+    if problem.cutoff.keeps_all() {
+        problem.measure_step(&mut solution)?;
+    }
+    solution.warnings =
+        warnings(&Evidence { link, motion, analysis, cut: edges.cut, seam: edges.seam }, &solution);
+    Ok(solution)
+}
+
+fn first_zero_of(mesh: &Mesh) -> Option<f64> {
+    torque_zeros(mesh, 1).first().copied()
 }
 
 /// The torque in N m that another sampling of a motion asks of a solution's link, on the same mesh
@@ -94,86 +141,142 @@ pub fn torque_over_window(
     motion: &TipMotion,
     analysis: &Analysis,
 ) -> Result<Vec<f64>, InversionError> {
-    let first_zero = solution.first_zero_per_s;
-    let padding = Padding::new(motion, analysis, first_zero);
-    let problem = Problem { link, motion, analysis, padding };
-    let shortest = problem.shortest_period()?;
-    let answer = problem.answer(&solution.dynamics, shortest)?;
-    let answer = problem.decayed(&solution.dynamics, answer)?;
-    let (window, grid) = (&solution.grid, motion.grid());
-    let first = ((window.time_s(0) - grid.time_s(0)) / grid.step_s).round() as i64;
-    let len = (window.duration_s() / grid.step_s).round() as usize + 1;
-    Ok(cut(&answer.torque_n_m, &TimeGrid { first, len, ..grid }))
+    let problem = Problem::new(link, motion, analysis, solution.first_zero_per_s);
+    let answer = problem.answer_on(solution)?;
+    Ok(cut(&answer.torque_n_m, &problem.grid_of(solution)))
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    fn new(
+        link: &'a Link,
+        motion: &'a TipMotion,
+        analysis: &'a Analysis,
+        first_zero_per_s: Option<f64>,
+    ) -> Self {
+        let cutoff = motion.cutoff(analysis.tip_tolerance());
+        let padding = Padding::new(motion, analysis, first_zero_per_s);
+        Self { link, motion, analysis, cutoff, padding }
+    }
+
     fn shortest_period(&self) -> Result<Arc<TipPeriod>, InversionError> {
         self.period(self.padding.period_len(self.motion.grid().len)?)
     }
 
     fn period(&self, len: usize) -> Result<Arc<TipPeriod>, InversionError> {
         check_memory(len, self.analysis)?;
-        Ok(self.motion.over_period(len, self.padding.seam(self.motion.grid().len, len)))
+        let seam = self.padding.seam(self.motion.grid().len, len);
+        Ok(self.motion.over_period(len, seam, self.cutoff))
     }
 
-    fn forcing<'a>(&self, dynamics: &'a Dynamics, period: &'a TipPeriod) -> Forcing<'a> {
-        let friction_n_m_s_rad = self.link.hub().viscous_friction_n_m_s_rad;
-        Forcing { dynamics, friction_n_m_s_rad, spectrum: &period.spectrum }
+    fn asked<'b>(&self, period: &'b TipPeriod) -> Asked<'b> {
+        Asked {
+            joint: Joint::of(self.link),
+            spectrum: &period.spectrum,
+            histories: period.histories(self.motion),
+            with_moments: self.analysis.measures_moments(),
+        }
     }
 
-    fn answer(
-        &self,
-        dynamics: &Dynamics,
-        period: Arc<TipPeriod>,
-    ) -> Result<PeriodicAnswer, InversionError> {
-        let hub = self.forcing(dynamics, &period).hub_spectra()?;
-        let torque_n_m = period.spectrum.pair.samples(&hub.torque_n_m);
-        Ok(PeriodicAnswer { period, hub, torque_n_m })
+    /// The motion on the mesh of a solution, on a period no shorter than that one's, which holds its
+    /// window.
+    fn answer_on(&self, solution: &Solution) -> Result<PeriodicAnswer, InversionError> {
+        let own = self.padding.period_len(self.motion.grid().len)?;
+        let that = (solution.band.period_s / self.motion.grid().step_s).ceil() as usize;
+        let period = self.period(own.max(fast_length(that)))?;
+        let dynamics = &solution.dynamics;
+        let shortest = PeriodicAnswer::of(self.asked(&period).of(dynamics), Arc::clone(&period))?;
+        self.decayed(dynamics, solution.hub_tail.as_ref(), shortest)
     }
 
-    /// Lengthens the period until the torque has decayed where one period meets the next.
+    /// The window of a solution at this motion's own step.
+    fn grid_of(&self, solution: &Solution) -> TimeGrid {
+        let (window, grid) = (&solution.grid, self.motion.grid());
+        let first = ((window.time_s(0) - grid.time_s(0)) / grid.step_s).round() as i64;
+        let len = (window.duration_s() / grid.step_s).round() as usize + 1;
+        TimeGrid { first, len, ..grid }
+    }
+
+    /// Lengthens the period until torque and hub angle have decayed where one period meets the next.
     ///
-    /// The zeros tell the exponential decay; hysteretic damping adds an algebraic tail (∝ t⁻⁴), and
-    /// a blocked tip rings on, so the decay is measured, too.
+    /// The zeros tell the exponential decay; hysteretic damping adds an algebraic tail (∝ t⁻⁴ of the
+    /// torque), and a blocked tip rings on, so the decay is measured, too.
     fn decayed(
         &self,
         dynamics: &Dynamics,
+        tail: Option<&TailTerms>,
         shortest: PeriodicAnswer,
     ) -> Result<PeriodicAnswer, InversionError> {
         let initial = shortest.torque_n_m.len();
         let mut answer = shortest;
         loop {
-            let torque = answer.periodic();
-            let has_decayed = torque.at_seam() <= self.analysis.tolerance() * torque.peak();
+            let (tolerance, torque) =
+                (self.analysis.tolerance(), answer.periodic(&answer.torque_n_m));
+            let has_decayed = torque.at_seam() <= tolerance * torque.peak()
+                && answer.hub_residual_rad(tail) <= tolerance * self.allowed_turn_rad(&answer);
             let next = Padding::lengthened(answer.torque_n_m.len(), initial);
             match next.filter(|_| !has_decayed) {
-                Some(len) => answer = self.answer(dynamics, self.period(len)?)?,
+                Some(len) => {
+                    let period = self.period(len)?;
+                    let forcing = self.asked(&period).of(dynamics);
+                    answer = PeriodicAnswer::of(forcing, Arc::clone(&period))?;
+                }
                 None => return Ok(answer),
             }
         }
     }
 
-    /// What a reduction to few modes changes of the torque, over its peak; none for all modes.
-    fn truncation_error(
+    /// Turn of the hub in rad that is the peak of its own angle or moves a node by the tip's way,
+    /// whichever is less.
+    fn allowed_turn_rad(&self, answer: &PeriodicAnswer) -> f64 {
+        let way_m = answer.period.histories(self.motion).way_m();
+        self.hub_peak_rad(answer).min(way_m / self.link.length_m())
+    }
+
+    fn hub_peak_rad(&self, answer: &PeriodicAnswer) -> f64 {
+        let tip = answer.period.histories(self.motion);
+        hub_peak_rad(tip, &answer.excess_rad, self.link.length_m())
+    }
+
+    /// What the finite period and the window that is cut out of it cost each quantity, over its peak.
+    fn window_errors(
         &self,
-        dynamics: &Dynamics,
         answer: &PeriodicAnswer,
-    ) -> Result<Option<f64>, InversionError> {
-        if dynamics.kept_modes() == KeptModes::All {
-            return Ok(None);
+        dynamics: &Dynamics,
+        tail: Option<&TailTerms>,
+        window: &super::period::Window,
+    ) -> PerQuantity<f64> {
+        let edge = |samples: &[f64]| answer.periodic(samples).edge_share(window);
+        let pair = &answer.period.spectrum.pair;
+        let residual_rad = answer.hub_residual_rad(tail);
+        let moment = || edge(&pair.samples(&answer.hub.root_moment_n_m));
+        let forcing = self.asked(&answer.period).of(dynamics);
+        let motor = forcing.motor_torque_n_m(&answer.hub);
+        PerQuantity {
+            torque: edge(&answer.torque_n_m),
+            hub_angle: residual_rad / self.hub_peak_rad(answer),
+            // The tip stays where it is wanted, and the hub on its axis: between them no node is off by
+            // more than the hub's turn moves a rigid link.
+            displacement: residual_rad * self.link.length_m()
+                / answer.period.histories(self.motion).way_m(),
+            bending_moment: self.analysis.measures_moments().then(moment),
+            motor_torque: motor.map(|amplitudes| edge(&pair.samples(amplitudes))),
         }
-        let all = dynamics.unreduced()?;
-        let exact = self.forcing(&all, &answer.period).torque_n_m()?;
-        Ok(Some(largest_difference(&exact, &answer.torque_n_m) / peak_in_range(&exact)?))
     }
 
     /// Cuts the window to write out of the period and gathers what is known of the answer.
-    fn written(&self, dynamics: Dynamics, known: Known, answer: PeriodicAnswer) -> Solution {
-        let Known { mesh_error, truncation_error, first_zero_per_s } = known;
+    fn written(
+        &self,
+        dynamics: Dynamics,
+        known: &Known,
+        answer: PeriodicAnswer,
+    ) -> (Solution, Edges) {
         let given = self.motion.grid();
-        let torque = answer.periodic();
-        let peak = torque.peak();
-        let window = torque.window(given.len, given.step_s, self.analysis, peak);
+        let torque = answer.periodic(&answer.torque_n_m);
+        let window = torque.window(given.len, given.step_s, self.analysis, torque.peak());
+        let edges = Edges {
+            cut: torque.outside(&window) / torque.peak(),
+            seam: torque.at_seam() / torque.peak(),
+        };
         let grid = TimeGrid { first: window.start, len: window.len(), ..given };
         let moving = self.motion.moving_samples();
         let on_grid = |k: usize| (k as i64 - window.start).max(0) as usize;
@@ -188,23 +291,36 @@ impl Problem<'_> {
             velocity_m_s: cut(&histories.velocity_m_s, &grid),
             acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
         };
+        let window_errors =
+            self.window_errors(&answer, &dynamics, known.hub_tail.as_ref(), &window);
+        let errors = known.mesh_errors.zip(&window_errors, |mesh, window| QuantityErrors {
+            mesh,
+            window,
+            ..QuantityErrors::default()
+        });
+        let errors = match &known.mode_errors {
+            Some(modes) => {
+                errors.zip(modes, |errors, modes| QuantityErrors { modes: Some(modes), ..errors })
+            }
+            None => errors,
+        };
+        let accuracy = Accuracy { tip: self.cutoff.tip_error_m / histories.way_m(), errors };
         let per_length = 1.0 / dynamics.mesh().length_m();
-        let hub_motion = |tip: &[f64], order: usize| {
-            hub_motion(tip, (&spectrum, &answer.hub.excess_angle_rad, order), &grid, per_length)
+        let hub = HubMotion {
+            period: &answer.period,
+            excess_amplitudes_rad: &answer.hub.excess_angle_rad,
+            tail: known.hub_tail,
+            per_length,
         };
-        let (hub_angle_rad, hub_rate_rad_s) =
-            rayon::join(|| hub_motion(&tip.displacement_m, 0), || hub_motion(&tip.velocity_m_s, 1));
-        let evidence = Evidence {
-            motion: self.motion,
-            tolerance: self.analysis.tolerance(),
-            cut: torque.outside(&window) / peak,
-            seam: torque.at_seam() / peak,
-            mesh_error,
-        };
-        let edge_error = evidence.cut.max(evidence.seam);
-        let accuracy = Accuracy { mesh_error, edge_error, truncation_error };
-        let mut solution = Solution {
-            torque_n_m: cut(&answer.torque_n_m, &grid),
+        let joint = Joint::of(self.link);
+        let (hub_angle_rad, hub_rate_rad_s) = rayon::join(
+            || hub.on(&grid, &tip.displacement_m, 0),
+            || hub.on(&grid, &tip.velocity_m_s, 1),
+        );
+        let mut torque_n_m = cut(&answer.torque_n_m, &grid);
+        hub.take_images_off(&grid, 1, joint.friction_n_m_s_rad, &mut torque_n_m);
+        let solution = Solution {
+            torque_n_m,
             rigid_torque_n_m: cut(&rigid_torque, &grid),
             hub_angle_rad,
             hub_rate_rad_s,
@@ -212,7 +328,7 @@ impl Problem<'_> {
             root_moment_n_m,
             tip,
             moving: (on_grid(moving.0), on_grid(moving.1)),
-            first_zero_per_s,
+            first_zero_per_s: known.first_zero_per_s,
             accuracy,
             band: Band::of(&spectrum),
             warnings: Vec::new(),
@@ -221,10 +337,54 @@ impl Problem<'_> {
             torque_amplitudes_n_m: answer.hub.torque_n_m,
             excess_amplitudes_rad: answer.hub.excess_angle_rad,
             hub_acceleration_rad_s2: OnceLock::new(),
+            hub_tail: known.hub_tail,
+            period: answer.period,
             spectrum,
-            friction_n_m_s_rad: self.link.hub().viscous_friction_n_m_s_rad,
+            joint,
         };
-        solution.warnings = warnings(&evidence, &solution);
-        solution
+        (solution, edges)
+    }
+
+    /// Measures what half the step changes of a solution whose band the samples limit.
+    fn measure_step(&self, solution: &mut Solution) -> Result<(), InversionError> {
+        // A motion that cannot be sampled twice as often has no such number.
+        let Ok(finer) = self.motion.twice_as_often() else { return Ok(()) };
+        let problem = Problem::new(self.link, &finer, self.analysis, solution.first_zero_per_s);
+        let answer = problem.answer_on(solution)?;
+        let grid = problem.grid_of(solution);
+        let pair = &answer.period.spectrum.pair;
+        let off = |coarse: &[f64], period: &[f64]| {
+            let fine = cut(period, &grid);
+            let pairs = coarse.iter().zip(fine.iter().step_by(2));
+            pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / largest(&fine)
+        };
+        let torque = off(&solution.torque_n_m, &answer.torque_n_m);
+        let tip = answer.period.histories(&finer);
+        let tip_m = cut(&tip.displacement_m, &grid);
+        let hub = HubMotion {
+            period: &answer.period,
+            excess_amplitudes_rad: &answer.hub.excess_angle_rad,
+            tail: solution.hub_tail,
+            per_length: 1.0 / self.link.length_m(),
+        };
+        let angle_rad = hub.on(&grid, &tip_m, 0);
+        let turned = solution.hub_angle_rad.iter().zip(angle_rad.iter().step_by(2));
+        let turn_rad = turned.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        let moved = solution.tip.displacement_m.iter().zip(tip_m.iter().step_by(2));
+        let tip_change_m = moved.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        let root = pair.samples(&answer.hub.root_moment_n_m);
+        let forcing = problem.asked(&answer.period).of(&solution.dynamics);
+        let motor = forcing.motor_torque_n_m(&answer.hub).map(|m| pair.samples(m));
+        let motor = solution.motor().zip(motor).map(|(a, b)| off(&a.torque_n_m, &b));
+        let steps = PerQuantity {
+            torque,
+            hub_angle: turn_rad / problem.hub_peak_rad(&answer),
+            displacement: tip_change_m.max(turn_rad * self.link.length_m()) / tip.way_m(),
+            bending_moment: Some(off(&solution.root_moment_n_m, &root)),
+            motor_torque: motor,
+        };
+        let errors = &mut solution.accuracy.errors;
+        *errors = errors.zip(&steps, |errors, step| QuantityErrors { step: Some(step), ..errors });
+        Ok(())
     }
 }

@@ -8,21 +8,24 @@
               stay far below 2^52, and are brought into the period before they index"
 )]
 
+mod accuracy;
 mod analysis;
 mod band_change;
 mod dense;
 mod dynamics;
 mod error;
-mod halving;
 mod inversion;
+mod model_end;
 mod motor;
 mod nodal_block;
 mod nodal_peak;
 mod nodal_table;
 mod period;
+mod probes;
 mod refinement;
 mod response;
 mod rigid;
+mod slow_tail;
 mod solution;
 mod spectra;
 mod superposition;
@@ -31,6 +34,7 @@ pub(crate) mod tests;
 mod warning;
 mod watch;
 
+pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors};
 pub use analysis::Analysis;
 pub use band_change::changes_on_halves;
 pub use dense::{DenseLink, MOST_ELEMENTS_OF_DENSE_SOLVE};
@@ -41,6 +45,6 @@ pub use motor::MotorHistories;
 pub use nodal_block::NodalBlock;
 pub use nodal_table::NodalTable;
 pub use response::FrequencyResponse;
-pub use solution::{Accuracy, Band, Solution};
+pub use solution::{Band, Solution};
 pub use warning::Warning;
 pub use watch::{Stage, Unwatched, Watch};

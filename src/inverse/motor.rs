@@ -15,7 +15,7 @@ pub struct MotorHistories {
 }
 
 impl Solution {
-    /// What a motor behind `drive` must do so that the hub receives the torque T.
+    /// What the motor must do so that the hub receives the torque T; none for a link without a drive.
     ///
     /// The joint's spring twists by T/k; rotor inertia and gear ratio n follow:
     ///
@@ -23,8 +23,8 @@ impl Solution {
     /// φ = n (θ + T/k)      motor angle
     /// T_m = T/n + J φ̈      motor torque
     /// ```
-    pub fn motor(&self, drive: &Drive) -> MotorHistories {
-        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = *drive;
+    pub fn motor(&self) -> Option<MotorHistories> {
+        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = self.joint.drive?;
         let hub = [&self.hub_angle_rad, &self.hub_rate_rad_s, self.hub_acceleration_rad_s2()];
         let [angle_rad, rate_rad_s, acceleration] = [0, 1, 2].map(|order| -> Vec<f64> {
             let torque = self.spectrum.derivative(&self.torque_amplitudes_n_m, order);
@@ -39,6 +39,6 @@ impl Solution {
             .map(|(t, a)| t / gear_ratio + rotor_inertia_kg_m2 * a)
             .collect();
         let power_w = torque_n_m.iter().zip(&rate_rad_s).map(|(t, rate)| t * rate).collect();
-        MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w }
+        Some(MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w })
     }
 }

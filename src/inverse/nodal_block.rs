@@ -6,6 +6,7 @@ use std::sync::Arc;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::nodal_table::NodalTable;
+use crate::motion::TAIL_TERMS;
 use crate::numeric::CHANNELS;
 
 /// Bytes of a line of the processors' caches, and of the widest vectors.
@@ -81,8 +82,25 @@ impl NodalBlock<'_> {
         if let Some(all) = &table.arms_m {
             arms_m[..columns.len()].copy_from_slice(&all[columns.clone()]);
         }
+        let mut tails = [[0.0; CHANNELS]; TAIL_TERMS];
+        let images = table.tails.as_ref().map(|all| {
+            for (channel, tail) in all[columns.clone()].iter().enumerate() {
+                for (row, s) in tails.iter_mut().zip(tail) {
+                    row[channel] = *s;
+                }
+            }
+            table.solution.period.images().history(0)
+        });
         for row in rows.start..rows.end {
             let mut sum = table.sampling.row(&self.rows, held, row);
+            if let Some(images) = images {
+                let sample = table.solution.grid.in_period(row * table.every, images.len());
+                for (tail, image) in tails.iter().zip(&images[sample]) {
+                    for channel in 0..CHANNELS {
+                        sum[channel] -= tail[channel] * image;
+                    }
+                }
+            }
             if table.arms_m.is_some() {
                 let angle_rad = table.solution.hub_angle_rad[row * table.every];
                 for channel in 0..CHANNELS {

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::nodal_block::NodalBlock;
 use super::nodal_table::NodalTable;
 use super::watch::Watch;
+use crate::motion::{TAIL_TERMS, TailTerms};
 use crate::numeric::largest;
 
 /// Rows that are looked through at a time by one thread.
@@ -29,6 +30,15 @@ struct Part {
 }
 
 impl NodalTable<'_> {
+    /// What no value loses to the images of the motion in other periods.
+    fn largest_images(&self) -> f64 {
+        let Some(tails) = &self.tails else { return 0.0 };
+        let history = self.solution.period.images().history(0);
+        let most =
+            |all: &[TailTerms], m: usize| all.iter().fold(0.0, |most: f64, t| most.max(t[m].abs()));
+        (0..TAIL_TERMS).map(|m| most(tails, m) * most(history, m)).sum()
+    }
+
     /// Largest absolute value of all, NaN left out, or a smaller one of them that will do.
     ///
     /// `will_do` is asked whether a value that was found is good enough where no other exceeds a
@@ -63,10 +73,11 @@ impl NodalBlock<'_> {
         let NodalTable { solution, sampling, every, arms_m, .. } = self.table;
         let tiles = self.largest_of_tiles();
         let farthest_m = arms_m.as_deref().map(largest);
+        let images = self.table.largest_images();
         let bound = |rows: &Range<usize>| {
             let held = sampling.taken(&self.rows, rows);
             let tiles = &tiles[held.start / TILE..held.end.div_ceil(TILE)];
-            let bending = sampling.gain() * largest(tiles);
+            let bending = sampling.gain() * largest(tiles) + images;
             let rotation = farthest_m.map_or(0.0, |arm_m| {
                 let angles = &solution.hub_angle_rad[rows.start * every..];
                 let samples = (rows.len() - 1) * every + 1;

@@ -5,9 +5,11 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::nodal_block::{Held, NodalBlock};
+use super::slow_tail::Series;
 use super::solution::Solution;
 use super::watch::{Stage, Unwatched, Watch};
 use crate::beam::{NodalHistories, NodalQuantity};
+use crate::motion::TailTerms;
 use crate::numeric::{CHANNELS, Room, Sampling, ThinnedGrid};
 
 /// Amplitudes that are held at a time; nodes beyond are solved in further blocks.
@@ -27,6 +29,8 @@ pub struct NodalTable<'a> {
     pub(super) sampling: Sampling,
     /// Distances x in m from the axis where the rigid rotation xθ is added.
     pub(super) arms_m: Option<Vec<f64>>,
+    /// The slow tail of each node's deflection, where damping leaves one.
+    pub(super) tails: Option<Vec<TailTerms>>,
     /// Rows of a block.
     block: usize,
     /// The only block, where there is one.
@@ -68,6 +72,11 @@ impl<'a> NodalTable<'a> {
         let pair = &solution.spectrum.pair;
         let first = solution.grid.first.rem_euclid(pair.len() as i64) as usize;
         let sampling = Sampling::new(pair, solution.band.frequencies, first, every);
+        let series = match quantity {
+            NodalQuantity::Deflection => Series::of(&solution.dynamics, solution.first_zero_per_s),
+            NodalQuantity::Moment => None,
+        };
+        let tails = series.map(|series| series.nodal_tails(&solution.dynamics, nodes));
         let mut table = Self {
             solution,
             quantity,
@@ -75,6 +84,7 @@ impl<'a> NodalTable<'a> {
             every,
             sampling,
             arms_m: None,
+            tails,
             block: 1,
             whole: OnceLock::new(),
         };

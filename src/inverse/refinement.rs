@@ -1,24 +1,37 @@
 use std::ops::RangeInclusive;
 
+use super::accuracy::PerQuantity;
 use super::dynamics::Dynamics;
 use super::error::InversionError;
-use super::halving::change_n_m;
-use super::spectra::{Forcing, HubSpectra};
+use super::probes::{Amplitudes, Probes};
+use super::spectra::{Forcing, Joint};
 use crate::beam::MeshPlan;
-use crate::motion::TipSpectrum;
+use crate::motion::{TipHistories, TipSpectrum};
 use crate::numeric::largest;
-
-/// What the measured change of the torque may be wrong by, of itself; see [`change_n_m`].
-const MEASURED_TO: f64 = 1e-3;
 
 /// Peak torques in N m whose squares, and products with rates and times, are numbers, too.
 const TORQUES_N_M: RangeInclusive<f64> = 1e-100..=1e100;
 
-/// The answer on a mesh, and the discretisation error of its torque, relative to the peak.
+/// The error falls with the fourth power of the element length: the halved mesh has a sixteenth of it,
+/// and what it changes is 15/16 of it.
+const ERROR_PER_CHANGE: f64 = 16.0 / 15.0;
+
+/// The answer on a mesh, and what halved elements change of it.
 pub(super) struct Measured {
-    pub(super) hub: HubSpectra,
-    pub(super) torque_n_m: Vec<f64>,
-    pub(super) error: f64,
+    pub(super) dynamics: Dynamics,
+    pub(super) probes: Probes,
+    pub(super) amplitudes: Amplitudes,
+    /// Discretisation error of each quantity over its own peak.
+    pub(super) mesh_errors: PerQuantity<f64>,
+}
+
+/// What a motion on a period asks of every mesh.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a> {
+    pub(super) joint: Joint,
+    pub(super) spectrum: &'a TipSpectrum,
+    pub(super) histories: &'a TipHistories,
+    pub(super) with_moments: bool,
 }
 
 /// Peak of a torque in N m.
@@ -34,57 +47,86 @@ pub(super) fn peak_in_range(torque_n_m: &[f64]) -> Result<f64, InversionError> {
     }
 }
 
-/// Measures the discretisation error of the torque against the mesh with halved elements, and
-/// refines an automatic mesh until it is below the plan's tolerance.
-///
-/// The error falls with the fourth power of the element length, so that the halved mesh has a
-/// sixteenth of it and the difference is 15/16 of it.
+impl<'a> Asked<'a> {
+    /// The motion on one mesh.
+    pub(super) fn of(&self, dynamics: &'a Dynamics) -> Forcing<'a> {
+        Forcing { dynamics, joint: self.joint, spectrum: self.spectrum }
+    }
+
+    /// Peak of each quantity of an answer. The tip's way stands for the farthest that a node goes.
+    pub(super) fn peaks(&self, length_m: f64, amplitudes: &Amplitudes) -> PerQuantity<f64> {
+        let excess_rad = self.spectrum.pair.samples(&amplitudes.hub.excess_angle_rad);
+        let hub_angle = hub_peak_rad(self.histories, &excess_rad, length_m);
+        let displacement = self.histories.way_m();
+        PerQuantity { hub_angle, displacement, ..amplitudes.peaks() }
+    }
+}
+
+/// Largest distance of the hub angle from where it starts, in rad.
+pub(super) fn hub_peak_rad(tip: &TipHistories, excess_rad: &[f64], length_m: f64) -> f64 {
+    let start_m = tip.start_m();
+    let turns = tip.displacement_m.iter().zip(excess_rad);
+    turns.fold(0.0, |most, (at_m, excess)| most.max(((at_m - start_m) / length_m + excess).abs()))
+}
+
+/// What changed over peaks, quantity by quantity.
+pub(super) fn shares(changes: &PerQuantity<f64>, peaks: &PerQuantity<f64>) -> PerQuantity<f64> {
+    changes.zip(peaks, |change, peak| if change == 0.0 { 0.0 } else { change / peak })
+}
+
+/// Measures the discretisation error of every quantity against the mesh with halved elements, and
+/// refines an automatic mesh until the worst is below the plan's tolerance.
 ///
 /// # Errors
 /// [`InversionError::NotConverged`], or a torque that is not finite or beyond what can be squared.
 pub(super) fn measured_mesh(
     coarsest: Dynamics,
     plan: &MeshPlan,
-    friction_n_m_s_rad: f64,
-    spectrum: &TipSpectrum,
-) -> Result<(Dynamics, Measured), InversionError> {
+    asked: &Asked<'_>,
+) -> Result<Measured, InversionError> {
+    let mut probes = Probes::of(coarsest.mesh(), asked.with_moments);
+    let mut answer = Amplitudes::of(asked.of(&coarsest), &probes);
     let mut dynamics = coarsest;
     loop {
+        let elements = dynamics.mesh().elements().len();
         let finer = dynamics.refined()?;
-        let may_refine =
-            plan.is_automatic() && 2 * finer.mesh().elements().len() <= finer.most_elements();
-        let forcing = Forcing { dynamics: &dynamics, friction_n_m_s_rad, spectrum };
-        match measured(forcing, &finer) {
+        let finer_probes = probes.refined();
+        let finer_answer = Amplitudes::of(asked.of(&finer), &finer_probes);
+        let may_refine = plan.is_automatic() && 4 * elements <= finer.most_elements();
+        match measured(asked, &dynamics, &answer, &finer_answer) {
             // A mesh far too coarse for its band may give no numbers at all.
             Err(InversionError::NotFinite { .. }) if may_refine => {}
             Err(error) => return Err(error),
-            Ok(measured) => {
-                let error = measured.error;
-                let is_fine = error * (1.0 + MEASURED_TO) <= plan.tolerance();
-                if !plan.is_automatic() || is_fine {
-                    return Ok((dynamics, measured));
+            Ok(mesh_errors) => {
+                let (_, error) = mesh_errors.worst();
+                if !plan.is_automatic() || error <= plan.tolerance() {
+                    let amplitudes = answer?;
+                    return Ok(Measured { dynamics, probes, amplitudes, mesh_errors });
                 }
                 if !may_refine {
-                    let (elements, tolerance) =
-                        (dynamics.mesh().elements().len(), plan.tolerance());
+                    let tolerance = plan.tolerance();
                     return Err(InversionError::NotConverged { error, elements, tolerance });
                 }
             }
         }
-        dynamics = finer;
+        (dynamics, probes, answer) = (finer, finer_probes, finer_answer);
     }
 }
 
-/// The answer on a mesh, measured against that of `finer`, whose elements are half as long.
-fn measured(forcing: Forcing<'_>, finer: &Dynamics) -> Result<Measured, InversionError> {
-    let hub = forcing.hub_spectra()?;
-    let torque_n_m = forcing.spectrum.pair.samples(&hub.torque_n_m);
+/// Discretisation error of an answer, measured against that on halved elements.
+fn measured(
+    asked: &Asked<'_>,
+    dynamics: &Dynamics,
+    answer: &Result<Amplitudes, InversionError>,
+    finer: &Result<Amplitudes, InversionError>,
+) -> Result<PerQuantity<f64>, InversionError> {
+    let (answer, finer) =
+        (answer.as_ref().map_err(Clone::clone)?, finer.as_ref().map_err(Clone::clone)?);
+    let torque_n_m = asked.spectrum.pair.samples(&answer.hub.torque_n_m);
     let peak_n_m = peak_in_range(&torque_n_m)?;
-    let on_finer = Forcing { dynamics: finer, ..forcing };
-    let change = change_n_m(forcing, on_finer, &hub.torque_n_m)?;
-    let finer_torque: Vec<f64> = torque_n_m.iter().zip(&change).map(|(t, d)| t + d).collect();
-    // What is less than the rounding of the sum is not known.
-    let finer_peak_n_m = largest(&finer_torque).max(f64::EPSILON * peak_n_m);
-    let error = 16.0 / 15.0 * largest(&change) / finer_peak_n_m;
-    Ok(Measured { hub, torque_n_m, error })
+    let mut peaks = asked.peaks(dynamics.mesh().length_m(), finer);
+    // What is less than the rounding of the answer is not known.
+    peaks.torque = peaks.torque.max(f64::EPSILON * peak_n_m);
+    let errors = shares(&answer.change_to(finer), &peaks);
+    Ok(errors.zip(&errors, |error, _| ERROR_PER_CHANGE * error))
 }

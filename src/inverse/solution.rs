@@ -3,25 +3,14 @@ use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
 
+use super::accuracy::Accuracy;
 use super::dynamics::Dynamics;
-use super::spectra::Forcing;
+use super::spectra::{Forcing, Joint};
 use super::warning::Warning;
 use crate::beam::Mesh;
 use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
-use crate::motion::{TipMotionHistories, TipSpectrum};
+use crate::motion::{TailTerms, TipMotionHistories, TipPeriod, TipSpectrum, tail_sum};
 use crate::numeric::TimeGrid;
-
-/// How exact a solution is, each number relative to the peak torque.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Accuracy {
-    /// Discretisation error of the torque, measured on halved elements.
-    pub mesh_error: f64,
-    /// Largest torque outside the written window, or where one period meets the next.
-    pub edge_error: f64,
-    /// What a reduction to few modes changes of the torque of all modes of the mesh; none for a
-    /// link that is not reduced.
-    pub truncation_error: Option<f64>,
-}
 
 /// Frequencies that were solved for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +23,9 @@ pub struct Band {
     pub frequencies: usize,
     /// The highest of them in Hz.
     pub highest_hz: f64,
+    /// Frequency in Hz up to which the motion is followed as it is, and from which it rolls off; none
+    /// where every frequency of the samples is solved for.
+    pub cutoff_hz: Option<f64>,
     /// Nyquist frequency in Hz.
     pub nyquist_hz: f64,
 }
@@ -47,6 +39,7 @@ impl Band {
             fft_length: spectrum.pair.len(),
             frequencies,
             highest_hz: hertz(frequencies - 1),
+            cutoff_hz: (!spectrum.cutoff.keeps_all()).then(|| spectrum.cutoff.omega_rad_s / TAU),
             nyquist_hz: hertz(spectrum.pair.len() / 2),
         }
     }
@@ -81,7 +74,7 @@ pub struct Solution {
     pub dynamics: Dynamics,
     /// First zero of torque → tip in 1/s; none where the mesh has none.
     pub first_zero_per_s: Option<f64>,
-    /// How exact the torque is.
+    /// How exact each quantity is.
     pub accuracy: Accuracy,
     /// Frequencies that were solved for.
     pub band: Band,
@@ -94,16 +87,15 @@ pub struct Solution {
     /// Found when it is asked for: a sweep has no use for it.
     pub(super) hub_acceleration_rad_s2: OnceLock<Vec<f64>>,
     pub(super) spectrum: Arc<TipSpectrum>,
-    pub(super) friction_n_m_s_rad: f64,
+    pub(super) period: Arc<TipPeriod>,
+    /// The hub angle's slow tail, where damping leaves one.
+    pub(super) hub_tail: Option<TailTerms>,
+    pub(super) joint: Joint,
 }
 
 impl Solution {
     pub(super) fn forcing(&self) -> Forcing<'_> {
-        Forcing {
-            dynamics: &self.dynamics,
-            friction_n_m_s_rad: self.friction_n_m_s_rad,
-            spectrum: &self.spectrum,
-        }
+        Forcing { dynamics: &self.dynamics, joint: self.joint, spectrum: &self.spectrum }
     }
 
     /// The mesh that the answer was computed on.
@@ -129,13 +121,13 @@ impl Solution {
     /// Hub acceleration in rad/s².
     pub fn hub_acceleration_rad_s2(&self) -> &Vec<f64> {
         self.hub_acceleration_rad_s2.get_or_init(|| {
-            let excess = (self.spectrum.as_ref(), &self.excess_amplitudes_rad[..], 2);
-            hub_motion(
-                &self.tip.acceleration_m_s2,
-                excess,
-                &self.grid,
-                1.0 / self.mesh().length_m(),
-            )
+            let hub = HubMotion {
+                period: &self.period,
+                excess_amplitudes_rad: &self.excess_amplitudes_rad,
+                tail: self.hub_tail,
+                per_length: 1.0 / self.mesh().length_m(),
+            };
+            hub.on(&self.grid, &self.tip.acceleration_m_s2, 2)
         })
     }
 
@@ -159,17 +151,40 @@ pub(super) fn cut(period: &[f64], grid: &TimeGrid) -> Vec<f64> {
     samples
 }
 
-/// The `order`-th derivative of the hub angle: the tip's over the length, and what bending adds.
-pub(super) fn hub_motion(
-    tip: &[f64],
-    (spectrum, amplitudes, order): (&TipSpectrum, &[Complex64], usize),
-    grid: &TimeGrid,
-    per_length: f64,
-) -> Vec<f64> {
-    let derivative = spectrum.derivative(amplitudes, order);
-    let mut motion = cut(&spectrum.pair.samples(derivative), grid);
-    for (excess, tip) in motion.iter_mut().zip(tip) {
-        *excess += tip * per_length;
+/// The hub angle over a period: the tip's motion over the length, and what bending adds.
+pub(super) struct HubMotion<'a> {
+    pub(super) period: &'a TipPeriod,
+    pub(super) excess_amplitudes_rad: &'a [Complex64],
+    pub(super) tail: Option<TailTerms>,
+    pub(super) per_length: f64,
+}
+
+impl HubMotion<'_> {
+    /// Its `order`-th derivative on a grid, `tip` being that of the tip there.
+    pub(super) fn on(&self, grid: &TimeGrid, tip: &[f64], order: usize) -> Vec<f64> {
+        let spectrum = &self.period.spectrum;
+        let derivative = spectrum.derivative(self.excess_amplitudes_rad, order);
+        let mut motion = cut(&spectrum.pair.samples(derivative), grid);
+        self.take_images_off(grid, order, 1.0, &mut motion);
+        for (excess, tip) in motion.iter_mut().zip(tip) {
+            *excess += tip * self.per_length;
+        }
+        motion
     }
-    motion
+
+    /// Takes what other periods add to the `order`-th derivative, times a factor, off samples of a grid.
+    pub(super) fn take_images_off(
+        &self,
+        grid: &TimeGrid,
+        order: usize,
+        factor: f64,
+        samples: &mut [f64],
+    ) {
+        let Some(tail) = self.tail.filter(|_| factor != 0.0) else { return };
+        let tail = tail.map(|s| factor * s);
+        let images = self.period.images().history(order);
+        for (k, sample) in samples.iter_mut().enumerate() {
+            *sample -= tail_sum(&tail, &images[grid.in_period(k, images.len())]);
+        }
+    }
 }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::dynamics::Dynamics;
 use super::error::InversionError;
 use crate::beam::{NodalQuantity, TipTransfers};
+use crate::link::{Drive, Link};
 use crate::motion::TipSpectrum;
 
 /// Frequencies that a thread solves for at a time, the hub's alone, where there are other threads; no
@@ -25,8 +26,22 @@ const NODAL_BLOCK: usize = 64;
 #[derive(Clone, Copy)]
 pub(super) struct Forcing<'a> {
     pub(super) dynamics: &'a Dynamics,
-    pub(super) friction_n_m_s_rad: f64,
+    pub(super) joint: Joint,
     pub(super) spectrum: &'a TipSpectrum,
+}
+
+/// What the joint adds to the link's own dynamics.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Joint {
+    pub(super) friction_n_m_s_rad: f64,
+    pub(super) drive: Option<Drive>,
+}
+
+impl Joint {
+    pub(super) fn of(link: &Link) -> Self {
+        let friction_n_m_s_rad = link.hub().viscous_friction_n_m_s_rad;
+        Self { friction_n_m_s_rad, drive: link.drive().copied() }
+    }
 }
 
 /// Amplitudes at the hub, from zero frequency to the end of the band.
@@ -96,7 +111,7 @@ impl WithSimd for Excited<'_> {
         let HubRows { torque, excess, root } = rows;
         let (torque, excess, root) = (&mut torque[..len], &mut excess[..len], &mut root[..len]);
         let drag = forcing.dynamics.law().mass_rate_per_s();
-        let rigid_friction = forcing.friction_n_m_s_rad / forcing.dynamics.mesh().length_m();
+        let rigid_friction = forcing.joint.friction_n_m_s_rad / forcing.dynamics.mesh().length_m();
         let hub_transfer = forcing.hub_transfer();
         for k in 0..len {
             let felt = accelerations[k] + velocities[k] * drag;
@@ -116,22 +131,9 @@ impl Forcing<'_> {
         spectrum.acceleration_m_s2[k] + spectrum.velocity_m_s[k] * drag
     }
 
-    /// The same at all bins that carry spectrum.
-    pub(super) fn felt_accelerations_m_s2(&self) -> Vec<Complex64> {
-        let drag = self.dynamics.law().mass_rate_per_s();
-        let accelerations = &self.spectrum.acceleration_m_s2[..self.spectrum.band_len()];
-        let felt = accelerations.iter().zip(&self.spectrum.velocity_m_s);
-        felt.map(|(acceleration, velocity)| acceleration + velocity * drag).collect()
-    }
-
     /// Frequencies in rad/s of the bins that carry spectrum.
     pub(super) fn omegas_rad_s(&self) -> &[f64] {
         &self.spectrum.omegas_rad_s[..self.spectrum.band_len()]
-    }
-
-    /// The highest of them.
-    pub(super) fn last_rad_s(&self) -> f64 {
-        self.omegas_rad_s().last().copied().unwrap_or(0.0)
     }
 
     /// Torque and hub angle over the band.
@@ -183,30 +185,27 @@ impl Forcing<'_> {
         move |omega, inertia_kg_m, lag_s2| {
             let excess_rad_s2_m = lag_s2 * compliance_factor(omega) * per_length;
             let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);
-            let inertia_kg_m = inertia_kg_m + rate * self.friction_n_m_s_rad;
+            let inertia_kg_m = inertia_kg_m + rate * self.joint.friction_n_m_s_rad;
             HubTransfer { inertia_kg_m, excess_rad_s2_m }
         }
     }
 
-    /// Torque per felt acceleration in kg m at many ω ≥ 0, the friction of the rigid link's rate
-    /// left out.
-    pub(super) fn apparent_inertias_kg_m(&self, omegas_rad_s: &[f64]) -> Vec<Complex64> {
-        let mut inertias = vec![Complex64::ZERO; omegas_rad_s.len()];
-        let block_len = hub_block();
-        let blocks = inertias.par_chunks_mut(block_len).zip(omegas_rad_s.par_chunks(block_len));
-        let hub_transfer = self.hub_transfer();
-        blocks.with_min_len(fewest_blocks()).for_each(|(inertias, omegas)| {
-            let tip = self.dynamics.tip_transfers(omegas);
-            for (k, (inertia, omega)) in inertias.iter_mut().zip(omegas).enumerate() {
-                *inertia = hub_transfer(*omega, tip.inertia_kg_m[k], tip.lag_s2[k]).inertia_kg_m;
-            }
-        });
-        inertias
-    }
-
-    /// Torque in N m over the period.
-    pub(super) fn torque_n_m(&self) -> Result<Vec<f64>, InversionError> {
-        Ok(self.spectrum.pair.samples(self.hub_spectra()?.torque_n_m))
+    /// Torque of the motor in N m over the band, where there is a drive.
+    ///
+    /// ```text
+    /// T̂_m = T̂/n + J n (θ̈ + T̈/k),   θ̈̂ = â/L − ω² θ̃̂
+    /// ```
+    pub(super) fn motor_torque_n_m(&self, hub: &HubSpectra) -> Option<Vec<Complex64>> {
+        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = self.joint.drive?;
+        let per_length = 1.0 / self.dynamics.mesh().length_m();
+        let inertia = rotor_inertia_kg_m2 * gear_ratio;
+        let amplitude = |(k, omega): (usize, &f64)| {
+            let torque = hub.torque_n_m[k];
+            let bending = hub.excess_angle_rad[k] + torque / joint_stiffness_n_m_rad;
+            let rigid = self.spectrum.acceleration_m_s2[k] * per_length;
+            torque / gear_ratio + (rigid - bending * (omega * omega)) * inertia
+        };
+        Some(self.omegas_rad_s().iter().enumerate().map(amplitude).collect())
     }
 
     /// Amplitudes of `quantity` at some nodes over the band, one spectrum for each node.

@@ -3,11 +3,14 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use thiserror::Error;
 
+use super::accuracy::Quantity;
+use super::analysis::Analysis;
+use super::model_end::{FastHub, fast_hub, stiffening, thick_link};
 use super::solution::Solution;
 use crate::beam::Mesh;
 use crate::link::Link;
-use crate::modal::real_frequency_zeros;
-use crate::motion::{TipMotion, TipSpectrum};
+use crate::modal::{ThickLink, real_frequency_zeros};
+use crate::motion::{Shortfall, TipMotion, TipSpectrum};
 use crate::numeric::{largest, significant};
 
 /// Amplitude near the Nyquist frequency, over the largest, from which on the user is warned.
@@ -16,8 +19,8 @@ const NYQUIST_SHARE: f64 = 1e-3;
 /// Share of the torque above the mesh's frequency from which on the user is warned.
 const ABOVE_MESH_SHARE: f64 = 1e-2;
 
-/// Mesh error from which on the user is warned.
-const COARSE_MESH: f64 = 1e-2;
+/// Mesh error, and change by half the step, from which on the user is warned.
+const COARSE: f64 = 1e-2;
 
 /// Rows, and times the motion's own samples, above which a window that was lengthened is told of.
 const LONG_ROWS: usize = 50_000;
@@ -35,6 +38,46 @@ pub enum Warning {
         /// ∫a dt of the samples as given, in m/s.
         velocity_m_s: f64,
         /// The same over the peak velocity.
+        share: f64,
+    },
+    /// The samples do not bring the tip within its tolerance.
+    #[error(
+        "the tip strays by {share:.1e} of its way from the motion asked for, above \
+         analysis.tip_tolerance = {tolerance:e}: {}",
+        cause(shortfall)
+    )]
+    TipMissed {
+        /// Largest distance from the wanted motion over its way.
+        share: f64,
+        /// The tolerance of the tip.
+        tolerance: f64,
+        /// What the samples lack.
+        shortfall: Shortfall,
+    },
+    /// A quantity that the finite period or the window leaves less exact than asked for.
+    #[error(
+        "the finite period and the window leave the {} off by {share:.1e} of its peak, above the \
+         tolerance {tolerance:e}",
+        quantity.name()
+    )]
+    InexactWindow {
+        /// What is off.
+        quantity: Quantity,
+        /// By how much, over its own peak.
+        share: f64,
+        /// The analysis tolerance.
+        tolerance: f64,
+    },
+    /// A quantity that depends on the step of the motion.
+    #[error(
+        "half the step changes the {} by {share:.1e} of its peak: with analysis.tip_tolerance = 0 \
+         every frequency of the samples is solved for, and the step limits it",
+        quantity.name()
+    )]
+    CoarseStep {
+        /// What changes most.
+        quantity: Quantity,
+        /// By how much, over its own peak.
         share: f64,
     },
     /// The written window cuts torque off.
@@ -107,19 +150,33 @@ pub enum Warning {
         resolved_hz: f64,
     },
     /// More bending than the linear theory of small deflections holds for.
-    #[error(
-        "the tip deflects by {:.0} % of the link's length, beyond the small deflections that the \
-         method holds for",
-        100.0 * share
-    )]
+    #[error("{}", Link::large_deflection_words(*share))]
     LargeDeflection {
         /// Largest deflection of the tip from the hub's tangent line over the length.
         share: f64,
     },
+    /// Shear and rotary inertia that the model leaves out.
+    #[error(transparent)]
+    ThickLink(#[from] ThickLink),
+    /// A hub that turns as fast as the link vibrates.
+    #[error(
+        "the hub turns at up to {} rad/s, {share:.2} of the clamped link's first natural frequency: \
+         centrifugal stiffening, which the model leaves out, moves the tip by {} of its way",
+        significant(*rate_rad_s, 3),
+        stiffening(*share)
+    )]
+    FastHub {
+        /// Largest hub rate in rad/s.
+        rate_rad_s: f64,
+        /// The same over the first natural frequency of the link clamped at its hub.
+        share: f64,
+    },
     /// A mesh that is too coarse for the motion.
-    #[error("the mesh changes the torque by {error:.1e} of its peak (elements halved)")]
+    #[error("the mesh changes the {} by {error:.1e} of its peak (elements halved)", quantity.name())]
     CoarseMesh {
-        /// Discretisation error of the torque over its peak.
+        /// What it changes most.
+        quantity: Quantity,
+        /// Discretisation error of that over its peak.
         error: f64,
     },
 }
@@ -129,6 +186,9 @@ impl Warning {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::EndVelocityCorrected { .. } => "end_velocity_corrected",
+            Self::TipMissed { .. } => "tip_missed",
+            Self::InexactWindow { .. } => "inexact_window",
+            Self::CoarseStep { .. } => "coarse_step",
             Self::TorqueCut { .. } => "torque_cut",
             Self::WrapAround { .. } => "wrap_around",
             Self::LongWindow { .. } => "long_window",
@@ -136,6 +196,8 @@ impl Warning {
             Self::NearNyquist { .. } => "near_nyquist",
             Self::AboveMesh { .. } => "above_mesh",
             Self::LargeDeflection { .. } => "large_deflection",
+            Self::ThickLink(thick) => thick.kind(),
+            Self::FastHub { .. } => "fast_hub",
             Self::CoarseMesh { .. } => "coarse_mesh",
         }
     }
@@ -144,13 +206,24 @@ impl Warning {
     pub fn hint(&self) -> &'static str {
         match self {
             Self::EndVelocityCorrected { .. } => "write the trajectory with more digits",
+            Self::TipMissed { shortfall: Shortfall::Step(_), .. } => {
+                "a motion sampled more finely, or a larger analysis.tip_tolerance"
+            }
+            Self::TipMissed { shortfall: Shortfall::Noise, .. } => {
+                "an analysis.tip_tolerance above the noise, or a motion written with more digits"
+            }
+            Self::InexactWindow { .. } => "longer rests around the motion, or a looser tolerance",
+            Self::CoarseStep { .. } => "an analysis.tip_tolerance above 0, or a smoother motion",
             Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or none of them",
             Self::WrapAround { .. } => "a longer analysis.lag, more damping or a looser tolerance",
             Self::LongWindow { .. } => {
                 "damping lets it decay; analysis.lead and analysis.lag bound the window, --every the \
                  tables of the nodes"
             }
-            Self::LargeDeflection { .. } => "a slower motion or a stiffer link",
+            Self::LargeDeflection { .. } | Self::FastHub { .. } => {
+                "a slower motion or a stiffer link"
+            }
+            Self::ThickLink(thick) => thick.hint(),
             Self::BlockedTip { .. } => "a smoother or slower motion avoids the frequency",
             Self::NearNyquist { .. } => "a smoother motion or a shorter step",
             Self::AboveMesh { .. } | Self::CoarseMesh { .. } => {
@@ -160,24 +233,39 @@ impl Warning {
     }
 }
 
-/// What a run measured of itself, shares of the peak torque.
+fn cause(shortfall: &Shortfall) -> String {
+    match shortfall {
+        Shortfall::Step(step_s) => {
+            format!("its step is too long, {} s would do", significant(*step_s, 2))
+        }
+        Shortfall::Noise => "its samples hold noise or rounding of that size".into(),
+    }
+}
+
+/// What a run was given and measured of itself.
 pub(super) struct Evidence<'a> {
+    pub(super) link: &'a Link,
     pub(super) motion: &'a TipMotion,
-    pub(super) tolerance: f64,
-    /// Torque outside the written window.
+    pub(super) analysis: &'a Analysis,
+    /// Torque outside the written window, over the peak.
     pub(super) cut: f64,
-    /// Torque where one period meets the next.
+    /// Torque where one period meets the next, over the peak.
     pub(super) seam: f64,
-    pub(super) mesh_error: f64,
 }
 
 /// All warnings that a solution and the evidence give reason for.
 pub(super) fn warnings(evidence: &Evidence<'_>, solution: &Solution) -> Vec<Warning> {
-    let Evidence { tolerance, cut, seam, mesh_error: error, .. } = *evidence;
+    let Evidence { link, motion, analysis, cut, seam } = *evidence;
+    let tolerance = analysis.tolerance();
     let (mesh, spectrum) = (solution.mesh(), &solution.spectrum);
-    let corrected = evidence.motion.corrected().map(|end| Warning::EndVelocityCorrected {
+    let corrected = motion.corrected().map(|end| Warning::EndVelocityCorrected {
         velocity_m_s: end.velocity_m_s,
         share: end.share,
+    });
+    let tip_missed = spectrum.cutoff.shortfall.map(|shortfall| Warning::TipMissed {
+        share: solution.accuracy.tip,
+        tolerance: analysis.tip_tolerance(),
+        shortfall,
     });
     let period_s = spectrum.period_s();
     let wrap_around = Warning::WrapAround { share: seam, tolerance, period_s };
@@ -185,17 +273,44 @@ pub(super) fn warnings(evidence: &Evidence<'_>, solution: &Solution) -> Vec<Warn
     let (rows, given) = (solution.grid.len, evidence.motion.grid().len);
     let times = rows as f64 / given as f64;
     let is_long = seam > tolerance && rows > LONG_ROWS && times > LONG_TIMES;
+    let (quantity, error) = solution.accuracy.of_kind(|errors| errors.mesh).worst();
     corrected
         .into_iter()
+        .chain(tip_missed)
         .chain((cut > tolerance.max(seam)).then_some(torque_cut))
         .chain((seam > tolerance).then_some(wrap_around))
         .chain(is_long.then_some(Warning::LongWindow { rows, times }))
+        .chain(inexact_window(solution, tolerance))
         .chain(blocked_tip(mesh, spectrum, tolerance))
         .chain(near_nyquist(spectrum))
         .chain(above_mesh(mesh, spectrum, &solution.torque_amplitudes_n_m))
-        .chain((error > COARSE_MESH).then_some(Warning::CoarseMesh { error }))
+        .chain((error > COARSE).then_some(Warning::CoarseMesh { quantity, error }))
+        .chain(coarse_step(solution))
         .chain(large_deflection(solution))
+        .chain(thick_link(link, solution).map(Warning::ThickLink))
+        .chain(
+            fast_hub(solution)
+                .map(|FastHub { rate_rad_s, share }| Warning::FastHub { rate_rad_s, share }),
+        )
         .collect()
+}
+
+/// The worst of the quantities beside the torque, of which the torque's own warnings do not tell.
+fn inexact_window(solution: &Solution, tolerance: f64) -> Option<Warning> {
+    let mut shares = solution.accuracy.of_kind(|errors| errors.window);
+    // A torque that is cut off is cut off at the motor and along the link as well.
+    if shares.torque > tolerance {
+        (shares.motor_torque, shares.bending_moment) = (None, None);
+    }
+    shares.torque = 0.0;
+    let (quantity, share) = shares.worst();
+    (share > tolerance).then_some(Warning::InexactWindow { quantity, share, tolerance })
+}
+
+fn coarse_step(solution: &Solution) -> Option<Warning> {
+    let steps = solution.accuracy.of_kind(|errors| errors.step.unwrap_or(0.0));
+    let (quantity, share) = steps.worst();
+    (share > COARSE).then_some(Warning::CoarseStep { quantity, share })
 }
 
 fn large_deflection(solution: &Solution) -> Option<Warning> {
@@ -221,6 +336,9 @@ fn blocked_tip(mesh: &Mesh, spectrum: &TipSpectrum, tolerance: f64) -> Vec<Warni
 }
 
 fn near_nyquist(spectrum: &TipSpectrum) -> Option<Warning> {
+    if !spectrum.cutoff.keeps_all() {
+        return None;
+    }
     let magnitudes = &spectrum.magnitudes_m_s2;
     let from = magnitudes.len() * 4 / 5;
     let share = largest(&magnitudes[from..]) / spectrum.largest_m_s2;

@@ -19,7 +19,7 @@ impl Drive {
     ///
     /// # Errors
     /// [`ParameterError`] names the first value out of its range.
-    pub fn check(self) -> Result<Self, ParameterError> {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         let stiffness = self.joint_stiffness_n_m_rad;
         if stiffness.is_nan() || stiffness <= 0.0 {
             let must = "must be above 0; inf for a stiff joint";
@@ -27,8 +27,7 @@ impl Drive {
             return Err(ParameterError::new(parameter, stiffness, "N m/rad", must));
         }
         not_negative("drive.rotor_inertia", self.rotor_inertia_kg_m2, "kg m^2")?;
-        positive("drive.gear_ratio", self.gear_ratio, "")?;
-        Ok(self)
+        positive("drive.gear_ratio", self.gear_ratio, "")
     }
 }
 

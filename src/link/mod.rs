@@ -4,9 +4,11 @@
 //! refusal names the parameter by its dotted path, and whoever read the file adds the line.
 
 mod bodies;
+mod cross_section;
 mod damping;
 mod drive;
 mod error;
+mod large_deflection;
 mod section;
 mod segment;
 #[cfg(test)]
@@ -14,6 +16,7 @@ mod uniform;
 mod whole;
 
 pub use bodies::{Hub, LumpedMass, Payload};
+pub use cross_section::CrossSection;
 pub use damping::Damping;
 pub(crate) use damping::in_unit_interval;
 pub use drive::Drive;

@@ -73,6 +73,31 @@ impl Section {
         }
     }
 
+    /// Cowper's shear coefficient κ for the Poisson's ratio ν: the mean shear strain over the section is
+    /// Q/(κGA) (J. Applied Mechanics 33, 1966, table 1; of a box with thin walls).
+    pub fn shear_coefficient(&self, poisson_ratio: f64) -> f64 {
+        let nu = poisson_ratio;
+        match *self {
+            Self::Rectangle { .. } => 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu),
+            Self::Circle { .. } => 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu),
+            Self::Tube { diameter_m, wall_m } => {
+                let m = (1.0 - 2.0 * wall_m / diameter_m).powi(2);
+                let sum = (1.0 + m).powi(2);
+                6.0 * (1.0 + nu) * sum / ((7.0 + 6.0 * nu) * sum + (20.0 + 12.0 * nu) * m)
+            }
+            Self::Box { width_m, height_m, wall_m } => {
+                // Between the middles of the walls, which are of one thickness.
+                let n = (width_m - wall_m) / (height_m - wall_m);
+                let polynomial = |[a, b, c, d]: [f64; 4]| a + n * (b + n * (c + n * d));
+                let flanges = 10.0 * n * n * n * (3.0 + nu + 3.0 * n);
+                10.0 * (1.0 + nu) * (1.0 + 3.0 * n).powi(2)
+                    / (polynomial([12.0, 72.0, 150.0, 90.0])
+                        + nu * polynomial([11.0, 66.0, 135.0, 90.0])
+                        + flanges)
+            }
+        }
+    }
+
     /// Refuses dimensions that make no section, naming them below `parameter`.
     ///
     /// # Errors
@@ -126,6 +151,26 @@ mod tests {
         assert!((tube.second_moment_m4() / difference - 1.0).abs() < 1e-13);
         let area = PI / 4.0 * (0.03_f64.powi(2) - 0.026_f64.powi(2));
         assert!((tube.area_m2() / area - 1.0).abs() < 1e-13);
+    }
+
+    /// Cowper (1966), table 2: ν = 0.3 gives 0.850, 0.886, 0.531 and 0.436.
+    #[test]
+    fn shear_coefficients_are_those_of_cowpers_table() {
+        let thin = 1e-7;
+        for (section, expected) in [
+            (Section::Rectangle { width_m: 0.02, thickness_m: 0.3 }, 0.850),
+            (Section::Circle { diameter_m: 0.02 }, 0.886),
+            (Section::Tube { diameter_m: 0.02, wall_m: 0.02 * thin }, 0.531),
+            (Section::Box { width_m: 0.1, height_m: 0.1, wall_m: 0.1 * thin }, 0.436),
+        ] {
+            let found = section.shear_coefficient(0.3);
+            assert!((found - expected).abs() < 5e-4, "{section:?}: {found} is not {expected}");
+        }
+        // A tube without a hole is a circle.
+        let solid = Section::Tube { diameter_m: 0.02, wall_m: 0.01 - 1e-12 };
+        let circle = Section::Circle { diameter_m: 0.02 };
+        let difference = solid.shear_coefficient(0.3) - circle.shear_coefficient(0.3);
+        assert!(difference.abs() < 1e-9);
     }
 
     #[test]

@@ -1,3 +1,4 @@
+use super::cross_section::CrossSection;
 use super::error::{ParameterError, not_negative, positive};
 
 /// A property that varies linearly along a segment, from its inner to its outer end.
@@ -58,6 +59,8 @@ pub struct Segment {
     pub bending_stiffness_n_m2: Taper,
     /// Mass per length m̄ in kg/m, at least 0.
     pub mass_per_length_kg_m: Taper,
+    /// How thick it is, where that is known.
+    pub cross_section: Option<CrossSection>,
 }
 
 impl Segment {
@@ -71,7 +74,8 @@ impl Segment {
         [inner, outer].iter().try_for_each(|&ei| positive(&path("EI"), ei, "N m^2"))?;
         let Taper { inner, outer } = self.mass_per_length_kg_m;
         let masses = [inner, outer];
-        masses.iter().try_for_each(|&m| not_negative(&path("mass_per_length"), m, "kg/m"))
+        masses.iter().try_for_each(|&m| not_negative(&path("mass_per_length"), m, "kg/m"))?;
+        self.cross_section.map_or(Ok(()), |section| section.check(&path("section")))
     }
 }
 

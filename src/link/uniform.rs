@@ -12,6 +12,7 @@ pub(crate) fn uniform() -> LinkParts {
         masses: vec![],
         payload: Payload::default(),
         damping: Damping::None,
+        drive: None,
     }
 }
 
@@ -22,5 +23,6 @@ pub(crate) fn uniform_segment() -> Segment {
         length_m: 1.5,
         bending_stiffness_n_m2: Taper::constant(5.0),
         mass_per_length_kg_m: Taper::constant(0.8),
+        cross_section: None,
     }
 }

@@ -1,5 +1,5 @@
 use super::error::{ParameterError, not_negative};
-use super::{Damping, Hub, LumpedMass, Payload, Segment};
+use super::{Damping, Drive, Hub, LumpedMass, Payload, Segment};
 
 /// Positions closer than this share of the link's length are one: a sum of segment lengths is
 /// not always the decimal number that a user writes for `at`.
@@ -20,6 +20,8 @@ pub struct LinkParts {
     pub payload: Payload,
     /// The damping law.
     pub damping: Damping,
+    /// What sits between motor and hub, if anything does.
+    pub drive: Option<Drive>,
 }
 
 /// A valid link.
@@ -33,11 +35,13 @@ pub struct LinkParts {
 ///         length_m: 1.5,
 ///         bending_stiffness_n_m2: Taper::constant(5.0),
 ///         mass_per_length_kg_m: Taper::constant(0.8),
+///         cross_section: None,
 ///     }],
 ///     hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
 ///     masses: vec![],
 ///     payload: Payload::default(),
 ///     damping: Damping::Hysteretic { ratio: 0.02 },
+///     drive: None,
 /// })?;
 /// assert!((bayo.rigid_inertia_kg_m2() - 1.0).abs() < 1e-15);
 /// # Ok::<(), flexlink::link::ParameterError>(())
@@ -48,10 +52,6 @@ pub struct Link {
 }
 
 impl Link {
-    /// Tip deflection over length beyond which deflections are no longer small: a cantilever that a
-    /// tip force bends by a fifth of its length deflects some 4 % less than linear theory says.
-    pub const LARGE_DEFLECTION: f64 = 0.2;
-
     /// Checks every range and puts the lumped masses in order from the hub outward.
     ///
     /// # Errors
@@ -87,6 +87,7 @@ impl Link {
             return Err(ParameterError::new("payload.offset", offset_m, "m", "must be finite"));
         }
         parts.damping.check()?;
+        parts.drive.as_ref().map_or(Ok(()), Drive::check)?;
         link.check_movable()?;
         parts.masses.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
         Ok(Self { parts })
@@ -144,6 +145,11 @@ impl Link {
         &self.parts.damping
     }
 
+    /// What sits between motor and hub, if anything does.
+    pub fn drive(&self) -> Option<&Drive> {
+        self.parts.drive.as_ref()
+    }
+
     /// Distance L from the axis to the tip in m: hub radius and all segments.
     pub fn length_m(&self) -> f64 {
         let beam: f64 = self.parts.segments.iter().map(|s| s.length_m).sum();
@@ -192,6 +198,7 @@ mod tests {
             length_m,
             bending_stiffness_n_m2: Taper::constant(5.0),
             mass_per_length_kg_m: Taper::constant(0.8),
+            cross_section: None,
         };
         LinkParts {
             title: String::new(),
@@ -200,6 +207,7 @@ mod tests {
             masses: vec![],
             payload: Payload::default(),
             damping: Damping::None,
+            drive: None,
         }
     }
 

@@ -183,6 +183,7 @@ mod tests {
             length_m,
             bending_stiffness_n_m2: Taper { inner: stiffness, outer: 0.7 * stiffness },
             mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.6 },
+            cross_section: None,
         };
         let link = Link::new(LinkParts {
             title: String::new(),
@@ -191,6 +192,7 @@ mod tests {
             masses: vec![LumpedMass { at_m: 0.8, mass_kg: 0.3, inertia_kg_m2: 0.01 }],
             payload: Payload { mass_kg: 0.2, inertia_kg_m2: 0.002, offset_m: 0.03 },
             damping: Damping::None,
+            drive: None,
         })
         .unwrap();
         let plan = MeshPlan::new(&link, &[None; 2], Some(ElementCount::Total(elements)), 1e-6);

@@ -3,18 +3,22 @@
 
 mod basis;
 mod caughey;
+mod clamped;
 mod complete;
 mod frequencies;
 mod inertia;
 mod law;
 mod shape;
+mod thickness;
 mod zeros;
 
 pub use basis::ModalBasis;
 pub use caughey::CaugheySeries;
+pub use clamped::clamped_frequency_below;
 pub use complete::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES};
 pub use frequencies::{REPORTED_MODES, held_frequencies, modes_below, natural_frequencies};
 pub use inertia::{carries_rotary_inertia, flexible_modes, hub_moves_mass};
 pub use law::{DampingError, DampingLaw};
 pub use shape::{Mode, Shape, mode};
+pub use thickness::{LoweredMode, ThickLink, Thickness};
 pub use zeros::{REPORTED_ZEROS, real_frequency_zeros, torque_zeros};

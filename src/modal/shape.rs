@@ -23,6 +23,16 @@ pub struct Mode {
     pub shape: Shape,
 }
 
+/// Force and moment that an element carries.
+struct Resultants {
+    /// At its outer end.
+    outer: Vector2<f64>,
+    /// At its inner end.
+    inner: Vector2<f64>,
+    /// At its inner end, what is lumped there included.
+    with_lump: Vector2<f64>,
+}
+
 /// Shape at a natural frequency `omega_rad_s` > 0, from the recursion at λ = ω².
 pub fn mode(mesh: &Mesh, omega_rad_s: f64) -> Mode {
     let motion = driven_motion(mesh, omega_rad_s * omega_rad_s);
@@ -51,7 +61,7 @@ impl Shape {
     }
 
     /// Displacement and slope (v, φ) of a node.
-    fn total(&self, mesh: &Mesh, node: usize) -> Vector2<f64> {
+    pub(super) fn total(&self, mesh: &Mesh, node: usize) -> Vector2<f64> {
         let angle = self.hub_angle;
         self.deflections[node] + Vector2::new(mesh.nodes_m()[node] * angle, angle)
     }
@@ -95,19 +105,33 @@ impl Shape {
     /// shape as its acceleration: `∫ m̄ v (x − x_i) dx + …`.
     pub fn moments(&self, mesh: &Mesh) -> Vec<f64> {
         let last = self.deflections.len() - 1;
-        let mut outer = mesh.tip_inertia().matrix() * self.total(mesh, last);
         let mut moments = vec![0.0; last + 1];
-        moments[last] = outer[1];
+        moments[last] = (mesh.tip_inertia().matrix() * self.total(mesh, last))[1];
+        self.inward(mesh, |node, at| moments[node] = at.with_lump[1]);
+        moments
+    }
+
+    /// Shear force at the inner and the outer end of each element that gives what lies outboard this
+    /// shape as its acceleration: `∫ m̄ v dx + …`.
+    pub(super) fn shear_forces(&self, mesh: &Mesh) -> Vec<[f64; 2]> {
+        let mut forces = vec![[0.0; 2]; self.deflections.len() - 1];
+        self.inward(mesh, |node, at| forces[node] = [at.inner[0], at.outer[0]]);
+        forces
+    }
+
+    /// Force and moment from the tip inward, element by element.
+    fn inward(&self, mesh: &Mesh, mut each: impl FnMut(usize, &Resultants)) {
+        let last = self.deflections.len() - 1;
+        let mut outer = mesh.tip_inertia().matrix() * self.total(mesh, last);
         for (node, element) in mesh.relative_elements().iter().enumerate().rev() {
             let (u, d) = (self.total(mesh, node), self.deformation(mesh, node));
             let carried = Vector2::new(outer[0], outer[1] + element.length_m * outer[0]);
-            outer = element.m_uu * u + element.m_ud * d + carried;
-            if let Some(lumped) = mesh.lumped_inertia(node) {
-                outer += lumped.matrix() * u;
-            }
-            moments[node] = outer[1];
+            let inner = element.m_uu * u + element.m_ud * d + carried;
+            let lump = mesh.lumped_inertia(node).map(|lumped| lumped.matrix() * u);
+            let with_lump = lump.map_or(inner, |lump| inner + lump);
+            each(node, &Resultants { outer, inner, with_lump });
+            outer = with_lump;
         }
-        moments
     }
 
     /// `Σ factor · shape`, at least one of them.

@@ -28,3 +28,16 @@ pub struct TipHistories {
     /// The first sample that stands one period earlier.
     pub before: usize,
 }
+
+impl TipHistories {
+    /// Displacement in m at the far end of the rest before the motion.
+    pub fn start_m(&self) -> f64 {
+        self.displacement_m[self.before % self.displacement_m.len()]
+    }
+
+    /// Largest distance in m from there.
+    pub fn way_m(&self) -> f64 {
+        let start_m = self.start_m();
+        self.displacement_m.iter().fold(0.0, |most, at_m| most.max((at_m - start_m).abs()))
+    }
+}

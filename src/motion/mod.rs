@@ -2,8 +2,10 @@
 
 mod checks;
 mod columns;
+mod cutoff;
 mod error;
 mod histories;
+mod images;
 mod period;
 mod profile;
 mod scale;
@@ -14,8 +16,10 @@ mod tests;
 mod tip_motion;
 
 pub use columns::MotionColumns;
+pub use cutoff::{Cutoff, Shortfall};
 pub use error::{MotionColumn, MotionError};
 pub use histories::{TipHistories, TipMotionHistories};
+pub use images::{Images, TAIL_TERMS, TailTerms, tail_sum};
 pub use period::TipPeriod;
 pub use profile::Profile;
 pub use scale::MotionScale;

@@ -1,5 +1,6 @@
 use num_complex::Complex64;
 
+use super::cutoff::Cutoff;
 use super::histories::TipHistories;
 use super::tip_motion::{Source, TipMotion};
 use crate::numeric::{FourierPair, angular_frequency, largest, magnitude};
@@ -31,6 +32,8 @@ pub struct TipSpectrum {
     pub largest_m_s2: f64,
     /// The sample from which on samples stand for times before the trajectory; N where none do.
     pub seam: usize,
+    /// Up to which frequency the motion is followed.
+    pub cutoff: Cutoff,
 }
 
 impl TipSpectrum {
@@ -60,7 +63,21 @@ impl TipSpectrum {
             magnitudes_m_s2,
             largest_m_s2,
             seam,
+            cutoff: Cutoff::ALL,
         }
+    }
+
+    /// The same spectrum rolled off at a cut-off, nothing above it.
+    #[must_use]
+    pub fn up_to(self, cutoff: Cutoff) -> Self {
+        if cutoff.keeps_all() {
+            return self;
+        }
+        let weights = self.omegas_rad_s.iter().map(|omega| cutoff.weight(*omega));
+        let bins = self.acceleration_m_s2.iter().zip(weights);
+        let rolled_off = bins.map(|(a, weight)| a * weight).collect();
+        let Self { pair, step_s, seam, velocity_m_s, .. } = self;
+        Self { cutoff, ..Self::new(pair, step_s, seam, rolled_off, velocity_m_s[0].re) }
     }
 
     /// Period P in s.
@@ -121,14 +138,18 @@ impl TipMotion {
 
     /// The motion over the period of `spectrum`, which must be its own.
     ///
-    /// Given samples stay as they are; what was not given is the band-limited integral or
-    /// derivative. The displacement is a ramp of the mean velocity and a periodic rest, so that a
+    /// Where all frequencies are kept, given samples stay as they are; what was not given, and all of a
+    /// motion that is rolled off, is the band-limited integral or derivative. The displacement is a ramp of the mean velocity and a periodic rest, so that a
     /// step needs no periodic trick.
     pub fn histories(&self, spectrum: &TipSpectrum) -> TipHistories {
         let (len, given) = (spectrum.pair.len(), self.grid().len);
         let before = spectrum.seam;
         let velocity_m_s = spectrum.pair.samples(&spectrum.velocity_m_s);
         let (acceleration_m_s2, displacement_m) = match self.source() {
+            _ if !spectrum.cutoff.keeps_all() => {
+                let acceleration = spectrum.pair.samples(&spectrum.acceleration_m_s2);
+                (acceleration, self.integrated_displacement(spectrum, before))
+            }
             Source::Acceleration(samples) => {
                 let mut acceleration = samples.clone();
                 acceleration.resize(len, 0.0);

@@ -28,6 +28,17 @@ impl TimeGrid {
         self.origin_s + steps * self.step_s
     }
 
+    /// Where sample `k` stands in a period of `len` samples that begins at the origin.
+    pub(crate) fn in_period(&self, k: usize, len: usize) -> usize {
+        #[expect(
+            clippy::cast_possible_wrap,
+            clippy::cast_sign_loss,
+            reason = "samples stay far below 2^63, and the remainder is not negative"
+        )]
+        let number = (self.first + k as i64).rem_euclid(len as i64) as usize;
+        number
+    }
+
     /// Time of the last sample in s.
     pub fn end_s(&self) -> f64 {
         self.time_s(self.len.saturating_sub(1))

@@ -15,6 +15,7 @@ pub(super) fn link(viscous_friction_n_m_s_rad: f64) -> Link {
         length_m,
         bending_stiffness_n_m2: Taper::constant(stiffness),
         mass_per_length_kg_m: Taper::constant(0.8),
+        cross_section: None,
     };
     Link::new(LinkParts {
         title: "</script><script>alert(1)</script> & \"link\"".to_owned(),
@@ -23,6 +24,7 @@ pub(super) fn link(viscous_friction_n_m_s_rad: f64) -> Link {
         masses: vec![LumpedMass { at_m: 0.75, mass_kg: 0.05, inertia_kg_m2: 0.0 }],
         payload: Payload { mass_kg: 0.05, ..Payload::default() },
         damping: Damping::Hysteretic { ratio: 0.02 },
+        drive: None,
     })
     .unwrap()
 }
@@ -78,6 +80,10 @@ pub(super) fn run() -> StoredRun {
         moments_n_m: None,
         readings: vec![("peak_torque_n_m".to_owned(), metrics.peak_torque_n_m.value)],
         checks: vec![],
+        remarks: vec![StoredWarning {
+            message: "a density of <b>".to_owned(),
+            hint: "another unit".to_owned(),
+        }],
         warnings: vec![StoredWarning {
             message: "<em>bent".to_owned(),
             hint: "less & slower".to_owned(),

@@ -59,11 +59,7 @@ pub enum SimulationWarning {
         steps: f64,
     },
     /// More bending than the linear theory of small deflections holds for.
-    #[error(
-        "the tip deflects by {:.0} % of the link's length, beyond the small deflections that the \
-         method holds for",
-        100.0 * share
-    )]
+    #[error("{}", Link::large_deflection_words(*share))]
     LargeDeflection {
         /// Largest deflection of the tip from the hub's tangent line over the length.
         share: f64,

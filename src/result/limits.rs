@@ -35,6 +35,9 @@ pub struct Exceeded {
 }
 
 impl Exceeded {
+    /// Name of the kind of warning that it is, for machines.
+    pub const KIND: &'static str = "limit_exceeded";
+
     /// What the user can do about it.
     pub fn hint(&self) -> &'static str {
         "a slower motion, a stronger motor or a stiffer link"

@@ -7,6 +7,7 @@ mod limits;
 mod mesh_error;
 mod metrics;
 mod played;
+mod remark;
 mod repetition;
 mod stored;
 mod tip_error;
@@ -16,6 +17,7 @@ pub use limits::{Exceeded, Limits};
 pub use mesh_error::{BandMeshError, CoarseMesh, mesh_error, mesh_errors};
 pub use metrics::{Metrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;
+pub use remark::Remark;
 pub use repetition::{LineDifference, Repeated, RepeatedFile, line_difference};
 pub use stored::{
     Origin, StoredCheck, StoredInput, StoredNodes, StoredResult, StoredRun, StoredSolution,

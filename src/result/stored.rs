@@ -46,12 +46,14 @@ pub struct StoredRun {
     pub checks: Vec<StoredCheck>,
     /// What the user must know.
     pub warnings: Vec<StoredWarning>,
+    /// What is possible but rare.
+    pub remarks: Vec<StoredWarning>,
 }
 
 /// Who made a result, from what.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Origin {
-    /// The command: `solve` or `simulate`.
+    /// The command: `solve`, `simulate` or `sweep`.
     pub command: String,
     /// Version of the program that made it.
     pub version: String,
@@ -137,6 +139,8 @@ pub struct StoredWarning {
 pub struct StoredSweep {
     /// Name of the file.
     pub name: String,
+    /// What the sweep was made of; none where no record lies beside the table.
+    pub origin: Option<Origin>,
     /// Columns that head the values varied, the first ones of the table.
     pub varied: usize,
     /// All of it: a row a case.

@@ -6,7 +6,7 @@ use super::quantity::{Quantity, Real, Unbounded};
 use super::raw::{
     RawAnalysis, RawDrive, RawHub, RawLimits, RawMass, RawMesh, RawPayload, RawSpecification,
 };
-use super::segment::segment;
+use super::segment::{remarks, segment};
 use crate::beam::{ElementCount, MeshPlan};
 use crate::inverse::Analysis;
 use crate::link::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload};
@@ -20,6 +20,7 @@ pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
     }
     let own_elements = raw.segments.iter().map(|s| s.elements.map(|count| count.0));
     let own_elements: Vec<Option<usize>> = own_elements.collect();
+    let remarks = remarks(&raw.segments)?;
     let segments = raw.segments.into_iter().enumerate();
     let masses = raw.masses.iter().enumerate();
     let link = Link::new(LinkParts {
@@ -29,11 +30,11 @@ pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
         masses: masses.map(|(index, raw)| lumped_mass(index, raw)).collect::<Result<_, _>>()?,
         payload: payload(&raw.payload)?,
         damping: raw.damping.as_ref().map_or(Ok(Damping::None), damping)?,
+        drive: raw.drive.as_ref().map(drive).transpose()?,
     })?;
     let mesh = mesh(&link, &own_elements, &raw.mesh)?;
     let analysis = analysis(&raw.analysis)?;
-    let drive = raw.drive.as_ref().map(drive).transpose()?;
-    Ok(Specification { link, mesh, analysis, drive, limits: limits(&raw.limits)? })
+    Ok(Specification { link, mesh, analysis, limits: limits(&raw.limits)?, remarks })
 }
 
 fn hub(raw: &RawHub) -> Result<Hub, Fault> {
@@ -71,14 +72,13 @@ fn drive(raw: &RawDrive) -> Result<Drive, Fault> {
         .joint_stiffness
         .as_ref()
         .map(|Unbounded(value)| value.si("drive.joint_stiffness", Dimension::TORQUE));
-    let drive = Drive {
+    Ok(Drive {
         joint_stiffness_n_m_rad: stiffness.unwrap_or(Ok(f64::INFINITY))?,
         rotor_inertia_kg_m2: raw
             .rotor_inertia
             .si("drive.rotor_inertia", Dimension::ROTARY_INERTIA)?,
         gear_ratio: raw.gear_ratio.map_or(1.0, |Real(ratio)| ratio),
-    };
-    Ok(drive.check()?)
+    })
 }
 
 fn limits(raw: &RawLimits) -> Result<Limits, Fault> {
@@ -114,7 +114,8 @@ fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {
     let Real(tolerance) = raw.tolerance.unwrap_or(Real(Analysis::DEFAULT_TOLERANCE));
     let lead_s = time("analysis.lead", &raw.lead)?;
     let lag_s = time("analysis.lag", &raw.lag)?;
-    let analysis = Analysis::new(tolerance, lead_s, lag_s)?;
+    let Real(tip) = raw.tip_tolerance.unwrap_or(Real(Analysis::DEFAULT_TIP_TOLERANCE));
+    let analysis = Analysis::new(tolerance, lead_s, lag_s)?.with_tip_tolerance(tip)?;
     match raw.modes {
         Some(Count(modes)) => Ok(analysis.keeping_modes(modes)?),
         None => Ok(analysis),

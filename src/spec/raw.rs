@@ -226,9 +226,9 @@ pub(super) struct RawLimits {
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawMesh {
     /// Elements of the whole link, or "auto", the default where a segment has no number of its own:
-    /// refined until the torque is exact to tolerance.
+    /// refined until all that is written is exact to tolerance.
     pub(super) elements: Option<Elements>,
-    /// Share of the peak torque that "auto" may cost, 1e-12 to 0.1.
+    /// Share of its peak that "auto" may cost every quantity, 1e-12 to 0.1.
     #[schemars(transform = within(1e-12, 0.1), extend("default" = 1e-6))]
     pub(super) tolerance: Option<Real>,
 }
@@ -237,9 +237,13 @@ pub(super) struct RawMesh {
 #[derive(Debug, Default, Derived, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawAnalysis {
-    /// Share of the peak torque that padding and wrap-around may cost, 1e-12 to 1e-2.
+    /// Share of its peak that padding and wrap-around may cost every quantity, 1e-12 to 1e-2.
     #[schemars(transform = within(1e-12, 1e-2), extend("default" = 1e-6))]
     pub(super) tolerance: Option<Real>,
+    /// Share of its way that the tip may stray from the wanted motion, 1e-12 to 0.1: no frequency is
+    /// solved that this does not need. 0: every frequency of the samples.
+    #[schemars(transform = within(0.0, 0.1), extend("default" = 1e-6))]
+    pub(super) tip_tolerance: Option<Real>,
     /// Time added before the trajectory's first sample; by default until the torque falls below
     /// tolerance there.
     #[schemars(transform = quantity(Dimension::TIME, Range::AtLeastZero))]

@@ -2,8 +2,9 @@ use super::error::{Fault, listed};
 use super::quantity::{Quantity, Tapered, positive};
 use super::raw::RawSegment;
 use super::section::section;
-use crate::link::{ParameterError, Section, Segment, Taper};
+use crate::link::{CrossSection, ParameterError, Section, Segment, Taper};
 use crate::numeric::Dimension;
+use crate::result::Remark;
 
 /// A segment, its stiffness and its mass each given in exactly one way.
 pub(super) fn segment(index: usize, raw: RawSegment) -> Result<Segment, Fault> {
@@ -29,12 +30,57 @@ pub(super) fn segment(index: usize, raw: RawSegment) -> Result<Segment, Fault> {
         let message = format!("{section_path} is given, but {must}");
         return Err(Fault::new(section_path, message));
     }
+    let cross_section = cross_section(&at, section.as_ref(), &stiffness_way, &mass_way)?;
     Ok(Segment {
         name: raw.name,
         length_m,
         bending_stiffness_n_m2: stiffness(&at, &stiffness_way)?,
         mass_per_length_kg_m: mass_per_length(&at, &mass_way)?,
+        cross_section,
     })
+}
+
+/// What there is to say about the materials of segments.
+pub(super) fn remarks(segments: &[RawSegment]) -> Result<Vec<Remark>, Fault> {
+    let mut remarks = Vec::new();
+    for (index, raw) in segments.iter().enumerate() {
+        if let Some(modulus) = &raw.modulus {
+            let path = format!("segments.{index}.E");
+            remarks.extend(Remark::on_modulus(&path, modulus.si(&path, Dimension::PRESSURE)?));
+        }
+        if let Some(density) = &raw.density {
+            let path = format!("segments.{index}.density");
+            remarks.extend(Remark::on_density(&path, density.si(&path, Dimension::DENSITY)?));
+        }
+    }
+    Ok(remarks)
+}
+
+/// How thick the segment is, by its section, or by I and area where both are given.
+fn cross_section(
+    at: &str,
+    section: Option<&Section>,
+    stiffness: &Way<'_>,
+    mass: &Way<'_>,
+) -> Result<Option<CrossSection>, Fault> {
+    match (section, stiffness, mass) {
+        (Some(section), _, _) => Ok(Some(CrossSection::of(section))),
+        (None, Way::Shape(_, i), Way::Shape(_, area)) => {
+            let (i_m4, area_m2) = (second_moment_m4(at, i)?, area_m2(at, area)?);
+            Ok(Some(CrossSection::of_moment_and_area(i_m4, area_m2)))
+        }
+        _ => Ok(None),
+    }
+}
+
+fn second_moment_m4(at: &str, i: &Tapered) -> Result<Taper, Fault> {
+    let path = format!("{at}.I");
+    positive(&path, i.si(&path, Dimension::SECOND_MOMENT)?, "m^4")
+}
+
+fn area_m2(at: &str, area: &Tapered) -> Result<Taper, Fault> {
+    let path = format!("{at}.area");
+    positive(&path, area.si(&path, Dimension::AREA)?, "m^2")
 }
 
 fn stiffness(at: &str, way: &Way<'_>) -> Result<Taper, Fault> {
@@ -48,11 +94,7 @@ fn stiffness(at: &str, way: &Way<'_>) -> Result<Taper, Fault> {
             let path = format!("{at}.EI");
             positive(&path, ei.si(&path, Dimension::BENDING_STIFFNESS)?, "N m^2")
         }
-        Way::Shape(e, i) => {
-            let path = format!("{at}.I");
-            let i_m4 = positive(&path, i.si(&path, Dimension::SECOND_MOMENT)?, "m^4")?;
-            Ok(i_m4.scaled(modulus(e)?))
-        }
+        Way::Shape(e, i) => Ok(second_moment_m4(at, i)?.scaled(modulus(e)?)),
         Way::Section(e, section) => {
             Ok(Taper::constant(section.second_moment_m4()).scaled(modulus(e)?))
         }
@@ -71,11 +113,7 @@ fn mass_per_length(at: &str, way: &Way<'_>) -> Result<Taper, Fault> {
     };
     match way {
         Way::Whole(mass) => mass.si(&format!("{at}.mass_per_length"), Dimension::MASS_PER_LENGTH),
-        Way::Shape(rho, area) => {
-            let path = format!("{at}.area");
-            let area_m2 = positive(&path, area.si(&path, Dimension::AREA)?, "m^2")?;
-            Ok(area_m2.scaled(density(rho)?))
-        }
+        Way::Shape(rho, area) => Ok(area_m2(at, area)?.scaled(density(rho)?)),
         Way::Section(rho, section) => Ok(Taper::constant(section.area_m2()).scaled(density(rho)?)),
     }
 }

@@ -8,8 +8,8 @@ use super::tree::{Kind, Node, Place};
 use super::{Override, SpecError};
 use crate::beam::MeshPlan;
 use crate::inverse::Analysis;
-use crate::link::{Drive, Link};
-use crate::result::Limits;
+use crate::link::Link;
+use crate::result::{Limits, Remark};
 
 /// What a link file says, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,10 +20,10 @@ pub struct Specification {
     pub mesh: MeshPlan,
     /// How exact the answer must be, around which time, of which modes.
     pub analysis: Analysis,
-    /// What sits between motor and hub, where the file says so.
-    pub drive: Option<Drive>,
     /// What link and motor stand.
     pub limits: Limits,
+    /// What of the file is possible but rare, and often a slip of units.
+    pub remarks: Vec<Remark>,
 }
 
 /// Reads the text of a link file and applies the `overrides` in their order.

@@ -122,8 +122,7 @@ impl SweepPlan {
 /// The factor that a variation multiplies with, if it does.
 fn factor(variation: &Variation, number: usize) -> Option<f64> {
     let factor = variation.values()[number].parse().ok().filter(|x: &f64| x.is_finite());
-    let plain = variation.heading() == variation.path();
-    factor.filter(|_| plain && variation.operation() == Operation::Multiply)
+    factor.filter(|_| !variation.has_unit() && variation.operation() == Operation::Multiply)
 }
 
 #[cfg(test)]

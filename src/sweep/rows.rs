@@ -12,6 +12,8 @@ pub struct SolvedCase {
     pub zero_per_s: Option<f64>,
     /// What a person reads first.
     pub metrics: Metrics,
+    /// Frequency in Hz up to which the tip's motion is followed.
+    pub band_hz: f64,
     /// How exact it is.
     pub accuracy: Accuracy,
 }
@@ -23,6 +25,7 @@ impl SolvedCase {
             period_s: first_period_s(&solution.natural_frequencies_rad_s(1)),
             zero_per_s: solution.first_zero_per_s,
             metrics: Metrics::of(solution),
+            band_hz: solution.band.cutoff_hz.unwrap_or(solution.band.highest_hz),
             accuracy: solution.accuracy,
         }
     }

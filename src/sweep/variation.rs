@@ -85,13 +85,17 @@ impl Variation {
         unquoted(&self.values[number])
     }
 
-    /// The path, and the unit of the values in brackets where they share one.
+    /// The path, with `*` behind it where the values are factors, and the unit of the values in
+    /// brackets where they share one.
     pub fn heading(&self) -> String {
-        if self.unit.is_empty() {
-            self.path.clone()
-        } else {
-            format!("{} [{}]", self.path, self.unit)
-        }
+        let factor = if self.operation == Operation::Multiply { "*" } else { "" };
+        let Self { path, unit, .. } = self;
+        if unit.is_empty() { format!("{path}{factor}") } else { format!("{path}{factor} [{unit}]") }
+    }
+
+    /// Whether the values have a unit that all of them share.
+    pub(super) fn has_unit(&self) -> bool {
+        !self.unit.is_empty()
     }
 
     /// The change of the link file that the value of this number asks for, as `--set` reads it.
@@ -229,7 +233,10 @@ mod tests {
         assert_eq!((mixed.heading().as_str(), mixed.shown(0)), ("payload.mass", "10 g"));
         let factor = read("segments.*.EI *= 1,4");
         assert_eq!((factor.path(), factor.operation()), ("segments.*.EI", Operation::Multiply));
-        assert_eq!(factor.heading(), "segments.*.EI");
+        assert_eq!(factor.heading(), "segments.*.EI*");
+        let replaced =
+            ["hub.inertia=1,2", "hub.inertia*=1,2", "distance*=1,2"].map(|t| read(t).heading());
+        assert_eq!(replaced, ["hub.inertia", "hub.inertia*", "distance*"]);
     }
 
     #[test]

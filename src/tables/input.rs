@@ -114,8 +114,13 @@ impl InputFile {
 
     /// SHA-256 of the bytes, in hexadecimal.
     pub fn sha256(&self) -> String {
-        hexadecimal(&Sha256::digest(&self.bytes))
+        sha256(&self.bytes)
     }
+}
+
+/// SHA-256 of bytes, in hexadecimal.
+pub(super) fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
 }
 
 /// Reads all of an input, expected to hold `len` bytes, but no line and no content beyond bounds: what
@@ -157,7 +162,7 @@ fn read_whole(mut input: impl Read, len: u64, most: u64) -> io::Result<Vec<u8>> 
 }
 
 /// Bytes as text, two digits each.
-pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+fn hexadecimal(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(2 * bytes.len());
     for byte in bytes {
         // Writing to a string cannot fail.

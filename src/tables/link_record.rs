@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::link::{Damping, Link, Taper};
+use crate::link::{Damping, Drive, Link, Taper};
 use crate::modal::DampingLaw;
 
 /// The link in SI, keyed as in its file, for summary.json.
@@ -55,6 +55,14 @@ pub(super) enum DampingRecord {
     Caughey { modes: Vec<usize>, ratios: Vec<f64> },
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct DriveRecord {
+    /// Nothing for a stiff joint: JSON has no infinity.
+    pub(super) joint_stiffness_n_m_rad: Option<f64>,
+    pub(super) rotor_inertia_kg_m2: f64,
+    pub(super) gear_ratio: f64,
+}
+
 impl LinkRecord {
     pub(super) fn new(link: &Link, law: &DampingLaw) -> Self {
         let ends = |taper: Taper| [taper.inner, taper.outer];
@@ -86,6 +94,17 @@ impl LinkRecord {
                 offset_m: payload.offset_m,
             },
             damping: DampingRecord::of(link.damping(), law),
+        }
+    }
+}
+
+impl DriveRecord {
+    pub(super) fn of(drive: &Drive) -> Self {
+        let stiffness = drive.joint_stiffness_n_m_rad;
+        Self {
+            joint_stiffness_n_m_rad: Some(stiffness).filter(|k| k.is_finite()),
+            rotor_inertia_kg_m2: drive.rotor_inertia_kg_m2,
+            gear_ratio: drive.gear_ratio,
         }
     }
 }

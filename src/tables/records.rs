@@ -86,6 +86,14 @@ pub(super) fn json(summary: &impl Serialize) -> String {
     without_controls(text)
 }
 
+/// The JSON text of a record on one line, without a line end.
+///
+/// # Panics
+/// Never, as [`json`].
+pub(super) fn json_line(record: &impl Serialize) -> String {
+    without_controls(serde_json::to_string(record).expect("plain records are JSON"))
+}
+
 /// JSON lets U+007F to U+009F stand as they are, which terminals obey; they can only be in strings.
 fn without_controls(text: String) -> String {
     let is_bare = |letter: char| letter.is_control() && letter != '\n';

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::input::InputFile;
+use super::json_record::FORMAT;
 use super::link_record::LinkRecord;
 use super::records::{Fingerprint, MeshRecord, WarningRecord, json};
 use crate::link::Link;
@@ -32,6 +33,7 @@ pub struct SimulationInputs<'a> {
 /// The content of summary.json, in the order of its keys.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimulationSummary {
+    format: u32,
     flexlink: &'static str,
     command: &'static str,
     title: String,
@@ -138,6 +140,7 @@ impl SimulationSummary {
     ) -> Self {
         let frequencies = &simulation.natural_frequencies_rad_s;
         Self {
+            format: FORMAT,
             flexlink: env!("CARGO_PKG_VERSION"),
             command: "simulate",
             title: inputs.link.title().to_owned(),

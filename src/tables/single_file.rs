@@ -70,7 +70,7 @@ fn followed(path: &Path) -> PathBuf {
 }
 
 /// Whether a path names a device, a pipe or a file that this process has open.
-fn is_stream(path: &Path) -> bool {
+pub(super) fn is_stream(path: &Path) -> bool {
     let open = ["/dev/fd", "/dev/stdout", "/dev/stderr", "/proc/self/fd"];
     let is_open = open.iter().any(|name| path.starts_with(name));
     is_open || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())

@@ -8,7 +8,7 @@ use super::histories::{MOTOR, REPORT, RESULT_FILES, SUMMARY, group, tip_groups, 
 use super::number::Digits;
 use super::summary::Summary;
 use crate::inverse::{MotorHistories, NodalTable, Solution, Watch};
-use crate::link::{Drive, Link};
+use crate::link::Link;
 
 /// Which results to write, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,8 +19,6 @@ pub struct SolveOutputs {
     pub every: usize,
     /// Tables beyond those that are always written.
     pub optional: Vec<OptionalTable>,
-    /// The drive whose motor.csv to write, if there is one.
-    pub drive: Option<Drive>,
     /// Digits of all numbers.
     pub digits: Digits,
 }
@@ -44,12 +42,12 @@ impl OptionalTable {
 }
 
 impl SolveOutputs {
-    /// Names of the files that will be written, summary.json last.
-    pub fn file_names(&self) -> Vec<&'static str> {
+    /// Names of the files that will be written of a link, summary.json last.
+    pub fn file_names(&self, link: &Link) -> Vec<&'static str> {
         let optional = [OptionalTable::NodalDeflections, OptionalTable::BendingMoments];
         let wanted = |name: &&str| {
             let table = optional.into_iter().find(|table| table.file_name() == *name);
-            let is_driven = *name != MOTOR || self.drive.is_some();
+            let is_driven = *name != MOTOR || link.drive().is_some();
             is_driven && *name != REPORT && table.is_none_or(|table| self.optional.contains(&table))
         };
         RESULT_FILES.into_iter().filter(wanted).chain([SUMMARY]).collect()
@@ -70,7 +68,7 @@ impl SolveOutputs {
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
         // Alone, because these histories are made for their table only, and then dropped.
-        if let Some(motor) = self.drive.map(|drive| solution.motor(&drive)) {
+        if let Some(motor) = solution.motor() {
             let (time, groups) = (solution.grid.thinned(1), motor_groups(&motor));
             folder.file(MOTOR, |out| write_csv(out, &time, &groups, self.digits))?;
         }

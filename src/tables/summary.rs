@@ -3,13 +3,14 @@
 use serde::Serialize;
 
 use super::input::InputFile;
-use super::link_record::LinkRecord;
+use super::json_record::FORMAT;
+use super::link_record::{DriveRecord, LinkRecord};
 use super::records::{CheckRecord, Fingerprint, MeshRecord, WarningRecord, json};
-use crate::inverse::{Analysis, Solution};
-use crate::link::{Drive, Link};
+use crate::inverse::{Accuracy, Analysis, QuantityErrors, Solution};
+use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
-use crate::result::{Exceeded, Metrics};
+use crate::result::{Exceeded, Metrics, Remark};
 use crate::verification::Verification;
 
 /// What a run was given.
@@ -25,18 +26,19 @@ pub struct RunInputs<'a> {
     pub motion: &'a TipMotion,
     /// How exact the answer was to be.
     pub analysis: &'a Analysis,
-    /// What sits between motor and hub, if anything does.
-    pub drive: Option<&'a Drive>,
     /// The arguments that shape the results beside the files, in order, as the program takes them:
     /// `--set`, `payload.mass=0`.
     pub arguments: &'a [String],
     /// What verifying the answer gave, if it was verified.
     pub verification: Option<&'a Verification>,
+    /// What is possible but rare in link and motion.
+    pub remarks: &'a [Remark],
 }
 
 /// The content of summary.json, in the order of its keys.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
+    format: u32,
     flexlink: &'static str,
     command: &'static str,
     title: String,
@@ -54,6 +56,7 @@ pub struct Summary {
     errors: Errors,
     verification: Option<Vec<CheckRecord>>,
     warnings: Vec<WarningRecord>,
+    remarks: Vec<WarningRecord>,
     files: Vec<&'static str>,
 }
 
@@ -62,14 +65,6 @@ struct Inputs {
     link: Fingerprint,
     motion: Fingerprint,
     arguments: Vec<String>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct DriveRecord {
-    /// Nothing for a stiff joint: JSON has no infinity.
-    joint_stiffness_n_m_rad: Option<f64>,
-    rotor_inertia_kg_m2: f64,
-    gear_ratio: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -88,6 +83,9 @@ struct MotionRecord {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct AnalysisRecord {
     tolerance: f64,
+    tip_tolerance: f64,
+    /// Nothing where every frequency of the samples is solved for.
+    band_hz: Option<f64>,
     /// Nothing where all modes are kept.
     modes: Option<usize>,
     period_s: f64,
@@ -117,12 +115,24 @@ struct Results {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[expect(clippy::struct_field_names, reason = "the names are keys of the file")]
 struct Errors {
-    mesh_error: f64,
-    edge_error: f64,
-    /// Nothing where all modes are kept.
-    truncation_error: Option<f64>,
+    tip: f64,
+    torque: QuantityRecord,
+    hub_angle: QuantityRecord,
+    displacement: QuantityRecord,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bending_moment: Option<QuantityRecord>,
+    motor_torque: Option<QuantityRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct QuantityRecord {
+    mesh: f64,
+    window: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    modes: Option<f64>,
 }
 
 impl Summary {
@@ -138,6 +148,7 @@ impl Summary {
         let hertz = |omega: &f64| omega / std::f64::consts::TAU;
         let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         Self {
+            format: FORMAT,
             flexlink: env!("CARGO_PKG_VERSION"),
             command: "solve",
             title: inputs.link.title().to_owned(),
@@ -147,7 +158,7 @@ impl Summary {
                 arguments: inputs.arguments.to_vec(),
             },
             link: LinkRecord::new(inputs.link, solution.law()),
-            drive: inputs.drive.map(DriveRecord::of),
+            drive: inputs.link.drive().map(DriveRecord::of),
             mesh: MeshRecord::of(solution.mesh()),
             motion: MotionRecord::new(inputs.motion, metrics),
             periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
@@ -156,13 +167,10 @@ impl Summary {
             zeros_per_s: solution.zeros_per_s(REPORTED_ZEROS),
             analysis: AnalysisRecord::new(inputs.analysis, solution),
             results: Results::new(metrics),
-            errors: Errors {
-                mesh_error: solution.accuracy.mesh_error,
-                edge_error: solution.accuracy.edge_error,
-                truncation_error: solution.accuracy.truncation_error,
-            },
+            errors: Errors::of(&solution.accuracy),
             verification: inputs.verification.map(CheckRecord::all),
             warnings: warnings(solution, exceeded),
+            remarks: inputs.remarks.iter().map(remark).collect(),
             files,
         }
     }
@@ -176,6 +184,14 @@ impl Summary {
     }
 }
 
+fn remark(remark: &Remark) -> WarningRecord {
+    WarningRecord {
+        kind: remark.kind().into(),
+        message: remark.to_string(),
+        hint: remark.hint().into(),
+    }
+}
+
 fn warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<WarningRecord> {
     let record = |warning: &crate::inverse::Warning| WarningRecord {
         kind: warning.kind().into(),
@@ -183,22 +199,11 @@ fn warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<WarningRecord> {
         hint: warning.hint().into(),
     };
     let limit = |exceeded: &Exceeded| WarningRecord {
-        kind: "limit_exceeded".into(),
+        kind: Exceeded::KIND.into(),
         message: exceeded.to_string(),
         hint: exceeded.hint().into(),
     };
     solution.warnings.iter().map(record).chain(exceeded.iter().map(limit)).collect()
-}
-
-impl DriveRecord {
-    fn of(drive: &Drive) -> Self {
-        let stiffness = drive.joint_stiffness_n_m_rad;
-        Self {
-            joint_stiffness_n_m_rad: Some(stiffness).filter(|k| k.is_finite()),
-            rotor_inertia_kg_m2: drive.rotor_inertia_kg_m2,
-            gear_ratio: drive.gear_ratio,
-        }
-    }
 }
 
 impl MotionRecord {
@@ -223,6 +228,8 @@ impl AnalysisRecord {
         let (band, grid) = (&solution.band, &solution.grid);
         Self {
             tolerance: analysis.tolerance(),
+            tip_tolerance: analysis.tip_tolerance(),
+            band_hz: band.cutoff_hz,
             modes: analysis.modes(),
             period_s: band.period_s,
             fft_length: band.fft_length,
@@ -232,6 +239,24 @@ impl AnalysisRecord {
             window_start_s: grid.time_s(0),
             window_end_s: grid.time_s(grid.len - 1),
             rows: grid.len,
+        }
+    }
+}
+
+impl Errors {
+    fn of(accuracy: &Accuracy) -> Self {
+        let record = |errors: QuantityErrors| {
+            let QuantityErrors { mesh, window, step, modes } = errors;
+            QuantityRecord { mesh, window, step, modes }
+        };
+        let errors = &accuracy.errors;
+        Self {
+            tip: accuracy.tip,
+            torque: record(errors.torque),
+            hub_angle: record(errors.hub_angle),
+            displacement: record(errors.displacement),
+            bending_moment: errors.bending_moment.map(record),
+            motor_torque: errors.motor_torque.map(record),
         }
     }
 }

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use same_file::Handle;
 
 use super::folder::{Durability, FolderAction, FolderError};
-use super::single_file::{folder_of, write_file_with};
+use super::single_file::folder_of;
 use super::sweep_identity::SweepIdentity;
+use super::sweep_record::write_sweep;
 use super::sweep_rows::SweepRows;
-use super::table_error::{Place, TableError};
+use super::table_error::{Place, TableError, quoted};
 
 /// The file of a sweep while its rows come: `sweep.csv.part` beside `sweep.csv`.
 ///
@@ -41,7 +42,7 @@ impl SweepFile {
     /// [`FolderError`] if it cannot be written, or another run is writing it.
     pub fn begin(path: &Path, identity: SweepIdentity, header: &str) -> Result<Self, FolderError> {
         let mut file = Self::open(path, identity)?;
-        let first = format!("{}\n{header}", file.identity);
+        let first = file.identity.line() + header;
         let begun = file.file.set_len(0);
         begun.map_err(|cause| file.error(cause))?;
         file.append(&first)?;
@@ -83,11 +84,8 @@ impl SweepFile {
             Ok(there) => there,
             Err(error) => return Ok(Err(refused(error))),
         };
-        if there.identity != identity || there.header != header.trim_end() {
-            let found = format!("\"{}\"", there.identity);
-            let must = "must be that of this sweep: files, options, values and version";
-            let place = Place { file: &name, line: Some(1) };
-            return Ok(Err(refused(place.refuse("sweep", found, must))));
+        if let Err(error) = check_same(&there, &identity, header) {
+            return Ok(Err(refused(error)));
         }
         Ok(Ok(match file.take() {
             Some(mut file) => {
@@ -99,11 +97,12 @@ impl SweepFile {
         }))
     }
 
-    /// Rows that an interrupted run left for the file at `path`.
+    /// Rows that an interrupted run left for the file at `path`, whole ones.
     pub fn left(path: &Path) -> usize {
-        let name = part_of(path);
-        let rows = fs::read(name).ok().and_then(|bytes| SweepRows::read("", &bytes).ok());
-        rows.map_or(0, |rows| rows.len())
+        let bytes = fs::read(part_of(path)).unwrap_or_default();
+        let lines = bytes.split_inclusive(|byte| *byte == b'\n');
+        let lines = lines.filter(|line| line.ends_with(b"\n")).count();
+        if bytes.starts_with(b"# flexlink ") { lines.saturating_sub(2) } else { 0 }
     }
 
     /// Appends whole rows, at once: a case may have taken hours.
@@ -114,7 +113,8 @@ impl SweepFile {
         self.file.write_all(rows.as_bytes()).map_err(|cause| self.error(cause))
     }
 
-    /// Gives the file its own name; of a whole sweep only the table is left.
+    /// Gives the file its own name, and lays its record beside it; of a whole sweep only the table is
+    /// left.
     ///
     /// # Errors
     /// [`FolderError`] if it cannot be written.
@@ -122,7 +122,7 @@ impl SweepFile {
         let rows = fs::read(&self.part).map_err(|cause| self.error(cause))?;
         let first = rows.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let table = if self.identity.shard().of() > 1 { &rows[..] } else { &rows[first..] };
-        write_file_with(&self.path, table, durability)?;
+        write_sweep(&self.path, table, &self.identity, durability)?;
         // The lock is held until the part is gone: no other run may take what is no part any more.
         fs::remove_file(&self.part).map_err(|cause| self.error(cause))
     }
@@ -177,6 +177,25 @@ impl SweepFile {
     }
 }
 
+/// Refuses rows of another sweep, or of another share of it.
+fn check_same(there: &SweepRows, own: &SweepIdentity, header: &str) -> Result<(), TableError> {
+    let place = Place { file: &there.name, line: Some(1) };
+    there.identity.check_same(own, place, "this sweep has it")?;
+    let (found, must) = (there.identity.shard(), own.shard());
+    if found != must {
+        return Err(place.refuse("shard", found.to_string(), format!("must be {must}")));
+    }
+    if there.header != header.trim_end() {
+        let must = format!("must be {}", quoted(header.trim_end()));
+        return Err(Place { line: Some(2), ..place }.refuse(
+            "columns",
+            quoted(&there.header),
+            must,
+        ));
+    }
+    Ok(())
+}
+
 fn part_of(path: &Path) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(".part");
@@ -191,14 +210,13 @@ fn error(path: &Path, cause: io::Error) -> FolderError {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sweep_identity::identity_of;
     use super::*;
-    use crate::sweep::{Shard, SweepPlan};
 
-    const HEADER: &str = "a,b\n";
+    const HEADER: &str = "x,warnings,error\n";
 
     fn identity(values: &str, shard: &str) -> SweepIdentity {
-        let plan = SweepPlan::new(vec![format!("x={values}").parse().unwrap()]).unwrap();
-        SweepIdentity::new(&[], &[], &plan, shard.parse::<Shard>().unwrap())
+        identity_of("link", &[], &format!("x={values}"), shard)
     }
 
     #[track_caller]
@@ -210,22 +228,29 @@ mod tests {
         }
     }
 
+    #[track_caller]
+    fn refusal(path: &Path, identity: SweepIdentity) -> (String, String) {
+        let error = SweepFile::resume(path, identity, HEADER).unwrap().unwrap_err();
+        (error.to_string(), error.hint().unwrap().to_owned())
+    }
+
     #[test]
     fn rows_stay_aside_until_the_last_and_go_on_after_an_interruption() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("new/sweep.csv");
         let mut file = SweepFile::begin(&path, identity("1,2,3", "1/1"), HEADER).unwrap();
-        file.append("1,1\n").unwrap();
+        file.append("1,,\n").unwrap();
         file.append("2,").unwrap();
         drop(file);
         assert!(!path.exists());
+        assert_eq!(SweepFile::left(&path), 1);
 
         let (mut file, rows) = resumed(&path, identity("1,2,3", "1/1"));
         assert_eq!(rows, 1, "the second row was cut off in writing");
-        file.append("2,2\n3,3\n").unwrap();
+        file.append("2,,\n3,,\n").unwrap();
         file.finish(Durability::InMemory).unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), "a,b\n1,1\n2,2\n3,3\n");
-        assert!(!part_of(&path).exists());
+        assert_eq!(fs::read_to_string(&path).unwrap(), "x,warnings,error\n1,,\n2,,\n3,,\n");
+        assert!(!part_of(&path).exists() && path.with_extension("json").exists());
     }
 
     #[test]
@@ -234,14 +259,17 @@ mod tests {
         let path = folder.path().join("s.csv");
         let own = identity("1,2,3", "2/2");
         let mut file = SweepFile::begin(&path, own.clone(), HEADER).unwrap();
-        file.append("2,2\n").unwrap();
+        file.append("2,,\n").unwrap();
         file.finish(Durability::InMemory).unwrap();
         let text = fs::read_to_string(&path).unwrap();
-        assert_eq!(text, format!("{own}\na,b\n2,2\n"));
+        assert_eq!(text, format!("{}{HEADER}2,,\n", own.line()));
         assert!(matches!(SweepFile::resume(&path, own, HEADER), Ok(Ok(Resumed::Complete(_)))));
-        let other = SweepFile::resume(&path, identity("1,2,4", "2/2"), HEADER).unwrap();
-        let error = other.unwrap_err().to_string();
-        assert!(error.ends_with("must be that of this sweep: files, options, values and version"));
+        let (error, _) = refusal(&path, identity("1,2,4", "2/2"));
+        let words =
+            "s.csv:1: inputs.vary = \"x=1,2,3\", but must be \"x=1,2,4\" as this sweep has it";
+        assert!(error.ends_with(words), "{error}");
+        let (error, _) = refusal(&path, identity("1,2,3", "1/2"));
+        assert!(error.ends_with("s.csv:1: shard = 2/2, but must be 1/2"), "{error}");
     }
 
     #[test]
@@ -249,14 +277,28 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sweep.csv");
         drop(SweepFile::begin(&path, identity("1,2,3", "1/1"), HEADER).unwrap());
-        let other = SweepFile::resume(&path, identity("1,2", "1/1"), HEADER).unwrap();
-        assert!(other.unwrap_err().to_string().contains("sweep.csv.part:1: sweep = \"# flexlink"));
+        let (error, hint) = refusal(&path, identity("1,2", "1/1"));
+        assert!(error.contains("sweep.csv.part:1: inputs.vary = \"x=1,2,3\""), "{error}");
+        assert_eq!(hint, "remove the file, or leave --resume out to begin anew");
         // Killed before the first line was written to its end.
         fs::write(part_of(&path), "# flexl").unwrap();
         let (_, rows) = resumed(&path, identity("1,2", "1/1"));
         assert_eq!(rows, 0);
         let begun = fs::read_to_string(part_of(&path)).unwrap();
-        assert_eq!(begun, format!("{}\na,b\n", identity("1,2", "1/1")));
+        assert_eq!(begun, identity("1,2", "1/1").line() + HEADER);
+    }
+
+    #[test]
+    fn rows_that_were_changed_are_not_gone_on_with() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sweep.csv");
+        let mut file = SweepFile::begin(&path, identity("1,2,3", "1/1"), HEADER).unwrap();
+        file.append("1,,\n3,,\n").unwrap();
+        drop(file);
+        let (error, hint) = refusal(&path, identity("1,2,3", "1/1"));
+        let words = "sweep.csv.part:4: x = \"3\", but must be \"2\", the value of case 2";
+        assert!(error.ends_with(words), "{error}");
+        assert_eq!(hint, "remove the file, or leave --resume out to begin anew");
     }
 
     #[test]

@@ -2,10 +2,16 @@ use csv::ReaderBuilder;
 
 use super::encoding::remedy;
 use super::sweep_identity::SweepIdentity;
+use super::sweep_table::{ERROR, WARNINGS, one_line};
 use super::table_error::{Place, TableError, quoted};
+use crate::sweep::Variation;
 
-/// The rows of a shard, or of a sweep that was interrupted, as read from its file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// What a row is that is none of its case.
+const NOT_AS_WRITTEN: &str = "a row was removed, doubled, moved or changed since it was written";
+
+/// The rows of a shard, or of a sweep that was interrupted, as read from its file: each is that of
+/// its own case.
+#[derive(Debug, Clone, PartialEq)]
 pub struct SweepRows {
     /// The file, as the user named it.
     pub(super) name: String,
@@ -16,11 +22,23 @@ pub struct SweepRows {
     pub(super) rows: Vec<String>,
 }
 
+/// What a row says of its case beside the numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SweptCase {
+    /// Its number, from 0.
+    pub number: usize,
+    /// The kinds of its warnings.
+    pub warnings: Vec<String>,
+    /// Why it has no numbers, if it has none.
+    pub error: Option<String>,
+}
+
 impl SweepRows {
     /// Reads the file of this name.
     ///
     /// # Errors
-    /// [`TableError`] for a file that no sweep has written, or one with more rows than it may have.
+    /// [`TableError`] for a file that no sweep has written, one with more rows than it may have, or
+    /// a row that is not that of its case.
     pub fn read(name: &str, bytes: &[u8]) -> Result<Self, TableError> {
         let place = |line| Place { file: name, line: Some(line) };
         // Only whole lines count; the last one may have been cut within a letter.
@@ -29,19 +47,14 @@ impl SweepRows {
             .map_err(|_| place(1).refuse("text", "other bytes", "must be UTF-8"))
             .map_err(|error| error.with_hint(remedy(bytes).to_owned()))?;
         let mut lines = text.lines();
-        let first = lines.next().unwrap_or_default();
-        let (Some(identity), Some(header)) = (SweepIdentity::read(first), lines.next()) else {
-            let must = "must be that of a shard, `# flexlink … sweep …`, and the names of columns";
-            let hint = "a shard is written by flexlink sweep --shard I/N";
-            let error = place(1).refuse("first line", quoted(first), must);
-            return Err(error.with_hint(hint.to_owned()));
-        };
+        let identity = SweepIdentity::read_line(lines.next().unwrap_or_default(), place(1))?;
+        let header = lines.next().unwrap_or_default();
+        let names = fields(header);
+        check_names(&identity, &names, place(2))?;
         let rows: Vec<String> = lines.map(str::to_owned).collect();
-        let width = fields(header).len();
-        let ragged = (3..).zip(&rows).find(|(_, row)| fields(row).len() != width);
-        if let Some((line, row)) = ragged {
-            let must = format!("must be {width}, as many as there are columns");
-            return Err(place(line).refuse("fields", fields(row).len().to_string(), must));
+        for ((line, row), k) in (3..).zip(&rows).zip(0..identity.rows()) {
+            check_row(&identity, &names, k, &fields(row), place(line))
+                .map_err(|error| error.or_hint(NOT_AS_WRITTEN.to_owned()))?;
         }
         if rows.len() > identity.rows() {
             let must = format!("must be {}", identity.rows());
@@ -51,11 +64,21 @@ impl SweepRows {
         Ok(Self { name: name.to_owned(), identity, header: header.to_owned(), rows })
     }
 
-    /// The cases that failed: their numbers, from 0, and why.
-    pub fn failures(&self) -> Vec<(usize, String)> {
-        let error = |row: &String| fields(row).pop().filter(|error| !error.is_empty());
-        let rows = self.rows.iter().enumerate();
-        rows.filter_map(|(k, row)| Some((self.identity.shard.case(k), error(row)?))).collect()
+    /// What the rows say of their cases, in order.
+    pub fn cases(&self) -> impl Iterator<Item = SweptCase> {
+        let shard = self.identity.shard();
+        self.rows.iter().enumerate().map(move |(k, row)| {
+            let mut fields = fields(row);
+            let error = fields.pop().filter(|error| !error.is_empty());
+            let kinds = fields.pop().unwrap_or_default();
+            let kinds = kinds.split(';').filter(|kind| !kind.is_empty());
+            SweptCase { number: shard.case(k), warnings: kinds.map(str::to_owned).collect(), error }
+        })
+    }
+
+    /// The sweep whose rows they are.
+    pub fn identity(&self) -> &SweepIdentity {
+        &self.identity
     }
 
     /// How many rows are there.
@@ -73,6 +96,63 @@ impl SweepRows {
     }
 }
 
+/// Refuses a row of names that is not that of the sweep.
+fn check_names(identity: &SweepIdentity, names: &[String], place: Place) -> Result<(), TableError> {
+    let headings = identity.plan().variations().iter().map(Variation::heading);
+    for (k, heading) in headings.enumerate() {
+        let found = names.get(k).map_or("", String::as_str);
+        if found != heading {
+            let must = format!("must be {}", quoted(&heading));
+            return Err(place.refuse(format!("column {}", k + 1), quoted(found), must));
+        }
+    }
+    if names.ends_with(&[WARNINGS.to_owned(), ERROR.to_owned()]) {
+        return Ok(());
+    }
+    let must = format!("must end with {WARNINGS}, {ERROR}");
+    Err(place.refuse("columns", quoted(&names.join(",")), must))
+}
+
+/// Refuses row `k` where it is not that of its case: its values those of the case, then numbers, or
+/// none where it failed.
+fn check_row(
+    identity: &SweepIdentity,
+    names: &[String],
+    k: usize,
+    fields: &[String],
+    place: Place,
+) -> Result<(), TableError> {
+    if fields.len() != names.len() {
+        let must = format!("must be {}, as many as there are columns", names.len());
+        return Err(place.refuse("fields", fields.len().to_string(), must));
+    }
+    let case = identity.shard().case(k);
+    let values = identity.plan().case(case).values;
+    for ((name, found), value) in names.iter().zip(fields).zip(&values) {
+        let value = one_line(value);
+        if *found != value {
+            let must = format!("must be {}, the value of case {}", quoted(&value), case + 1);
+            return Err(place.refuse(name, quoted(found), must));
+        }
+    }
+    let told = values.len()..fields.len() - 1;
+    let failed = fields.last().is_some_and(|error| !error.is_empty());
+    for (name, found) in names[told.clone()].iter().zip(&fields[told]) {
+        let is_number = found.parse().is_ok_and(f64::is_finite);
+        if failed && !found.is_empty() {
+            return Err(place.refuse(
+                name,
+                quoted(found),
+                "must be nothing: the case has an error",
+            ));
+        }
+        if !found.is_empty() && !is_number && name != WARNINGS {
+            return Err(place.refuse(name, quoted(found), "must be a finite number or nothing"));
+        }
+    }
+    Ok(())
+}
+
 /// Joins the shards of a sweep to its table: every row of every shard, in the order of the cases.
 ///
 /// # Errors
@@ -83,24 +163,14 @@ impl SweepRows {
 /// Without a shard.
 pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
     let first = &shards[0];
-    let of = first.identity.shard.of();
+    let of = first.identity.shard().of();
     let mut ordered: Vec<Option<&SweepRows>> = vec![None; of];
     for shard in shards {
-        if !shard.identity.is_of_sweep(&first.identity) || shard.header != first.header {
-            let found = shard.identity.to_string();
-            let must = format!("must be a shard of the same sweep as {}", first.name);
-            return Err(shard.refuse("first line", quoted(&found), must));
-        }
-        let (found, must) = (shard.rows.len(), shard.identity.rows());
-        if found != must {
-            let hint = format!("finish it with --shard {} --resume", shard.identity.shard);
-            let error = shard.refuse("rows", found.to_string(), format!("must be {must}"));
-            return Err(error.with_hint(hint));
-        }
-        let earlier = ordered[shard.identity.shard.number() - 1].replace(shard);
+        check_shard(shard, first)?;
+        let earlier = ordered[shard.identity.shard().number() - 1].replace(shard);
         if let Some(earlier) = earlier {
             let must = format!("must not be that of {}, too", earlier.name);
-            return Err(shard.refuse("shard", shard.identity.shard.to_string(), must));
+            return Err(shard.refuse("shard", shard.identity.shard().to_string(), must));
         }
     }
     let there: Option<Vec<&SweepRows>> = ordered.iter().copied().collect();
@@ -112,10 +182,36 @@ pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
         let must = format!("must be all: {} missing", told(&missing));
         return Err(first.refuse("shards", found, must));
     };
-    let cases = first.identity.cases;
+    let cases = first.identity.plan().cases();
     let row = |case: usize| ordered[case % of].rows[case / of].as_str();
     let lines = std::iter::once(first.header.as_str()).chain((0..cases).map(row));
     Ok(lines.flat_map(|line| [line, "\n"]).collect())
+}
+
+/// Refuses a shard of another sweep than that of the `first`, and one that is not finished.
+fn check_shard(shard: &SweepRows, first: &SweepRows) -> Result<(), TableError> {
+    let place = Place { file: &shard.name, line: Some(1) };
+    shard.identity.check_same(&first.identity, place, &format!("in {}", first.name))?;
+    let (own, of) = (shard.identity.shard(), first.identity.shard().of());
+    if own.of() != of {
+        let must = format!("must be one of {of} as in {}", first.name);
+        return Err(place.refuse("shard", own.to_string(), must));
+    }
+    if shard.header != first.header {
+        let must = format!("must be {} as in {}", quoted(&first.header), first.name);
+        return Err(Place { line: Some(2), ..place }.refuse(
+            "columns",
+            quoted(&shard.header),
+            must,
+        ));
+    }
+    let (found, must) = (shard.rows.len(), shard.identity.rows());
+    if found != must {
+        let hint = format!("finish it with --shard {own} --resume");
+        let error = shard.refuse("rows", found.to_string(), format!("must be {must}"));
+        return Err(error.with_hint(hint));
+    }
+    Ok(())
 }
 
 /// The fields of one row; none where it is no CSV.
@@ -136,19 +232,27 @@ fn told(missing: &[String]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sweep_identity::identity_of;
     use super::*;
-    use crate::sweep::Shard;
 
-    /// The numbers of cases, each as a row.
-    fn lines(cases: impl Iterator<Item = usize>) -> String {
-        cases.map(|case| case.to_string() + "\n").collect()
+    const HEADER: &str = "x,told,warnings,error\n";
+
+    /// A file with these rows of the shard of a sweep over x = 1, 2, 3, …
+    fn file(shard: &str, cases: usize, rows: &str) -> String {
+        let identity = identity_of("link", &[], &format!("x=1:{cases}:{cases}"), shard);
+        identity.line() + HEADER + rows
+    }
+
+    /// The rows of all cases of a shard.
+    fn rows(shard: &SweepIdentity) -> String {
+        let cases = (0..shard.rows()).map(|k| shard.shard().case(k) + 1);
+        cases.map(|case| case.to_string() + ",0.5,,\n").collect()
     }
 
     fn shard(number: usize, of: usize, cases: usize) -> SweepRows {
-        let shard: Shard = format!("{number}/{of}").parse().unwrap();
-        let rows = lines((0..shard.len(cases)).map(|k| shard.case(k)));
-        let first = format!("# flexlink 0.1.0 sweep 00ff, shard {shard} of {cases} cases");
-        let text = format!("{first}\ncase\n{rows}");
+        let shard = format!("{number}/{of}");
+        let identity = identity_of("link", &[], &format!("x=1:{cases}:{cases}"), &shard);
+        let text = file(&shard, cases, &rows(&identity));
         SweepRows::read(&format!("s{number}.csv"), text.as_bytes()).unwrap()
     }
 
@@ -158,8 +262,8 @@ mod tests {
             let mut shards: Vec<_> = (1..=of).map(|k| shard(k, of, cases)).collect();
             shards.reverse();
             let merged = merge_shards(&shards).unwrap();
-            let expected = lines(0..cases);
-            assert_eq!(merged, format!("case\n{expected}"), "{of} shards");
+            let whole = identity_of("link", &[], &format!("x=1:{cases}:{cases}"), "1/1");
+            assert_eq!(merged, HEADER.to_owned() + &rows(&whole), "{of} shards");
         }
     }
 
@@ -177,34 +281,91 @@ mod tests {
         let mut cut = b.clone();
         cut.rows.pop();
         assert_eq!(refusal(&[a.clone(), cut, c.clone()]), "s2.csv: rows = 2, but must be 3");
+        let mut told = b.clone();
+        told.header = HEADER.trim_end().replace("told", "other");
+        assert!(
+            refusal(&[a.clone(), told, c.clone()]).starts_with("s2.csv:2: columns = \"x,other")
+        );
         let other = shard(2, 4, 10);
-        assert!(refusal(&[a, other, c]).contains("must be a shard of the same sweep as s1.csv"));
+        let words = "s2.csv:1: shard = 2/4, but must be one of 3 as in s1.csv";
+        assert_eq!(refusal(&[a, other, c]), words);
+    }
+
+    /// Why the second shard of three of ten cases, 2, 5, 8, is refused with these rows.
+    fn row_refusal(rows: &str) -> (String, Option<String>) {
+        let error = SweepRows::read("s", file("2/3", 10, rows).as_bytes()).unwrap_err();
+        (error.to_string(), error.hint().map(str::to_owned))
     }
 
     #[test]
-    fn failed_cases_are_numbered_as_in_the_whole_sweep() {
-        let first = "# flexlink 0.1.0 sweep 00ff, shard 2/2 of 6 cases";
-        let text = format!("{first}\nx,error\n1,\n3,\"a, b\"\n5,\n");
-        let rows = SweepRows::read("s", text.as_bytes()).unwrap();
-        assert_eq!(rows.failures(), [(3, "a, b".to_owned())]);
-    }
-
-    #[test]
-    fn a_row_cut_off_in_writing_does_not_count_and_one_too_many_is_refused() {
-        let first = "# flexlink 0.1.0 sweep 00ff, shard 1/2 of 4 cases";
-        let rows = SweepRows::read("s", format!("{first}\ncase\n0\n2").as_bytes()).unwrap();
-        assert_eq!(rows.rows, ["0"]);
-        let cut = [first.as_bytes(), b"\ncase\n0\n\xc3"].concat();
-        assert_eq!(SweepRows::read("s", &cut).unwrap().rows, ["0"], "cut within a letter");
-        let error = SweepRows::read("s", format!("{first}\ncase\n0\n2\n4\n").as_bytes());
-        assert_eq!(error.unwrap_err().to_string(), "s: rows = 3, but must be 2");
-        for (row, fields) in [("", 0), ("0,1", 2)] {
-            let text = format!("{first}\ncase\n0\n{row}\n");
-            let error = SweepRows::read("s", text.as_bytes()).unwrap_err().to_string();
-            let expected = format!("s:4: fields = {fields}, but must be 1, as many as there are");
-            assert!(error.starts_with(&expected), "{error}");
+    fn a_row_that_is_not_that_of_its_case_is_refused_with_its_column() {
+        let of_case = |line, found, must, case| {
+            format!("s:{line}: x = \"{found}\", but must be \"{must}\", the value of case {case}")
+        };
+        for (what, rows, message) in [
+            ("removed", "2,1,,\n8,1,,\n", of_case(4, "8", "5", 5)),
+            ("doubled", "2,1,,\n2,1,,\n5,1,,\n", of_case(4, "2", "5", 5)),
+            (
+                "doubled at the end",
+                "2,1,,\n5,1,,\n8,1,,\n8,1,,\n",
+                "s: rows = 4, but must be 3".into(),
+            ),
+            ("swapped", "5,1,,\n2,1,,\n8,1,,\n", of_case(3, "5", "2", 2)),
+            ("changed", "2,1,,\n5.0,1,,\n8,1,,\n", of_case(4, "5.0", "5", 5)),
+            (
+                "no number",
+                "2,nan,,\n",
+                "s:3: told = \"nan\", but must be a finite number or nothing".into(),
+            ),
+            (
+                "a number of a failed case",
+                "2,1,,no\n",
+                "s:3: told = \"1\", but must be nothing: the case has an error".into(),
+            ),
+        ] {
+            let (found, hint) = row_refusal(rows);
+            assert_eq!(found, message, "{what}");
+            assert!(hint.is_none_or(|hint| hint == NOT_AS_WRITTEN), "{what}");
         }
-        let error = SweepRows::read("s", b"time_s,torque_n_m\n0,1\n").unwrap_err();
-        assert!(error.to_string().starts_with("s:1: first line = \"time_s,torque_n_m\", but must"));
+    }
+
+    #[test]
+    fn columns_of_another_sweep_are_refused() {
+        for (header, message) in [
+            ("y,told,warnings,error", "s:2: column 1 = \"y\", but must be \"x\""),
+            ("", "s:2: column 1 = \"\", but must be \"x\""),
+            ("x,told,error", "s:2: columns = \"x,told,error\", but must end with warnings, error"),
+        ] {
+            let text = file("2/3", 10, "").replace(HEADER.trim_end(), header);
+            let error = SweepRows::read("s", text.as_bytes()).unwrap_err();
+            assert_eq!(error.to_string(), message);
+        }
+    }
+
+    #[test]
+    fn what_rows_say_of_their_cases_is_numbered_as_in_the_whole_sweep() {
+        let text = file("2/2", 6, "2,1,a;b:c,\n4,,,\"a, b\"\n6,1,,\n");
+        let rows = SweepRows::read("s", text.as_bytes()).unwrap();
+        let case = |number, warnings: &[&str], error: Option<&str>| SweptCase {
+            number,
+            warnings: warnings.iter().map(|kind| (*kind).to_owned()).collect(),
+            error: error.map(str::to_owned),
+        };
+        let expected =
+            [case(1, &["a", "b:c"], None), case(3, &[], Some("a, b")), case(5, &[], None)];
+        assert!(rows.cases().eq(expected));
+    }
+
+    #[test]
+    fn a_row_cut_off_in_writing_does_not_count_and_one_too_many_fields_are_refused() {
+        let cut = file("1/2", 4, "1,1,,\n3");
+        assert_eq!(SweepRows::read("s", cut.as_bytes()).unwrap().rows, ["1,1,,"]);
+        let cut = [file("1/2", 4, "1,1,,\n").as_bytes(), b"\xc3"].concat();
+        assert_eq!(SweepRows::read("s", &cut).unwrap().rows, ["1,1,,"], "cut within a letter");
+        for (row, fields) in [("", 0), ("2,1,,,", 5)] {
+            let (found, _) = row_refusal(&format!("{row}\n"));
+            let expected = format!("s:3: fields = {fields}, but must be 4, as many as there are");
+            assert!(found.starts_with(&expected), "{found}");
+        }
     }
 }

@@ -8,12 +8,18 @@ use crate::sweep::{CaseValues, PlayedCase, SolvedCase, SweepPlan};
 /// their column is known.
 const DIGITS: usize = 12;
 
+/// The column of the kinds of a case's warnings, with `;` between them.
+pub(super) const WARNINGS: &str = "warnings";
+
+/// The last column: why a case has no numbers.
+pub(super) const ERROR: &str = "error";
+
 /// Heading of a column and the number that it shows of a case, where it has one.
 pub type SweepColumn<C> = (&'static str, fn(&C) -> Option<f64>);
 
 /// What a sweep tells of each of its cases.
 pub trait SweepRecord: Sized + 'static {
-    /// The columns between those of the variations and the last one, `error`.
+    /// The columns between those of the variations and the last two, `warnings` and `error`.
     const COLUMNS: &'static [SweepColumn<Self>];
 }
 
@@ -31,8 +37,10 @@ impl SweepRecord for SolvedCase {
         ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
         ("peak_root_moment_n_m", |case| Some(case.metrics.peak_root_moment_n_m.value)),
         ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
-        ("mesh_error", |case| Some(case.accuracy.mesh_error)),
-        ("edge_error", |case| Some(case.accuracy.edge_error)),
+        ("band_hz", |case| Some(case.band_hz)),
+        ("tip_error", |case| Some(case.accuracy.tip)),
+        ("torque_mesh_error", |case| Some(case.accuracy.errors.torque.mesh)),
+        ("torque_window_error", |case| Some(case.accuracy.errors.torque.window)),
     ];
 }
 
@@ -59,11 +67,16 @@ impl SweepRecord for PlayedCase {
 pub fn sweep_header<C: SweepRecord>(plan: &SweepPlan) -> String {
     let varied = plan.variations().iter().map(|variation| field(&variation.heading()));
     let told = C::COLUMNS.iter().map(|(name, _)| (*name).to_owned());
-    line(varied.chain(told).chain(["error".to_owned()]))
+    line(varied.chain(told).chain([WARNINGS, ERROR].map(str::to_owned)))
 }
 
-/// The row of a case, with its line end: its values, and its numbers or why it has none.
-pub fn sweep_row<C: SweepRecord>(case: &CaseValues, outcome: &Result<C, String>) -> String {
+/// The row of a case, with its line end: its values, its numbers or why it has none, and the kinds of
+/// its warnings.
+pub fn sweep_row<C: SweepRecord>(
+    case: &CaseValues,
+    outcome: &Result<C, String>,
+    warnings: &[&str],
+) -> String {
     let number = |value: Option<f64>| {
         let mut text = Vec::new();
         if let Some(value) = value.filter(|value| value.is_finite()) {
@@ -73,16 +86,22 @@ pub fn sweep_row<C: SweepRecord>(case: &CaseValues, outcome: &Result<C, String>)
     };
     let told = C::COLUMNS.iter().map(|(_, of)| number(outcome.as_ref().ok().and_then(of)));
     let error = outcome.as_ref().err().map_or_else(String::new, |error| field(error));
-    line(case.values.iter().map(|value| field(value)).chain(told).chain([error]))
+    let values = case.values.iter().map(|value| field(value));
+    line(values.chain(told).chain([field(&warnings.join(";")), error]))
 }
 
 fn line(fields: impl Iterator<Item = String>) -> String {
     fields.collect::<Vec<_>>().join(",") + "\n"
 }
 
+/// Text that parts no lines.
+pub(super) fn one_line(text: &str) -> String {
+    text.replace(char::is_control, " ")
+}
+
 /// Text as one field of one line.
 fn field(text: &str) -> String {
-    let text = text.replace(char::is_control, " ");
+    let text = one_line(text);
     let plain = !text.contains([',', '"']) && text.trim() == text && !text.starts_with('#');
     if plain { text } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }
@@ -107,12 +126,14 @@ mod tests {
             link_changes: vec![],
             motion: MotionScale::default(),
         };
-        let row = sweep_row::<SolvedCase>(&case, &Err("damping.ratio = 2, too much".into()));
-        assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(15)));
+        let row = sweep_row::<SolvedCase>(&case, &Err("damping.ratio = 2, too much".into()), &[]);
+        assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(18)));
         let plan = SweepPlan::new(vec!["damping.ratio=2".parse().unwrap()]).unwrap();
         let header = sweep_header::<SolvedCase>(&plan);
-        assert_eq!(header.matches(',').count(), 15);
+        assert_eq!(header.matches(',').count(), 18);
         assert!(header.starts_with("damping.ratio,period_1_s,zero_1_per_s,peak_torque_n_m,"));
-        assert!(header.ends_with(",mesh_error,edge_error,error\n"));
+        assert!(header.ends_with(
+            ",band_hz,tip_error,torque_mesh_error,torque_window_error,warnings,error\n"
+        ));
     }
 }

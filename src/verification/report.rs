@@ -7,6 +7,7 @@ use crate::beam::MeshPlan;
 use crate::inverse::{Analysis, InversionError, Solution, torque_over_window};
 use crate::link::Link;
 use crate::motion::{MotionError, TipMotion};
+use crate::numeric::largest;
 use crate::response::{HistoryError, SimulationError};
 
 /// What the user's choice of mesh, modes or step may change of the torque.
@@ -69,27 +70,30 @@ impl VerificationError {
 ///
 /// the torque as it is written, played on the link with its own damping law and with viscous
 /// damping; halved elements; halved steps; what is left at the edge of the window; the paper's
-/// dense system at sample frequencies; the balance of energy.
+/// dense system at sample frequencies; the balance of energy; how small the deflections are.
 ///
 /// # Errors
 /// [`VerificationError`].
 pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     let Answer { plan, analysis, solution, .. } = answer;
-    let accuracy = &solution.accuracy;
+    let errors = solution.accuracy.errors.torque;
     let Played { tip: mut checks, energy } = played(answer)?;
     let mesh_bound = if plan.is_automatic() { plan.tolerance() } else { CHOSEN };
     let torque = |name, what| Question { name, what, of: "the peak torque" };
     checks.extend([
-        torque("mesh_halving", "torque with elements halved")
-            .measured(accuracy.mesh_error, mesh_bound),
+        torque("mesh_halving", "torque with elements halved").measured(errors.mesh, mesh_bound),
         Question { of: "the torque, rms", ..torque("step_halving", "torque with the step halved") }
             .measured(step_error(answer)?, CHOSEN),
         torque("wrap_around", "torque at the window's edge")
-            .measured(accuracy.edge_error, analysis.tolerance()),
+            .measured(errors.window, analysis.tolerance()),
     ]);
     let truncation = torque("truncation", "torque with all modes");
-    checks.extend(accuracy.truncation_error.map(|e| truncation.measured(e, CHOSEN)));
-    checks.extend([dense_transfer(solution), energy]);
+    checks.extend(errors.modes.map(|e| truncation.measured(e, CHOSEN)));
+    let bent = largest(&solution.tip_deflection_m()) / solution.mesh().length_m();
+    let deflection =
+        Question { name: "tip_deflection", what: "tip deflection", of: "the link's length" };
+    let deflection = deflection.measured(bent, Link::LARGEST_DEFLECTION);
+    checks.extend([dense_transfer(solution), energy, deflection]);
     Ok(Verification { checks })
 }
 

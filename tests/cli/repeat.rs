@@ -181,7 +181,7 @@ fn another_version_is_warned_of_and_its_line_differs() {
     change(&bench, "out/summary.json", &line(version), &line("9.1.0"));
     let lines = bench.read("out/summary.json").lines().count();
     let shown = |version| format!("\"  {}\"", line(version).escape_default());
-    let place = format!("line 2, 1 of {lines} in all");
+    let place = format!("line 3, 1 of {lines} in all");
     let (was, now) = (shown("9.1.0"), shown(version));
     let warning = format!(
         "warning: out/summary.json: flexlink = 9.1.0, but this is {version}\n\

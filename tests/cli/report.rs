@@ -222,6 +222,10 @@ fn warnings_stand_in_the_page_with_what_helps() {
         "out",
         "--set",
         "payload.mass=0.1",
+        "--set",
+        "mesh.elements=2",
+        "--set",
+        "segments.*.elements=1",
     ]);
     done(&bench, &["report", "out", "-q"]);
     let page = bench.read("out/report.html");
@@ -289,7 +293,7 @@ fn a_sweep_has_lines_over_one_value_and_colours_over_two() {
     done(&bench, &["report", "three.csv", "-q", "--svg", "three"]);
     let svg = bench.read("three/lead.svg");
     assert!(
-        svg.contains("data-name=\"segments.*.EI = 4, payload.mass = 0.1\""),
+        svg.contains("data-name=\"segments.*.EI* = 4, payload.mass = 0.1\""),
         "a line of its own"
     );
     let last = attribute(&svg, "data-x-name");

@@ -22,12 +22,16 @@ fn every_rig_is_solved_verified_and_has_its_modes() {
     for rig in rigs() {
         let rig = repository(&rig);
         let (rig, motion) = (rig.as_str(), &repository(MOTION));
+        // The arm with 49 kg at its tip would deflect by more than its length.
+        let slower = if rig.contains("nasa_jsc") { "10" } else { "1" };
+        let moved = [rig, motion, "--scale-duration", slower];
 
-        let solved = bench.run(&["solve", rig, motion, "-o", "out", "--verify", "--every", "10"]);
+        let out = ["-o", "out", "--verify", "--every", "10"];
+        let solved = bench.run(&[&["solve"], &moved[..], &out].concat());
         assert!(solved.status.success(), "{rig}: {}", stderr(&solved));
         let summary: Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
         let checks = summary["verification"].as_array().unwrap();
-        assert_eq!(checks.len(), 7, "{rig}");
+        assert_eq!(checks.len(), 8, "{rig}");
         for check in checks {
             let (found, bound) = (check["found"].as_f64(), check["bound"].as_f64());
             assert!(found.unwrap() <= bound.unwrap(), "{rig}: {check}");
@@ -43,10 +47,10 @@ fn every_rig_is_solved_verified_and_has_its_modes() {
             assert!((listed / period.as_f64().unwrap() - 1.0).abs() < 1e-9, "{rig}: {row}");
         }
 
-        let verified = bench.run(&["verify", rig, motion]);
+        let verified = bench.run(&[&["verify"], &moved[..]].concat());
         assert!(verified.status.success(), "{rig}: {}", stderr(&verified));
         let text = stdout(&verified);
-        assert_eq!(text.lines().count(), 8, "{text}");
+        assert_eq!(text.lines().count(), 9, "{text}");
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         assert!(!text.contains("FAILS"), "{text}");
     }

@@ -62,7 +62,7 @@ fn send(signal: &str, child: &Child) {
 fn a_sweep_that_is_stopped_keeps_its_rows_and_goes_on_to_the_same_table() {
     let whole = Bench::new();
     swept(&whole, &VARY);
-    let whole = whole.read("sweep.csv");
+    let (whole, record) = (whole.read("sweep.csv"), whole.read("sweep.json"));
     for (signal, code) in [("-INT", Some(130)), ("-TERM", Some(130)), ("-KILL", None)] {
         let bench = Bench::new();
         let child = begun(&bench);
@@ -72,7 +72,8 @@ fn a_sweep_that_is_stopped_keeps_its_rows_and_goes_on_to_the_same_table() {
         assert_eq!(bench.names("."), ["sweep.csv.part"], "{signal}");
         let part = bench.read("sweep.csv.part");
         let (first, rows) = part.split_once('\n').unwrap();
-        assert!(first.starts_with("# flexlink ") && first.ends_with(", shard 1/1 of 200 cases"));
+        let (start, end) = ("# flexlink {\"format\":2,", ",\"shard\":\"1/1\",\"cases\":200}");
+        assert!(first.starts_with(start) && first.ends_with(end), "{first}");
         assert!(whole.starts_with(rows) && rows.len() < whole.len(), "{signal}");
         if code.is_some() {
             let there = rows.lines().count() - 1;
@@ -95,7 +96,8 @@ fn a_sweep_that_is_stopped_keeps_its_rows_and_goes_on_to_the_same_table() {
         let output = swept(&bench, &[&VARY[..], &["--resume"]].concat());
         assert_eq!(stdout(&output), "cases    200\nwritten  sweep.csv\n");
         assert!(bench.read("sweep.csv") == whole, "{signal}");
-        assert_eq!(bench.names("."), ["sweep.csv"]);
+        assert_eq!(bench.names("."), ["sweep.csv", "sweep.json"]);
+        assert!(bench.read("sweep.json") == record, "{signal}");
     }
 }
 
@@ -134,7 +136,8 @@ fn another_sweep_does_not_go_on_with_its_rows() {
     let other = [&VARY[..], &["--resume", "--set", "hub.inertia=0.2"]].concat();
     let other = sweep(&bench, &other);
     assert_eq!(other.status.code(), Some(3));
-    assert!(stderr(&other).contains("sweep.csv.part:1: sweep = "), "{}", stderr(&other));
+    let words = "sweep.csv.part:1: inputs.arguments = \"\", but must be \"--set hub.inertia=0.2\"";
+    assert!(stderr(&other).contains(words), "{}", stderr(&other));
     assert!(bench.read("sweep.csv.part") == part);
 }
 
@@ -149,6 +152,8 @@ fn shards_join_to_the_table_of_one_machine_and_none_may_be_missing() {
     let merged = bench.run(&[&["sweep", "--merge"], &names[..], &["-o", "merged.csv"]].concat());
     assert_eq!(stdout(&merged), "cases    200, of 3 shards\nwritten  merged.csv\n");
     assert!(bench.read("merged.csv") == bench.read("sweep.csv"));
+    let record = bench.read("merged.json").replace("merged.csv", "sweep.csv");
+    assert!(record == bench.read("sweep.json"), "the record of one machine");
     let printed = bench.run(&[&["sweep", "-o", "-", "--merge"], &names[..]].concat());
     assert!(stdout(&printed) == bench.read("sweep.csv"));
 
@@ -161,7 +166,7 @@ fn shards_join_to_the_table_of_one_machine_and_none_may_be_missing() {
         refusal(&names[..2]),
         "error: sweep-3-of-3.csv: shards = 2 of 3, but must be all: 2/3 is missing\n"
     );
-    assert!(refusal(&["sweep.csv"]).contains("sweep.csv:1: first line = \"segments.*.EI,"));
+    assert!(refusal(&["sweep.csv"]).contains("sweep.csv:1: first line = \"segments.*.EI*,"));
     let text = bench.read("sweep-2-of-3.csv");
     let cut = text.trim_end().rfind('\n').unwrap();
     bench.write("cut.csv", &text[..=cut]);
@@ -171,8 +176,10 @@ fn shards_join_to_the_table_of_one_machine_and_none_may_be_missing() {
          hint: finish it with --shard 2/3 --resume\n"
     );
     swept(&bench, &["--vary", "segments.*.EI*=0.5:8:41:log", "--shard", "2/3"]);
-    assert!(refusal(&names).contains("must be a shard of the same sweep as sweep-3-of-3.csv"));
-    assert!(!bench.path("no.csv").exists());
+    let told = refusal(&names);
+    let words = "sweep-2-of-3.csv:1: inputs.vary = \"segments.*.EI*=0.5:8:41:log\", but must be";
+    assert!(told.contains(words) && told.ends_with("\" as in sweep-3-of-3.csv\n"), "{told}");
+    assert!(!bench.path("no.csv").exists() && !bench.path("no.json").exists());
 }
 
 #[test]
@@ -202,4 +209,74 @@ fn a_shard_that_is_complete_is_not_solved_again() {
     assert_eq!(stdout(&again), "complete sweep-7-of-20.csv, 10 cases\n");
     let now = fs::metadata(bench.path("sweep-7-of-20.csv")).unwrap().modified().unwrap();
     assert_eq!(written, now);
+}
+
+/// The text of a table with rows that `change` has changed; the first two lines stay.
+fn with_rows<'a>(text: &'a str, change: impl Fn(&mut Vec<&'a str>)) -> String {
+    let mut lines: Vec<&str> = text.lines().collect();
+    let mut rows = lines.split_off(2);
+    change(&mut rows);
+    [lines, rows].concat().join("\n") + "\n"
+}
+
+#[test]
+fn rows_that_are_not_those_of_their_cases_are_neither_joined_nor_gone_on_with() {
+    let bench = Bench::new();
+    let vary = ["--vary", "payload.mass=0,0.01,0.02,0.03,0.04,0.05"];
+    for shard in ["1/2", "2/2"] {
+        swept(&bench, &[&vary[..], &["--shard", shard]].concat());
+    }
+    let text = bench.read("sweep-2-of-2.csv");
+    let other = with_rows(&text, |rows| rows.truncate(1)).lines().last().unwrap().to_owned();
+    let other = other.replacen("0.01,", "0.011,", 1);
+    let number = text.lines().nth(2).unwrap().split(',').nth(3).unwrap();
+    let damaged = text.replacen(number, "none", 1);
+    let row = |line, found: &str, must: &str, case| {
+        let column = format!("{line}: payload.mass = \"{found}\"");
+        format!("{column}, but must be \"{must}\", the value of case {case}\n")
+    };
+    for (changed, words) in [
+        (
+            with_rows(&text, |rows| rows.retain(|row| !row.starts_with("0.01,"))),
+            row(3, "0.03", "0.01", 2),
+        ),
+        (with_rows(&text, |rows| rows[1] = rows[0]), row(4, "0.01", "0.03", 4)),
+        (with_rows(&text, |rows| rows.swap(0, 2)), row(3, "0.05", "0.01", 2)),
+        (with_rows(&text, |rows| rows[0] = &other), row(3, "0.011", "0.01", 2)),
+        (damaged, "3: peak_torque_n_m = \"none\", but must be a finite number or nothing\n".into()),
+    ] {
+        bench.write("b.csv", &changed);
+        let output = bench.run(&["sweep", "-o", "no.csv", "--merge", "sweep-1-of-2.csv", "b.csv"]);
+        assert_eq!(output.status.code(), Some(3), "{words}");
+        let hint = "hint: a row was removed, doubled, moved or changed since it was written\n";
+        assert_eq!(stderr(&output), format!("error: b.csv:{words}{hint}"));
+        bench.write("c.csv.part", &changed);
+        let resumed = ["--shard", "2/2", "--resume", "-o", "c.csv"];
+        let output = sweep(&bench, &[&vary[..], &resumed].concat());
+        assert_eq!(output.status.code(), Some(3), "{words}");
+        let hint = "hint: remove the file, or leave --resume out to begin anew\n";
+        assert_eq!(stderr(&output), format!("error: c.csv.part:{words}{hint}"));
+        assert!(bench.read("c.csv.part") == changed);
+    }
+    // A number is no other case's; the record tells of it.
+    bench.write("sweep-2-of-2.csv", &text.replacen(number, "1.5", 1));
+    let names = ["sweep-1-of-2.csv", "sweep-2-of-2.csv"];
+    let output = bench.run(&[&["sweep", "-o", "no.csv", "--merge"], &names[..]].concat());
+    assert_eq!(output.status.code(), Some(3));
+    let error = stderr(&output);
+    assert!(error.starts_with("error: sweep-2-of-2.json: table.sha256 = \""), "{error}");
+    assert!(!bench.path("no.csv").exists());
+}
+
+#[test]
+fn a_shard_of_an_older_version_is_refused_with_the_advice_to_run_it_again() {
+    let bench = Bench::new();
+    bench.write("old.csv", "# flexlink 0.0.9 sweep 00ff, shard 1/1 of 1 cases\nx,error\n1,\n");
+    let output = bench.run(&["sweep", "--merge", "old.csv"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert_eq!(
+        stderr(&output),
+        "error: old.csv:1: format = nothing, but must be 2\n\
+         hint: flexlink 0.0.9 wrote it in an older format: run it again\n"
+    );
 }

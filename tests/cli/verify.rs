@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::{Bench, LINK, MOTION, repository, stderr, stdout};
 
-const NAMES: [&str; 7] = [
+const NAMES: [&str; 8] = [
     "tip_error",
     "tip_error_viscous",
     "mesh_halving",
@@ -12,6 +12,7 @@ const NAMES: [&str; 7] = [
     "wrap_around",
     "dense_transfer",
     "energy",
+    "tip_deflection",
 ];
 
 fn verify(bench: &Bench, arguments: &[&str]) -> std::process::Output {
@@ -60,10 +61,10 @@ fn a_number_out_of_its_bound_ends_the_program_with_four() {
     let output = verify(&Bench::new(), &["--set", "analysis.lead=0.2"]);
     assert_eq!(output.status.code(), Some(4));
     assert_eq!(stdout(&output).matches("  FAILS").count(), 3, "{}", stdout(&output));
-    let failed = "error: out of bounds: tip, the link's own damping; tip, viscous damping in its \
-                  place; torque at the window's edge\n\
-                  hint: a longer window, more elements, a shorter step or a smoother motion, as the \
-                  check says\n";
+    let failed = "error: out of bounds: tip, the link's own damping; tip, viscous damping, as \
+                  predicted; torque at the window's edge\n\
+                  hint: a longer window, more elements, a shorter step, a smoother or slower motion, as \
+                  the check says\n";
     assert!(stderr(&output).ends_with(failed), "{}", stderr(&output));
 }
 

@@ -22,6 +22,7 @@ fn arm(damping: Damping) -> LinkParts {
         length_m,
         bending_stiffness_n_m2: Taper { inner: stiffness.0, outer: stiffness.1 },
         mass_per_length_kg_m: Taper { inner: mass.0, outer: mass.1 },
+        cross_section: None,
     };
     LinkParts {
         title: String::new(),
@@ -30,6 +31,7 @@ fn arm(damping: Damping) -> LinkParts {
         masses: vec![LumpedMass { at_m: 0.9, mass_kg: 0.2, inertia_kg_m2: 1e-3 }],
         payload: Payload { mass_kg: 0.3, inertia_kg_m2: 4e-3, offset_m: 0.06 },
         damping,
+        drive: None,
     }
 }
 

@@ -13,6 +13,7 @@ fn bayo(elements: usize) -> Mesh {
         length_m: 1.5 * count as f64 / elements as f64,
         bending_stiffness_n_m2: Taper::constant(stiffness),
         mass_per_length_kg_m: Taper::constant(0.8),
+        cross_section: None,
     };
     let link = Link::new(LinkParts {
         title: String::new(),
@@ -21,6 +22,7 @@ fn bayo(elements: usize) -> Mesh {
         masses: vec![],
         payload: Payload::default(),
         damping: Damping::None,
+        drive: None,
     })
     .expect("a valid link");
     let plan = MeshPlan::new(&link, &[Some(1), Some(elements - 1)], None, 1e-6);

@@ -19,6 +19,7 @@ fn arm() -> LinkParts {
         length_m,
         bending_stiffness_n_m2: Taper { inner: stiffness.0, outer: stiffness.1 },
         mass_per_length_kg_m: Taper { inner: mass.0, outer: mass.1 },
+        cross_section: None,
     };
     let mass = |at_m, mass_kg, inertia_kg_m2| LumpedMass { at_m, mass_kg, inertia_kg_m2 };
     LinkParts {
@@ -38,6 +39,7 @@ fn arm() -> LinkParts {
         ],
         payload: Payload { mass_kg: 0.3, inertia_kg_m2: 4e-3, offset_m: 0.06 },
         damping: Damping::None,
+        drive: None,
     }
 }
 

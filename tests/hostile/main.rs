@@ -69,9 +69,15 @@ impl Bench {
         assert!(error.len() < 1000, "{error}");
         assert_eq!(output.status.code(), Some(code), "{error}");
         assert_eq!(text(&output.stdout), "");
-        for result in
-            ["out", "simulated", "sweep.csv", "sweep.csv.part", "merged.csv", "report.html"]
-        {
+        for result in [
+            "out",
+            "simulated",
+            "sweep.csv",
+            "sweep.json",
+            "sweep.csv.part",
+            "merged.csv",
+            "report.html",
+        ] {
             assert!(!self.path(result).exists(), "{result} is left behind");
         }
     }

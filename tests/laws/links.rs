@@ -31,6 +31,7 @@ pub(crate) fn any_parts() -> impl Strategy<Value = LinkParts> {
             hub,
             payload,
             damping: Damping::None,
+            drive: None,
         }
     })
 }
@@ -45,6 +46,7 @@ fn any_segment() -> impl Strategy<Value = Segment> {
             length_m,
             bending_stiffness_n_m2: stiffness,
             mass_per_length_kg_m: mass,
+            cross_section: None,
         }
     })
 }

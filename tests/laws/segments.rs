@@ -23,6 +23,7 @@ fn split(parts: &LinkParts, index: usize, fraction: f64) -> LinkParts {
         length_m: whole.length_m * (to - from),
         bending_stiffness_n_m2: whole.bending_stiffness_n_m2.between(from, to),
         mass_per_length_kg_m: whole.mass_per_length_kg_m.between(from, to),
+        cross_section: None,
     };
     parts.segments.splice(index..=index, [piece(0.0, fraction), piece(fraction, 1.0)]);
     parts

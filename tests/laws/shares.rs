@@ -61,6 +61,7 @@ fn a_mass_within_a_billionth_of_the_length_of_a_border_needs_no_node_of_its_own(
                 length_m,
                 bending_stiffness_n_m2: Taper::constant(5.0),
                 mass_per_length_kg_m: Taper::constant(0.8),
+                cross_section: None,
             };
             let at_m = length_m + share * 2.0 * length_m;
             let link = Link::new(LinkParts {
@@ -70,6 +71,7 @@ fn a_mass_within_a_billionth_of_the_length_of_a_border_needs_no_node_of_its_own(
                 masses: vec![LumpedMass { at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 }],
                 payload: Payload::default(),
                 damping: Damping::None,
+                drive: None,
             });
             shares(&link.expect("a valid link"), 9).len()
         };

@@ -108,7 +108,7 @@ fn segment_refusal(keys: &str) -> String {
 
 #[test]
 fn the_whole_example_is_read_in_si() {
-    let Specification { link, mesh, analysis, drive, limits } = read(EXAMPLE).unwrap();
+    let Specification { link, mesh, analysis, limits, .. } = read(EXAMPLE).unwrap();
     assert_eq!(link.title(), "Bayo (1987), example 1: I = 0.25e-2 cm^4");
     let [root, beam] = link.segments() else {
         panic!("{:?}", link.segments());
@@ -126,7 +126,7 @@ fn the_whole_example_is_read_in_si() {
     assert_eq!(*link.damping(), Damping::Hysteretic { ratio: 0.02 });
     let stiff_joint =
         Drive { joint_stiffness_n_m_rad: f64::INFINITY, rotor_inertia_kg_m2: 0.0, gear_ratio: 1.0 };
-    assert_eq!(drive, Some(stiff_joint));
+    assert_eq!(link.drive(), Some(&stiff_joint));
     assert_eq!((limits.torque_n_m, limits.hub_rate_rad_s), (Some(5.0), Some(6.0)));
     assert_eq!((limits.deflection_m, limits.bending_moment_n_m), (Some(0.1), Some(20.0)));
     assert_eq!((limits.power_w, limits.rms_torque_n_m), (None, None));
@@ -139,8 +139,8 @@ fn the_whole_example_is_read_in_si() {
 
 #[test]
 fn only_segments_are_required() {
-    let Specification { link, mesh, analysis, drive, limits } = read(SHORT).unwrap();
-    assert_eq!((drive, limits), (None, Limits::default()));
+    let Specification { link, mesh, analysis, limits, .. } = read(SHORT).unwrap();
+    assert_eq!((link.drive(), limits), (None, Limits::default()));
     assert_eq!(link.title(), "");
     assert_eq!(*link.hub(), Hub::default());
     assert_eq!(*link.damping(), Damping::None);

@@ -36,6 +36,7 @@ impl TwoBodies {
             length_m: Self::LENGTH_M,
             bending_stiffness_n_m2: Taper::constant(Self::STIFFNESS_N_M2),
             mass_per_length_kg_m: Taper::constant(0.0),
+            cross_section: None,
         };
         let link = Link::new(LinkParts {
             title: String::new(),
@@ -44,6 +45,7 @@ impl TwoBodies {
             masses: vec![],
             payload: Payload { mass_kg: Self::MASS_KG, ..Payload::default() },
             damping: Damping::None,
+            drive: None,
         })
         .unwrap();
         let plan = mesh_of(&link, 3);

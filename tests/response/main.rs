@@ -33,6 +33,7 @@ fn bayo() -> LinkParts {
         length_m,
         bending_stiffness_n_m2: Taper::constant(stiffness),
         mass_per_length_kg_m: Taper::constant(0.8),
+        cross_section: None,
     };
     LinkParts {
         title: String::new(),
@@ -41,6 +42,7 @@ fn bayo() -> LinkParts {
         masses: vec![],
         payload: Payload::default(),
         damping: Damping::None,
+        drive: None,
     }
 }
 
@@ -73,7 +75,7 @@ fn sine(steps: u32) -> TipMotion {
 }
 
 fn solved(link: &Link, plan: &MeshPlan, motion: &TipMotion, tolerance: f64) -> Solution {
-    invert(link, plan, motion, &Analysis::new(tolerance, None, None).unwrap()).unwrap()
+    invert(link, plan, motion, &whole_band(Analysis::new(tolerance, None, None).unwrap())).unwrap()
 }
 
 /// A torque of the inversion, to be played.
@@ -107,4 +109,9 @@ fn smooth(steps: u32) -> TipMotion {
     };
     let acceleration_m_s2 = Some(time_s.iter().map(at).collect());
     TipMotion::new(MotionColumns { time_s, acceleration_m_s2, ..Default::default() }).unwrap()
+}
+
+/// The analysis with every frequency of the samples, where a law is to hold to the last digits.
+fn whole_band(analysis: Analysis) -> Analysis {
+    analysis.with_tip_tolerance(0.0).unwrap()
 }

@@ -20,7 +20,7 @@ use flexlink::result::TipError;
 use flexlink::spec::{Override, read_specification};
 use flexlink::tables::read_motion_table;
 
-use super::{played, torque_of};
+use super::{played, torque_of, whole_band};
 
 const FIRST: &str = "bayo1987_example1.toml";
 const SECOND: &str = "bayo1987_example2.toml";
@@ -65,7 +65,7 @@ fn worst_percent(found: &Simulation, wanted: &Solution, until_s: f64) -> f64 {
 
 /// Largest tip error in % of the torque of the nominal link on one with some `--set` applied.
 fn wrong_link_percent(damping: &[&str], set: &str) -> f64 {
-    let wanted = solution(FIRST, damping, &Analysis::default());
+    let wanted = solution(FIRST, damping, &whole_band(Analysis::default()));
     let (wrong, plan) = example(FIRST, &[damping, &[set]].concat());
     let found = played(&wrong, &plan, &Play::of(&torque_of(&wanted)));
     worst_percent(&found, &wanted, f64::INFINITY)
@@ -99,7 +99,7 @@ fn a_wrong_link_misses_by_that_and_by_the_law_under_the_papers() {
 
 /// The torque that a rigid link would need, on the flexible one.
 fn rigid_torque(file: &str) -> (Solution, Simulation) {
-    let wanted = solution(file, &[], &Analysis::default());
+    let wanted = solution(file, &[], &whole_band(Analysis::default()));
     let time_s: Vec<f64> = (0..wanted.grid.len).map(|k| wanted.grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, wanted.rigid_torque_n_m.clone()).unwrap();
     let (link, plan) = example(file, &[]);
@@ -147,7 +147,7 @@ fn a_lead_cut_short_costs_what_the_lost_impulse_does() {
         (0.4, [0.22, 0.22, 0.42]),
     ];
     for (lead_s, expected) in rows {
-        let cut = Analysis::new(1e-6, Some(lead_s), None).unwrap();
+        let cut = whole_band(Analysis::new(1e-6, Some(lead_s), None).unwrap());
         let wanted = solution(FIRST, &[], &cut);
         let (link, plan) = example(FIRST, &[]);
         let found = played(&link, &plan, &Play::of(&torque_of(&wanted)));

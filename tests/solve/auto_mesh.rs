@@ -1,6 +1,8 @@
 //! The discretisation error: what is reported is what it is.
 
-use super::{Smooth, accelerated, link, mesh_of, peak, sine, solved, torque_difference};
+use super::{
+    Smooth, accelerated, link, mesh_of, peak, sine, solved, torque_difference, whole_band,
+};
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Segment, Taper};
@@ -10,7 +12,7 @@ use flexlink::motion::TipMotion;
 fn automatic(link: &Link, motion: &TipMotion, tolerance: f64) -> Solution {
     let own = vec![None; link.segments().len()];
     let plan = MeshPlan::new(link, &own, Some(ElementCount::Auto), tolerance).unwrap();
-    invert(link, &plan, motion, &Analysis::default()).unwrap()
+    invert(link, &plan, motion, &whole_band(Analysis::default())).unwrap()
 }
 
 /// A tapered link of two segments with a lumped mass.
@@ -21,6 +23,7 @@ fn tapered() -> Link {
             length_m: 0.7,
             bending_stiffness_n_m2: Taper { inner: 5.0, outer: 2.0 },
             mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.5 },
+            cross_section: None,
         };
         parts.segments[0].length_m = 0.8;
         parts.segments.push(taper);
@@ -31,7 +34,7 @@ fn tapered() -> Link {
 /// Reported over true error, the latter against a mesh of eight times as many elements.
 fn reported_over_true(solution: &Solution, link: &Link, motion: &TipMotion) -> f64 {
     let finer = solved(link, 8 * solution.mesh().elements().len(), motion);
-    solution.accuracy.mesh_error / torque_difference(solution, &finer, 0)
+    solution.accuracy.errors.torque.mesh / torque_difference(solution, &finer, 0)
 }
 
 #[test]
@@ -58,7 +61,7 @@ fn an_automatic_mesh_begins_too_coarse_for_its_band() {
         let slow = Smooth { travel_m: 3.0, duration_s: 21.0, steps, ..Smooth::MOVE };
         let written = slow.acceleration_m_s2().iter().map(|a| (a * 1e12).round() / 1e12).collect();
         let solution = automatic(&link, &accelerated(slow.time_s(), written), 1e-6);
-        assert!(solution.accuracy.mesh_error < 1e-6);
+        assert!(solution.accuracy.errors.torque.mesh < 1e-6);
         assert!(peak(&solution.torque_n_m) < 1.0);
     }
 }
@@ -69,11 +72,11 @@ fn an_automatic_mesh_is_refined_below_its_tolerance_and_no_further() {
         let motion = Smooth { duration_s: 0.5, steps: 500, ..Smooth::MOVE }.motion();
         for tolerance in [1e-2, 1e-4, 1e-6] {
             let solution = automatic(&link, &motion, tolerance);
-            let error = solution.accuracy.mesh_error;
+            let error = solution.accuracy.errors.torque.mesh;
             assert!(error <= tolerance, "{error:e} for {tolerance:e}");
             let elements = solution.mesh().elements().len();
             if elements > 8 {
-                let coarser = solved(&link, elements / 2, &motion).accuracy.mesh_error;
+                let coarser = solved(&link, elements / 2, &motion).accuracy.errors.torque.mesh;
                 assert!(coarser > tolerance, "half of {elements} elements would do: {coarser:e}");
             }
             if error > 1e-5 {
@@ -88,7 +91,7 @@ fn an_automatic_mesh_is_refined_below_its_tolerance_and_no_further() {
 fn the_error_falls_with_the_fourth_power_of_the_element_length() {
     let link = link(|_| ());
     let motion = Smooth { duration_s: 0.5, steps: 500, ..Smooth::MOVE }.motion();
-    let errors = [16, 32, 64].map(|n| solved(&link, n, &motion).accuracy.mesh_error);
+    let errors = [16, 32, 64].map(|n| solved(&link, n, &motion).accuracy.errors.torque.mesh);
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!((3.9..4.1).contains(&order), "{errors:?}");
@@ -110,7 +113,11 @@ fn a_mesh_that_was_chosen_may_be_finer_than_any_automatic_one() {
     let link = link(|_| ());
     let solution = solved(&link, 5000, &Smooth { steps: 32, ..Smooth::MOVE }.motion());
     assert_eq!(solution.mesh().elements().len(), 5000);
-    assert!(solution.accuracy.mesh_error < 1e-9, "{:e}", solution.accuracy.mesh_error);
+    assert!(
+        solution.accuracy.errors.torque.mesh < 1e-9,
+        "{:e}",
+        solution.accuracy.errors.torque.mesh
+    );
 }
 
 #[test]
@@ -134,7 +141,7 @@ fn the_reported_error_is_that_of_the_series_in_the_fourth_power_over_the_better_
     let change = torque_difference(&fine, &coarse, 0);
     assert!(change > 0.01, "{change}");
     let expected = 16.0 / 15.0 * change;
-    let found = coarse.accuracy.mesh_error;
+    let found = coarse.accuracy.errors.torque.mesh;
     assert!((found / expected - 1.0).abs() < 2e-3, "{found} is not {expected}");
 }
 
@@ -148,7 +155,7 @@ fn the_reported_error_is_sixteen_fifteenths_of_what_halved_elements_change() {
         let (coarse, fine) =
             (solved(&link, elements, &motion), solved(&link, 2 * elements, &motion));
         let expected = 16.0 / 15.0 * torque_difference(&fine, &coarse, 0);
-        let off = coarse.accuracy.mesh_error / expected - 1.0;
+        let off = coarse.accuracy.errors.torque.mesh / expected - 1.0;
         assert!(off.abs() < 2e-3, "{elements} elements: {off:e} of {expected}");
     }
 }

@@ -1,6 +1,6 @@
 //! Damping mode by mode, and links reduced to few modes.
 
-use super::{Smooth, link, mesh_of, peak, refused, solved, torque_difference};
+use super::{Smooth, link, mesh_of, peak, refused, solved, torque_difference, whole_band};
 use flexlink::beam::Mesh;
 use flexlink::inverse::{Analysis, Dynamics, InversionError, KeptModes, Solution, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Payload};
@@ -18,7 +18,7 @@ fn loaded(damping: Damping) -> Link {
 }
 
 fn keeping(modes: usize) -> Analysis {
-    Analysis::default().keeping_modes(modes).unwrap()
+    whole_band(Analysis::default()).keeping_modes(modes).unwrap()
 }
 
 /// Largest difference of two histories over the peak of the second.
@@ -55,8 +55,8 @@ fn all_modes_together_are_the_whole_link() {
         let whole = solved(&link, 8, &motion);
         let summed = invert(&link, &mesh_of(&link, 8), &motion, &keeping(16)).unwrap();
         assert_same(&summed, &whole, 1e-9);
-        assert!(summed.accuracy.truncation_error.unwrap() < 1e-9);
-        assert_eq!(whole.accuracy.truncation_error, None);
+        assert!(summed.accuracy.errors.torque.modes.unwrap() < 1e-9);
+        assert_eq!(whole.accuracy.errors.torque.modes, None);
     }
 }
 
@@ -100,7 +100,7 @@ fn a_reduction_tells_what_it_costs() {
     let mut before = f64::INFINITY;
     for modes in [2, 4, 8] {
         let reduced = invert(&link, &plan, &motion, &keeping(modes)).unwrap();
-        let told = reduced.accuracy.truncation_error.unwrap();
+        let told = reduced.accuracy.errors.torque.modes.unwrap();
         let found = torque_difference(&whole, &reduced, 0);
         assert!((found - told).abs() < 1e-5 + 0.01 * told, "{modes} modes: {told}");
         assert!(told < before, "{modes} modes cost {told}, fewer {before}");
@@ -113,7 +113,7 @@ fn a_reduction_tells_what_it_costs() {
 fn what_modes_cannot_do_is_refused() {
     let motion = Smooth::MOVE.motion();
     let link = loaded(Damping::Modal { ratios: vec![0.02] });
-    let error = refused(&link, &mesh_of(&link, 251), &motion, &Analysis::default());
+    let error = refused(&link, &mesh_of(&link, 251), &motion, &whole_band(Analysis::default()));
     assert_eq!(error, InversionError::TooManyElements { elements: 251, limit: 250 });
     assert_eq!(
         error.to_string(),
@@ -127,7 +127,7 @@ fn what_modes_cannot_do_is_refused() {
         "analysis.modes = 7, but must be at most 6: the mesh has no more modes"
     );
     let series = loaded(Damping::Caughey { modes: vec![1, 2, 3], ratios: vec![0.02; 3] });
-    let error = refused(&series, &mesh_of(&series, 8), &motion, &Analysis::default());
+    let error = refused(&series, &mesh_of(&series, 8), &motion, &whole_band(Analysis::default()));
     let InversionError::Damping(DampingError::NegativeRatio { mode, ratio, modes, .. }) = error
     else {
         panic!("{error}");

@@ -1,6 +1,7 @@
 //! What the motor does behind a gear and an elastic joint, and limits on what the link does.
 
 use super::{Smooth, link, solved};
+use flexlink::inverse::Solution;
 use flexlink::link::Drive;
 use flexlink::result::{Limits, Metrics};
 
@@ -16,10 +17,14 @@ fn close(found: &[f64], expected: impl Iterator<Item = f64>, tolerance: f64) {
     }
 }
 
+fn driven(drive: Drive) -> Solution {
+    solved(&link(|parts| parts.drive = Some(drive)), 10, &Smooth::SHORT.motion())
+}
+
 #[test]
 fn a_stiff_light_drive_without_a_gear_is_the_hub_itself() {
-    let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
-    let motor = solution.motor(&STIFF);
+    let solution = driven(STIFF);
+    let motor = solution.motor().unwrap();
     assert_eq!(motor.torque_n_m, solution.torque_n_m);
     assert_eq!(motor.angle_rad, solution.hub_angle_rad);
     assert_eq!(motor.rate_rad_s, solution.hub_rate_rad_s);
@@ -27,8 +32,8 @@ fn a_stiff_light_drive_without_a_gear_is_the_hub_itself() {
 
 #[test]
 fn a_gear_trades_torque_for_angle_and_keeps_the_power() {
-    let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
-    let motor = solution.motor(&Drive { gear_ratio: 50.0, ..STIFF });
+    let solution = driven(Drive { gear_ratio: 50.0, ..STIFF });
+    let motor = solution.motor().unwrap();
     close(&motor.torque_n_m, solution.torque_n_m.iter().map(|t| t / 50.0), 1e-14);
     close(&motor.angle_rad, solution.hub_angle_rad.iter().map(|a| 50.0 * a), 1e-14);
     let power = solution.torque_n_m.iter().zip(&solution.hub_rate_rad_s);
@@ -37,10 +42,12 @@ fn a_gear_trades_torque_for_angle_and_keeps_the_power() {
 
 #[test]
 fn the_joint_twists_by_torque_over_stiffness_and_the_rotor_takes_its_share() {
-    let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
-    let drive =
-        Drive { joint_stiffness_n_m_rad: 20.0, rotor_inertia_kg_m2: 0.003, gear_ratio: 5.0 };
-    let motor = solution.motor(&drive);
+    let solution = driven(Drive {
+        joint_stiffness_n_m_rad: 20.0,
+        rotor_inertia_kg_m2: 0.003,
+        gear_ratio: 5.0,
+    });
+    let motor = solution.motor().unwrap();
     let twisted = solution.hub_angle_rad.iter().zip(&solution.torque_n_m);
     close(&motor.angle_rad, twisted.map(|(a, t)| 5.0 * (a + t / 20.0)), 1e-12);
     // Central differences of the angle, written apart from the spectra.

@@ -1,6 +1,8 @@
 //! The period: how long it is, what is written of it, and what that costs.
 
-use super::{Smooth, accelerated, link, mesh_of, samples, sine, solved, torque_difference};
+use super::{
+    Smooth, accelerated, link, mesh_of, samples, sine, solved, torque_difference, whole_band,
+};
 use flexlink::inverse::{Analysis, Solution, Warning, invert, torque_over_window};
 use flexlink::link::Damping;
 
@@ -9,7 +11,7 @@ const VISCOUS: Damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 1e-3 };
 
 fn with_window(lead_s: Option<f64>, lag_s: Option<f64>) -> Solution {
     let link = link(|_| ());
-    let analysis = Analysis::new(1e-6, lead_s, lag_s).unwrap();
+    let analysis = whole_band(Analysis::new(1e-6, lead_s, lag_s).unwrap());
     invert(&link, &mesh_of(&link, 16), &sine(0.5, 0.88, 440), &analysis).unwrap()
 }
 
@@ -21,7 +23,11 @@ fn a_trajectory_with_enough_rest_is_not_padded() {
     let solution = solved(&link, 16, &rested.motion());
     assert_eq!(solution.band.fft_length, 1280);
     assert_eq!(samples(&solution), 0..1280);
-    assert!(solution.accuracy.edge_error <= 1e-6, "{:e}", solution.accuracy.edge_error);
+    assert!(
+        solution.accuracy.errors.torque.window <= 1e-6,
+        "{:e}",
+        solution.accuracy.errors.torque.window
+    );
     assert!(solution.warnings.is_empty());
 }
 
@@ -30,7 +36,7 @@ fn what_rest_there_is_counts_for_the_padding() {
     let link = link(|parts| parts.damping = VISCOUS);
     let period = |rest: [u32; 2]| {
         let solution = solved(&link, 16, &Smooth { rest, ..Smooth::MOVE }.motion());
-        assert!(solution.accuracy.edge_error <= 1e-6, "{rest:?}");
+        assert!(solution.accuracy.errors.torque.window <= 1e-6, "{rest:?}");
         solution.band.fft_length
     };
     let bare = period([0, 0]);
@@ -46,7 +52,7 @@ fn the_edge_error_stays_below_the_tolerance() {
     for damping in [Damping::Hysteretic { ratio: 0.02 }, VISCOUS, Damping::None] {
         let link = link(|parts| parts.damping = damping.clone());
         let solution = solved(&link, 16, &sine(0.5, 0.88, 440));
-        let edge = solution.accuracy.edge_error;
+        let edge = solution.accuracy.errors.torque.window;
         assert!(edge <= 1e-6, "{damping:?}: {edge:e}");
         assert!(edge > 1e-9, "{damping:?}: far more padding than needed, {edge:e}");
     }
@@ -80,7 +86,7 @@ fn a_cut_torque_is_warned_about_with_what_is_cut() {
     let outside = samples(&whole).filter(|k| !samples(&cut).contains(k));
     let largest = outside.fold(0.0_f64, |m, k| m.max(super::torque_at(&whole, k).abs()));
     assert!((share / (largest / peak) - 1.0).abs() < 1e-3, "{share} of {}", largest / peak);
-    assert!((cut.accuracy.edge_error - share).abs() < 1e-15);
+    assert!((cut.accuracy.errors.torque.window - share).abs() < 1e-15);
     // What is written is the same torque.
     for k in samples(&cut) {
         assert!((super::torque_at(&cut, k) - super::torque_at(&whole, k)).abs() < 1e-6 * peak);
@@ -100,7 +106,7 @@ fn a_period_of_half_the_length_gives_the_same_torque() {
         let link = link(|parts| parts.damping = damping.clone());
         let solution = solved(&link, 16, &sine(0.5, 0.88, 440));
         let lag_s = Some(solution.band.period_s);
-        let analysis = Analysis::new(1e-6, None, lag_s).unwrap();
+        let analysis = whole_band(Analysis::new(1e-6, None, lag_s).unwrap());
         let plan = mesh_of(&link, 16);
         let longer = invert(&link, &plan, &sine(0.5, 0.88, 440), &analysis).unwrap();
         assert!(longer.band.period_s > 2.0 * solution.band.period_s);
@@ -113,7 +119,7 @@ fn a_period_of_half_the_length_gives_the_same_torque() {
 fn a_looser_tolerance_writes_a_shorter_window() {
     let link = link(|_| ());
     let rows = |tolerance: f64| {
-        let analysis = Analysis::new(tolerance, None, None).unwrap();
+        let analysis = whole_band(Analysis::new(tolerance, None, None).unwrap());
         let plan = mesh_of(&link, 16);
         invert(&link, &plan, &sine(0.5, 0.88, 440), &analysis).unwrap().grid.len
     };
@@ -129,7 +135,8 @@ fn another_sampling_of_a_motion_asks_for_the_same_torque_over_the_same_window() 
         accelerated(time_s, motion.acceleration_m_s2())
     };
     let solution = solved(&link, 16, &late(256));
-    let finer = torque_over_window(&solution, &link, &late(512), &Analysis::default()).unwrap();
+    let finer =
+        torque_over_window(&solution, &link, &late(512), &whole_band(Analysis::default())).unwrap();
     assert_eq!(finer.len(), 2 * solution.grid.len - 1);
     let peak = super::peak(&solution.torque_n_m);
     for (k, torque_n_m) in solution.torque_n_m.iter().enumerate() {

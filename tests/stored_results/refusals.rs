@@ -105,6 +105,10 @@ fn a_foreign_or_damaged_summary_is_refused() {
     let command = summary("{\"flexlink\": \"0.1.0\", \"command\": \"modes\"}");
     let known = "must be \"solve\" or \"simulate\"";
     assert_eq!(command, format!("out/summary.json: command = \"modes\", but {known}"));
+    for (format, found) in [("", "nothing"), ("\"format\": 1,", "1"), ("\"format\": 3,", "3")] {
+        let other = format!("{{{format} \"flexlink\": \"0.1.0\", \"command\": \"solve\"}}");
+        assert_eq!(summary(&other), format!("out/summary.json: format = {found}, but must be 2"));
+    }
     for (text, expected) in [
         ("", "out/summary.json:1: content = EOF while parsing a value, but must be the summary"),
         ("[1]", "out/summary.json:1: content = "),
@@ -144,6 +148,19 @@ fn a_foreign_or_damaged_summary_is_refused() {
         change("\"tip.csv\"", "\"../tip.csv\""),
         "out: files = \"../tip.csv\", but must be names, without folders or control characters"
     );
+}
+
+#[test]
+fn an_older_run_is_refused_with_the_advice_to_run_it_again() {
+    let bench = solved();
+    let own = bench.text("out/summary.json");
+    assert!(own.starts_with("{\n  \"format\": 2,\n"), "{own}");
+    let older = own.replacen("  \"format\": 2,\n", "", 1);
+    let version = format!("\"flexlink\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    bench.write("out/summary.json", &older.replace(&version, "\"flexlink\": \"0.0.9\""));
+    let message = "out/summary.json: format = nothing, but must be 2";
+    let hint = "flexlink 0.0.9 wrote it in an older format: run it again";
+    assert_eq!(bench.refusal("out"), (message.to_owned(), Some(hint.to_owned())));
 }
 
 #[test]

@@ -14,12 +14,18 @@ fn assert_readings(found: &[(String, f64)], summary: &Value) {
     for (name, number) in found {
         let of = |part: &str, key: &str| summary[part].get(key).and_then(Value::as_f64);
         let expected = of("results", name)
-            .or_else(|| of("errors", name))
-            .or_else(|| summary["errors"][name.strip_suffix("_mesh")?]["mesh"].as_f64())
             .or_else(|| of("residual", name.strip_prefix("residual_")?))
-            .or_else(|| of("tip_error", name.strip_prefix("tip_error_")?));
+            .or_else(|| of("tip_error", name.strip_prefix("tip_error_")?))
+            .or_else(|| error_of(summary, name.strip_suffix("_error")?));
         assert_eq!(expected.map(f64::to_bits), Some(number.to_bits()), "{name}");
     }
+}
+
+/// The error of a name such as `tip` or `hub_angle_mesh`.
+fn error_of(summary: &Value, name: &str) -> Option<f64> {
+    let inner =
+        || name.rsplit_once('_').and_then(|(of, kind)| summary["errors"][of][kind].as_f64());
+    summary["errors"][name].as_f64().or_else(inner)
 }
 
 #[test]
@@ -44,7 +50,9 @@ fn a_verified_run_tells_its_origin_numbers_checks_and_warnings() {
     assert!(arguments.len() == 8 && arguments.iter().eq(&run.origin.arguments), "{arguments:?}");
     let names: Vec<&str> = run.readings.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names[0], "peak_torque_n_m");
-    assert_eq!(names[12..], ["mesh_error", "edge_error"], "truncation_error is null");
+    let expected =
+        ["tip_error", "torque_mesh_error", "torque_window_error", "hub_angle_mesh_error"];
+    assert_eq!(names[12..16], expected, "of each quantity its errors, those that are there");
     assert_readings(&run.readings, &summary);
     let solved = run.solved.unwrap();
     for (found, expected) in [
@@ -73,7 +81,7 @@ fn checks_come_back_measured_or_with_the_reason() {
     let checks = bench.run_of("out").checks;
     let summary = json(&bench, "out");
     let expected = summary["verification"].as_array().unwrap();
-    assert!(checks.len() == 7 && expected.len() == 7);
+    assert!(checks.len() == 8 && expected.len() == 8);
     for (found, expected) in checks.iter().zip(expected) {
         assert_eq!(
             (found.what.as_str(), found.of.as_str()),
@@ -111,8 +119,6 @@ fn the_numbers_of_a_simulation_are_named_by_what_they_are_of() {
         "peak_hub_rate_rad_s",
         "peak_power_w",
         "peak_deflection_m",
-        "tip_mesh",
-        "hub_angle_mesh",
         "residual_amplitude_m",
         "residual_share",
         "residual_frequency_hz",
@@ -122,6 +128,8 @@ fn the_numbers_of_a_simulation_are_named_by_what_they_are_of() {
         "tip_error_time_s",
         "tip_error_rms_m",
         "tip_error_final_m",
+        "tip_mesh_error",
+        "hub_angle_mesh_error",
     ];
     assert_eq!(names, expected);
     assert_readings(&run.readings, &json(&bench, "played"));

@@ -80,6 +80,15 @@ fn what_is_no_sweep_or_several_is_refused() {
         refused(&text.replace(",lag_s,", ",lagg_s,")),
         format!("x.csv: column 9 = \"lagg_s\", but must be \"{told}\"")
     );
+    let older = text.replace(",warnings,", ",").replace(",,\n", ",\n");
+    bench.write("x.csv", &older);
+    assert_eq!(
+        bench.refusal("x.csv"),
+        (
+            "x.csv: column warnings = nothing, but must be there".into(),
+            hint("an older flexlink wrote it: run the sweep again")
+        )
+    );
     let without = header.replace("lag_s,", "");
     assert_eq!(
         refused(&format!("{without}\n")),
@@ -98,6 +107,6 @@ fn what_is_no_sweep_or_several_is_refused() {
         );
     }
     assert!(
-        refused(&format!("{header}\n1,2\n")).starts_with("x.csv:2: fields = 2, but must be 16")
+        refused(&format!("{header}\n1,2\n")).starts_with("x.csv:2: fields = 2, but must be 19")
     );
 }

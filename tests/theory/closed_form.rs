@@ -78,11 +78,13 @@ impl UniformLink {
                 length_m: self.length_m,
                 bending_stiffness_n_m2: Taper::constant(self.bending_stiffness_n_m2),
                 mass_per_length_kg_m: Taper::constant(self.mass_per_length_kg_m),
+                cross_section: None,
             }],
             hub: Hub { inertia_kg_m2: self.hub_inertia_kg_m2, ..Hub::default() },
             masses: vec![],
             payload: self.payload,
             damping: Damping::None,
+            drive: None,
         })
         .expect("a valid link");
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);

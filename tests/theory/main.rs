@@ -1,7 +1,10 @@
 //! The recursion, the natural frequencies and the zeros against the uniform link in closed form.
 
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
 mod closed_form;
 mod frequencies;
 mod roots;
+mod thickness;
 mod transfer;
 mod zeros;

@@ -143,11 +143,13 @@ fn the_frequency_response_of_a_stiff_link_is_that_of_the_rigid_one_with_drag_and
             length_m: 1.3,
             bending_stiffness_n_m2: Taper::constant(1e13),
             mass_per_length_kg_m: Taper::constant(0.8),
+            cross_section: None,
         }],
         hub: Hub { inertia_kg_m2: 0.1, viscous_friction_n_m_s_rad: 0.7, radius_m: 0.0 },
         masses: vec![],
         payload: Payload::default(),
         damping: Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 0.0 },
+        drive: None,
     })
     .expect("a valid link");
     let plan = MeshPlan::new(&link, &[Some(4)], None, 1e-6).expect("a valid plan");

@@ -24,6 +24,7 @@ fn dynamics(elements: usize, taper: f64, damping: Damping, units: Units) -> Dyna
             bending_stiffness_n_m2: Taper { inner: 6.0, outer: 6.0 * taper }
                 .scaled(inertia * length),
             mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.9 * taper }.scaled(mass / length),
+            cross_section: None,
         }],
         hub: Hub {
             inertia_kg_m2: 0.1 * inertia,
@@ -41,6 +42,7 @@ fn dynamics(elements: usize, taper: f64, damping: Damping, units: Units) -> Dyna
             offset_m: 0.15 * length,
         },
         damping,
+        drive: None,
     })
     .unwrap();
     let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6).unwrap();

@@ -10,6 +10,7 @@ use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, DenseLink, Dynamics, KeptModes, Solution, invert};
 use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use flexlink::motion::{MotionColumns, TipMotion};
+use flexlink::response::{Play, Torque, simulate};
 use flexlink::verification::{Answer, Outcome, Verification, verify};
 
 /// A tapered link with hub radius, friction, a lumped mass and a payload.
@@ -21,11 +22,13 @@ fn link(stiffness_n_m2: f64, damping: Damping) -> Link {
             length_m: 1.4,
             bending_stiffness_n_m2: Taper { inner: stiffness_n_m2, outer: 0.6 * stiffness_n_m2 },
             mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.7 },
+            cross_section: None,
         }],
         hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.1, viscous_friction_n_m_s_rad: 0.05 },
         masses: vec![LumpedMass { at_m: 0.8, mass_kg: 0.1, inertia_kg_m2: 0.0 }],
         payload: Payload { mass_kg: 0.1, inertia_kg_m2: 0.0, offset_m: 0.0 },
         damping,
+        drive: None,
     })
     .unwrap()
 }
@@ -113,11 +116,20 @@ fn a_right_answer_passes_under_every_law() {
 }
 
 #[test]
-fn a_hysteretic_torque_strays_on_a_viscous_link_by_the_difference_of_the_laws() {
-    let verification = Run::usual().as_computed();
+fn a_hysteretic_torque_strays_on_a_viscous_link_as_the_laws_differ() {
+    let run = Run::usual();
+    let verification = run.as_computed();
     let (own, viscous) =
         (found(&verification, "tip_error"), found(&verification, "tip_error_viscous"));
-    assert!(own < 1e-4 && (1e-3..1e-2).contains(&viscous), "{own:e} and {viscous:e}");
+    assert!(own < 1e-4 && viscous < 1e-4, "{own:e} and {viscous:e}");
+    // Without the prediction the tip is 0.1 to 1 % of its way off.
+    let Run { link, plan, solution, .. } = &run;
+    let time_s: Vec<f64> = (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect();
+    let torque = Torque::new(&time_s, solution.torque_n_m.clone()).unwrap();
+    let tip_m = simulate(link, plan, &Play::of(&torque)).unwrap().tip.displacement_m;
+    let pairs = tip_m.iter().zip(&solution.tip.displacement_m);
+    let strays = pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / 0.5;
+    assert!((1e-3..1e-2).contains(&strays), "{strays:e}");
 }
 
 #[test]
@@ -125,10 +137,10 @@ fn a_torque_that_is_written_wrong_is_found() {
     let run = Run::usual();
     let torque = &run.solution.torque_n_m;
     let larger: Vec<f64> = torque.iter().map(|t| 1.001 * t).collect();
-    assert_eq!(failed(&run.verified(&larger)), ["tip_error"]);
+    assert_eq!(failed(&run.verified(&larger)), ["tip_error", "tip_error_viscous"]);
     let mut late = vec![0.0];
     late.extend(&torque[..torque.len() - 1]);
-    assert_eq!(failed(&run.verified(&late)), ["tip_error"]);
+    assert_eq!(failed(&run.verified(&late)), ["tip_error", "tip_error_viscous"]);
     let coarse: Vec<f64> = torque.iter().map(|t| (t * 20.0).round() / 20.0).collect();
     assert!(failed(&run.verified(&coarse)).contains(&"tip_error"));
 }
@@ -159,6 +171,35 @@ fn a_reduction_to_too_few_modes_is_found_and_the_dense_system_is_not_asked() {
     let dense = verification.checks.iter().find(|check| check.name == "dense_transfer").unwrap();
     let reason = Outcome::NotMeasured { reason: "the link is reduced to few modes".into() };
     assert_eq!(dense.outcome, reason);
+}
+
+/// The laws part by far more than a wrong torque at large ratios: what is predicted of them does not.
+#[test]
+fn a_torque_off_by_half_a_percent_is_found_under_either_law_at_every_ratio() {
+    for ratio in [0.001, 0.02, 0.1, 0.3] {
+        let law = Damping::Hysteretic { ratio };
+        let run = Run::new(law, 24, smooth(0.88, 880), Analysis::default());
+        let right = run.as_computed();
+        assert_eq!(failed(&right), [] as [&str; 0], "ratio {ratio}: {right:?}");
+        let torque = &run.solution.torque_n_m;
+        let larger: Vec<f64> = torque.iter().map(|t| 1.005 * t).collect();
+        let wrong = run.verified(&larger);
+        assert_eq!(failed(&wrong), ["tip_error", "tip_error_viscous"], "ratio {ratio}: {wrong:?}");
+    }
+}
+
+#[test]
+fn more_bending_than_three_tenths_of_the_length_is_found() {
+    let bent = |duration_s| {
+        let law = Damping::Hysteretic { ratio: 0.02 };
+        let run = Run::new(law, 24, smooth(duration_s, 880), Analysis::default());
+        let deflections = run.solution.tip_deflection_m();
+        let share = deflections.iter().fold(0.0_f64, |m, w| m.max(w.abs())) / 1.5;
+        (share, failed(&run.as_computed()).contains(&"tip_deflection"))
+    };
+    let (small, large) = (bent(0.88), bent(0.5));
+    assert!(small.0 < 0.3 && !small.1, "{small:?}");
+    assert!(large.0 > 0.3 && large.1, "{large:?}");
 }
 
 #[test]

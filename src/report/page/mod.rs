@@ -3,23 +3,20 @@
 mod link_drawing;
 mod motion_data;
 mod readings;
+mod sweep;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use self::link_drawing::link_drawing;
 use self::motion_data::motion_data;
-use self::readings::{checks, given, inputs, link_readings, readings, warnings};
+use self::readings::{checks, given, inputs, link_readings, readings, remarks, warnings};
+use self::sweep::sweep_page;
 use super::chart::Figure;
 use super::{Figures, View};
-use crate::numeric::significant;
-use crate::result::comparison::Cell;
-use crate::result::{StoredResult, StoredRun, StoredSweep};
+use crate::result::{Origin, StoredResult, StoredRun};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
-
-/// Rows of a sweep's table that a page shows.
-const MOST_CASES: usize = 200;
 
 /// The page of a result, with its figures.
 pub fn page(result: &StoredResult, figures: &Figures) -> String {
@@ -87,11 +84,8 @@ fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
     };
     let view = View::of(run);
     let data = motion_data(&view);
-    let files =
-        origin.inputs.iter().map(|input| input.name.as_str()).collect::<Vec<_>>().join(", ");
-    let told = html! { "flexlink " (origin.version) " " (origin.command) " · " (files) };
-    let mut sections =
-        vec![Section { id: "link", name: "Link and results", content: link_section(run) }];
+    let told = made_by(origin);
+    let mut sections = Vec::new();
     if !run.warnings.is_empty() {
         sections.push(Section {
             id: "warnings",
@@ -99,6 +93,10 @@ fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
             content: warnings(&run.warnings),
         });
     }
+    if !run.remarks.is_empty() {
+        sections.push(Section { id: "remarks", name: "Remarks", content: remarks(&run.remarks) });
+    }
+    sections.push(Section { id: "link", name: "Link and results", content: link_section(run) });
     if !run.checks.is_empty() {
         sections.push(Section { id: "checks", name: "Verification", content: checks(&run.checks) });
     }
@@ -121,6 +119,12 @@ fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
     });
     sections.push(Section { id: "inputs", name: "Inputs", content: inputs(origin) });
     document(title, &told, &sections, data.as_deref())
+}
+
+/// Program, command and files.
+fn made_by(origin: &Origin) -> Markup {
+    let files: Vec<&str> = origin.inputs.iter().map(|input| input.name.as_str()).collect();
+    html! { "flexlink " (origin.version) " " (origin.command) " · " (files.join(", ")) }
 }
 
 fn link_section(run: &StoredRun) -> Markup {
@@ -181,48 +185,6 @@ fn figure_markup(figure: &Figure) -> Markup {
                     } }
                 }
             }
-        }
-    }
-}
-
-fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
-    let cases = sweep.table.lines.len();
-    let varied: Vec<&str> = sweep.table.names().take(sweep.varied).collect();
-    let title = format!("Sweep over {}", varied.join(" and "));
-    let told = html! { (sweep.name) " · " (cases) @if cases == 1 { " case" } @else { " cases" } };
-    let sections = [
-        Section { id: "figures", name: "Figures", content: figures_section(figures, "") },
-        Section { id: "cases", name: "Cases", content: cases_section(sweep) },
-    ];
-    document(&title, &told, &sections, None)
-}
-
-fn cases_section(sweep: &StoredSweep) -> Markup {
-    let cases = sweep.table.lines.len();
-    let shown = cases.min(MOST_CASES);
-    let cell = |column: usize, row: usize| match sweep.table.columns[column].cell(row) {
-        Cell::Number(number) if column < sweep.varied => format!("{number}"),
-        Cell::Number(number) => significant(number, 5),
-        Cell::Word(word) => word.to_owned(),
-    };
-    html! {
-        section id="cases" {
-            h2 { "Cases" }
-            p {
-                "The table of a sweep does not tell link, inputs or warnings: a folder of "
-                code { "sweep --outputs" } " does, for its case."
-            }
-            @if shown < cases {
-                p { "The first " (shown) " of " (cases) "; " (sweep.name) " holds all." }
-            }
-            div class="scroll" { table {
-                thead { tr { @for name in sweep.table.names() { th scope="col" { (name) } } } }
-                tbody {
-                    @for row in 0..shown {
-                        tr { @for column in 0..sweep.table.columns.len() { td { (cell(column, row)) } } }
-                    }
-                }
-            } }
         }
     }
 }

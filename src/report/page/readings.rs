@@ -142,6 +142,20 @@ pub(super) fn warnings(warnings: &[StoredWarning]) -> Markup {
     }
 }
 
+/// Every remark and what to do about it.
+pub(super) fn remarks(remarks: &[StoredWarning]) -> Markup {
+    html! {
+        section id="remarks" {
+            h2 { "Remarks" }
+            ul {
+                @for remark in remarks {
+                    li { (remark.message) " " span class="hint" { "What helps: " (remark.hint) "." } }
+                }
+            }
+        }
+    }
+}
+
 /// The table of `verify`.
 pub(super) fn checks(checks: &[StoredCheck]) -> Markup {
     html! {

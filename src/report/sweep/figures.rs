@@ -215,7 +215,7 @@ mod tests {
         });
         let table =
             Table { columns: columns.collect(), lines: (2..2 + ratios.len() as u64).collect() };
-        StoredSweep { name: "sweep.csv".to_owned(), varied: varied.len(), table }
+        StoredSweep { name: "sweep.csv".to_owned(), origin: None, varied: varied.len(), table }
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The link of a summary, checked as one that is read from a link file.
 
-use super::super::link_record::{DampingRecord, LinkRecord, SegmentRecord};
+use super::super::link_record::{DampingRecord, DriveRecord, LinkRecord, SegmentRecord};
 use crate::link::{
-    Damping, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment, Taper,
+    Damping, Drive, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment, Taper,
 };
 
 impl LinkRecord {
@@ -10,7 +10,11 @@ impl LinkRecord {
     ///
     /// # Errors
     /// [`ParameterError`] names the first parameter out of its range.
-    pub(super) fn into_link(self, title: String) -> Result<Link, ParameterError> {
+    pub(super) fn into_link(
+        self,
+        title: String,
+        drive: Option<DriveRecord>,
+    ) -> Result<Link, ParameterError> {
         let mass = |mass: super::super::link_record::MassRecord| LumpedMass {
             at_m: mass.at_m,
             mass_kg: mass.mass_kg,
@@ -32,6 +36,7 @@ impl LinkRecord {
                 offset_m: self.payload.offset_m,
             },
             damping: self.damping.into_damping(),
+            drive: drive.map(DriveRecord::into_drive),
         })?;
         if (length_m - link.length_m()).abs() <= 1e-9 * link.length_m() {
             return Ok(link);
@@ -49,6 +54,17 @@ impl SegmentRecord {
             length_m: self.length_m,
             bending_stiffness_n_m2: taper(self.bending_stiffness_n_m2),
             mass_per_length_kg_m: taper(self.mass_per_length_kg_m),
+            cross_section: None,
+        }
+    }
+}
+
+impl DriveRecord {
+    fn into_drive(self) -> Drive {
+        Drive {
+            joint_stiffness_n_m_rad: self.joint_stiffness_n_m_rad.unwrap_or(f64::INFINITY),
+            rotor_inertia_kg_m2: self.rotor_inertia_kg_m2,
+            gear_ratio: self.gear_ratio,
         }
     }
 }

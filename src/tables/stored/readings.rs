@@ -1,10 +1,10 @@
 use std::fmt;
 
-use serde::Deserialize as Derived;
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde::Deserialize;
+use serde::de::{Deserializer, MapAccess, Visitor};
 
-/// Numbers of a JSON object by name, in the order in which they stand there, those of an object in it
-/// by both names; null is no number.
+/// Numbers of a JSON object by name, in the order in which they stand there; null is no number, and a
+/// number of an inner object has the names of both, `torque_mesh`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Readings(pub(super) Vec<(String, f64)>);
 
@@ -26,12 +26,11 @@ impl<'de> Deserialize<'de> for Readings {
     }
 }
 
-/// What stands at a name.
-#[derive(Derived)]
+/// What stands behind a name.
+#[derive(Deserialize)]
 #[serde(untagged)]
-enum Reading {
-    Number(Option<f64>),
-    /// Of one thing, and by name again.
+enum Entry {
+    Number(f64),
     Inner(Readings),
 }
 
@@ -46,10 +45,11 @@ impl<'de> Visitor<'de> for Entries {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Readings, A::Error> {
         let mut readings = Readings::default();
-        while let Some((name, reading)) = map.next_entry()? {
-            match reading {
-                Reading::Number(number) => readings.0.extend(number.map(|number| (name, number))),
-                Reading::Inner(inner) => readings.0.extend(inner.prefixed(&format!("{name}_"))),
+        while let Some((name, entry)) = map.next_entry::<String, Option<Entry>>()? {
+            match entry {
+                Some(Entry::Number(number)) => readings.0.push((name, number)),
+                Some(Entry::Inner(inner)) => readings.0.extend(inner.prefixed(&format!("{name}_"))),
+                None => {}
             }
         }
         Ok(readings)

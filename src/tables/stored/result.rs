@@ -25,7 +25,7 @@ pub fn read_result(path: &Path) -> Result<StoredResult, TableError> {
         path.to_owned()
     };
     let file = InputFile::read(&table).map_err(|error| unreadable(&error))?;
-    Ok(StoredResult::Sweep(Box::new(read_sweep(&file)?)))
+    Ok(StoredResult::Sweep(Box::new(read_sweep(&table, &file)?)))
 }
 
 /// The one table of a sweep in a folder.

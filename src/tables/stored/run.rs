@@ -32,7 +32,7 @@ fn gathered(
     summary: &mut StoredSummary,
 ) -> Result<StoredRun, TableError> {
     folder.check_named(&summary.files)?;
-    let link = summary.link.clone().into_link(summary.title.clone());
+    let link = summary.link.clone().into_link(summary.title.clone(), summary.drive.clone());
     let place = Place { file: &summary_file.shown, line: None };
     let link = link.map_err(|error| place.refuse_whole(format!("link.{error}")))?;
     let mesh = read_mesh(&folder.file("nodes.csv")?, &link)?;
@@ -63,6 +63,7 @@ fn gathered(
         readings: summary.take_readings(),
         checks: summary.take_checks(),
         warnings: summary.take_warnings(),
+        remarks: summary.take_remarks(),
     })
 }
 

@@ -1,10 +1,10 @@
 //! summary.json read back.
 
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 
 use super::super::input::InputFile;
-use super::super::link_record::LinkRecord;
+use super::super::json_record::{Head, as_written, check_format, newer, parsed};
+use super::super::link_record::{DriveRecord, LinkRecord};
 use super::super::records::{CheckRecord, Fingerprint, WarningRecord};
 use super::super::table_error::{Place, TableError, quoted};
 use super::folder::A_RUN;
@@ -19,7 +19,8 @@ pub(super) struct StoredSummary {
     pub(super) title: String,
     inputs: Inputs,
     pub(super) link: LinkRecord,
-    /// Of solve alone, as `analysis` and `errors`.
+    /// Of solve alone, as `motion`, `analysis` and `errors`.
+    pub(super) drive: Option<DriveRecord>,
     pub(super) motion: Option<Moving>,
     pub(super) analysis: Option<Window>,
     errors: Option<Readings>,
@@ -30,6 +31,9 @@ pub(super) struct StoredSummary {
     pub(super) results: Readings,
     verification: Option<Vec<CheckRecord>>,
     warnings: Vec<WarningRecord>,
+    /// Of solve alone.
+    #[serde(default)]
+    remarks: Vec<WarningRecord>,
     pub(super) files: Vec<String>,
 }
 
@@ -67,17 +71,10 @@ pub(super) struct Played {
     pub(super) simulated_until_s: f64,
 }
 
-/// What tells a summary from other files.
-#[derive(Debug, Deserialize)]
-struct Head {
-    flexlink: Option<String>,
-    command: Option<String>,
-}
-
 impl StoredSummary {
     pub(super) fn read(file: &InputFile) -> Result<Self, TableError> {
         let whole = Place { file: &file.shown, line: None };
-        let head: Head = parsed(file, "must be the summary of a run, in JSON")?;
+        let head: Head = parsed(&file.bytes, whole, "must be the summary of a run, in JSON")?;
         let Some(version) = head.flexlink else {
             let must = format!("must be the version that wrote it: {A_RUN}");
             return Err(whole.refuse("flexlink", "nothing", must));
@@ -87,8 +84,8 @@ impl StoredSummary {
             let must = "must be \"solve\" or \"simulate\"";
             return Err(whole.refuse("command", quoted(&command), must));
         }
-        let must = format!("must be as flexlink {} writes it", env!("CARGO_PKG_VERSION"));
-        parsed(file, &must).map_err(|error| newer(error, &version))
+        check_format(head.format, &version, whole)?;
+        parsed(&file.bytes, whole, &as_written()).map_err(|error| newer(error, &version))
     }
 
     /// Adds to an error that the run is of a later version than this one, if it is.
@@ -122,14 +119,15 @@ impl StoredSummary {
     pub(super) fn take_readings(&mut self) -> Vec<(String, f64)> {
         let parts = [
             ("", Some(std::mem::take(&mut self.results))),
-            ("", self.errors.take()),
             ("residual_", self.residual.take()),
             ("tip_error_", self.tip_error.take()),
         ];
         let named = |(prefix, part): (&'static str, Option<Readings>)| {
             part.unwrap_or_default().prefixed(prefix)
         };
-        parts.into_iter().flat_map(named).collect()
+        let errors = self.errors.take().unwrap_or_default().0.into_iter();
+        let errors = errors.map(|(name, error)| (format!("{name}_error"), error));
+        parts.into_iter().flat_map(named).chain(errors).collect()
     }
 
     pub(super) fn take_checks(&mut self) -> Vec<StoredCheck> {
@@ -146,34 +144,18 @@ impl StoredSummary {
     }
 
     pub(super) fn take_warnings(&mut self) -> Vec<StoredWarning> {
-        let warning = |warning: WarningRecord| StoredWarning {
-            message: warning.message,
-            hint: warning.hint.into_owned(),
-        };
-        std::mem::take(&mut self.warnings).into_iter().map(warning).collect()
+        stored(&mut self.warnings)
+    }
+
+    pub(super) fn take_remarks(&mut self) -> Vec<StoredWarning> {
+        stored(&mut self.remarks)
     }
 }
 
-/// What a JSON file holds, or the line that is to blame and what the file `must` be.
-fn parsed<T: DeserializeOwned>(file: &InputFile, must: &str) -> Result<T, TableError> {
-    serde_json::from_slice(&file.bytes).map_err(|error| {
-        let line = u64::try_from(error.line()).ok().filter(|line| *line > 0);
-        let text = error.to_string();
-        let found = text.split(" at line ").next().unwrap_or_default().to_owned();
-        Place { file: &file.shown, line }.refuse("content", found, must)
-    })
-}
-
-fn newer(error: TableError, version: &str) -> TableError {
-    let own = env!("CARGO_PKG_VERSION");
-    if numbers(version) <= numbers(own) {
-        return error;
-    }
-    error.or_hint(format!("flexlink {version} wrote it, and this is {own}: take that version"))
-}
-
-/// The numbers of a version, the first one first.
-fn numbers(version: &str) -> Vec<u64> {
-    let plain = version.split(['-', '+']).next().unwrap_or_default();
-    plain.split('.').map(|number| number.parse().unwrap_or(0)).collect()
+fn stored(records: &mut Vec<WarningRecord>) -> Vec<StoredWarning> {
+    let stored = |record: WarningRecord| StoredWarning {
+        message: record.message,
+        hint: record.hint.into_owned(),
+    };
+    std::mem::take(records).into_iter().map(stored).collect()
 }

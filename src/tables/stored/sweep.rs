@@ -6,7 +6,8 @@ use std::path::Path;
 
 use super::super::any_table::read_table;
 use super::super::input::InputFile;
-use super::super::sweep_table::SweepRecord;
+use super::super::sweep_record::read_record;
+use super::super::sweep_table::{ERROR, SweepRecord, WARNINGS};
 use super::super::table_error::{Place, TableError, quoted};
 use crate::result::StoredSweep;
 use crate::result::comparison::{Cell, Table};
@@ -15,17 +16,14 @@ use crate::sweep::{PlayedCase, SolvedCase};
 /// The first column after those of the values varied.
 const FIRST: &str = "period_1_s";
 
-/// The last column: why a case has no numbers.
-const ERROR: &str = "error";
-
 /// Said of files that are none of a sweep.
 const THE_FOLDER: &str = "of a run of solve or simulate, give the folder";
 
 /// The longest row of names that is looked at.
 const LONGEST_HEADER: u64 = 1 << 20;
 
-/// Reads the table of a sweep.
-pub(super) fn read_sweep(file: &InputFile) -> Result<StoredSweep, TableError> {
+/// Reads the table of a sweep at `path`, and the record beside it.
+pub(super) fn read_sweep(path: &Path, file: &InputFile) -> Result<StoredSweep, TableError> {
     let table = read_table(&file.shown, &file.bytes);
     let is_table = file.name.to_lowercase().ends_with(".csv") || file.name == "-";
     let table = table
@@ -37,7 +35,8 @@ pub(super) fn read_sweep(file: &InputFile) -> Result<StoredSweep, TableError> {
         return Err(place.refuse("rows", "none", "must be one or more cases"));
     }
     check_cells(&table, varied, place)?;
-    Ok(StoredSweep { name: file.name.clone(), varied, table })
+    let origin = read_record(path, file)?.map(|record| record.origin());
+    Ok(StoredSweep { name: file.name.clone(), origin, varied, table })
 }
 
 /// Number of the columns of values varied.
@@ -57,6 +56,11 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
     let shared = |known: &&Vec<&str>| known.iter().filter(|name| found.contains(name)).count();
     let known = known.iter().max_by_key(shared).map_or(&[][..], |known| known);
     let must = format!("must be {}", quoted_all(known));
+    if !found.contains(&WARNINGS) {
+        let error = place.refuse(format!("column {WARNINGS}"), "nothing", "must be there");
+        let hint = "an older flexlink wrote it: run the sweep again";
+        return Err(error.with_hint(hint.to_owned()));
+    }
     match found.iter().position(|name| !known.contains(name)) {
         Some(stray) => {
             let subject = format!("column {}", varied + stray + 1);
@@ -72,12 +76,12 @@ fn quoted_all(names: &[&str]) -> String {
 
 /// What a sweep tells of its cases, in the order of its columns.
 fn told<C: SweepRecord>() -> Vec<&'static str> {
-    C::COLUMNS.iter().map(|(name, _)| *name).chain([ERROR]).collect()
+    C::COLUMNS.iter().map(|(name, _)| *name).chain([WARNINGS, ERROR]).collect()
 }
 
 /// Refuses what is neither a finite number nor nothing where numbers are told.
 fn check_cells(table: &Table, varied: usize, place: Place) -> Result<(), TableError> {
-    let told = varied..table.columns.len() - 1;
+    let told = varied..table.columns.len() - 2;
     for column in &table.columns[told] {
         for (row, line) in table.lines.iter().enumerate() {
             let found = match column.cell(row) {

@@ -1,0 +1,112 @@
+//! How exact a solution is: for every quantity that is written, what each approximation costs.
+
+/// What a solution gives over time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Torque at the hub.
+    Torque,
+    /// Hub angle.
+    HubAngle,
+    /// Total displacement at the nodes.
+    Displacement,
+    /// Bending moment at the nodes.
+    BendingMoment,
+    /// Torque of the motor.
+    MotorTorque,
+}
+
+impl Quantity {
+    /// Its name in a sentence.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Torque => "torque",
+            Self::HubAngle => "hub angle",
+            Self::Displacement => "displacement",
+            Self::BendingMoment => "bending moment",
+            Self::MotorTorque => "motor torque",
+        }
+    }
+}
+
+/// One value for each quantity that a solution gives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PerQuantity<T> {
+    /// Torque at the hub.
+    pub torque: T,
+    /// Hub angle.
+    pub hub_angle: T,
+    /// Total displacement at the nodes.
+    pub displacement: T,
+    /// Bending moment at the nodes, where it was asked for.
+    pub bending_moment: Option<T>,
+    /// Torque of the motor, where the link has a drive.
+    pub motor_torque: Option<T>,
+}
+
+impl<T: Copy> PerQuantity<T> {
+    /// The values that are there, the torque first.
+    pub fn iter(&self) -> impl Iterator<Item = (Quantity, T)> {
+        [
+            Some((Quantity::Torque, self.torque)),
+            Some((Quantity::HubAngle, self.hub_angle)),
+            Some((Quantity::Displacement, self.displacement)),
+            self.bending_moment.map(|value| (Quantity::BendingMoment, value)),
+            self.motor_torque.map(|value| (Quantity::MotorTorque, value)),
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// Each value with that of another solution's same quantity; what either lacks is left out.
+    pub(super) fn zip<U: Copy, V>(
+        &self,
+        other: &PerQuantity<U>,
+        join: impl Fn(T, U) -> V,
+    ) -> PerQuantity<V> {
+        PerQuantity {
+            torque: join(self.torque, other.torque),
+            hub_angle: join(self.hub_angle, other.hub_angle),
+            displacement: join(self.displacement, other.displacement),
+            bending_moment: self.bending_moment.zip(other.bending_moment).map(|(a, b)| join(a, b)),
+            motor_torque: self.motor_torque.zip(other.motor_torque).map(|(a, b)| join(a, b)),
+        }
+    }
+}
+
+impl PerQuantity<f64> {
+    /// The largest value and the quantity that it is of; the torque where several are as large.
+    pub fn worst(&self) -> (Quantity, f64) {
+        self.iter().fold((Quantity::Torque, self.torque), |worst, found| {
+            if found.1 > worst.1 { found } else { worst }
+        })
+    }
+}
+
+/// What approximations cost one quantity, each a share of its own peak.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct QuantityErrors {
+    /// Discretisation of the link, measured on halved elements.
+    pub mesh: f64,
+    /// The finite period and the written window.
+    pub window: f64,
+    /// Change when the step is halved; where every frequency of the samples is solved for.
+    pub step: Option<f64>,
+    /// What a reduction to few modes changes; none where all are kept.
+    pub modes: Option<f64>,
+}
+
+/// How exact a solution is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Accuracy {
+    /// Largest distance of the tip that is solved from the wanted one, over its way.
+    pub tip: f64,
+    /// What each quantity may be off by, over its own peak.
+    pub errors: PerQuantity<QuantityErrors>,
+}
+
+impl Accuracy {
+    /// The same kind of error of every quantity; one that was not measured counts as 0.
+    pub fn of_kind(&self, kind: impl Fn(QuantityErrors) -> f64) -> PerQuantity<f64> {
+        self.errors.zip(&self.errors, |errors, _| kind(errors))
+    }
+}

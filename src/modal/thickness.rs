@@ -1,0 +1,168 @@
+use thiserror::Error;
+
+use super::shape::{Mode, mode};
+use crate::beam::{Element, Mesh};
+use crate::link::{CrossSection, Link, Segment, Taper};
+
+/// Share of a natural frequency from which on the user is told: as much as 2 % of stiffness, more
+/// than what a maker's data of section and material leave open.
+const NOTICEABLE: f64 = 1e-2;
+
+/// √(E/ρ) in m/s that is assumed where the section is unknown: that of steel, aluminium and wood.
+const USUAL_SPEED_M_S: f64 = 5e3;
+
+/// κ that is assumed there: that of a thin tube, the least of the usual ones.
+const LEAST_SHEAR_COEFFICIENT: f64 = 0.5;
+
+/// How much shear and rotary inertia, which the model leaves out, would lower natural frequencies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Thickness {
+    /// Cross-section of each segment; none where it is unknown.
+    sections: Vec<Option<CrossSection>>,
+}
+
+/// Natural frequencies that shear and rotary inertia lower by more than 1 %.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error(
+    "shear and rotary inertia, which the model leaves out, lower natural frequencies by about {}",
+    range(lowest, highest)
+)]
+pub struct ThickLink {
+    /// The lowest such mode.
+    pub lowest: LoweredMode,
+    /// The highest such mode of those looked at.
+    pub highest: LoweredMode,
+}
+
+/// A mode and how much lower its frequency is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoweredMode {
+    /// Number of the flexible mode, from 1.
+    pub number: usize,
+    /// Share of the frequency that is missing in a thick link.
+    pub share: f64,
+}
+
+fn range(lowest: &LoweredMode, highest: &LoweredMode) -> String {
+    let told = |mode: &LoweredMode| format!("{:.0} % (mode {})", 100.0 * mode.share, mode.number);
+    if lowest.number == highest.number {
+        told(lowest)
+    } else {
+        format!("{} to {}", told(lowest), told(highest))
+    }
+}
+
+impl ThickLink {
+    /// Name of the kind, for machines.
+    pub fn kind(&self) -> &'static str {
+        "thick_link"
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        "a more slender link; a torque whose motion lies far below these modes hardly feels it"
+    }
+}
+
+impl Thickness {
+    /// By the sections that are known; the others count as slender.
+    pub fn known(link: &Link) -> Self {
+        Self { sections: link.segments().iter().map(|segment| segment.cross_section).collect() }
+    }
+
+    /// With a guess in place of sections that are unknown; none where all are known.
+    ///
+    /// Stiffness and mass tell the radius of gyration but for the speed of sound:
+    /// `EI/m̄ = r² E/ρ`.
+    pub fn guessed(link: &Link) -> Option<Self> {
+        let segments = link.segments();
+        let is_unknown = |segment: &Segment| segment.cross_section.is_none();
+        if !segments.iter().any(is_unknown) {
+            return None;
+        }
+        let section = |segment: &Segment| segment.cross_section.or_else(|| guess(segment));
+        Some(Self { sections: segments.iter().map(section).collect() })
+    }
+
+    /// Whether no section is known, so that every share is zero.
+    pub fn is_unknown(&self) -> bool {
+        self.sections.iter().all(Option::is_none)
+    }
+
+    /// Whether the first `modes` modes cannot be lowered noticeably: a cheap look at the radii alone.
+    ///
+    /// Mode n bends in n + 1 half waves at most, in a piece that is softer than the rest in shorter
+    /// ones, for which four times their energy allows.
+    pub fn is_slender(&self, mesh: &Mesh, modes: usize) -> bool {
+        let nodes_m = mesh.nodes_m();
+        let length_m = nodes_m[nodes_m.len() - 1] - nodes_m[0];
+        let wave_number = (modes + 1) as f64 * std::f64::consts::PI / length_m;
+        let share = |section: &CrossSection| {
+            let Taper { inner, outer } = section.radius_of_gyration_m;
+            let thick = inner.max(outer) * wave_number;
+            2.0 * thick * thick * (1.0 + section.shear_flexibility())
+        };
+        self.sections.iter().flatten().all(|section| share(section) < NOTICEABLE)
+    }
+
+    /// The modes of these natural frequencies, the first ones of the link, that are lowered by more
+    /// than 1 %.
+    pub fn noticeable(&self, mesh: &Mesh, omegas_rad_s: &[f64]) -> Option<ThickLink> {
+        let lowered = |(k, omega): (usize, &f64)| LoweredMode {
+            number: k + 1,
+            share: self.share(mesh, &mode(mesh, *omega)),
+        };
+        if self.is_unknown() {
+            return None;
+        }
+        let modes = omegas_rad_s.iter().enumerate().map(lowered);
+        let mut modes = modes.filter(|mode| mode.share > NOTICEABLE);
+        let lowest = modes.next()?;
+        Some(ThickLink { lowest, highest: modes.next_back().unwrap_or(lowest) })
+    }
+
+    /// Share by which shear and rotary inertia lower a natural frequency, about.
+    ///
+    /// By the energies of the slender link's own mode, of unit mass and added up as Dunkerley does:
+    ///
+    /// ```text
+    /// 1/ω_thick² = (1 + R + S)/ω²,   R = ∫ m̄ r² φ² dx,   S = ω² ∫ Q²/(κGA) dx,   κGA = EI/(r² g)
+    /// ```
+    ///
+    /// with φ the slope, Q the shear force per unit acceleration of the mode and g = E/(κG).
+    pub fn share(&self, mesh: &Mesh, mode: &Mode) -> f64 {
+        let Mode { omega_rad_s, shape } = mode;
+        let forces = shape.shear_forces(mesh);
+        let (mut rotary, mut shear) = (0.0, 0.0);
+        for (k, element) in mesh.elements().iter().enumerate() {
+            let Some(section) = self.sections[mesh.element_segments()[k]] else { continue };
+            let square_m2 = section.radius_of_gyration_m.mean().powi(2);
+            let Element { length_m, bending_stiffness_n_m2, mass_per_length_kg_m } = element;
+            let (inner, outer) = (shape.total(mesh, k), shape.total(mesh, k + 1));
+            // The slope of the cubic in the middle.
+            let middle = 1.5 * (outer[0] - inner[0]) / length_m - 0.25 * (inner[1] + outer[1]);
+            let slopes = (inner[1].powi(2) + 4.0 * middle.powi(2) + outer[1].powi(2)) / 6.0;
+            rotary += length_m * mass_per_length_kg_m.mean() * square_m2 * slopes;
+            let [from, to] = forces[k];
+            let compliance =
+                square_m2 * section.shear_flexibility() / bending_stiffness_n_m2.mean();
+            shear += length_m * compliance * (from * from + from * to + to * to) / 3.0;
+        }
+        let square = omega_rad_s * omega_rad_s;
+        1.0 - (1.0 + rotary + square * shear).sqrt().recip()
+    }
+}
+
+/// What the section of a segment of a usual material would be; none of one without mass.
+fn guess(segment: &Segment) -> Option<CrossSection> {
+    let (stiffness, mass) = (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m);
+    // Stiffness without end is how a rigid piece is written: no section is as long as its segment.
+    let radius_m = |ei: f64, m: f64| ((ei / m).sqrt() / USUAL_SPEED_M_S).min(segment.length_m);
+    (mass.inner > 0.0 && mass.outer > 0.0).then(|| CrossSection {
+        radius_of_gyration_m: Taper {
+            inner: radius_m(stiffness.inner, mass.inner),
+            outer: radius_m(stiffness.outer, mass.outer),
+        },
+        shear_coefficient: LEAST_SHEAR_COEFFICIENT,
+    })
+}

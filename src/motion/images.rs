@@ -1,0 +1,363 @@
+//! What a motion in all other periods adds to a signal that decays as a power of time.
+//!
+//! A Fourier transform of period P adds up what every period leaves. A signal that answers to the motion
+//! with a kernel h(s) → Σ_m S_m/s^{2m+1} far from it, such as a deflection under hysteretic damping, so
+//! gets in addition
+//!
+//! ```text
+//! Σ_m S_m Q_m(t),   Q_m(t) = ∫ a(τ) K_m(t − τ) dτ,   K_m(s) = Σ_{k≠0} (s + kP)^{−(2m+1)}.
+//! ```
+//!
+//! The Q_m belong to the motion and the period alone; the S_m to the link.
+
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+use super::spectrum::TipSpectrum;
+use crate::numeric::{FourierPair, fast_length, largest};
+
+/// Terms that are known: 1/s, 1/s³ and 1/s⁵.
+pub const TAIL_TERMS: usize = 3;
+
+/// A number for each term: S_m of a signal, or Q_m at a time.
+pub type TailTerms = [f64; TAIL_TERMS];
+
+/// Chebyshev points over the motion, and over the period.
+const POINTS: usize = 48;
+
+/// Accelerations below this share of the largest do not count.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// Coefficients below this share of the largest do not count.
+const ROUNDING: f64 = 1e-13;
+
+/// Distances in periods up to which an image counts by itself; those beyond are a power series.
+const NEAR_PERIODS: i32 = 2;
+
+/// Odd powers of that series.
+const POWERS: usize = 8;
+
+/// Times that a polynomial is evaluated at side by side.
+const SIDE_BY_SIDE: usize = 8;
+
+/// The images of a motion in all periods but its own.
+pub struct Images {
+    motion: Source,
+    step_s: f64,
+    samples: usize,
+    seam: usize,
+    /// Of each Q_m over the period, in Chebyshev's polynomials.
+    series: [Vec<f64>; TAIL_TERMS],
+    /// Q_m and its derivatives at all samples of the period.
+    histories: [OnceLock<Vec<TailTerms>>; 3],
+}
+
+/// The motion as its images see it.
+struct Source {
+    period_s: f64,
+    /// Times in s between which it accelerates.
+    span_s: Span,
+    /// Velocity in m/s that it gains around each Chebyshev point of these times: as good as the
+    /// acceleration itself, as the kernel is a polynomial over the motion.
+    gains_m_s: [f64; POINTS],
+    /// Σ_{k>2} k^{−n} for n = 2, 4, ….
+    beyond: [f64; POWERS + TAIL_TERMS],
+}
+
+/// Times from one to another, in s.
+#[derive(Clone, Copy)]
+struct Span {
+    from_s: f64,
+    until_s: f64,
+}
+
+impl Images {
+    pub(super) fn new(spectrum: &TipSpectrum) -> Self {
+        let motion = Source::new(spectrum);
+        let (step_s, samples, seam) = (spectrum.step_s, spectrum.pair.len(), spectrum.seam);
+        let span = period(step_s, samples, seam);
+        let cosines = Cosines::new();
+        let at = |point: usize| motion.terms(span.at(cosines.of(1, point)), Own::Out);
+        let values: Vec<TailTerms> = (0..POINTS).map(at).collect();
+        let series = std::array::from_fn(|m| {
+            let values: Vec<f64> = values.iter().map(|terms| terms[m]).collect();
+            trimmed(cosines.series(&values))
+        });
+        let histories = [(); 3].map(|()| OnceLock::new());
+        Self { motion, step_s, samples, seam, series, histories }
+    }
+
+    /// Q_m, differentiated `order` times, at every sample of the period.
+    ///
+    /// # Panics
+    /// Beyond the second derivative.
+    pub fn history(&self, order: usize) -> &[TailTerms] {
+        self.histories[order].get_or_init(|| {
+            let span = period(self.step_s, self.samples, self.seam);
+            let mut history = vec![[0.0; TAIL_TERMS]; self.samples];
+            for (m, series) in self.series.iter().enumerate() {
+                let derived = (0..order).fold(series.clone(), |s, _| span.derivative(&s));
+                let place = |k: usize| {
+                    let steps = k as f64 - if k < self.seam { 0.0 } else { self.samples as f64 };
+                    span.scaled(steps * self.step_s)
+                };
+                for first in (0..self.samples).step_by(SIDE_BY_SIDE) {
+                    let values = clenshaw(&derived, std::array::from_fn(|k| place(first + k)));
+                    for (terms, value) in history[first..].iter_mut().zip(values) {
+                        terms[m] = value;
+                    }
+                }
+            }
+            history
+        })
+    }
+
+    /// Largest of what a period's samples of a signal hold around the seam beyond its tail and the
+    /// images': what the finite period costs it, in the signal's unit.
+    ///
+    /// # Panics
+    /// Without a sample for each of the period.
+    pub fn residual_at_seam(&self, signal: &[f64], tail: &TailTerms) -> f64 {
+        assert_eq!(signal.len(), self.samples, "samples of the period");
+        let reach = (self.samples / 64).max(2);
+        let around = (self.samples + self.seam - reach..=self.samples + self.seam + reach)
+            .step_by((reach / 4).max(1));
+        around.fold(0.0, |most: f64, k| {
+            let time_s = (k - self.samples) as f64 * self.step_s;
+            let expected = tail_sum(tail, &self.motion.terms(time_s, Own::In));
+            most.max((signal[k % self.samples] - expected).abs())
+        })
+    }
+}
+
+/// Times of a period whose samples from `seam` on stand before the others.
+fn period(step_s: f64, samples: usize, seam: usize) -> Span {
+    let until_s = seam as f64 * step_s;
+    Span { from_s: until_s - samples as f64 * step_s, until_s }
+}
+
+/// Σ_m S_m Q_m.
+pub fn tail_sum(tail: &TailTerms, terms: &TailTerms) -> f64 {
+    tail[0] * terms[0] + tail[1] * terms[1] + tail[2] * terms[2]
+}
+
+/// Whether the motion's own period counts among the images.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Own {
+    In,
+    Out,
+}
+
+impl Source {
+    fn new(spectrum: &TipSpectrum) -> Self {
+        let bins = spectrum.band_len();
+        let len = fast_length(2 * bins);
+        let samples = FourierPair::new(len).samples(&spectrum.acceleration_m_s2[..bins]);
+        let period_s = spectrum.period_s();
+        let step_s = period_s / len as f64;
+        let seam_s = spectrum.seam as f64 * spectrum.step_s;
+        let time_s = |k: usize| {
+            let time_s = k as f64 * step_s;
+            if time_s < seam_s { time_s } else { time_s - period_s }
+        };
+        let least = NEGLIGIBLE * largest(&samples);
+        let counting = || samples.iter().enumerate().filter(|(_, a)| a.abs() > least);
+        let times = || counting().map(|(k, _)| time_s(k));
+        let span = Span {
+            from_s: times().fold(f64::MAX, f64::min) - step_s,
+            until_s: times().fold(f64::MIN, f64::max) + step_s,
+        };
+        let mut moments = [0.0; POINTS];
+        for (k, acceleration) in counting() {
+            let x = span.scaled(time_s(k));
+            let (mut before, mut this) = (x, 1.0);
+            for moment in &mut moments {
+                *moment += acceleration * step_s * this;
+                (before, this) = (this, 2.0 * x * this - before);
+            }
+        }
+        moments[0] *= 0.5;
+        let cosines = Cosines::new();
+        let gains_m_s = std::array::from_fn(|point| {
+            let sum: f64 = (0..POINTS).map(|j| moments[j] * cosines.of(j, point)).sum();
+            2.0 / POINTS as f64 * sum
+        });
+        let beyond = std::array::from_fn(|n| beyond_near(2 * (n as i32 + 1)));
+        Self { period_s, span_s: span, gains_m_s, beyond }
+    }
+
+    /// Q_m at a time in s.
+    fn terms(&self, time_s: f64, own: Own) -> TailTerms {
+        let cosines = |point: usize| libm::cos(PI * (point as f64 + 0.5) / POINTS as f64);
+        let mut terms = [0.0; TAIL_TERMS];
+        for (point, gain) in self.gains_m_s.iter().enumerate() {
+            let kernel = self.kernel(time_s - self.span_s.at(cosines(point)), own);
+            for (term, kernel) in terms.iter_mut().zip(kernel) {
+                *term += gain * kernel;
+            }
+        }
+        terms
+    }
+
+    /// K_m(s) in 1/s^{2m+1}.
+    fn kernel(&self, away_s: f64, own: Own) -> TailTerms {
+        let mut kernel = [0.0; TAIL_TERMS];
+        for image in -NEAR_PERIODS..=NEAR_PERIODS {
+            if image != 0 || own == Own::In {
+                let inverse = (away_s + f64::from(image) * self.period_s).recip();
+                let mut power = inverse;
+                for term in &mut kernel {
+                    *term += power;
+                    power *= inverse * inverse;
+                }
+            }
+        }
+        // The images beyond, two by two:
+        // (s + kP)^{−q} + (s − kP)^{−q} = −2 (kP)^{−q} Σ_{j odd} C(q + j − 1, j) (s/kP)^j
+        let share = away_s / self.period_s;
+        let mut unit = self.period_s.recip();
+        for (m, term) in kernel.iter_mut().enumerate() {
+            let q = (2 * m + 1) as f64;
+            let (mut sum, mut binomial, mut power) = (0.0, q, share);
+            for n in 0..POWERS {
+                sum += binomial * power * self.beyond[m + n];
+                let j = (2 * n + 1) as f64;
+                binomial *= (q + j) * (q + j + 1.0) / ((j + 1.0) * (j + 2.0));
+                power *= share * share;
+            }
+            *term -= 2.0 * sum * unit;
+            unit /= self.period_s * self.period_s;
+        }
+        kernel
+    }
+}
+
+impl Span {
+    /// The time at x in −1 … 1.
+    fn at(&self, x: f64) -> f64 {
+        0.5 * (self.from_s + self.until_s) + 0.5 * (self.until_s - self.from_s) * x
+    }
+
+    /// Where a time stands, in −1 … 1.
+    fn scaled(&self, time_s: f64) -> f64 {
+        (2.0 * time_s - self.from_s - self.until_s) / (self.until_s - self.from_s)
+    }
+
+    /// Series of the derivative by time of a Chebyshev series.
+    fn derivative(&self, series: &[f64]) -> Vec<f64> {
+        let mut derived = vec![0.0; series.len() + 1];
+        for j in (0..series.len() - 1).rev() {
+            derived[j] = derived[j + 2] + 2.0 * (j + 1) as f64 * series[j + 1];
+        }
+        derived[0] *= 0.5;
+        derived.truncate(series.len());
+        let per_second = 2.0 / (self.until_s - self.from_s);
+        derived.iter().map(|value| value * per_second).collect()
+    }
+}
+
+/// Values of all Chebyshev polynomials below [`POINTS`] at the points of the last of them.
+struct Cosines([f64; 4 * POINTS]);
+
+impl Cosines {
+    fn new() -> Self {
+        Self(std::array::from_fn(|k| libm::cos(PI * k as f64 / (2 * POINTS) as f64)))
+    }
+
+    /// T_j at point `point`.
+    fn of(&self, j: usize, point: usize) -> f64 {
+        self.0[j * (2 * point + 1) % (4 * POINTS)]
+    }
+
+    /// The series through values at the points.
+    fn series(&self, values: &[f64]) -> Vec<f64> {
+        let coefficient = |j: usize| {
+            let sum: f64 =
+                values.iter().enumerate().map(|(point, value)| value * self.of(j, point)).sum();
+            (if j == 0 { 1.0 } else { 2.0 }) / POINTS as f64 * sum
+        };
+        (0..POINTS).map(coefficient).collect()
+    }
+}
+
+/// A series without the coefficients at its end that do not count.
+fn trimmed(mut series: Vec<f64>) -> Vec<f64> {
+    let least = ROUNDING * largest(&series);
+    let counts = |c: &f64| c.abs() > least;
+    series.truncate(series.iter().rposition(counts).map_or(1, |last| last + 1));
+    series
+}
+
+/// Values of a Chebyshev series at x in −1 … 1, by Clenshaw's recurrence.
+fn clenshaw(series: &[f64], x: [f64; SIDE_BY_SIDE]) -> [f64; SIDE_BY_SIDE] {
+    let (mut above, mut this) = ([0.0; SIDE_BY_SIDE], [0.0; SIDE_BY_SIDE]);
+    for coefficient in series[1..].iter().rev() {
+        for k in 0..SIDE_BY_SIDE {
+            (above[k], this[k]) = (this[k], 2.0 * x[k] * this[k] - above[k] + coefficient);
+        }
+    }
+    std::array::from_fn(|k| x[k] * this[k] - above[k] + series[0])
+}
+
+/// Σ_{k>2} k^{−n} for even n.
+fn beyond_near(n: i32) -> f64 {
+    const SUMMED: i32 = 64;
+    let rest = f64::from(SUMMED) + 0.5;
+    let sum: f64 = (NEAR_PERIODS + 1..=SUMMED).map(|k| f64::from(k).powi(-n)).sum();
+    sum + rest.powi(1 - n) / f64::from(n - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::{Profile, TipMotion};
+
+    #[test]
+    fn images_add_up_to_a_direct_sum_over_many_periods() {
+        const MOST: i32 = 2000;
+        let motion = TipMotion::new(Profile::Septic.sampled(0.5, 0.01, 100, [0, 0])).unwrap();
+        for (len, seam) in [(300, 200), (150, 130), (3000, 1500)] {
+            let spectrum = motion.spectrum(len, seam);
+            let images = Images::new(&spectrum);
+            let period_s = len as f64 * 0.01;
+            let direct = |time_s: f64, q: i32| -> f64 {
+                let samples = motion.forcing_m_s2().iter().enumerate();
+                let of_sample = |(k, a): (usize, &f64)| {
+                    let away_s = time_s - 0.01 * k as f64;
+                    let image = |m: i32| (away_s + f64::from(m) * period_s).powi(-q);
+                    let both: f64 = (1..=MOST).map(|m| image(m) + image(-m)).sum();
+                    // Of 1/s the images beyond add up to −2s/P² Σ 1/m².
+                    let beyond = 2.0 * away_s / (period_s * period_s * (f64::from(MOST) + 0.5));
+                    0.01 * a * (both - if q == 1 { beyond } else { 0.0 })
+                };
+                samples.map(of_sample).sum()
+            };
+            let history = images.history(0);
+            for k in [0, 50, seam - 1, seam, len - 7] {
+                let time_s = 0.01 * (k as f64 - if k < seam { 0.0 } else { len as f64 });
+                for (m, found) in history[k].iter().enumerate() {
+                    let exact = direct(time_s, 2 * m as i32 + 1);
+                    let scale = largest(&history.iter().map(|t| t[m]).collect::<Vec<_>>());
+                    let off = (found - exact).abs() / scale;
+                    assert!(off < 1e-6, "{len}: sample {k}, term {m}: {found} for {exact}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_history() {
+        let motion = TipMotion::new(Profile::Septic.sampled(0.5, 0.01, 100, [0, 0])).unwrap();
+        let images = Images::new(&motion.spectrum(300, 200));
+        for order in [1, 2] {
+            let (before, derived) = (images.history(order - 1), images.history(order));
+            for m in 0..TAIL_TERMS {
+                let scale = largest(&derived.iter().map(|t| t[m]).collect::<Vec<_>>());
+                for k in 1..199 {
+                    let slope = (before[k + 1][m] - before[k - 1][m]) / 0.02;
+                    assert!((slope - derived[k][m]).abs() < 2e-3 * scale, "order {order}, {k}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! The page of a sweep.
+
+use maud::{Markup, html};
+
+use super::readings::inputs;
+use super::{Figures, Section, document, figures_section, made_by};
+use crate::numeric::significant;
+use crate::result::StoredSweep;
+use crate::result::comparison::{Cell, TableColumn};
+
+/// Rows of the table that a page shows.
+const MOST_CASES: usize = 200;
+
+pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
+    let cases = sweep.table.lines.len();
+    let varied: Vec<&str> = sweep.table.names().take(sweep.varied).collect();
+    let title = format!("Sweep over {}", varied.join(" and "));
+    let told = html! {
+        @if let Some(origin) = &sweep.origin { (made_by(origin)) " · " }
+        (sweep.name) " · " (cases) @if cases == 1 { " case" } @else { " cases" }
+    };
+    let mut sections = Vec::new();
+    let kinds = Kinds::of(sweep);
+    if !kinds.0.is_empty() {
+        let content = warnings_section(&kinds, cases);
+        sections.push(Section { id: "warnings", name: "Warnings", content });
+    }
+    let content = figures_section(figures, "");
+    sections.push(Section { id: "figures", name: "Figures", content });
+    sections.push(Section { id: "cases", name: "Cases", content: cases_section(sweep) });
+    if let Some(origin) = &sweep.origin {
+        sections.push(Section { id: "inputs", name: "Inputs", content: inputs(origin) });
+    }
+    document(&title, &told, &sections, None)
+}
+
+/// What there is to warn of: each kind, of how many cases, and the number of the first, from 1.
+struct Kinds(Vec<(String, usize, usize)>);
+
+impl Kinds {
+    fn of(sweep: &StoredSweep) -> Self {
+        let mut kinds = Self(Vec::new());
+        let [.., warnings, error] = &sweep.table.columns[..] else { return kinds };
+        for row in 0..sweep.table.lines.len() {
+            if !words(error, row).is_empty() {
+                kinds.add("failed", row + 1);
+            }
+            for kind in words(warnings, row).split(';').filter(|kind| !kind.is_empty()) {
+                kinds.add(kind, row + 1);
+            }
+        }
+        kinds
+    }
+
+    fn add(&mut self, kind: &str, case: usize) {
+        match self.0.iter_mut().find(|(known, ..)| known == kind) {
+            Some((_, cases, _)) => *cases += 1,
+            None => self.0.push((kind.to_owned(), 1, case)),
+        }
+    }
+}
+
+/// The text in a row.
+fn words(column: &TableColumn, row: usize) -> String {
+    match column.cell(row) {
+        Cell::Number(number) => number.to_string(),
+        Cell::Word(word) => word.to_owned(),
+    }
+}
+
+fn warnings_section(kinds: &Kinds, cases: usize) -> Markup {
+    html! {
+        section id="warnings" class="warnings" {
+            h2 { "Warnings" }
+            ul {
+                @for (kind, count, first) in &kinds.0 {
+                    li {
+                        strong { (kind) } " "
+                        span class="hint" { (count) " of " (cases) " cases, the first is row " (first) "." }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn cases_section(sweep: &StoredSweep) -> Markup {
+    let cases = sweep.table.lines.len();
+    let shown = cases.min(MOST_CASES);
+    let cell = |column: usize, row: usize| match sweep.table.columns[column].cell(row) {
+        Cell::Number(number) if column < sweep.varied => format!("{number}"),
+        Cell::Number(number) => significant(number, 5),
+        Cell::Word(word) => word.to_owned(),
+    };
+    html! {
+        section id="cases" {
+            h2 { "Cases" }
+            p {
+                "The table has the kinds of the warnings; a folder of " code { "sweep --outputs" }
+                " has their words, for its case."
+                @if sweep.origin.is_none() {
+                    " No record lies beside the table, so link, motion and arguments are not known."
+                }
+            }
+            @if shown < cases {
+                p { "The first " (shown) " of " (cases) "; " (sweep.name) " holds all." }
+            }
+            div class="scroll" { table {
+                thead { tr { @for name in sweep.table.names() { th scope="col" { (name) } } } }
+                tbody {
+                    @for row in 0..shown {
+                        tr { @for column in 0..sweep.table.columns.len() { td { (cell(column, row)) } } }
+                    }
+                }
+            } }
+        }
+    }
+}

@@ -1,0 +1,167 @@
+use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
+
+use thiserror::Error;
+
+use crate::beam::Mesh;
+use crate::link::Link;
+use crate::modal::{LoweredMode, Thickness};
+use crate::motion::TipMotion;
+use crate::numeric::significant;
+
+/// Densities of solids in kg/m³: the lightest foams and osmium, with little beside.
+const DENSITIES_KG_M3: RangeInclusive<f64> = 25.0..=25_000.0;
+
+/// Moduli of solids in Pa: soft rubber and diamond, with little beside.
+const MODULI_PA: RangeInclusive<f64> = 1e6..=2e12;
+
+/// First natural frequencies in Hz of links that are turned: a boom in space and a needle.
+const FIRST_FREQUENCIES_HZ: RangeInclusive<f64> = 0.02..=1e5;
+
+/// Times in s that a tip moves for: no motor is quicker, and slower motions need no flexible link.
+const DURATIONS_S: RangeInclusive<f64> = 1e-3..=500.0;
+
+/// The tip's way over the length: a full turn.
+const FARTHEST: f64 = TAU;
+
+/// Something that is possible but rare, and often a slip of units. It neither stops a run nor counts
+/// as a warning.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Remark {
+    /// A density that no solid has.
+    #[error(
+        "{parameter} = {kg_m3} kg/m^3, where solids have {} to {}: probably another unit",
+        DENSITIES_KG_M3.start(),
+        DENSITIES_KG_M3.end()
+    )]
+    Density {
+        /// Dotted path, as in the link file.
+        parameter: String,
+        /// The density in kg/m³.
+        kg_m3: f64,
+    },
+    /// A modulus that no solid has.
+    #[error(
+        "{parameter} = {pa:?} Pa, where solids have {:e} to {:e}: probably another unit",
+        MODULI_PA.start(),
+        MODULI_PA.end()
+    )]
+    Modulus {
+        /// Dotted path, as in the link file.
+        parameter: String,
+        /// Young's modulus in Pa.
+        pa: f64,
+    },
+    /// A link too slow or too fast to be one.
+    #[error(
+        "the first natural frequency is {} Hz, where links have {:?} to {:e}: probably a wrong unit of \
+         length, mass or stiffness",
+        significant(*hertz, 2),
+        FIRST_FREQUENCIES_HZ.start(),
+        FIRST_FREQUENCIES_HZ.end()
+    )]
+    FirstFrequency {
+        /// The frequency in Hz.
+        hertz: f64,
+    },
+    /// A motion too short or too long for one.
+    #[error(
+        "the tip moves for {} s, where motions take {:?} to {:?}: probably time in another unit",
+        significant(*duration_s, 4),
+        DURATIONS_S.start(),
+        DURATIONS_S.end()
+    )]
+    Duration {
+        /// From the last sample at rest to the first one at rest again, in s.
+        duration_s: f64,
+    },
+    /// A way of more than a full turn.
+    #[error(
+        "the tip moves by {} m, {} turns of a link of {} m: probably length in another unit",
+        significant(*way_m, 4),
+        significant(way_m / (TAU * length_m), 3),
+        significant(*length_m, 4)
+    )]
+    Way {
+        /// Largest distance from where the tip starts, in m.
+        way_m: f64,
+        /// Length of the link in m.
+        length_m: f64,
+    },
+    /// A link so short and stiff that its unknown section may matter.
+    #[error(
+        "the link's section is not known everywhere: were it of metal, shear and rotary inertia, which the \
+         model leaves out, would lower mode {} by about {:.0} %",
+        mode.number,
+        100.0 * mode.share
+    )]
+    UnknownSection {
+        /// The highest mode that was looked at.
+        mode: LoweredMode,
+    },
+}
+
+impl Remark {
+    /// What there is to say about a density, where it is above 0 at all.
+    pub fn on_density(parameter: &str, kg_m3: f64) -> Option<Self> {
+        let is_usual = kg_m3 <= 0.0 || DENSITIES_KG_M3.contains(&kg_m3);
+        (!is_usual).then(|| Self::Density { parameter: parameter.to_owned(), kg_m3 })
+    }
+
+    /// What there is to say about Young's modulus.
+    pub fn on_modulus(parameter: &str, pa: f64) -> Option<Self> {
+        let is_usual = MODULI_PA.contains(&pa);
+        (!is_usual).then(|| Self::Modulus { parameter: parameter.to_owned(), pa })
+    }
+
+    /// What there is to say about the first natural frequencies of a link, in rad/s.
+    pub fn on_modes(link: &Link, mesh: &Mesh, omegas_rad_s: &[f64]) -> Vec<Self> {
+        let first = omegas_rad_s.first().map(|omega| omega / TAU);
+        let rare = first.filter(|hertz| !FIRST_FREQUENCIES_HZ.contains(hertz));
+        let guessed = Thickness::guessed(link);
+        let thick = guessed.and_then(|guess| guess.noticeable(mesh, omegas_rad_s));
+        rare.map(|hertz| Self::FirstFrequency { hertz })
+            .into_iter()
+            .chain(thick.map(|thick| Self::UnknownSection { mode: thick.highest }))
+            .collect()
+    }
+
+    /// What there is to say about a motion that takes a link's tip as far as `way_m`.
+    pub fn on_motion(link: &Link, motion: &TipMotion, way_m: f64) -> Vec<Self> {
+        let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
+        let duration_s = grid.time_s(until) - grid.time_s(from);
+        let is_usual = DURATIONS_S.contains(&duration_s);
+        let length_m = link.length_m();
+        let duration = (!is_usual).then_some(Self::Duration { duration_s });
+        let way = (way_m > FARTHEST * length_m).then_some(Self::Way { way_m, length_m });
+        duration.into_iter().chain(way).collect()
+    }
+
+    /// Name of the kind, for machines.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Density { .. } => "density",
+            Self::Modulus { .. } => "modulus",
+            Self::FirstFrequency { .. } => "first_frequency",
+            Self::Duration { .. } => "duration",
+            Self::Way { .. } => "way",
+            Self::UnknownSection { .. } => "unknown_section",
+        }
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::Density { .. } => "write the unit beside the number, as in \"2.7 g/cm^3\"",
+            Self::Modulus { .. } => "write the unit beside the number, as in \"70 GPa\"",
+            Self::FirstFrequency { .. } => "write the units beside the numbers of the link file",
+            Self::Duration { .. } => "name the unit in the column's heading, as in \"time [ms]\"",
+            Self::Way { .. } => {
+                "name the unit in the column's heading, as in \"displacement [mm]\""
+            }
+            Self::UnknownSection { .. } => {
+                "give E and density with section, or with I and area, and it is estimated"
+            }
+        }
+    }
+}

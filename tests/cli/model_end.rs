@@ -1,0 +1,161 @@
+//! What a user is told where the model ends, and where a number is probably in another unit.
+
+use std::fs;
+
+use serde_json::Value;
+
+use super::{Bench, repository, stderr, stdout};
+
+/// A bar of aluminium, 0.3 m by 0.1 m, that turns about its end.
+const BAR: &str = "\
+[[segments]]
+length = 0.3
+E = \"70 GPa\"
+density = 2700
+section = { shape = \"rectangle\", width = 0.02, thickness = 0.1 }
+[damping]
+model = \"hysteretic\"
+ratio = 0.02
+";
+
+/// A slender strip of aluminium, 1 m long.
+const STRIP: &str = "\
+[[segments]]
+length = 1
+E = \"70 GPa\"
+density = \"2.7 g/cm^3\"
+section = { shape = \"rectangle\", width = 0.05, thickness = 0.01 }
+[hub]
+inertia = 0.1
+[damping]
+model = \"hysteretic\"
+ratio = 0.02
+";
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("bar.toml", BAR);
+    bench.write("strip.toml", STRIP);
+    let made = ["trajectory", "septic", "--distance", "0.2", "--duration", "1", "--step", "0.002"];
+    let output = bench.run(&[&made[..], &["-o", "move.csv"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    bench
+}
+
+/// Lines that begin so.
+fn lines(text: &str, kind: &str) -> Vec<String> {
+    text.lines().filter(|line| line.starts_with(kind)).map(str::to_owned).collect()
+}
+
+#[test]
+fn a_thick_link_is_told_with_the_share_of_its_frequencies_wherever_they_are_used() {
+    let bench = bench();
+    let lower = "warning: shear and rotary inertia, which the model leaves out, lower natural \
+                 frequencies by about 20 % (mode 1)";
+    let modes = bench.run(&["modes", "bar.toml", "--count", "2"]);
+    assert!(stdout(&modes).contains("4007.6"), "{}", stdout(&modes));
+    let told = format!(
+        "{lower} to 41 % (mode 2)\nhint: a more slender link; a torque whose motion lies far below \
+         these modes hardly feels it\n"
+    );
+    assert_eq!(stderr(&modes), told);
+    for arguments in [
+        &["solve", "bar.toml", "move.csv"][..],
+        &["verify", "bar.toml", "move.csv"],
+        &["sweep", "bar.toml", "move.csv", "--vary", "payload.mass=0,0.1", "-o", "sweep.csv"],
+    ] {
+        let output = bench.run(arguments);
+        let warned = lines(&stderr(&output), "warning");
+        let of_it = |line: &&String| line.contains("shear and rotary inertia");
+        assert_eq!(warned.iter().filter(of_it).count(), 1, "{arguments:?}: {warned:?}");
+    }
+    let slender = bench.run(&["modes", "strip.toml", "--count", "3"]);
+    assert_eq!(stderr(&slender), "");
+}
+
+#[test]
+fn an_unknown_section_is_told_where_it_could_matter_alone() {
+    let bench = bench();
+    let unknown = |name: &str, stiffness: f64| {
+        let segment = "segments = [{ length = 0.3, mass_per_length = 5.4, EI = ";
+        bench.write(name, &format!("{segment}{stiffness} }}]\n"));
+        stderr(&bench.run(&["modes", name, "--count", "1"]))
+    };
+    // The bar, given by its stiffness and mass.
+    let short = unknown("short.toml", 116_666.7);
+    assert!(short.starts_with("remark: the link's section is not known everywhere"), "{short}");
+    assert_eq!(unknown("slender.toml", 10.0), "");
+}
+
+#[test]
+fn a_fast_hub_and_a_large_deflection_are_told_and_verify_fails_of_the_latter() {
+    let bench = bench();
+    let soft = ["--set", "segments.0.E=\"1 GPa\"", "--scale-distance", "9"];
+    let output = bench.run(&[&["verify", "strip.toml", "move.csv"], &soft[..]].concat());
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    let text = stderr(&output);
+    assert!(text.contains("tip deflection"), "{text}");
+    let row = lines(&stdout(&output), "tip deflection");
+    assert!(row[0].ends_with("the link's length  FAILS"), "{row:?}");
+    assert!(text.contains("it strays by"), "{text}");
+}
+
+#[test]
+fn a_number_that_is_probably_in_another_unit_is_told_and_nothing_is_refused() {
+    let bench = bench();
+    let solve = |arguments: &[&str]| {
+        let output = bench.run(&[&["solve", "strip.toml", "move.csv"], arguments].concat());
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
+        lines(&stderr(&output), "remark")
+    };
+    let none: [&str; 0] = [];
+    assert_eq!(solve(&[]), none);
+    assert_eq!(
+        solve(&["--set", "segments.0.density=2.7"]),
+        [
+            "remark: segments.0.density = 2.7 kg/m^3, where solids have 25 to 25000: probably another unit"
+        ]
+    );
+    let summary: Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+    assert_eq!(summary["remarks"][0]["kind"], "density");
+    assert_eq!(
+        summary["remarks"][0]["hint"],
+        "write the unit beside the number, as in \"2.7 g/cm^3\""
+    );
+
+    let slow = ["--scale-duration", "1000", "--set", "analysis.tolerance=1e-4"];
+    assert_eq!(
+        solve(&slow),
+        ["remark: the tip moves for 1000 s, where motions take 0.001 to 500.0: probably time in \
+          another unit"]
+    );
+    let far = ["--scale-distance", "540"];
+    assert_eq!(
+        solve(&far),
+        ["remark: the tip moves by 108.0 m, 17.2 turns of a link of 1.000 m: probably length in \
+          another unit"]
+    );
+    let modes = |set: &[&str]| {
+        let output = bench.run(&[&["modes", "strip.toml", "--count", "2", "--set"], set].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        lines(&stderr(&output), "remark")
+    };
+    let soft = modes(&["segments.0.E=90000"]);
+    assert_eq!(
+        soft[0],
+        "remark: segments.0.E = 90000.0 Pa, where solids have 1e6 to 2e12: probably another unit"
+    );
+    let heavy =
+        modes(&["segments.0.E=2e6", "--set", "payload.mass=20", "--set", "hub.inertia=1e6"]);
+    assert!(heavy[0].starts_with("remark: the first natural frequency is 0.0"), "{heavy:?}");
+}
+
+#[test]
+fn no_published_rig_has_a_remark() {
+    let bench = Bench::new();
+    for rig in fs::read_dir(repository("specs")).unwrap() {
+        let rig = rig.unwrap().path();
+        let output = bench.run(&["modes", rig.to_str().unwrap(), "--count", "3"]);
+        assert_eq!(stderr(&output), "", "{}", rig.display());
+    }
+}

@@ -1,0 +1,159 @@
+//! Warnings reach whoever must see them: in tables, on pages, and as an exit code.
+
+use super::sweep::{rows, sweep, swept};
+use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+
+/// Cases of which the second bends too much.
+const VARY: [&str; 2] = ["--vary", "distance*=1,2.5"];
+
+/// The cells of a column of a sweep's table.
+fn cells(bench: &Bench, table: &str, name: &str) -> Vec<String> {
+    let rows = rows(bench, table);
+    let place = rows[0].iter().position(|heading| heading == name).unwrap();
+    rows[1..].iter().map(|row| row[place].clone()).collect()
+}
+
+#[test]
+fn a_warning_is_an_error_where_it_is_denied_and_the_results_are_written() {
+    let bench = Bench::new();
+    let (link, motion) = (&repository(LINK), &repository(MOTION));
+    bench.solve(&["-q"]);
+    let cut = ["--set", "analysis.lead=0.1", "--set", "limits.torque=1"];
+    let cases = [
+        (vec!["solve", link, motion, "-o", "results"], 2),
+        (vec!["simulate", link, "out/rigid_torque.csv", "--column", "rigid_torque_n_m"], 1),
+    ];
+    for (arguments, warnings) in cases {
+        let arguments = [&arguments[..], &cut].concat();
+        let allowed = bench.run(&arguments);
+        assert_eq!(allowed.status.code(), Some(0), "{}", stderr(&allowed));
+        assert_eq!(stderr(&allowed).matches("warning: ").count(), warnings, "{arguments:?}");
+        let denied = bench.run(&[&arguments[..], &["--deny-warnings"]].concat());
+        assert_eq!(denied.status.code(), Some(4));
+        let error = format!(
+            "error: --deny-warnings: warnings = {warnings}, but must be none; the results are written\n"
+        );
+        assert_eq!(stderr(&denied), stderr(&allowed) + &error);
+        assert_eq!(stdout(&denied), stdout(&allowed));
+    }
+    assert!(bench.path("results/summary.json").exists());
+    assert!(bench.path("simulated/summary.json").exists());
+}
+
+#[test]
+fn a_verified_answer_with_a_warning_fails_where_warnings_are_denied() {
+    let bench = Bench::new();
+    let arguments = ["verify", &repository(LINK), &repository(MOTION), "--deny-warnings", "-q"];
+    let plain = bench.run(&arguments);
+    assert_eq!((plain.status.code(), stderr(&plain)), (Some(0), String::new()));
+    // A deflection that every check of `verify` passes.
+    let warned = bench.run(&[&arguments[..], &["--scale-distance", "2.5"]].concat());
+    assert_eq!(warned.status.code(), Some(4));
+    let error = "error: --deny-warnings: warnings = 1, but must be none; the results are written\n";
+    let told = stderr(&warned);
+    assert!(told.starts_with("warning: the tip deflects by ") && told.ends_with(error), "{told}");
+}
+
+#[test]
+fn nothing_is_denied_where_nothing_is_warned_of() {
+    let bench = Bench::new();
+    bench.solve(&["--deny-warnings"]);
+    let link = repository(LINK);
+    let trajectory = ["trajectory", "septic", "--distance", "0.1", "--duration", "1"];
+    for arguments in [
+        &["simulate", &link, "out/torque.csv", "--target", "out/tip.csv", "--deny-warnings"][..],
+        &["modes", &link, "--count", "3", "--deny-warnings"],
+        &["frf", &link, "--to", "10", "--points", "3", "--deny-warnings"],
+        &[&trajectory[..], &["--step", "0.01", "--deny-warnings"]].concat(),
+    ] {
+        let output = bench.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
+    }
+}
+
+#[test]
+fn the_table_of_a_sweep_names_the_kinds_of_every_cases_warnings() {
+    let bench = Bench::new();
+    let more = ["--set", "limits.torque=1", "--set", "limits.rms_torque=1e3"];
+    swept(&bench, &[&VARY[..], &more].concat());
+    let limit = "limit_exceeded:torque";
+    let expected = [limit.to_owned(), format!("large_deflection;{limit}")];
+    assert_eq!(cells(&bench, "sweep.csv", "warnings"), expected);
+    assert_eq!(cells(&bench, "sweep.csv", "error"), ["", ""]);
+    // What a run of solve has in its summary.
+    bench.solve(&[&["--scale-distance", "2.5"], &more[..]].concat());
+    let summary = bench.json("out/summary.json");
+    let kinds = summary["warnings"].as_array().unwrap().iter().map(|warning| &warning["kind"]);
+    assert!(kinds.eq(["large_deflection", "limit_exceeded"]));
+
+    let page = |table: &str| {
+        let output = bench.run(&["report", table, "-o", "page.html"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        bench.read("page.html")
+    };
+    let shown = page("sweep.csv");
+    let warnings = shown.find("<h2>Warnings</h2>").unwrap();
+    assert!(warnings < shown.find("<h2>Figures</h2>").unwrap());
+    assert!(shown.contains(
+        "<strong>large_deflection</strong> <span class=\"hint\">1 of 2 cases, the first is row 2."
+    ));
+    assert!(shown.contains("<strong>limit_exceeded:torque</strong>"));
+    assert!(shown.contains("<td>large_deflection;limit_exceeded:torque</td>"));
+}
+
+#[test]
+fn the_page_of_a_run_has_its_warnings_above_its_results() {
+    let bench = Bench::new();
+    bench.solve(&["--scale-distance", "2.5", "--report", "-q"]);
+    let page = bench.read("out/report.html");
+    let place = |heading: &str| page.find(&format!("<h2>{heading}</h2>")).unwrap();
+    assert!(place("Warnings") < place("Link and results"));
+}
+
+#[test]
+fn a_sweep_fails_where_it_is_asked_to_and_its_table_is_written() {
+    let strict = "error: --strict: cases that failed or exceed a limit";
+    let denied = "error: --deny-warnings: cases that failed or warn";
+    let hint = "hint: the columns warnings and error name them\n";
+    let failing = ["--vary", "damping.ratio=0.02,1.5,0.03"];
+    let limit = [&VARY[..], &["--set", "limits.torque=2"]].concat();
+    for (arguments, option, error) in [
+        (&VARY[..], "--strict", None),
+        (&VARY[..], "--deny-warnings", Some(format!("{denied} = 1 of 2"))),
+        (&limit[..], "--strict", Some(format!("{strict} = 1 of 2"))),
+        (&limit[..], "--deny-warnings", Some(format!("{denied} = 1 of 2"))),
+        (&failing[..], "--strict", Some(format!("{strict} = 1 of 3"))),
+        (&failing[..], "--deny-warnings", Some(format!("{denied} = 1 of 3"))),
+    ] {
+        let bench = Bench::new();
+        let allowed = swept(&bench, &[arguments, &["-o", "allowed.csv"]].concat());
+        let output = sweep(&bench, &[arguments, &[option]].concat());
+        let code = if error.is_some() { 4 } else { 0 };
+        assert_eq!(output.status.code(), Some(code), "{arguments:?} {option}");
+        let error =
+            error.map(|text| format!("{text}, but must be none; the table is written\n{hint}"));
+        assert_eq!(stderr(&output), stderr(&allowed) + &error.unwrap_or_default());
+        assert!(bench.read("sweep.csv") == bench.read("allowed.csv"));
+    }
+}
+
+#[test]
+fn what_a_shard_warned_of_is_told_when_it_is_joined_or_was_complete() {
+    let bench = Bench::new();
+    for shard in ["1/2", "2/2"] {
+        swept(&bench, &[&VARY[..], &["--shard", shard]].concat());
+    }
+    let warning = "1 of 2 cases, the first is case 2: large_deflection\n\
+                   hint: flexlink solve tells more of a single case\n";
+    let names = ["sweep-1-of-2.csv", "sweep-2-of-2.csv"];
+    let merged = bench.run(&[&["sweep", "--deny-warnings", "--merge"], &names[..]].concat());
+    assert_eq!(merged.status.code(), Some(4));
+    assert!(stderr(&merged).starts_with(&format!("warning: {warning}error: --deny-warnings: ")));
+    assert!(bench.path("sweep.csv").exists() && bench.path("sweep.json").exists());
+    let again = [&VARY[..], &["--shard", "2/2", "--resume", "--deny-warnings"]].concat();
+    let again = sweep(&bench, &again);
+    assert_eq!(again.status.code(), Some(4));
+    assert!(
+        stderr(&again).starts_with("warning: 1 of 1 cases, the first is case 2: large_deflection")
+    );
+}
