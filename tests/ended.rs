@@ -13,7 +13,7 @@ use flexlink::tables::{OutputFolder, abandon_unfinished};
 fn nobody_is_told_of_a_file_that_went_with_the_end() {
     let base = tempfile::tempdir().unwrap();
     let folder = base.path().join("out");
-    let staged = OutputFolder::stage(&folder).unwrap();
+    let staged = OutputFolder::stage(&folder, &|_| {}).unwrap();
     staged.file("torque.csv", |out| out.write_all(b"0\n")).unwrap();
     assert!(fs::read_dir(&folder).unwrap().count() > 0, "nothing is aside");
 

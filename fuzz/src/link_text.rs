@@ -32,6 +32,10 @@ pub fn link_text(specification: &Specification) -> String {
         ("power", limits.power_w),
         ("deflection", limits.deflection_m),
         ("bending_moment", limits.bending_moment_n_m),
+        ("motor_torque", limits.motor_torque_n_m),
+        ("motor_rms_torque", limits.motor_rms_torque_n_m),
+        ("motor_rate", limits.motor_rate_rad_s),
+        ("motor_power", limits.motor_power_w),
     ];
     table("limits", &limits);
     let times = [

@@ -9,6 +9,7 @@ use flexlink::tables::{
 };
 
 use super::args::not_negative;
+use super::compare_runs::take_whole_runs;
 use super::compare_sides::{Purpose, Sides, TOLERANCES};
 use super::compare_text::{blessed_text, comparison_text};
 use super::console;
@@ -69,7 +70,7 @@ pub(crate) struct Compare {
     tolerances: Option<PathBuf>,
 
     /// Accept: make the CSV files of EXPECTED those of ACTUAL. Files within tolerance stay as they
-    /// are, and so does what is no CSV.
+    /// are, and so does what is no CSV, but the run of a folder with its summary.json is taken whole.
     #[arg(long)]
     bless: bool,
 
@@ -94,8 +95,11 @@ impl Compare {
         let comparison = sides.compare(&tolerances)?;
         self.warn(&sides, &comparison, &tolerances);
 
-        let changes = sides.changes(&comparison);
+        let mut changes = sides.changes(&comparison);
         if self.bless {
+            if !sides.are_single {
+                take_whole_runs(&mut changes, &self.expected, &self.actual)?;
+            }
             self.accept(&sides, &changes)?;
         }
         match (self.quiet, self.json) {
@@ -115,10 +119,13 @@ impl Compare {
     /// Makes EXPECTED like ACTUAL.
     fn accept(&self, sides: &Sides, changes: &GoldenChanges) -> Result<(), Failure> {
         match &sides.golden {
-            Some(folder) if !sides.are_single => Ok(change_golden_files(folder, changes)?),
+            Some(folder) if !sides.are_single => {
+                Ok(change_golden_files(folder, changes, &console::waiting)?)
+            }
             // A file that is named itself may be a link to anywhere.
             _ => changes.written.values().try_for_each(|source| {
-                Ok(write_file(&self.expected, &InputFile::read(source)?.bytes)?)
+                let bytes = InputFile::read(source)?.bytes;
+                Ok(write_file(&self.expected, &bytes, &console::waiting)?)
             }),
         }
     }

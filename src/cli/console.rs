@@ -10,6 +10,7 @@ use std::process::ExitCode;
 
 use clap::builder::styling::{AnsiColor, Style};
 
+use flexlink::numeric::is_hidden;
 use flexlink::result::Remark;
 use flexlink::tables::{system_words, write_file_by};
 
@@ -48,6 +49,12 @@ pub(crate) fn remark(message: &str) {
     told("note", HINT, message, None);
 }
 
+/// Prints to standard error why nothing goes on: another run holds the folder.
+pub(crate) fn waiting(folder: &Path) {
+    let folder = folder.display();
+    remark(&format!("{folder}: another run is writing into the folder; waiting until it is done"));
+}
+
 /// Prints what the user can do to standard error.
 pub(crate) fn hint(message: &str) {
     told("hint", HINT, message, None);
@@ -64,14 +71,16 @@ fn told(kind: &str, style: Style, message: &str, hint: Option<&str>) {
     let _ = anstream::stderr().lock().write_all(shown(&text).as_bytes());
 }
 
-/// A letter, or the mark of a control character, which a file's name may hold.
+/// A letter, or the mark of one that is not seen but obeyed, which a file's name may hold.
 fn visible(letter: char) -> char {
-    if letter.is_control() { char::REPLACEMENT_CHARACTER } else { letter }
+    if is_hidden(letter) { char::REPLACEMENT_CHARACTER } else { letter }
 }
 
 /// Prints what the command line's parser has to say, help or a wrong usage.
 pub(crate) fn told_by_parser(words: &clap::Error) -> Result<ExitCode, Failure> {
-    let text = words.render().ansi().to_string();
+    // Its colours are control characters, too.
+    let told = |c: char| if is_hidden(c) && !c.is_control() { visible(c) } else { c };
+    let text: String = words.render().ansi().to_string().chars().map(told).collect();
     let text = shown(&text);
     if words.use_stderr() {
         let _ = anstream::stderr().lock().write_all(text.as_bytes());
@@ -117,7 +126,7 @@ pub(crate) fn deliver_by(
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> Result<(), Failure> {
     if let Some(path) = output.filter(|path| !is_standard_output(path)) {
-        return Ok(write_file_by(path, write)?);
+        return Ok(write_file_by(path, write, &waiting)?);
     }
     let mut out = io::stdout();
     delivered(write(&mut out).and_then(|()| out.flush())).map(drop)

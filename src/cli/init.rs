@@ -39,7 +39,7 @@ impl Init {
             let hint = "name another folder: flexlink init DIR";
             return Err(Failure::new(Exit::CannotWrite, &message, Some(hint)));
         }
-        let folder = OutputFolder::stage(&self.folder)?;
+        let folder = OutputFolder::stage(&self.folder, &console::waiting)?;
         folder.file("link.toml", |out| out.write_all(LINK.as_bytes()))?;
         folder.file("motion.csv", |out| out.write_all(MOTION.as_bytes()))?;
         let schema = link_file_schema();

@@ -10,6 +10,11 @@ pub(crate) fn check_nodal_memory(bytes: usize, share: Option<usize>) -> Result<(
     check_memory("the motion of the nodes", bytes, share, "use --nodes or --every")
 }
 
+/// Refuses a page that takes more memory than there is, or than `share` of it is its own.
+pub(crate) fn check_page_memory(bytes: usize, share: Option<usize>) -> Result<(), Failure> {
+    check_memory("the page", bytes, share, "leave --report out, or use --nodes or --every")
+}
+
 /// What was available before is still there for so small a part of it: to ask costs as much as a small
 /// run.
 const SMALL: usize = 16;

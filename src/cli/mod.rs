@@ -3,6 +3,7 @@
 mod args;
 mod charset;
 mod compare;
+mod compare_runs;
 mod compare_sides;
 mod compare_text;
 mod console;
@@ -67,7 +68,7 @@ waves travel at finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).";
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 compared and different, 2 wrong usage,
-  3 input refused, 4 not solvable, 5 cannot write";
+  3 input refused, 4 not solvable, 5 cannot write, 130 interrupted";
 
 #[derive(Debug, Subcommand)]
 enum Command {

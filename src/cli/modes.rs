@@ -103,7 +103,8 @@ impl Modes {
             held,
         };
         if let Some(folder) = &self.output {
-            result.write(OutputFolder::stage(folder)?.with(self.sync.durability()), self.digits)?;
+            let staged = OutputFolder::stage(folder, &console::waiting)?;
+            result.write(staged.with(self.sync.durability()), self.digits)?;
         }
         console::remarks(&remarks);
         if let Some(thick) = &thick {

@@ -74,11 +74,8 @@ impl StageBar {
     /// terminal.
     pub(crate) fn new() -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        let style = ProgressStyle::with_template("{spinner} {msg:9} [{bar:30}] {percent:>3} %");
-        // The template is a constant that the library reads.
-        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ");
-        bar.set_style(style.tick_chars("-\\|/ "));
-        bar.set_message("solve");
+        bar.set_style(stage_style("{spinner} {msg} {elapsed}"));
+        bar.set_message("solving");
         if !stderr().is_terminal() {
             return Self { bar, is_hidden: false, over: None, waiting: None };
         }
@@ -102,17 +99,38 @@ impl StageBar {
     /// Tells something above the bar, if that is no hidden one.
     pub(crate) fn say(&self, message: &str) {
         if !self.is_hidden {
-            self.bar.suspend(|| console::remark(message));
+            self.above(|| console::remark(message));
         }
     }
+
+    /// Prints something above the bar, hidden or not.
+    pub(crate) fn above(&self, print: impl FnOnce()) {
+        self.bar.suspend(print);
+    }
+
+    /// Shows what goes on, and for how long the run has, where nobody knows how much of it is left.
+    pub(crate) fn at(&self, what: &'static str) {
+        self.bar.set_style(stage_style("{spinner} {msg} {elapsed}"));
+        self.bar.set_message(what);
+    }
+}
+
+fn stage_style(template: &str) -> ProgressStyle {
+    // The templates are constants that the library reads.
+    let style = ProgressStyle::with_template(template);
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    style.progress_chars("=> ").tick_chars("-\\|/ ")
 }
 
 impl Watch for StageBar {
     fn begin(&self, stage: Stage, parts: usize) {
-        self.bar.set_message(match stage {
-            Stage::Transform => "transform",
-            Stage::Write => "write",
-        });
+        let what = match stage {
+            Stage::Solve => return self.at("solving"),
+            Stage::Transform => "transforming",
+            Stage::Write => "writing",
+        };
+        self.bar.set_style(stage_style("{spinner} {msg:12} [{bar:30}] {percent:>3} %"));
+        self.bar.set_message(what);
         self.bar.set_length(parts as u64);
         self.bar.set_position(0);
     }

@@ -11,7 +11,7 @@ use super::exit::{Ending, Exit, Failure};
 use super::files::{keep, read_once};
 use super::repeat_text::repetition_text;
 use super::solve_options::SolveOptions;
-use super::solve_run::{Destination, Problem};
+use super::solve_run::{Destination, Problem, WithPage};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -60,7 +60,8 @@ impl Repetition<'_> {
         // What nobody keeps need not be on the disk.
         let durability = self.output.map_or(Durability::InMemory, |_| self.durability);
         let stages = self.print.stages();
-        let solved = problem.solve(options, &Destination { folder, durability, stages: &stages });
+        let to = Destination { folder, durability, page: WithPage::No, stages: &stages };
+        let solved = problem.solve(options, &to);
         drop(stages);
         solved.map_err(|failure| of_record(failure, record))?;
         let files = record.compare(folder);

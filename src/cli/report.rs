@@ -1,3 +1,4 @@
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -60,8 +61,15 @@ impl Report {
             keep_page(output, &self.result)?;
         }
         check_tables_memory(bytes_of(&self.result), PAGE_TIMES)?;
+        let is_alone = self.svg.is_none() && self.png.is_none();
+        let file = self.output.clone().or_else(|| is_alone.then(|| beside(&self.result)));
+        // No other run may come between the files that are read and the page beside them.
+        let is_within = file.as_ref().is_some_and(|file| lies_in(file, &self.result));
+        let run = is_within.then(|| OutputFolder::stage(&self.result, &console::waiting));
+        let run = run.transpose()?;
         let result = read_result(&self.result)?;
         let figures = Figures::of(&result);
+        let page = file.map(|file| deliver_page(&result, &figures, &file, run)).transpose()?;
         let mut told = Vec::new();
         if let Some(folder) = &self.svg {
             told.push(write_figures(folder, &figures, "svg", |figure| {
@@ -71,23 +79,28 @@ impl Report {
         if let Some(folder) = &self.png {
             told.push(write_figures(folder, &figures, "png", Figure::png_file)?);
         }
-        if self.output.is_some() || told.is_empty() {
-            let file = self.output.clone().unwrap_or_else(|| beside(&self.result));
-            told.push(deliver_page(&result, &figures, &file)?);
-        }
+        told.extend(page);
         if self.quiet { Ok(()) } else { console::print(&told.concat()) }
     }
 }
 
-/// Writes the page of a run into its folder, and says so.
-pub(crate) fn write_page(folder: &Path) -> Result<String, Failure> {
-    let result = read_result(folder)?;
-    deliver_page(&result, &Figures::of(&result), &beside(folder))
-}
-
-/// Writes a page to a file, and says so; to standard output, and says nothing.
-fn deliver_page(result: &StoredResult, figures: &Figures, file: &Path) -> Result<String, Failure> {
-    console::deliver(Some(file), page(result, figures).as_bytes())?;
+/// Writes a page to a file, in the folder of the `run` where it lies there, and says so; to standard
+/// output, and says nothing.
+fn deliver_page(
+    result: &StoredResult,
+    figures: &Figures,
+    file: &Path,
+    run: Option<OutputFolder>,
+) -> Result<String, Failure> {
+    let page = page(result, figures);
+    match run {
+        Some(run) => {
+            let name = file.file_name().unwrap_or(OsStr::new(REPORT));
+            run.file(name, |out| out.write_all(page.as_bytes()))?;
+            run.replace()?;
+        }
+        None => console::deliver(Some(file), page.as_bytes())?,
+    }
     let told = || format!("written  {}\n", file.display());
     Ok(if is_standard_output(file) { String::new() } else { told() })
 }
@@ -108,6 +121,14 @@ fn bytes_of(result: &Path) -> usize {
     usize::try_from(bytes).unwrap_or(usize::MAX)
 }
 
+/// Whether a path names a file, there or not, in this folder; a link may lead out of it.
+fn lies_in(file: &Path, folder: &Path) -> bool {
+    let is_plain = file.is_file() || !file.exists();
+    let outer = file.parent().map(|outer| Path::new(".").join(outer).canonicalize());
+    let (Some(Ok(outer)), Ok(folder)) = (outer, folder.canonicalize()) else { return false };
+    is_plain && !file.is_symlink() && folder.is_dir() && outer == folder
+}
+
 /// Where the page of a result goes.
 fn beside(result: &Path) -> PathBuf {
     match result.extension() {
@@ -122,7 +143,7 @@ fn write_figures(
     format: &str,
     file: impl Fn(&Figure) -> Result<Vec<u8>, String>,
 ) -> Result<String, Failure> {
-    let output = OutputFolder::stage(folder)?;
+    let output = OutputFolder::stage(folder, &console::waiting)?;
     for figure in &figures.drawn {
         let name = format!("{}.{format}", figure.id);
         let refused = |why| {

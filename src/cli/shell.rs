@@ -59,7 +59,7 @@ impl Manual {
             return console::print_bytes(&page(program).map_err(cannot)?);
         };
         check_folder("--output", folder)?;
-        let pages = OutputFolder::stage(folder)?;
+        let pages = OutputFolder::stage(folder, &console::waiting)?;
         for command in program.get_subcommands().filter(|command| command.get_name() != "help") {
             let name = format!("flexlink-{}", command.get_name());
             let content = page(command.clone()).map_err(cannot)?;

@@ -110,7 +110,7 @@ impl Simulate {
         let errors = (error.as_ref(), tip_error);
         let summary = SimulationSummary::new(&inputs, &simulation, &metrics, errors, names);
         outputs.write(
-            OutputFolder::stage(&self.output)?.with(self.sync.durability()),
+            OutputFolder::stage(&self.output, &console::waiting)?.with(self.sync.durability()),
             link,
             &simulation,
             &summary,

@@ -4,16 +4,15 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 
 use flexlink::spec::Specification;
-use flexlink::tables::InputFile;
+use flexlink::tables::{InputFile, REPORT};
 
 use super::args::{LINK, MOTION, PrintArgs, SyncArgs, ThreadArgs};
 use super::console;
 use super::exit::{Ending, Exit, Failure};
 use super::files::keep;
 use super::repeat::Repetition;
-use super::report::write_page;
 use super::solve_options::SolveOptions;
-use super::solve_run::{Destination, Problem, Solved};
+use super::solve_run::{Destination, Problem, Solved, WithPage};
 use super::solve_text::solve_text;
 use super::verify::refuse_failed;
 use super::verify_text::verify_text;
@@ -103,16 +102,11 @@ impl Solve {
         let motion_file = || Ok(InputFile::read(motion)?);
         let problem = Problem::read(&self.options, InputFile::read_toml(link)?, motion_file)?;
         let stages = self.print.stages();
-        let to = Destination { folder: output, durability, stages: &stages };
+        let page = if self.report { WithPage::Yes } else { WithPage::No };
+        let to = Destination { folder: output, durability, page, stages: &stages };
         let solved = problem.solve(&self.options, &to)?;
         drop(stages);
         self.tell(&problem, &solved, output)?;
-        if self.report {
-            let page = write_page(output)?;
-            if !self.print.quiet && !self.print.json {
-                console::print(&page)?;
-            }
-        }
         if let Some(verification) = &solved.verification {
             refuse_failed(verification)?;
         }
@@ -141,7 +135,9 @@ impl Solve {
                 let Specification { link, .. } = &problem.specification;
                 let text = solve_text(link, &problem.motion, solution, metrics, &written);
                 let checks = verification.as_ref().map(verify_text).unwrap_or_default();
-                console::print(&(text + &checks))
+                let page = format!("written  {}\n", output.join(REPORT).display());
+                let page = if self.report { page } else { String::new() };
+                console::print(&(text + &checks + &page))
             }
         }
     }

@@ -6,13 +6,15 @@ use std::path::Path;
 use flexlink::inverse::{Solution, invert};
 use flexlink::modal::REPORTED_MODES;
 use flexlink::motion::TipMotion;
+use flexlink::report::{Figures, page};
 use flexlink::result::{Exceeded, Metrics, Remark};
 use flexlink::spec::Specification;
 use flexlink::tables::{Durability, InputFile, OutputFolder, RunInputs, Summary};
 use flexlink::verification::Verification;
 
+use super::console;
 use super::exit::Failure;
-use super::memory::check_nodal_memory;
+use super::memory::{check_nodal_memory, check_page_memory};
 use super::progress::StageBar;
 use super::solve_options::SolveOptions;
 use super::solve_text::memory_text;
@@ -45,8 +47,17 @@ pub(crate) struct Solved {
 pub(crate) struct Destination<'a> {
     pub(crate) folder: &'a Path,
     pub(crate) durability: Durability,
+    /// Whether a page is written with them.
+    pub(crate) page: WithPage,
     /// Told of how far the work is.
     pub(crate) stages: &'a StageBar,
+}
+
+/// Whether a run's page is written with its results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WithPage {
+    Yes,
+    No,
 }
 
 impl Problem {
@@ -74,6 +85,9 @@ impl Problem {
         let solution = invert(link, mesh, motion, analysis)?;
         options.nodes.check(solution.mesh())?;
         let measure = || measured(specification, motion, &solution, options.digits);
+        if options.verify {
+            to.stages.at("verifying");
+        }
         let verification = options.verify.then(measure).transpose()?;
 
         let remarks = remarks(specification, motion, &solution);
@@ -98,8 +112,21 @@ impl Problem {
         if deflections.bytes() >= LARGE {
             to.stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }
-        let folder = OutputFolder::stage(to.folder)?.with(to.durability);
-        outputs.write(folder, link, (&solution, deflections), &summary, to.stages)?;
+        // Made of what is in memory, before the folder is locked: with the results it is one run.
+        let page = match to.page {
+            WithPage::No => None,
+            WithPage::Yes => {
+                to.stages.at("drawing");
+                let bytes = outputs.page_bytes(&deflections);
+                check_page_memory(bytes, analysis.memory_bytes())?;
+                let run = outputs.stored(link, (&solution, &deflections), &summary)?;
+                Some(page(&run, &Figures::of(&run)))
+            }
+        };
+        let on_wait = |folder: &Path| to.stages.above(|| console::waiting(folder));
+        let folder = OutputFolder::stage(to.folder, &on_wait)?.with(to.durability);
+        let told = (&summary, page.as_deref());
+        outputs.write(folder, link, (&solution, deflections), told, to.stages)?;
         Ok(Solved { solution, metrics, exceeded, verification, remarks, summary, files })
     }
 }

@@ -5,7 +5,7 @@ use flexlink::link::Link;
 use flexlink::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use flexlink::motion::TipMotion;
 use flexlink::numeric::{gigabytes, significant};
-use flexlink::result::Metrics;
+use flexlink::result::{Metrics, MotorMetrics};
 
 use super::link_text::{damping_line, hub_line, labelled, link_line, ratios_line};
 use super::number::list;
@@ -45,6 +45,7 @@ pub(crate) fn solve_text(
             "hub",
             hub_line(metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w),
         ),
+        ("motor", metrics.motor.as_ref().map(motor_line).unwrap_or_default()),
         ("bending", bending_line(metrics)),
         ("band", band_line(solution)),
         ("errors", errors_line(solution)),
@@ -102,6 +103,18 @@ fn timing_line(metrics: &Metrics) -> String {
         "from {} s before to {} s after the tip's motion (2 % level)",
         significant(metrics.lead_s, 3),
         significant(metrics.lag_s, 3)
+    )
+}
+
+/// What the motor does, on its own side of the gear.
+fn motor_line(motor: &MotorMetrics) -> String {
+    format!(
+        "peak {} N m at {} s, rms {} N m; {} rad/s, {} W",
+        significant(motor.peak_torque_n_m.value, 4),
+        significant(motor.peak_torque_n_m.time_s, 3),
+        significant(motor.rms_torque_n_m, 3),
+        significant(motor.peak_rate_rad_s.value, 4),
+        significant(motor.peak_power_w.value, 4)
     )
 }
 

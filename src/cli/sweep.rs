@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
-use flexlink::tables::{SweepRecord, sweep_header, sweep_row};
+use flexlink::tables::{SweepRecord, sweep_columns, sweep_header, sweep_row};
 
 use super::args::{LINK, MOTION, ThreadArgs};
 use super::console;
@@ -142,7 +142,8 @@ impl Sweep {
     ) -> Result<(), Failure> {
         let all = self.shard.len(cases.plan.cases());
         let output = self.output_path();
-        let header = sweep_header::<C>(&cases.plan);
+        let columns = sweep_columns::<C>(cases.link());
+        let header = sweep_header(&cases.plan, &columns);
         let identity = cases.identity(&self.vary, self.shard);
         let (mut rows, there) = match Rows::begin(&output, identity, &header, self.resume)? {
             Begun::To(rows, there) => (rows, there),
@@ -164,7 +165,7 @@ impl Sweep {
             let case = self.shard.case(k);
             let row = outcome.row.map_err(NoMore::Failed)?;
             let kinds: Vec<&str> = outcome.remarks.iter().map(Remark::kind).collect();
-            let line = sweep_row(&cases.plan.case(case), &row, &kinds);
+            let line = sweep_row(&cases.plan.case(case), &row, &columns, &kinds);
             tally.add(case + 1, row.as_ref().err(), outcome.remarks);
             progress.advance();
             rows.append(&line)

@@ -106,6 +106,11 @@ impl<'a> Cases<'a> {
         })
     }
 
+    /// The link of the first case that can be read.
+    pub(crate) fn link(&self) -> &Link {
+        &self.first.0
+    }
+
     /// Whether a torque is played on them.
     pub(crate) fn are_played(&self) -> bool {
         self.torque_file.is_some()

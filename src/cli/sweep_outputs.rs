@@ -14,6 +14,7 @@ use flexlink::tables::{
 };
 
 use super::args::{NodeArgs, SyncArgs};
+use super::console;
 use super::exit::{Exit, Failure};
 use super::memory::check_nodal_memory;
 use super::record::{digits_arguments, option};
@@ -87,7 +88,7 @@ impl OutputsArgs {
         let deflections = outputs.deflections(solution);
         check_nodal_memory(deflections.bytes(), inputs.analysis.memory_bytes())?;
         let nodal = (solution, deflections);
-        Ok(outputs.write(self.stage(folder)?, inputs.link, nodal, &summary, &Unwatched)?)
+        Ok(outputs.write(self.stage(folder)?, inputs.link, nodal, (&summary, None), &Unwatched)?)
     }
 
     /// Writes what simulate writes.
@@ -118,6 +119,6 @@ impl OutputsArgs {
             let message = format!("{shown}: is a symbolic link, but must be a folder of its own");
             return Err(Failure::new(Exit::CannotWrite, &message, None));
         }
-        Ok(OutputFolder::stage(folder)?.with(self.durability()))
+        Ok(OutputFolder::stage(folder, &console::waiting)?.with(self.durability()))
     }
 }

@@ -90,7 +90,7 @@ impl Rows {
 
     pub(crate) fn finish(self, durability: Durability) -> Result<(), Failure> {
         match self {
-            Self::InFile(file) => Ok(file.finish(durability)?),
+            Self::InFile(file) => Ok(file.finish(durability, &console::waiting)?),
             Self::Printed => Ok(()),
         }
     }

@@ -24,7 +24,7 @@ impl Remark {
 
     /// The warning of an exceeded limit, whose key its kind names.
     pub(crate) fn of_limit(limit: &Exceeded) -> Self {
-        Self::new(&format!("{}:{}", Exceeded::KIND, limit.key), limit, limit.hint())
+        Self::new(&format!("{}:{}", Exceeded::KIND, limit.0.key), limit, limit.hint())
     }
 
     /// The kind, for the table.

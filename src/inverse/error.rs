@@ -52,6 +52,12 @@ pub enum InversionError {
         /// Peak torque in N m.
         peak_n_m: f64,
     },
+    /// A motor whose torque, angle, rate or power is no number.
+    #[error("the motor's {history} = not finite, but must be")]
+    MotorNotFinite {
+        /// Which of its histories it is.
+        history: &'static str,
+    },
     /// An automatic mesh that does not converge.
     #[error(
         "mesh error = {error:.2e} of the peak torque with {elements} elements, but must be at most \
@@ -113,6 +119,9 @@ impl InversionError {
             Self::BlockedTip { .. } => {
                 "a payload's inertia without damping does that, damping that no wave survives, or a \
                  mesh far too coarse: give damping, more elements or a smoother motion"
+            }
+            Self::MotorNotFinite { .. } => {
+                "check the units of the drive and of the motion, and their powers of ten"
             }
             Self::OutOfRange { .. } => {
                 "check the units of motion and link, and their powers of ten"

@@ -84,8 +84,8 @@ impl PeriodicAnswer {
 /// one of half the element length, and refined where the plan says so.
 ///
 /// # Errors
-/// [`InversionError`]: damping that cannot be, a torque that is not finite, an automatic mesh that
-/// does not converge, or a window too long to transform or for the memory allowed.
+/// [`InversionError`]: damping that cannot be, a torque that is not finite, at the hub or at the
+/// motor, an automatic mesh that does not converge, or a window too long to transform or for the memory allowed.
 pub fn invert(
     link: &Link,
     plan: &MeshPlan,
@@ -118,6 +118,7 @@ pub fn invert(
         return Err(InversionError::BlockedTip { frequency_hz });
     }
     let (mut solution, edges) = problem.written(dynamics, &known, answer);
+    solution.motor().map_or(Ok(()), |motor| motor.check())?;
     if problem.cutoff.keeps_all() {
         problem.measure_step(&mut solution)?;
     }

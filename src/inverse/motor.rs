@@ -1,3 +1,4 @@
+use super::error::InversionError;
 use super::solution::{Solution, cut};
 use crate::link::Drive;
 
@@ -12,6 +13,27 @@ pub struct MotorHistories {
     pub rate_rad_s: Vec<f64>,
     /// Mechanical power of the motor in W.
     pub power_w: Vec<f64>,
+}
+
+impl MotorHistories {
+    /// Refuses a history that leaves double precision.
+    ///
+    /// # Errors
+    /// [`InversionError::MotorNotFinite`].
+    pub(super) fn check(&self) -> Result<(), InversionError> {
+        let histories = [
+            ("torque", &self.torque_n_m),
+            ("angle", &self.angle_rad),
+            ("rate", &self.rate_rad_s),
+            ("power", &self.power_w),
+        ];
+        for (history, samples) in histories {
+            if samples.iter().any(|sample| !sample.is_finite()) {
+                return Err(InversionError::MotorNotFinite { history });
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Solution {

@@ -1,7 +1,9 @@
 /// What long work is at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Solving for the nodes and transforming what was found; parts are nodes.
+    /// Solving for the nodes; how many parts that has is not known.
+    Solve,
+    /// Transforming what was found for them; parts are nodes.
     Transform,
     /// Writing a table; parts are rows.
     Write,

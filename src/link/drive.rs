@@ -1,4 +1,15 @@
-use super::error::{ParameterError, not_negative, positive};
+use std::ops::RangeInclusive;
+
+use super::error::ParameterError;
+
+/// Stiffnesses of an elastic joint in N m/rad.
+const STIFFNESSES_N_M_RAD: RangeInclusive<f64> = 1e-30..=1e30;
+
+/// Rotary inertias of a rotor in kg m².
+const INERTIAS_KG_M2: RangeInclusive<f64> = 0.0..=1e30;
+
+/// Ratios of a gear.
+const RATIOS: RangeInclusive<f64> = 1e-6..=1e6;
 
 /// What sits between motor and hub: a gear and an elastic joint.
 ///
@@ -6,11 +17,11 @@ use super::error::{ParameterError, not_negative, positive};
 /// the torque that the hub receives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
-    /// Torque of the joint per twist in N m/rad, above 0; infinite for a stiff joint.
+    /// Torque of the joint per twist in N m/rad, from 1e-30 to 1e30; infinite for a stiff joint.
     pub joint_stiffness_n_m_rad: f64,
-    /// Rotary inertia of the rotor about its own axis in kg m², at least 0.
+    /// Rotary inertia of the rotor about its own axis in kg m², from 0 to 1e30.
     pub rotor_inertia_kg_m2: f64,
-    /// Turns of the motor for one turn of the hub, above 0.
+    /// Turns of the motor for one turn of the hub, from 1e-6 to 1e6.
     pub gear_ratio: f64,
 }
 
@@ -20,14 +31,24 @@ impl Drive {
     /// # Errors
     /// [`ParameterError`] names the first value out of its range.
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        let stiffness = self.joint_stiffness_n_m_rad;
-        if stiffness.is_nan() || stiffness <= 0.0 {
-            let must = "must be above 0; inf for a stiff joint";
-            let parameter = "drive.joint_stiffness";
-            return Err(ParameterError::new(parameter, stiffness, "N m/rad", must));
+        let (stiffness, inertia) = (self.joint_stiffness_n_m_rad, self.rotor_inertia_kg_m2);
+        let refuse = |key, value: f64, unit, must: &str| {
+            // A number of 200 digits is none for people.
+            let value = format!("{value:?}");
+            Err(ParameterError::new(format!("drive.{key}"), value, unit, must))
+        };
+        let is_stiff = stiffness.is_infinite() && stiffness > 0.0;
+        if !is_stiff && !STIFFNESSES_N_M_RAD.contains(&stiffness) {
+            let must = "must lie from 1e-30 to 1e30 N m/rad, or be inf for a stiff joint";
+            return refuse("joint_stiffness", stiffness, "N m/rad", must);
         }
-        not_negative("drive.rotor_inertia", self.rotor_inertia_kg_m2, "kg m^2")?;
-        positive("drive.gear_ratio", self.gear_ratio, "")
+        if !INERTIAS_KG_M2.contains(&inertia) {
+            return refuse("rotor_inertia", inertia, "kg m^2", "must lie from 0 to 1e30 kg m^2");
+        }
+        if !RATIOS.contains(&self.gear_ratio) {
+            return refuse("gear_ratio", self.gear_ratio, "", "must lie from 1e-6 to 1e6");
+        }
+        Ok(())
     }
 }
 
@@ -45,8 +66,29 @@ mod tests {
         assert!(drive(f64::INFINITY).check().is_ok());
         assert_eq!(
             drive(0.0).check().unwrap_err().to_string(),
-            "drive.joint_stiffness = 0 N m/rad, but must be above 0; inf for a stiff joint"
+            "drive.joint_stiffness = 0.0 N m/rad, but must lie from 1e-30 to 1e30 N m/rad, or be \
+             inf for a stiff joint"
         );
-        assert!(Drive { gear_ratio: -2.0, ..drive(1.0) }.check().is_err());
+        assert!(drive(f64::NAN).check().is_err() && drive(-f64::INFINITY).check().is_err());
+    }
+
+    #[test]
+    fn what_leaves_double_precision_on_the_way_to_the_motor_is_refused_by_name() {
+        let drive =
+            Drive { joint_stiffness_n_m_rad: 1e3, rotor_inertia_kg_m2: 1e-4, gear_ratio: 1.0 };
+        let refusal = |drive: Drive| drive.check().unwrap_err().to_string();
+        assert_eq!(
+            refusal(Drive { gear_ratio: 1e200, ..drive }),
+            "drive.gear_ratio = 1e200, but must lie from 1e-6 to 1e6"
+        );
+        assert_eq!(
+            refusal(Drive { rotor_inertia_kg_m2: 1.7e308, ..drive }),
+            "drive.rotor_inertia = 1.7e308 kg m^2, but must lie from 0 to 1e30 kg m^2"
+        );
+        let soft = Drive { joint_stiffness_n_m_rad: 5e-324, ..drive };
+        assert!(refusal(soft).starts_with("drive.joint_stiffness = 5e-324 N m/rad, but"));
+        for gear_ratio in [-2.0, 0.0, f64::NAN, f64::INFINITY] {
+            assert!(Drive { gear_ratio, ..drive }.check().is_err(), "{gear_ratio}");
+        }
     }
 }

@@ -23,6 +23,10 @@ impl Figures {
 
     pub(super) fn add(&mut self, figure: Result<Figure, String>) {
         match figure {
+            Ok(figure) if figure.is_extreme() => {
+                let why = "since its numbers are too large or too small to be drawn";
+                self.omitted.push(format!("{}, {why}", figure.title));
+            }
             Ok(figure) => self.drawn.push(figure),
             Err(why) => self.omitted.push(why),
         }

@@ -1,14 +1,17 @@
 use thiserror::Error;
 
-use super::metrics::Metrics;
-use crate::link::ParameterError;
+use super::metrics::{Metrics, MotorMetrics};
+use crate::link::{Drive, ParameterError};
+
+/// How the keys of the motor's limits begin.
+const MOTOR: &str = "motor_";
 
 /// What a link and its motor stand. Absent values are no limit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
-    /// Torque at the hub in N m.
+    /// Torque at the hub, on the link's side of a drive, in N m.
     pub torque_n_m: Option<f64>,
-    /// Root mean square of the torque in N m while it acts.
+    /// Root mean square of the torque at the hub in N m while it acts.
     pub rms_torque_n_m: Option<f64>,
     /// Hub rate in rad/s.
     pub hub_rate_rad_s: Option<f64>,
@@ -18,12 +21,19 @@ pub struct Limits {
     pub deflection_m: Option<f64>,
     /// Moment at the link's root in N m.
     pub bending_moment_n_m: Option<f64>,
+    /// Torque of the motor in N m, on its own side of the gear, as the other limits of the motor.
+    pub motor_torque_n_m: Option<f64>,
+    /// Root mean square of the motor's torque in N m while it acts.
+    pub motor_rms_torque_n_m: Option<f64>,
+    /// Rate of the rotor in rad/s.
+    pub motor_rate_rad_s: Option<f64>,
+    /// Mechanical power of the motor in W.
+    pub motor_power_w: Option<f64>,
 }
 
-/// A limit that a solution exceeds.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error("limits.{key} = {limit} {unit} is exceeded: {found:.4e} {unit}")]
-pub struct Exceeded {
+/// One limit and what a solution reaches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Held {
     /// Key of the limit in the link file.
     pub key: &'static str,
     /// The limit.
@@ -33,6 +43,14 @@ pub struct Exceeded {
     /// Unit of both.
     pub unit: &'static str,
 }
+
+/// A limit that a solution exceeds.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error(
+    "limits.{} = {} {unit} is exceeded: {:.4e} {unit}",
+    .0.key, .0.limit, .0.found, unit = .0.unit
+)]
+pub struct Exceeded(pub Held);
 
 impl Exceeded {
     /// Name of the kind of warning that it is, for machines.
@@ -45,23 +63,35 @@ impl Exceeded {
 }
 
 impl Limits {
-    /// Checks that every limit is finite and above 0.
+    /// Checks that every limit is finite and above 0, and that a limit of the motor has a motor.
     ///
     /// # Errors
     /// [`ParameterError`] names the first that is not.
-    pub fn check(self) -> Result<Self, ParameterError> {
+    pub fn check(self, drive: Option<&Drive>) -> Result<Self, ParameterError> {
         for (key, limit, unit) in self.entries() {
-            if let Some(limit) = limit.filter(|limit| !limit.is_finite() || *limit <= 0.0) {
-                let parameter = format!("limits.{key}");
-                let must = "must be finite and above 0";
-                return Err(ParameterError::new(parameter, limit, unit, must));
-            }
+            let Some(limit) = limit else { continue };
+            let must = if !limit.is_finite() || limit <= 0.0 {
+                "must be finite and above 0"
+            } else if key.starts_with(MOTOR) && drive.is_none() {
+                "must come with a [drive], the motor's side of the hub"
+            } else {
+                continue;
+            };
+            return Err(ParameterError::new(format!("limits.{key}"), limit, unit, must));
         }
         Ok(self)
     }
 
     /// The limits that a solution exceeds, in the order of the link file.
     pub fn exceeded(&self, metrics: &Metrics) -> Vec<Exceeded> {
+        let held = self.held(metrics).into_iter().filter(|held| held.found > held.limit);
+        held.map(Exceeded).collect()
+    }
+
+    /// Every limit that is set with what a solution reaches, in the order of the link file.
+    pub fn held(&self, metrics: &Metrics) -> Vec<Held> {
+        // Where there is no motor, nothing is within its limits.
+        let motor = |of: fn(&MotorMetrics) -> f64| metrics.motor.as_ref().map_or(f64::INFINITY, of);
         let found = [
             metrics.peak_torque_n_m.value,
             metrics.rms_torque_n_m,
@@ -69,16 +99,17 @@ impl Limits {
             metrics.peak_power_w.value,
             metrics.peak_deflection_m.value,
             metrics.peak_root_moment_n_m.value,
+            motor(|motor| motor.peak_torque_n_m.value),
+            motor(|motor| motor.rms_torque_n_m),
+            motor(|motor| motor.peak_rate_rad_s.value),
+            motor(|motor| motor.peak_power_w.value),
         ];
         let pairs = self.entries().into_iter().zip(found);
-        pairs
-            .filter_map(|((key, limit, unit), found)| Some((key, limit?, unit, found)))
-            .filter(|(_, limit, _, found)| found > limit)
-            .map(|(key, limit, unit, found)| Exceeded { key, limit, found, unit })
-            .collect()
+        let held = |((key, limit, unit), found)| Some(Held { key, limit: limit?, found, unit });
+        pairs.filter_map(held).collect()
     }
 
-    fn entries(&self) -> [(&'static str, Option<f64>, &'static str); 6] {
+    fn entries(&self) -> [(&'static str, Option<f64>, &'static str); 10] {
         [
             ("torque", self.torque_n_m, "N m"),
             ("rms_torque", self.rms_torque_n_m, "N m"),
@@ -86,6 +117,10 @@ impl Limits {
             ("power", self.power_w, "W"),
             ("deflection", self.deflection_m, "m"),
             ("bending_moment", self.bending_moment_n_m, "N m"),
+            ("motor_torque", self.motor_torque_n_m, "N m"),
+            ("motor_rms_torque", self.motor_rms_torque_n_m, "N m"),
+            ("motor_rate", self.motor_rate_rad_s, "rad/s"),
+            ("motor_power", self.motor_power_w, "W"),
         ]
     }
 }

@@ -1,4 +1,4 @@
-use crate::inverse::Solution;
+use crate::inverse::{MotorHistories, Solution};
 use crate::numeric::{TimeGrid, largest, sum_over};
 
 /// Share of the peak torque that counts as acting: the level of the paper's 0.3 s.
@@ -47,6 +47,22 @@ pub struct Metrics {
     pub peak_tip_velocity_m_s: Peak,
     /// Largest tip acceleration in m/s².
     pub peak_tip_acceleration_m_s2: Peak,
+    /// What the motor does; none for a link without a drive.
+    pub motor: Option<MotorMetrics>,
+}
+
+/// Numbers of the motor, on its own side of the gear.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotorMetrics {
+    /// Largest torque of the motor in N m.
+    pub peak_torque_n_m: Peak,
+    /// Root mean square of the motor's torque in N m while it acts: from the first to the last one
+    /// above 2 % of its peak.
+    pub rms_torque_n_m: f64,
+    /// Largest rate of the rotor in rad/s.
+    pub peak_rate_rad_s: Peak,
+    /// Largest mechanical power of the motor in W.
+    pub peak_power_w: Peak,
 }
 
 impl Metrics {
@@ -76,6 +92,7 @@ impl Metrics {
             peak_deflection_m: peak(&solution.tip_deflection_m()),
             peak_tip_velocity_m_s: peak(&solution.tip.velocity_m_s),
             peak_tip_acceleration_m_s2: peak(&solution.tip.acceleration_m_s2),
+            motor: solution.motor().map(|motor| MotorMetrics::of(&motor, grid)),
         }
     }
 }
@@ -116,6 +133,19 @@ impl Acting {
 
     fn end_s(&self, grid: &TimeGrid) -> f64 {
         grid.time_s(self.last) + self.after * grid.step_s
+    }
+}
+
+impl MotorMetrics {
+    fn of(motor: &MotorHistories, grid: &TimeGrid) -> Self {
+        let peak_torque_n_m = peak(&motor.torque_n_m, grid);
+        let acting = Acting::of(&motor.torque_n_m, TIMING_LEVEL * peak_torque_n_m.value);
+        Self {
+            peak_torque_n_m,
+            rms_torque_n_m: rms(&motor.torque_n_m[acting.first..=acting.last]),
+            peak_rate_rad_s: peak(&motor.rate_rad_s, grid),
+            peak_power_w: peak(&motor.power_w, grid),
+        }
     }
 }
 

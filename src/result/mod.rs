@@ -13,9 +13,9 @@ mod stored;
 mod tip_error;
 
 pub use fit::{FitError, OpenMotion, shortest_steps};
-pub use limits::{Exceeded, Limits};
+pub use limits::{Exceeded, Held, Limits};
 pub use mesh_error::{BandMeshError, CoarseMesh, mesh_error, mesh_errors};
-pub use metrics::{Metrics, Peak, TIMING_LEVEL};
+pub use metrics::{Metrics, MotorMetrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;
 pub use remark::Remark;
 pub use repetition::{LineDifference, Repeated, RepeatedFile, line_difference};

@@ -34,7 +34,8 @@ pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
     })?;
     let mesh = mesh(&link, &own_elements, &raw.mesh)?;
     let analysis = analysis(&raw.analysis)?;
-    Ok(Specification { link, mesh, analysis, limits: limits(&raw.limits)?, remarks })
+    let limits = limits(&raw.limits)?.check(link.drive())?;
+    Ok(Specification { link, mesh, analysis, limits, remarks })
 }
 
 fn hub(raw: &RawHub) -> Result<Hub, Fault> {
@@ -86,15 +87,18 @@ fn limits(raw: &RawLimits) -> Result<Limits, Fault> {
         let value = value.as_ref().map(|value| value.si(&format!("limits.{key}"), dimension));
         value.transpose()
     };
-    let limits = Limits {
+    Ok(Limits {
         torque_n_m: si("torque", &raw.torque, Dimension::TORQUE)?,
         rms_torque_n_m: si("rms_torque", &raw.rms_torque, Dimension::TORQUE)?,
         hub_rate_rad_s: si("hub_rate", &raw.hub_rate, Dimension::RATE)?,
         power_w: si("power", &raw.power, Dimension::POWER)?,
         deflection_m: si("deflection", &raw.deflection, Dimension::LENGTH)?,
         bending_moment_n_m: si("bending_moment", &raw.bending_moment, Dimension::TORQUE)?,
-    };
-    Ok(limits.check()?)
+        motor_torque_n_m: si("motor_torque", &raw.motor_torque, Dimension::TORQUE)?,
+        motor_rms_torque_n_m: si("motor_rms_torque", &raw.motor_rms_torque, Dimension::TORQUE)?,
+        motor_rate_rad_s: si("motor_rate", &raw.motor_rate, Dimension::RATE)?,
+        motor_power_w: si("motor_power", &raw.motor_power, Dimension::POWER)?,
+    })
 }
 
 fn mesh(link: &Link, own: &[Option<usize>], raw: &RawMesh) -> Result<MeshPlan, Fault> {

@@ -3,7 +3,7 @@ use super::error::{Fault, USUAL_RATIO, listed, nearest};
 use super::quantity::{Quantity, Real};
 use super::raw::RawDamping;
 use crate::link::{Damping, in_unit_interval};
-use crate::numeric::Dimension;
+use crate::numeric::{Dimension, excerpt};
 
 /// A damping model as the file names it.
 pub(super) struct Model {
@@ -60,7 +60,7 @@ fn names() -> String {
 }
 
 fn unknown_model(name: &str) -> Fault {
-    let message = format!("damping.model = {name:?}, but must be {}", names());
+    let message = format!("damping.model = {:?}, but must be {}", excerpt(name), names());
     let near = nearest(name, MODELS.map(|model| model.name));
     let near = near.map(|near| format!("did you mean `{near}`?"));
     Fault::new("damping.model", message).hinting(near)

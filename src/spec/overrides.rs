@@ -5,7 +5,7 @@ use super::error::nearest;
 use super::override_hints::instead;
 use super::replaced::{make_room, remove_own_elements};
 use super::tree::{Kind, Node, Place};
-use crate::numeric::{split_number, visible};
+use crate::numeric::{excerpt, split_number, visible};
 
 /// Most steps of a path: no link file has a value so deep.
 const MOST_STEPS: usize = 16;
@@ -58,6 +58,7 @@ impl Override {
             Some(path) => match value.parse::<f64>() {
                 Ok(factor) if factor.is_finite() => (path, Change::Multiply(factor)),
                 _ => {
+                    let value = excerpt(value);
                     return Err(refused(&format!(
                         "{value:?} must be a finite number without unit"
                     )));
@@ -82,7 +83,7 @@ impl FromStr for Override {
     type Err = SpecError;
 
     fn from_str(text: &str) -> Result<Self, SpecError> {
-        Self::placed(&format!("--set '{}'", visible(text)), text)
+        Self::placed(&format!("--set '{}'", visible(&excerpt(text))), text)
     }
 }
 
@@ -141,7 +142,12 @@ impl Step<'_> {
                 };
                 self.descend(&mut entries[number].1, &inner, rest)
             }
-            _ => Err(Refused::new(format!("{path} = {}, which holds no {step}", node.shown()))),
+            _ => Err(Refused::new(format!(
+                "{} = {}, which holds no {}",
+                excerpt(path),
+                node.shown(),
+                excerpt(step)
+            ))),
         }
     }
 
@@ -165,12 +171,15 @@ impl Step<'_> {
     ) -> Result<usize, Refused> {
         if matches!(self.change, Change::Multiply(_)) {
             return Err(Refused {
-                message: format!("{path} is not in the file, so it cannot be multiplied"),
+                message: format!(
+                    "{} is not in the file, so it cannot be multiplied",
+                    excerpt(path)
+                ),
                 hint: Some(instead(entries, step)),
             });
         }
         if matches!(step, "segments" | "masses") && !rest.is_empty() {
-            return Err(Refused::new(format!("{path} is not in the file")));
+            return Err(Refused::new(format!("{} is not in the file", excerpt(path))));
         }
         if rest.is_empty() {
             make_room(entries, step);
@@ -255,7 +264,11 @@ fn chosen(items: &[Node], path: &str, step: &str) -> Result<Vec<usize>, Refused>
         let known = if known.is_empty() { "none".into() } else { known.join(", ") };
         let near = nearest(step, names.iter().map(String::as_str));
         Refused {
-            message: format!("{} is not in the file, which has {known}", below(path, step)),
+            message: format!(
+                "{} is not in the file, which has {}",
+                excerpt(&below(path, step)),
+                excerpt(&known)
+            ),
             hint: near.map(|near| format!("did you mean `{near}`?")),
         }
     })

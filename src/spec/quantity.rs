@@ -4,7 +4,7 @@ use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 
 use super::error::Fault;
 use crate::link::{ParameterError, Taper};
-use crate::numeric::{Dimension, UnitError, parse_quantity};
+use crate::numeric::{Dimension, UnitError, excerpt, parse_quantity};
 
 /// A number in SI, or a string with its unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,7 @@ impl Quantity {
                     UnitError::UnknownUnit { .. } => error.hint().or(Some(example(dimension))),
                     _ => error.hint(),
                 };
-                Fault::new(path, format!("{path} = {text:?} {error}")).hinting(hint)
+                Fault::new(path, format!("{path} = {:?} {error}", excerpt(text))).hinting(hint)
             }),
         }
     }

@@ -192,8 +192,8 @@ pub(super) struct RawDrive {
     /// Rotary inertia of the rotor, on the motor side of the gear.
     #[schemars(transform = quantity(Dimension::ROTARY_INERTIA, Range::AtLeastZero).or(0))]
     pub(super) rotor_inertia: Quantity,
-    /// Turns of the motor for one turn of the hub, above 0.
-    #[schemars(extend("exclusiveMinimum" = 0, "default" = 1))]
+    /// Turns of the motor for one turn of the hub, 1e-6 to 1e6.
+    #[schemars(transform = within(1e-6, 1e6), extend("default" = 1))]
     pub(super) gear_ratio: Option<Real>,
 }
 
@@ -201,10 +201,10 @@ pub(super) struct RawDrive {
 #[derive(Debug, Default, Derived, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawLimits {
-    /// Peak torque at the hub.
+    /// Peak torque at the hub, on the link's side of a drive.
     #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
     pub(super) torque: Option<Quantity>,
-    /// Root mean square of the torque while it acts.
+    /// Root mean square of the torque at the hub while it acts.
     #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
     pub(super) rms_torque: Option<Quantity>,
     /// Peak rate of the hub, an angle per time.
@@ -219,6 +219,19 @@ pub(super) struct RawLimits {
     /// Peak bending moment at the link's root.
     #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
     pub(super) bending_moment: Option<Quantity>,
+    /// Peak torque of the motor, on its own side of the gear; needs a [drive], as all limits of the
+    /// motor.
+    #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
+    pub(super) motor_torque: Option<Quantity>,
+    /// Root mean square of the motor's torque while it acts.
+    #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
+    pub(super) motor_rms_torque: Option<Quantity>,
+    /// Peak rate of the rotor, an angle per time.
+    #[schemars(transform = quantity(Dimension::RATE, Range::AboveZero))]
+    pub(super) motor_rate: Option<Quantity>,
+    /// Peak mechanical power of the motor.
+    #[schemars(transform = quantity(Dimension::POWER, Range::AboveZero))]
+    pub(super) motor_power: Option<Quantity>,
 }
 
 /// `[mesh]`

@@ -9,6 +9,7 @@ use thiserror::Error as ThisError;
 
 use super::error::{Fault, listed, nearest};
 use super::tree::{Kind, Node};
+use crate::numeric::excerpt;
 
 /// Why a value does not fit the raw form, and the path to it, innermost step last.
 #[derive(Debug, ThisError)]
@@ -92,7 +93,7 @@ impl From<Misfit> for Fault {
         match misfit.reason {
             Reason::Kind { found, must } => {
                 let found = found.unwrap_or_default();
-                Self::new(path.clone(), format!("{path} = {found}, but {must}"))
+                Self::new(path.clone(), format!("{} = {found}, but {must}", excerpt(&path)))
             }
             Reason::Unknown { key, known } => {
                 let place = if path.is_empty() { String::new() } else { format!(" in {path}") };
@@ -100,7 +101,8 @@ impl From<Misfit> for Fault {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => format!("known here: {}", listed(known, "and")),
                 };
-                Self::new(inner(&key), format!("unknown key `{key}`{place}")).hinting(hint)
+                Self::new(inner(&key), format!("unknown key `{}`{place}", excerpt(&key)))
+                    .hinting(hint)
             }
             Reason::Missing { key } => Self::new(inner(key), format!("{} is missing", inner(key))),
         }

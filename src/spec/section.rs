@@ -1,7 +1,7 @@
 use super::error::{Fault, listed, nearest};
 use super::raw::RawSection;
 use crate::link::Section;
-use crate::numeric::Dimension;
+use crate::numeric::{Dimension, excerpt};
 
 pub(super) const SHAPES: [&str; 4] = ["rectangle", "circle", "tube", "box"];
 
@@ -59,7 +59,7 @@ pub(super) fn dimensions_of(shape: &str) -> Option<&'static [&'static str]> {
 
 fn unknown_shape(path: &str, shape: &str) -> Fault {
     let must = format!("must be {}", listed(&SHAPES, "or"));
-    let message = format!("{path}.shape = {shape:?}, but {must}");
+    let message = format!("{path}.shape = {:?}, but {must}", excerpt(shape));
     let near = nearest(shape, SHAPES).map(|near| format!("did you mean `{near}`?"));
     Fault::new(format!("{path}.shape"), message).hinting(near)
 }

@@ -2,6 +2,8 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue, Error};
 
+use crate::numeric::excerpt;
+
 /// Where a value was written; of two places the later is the greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Place {
@@ -84,14 +86,16 @@ impl Node {
     /// The value as it reads in a sentence.
     pub(super) fn shown(&self) -> String {
         match &self.kind {
-            Kind::Text(text) => format!("{text:?}"),
+            Kind::Text(text) => format!("{:?}", excerpt(text)),
             Kind::Integer(number) => number.to_string(),
             Kind::Number(number) => format!("{number:?}"),
             Kind::Boolean(truth) => truth.to_string(),
             Kind::Date(date) => date.clone(),
             Kind::List(items) => {
-                let shown: Vec<String> = items.iter().map(Self::shown).collect();
-                format!("[{}]", shown.join(", "))
+                // Each takes two characters at least.
+                let shown: Vec<String> = items.iter().take(30).map(Self::shown).collect();
+                let more = if items.len() > shown.len() { ", …" } else { "" };
+                format!("[{}{more}]", excerpt(&shown.join(", ")))
             }
             Kind::Table(_) => "a table".into(),
         }
@@ -103,7 +107,7 @@ fn complaint(error: &Error, text: &str, line: impl Fn(Range<usize>) -> Place) ->
         return (Place::File, error.message().to_owned());
     };
     let message = match error.message() {
-        "duplicate key" => format!("duplicate key `{}`", &text[span.clone()]),
+        "duplicate key" => format!("duplicate key `{}`", excerpt(&text[span.clone()])),
         message => message.to_owned(),
     };
     (line(span), message)

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use super::range::Range;
-use crate::numeric::split_number;
+use crate::numeric::{excerpt, split_number};
 
 /// One value of the link file or the motion, and what it takes in turn: `PATH=START:STOP:COUNT`,
 /// `PATH=START:STOP:COUNT:log`, `PATH=a,b,c`, or these with `*=` for factors.
@@ -176,7 +176,8 @@ impl<'a> Pieces<'a> {
 /// The values of a list, and the unit that all of them share.
 fn listed(values: &[&str]) -> Result<Range, VariationError> {
     if values.contains(&"") {
-        let what = format!("values = {:?}, but none of them must be empty", values.join(","));
+        let found = values.join(",");
+        let what = format!("values = {:?}, but none of them must be empty", excerpt(&found));
         return Err(VariationError::refusing(what));
     }
     let quantity = |value: &str| {

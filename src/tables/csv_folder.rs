@@ -17,43 +17,73 @@ pub struct CsvFolder {
 }
 
 impl CsvFolder {
-    /// Lists a folder; links are followed.
+    /// Lists a folder; links are followed. One that leads nowhere is a file like others if it is not
+    /// called as a table, or is an editor's lock, `.#torque.csv`.
     ///
     /// # Errors
     /// [`InputError`] if the folder, or one in it, cannot be read or leads back to itself.
     pub fn list(folder: &Path) -> Result<Self, InputError> {
         let mut found = Self::default();
         for entry in WalkDir::new(folder).min_depth(1).follow_links(true) {
-            let entry = entry.map_err(|error| {
-                let shown = error.path().unwrap_or(folder).display().to_string();
-                let circle = || io::Error::other("the folder leads back to itself");
-                InputError::new(shown, error.into_io_error().unwrap_or_else(circle))
-            })?;
+            let entry = match entry {
+                Ok(entry) => entry,
+                Err(error) => match stray_link(&error) {
+                    Some(path) => {
+                        found.others.insert(name_within(folder, path));
+                        continue;
+                    }
+                    None => return Err(unlisted(folder, error)),
+                },
+            };
             if entry.file_type().is_dir() {
                 continue;
             }
             let path = entry.path();
-            let inner = path.strip_prefix(folder).unwrap_or(path);
-            let steps: Vec<_> = inner.iter().map(|step| step.to_string_lossy()).collect();
-            let name = steps.join("/");
-            // Two names may be one in UTF-8.
-            if inner.to_str().is_none() {
-                let cause = io::Error::other("its name is not UTF-8");
-                return Err(InputError::new(path.display().to_string(), cause));
-            }
-            if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
-                // It may have no end.
-                if !entry.file_type().is_file() {
-                    let cause = io::Error::other("it is a device or a pipe");
-                    return Err(InputError::new(path.display().to_string(), cause));
-                }
-                found.tables.insert(name, entry.into_path());
-            } else {
+            let name = name_within(folder, path);
+            if !is_csv(path) {
                 found.others.insert(name);
+                continue;
             }
+            let refuse = |why| {
+                let cause = io::Error::other(why);
+                Err(InputError::new(path.display().to_string(), cause))
+            };
+            // Two names may be one in UTF-8.
+            if path.strip_prefix(folder).unwrap_or(path).to_str().is_none() {
+                return refuse("its name is not UTF-8");
+            }
+            // It may have no end.
+            if !entry.file_type().is_file() {
+                return refuse("it is a device or a pipe");
+            }
+            found.tables.insert(name, entry.into_path());
         }
         Ok(found)
     }
+}
+
+fn is_csv(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"))
+}
+
+/// A path from the folder, with slashes.
+fn name_within(folder: &Path, path: &Path) -> String {
+    let inner = path.strip_prefix(folder).unwrap_or(path);
+    inner.iter().map(|step| step.to_string_lossy()).collect::<Vec<_>>().join("/")
+}
+
+/// The link that an error is about, if it leads nowhere and is no table.
+fn stray_link(error: &walkdir::Error) -> Option<&Path> {
+    let path = error.path()?;
+    let is_dangling = || error.io_error().is_some_and(|e| e.kind() == io::ErrorKind::NotFound);
+    let is_lock = || path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(".#"));
+    (path.is_symlink() && is_dangling() && (!is_csv(path) || is_lock())).then_some(path)
+}
+
+fn unlisted(folder: &Path, error: walkdir::Error) -> InputError {
+    let shown = error.path().unwrap_or(folder).display().to_string();
+    let circle = || io::Error::other("the folder leads back to itself");
+    InputError::new(shown, error.into_io_error().unwrap_or_else(circle))
 }
 
 #[cfg(test)]
@@ -88,6 +118,25 @@ mod tests {
         fs::write(base.path().join(std::ffi::OsStr::from_bytes(b"a\xfe.csv")), "").unwrap();
         let error = CsvFolder::list(base.path()).unwrap_err().to_string();
         assert!(error.ends_with(": cannot read: its name is not UTF-8"), "{error}");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_is_no_table_may_lead_nowhere_and_have_any_name() {
+        use std::os::unix::ffi::OsStrExt as _;
+        let base = tempfile::tempdir().unwrap();
+        let at = |name: &str| base.path().join(name);
+        fs::write(at("a.csv"), "").unwrap();
+        for lock in [".#notes.txt", ".#a.csv", "old.txt"] {
+            std::os::unix::fs::symlink("me@host.123:456", at(lock)).unwrap();
+        }
+        fs::write(base.path().join(std::ffi::OsStr::from_bytes(b"caf\xe9.txt")), "").unwrap();
+        let found = CsvFolder::list(base.path()).unwrap();
+        assert_eq!(found.tables.keys().collect::<Vec<_>>(), ["a.csv"]);
+        assert_eq!(found.others.len(), 4);
+        std::os::unix::fs::symlink("nowhere", at("b.csv")).unwrap();
+        let error = CsvFolder::list(base.path()).unwrap_err().to_string();
+        assert!(error.ends_with("b.csv: cannot read: No such file or directory"), "{error}");
     }
 
     #[cfg(unix)]

@@ -18,11 +18,16 @@ pub struct GoldenChanges {
 
 /// Changes a folder of golden files, which is created where it is missing.
 ///
-/// All files are written aside before the first takes its name.
+/// All files are written aside before the first takes its name. Where another run writes into it for
+/// more than a second `on_wait` is told, once.
 ///
 /// # Errors
 /// [`FolderError`] names the first file that cannot be written or removed.
-pub fn change_golden_files(folder: &Path, changes: &GoldenChanges) -> Result<(), FolderError> {
+pub fn change_golden_files(
+    folder: &Path,
+    changes: &GoldenChanges,
+    on_wait: &dyn Fn(&Path),
+) -> Result<(), FolderError> {
     let mut staged: BTreeMap<PathBuf, OutputFolder> = BTreeMap::new();
     for (name, source) in &changes.written {
         let refused = |cause| {
@@ -39,7 +44,7 @@ pub fn change_golden_files(folder: &Path, changes: &GoldenChanges) -> Result<(),
         }
         let aside = match staged.remove(&inner) {
             Some(aside) => aside,
-            None => OutputFolder::stage(&inner)?,
+            None => OutputFolder::stage(&inner, on_wait)?,
         };
         let aside = staged.entry(inner).or_insert(aside);
         aside.file(own, |out| io::copy(&mut File::open(source)?, out).map(drop))?;
@@ -79,6 +84,10 @@ fn resolved(path: &Path) -> io::Result<PathBuf> {
 mod tests {
     use super::*;
 
+    fn change(folder: &Path, changes: &GoldenChanges) -> Result<(), FolderError> {
+        change_golden_files(folder, changes, &|_| {})
+    }
+
     #[test]
     fn files_are_written_and_removed_in_folders_of_folders() {
         let base = tempfile::tempdir().unwrap();
@@ -86,14 +95,14 @@ mod tests {
         fs::write(&source, "content").unwrap();
         let written = ["a.csv", "b/c d/e.csv", "b/f.csv"].map(|n| (n.to_owned(), source.clone()));
         let changes = GoldenChanges { written: written.into(), removed: vec![] };
-        change_golden_files(&golden, &changes).unwrap();
+        change(&golden, &changes).unwrap();
         for name in ["a.csv", "b/c d/e.csv", "b/f.csv"] {
             assert_eq!(fs::read_to_string(golden.join(name)).unwrap(), "content");
         }
         let changes = GoldenChanges { removed: vec!["b/f.csv".into()], ..Default::default() };
-        change_golden_files(&golden, &changes).unwrap();
+        change(&golden, &changes).unwrap();
         assert!(!golden.join("b/f.csv").exists() && golden.join("b/c d/e.csv").exists());
-        let error = change_golden_files(&golden, &changes).unwrap_err();
+        let error = change(&golden, &changes).unwrap_err();
         assert_eq!(error.action, FolderAction::Remove("b/f.csv".into()));
     }
 
@@ -118,7 +127,7 @@ mod tests {
         }
         let written = |names: &[&str]| {
             let written = names.iter().map(|name| ((*name).to_owned(), at("source"))).collect();
-            change_golden_files(&at("golden"), &GoldenChanges { written, removed: vec![] })
+            change(&at("golden"), &GoldenChanges { written, removed: vec![] })
         };
         written(&["a.csv"]).unwrap();
         assert!(at("golden/a.csv").is_symlink());
@@ -128,7 +137,7 @@ mod tests {
             assert!(error.cause.to_string().ends_with(", out of the folder"), "{error}");
         }
         let removed = GoldenChanges { removed: vec!["sub/x.csv".into()], ..Default::default() };
-        change_golden_files(&at("golden"), &removed).unwrap_err();
+        change(&at("golden"), &removed).unwrap_err();
         assert_eq!(fs::read_to_string(at("other/x.csv")).unwrap(), "old");
         assert!(!at("other/new.csv").exists());
         fs::create_dir(at("golden/b.csv")).unwrap();
@@ -145,7 +154,7 @@ mod tests {
         let written = [("a.csv", source), ("b.csv", base.path().join("none"))];
         let written = written.map(|(name, source)| (name.to_owned(), source)).into();
         let changes = GoldenChanges { written, removed: vec!["a.csv".into()] };
-        change_golden_files(base.path(), &changes).unwrap_err();
+        change(base.path(), &changes).unwrap_err();
         assert_eq!(fs::read_to_string(base.path().join("a.csv")).unwrap(), "old");
         assert_eq!(fs::read_dir(base.path()).unwrap().count(), 2);
     }

@@ -31,7 +31,7 @@ pub(super) const MOTOR: &str = "motor.csv";
 pub const REPORT: &str = "report.html";
 
 /// Written last: who sees it, sees a whole run.
-pub(super) const SUMMARY: &str = "summary.json";
+pub const SUMMARY: &str = "summary.json";
 
 /// Whether a run may write, or remove, a file of this name in its folder.
 pub fn is_result_file(name: &OsStr) -> bool {
@@ -68,14 +68,14 @@ pub(super) fn nodal_group<'a>(
 }
 
 /// `nodes.csv`: every node of the mesh with the segment that ends there (node 0: begins there),
-/// by name, or by number where it has none.
+/// by name, or by number where it has none. Places have all their digits: the mesh is made of them
+/// again where a run is read back.
 pub(super) fn write_nodes(
     out: &mut (dyn Write + Send),
     link: &Link,
     mesh: &Mesh,
-    digits: Digits,
 ) -> io::Result<()> {
-    let format = digits.for_peak(mesh.length_m());
+    let format = Digits::Full.for_peak(mesh.length_m());
     let mut table = csv::Writer::from_writer(out);
     table.write_record(["node", "x_m", "segment"])?;
     for (node, x_m) in mesh.nodes_m().iter().enumerate() {

@@ -61,8 +61,8 @@ impl InputFile {
     /// Reads a file, or standard input for `-`.
     ///
     /// # Errors
-    /// [`InputError`] with the system's words, or for a line of more than 16 MiB or a content that
-    /// half the available memory does not hold.
+    /// [`InputError`] with the system's words, or for more than a megabyte that begins with what is no
+    /// text, a line of more than 16 MiB or a content that half the available memory does not hold.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::read_within(path, u64::MAX)
     }
@@ -82,14 +82,15 @@ impl InputFile {
         let read = if standard_input {
             read_whole(io::stdin().lock(), 0, most)
         } else {
-            File::open(path).and_then(|file| {
+            let opened = File::open(path).map_err(Unread::from);
+            opened.and_then(|file| {
                 let len = file.metadata().map_or(0, |about| about.len());
                 read_whole(file, len, most)
             })
         };
         let bytes = match read {
             Ok(bytes) => bytes,
-            Err(cause) => return Err(InputError::new(shown, cause)),
+            Err(Unread { cause, hint }) => return Err(InputError { shown, cause, hint }),
         };
         let name = path.file_name().map_or_else(|| shown.clone(), |n| n.to_string_lossy().into());
         Ok(Self { shown, name, bytes })
@@ -123,9 +124,44 @@ pub(super) fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
+/// Why an input is not read.
+#[derive(Debug)]
+struct Unread {
+    cause: io::Error,
+    hint: Option<&'static str>,
+}
+
+impl From<io::Error> for Unread {
+    fn from(cause: io::Error) -> Self {
+        Self { cause, hint: None }
+    }
+}
+
+impl Unread {
+    fn because(cause: String) -> Self {
+        io::Error::other(cause).into()
+    }
+}
+
+/// Refuses the beginning of a long input that is no text.
+fn check_text(bytes: &[u8]) -> Result<(), Unread> {
+    let nul = bytes.iter().position(|byte| *byte == 0);
+    let foreign = std::str::from_utf8(bytes).err();
+    // A letter that the beginning ends within is whole in what follows.
+    let foreign = foreign.filter(|error| error.error_len().is_some());
+    let foreign = foreign.map(|error| error.valid_up_to());
+    match nul.into_iter().chain(foreign).min() {
+        None => Ok(()),
+        Some(at) => {
+            let cause = format!("not a text file: byte {} is {:#04x}", at + 1, bytes[at]);
+            Err(Unread { cause: io::Error::other(cause), hint: Some(remedy(bytes)) })
+        }
+    }
+}
+
 /// Reads all of an input, expected to hold `len` bytes, but no line and no content beyond bounds: what
 /// is no text, or never ends, is told from what is while memory lasts. `most` bytes are enough.
-fn read_whole(mut input: impl Read, len: u64, most: u64) -> io::Result<Vec<u8>> {
+fn read_whole(mut input: impl Read, len: u64, most: u64) -> Result<Vec<u8>, Unread> {
     let room = OnceCell::new();
     let mut bytes = Vec::new();
     // A sparse file is only as long as it says; its first line may be refused.
@@ -136,19 +172,23 @@ fn read_whole(mut input: impl Read, len: u64, most: u64) -> io::Result<Vec<u8>> 
         if input.by_ref().take(CHUNK as u64).read_to_end(&mut bytes)? == 0 {
             return Ok(bytes);
         }
+        // What ends within its first block is told by its reader, with the line.
+        if before == CHUNK {
+            check_text(&bytes[..CHUNK])?;
+        }
         for (k, _) in bytes[before..].iter().enumerate().filter(|(_, b)| matches!(b, b'\n' | b'\r'))
         {
             (lines, line_start) = (lines + 1, before + k + 1);
         }
         if bytes.len() - line_start > LONGEST_LINE {
             let line = lines + 1;
-            return Err(io::Error::other(format!("line {line} is longer than 16 MiB")));
+            return Err(Unread::because(format!("line {line} is longer than 16 MiB")));
         }
         if bytes.len() <= LONGEST_LINE {
             continue;
         }
         if bytes.len() as u64 > most {
-            return Err(io::Error::other(format!("longer than {} MiB", most >> 20)));
+            return Err(Unread::because(format!("longer than {} MiB", most >> 20)));
         }
         // As much again goes into the numbers that are made of the text, and a vector that grows
         // takes twice its size for a moment.
@@ -156,7 +196,7 @@ fn read_whole(mut input: impl Read, len: u64, most: u64) -> io::Result<Vec<u8>> 
         if bytes.len() as u64 > *room {
             let megabytes = room / 1_000_000;
             let cause = format!("more than {megabytes} MB, half of the memory that is available");
-            return Err(io::Error::other(cause));
+            return Err(Unread::because(cause));
         }
     }
 }
@@ -188,5 +228,33 @@ mod tests {
         let text = error.to_string();
         let words = text.strip_prefix("no/such.toml: cannot read: ").unwrap();
         assert!(words.len() > 5 && !words.contains("os error"), "{text}");
+    }
+
+    #[test]
+    fn an_input_without_end_that_is_no_text_is_told_from_its_first_block() {
+        /// Counts what is read of a stream that never ends.
+        struct Endless<'a>(&'a [u8], usize);
+        impl Read for Endless<'_> {
+            fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+                for byte in out.iter_mut() {
+                    *byte = self.0[self.1 % self.0.len()];
+                    self.1 += 1;
+                }
+                Ok(out.len())
+            }
+        }
+        for (pattern, words) in [
+            (&b"1,2\n\0"[..], "not a text file: byte 5 is 0x00"),
+            (b"time,a\n\xff\xfe", "not a text file: byte 8 is 0xff"),
+            (b"\0", "not a text file: byte 1 is 0x00"),
+        ] {
+            let mut endless = Endless(pattern, 0);
+            let refused = read_whole(&mut endless, 0, u64::MAX).unwrap_err();
+            assert_eq!(refused.cause.to_string(), words);
+            assert!(endless.1 <= 2 * CHUNK, "{} bytes were read", endless.1);
+        }
+        // A letter may lie across the end of the block.
+        let text = format!("#{}\n", "µ".repeat(CHUNK));
+        assert_eq!(read_whole(text.as_bytes(), 0, u64::MAX).unwrap(), text.as_bytes());
     }
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::input::InputFile;
 use crate::beam::Mesh;
+use crate::numeric::is_hidden;
 use crate::verification::{Check, Outcome, Verification};
 
 /// An input file of a run.
@@ -94,9 +95,10 @@ pub(super) fn json_line(record: &impl Serialize) -> String {
     without_controls(serde_json::to_string(record).expect("plain records are JSON"))
 }
 
-/// JSON lets U+007F to U+009F stand as they are, which terminals obey; they can only be in strings.
+/// JSON lets U+007F to U+009F and what turns the direction of writing stand as they are, which terminals
+/// obey; they can only be in strings.
 fn without_controls(text: String) -> String {
-    let is_bare = |letter: char| letter.is_control() && letter != '\n';
+    let is_bare = |letter: char| is_hidden(letter) && letter != '\n';
     if !text.contains(is_bare) {
         return text;
     }

@@ -63,7 +63,7 @@ impl SimulateOutputs {
         folder.file("torque.csv", |out| write_csv(out, &all, &torque, self.digits))?;
         folder.file("tip.csv", |out| write_csv(out, &all, &tip, self.digits))?;
         folder.file("hub_angle.csv", |out| write_csv(out, &all, &hub, self.digits))?;
-        folder.file("nodes.csv", |out| write_nodes(out, link, &simulation.mesh, self.digits))?;
+        folder.file("nodes.csv", |out| write_nodes(out, link, &simulation.mesh))?;
         let every_node = || (0..simulation.mesh.nodes_m().len()).collect();
         let nodes: Vec<usize> = self.nodes.clone().unwrap_or_else(every_node);
         let histories = simulation.displacements_m(&nodes, self.every);

@@ -8,12 +8,13 @@ use super::folder::{Durability, FolderAction, FolderError, OutputFolder};
 /// Writes one file, whole or not at all; the folder it lies in is created where it is missing.
 ///
 /// A link is followed. What is no file on a disk, a device or a named pipe, is written to as it is:
-/// taking its name would put a file in its place. A reader of it that goes away is no error.
+/// taking its name would put a file in its place. A reader of it that goes away is no error. Where
+/// another run writes into the folder for more than a second `on_wait` is told, once.
 ///
 /// # Errors
 /// [`FolderError`] if `path` names no file, or the file cannot be written.
-pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
-    write_file_with(path, bytes, Durability::OnDisk)
+pub fn write_file(path: &Path, bytes: &[u8], on_wait: &dyn Fn(&Path)) -> Result<(), FolderError> {
+    write_file_with(path, bytes, Durability::OnDisk, on_wait)
 }
 
 /// The same for a file that is made while it is written: `write` receives a buffered writer.
@@ -23,8 +24,9 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FolderError> {
 pub fn write_file_by(
     path: &Path,
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+    on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
-    write_by(path, write, Durability::OnDisk)
+    write_by(path, write, Durability::OnDisk, on_wait)
 }
 
 /// As [`write_file`], waiting for the disk or not.
@@ -32,14 +34,16 @@ pub(super) fn write_file_with(
     path: &Path,
     bytes: &[u8],
     durability: Durability,
+    on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
-    write_by(path, |out| out.write_all(bytes), durability)
+    write_by(path, |out| out.write_all(bytes), durability, on_wait)
 }
 
 fn write_by(
     path: &Path,
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     durability: Durability,
+    on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
     let path = &followed(path);
     let folder = folder_of(path);
@@ -57,7 +61,7 @@ fn write_by(
     if is_stream(path) {
         return write_through(path, write).map_err(refused);
     }
-    let staged = OutputFolder::stage(folder)?.with(durability);
+    let staged = OutputFolder::stage(folder, on_wait)?.with(durability);
     staged.file(name, write)?;
     staged.replace()
 }

@@ -53,9 +53,9 @@ impl SolveOutputs {
         RESULT_FILES.into_iter().filter(wanted).chain([SUMMARY]).collect()
     }
 
-    /// Writes the files of a solution into `folder` and gives them their names, all or none; its
-    /// deflections are those of [`Self::deflections`], and `watch` is told how far the nodal tables
-    /// are.
+    /// Writes the files of a solution into `folder` and gives them their names, all or none, the
+    /// `page` of the run among them, where there is one; its deflections are those of
+    /// [`Self::deflections`], and `watch` is told how far the nodal tables are.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
@@ -64,7 +64,7 @@ impl SolveOutputs {
         folder: OutputFolder,
         link: &Link,
         (solution, deflections): (&Solution, NodalTable),
-        summary: &Summary,
+        (summary, page): (&Summary, Option<&str>),
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
         // Alone, because these histories are made for their table only, and then dropped.
@@ -78,7 +78,10 @@ impl SolveOutputs {
             || self.write_histories(&folder, solution),
         );
         others.and(nodal)?;
-        folder.file("nodes.csv", |out| write_nodes(out, link, solution.mesh(), self.digits))?;
+        folder.file("nodes.csv", |out| write_nodes(out, link, solution.mesh()))?;
+        if let Some(page) = page {
+            folder.file(REPORT, |out| out.write_all(page.as_bytes()))?;
+        }
         folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
         folder.commit(SUMMARY, &RESULT_FILES)
     }

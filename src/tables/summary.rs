@@ -10,7 +10,7 @@ use crate::inverse::{Accuracy, Analysis, QuantityErrors, Solution};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
-use crate::result::{Exceeded, Metrics, Remark};
+use crate::result::{Exceeded, Metrics, MotorMetrics, Remark};
 use crate::verification::Verification;
 
 /// What a run was given.
@@ -112,6 +112,18 @@ struct Results {
     peak_power_w: f64,
     peak_root_moment_n_m: f64,
     peak_deflection_m: f64,
+    /// Keys that only a link with a drive has.
+    #[serde(flatten)]
+    motor: Option<MotorResults>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct MotorResults {
+    peak_motor_torque_n_m: f64,
+    peak_motor_torque_time_s: f64,
+    rms_motor_torque_n_m: f64,
+    peak_motor_rate_rad_s: f64,
+    peak_motor_power_w: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -276,6 +288,19 @@ impl Results {
             peak_power_w: metrics.peak_power_w.value,
             peak_root_moment_n_m: metrics.peak_root_moment_n_m.value,
             peak_deflection_m: metrics.peak_deflection_m.value,
+            motor: metrics.motor.as_ref().map(MotorResults::new),
+        }
+    }
+}
+
+impl MotorResults {
+    fn new(motor: &MotorMetrics) -> Self {
+        Self {
+            peak_motor_torque_n_m: motor.peak_torque_n_m.value,
+            peak_motor_torque_time_s: motor.peak_torque_n_m.time_s,
+            rms_motor_torque_n_m: motor.rms_torque_n_m,
+            peak_motor_rate_rad_s: motor.peak_rate_rad_s.value,
+            peak_motor_power_w: motor.peak_power_w.value,
         }
     }
 }

@@ -114,15 +114,19 @@ impl SweepFile {
     }
 
     /// Gives the file its own name, and lays its record beside it; of a whole sweep only the table is
-    /// left.
+    /// left. Where another run writes into its folder for more than a second `on_wait` is told, once.
     ///
     /// # Errors
     /// [`FolderError`] if it cannot be written.
-    pub fn finish(self, durability: Durability) -> Result<(), FolderError> {
+    pub fn finish(
+        self,
+        durability: Durability,
+        on_wait: &dyn Fn(&Path),
+    ) -> Result<(), FolderError> {
         let rows = fs::read(&self.part).map_err(|cause| self.error(cause))?;
         let first = rows.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let table = if self.identity.shard().of() > 1 { &rows[..] } else { &rows[first..] };
-        write_sweep(&self.path, table, &self.identity, durability)?;
+        write_sweep(&self.path, table, &self.identity, durability, on_wait)?;
         // The lock is held until the part is gone: no other run may take what is no part any more.
         fs::remove_file(&self.part).map_err(|cause| self.error(cause))
     }
@@ -248,7 +252,7 @@ mod tests {
         let (mut file, rows) = resumed(&path, identity("1,2,3", "1/1"));
         assert_eq!(rows, 1, "the second row was cut off in writing");
         file.append("2,,\n3,,\n").unwrap();
-        file.finish(Durability::InMemory).unwrap();
+        file.finish(Durability::InMemory, &|_| {}).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "x,warnings,error\n1,,\n2,,\n3,,\n");
         assert!(!part_of(&path).exists() && path.with_extension("json").exists());
     }
@@ -260,7 +264,7 @@ mod tests {
         let own = identity("1,2,3", "2/2");
         let mut file = SweepFile::begin(&path, own.clone(), HEADER).unwrap();
         file.append("2,,\n").unwrap();
-        file.finish(Durability::InMemory).unwrap();
+        file.finish(Durability::InMemory, &|_| {}).unwrap();
         let text = fs::read_to_string(&path).unwrap();
         assert_eq!(text, format!("{}{HEADER}2,,\n", own.line()));
         assert!(matches!(SweepFile::resume(&path, own, HEADER), Ok(Ok(Resumed::Complete(_)))));

@@ -38,9 +38,10 @@ pub fn write_sweep(
     table: &[u8],
     identity: &SweepIdentity,
     durability: Durability,
+    on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
     if is_stream(path) {
-        return write_file_with(path, table, durability);
+        return write_file_with(path, table, durability, on_wait);
     }
     if let Some(foreign) = foreign_record(path) {
         let name = foreign.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -48,10 +49,10 @@ pub fn write_sweep(
         let folder = folder_of(path).to_owned();
         return Err(FolderError { folder, action: FolderAction::Write(name), cause });
     }
-    write_file_with(path, table, durability)?;
+    write_file_with(path, table, durability, on_wait)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let json = identity.json(Fingerprint { name, sha256: sha256(table) });
-    write_file_with(&record_of(path), json.as_bytes(), durability)
+    write_file_with(&record_of(path), json.as_bytes(), durability, on_wait)
 }
 
 /// Refuses a shard that has changed since its record was written beside it; one that was copied
@@ -116,7 +117,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("s.csv");
         let identity = identity_of("link", &[], "x=1,2", "1/1");
-        write_sweep(&path, b"x\n1\n2\n", &identity, Durability::InMemory).unwrap();
+        write_sweep(&path, b"x\n1\n2\n", &identity, Durability::InMemory, &|_| {}).unwrap();
         let read = || read_record(&path, &InputFile::read(&path).unwrap());
         assert!(
             read()
@@ -141,7 +142,8 @@ mod tests {
         for content in ["{\"flexlink\": \"0.1.0\", \"command\": \"solve\"}", "notes", ""] {
             fs::write(&mine, content).unwrap();
             assert_eq!(foreign_record(&path).as_ref(), Some(&mine));
-            let error = write_sweep(&path, b"x\n", &identity, Durability::InMemory).unwrap_err();
+            let error =
+                write_sweep(&path, b"x\n", &identity, Durability::InMemory, &|_| {}).unwrap_err();
             assert!(error.to_string().ends_with("no sweep has written has its place"), "{error}");
             assert_eq!(fs::read_to_string(&mine).unwrap(), content);
             assert!(!path.exists());

@@ -1,7 +1,9 @@
 //! The table of a sweep: a row for every case.
 
 use super::number::NumberFormat;
+use crate::link::Link;
 use crate::numeric::rounded;
+use crate::result::MotorMetrics;
 use crate::sweep::{CaseValues, PlayedCase, SolvedCase, SweepPlan};
 
 /// Significant digits of a number in the table. Rows are written as they come, before the peak of
@@ -21,6 +23,15 @@ pub type SweepColumn<C> = (&'static str, fn(&C) -> Option<f64>);
 pub trait SweepRecord: Sized + 'static {
     /// The columns between those of the variations and the last two, `warnings` and `error`.
     const COLUMNS: &'static [SweepColumn<Self>];
+
+    /// The columns that follow them where the link has a drive.
+    const MOTOR_COLUMNS: &'static [SweepColumn<Self>] = &[];
+}
+
+/// The columns that a sweep of a link has between those of the variations and the last one.
+pub fn sweep_columns<C: SweepRecord>(link: &Link) -> Vec<SweepColumn<C>> {
+    let motor = if link.drive().is_some() { C::MOTOR_COLUMNS } else { &[] };
+    [C::COLUMNS, motor].concat()
 }
 
 impl SweepRecord for SolvedCase {
@@ -42,6 +53,17 @@ impl SweepRecord for SolvedCase {
         ("torque_mesh_error", |case| Some(case.accuracy.errors.torque.mesh)),
         ("torque_window_error", |case| Some(case.accuracy.errors.torque.window)),
     ];
+
+    const MOTOR_COLUMNS: &'static [SweepColumn<Self>] = &[
+        ("peak_motor_torque_n_m", |case| of_motor(case, |motor| motor.peak_torque_n_m.value)),
+        ("rms_motor_torque_n_m", |case| of_motor(case, |motor| motor.rms_torque_n_m)),
+        ("peak_motor_rate_rad_s", |case| of_motor(case, |motor| motor.peak_rate_rad_s.value)),
+        ("peak_motor_power_w", |case| of_motor(case, |motor| motor.peak_power_w.value)),
+    ];
+}
+
+fn of_motor(case: &SolvedCase, number: fn(&MotorMetrics) -> f64) -> Option<f64> {
+    case.metrics.motor.as_ref().map(number)
 }
 
 impl SweepRecord for PlayedCase {
@@ -64,17 +86,18 @@ impl SweepRecord for PlayedCase {
 }
 
 /// The row that names the columns, with its line end.
-pub fn sweep_header<C: SweepRecord>(plan: &SweepPlan) -> String {
+pub fn sweep_header<C>(plan: &SweepPlan, columns: &[SweepColumn<C>]) -> String {
     let varied = plan.variations().iter().map(|variation| field(&variation.heading()));
-    let told = C::COLUMNS.iter().map(|(name, _)| (*name).to_owned());
+    let told = columns.iter().map(|(name, _)| (*name).to_owned());
     line(varied.chain(told).chain([WARNINGS, ERROR].map(str::to_owned)))
 }
 
 /// The row of a case, with its line end: its values, its numbers or why it has none, and the kinds of
 /// its warnings.
-pub fn sweep_row<C: SweepRecord>(
+pub fn sweep_row<C>(
     case: &CaseValues,
     outcome: &Result<C, String>,
+    columns: &[SweepColumn<C>],
     warnings: &[&str],
 ) -> String {
     let number = |value: Option<f64>| {
@@ -84,7 +107,7 @@ pub fn sweep_row<C: SweepRecord>(
         }
         String::from_utf8_lossy(&text).into_owned()
     };
-    let told = C::COLUMNS.iter().map(|(_, of)| number(outcome.as_ref().ok().and_then(of)));
+    let told = columns.iter().map(|(_, of)| number(outcome.as_ref().ok().and_then(of)));
     let error = outcome.as_ref().err().map_or_else(String::new, |error| field(error));
     let values = case.values.iter().map(|value| field(value));
     line(values.chain(told).chain([field(&warnings.join(";")), error]))
@@ -126,10 +149,11 @@ mod tests {
             link_changes: vec![],
             motion: MotionScale::default(),
         };
-        let row = sweep_row::<SolvedCase>(&case, &Err("damping.ratio = 2, too much".into()), &[]);
+        let row =
+            sweep_row(&case, &Err("damping.ratio = 2, too much".into()), SolvedCase::COLUMNS, &[]);
         assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(18)));
         let plan = SweepPlan::new(vec!["damping.ratio=2".parse().unwrap()]).unwrap();
-        let header = sweep_header::<SolvedCase>(&plan);
+        let header = sweep_header(&plan, SolvedCase::COLUMNS);
         assert_eq!(header.matches(',').count(), 18);
         assert!(header.starts_with("damping.ratio,period_1_s,zero_1_per_s,peak_torque_n_m,"));
         assert!(header.ends_with(

@@ -1,5 +1,7 @@
 use thiserror::Error;
 
+use crate::numeric::excerpt;
+
 /// A CSV file that is refused.
 ///
 /// The text reads `traj.csv:17: displacement = nan, but must be a finite number`.
@@ -63,8 +65,5 @@ impl Place<'_> {
 
 /// A piece of the file as a message quotes it: in quotes, control characters told, not too long.
 pub(super) fn quoted(text: &str) -> String {
-    const LONGEST: usize = 60;
-    let shown: String = text.chars().take(LONGEST).collect();
-    let more = if shown.len() < text.len() { "…" } else { "" };
-    format!("\"{}{more}\"", shown.escape_debug())
+    format!("\"{}\"", excerpt(text).escape_debug())
 }

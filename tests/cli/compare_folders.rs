@@ -103,6 +103,21 @@ fn blessing_takes_over_what_differs_and_touches_nothing_else() {
 }
 
 #[test]
+fn an_old_summary_does_not_stay_beside_new_tables() {
+    let changed = EXPECTED.replace("-4.0", "-4.1");
+    let run = "{\"flexlink\": \"0.0.1\"}";
+    let golden = [("a.csv", EXPECTED), ("summary.json", run), ("b/a.csv", EXPECTED)];
+    let foreign = [("b/summary.json", "{}"), ("b/c/a.csv", EXPECTED), ("b/c/summary.json", run)];
+    let out = [("a.csv", changed.as_str()), ("b/a.csv", &changed), ("b/c/a.csv", EXPECTED)];
+    let bench = folders(&[golden, foreign].concat(), &out);
+    let told = equal(&compared(&bench, &["--bless"]));
+    assert!(told.ends_with("blessed  EXPECTED: 2 files written, 1 removed\n"), "{told}");
+    assert_eq!(bench.names("golden"), ["a.csv", "b"]);
+    assert_eq!(bench.read("golden/b/summary.json"), "{}", "of another program");
+    assert_eq!(bench.read("golden/b/c/summary.json"), run, "its tables are as they were");
+}
+
+#[test]
 fn blessing_makes_golden_files_that_are_not_there_yet() {
     let bench = folders(&[], &[("a.csv", EXPECTED), ("b/c.csv", EXPECTED)]);
     equal(&bench.run(&["compare", "tests/golden", "out", "--bless", "--quiet"]));

@@ -53,7 +53,7 @@ fn without_a_command_the_help_is_shown() {
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(stdout(&output), "");
     assert_eq!(stderr(&output), stdout(&bench.run(&["-h"])));
-    for code in 0..=5 {
+    for code in [0, 1, 2, 3, 4, 5, 130] {
         assert!(stderr(&output).contains(&format!("{code} ")), "exit code {code}");
     }
 }

@@ -14,6 +14,7 @@ mod line_ends;
 mod locale;
 mod model_end;
 mod modes;
+mod motor;
 mod options;
 mod paths;
 mod repeat;

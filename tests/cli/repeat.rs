@@ -434,3 +434,17 @@ fn a_folder_of_the_system_that_takes_no_file_is_told_with_the_way_out() {
         "{told}"
     );
 }
+
+#[test]
+fn a_golden_folder_that_was_blessed_repeats() {
+    let bench = solved(&["-o", "golden", "--report"]);
+    // Within the tolerance, and not the same bytes: a run is taken as a whole.
+    change(&bench, "golden/nodes.csv", "0,0", "0,0.0000000000001");
+    done(&bench, &["solve", "link.toml", "motion.csv", "-q", "--set", "payload.mass=0.1"]);
+    let told = done(&bench, &["compare", "golden", "out", "--bless"]);
+    assert!(stdout(&told).ends_with("files written, 1 removed\n"), "{}", stdout(&told));
+    assert!(bench.contents("golden") == bench.contents("out"));
+    repeats(&bench, &["golden"], 7);
+    let again = done(&bench, &["compare", "golden", "out", "--bless"]);
+    assert!(stdout(&again).ends_with("blessed  nothing: EXPECTED is as it was\n"));
+}

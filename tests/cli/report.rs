@@ -3,6 +3,9 @@
 use std::collections::HashSet;
 use std::fs;
 use std::io::Cursor;
+use std::process::Stdio;
+use std::thread;
+use std::time::Duration;
 
 use super::{Bench, LINK, MOTION, repository, stderr};
 
@@ -199,15 +202,104 @@ fn the_motors_torque_is_shown_beside_the_hubs() {
 }
 
 #[test]
-fn results_that_no_page_can_be_made_of_are_written_and_told_of() {
+fn a_page_does_not_depend_on_the_digits_that_are_written() {
     let bench = Bench::new();
-    let arguments =
-        ["solve", &repository(LINK), &repository(MOTION), "-o", "out", "--digits", "1", "--report"];
-    let output = bench.run(&arguments);
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-    assert!(stderr(&output).contains("nodes.csv"), "{}", stderr(&output));
-    let told = String::from_utf8(output.stdout).unwrap();
-    assert!(told.contains("written  7 files"), "the summary: {told}");
+    for more in [&["--digits", "1"][..], &["--digits", "5", "--set", "segments.beam.elements=7"]] {
+        solved(&bench, &[more, &["--report"]].concat());
+        let page = bench.read("out/report.html");
+        assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));
+        done(&bench, &["report", "out", "-q"]);
+        assert!(bench.read("out/report.html").starts_with("<!DOCTYPE html>"));
+    }
+}
+
+#[test]
+fn a_page_made_with_its_run_is_the_one_made_of_its_files() {
+    let bench = Bench::new();
+    let drive = "drive={joint_stiffness=100.0, rotor_inertia=0.01, gear_ratio=2.0}";
+    let more = ["--nodes", "7,3,0", "--moments", "--every", "4", "--verify", "--set", drive];
+    solved(&bench, &[&more[..], &["--digits", "full", "--report"]].concat());
+    let with_run = bench.read("out/report.html");
+    done(&bench, &["report", "out", "-q"]);
+    assert!(with_run == bench.read("out/report.html"));
+}
+
+#[cfg(unix)]
+#[test]
+fn the_page_has_its_name_before_the_summary() {
+    use std::os::unix::fs::MetadataExt as _;
+    let bench = Bench::new();
+    solved(&bench, &["--report"]);
+    let named = |name: &str| {
+        let about = fs::metadata(bench.path("out").join(name)).unwrap();
+        (about.ctime(), about.ctime_nsec())
+    };
+    for name in bench.names("out") {
+        assert!(named(&name) <= named("summary.json"), "{name}");
+    }
+}
+
+#[test]
+fn a_page_waits_for_the_run_that_holds_its_folder_and_says_so() {
+    let bench = Bench::new();
+    solved(&bench, &[]);
+    let lock = fs::File::create_new(bench.path("out/.flexlink.lock")).unwrap();
+    lock.lock().unwrap();
+    // What the other run is about to replace must not be read before.
+    let summary = bench.read("out/summary.json");
+    fs::remove_file(bench.path("out/summary.json")).unwrap();
+    let mut program = bench.program(&["report", "out", "-q"]);
+    let waits = program.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    thread::sleep(Duration::from_millis(1500));
+    bench.write("out/summary.json", &summary);
+    fs::remove_file(bench.path("out/.flexlink.lock")).unwrap();
+    drop(lock);
+    let output = waits.wait_with_output().unwrap();
+    let told = "note: out: another run is writing into the folder; waiting until it is done\n";
+    assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(0), told));
+    assert!(bench.names("out").contains(&"report.html".to_owned()));
+}
+
+/// Multiplies a column of a table of the folder `out`, whose largest number then is `peak`.
+fn scale(bench: &Bench, file: &str, column: usize, peak: f64) {
+    let table = bench.table(&format!("out/{file}"));
+    let largest = table[column].1.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let text = bench.read(&format!("out/{file}"));
+    let (head, rows) = text.split_once('\n').unwrap();
+    let row = |line: &str| {
+        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let value: f64 = fields[column].parse().unwrap();
+        fields[column] = format!("{:e}", value / largest * peak);
+        fields.join(",")
+    };
+    let rows: Vec<String> = rows.lines().map(row).collect();
+    bench.write(&format!("out/{file}"), &format!("{head}\n{}\n", rows.join("\n")));
+}
+
+#[test]
+fn numbers_at_the_ends_of_what_a_computer_has_are_left_out_of_a_page_in_words() {
+    let bench = Bench::new();
+    // The largest number of a column becomes 1.7e308, or a denormal.
+    for (file, column, told) in [
+        ("torque.csv", 1, ["Torque at the hub, since", ""]),
+        ("tip.csv", 1, ["Displacement of the tip, since"; 2]),
+        ("hub_angle.csv", 1, ["Rotation of the hub, since", ""]),
+        ("rigid_torque.csv", 1, ["Torque at the hub, since", ""]),
+        ("nodal_displacements.csv", 5, ["waves and animation, since", ""]),
+    ] {
+        for (peak, told) in [1.7e308, 1e-310].into_iter().zip(told) {
+            solved(&bench, &["--every", "4", "--nodes", "1,3,5,7,9"]);
+            scale(&bench, file, column, peak);
+            done(&bench, &["report", "out", "-q"]);
+            let page = bench.read("out/report.html");
+            let plain = page.split("<style>").next().unwrap().to_owned()
+                + page.split("</style>").nth(1).unwrap().split("<script>").next().unwrap();
+            for word in [">inf", " inf ", "NaN", "\"inf", ",inf", "[null", ",null"] {
+                assert!(!plain.contains(word), "{file} to {peak:e}: {word}");
+            }
+            assert!(page.contains(told), "{file} to {peak:e}: {told}");
+        }
+    }
 }
 
 #[test]

@@ -21,10 +21,10 @@ impl Bench {
 }
 
 #[test]
-fn a_line_of_1_gb_takes_little_memory_to_refuse() {
+fn what_is_no_text_takes_little_memory_to_refuse() {
     let bench = Bench::new();
     File::create(bench.path("sparse")).unwrap().set_len(1 << 30).unwrap();
-    let message = "error: sparse: cannot read: line 1 is longer than 16 MiB\n";
+    let message = "error: sparse: cannot read: not a text file: byte 1 is 0x00\n";
     for arguments in [
         ["solve", "sparse", "motion.csv"],
         ["solve", "link.toml", "sparse"],
@@ -41,6 +41,19 @@ fn an_input_without_end_is_refused_before_memory_ends() {
     let bench = Bench::new();
     let zeros = File::open("/dev/zero").unwrap();
     let output = bench.run_within(300, &["solve", "link.toml", "-"], zeros.into());
+    bench.is_refusal(
+        &output,
+        REFUSED,
+        "standard input: cannot read: not a text file: byte 1 is 0x00",
+    );
+    let noise = File::open("/dev/urandom").unwrap();
+    let output = bench.run_within(300, &["solve", "link.toml", "-"], noise.into());
+    bench.is_refusal(&output, REFUSED, "standard input: cannot read: not a text file: byte ");
+    let mut letters = bench.command("sh", &["-c", "yes | tr -d '\\n'"]);
+    let mut letters = letters.stdout(Stdio::piped()).spawn().unwrap();
+    let input = letters.stdout.take().unwrap();
+    let output = bench.run_within(300, &["solve", "link.toml", "-"], input.into());
+    letters.wait().unwrap();
     bench.is_refusal(&output, REFUSED, "standard input: cannot read: line 1 is longer than 16 MiB");
     let mut lines = bench.command("yes", &["0.1,0.2"]).stdout(Stdio::piped()).spawn().unwrap();
     let input = lines.stdout.take().unwrap();

@@ -115,6 +115,61 @@ fn a_title_makes_no_line_of_its_own_and_no_control_character() {
 }
 
 #[test]
+fn a_title_does_not_turn_the_direction_of_writing() {
+    let bench = Bench::new();
+    let title = "title = \"arm \u{202e}2.0\u{2066}\"";
+    bench.write("link.toml", format!("{title}\n{}", link("")));
+    let solve = ["solve", "link.toml", "motion.csv"];
+    let printed = text(&bench.run(&solve).stdout);
+    assert!(printed.starts_with("arm \\u{202e}2.0\\u{2066}\n"), "{printed}");
+    let printed = text(&bench.run(&[&solve[..], &["--json"]].concat()).stdout);
+    assert!(printed.contains(r#""arm \u202e2.0\u2066""#), "{printed}");
+    for arguments in [
+        ["solve", "\u{202e}lmot.knil", "motion.csv"],
+        ["solve", "link.toml", "--every=\u{202e}1"],
+        ["modes", "link.toml", "--set=hub.\u{202e}ai=1"],
+    ] {
+        let told = text(&bench.run(&arguments).stderr);
+        assert!(told.starts_with("error: ") && !told.contains('\u{202e}'), "{told}");
+    }
+}
+
+#[test]
+fn a_message_quotes_sixty_characters_of_an_input() {
+    let bench = Bench::new();
+    let long = "x".repeat(100_000);
+    let refuse = |told: String| {
+        assert!(told.starts_with("error: ") && told.len() < 700, "{} bytes", told.len());
+    };
+    for wrong in [
+        format!("{long} = 1"),
+        format!("hub.inertia = \"1 {long}\""),
+        format!("hub.inertia = \"{long}\""),
+        format!("hub.{long}.{long} = 1"),
+        format!("payload = \"{long}\""),
+        format!("payload = [{}1]", "1, ".repeat(10_000)),
+        format!("damping.model = \"{long}\""),
+        format!("title = 1\n{long} = 1\n{long} = 2"),
+    ] {
+        bench.write("wrong.toml", format!("{wrong}\n{}", link("")));
+        refuse(text(&bench.run(&["modes", "wrong.toml"]).stderr));
+    }
+    for set in [
+        format!("{long}=1"),
+        format!("segments.{long}.EI=1"),
+        format!("segments.0.EI*={long}"),
+        format!("segments.0.{long}*=2"),
+        long.clone(),
+    ] {
+        refuse(text(&bench.run(&["modes", "link.toml", "--set", &set]).stderr));
+    }
+    for table in [format!("{long},a\n"), format!("time,acceleration\n0,{long}\n")] {
+        bench.write("wrong.csv", &table);
+        refuse(text(&bench.run(&["solve", "link.toml", "wrong.csv"]).stderr));
+    }
+}
+
+#[test]
 fn a_record_forges_no_line_of_what_a_repetition_prints() {
     let bench = Bench::solved();
     let summary = fs::read_to_string(bench.path("out/summary.json")).unwrap();

@@ -65,6 +65,10 @@ torque = 5.0
 hub_rate = 6.0
 deflection = 0.1
 bending_moment = 20.0
+motor_torque = 0.5
+motor_rms_torque = "20 N cm"
+motor_rate = "3000 rpm"
+motor_power = "100 W"
 
 [mesh]
 elements = 10
@@ -130,6 +134,10 @@ fn the_whole_example_is_read_in_si() {
     assert_eq!((limits.torque_n_m, limits.hub_rate_rad_s), (Some(5.0), Some(6.0)));
     assert_eq!((limits.deflection_m, limits.bending_moment_n_m), (Some(0.1), Some(20.0)));
     assert_eq!((limits.power_w, limits.rms_torque_n_m), (None, None));
+    assert_eq!((limits.motor_torque_n_m, limits.motor_rms_torque_n_m), (Some(0.5), Some(0.2)));
+    let rate = limits.motor_rate_rad_s.unwrap();
+    assert!((rate - 100.0 * std::f64::consts::PI).abs() < 1e-12, "{rate}");
+    assert_eq!(limits.motor_power_w, Some(100.0));
     let total = Some(ElementCount::Total(10));
     let plan = MeshPlan::new(&link, &[Some(1), Some(9)], total, 1e-6);
     assert_eq!(mesh, plan.unwrap());

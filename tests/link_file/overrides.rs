@@ -83,7 +83,7 @@ fn a_bad_value_is_blamed_on_its_setting() {
             "mesh.elements = 2.5, but must be a whole number from 1 to 100000, or \"auto\"",
         ),
         ("hub.inertia=nan", "hub.inertia = NaN, but must be finite"),
-        ("drive.gear_ratio=-2", "drive.gear_ratio = -2, but must be finite and above 0"),
+        ("drive.gear_ratio=-2", "drive.gear_ratio = -2.0, but must lie from 1e-6 to 1e6"),
     ] {
         let expected = format!("--set '{set}': {expected}");
         assert_eq!(refusal(EXAMPLE, &[set]), expected);

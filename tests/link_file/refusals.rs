@@ -1,4 +1,4 @@
-use super::{SHORT, refusal, segment_refusal};
+use super::{SHORT, read, refusal, segment_refusal};
 
 #[test]
 fn a_slip_of_the_toml_is_refused_in_its_line() {
@@ -86,12 +86,33 @@ fn an_unknown_key_is_refused_with_the_nearest_known_one() {
 fn drive_and_limits_have_their_ranges() {
     assert_eq!(
         refusal(&format!("{SHORT}[drive]\njoint_stiffness = 0\n")),
-        "link.toml:3: drive.joint_stiffness = 0 N m/rad, but must be above 0; inf for a stiff joint"
+        "link.toml:3: drive.joint_stiffness = 0.0 N m/rad, but must lie from 1e-30 to 1e30 N m/rad, \
+         or be inf for a stiff joint"
     );
     assert_eq!(
         refusal(&format!("{SHORT}[limits]\ntorque = '0 N m'\n")),
         "link.toml:3: limits.torque = 0 N m, but must be finite and above 0"
     );
+}
+
+#[test]
+fn a_limit_of_the_motor_without_a_drive_is_refused_by_name() {
+    for (limit, found) in [
+        ("motor_torque = '50 N cm'", "motor_torque = 0.5 N m"),
+        ("motor_rms_torque = 2", "motor_rms_torque = 2 N m"),
+        ("motor_rate = 300", "motor_rate = 300 rad/s"),
+        ("motor_power = '1000 N m/s'", "motor_power = 1000 W"),
+    ] {
+        assert_eq!(
+            refusal(&format!("{SHORT}[limits]\n{limit}\n")),
+            format!(
+                "link.toml:3: limits.{found}, but must come with a [drive], the motor's side of \
+                 the hub"
+            )
+        );
+        let driven = format!("{SHORT}[drive]\n[limits]\n{limit}\n");
+        assert!(read(&driven).is_ok(), "{limit}");
+    }
 }
 
 #[test]

@@ -63,7 +63,7 @@ fn every_key_has_a_description() {
     }
     let mut found = 0;
     check("", &schema(), &mut found);
-    assert!(found >= 56, "only {found} keys");
+    assert!(found >= 60, "only {found} keys");
 }
 
 #[test]
@@ -97,6 +97,8 @@ fn what_the_reader_takes_the_schema_takes() {
         format!("{SEGMENT}[drive]\njoint_stiffness = inf"),
         format!("{SEGMENT}[drive]\njoint_stiffness = '1e3 N m/rad'\ngear_ratio = 50"),
         format!("{SEGMENT}[limits]\nhub_rate = '30 rpm'\npower = '0.02 kN m/s'\ndeflection = 0.1"),
+        format!("{SEGMENT}[drive]\n[limits]\nmotor_torque = '20 N cm'\nmotor_rms_torque = 0.1"),
+        format!("{SEGMENT}[drive]\n[limits]\nmotor_rate = '3000 rpm'\nmotor_power = '50 W'"),
         format!("{SEGMENT}[mesh]\nelements = 'auto'\ntolerance = 1e-12"),
         format!("{SEGMENT}[mesh]\nelements = 10"),
         format!("{SEGMENT}[analysis]\nlead = '500 ms'\nlag = 0\nmodes = 5\ntolerance = 1e-2"),
@@ -179,6 +181,8 @@ fn what_the_schema_refuses_the_reader_refuses() {
         format!("{SEGMENT}[drive]\njoint_stiffness = 0"),
         format!("{SEGMENT}[drive]\njoint_stiffness = true"),
         format!("{SEGMENT}[drive]\ngear_ratio = 0"),
+        format!("{SEGMENT}[drive]\ngear_ratio = 1e200"),
+        format!("{SEGMENT}[drive]\n[limits]\nmotor_power = 0"),
         format!("{SEGMENT}[limits]\ntorque = 0"),
         format!("{SEGMENT}[mesh]\nelements = 'many'"),
         format!("{SEGMENT}[mesh]\nelements = 100001"),

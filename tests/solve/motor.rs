@@ -1,9 +1,9 @@
 //! What the motor does behind a gear and an elastic joint, and limits on what the link does.
 
-use super::{Smooth, link, solved};
-use flexlink::inverse::Solution;
+use super::{Smooth, link, mesh_of, solved};
+use flexlink::inverse::{Analysis, InversionError, Solution, invert};
 use flexlink::link::Drive;
-use flexlink::result::{Limits, Metrics};
+use flexlink::result::{Limits, Metrics, Peak};
 
 const STIFF: Drive =
     Drive { joint_stiffness_n_m_rad: f64::INFINITY, rotor_inertia_kg_m2: 0.0, gear_ratio: 1.0 };
@@ -28,6 +28,35 @@ fn a_stiff_light_drive_without_a_gear_is_the_hub_itself() {
     assert_eq!(motor.torque_n_m, solution.torque_n_m);
     assert_eq!(motor.angle_rad, solution.hub_angle_rad);
     assert_eq!(motor.rate_rad_s, solution.hub_rate_rad_s);
+    let metrics = Metrics::of(&solution);
+    let motor = metrics.motor.unwrap();
+    assert_eq!(motor.peak_torque_n_m, metrics.peak_torque_n_m);
+    assert_eq!((motor.peak_rate_rad_s, motor.peak_power_w), hub_peaks(&metrics));
+    assert!((motor.rms_torque_n_m / metrics.rms_torque_n_m - 1.0).abs() < 1e-15);
+}
+
+fn hub_peaks(metrics: &Metrics) -> (Peak, Peak) {
+    (metrics.peak_hub_rate_rad_s, metrics.peak_power_w)
+}
+
+#[test]
+fn a_link_without_a_drive_has_no_motor() {
+    let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
+    assert!(solution.motor().is_none() && Metrics::of(&solution).motor.is_none());
+}
+
+#[test]
+fn a_motor_that_leaves_double_precision_is_an_error() {
+    // A torque of 1e98 N m in 0.1 ms on a spring of 1e-30 N m/rad, before a rotor of 1e30 kg m².
+    let drive =
+        Drive { joint_stiffness_n_m_rad: 1e-30, rotor_inertia_kg_m2: 1e30, gear_ratio: 1e6 };
+    let far = Smooth { travel_m: 1e84, duration_s: 1e-4, ..Smooth::SHORT }.motion();
+    let driven = link(|parts| parts.drive = Some(drive));
+    let error = invert(&driven, &mesh_of(&driven, 10), &far, &Analysis::default());
+    let Err(InversionError::MotorNotFinite { history }) = error else {
+        panic!("{:?}", error.err());
+    };
+    assert_eq!(history, "power");
 }
 
 #[test]
@@ -74,7 +103,7 @@ fn only_exceeded_limits_are_told_with_their_numbers() {
         ..Limits::default()
     };
     let exceeded = limits.exceeded(&metrics);
-    let keys: Vec<&str> = exceeded.iter().map(|limit| limit.key).collect();
+    let keys: Vec<&str> = exceeded.iter().map(|limit| limit.0.key).collect();
     assert_eq!(keys, ["torque", "power"]);
     let message = exceeded[0].to_string();
     let expected = format!("limits.torque = {} N m is exceeded: {torque:.4e} N m", 0.5 * torque);

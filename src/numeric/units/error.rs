@@ -2,7 +2,7 @@ use thiserror::Error;
 
 use super::Dimension;
 use super::known::run_together;
-use crate::numeric::visible;
+use crate::numeric::{excerpt, visible};
 
 /// Text that is no value with a unit, or no unit.
 ///
@@ -33,7 +33,7 @@ pub enum UnitError {
         expected: Dimension,
     },
     /// A word that is no unit.
-    #[error("has the unknown unit `{unit}`")]
+    #[error("has the unknown unit `{}`", visible(&excerpt(.unit)))]
     UnknownUnit {
         /// The word, as it was found.
         unit: String,
@@ -44,7 +44,7 @@ pub enum UnitError {
     #[error("is ambiguous: only one unit may follow the only `/`")]
     Ambiguous,
     /// No unit at all, or signs in between that make no sense.
-    #[error("has the malformed unit `{}`", visible(.unit))]
+    #[error("has the malformed unit `{}`", visible(&excerpt(.unit)))]
     Malformed {
         /// The unit, as it was found.
         unit: String,
@@ -87,5 +87,5 @@ fn wanted(dimension: Dimension) -> String {
 }
 
 fn described(unit: &str, dimension: Dimension) -> String {
-    dimension.name().map_or_else(|| format!("measured in {}", visible(unit)), Into::into)
+    dimension.name().map_or_else(|| format!("measured in {}", visible(&excerpt(unit))), Into::into)
 }

@@ -72,6 +72,17 @@ impl Axis {
         Self::linear(name, unit, range)
     }
 
+    /// Whether its numbers are so large or so small that drawing them would leave the numbers that a
+    /// computer has.
+    pub(super) fn is_extreme(&self) -> bool {
+        let Range { start, end } = self.range;
+        let spread = match self.scale {
+            Scale::Linear => end - start,
+            Scale::Logarithmic => end / start,
+        };
+        [start, end, spread].into_iter().any(is_extreme) || end <= start
+    }
+
     /// Where a number stands: 0 at the axis' begin, 1 at its end.
     pub(in crate::report) fn share(&self, value: f64) -> f64 {
         let Range { start, end } = self.range;
@@ -156,6 +167,12 @@ fn short_label(value: f64) -> String {
     }
 }
 
+/// Whether a number is so large, or so small and not 0, that no figure is drawn of it.
+pub(in crate::report) fn is_extreme(value: f64) -> bool {
+    let size = value.abs();
+    !(size <= 0.0 || (1e-300..=1e300).contains(&size))
+}
+
 fn power_of_ten(exponent: i32) -> f64 {
     libm::pow(10.0, f64::from(exponent))
 }
@@ -200,5 +217,20 @@ mod tests {
         assert!(around(&[1.0, 2.0]).start.abs() < 1e-15);
         assert!(around(&[-1.0, 2.0]).contains(&2.1));
         assert!(around(&[-1.0]).contains(&-1.05));
+    }
+
+    #[test]
+    fn an_axis_of_denormals_or_of_the_largest_numbers_is_extreme() {
+        let around = |values: &[f64]| Axis::around("a", "", values.iter());
+        for values in [&[5e-324][..], &[1e-310, -1e-312], &[1.7e308, -1.7e308], &[1e301]] {
+            assert!(around(values).is_extreme(), "{values:?}");
+        }
+        for values in [&[][..], &[0.0], &[1e-299], &[-1e299, 5e-324], &[1.0, 2.0]] {
+            assert!(!around(values).is_extreme(), "{values:?}");
+            assert!(around(values).ticks().len() < 20);
+        }
+        assert!(Axis::logarithmic("f", "Hz", 1e-200..1e200).is_extreme());
+        assert!(Axis::logarithmic("f", "Hz", f64::INFINITY..0.0).is_extreme());
+        assert!(!Axis::logarithmic("f", "Hz", 1e-9..1e9).is_extreme());
     }
 }

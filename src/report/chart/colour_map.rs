@@ -44,6 +44,12 @@ impl ColourMap {
         }
     }
 
+    /// Whether its numbers are too large to tell their colours.
+    pub(super) fn is_extreme(&self) -> bool {
+        let (low, high) = self.limits();
+        [low, high].into_iter().any(|limit| limit.is_finite() && limit.abs() > 1e300)
+    }
+
     /// Colour of a number as (red, green, blue); white where there is none.
     fn colour(&self, value: f64, (low, high): (f64, f64)) -> [u8; 3] {
         if !value.is_finite() {

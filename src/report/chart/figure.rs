@@ -107,6 +107,13 @@ pub struct Mark {
 }
 
 impl Figure {
+    /// Whether its numbers are too large or too small to be drawn.
+    pub(in crate::report) fn is_extreme(&self) -> bool {
+        let strip = self.strip.as_ref().map(|(_, axis)| axis);
+        let is_map = self.map.as_ref().is_some_and(ColourMap::is_extreme);
+        is_map || [&self.x, &self.y].into_iter().chain(strip).any(Axis::is_extreme)
+    }
+
     /// A figure of nothing yet.
     pub fn new(id: &str, title: &str, across: Across, x: Axis, y: Axis) -> Self {
         Self {

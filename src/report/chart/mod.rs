@@ -10,6 +10,7 @@ mod svg_file;
 mod table;
 mod thinning;
 
+pub(super) use axis::is_extreme;
 pub use axis::{Axis, Scale};
 pub use colour_map::{ColourMap, Colours};
 pub use figure::{Across, Curve, Figure, Mark, Span, Stroke};

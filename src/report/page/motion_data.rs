@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::link_drawing::{largest_stiffness, relative_thickness};
 use crate::numeric::{largest, rounded};
 use crate::report::View;
-use crate::report::chart::evenly;
+use crate::report::chart::{evenly, is_extreme};
 use crate::report::run::{bending_moments, inside, nearest};
 use crate::result::{StoredNodes, StoredRun};
 
@@ -16,10 +16,18 @@ const NODES: usize = 61;
 /// Digits of its numbers: more than an eye can tell.
 const DIGITS: usize = 5;
 
-/// The motion over the time shown; none where no nodes were written.
+/// The motion over the time shown; none where no nodes were written, or what moves is too large or too
+/// small to be drawn.
 pub(super) fn motion_data(view: &View) -> Option<String> {
     let run = view.run;
     let nodes = &view.deflections()?;
+    // What only turns an arrow or the hub may be small.
+    let [torque_n_m, angle_rad] =
+        [&run.torque_n_m, &run.hub_angle_rad].map(|h| largest(h).max(1.0));
+    let tip_m = largest(&run.tip.displacement_m);
+    if [torque_n_m, angle_rad, tip_m, nodes.peak()].into_iter().any(is_extreme) {
+        return None;
+    }
     let (from_s, until_s) = view.span_s();
     let shown = inside(&nodes.times_s, from_s, until_s);
     let frames: Vec<usize> =
@@ -33,7 +41,9 @@ pub(super) fn motion_data(view: &View) -> Option<String> {
         kept.iter().map(|node| short(quantity.histories[*node][*frame])).collect()
     };
     // Moments written at other nodes or times than the deflections are not played.
-    let alike = |m: &StoredNodes| m.nodes == nodes.nodes && m.times_s.len() == nodes.times_s.len();
+    let alike = |m: &StoredNodes| {
+        m.nodes == nodes.nodes && m.times_s.len() == nodes.times_s.len() && !is_extreme(m.peak())
+    };
     let moments = bending_moments(view).map(|moments| moments.nodes).filter(alike);
     let solved = run.solved.as_ref();
     let link = &run.link;

@@ -18,9 +18,11 @@ use super::figures::Figures;
 pub(super) fn run_figures(view: &View) -> Figures {
     let run = view.run;
     let mut figures = Figures::default();
-    figures.drawn.push(time::torque(view));
-    figures.drawn.extend(time::motion(view));
-    figures.drawn.push(time::hub(view));
+    figures.add(Ok(time::torque(view)));
+    for figure in time::motion(view) {
+        figures.add(Ok(figure));
+    }
+    figures.add(Ok(time::hub(view)));
     figures.add(waves::waves(view));
     if let Some(figure) = rigid_torque::tip_under_rigid_torque(view) {
         figures.add(figure);

@@ -3,7 +3,7 @@
 use super::moments::{Moments, bending_moments};
 use super::view::View;
 use crate::numeric::{largest, significant};
-use crate::report::chart::{Across, Axis, ColourMap, Colours, Figure, Stroke};
+use crate::report::chart::{Across, Axis, ColourMap, Colours, Figure, Stroke, is_extreme};
 use crate::result::StoredNodes;
 
 /// Rows of a map: the link's length is cut into so many.
@@ -27,6 +27,10 @@ pub(super) fn waves(view: &View) -> Result<Figure, String> {
                 .to_owned());
         }
     };
+    if is_extreme(nodes.peak()) {
+        let why = "waves and animation, since what bends is too large or too small to be drawn";
+        return Err(why.to_owned());
+    }
     let story = if view.run.solved.is_some() && name == "moment" {
         " Before the tip moves a wave runs out to it: the colours begin earlier the nearer to the \
          hub. After the tip has stopped what is left runs back to the hub, where the torque takes it \

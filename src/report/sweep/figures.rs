@@ -78,8 +78,8 @@ pub(in crate::report) fn sweep_figures(sweep: &StoredSweep) -> Figures {
             .collect();
         let [(_, first), ..] = found[..] else { continue };
         match (&varied[..], several.len()) {
-            ([one], 1) => figures.drawn.push(over_one(topic, one, &found)),
-            ([other, one], 2) => figures.drawn.push(over_two(topic, [one, other], first)),
+            ([one], 1) => figures.add(Ok(over_one(topic, one, &found))),
+            ([other, one], 2) => figures.add(Ok(over_two(topic, [one, other], first))),
             ([.., x], _) => figures.add(over_many(topic, x, &several, first)),
             ([], _) => {}
         }

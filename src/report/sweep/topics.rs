@@ -8,7 +8,7 @@ pub(super) struct Topic {
 }
 
 /// What there may be a figure of, in the order of the page.
-pub(super) const TOPICS: [Topic; 7] = [
+pub(super) const TOPICS: [Topic; 8] = [
     Topic {
         id: "torque-ratio",
         title: "Peak torque, flexible over rigid",
@@ -37,6 +37,13 @@ pub(super) const TOPICS: [Topic; 7] = [
         quantity: ("torque", "N m"),
         columns: &[("peak_torque_n_m", "flexible link"), ("peak_rigid_torque_n_m", "rigid link")],
         caption: "Largest torque at the hub.",
+    },
+    Topic {
+        id: "peak-motor-torque",
+        title: "Peak torque of the motor",
+        quantity: ("torque", "N m"),
+        columns: &[("peak_motor_torque_n_m", "motor")],
+        caption: "Largest torque of the motor, on its own side of the gear.",
     },
     Topic {
         id: "residual",

@@ -14,6 +14,9 @@ pub(super) const LOCK: &str = ".flexlink.lock";
 /// How long a run waits for another that writes into the same folder.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// How long it waits before it says so.
+const SHORT: Duration = Duration::from_secs(1);
+
 /// The right to write into a folder, of one run at a time.
 #[derive(Debug)]
 pub(super) struct FolderLock {
@@ -25,16 +28,26 @@ pub(super) struct FolderLock {
 
 impl FolderLock {
     /// Creates `dir` where it is missing, waits for a run that writes there, and removes what a
-    /// killed one has left.
-    pub(super) fn take(dir: &Path) -> io::Result<Self> {
-        Self::take_within(dir, PATIENCE)
+    /// killed one has left; `on_wait` is told once of a wait that is no short one.
+    pub(super) fn take(dir: &Path, on_wait: &dyn Fn(&Path)) -> io::Result<Self> {
+        Self::take_within(dir, PATIENCE, on_wait)
     }
 
-    pub(super) fn take_within(dir: &Path, patience: Duration) -> io::Result<Self> {
+    pub(super) fn take_within(
+        dir: &Path,
+        patience: Duration,
+        on_wait: &dyn Fn(&Path),
+    ) -> io::Result<Self> {
         let begun = Instant::now();
+        let mut on_wait = Some(on_wait);
         loop {
             if let Some(lock) = Self::attempt(dir)? {
                 return Ok(lock);
+            }
+            if begun.elapsed() > SHORT
+                && let Some(tell) = on_wait.take()
+            {
+                tell(dir);
             }
             if begun.elapsed() > patience {
                 let message = format!("another run has been writing into it for {patience:?}");

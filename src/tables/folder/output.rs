@@ -40,10 +40,11 @@ pub struct OutputFolder {
 
 impl OutputFolder {
     /// Opens `dir` for a run's files, creating it and the folders above it where they are missing.
+    /// Where another run writes into it for more than a second `on_wait` is told, once.
     ///
     /// # Errors
     /// [`FolderError`] if the folder cannot be created, or another run keeps writing into it.
-    pub fn stage(dir: &Path) -> Result<Self, FolderError> {
+    pub fn stage(dir: &Path, on_wait: &dyn Fn(&Path)) -> Result<Self, FolderError> {
         let mut folder = Self {
             dir: dir.to_owned(),
             durability: Durability::OnDisk,
@@ -54,7 +55,7 @@ impl OutputFolder {
         let begun = Instant::now();
         while folder.lock.is_none() {
             folder.create().map_err(|cause| folder.error(FolderAction::Create, cause))?;
-            match FolderLock::take(dir) {
+            match FolderLock::take(dir, on_wait) {
                 Ok(lock) => folder.lock = Some(lock),
                 // A run that failed has just removed the folder that it had created.
                 Err(cause) if is_gone(&cause) && begun.elapsed().as_secs() < 1 => {}

@@ -1,13 +1,15 @@
 use std::fs;
 use std::io;
 use std::path::Path;
-use std::sync::mpsc;
+use std::sync::{Mutex, mpsc};
 use std::thread;
 use std::time::Duration;
 
 use super::error::FolderAction;
 use super::lock::{FolderLock, LOCK};
 use super::output::OutputFolder;
+
+fn in_silence(_: &Path) {}
 
 /// Names and contents of a folder, in order.
 fn listing(dir: &Path) -> Vec<(String, String)> {
@@ -28,7 +30,7 @@ fn files(expected: &[(&str, &str)]) -> Vec<(String, String)> {
 }
 
 fn stage_files(dir: &Path, files: &[(&str, &str)]) -> OutputFolder {
-    let folder = OutputFolder::stage(dir).unwrap();
+    let folder = OutputFolder::stage(dir, &in_silence).unwrap();
     for (name, text) in files {
         folder.file(name, |w| w.write_all(text.as_bytes())).unwrap();
     }
@@ -57,7 +59,7 @@ fn a_second_run_replaces_the_first_and_nothing_else() {
 #[test]
 fn files_are_written_at_the_same_time() {
     let base = tempfile::tempdir().unwrap();
-    let folder = OutputFolder::stage(base.path()).unwrap();
+    let folder = OutputFolder::stage(base.path(), &in_silence).unwrap();
     let (begun, waits) = mpsc::channel();
     thread::scope(|scope| {
         let nodes = folder.file("nodes.csv", |w| {
@@ -144,7 +146,7 @@ fn a_file_in_the_place_of_the_folder_is_refused() {
     let base = tempfile::tempdir().unwrap();
     let dir = base.path().join("out");
     fs::write(&dir, "a file").unwrap();
-    let error = OutputFolder::stage(&dir).unwrap_err();
+    let error = OutputFolder::stage(&dir, &in_silence).unwrap_err();
     assert_eq!(error.action, FolderAction::Create);
     assert_eq!(fs::read_to_string(&dir).unwrap(), "a file");
 }
@@ -179,7 +181,7 @@ fn a_run_waits_for_another_in_its_folder_and_says_so_when_it_gives_up() {
     let base = tempfile::tempdir().unwrap();
     let dir = base.path();
     let first = stage_files(dir, &[("torque.csv", "1"), ("summary.json", "1")]);
-    let error = FolderLock::take_within(dir, Duration::from_millis(20)).unwrap_err();
+    let error = FolderLock::take_within(dir, Duration::from_millis(20), &in_silence).unwrap_err();
     assert_eq!(error.to_string(), "another run has been writing into it for 20ms");
     assert_eq!(fs::read_dir(dir).unwrap().count(), 3, "the first run's files are left alone");
     thread::scope(|scope| {
@@ -191,4 +193,17 @@ fn a_run_waits_for_another_in_its_folder_and_says_so_when_it_gives_up() {
         first.commit("summary.json", &OWNED).unwrap();
     });
     assert_eq!(listing(dir), files(&[("summary.json", "2"), ("torque.csv", "2")]));
+}
+
+#[test]
+fn a_wait_that_is_no_short_one_is_told_once() {
+    let base = tempfile::tempdir().unwrap();
+    let held = stage_files(base.path(), &[]);
+    let told = Mutex::new(Vec::new());
+    let tell = |dir: &Path| told.lock().unwrap().push(dir.to_owned());
+    FolderLock::take_within(base.path(), Duration::from_millis(50), &tell).unwrap_err();
+    assert!(told.lock().unwrap().is_empty(), "a short one is not");
+    FolderLock::take_within(base.path(), Duration::from_millis(1300), &tell).unwrap_err();
+    assert_eq!(*told.lock().unwrap(), [base.path()]);
+    drop(held);
 }

@@ -2,6 +2,7 @@ use std::path::Path;
 
 use super::super::input::{InputError, InputFile};
 use super::super::table_error::{Place, TableError, quoted};
+use crate::numeric::is_hidden;
 
 /// What a folder must be whose files are missed.
 pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve` or `simulate`";
@@ -60,7 +61,7 @@ impl<'a> RunFolder<'a> {
 /// Refuses names that lead into a folder.
 pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Result<(), TableError> {
     let leads = |name: &String| Path::new(name).file_name().is_none_or(|own| own != name.as_str());
-    let is_told = |name: &String| !name.contains(char::is_control);
+    let is_told = |name: &String| !name.contains(is_hidden);
     match names.iter().find(|name| leads(name) || !is_told(name)) {
         Some(name) => {
             let must = "must be names, without folders or control characters";

@@ -33,9 +33,7 @@ pub(super) fn read_mesh(file: &InputFile, link: &Link) -> Result<Mesh, TableErro
         Ok(())
     };
     let nodes_m = read_rows(&file.shown, &file.bytes, begin, push)?.unwrap_or_default();
-    let plan = MeshPlan::through(link, &nodes_m).map_err(|error| {
-        let hint = "a run with --digits 7 or more has places that are exact enough";
-        whole.refuse_whole(error.to_string()).with_hint(hint.to_owned())
-    })?;
+    let plan = MeshPlan::through(link, &nodes_m);
+    let plan = plan.map_err(|error| whole.refuse_whole(error.to_string()))?;
     Ok(Mesh::new(link, &plan))
 }

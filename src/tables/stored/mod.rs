@@ -10,8 +10,10 @@ mod record;
 mod repetition;
 mod result;
 mod run;
+mod solved;
 mod summary;
 mod sweep;
 
 pub use record::{FoundInput, InputRole, RunRecord};
 pub use result::read_result;
+pub use summary::is_run;

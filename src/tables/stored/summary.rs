@@ -1,7 +1,10 @@
 //! summary.json read back.
 
+use std::path::Path;
+
 use serde::Deserialize;
 
+use super::super::histories::SUMMARY;
 use super::super::input::InputFile;
 use super::super::json_record::{Head, as_written, check_format, newer, parsed};
 use super::super::link_record::{DriveRecord, LinkRecord};
@@ -69,6 +72,13 @@ pub(super) struct Window {
 pub(super) struct Played {
     pub(super) start_s: f64,
     pub(super) simulated_until_s: f64,
+}
+
+/// Whether a folder has the summary of a run, of any version.
+pub fn is_run(folder: &Path) -> bool {
+    let file = InputFile::read(&folder.join(SUMMARY));
+    let head = file.ok().and_then(|file| serde_json::from_slice::<Head>(&file.bytes).ok());
+    head.is_some_and(|head| head.flexlink.is_some())
 }
 
 impl StoredSummary {

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::super::any_table::read_table;
 use super::super::input::InputFile;
 use super::super::sweep_record::read_record;
-use super::super::sweep_table::{ERROR, SweepRecord, WARNINGS};
+use super::super::sweep_table::{ERROR, SweepColumn, SweepRecord, WARNINGS};
 use super::super::table_error::{Place, TableError, quoted};
 use crate::result::StoredSweep;
 use crate::result::comparison::{Cell, Table};
@@ -47,12 +47,13 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
         let error = place.refuse("columns", quoted(&names.join(",")), must);
         return Err(error.with_hint(THE_FOLDER.to_owned()));
     }
-    let known = [told::<SolvedCase>(), told::<PlayedCase>()];
+    let driven = [SolvedCase::COLUMNS, SolvedCase::MOTOR_COLUMNS].concat();
+    let known = [told(&driven), told(SolvedCase::COLUMNS), told(PlayedCase::COLUMNS)];
     let found = &names[varied..];
     if known.iter().any(|known| known == found) {
         return Ok(varied);
     }
-    // Of the two kinds of sweep the one that shares more names is meant.
+    // Of the kinds of sweep the one that shares more names is meant.
     let shared = |known: &&Vec<&str>| known.iter().filter(|name| found.contains(name)).count();
     let known = known.iter().max_by_key(shared).map_or(&[][..], |known| known);
     let must = format!("must be {}", quoted_all(known));
@@ -75,8 +76,8 @@ fn quoted_all(names: &[&str]) -> String {
 }
 
 /// What a sweep tells of its cases, in the order of its columns.
-fn told<C: SweepRecord>() -> Vec<&'static str> {
-    C::COLUMNS.iter().map(|(name, _)| *name).chain([WARNINGS, ERROR]).collect()
+fn told<C>(columns: &[SweepColumn<C>]) -> Vec<&'static str> {
+    columns.iter().map(|(name, _)| *name).chain([WARNINGS, ERROR]).collect()
 }
 
 /// Refuses what is neither a finite number nor nothing where numbers are told.
