@@ -1,5 +1,6 @@
 //! Arguments that several commands share.
 
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -12,7 +13,7 @@ use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::tables::{Durability, InputFile, read_motion_table};
 
 use super::exit::{Exit, Failure};
-use super::memory::available;
+use super::memory::{available, check_room};
 use super::progress::StageBar;
 use super::record::option;
 
@@ -269,6 +270,8 @@ impl ThreadArgs {
 
     /// Prepares threads for a caller that waits for them and is none of them itself.
     pub(crate) fn apply_apart(&self) -> Result<(), Failure> {
+        let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
+        check_room(self.threads.map_or_else(cores, usize::from))?;
         self.number(ThreadPoolBuilder::new()).build_global().map_err(|error| no_threads(&error))
     }
 

@@ -10,9 +10,14 @@ use flexlink::tables::{CsvFolder, GoldenChanges, InputFile, read_table};
 
 use super::exit::{Exit, Failure};
 use super::files::is_standard_input;
+use super::memory::check_tables_memory;
 
 /// Name of the file of tolerances beside the golden files.
 pub(crate) const TOLERANCES: &str = "tolerances.toml";
+
+/// Memory that reading and comparing two tables takes besides their files, over the size of these, as
+/// measured.
+const TABLE_TIMES: usize = 3;
 
 /// What becomes of EXPECTED.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -195,12 +200,14 @@ impl Pair {
 
 fn read(path: &Path) -> Result<Table, Failure> {
     let file = InputFile::read(path)?;
+    check_tables_memory(file.bytes.len(), TABLE_TIMES)?;
     Ok(read_table(&file.shown, &file.bytes)?)
 }
 
 /// Reads both tables at once, or one where their bytes are the same.
 fn read_both(expected: &Path, actual: &Path) -> Result<(Table, Option<Table>), Failure> {
     let (expected, actual) = (InputFile::read(expected)?, InputFile::read(actual)?);
+    check_tables_memory(expected.bytes.len() + actual.bytes.len(), TABLE_TIMES)?;
     let parse = |file: InputFile| read_table(&file.shown, &file.bytes);
     if expected.bytes == actual.bytes {
         return Ok((parse(expected)?, None));

@@ -12,7 +12,7 @@ use clap::builder::styling::{AnsiColor, Style};
 
 use flexlink::numeric::is_hidden;
 use flexlink::result::Remark;
-use flexlink::tables::{system_words, write_file};
+use flexlink::tables::{system_words, write_file_by};
 
 use super::charset::shown;
 use super::exit::{Exit, Failure};
@@ -117,10 +117,19 @@ pub(crate) fn print_part(bytes: &[u8]) -> Result<Reader, Failure> {
 /// Writes what a command makes to the file `output`, or to standard output where there is none or it
 /// is `-`.
 pub(crate) fn deliver(output: Option<&Path>, bytes: &[u8]) -> Result<(), Failure> {
-    match output.filter(|path| !is_standard_output(path)) {
-        None => print_bytes(bytes),
-        Some(path) => Ok(write_file(path, bytes, &waiting)?),
+    deliver_by(output, |out| out.write_all(bytes))
+}
+
+/// The same of what is made while it is written.
+pub(crate) fn deliver_by(
+    output: Option<&Path>,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+) -> Result<(), Failure> {
+    if let Some(path) = output.filter(|path| !is_standard_output(path)) {
+        return Ok(write_file_by(path, write, &waiting)?);
     }
+    let mut out = io::stdout();
+    delivered(write(&mut out).and_then(|()| out.flush())).map(drop)
 }
 
 fn delivered(written: io::Result<()>) -> Result<Reader, Failure> {

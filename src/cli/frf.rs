@@ -3,8 +3,12 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::beam::Mesh;
-use flexlink::inverse::{Dynamics, FrequencyResponse, KeptModes};
+use flexlink::inverse::{
+    Dynamics, FrequencyResponse, InversionError, KeptModes, changes_on_halves,
+};
 use flexlink::modal::natural_frequencies;
+use flexlink::numeric::significant;
+use flexlink::result::{BandMeshError, mesh_error};
 use flexlink::tables::{Digits, write_frequency_response};
 
 use super::args::LinkArgs;
@@ -23,10 +27,15 @@ Frequency response of a link: torque per tip acceleration, hub angle per tip dis
 displacement per torque.
 
 Writes a CSV with real and imaginary part, magnitude and phase of each, to standard output or a \
-file. An automatic mesh is refined until it follows the highest frequency to mesh.tolerance.";
+file, and the mesh error of each row: what elements of half the length change, over the magnitude \
+there. The largest is told, above 1 % as a warning. An automatic mesh is refined until it follows \
+the highest frequency to mesh.tolerance.";
 
-/// Bytes of a row as text, its thirteen numbers with all digits.
-const ROW_BYTES: usize = 13 * 25;
+/// Bytes that a row takes besides itself while its fourteen columns are written, as measured.
+const ROW_BYTES: usize = 160;
+
+/// Bytes that a run takes besides its rows.
+const OWN_BYTES: usize = 16 << 20;
 
 /// Frequency response of a link.
 #[derive(Debug, Args)]
@@ -79,16 +88,25 @@ impl Frf {
             coarsest
         };
         let bytes = self.points.saturating_mul(size_of::<FrequencyResponse>() + ROW_BYTES);
+        let bytes = bytes.saturating_add(OWN_BYTES);
         check_memory("the frequency response", bytes, None, "use fewer --points")?;
         let dynamics = Dynamics::new(link, mesh, KeptModes::of(&specification.analysis))?;
         let friction = link.hub().viscous_friction_n_m_s_rad;
         let frequencies_hz: Vec<f64> = self.grid(from_hz, to_hz).collect();
         let rows = FrequencyResponse::at_all(&dynamics, friction, &frequencies_hz);
-        let mut text = Vec::new();
-        write_frequency_response(&mut text, &rows, self.digits)
-            .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
-        console::deliver(self.output.as_deref(), &text)?;
-        self.warnings.refuse(0)
+        drop(frequencies_hz);
+        let changes = match changes_on_halves(&dynamics, friction, &rows) {
+            Ok(changes) => Some(changes),
+            Err(InversionError::TooManyElements { .. }) => None,
+            Err(error) => return Err(error.into()),
+        };
+        let errors: Option<Vec<f64>> = changes
+            .as_deref()
+            .map(|changes| changes.iter().map(|change| mesh_error(*change)).collect());
+        console::deliver_by(self.output.as_deref(), |out| {
+            write_frequency_response(out, &rows, errors.as_deref(), self.digits)
+        })?;
+        self.warnings.refuse(tell(&rows, changes.as_deref()))
     }
 
     /// The frequencies to go through, as asked for or as the link suggests.
@@ -118,4 +136,26 @@ impl Frf {
             }
         })
     }
+}
+
+/// Says what the mesh makes the response wrong by at the worst; returns how many warnings it gave.
+fn tell(rows: &[FrequencyResponse], changes: Option<&[f64]>) -> usize {
+    let Some(changes) = changes else {
+        console::remark(
+            "the mesh error is not known: modal damping allows no halved elements here",
+        );
+        return 0;
+    };
+    let pairs = rows.iter().map(|row| row.frequency_hz).zip(changes.iter().copied());
+    let Some(error) = BandMeshError::of_changes(pairs) else { return 0 };
+    if let Some(warning) = error.warning() {
+        console::warning(warning, warning.hint());
+        return 1;
+    }
+    console::remark(&format!(
+        "the mesh error is {:.1e} of the magnitude at the worst, at {} Hz (elements halved)",
+        error.worst,
+        significant(error.at_hz, 4)
+    ));
+    0
 }

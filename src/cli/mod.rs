@@ -91,6 +91,7 @@ enum Command {
 
 /// Runs the program: the one place that prints an error and its hint.
 pub(crate) fn run() -> ExitCode {
+    memory::end_where_memory_does();
     memory::keep_freed();
     let outcome = match Cli::try_parse() {
         Ok(cli) => cli.command.run().map(ExitCode::from),
@@ -104,6 +105,7 @@ pub(crate) fn run() -> ExitCode {
 
 impl Command {
     fn run(self) -> Result<Ending, Failure> {
+        memory::check_room(0)?;
         // A sweep ends between two cases.
         if !matches!(self, Self::Sweep(_)) {
             interrupt::end_in_order();

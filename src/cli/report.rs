@@ -11,6 +11,7 @@ use flexlink::tables::{OutputFolder, REPORT, read_result};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::{is_standard_output, keep_files, keep_page};
+use super::memory::check_tables_memory;
 
 const EXAMPLE: &str = "\
 Example:
@@ -59,6 +60,7 @@ impl Report {
             keep_files(output, &[&self.result])?;
             keep_page(output, &self.result)?;
         }
+        check_tables_memory(bytes_of(&self.result), PAGE_TIMES)?;
         let is_alone = self.svg.is_none() && self.png.is_none();
         let file = self.output.clone().or_else(|| is_alone.then(|| beside(&self.result)));
         // No other run may come between the files that are read and the page beside them.
@@ -101,6 +103,22 @@ fn deliver_page(
     }
     let told = || format!("written  {}\n", file.display());
     Ok(if is_standard_output(file) { String::new() } else { told() })
+}
+
+/// Memory that reading a result and making its page takes, over the size of its files, as measured.
+const PAGE_TIMES: usize = 8;
+
+/// Bytes of a result: of the file itself, or of those in its folder.
+fn bytes_of(result: &Path) -> usize {
+    let size = |path: &Path| path.metadata().map_or(0, |found| found.len());
+    let bytes = match result.read_dir() {
+        Err(_) => size(result),
+        Ok(entries) => {
+            let paths = entries.flatten().map(|entry| entry.path());
+            paths.filter(|path| path.is_file()).map(|path| size(&path)).sum()
+        }
+    };
+    usize::try_from(bytes).unwrap_or(usize::MAX)
 }
 
 /// Whether a path names a file, there or not, in this folder; a link may lead out of it.

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::response::simulate;
+use flexlink::response::{PlayError, simulate};
 use flexlink::result::PlayedMetrics;
 use flexlink::spec::Specification;
 use flexlink::tables::{
@@ -105,7 +105,10 @@ impl Simulate {
         let names = SimulateOutputs::file_names();
         let written = format!("{} files in {}", names.len(), self.output.display());
         let tip_error = tip_error.as_ref();
-        let summary = SimulationSummary::new(&inputs, &simulation, &metrics, tip_error, names);
+        let error = PlayError::of(&simulation, link, &play)
+            .map_err(|error| self.play.refused(&error, &read))?;
+        let errors = (error.as_ref(), tip_error);
+        let summary = SimulationSummary::new(&inputs, &simulation, &metrics, errors, names);
         outputs.write(
             OutputFolder::stage(&self.output, &console::waiting)?.with(self.sync.durability()),
             link,
@@ -113,7 +116,9 @@ impl Simulate {
             &summary,
         )?;
 
-        for warning in &simulation.warnings {
+        let coarse = error.and_then(|error| error.warning());
+        let warnings: Vec<_> = simulation.warnings.iter().copied().chain(coarse).collect();
+        for warning in &warnings {
             console::warning(warning, warning.hint());
         }
         let late = tip_error.and_then(|error| error.late);
@@ -124,11 +129,11 @@ impl Simulate {
             (true, _) => {}
             (_, true) => console::print_bytes(summary.to_json().as_bytes())?,
             _ => {
-                let lines = simulate_text(link, &play, &simulation, &metrics, tip_error, &written);
+                let lines = simulate_text(link, &play, &simulation, &metrics, errors, &written);
                 console::print(&lines)?;
             }
         }
-        self.warnings.refuse(simulation.warnings.len() + usize::from(late.is_some()))
+        self.warnings.refuse(warnings.len() + usize::from(late.is_some()))
     }
 
     fn outputs(&self) -> SimulateOutputs {

@@ -2,7 +2,7 @@
 
 use flexlink::link::{Damping, Link};
 use flexlink::numeric::significant;
-use flexlink::response::{Interpolation, Play, Simulation};
+use flexlink::response::{Interpolation, Play, PlayError, Simulation};
 use flexlink::result::{PlayedMetrics, TipError};
 
 use super::link_text::{damping_line, hub_line, labelled, link_line, ratios_line};
@@ -13,7 +13,7 @@ pub(crate) fn simulate_text(
     play: &Play,
     simulation: &Simulation,
     metrics: &PlayedMetrics,
-    tip_error: Option<&TipError>,
+    (error, tip_error): (Option<&PlayError>, Option<&TipError>),
     written: &str,
 ) -> String {
     let lines = [
@@ -32,6 +32,7 @@ pub(crate) fn simulate_text(
         ("after", residual_line(simulation)),
         ("decay", decay_line(simulation)),
         ("error", tip_error.map_or(String::new(), error_line)),
+        ("errors", errors_line(error)),
         ("written", written.to_owned()),
     ];
     labelled(link, &lines)
@@ -120,6 +121,14 @@ fn decay_line(simulation: &Simulation) -> String {
         Some(_) => String::new(),
         None => "none to be seen".into(),
     }
+}
+
+/// What the simulation is worth.
+fn errors_line(error: Option<&PlayError>) -> String {
+    let Some(PlayError { tip, hub_angle }) = error else {
+        return "mesh not known: the damping cannot be on halved elements".into();
+    };
+    format!("mesh {tip:.1e} (of the tip's way), {hub_angle:.1e} (of the hub's peak angle)")
 }
 
 fn error_line(error: &TipError) -> String {

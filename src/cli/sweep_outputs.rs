@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::inverse::{Solution, Unwatched};
-use flexlink::response::Simulation;
+use flexlink::response::{PlayError, Simulation};
 use flexlink::result::Exceeded;
 use flexlink::sweep::{PlayedCase, SolvedCase};
 use flexlink::tables::{
@@ -98,6 +98,7 @@ impl OutputsArgs {
         inputs: &SimulationInputs,
         simulation: &Simulation,
         case: &PlayedCase,
+        error: Option<&PlayError>,
     ) -> Result<(), Failure> {
         self.nodes.check(&simulation.mesh)?;
         let outputs = SimulateOutputs {
@@ -106,8 +107,8 @@ impl OutputsArgs {
             digits: self.digits,
         };
         check_nodal_memory(outputs.nodal_bytes(simulation), inputs.play.memory_bytes)?;
-        let (files, error) = (SimulateOutputs::file_names(), Some(&case.tip_error));
-        let summary = SimulationSummary::new(inputs, simulation, &case.metrics, error, files);
+        let (files, errors) = (SimulateOutputs::file_names(), (error, Some(&case.tip_error)));
+        let summary = SimulationSummary::new(inputs, simulation, &case.metrics, errors, files);
         Ok(outputs.write(self.stage(folder)?, inputs.link, simulation, &summary)?)
     }
 

@@ -1,7 +1,7 @@
 //! The work of one case of a sweep, and what comes of it.
 
 use flexlink::inverse::invert;
-use flexlink::response::{Play, simulate};
+use flexlink::response::{Play, PlayError, simulate};
 use flexlink::result::TipError;
 use flexlink::spec::Specification;
 use flexlink::sweep::{PlayedCase, SolvedCase};
@@ -94,6 +94,8 @@ impl Cases<'_> {
             .map_err(|error| refused(error.to_string(), error.hint()))?;
         let tip_error = TipError::of(&simulation, &target)
             .map_err(|error| refused(error.to_string(), error.hint()))?;
+        let error = PlayError::of(&simulation, link, &play)
+            .map_err(|error| refused(error.to_string(), error.hint()))?;
         let found = PlayedCase::of(&simulation, tip_error);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let inputs = SimulationInputs {
@@ -105,9 +107,12 @@ impl Cases<'_> {
                 play: &play,
                 arguments: &self.arguments(&values),
             };
-            self.shared.outputs.write_simulation(&folder, &inputs, &simulation, &found)?;
+            let error = error.as_ref();
+            self.shared.outputs.write_simulation(&folder, &inputs, &simulation, &found, error)?;
         }
-        let own = simulation.warnings.iter().map(|w| Remark::new(w.kind(), w, w.hint()));
+        let coarse = error.and_then(|error| error.warning());
+        let own = simulation.warnings.iter().copied().chain(coarse);
+        let own = own.map(|w| Remark::new(w.kind(), &w, w.hint()));
         let late = tip_error.late.map(|late| Remark::new(late.kind(), &late, late.hint()));
         Ok((found, own.chain(late).collect()))
     }

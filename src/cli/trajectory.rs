@@ -13,11 +13,15 @@ use flexlink::tables::{Digits, InputFile, write_trajectory};
 use super::args::specification;
 use super::console;
 use super::exit::{Exit, Failure};
+use super::memory::check_memory;
 use super::warnings::WarningArgs;
 
 /// Distances in m and steps in s, within which all samples are numbers and none vanishes.
 const DISTANCES_M: RangeInclusive<f64> = 1e-100..=1e100;
 const STEPS_S: RangeInclusive<f64> = 1e-90..=1e90;
+
+/// Memory in bytes that a sample takes until it is written.
+const BYTES_PER_SAMPLE: usize = 24;
 
 /// Most samples of a trajectory.
 const MOST_SAMPLES: f64 = 16_777_216.0;
@@ -127,11 +131,13 @@ impl Trajectory {
         let (steps, remark) = self.duration()?;
         let before = self.steps("--rest-before", self.rest_before, 0.0)?;
         let after = self.steps("--rest-after", self.rest_after, 0.0)?;
+        let samples = steps + before + after;
+        check_memory("the trajectory", samples * BYTES_PER_SAMPLE, None, "use a longer step")?;
         let columns = self.profile.sampled(distance_m, step_s, steps, [before, after]);
-        let mut text = remark.into_bytes();
-        write_trajectory(&mut text, &columns, self.digits)
-            .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
-        console::deliver(self.output.as_deref(), &text)?;
+        console::deliver_by(self.output.as_deref(), |mut out| {
+            out.write_all(remark.as_bytes())?;
+            write_trajectory(&mut out, &columns, self.digits)
+        })?;
         self.warnings.refuse(0)
     }
 

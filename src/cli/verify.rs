@@ -10,6 +10,7 @@ use super::args::{LinkArgs, MotionArgs, ScaleArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::read_once;
+use super::memory::available;
 use super::solve_run::remarks;
 use super::verify_text::verify_text;
 use super::warnings::WarningArgs;
@@ -92,11 +93,13 @@ pub(crate) fn measured(
     solution: &Solution,
     digits: Digits,
 ) -> Result<Verification, VerificationError> {
+    // Less than before: the solution stays.
+    let analysis = specification.analysis.within_memory(available());
     verify(&Answer {
         link: &specification.link,
         plan: &specification.mesh,
         motion,
-        analysis: &specification.analysis,
+        analysis: &analysis,
         solution,
         written_torque_n_m: &digits.as_written(&solution.torque_n_m),
     })

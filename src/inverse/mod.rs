@@ -10,6 +10,7 @@
 
 mod accuracy;
 mod analysis;
+mod band_change;
 mod dense;
 mod dynamics;
 mod error;
@@ -35,6 +36,7 @@ mod watch;
 
 pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors};
 pub use analysis::Analysis;
+pub use band_change::changes_on_halves;
 pub use dense::{DenseLink, MOST_ELEMENTS_OF_DENSE_SOLVE};
 pub use dynamics::{Dynamics, KeptModes};
 pub use error::InversionError;

@@ -22,6 +22,10 @@ const ABOVE_MESH_SHARE: f64 = 1e-2;
 /// Mesh error, and change by half the step, from which on the user is warned.
 const COARSE: f64 = 1e-2;
 
+/// Rows, and times the motion's own samples, above which a window that was lengthened is told of.
+const LONG_ROWS: usize = 50_000;
+const LONG_TIMES: f64 = 10.0;
+
 /// Something that the user must know to believe the answer. Returned, never printed here.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Warning {
@@ -100,6 +104,17 @@ pub enum Warning {
         /// Period P in s.
         period_s: f64,
     },
+    /// A torque that does not decay has made the window long.
+    #[error(
+        "the torque hardly decays: its window was lengthened to {rows} rows, {times:.0} times the \
+         motion's own"
+    )]
+    LongWindow {
+        /// Rows of the window.
+        rows: usize,
+        /// The same over the samples of the motion.
+        times: f64,
+    },
     /// A payload's inertia or offset blocks the tip at a frequency that the motion contains.
     #[error(
         "at {} Hz no torque moves the tip (lumped inertia or payload), and the motion holds \
@@ -176,6 +191,7 @@ impl Warning {
             Self::CoarseStep { .. } => "coarse_step",
             Self::TorqueCut { .. } => "torque_cut",
             Self::WrapAround { .. } => "wrap_around",
+            Self::LongWindow { .. } => "long_window",
             Self::BlockedTip { .. } => "blocked_tip",
             Self::NearNyquist { .. } => "near_nyquist",
             Self::AboveMesh { .. } => "above_mesh",
@@ -200,6 +216,10 @@ impl Warning {
             Self::CoarseStep { .. } => "an analysis.tip_tolerance above 0, or a smoother motion",
             Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or none of them",
             Self::WrapAround { .. } => "a longer analysis.lag, more damping or a looser tolerance",
+            Self::LongWindow { .. } => {
+                "damping lets it decay; analysis.lead and analysis.lag bound the window, --every the \
+                 tables of the nodes"
+            }
             Self::LargeDeflection { .. } | Self::FastHub { .. } => {
                 "a slower motion or a stiffer link"
             }
@@ -250,12 +270,16 @@ pub(super) fn warnings(evidence: &Evidence<'_>, solution: &Solution) -> Vec<Warn
     let period_s = spectrum.period_s();
     let wrap_around = Warning::WrapAround { share: seam, tolerance, period_s };
     let torque_cut = Warning::TorqueCut { share: cut, tolerance };
+    let (rows, given) = (solution.grid.len, evidence.motion.grid().len);
+    let times = rows as f64 / given as f64;
+    let is_long = seam > tolerance && rows > LONG_ROWS && times > LONG_TIMES;
     let (quantity, error) = solution.accuracy.of_kind(|errors| errors.mesh).worst();
     corrected
         .into_iter()
         .chain(tip_missed)
         .chain((cut > tolerance.max(seam)).then_some(torque_cut))
         .chain((seam > tolerance).then_some(wrap_around))
+        .chain(is_long.then_some(Warning::LongWindow { rows, times }))
         .chain(inexact_window(solution, tolerance))
         .chain(blocked_tip(mesh, spectrum, tolerance))
         .chain(near_nyquist(spectrum))

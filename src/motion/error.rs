@@ -57,6 +57,17 @@ pub enum MotionError {
     /// Samples whose integrals or differences leave the range of numbers.
     #[error("the motion reaches beyond double precision, but must stay far below 1e308 in SI")]
     TooLarge,
+    /// Samples so small that their sums and squares are no numbers.
+    #[error(
+        "the motion's acceleration peaks at {peak_m_s2:e} m/s^2, but must reach {least_m_s2:e} m/s^2: \
+         what is smaller cannot be squared"
+    )]
+    TooSmall {
+        /// Largest acceleration in m/s².
+        peak_m_s2: f64,
+        /// The least that it must reach, in m/s².
+        least_m_s2: f64,
+    },
     /// A time that does not stand on the uniform grid.
     #[error(transparent)]
     NotUniform(#[from] NotUniform),
@@ -132,6 +143,7 @@ impl MotionError {
             | Self::Disagree { sample, .. } => Some(*sample),
             Self::Shape { .. }
             | Self::TooLarge
+            | Self::TooSmall { .. }
             | Self::Scale { .. }
             | Self::NoMotion
             | Self::AcceleratesAway { .. } => None,
@@ -150,6 +162,7 @@ impl MotionError {
             Self::Disagree { .. } => {
                 Some("check the units in the header, or leave one of the columns out")
             }
+            Self::TooSmall { .. } => Some("check the units of the motion, and their powers of ten"),
             Self::Shape { .. }
             | Self::NotFinite { .. }
             | Self::TooLarge

@@ -16,6 +16,9 @@ const FEW_DIGITS: f64 = 1e-3;
 /// Periods of so many times the motion's own samples are transformed without a number too large.
 const PERIODS: f64 = 64.0;
 
+/// Peak acceleration in m/s² of which the amplitudes of a spectrum, and their squares, are numbers.
+const LEAST_M_S2: f64 = 1e-120;
+
 /// What the samples of a motion were.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Source {
@@ -90,7 +93,7 @@ impl TipMotion {
     }
 
     fn from_acceleration(grid: TimeGrid, mut samples: Vec<f64>) -> Result<Self, MotionError> {
-        let moving = moving_samples(&samples).ok_or(MotionError::NoMotion)?;
+        let moving = moving_samples(&samples)?;
         let velocities = samples.iter().scan(0.0, |sum, a| {
             *sum += a * grid.step_s;
             Some(*sum)
@@ -143,7 +146,7 @@ impl TipMotion {
         if !can_be_transformed(&second_differences) {
             return Err(MotionError::TooLarge);
         }
-        let moving = moving_samples(&second_differences).ok_or(MotionError::NoMotion)?;
+        let moving = moving_samples(&second_differences)?;
         let (initial_displacement_m, travel_m) = (samples[0], samples[last] - samples[0]);
         let source = Source::Displacement { samples, second_differences };
         Ok(Self {
@@ -271,13 +274,14 @@ fn can_be_transformed(forcing: &[f64]) -> bool {
     (sum * PERIODS * forcing.len() as f64).is_finite()
 }
 
-fn moving_samples(forcing: &[f64]) -> Option<(usize, usize)> {
-    let peak = largest(forcing);
-    if peak == 0.0 {
-        return None;
+/// Numbers of the last sample before those that move the tip and of the first one after them.
+fn moving_samples(forcing: &[f64]) -> Result<(usize, usize), MotionError> {
+    let peak_m_s2 = largest(forcing);
+    let moves = |a: &f64| a.abs() > MOTION_THRESHOLD * peak_m_s2;
+    let ends = forcing.iter().position(moves).zip(forcing.iter().rposition(moves));
+    let (first, last) = ends.filter(|_| peak_m_s2 > 0.0).ok_or(MotionError::NoMotion)?;
+    if peak_m_s2 < LEAST_M_S2 {
+        return Err(MotionError::TooSmall { peak_m_s2, least_m_s2: LEAST_M_S2 });
     }
-    let moves = |a: &f64| a.abs() > MOTION_THRESHOLD * peak;
-    let first = forcing.iter().position(moves)?;
-    let last = forcing.iter().rposition(moves)?;
-    Some((first.saturating_sub(1), (last + 1).min(forcing.len() - 1)))
+    Ok((first.saturating_sub(1), (last + 1).min(forcing.len() - 1)))
 }

@@ -19,13 +19,17 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// Memory in GB, for people.
+/// Memory in GB, for people; in MB where it is less than a tenth of that.
 ///
 /// ```
 /// use flexlink::numeric::gigabytes;
 /// assert_eq!(gigabytes(1_530_000_000), "1.5 GB");
+/// assert_eq!(gigabytes(24_300_000), "24 MB");
 /// ```
 pub fn gigabytes(bytes: usize) -> String {
+    if bytes < 100_000_000 {
+        return format!("{} MB", significant(bytes as f64 / 1e6, 2));
+    }
     format!("{} GB", significant(bytes as f64 / 1e9, 2))
 }
 

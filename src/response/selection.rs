@@ -16,7 +16,7 @@ const REACH: f64 = 4.0;
 const LEAST_BAND: f64 = 10.0;
 
 /// Most modes that are kept.
-const MOST_MODES: usize = 500;
+pub(super) const MOST_MODES: usize = 500;
 
 /// Which modes a torque moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,6 +29,13 @@ pub struct ModeSelection {
     pub torque_band_hz: f64,
     /// Frequency in Hz of the highest mode kept.
     pub highest_hz: f64,
+}
+
+impl ModeSelection {
+    /// The most modes to keep where these are to be measured: twice as many where some were cut.
+    pub(super) fn most_modes_beyond(&self) -> usize {
+        if self.modes < MOST_MODES { MOST_MODES } else { 2 * MOST_MODES }
+    }
 }
 
 /// Frequency in rad/s above which a torque of these samples has next to no part in the motion.
@@ -67,12 +74,16 @@ fn largest_excursion(samples: &[f64]) -> f64 {
     largest
 }
 
-/// The modes of `mesh` that a torque of this band moves.
-pub(super) fn kept_modes(mesh: &Mesh, band_rad_s: f64) -> (ModalBasis, ModeSelection) {
+/// The modes of `mesh` that a torque of this band moves, at most so many.
+pub(super) fn kept_modes(
+    mesh: &Mesh,
+    band_rad_s: f64,
+    most_modes: usize,
+) -> (ModalBasis, ModeSelection) {
     // The rigid rotation is below every frequency.
     let least = natural_frequencies(mesh, 1).first().map_or(0.0, |first| LEAST_BAND * first);
     let reach = REACH * band_rad_s.max(least);
-    let wanted = modes_below(mesh, reach).saturating_sub(1).clamp(1, MOST_MODES);
+    let wanted = modes_below(mesh, reach).saturating_sub(1).clamp(1, most_modes);
     let basis = ModalBasis::lowest(mesh, wanted);
     let highest = basis.modes.last().map_or(0.0, |mode| mode.omega_rad_s);
     let selection = ModeSelection {

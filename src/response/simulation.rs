@@ -5,13 +5,14 @@ use super::equations::{Equations, HubReaction};
 use super::feedback::{Feedback, FeedbackError};
 use super::play::{Driving, Play, Record};
 use super::residual::ResidualVibration;
-use super::selection::{ModeSelection, kept_modes};
+use super::selection::{MOST_MODES, ModeSelection, kept_modes};
 use super::stepper::Stepper;
 use super::warning::{SimulationWarning, warnings};
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
 use crate::link::Link;
 use crate::modal::{
-    DampingError, DampingLaw, REPORTED_MODES, Shape, hub_moves_mass, natural_frequencies,
+    DampingError, DampingLaw, ModalBasis, REPORTED_MODES, Shape, hub_moves_mass,
+    natural_frequencies,
 };
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, gigabytes, rounded};
@@ -172,14 +173,8 @@ fn play_on(
     let grid = play.grid()?;
     let driving = play.driving()?;
     let law = DampingLaw::of(link.damping(), &mesh)?;
-    let (basis, selection) = kept_modes(&mesh, band_rad_s);
-    let gain = |of: fn(&Feedback) -> f64| play.feedback.map_or(0.0, of);
-    let friction = link.hub().viscous_friction_n_m_s_rad;
-    let reaction = HubReaction {
-        stiffness_n_m_rad: gain(Feedback::stiffness_n_m_rad),
-        damping_n_m_s_rad: friction + gain(Feedback::damping_n_m_s_rad),
-    };
-    let equations = Equations::new(&mesh, &law, basis, reaction);
+    let (basis, selection) = kept_modes(&mesh, band_rad_s, MOST_MODES);
+    let equations = equations_on(link, &mesh, &law, play, basis);
     let modes = equations.coordinates.len();
     check_memory(grid.len, modes, play)?;
     let mut stepper = Stepper::new(&equations, grid.step_s);
@@ -202,7 +197,7 @@ fn play_on(
         law,
         warnings: Vec::new(),
         initial_tip_m: play.initial_tip_m,
-        friction_n_m_s_rad: friction,
+        friction_n_m_s_rad: link.hub().viscous_friction_n_m_s_rad,
         equations,
         record,
     };
@@ -213,6 +208,23 @@ fn play_on(
     simulation.residual = ResidualVibration::of(&simulation, play, &driving);
     simulation.warnings = warnings(&simulation, play);
     Ok(simulation)
+}
+
+/// The link in these modes, with all that reacts to its hub's motion.
+pub(super) fn equations_on(
+    link: &Link,
+    mesh: &Mesh,
+    law: &DampingLaw,
+    play: &Play,
+    basis: ModalBasis,
+) -> Equations {
+    let gain = |of: fn(&Feedback) -> f64| play.feedback.map_or(0.0, of);
+    let friction = link.hub().viscous_friction_n_m_s_rad;
+    let reaction = HubReaction {
+        stiffness_n_m_rad: gain(Feedback::stiffness_n_m_rad),
+        damping_n_m_s_rad: friction + gain(Feedback::damping_n_m_s_rad),
+    };
+    Equations::new(mesh, law, basis, reaction)
 }
 
 /// Refuses a simulation that takes more memory than the play allows.

@@ -64,6 +64,17 @@ pub enum SimulationWarning {
         /// Largest deflection of the tip from the hub's tangent line over the length.
         share: f64,
     },
+    /// A mesh, or modes, too few for the torque.
+    #[error(
+        "mesh and modes make the tip wrong by {tip:.1e} of its way, the hub angle by \
+         {hub_angle:.1e} of its peak (elements halved)"
+    )]
+    CoarseMesh {
+        /// Error of the tip over its way.
+        tip: f64,
+        /// Error of the hub angle over its peak.
+        hub_angle: f64,
+    },
 }
 
 impl SimulationWarning {
@@ -74,6 +85,7 @@ impl SimulationWarning {
             Self::EndsWithJump { .. } => "ends_with_jump",
             Self::CoarseStep { .. } => "coarse_step",
             Self::LargeDeflection { .. } => "large_deflection",
+            Self::CoarseMesh { .. } => "coarse_mesh",
         }
     }
 
@@ -85,6 +97,9 @@ impl SimulationWarning {
             }
             Self::CoarseStep { .. } => "a torque with a shorter step",
             Self::LargeDeflection { .. } => "a smaller torque or a stiffer link",
+            Self::CoarseMesh { .. } => {
+                "more elements, mesh.elements = \"auto\", or a torque without jumps and corners"
+            }
         }
     }
 }

@@ -4,6 +4,7 @@
 pub mod comparison;
 mod fit;
 mod limits;
+mod mesh_error;
 mod metrics;
 mod played;
 mod remark;
@@ -13,6 +14,7 @@ mod tip_error;
 
 pub use fit::{Fit, FitError, FitProblem, OpenMotion, Reached, shortest_fit};
 pub use limits::{Exceeded, Held, Limits};
+pub use mesh_error::{BandMeshError, CoarseMesh, mesh_error, mesh_errors};
 pub use metrics::{Metrics, MotorMetrics, Peak, TIMING_LEVEL};
 pub use played::PlayedMetrics;
 pub use remark::Remark;

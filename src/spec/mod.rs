@@ -22,6 +22,7 @@ mod overrides;
 mod quantity;
 mod raw;
 mod reader;
+mod replaced;
 mod schema;
 mod section;
 mod segment;

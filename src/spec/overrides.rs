@@ -3,13 +3,22 @@ use std::str::FromStr;
 use super::SpecError;
 use super::error::nearest;
 use super::override_hints::instead;
+use super::replaced::{make_room, remove_own_elements};
 use super::tree::{Kind, Node, Place};
 use crate::numeric::{excerpt, split_number, visible};
+
+/// Most steps of a path: no link file has a value so deep.
+const MOST_STEPS: usize = 16;
+
+/// Keys that hold words: no factor belongs to a word, though it may begin with a number.
+const WORDS: [&str; 4] = ["title", "name", "shape", "model"];
 
 /// One change of the link file from the command line: `PATH=VALUE` replaces a value,
 /// `PATH*=FACTOR` multiplies it.
 ///
-/// PATH is the dotted TOML path; a segment is named, numbered from 0, or `*` for all.
+/// PATH is the dotted TOML path; a segment is named, numbered from 0, or `*` for all. A value that
+/// is set takes the place of what else the file gives in its stead: EI that of E and I,
+/// `mesh.elements` that of the segments' own elements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Override {
     /// How errors point at it.
@@ -60,6 +69,12 @@ impl Override {
         if path.iter().any(String::is_empty) {
             return Err(refused("has an empty step in its path"));
         }
+        if path.len() > MOST_STEPS {
+            let found = path.len();
+            return Err(refused(&format!(
+                "has a path of {found} steps, but must have at most {MOST_STEPS}"
+            )));
+        }
         Ok(Self { place: place.to_owned(), path, change })
     }
 }
@@ -77,7 +92,11 @@ pub(super) fn apply(tree: &mut Node, number: usize, change: &Override) -> Result
     let step = Step { change: &change.change, place: Place::Override(number) };
     step.descend(tree, "", &change.path).map_err(|Refused { message, hint }| {
         SpecError::new(change.place(), &message, hint.as_deref())
-    })
+    })?;
+    if matches!(change.change, Change::Replace(_)) && change.path == ["mesh", "elements"] {
+        remove_own_elements(tree);
+    }
+    Ok(())
 }
 
 struct Refused {
@@ -163,16 +182,7 @@ impl Step<'_> {
             return Err(Refused::new(format!("{} is not in the file", excerpt(path))));
         }
         if rest.is_empty() {
-            // A product that is set takes the place of the factors it was given by, and one ratio
-            // in every mode and a ratio for each mode take each other's.
-            let replaced: &[&str] = match step {
-                "EI" => &["E", "I"],
-                "mass_per_length" => &["density", "area"],
-                "ratio" => &["ratios", "modes"],
-                "ratios" => &["ratio"],
-                _ => &[],
-            };
-            entries.retain(|(key, _)| !replaced.contains(&key.as_str()));
+            make_room(entries, step);
         }
         let kind = Kind::Table(Vec::new());
         let place = self.place;
@@ -197,7 +207,7 @@ impl Step<'_> {
         node.kind = match &mut node.kind {
             Kind::Integer(number) => whole_where_possible(*number as f64 * factor),
             Kind::Number(number) => Kind::Number(*number * factor),
-            Kind::Text(text) => match split_number(text) {
+            Kind::Text(text) => match split_number(text).filter(|_| !holds_words(path)) {
                 Some((number, unit)) => Kind::Text(format!("{:?}{unit}", number * factor)),
                 None => return Err(refused(node)),
             },
@@ -220,6 +230,12 @@ fn whole_where_possible(product: f64) -> Kind {
     let exact = product.fract() == 0.0 && product.abs() < 9e15;
     #[expect(clippy::cast_possible_truncation, reason = "a whole number below 2^53")]
     if exact { Kind::Integer(product as i64) } else { Kind::Number(product) }
+}
+
+/// Whether the value at a path is a word or more, not a quantity.
+fn holds_words(path: &str) -> bool {
+    let key = path.rsplit('.').next();
+    key.is_some_and(|key| WORDS.contains(&key))
 }
 
 fn below(path: &str, step: &str) -> String {

@@ -14,18 +14,19 @@ type Transfer = fn(&FrequencyResponse) -> Complex64;
 type Part = fn(Complex64) -> f64;
 
 /// Writes the frequency response of a link: frequency, then real and imaginary part, magnitude and
-/// phase of each transfer. A transfer that is infinite, at a pole of an undamped link, leaves its
-/// fields empty.
+/// phase of each transfer, and what the mesh makes them wrong by. A transfer that is infinite, at a
+/// pole of an undamped link, leaves its fields empty.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_frequency_response(
     out: &mut (impl Write + ?Sized),
     rows: &[FrequencyResponse],
+    mesh_errors: Option<&[f64]>,
     digits: Digits,
 ) -> io::Result<()> {
-    let frequencies: Vec<f64> = rows.iter().map(|row| row.frequency_hz).collect();
-    let mut columns = vec![PlainColumn::values("frequency_hz", &frequencies)];
+    let frequencies = rows.iter().map(|row| row.frequency_hz).collect();
+    let mut columns = vec![PlainColumn::of_values("frequency_hz", frequencies)];
     let transfers: [(&str, Transfer); 3] = [
         ("torque_per_tip_acceleration_kg_m", |row| row.torque_per_tip_acceleration_kg_m),
         ("hub_angle_per_tip_displacement_rad_m", |row| row.hub_angle_per_tip_displacement_rad_m),
@@ -41,9 +42,10 @@ pub fn write_frequency_response(
     for (name, transfer) in transfers {
         for (part, of) in parts {
             let finite = |row| Some(transfer(row)).filter(|x| x.is_finite());
-            let cells: Vec<f64> = rows.iter().map(|row| finite(row).map_or(f64::NAN, of)).collect();
-            columns.push(PlainColumn::values(&format!("{name}_{part}"), &cells));
+            let cells = rows.iter().map(|row| finite(row).map_or(f64::NAN, of)).collect();
+            columns.push(PlainColumn::of_values(&format!("{name}_{part}"), cells));
         }
     }
+    columns.push(PlainColumn::values("mesh_error", mesh_errors.unwrap_or_default()));
     write_plain(out, &columns, digits)
 }

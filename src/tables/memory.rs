@@ -9,13 +9,17 @@ pub fn available_memory() -> Option<u64> {
     let system = read("/proc/meminfo").and_then(|text| kilobytes(&text, "MemAvailable:"));
     let groups = read("/proc/self/cgroup")
         .and_then(|groups| room_in_groups(Path::new("/sys/fs/cgroup"), &groups));
-    let own = read("/proc/self/limits").and_then(|limits| {
-        // Where there is no limit, what is used need not be asked.
-        let limit = address_space(&limits)?;
-        let used = read("/proc/self/status").and_then(|text| kilobytes(&text, "VmSize:"))?;
-        Some(limit.saturating_sub(used))
-    });
-    [system, groups, own].into_iter().flatten().min()
+    [system, groups, available_addresses()].into_iter().flatten().min()
+}
+
+/// Memory in bytes that the limit of this process's address space (`ulimit -v`) leaves; none where
+/// there is none.
+pub fn available_addresses() -> Option<u64> {
+    let limits = read("/proc/self/limits")?;
+    // Where there is no limit, what is used need not be asked.
+    let limit = address_space(&limits)?;
+    let used = read("/proc/self/status").and_then(|text| kilobytes(&text, "VmSize:"))?;
+    Some(limit.saturating_sub(used))
 }
 
 /// The least that a control group of this process, or one around it, leaves; `groups` is the

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::folder::{FolderError, OutputFolder};
 use super::number::Digits;
 use super::plain_table::{PlainColumn, write_plain};
+use crate::result::CoarseMesh;
 
 /// What is known of the modes and zeros of a link.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,10 +14,16 @@ pub struct ModesResult {
     pub omega_rad_s: Vec<f64>,
     /// Damping ratio that the law gives each mode.
     pub damping_ratios: Vec<f64>,
+    /// Relative errors that the mesh causes in the natural frequencies; NaN where not known, as below.
+    pub mesh_errors: Vec<f64>,
     /// Zeros ±z of torque → tip in 1/s.
     pub zeros_per_s: Vec<f64>,
+    /// Relative errors that the mesh causes in these.
+    pub zero_mesh_errors: Vec<f64>,
     /// Zeros at real frequencies, in Hz: there no torque moves the tip.
     pub blocked_hz: Vec<f64>,
+    /// Relative errors that the mesh causes in these.
+    pub blocked_mesh_errors: Vec<f64>,
     /// Distance of each node from the axis in m.
     pub nodes_m: Vec<f64>,
     /// Mass-normalised displacement of each node in 1/√kg, one list a mode.
@@ -32,6 +39,8 @@ pub struct HeldModes {
     pub joint_stiffness_n_m_rad: f64,
     /// Natural frequencies in rad/s.
     pub omega_rad_s: Vec<f64>,
+    /// Relative errors that the mesh causes in these.
+    pub mesh_errors: Vec<f64>,
 }
 
 /// Names of all files that `modes` may write.
@@ -49,6 +58,18 @@ impl ModesResult {
         self.zeros_per_s.iter().map(|zero| libm::log(100.0) / zero).collect()
     }
 
+    /// What there is to warn of.
+    pub fn warnings(&self) -> Vec<CoarseMesh> {
+        let held = self.held.as_ref().map_or(&[][..], |held| &held.mesh_errors);
+        let lists = [
+            ("mode", &self.mesh_errors[..]),
+            ("zero", &self.zero_mesh_errors),
+            ("blocked frequency", &self.blocked_mesh_errors),
+            ("mode with the rotor held", held),
+        ];
+        lists.into_iter().filter_map(|(what, errors)| CoarseMesh::of(what, errors)).collect()
+    }
+
     /// Writes modes.csv, `mode_shapes.csv` and zeros.csv, of a link with a drive also
     /// `held_modes.csv`; all or none.
     ///
@@ -57,6 +78,7 @@ impl ModesResult {
     pub fn write(&self, folder: OutputFolder, digits: Digits) -> Result<(), FolderError> {
         let mut modes = frequency_columns(&self.omega_rad_s);
         modes.push(PlainColumn::values("damping_ratio", &self.damping_ratios));
+        modes.push(PlainColumn::values("mesh_error", &self.mesh_errors));
         folder.file(MODES, |out| write_plain(out, &modes, digits))?;
         let mut shapes = vec![PlainColumn::values("x_m", &self.nodes_m)];
         let named = self.shapes.iter().enumerate();
@@ -64,13 +86,16 @@ impl ModesResult {
             .extend(named.map(|(k, shape)| PlainColumn::values(&format!("mode_{}", k + 1), shape)));
         folder.file(SHAPES, |out| write_plain(out, &shapes, digits))?;
         if let Some(held) = &self.held {
-            let modes = frequency_columns(&held.omega_rad_s);
+            let mut modes = frequency_columns(&held.omega_rad_s);
+            modes.push(PlainColumn::values("mesh_error", &held.mesh_errors));
             folder.file(HELD, |out| write_plain(out, &modes, digits))?;
         }
         let zeros = [
             PlainColumn::values("zero_per_s", &self.zeros_per_s),
             PlainColumn::values("lead_to_1_percent_s", &self.leads_s()),
             PlainColumn::values("blocked_frequency_hz", &self.blocked_hz),
+            PlainColumn::values("mesh_error", &self.zero_mesh_errors),
+            PlainColumn::values("blocked_mesh_error", &self.blocked_mesh_errors),
         ];
         folder.file(ZEROS, |out| write_plain(out, &zeros, digits))?;
         folder.commit(ZEROS, &OWNED)

@@ -23,7 +23,12 @@ impl PlainColumn {
 
     /// Quantities, with decimals for the column's own peak.
     pub(super) fn values(name: &str, cells: &[f64]) -> Self {
-        Self { name: name.to_owned(), cells: Cells::Values(cells.to_vec()) }
+        Self::of_values(name, cells.to_vec())
+    }
+
+    /// The same, of cells that nobody else needs.
+    pub(super) fn of_values(name: &str, cells: Vec<f64>) -> Self {
+        Self { name: name.to_owned(), cells: Cells::Values(cells) }
     }
 
     fn len(&self) -> usize {
@@ -60,6 +65,9 @@ impl PlainColumn {
     }
 }
 
+/// Text of a table is written in parts of about this many bytes: a long one is nowhere as a whole.
+const PART_BYTES: usize = 1 << 16;
+
 /// Writes a header and as many rows as the longest column has.
 pub(super) fn write_plain(
     out: &mut (impl Write + ?Sized),
@@ -78,6 +86,10 @@ pub(super) fn write_plain(
             column.write(row, *format, &mut text);
         }
         text.push(b'\n');
+        if text.len() >= PART_BYTES {
+            out.write_all(&text)?;
+            text.clear();
+        }
     }
     out.write_all(&text)
 }

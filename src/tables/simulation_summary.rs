@@ -7,7 +7,7 @@ use super::json_record::FORMAT;
 use super::link_record::LinkRecord;
 use super::records::{Fingerprint, MeshRecord, WarningRecord, json};
 use crate::link::Link;
-use crate::response::{Interpolation, Play, Simulation};
+use crate::response::{Interpolation, Play, PlayError, Simulation};
 use crate::result::{PlayedMetrics, TipError};
 
 /// What a simulation was given.
@@ -46,6 +46,7 @@ pub struct SimulationSummary {
     periods_s: Vec<f64>,
     viscous_damping_ratios: Vec<f64>,
     results: Results,
+    errors: Option<ErrorsRecord>,
     residual: ResidualRecord,
     tip_error: Option<TipErrorRecord>,
     warnings: Vec<WarningRecord>,
@@ -97,6 +98,19 @@ struct Results {
     peak_deflection_m: f64,
 }
 
+/// Shares of each quantity's own peak; of the tip: of its way.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ErrorsRecord {
+    tip: MeshErrorRecord,
+    hub_angle: MeshErrorRecord,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct MeshErrorRecord {
+    /// Of the mesh, and of the modes that were kept.
+    mesh: f64,
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct ResidualRecord {
     amplitude_m: f64,
@@ -115,12 +129,13 @@ struct TipErrorRecord {
 }
 
 impl SimulationSummary {
-    /// Gathers the summary of a simulation; `files` are the names of what is written with it.
+    /// Gathers the summary of a simulation, with what mesh and modes make it wrong by and how far the
+    /// tip is from its target; `files` are the names of what is written with it.
     pub fn new(
         inputs: &SimulationInputs,
         simulation: &Simulation,
         metrics: &PlayedMetrics,
-        tip_error: Option<&TipError>,
+        (error, tip_error): (Option<&PlayError>, Option<&TipError>),
         files: Vec<&'static str>,
     ) -> Self {
         let frequencies = &simulation.natural_frequencies_rad_s;
@@ -152,6 +167,10 @@ impl SimulationSummary {
             periods_s: frequencies.iter().map(|omega| std::f64::consts::TAU / omega).collect(),
             viscous_damping_ratios: simulation.law.modal_ratios(frequencies),
             results: Results::new(metrics),
+            errors: error.map(|error| ErrorsRecord {
+                tip: MeshErrorRecord { mesh: error.tip },
+                hub_angle: MeshErrorRecord { mesh: error.hub_angle },
+            }),
             residual: ResidualRecord {
                 amplitude_m: simulation.residual.amplitude_m,
                 share: simulation.residual.share,
@@ -165,7 +184,7 @@ impl SimulationSummary {
                 rms_m: error.rms_m,
                 final_m: error.final_m,
             }),
-            warnings: warnings(simulation, tip_error),
+            warnings: warnings(simulation, error, tip_error),
             files,
         }
     }
@@ -176,8 +195,13 @@ impl SimulationSummary {
     }
 }
 
-fn warnings(simulation: &Simulation, tip_error: Option<&TipError>) -> Vec<WarningRecord> {
-    let played = simulation.warnings.iter().map(|warning| WarningRecord {
+fn warnings(
+    simulation: &Simulation,
+    error: Option<&PlayError>,
+    tip_error: Option<&TipError>,
+) -> Vec<WarningRecord> {
+    let coarse = error.and_then(PlayError::warning);
+    let played = simulation.warnings.iter().copied().chain(coarse).map(|warning| WarningRecord {
         kind: warning.kind().into(),
         message: warning.to_string(),
         hint: warning.hint().into(),

@@ -1,6 +1,6 @@
 use std::ffi::OsStr;
 use std::fs;
-use std::io::{self, Write as _};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::folder::{Durability, FolderAction, FolderError, OutputFolder};
@@ -17,10 +17,31 @@ pub fn write_file(path: &Path, bytes: &[u8], on_wait: &dyn Fn(&Path)) -> Result<
     write_file_with(path, bytes, Durability::OnDisk, on_wait)
 }
 
-/// The same, waiting for the disk or not.
+/// The same for a file that is made while it is written: `write` receives a buffered writer.
+///
+/// # Errors
+/// As [`write_file`].
+pub fn write_file_by(
+    path: &Path,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+    on_wait: &dyn Fn(&Path),
+) -> Result<(), FolderError> {
+    write_by(path, write, Durability::OnDisk, on_wait)
+}
+
+/// As [`write_file`], waiting for the disk or not.
 pub(super) fn write_file_with(
     path: &Path,
     bytes: &[u8],
+    durability: Durability,
+    on_wait: &dyn Fn(&Path),
+) -> Result<(), FolderError> {
+    write_by(path, |out| out.write_all(bytes), durability, on_wait)
+}
+
+fn write_by(
+    path: &Path,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     durability: Durability,
     on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
@@ -38,10 +59,10 @@ pub(super) fn write_file_with(
         return Err(refused(io::Error::other("the path names no file")));
     };
     if is_stream(path) {
-        return write_through(path, bytes).map_err(refused);
+        return write_through(path, write).map_err(refused);
     }
     let staged = OutputFolder::stage(folder, on_wait)?.with(durability);
-    staged.file(name, |out| out.write_all(bytes))?;
+    staged.file(name, write)?;
     staged.replace()
 }
 
@@ -59,9 +80,12 @@ pub(super) fn is_stream(path: &Path) -> bool {
     is_open || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
-fn write_through(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn write_through(
+    path: &Path,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+) -> io::Result<()> {
     let mut file = fs::File::options().append(true).open(path)?;
-    match file.write_all(bytes).and_then(|()| file.flush()) {
+    match write(&mut file).and_then(|()| file.flush()) {
         Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => written,
     }

@@ -41,7 +41,9 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
     let grid = solution.grid;
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, answer.written_torque_n_m.to_vec())?;
-    let play = Play { initial_tip_m: solution.tip.displacement_m[0], ..Play::of(&torque) };
+    let memory_bytes = answer.analysis.memory_bytes();
+    let initial_tip_m = solution.tip.displacement_m[0];
+    let play = Play { initial_tip_m, memory_bytes, ..Play::of(&torque) };
     let simulation = match simulate_on(link, solution.mesh().clone(), &play) {
         Err(SimulationError::MasslessHub) => return Ok(Played::not("the hub moves no mass")),
         played => played?,

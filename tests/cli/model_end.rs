@@ -155,7 +155,7 @@ fn no_published_rig_has_a_remark() {
     let bench = Bench::new();
     for rig in fs::read_dir(repository("specs")).unwrap() {
         let rig = rig.unwrap().path();
-        let output = bench.run(&["modes", rig.to_str().unwrap(), "--count", "5"]);
+        let output = bench.run(&["modes", rig.to_str().unwrap(), "--count", "3"]);
         assert_eq!(stderr(&output), "", "{}", rig.display());
     }
 }

@@ -221,24 +221,25 @@ fn shell(bench: &Bench, script: &str) -> Output {
 #[test]
 fn a_device_or_a_pipe_is_written_to_and_not_replaced() {
     let bench = Bench::new();
-    let frf = format!("flexlink frf '{}' --points 2", repository(LINK));
-    let plain = stdout(&shell(&bench, &frf));
+    // Nothing but the file is printed.
+    let make = "flexlink trajectory sine --distance 1 --duration 1 --step 0.1";
+    let plain = stdout(&shell(&bench, make));
     let framed = format!("a\n{plain}b\n");
     for script in [
         // The first, so that no device is touched where this fails.
-        format!("mkfifo p; cat p & {{ echo a; {frf} -o p; echo b; }} > p; wait; test -p p"),
-        format!("{{ echo a; {frf} -o /dev/stdout; echo b; }} > f; cat f"),
-        format!("{{ echo a; {frf} -o /dev/stdout; echo b; }} | cat"),
-        format!("{{ echo a; {frf} -o /dev/fd/3; echo b; }} 3>&1 | cat"),
-        format!("rm f; {{ echo a; {frf} -o /dev/stderr; echo b; }} >> f 2>&1; cat f"),
+        format!("mkfifo p; cat p & {{ echo a; {make} -o p; echo b; }} > p; wait; test -p p"),
+        format!("{{ echo a; {make} -o /dev/stdout; echo b; }} > f; cat f"),
+        format!("{{ echo a; {make} -o /dev/stdout; echo b; }} | cat"),
+        format!("{{ echo a; {make} -o /dev/fd/3; echo b; }} 3>&1 | cat"),
+        format!("rm f; {{ echo a; {make} -o /dev/stderr; echo b; }} >> f 2>&1; cat f"),
     ] {
         let output = shell(&bench, &script);
         assert_eq!(stdout(&output), framed, "{script}: {}", stderr(&output));
     }
-    assert_eq!(stdout(&shell(&bench, &format!("{frf} -o >(cat) | cat"))), plain);
-    assert_eq!(shell(&bench, &format!("{frf} -o >(true)")).status.code(), Some(0));
-    done(&shell(&bench, &format!("{frf} -o /dev/null && test -c /dev/null")));
-    let full = shell(&bench, &format!("{frf} -o /dev/full"));
+    assert_eq!(stdout(&shell(&bench, &format!("{make} -o >(cat) | cat"))), plain);
+    assert_eq!(shell(&bench, &format!("{make} -o >(true)")).status.code(), Some(0));
+    done(&shell(&bench, &format!("{make} -o /dev/null && test -c /dev/null")));
+    let full = shell(&bench, &format!("{make} -o /dev/full"));
     assert_eq!(full.status.code(), Some(5));
     assert_eq!(stderr(&full), "error: /dev: cannot write full: No space left on device\n");
 }

@@ -255,9 +255,9 @@ fn jumps_at_the_ends_a_coarse_step_and_a_late_target_are_told() {
     let expected = format!(
         "warning: the torque begins with 1.0 N m, 50.0 % of its peak: it acts on the resting link \
          as a jump\n{jump}\nwarning: the torque ends with 0.5 N m, 25.0 % of its peak: it drops to \
-         zero there\n{jump}\n"
+         zero there\n{jump}\nwarning: mesh and modes make the tip wrong by "
     );
-    assert_eq!(stderr(&output), expected);
+    assert!(stderr(&output).starts_with(&expected), "{}", stderr(&output));
     bench.write("coarse.csv", "time,torque\n0,0\n0.1,1\n0.2,1\n0.3,0\n");
     let output = simulated(&bench, &["coarse.csv"]);
     let expected = "warning: the step = 0.1 s leaves 5.3 steps to a period of the first mode, \

@@ -26,7 +26,7 @@ fn every_documented_key_is_there() {
     let feedback = ["--feedback", "20,2", "--reference", "out/hub_angle.csv"];
     simulated(&bench, &[&PLAYED[..], &feedback].concat());
     let summary = bench.json("simulated/summary.json");
-    let whole = "command feedback files flexlink format inputs link mesh modes periods_s residual \
+    let whole = "command errors feedback files flexlink format inputs link mesh modes periods_s residual \
                  results tip_error title torque viscous_damping_ratios warnings";
     for (path, expected) in [
         ("", whole),
@@ -40,6 +40,9 @@ fn every_documented_key_is_there() {
             "farthest_m final_tip_velocity_m_s peak_deflection_m peak_hub_angle_rad \
              peak_hub_rate_rad_s peak_power_w peak_torque_n_m travel_m",
         ),
+        ("/errors", "hub_angle tip"),
+        ("/errors/tip", "mesh"),
+        ("/errors/hub_angle", "mesh"),
         ("/residual", "amplitude_m decay_s frequency_hz share"),
         ("/tip_error", "final_m rms_m share time_s worst_m"),
     ] {

@@ -62,8 +62,8 @@ fn nothing_is_denied_where_nothing_is_warned_of() {
     let trajectory = ["trajectory", "septic", "--distance", "0.1", "--duration", "1"];
     for arguments in [
         &["simulate", &link, "out/torque.csv", "--target", "out/tip.csv", "--deny-warnings"][..],
-        &["modes", &link, "--deny-warnings"],
-        &["frf", &link, "--points", "3", "--deny-warnings"],
+        &["modes", &link, "--count", "3", "--deny-warnings"],
+        &["frf", &link, "--to", "10", "--points", "3", "--deny-warnings"],
         &[&trajectory[..], &["--step", "0.01", "--deny-warnings"]].concat(),
     ] {
         let output = bench.run(arguments);

@@ -162,7 +162,7 @@ fn a_frequency_response_that_would_need_too_much_is_refused() {
     let bench = Bench::new();
     let many = ["frf", "link.toml", "--points", "100000000"];
     let output = bench.run_within(500, &many, Stdio::null());
-    let message = "error: the frequency response would need 38 GB of memory";
+    let message = "error: the frequency response would need 22 GB of memory";
     bench.is_refusal(&output, NOT_SOLVABLE, message);
     assert!(text(&output.stderr).ends_with("hint: use fewer --points\n"));
 }

@@ -154,8 +154,77 @@ fn a_setting_that_is_no_setting_is_refused_at_once() {
         ("hub.inertia*=inf", "\"inf\" must be a finite number without unit"),
         ("=5", "has an empty step in its path"),
         ("segments..EI=5", "has an empty step in its path"),
+        ("a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q=5", "has a path of 17 steps, but must have at most 16"),
     ] {
         let error = set.parse::<Override>().unwrap_err();
         assert_eq!(shown(&error), format!("--set '{set}': {expected}\n{hint}"));
     }
+}
+
+#[test]
+fn a_path_of_ten_thousand_steps_is_refused() {
+    for deep in [format!("{}=1", vec!["a"; 10_868].join(".")), vec!["a"; 100_000].join(".") + "*=2"]
+    {
+        let error = deep.parse::<Override>().unwrap_err().to_string();
+        assert!(error.ends_with("steps, but must have at most 16"));
+    }
+}
+
+#[test]
+fn a_word_is_not_multiplied_though_it_begins_with_a_number() {
+    let text = "title = '1987 Bayo'\n[[segments]]\nname = '2 m boom'\nlength = 1\nE = 2e11\n\
+                density = 7800\nsection = { shape = '1 circle', diameter = 0.01 }\n\
+                [damping]\nmodel = '2 kg'\n";
+    for (path, found) in [
+        ("title", "1987 Bayo"),
+        ("segments.0.name", "2 m boom"),
+        ("segments.0.section.shape", "1 circle"),
+        ("damping.model", "2 kg"),
+    ] {
+        let set = format!("{path}*=2");
+        let expected = format!("--set '{set}': {path} = {found:?}, which cannot be multiplied");
+        assert_eq!(refusal(text, &[&set]), expected);
+    }
+}
+
+#[test]
+fn a_product_takes_the_place_of_a_section_that_serves_nothing_else() {
+    let section = "section = { shape = 'circle', diameter = 0.01 }\n";
+    let with = |rest: &str| format!("[[segments]]\nlength = 1\n{section}{rest}");
+    let changed = |rest: &str, settings: &[&str]| {
+        let read = read_with(&with(rest), settings).map(|read| read.link.segments()[0].clone());
+        read.map(|s| (s.bending_stiffness_n_m2.inner, s.mass_per_length_kg_m.inner))
+    };
+    let area_m2 = 0.25 * std::f64::consts::PI * 1e-4;
+    let material = "E = 2e11\ndensity = 7800\n";
+    // The section is needed for the mass, or for the stiffness, or no more.
+    let (ei, mass) = changed(material, &["segments.0.EI=20"]).unwrap();
+    assert_eq!(ei.to_bits(), 20.0_f64.to_bits());
+    assert!((mass / (7800.0 * area_m2) - 1.0).abs() < 1e-14);
+    let (ei, mass) = changed(material, &["segments.0.mass_per_length=0.5"]).unwrap();
+    assert!((ei / (2e11 * area_m2 * 0.01 * 0.01 / 16.0) - 1.0).abs() < 1e-14);
+    assert_eq!(mass.to_bits(), 0.5_f64.to_bits());
+    for (rest, settings) in [
+        ("E = 2e11\nmass_per_length = 0.5\n", &["segments.0.EI=20"][..]),
+        ("EI = 20\ndensity = 7800\n", &["segments.0.mass_per_length=0.5"]),
+        (material, &["segments.0.EI=20", "segments.0.mass_per_length=0.5"]),
+    ] {
+        assert_eq!(changed(rest, settings), Ok((20.0, 0.5)), "{rest}");
+    }
+}
+
+#[test]
+fn elements_that_are_set_take_the_place_of_those_of_the_segments() {
+    for (set, count) in
+        [("mesh.elements=40", ElementCount::Total(40)), ("mesh.elements=auto", ElementCount::Auto)]
+    {
+        let read = read_with(EXAMPLE, &[set]).unwrap();
+        let plan = MeshPlan::new(&read.link, &[None, None], Some(count), 1e-6).unwrap();
+        assert_eq!(read.mesh, plan, "{set}");
+    }
+    // In their order: a later one for a segment holds beside it.
+    let read = read_with(EXAMPLE, &["mesh.elements=40", "segments.root.elements=3"]).unwrap();
+    let total = Some(ElementCount::Total(40));
+    let plan = MeshPlan::new(&read.link, &[Some(3), None], total, 1e-6).unwrap();
+    assert_eq!(read.mesh, plan);
 }

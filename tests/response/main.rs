@@ -13,6 +13,7 @@ mod feedback;
 mod free;
 mod modes;
 mod newmark;
+mod play_error;
 mod refusals;
 mod robustness;
 mod round_trip;

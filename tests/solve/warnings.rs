@@ -100,6 +100,17 @@ fn an_undamped_tip_that_is_blocked_rings_around_the_period() {
     );
     assert_eq!(warning.hint(), "a longer analysis.lag, more damping or a looser tolerance");
     assert!((solution.accuracy.errors.torque.window - share).abs() < 1e-15);
+    let warning = of_kind(&solution, "long_window");
+    let Warning::LongWindow { rows, times } = *warning else { panic!("{warning}") };
+    assert_eq!(rows, solution.grid.len);
+    assert!((times - rows as f64 / 65.0).abs() < 1e-9, "{warning}");
+    assert_eq!(
+        warning.to_string(),
+        format!(
+            "the torque hardly decays: its window was lengthened to {rows} rows, {times:.0} times \
+             the motion's own"
+        )
+    );
 }
 
 /// A generalised eigenvalue problem of the same link, solved apart, gives 3.5427 Hz.

@@ -128,6 +128,8 @@ fn the_numbers_of_a_simulation_are_named_by_what_they_are_of() {
         "tip_error_time_s",
         "tip_error_rms_m",
         "tip_error_final_m",
+        "tip_mesh_error",
+        "hub_angle_mesh_error",
     ];
     assert_eq!(names, expected);
     assert_readings(&run.readings, &json(&bench, "played"));
