@@ -137,10 +137,13 @@ fn band_line(solution: &Solution) -> String {
     }
 }
 
+/// One kind of error of a quantity, where it was measured.
+type Kind = fn(QuantityErrors) -> Option<f64>;
+
 /// The worst error of each kind, and of which quantity it is, where that is not the torque.
 fn errors_line(solution: &Solution) -> String {
     let errors = &solution.accuracy;
-    let kinds: [(&str, fn(QuantityErrors) -> Option<f64>); 4] = [
+    let kinds: [(&str, Kind); 4] = [
         ("mesh", |errors| Some(errors.mesh)),
         ("window", |errors| Some(errors.window)),
         ("step", |errors| errors.step),

@@ -42,13 +42,13 @@ impl Series {
         Some(Self { omegas_rad_s, compliance: law.stiffness_factor(0.0).inv() })
     }
 
-    /// S_m of the hub angle less that of a rigid link.
+    /// `S_m` of the hub angle less that of a rigid link.
     pub(super) fn hub_tail(&self, dynamics: &Dynamics) -> TailTerms {
         let lags = dynamics.tip_transfers(&self.omegas_rad_s).lag_s2;
         self.tail(&lags).map(|s| s / dynamics.mesh().length_m())
     }
 
-    /// S_m of the deflection at each of some nodes.
+    /// `S_m` of the deflection at each of some nodes.
     pub(super) fn nodal_tails(&self, dynamics: &Dynamics, nodes: &[usize]) -> Vec<TailTerms> {
         let mut rows = vec![[Complex64::ZERO; TAIL_TERMS + 1]; nodes.len()];
         let mut columns: Vec<_> = rows.iter_mut().map(<[_; _]>::as_mut_slice).collect();
@@ -57,7 +57,7 @@ impl Series {
         rows.iter().map(|row| self.tail(row).map(|s| -s)).collect()
     }
 
-    /// S_m from the values of κH.
+    /// `S_m` from the values of `κH`.
     fn tail(&self, values: &[Complex64]) -> TailTerms {
         // Newton's divided differences in ω², and from them the coefficients of its powers.
         let squares = self.omegas_rad_s.map(|omega| omega * omega);

@@ -32,7 +32,7 @@ impl TimeGrid {
     pub(crate) fn in_period(&self, k: usize, len: usize) -> usize {
         #[expect(
             clippy::cast_possible_wrap,
-            clippy::cast_sign_loss,
+            clippy::cast_possible_truncation,
             reason = "samples stay far below 2^63, and the remainder is not negative"
         )]
         let number = (self.first + k as i64).rem_euclid(len as i64) as usize;
