@@ -1,9 +1,11 @@
+use std::io;
 use std::path::PathBuf;
 
 use clap::Args;
 
+use flexlink::motion::Profile;
 use flexlink::spec::link_file_schema;
-use flexlink::tables::OutputFolder;
+use flexlink::tables::{Digits, OutputFolder, write_trajectory};
 
 use super::console;
 use super::exit::{Exit, Failure};
@@ -12,8 +14,16 @@ use super::files::check_folder;
 /// A commented link file.
 const LINK: &str = include_str!("templates/link.toml");
 
-/// A tip motion of least jerk, 0.5 m in 1 s.
-const MOTION: &str = include_str!("../../trajectories/min_jerk_1s.csv");
+/// What heads motion.csv.
+const MOTION_HEAD: &str = "# Tip travels 0.5 m in 1 s, seventh degree (s, m/s^2)\n";
+
+/// The tip motion: smooth enough for a torque that needs few frequencies.
+fn motion() -> io::Result<Vec<u8>> {
+    let mut text = MOTION_HEAD.as_bytes().to_vec();
+    let columns = Profile::Septic.sampled(0.5, 1e-3, 1000, [0, 0]);
+    write_trajectory(&mut text, &columns, Digits::default())?;
+    Ok(text)
+}
 
 const EXAMPLE: &str = "\
 Example:
@@ -41,7 +51,7 @@ impl Init {
         }
         let folder = OutputFolder::stage(&self.folder, &console::waiting)?;
         folder.file("link.toml", |out| out.write_all(LINK.as_bytes()))?;
-        folder.file("motion.csv", |out| out.write_all(MOTION.as_bytes()))?;
+        folder.file("motion.csv", |out| out.write_all(&motion()?))?;
         let schema = link_file_schema();
         folder.file("link.schema.json", |out| out.write_all(schema.as_bytes()))?;
         folder.commit("link.toml", &[])?;
@@ -60,7 +70,8 @@ mod tests {
     fn what_it_writes_is_read() {
         let read = read_specification("link.toml", LINK, &[]).expect("a link file");
         assert!(read.mesh.is_automatic());
-        let table = read_motion_table("motion.csv", MOTION.as_bytes(), read.link.length_m());
+        let table =
+            read_motion_table("motion.csv", &motion().expect("a motion"), read.link.length_m());
         let motion = table.and_then(flexlink::tables::MotionTable::into_motion);
         assert!((motion.expect("a motion").travel_m() - 0.5).abs() < 1e-5);
     }

@@ -80,13 +80,15 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
 
 /// How far the tip may stray, over its way: as far as a torque that is wrong by the tolerance of its
 /// peak, from one end of the window to the other, drives the rigid link, and by what the samples leave
-/// open, `between_m` from cubics to straight lines; never more than 1e-3 or the tolerance.
+/// open, `between_m` from cubics to straight lines; never more than 1e-3 or the tolerance. To that comes
+/// what the tip may miss of the motion asked for.
 fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
     let Answer { link, analysis, solution, .. } = answer;
     let peak = largest(&solution.torque_n_m);
     let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
-    TIP.max(analysis.tolerance()).min((driven_m + between_m) / solution.tip.farthest_m())
+    let played = TIP.max(analysis.tolerance());
+    analysis.tip_tolerance() + played.min((driven_m + between_m) / solution.tip.farthest_m())
 }
 
 /// The written torque less what the hub's friction takes of it.
@@ -96,10 +98,12 @@ fn net_torque(answer: &Answer) -> Vec<f64> {
     samples.map(|(t, rate)| t - friction * rate).collect()
 }
 
-/// Largest distance of a tip from the wanted one, over its way.
+/// Largest distance of a tip from the motion asked for, over its way.
 fn tip_error(answer: &Answer, tip_m: &[f64]) -> f64 {
-    let wanted = &answer.solution.tip.displacement_m;
-    largest_difference(tip_m, wanted) / answer.solution.tip.farthest_m()
+    let Answer { motion, solution, .. } = answer;
+    let (grid, tip) = (solution.grid, &solution.tip);
+    let wanted = motion.target(grid.time_s(0), grid.end_s());
+    largest_difference(tip_m, wanted.displacement_m()) / tip.farthest_m()
 }
 
 /// What is missing in the balance of energy, at worst, and what its integrals may be wrong by, both
