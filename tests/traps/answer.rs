@@ -45,16 +45,6 @@ impl Exact {
         Self { beams, law, friction_n_m_s: link.friction_n_m_s }
     }
 
-    /// ∫T dt over the tip's way, in N s: what friction and Rayleigh's α take from it.
-    pub(crate) fn impulse_per_way(&self) -> f64 {
-        let beam = self.beams.last().expect("a beam");
-        let drag = match self.law {
-            Law::Rayleigh { alpha_per_s, .. } => alpha_per_s * beam.rigid_inertia_kg_m2(),
-            _ => 0.0,
-        };
-        (self.friction_n_m_s + drag) / beam.length_m()
-    }
-
     /// Transfers at ω > 0.
     pub(crate) fn at(&self, omega_rad_s: f64) -> Transfers {
         let all: Vec<Transfers> = self.beams.iter().map(|b| self.of(b, omega_rad_s)).collect();

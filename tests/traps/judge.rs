@@ -122,7 +122,7 @@ fn run_of(case: &Case, samples: &Samples, written: &Written, len: usize) -> Run 
     let header = written.table("nodal_displacements.csv");
     let numbers = header.numbers();
     let fine = band_hz.map_or(1, |band| {
-        ((1.0 / (16.0 * band * step_s)).max(1.0) as usize + 1).next_power_of_two() / 2
+        ((1.0 / (24.0 * band * step_s)).max(1.0) as usize + 1).next_power_of_two() / 2
     });
     let few = (len / ROWS + 1).next_power_of_two();
     let every = if band_hz.is_some() { few.min(fine.max(1)) } else { 1 };

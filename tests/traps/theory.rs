@@ -138,7 +138,7 @@ fn the_papers_example_peaks_at_1_358_n_m() {
     let mut motion = Motion::new(Profile::Sine, 0.5, 0.88, 0.002);
     let travel = motion.samples().way_m();
     motion.distance_m *= 0.5 / travel;
-    let run = Run { band_hz: Some(30.0), ..paper_run(0.002, 1 << 16) };
+    let run = Run { band_hz: Some(20.0), ..paper_run(0.002, 1 << 16) };
     let found = Truth::of(&Link::paper(), &motion.samples(), &run);
     let longer = Run { period: 1 << 18, ..run };
     let again = Truth::of(&Link::paper(), &motion.samples(), &longer);
@@ -157,7 +157,7 @@ fn the_papers_example_peaks_at_1_358_n_m() {
 #[test]
 fn displacement_and_acceleration_files_say_the_same_of_a_smooth_motion() {
     let motion = Motion::new(Profile::Gaussian, 0.5, 1.0, 0.002);
-    let run = Run { band_hz: Some(30.0), ..paper_run(0.002, 1 << 15) };
+    let run = Run { band_hz: Some(20.0), ..paper_run(0.002, 1 << 15) };
     let from_acceleration = Truth::of(&Link::paper(), &motion.samples(), &run);
     let file = Motion { column: Column::Displacement, ..motion }.samples();
     let rest = (file.values.len() - motion.samples().values.len()) as i64 / 2;

@@ -23,7 +23,7 @@ use super::motion::Samples;
 /// What the truth needs to know of a run: where its band ends, and which rows it wrote.
 #[derive(Debug, Clone)]
 pub(crate) struct Run {
-    /// End of the band in Hz; none where every frequency of the samples is solved.
+    /// Frequency in Hz at which the roll-off begins; none where every frequency of the samples is solved.
     pub(crate) band_hz: Option<f64>,
     /// Rows, numbered from the first sample of the motion.
     pub(crate) rows: Range<i64>,
@@ -96,9 +96,8 @@ impl Spectrum {
 
     /// What the band leaves of an amplitude.
     fn weight(&self, k: usize) -> f64 {
-        let Some(end) = self.band_hz else { return 1.0 };
-        let cut = end / 1.5;
-        let beyond = (self.omega(k) / TAU - cut) / (end - cut);
+        let Some(cut) = self.band_hz else { return 1.0 };
+        let beyond = (self.omega(k) / TAU - cut) / (0.5 * cut);
         if beyond <= 0.0 {
             1.0
         } else if beyond >= 1.0 {
@@ -110,8 +109,8 @@ impl Spectrum {
 
     /// Number of amplitudes that the band leaves.
     fn band(&self) -> usize {
-        let inside = |end: f64| (end * self.len as f64 * self.step_s).ceil() as usize;
-        self.band_hz.map_or(self.wanted.len(), |end| inside(end).min(self.wanted.len()))
+        let inside = |cut: f64| (1.5 * cut * self.len as f64 * self.step_s).ceil() as usize;
+        self.band_hz.map_or(self.wanted.len(), |cut| inside(cut).min(self.wanted.len()))
     }
 
     /// Samples at the multiples of `every` steps, of amplitudes from zero frequency on.
@@ -197,24 +196,27 @@ impl Truth {
             (1..band).into_par_iter().map(|k| exact.at(spectrum.omega(k))).collect();
         // Simpson's rule over frequency.
         let simpson = |k: usize| if k.is_multiple_of(2) { 2.0 / 3.0 } else { 4.0 / 3.0 };
-        let history = |at_zero: f64, of: &(dyn Fn(usize, &Transfers) -> Complex64 + Sync)| {
-            let rest = transfers
-                .iter()
-                .enumerate()
-                .map(|(j, transfer)| amplitude(j + 1) * of(j + 1, transfer) * simpson(j + 1));
+        // At ω = 0 the acceleration is iω times the way, and what friction and Rayleigh's α take from
+        // the tip's velocity is left.
+        let low = 1e-4 * spectrum.omega(1);
+        let lowest = exact.at(low);
+        let history = |of: &dyn Fn(f64, &Transfers) -> Complex64| {
+            let at_zero = -low * of(low, &lowest).im * samples.way_m();
+            let rest = transfers.iter().enumerate().map(|(j, transfer)| {
+                amplitude(j + 1) * of(spectrum.omega(j + 1), transfer) * simpson(j + 1)
+            });
             let zero = Complex64::from(at_zero * simpson(0) / spectrum.step_s);
             let all: Vec<Complex64> = std::iter::once(zero).chain(rest).collect();
             spectrum.samples(&all, run.every)
         };
         let wanted = spectrum.displacement(samples, run.every);
         let tip = spectrum.followed(&wanted, run.every);
-        let impulse = exact.impulse_per_way() * samples.way_m();
-        let torque = history(impulse, &|_, t| t.torque);
+        let torque = history(&|_, t| t.torque);
         let length = link.length_m();
         let above = |excess: Vec<f64>, share: f64| -> Vec<f64> {
             excess.iter().zip(&tip).map(|(e, d)| e + share * d).collect()
         };
-        let hub_angle = above(history(0.0, &|_, t| t.excess_angle), 1.0 / length);
+        let hub_angle = above(history(&|_, t| t.excess_angle), 1.0 / length);
         let nodes = 0..run.nodes_m.len();
         let cut = |period: &[f64]| run.cut(period);
         Self {
@@ -222,18 +224,17 @@ impl Truth {
             torque_outside_n_m: run.largest_outside(&torque),
             torque_n_m: cut(&torque),
             hub_angle_rad: cut(&hub_angle),
-            motor_torque_n_m: link.drive.map(|drive| {
-                let transfer = |k, t: &Transfers| motor(drive, spectrum.omega(k), length, t);
-                cut(&history(impulse / drive.gear, &transfer))
-            }),
+            motor_torque_n_m: link
+                .drive
+                .map(|drive| cut(&history(&|omega, t| motor(drive, omega, length, t)))),
             displacement_m: nodes
                 .clone()
                 .map(|i| {
-                    let excess = history(0.0, &|_, t| t.excess[i]);
+                    let excess = history(&|_, t| t.excess[i]);
                     cut(&above(excess, run.nodes_m[i] / length))
                 })
                 .collect(),
-            moment_n_m: nodes.map(|i| cut(&history(0.0, &|_, t| t.moment[i]))).collect(),
+            moment_n_m: nodes.map(|i| cut(&history(&|_, t| t.moment[i]))).collect(),
             wanted_m: cut(&wanted),
             tip_m: cut(&tip),
         }
