@@ -14,7 +14,9 @@ pub(crate) fn cases() -> Vec<Case> {
 
 /// A light tube with a heavy tip: the torque of a kink grows with the frequency that is let in.
 fn tube() -> Vec<Case> {
-    let motion = Motion::new(Profile::MinJerk, 0.3, 1.0, 0.002);
+    // Accelerations at 2 ms would say another motion: the kink's content folds back into the band.
+    let motion =
+        Motion { column: Column::Displacement, ..Motion::new(Profile::MinJerk, 0.3, 1.0, 0.002) };
     let known = [(1e-6, 3.15, 0.01), (1e-5, 2.417, 0.002), (1e-4, 2.447, 0.002)];
     let at = |(share, peak, to)| {
         Case::new(format!("tube, tip {share:e}"), Link::tube(), motion, ELEMENTS(20)).with(|c| {
@@ -123,7 +125,7 @@ fn laws() -> Vec<Case> {
     viscous.link.friction_n_m_s = 0.2;
     vec![
         Case::new("rayleigh through modes", rayleigh, slow, ELEMENTS(20)).with(|c| {
-            c.peaks = vec![("peak_torque_n_m", 0.1642, 0.002)];
+            c.peaks = vec![("peak_torque_n_m", 0.1642, 0.006)];
         }),
         viscous,
         damped(

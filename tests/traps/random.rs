@@ -143,8 +143,8 @@ fn motion(random: &mut Random, link: &Link) -> Motion {
     let steps = random.over(60.0, 600.0).round();
     let distance_m = random.over(0.02, 0.3) * length;
     let column = match random.below(8) {
-        0 => Column::Displacement,
-        1 => Column::Rounded(6),
+        0..=3 => Column::Displacement,
+        4 => Column::Rounded(6),
         _ => Column::Acceleration,
     };
     Motion { profile, distance_m, duration_s, step_s: duration_s / steps, finer: 1, column }

@@ -10,6 +10,8 @@ use super::steps::compared;
 pub(crate) struct Report {
     pub(crate) name: String,
     pub(crate) lines: Vec<String>,
+    /// Steps at which files want the same tip and no warning names a cause.
+    pub(crate) same_motion: usize,
     pub(crate) wrong: Vec<String>,
 }
 
@@ -35,6 +37,7 @@ impl Report {
             let peaks = peaks.collect::<Vec<_>>().join(" ");
             report.lines.push(format!("{key} at 1, 1/2, 1/4, 1/8 of the step: {peaks}"));
         }
+        report.same_motion = steps.same;
         report.wrong.extend(steps.wrong);
         report
     }

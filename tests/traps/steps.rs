@@ -9,6 +9,9 @@ use super::truth::{Run, wanted_m};
 /// What a step may change of a peak.
 const SAME_PEAK: f64 = 0.02;
 
+/// Ten digits of tip.csv.
+const ROUNDED: f64 = 1e-9;
+
 /// Steps, as parts of the case's own.
 const PARTS: [usize; 4] = [1, 2, 4, 8];
 
@@ -17,6 +20,8 @@ const PARTS: [usize; 4] = [1, 2, 4, 8];
 pub(crate) struct Steps {
     /// Key of `results`, and a peak a step; none where the run was refused.
     pub(crate) peaks: Vec<(&'static str, Vec<Option<f64>>)>,
+    /// Runs whose files want the same tip as the finest, the finest among them.
+    pub(crate) same: usize,
     pub(crate) wrong: Vec<String>,
 }
 
@@ -39,15 +44,33 @@ pub(crate) fn compared(case: &Case) -> Steps {
         })
         .collect();
     let mut steps = Steps::default();
-    // Where a warning names the cause, a peak may be anything.
+    // Samples of an acceleration that jumps or has a kink are another motion at another step: peaks
+    // are the same where the files want the same tip. Where a warning names the cause, a peak may be anything.
     let told = |run: &AtStep| names_a_cause(&run.written.warnings());
+    let sure: Vec<&AtStep> = runs.iter().flatten().filter(|run| !told(run)).collect();
+    let mut same = Vec::new();
+    if let Some(finest) = sure.last() {
+        for run in &sure {
+            let Apart { tips, files } = tips_apart(run, finest);
+            if tips > 2.0 * case.tip_share() + ROUNDED + files {
+                let part = run.part;
+                steps
+                    .wrong
+                    .push(format!("tip off by {tips:.1e} of its way at 1/{part} of the step"));
+            }
+            if files <= case.tip_share() + ROUNDED {
+                same.push(*run);
+            }
+        }
+    }
+    steps.same = same.len();
     for key in ["peak_torque_n_m", "peak_motor_torque_n_m"] {
         let peak = |run: &AtStep| run.written.number(&format!("/results/{key}"));
         let peaks: Vec<Option<f64>> = runs.iter().map(|run| run.as_ref().and_then(peak)).collect();
         if peaks.iter().all(Option::is_none) {
             continue;
         }
-        let sure = runs.iter().flatten().filter(|run| !told(run)).filter_map(peak);
+        let sure = same.iter().filter_map(|run| peak(run));
         let sure: Vec<f64> = sure.collect();
         if let Some(finest) = sure.last() {
             let worst = sure.iter().fold(0.0_f64, |m, p| m.max((p / finest - 1.0).abs()));
@@ -57,24 +80,16 @@ pub(crate) fn compared(case: &Case) -> Steps {
         }
         steps.peaks.push((key, peaks));
     }
-    let sure: Vec<&AtStep> = runs.iter().flatten().filter(|run| !told(run)).collect();
-    if let Some((finest, coarser)) = sure.split_last() {
-        for run in coarser {
-            let (off, allowed) = tips_apart(case, run, finest);
-            if off > allowed {
-                let part = run.part;
-                steps
-                    .wrong
-                    .push(format!("tip off by {off:.1e} of its way at 1/{part} of the step"));
-            }
-        }
-    }
     steps
 }
 
-/// How far the tips of two runs are apart at most, over the way, and how far they may be: each
-/// within the tolerance of what its own file wants.
-fn tips_apart(case: &Case, a: &AtStep, b: &AtStep) -> (f64, f64) {
+/// Distances over the way: of the tips of two runs, and of the tips that their files want.
+struct Apart {
+    tips: f64,
+    files: f64,
+}
+
+fn tips_apart(a: &AtStep, b: &AtStep) -> Apart {
     let [from, to] = [a, b].iter().fold([i64::MIN, i64::MAX], |[from, to], run| {
         let rows = run.written.table("torque.csv").column("time_s").len() as i64;
         let first = run.written.first_row(run.samples.step_s);
@@ -104,8 +119,7 @@ fn tips_apart(case: &Case, a: &AtStep, b: &AtStep) -> (f64, f64) {
         let rows = a.iter().zip(b);
         rows.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / b_way(&wanted_b)
     };
-    let tolerance = 2.0 * case.tip_share() + 1e-9;
-    (apart(&tip_a, &tip_b), tolerance + apart(&wanted_a, &wanted_b))
+    Apart { tips: apart(&tip_a, &tip_b), files: apart(&wanted_a, &wanted_b) }
 }
 
 fn b_way(wanted: &[f64]) -> f64 {

@@ -41,8 +41,8 @@ pub(crate) struct Truth {
     /// Number of the first row that is compared.
     pub(crate) first: i64,
     pub(crate) torque_n_m: Vec<f64>,
-    /// Largest |T| outside of the rows.
-    pub(crate) torque_outside_n_m: f64,
+    /// Largest torque, motor torque and moment outside of the rows.
+    pub(crate) outside_n_m: [f64; 3],
     pub(crate) hub_angle_rad: Vec<f64>,
     pub(crate) motor_torque_n_m: Option<Vec<f64>>,
     /// One history a node.
@@ -217,24 +217,32 @@ impl Truth {
             excess.iter().zip(&tip).map(|(e, d)| e + share * d).collect()
         };
         let hub_angle = above(history(&|_, t| t.excess_angle), 1.0 / length);
-        let nodes = 0..run.nodes_m.len();
+        let motor_torque =
+            link.drive.map(|drive| history(&|omega, t| motor(drive, omega, length, t)));
+        let moments: Vec<Vec<f64>> =
+            (0..run.nodes_m.len()).map(|i| history(&|_, t| t.moment[i])).collect();
+        let outside = |periods: &mut dyn Iterator<Item = &Vec<f64>>| {
+            periods.map(|period| run.largest_outside(period)).fold(0.0, f64::max)
+        };
+        let outside_n_m = [
+            run.largest_outside(&torque),
+            outside(&mut motor_torque.iter()),
+            outside(&mut moments.iter()),
+        ];
         let cut = |period: &[f64]| run.cut(period);
         Self {
             first: run.first(),
-            torque_outside_n_m: run.largest_outside(&torque),
+            outside_n_m,
             torque_n_m: cut(&torque),
             hub_angle_rad: cut(&hub_angle),
-            motor_torque_n_m: link
-                .drive
-                .map(|drive| cut(&history(&|omega, t| motor(drive, omega, length, t)))),
-            displacement_m: nodes
-                .clone()
+            motor_torque_n_m: motor_torque.as_deref().map(cut),
+            displacement_m: (0..run.nodes_m.len())
                 .map(|i| {
                     let excess = history(&|_, t| t.excess[i]);
                     cut(&above(excess, run.nodes_m[i] / length))
                 })
                 .collect(),
-            moment_n_m: nodes.map(|i| cut(&history(&|_, t| t.moment[i]))).collect(),
+            moment_n_m: moments.iter().map(|moment| cut(moment)).collect(),
             wanted_m: cut(&wanted),
             tip_m: cut(&tip),
         }
