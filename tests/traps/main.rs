@@ -39,7 +39,25 @@ const SEED: u64 = 21;
 const DRAWN: usize = 44;
 
 /// Cases that are wrong today, and why; each is held to be wrong still.
-const KNOWN: [(&str, &str); 0] = [];
+const KNOWN: [(&str, &str); 6] = [
+    ("rayleigh through modes, coarse", LAW_OF_THE_MESH),
+    ("21-41", LAW_OF_THE_MESH),
+    ("21-14", BAND_OF_THE_STEP),
+    ("21-19", BAND_OF_THE_STEP),
+    ("21-42", BAND_OF_THE_STEP),
+    ("21-24", BAND_OF_ROUNDING),
+];
+
+/// α and β are those of the mesh's own modes, on the halved elements as well: the mesh error does
+/// not see that they move.
+const LAW_OF_THE_MESH: &str = "Rayleigh through modes of the mesh, not of the link";
+
+/// Where the acceleration jumps, displacement samples hide from the search of the band what lies
+/// above their Nyquist frequency; the band, and with it the torque, rises with finer steps.
+const BAND_OF_THE_STEP: &str = "an acceleration that jumps has a higher band at finer steps";
+
+/// The band ends where digits that were rounded bring the tip within its tolerance.
+const BAND_OF_ROUNDING: &str = "rounding just below the tip's tolerance sets the band";
 
 #[test]
 fn no_case_is_wrong_without_a_word() {
@@ -50,11 +68,14 @@ fn no_case_is_wrong_without_a_word() {
     let mut failed = Vec::new();
     for Report { name, lines, wrong, .. } in &reports {
         println!("{name}: {}", lines.join("\n    "));
+        if !wrong.is_empty() {
+            println!("    WRONG: {}", wrong.join("; "));
+        }
         let known = KNOWN.iter().find(|(known, _)| known == name);
         match (known, wrong.is_empty()) {
             (None, true) => {}
             (None, false) => failed.push(format!("{name}: {}", wrong.join("; "))),
-            (Some((_, why)), false) => println!("    known: {why}: {}", wrong.join("; ")),
+            (Some((_, why)), false) => println!("    known: {why}"),
             (Some(_), true) => failed.push(format!("{name}: no longer wrong, no longer known")),
         }
     }

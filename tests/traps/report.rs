@@ -32,6 +32,9 @@ impl Report {
             }
         }
         let steps = compared(case);
+        let bands =
+            steps.bands_hz.iter().map(|f| f.map_or("–".to_owned(), |f| format!("{f:.1}")));
+        report.lines.push(format!("bands in Hz: {}", bands.collect::<Vec<_>>().join(" ")));
         for (key, peaks) in steps.peaks {
             let peaks = peaks.iter().map(|p| p.map_or("–".to_owned(), |p| format!("{p:.5}")));
             let peaks = peaks.collect::<Vec<_>>().join(" ");

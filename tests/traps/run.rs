@@ -77,9 +77,10 @@ pub(crate) fn solved(case: &Case, samples: &Samples, nodes: &Nodes) -> Outcome {
     let mut program = Command::new(env!("CARGO_BIN_EXE_flexlink"));
     program.current_dir(folder.path()).args(["solve", "link.toml", "motion.csv"]);
     program.args(["--quiet", "--no-sync", "--threads", "1", "--nodes", &nodes.list()]);
-    if let Nodes::These(_) = nodes {
-        program.arg("--moments");
-    }
+    match nodes {
+        Nodes::These(_) => program.arg("--moments"),
+        Nodes::Root => program.args(["--every", "1000"]),
+    };
     let output = program.output().expect("a program that starts");
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     if !output.status.success() {

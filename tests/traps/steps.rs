@@ -22,6 +22,8 @@ pub(crate) struct Steps {
     pub(crate) peaks: Vec<(&'static str, Vec<Option<f64>>)>,
     /// Runs whose files want the same tip as the finest, the finest among them.
     pub(crate) same: usize,
+    /// Band in Hz a step, none where every frequency is solved.
+    pub(crate) bands_hz: Vec<Option<f64>>,
     pub(crate) wrong: Vec<String>,
 }
 
@@ -30,6 +32,12 @@ struct AtStep {
     samples: Samples,
     part: usize,
     written: Box<Written>,
+}
+
+impl AtStep {
+    fn band_hz(&self) -> Option<f64> {
+        self.written.number("/analysis/band_hz")
+    }
 }
 
 pub(crate) fn compared(case: &Case) -> Steps {
@@ -64,6 +72,7 @@ pub(crate) fn compared(case: &Case) -> Steps {
         }
     }
     steps.same = same.len();
+    steps.bands_hz = runs.iter().map(|run| run.as_ref().and_then(|run| run.band_hz())).collect();
     for key in ["peak_torque_n_m", "peak_motor_torque_n_m"] {
         let peak = |run: &AtStep| run.written.number(&format!("/results/{key}"));
         let peaks: Vec<Option<f64>> = runs.iter().map(|run| run.as_ref().and_then(peak)).collect();
