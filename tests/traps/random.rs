@@ -39,10 +39,10 @@ impl Random {
     }
 }
 
-/// `count` cases of a seed.
-pub(crate) fn cases(seed: u64, count: usize) -> Vec<Case> {
-    let own = |k: usize| Random(seed.wrapping_mul(1_000_003).wrapping_add(k as u64));
-    (0..count).map(|k| case(&mut own(k), format!("{seed}-{k}"))).collect()
+/// Case number `k` of a seed.
+pub(crate) fn drawn(seed: u64, k: usize) -> Case {
+    let mut own = Random(seed.wrapping_mul(1_000_003).wrapping_add(k as u64));
+    case(&mut own, format!("{seed}-{k}"))
 }
 
 fn case(random: &mut Random, name: String) -> Case {

@@ -72,7 +72,7 @@ pub(crate) fn compared(case: &Case) -> Steps {
         }
     }
     steps.same = same.len();
-    steps.bands_hz = runs.iter().map(|run| run.as_ref().and_then(|run| run.band_hz())).collect();
+    steps.bands_hz = runs.iter().map(|run| run.as_ref().and_then(AtStep::band_hz)).collect();
     for key in ["peak_torque_n_m", "peak_motor_torque_n_m"] {
         let peak = |run: &AtStep| run.written.number(&format!("/results/{key}"));
         let peaks: Vec<Option<f64>> = runs.iter().map(|run| run.as_ref().and_then(peak)).collect();
