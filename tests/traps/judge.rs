@@ -1,0 +1,190 @@
+//! A case's claims against its truth.
+//!
+//! A claim holds where it is at least half of the true error and at most 30 times it. Two floors:
+//! below what the tables' ten digits and the truth itself resolve, an error counts as none; and where
+//! claim and error are within the tolerance asked for, the user has what was asked for.
+
+use super::case::{Case, Mesh};
+use super::link::Damping;
+use super::motion::Samples;
+use super::run::{Written, has_one_moment};
+use super::truth::{Run, Truth};
+
+/// A claim is at least this share of the true error …
+const AT_LEAST: f64 = 0.5;
+
+/// … and at most so many times it.
+const AT_MOST: f64 = 30.0;
+
+/// Ten digits of every table, those of the window's start, and the truth's own tail.
+const RESOLVED: f64 = 3e-9;
+
+/// Kinds of warning that name why a number is not exact. That of the window is none: what it tells
+/// is part of the claim.
+const CAUSES: [&str; 8] = [
+    "coarse_mesh",
+    "above_mesh",
+    "wrap_around",
+    "torque_cut",
+    "near_nyquist",
+    "blocked_tip",
+    "coarse_step",
+    "tip_missed",
+];
+
+/// Rows that are compared, at most about.
+const ROWS: usize = 6000;
+
+/// One quantity of one run.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Verdict {
+    pub(crate) quantity: &'static str,
+    /// Shares of the quantity's own peak.
+    pub(crate) claimed: Option<f64>,
+    pub(crate) truth: f64,
+    pub(crate) holds: bool,
+}
+
+/// What is known of a case besides its claims.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Judgement {
+    pub(crate) verdicts: Vec<Verdict>,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) band_hz: Option<f64>,
+}
+
+/// Whether a warning names why a number may be wrong.
+pub(crate) fn names_a_cause(warnings: &[String]) -> bool {
+    warnings.iter().any(|kind| CAUSES.contains(&kind.as_str()))
+}
+
+pub(crate) fn judged(case: &Case, samples: &Samples, written: &Written) -> Judgement {
+    let tables = ["torque.csv", "hub_angle.csv", "tip.csv"].map(|name| written.table(name));
+    let [torque, angle, tip] = &tables;
+    let len = torque.column("time_s").len();
+    let run = run_of(case, samples, written, len);
+    let truth = Truth::of(&case.link, samples, &run);
+    let rows = Rows { first: (truth.first - run.rows.start) as usize, every: run.every };
+    let total = |key: &str| claimed(written, key);
+    let mut verdicts = Vec::new();
+    let mut judge = |quantity, claimed: Option<f64>, error: f64| {
+        let floor = RESOLVED.max(truth_floor(case));
+        let within = asked(case, quantity).max(floor);
+        let holds = claimed.is_some_and(|c| {
+            let as_asked = c.max(error) <= within;
+            let below = c + floor < AT_LEAST * error;
+            as_asked || (!below && c <= AT_MOST * error + within)
+        });
+        verdicts.push(Verdict { quantity, claimed, truth: error, holds });
+    };
+    let way = span(&truth.wanted_m, truth.wanted_m[0]);
+    let tip_m = rows.of(tip.column("tip_displacement_m"));
+    judge("tip", written.number("/errors/tip"), farthest(&tip_m, &truth.wanted_m) / way);
+
+    // What the window cuts off is lost, too.
+    let outside = truth.outside_n_m;
+    let peak = span(&truth.torque_n_m, 0.0);
+    let off = farthest(&rows.of(torque.column("torque_n_m")), &truth.torque_n_m);
+    judge("torque", total("torque"), off.max(outside[0]) / peak);
+
+    let theta = &truth.hub_angle_rad;
+    let off = farthest(&rows.of(angle.column("hub_angle_rad")), theta);
+    judge("hub_angle", total("hub_angle"), off / span(theta, theta[0]));
+
+    let nodes = written.table("nodal_displacements.csv");
+    let peak = truth.displacement_m.iter().map(|v| span(v, v[0])).fold(0.0, f64::max);
+    let pairs = nodes.values().iter().zip(&truth.displacement_m);
+    let off = pairs.map(|(found, exact)| farthest(&rows.of(found), exact)).fold(0.0, f64::max);
+    judge("displacement", total("displacement"), off / peak);
+
+    if !matches!(case.link.damping, Damping::Modal(_) | Damping::Caughey(_)) {
+        let moments = written.table("bending_moments.csv");
+        let peak = truth.moment_n_m.iter().map(|n| span(n, 0.0)).fold(0.0, f64::max);
+        let pairs = moments.values().iter().zip(&truth.moment_n_m).zip(&run.nodes_m);
+        let off = pairs
+            .filter(|(_, x)| has_one_moment(case, **x))
+            .map(|((found, exact), _)| farthest(&rows.of(found), exact))
+            .fold(outside[2], f64::max);
+        judge("bending_moment", total("bending_moment"), off / peak);
+    }
+    if let Some(exact) = &truth.motor_torque_n_m {
+        let motor = written.table("motor.csv");
+        let off = farthest(&rows.of(motor.column("motor_torque_n_m")), exact);
+        judge("motor_torque", total("motor_torque"), off.max(outside[1]) / span(exact, 0.0));
+    }
+    Judgement { verdicts, warnings: written.warnings(), band_hz: run.band_hz }
+}
+
+/// What the truth is to be computed for: the run's band and rows, on a period sixteen times as long
+/// as its own, four times where every frequency is solved.
+fn run_of(case: &Case, samples: &Samples, written: &Written, len: usize) -> Run {
+    let step_s = samples.step_s;
+    let first = written.first_row(step_s);
+    let band_hz = written.number("/analysis/band_hz").filter(|_| case.tip_share() > 0.0);
+    let own = written.number("/analysis/period_s").expect("a period") / step_s;
+    let longer = if band_hz.is_some() { 16.0 } else { 4.0 };
+    let period = ((longer * own) as usize).next_power_of_two().max(1 << 12);
+    let nodes_m = written.nodes_m();
+    let header = written.table("nodal_displacements.csv");
+    let numbers = header.numbers();
+    let fine = band_hz.map_or(1, |band| {
+        ((1.0 / (24.0 * band * step_s)).max(1.0) as usize + 1).next_power_of_two() / 2
+    });
+    let few = (len / ROWS + 1).next_power_of_two();
+    let every = if band_hz.is_some() { few.min(fine.max(1)) } else { 1 };
+    Run {
+        band_hz,
+        rows: first..first + len as i64,
+        nodes_m: numbers.iter().map(|node| nodes_m[*node]).collect(),
+        period,
+        every,
+    }
+}
+
+/// What a run claims that a quantity may be off by: all kinds of error together.
+fn claimed(written: &Written, quantity: &str) -> Option<f64> {
+    let errors = written.summary.pointer(&format!("/errors/{quantity}"))?.as_object()?;
+    // That of the step is about the motion between the samples; the truth has the samples.
+    let kinds = errors.iter().filter(|(kind, _)| kind.as_str() != "step");
+    Some(kinds.filter_map(|(_, error)| error.as_f64()).sum())
+}
+
+/// The tolerance that a quantity was asked for with.
+fn asked(case: &Case, quantity: &str) -> f64 {
+    match (quantity, case.mesh) {
+        ("tip", _) => case.tip_share(),
+        (_, Mesh::Auto(tolerance)) => tolerance + case.tolerance,
+        (_, Mesh::Elements(_)) => case.tolerance,
+    }
+}
+
+/// What the truth is known to.
+fn truth_floor(case: &Case) -> f64 {
+    let of_law = match case.link.damping {
+        Damping::Modal(_) => 1e-7,
+        Damping::Caughey(_) => 1e-6,
+        _ => 0.0,
+    };
+    if case.link.is_tapered() { 1e-6_f64.max(of_law) } else { of_law }
+}
+
+/// Rows that are compared.
+struct Rows {
+    first: usize,
+    every: usize,
+}
+
+impl Rows {
+    fn of(&self, column: &[f64]) -> Vec<f64> {
+        column[self.first..].iter().step_by(self.every).copied().collect()
+    }
+}
+
+fn farthest(found: &[f64], exact: &[f64]) -> f64 {
+    assert_eq!(found.len(), exact.len(), "rows that are compared");
+    found.iter().zip(exact).fold(0.0, |m, (a, b)| m.max((a - b).abs()))
+}
+
+fn span(values: &[f64], from: f64) -> f64 {
+    values.iter().fold(0.0, |m, x| m.max((x - from).abs()))
+}
