@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use super::spectrum::TipSpectrum;
-use crate::numeric::{FourierPair, fast_length, largest};
+use crate::numeric::largest;
 
 /// Terms that are known: 1/s, 1/s³ and 1/s⁵.
 pub const TAIL_TERMS: usize = 3;
@@ -24,9 +24,6 @@ pub type TailTerms = [f64; TAIL_TERMS];
 
 /// Chebyshev points over the motion, and over the period.
 const POINTS: usize = 48;
-
-/// Accelerations below this share of the largest do not count.
-const NEGLIGIBLE: f64 = 1e-9;
 
 /// Coefficients below this share of the largest do not count.
 const ROUNDING: f64 = 1e-13;
@@ -72,8 +69,8 @@ struct Span {
 }
 
 impl Images {
-    pub(super) fn new(spectrum: &TipSpectrum) -> Self {
-        let motion = Source::new(spectrum);
+    pub(super) fn new(spectrum: &TipSpectrum, forcing_m_s2: &[f64]) -> Self {
+        let motion = Source::new(spectrum, forcing_m_s2);
         let (step_s, samples, seam) = (spectrum.step_s, spectrum.pair.len(), spectrum.seam);
         let span = period(step_s, samples, seam);
         let cosines = Cosines::new();
@@ -149,19 +146,12 @@ enum Own {
 }
 
 impl Source {
-    fn new(spectrum: &TipSpectrum) -> Self {
-        let bins = spectrum.band_len();
-        let len = fast_length(2 * bins);
-        let samples = FourierPair::new(len).samples(&spectrum.acceleration_m_s2[..bins]);
-        let period_s = spectrum.period_s();
-        let step_s = period_s / len as f64;
-        let seam_s = spectrum.seam as f64 * spectrum.step_s;
-        let time_s = |k: usize| {
-            let time_s = k as f64 * step_s;
-            if time_s < seam_s { time_s } else { time_s - period_s }
-        };
-        let least = NEGLIGIBLE * largest(&samples);
-        let counting = || samples.iter().enumerate().filter(|(_, a)| a.abs() > least);
+    /// `forcing_m_s2` are the motion's own samples, from 0 s on. What a roll-off takes of them has no
+    /// moments, and its ringing no place in a kernel that holds far from the motion alone.
+    fn new(spectrum: &TipSpectrum, forcing_m_s2: &[f64]) -> Self {
+        let (period_s, step_s) = (spectrum.period_s(), spectrum.step_s);
+        let time_s = |k: usize| k as f64 * step_s;
+        let counting = || forcing_m_s2.iter().enumerate().filter(|(_, a)| **a != 0.0);
         let times = || counting().map(|(k, _)| time_s(k));
         let span = Span {
             from_s: times().fold(f64::MAX, f64::min) - step_s,
@@ -322,7 +312,7 @@ mod tests {
         let motion = TipMotion::new(Profile::Septic.sampled(0.5, 0.01, 100, [0, 0])).unwrap();
         for (len, seam) in [(300, 200), (150, 130), (3000, 1500)] {
             let spectrum = motion.spectrum(len, seam);
-            let images = Images::new(&spectrum);
+            let images = Images::new(&spectrum, motion.forcing_m_s2());
             let period_s = len as f64 * 0.01;
             let direct = |time_s: f64, q: i32| -> f64 {
                 let samples = motion.forcing_m_s2().iter().enumerate();
@@ -352,7 +342,7 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_the_history() {
         let motion = TipMotion::new(Profile::Septic.sampled(0.5, 0.01, 100, [0, 0])).unwrap();
-        let images = Images::new(&motion.spectrum(300, 200));
+        let images = Images::new(&motion.spectrum(300, 200), motion.forcing_m_s2());
         for order in [1, 2] {
             let (before, derived) = (images.history(order - 1), images.history(order));
             for m in 0..TAIL_TERMS {

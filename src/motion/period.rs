@@ -10,6 +10,7 @@ use super::tip_motion::TipMotion;
 pub struct TipPeriod {
     /// Its spectrum.
     pub spectrum: Arc<TipSpectrum>,
+    forcing_m_s2: Vec<f64>,
     histories: OnceLock<TipHistories>,
     images: OnceLock<Images>,
 }
@@ -22,7 +23,7 @@ impl TipPeriod {
 
     /// What the motion in all other periods adds to signals with a slow tail.
     pub fn images(&self) -> &Images {
-        self.images.get_or_init(|| Images::new(&self.spectrum))
+        self.images.get_or_init(|| Images::new(&self.spectrum, &self.forcing_m_s2))
     }
 }
 
@@ -47,8 +48,12 @@ impl TipMotion {
             return Arc::clone(period);
         }
         let spectrum = Arc::new(self.spectrum(len, seam).up_to(cutoff));
-        let period =
-            Arc::new(TipPeriod { spectrum, histories: OnceLock::new(), images: OnceLock::new() });
+        let period = Arc::new(TipPeriod {
+            spectrum,
+            forcing_m_s2: self.forcing_m_s2().to_vec(),
+            histories: OnceLock::new(),
+            images: OnceLock::new(),
+        });
         let mut kept = kept();
         kept.insert(0, Arc::clone(&period));
         kept.truncate(2);
