@@ -96,7 +96,7 @@ pub fn invert(
     Dynamics::check_size(link, 2 * mesh.elements().len(), 2)?;
     let coarsest = Dynamics::new(link, mesh, KeptModes::of(analysis))?;
     let first_zero = first_zero_of(coarsest.mesh());
-    let problem = Problem::new(link, motion, analysis, first_zero);
+    let problem = Problem::new(link, motion, analysis, first_zero)?;
     let period = problem.shortest_period()?;
     let asked = problem.asked(&period);
     let Measured { dynamics, probes, amplitudes, mesh_errors } =
@@ -142,7 +142,7 @@ pub fn torque_over_window(
     motion: &TipMotion,
     analysis: &Analysis,
 ) -> Result<Vec<f64>, InversionError> {
-    let problem = Problem::new(link, motion, analysis, solution.first_zero_per_s);
+    let problem = Problem::new(link, motion, analysis, solution.first_zero_per_s)?;
     let answer = problem.answer_on(solution)?;
     Ok(cut(&answer.torque_n_m, &problem.grid_of(solution)))
 }
@@ -153,10 +153,12 @@ impl<'a> Problem<'a> {
         motion: &'a TipMotion,
         analysis: &'a Analysis,
         first_zero_per_s: Option<f64>,
-    ) -> Self {
-        let cutoff = motion.cutoff(analysis.tip_tolerance());
+    ) -> Result<Self, InversionError> {
         let padding = Padding::new(motion, analysis, first_zero_per_s);
-        Self { link, motion, analysis, cutoff, padding }
+        // The search of the cut-off takes less memory than the shortest period.
+        check_memory(padding.period_len(motion.grid().len)?, analysis)?;
+        let cutoff = motion.cutoff(analysis.tip_tolerance());
+        Ok(Self { link, motion, analysis, cutoff, padding })
     }
 
     fn shortest_period(&self) -> Result<Arc<TipPeriod>, InversionError> {
@@ -366,7 +368,7 @@ impl<'a> Problem<'a> {
     fn measure_step(&self, solution: &mut Solution) -> Result<(), InversionError> {
         // A motion that cannot be sampled twice as often has no such number.
         let Ok(finer) = self.motion.twice_as_often() else { return Ok(()) };
-        let problem = Problem::new(self.link, &finer, self.analysis, solution.first_zero_per_s);
+        let problem = Problem::new(self.link, &finer, self.analysis, solution.first_zero_per_s)?;
         let answer = problem.answer_on(solution)?;
         let grid = problem.grid_of(solution);
         let pair = &answer.period.spectrum.pair;
