@@ -1,6 +1,8 @@
 """Runs that faults are injected into, what they must leave, and the checks of it."""
 
 import contextlib
+import hashlib
+import json
 import os
 import subprocess
 import time
@@ -70,6 +72,13 @@ def files_of(folder):
                 hidden.append(path.name)
             elif path.is_file():
                 visible[path.name] = path.read_bytes()
+    return visible, hidden
+
+
+def tables_of(folder):
+    """Files without the record of a sweep, which names the folder of its cases."""
+    visible, hidden = files_of(folder)
+    visible.pop("sweep.json", None)
     return visible, hidden
 
 
@@ -152,13 +161,13 @@ class Sweeps:
             done(sweep(kind, place))
             self.duration_s = time.monotonic() - begun
             cases = {path.name: files_of(path)[0] for path in (place / "cases").iterdir()}
-            self.references.append((files_of(place)[0], cases))
+            self.references.append((tables_of(place)[0], cases))
 
     def arguments(self, kind):
         return sweep(kind, self.folder)
 
     def check(self, kind, *, hidden_too):
-        visible, hidden = files_of(self.folder)
+        visible, hidden = tables_of(self.folder)
         require(not (hidden_too and hidden), f"left: {hidden}")
         visible.pop("sweep.csv.part", None)
         tables = [table for table, _ in self.references]
@@ -171,6 +180,10 @@ class Sweeps:
         kind = kind if again else 1 - kind
         done(sweep(kind, self.folder, *(["--resume"] if again else [])))
         table, cases = self.references[kind]
-        check_is(self.folder, table)
+        found, hidden = tables_of(self.folder)
+        require(found == table and not hidden, f"not that of an undisturbed run: {sorted(found)}")
+        record = json.loads((self.folder / "sweep.json").read_bytes())
+        require(record["table"]["sha256"] == hashlib.sha256(found["sweep.csv"]).hexdigest(),
+                "sweep.json is of another table")
         for case, whole in cases.items():
             check_is(self.folder / "cases" / case, whole)
