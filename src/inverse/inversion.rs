@@ -244,7 +244,7 @@ impl<'a> Problem<'a> {
     fn window_errors(
         &self,
         answer: &PeriodicAnswer,
-        dynamics: &Dynamics,
+        motor_n_m: Option<&[f64]>,
         tail: Option<&TailTerms>,
         window: &Window,
     ) -> PerQuantity<f64> {
@@ -252,8 +252,6 @@ impl<'a> Problem<'a> {
         let pair = &answer.period.spectrum.pair;
         let residual_rad = answer.hub_residual_rad(tail);
         let moment = || edge(&pair.samples(&answer.hub.root_moment_n_m));
-        let forcing = self.asked(&answer.period).of(dynamics);
-        let motor = forcing.motor_torque_n_m(&answer.hub);
         PerQuantity {
             torque: edge(&answer.torque_n_m),
             hub_angle: residual_rad / self.hub_peak_rad(answer),
@@ -262,24 +260,28 @@ impl<'a> Problem<'a> {
             displacement: residual_rad * self.link.length_m()
                 / answer.period.histories(self.motion).way_m(),
             bending_moment: self.analysis.measures_moments().then(moment),
-            motor_torque: motor.map(|amplitudes| edge(&pair.samples(amplitudes))),
+            motor_torque: motor_n_m.map(edge),
         }
     }
 
     /// The samples to write: until both the torque and that of the motor stay below the tolerance.
-    fn window(&self, answer: &PeriodicAnswer, dynamics: &Dynamics) -> Window {
+    fn window(&self, answer: &PeriodicAnswer, motor_n_m: Option<&[f64]>) -> Window {
         let given = self.motion.grid();
         let of = |samples: &[f64]| {
             let torque = answer.periodic(samples);
             torque.window(given.len, given.step_s, self.analysis, torque.peak())
         };
         let hub = of(&answer.torque_n_m);
-        let forcing = self.asked(&answer.period).of(dynamics);
-        let motor = forcing.motor_torque_n_m(&answer.hub);
-        motor.map_or(hub, |amplitudes| {
-            let motor = of(&answer.period.spectrum.pair.samples(amplitudes));
-            Window { start: hub.start.min(motor.start), stop: hub.stop.max(motor.stop) }
+        motor_n_m.map(of).map_or(hub, |motor| Window {
+            start: hub.start.min(motor.start),
+            stop: hub.stop.max(motor.stop),
         })
+    }
+
+    /// Torque of the motor in N m over the period, where there is a drive.
+    fn motor_n_m(&self, answer: &PeriodicAnswer, dynamics: &Dynamics) -> Option<Vec<f64>> {
+        let amplitudes = self.asked(&answer.period).of(dynamics).motor_torque_n_m(&answer.hub)?;
+        Some(answer.period.spectrum.pair.samples(amplitudes))
     }
 
     /// Cuts the window to write out of the period and gathers what is known of the answer.
@@ -291,7 +293,8 @@ impl<'a> Problem<'a> {
     ) -> (Solution, Edges) {
         let given = self.motion.grid();
         let torque = answer.periodic(&answer.torque_n_m);
-        let window = self.window(&answer, &dynamics);
+        let motor_n_m = self.motor_n_m(&answer, &dynamics);
+        let window = self.window(&answer, motor_n_m.as_deref());
         let edges = Edges {
             cut: torque.outside(&window) / torque.peak(),
             seam: torque.at_seam() / torque.peak(),
@@ -311,7 +314,7 @@ impl<'a> Problem<'a> {
             acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
         };
         let window_errors =
-            self.window_errors(&answer, &dynamics, known.hub_tail.as_ref(), &window);
+            self.window_errors(&answer, motor_n_m.as_deref(), known.hub_tail.as_ref(), &window);
         let errors = known.mesh_errors.zip(&window_errors, |mesh, window| QuantityErrors {
             mesh,
             window,
@@ -372,10 +375,13 @@ impl<'a> Problem<'a> {
         let answer = problem.answer_on(solution)?;
         let grid = problem.grid_of(solution);
         let pair = &answer.period.spectrum.pair;
+        let apart = |coarse: &[f64], fine: &[f64]| {
+            let pairs = coarse.iter().zip(fine.iter().step_by(2));
+            pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+        };
         let off = |coarse: &[f64], period: &[f64]| {
             let fine = cut(period, &grid);
-            let pairs = coarse.iter().zip(fine.iter().step_by(2));
-            pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / largest(&fine)
+            apart(coarse, &fine) / largest(&fine)
         };
         let torque = off(&solution.torque_n_m, &answer.torque_n_m);
         let tip = answer.period.histories(&finer);
@@ -387,13 +393,10 @@ impl<'a> Problem<'a> {
             per_length: 1.0 / self.link.length_m(),
         };
         let angle_rad = hub.on(&grid, &tip_m, 0);
-        let turned = solution.hub_angle_rad.iter().zip(angle_rad.iter().step_by(2));
-        let turn_rad = turned.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-        let moved = solution.tip.displacement_m.iter().zip(tip_m.iter().step_by(2));
-        let tip_change_m = moved.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        let turn_rad = apart(&solution.hub_angle_rad, &angle_rad);
+        let tip_change_m = apart(&solution.tip.displacement_m, &tip_m);
         let root = pair.samples(&answer.hub.root_moment_n_m);
-        let forcing = problem.asked(&answer.period).of(&solution.dynamics);
-        let motor = forcing.motor_torque_n_m(&answer.hub).map(|m| pair.samples(m));
+        let motor = problem.motor_n_m(&answer, &solution.dynamics);
         let motor = solution.motor().zip(motor).map(|(a, b)| off(&a.torque_n_m, &b));
         let steps = PerQuantity {
             torque,
