@@ -1,7 +1,9 @@
-"""Largest deviation of one table, or folder of tables, from another, over the peak of its column;
+"""Largest deviations of one table, or folder of tables, from another, over the peak of each column;
 of the displacements of nodes, over that of all nodes: python deviation.py OURS THEIRS.
 
-Prints the worst, and where. Columns that only one of them has are left out.
+Prints two, and where each is: of the columns that follow from the torque, and of those that hold the
+hub's motion, from which flexlink takes a slow tail that the scripts leave in. Columns that only one of
+the tables has are left out.
 """
 
 import sys
@@ -26,10 +28,16 @@ def deviations(ours, theirs):
         yield float(worst / peak[name]) if peak[name] else float(worst > 0), name
 
 
+def has_tail(name):
+    words = ("hub", "power", "deflection")
+    return any(word in name for word in words) or (name[0] == "v" and name[1].isdigit())
+
+
 ours, theirs = map(Path, sys.argv[1:3])
 if ours.is_dir():
-    names = sorted({p.name for p in ours.glob("*.csv")} & {p.name for p in theirs.glob("*.csv")})
-    found = max((*max(deviations(ours / n, theirs / n)), n) for n in names)
+    both = sorted({p.name for p in ours.glob("*.csv")} & {p.name for p in theirs.glob("*.csv")})
+    found = [(*found, n) for n in both for found in deviations(ours / n, theirs / n)]
 else:
-    found = (*max(deviations(ours, theirs)), ours.name)
-print(*found)
+    found = [(*found, ours.name) for found in deviations(ours, theirs)]
+for tail in (False, True):
+    print(*max(((0.0, "none", "none"), *(f for f in found if has_tail(f[1]) == tail))))

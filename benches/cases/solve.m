@@ -1,4 +1,4 @@
-% `flexlink solve` in Octave: octave-cli --norc solve.m LINK MOTION DIR [EVERY]
+% `flexlink solve` in Octave: octave-cli --norc solve.m LINK MOTION CUTOFF_HZ DIR [EVERY]
 % All frequencies at once, the 2x2 blocks written out. Left out: as in solve.py.
 1;
 
@@ -103,9 +103,9 @@ function write (folder, name, header, places, table)
 end
 
 given = argv ();
-[link_file, motion_file, folder] = given{1:3};
+[link_file, motion_file, cutoff_hz, folder] = given{1:4};
 every = 1;
-if (numel (given) > 3) every = str2double (given{4}); end
+if (numel (given) > 4) every = str2double (given{5}); end
 link = read_link (link_file);
 file = fopen (motion_file);
 table = textscan (file, "%f,%f", "HeaderLines", 1);
@@ -114,11 +114,17 @@ fclose (file);
 samples = numel (a);
 step = (time(end) - time(1)) / (samples - 1);
 spectrum = fft (a) / samples;
-spectrum = spectrum(2:samples/2);
-carried = find (abs (spectrum) > 1e-15 * max (abs (spectrum)));
-band = carried(end);
-spectrum = 2 * spectrum(1:band);
+% A raised cosine over half the cut-off.
+cutoff = 2 * pi * str2double (cutoff_hz);
+band = min (ceil (1.5 * cutoff * samples * step / (2 * pi)) - 1, samples / 2 - 1);
 omega = 2 * pi * (1:band).' / (samples * step);
+weight = 0.5 * (1 + cos (pi * max (omega / cutoff - 1, 0) / 0.5));
+% The wanted tip rests at the start.
+every_rate = 2i * pi * (1:samples/2-1).' / (samples * step);
+velocity = 2 * spectrum(2:samples/2) ./ every_rate;
+first_rate = real (sum (velocity));
+first = real (sum (velocity ./ every_rate));
+spectrum = 2 * weight .* spectrum(2:band+1);
 v_tip = -spectrum ./ omega.^2;
 
 [inertia, e] = eliminate (link, link.kappa ./ omega.^2);
@@ -126,10 +132,11 @@ angle = v_tip ./ (link.L + e(:,end));
 torque = -omega.^2 .* (inertia + link.hub) .* angle;
 excess = -e(:,end) / link.L .* angle;
 moved = e .* angle + excess .* link.x;
-hub = [spectrum ./ (1i * omega), v_tip, torque, excess, 1i * omega .* excess, -omega.^2 .* excess];
+hub = [spectrum ./ (1i * omega), v_tip, torque, excess, 1i * omega .* excess, -omega.^2 .* excess, spectrum];
 hub = inverse (hub, samples);
-rate = hub(:,1) - hub(1,1);
-tip = hub(:,2) - hub(1,2) - hub(1,1) * (time - time(1));
+a = hub(:,7);
+rate = hub(:,1) - first_rate;
+tip = hub(:,2) - first - first_rate * (time - time(1));
 
 mkdir (folder);
 times = find (abs (round (step * 10.^(0:15)) ./ 10.^(0:15) - step) < 1e-18, 1) - 1;

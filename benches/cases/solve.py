@@ -1,6 +1,7 @@
-"""`flexlink solve` in numpy, scipy and polars: python solve.py LINK MOTION DIR [EVERY].
+"""`flexlink solve` in numpy, scipy and polars: python solve.py LINK MOTION CUTOFF_HZ DIR [EVERY].
 
-Left out: the mesh's own error, periods and zeros, summary.json, and all checks of the inputs.
+Left out: the search of the cut-off, the slow tail of hysteretic damping, the mesh's own error, periods
+and zeros, summary.json, and all checks of the inputs.
 """
 
 import os
@@ -52,19 +53,16 @@ def inverse(spectra, samples):
     return histories
 
 
-def main(link_file, motion_file, folder, every=1):
+def main(link_file, motion_file, cutoff_hz, folder, every=1):
     link = Link(link_file)
     time, a = tables.read(motion_file)
     samples = len(a)
     step = (time[-1] - time[0]) / (samples - 1)
-    spectrum = np.fft.rfft(a, norm="forward")
-    spectrum[0] = 0
-    # Only frequencies that carry spectrum are solved.
-    size = np.abs(spectrum)
-    band = np.flatnonzero(size > 1e-15 * size.max())[-1] + 1
-    omega = 2 * np.pi * np.arange(1, band) / (samples * step)
+    wanted = np.fft.rfft(a, norm="forward")
+    first_rate, first = tables.at_rest(wanted, samples * step)
+    omega, spectrum = tables.rolled_off(wanted, samples * step, cutoff_hz)
+    band = len(omega) + 1
     rate = 1j * omega
-    spectrum = spectrum[1:band]
     v_tip = -spectrum / omega**2
 
     torque, excess, moved = transfers(link, omega, v_tip)
@@ -75,14 +73,13 @@ def main(link_file, motion_file, folder, every=1):
         full[:, 1:] = rows
         return full
 
-    # The tip rests at the start: that gives the mean velocity and the displacement's origin.
-    rows = [spectrum / rate, v_tip, torque, excess, excess * rate, excess * rate**2]
-    rate_tip, tip, torque, angle, angle_rate, angle_acceleration = inverse(
+    # The wanted tip rests at the start: that gives the mean velocity and the displacement's origin.
+    rows = [spectrum, spectrum / rate, v_tip, torque, excess, excess * rate, excess * rate**2]
+    a, rate_tip, tip, torque, angle, angle_rate, angle_acceleration = inverse(
         filled(np.array(rows)), samples
     )
-    mean = -rate_tip[0]
-    rate_tip = rate_tip + mean
-    tip = tip - tip[0] + mean * (time - time[0])
+    rate_tip = rate_tip - first_rate
+    tip = tip - first - first_rate * (time - time[0])
     length = link.length
 
     os.mkdir(folder)
@@ -128,4 +125,4 @@ def main(link_file, motion_file, folder, every=1):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:4], *map(int, sys.argv[4:]))
+    main(*sys.argv[1:3], float(sys.argv[3]), sys.argv[4], *map(int, sys.argv[5:]))

@@ -1,8 +1,9 @@
 """`flexlink sweep --vary 'segments.*.EI*=FROM:TO:COUNT:log'` in numpy:
-python sweep.py LINK MOTION FROM TO COUNT TABLE.
+python sweep.py LINK MOTION CUTOFF_HZ FROM TO COUNT TABLE.
 
-All frequencies of some cases at a time, on all cores. Left out: periods, zeros, the mesh's own
-error, the error at the window's edge, and all checks of the inputs.
+All frequencies of some cases at a time, on all cores. Left out: the search of the cut-off, the slow
+tail of hysteretic damping, periods, zeros, the mesh's own error, the error at the window's edge, and
+all checks of the inputs.
 """
 
 import os
@@ -35,21 +36,21 @@ def stiffer(link, factors):
     return varied
 
 
-def main(link_file, motion_file, start, stop, count, table):
+def main(link_file, motion_file, cutoff_hz, start, stop, count, table):
     link = Link(link_file)
     time, a = tables.read(motion_file)
     samples = len(a)
     step = (time[-1] - time[0]) / (samples - 1)
-    spectrum = np.fft.rfft(a, norm="forward")
-    spectrum[0] = 0
-    size = np.abs(spectrum)
-    band = np.flatnonzero(size > 1e-15 * size.max())[-1] + 1
-    omega = 2 * np.pi * np.arange(1, band) / (samples * step)
-    square, spectrum = omega**2, spectrum[1:band]
+    wanted = np.fft.rfft(a, norm="forward")
+    first_rate, _ = tables.at_rest(wanted, samples * step)
+    omega, spectrum = tables.rolled_off(wanted, samples * step, cutoff_hz)
+    band = len(omega) + 1
+    square = omega**2
+    followed = np.fft.irfft(np.append(0, spectrum), samples, norm="forward")
     mu = link.stiffness_factor / square
     rigid_rate = np.fft.irfft(np.append(0, spectrum / (1j * omega)), samples, norm="forward")
-    rigid_rate = (rigid_rate - rigid_rate[0]) / link.length
-    peak_rigid = np.abs(a).max() * link.rigid_inertia / link.length
+    rigid_rate = (rigid_rate - first_rate) / link.length
+    peak_rigid = np.abs(followed).max() * link.rigid_inertia / link.length
     moving = np.flatnonzero(np.abs(a) > MOVES * np.abs(a).max())
     moves_from, moves_until = time[moving[0] - 1], time[moving[-1] + 1]
     factors = np.geomspace(start, stop, count)
@@ -70,6 +71,11 @@ def main(link_file, motion_file, start, stop, count, table):
         peak = size.max(axis=1)
         acts = size > ACTS * peak[:, None]
         first, last = acts.argmax(axis=1), samples - 1 - acts[:, ::-1].argmax(axis=1)
+        # The level is crossed on the straight line between two samples.
+        level = ACTS * peak
+        case = np.arange(len(part))
+        before = (size[case, first] - level) / (size[case, first] - size[case, first - 1])
+        after = (size[case, last] - level) / (size[case, last] - size[case, last + 1])
         rms = [np.sqrt(np.mean(t[i : j + 1] ** 2)) for t, i, j in zip(torque, first, last)]
         return np.column_stack(
             [
@@ -78,8 +84,8 @@ def main(link_file, motion_file, start, stop, count, table):
                 rms,
                 np.full(len(part), peak_rigid),
                 peak / peak_rigid,
-                moves_from - time[first],
-                time[last] - moves_until,
+                moves_from - time[first] + before * step,
+                time[last] + after * step - moves_until,
                 np.abs(rate).max(axis=1),
                 np.abs(torque * rate).max(axis=1),
                 np.abs(moment).max(axis=1),
@@ -95,4 +101,4 @@ def main(link_file, motion_file, start, stop, count, table):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3], *map(float, sys.argv[3:5]), int(sys.argv[5]), sys.argv[6])
+    main(*sys.argv[1:3], *map(float, sys.argv[3:6]), int(sys.argv[6]), sys.argv[7])

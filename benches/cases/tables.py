@@ -12,6 +12,23 @@ import numpy as np
 FEW_NUMBERS = 400_000
 
 
+def rolled_off(spectrum, period, cutoff_hz):
+    """Angular frequencies that are solved, and the amplitudes there, by the roll-off that flexlink has:
+    a raised cosine over half the cut-off."""
+    cutoff = 2 * np.pi * cutoff_hz
+    end = min(math.ceil(1.5 * cutoff * period / (2 * np.pi)), len(spectrum) - 1)
+    omega = 2 * np.pi * np.arange(1, end) / period
+    weight = 0.5 * (1 + np.cos(np.pi * np.maximum(omega / cutoff - 1, 0) / 0.5))
+    return omega, weight * spectrum[1:end]
+
+
+def at_rest(spectrum, period):
+    """Velocity and displacement at the first sample of a motion without its mean: the tip rests there."""
+    rate = 2j * np.pi * np.arange(1, len(spectrum)) / period
+    velocity = spectrum[1:] / rate
+    return 2 * velocity.sum().real, 2 * (velocity / rate).sum().real
+
+
 def decimals(*arrays):
     """The last digit is 1e-10 of the peak."""
     peak = max(max(a.max(), -a.min()) for a in arrays)

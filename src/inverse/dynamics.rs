@@ -21,6 +21,7 @@ use crate::modal::{DampingLaw, MOST_ELEMENTS_OF_ALL_MODES};
 #[derive(Debug, Clone)]
 pub struct Dynamics {
     mesh: Mesh,
+    damping: Damping,
     law: DampingLaw,
     kept: KeptModes,
     modes: Option<Superposition>,
@@ -54,7 +55,7 @@ impl Dynamics {
     pub fn new(link: &Link, mesh: Mesh, kept: KeptModes) -> Result<Self, InversionError> {
         Self::check_size(link, mesh.elements().len(), 1)?;
         let law = DampingLaw::of(link.damping(), &mesh)?;
-        Self::with_law(law, mesh, kept)
+        Self::on(mesh, link.damping().clone(), law, kept)
     }
 
     /// Refuses a mesh too large for damping that needs all its modes, before any is sought;
@@ -72,29 +73,37 @@ impl Dynamics {
         Ok(())
     }
 
-    fn with_law(law: DampingLaw, mesh: Mesh, kept: KeptModes) -> Result<Self, InversionError> {
+    fn on(
+        mesh: Mesh,
+        damping: Damping,
+        law: DampingLaw,
+        kept: KeptModes,
+    ) -> Result<Self, InversionError> {
         let modes = match kept {
             KeptModes::All if !law.is_modal() => None,
             KeptModes::All => Some(Superposition::of_all(&mesh)?),
             KeptModes::First(count) => Some(Superposition::of_first(&mesh, count)?),
         };
-        Ok(Self { mesh, law, kept, modes })
+        Ok(Self { mesh, damping, law, kept, modes })
     }
 
-    /// The same link and law on elements of half the length.
+    /// The same link on elements of half the length. Damping through modes follows the modes of the
+    /// finer mesh, so that the mesh error counts what its coefficients change.
     ///
     /// # Errors
     /// [`InversionError::TooManyElements`] where damping needs all modes of the finer mesh.
     pub(super) fn refined(&self) -> Result<Self, InversionError> {
-        Self::with_law(self.law.clone(), self.mesh.refined(), self.kept)
+        let mesh = self.mesh.refined();
+        let law = DampingLaw::on_finer(&self.damping, &mesh)?;
+        Self::on(mesh, self.damping.clone(), law, self.kept)
     }
 
-    /// The same link and law with all modes of the mesh.
+    /// The same link with all modes of the mesh.
     ///
     /// # Errors
     /// As [`Dynamics::new`].
     pub(super) fn unreduced(&self) -> Result<Self, InversionError> {
-        Self::with_law(self.law.clone(), self.mesh.clone(), KeptModes::All)
+        Self::on(self.mesh.clone(), self.damping.clone(), self.law.clone(), KeptModes::All)
     }
 
     /// How many modes answer.

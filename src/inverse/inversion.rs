@@ -4,6 +4,7 @@ use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
 use super::analysis::Analysis;
 use super::dynamics::{Dynamics, KeptModes};
 use super::error::InversionError;
+use super::evidence::{Evidence, warnings};
 use super::period::{Padding, PeriodicTorque, Window, check_memory};
 use super::probes::Amplitudes;
 use super::refinement::{Asked, Measured, hub_peak_rad, measured_mesh, shares};
@@ -11,29 +12,28 @@ use super::rigid::rigid_torque_n_m;
 use super::slow_tail::Series;
 use super::solution::{Band, HubMotion, Solution, cut};
 use super::spectra::{Forcing, HubSpectra, Joint};
-use super::warning::{Evidence, warnings};
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::torque_zeros;
 use crate::motion::{Cutoff, TailTerms, TipMotion, TipMotionHistories, TipPeriod};
-use crate::numeric::{TimeGrid, fast_length, largest};
+use crate::numeric::TimeGrid;
 
 /// What is to be solved, the mesh and the period left open.
-struct Problem<'a> {
-    link: &'a Link,
-    motion: &'a TipMotion,
-    analysis: &'a Analysis,
-    cutoff: Cutoff,
-    padding: Padding,
+pub(super) struct Problem<'a> {
+    pub(super) link: &'a Link,
+    pub(super) motion: &'a TipMotion,
+    pub(super) analysis: &'a Analysis,
+    pub(super) cutoff: Cutoff,
+    pub(super) padding: Padding,
 }
 
 /// The answer over one period.
-struct PeriodicAnswer {
-    period: Arc<TipPeriod>,
-    hub: HubSpectra,
-    torque_n_m: Vec<f64>,
+pub(super) struct PeriodicAnswer {
+    pub(super) period: Arc<TipPeriod>,
+    pub(super) hub: HubSpectra,
+    pub(super) torque_n_m: Vec<f64>,
     /// Hub angle less that of the rigid link in rad, the images of its slow tail still in it.
-    excess_rad: Vec<f64>,
+    pub(super) excess_rad: Vec<f64>,
 }
 
 /// What is left of the torque at the ends of a window, over its peak.
@@ -53,7 +53,7 @@ struct Known {
 }
 
 impl PeriodicAnswer {
-    fn of(forcing: Forcing<'_>, period: Arc<TipPeriod>) -> Result<Self, InversionError> {
+    pub(super) fn of(forcing: Forcing<'_>, period: Arc<TipPeriod>) -> Result<Self, InversionError> {
         Ok(Self::from_hub(forcing.hub_spectra()?, period))
     }
 
@@ -65,7 +65,8 @@ impl PeriodicAnswer {
     }
 
     fn periodic<'a>(&self, samples: &'a [f64]) -> PeriodicTorque<'a> {
-        PeriodicTorque { samples, before: self.period.spectrum.seam }
+        let spectrum = &self.period.spectrum;
+        PeriodicTorque { samples, before: spectrum.seam, reach: spectrum.seam_reach() }
     }
 
     /// What the finite period costs the hub angle, in rad: what is left at the seam beyond its tail.
@@ -131,24 +132,8 @@ fn first_zero_of(mesh: &Mesh) -> Option<f64> {
     torque_zeros(mesh, 1).first().copied()
 }
 
-/// The torque in N m that another sampling of a motion asks of a solution's link, on the same mesh
-/// and over the same window; the first sample stands at the window's start.
-///
-/// # Errors
-/// As [`invert`].
-pub fn torque_over_window(
-    solution: &Solution,
-    link: &Link,
-    motion: &TipMotion,
-    analysis: &Analysis,
-) -> Result<Vec<f64>, InversionError> {
-    let problem = Problem::new(link, motion, analysis, solution.first_zero_per_s)?;
-    let answer = problem.answer_on(solution)?;
-    Ok(cut(&answer.torque_n_m, &problem.grid_of(solution)))
-}
-
 impl<'a> Problem<'a> {
-    fn new(
+    pub(super) fn new(
         link: &'a Link,
         motion: &'a TipMotion,
         analysis: &'a Analysis,
@@ -165,13 +150,13 @@ impl<'a> Problem<'a> {
         self.period(self.padding.period_len(self.motion.grid().len)?)
     }
 
-    fn period(&self, len: usize) -> Result<Arc<TipPeriod>, InversionError> {
+    pub(super) fn period(&self, len: usize) -> Result<Arc<TipPeriod>, InversionError> {
         check_memory(len, self.analysis)?;
         let seam = self.padding.seam(self.motion.grid().len, len);
         Ok(self.motion.over_period(len, seam, self.cutoff))
     }
 
-    fn asked<'b>(&self, period: &'b TipPeriod) -> Asked<'b> {
+    pub(super) fn asked<'b>(&self, period: &'b TipPeriod) -> Asked<'b> {
         Asked {
             joint: Joint::of(self.link),
             spectrum: &period.spectrum,
@@ -180,30 +165,11 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The motion on the mesh of a solution, on a period no shorter than that one's, which holds its
-    /// window.
-    fn answer_on(&self, solution: &Solution) -> Result<PeriodicAnswer, InversionError> {
-        let own = self.padding.period_len(self.motion.grid().len)?;
-        let that = (solution.band.period_s / self.motion.grid().step_s).ceil() as usize;
-        let period = self.period(own.max(fast_length(that)))?;
-        let dynamics = &solution.dynamics;
-        let shortest = PeriodicAnswer::of(self.asked(&period).of(dynamics), Arc::clone(&period))?;
-        self.decayed(dynamics, solution.hub_tail.as_ref(), shortest)
-    }
-
-    /// The window of a solution at this motion's own step.
-    fn grid_of(&self, solution: &Solution) -> TimeGrid {
-        let (window, grid) = (&solution.grid, self.motion.grid());
-        let first = ((window.time_s(0) - grid.time_s(0)) / grid.step_s).round() as i64;
-        let len = (window.duration_s() / grid.step_s).round() as usize + 1;
-        TimeGrid { first, len, ..grid }
-    }
-
     /// Lengthens the period until torque and hub angle have decayed where one period meets the next.
     ///
     /// The zeros tell the exponential decay; hysteretic damping adds an algebraic tail (∝ t⁻⁴ of the
     /// torque), and a blocked tip rings on, so the decay is measured, too.
-    fn decayed(
+    pub(super) fn decayed(
         &self,
         dynamics: &Dynamics,
         tail: Option<&TailTerms>,
@@ -235,7 +201,7 @@ impl<'a> Problem<'a> {
         self.hub_peak_rad(answer).min(way_m / self.link.length_m())
     }
 
-    fn hub_peak_rad(&self, answer: &PeriodicAnswer) -> f64 {
+    pub(super) fn hub_peak_rad(&self, answer: &PeriodicAnswer) -> f64 {
         let tip = answer.period.histories(self.motion);
         hub_peak_rad(tip, &answer.excess_rad, self.link.length_m())
     }
@@ -279,7 +245,11 @@ impl<'a> Problem<'a> {
     }
 
     /// Torque of the motor in N m over the period, where there is a drive.
-    fn motor_n_m(&self, answer: &PeriodicAnswer, dynamics: &Dynamics) -> Option<Vec<f64>> {
+    pub(super) fn motor_n_m(
+        &self,
+        answer: &PeriodicAnswer,
+        dynamics: &Dynamics,
+    ) -> Option<Vec<f64>> {
         let amplitudes = self.asked(&answer.period).of(dynamics).motor_torque_n_m(&answer.hub)?;
         Some(answer.period.spectrum.pair.samples(amplitudes))
     }
@@ -356,8 +326,7 @@ impl<'a> Problem<'a> {
             warnings: Vec::new(),
             grid,
             dynamics,
-            torque_amplitudes_n_m: answer.hub.torque_n_m,
-            excess_amplitudes_rad: answer.hub.excess_angle_rad,
+            hub: answer.hub,
             hub_acceleration_rad_s2: OnceLock::new(),
             hub_tail: known.hub_tail,
             period: answer.period,
@@ -365,48 +334,5 @@ impl<'a> Problem<'a> {
             joint,
         };
         (solution, edges)
-    }
-
-    /// Measures what half the step changes of a solution whose band the samples limit.
-    fn measure_step(&self, solution: &mut Solution) -> Result<(), InversionError> {
-        // A motion that cannot be sampled twice as often has no such number.
-        let Ok(finer) = self.motion.twice_as_often() else { return Ok(()) };
-        let problem = Problem::new(self.link, &finer, self.analysis, solution.first_zero_per_s)?;
-        let answer = problem.answer_on(solution)?;
-        let grid = problem.grid_of(solution);
-        let pair = &answer.period.spectrum.pair;
-        let apart = |coarse: &[f64], fine: &[f64]| {
-            let pairs = coarse.iter().zip(fine.iter().step_by(2));
-            pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
-        };
-        let off = |coarse: &[f64], period: &[f64]| {
-            let fine = cut(period, &grid);
-            apart(coarse, &fine) / largest(&fine)
-        };
-        let torque = off(&solution.torque_n_m, &answer.torque_n_m);
-        let tip = answer.period.histories(&finer);
-        let tip_m = cut(&tip.displacement_m, &grid);
-        let hub = HubMotion {
-            period: &answer.period,
-            excess_amplitudes_rad: &answer.hub.excess_angle_rad,
-            tail: solution.hub_tail,
-            per_length: 1.0 / self.link.length_m(),
-        };
-        let angle_rad = hub.on(&grid, &tip_m, 0);
-        let turn_rad = apart(&solution.hub_angle_rad, &angle_rad);
-        let tip_change_m = apart(&solution.tip.displacement_m, &tip_m);
-        let root = pair.samples(&answer.hub.root_moment_n_m);
-        let motor = problem.motor_n_m(&answer, &solution.dynamics);
-        let motor = solution.motor().zip(motor).map(|(a, b)| off(&a.torque_n_m, &b));
-        let steps = PerQuantity {
-            torque,
-            hub_angle: turn_rad / problem.hub_peak_rad(&answer),
-            displacement: tip_change_m.max(turn_rad * self.link.length_m()) / tip.way_m(),
-            bending_moment: Some(off(&solution.root_moment_n_m, &root)),
-            motor_torque: motor,
-        };
-        let errors = &mut solution.accuracy.errors;
-        *errors = errors.zip(&steps, |errors, step| QuantityErrors { step: Some(step), ..errors });
-        Ok(())
     }
 }

@@ -49,7 +49,7 @@ impl Solution {
         let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = self.joint.drive?;
         let hub = [&self.hub_angle_rad, &self.hub_rate_rad_s, self.hub_acceleration_rad_s2()];
         let [angle_rad, rate_rad_s, acceleration] = [0, 1, 2].map(|order| -> Vec<f64> {
-            let torque = self.spectrum.derivative(&self.torque_amplitudes_n_m, order);
+            let torque = self.spectrum.derivative(&self.hub.torque_n_m, order);
             let twist = cut(&self.spectrum.pair.samples(torque), &self.grid);
             let motions = hub[order].iter().zip(twist);
             motions.map(|(hub, t)| gear_ratio * (hub + t / joint_stiffness_n_m_rad)).collect()

@@ -99,6 +99,8 @@ pub(super) struct PeriodicTorque<'a> {
     pub(super) samples: &'a [f64],
     /// The first sample that stands one period earlier.
     pub(super) before: usize,
+    /// Samples on either side of that one that tell what is left where periods meet.
+    pub(super) reach: usize,
 }
 
 impl PeriodicTorque<'_> {
@@ -129,8 +131,7 @@ impl PeriodicTorque<'_> {
 
     /// Largest torque around the middle of the rest, where one period meets the next.
     pub(super) fn at_seam(&self) -> f64 {
-        let reach = (self.samples.len() / 64).max(2) as i64;
-        let seam = self.before as i64;
+        let (reach, seam) = (self.reach as i64, self.before as i64);
         self.largest(seam - reach, seam + reach)
     }
 
@@ -204,7 +205,7 @@ mod tests {
     }
 
     fn window(samples: &[f64], lead_s: Option<f64>, lag_s: Option<f64>) -> (i64, i64, f64) {
-        let torque = PeriodicTorque { samples, before: 15 };
+        let torque = PeriodicTorque { samples, before: 15, reach: 2 };
         let analysis = Analysis::new(1e-6, lead_s, lag_s).unwrap();
         let window = torque.window(4, 0.1, &analysis, 2.0);
         assert_eq!(window.len(), usize::try_from(window.stop - window.start).unwrap() + 1);

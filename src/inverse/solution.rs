@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use super::accuracy::Accuracy;
 use super::dynamics::Dynamics;
-use super::spectra::{Forcing, Joint};
+use super::spectra::{Forcing, HubSpectra, Joint};
 use super::warning::Warning;
 use crate::beam::Mesh;
 use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
@@ -80,10 +80,8 @@ pub struct Solution {
     pub band: Band,
     /// What the user must know.
     pub warnings: Vec<Warning>,
-    /// Amplitudes of the torque in N m over the band.
-    pub(super) torque_amplitudes_n_m: Vec<Complex64>,
-    /// Amplitudes of the hub angle less that of the rigid link, in rad.
-    pub(super) excess_amplitudes_rad: Vec<Complex64>,
+    /// Amplitudes at the hub over the band.
+    pub(super) hub: HubSpectra,
     /// Found when it is asked for: a sweep has no use for it.
     pub(super) hub_acceleration_rad_s2: OnceLock<Vec<f64>>,
     pub(super) spectrum: Arc<TipSpectrum>,
@@ -123,7 +121,7 @@ impl Solution {
         self.hub_acceleration_rad_s2.get_or_init(|| {
             let hub = HubMotion {
                 period: &self.period,
-                excess_amplitudes_rad: &self.excess_amplitudes_rad,
+                excess_amplitudes_rad: &self.hub.excess_angle_rad,
                 tail: self.hub_tail,
                 per_length: 1.0 / self.mesh().length_m(),
             };

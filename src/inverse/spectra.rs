@@ -45,6 +45,7 @@ impl Joint {
 }
 
 /// Amplitudes at the hub, from zero frequency to the end of the band.
+#[derive(Debug, Clone)]
 pub(super) struct HubSpectra {
     /// Torque T̂ in N m.
     pub(super) torque_n_m: Vec<Complex64>,

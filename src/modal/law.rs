@@ -104,16 +104,56 @@ impl DampingLaw {
     /// # Errors
     /// [`DampingError`]: modes that the mesh does not have, or damping that feeds energy in.
     pub fn of(damping: &Damping, mesh: &Mesh) -> Result<Self, DampingError> {
+        let law = Self::on_finer(damping, mesh)?;
+        law.check(mesh)?;
+        Ok(law)
+    }
+
+    /// The law on a mesh that refines one whose law is checked. Its further modes lie above all that is
+    /// solved for, so that it does not matter what a series gives them.
+    ///
+    /// # Errors
+    /// [`DampingError::NoSuchMode`].
+    pub fn on_finer(damping: &Damping, mesh: &Mesh) -> Result<Self, DampingError> {
         match damping {
             Damping::None => Ok(Self::Hysteretic { ratio: 0.0 }),
             Damping::Hysteretic { ratio } => Ok(Self::Hysteretic { ratio: *ratio }),
             Damping::Rayleigh { alpha_per_s, beta_s } => {
                 Ok(Self::Rayleigh { alpha_per_s: *alpha_per_s, beta_s: *beta_s })
             }
-            Damping::RayleighThroughModes { modes, ratios } => rayleigh(*modes, *ratios, mesh),
+            Damping::RayleighThroughModes { modes, ratios } => {
+                Ok(rayleigh(&frequencies_of(modes, mesh)?, *ratios))
+            }
             Damping::Modal { ratios } => Ok(Self::Modal { ratios: ratios.clone() }),
-            Damping::Caughey { modes, ratios } => caughey(modes, ratios, mesh),
+            Damping::Caughey { modes, ratios } => {
+                let series = CaugheySeries::through(&frequencies_of(modes, mesh)?, ratios);
+                Ok(Self::Caughey(series))
+            }
         }
+    }
+
+    /// Refuses a law that feeds energy in.
+    fn check(&self, mesh: &Mesh) -> Result<(), DampingError> {
+        match *self {
+            Self::Rayleigh { alpha_per_s, beta_s } if alpha_per_s < 0.0 || beta_s < 0.0 => {
+                Err(DampingError::NegativeDamping { alpha_per_s, beta_s })
+            }
+            Self::Caughey(_) => self.check_modes(mesh),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_modes(&self, mesh: &Mesh) -> Result<(), DampingError> {
+        let all = natural_frequencies(mesh, MOST_CHECKED);
+        for (k, omega) in all.iter().enumerate() {
+            let ratio = self.modal_ratio(k + 1, *omega);
+            if ratio < 0.0 {
+                let frequency_hz = omega / std::f64::consts::TAU;
+                let (mode, modes) = (k + 1, all.len());
+                return Err(DampingError::NegativeRatio { mode, frequency_hz, ratio, modes });
+            }
+        }
+        Ok(())
     }
 
     /// Whether the law is diagonal in the modes only, so that responses need all of them.
@@ -204,32 +244,13 @@ fn frequencies_of(modes: &[usize], mesh: &Mesh) -> Result<Vec<f64>, DampingError
 }
 
 /// Solves α/(2ω) + βω/2 = ζ at two natural frequencies.
-fn rayleigh(modes: [usize; 2], ratios: [f64; 2], mesh: &Mesh) -> Result<DampingLaw, DampingError> {
-    let frequencies = frequencies_of(&modes, mesh)?;
-    let (low, high) = (frequencies[0], frequencies[1]);
+fn rayleigh(frequencies_rad_s: &[f64], ratios: [f64; 2]) -> DampingLaw {
+    let (low, high) = (frequencies_rad_s[0], frequencies_rad_s[1]);
     let spread = (high - low) * (high + low);
     let beta_s = 2.0 * (ratios[1] * high - ratios[0] * low) / spread;
     let alpha_per_s = 2.0 * low * high * (ratios[0] * high - ratios[1] * low) / spread;
-    if alpha_per_s < 0.0 || beta_s < 0.0 {
-        return Err(DampingError::NegativeDamping { alpha_per_s, beta_s });
-    }
-    Ok(DampingLaw::Rayleigh { alpha_per_s, beta_s })
+    DampingLaw::Rayleigh { alpha_per_s, beta_s }
 }
 
 /// Modes of which a Caughey series is looked at: those of the largest mesh that it is summed on.
 const MOST_CHECKED: usize = 2 * MOST_ELEMENTS_OF_ALL_MODES;
-
-fn caughey(modes: &[usize], ratios: &[f64], mesh: &Mesh) -> Result<DampingLaw, DampingError> {
-    let series = CaugheySeries::through(&frequencies_of(modes, mesh)?, ratios);
-    let law = DampingLaw::Caughey(series);
-    let all = natural_frequencies(mesh, MOST_CHECKED);
-    for (k, omega) in all.iter().enumerate() {
-        let ratio = law.modal_ratio(k + 1, *omega);
-        if ratio < 0.0 {
-            let frequency_hz = omega / std::f64::consts::TAU;
-            let (mode, modes) = (k + 1, all.len());
-            return Err(DampingError::NegativeRatio { mode, frequency_hz, ratio, modes });
-        }
-    }
-    Ok(law)
-}

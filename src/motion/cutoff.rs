@@ -9,16 +9,24 @@ use crate::numeric::{FourierPair, fast_length, largest};
 /// The roll-off ends at so many times the cut-off.
 const ROLL_OFF: f64 = 1.5;
 
-/// The cut-off is found to this share of itself.
+/// The cut-off is found to this share of itself, and that of a looser tolerance to this one.
 const PRECISION: f64 = 1e-3;
+const LOOSER_PRECISION: f64 = 2e-2;
+
+/// Factor on the tolerance by which the torque must not be changed much.
+pub const LOOSER: f64 = 2.0;
 
 /// Share of the tolerated error that may lie above the highest frequency that the search transforms; it
 /// is added to every error found.
 const ABOVE_TRANSFORM: f64 = 1e-2;
 
 /// Fall of the tip's error with frequency, as a power, below which a finer step does not help: the
-/// samples hold noise or rounding.
-const LEAST_FALL: f64 = 1.0;
+/// samples hold noise or rounding. Those of rounded digits fall by 0.4 to 1.5, those of an acceleration
+/// that jumps by 2.
+const LEAST_FALL: f64 = 1.7;
+
+/// Factor on the step that the fall gives: it is steeper near the Nyquist frequency than beyond it.
+const STEP_MARGIN: f64 = 0.7;
 
 /// Up to which frequency a motion is followed, and what the tip misses by it.
 ///
@@ -30,6 +38,8 @@ const LEAST_FALL: f64 = 1.0;
 pub struct Cutoff {
     /// Frequency in rad/s up to which every amplitude is kept; infinite where all are.
     pub omega_rad_s: f64,
+    /// The same in rad/s for [`LOOSER`] times the tolerance.
+    pub looser_rad_s: f64,
     /// Largest distance in m, at any time, of the tip that is solved from the wanted one.
     pub tip_error_m: f64,
     /// Why the tip is not within the tolerance; none where it is.
@@ -47,7 +57,12 @@ pub enum Shortfall {
 
 impl Cutoff {
     /// All frequencies of the samples.
-    pub const ALL: Self = Self { omega_rad_s: f64::INFINITY, tip_error_m: 0.0, shortfall: None };
+    pub const ALL: Self = Self {
+        omega_rad_s: f64::INFINITY,
+        looser_rad_s: f64::INFINITY,
+        tip_error_m: 0.0,
+        shortfall: None,
+    };
 
     /// Whether every frequency is kept.
     pub fn keeps_all(&self) -> bool {
@@ -57,6 +72,12 @@ impl Cutoff {
     /// Factor on the amplitude at ω ≥ 0: 1 up to the cut-off, then a raised cosine over half of it.
     pub fn weight(&self, omega_rad_s: f64) -> f64 {
         weight(omega_rad_s, self.omega_rad_s)
+    }
+
+    /// Factor on an amplitude that has this weight, with which it has that of the looser tolerance.
+    pub fn weight_of_looser(&self, omega_rad_s: f64) -> f64 {
+        let own = self.weight(omega_rad_s);
+        if own > 0.0 { weight(omega_rad_s, self.looser_rad_s) / own } else { 0.0 }
     }
 
     /// The highest frequency that is solved, in rad/s.
@@ -97,31 +118,34 @@ impl TipMotion {
     }
 
     fn lowest_cutoff(&self, tolerance: f64) -> Cutoff {
-        let len = fast_length(2 * self.grid().len);
+        let len = fast_length(4 * self.grid().len);
         let spectrum = self.spectrum(len, self.grid().len.midpoint(len));
         let allowed_m = tolerance * self.histories(&spectrum).way_m();
-        let (residual, mut low, mut high) = Residual::bracketed(&spectrum, allowed_m);
-        let mut error_m = residual.largest_m(high);
+        let (residual, low, high) = Residual::bracketed(&spectrum, allowed_m);
+        let error_m = residual.largest_m(high);
         if error_m > allowed_m {
             let fall = libm::log2(residual.largest_m(0.5 * high) / error_m);
             let finer = libm::pow(allowed_m / error_m, 1.0 / fall);
             let shortfall = if fall > LEAST_FALL {
-                Shortfall::Step(self.grid().step_s * finer)
+                Shortfall::Step(STEP_MARGIN * finer * self.grid().step_s)
             } else {
                 Shortfall::Noise
             };
-            return Cutoff { omega_rad_s: high, tip_error_m: error_m, shortfall: Some(shortfall) };
+            return Cutoff {
+                omega_rad_s: high,
+                looser_rad_s: high,
+                tip_error_m: error_m,
+                shortfall: Some(shortfall),
+            };
         }
-        while high > (1.0 + PRECISION) * low {
-            let middle = (low * high).sqrt();
-            let middle_error_m = residual.largest_m(middle);
-            if middle_error_m <= allowed_m {
-                (high, error_m) = (middle, middle_error_m);
-            } else {
-                low = middle;
-            }
+        let (omega_rad_s, tip_error_m) = residual.lowest([low, high], allowed_m, PRECISION);
+        let allowed_m = LOOSER * allowed_m;
+        let mut low = 0.5 * omega_rad_s;
+        while residual.largest_m(low) <= allowed_m {
+            low *= 0.5;
         }
-        Cutoff { omega_rad_s: high, tip_error_m: error_m, shortfall: None }
+        let (looser_rad_s, _) = residual.lowest([low, omega_rad_s], allowed_m, LOOSER_PRECISION);
+        Cutoff { omega_rad_s, looser_rad_s, tip_error_m, shortfall: None }
     }
 }
 
@@ -155,7 +179,8 @@ impl Residual {
         let left_out_m = displacement_m[top..].iter().map(|d| 2.0 * d.norm_sqr().sqrt()).sum();
         let top = top.max(2);
         displacement_m.truncate(top);
-        let pair = FourierPair::new(spectrum.pair.len().min(fast_length(4 * top)));
+        // Eight samples a cycle at the least: between them the tip is farther by half a percent at most.
+        let pair = FourierPair::new(fast_length(8 * top));
         let highest = omegas[omegas.len() - 1] / ROLL_OFF;
         let high = omegas[enough.min(omegas.len() - 1)].min(highest);
         let low = (omegas[too_low] / ROLL_OFF).max(0.5 * omegas[1]).min(high);
@@ -169,5 +194,125 @@ impl Residual {
         let left: Vec<_> =
             bins.map(|(d, omega)| d * (1.0 - weight(*omega, cutoff_rad_s))).collect();
         largest(&self.pair.samples(left)) + self.left_out_m
+    }
+
+    /// The lowest cut-off in rad/s between two that leaves no more than `allowed_m`, as the higher one
+    /// does, and what it leaves in m.
+    fn lowest(&self, [mut low, mut high]: [f64; 2], allowed_m: f64, precision: f64) -> (f64, f64) {
+        let mut error_m = self.largest_m(high);
+        while high > (1.0 + precision) * low {
+            let middle = (low * high).sqrt();
+            let middle_error_m = self.largest_m(middle);
+            if middle_error_m <= allowed_m {
+                (high, error_m) = (middle, middle_error_m);
+            } else {
+                low = middle;
+            }
+        }
+        (high, error_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::motion::{MotionColumns, Profile};
+
+    const TRAVEL_M: f64 = 0.5;
+    const STEP_S: f64 = 0.01;
+
+    fn septic() -> TipMotion {
+        TipMotion::new(Profile::Septic.sampled(TRAVEL_M, STEP_S, 100, [0, 0])).unwrap()
+    }
+
+    /// What a cut-off leaves out of a motion, largest over times four to a step, by plain sums over all
+    /// samples and frequencies of a period eight times as long.
+    fn left_out_m(motion: &TipMotion, cutoff_rad_s: f64) -> f64 {
+        let samples = motion.forcing_m_s2();
+        let len = 8 * samples.len();
+        let spacing = TAU / (len as f64 * STEP_S);
+        let wave = |omega: f64, time_s: f64| Complex64::from_polar(1.0, omega * time_s);
+        let amplitudes: Vec<(f64, Complex64)> = (1..len / 2)
+            .map(|k| {
+                let omega = spacing * k as f64;
+                let terms = samples.iter().enumerate();
+                let sum: Complex64 = terms.map(|(n, a)| a * wave(-omega, n as f64 * STEP_S)).sum();
+                let share = ((omega / cutoff_rad_s - 1.0) / 0.5).clamp(0.0, 1.0);
+                let left = 0.5 * (1.0 - (PI * share).cos());
+                (omega, -sum * 2.0 * left / (len as f64 * omega * omega))
+            })
+            .collect();
+        let at = |time_s: f64| -> f64 {
+            amplitudes.iter().map(|(omega, d)| (d * wave(*omega, time_s)).re).sum()
+        };
+        (0..4 * len).map(|k| at(0.25 * STEP_S * k as f64).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn the_cut_off_is_the_lowest_that_keeps_the_tip_within_its_tolerance_at_all_times() {
+        let motion = septic();
+        for tolerance in [1e-3, 1e-5, 1e-7] {
+            let found = motion.cutoff(tolerance);
+            assert_eq!(found.shortfall, None);
+            let allowed_m = tolerance * TRAVEL_M;
+            let left_m = left_out_m(&motion, found.omega_rad_s);
+            assert!(
+                left_m <= 1.005 * allowed_m,
+                "{tolerance}: {left_m} {found:?} {}",
+                motion.travel_m()
+            );
+            assert!((found.tip_error_m / left_m - 1.0).abs() < 0.05, "{tolerance}: {found:?}");
+            let lower_m = left_out_m(&motion, 0.98 * found.omega_rad_s);
+            assert!(lower_m > 0.98 * allowed_m, "{tolerance}: a lower one leaves {lower_m}");
+            let looser_m = left_out_m(&motion, found.looser_rad_s);
+            assert!(looser_m <= 1.005 * LOOSER * allowed_m, "{tolerance}: {looser_m}");
+            assert!(left_out_m(&motion, 0.95 * found.looser_rad_s) > 0.98 * LOOSER * allowed_m);
+        }
+    }
+
+    #[test]
+    fn a_weight_is_one_up_to_the_cut_off_and_none_from_half_above_it() {
+        let cutoff = Cutoff { omega_rad_s: 10.0, looser_rad_s: 8.0, ..Cutoff::ALL };
+        let weights = [9.9, 12.5, 15.0].map(|omega| cutoff.weight(omega));
+        assert!((weights[0], weights[2]) == (1.0, 0.0) && (weights[1] - 0.5).abs() < 1e-15);
+        // 11 is three quarters of the way from 8 to 12.
+        let looser = cutoff.weight(11.0) * cutoff.weight_of_looser(11.0);
+        assert!((looser - 0.5 * (1.0 + (0.75 * PI).cos())).abs() < 1e-15);
+        assert_eq!(cutoff.weight_of_looser(15.0).to_bits(), 0);
+        assert!(Cutoff::ALL.keeps_all() && Cutoff::ALL.weight(1e9) == 1.0);
+    }
+
+    #[test]
+    fn a_step_that_is_too_long_is_named_with_one_that_does() {
+        let jerk = |step_s: f64, steps| {
+            TipMotion::new(Profile::MinJerk.sampled(TRAVEL_M, step_s, steps, [0, 0])).unwrap()
+        };
+        for steps in [12_i32, 20, 40, 60] {
+            let found = jerk(1.0 / f64::from(steps), steps as usize).cutoff(1e-6);
+            assert!(found.tip_error_m > 1e-6 * TRAVEL_M);
+            let Some(Shortfall::Step(step_s)) = found.shortfall else { panic!("{found:?}") };
+            let enough = (1.0 / step_s).ceil();
+            assert!(enough < 200.0, "{steps}: {enough} steps, where 80 are enough");
+            assert_eq!(jerk(1.0 / enough, enough as usize).cutoff(1e-6).shortfall, None);
+        }
+    }
+
+    #[test]
+    fn digits_too_few_for_the_tolerance_are_named() {
+        let [time_s, displacement_m] = [0, 1].map(|column| -> Vec<f64> {
+            let rounded = |k: i32| {
+                let s = (f64::from(k) / 500.0).clamp(0.0, 1.0);
+                let d = TRAVEL_M * s.powi(4) * (35.0 - 84.0 * s + 70.0 * s * s - 20.0 * s.powi(3));
+                [0.002 * f64::from(k), (1e4 * d).round() / 1e4][column]
+            };
+            (-50..=550).map(rounded).collect()
+        });
+        let displacement_m = Some(displacement_m);
+        let columns = MotionColumns { time_s, displacement_m, ..Default::default() };
+        let motion = TipMotion::new(columns).unwrap();
+        assert_eq!(motion.cutoff(1e-6).shortfall, Some(Shortfall::Noise));
+        assert_eq!(motion.cutoff(1e-3).shortfall, None);
     }
 }

@@ -25,8 +25,8 @@ pub type TailTerms = [f64; TAIL_TERMS];
 /// Chebyshev points over the motion, and over the period.
 const POINTS: usize = 48;
 
-/// Coefficients below this share of the largest do not count.
-const ROUNDING: f64 = 1e-13;
+/// Coefficients below this share of the largest do not count: the images are a small part of a signal.
+const ROUNDING: f64 = 1e-11;
 
 /// Distances in periods up to which an image counts by itself; those beyond are a power series.
 const NEAR_PERIODS: i32 = 2;
@@ -39,10 +39,11 @@ const SIDE_BY_SIDE: usize = 8;
 
 /// The images of a motion in all periods but its own.
 pub struct Images {
-    motion: Source,
     step_s: f64,
     samples: usize,
     seam: usize,
+    /// Samples around the seam, and the terms of the motion in all periods, its own among them, there.
+    around_seam: Vec<(usize, TailTerms)>,
     /// Of each `Q_m` over the period, in Chebyshev's polynomials.
     series: [Vec<f64>; TAIL_TERMS],
     /// `Q_m` and its derivatives at all samples of the period.
@@ -52,10 +53,9 @@ pub struct Images {
 /// The motion as its images see it.
 struct Source {
     period_s: f64,
-    /// Times in s between which it accelerates.
-    span_s: Span,
-    /// Velocity in m/s that it gains around each Chebyshev point of these times: as good as the
-    /// acceleration itself, as the kernel is a polynomial over the motion.
+    /// Chebyshev points in s of the time in which it accelerates, and the velocity in m/s that it gains around each: as
+    /// good as the acceleration itself, as the kernel is a polynomial over the motion.
+    points_s: [f64; POINTS],
     gains_m_s: [f64; POINTS],
     /// Σ_{k>2} k^{−n} for n = 2, 4, ….
     beyond: [f64; POWERS + TAIL_TERMS],
@@ -72,6 +72,13 @@ impl Images {
     pub(super) fn new(spectrum: &TipSpectrum, forcing_m_s2: &[f64]) -> Self {
         let motion = Source::new(spectrum, forcing_m_s2);
         let (step_s, samples, seam) = (spectrum.step_s, spectrum.pair.len(), spectrum.seam);
+        let (reach, middle) = (spectrum.seam_reach(), samples + seam);
+        let around = (middle - reach..=middle + reach).step_by((reach / 8).max(1));
+        let around_seam = around.map(|k| {
+            let time_s = (k - samples) as f64 * step_s;
+            (k % samples, motion.terms(time_s, Own::In))
+        });
+        let around_seam = around_seam.collect();
         let span = period(step_s, samples, seam);
         let cosines = Cosines::new();
         let at = |point: usize| motion.terms(span.at(cosines.of(1, point)), Own::Out);
@@ -81,7 +88,7 @@ impl Images {
             trimmed(cosines.series(&values))
         });
         let histories = [(); 3].map(|()| OnceLock::new());
-        Self { motion, step_s, samples, seam, series, histories }
+        Self { step_s, samples, seam, around_seam, series, histories }
     }
 
     /// `Q_m`, differentiated `order` times, at every sample of the period.
@@ -116,14 +123,8 @@ impl Images {
     /// Without a sample for each of the period.
     pub fn residual_at_seam(&self, signal: &[f64], tail: &TailTerms) -> f64 {
         assert_eq!(signal.len(), self.samples, "samples of the period");
-        let reach = (self.samples / 64).max(2);
-        let around = (self.samples + self.seam - reach..=self.samples + self.seam + reach)
-            .step_by((reach / 4).max(1));
-        around.fold(0.0, |most: f64, k| {
-            let time_s = (k - self.samples) as f64 * self.step_s;
-            let expected = tail_sum(tail, &self.motion.terms(time_s, Own::In));
-            most.max((signal[k % self.samples] - expected).abs())
-        })
+        let beyond = self.around_seam.iter().map(|(k, terms)| signal[*k] - tail_sum(tail, terms));
+        beyond.fold(0.0, |most: f64, left| most.max(left.abs()))
     }
 }
 
@@ -172,20 +173,20 @@ impl Source {
             let sum: f64 = (0..POINTS).map(|j| moments[j] * cosines.of(j, point)).sum();
             2.0 / POINTS as f64 * sum
         });
+        let points_s = std::array::from_fn(|point| span.at(cosines.of(1, point)));
         let mut exponent = 0;
         let beyond = std::array::from_fn(|_| {
             exponent += 2;
             beyond_near(exponent)
         });
-        Self { period_s, span_s: span, gains_m_s, beyond }
+        Self { period_s, points_s, gains_m_s, beyond }
     }
 
     /// `Q_m` at a time in s.
     fn terms(&self, time_s: f64, own: Own) -> TailTerms {
-        let cosines = |point: usize| libm::cos(PI * (point as f64 + 0.5) / POINTS as f64);
         let mut terms = [0.0; TAIL_TERMS];
-        for (point, gain) in self.gains_m_s.iter().enumerate() {
-            let kernel = self.kernel(time_s - self.span_s.at(cosines(point)), own);
+        for (at_s, gain) in self.points_s.iter().zip(&self.gains_m_s) {
+            let kernel = self.kernel(time_s - at_s, own);
             for (term, kernel) in terms.iter_mut().zip(kernel) {
                 *term += gain * kernel;
             }

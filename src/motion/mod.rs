@@ -16,7 +16,7 @@ mod tests;
 mod tip_motion;
 
 pub use columns::MotionColumns;
-pub use cutoff::{Cutoff, Shortfall};
+pub use cutoff::{Cutoff, LOOSER, Shortfall};
 pub use error::{MotionColumn, MotionError};
 pub use histories::{TipHistories, TipMotionHistories};
 pub use images::{Images, TAIL_TERMS, TailTerms, tail_sum};

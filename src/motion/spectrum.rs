@@ -1,3 +1,5 @@
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
 
 use super::cutoff::Cutoff;
@@ -83,6 +85,16 @@ impl TipSpectrum {
     /// Period P in s.
     pub fn period_s(&self) -> f64 {
         self.pair.len() as f64 * self.step_s
+    }
+
+    /// Samples on either side of the seam that tell what is left there. Where the motion is antisymmetric,
+    /// what two periods leave cancels at the seam itself: a thirty-second of the period away, a tail of
+    /// t⁻⁴ shows half of one period's. At least one cycle of the cut-off, as a roll-off's ringing is zero
+    /// twice a cycle.
+    pub fn seam_reach(&self) -> usize {
+        let len = self.pair.len();
+        let cycle = TAU / (self.cutoff.omega_rad_s * self.step_s);
+        (len / 32).max(2).max((cycle.ceil() as usize).min(len / 4))
     }
 
     /// Number of bins from zero frequency on that carry spectrum.

@@ -1,10 +1,10 @@
 //! Every warning, provoked; and none where there is nothing to warn about.
 
-use super::{Smooth, accelerated, link, mesh_of, sine, solved, whole_band};
+use super::{Smooth, accelerated, displaced, link, mesh_of, sine, solved, whole_band};
 use flexlink::inverse::{Analysis, Solution, Warning, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Payload};
 use flexlink::motion::TipMotion;
-use flexlink::numeric::significant;
+use flexlink::numeric::{largest, significant};
 
 /// The only warning of a kind.
 #[track_caller]
@@ -202,6 +202,71 @@ fn a_quick_motion_on_two_elements_is_beyond_the_mesh() {
         let hint = "more elements, mesh.elements = \"auto\" or a smoother motion";
         assert_eq!(warning.hint(), hint);
     }
+}
+
+#[test]
+fn modes_that_are_too_few_are_told_with_the_error_that_was_measured() {
+    let link = link(|_| ());
+    let few = |modes| {
+        let analysis = Analysis::default().keeping_modes(modes).unwrap();
+        invert(&link, &mesh_of(&link, 10), &Smooth::SHORT.motion(), &analysis).unwrap()
+    };
+    let solution = few(1);
+    let warning = of_kind(&solution, "few_modes");
+    let Warning::FewModes { error, .. } = *warning else { panic!("{warning}") };
+    let (quantity, worst) = solution.accuracy.of_kind(|errors| errors.modes.unwrap_or(0.0)).worst();
+    assert!((error - worst).abs() < 1e-15 && error > 0.01, "{error}");
+    assert_eq!(
+        warning.to_string(),
+        format!(
+            "the modes left out by analysis.modes change the {} by {error:.1e} of its peak",
+            quantity.name()
+        )
+    );
+    assert!(warning.hint().starts_with("more analysis.modes"), "{}", warning.hint());
+    assert!(few(8).warnings.is_empty(), "{:?}", few(8).warnings);
+}
+
+/// Displacements in six decimals: rounding moves the tip by what it is allowed to.
+fn rounded_displacements(steps: u32) -> TipMotion {
+    let finer = Smooth { steps, rest: [steps / 8; 2], ..Smooth::SHORT };
+    let rounded = finer.displacement_m().iter().map(|d| (1e6 * d).round() / 1e6).collect();
+    displaced(finer.time_s(), rounded)
+}
+
+#[test]
+fn a_torque_that_the_tip_does_not_settle_is_told_with_the_peak_at_twice_the_tolerance() {
+    let link = link(|_| ());
+    let solve = |motion: &TipMotion, tip_tolerance| {
+        let analysis = Analysis::default().with_tip_tolerance(tip_tolerance).unwrap();
+        invert(&link, &mesh_of(&link, 20), motion, &analysis).unwrap()
+    };
+    let motion = rounded_displacements(1024);
+    // Half a digit is 2.5e-6 of the way.
+    let solution = solve(&motion, 2e-6);
+    let warning = of_kind(&solution, "unsettled_torque");
+    let Warning::UnsettledTorque { quantity, peak_n_m, looser_n_m } = *warning else {
+        panic!("{warning}")
+    };
+    let peak = |solution: &Solution| largest(&solution.torque_n_m);
+    assert!((peak_n_m / peak(&solution) - 1.0).abs() < 0.01, "{warning}");
+    let looser = peak(&solve(&motion, 4e-6));
+    assert!((looser_n_m / looser - 1.0).abs() < 0.05, "{warning}, {looser} N m if solved anew");
+    assert!(looser_n_m < 0.5 * peak_n_m, "{warning}");
+    assert_eq!(
+        warning.to_string(),
+        format!(
+            "the tip does not settle the {}: at twice analysis.tip_tolerance its peak is {} N m, \
+             not {} N m",
+            quantity.name(),
+            significant(looser_n_m, 3),
+            significant(peak_n_m, 3)
+        )
+    );
+    assert!(warning.hint().contains("what the tip cannot show"), "{}", warning.hint());
+    // Above the rounding the torque is the same at every tolerance.
+    let settled = solve(&motion, 2e-5);
+    assert!(settled.warnings.is_empty(), "{:?}", settled.warnings);
 }
 
 #[test]

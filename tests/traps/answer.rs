@@ -25,9 +25,8 @@ pub(crate) struct Transfers {
 
 /// The exact link.
 pub(crate) struct Exact {
-    /// The link in pieces; where it tapers, in twice as many as well.
-    beams: Vec<Beam>,
-    law: Law,
+    /// The link in pieces with its damping; where it tapers, in twice as many pieces as well.
+    beams: Vec<(Beam, Law)>,
     friction_n_m_s: f64,
 }
 
@@ -40,9 +39,12 @@ enum Law {
 impl Exact {
     pub(crate) fn new(link: &Link, stations_m: &[f64]) -> Self {
         let finenesses: &[usize] = if link.is_tapered() { &[1, 2] } else { &[1] };
-        let beams: Vec<Beam> = finenesses.iter().map(|f| Beam::new(link, *f, stations_m)).collect();
-        let law = Law::of(&link.damping, beams.last().expect("a beam"));
-        Self { beams, law, friction_n_m_s: link.friction_n_m_s }
+        let beams = finenesses.iter().map(|fineness| {
+            let beam = Beam::new(link, *fineness, stations_m);
+            let law = Law::of(&link.damping, &beam);
+            (beam, law)
+        });
+        Self { beams: beams.collect(), friction_n_m_s: link.friction_n_m_s }
     }
 
     /// Transfers at ω > 0.
@@ -66,8 +68,8 @@ impl Exact {
         }
     }
 
-    fn of(&self, beam: &Beam, omega: f64) -> Transfers {
-        let (turned, hub_u) = self.law.turned(beam, omega);
+    fn of(&self, (beam, law): &(Beam, Law), omega: f64) -> Transfers {
+        let (turned, hub_u) = law.turned(beam, omega);
         let Turned { tip_m, tip_u, inertia_kg_m2, u, moment } = turned;
         let length = beam.length_m();
         let theta = 1.0 + omega * omega * hub_u;

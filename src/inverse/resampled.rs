@@ -1,0 +1,92 @@
+//! Another sampling of a motion on the mesh, and over the window, of a solution.
+
+use std::sync::Arc;
+
+use super::accuracy::{PerQuantity, QuantityErrors};
+use super::analysis::Analysis;
+use super::error::InversionError;
+use super::inversion::{PeriodicAnswer, Problem};
+use super::solution::{HubMotion, Solution, cut};
+use crate::link::Link;
+use crate::motion::TipMotion;
+use crate::numeric::{TimeGrid, fast_length, largest};
+
+/// The torque in N m that another sampling of a motion asks of a solution's link, on the same mesh
+/// and over the same window; the first sample stands at the window's start.
+///
+/// # Errors
+/// As [`invert`].
+pub fn torque_over_window(
+    solution: &Solution,
+    link: &Link,
+    motion: &TipMotion,
+    analysis: &Analysis,
+) -> Result<Vec<f64>, InversionError> {
+    let problem = Problem::new(link, motion, analysis, solution.first_zero_per_s)?;
+    let answer = problem.answer_on(solution)?;
+    Ok(cut(&answer.torque_n_m, &problem.grid_of(solution)))
+}
+
+impl Problem<'_> {
+    /// The motion on the mesh of a solution, on a period no shorter than that one's, which holds its
+    /// window.
+    fn answer_on(&self, solution: &Solution) -> Result<PeriodicAnswer, InversionError> {
+        let own = self.padding.period_len(self.motion.grid().len)?;
+        let that = (solution.band.period_s / self.motion.grid().step_s).ceil() as usize;
+        let period = self.period(own.max(fast_length(that)))?;
+        let dynamics = &solution.dynamics;
+        let shortest = PeriodicAnswer::of(self.asked(&period).of(dynamics), Arc::clone(&period))?;
+        self.decayed(dynamics, solution.hub_tail.as_ref(), shortest)
+    }
+
+    /// The window of a solution at this motion's own step.
+    fn grid_of(&self, solution: &Solution) -> TimeGrid {
+        let (window, grid) = (&solution.grid, self.motion.grid());
+        let first = ((window.time_s(0) - grid.time_s(0)) / grid.step_s).round() as i64;
+        let len = (window.duration_s() / grid.step_s).round() as usize + 1;
+        TimeGrid { first, len, ..grid }
+    }
+
+    /// Measures what half the step changes of a solution whose band the samples limit.
+    pub(super) fn measure_step(&self, solution: &mut Solution) -> Result<(), InversionError> {
+        // A motion that cannot be sampled twice as often has no such number.
+        let Ok(finer) = self.motion.twice_as_often() else { return Ok(()) };
+        let problem = Problem::new(self.link, &finer, self.analysis, solution.first_zero_per_s)?;
+        let answer = problem.answer_on(solution)?;
+        let grid = problem.grid_of(solution);
+        let pair = &answer.period.spectrum.pair;
+        let apart = |coarse: &[f64], fine: &[f64]| {
+            let pairs = coarse.iter().zip(fine.iter().step_by(2));
+            pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+        };
+        let off = |coarse: &[f64], period: &[f64]| {
+            let fine = cut(period, &grid);
+            apart(coarse, &fine) / largest(&fine)
+        };
+        let torque = off(&solution.torque_n_m, &answer.torque_n_m);
+        let tip = answer.period.histories(&finer);
+        let tip_m = cut(&tip.displacement_m, &grid);
+        let hub = HubMotion {
+            period: &answer.period,
+            excess_amplitudes_rad: &answer.hub.excess_angle_rad,
+            tail: solution.hub_tail,
+            per_length: 1.0 / self.link.length_m(),
+        };
+        let angle_rad = hub.on(&grid, &tip_m, 0);
+        let turn_rad = apart(&solution.hub_angle_rad, &angle_rad);
+        let tip_change_m = apart(&solution.tip.displacement_m, &tip_m);
+        let root = pair.samples(&answer.hub.root_moment_n_m);
+        let motor = problem.motor_n_m(&answer, &solution.dynamics);
+        let motor = solution.motor().zip(motor).map(|(a, b)| off(&a.torque_n_m, &b));
+        let steps = PerQuantity {
+            torque,
+            hub_angle: turn_rad / problem.hub_peak_rad(&answer),
+            displacement: tip_change_m.max(turn_rad * self.link.length_m()) / tip.way_m(),
+            bending_moment: Some(off(&solution.root_moment_n_m, &root)),
+            motor_torque: motor,
+        };
+        let errors = &mut solution.accuracy.errors;
+        *errors = errors.zip(&steps, |errors, step| QuantityErrors { step: Some(step), ..errors });
+        Ok(())
+    }
+}
