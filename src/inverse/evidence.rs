@@ -110,7 +110,7 @@ fn unsettled_torque(solution: &Solution) -> Option<Warning> {
     let measured = |quantity, amplitudes: &[Complex64]| {
         let bins = amplitudes.iter().zip(forcing.omegas_rad_s());
         let looser: Vec<_> = bins.map(|(a, omega)| a * cutoff.weight_of_looser(*omega)).collect();
-        let peak_n_m = largest(&pair.samples(amplitudes.to_vec()));
+        let peak_n_m = largest(&pair.samples(amplitudes));
         (quantity, peak_n_m, largest(&pair.samples(looser)))
     };
     let motor = forcing.motor_torque_n_m(&solution.hub);

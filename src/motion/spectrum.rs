@@ -91,6 +91,7 @@ impl TipSpectrum {
     /// what two periods leave cancels at the seam itself: a thirty-second of the period away, a tail of
     /// t⁻⁴ shows half of one period's. At least one cycle of the cut-off, as a roll-off's ringing is zero
     /// twice a cycle.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "samples, bounded")]
     pub fn seam_reach(&self) -> usize {
         let len = self.pair.len();
         let cycle = TAU / (self.cutoff.omega_rad_s * self.step_s);
