@@ -1,3 +1,4 @@
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -7,7 +8,7 @@ use flexlink::inverse::{
     Dynamics, FrequencyResponse, InversionError, KeptModes, changes_on_halves,
 };
 use flexlink::modal::natural_frequencies;
-use flexlink::numeric::significant;
+use flexlink::numeric::{plain, significant};
 use flexlink::result::{BandMeshError, mesh_error};
 use flexlink::tables::{Digits, write_frequency_response};
 
@@ -73,6 +74,9 @@ pub(crate) struct Frf {
     warnings: WarningArgs,
 }
 
+/// Frequencies whose fourth powers are numbers.
+const FREQUENCIES_HZ: RangeInclusive<f64> = 1e-70..=1e70;
+
 impl Frf {
     pub(crate) fn run(self) -> Result<(), Failure> {
         if let Some(output) = &self.output {
@@ -115,11 +119,16 @@ impl Frf {
         let hertz = |mode: Option<&f64>| mode.map_or(1.0, |omega| omega / std::f64::consts::TAU);
         let from_hz = self.from.unwrap_or(0.1 * hertz(modes.first()));
         let to_hz = self.to.unwrap_or(2.0 * hertz(modes.last()));
-        if from_hz > 0.0 && to_hz.is_finite() && (from_hz < to_hz || self.points == 1) {
+        let are_possible = [from_hz, to_hz].iter().all(|hertz| FREQUENCIES_HZ.contains(hertz));
+        if are_possible && (from_hz < to_hz || self.points == 1) {
             return Ok((from_hz, to_hz));
         }
-        let message =
-            format!("--from {from_hz} --to {to_hz} = no range, but must rise from above 0 Hz");
+        let (least, most) = (FREQUENCIES_HZ.start(), FREQUENCIES_HZ.end());
+        let message = format!(
+            "--from {} --to {} = no range, but must rise within {least:e} … {most:e} Hz",
+            plain(from_hz),
+            plain(to_hz)
+        );
         Err(Failure::new(Exit::Usage, &message, None))
     }
 

@@ -6,6 +6,7 @@ use clap::Args;
 
 use flexlink::link::Link;
 use flexlink::motion::TipTarget;
+use flexlink::numeric::plain;
 use flexlink::response::{
     Feedback, FeedbackError, HubReference, Interpolation, Play, Simulation, SimulationError, Torque,
 };
@@ -125,7 +126,8 @@ impl PlayArgs {
             // Longer than the torque for the target's sake.
             SimulationError::TooLong { until_s, samples, limit } if self.until.is_none() => {
                 let place = shown(inputs.target_file.as_ref());
-                let found = format!("the end = {until_s} s, {samples:.3e} steps of the torque");
+                let found =
+                    format!("the end = {} s, {samples:.3e} steps of the torque", plain(*until_s));
                 let message = format!("{place}{found}, but must be at most {limit} steps");
                 return Failure::new(Exit::InputRefused, &message, error.hint());
             }
@@ -152,7 +154,7 @@ impl PlayArgs {
         error.map(Some).map_err(|error| {
             let (exit, place) = match (error, self.until) {
                 (TargetError::EndsLate { .. }, Some(until)) => {
-                    (Exit::Usage, format!("--until {until}: "))
+                    (Exit::Usage, format!("--until {}: ", plain(until)))
                 }
                 _ => (Exit::InputRefused, shown(inputs.target_file.as_ref())),
             };

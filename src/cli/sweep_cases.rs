@@ -145,6 +145,9 @@ impl<'a> Cases<'a> {
         let overrides = with_case(&self.overrides, values)?;
         let found = self.document.specification(&self.link_file.shown, &overrides)?;
         let analysis = found.analysis.within_memory(self.memory_bytes);
+        // The table holds none.
+        let without = self.shared.outputs.folder().is_none();
+        let analysis = if without { analysis.without_displacements() } else { analysis };
         Ok(Specification { analysis, ..found })
     }
 

@@ -35,8 +35,8 @@ pub struct PerQuantity<T> {
     pub torque: T,
     /// Hub angle.
     pub hub_angle: T,
-    /// Total displacement at the nodes.
-    pub displacement: T,
+    /// Total displacement at the nodes, unless it is left out.
+    pub displacement: Option<T>,
     /// Bending moment at the nodes, where it was asked for.
     pub bending_moment: Option<T>,
     /// Torque of the motor, where the link has a drive.
@@ -49,7 +49,7 @@ impl<T: Copy> PerQuantity<T> {
         [
             Some((Quantity::Torque, self.torque)),
             Some((Quantity::HubAngle, self.hub_angle)),
-            Some((Quantity::Displacement, self.displacement)),
+            self.displacement.map(|value| (Quantity::Displacement, value)),
             self.bending_moment.map(|value| (Quantity::BendingMoment, value)),
             self.motor_torque.map(|value| (Quantity::MotorTorque, value)),
         ]
@@ -66,7 +66,7 @@ impl<T: Copy> PerQuantity<T> {
         PerQuantity {
             torque: join(self.torque, other.torque),
             hub_angle: join(self.hub_angle, other.hub_angle),
-            displacement: join(self.displacement, other.displacement),
+            displacement: self.displacement.zip(other.displacement).map(|(a, b)| join(a, b)),
             bending_moment: self.bending_moment.zip(other.bending_moment).map(|(a, b)| join(a, b)),
             motor_torque: self.motor_torque.zip(other.motor_torque).map(|(a, b)| join(a, b)),
         }

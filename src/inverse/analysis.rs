@@ -10,6 +10,7 @@ pub struct Analysis {
     lag_s: Option<f64>,
     modes: Option<usize>,
     with_moments: bool,
+    without_displacements: bool,
     memory_bytes: Option<usize>,
 }
 
@@ -83,6 +84,13 @@ impl Analysis {
         Self { with_moments: true, ..self }
     }
 
+    /// The same analysis for those who have no use for the displacements of the nodes: on a mesh that is
+    /// not automatic they are not measured.
+    #[must_use]
+    pub fn without_displacements(self) -> Self {
+        Self { without_displacements: true, ..self }
+    }
+
     /// The same analysis in so much memory in bytes: what would take more is refused.
     #[must_use]
     pub fn within_memory(self, bytes: Option<usize>) -> Self {
@@ -102,6 +110,11 @@ impl Analysis {
     /// Whether bending moments along the link are measured.
     pub fn measures_moments(&self) -> bool {
         self.with_moments
+    }
+
+    /// Whether displacements of the nodes are measured, whatever the mesh.
+    pub fn measures_displacements(&self) -> bool {
+        !self.without_displacements
     }
 
     /// Time to add before the trajectory's first sample in s; `None`: as much as needed.
@@ -134,6 +147,7 @@ impl Default for Analysis {
             lag_s: None,
             modes: None,
             with_moments: false,
+            without_displacements: false,
             memory_bytes: None,
         }
     }

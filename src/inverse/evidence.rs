@@ -13,7 +13,7 @@ use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::real_frequency_zeros;
 use crate::motion::{TipMotion, TipSpectrum};
-use crate::numeric::{FourierPair, fast_length, largest};
+use crate::numeric::{FourierPair, fast_length, largest, magnitude};
 
 /// Amplitude near the Nyquist frequency, over the largest, from which on the user is warned.
 const NYQUIST_SHARE: f64 = 1e-3;
@@ -106,20 +106,27 @@ fn unsettled_torque(solution: &Solution) -> Option<Warning> {
         return None;
     }
     let forcing = solution.forcing();
-    let pair = FourierPair::new(fast_length(8 * solution.hub.torque_n_m.len()));
-    let measured = |quantity, amplitudes: &[Complex64]| {
+    let looser = |amplitudes: &[Complex64]| -> Vec<Complex64> {
         let bins = amplitudes.iter().zip(forcing.omegas_rad_s());
-        let looser: Vec<_> = bins.map(|(a, omega)| a * cutoff.weight_of_looser(*omega)).collect();
-        let peak_n_m = largest(&pair.samples(amplitudes));
-        (quantity, peak_n_m, largest(&pair.samples(looser)))
+        bins.map(|(a, omega)| a * cutoff.weight_of_looser(*omega)).collect()
     };
+    let measured = |quantity, amplitudes: &[Complex64]| {
+        let pair = FourierPair::new(fast_length(8 * amplitudes.len()));
+        let peak_n_m = |amplitudes| largest(&pair.samples(amplitudes));
+        (quantity, peak_n_m(amplitudes), peak_n_m(&looser(amplitudes)))
+    };
+    // No peak changes by more than the sum of what is taken away: mostly that is enough to know.
+    let torque = &solution.hub.torque_n_m;
+    let taken = torque.iter().zip(looser(torque)).map(|(a, b)| 2.0 * magnitude(a - b));
+    let may_change = taken.sum::<f64>() > UNSETTLED * largest(&solution.torque_n_m);
+    let torque = may_change.then(|| measured(Quantity::Torque, torque));
     let motor = forcing.motor_torque_n_m(&solution.hub);
     let motor = motor.map(|amplitudes| measured(Quantity::MotorTorque, &amplitudes));
     let change =
         |(_, peak_n_m, looser_n_m): &(Quantity, f64, f64)| (looser_n_m / peak_n_m - 1.0).abs();
     let (quantity, peak_n_m, looser_n_m) = motor
         .into_iter()
-        .chain([measured(Quantity::Torque, &solution.hub.torque_n_m)])
+        .chain(torque)
         .max_by(|a, b| change(a).total_cmp(&change(b)))
         .filter(|measured| change(measured) > UNSETTLED)?;
     Some(Warning::UnsettledTorque { quantity, peak_n_m, looser_n_m })

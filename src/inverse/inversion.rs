@@ -6,7 +6,7 @@ use super::dynamics::{Dynamics, KeptModes};
 use super::error::InversionError;
 use super::evidence::{Evidence, warnings};
 use super::period::{Padding, PeriodicTorque, Window, check_memory};
-use super::probes::Amplitudes;
+use super::probes::{AlongLink, Amplitudes};
 use super::refinement::{Asked, Measured, hub_peak_rad, measured_mesh, shares};
 use super::rigid::rigid_torque_n_m;
 use super::slow_tail::Series;
@@ -161,7 +161,10 @@ impl<'a> Problem<'a> {
             joint: Joint::of(self.link),
             spectrum: &period.spectrum,
             histories: period.histories(self.motion),
-            with_moments: self.analysis.measures_moments(),
+            measured: AlongLink {
+                displacements: self.analysis.measures_displacements(),
+                moments: self.analysis.measures_moments(),
+            },
         }
     }
 
@@ -217,14 +220,14 @@ impl<'a> Problem<'a> {
         let edge = |samples: &[f64]| answer.periodic(samples).edge_share(window);
         let pair = &answer.period.spectrum.pair;
         let residual_rad = answer.hub_residual_rad(tail);
+        let way_m = answer.period.histories(self.motion).way_m();
         let moment = || edge(&pair.samples(&answer.hub.root_moment_n_m));
         PerQuantity {
             torque: edge(&answer.torque_n_m),
             hub_angle: residual_rad / self.hub_peak_rad(answer),
             // The tip stays where it is wanted, and the hub on its axis: between them no node is off by
             // more than the hub's turn moves a rigid link.
-            displacement: residual_rad * self.link.length_m()
-                / answer.period.histories(self.motion).way_m(),
+            displacement: Some(residual_rad * self.link.length_m() / way_m),
             bending_moment: self.analysis.measures_moments().then(moment),
             motor_torque: motor_n_m.map(edge),
         }
@@ -306,7 +309,7 @@ impl<'a> Problem<'a> {
         };
         let joint = Joint::of(self.link);
         let (hub_angle_rad, hub_rate_rad_s) = rayon::join(
-            || hub.on(&grid, &tip.displacement_m, 0),
+            || hub.of_period(&answer.excess_rad, &grid, &tip.displacement_m, 0),
             || hub.on(&grid, &tip.velocity_m_s, 1),
         );
         let mut torque_n_m = cut(&answer.torque_n_m, &grid);

@@ -11,11 +11,18 @@ use crate::numeric::{FourierPair, fast_length, largest};
 /// Most nodes that stand for all: a wave between two of them is beyond what the mesh follows.
 const MOST_NODES: usize = 8;
 
+/// Which quantities along the link are measured.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AlongLink {
+    pub(super) displacements: bool,
+    pub(super) moments: bool,
+}
+
 /// Nodes at which displacements and moments are measured.
 #[derive(Debug, Clone)]
 pub(super) struct Probes {
     nodes: Vec<usize>,
-    with_moments: bool,
+    measured: AlongLink,
 }
 
 /// Amplitudes over the band on one mesh.
@@ -23,8 +30,9 @@ pub(super) struct Amplitudes {
     pub(super) hub: HubSpectra,
     /// Torque of the motor in N m, where there is a drive.
     pub(super) motor_torque_n_m: Option<Vec<Complex64>>,
-    /// Displacement less that of a rigid link, `v − x v_tip/L`, at the probes in m.
-    displacement_m: Vec<Vec<Complex64>>,
+    /// Displacement less that of a rigid link, `v − x v_tip/L`, at the probes in m, where it is asked
+    /// for.
+    displacement_m: Option<Vec<Vec<Complex64>>>,
     /// Bending moment at the probes in N m, where it is asked for.
     moment_n_m: Option<Vec<Vec<Complex64>>>,
     /// A transform with four times the samples that the band needs: enough to tell a peak.
@@ -33,12 +41,12 @@ pub(super) struct Amplitudes {
 
 impl Probes {
     /// Evenly spread nodes of a mesh, the tip left out: it moves as wanted on every mesh.
-    pub(super) fn of(mesh: &Mesh, with_moments: bool) -> Self {
+    pub(super) fn of(mesh: &Mesh, measured: AlongLink) -> Self {
         let inner = mesh.nodes_m().len() - 1;
         let count = inner.min(MOST_NODES);
         // The root as well: moments are largest there, and it moves where the hub has a radius.
         let nodes = (0..count).map(|k| k * inner / count).collect();
-        Self { nodes, with_moments }
+        Self { nodes, measured }
     }
 
     /// The same places on the mesh whose elements are half as long.
@@ -55,15 +63,19 @@ impl Amplitudes {
     pub(super) fn of(forcing: Forcing<'_>, probes: &Probes) -> Result<Self, InversionError> {
         let hub = forcing.hub_spectra()?;
         let motor_torque_n_m = forcing.motor_torque_n_m(&hub);
-        let nodes_m = forcing.dynamics.mesh().nodes_m();
-        let mut displacement_m = forcing.nodal_spectra(&probes.nodes, NodalQuantity::Deflection);
-        for (row, node) in displacement_m.iter_mut().zip(&probes.nodes) {
-            for (deflection, angle) in row.iter_mut().zip(&hub.excess_angle_rad) {
-                *deflection += angle * nodes_m[*node];
+        let displacements = || {
+            let nodes_m = forcing.dynamics.mesh().nodes_m();
+            let mut rows = forcing.nodal_spectra(&probes.nodes, NodalQuantity::Deflection);
+            for (row, node) in rows.iter_mut().zip(&probes.nodes) {
+                for (deflection, angle) in row.iter_mut().zip(&hub.excess_angle_rad) {
+                    *deflection += angle * nodes_m[*node];
+                }
             }
-        }
+            rows
+        };
+        let displacement_m = probes.measured.displacements.then(displacements);
         let moments = || forcing.nodal_spectra(&probes.nodes, NodalQuantity::Moment);
-        let moment_n_m = probes.with_moments.then(moments);
+        let moment_n_m = probes.measured.moments.then(moments);
         let coarse = fast_length(8 * hub.torque_n_m.len());
         let whole = &forcing.spectrum.pair;
         let pair = if coarse < whole.len() { FourierPair::new(coarse) } else { whole.clone() };
@@ -75,7 +87,7 @@ impl Amplitudes {
         PerQuantity {
             torque: std::slice::from_ref(&self.hub.torque_n_m),
             hub_angle: std::slice::from_ref(&self.hub.excess_angle_rad),
-            displacement: &self.displacement_m,
+            displacement: self.displacement_m.as_deref(),
             bending_moment: self.moment_n_m.as_deref(),
             motor_torque: self.motor_torque_n_m.as_ref().map(std::slice::from_ref),
         }
@@ -86,18 +98,28 @@ impl Amplitudes {
         self.spectra().zip(&other.spectra(), |from, to| {
             let rows = from.iter().zip(to).map(|(from, to)| {
                 let change: Vec<_> = to.iter().zip(from).map(|(to, from)| to - from).collect();
-                largest(&self.pair.samples(change))
+                self.peak_of(&change)
             });
             rows.fold(0.0, f64::max)
         })
     }
 
-    /// Largest value of each quantity that has no rigid part: torques and moments; the others are
-    /// what they differ from those of a rigid link.
-    pub(super) fn peaks(&self) -> PerQuantity<f64> {
-        let spectra = self.spectra();
-        spectra.zip(&spectra, |rows, _| {
-            rows.iter().map(|row| largest(&self.pair.samples(row))).fold(0.0, f64::max)
-        })
+    fn peak_of(&self, amplitudes: &[Complex64]) -> f64 {
+        largest(&self.pair.samples(amplitudes))
+    }
+
+    /// Peaks of torques and moments. Of the others `hub_angle` and `displacement` are the peaks: these
+    /// amplitudes are what they differ by from those of a rigid link.
+    pub(super) fn peaks(&self, hub_angle: f64, displacement: f64) -> PerQuantity<f64> {
+        let of_all = |rows: &Vec<Vec<Complex64>>| {
+            rows.iter().map(|row| self.peak_of(row)).fold(0.0, f64::max)
+        };
+        PerQuantity {
+            torque: self.peak_of(&self.hub.torque_n_m),
+            hub_angle,
+            displacement: self.displacement_m.is_some().then_some(displacement),
+            bending_moment: self.moment_n_m.as_ref().map(of_all),
+            motor_torque: self.motor_torque_n_m.as_deref().map(|row| self.peak_of(row)),
+        }
     }
 }

@@ -3,7 +3,7 @@ use std::ops::RangeInclusive;
 use super::accuracy::PerQuantity;
 use super::dynamics::Dynamics;
 use super::error::InversionError;
-use super::probes::{Amplitudes, Probes};
+use super::probes::{AlongLink, Amplitudes, Probes};
 use super::spectra::{Forcing, Joint};
 use crate::beam::MeshPlan;
 use crate::motion::{TipHistories, TipSpectrum};
@@ -31,7 +31,7 @@ pub(super) struct Asked<'a> {
     pub(super) joint: Joint,
     pub(super) spectrum: &'a TipSpectrum,
     pub(super) histories: &'a TipHistories,
-    pub(super) with_moments: bool,
+    pub(super) measured: AlongLink,
 }
 
 /// Peak of a torque in N m.
@@ -57,8 +57,7 @@ impl<'a> Asked<'a> {
     pub(super) fn peaks(&self, length_m: f64, amplitudes: &Amplitudes) -> PerQuantity<f64> {
         let excess_rad = self.spectrum.pair.samples(&amplitudes.hub.excess_angle_rad);
         let hub_angle = hub_peak_rad(self.histories, &excess_rad, length_m);
-        let displacement = self.histories.way_m();
-        PerQuantity { hub_angle, displacement, ..amplitudes.peaks() }
+        amplitudes.peaks(hub_angle, self.histories.way_m())
     }
 }
 
@@ -84,7 +83,10 @@ pub(super) fn measured_mesh(
     plan: &MeshPlan,
     asked: &Asked<'_>,
 ) -> Result<Measured, InversionError> {
-    let mut probes = Probes::of(coarsest.mesh(), asked.with_moments);
+    // An automatic mesh is the same whatever is measured on it.
+    let displacements = asked.measured.displacements || plan.is_automatic();
+    let measured_there = AlongLink { displacements, ..asked.measured };
+    let mut probes = Probes::of(coarsest.mesh(), measured_there);
     let mut answer = Amplitudes::of(asked.of(&coarsest), &probes);
     let mut dynamics = coarsest;
     loop {

@@ -81,7 +81,7 @@ impl Problem<'_> {
         let steps = PerQuantity {
             torque,
             hub_angle: turn_rad / problem.hub_peak_rad(&answer),
-            displacement: tip_change_m.max(turn_rad * self.link.length_m()) / tip.way_m(),
+            displacement: Some(tip_change_m.max(turn_rad * self.link.length_m()) / tip.way_m()),
             bending_moment: Some(off(&solution.root_moment_n_m, &root)),
             motor_torque: motor,
         };

@@ -139,14 +139,22 @@ impl Solution {
 
 /// The samples of a period that `grid` covers.
 pub(super) fn cut(period: &[f64], grid: &TimeGrid) -> Vec<f64> {
-    let mut first = grid.first.rem_euclid(period.len() as i64) as usize;
     let mut samples = Vec::with_capacity(grid.len);
-    while samples.len() < grid.len {
-        let last = period.len().min(first + grid.len - samples.len());
-        samples.extend_from_slice(&period[first..last]);
-        first = 0;
+    for stretch in stretches(period, grid) {
+        samples.extend_from_slice(stretch);
     }
     samples
+}
+
+/// What `grid` covers of a period, one after the other.
+fn stretches<'a, T>(period: &'a [T], grid: &TimeGrid) -> impl Iterator<Item = &'a [T]> {
+    let (mut first, mut left) = (grid.in_period(0, period.len()), grid.len);
+    std::iter::from_fn(move || {
+        let last = period.len().min(first + left);
+        let stretch = &period[first..last];
+        (first, left) = (0, left - stretch.len());
+        (!stretch.is_empty()).then_some(stretch)
+    })
 }
 
 /// The hub angle over a period: the tip's motion over the length, and what bending adds.
@@ -162,7 +170,18 @@ impl HubMotion<'_> {
     pub(super) fn on(&self, grid: &TimeGrid, tip: &[f64], order: usize) -> Vec<f64> {
         let spectrum = &self.period.spectrum;
         let derivative = spectrum.derivative(self.excess_amplitudes_rad, order);
-        let mut motion = cut(&spectrum.pair.samples(derivative), grid);
+        self.of_period(&spectrum.pair.samples(derivative), grid, tip, order)
+    }
+
+    /// The same, where the derivative of the excess is known over the period.
+    pub(super) fn of_period(
+        &self,
+        excess: &[f64],
+        grid: &TimeGrid,
+        tip: &[f64],
+        order: usize,
+    ) -> Vec<f64> {
+        let mut motion = cut(excess, grid);
         self.take_images_off(grid, order, 1.0, &mut motion);
         for (excess, tip) in motion.iter_mut().zip(tip) {
             *excess += tip * self.per_length;
@@ -181,8 +200,13 @@ impl HubMotion<'_> {
         let Some(tail) = self.tail.filter(|_| factor != 0.0) else { return };
         let tail = tail.map(|s| factor * s);
         let images = self.period.images().history(order);
-        for (k, sample) in samples.iter_mut().enumerate() {
-            *sample -= tail_sum(&tail, &images[grid.in_period(k, images.len())]);
+        let mut rest = samples;
+        for stretch in stretches(images, grid) {
+            let (these, others) = rest.split_at_mut(stretch.len());
+            for (sample, terms) in these.iter_mut().zip(stretch) {
+                *sample -= tail_sum(&tail, terms);
+            }
+            rest = others;
         }
     }
 }

@@ -34,7 +34,7 @@ pub use roots::{SECTIONS, geometric_scan, next_places, root};
 pub(crate) use round::rounded;
 pub(crate) use sampling::{CHANNELS, Room, Sampling};
 pub use scalar::{Scalar, Size};
-pub use significant::{gigabytes, significant};
+pub use significant::{gigabytes, plain, significant};
 pub use spline::{CubicSpline, SplineEnds};
 pub(crate) use sum::sum_over;
 pub use uniform::NotUniform;

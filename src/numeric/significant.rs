@@ -19,6 +19,17 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// A number with all its digits, for people: as it was given, but one far from 1 in powers of ten.
+///
+/// ```
+/// use flexlink::numeric::plain;
+/// assert_eq!([2.0, 0.25, 1e300].map(plain), ["2", "0.25", "1e300"]);
+/// ```
+pub fn plain(value: f64) -> String {
+    let is_near = value == 0.0 || !value.is_finite() || (1e-5..1e16).contains(&value.abs());
+    if is_near { value.to_string() } else { format!("{value:e}") }
+}
+
 /// Memory in GB, for people; in MB where it is less than a tenth of that.
 ///
 /// ```

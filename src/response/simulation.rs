@@ -15,7 +15,7 @@ use crate::modal::{
     natural_frequencies,
 };
 use crate::motion::TipMotionHistories;
-use crate::numeric::{TimeGrid, gigabytes, rounded};
+use crate::numeric::{TimeGrid, gigabytes, plain, rounded};
 
 /// Memory in bytes that playing takes for each sample, as measured, besides the coordinate and the
 /// rate of each mode.
@@ -48,7 +48,10 @@ pub enum SimulationError {
         end_s: f64,
     },
     /// More samples than this program holds.
-    #[error("until = {until_s} s, {samples:.3e} samples, but must be at most {limit} samples")]
+    #[error(
+        "until = {} s, {samples:.3e} samples, but must be at most {limit} samples",
+        plain(*until_s)
+    )]
     TooLong {
         /// The end asked for in s.
         until_s: f64,

@@ -131,7 +131,7 @@ struct Errors {
     tip: f64,
     torque: QuantityRecord,
     hub_angle: QuantityRecord,
-    displacement: QuantityRecord,
+    displacement: Option<QuantityRecord>,
     #[serde(skip_serializing_if = "Option::is_none")]
     bending_moment: Option<QuantityRecord>,
     motor_torque: Option<QuantityRecord>,
@@ -266,7 +266,7 @@ impl Errors {
             tip: accuracy.tip,
             torque: record(errors.torque),
             hub_angle: record(errors.hub_angle),
-            displacement: record(errors.displacement),
+            displacement: errors.displacement.map(record),
             bending_moment: errors.bending_moment.map(record),
             motor_torque: errors.motor_torque.map(record),
         }

@@ -9,7 +9,7 @@ use crate::response::{
 /// How far the tip may stray at most, over its way, where the tolerance is no looser.
 const TIP: f64 = 1e-3;
 
-/// A balance of energy, over the largest energy.
+/// A balance of energy, over the largest energy, where the tolerance is no tighter.
 const ENERGY: f64 = 1e-6;
 
 /// Times at which the balance is drawn up.
@@ -74,7 +74,8 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
         _ => vec![OWN_LAW.measured(viscous, bound)],
     };
     let (imbalance, quadrature) = imbalance(&simulation);
-    let energy = BALANCE.measured(imbalance, ENERGY.max(quadrature));
+    let energy =
+        BALANCE.measured(imbalance, ENERGY.min(answer.analysis.tolerance()).max(quadrature));
     Ok(Played { tip, energy })
 }
 

@@ -10,7 +10,7 @@ use crate::motion::{MotionError, TipMotion};
 use crate::numeric::largest;
 use crate::response::{HistoryError, SimulationError};
 
-/// What the user's choice of mesh, modes or step may change of the torque.
+/// What the user's own choice of elements, modes or step may change of the torque: no tolerance says.
 const CHOSEN: f64 = 1e-2;
 
 /// What a solution was asked for, and as what it is written.

@@ -22,7 +22,7 @@ const fn unit(
 }
 
 /// Every unit this program reads.
-pub(super) const KNOWN: [KnownUnit; 47] = [
+pub(super) const KNOWN: [KnownUnit; 49] = [
     unit("m", 1.0, 0, Dimension::LENGTH),
     unit("mm", 1.0, -3, Dimension::LENGTH),
     unit("cm", 1.0, -2, Dimension::LENGTH),
@@ -64,6 +64,8 @@ pub(super) const KNOWN: [KnownUnit; 47] = [
     unit("ksi", PSI, -2, Dimension::PRESSURE),
     unit("J", 1.0, 0, Dimension::TORQUE),
     unit("W", 1.0, 0, Dimension::POWER),
+    unit("mW", 1.0, -3, Dimension::POWER),
+    unit("kW", 1.0, 3, Dimension::POWER),
     unit("Hz", 1.0, 0, Dimension::RATE),
     unit("rad", 1.0, 0, Dimension::NONE),
     unit("mrad", 1.0, -3, Dimension::NONE),
@@ -137,7 +139,7 @@ mod tests {
         oz 0.028349523125; slug 14.593902937206364; s 1; ms 0.001; us 0.000001; µs 0.000001;
         μs 0.000001; min 60; h 3600; N 1; mN 0.001; kN 1000; MN 1000000; dyn 0.00001;
         kgf 9.80665; lbf 4.4482216152605; ozf 0.27801385095378125; Pa 1; kPa 1000; MPa 1000000;
-        GPa 1000000000; bar 100000; psi 6894.757293168361; ksi 6894757.293168361; J 1; W 1; Hz 1;
+        GPa 1000000000; bar 100000; psi 6894.757293168361; ksi 6894757.293168361; J 1; W 1; mW 0.001; kW 1000; Hz 1;
         rad 1; mrad 0.001; deg 0.017453292519943295; rpm 0.10471975511965977; 1 1";
 
     #[test]
