@@ -137,6 +137,10 @@ fn band_line(solution: &Solution) -> String {
     }
 }
 
+/// Columns of a line, and of the label that it begins with.
+const COLUMNS: usize = 80;
+const LABEL: usize = 9;
+
 /// One kind of error of a quantity, where it was measured.
 type Kind = fn(QuantityErrors) -> Option<f64>;
 
@@ -158,7 +162,29 @@ fn errors_line(solution: &Solution) -> String {
         };
         Some(format!("{name} {error:.1e}{of}"))
     });
-    format!("{} of the peak", worst.collect::<Vec<_>>().join(", "))
+    wrapped(worst, " of the peak")
+}
+
+/// Items with commas between them and an end, on as many lines as 80 columns take.
+fn wrapped(items: impl Iterator<Item = String>, end: &str) -> String {
+    let (mut text, mut column) = (String::new(), LABEL);
+    for item in items {
+        let width = item.chars().count() + end.len().max(1);
+        if column > LABEL {
+            text.push(',');
+            if column + 2 + width > COLUMNS {
+                text.push('\n');
+                text.push_str(&" ".repeat(LABEL));
+                column = LABEL;
+            } else {
+                text.push(' ');
+                column += 2;
+            }
+        }
+        column += item.chars().count();
+        text.push_str(&item);
+    }
+    text + end
 }
 
 fn window_line(solution: &Solution) -> String {

@@ -147,7 +147,7 @@ impl<'a> Cases<'a> {
         let analysis = found.analysis.within_memory(self.memory_bytes);
         // The table holds none.
         let without = self.shared.outputs.folder().is_none();
-        let analysis = if without { analysis.without_displacements() } else { analysis };
+        let analysis = if without { analysis.without_tables() } else { analysis };
         Ok(Specification { analysis, ..found })
     }
 

@@ -7,12 +7,18 @@ pub enum Quantity {
     Torque,
     /// Hub angle.
     HubAngle,
+    /// Hub rate.
+    HubRate,
+    /// Hub acceleration.
+    HubAcceleration,
     /// Total displacement at the nodes.
     Displacement,
     /// Bending moment at the nodes.
     BendingMoment,
     /// Torque of the motor.
     MotorTorque,
+    /// Rate of the motor.
+    MotorRate,
 }
 
 impl Quantity {
@@ -21,9 +27,12 @@ impl Quantity {
         match self {
             Self::Torque => "torque",
             Self::HubAngle => "hub angle",
+            Self::HubRate => "hub rate",
+            Self::HubAcceleration => "hub acceleration",
             Self::Displacement => "displacement",
             Self::BendingMoment => "bending moment",
             Self::MotorTorque => "motor torque",
+            Self::MotorRate => "motor rate",
         }
     }
 }
@@ -35,12 +44,18 @@ pub struct PerQuantity<T> {
     pub torque: T,
     /// Hub angle.
     pub hub_angle: T,
-    /// Total displacement at the nodes, unless it is left out.
+    /// Hub rate.
+    pub hub_rate: T,
+    /// Hub acceleration, unless tables are left out.
+    pub hub_acceleration: Option<T>,
+    /// Total displacement at the nodes, unless tables are left out.
     pub displacement: Option<T>,
     /// Bending moment at the nodes, where it was asked for.
     pub bending_moment: Option<T>,
     /// Torque of the motor, where the link has a drive.
     pub motor_torque: Option<T>,
+    /// Rate of the motor, likewise.
+    pub motor_rate: Option<T>,
 }
 
 impl<T: Copy> PerQuantity<T> {
@@ -49,9 +64,12 @@ impl<T: Copy> PerQuantity<T> {
         [
             Some((Quantity::Torque, self.torque)),
             Some((Quantity::HubAngle, self.hub_angle)),
+            Some((Quantity::HubRate, self.hub_rate)),
+            self.hub_acceleration.map(|value| (Quantity::HubAcceleration, value)),
             self.displacement.map(|value| (Quantity::Displacement, value)),
             self.bending_moment.map(|value| (Quantity::BendingMoment, value)),
             self.motor_torque.map(|value| (Quantity::MotorTorque, value)),
+            self.motor_rate.map(|value| (Quantity::MotorRate, value)),
         ]
         .into_iter()
         .flatten()
@@ -63,21 +81,26 @@ impl<T: Copy> PerQuantity<T> {
         other: &PerQuantity<U>,
         join: impl Fn(T, U) -> V,
     ) -> PerQuantity<V> {
+        let both = |a: Option<T>, b: Option<U>| a.zip(b).map(|(a, b)| join(a, b));
         PerQuantity {
             torque: join(self.torque, other.torque),
             hub_angle: join(self.hub_angle, other.hub_angle),
-            displacement: self.displacement.zip(other.displacement).map(|(a, b)| join(a, b)),
-            bending_moment: self.bending_moment.zip(other.bending_moment).map(|(a, b)| join(a, b)),
-            motor_torque: self.motor_torque.zip(other.motor_torque).map(|(a, b)| join(a, b)),
+            hub_rate: join(self.hub_rate, other.hub_rate),
+            hub_acceleration: both(self.hub_acceleration, other.hub_acceleration),
+            displacement: both(self.displacement, other.displacement),
+            bending_moment: both(self.bending_moment, other.bending_moment),
+            motor_torque: both(self.motor_torque, other.motor_torque),
+            motor_rate: both(self.motor_rate, other.motor_rate),
         }
     }
 }
 
 impl PerQuantity<f64> {
-    /// The largest value and the quantity that it is of; the torque where several are as large.
+    /// The largest value and the quantity that it is of; the torque where several are as large. NaN
+    /// counts as the largest.
     pub fn worst(&self) -> (Quantity, f64) {
         self.iter().fold((Quantity::Torque, self.torque), |worst, found| {
-            if found.1 > worst.1 { found } else { worst }
+            if found.1 > worst.1 || found.1.is_nan() { found } else { worst }
         })
     }
 }

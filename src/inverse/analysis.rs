@@ -10,7 +10,7 @@ pub struct Analysis {
     lag_s: Option<f64>,
     modes: Option<usize>,
     with_moments: bool,
-    without_displacements: bool,
+    without_tables: bool,
     memory_bytes: Option<usize>,
 }
 
@@ -84,11 +84,11 @@ impl Analysis {
         Self { with_moments: true, ..self }
     }
 
-    /// The same analysis for those who have no use for the displacements of the nodes: on a mesh that is
-    /// not automatic they are not measured.
+    /// The same analysis for those who write no tables over time: on a mesh that is not automatic,
+    /// displacements of the nodes and the hub's acceleration are not measured.
     #[must_use]
-    pub fn without_displacements(self) -> Self {
-        Self { without_displacements: true, ..self }
+    pub fn without_tables(self) -> Self {
+        Self { without_tables: true, ..self }
     }
 
     /// The same analysis in so much memory in bytes: what would take more is refused.
@@ -112,9 +112,9 @@ impl Analysis {
         self.with_moments
     }
 
-    /// Whether displacements of the nodes are measured, whatever the mesh.
-    pub fn measures_displacements(&self) -> bool {
-        !self.without_displacements
+    /// Whether all that tables over time hold is measured, whatever the mesh.
+    pub fn measures_tables(&self) -> bool {
+        !self.without_tables
     }
 
     /// Time to add before the trajectory's first sample in s; `None`: as much as needed.
@@ -147,7 +147,7 @@ impl Default for Analysis {
             lag_s: None,
             modes: None,
             with_moments: false,
-            without_displacements: false,
+            without_tables: false,
             memory_bytes: None,
         }
     }

@@ -120,8 +120,8 @@ fn unsettled_torque(solution: &Solution) -> Option<Warning> {
     let taken = torque.iter().zip(looser(torque)).map(|(a, b)| 2.0 * magnitude(a - b));
     let may_change = taken.sum::<f64>() > UNSETTLED * largest(&solution.torque_n_m);
     let torque = may_change.then(|| measured(Quantity::Torque, torque));
-    let motor = forcing.motor_torque_n_m(&solution.hub);
-    let motor = motor.map(|amplitudes| measured(Quantity::MotorTorque, &amplitudes));
+    let motor = forcing.motor_spectra(&solution.hub);
+    let motor = motor.map(|motor| measured(Quantity::MotorTorque, &motor.torque_n_m));
     let change =
         |(_, peak_n_m, looser_n_m): &(Quantity, f64, f64)| (looser_n_m / peak_n_m - 1.0).abs();
     let (quantity, peak_n_m, looser_n_m) = motor

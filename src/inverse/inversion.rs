@@ -5,13 +5,14 @@ use super::analysis::Analysis;
 use super::dynamics::{Dynamics, KeptModes};
 use super::error::InversionError;
 use super::evidence::{Evidence, warnings};
-use super::period::{Padding, PeriodicTorque, Window, check_memory};
-use super::probes::{AlongLink, Amplitudes};
-use super::refinement::{Asked, Measured, hub_peak_rad, measured_mesh, shares};
+use super::period::{Padding, Window, check_memory};
+use super::periodic_answer::{Costed, PeriodicAnswer};
+use super::probes::{Amplitudes, Wanted};
+use super::refinement::{Asked, Measured, measured_mesh, shares};
 use super::rigid::rigid_torque_n_m;
 use super::slow_tail::Series;
 use super::solution::{Band, HubMotion, Solution, cut};
-use super::spectra::{Forcing, HubSpectra, Joint};
+use super::spectra::Joint;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::torque_zeros;
@@ -27,15 +28,6 @@ pub(super) struct Problem<'a> {
     pub(super) padding: Padding,
 }
 
-/// The answer over one period.
-pub(super) struct PeriodicAnswer {
-    pub(super) period: Arc<TipPeriod>,
-    pub(super) hub: HubSpectra,
-    pub(super) torque_n_m: Vec<f64>,
-    /// Hub angle less that of the rigid link in rad, the images of its slow tail still in it.
-    pub(super) excess_rad: Vec<f64>,
-}
-
 /// What is left of the torque at the ends of a window, over its peak.
 struct Edges {
     /// Largest outside the window.
@@ -48,34 +40,9 @@ struct Edges {
 struct Known {
     first_zero_per_s: Option<f64>,
     hub_tail: Option<TailTerms>,
+    peaks: PerQuantity<f64>,
     mesh_errors: PerQuantity<f64>,
     mode_errors: Option<PerQuantity<f64>>,
-}
-
-impl PeriodicAnswer {
-    pub(super) fn of(forcing: Forcing<'_>, period: Arc<TipPeriod>) -> Result<Self, InversionError> {
-        Ok(Self::from_hub(forcing.hub_spectra()?, period))
-    }
-
-    fn from_hub(hub: HubSpectra, period: Arc<TipPeriod>) -> Self {
-        let pair = &period.spectrum.pair;
-        let torque_n_m = pair.samples(&hub.torque_n_m);
-        let excess_rad = pair.samples(&hub.excess_angle_rad);
-        Self { period, hub, torque_n_m, excess_rad }
-    }
-
-    fn periodic<'a>(&self, samples: &'a [f64]) -> PeriodicTorque<'a> {
-        let spectrum = &self.period.spectrum;
-        PeriodicTorque { samples, before: spectrum.seam, reach: spectrum.seam_reach() }
-    }
-
-    /// What the finite period costs the hub angle, in rad: what is left at the seam beyond its tail.
-    fn hub_residual_rad(&self, tail: Option<&TailTerms>) -> f64 {
-        match tail {
-            Some(tail) => self.period.images().residual_at_seam(&self.excess_rad, tail),
-            None => self.periodic(&self.excess_rad).at_seam(),
-        }
-    }
 }
 
 /// Finds the hub torque that makes the tip of `link` follow `motion` (Bayo 1987, eqs 13-21).
@@ -100,7 +67,7 @@ pub fn invert(
     let problem = Problem::new(link, motion, analysis, first_zero)?;
     let period = problem.shortest_period()?;
     let asked = problem.asked(&period);
-    let Measured { dynamics, probes, amplitudes, mesh_errors } =
+    let Measured { dynamics, probes, amplitudes, peaks, mesh_errors } =
         measured_mesh(coarsest, plan, &asked)?;
     let mode_errors = (dynamics.kept_modes() != KeptModes::All).then(|| {
         let all = dynamics.unreduced()?;
@@ -111,9 +78,10 @@ pub fn invert(
     let first_zero_per_s = first_zero_of(dynamics.mesh());
     let hub_tail = Series::of(&dynamics, first_zero_per_s).map(|s| s.hub_tail(&dynamics));
     let mode_errors = mode_errors.transpose()?;
-    let known = Known { first_zero_per_s, hub_tail, mesh_errors, mode_errors };
-    let shortest = PeriodicAnswer::from_hub(amplitudes.hub, Arc::clone(&period));
-    let answer = problem.decayed(&dynamics, known.hub_tail.as_ref(), shortest)?;
+    let known = Known { first_zero_per_s, hub_tail, peaks, mesh_errors, mode_errors };
+    let motor_n_m = amplitudes.motor.map(|motor| motor.torque_n_m);
+    let shortest = PeriodicAnswer::new(amplitudes.hub, motor_n_m.as_deref(), Arc::clone(&period));
+    let answer = problem.decayed(&dynamics, &problem.costed(&known), shortest)?;
     // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
     if let Some(frequency_hz) = answer.hub.blocked_hz {
         return Err(InversionError::BlockedTip { frequency_hz });
@@ -161,30 +129,38 @@ impl<'a> Problem<'a> {
             joint: Joint::of(self.link),
             spectrum: &period.spectrum,
             histories: period.histories(self.motion),
-            measured: AlongLink {
-                displacements: self.analysis.measures_displacements(),
+            wanted: Wanted {
+                tables: self.analysis.measures_tables(),
                 moments: self.analysis.measures_moments(),
             },
         }
     }
 
-    /// Lengthens the period until torque and hub angle have decayed where one period meets the next.
+    fn costed<'b>(&self, known: &'b Known) -> Costed<'b> {
+        Costed {
+            joint: Joint::of(self.link),
+            length_m: self.link.length_m(),
+            moments: self.analysis.measures_moments(),
+            tail: known.hub_tail.as_ref(),
+            peaks: &known.peaks,
+        }
+    }
+
+    /// Lengthens the period until every quantity has decayed where one period meets the next.
     ///
     /// The zeros tell the exponential decay; hysteretic damping adds an algebraic tail (∝ t⁻⁴ of the
     /// torque), and a blocked tip rings on, so the decay is measured, too.
     pub(super) fn decayed(
         &self,
         dynamics: &Dynamics,
-        tail: Option<&TailTerms>,
+        costed: &Costed<'_>,
         shortest: PeriodicAnswer,
     ) -> Result<PeriodicAnswer, InversionError> {
         let initial = shortest.torque_n_m.len();
         let mut answer = shortest;
         loop {
-            let (tolerance, torque) =
-                (self.analysis.tolerance(), answer.periodic(&answer.torque_n_m));
-            let has_decayed = torque.at_seam() <= tolerance * torque.peak()
-                && answer.hub_residual_rad(tail) <= tolerance * self.allowed_turn_rad(&answer);
+            let (_, left) = answer.left_at_seam(costed).worst();
+            let has_decayed = left <= self.analysis.tolerance();
             let next = Padding::lengthened(answer.torque_n_m.len(), initial);
             match next.filter(|_| !has_decayed) {
                 Some(len) => {
@@ -197,64 +173,42 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Turn of the hub in rad that is the peak of its own angle or moves a node by the tip's way,
-    /// whichever is less.
-    fn allowed_turn_rad(&self, answer: &PeriodicAnswer) -> f64 {
-        let way_m = answer.period.histories(self.motion).way_m();
-        self.hub_peak_rad(answer).min(way_m / self.link.length_m())
-    }
-
-    pub(super) fn hub_peak_rad(&self, answer: &PeriodicAnswer) -> f64 {
-        let tip = answer.period.histories(self.motion);
-        hub_peak_rad(tip, &answer.excess_rad, self.link.length_m())
-    }
-
     /// What the finite period and the window that is cut out of it cost each quantity, over its peak.
     fn window_errors(
         &self,
         answer: &PeriodicAnswer,
-        motor_n_m: Option<&[f64]>,
-        tail: Option<&TailTerms>,
+        known: &Known,
         window: &Window,
     ) -> PerQuantity<f64> {
-        let edge = |samples: &[f64]| answer.periodic(samples).edge_share(window);
-        let pair = &answer.period.spectrum.pair;
-        let residual_rad = answer.hub_residual_rad(tail);
-        let way_m = answer.period.histories(self.motion).way_m();
-        let moment = || edge(&pair.samples(&answer.hub.root_moment_n_m));
+        let left = answer.left_at_seam(&self.costed(known));
+        let cut_off = |samples: &[f64]| {
+            let periodic = answer.periodic(samples);
+            periodic.outside(window) / periodic.peak()
+        };
+        let root = || answer.period.spectrum.pair.samples(&answer.hub.root_moment_n_m);
         PerQuantity {
-            torque: edge(&answer.torque_n_m),
-            hub_angle: residual_rad / self.hub_peak_rad(answer),
-            // The tip stays where it is wanted, and the hub on its axis: between them no node is off by
-            // more than the hub's turn moves a rigid link.
-            displacement: Some(residual_rad * self.link.length_m() / way_m),
-            bending_moment: self.analysis.measures_moments().then(moment),
-            motor_torque: motor_n_m.map(edge),
+            torque: left.torque.max(cut_off(&answer.torque_n_m)),
+            bending_moment: left.bending_moment.map(|left| left.max(cut_off(&root()))),
+            motor_torque: left
+                .motor_torque
+                .zip(answer.motor_n_m.as_deref())
+                .map(|(left, motor)| left.max(cut_off(motor))),
+            ..left
         }
     }
 
     /// The samples to write: until both the torque and that of the motor stay below the tolerance.
-    fn window(&self, answer: &PeriodicAnswer, motor_n_m: Option<&[f64]>) -> Window {
+    fn window(&self, answer: &PeriodicAnswer) -> Window {
         let given = self.motion.grid();
         let of = |samples: &[f64]| {
             let torque = answer.periodic(samples);
             torque.window(given.len, given.step_s, self.analysis, torque.peak())
         };
         let hub = of(&answer.torque_n_m);
-        motor_n_m.map(of).map_or(hub, |motor| Window {
+        answer.motor_n_m.as_deref().map(of).map_or(hub, |motor| Window {
             start: hub.start.min(motor.start),
             stop: hub.stop.max(motor.stop),
         })
-    }
-
-    /// Torque of the motor in N m over the period, where there is a drive.
-    pub(super) fn motor_n_m(
-        &self,
-        answer: &PeriodicAnswer,
-        dynamics: &Dynamics,
-    ) -> Option<Vec<f64>> {
-        let amplitudes = self.asked(&answer.period).of(dynamics).motor_torque_n_m(&answer.hub)?;
-        Some(answer.period.spectrum.pair.samples(amplitudes))
     }
 
     /// Cuts the window to write out of the period and gathers what is known of the answer.
@@ -266,8 +220,7 @@ impl<'a> Problem<'a> {
     ) -> (Solution, Edges) {
         let given = self.motion.grid();
         let torque = answer.periodic(&answer.torque_n_m);
-        let motor_n_m = self.motor_n_m(&answer, &dynamics);
-        let window = self.window(&answer, motor_n_m.as_deref());
+        let window = self.window(&answer);
         let edges = Edges {
             cut: torque.outside(&window) / torque.peak(),
             seam: torque.at_seam() / torque.peak(),
@@ -286,8 +239,7 @@ impl<'a> Problem<'a> {
             velocity_m_s: cut(&histories.velocity_m_s, &grid),
             acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
         };
-        let window_errors =
-            self.window_errors(&answer, motor_n_m.as_deref(), known.hub_tail.as_ref(), &window);
+        let window_errors = self.window_errors(&answer, known, &window);
         let errors = known.mesh_errors.zip(&window_errors, |mesh, window| QuantityErrors {
             mesh,
             window,

@@ -22,6 +22,7 @@ mod nodal_block;
 mod nodal_peak;
 mod nodal_table;
 mod period;
+mod periodic_answer;
 mod probes;
 mod refinement;
 mod resampled;

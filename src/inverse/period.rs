@@ -155,11 +155,6 @@ impl PeriodicTorque<'_> {
         Window { start: start.max(begin), stop: stop.min(end) }
     }
 
-    /// Largest value outside the window, or where one period meets the next, over the peak.
-    pub(super) fn edge_share(&self, window: &Window) -> f64 {
-        self.outside(window).max(self.at_seam()) / self.peak()
-    }
-
     /// Largest torque outside the window.
     pub(super) fn outside(&self, window: &Window) -> f64 {
         let (begin, end) = self.ends();

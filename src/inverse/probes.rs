@@ -4,17 +4,20 @@ use num_complex::Complex64;
 
 use super::accuracy::PerQuantity;
 use super::error::InversionError;
-use super::spectra::{Forcing, HubSpectra};
+use super::spectra::{Forcing, HubSpectra, MotorSpectra};
 use crate::beam::{Mesh, NodalQuantity};
+use crate::motion::TipSpectrum;
 use crate::numeric::{FourierPair, fast_length, largest};
 
 /// Most nodes that stand for all: a wave between two of them is beyond what the mesh follows.
 const MOST_NODES: usize = 8;
 
-/// Which quantities along the link are measured.
+/// Which quantities are measured besides torques and the hub's angle and rate.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct AlongLink {
-    pub(super) displacements: bool,
+pub(super) struct Wanted {
+    /// What tables over time hold: displacements of the nodes, the hub's acceleration.
+    pub(super) tables: bool,
+    /// Bending moments along the link.
     pub(super) moments: bool,
 }
 
@@ -22,18 +25,21 @@ pub(super) struct AlongLink {
 #[derive(Debug, Clone)]
 pub(super) struct Probes {
     nodes: Vec<usize>,
-    measured: AlongLink,
+    wanted: Wanted,
 }
 
 /// Amplitudes over the band on one mesh.
 pub(super) struct Amplitudes {
     pub(super) hub: HubSpectra,
-    /// Torque of the motor in N m, where there is a drive.
-    pub(super) motor_torque_n_m: Option<Vec<Complex64>>,
-    /// Displacement less that of a rigid link, `v − x v_tip/L`, at the probes in m, where it is asked
-    /// for.
+    /// Hub rate in rad/s, and acceleration in rad/s² where it is wanted, less those of a rigid link.
+    hub_rate_rad_s: Vec<Complex64>,
+    hub_acceleration_rad_s2: Option<Vec<Complex64>>,
+    /// Torque of the motor in N m and its rate in rad/s, where there is a drive.
+    pub(super) motor: Option<MotorSpectra>,
+    /// Displacement less that of a rigid link, `v − x v_tip/L`, at the probes in m, where it is
+    /// wanted.
     displacement_m: Option<Vec<Vec<Complex64>>>,
-    /// Bending moment at the probes in N m, where it is asked for.
+    /// Bending moment at the probes in N m, where it is wanted.
     moment_n_m: Option<Vec<Vec<Complex64>>>,
     /// A transform with four times the samples that the band needs: enough to tell a peak.
     pair: FourierPair,
@@ -41,12 +47,12 @@ pub(super) struct Amplitudes {
 
 impl Probes {
     /// Evenly spread nodes of a mesh, the tip left out: it moves as wanted on every mesh.
-    pub(super) fn of(mesh: &Mesh, measured: AlongLink) -> Self {
+    pub(super) fn of(mesh: &Mesh, wanted: Wanted) -> Self {
         let inner = mesh.nodes_m().len() - 1;
         let count = inner.min(MOST_NODES);
         // The root as well: moments are largest there, and it moves where the hub has a radius.
         let nodes = (0..count).map(|k| k * inner / count).collect();
-        Self { nodes, measured }
+        Self { nodes, wanted }
     }
 
     /// The same places on the mesh whose elements are half as long.
@@ -62,7 +68,12 @@ impl Amplitudes {
     /// As [`Forcing::hub_spectra`].
     pub(super) fn of(forcing: Forcing<'_>, probes: &Probes) -> Result<Self, InversionError> {
         let hub = forcing.hub_spectra()?;
-        let motor_torque_n_m = forcing.motor_torque_n_m(&hub);
+        let Wanted { tables, moments } = probes.wanted;
+        let motor = forcing.motor_spectra(&hub);
+        let excess = || hub.excess_angle_rad.iter().zip(forcing.omegas_rad_s());
+        let hub_rate_rad_s = excess().map(|(e, omega)| e * Complex64::new(0.0, *omega)).collect();
+        let accelerations = || excess().map(|(e, omega)| -e * (omega * omega)).collect();
+        let hub_acceleration_rad_s2 = tables.then(accelerations);
         let displacements = || {
             let nodes_m = forcing.dynamics.mesh().nodes_m();
             let mut rows = forcing.nodal_spectra(&probes.nodes, NodalQuantity::Deflection);
@@ -73,13 +84,21 @@ impl Amplitudes {
             }
             rows
         };
-        let displacement_m = probes.measured.displacements.then(displacements);
-        let moments = || forcing.nodal_spectra(&probes.nodes, NodalQuantity::Moment);
-        let moment_n_m = probes.measured.moments.then(moments);
+        let displacement_m = tables.then(displacements);
+        let moments_n_m = || forcing.nodal_spectra(&probes.nodes, NodalQuantity::Moment);
+        let moment_n_m = moments.then(moments_n_m);
         let coarse = fast_length(8 * hub.torque_n_m.len());
         let whole = &forcing.spectrum.pair;
         let pair = if coarse < whole.len() { FourierPair::new(coarse) } else { whole.clone() };
-        Ok(Self { hub, motor_torque_n_m, displacement_m, moment_n_m, pair })
+        Ok(Self {
+            hub,
+            hub_rate_rad_s,
+            hub_acceleration_rad_s2,
+            motor,
+            displacement_m,
+            moment_n_m,
+            pair,
+        })
     }
 
     /// What stands for each quantity: one spectrum, or one for each probe.
@@ -87,9 +106,12 @@ impl Amplitudes {
         PerQuantity {
             torque: std::slice::from_ref(&self.hub.torque_n_m),
             hub_angle: std::slice::from_ref(&self.hub.excess_angle_rad),
+            hub_rate: std::slice::from_ref(&self.hub_rate_rad_s),
+            hub_acceleration: self.hub_acceleration_rad_s2.as_ref().map(std::slice::from_ref),
             displacement: self.displacement_m.as_deref(),
             bending_moment: self.moment_n_m.as_deref(),
-            motor_torque: self.motor_torque_n_m.as_ref().map(std::slice::from_ref),
+            motor_torque: self.motor.as_ref().map(|m| std::slice::from_ref(&m.torque_n_m)),
+            motor_rate: self.motor.as_ref().map(|m| std::slice::from_ref(&m.rate_rad_s)),
         }
     }
 
@@ -108,18 +130,32 @@ impl Amplitudes {
         largest(&self.pair.samples(amplitudes))
     }
 
-    /// Peaks of torques and moments. Of the others `hub_angle` and `displacement` are the peaks: these
-    /// amplitudes are what they differ by from those of a rigid link.
-    pub(super) fn peaks(&self, hub_angle: f64, displacement: f64) -> PerQuantity<f64> {
+    /// Peak of each quantity: of the hub angle and of displacements those given, as these amplitudes are
+    /// what they differ by from those of a rigid link.
+    pub(super) fn peaks(
+        &self,
+        tip: &TipSpectrum,
+        length_m: f64,
+        hub_angle: f64,
+        displacement: f64,
+    ) -> PerQuantity<f64> {
         let of_all = |rows: &Vec<Vec<Complex64>>| {
             rows.iter().map(|row| self.peak_of(row)).fold(0.0, f64::max)
         };
+        let with_rigid = |excess: &[Complex64], tip: &[Complex64]| {
+            let both: Vec<_> = excess.iter().zip(tip).map(|(e, tip)| e + tip / length_m).collect();
+            self.peak_of(&both)
+        };
+        let acceleration = self.hub_acceleration_rad_s2.as_ref();
         PerQuantity {
             torque: self.peak_of(&self.hub.torque_n_m),
             hub_angle,
+            hub_rate: with_rigid(&self.hub_rate_rad_s, &tip.velocity_m_s),
+            hub_acceleration: acceleration.map(|a| with_rigid(a, &tip.acceleration_m_s2)),
             displacement: self.displacement_m.is_some().then_some(displacement),
             bending_moment: self.moment_n_m.as_ref().map(of_all),
-            motor_torque: self.motor_torque_n_m.as_deref().map(|row| self.peak_of(row)),
+            motor_torque: self.motor.as_ref().map(|motor| self.peak_of(&motor.torque_n_m)),
+            motor_rate: self.motor.as_ref().map(|motor| self.peak_of(&motor.rate_rad_s)),
         }
     }
 }

@@ -3,7 +3,7 @@ use std::ops::RangeInclusive;
 use super::accuracy::PerQuantity;
 use super::dynamics::Dynamics;
 use super::error::InversionError;
-use super::probes::{AlongLink, Amplitudes, Probes};
+use super::probes::{Amplitudes, Probes, Wanted};
 use super::spectra::{Forcing, Joint};
 use crate::beam::MeshPlan;
 use crate::motion::{TipHistories, TipSpectrum};
@@ -21,6 +21,8 @@ pub(super) struct Measured {
     pub(super) dynamics: Dynamics,
     pub(super) probes: Probes,
     pub(super) amplitudes: Amplitudes,
+    /// Peak of each quantity.
+    pub(super) peaks: PerQuantity<f64>,
     /// Discretisation error of each quantity over its own peak.
     pub(super) mesh_errors: PerQuantity<f64>,
 }
@@ -31,7 +33,7 @@ pub(super) struct Asked<'a> {
     pub(super) joint: Joint,
     pub(super) spectrum: &'a TipSpectrum,
     pub(super) histories: &'a TipHistories,
-    pub(super) measured: AlongLink,
+    pub(super) wanted: Wanted,
 }
 
 /// Peak of a torque in N m.
@@ -57,12 +59,12 @@ impl<'a> Asked<'a> {
     pub(super) fn peaks(&self, length_m: f64, amplitudes: &Amplitudes) -> PerQuantity<f64> {
         let excess_rad = self.spectrum.pair.samples(&amplitudes.hub.excess_angle_rad);
         let hub_angle = hub_peak_rad(self.histories, &excess_rad, length_m);
-        amplitudes.peaks(hub_angle, self.histories.way_m())
+        amplitudes.peaks(self.spectrum, length_m, hub_angle, self.histories.way_m())
     }
 }
 
 /// Largest distance of the hub angle from where it starts, in rad.
-pub(super) fn hub_peak_rad(tip: &TipHistories, excess_rad: &[f64], length_m: f64) -> f64 {
+fn hub_peak_rad(tip: &TipHistories, excess_rad: &[f64], length_m: f64) -> f64 {
     let start_m = tip.start_m();
     let turns = tip.displacement_m.iter().zip(excess_rad);
     turns.fold(0.0, |most, (at_m, excess)| most.max(((at_m - start_m) / length_m + excess).abs()))
@@ -84,9 +86,8 @@ pub(super) fn measured_mesh(
     asked: &Asked<'_>,
 ) -> Result<Measured, InversionError> {
     // An automatic mesh is the same whatever is measured on it.
-    let displacements = asked.measured.displacements || plan.is_automatic();
-    let measured_there = AlongLink { displacements, ..asked.measured };
-    let mut probes = Probes::of(coarsest.mesh(), measured_there);
+    let tables = asked.wanted.tables || plan.is_automatic();
+    let mut probes = Probes::of(coarsest.mesh(), Wanted { tables, ..asked.wanted });
     let mut answer = Amplitudes::of(asked.of(&coarsest), &probes);
     let mut dynamics = coarsest;
     loop {
@@ -99,11 +100,11 @@ pub(super) fn measured_mesh(
             // A mesh far too coarse for its band may give no numbers at all.
             Err(InversionError::NotFinite { .. }) if may_refine => {}
             Err(error) => return Err(error),
-            Ok(mesh_errors) => {
+            Ok((mesh_errors, peaks)) => {
                 let (_, error) = mesh_errors.worst();
                 if !plan.is_automatic() || error <= plan.tolerance() {
                     let amplitudes = answer?;
-                    return Ok(Measured { dynamics, probes, amplitudes, mesh_errors });
+                    return Ok(Measured { dynamics, probes, amplitudes, peaks, mesh_errors });
                 }
                 if !may_refine {
                     let tolerance = plan.tolerance();
@@ -115,13 +116,13 @@ pub(super) fn measured_mesh(
     }
 }
 
-/// Discretisation error of an answer, measured against that on halved elements.
+/// Discretisation error of an answer, measured against that on halved elements, and the peaks there.
 fn measured(
     asked: &Asked<'_>,
     dynamics: &Dynamics,
     answer: &Result<Amplitudes, InversionError>,
     finer: &Result<Amplitudes, InversionError>,
-) -> Result<PerQuantity<f64>, InversionError> {
+) -> Result<(PerQuantity<f64>, PerQuantity<f64>), InversionError> {
     let (answer, finer) =
         (answer.as_ref().map_err(Clone::clone)?, finer.as_ref().map_err(Clone::clone)?);
     let torque_n_m = asked.spectrum.pair.samples(&answer.hub.torque_n_m);
@@ -130,5 +131,5 @@ fn measured(
     // What is less than the rounding of the answer is not known.
     peaks.torque = peaks.torque.max(f64::EPSILON * peak_n_m);
     let errors = shares(&answer.change_to(finer), &peaks);
-    Ok(errors.zip(&errors, |error, _| ERROR_PER_CHANGE * error))
+    Ok((errors.zip(&errors, |error, _| ERROR_PER_CHANGE * error), peaks))
 }

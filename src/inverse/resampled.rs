@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::accuracy::{PerQuantity, QuantityErrors};
 use super::analysis::Analysis;
 use super::error::InversionError;
-use super::inversion::{PeriodicAnswer, Problem};
+use super::inversion::Problem;
+use super::periodic_answer::PeriodicAnswer;
 use super::solution::{HubMotion, Solution, cut};
 use crate::link::Link;
 use crate::motion::TipMotion;
@@ -35,8 +36,7 @@ impl Problem<'_> {
         let that = (solution.band.period_s / self.motion.grid().step_s).ceil() as usize;
         let period = self.period(own.max(fast_length(that)))?;
         let dynamics = &solution.dynamics;
-        let shortest = PeriodicAnswer::of(self.asked(&period).of(dynamics), Arc::clone(&period))?;
-        self.decayed(dynamics, solution.hub_tail.as_ref(), shortest)
+        PeriodicAnswer::of(self.asked(&period).of(dynamics), Arc::clone(&period))
     }
 
     /// The window of a solution at this motion's own step.
@@ -72,18 +72,30 @@ impl Problem<'_> {
             tail: solution.hub_tail,
             per_length: 1.0 / self.link.length_m(),
         };
+        let rates = [&tip.velocity_m_s, &tip.acceleration_m_s2].map(|tip| cut(tip, &grid));
         let angle_rad = hub.on(&grid, &tip_m, 0);
+        let rate_rad_s = hub.on(&grid, &rates[0], 1);
+        let acceleration_rad_s2 = hub.on(&grid, &rates[1], 2);
+        let share = |coarse: &[f64], fine: &[f64]| apart(coarse, fine) / largest(fine);
         let turn_rad = apart(&solution.hub_angle_rad, &angle_rad);
+        let turned_rad: Vec<f64> = angle_rad.iter().map(|angle| angle - angle_rad[0]).collect();
         let tip_change_m = apart(&solution.tip.displacement_m, &tip_m);
         let root = pair.samples(&answer.hub.root_moment_n_m);
-        let motor = problem.motor_n_m(&answer, &solution.dynamics);
-        let motor = solution.motor().zip(motor).map(|(a, b)| off(&a.torque_n_m, &b));
+        let forcing = problem.asked(&answer.period).of(&solution.dynamics);
+        let motor = solution.motor().zip(forcing.motor_spectra(&answer.hub));
+        let motor = motor.map(|(coarse, fine)| {
+            let of = |coarse: &[f64], fine| off(coarse, &pair.samples(fine));
+            (of(&coarse.torque_n_m, fine.torque_n_m), of(&coarse.rate_rad_s, fine.rate_rad_s))
+        });
         let steps = PerQuantity {
             torque,
-            hub_angle: turn_rad / problem.hub_peak_rad(&answer),
+            hub_angle: turn_rad / largest(&turned_rad),
+            hub_rate: share(&solution.hub_rate_rad_s, &rate_rad_s),
+            hub_acceleration: Some(share(solution.hub_acceleration_rad_s2(), &acceleration_rad_s2)),
             displacement: Some(tip_change_m.max(turn_rad * self.link.length_m()) / tip.way_m()),
             bending_moment: Some(off(&solution.root_moment_n_m, &root)),
-            motor_torque: motor,
+            motor_torque: motor.map(|(torque, _)| torque),
+            motor_rate: motor.map(|(_, rate)| rate),
         };
         let errors = &mut solution.accuracy.errors;
         *errors = errors.zip(&steps, |errors, step| QuantityErrors { step: Some(step), ..errors });

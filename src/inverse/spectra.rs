@@ -58,6 +58,14 @@ pub(super) struct HubSpectra {
     pub(super) blocked_hz: Option<f64>,
 }
 
+/// Amplitudes at the motor, on its own side of the gear.
+pub(super) struct MotorSpectra {
+    /// Torque in N m.
+    pub(super) torque_n_m: Vec<Complex64>,
+    /// Rate in rad/s.
+    pub(super) rate_rad_s: Vec<Complex64>,
+}
+
 /// What the tip's motion is multiplied by at one frequency.
 struct HubTransfer {
     /// Torque of the link and of what bending adds to the joint's friction, per felt acceleration,
@@ -191,22 +199,28 @@ impl Forcing<'_> {
         }
     }
 
-    /// Torque of the motor in N m over the band, where there is a drive.
+    /// The motor over the band, where there is a drive.
     ///
     /// ```text
-    /// T̂_m = T̂/n + J n (θ̈ + T̈/k),   θ̈̂ = â/L − ω² θ̃̂
+    /// φ̇ = n (θ̇ + Ṫ/k),   θ̇̂ = v̂/L + iω θ̃̂
+    /// T̂_m = T̂/n + J φ̈
     /// ```
-    pub(super) fn motor_torque_n_m(&self, hub: &HubSpectra) -> Option<Vec<Complex64>> {
+    pub(super) fn motor_spectra(&self, hub: &HubSpectra) -> Option<MotorSpectra> {
         let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = self.joint.drive?;
         let per_length = 1.0 / self.dynamics.mesh().length_m();
-        let inertia = rotor_inertia_kg_m2 * gear_ratio;
-        let amplitude = |(k, omega): (usize, &f64)| {
+        let amplitudes = |(k, omega): (usize, &f64)| {
             let torque = hub.torque_n_m[k];
             let bending = hub.excess_angle_rad[k] + torque / joint_stiffness_n_m_rad;
-            let rigid = self.spectrum.acceleration_m_s2[k] * per_length;
-            torque / gear_ratio + (rigid - bending * (omega * omega)) * inertia
+            let [velocity, acceleration] =
+                [self.spectrum.velocity_m_s[k], self.spectrum.acceleration_m_s2[k]];
+            let rate = velocity * per_length + bending * Complex64::new(0.0, *omega);
+            let turning = acceleration * per_length - bending * (omega * omega);
+            let inertia = rotor_inertia_kg_m2 * gear_ratio;
+            (torque / gear_ratio + turning * inertia, rate * gear_ratio)
         };
-        Some(self.omegas_rad_s().iter().enumerate().map(amplitude).collect())
+        let bins = self.omegas_rad_s().iter().enumerate();
+        let (torque_n_m, rate_rad_s) = bins.map(amplitudes).unzip();
+        Some(MotorSpectra { torque_n_m, rate_rad_s })
     }
 
     /// Amplitudes of `quantity` at some nodes over the band, one spectrum for each node.

@@ -72,13 +72,8 @@ impl Images {
     pub(super) fn new(spectrum: &TipSpectrum, forcing_m_s2: &[f64]) -> Self {
         let motion = Source::new(spectrum, forcing_m_s2);
         let (step_s, samples, seam) = (spectrum.step_s, spectrum.pair.len(), spectrum.seam);
-        let (reach, middle) = (spectrum.seam_reach(), samples + seam);
-        let around = (middle - reach..=middle + reach).step_by((reach / 8).max(1));
-        let around_seam = around.map(|k| {
-            let time_s = (k - samples) as f64 * step_s;
-            (k % samples, motion.terms(time_s, Own::In))
-        });
-        let around_seam = around_seam.collect();
+        let places = spectrum.around_seam().0.into_iter();
+        let around_seam = places.map(|(k, time_s)| (k, motion.terms(time_s, Own::In))).collect();
         let span = period(step_s, samples, seam);
         let cosines = Cosines::new();
         let at = |point: usize| motion.terms(span.at(cosines.of(1, point)), Own::Out);
@@ -116,15 +111,15 @@ impl Images {
         })
     }
 
-    /// Largest of what a period's samples of a signal hold around the seam beyond its tail and the
-    /// images': what the finite period costs it, in the signal's unit.
+    /// What a period's samples of a signal hold around the seam beyond its tail and the images', in the
+    /// signal's unit: what the finite period costs it.
     ///
     /// # Panics
     /// Without a sample for each of the period.
-    pub fn residual_at_seam(&self, signal: &[f64], tail: &TailTerms) -> f64 {
+    pub fn residuals_at_seam(&self, signal: &[f64], tail: &TailTerms) -> Vec<f64> {
         assert_eq!(signal.len(), self.samples, "samples of the period");
-        let beyond = self.around_seam.iter().map(|(k, terms)| signal[*k] - tail_sum(tail, terms));
-        beyond.fold(0.0, |most: f64, left| most.max(left.abs()))
+        let around = self.around_seam.iter();
+        around.map(|(k, terms)| signal[*k] - tail_sum(tail, terms)).collect()
     }
 }
 

@@ -11,6 +11,9 @@ use crate::numeric::{FourierPair, angular_frequency, largest, magnitude};
 /// round-off of a transform.
 const BAND_TOLERANCE: f64 = 1e-15;
 
+/// Places on either side of the seam.
+const SEAM_PLACES: usize = 8;
+
 /// Spectrum of the tip motion on a period of N samples; sample 0 is the trajectory's first.
 ///
 /// Samples after the trajectory continue its rest; those from the seam on stand for the rest
@@ -85,6 +88,19 @@ impl TipSpectrum {
     /// Period P in s.
     pub fn period_s(&self) -> f64 {
         self.pair.len() as f64 * self.step_s
+    }
+
+    /// Places around the seam at which the end of a decay is measured: samples of the period with their
+    /// times in s, and the distance of two in s.
+    pub fn around_seam(&self) -> (Vec<(usize, f64)>, f64) {
+        let len = self.pair.len();
+        let stride = (self.seam_reach() / SEAM_PLACES).max(1);
+        let first = len + self.seam - SEAM_PLACES * stride;
+        let place = |place: usize| {
+            let k = first + place * stride;
+            (k % len, (k as f64 - len as f64) * self.step_s)
+        };
+        ((0..=2 * SEAM_PLACES).map(place).collect(), stride as f64 * self.step_s)
     }
 
     /// Samples on either side of the seam that tell what is left there. Where the motion is antisymmetric,

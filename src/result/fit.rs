@@ -263,27 +263,36 @@ impl FitProblem<'_> {
 
 /// Measured error of what a limit holds, a share of its value.
 ///
-/// What is not measured itself has the error of what it is made of: power that of torque and rate,
-/// deflection that of the hub angle, the root's moment that of the torque.
+/// Errors are measured over peaks: an effective value has that of the peak. Power has the errors of torque
+/// and rate, deflection that of the hub angle, the root's moment that of the torque.
 fn error_of(held: Held, solution: &Solution, metrics: &Metrics) -> f64 {
     let Accuracy { errors, .. } = solution.accuracy;
     let torque = total(errors.torque);
-    let angle = total(errors.hub_angle);
-    let motor = errors.motor_torque.map_or(0.0, total);
+    let rate = total(errors.hub_rate);
+    let [motor_torque, motor_rate] =
+        [errors.motor_torque, errors.motor_rate].map(|errors| errors.map_or(0.0, total));
+    let peak = metrics.peak_torque_n_m.value;
+    let motor = metrics.motor.as_ref();
+    let over = |error: f64, peak: f64| (error * peak / held.found).min(f64::MAX);
     match held.key {
-        "hub_rate" => angle,
-        "power" => torque + angle,
+        "rms_torque" => over(torque, peak),
+        "hub_rate" => rate,
+        "power" => over(torque + rate, peak * metrics.peak_hub_rate_rad_s.value),
         "deflection" => {
             let turned_m = solution.mesh().length_m() * metrics.peak_hub_angle_rad.value;
             // Of a link that does not bend, a number all the same.
-            (angle * turned_m / metrics.peak_deflection_m.value).min(f64::MAX)
+            over(total(errors.hub_angle), turned_m)
         }
-        "bending_moment" => {
-            torque * (metrics.peak_torque_n_m.value / metrics.peak_root_moment_n_m.value).max(1.0)
+        "bending_moment" => torque * (peak / held.found).max(1.0),
+        "motor_torque" => motor_torque,
+        "motor_rate" => motor_rate,
+        "motor_rms_torque" => {
+            motor.map_or(0.0, |motor| over(motor_torque, motor.peak_torque_n_m.value))
         }
-        "motor_torque" | "motor_rms_torque" => motor,
-        "motor_rate" => motor.max(angle),
-        "motor_power" => motor + motor.max(angle),
+        "motor_power" => motor.map_or(0.0, |motor| {
+            let peaks = motor.peak_torque_n_m.value * motor.peak_rate_rad_s.value;
+            over(motor_torque + motor_rate, peaks)
+        }),
         _ => torque,
     }
 }

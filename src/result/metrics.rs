@@ -1,20 +1,9 @@
+use super::peak::{Between, Peak, peak, peak_of_product};
 use crate::inverse::{MotorHistories, Solution};
-use crate::numeric::{TimeGrid, largest, sum_over};
+use crate::numeric::{TimeGrid, sum_over};
 
 /// Share of the peak torque that counts as acting: the level of the paper's 0.3 s.
 pub const TIMING_LEVEL: f64 = 0.02;
-
-/// Samples that are compared at a time.
-const PART: usize = 512;
-
-/// Largest absolute value of a history and when it occurs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Peak {
-    /// The largest absolute value.
-    pub value: f64,
-    /// Its time in s; the first one where several are equal.
-    pub time_s: f64,
-}
 
 /// Numbers of a solution that a person reads first, over the written window.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,18 +54,23 @@ pub struct MotorMetrics {
     pub peak_power_w: Peak,
 }
 
+/// Where the motion is solved up to a cut-off, its samples tell what lies between them.
+fn between(solution: &Solution) -> Between {
+    if solution.band.cutoff_hz.is_some() { Between::BandLimited } else { Between::Unknown }
+}
+
 impl Metrics {
-    /// Reads the numbers off a solution.
+    /// Reads the numbers off a solution. Peaks are those of the motion, not of its samples: they do not
+    /// change with the step.
     pub fn of(solution: &Solution) -> Self {
         let grid = &solution.grid;
         let torque = &solution.torque_n_m;
-        let peak = |samples: &[f64]| peak(samples, grid);
+        let between = between(solution);
+        let peak = |samples: &[f64]| peak(samples, grid, between);
         let peak_torque_n_m = peak(torque);
         let peak_rigid_torque_n_m = peak(&solution.rigid_torque_n_m);
         let start = solution.hub_angle_rad[0];
         let travelled: Vec<f64> = solution.hub_angle_rad.iter().map(|a| a - start).collect();
-        let power: Vec<f64> =
-            torque.iter().zip(&solution.hub_rate_rad_s).map(|(t, rate)| t * rate).collect();
         let acting = Acting::of(torque, TIMING_LEVEL * peak_torque_n_m.value);
         Self {
             peak_torque_n_m,
@@ -87,12 +81,12 @@ impl Metrics {
             lag_s: acting.end_s(grid) - grid.time_s(solution.moving.1),
             peak_hub_angle_rad: peak(&travelled),
             peak_hub_rate_rad_s: peak(&solution.hub_rate_rad_s),
-            peak_power_w: peak(&power),
+            peak_power_w: peak_of_product(torque, &solution.hub_rate_rad_s, grid, between),
             peak_root_moment_n_m: peak(&solution.root_moment_n_m),
             peak_deflection_m: peak(&solution.tip_deflection_m()),
             peak_tip_velocity_m_s: peak(&solution.tip.velocity_m_s),
             peak_tip_acceleration_m_s2: peak(&solution.tip.acceleration_m_s2),
-            motor: solution.motor().map(|motor| MotorMetrics::of(&motor, grid)),
+            motor: solution.motor().map(|motor| MotorMetrics::of(&motor, grid, between)),
         }
     }
 }
@@ -137,29 +131,16 @@ impl Acting {
 }
 
 impl MotorMetrics {
-    fn of(motor: &MotorHistories, grid: &TimeGrid) -> Self {
-        let peak_torque_n_m = peak(&motor.torque_n_m, grid);
+    fn of(motor: &MotorHistories, grid: &TimeGrid, between: Between) -> Self {
+        let peak_torque_n_m = peak(&motor.torque_n_m, grid, between);
         let acting = Acting::of(&motor.torque_n_m, TIMING_LEVEL * peak_torque_n_m.value);
         Self {
             peak_torque_n_m,
             rms_torque_n_m: rms(&motor.torque_n_m[acting.first..=acting.last]),
-            peak_rate_rad_s: peak(&motor.rate_rad_s, grid),
-            peak_power_w: peak(&motor.power_w, grid),
+            peak_rate_rad_s: peak(&motor.rate_rad_s, grid, between),
+            peak_power_w: peak_of_product(&motor.torque_n_m, &motor.rate_rad_s, grid, between),
         }
     }
-}
-
-pub(super) fn peak(samples: &[f64], grid: &TimeGrid) -> Peak {
-    // By and by, so that only the part with the largest is looked through for it.
-    let (mut value, mut first) = (0.0, 0);
-    for (part, samples) in samples.chunks(PART).enumerate() {
-        let here = largest(samples);
-        if here > value {
-            (value, first) = (here, part * PART);
-        }
-    }
-    let within = samples[first..].iter().position(|sample| sample.abs() >= value).unwrap_or(0);
-    Peak { value, time_s: grid.time_s(first + within) }
 }
 
 fn rms(samples: &[f64]) -> f64 {
@@ -170,13 +151,6 @@ fn rms(samples: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_peak_is_the_first_of_equal_magnitudes() {
-        let grid = TimeGrid { origin_s: 1.0, step_s: 0.5, first: -1, len: 4 };
-        let found = peak(&[0.0, -2.0, 1.0, 2.0], &grid);
-        assert_eq!(found, Peak { value: 2.0, time_s: 1.0 });
-    }
 
     /// The times at which a bell of either sign crosses 2 % of its peak, by samples at a step.
     fn crossings_s(sign: f64, step_s: f64, len: usize) -> [f64; 2] {

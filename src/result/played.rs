@@ -1,4 +1,4 @@
-use super::metrics::{Peak, peak};
+use super::peak::{Between, Peak, peak};
 use crate::response::Simulation;
 
 /// The numbers of a simulation that a person reads first.
@@ -26,7 +26,7 @@ impl PlayedMetrics {
     /// Reads the numbers off a simulation.
     pub fn of(simulation: &Simulation) -> Self {
         let Simulation { tip, torque_n_m, hub_angle_rad, hub_rate_rad_s, .. } = simulation;
-        let peak = |samples: &[f64]| peak(samples, &simulation.grid);
+        let peak = |samples: &[f64]| peak(samples, &simulation.grid, Between::Unknown);
         let displacement = &tip.displacement_m;
         let last = displacement.len() - 1;
         let turned: Vec<f64> = hub_angle_rad.iter().map(|a| a - hub_angle_rad[0]).collect();

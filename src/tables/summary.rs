@@ -131,10 +131,13 @@ struct Errors {
     tip: f64,
     torque: QuantityRecord,
     hub_angle: QuantityRecord,
+    hub_rate: QuantityRecord,
+    hub_acceleration: Option<QuantityRecord>,
     displacement: Option<QuantityRecord>,
     #[serde(skip_serializing_if = "Option::is_none")]
     bending_moment: Option<QuantityRecord>,
     motor_torque: Option<QuantityRecord>,
+    motor_rate: Option<QuantityRecord>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -266,9 +269,12 @@ impl Errors {
             tip: accuracy.tip,
             torque: record(errors.torque),
             hub_angle: record(errors.hub_angle),
+            hub_rate: record(errors.hub_rate),
+            hub_acceleration: errors.hub_acceleration.map(record),
             displacement: errors.displacement.map(record),
             bending_moment: errors.bending_moment.map(record),
             motor_torque: errors.motor_torque.map(record),
+            motor_rate: errors.motor_rate.map(record),
         }
     }
 }

@@ -80,10 +80,14 @@ fn what_few_modes_cost_is_told() {
     let whole = ["--set", "analysis.tip_tolerance=0"];
     let text = stdout(&bench.solve(&[&["--set", "analysis.modes=5"], &whole[..]].concat()));
     let errors = line(&text, "errors").unwrap();
-    let truncation = bench.json("out/summary.json")["errors"]["torque"]["modes"].clone();
-    let truncation = truncation.as_f64().unwrap();
+    let told = bench.json("out/summary.json")["errors"].clone();
+    let of = |quantity: &str| told[quantity]["modes"].as_f64().unwrap();
+    let truncation = of("torque");
     assert!((0.03..0.08).contains(&truncation), "{truncation}");
-    assert!(errors.contains(&format!(", modes left out {truncation:.1e}")), "{errors}");
+    let worst = of("hub_acceleration");
+    assert!(worst > truncation, "{worst}");
+    let expected = format!("modes left out {worst:.1e} (hub acceleration) of the peak");
+    assert!(text.contains(&expected), "{errors}");
     let text = stdout(&bench.solve(&[]));
     assert!(!line(&text, "errors").unwrap().contains("modes"));
     let errors = &bench.json("out/summary.json")["errors"];

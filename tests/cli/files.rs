@@ -165,7 +165,8 @@ fn the_tip_written_is_accepted_as_a_motion_and_needs_the_same_torque() {
         for digits in ["10", "full"] {
             // A roll-off of what is rolled off already would take some of it away once more.
             let whole = "analysis.tip_tolerance=0";
-            let options = ["--set", damping, "--digits", digits, "--set", whole];
+            let fine = "segments.*.elements=40";
+            let options = ["--set", damping, "--digits", digits, "--set", whole, "--set", fine];
             bench.solve(&[&["-o", "first"], &options[..]].concat());
             let again = ["solve", &link, "first/tip.csv", "-o", "second"];
             let output = bench.run(&[&again[..], &options[..]].concat());

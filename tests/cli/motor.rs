@@ -37,7 +37,11 @@ fn the_motors_numbers_are_those_of_its_table() {
     let [rate, power] = ["motor_rate_rad_s", "motor_power_w"].map(|name| peak(&of(name)).0);
     let expected = [highest, of("time_s")[at], rms, rate, power];
     for ((found, expected), key) in found.iter().zip(expected).zip(KEYS) {
-        assert!((found / expected - 1.0).abs() < 1e-9, "{key}: {found} is not {expected}");
+        // Peaks are those between the rows, too; the time of one is within half a step.
+        let is_time = key.ends_with("time_s");
+        let above = if is_time { (found - expected).abs() } else { found / expected - 1.0 };
+        let allowed = if is_time || key.contains("power") { 1e-3 } else { 1e-5 };
+        assert!((-1e-9..allowed).contains(&above), "{key}: {found} is not {expected}");
     }
     let text = stdout(&output);
     let line = text.lines().find(|line| line.starts_with("motor ")).unwrap();

@@ -72,11 +72,12 @@ fn an_automatic_mesh_is_refined_below_its_tolerance_and_no_further() {
         let motion = Smooth { duration_s: 0.5, steps: 500, ..Smooth::MOVE }.motion();
         for tolerance in [1e-2, 1e-4, 1e-6] {
             let solution = automatic(&link, &motion, tolerance);
-            let error = solution.accuracy.errors.torque.mesh;
+            let worst = |solution: &Solution| solution.accuracy.of_kind(|e| e.mesh).worst().1;
+            let error = worst(&solution);
             assert!(error <= tolerance, "{error:e} for {tolerance:e}");
             let elements = solution.mesh().elements().len();
             if elements > 8 {
-                let coarser = solved(&link, elements / 2, &motion).accuracy.errors.torque.mesh;
+                let coarser = worst(&solved(&link, elements / 2, &motion));
                 assert!(coarser > tolerance, "half of {elements} elements would do: {coarser:e}");
             }
             if error > 1e-5 {

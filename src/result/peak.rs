@@ -1,0 +1,208 @@
+//! The largest value of a history, between its samples too.
+
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+use crate::numeric::{TimeGrid, largest};
+
+/// Samples looked through at a time for the largest.
+const PART: usize = 256;
+
+/// Parts of a step at which a history is interpolated.
+const PARTS: usize = 16;
+
+/// Samples on either side that an interpolated value is made of.
+const SIDE: usize = 24;
+
+/// Shape of the Kaiser window: a history is right to 1e-6 of its peak up to 0.7 of the Nyquist frequency,
+/// and to 1e-3 up to 0.9 of it.
+const KAISER: f64 = 14.0;
+
+/// Share of the largest sample from which on there may be a larger value beside one: of a wave of three
+/// samples a cycle, the band's end, a half.
+const NEAR: f64 = 0.5;
+
+/// A largest value and when it occurs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Peak {
+    /// The value.
+    pub value: f64,
+    /// Its time in s.
+    pub time_s: f64,
+}
+
+/// How the peak of a history is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Between {
+    /// From the samples alone: what lies between them is not known.
+    Unknown,
+    /// A band that ends below the Nyquist frequency tells what lies between the samples.
+    BandLimited,
+}
+
+/// Weights of the samples from `SIDE − 1` before one to `SIDE` after it, for every part of the step after
+/// that one: the sinc function in a Kaiser window.
+static WEIGHTS: LazyLock<[[f64; 2 * SIDE]; PARTS]> = LazyLock::new(|| {
+    std::array::from_fn(|part| {
+        let at = part as f64 / PARTS as f64;
+        let weight = |tap: usize| {
+            let away = tap as f64 - (SIDE - 1) as f64 - at;
+            let sinc = if away == 0.0 { 1.0 } else { libm::sin(PI * away) / (PI * away) };
+            let share = away / SIDE as f64;
+            sinc * bessel(KAISER * (1.0 - share * share).max(0.0).sqrt())
+        };
+        let weights: [f64; 2 * SIDE] = std::array::from_fn(weight);
+        let sum: f64 = weights.iter().sum();
+        weights.map(|weight| weight / sum)
+    })
+});
+
+/// Modified Bessel function I₀ by its series.
+fn bessel(x: f64) -> f64 {
+    let (mut sum, mut term) = (1.0, 1.0);
+    for k in 1..40 {
+        term *= (0.5 * x / f64::from(k)).powi(2);
+        sum += term;
+    }
+    sum
+}
+
+/// Value of a history `part` parts of a step after sample `k`; it stands still beyond its ends.
+fn between(samples: &[f64], k: usize, part: usize) -> f64 {
+    let last = samples.len() - 1;
+    let taps = WEIGHTS[part].iter().enumerate();
+    taps.map(|(tap, weight)| weight * samples[(k + tap + 1).saturating_sub(SIDE).min(last)]).sum()
+}
+
+/// Largest magnitude of a history.
+pub(super) fn peak(samples: &[f64], grid: &TimeGrid, how: Between) -> Peak {
+    let of_samples = largest_sample(samples, grid);
+    match how {
+        Between::Unknown => of_samples,
+        Between::BandLimited => {
+            raised(of_samples, samples, grid, NEAR, |k, part| between(samples, k, part))
+        }
+    }
+}
+
+/// Largest magnitude of the product of two histories, as [`peak`].
+pub(super) fn peak_of_product(a: &[f64], b: &[f64], grid: &TimeGrid, how: Between) -> Peak {
+    let product: Vec<f64> = a.iter().zip(b).map(|(a, b)| a * b).collect();
+    let of_samples = largest_sample(&product, grid);
+    match how {
+        Between::Unknown => of_samples,
+        // The product has twice the band.
+        Between::BandLimited => raised(of_samples, &product, grid, NEAR * NEAR, |k, part| {
+            between(a, k, part) * between(b, k, part)
+        }),
+    }
+}
+
+/// The largest of a peak of samples and of what lies between them, by `at`, around every sample that is
+/// larger than its neighbours of the same sign and not much smaller than the peak.
+fn raised(
+    peak: Peak,
+    samples: &[f64],
+    grid: &TimeGrid,
+    near: f64,
+    at: impl Fn(usize, usize) -> f64,
+) -> Peak {
+    let size = |k: usize| samples[k].abs();
+    let last = samples.len() - 1;
+    let tops =
+        |k: usize, beside: usize| samples[k] * samples[beside] <= 0.0 || size(k) >= size(beside);
+    let is_near = |k: &usize| {
+        let [before, after] = [k.saturating_sub(1), (k + 1).min(last)];
+        size(*k) >= near * peak.value && tops(*k, before) && tops(*k, after)
+    };
+    let mut found = peak;
+    if peak.value == 0.0 {
+        return found;
+    }
+    for k in (0..=last).filter(is_near) {
+        let from = k.saturating_sub(1);
+        let fine: Vec<f64> =
+            (0..=2 * PARTS).map(|n| at((from + n / PARTS).min(last), n % PARTS).abs()).collect();
+        for n in 1..2 * PARTS {
+            let [before, here, after] = [fine[n - 1], fine[n], fine[n + 1]];
+            if here < before || here < after {
+                continue;
+            }
+            // The parabola through the three.
+            let bend = 2.0 * here - before - after;
+            let shift = if bend > 0.0 { 0.5 * (after - before) / bend } else { 0.0 };
+            let value = here + 0.25 * shift * (after - before);
+            if value > found.value {
+                let steps = (n as f64 + shift) / PARTS as f64;
+                found = Peak { value, time_s: grid.time_s(from) + steps * grid.step_s };
+            }
+        }
+    }
+    found
+}
+
+fn largest_sample(samples: &[f64], grid: &TimeGrid) -> Peak {
+    // By and by, so that only the part with the largest is looked through for it.
+    let (mut value, mut first) = (0.0, 0);
+    for (part, samples) in samples.chunks(PART).enumerate() {
+        let here = largest(samples);
+        if here > value {
+            (value, first) = (here, part * PART);
+        }
+    }
+    let within = samples[first..].iter().position(|sample| sample.abs() >= value).unwrap_or(0);
+    Peak { value, time_s: grid.time_s(first + within) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(len: usize) -> TimeGrid {
+        TimeGrid { origin_s: 1.0, step_s: 0.5, first: -1, len }
+    }
+
+    #[test]
+    fn the_peak_of_samples_is_the_first_of_equal_magnitudes() {
+        let found = peak(&[0.0, -2.0, 1.0, 2.0], &grid(4), Between::Unknown);
+        assert_eq!(found, Peak { value: 2.0, time_s: 1.0 });
+    }
+
+    /// A bell of three waves, its largest value −1.5 at sample 60.37 of 120.
+    fn bell(cycle_steps: f64) -> Vec<f64> {
+        let at = |k: i32| {
+            let away = f64::from(k) - 60.37;
+            -1.5 * (-(away / 12.0).powi(2)).exp() * (2.0 * PI * away / cycle_steps).cos()
+        };
+        (0..120).map(at).collect()
+    }
+
+    #[test]
+    fn a_peak_between_samples_is_found_from_three_samples_a_cycle_on() {
+        for (cycle_steps, error) in [(3.0, 1e-4), (4.0, 1e-6), (8.0, 1e-6), (40.0, 1e-6)] {
+            let samples = bell(cycle_steps);
+            let found = peak(&samples, &grid(120), Between::BandLimited);
+            assert!((found.value / 1.5 - 1.0).abs() < error, "{cycle_steps}: {found:?}");
+            assert!((found.time_s - (1.0 + 0.5 * 59.37)).abs() < 1e-2, "{cycle_steps}: {found:?}");
+            let sampled = peak(&samples, &grid(120), Between::Unknown).value;
+            assert!(cycle_steps > 4.0 || sampled < 0.97 * 1.5, "{cycle_steps}: {sampled}");
+        }
+    }
+
+    #[test]
+    fn the_peak_of_a_product_is_found_from_its_factors() {
+        let (a, b) = (bell(4.0), vec![2.0; 120]);
+        let found = peak_of_product(&a, &b, &grid(120), Between::BandLimited);
+        assert!((found.value / 3.0 - 1.0).abs() < 1e-4, "{found:?}");
+        let square = peak_of_product(&a, &a, &grid(120), Between::BandLimited);
+        assert!((square.value / 2.25 - 1.0).abs() < 1e-4, "{square:?}");
+    }
+
+    #[test]
+    fn rest_has_no_peak_and_an_end_is_one() {
+        assert_eq!(peak(&[0.0; 9], &grid(9), Between::BandLimited).value.to_bits(), 0);
+        let ramp: Vec<f64> = (0..40).map(|k| 1.0 - (-0.3 * f64::from(k)).exp()).collect();
+        let found = peak(&ramp, &grid(40), Between::BandLimited);
+        assert!((found.value - ramp[39]).abs() < 1e-4, "{found:?}");
+    }
+}
