@@ -63,10 +63,10 @@ pub enum Warning {
     },
     /// A torque that the tip does not settle.
     #[error(
-        "the tip does not settle the {}: at twice analysis.tip_tolerance its peak is {} N m, not {} N m",
+        "the peak {} depends on analysis.tip_tolerance: it is {} N m, and {} N m at twice the tolerance",
         quantity.name(),
-        significant(*looser_n_m, 3),
-        significant(*peak_n_m, 3)
+        significant(*peak_n_m, 3),
+        significant(*looser_n_m, 3)
     )]
     UnsettledTorque {
         /// Torque of the hub or of the motor.
@@ -226,8 +226,8 @@ impl Warning {
             Self::InexactWindow { .. } => "longer rests around the motion, or a looser tolerance",
             Self::CoarseStep { .. } => "an analysis.tip_tolerance above 0, or a smoother motion",
             Self::UnsettledTorque { .. } => {
-                "a smoother motion or more digits, or a larger analysis.tip_tolerance: what the tip \
-                 cannot show, the motor need not do"
+                "a smoother motion, a motion written with more digits, or a larger \
+                 analysis.tip_tolerance"
             }
             Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or none of them",
             Self::WrapAround { .. } => "a longer analysis.lag, more damping or a looser tolerance",

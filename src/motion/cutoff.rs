@@ -25,8 +25,12 @@ const ABOVE_TRANSFORM: f64 = 1e-2;
 /// that jumps by 2.
 const LEAST_FALL: f64 = 1.7;
 
-/// Factor on the step that the fall gives: it is steeper near the Nyquist frequency than beyond it.
-const STEP_MARGIN: f64 = 0.7;
+/// Fall beyond the Nyquist frequency that a step is suggested by: near it the fall is steeper than beyond,
+/// where it is 2 if the acceleration jumps.
+const SURE_FALL: f64 = 2.0;
+
+/// Factor on the step that this fall gives.
+const STEP_MARGIN: f64 = 0.6;
 
 /// Up to which frequency a motion is followed, and what the tip misses by it.
 ///
@@ -125,7 +129,7 @@ impl TipMotion {
         let error_m = residual.largest_m(high);
         if error_m > allowed_m {
             let fall = libm::log2(residual.largest_m(0.5 * high) / error_m);
-            let finer = libm::pow(allowed_m / error_m, 1.0 / fall);
+            let finer = libm::pow(allowed_m / error_m, 1.0 / SURE_FALL);
             let shortfall = if fall > LEAST_FALL {
                 Shortfall::Step(STEP_MARGIN * finer * self.grid().step_s)
             } else {
@@ -179,7 +183,8 @@ impl Residual {
         let left_out_m = displacement_m[top..].iter().map(|d| 2.0 * d.norm_sqr().sqrt()).sum();
         let top = top.max(2);
         displacement_m.truncate(top);
-        // Eight samples a cycle at the least: between them the tip is farther by half a percent at most.
+        // Eight samples a cycle of the highest frequency, and mostly more: between them the tip is farther
+        // by some tenths of a percent.
         let pair = FourierPair::new(fast_length(8 * top));
         let highest = omegas[omegas.len() - 1] / ROLL_OFF;
         let high = omegas[enough.min(omegas.len() - 1)].min(highest);
@@ -287,18 +292,26 @@ mod tests {
 
     #[test]
     fn a_step_that_is_too_long_is_named_with_one_that_does() {
-        let jerk = |steps: usize| {
+        let motion = |profile: Profile, steps: usize| {
             let step_s = 1.0 / steps as f64;
-            TipMotion::new(Profile::MinJerk.sampled(TRAVEL_M, step_s, steps, [0, 0])).unwrap()
+            TipMotion::new(profile.sampled(TRAVEL_M, step_s, steps, [0, 0])).unwrap()
         };
-        for steps in [12, 20, 40, 60] {
-            let found = jerk(steps).cutoff(1e-6);
-            assert!(found.tip_error_m > 1e-6 * TRAVEL_M);
-            let Some(Shortfall::Step(step_s)) = found.shortfall else { panic!("{found:?}") };
-            // 80 are enough.
-            let enough = (60..200).find(|steps| 1.0 / *steps as f64 <= step_s).unwrap();
-            assert_eq!(jerk(enough).cutoff(1e-6).shortfall, None);
+        let mut suggested = 0;
+        for profile in Profile::ALL {
+            for steps in [6, 10, 12, 20, 25, 40, 50, 60, 100] {
+                let found = motion(profile, steps).cutoff(1e-6);
+                let Some(shortfall) = found.shortfall else { continue };
+                assert!(found.tip_error_m > 1e-6 * TRAVEL_M);
+                let Shortfall::Step(step_s) = shortfall else {
+                    panic!("{profile}, {steps}: {found:?}")
+                };
+                let enough = (1..).find(|steps| 1.0 / *steps as f64 <= step_s).unwrap();
+                let again = motion(profile, enough).cutoff(1e-6);
+                assert_eq!(again.shortfall, None, "{profile}, {steps} steps: {again:?}");
+                suggested += 1;
+            }
         }
+        assert!(suggested > 30, "{suggested} suggestions");
     }
 
     #[test]

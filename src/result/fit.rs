@@ -21,7 +21,7 @@ const TRIALS: usize = 1024;
 /// How many times the elements of an automatic mesh are halved to see that a trial is far too fast.
 const HALVINGS: u32 = 3;
 
-/// Measured errors up to this tell what a finer mesh would say.
+/// Measured errors up to this tell what the value is, and what a finer mesh would say.
 const TELLING: f64 = 0.25;
 
 /// A motion of which only the duration is open.
@@ -125,8 +125,9 @@ pub struct FitProblem<'a> {
 /// and rises again where the link resonates. So nothing is concluded from one duration about
 /// another. Doubled durations find one that is within the limits; then all shorter ones are tried
 /// upward, or, of more than a thousand, a thousand of them, as many in each doubling, and all between
-/// the first of these that fits and the one before it. A motion fits if every value, its measured error added, is within
-/// its limit; one that cannot be solved does not fit.
+/// the first of these that fits and the one before it. A motion fits if every value, its measured error
+/// added, is within its limit and the error of the nearest is below a quarter; one that cannot be solved
+/// does not fit.
 ///
 /// # Errors
 /// [`FitError`] where no duration fits.
@@ -222,7 +223,9 @@ impl FitProblem<'_> {
         match invert(self.link, self.plan, &motion, self.analysis) {
             Ok(solution) => {
                 let binding = self.closest(&solution);
-                if binding.is_some_and(|reached| reached.share() > 1.0) {
+                // A value whose error is that large is not known to be within any limit.
+                let fits = |reached: Reached| reached.share() <= 1.0 && reached.error <= TELLING;
+                if !binding.is_none_or(fits) {
                     return Trial::Exceeds;
                 }
                 Trial::Fits(Box::new(Fit { steps, solution, binding, shorter_tried: 0 }))

@@ -159,6 +159,9 @@ fn check_text(bytes: &[u8]) -> Result<(), Unread> {
     }
 }
 
+/// Most lines of an input: more samples than a period may have, and their header.
+const MOST_LINES: usize = (1 << 24) + 1024;
+
 /// Reads all of an input, expected to hold `len` bytes, but no line and no content beyond bounds: what
 /// is no text, or never ends, is told from what is while memory lasts. `most` bytes are enough.
 fn read_whole(mut input: impl Read, len: u64, most: u64) -> Result<Vec<u8>, Unread> {
@@ -166,7 +169,7 @@ fn read_whole(mut input: impl Read, len: u64, most: u64) -> Result<Vec<u8>, Unre
     let mut bytes = Vec::new();
     // A sparse file is only as long as it says; its first line may be refused.
     bytes.reserve_exact(usize::try_from(len).unwrap_or(usize::MAX).min(LONGEST_LINE));
-    let (mut lines, mut line_start) = (0, 0);
+    let (mut lines, mut line_start) = (0_usize, 0);
     loop {
         let before = bytes.len();
         if input.by_ref().take(CHUNK as u64).read_to_end(&mut bytes)? == 0 {
@@ -179,6 +182,9 @@ fn read_whole(mut input: impl Read, len: u64, most: u64) -> Result<Vec<u8>, Unre
         for (k, _) in bytes[before..].iter().enumerate().filter(|(_, b)| matches!(b, b'\n' | b'\r'))
         {
             (lines, line_start) = (lines + 1, before + k + 1);
+        }
+        if lines > MOST_LINES {
+            return Err(Unread::because(format!("longer than {MOST_LINES} lines")));
         }
         if bytes.len() - line_start > LONGEST_LINE {
             let line = lines + 1;
