@@ -16,6 +16,7 @@ mod answer;
 mod beam;
 mod case;
 mod excuse;
+mod half_step;
 mod judge;
 mod link;
 mod listed;
