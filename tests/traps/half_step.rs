@@ -46,7 +46,6 @@ fn wrong(case: &Case) -> Vec<String> {
     let judged = columns.into_iter().filter_map(|(quantity, table, column)| {
         let claimed = runs[0].0.number(&format!("/errors/{quantity}/step"))?;
         let found = change(&runs, table, column);
-        println!("{}: {quantity} {claimed:.2e} | {found:.2e}", case.name);
         let holds = (AT_LEAST * found..=AT_MOST * found).contains(&claimed);
         (!holds).then(|| format!("{quantity}: {claimed:.2e} claimed, {found:.2e} found"))
     });

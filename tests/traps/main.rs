@@ -51,7 +51,8 @@ const FOUND: [(u64, usize); 6] = [(1, 8), (1, 35), (3, 34), (3, 42), (4, 3), (4,
 const STEPS_OF_FOUND: [f64; 2] = [60.0, 600.0];
 
 /// The same of cases with [`STEPS`].
-const FOUND_LATER: [(u64, usize); 6] = [(31, 1), (31, 26), (32, 34), (33, 18), (34, 24), (34, 27)];
+const FOUND_LATER: [(u64, usize); 7] =
+    [(31, 1), (31, 26), (32, 34), (33, 18), (34, 16), (34, 24), (34, 27)];
 
 /// At least so many cases are compared at several steps, …
 const COMPARED: usize = 60;
