@@ -26,9 +26,10 @@ Measure the torque of `solve` by other means: is the answer right?
 
 Prints a table, each line a number against what it may be: the tip under the torque as it is \
 written, with the link's own damping law and, against what is predicted of it, with viscous damping \
-in its place; the torque on halved elements and with the step halved; the torque left at the window's \
-edge; the transfer of the paper's dense system; the balance of energy; the deflection of the tip, \
-which must be small. Exit code 4 if one is out of its bound.";
+in its place; the tip that is solved; the torque with the step halved, the motor's too; the quantity \
+that halved elements change most, and the one that the window's edge does; the transfer of the paper's \
+dense system; the balance of energy; the deflection of the tip, which must be small; every limit of \
+the link file. Exit code 4 if one is out of its bound.";
 
 /// Measure the torque of `solve` by other means.
 #[derive(Debug, Args)]
@@ -100,6 +101,7 @@ pub(crate) fn measured(
         plan: &specification.mesh,
         motion,
         analysis: &analysis,
+        limits: &specification.limits,
         solution,
         written_torque_n_m: &digits.as_written(&solution.torque_n_m),
     })

@@ -240,7 +240,7 @@ impl FitProblem<'_> {
         for halvings in 0..HALVINGS {
             let plan = self.plan.halved(halvings);
             let Ok(solution) = invert(self.link, &plan, motion, self.analysis) else { continue };
-            let reached = self.reached(&solution);
+            let reached = self.limits.reached(&solution);
             let exceeds = |reached: &Reached| {
                 let Reached { held, error } = reached;
                 *error <= TELLING && held.found > held.limit * (1.0 + 4.0 * error)
@@ -253,13 +253,16 @@ impl FitProblem<'_> {
     }
 
     fn closest(&self, solution: &Solution) -> Option<Reached> {
-        let reached = self.reached(solution).into_iter();
+        let reached = self.limits.reached(solution).into_iter();
         reached.max_by(|a, b| a.share().total_cmp(&b.share()))
     }
+}
 
-    fn reached(&self, solution: &Solution) -> Vec<Reached> {
+impl Limits {
+    /// How near a solution comes to every limit that is set, in the order of the link file.
+    pub fn reached(&self, solution: &Solution) -> Vec<Reached> {
         let metrics = Metrics::of(solution);
-        let held = self.limits.held(&metrics).into_iter();
+        let held = self.held(&metrics).into_iter();
         held.map(|held| Reached { held, error: error_of(held, solution, &metrics) }).collect()
     }
 }

@@ -54,7 +54,7 @@ impl Question {
 }
 
 impl Check {
-    /// Whether the number is out of its bound; a number that is none is.
+    /// True if the value exceeds its bound or is NaN.
     pub fn fails(&self) -> bool {
         match self.outcome {
             Outcome::Measured { found, bound } => found.is_nan() || found > bound,
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_number_that_is_none_fails() {
+    fn a_value_that_is_nan_fails() {
         let question = Question { name: "x", what: "", of: "" };
         let fails = |found| question.measured(found, 1.0).fails();
         assert!(!fails(1.0) && fails(1.1) && fails(f64::NAN));

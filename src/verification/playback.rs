@@ -12,6 +12,9 @@ const TIP: f64 = 1e-3;
 /// A balance of energy, over the largest energy, where the tolerance is no tighter.
 const ENERGY: f64 = 1e-6;
 
+/// Last of the ten digits of tip.csv, over the tip's way.
+const ROUNDED: f64 = 1e-10;
+
 /// Times at which the balance is drawn up.
 const BALANCES: usize = 64;
 
@@ -90,6 +93,15 @@ fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
     let played = TIP.max(analysis.tolerance());
     analysis.tip_tolerance() + played.min((driven_m + between_m) / solution.tip.farthest_m())
+}
+
+/// The tip that is solved against the motion asked for; none where the band is that of the samples,
+/// which the tip follows to the last digit.
+pub(super) fn tip_solved(answer: &Answer) -> Option<Check> {
+    let question = Question { name: "tip_solved", what: "tip that is solved", of: "the tip's way" };
+    let tolerance = answer.analysis.tip_tolerance();
+    let found = || tip_error(answer, &answer.solution.tip.displacement_m);
+    (tolerance > 0.0).then(|| question.measured(found(), tolerance + ROUNDED))
 }
 
 /// The written torque less what the hub's friction takes of it.

@@ -5,9 +5,10 @@
 //! claim and error are within the tolerance asked for, the user has what was asked for.
 
 use super::case::{Case, Mesh};
+use super::excuse::{Claim, excuses};
 use super::link::Damping;
 use super::motion::Samples;
-use super::run::{Written, has_one_moment};
+use super::run::{Warned, Written, has_one_moment};
 use super::truth::{Run, Truth};
 
 /// A claim is at least this share of the true error …
@@ -19,18 +20,15 @@ const AT_MOST: f64 = 30.0;
 /// Ten digits of every table, those of the window's start, and the truth's own tail.
 const RESOLVED: f64 = 3e-9;
 
-/// Kinds of warning that name why a number is not exact. That of the window is none: what it tells
-/// is part of the claim.
-const CAUSES: [&str; 8] = [
-    "coarse_mesh",
-    "above_mesh",
-    "wrap_around",
-    "torque_cut",
-    "near_nyquist",
-    "blocked_tip",
-    "coarse_step",
-    "tip_missed",
-];
+/// Whether the peaks of a summary are those of all times. Where not, those that do not hold are
+/// printed and no more, and peaks at several steps are compared for motions of [`MANY`] steps.
+pub(crate) const PEAKS_HOLD: bool = false;
+
+/// Steps of a motion that show a peak.
+pub(crate) const MANY: f64 = 60.0;
+
+/// What a peak may be off by besides the error that is claimed, for the rows that it is read from.
+const BETWEEN_ROWS: f64 = 1e-3;
 
 /// Rows that are compared, at most about.
 const ROWS: usize = 6000;
@@ -43,19 +41,26 @@ pub(crate) struct Verdict {
     pub(crate) claimed: Option<f64>,
     pub(crate) truth: f64,
     pub(crate) holds: bool,
+    /// A warning says why the claim may be wrong.
+    pub(crate) excused: bool,
+}
+
+/// A peak of the summary against the largest value of the truth at any time.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Peak {
+    pub(crate) key: &'static str,
+    pub(crate) found: f64,
+    pub(crate) truth: f64,
+    pub(crate) holds: bool,
 }
 
 /// What is known of a case besides its claims.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Judgement {
     pub(crate) verdicts: Vec<Verdict>,
-    pub(crate) warnings: Vec<String>,
+    pub(crate) peaks: Vec<Peak>,
+    pub(crate) warnings: Vec<Warned>,
     pub(crate) band_hz: Option<f64>,
-}
-
-/// Whether a warning names why a number may be wrong.
-pub(crate) fn names_a_cause(warnings: &[String]) -> bool {
-    warnings.iter().any(|kind| CAUSES.contains(&kind.as_str()))
 }
 
 pub(crate) fn judged(case: &Case, samples: &Samples, written: &Written) -> Judgement {
@@ -65,37 +70,40 @@ pub(crate) fn judged(case: &Case, samples: &Samples, written: &Written) -> Judge
     let run = run_of(case, samples, written, len);
     let truth = Truth::of(&case.link, samples, &run);
     let rows = Rows { first: (truth.first - run.rows.start) as usize, every: run.every };
-    let total = |key: &str| claimed(written, key);
+    let warnings = written.warnings();
     let mut verdicts = Vec::new();
-    let mut judge = |quantity, claimed: Option<f64>, error: f64| {
+    let mut judge = |quantity, error: f64| {
+        let claim = claimed(written, quantity);
+        let claimed = claim.as_ref().map(|claim| claim.iter().map(|(_, error)| error).sum());
         let floor = RESOLVED.max(truth_floor(case));
         let within = asked(case, quantity).max(floor);
-        let holds = claimed.is_some_and(|c| {
+        let holds = claimed.is_some_and(|c: f64| {
             let as_asked = c.max(error) <= within;
             let below = c + floor < AT_LEAST * error;
             as_asked || (!below && c <= AT_MOST * error + within)
         });
-        verdicts.push(Verdict { quantity, claimed, truth: error, holds });
+        let excused = claim.is_some_and(|claim| excuses(&warnings, quantity, &claim));
+        verdicts.push(Verdict { quantity, claimed, truth: error, holds, excused });
     };
     let way = span(&truth.wanted_m, truth.wanted_m[0]);
     let tip_m = rows.of(tip.column("tip_displacement_m"));
-    judge("tip", written.number("/errors/tip"), farthest(&tip_m, &truth.wanted_m) / way);
+    judge("tip", farthest(&tip_m, &truth.wanted_m) / way);
 
     // What the window cuts off is lost, too.
     let outside = truth.outside_n_m;
     let peak = span(&truth.torque_n_m, 0.0);
     let off = farthest(&rows.of(torque.column("torque_n_m")), &truth.torque_n_m);
-    judge("torque", total("torque"), off.max(outside[0]) / peak);
+    judge("torque", off.max(outside[0]) / peak);
 
     let theta = &truth.hub_angle_rad;
     let off = farthest(&rows.of(angle.column("hub_angle_rad")), theta);
-    judge("hub_angle", total("hub_angle"), off / span(theta, theta[0]));
+    judge("hub_angle", off / span(theta, theta[0]));
 
     let nodes = written.table("nodal_displacements.csv");
     let peak = truth.displacement_m.iter().map(|v| span(v, v[0])).fold(0.0, f64::max);
     let pairs = nodes.values().iter().zip(&truth.displacement_m);
     let off = pairs.map(|(found, exact)| farthest(&rows.of(found), exact)).fold(0.0, f64::max);
-    judge("displacement", total("displacement"), off / peak);
+    judge("displacement", off / peak);
 
     if !matches!(case.link.damping, Damping::Modal(_) | Damping::Caughey(_)) {
         let moments = written.table("bending_moments.csv");
@@ -105,14 +113,38 @@ pub(crate) fn judged(case: &Case, samples: &Samples, written: &Written) -> Judge
             .filter(|(_, x)| has_one_moment(case, **x))
             .map(|((found, exact), _)| farthest(&rows.of(found), exact))
             .fold(outside[2], f64::max);
-        judge("bending_moment", total("bending_moment"), off / peak);
+        judge("bending_moment", off / peak);
     }
     if let Some(exact) = &truth.motor_torque_n_m {
         let motor = written.table("motor.csv");
         let off = farthest(&rows.of(motor.column("motor_torque_n_m")), exact);
-        judge("motor_torque", total("motor_torque"), off.max(outside[1]) / span(exact, 0.0));
+        judge("motor_torque", off.max(outside[1]) / span(exact, 0.0));
     }
-    Judgement { verdicts, warnings: written.warnings(), band_hz: run.band_hz }
+    let peaks = peaks(case, written, &truth, &verdicts);
+    Judgement { verdicts, peaks, warnings, band_hz: run.band_hz }
+}
+
+/// The peaks of the summary, each with the error that is claimed of its quantity: of the hub rate that
+/// of the hub angle, of the deflection that angle's over the peak of the deflection.
+fn peaks(case: &Case, written: &Written, truth: &Truth, verdicts: &[Verdict]) -> Vec<Peak> {
+    let exact = &truth.peaks;
+    let turned_m = case.link.length_m() * span(&truth.hub_angle_rad, truth.hub_angle_rad[0]);
+    let keys = [
+        ("peak_torque_n_m", "torque", Some(exact.torque_n_m), 1.0),
+        ("peak_hub_rate_rad_s", "hub_angle", Some(exact.hub_rate_rad_s), 1.0),
+        ("peak_deflection_m", "hub_angle", Some(exact.deflection_m), turned_m / exact.deflection_m),
+        ("peak_root_moment_n_m", "bending_moment", exact.moment_n_m, 1.0),
+        ("peak_motor_torque_n_m", "motor_torque", exact.motor_torque_n_m, 1.0),
+    ];
+    let judged = keys.into_iter().filter_map(|(key, quantity, truth, times)| {
+        let verdict = verdicts.iter().find(|verdict| verdict.quantity == quantity)?;
+        let (truth, claimed) = (truth?, verdict.claimed?);
+        let found = written.number(&format!("/results/{key}")).unwrap_or(f64::NAN);
+        let within = times * claimed + BETWEEN_ROWS;
+        let holds = verdict.excused || (found / truth - 1.0).abs() <= within;
+        Some(Peak { key, found, truth, holds })
+    });
+    judged.collect()
 }
 
 /// What the truth is to be computed for: the run's band and rows, on a period sixteen times as long
@@ -141,12 +173,15 @@ fn run_of(case: &Case, samples: &Samples, written: &Written, len: usize) -> Run 
     }
 }
 
-/// What a run claims that a quantity may be off by: all kinds of error together.
-fn claimed(written: &Written, quantity: &str) -> Option<f64> {
-    let errors = written.summary.pointer(&format!("/errors/{quantity}"))?.as_object()?;
+/// What a run claims that a quantity may be off by, each kind of error.
+pub(crate) fn claimed(written: &Written, quantity: &str) -> Option<Claim> {
+    let errors = written.summary.pointer(&format!("/errors/{quantity}"))?;
+    if let Some(error) = errors.as_f64() {
+        return Some(vec![(quantity.to_owned(), error)]);
+    }
     // That of the step is about the motion between the samples; the truth has the samples.
-    let kinds = errors.iter().filter(|(kind, _)| kind.as_str() != "step");
-    Some(kinds.filter_map(|(_, error)| error.as_f64()).sum())
+    let kinds = errors.as_object()?.iter().filter(|(kind, _)| kind.as_str() != "step");
+    Some(kinds.filter_map(|(kind, error)| Some((kind.clone(), error.as_f64()?))).collect())
 }
 
 /// The tolerance that a quantity was asked for with.

@@ -39,15 +39,15 @@ impl Random {
     }
 }
 
-/// Case number `k` of a seed.
-pub(crate) fn drawn(seed: u64, k: usize) -> Case {
+/// Case number `k` of a seed, its motion of so many steps.
+pub(crate) fn drawn(seed: u64, k: usize, steps: [f64; 2]) -> Case {
     let mut own = Random(seed.wrapping_mul(1_000_003).wrapping_add(k as u64));
-    case(&mut own, format!("{seed}-{k}"))
+    case(&mut own, format!("{seed}-{k}"), steps)
 }
 
-fn case(random: &mut Random, name: String) -> Case {
+fn case(random: &mut Random, name: String, steps: [f64; 2]) -> Case {
     let link = link(random);
-    let motion = motion(random, &link);
+    let motion = motion(random, &link, steps);
     let mesh = match random.below(6) {
         0 => Mesh::Auto(10_f64.powi(-3 - random.below(4) as i32)),
         _ => Mesh::Elements(random.over(3.0, 50.0) as usize),
@@ -132,7 +132,7 @@ fn damping(random: &mut Random, hz: f64) -> Damping {
     }
 }
 
-fn motion(random: &mut Random, link: &Link) -> Motion {
+fn motion(random: &mut Random, link: &Link, [fewest, most]: [f64; 2]) -> Motion {
     let profile = Profile::ALL[random.below(8)];
     let length = link.length_m();
     let segment = link.segments.last().expect("a segment");
@@ -140,7 +140,7 @@ fn motion(random: &mut Random, link: &Link) -> Motion {
         * length.powi(2)
         * (segment.mass_kg_m[0] / segment.stiffness_n_m2[0]).sqrt();
     let duration_s = period * random.over(1.0, 6.0);
-    let steps = random.over(60.0, 600.0).round();
+    let steps = random.over(fewest, most).round();
     let distance_m = random.over(0.02, 0.3) * length;
     let column = match random.below(8) {
         0..=3 => Column::Displacement,

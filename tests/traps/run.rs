@@ -23,6 +23,20 @@ pub(crate) enum Outcome {
     Refused(Option<i32>, String),
 }
 
+/// A warning of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Warned {
+    pub(crate) kind: String,
+    pub(crate) message: String,
+}
+
+impl Warned {
+    /// Whether the message is about `the <quantity>`; the motor torque is not the torque.
+    pub(crate) fn names(&self, quantity: &str) -> bool {
+        self.message.contains(&format!("the {quantity} "))
+    }
+}
+
 /// Results of a run.
 pub(crate) struct Written {
     pub(crate) summary: Value,
@@ -130,10 +144,13 @@ impl Written {
         self.summary.pointer(pointer).and_then(Value::as_f64)
     }
 
-    /// Kinds of the warnings.
-    pub(crate) fn warnings(&self) -> Vec<String> {
+    pub(crate) fn warnings(&self) -> Vec<Warned> {
         let warnings = self.summary["warnings"].as_array().cloned().unwrap_or_default();
-        warnings.iter().filter_map(|w| w["kind"].as_str().map(str::to_owned)).collect()
+        let text = |warning: &Value, key: &str| {
+            warning[key].as_str().expect("a text of a warning").to_owned()
+        };
+        let warned = |w| Warned { kind: text(w, "kind"), message: text(w, "message") };
+        warnings.iter().map(warned).collect()
     }
 
     /// Places of all nodes in m from the axis.

@@ -1,12 +1,13 @@
 //! One motion at a step, a half, a quarter and an eighth of it: the same peaks, the same tip.
 
 use super::case::Case;
-use super::judge::names_a_cause;
+use super::excuse::hangs_on_the_step;
+use super::judge::{MANY, PEAKS_HOLD, claimed};
 use super::motion::Samples;
 use super::run::{Nodes, Outcome, Written, solved};
 use super::truth::{Run, wanted_m};
 
-/// What a step may change of a peak.
+/// What a step may change of a peak, besides the error that is claimed of its quantity.
 const SAME_PEAK: f64 = 0.02;
 
 /// Ten digits of tip.csv.
@@ -14,6 +15,12 @@ const ROUNDED: f64 = 1e-9;
 
 /// Steps, as parts of the case's own.
 const PARTS: [usize; 4] = [1, 2, 4, 8];
+
+/// Peaks that are known to change with the step without a word, by case: each must still do so.
+///
+/// From step to step the band goes from 73 to 154 Hz, while the files want tips that are apart by less
+/// than the tolerance.
+pub(crate) const KNOWN: [(&str, &str); 1] = [("34-16", "peak_torque_n_m")];
 
 /// Peaks at the four steps.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -53,12 +60,8 @@ pub(crate) fn compared(case: &Case) -> Steps {
         .collect();
     let mut steps = Steps::default();
     // Samples of an acceleration that jumps or has a kink are another motion at another step: peaks
-    // are the same where the files want the same tip. Where a warning names the cause, a peak may be anything.
-    let told = |run: &AtStep| {
-        let warnings = run.written.warnings();
-        let of_the_peak = ["unsettled_torque", "few_modes"];
-        names_a_cause(&warnings) || warnings.iter().any(|kind| of_the_peak.contains(&kind.as_str()))
-    };
+    // are the same where the files want the same tip, unless a warning says that they hang on the step.
+    let told = |run: &AtStep| hangs_on_the_step(&run.written.warnings());
     let sure: Vec<&AtStep> = runs.iter().flatten().filter(|run| !told(run)).collect();
     let mut same = Vec::new();
     if let Some(finest) = sure.last() {
@@ -77,7 +80,9 @@ pub(crate) fn compared(case: &Case) -> Steps {
     }
     steps.same = same.len();
     steps.bands_hz = runs.iter().map(|run| run.as_ref().and_then(AtStep::band_hz)).collect();
-    for key in ["peak_torque_n_m", "peak_motor_torque_n_m"] {
+    for (key, quantity) in
+        [("peak_torque_n_m", "torque"), ("peak_motor_torque_n_m", "motor_torque")]
+    {
         let peak = |run: &AtStep| run.written.number(&format!("/results/{key}"));
         let peaks: Vec<Option<f64>> = runs.iter().map(|run| run.as_ref().and_then(peak)).collect();
         if peaks.iter().all(Option::is_none) {
@@ -87,7 +92,12 @@ pub(crate) fn compared(case: &Case) -> Steps {
         let sure: Vec<f64> = sure.collect();
         if let Some(finest) = sure.last() {
             let worst = sure.iter().fold(0.0_f64, |m, p| m.max((p / finest - 1.0).abs()));
-            if worst > SAME_PEAK {
+            let is_known = KNOWN.contains(&(&case.name, key));
+            let shows_peaks = case.motion.duration_s >= (MANY - 0.5) * case.motion.step_s;
+            let claims = same.iter().filter_map(|run| claimed(&run.written, quantity));
+            let claims = claims.map(|claim| claim.iter().map(|(_, error)| error).sum());
+            let within = SAME_PEAK + claims.fold(0.0, f64::max);
+            if worst > within && (PEAKS_HOLD || shows_peaks || is_known) {
                 steps.wrong.push(format!("{key} changes by {worst:.1e} with the step"));
             }
         }

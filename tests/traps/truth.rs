@@ -48,10 +48,26 @@ pub(crate) struct Truth {
     /// One history a node.
     pub(crate) displacement_m: Vec<Vec<f64>>,
     pub(crate) moment_n_m: Vec<Vec<f64>>,
+    /// Largest values between the first row and the last, on a fine grid.
+    pub(crate) peaks: Peaks,
     /// The tip as the file wants it, and as the band leaves it.
     pub(crate) wanted_m: Vec<f64>,
     pub(crate) tip_m: Vec<f64>,
 }
+
+/// Largest values of histories, over all times.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Peaks {
+    pub(crate) torque_n_m: f64,
+    pub(crate) hub_rate_rad_s: f64,
+    pub(crate) deflection_m: f64,
+    /// At the first of the places, where there is one.
+    pub(crate) moment_n_m: Option<f64>,
+    pub(crate) motor_torque_n_m: Option<f64>,
+}
+
+/// Samples of a fine grid in a cycle of the highest frequency.
+const IN_A_CYCLE: f64 = 16.0;
 
 /// The motion over frequency on the truth's period.
 struct Spectrum {
@@ -144,6 +160,28 @@ impl Spectrum {
         output
     }
 
+    /// Largest value from the first of some rows to the last, by samples of a fine grid.
+    fn largest_within(&self, amplitudes: &[Complex64], rows: &Range<i64>) -> f64 {
+        let nyquist = 0.5 / self.step_s;
+        let highest = self.band_hz.map_or(nyquist, |cut| nyquist.min(1.5 * cut));
+        let finer = ((IN_A_CYCLE * highest * self.step_s).ceil() as usize).next_power_of_two();
+        let len = finer * self.len;
+        let mut padded = amplitudes.to_vec();
+        padded.resize(len / 2 + 1, Complex64::ZERO);
+        if finer > 1 && amplitudes.len() > self.len / 2 {
+            // At the Nyquist frequency an amplitude stood for both signs.
+            padded[self.len / 2] *= 0.5;
+        }
+        padded[len / 2] = padded[len / 2].re.into();
+        let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(len);
+        let mut period = inverse.make_output_vec();
+        inverse.process(&mut padded, &mut period).expect("lengths that fit");
+        let finer = finer as i64;
+        let places = rows.start * finer..=(rows.end - 1) * finer;
+        let at = |place: i64| period[place.rem_euclid(len as i64) as usize].abs();
+        places.map(at).fold(0.0, f64::max) / self.len as f64
+    }
+
     /// The displacement that the file wants, at the multiples of `every` steps of the period.
     fn displacement(&self, samples: &Samples, every: usize) -> Vec<f64> {
         if !samples.is_displacement {
@@ -200,14 +238,16 @@ impl Truth {
         // the tip's velocity is left.
         let low = 1e-4 * spectrum.omega(1);
         let lowest = exact.at(low);
-        let history = |of: &dyn Fn(f64, &Transfers) -> Complex64| {
+        let amplitudes = |of: &dyn Fn(f64, &Transfers) -> Complex64| -> Vec<Complex64> {
             let at_zero = -low * of(low, &lowest).im * samples.way_m();
             let rest = transfers.iter().enumerate().map(|(j, transfer)| {
                 amplitude(j + 1) * of(spectrum.omega(j + 1), transfer) * simpson(j + 1)
             });
             let zero = Complex64::from(at_zero * simpson(0) / spectrum.step_s);
-            let all: Vec<Complex64> = std::iter::once(zero).chain(rest).collect();
-            spectrum.samples(&all, run.every)
+            std::iter::once(zero).chain(rest).collect()
+        };
+        let history = |of: &dyn Fn(f64, &Transfers) -> Complex64| {
+            spectrum.samples(&amplitudes(of), run.every)
         };
         let wanted = spectrum.displacement(samples, run.every);
         let tip = spectrum.followed(&wanted, run.every);
@@ -219,6 +259,21 @@ impl Truth {
         let hub_angle = above(history(&|_, t| t.excess_angle), 1.0 / length);
         let motor_torque =
             link.drive.map(|drive| history(&|omega, t| motor(drive, omega, length, t)));
+        let peak = |of: &dyn Fn(f64, &Transfers) -> Complex64| {
+            spectrum.largest_within(&amplitudes(of), &run.rows)
+        };
+        let rate = |omega: f64, t: &Transfers| {
+            Complex64::I * (omega * t.excess_angle - 1.0 / (omega * length))
+        };
+        let peaks = Peaks {
+            torque_n_m: peak(&|_, t| t.torque),
+            hub_rate_rad_s: peak(&rate),
+            deflection_m: length * peak(&|_, t| t.excess_angle),
+            moment_n_m: (!run.nodes_m.is_empty()).then(|| peak(&|_, t| t.moment[0])),
+            motor_torque_n_m: link
+                .drive
+                .map(|drive| peak(&|omega, t| motor(drive, omega, length, t))),
+        };
         let moments: Vec<Vec<f64>> =
             (0..run.nodes_m.len()).map(|i| history(&|_, t| t.moment[i])).collect();
         let outside = |periods: &mut dyn Iterator<Item = &Vec<f64>>| {
@@ -243,6 +298,7 @@ impl Truth {
                 })
                 .collect(),
             moment_n_m: moments.iter().map(|moment| cut(moment)).collect(),
+            peaks,
             wanted_m: cut(&wanted),
             tip_m: cut(&tip),
         }

@@ -8,14 +8,15 @@ use std::f64::consts::PI;
 
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, DenseLink, Dynamics, KeptModes, Solution, invert};
-use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
-use flexlink::motion::{MotionColumns, TipMotion};
+use flexlink::link::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+use flexlink::motion::{MotionColumns, Profile, TipMotion};
 use flexlink::response::{Play, Torque, simulate};
-use flexlink::verification::{Answer, Outcome, Verification, verify};
+use flexlink::result::{Limits, Metrics};
+use flexlink::verification::{Answer, Check, Outcome, Verification, verify};
 
 /// A tapered link with hub radius, friction, a lumped mass and a payload.
-fn link(stiffness_n_m2: f64, damping: Damping) -> Link {
-    Link::new(LinkParts {
+fn parts(stiffness_n_m2: f64, damping: Damping) -> LinkParts {
+    LinkParts {
         title: String::new(),
         segments: vec![Segment {
             name: None,
@@ -29,8 +30,11 @@ fn link(stiffness_n_m2: f64, damping: Damping) -> Link {
         payload: Payload { mass_kg: 0.1, inertia_kg_m2: 0.0, offset_m: 0.0 },
         damping,
         drive: None,
-    })
-    .unwrap()
+    }
+}
+
+fn link(stiffness_n_m2: f64, damping: Damping) -> Link {
+    Link::new(parts(stiffness_n_m2, damping)).unwrap()
 }
 
 /// Tip velocity that rises and falls as sin⁶, 0.5 m far.
@@ -52,16 +56,21 @@ struct Run {
     plan: MeshPlan,
     motion: TipMotion,
     analysis: Analysis,
+    limits: Limits,
     solution: Solution,
 }
 
 impl Run {
     fn new(damping: Damping, elements: usize, motion: TipMotion, analysis: Analysis) -> Self {
-        let link = link(6.0, damping);
+        Self::of(link(6.0, damping), elements, motion, analysis)
+    }
+
+    fn of(link: Link, elements: usize, motion: TipMotion, analysis: Analysis) -> Self {
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);
         let plan = plan.unwrap();
         let solution = invert(&link, &plan, &motion, &analysis).unwrap();
-        Self { link, plan, motion, analysis, solution }
+        let limits = Limits::default();
+        Self { link, plan, motion, analysis, limits, solution }
     }
 
     fn usual() -> Self {
@@ -69,8 +78,8 @@ impl Run {
     }
 
     fn verified(&self, written_torque_n_m: &[f64]) -> Verification {
-        let Self { link, plan, motion, analysis, solution } = self;
-        let answer = Answer { link, plan, motion, analysis, solution, written_torque_n_m };
+        let Self { link, plan, motion, analysis, limits, solution } = self;
+        let answer = Answer { link, plan, motion, analysis, limits, solution, written_torque_n_m };
         verify(&answer).unwrap()
     }
 
@@ -84,8 +93,7 @@ fn failed(verification: &Verification) -> Vec<&'static str> {
 }
 
 fn found(verification: &Verification, name: &str) -> f64 {
-    let check = verification.checks.iter().find(|check| check.name == name).unwrap();
-    match check.outcome {
+    match check(verification, name).outcome {
         Outcome::Measured { found, .. } => found,
         Outcome::NotMeasured { .. } => panic!("{name} was not measured"),
     }
@@ -160,6 +168,80 @@ fn a_coarse_mesh_and_a_coarse_step_are_found() {
     assert!(failed(&coarse_mesh.as_computed()).contains(&"mesh_halving"));
     let coarse_step = Run::new(law, 24, smooth(0.88, 8), Analysis::default());
     assert!(failed(&coarse_step.as_computed()).contains(&"step_halving"));
+}
+
+/// The Rome link, whose motor turns the hub through a spring, on ten elements.
+fn rome(analysis: Analysis) -> Run {
+    let usual = parts(2.4507, Damping::Hysteretic { ratio: 0.02 });
+    let segment = Segment {
+        length_m: 0.7,
+        bending_stiffness_n_m2: Taper { inner: 2.4507, outer: 2.4507 },
+        mass_per_length_kg_m: Taper { inner: 2.975, outer: 2.975 },
+        ..usual.segments[0].clone()
+    };
+    let link = Link::new(LinkParts {
+        segments: vec![segment],
+        hub: Hub { inertia_kg_m2: 1.95e-3, radius_m: 0.0, viscous_friction_n_m_s_rad: 0.0 },
+        masses: Vec::new(),
+        payload: Payload { mass_kg: 0.117, ..usual.payload },
+        drive: Some(Drive {
+            joint_stiffness_n_m_rad: 1000.0,
+            rotor_inertia_kg_m2: 1.0,
+            gear_ratio: 1.0,
+        }),
+        ..usual
+    });
+    let motion = TipMotion::new(Profile::MinJerk.sampled(0.3, 0.002, 500, [0, 0])).unwrap();
+    Run::of(link.unwrap(), 10, motion, analysis)
+}
+
+fn check<'a>(verification: &'a Verification, name: &str) -> &'a Check {
+    verification.checks.iter().find(|check| check.name == name).unwrap()
+}
+
+#[test]
+fn the_motors_torque_counts_where_it_is_worse_than_the_hubs() {
+    let whole = Analysis::default().with_tip_tolerance(0.0).unwrap();
+    let run = rome(whole);
+    let verification = run.as_computed();
+    let mesh = check(&verification, "mesh_halving");
+    assert_eq!(mesh.what, "motor torque with elements halved");
+    assert!(mesh.fails() && run.solution.accuracy.errors.torque.mesh < 1e-2);
+    assert!(check(&verification, "step_halving_motor").fails());
+    assert!(!check(&verification, "step_halving").fails());
+    let run = rome(Analysis::new(1e-4, None, None).unwrap());
+    let verification = run.as_computed();
+    assert_eq!(failed(&verification), [""; 0], "{verification:?}");
+    let change = found(&verification, "step_halving_motor");
+    assert!((1e-6..1e-2).contains(&change), "{change:e}");
+}
+
+#[test]
+fn every_limit_is_a_check_and_the_error_counts() {
+    let mut run = rome(Analysis::new(1e-4, None, None).unwrap());
+    let metrics = Metrics::of(&run.solution);
+    let motor = metrics.motor.unwrap();
+    let (torque, power) = (metrics.peak_torque_n_m.value, motor.peak_power_w.value);
+    let errors = run.solution.accuracy.errors.torque;
+    let error = errors.mesh + errors.window;
+    run.limits.torque_n_m = Some(torque * (1.0 + 0.5 * error));
+    run.limits.motor_power_w = Some(1.01 * power);
+    let verification = run.as_computed();
+    assert_eq!(failed(&verification), ["limit_torque"], "{verification:?}");
+    assert!((found(&verification, "limit_motor_power") - 1.0 / 1.01).abs() < 1e-3);
+    run.limits.torque_n_m = Some(torque * (1.0 + 1.5 * error));
+    assert_eq!(failed(&run.as_computed()), [""; 0]);
+}
+
+#[test]
+fn a_tip_that_is_solved_beyond_its_tolerance_is_found() {
+    let mut run = Run::usual();
+    assert!(found(&run.as_computed(), "tip_solved") <= 1e-6);
+    run.solution.tip.displacement_m[440] += 1e-6;
+    assert_eq!(failed(&run.as_computed()), ["tip_solved"]);
+    let whole = Analysis::default().with_tip_tolerance(0.0).unwrap();
+    let run = Run::new(Damping::Hysteretic { ratio: 0.02 }, 24, smooth(0.88, 880), whole);
+    assert!(run.as_computed().checks.iter().all(|check| check.name != "tip_solved"));
 }
 
 #[test]
