@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use flexlink::tables::{Durability, Resumed, SweepFile, SweepIdentity, SweepRows};
+use flexlink::tables::{Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows};
 
 use super::console::{self, Reader};
 use super::exit::{Exit, Failure};
@@ -22,10 +22,29 @@ pub(crate) fn report(text: &str, output: &Path, quiet: bool) -> Result<(), Failu
     console::print(&format!("{text}\n"))
 }
 
+/// A number of things, in singular or plural.
+pub(crate) fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
+/// Warns of rows that were overwritten; returns how many warnings it printed.
+fn warn_of_left(left: &LeftRows, part: &Path) -> usize {
+    let (rows, hint) = match *left {
+        LeftRows::Own(rows) => (rows, "--resume would have gone on with them"),
+        LeftRows::Other(rows) => (rows, "they were of another sweep: another -o keeps them"),
+    };
+    let (part, rows) = (part.display(), counted(rows, "row"));
+    let message = format!("{part} held {rows} of an interrupted sweep, begun anew");
+    console::warning(message, hint);
+    1
+}
+
 /// A table that was begun.
 pub(crate) enum Begun {
     /// Where its rows go, and those that are there from an earlier run.
     To(Rows, Option<SweepRows>),
+    /// Where its rows go from the first on, and how many warnings were printed of what was there.
+    Anew(Rows, usize),
     /// All its rows are there.
     Complete(SweepRows),
 }
@@ -62,14 +81,10 @@ impl Rows {
                 Resumed::Complete(rows) => Begun::Complete(rows),
             });
         }
-        let left = SweepFile::left(path);
+        let left = SweepFile::left(path, &identity, header);
         let file = SweepFile::begin(path, identity, header)?;
-        if left > 0 {
-            let part = file.part().display();
-            let message = format!("{part} held {left} rows of an interrupted sweep, begun anew");
-            console::warning(message, "--resume would have gone on with them");
-        }
-        Ok(Begun::To(Self::InFile(Box::new(file)), None))
+        let warnings = left.map_or(0, |left| warn_of_left(&left, file.part()));
+        Ok(Begun::Anew(Self::InFile(Box::new(file)), warnings))
     }
 
     /// Whether they are printed, so that nothing else may be.

@@ -1,4 +1,3 @@
-use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -8,7 +7,7 @@ use same_file::Handle;
 use super::folder::{Durability, FolderAction, FolderError};
 use super::single_file::folder_of;
 use super::sweep_identity::SweepIdentity;
-use super::sweep_record::write_sweep;
+use super::sweep_record::{part_of, write_sweep};
 use super::sweep_rows::SweepRows;
 use super::table_error::{Place, TableError, quoted};
 
@@ -33,6 +32,15 @@ pub enum Resumed {
     At(SweepFile, SweepRows),
     /// With nothing to do: the shard is complete.
     Complete(SweepRows),
+}
+
+/// How many rows an interrupted run left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeftRows {
+    /// Rows of the same sweep: [`SweepFile::resume`] goes on with them.
+    Own(usize),
+    /// Rows that [`SweepFile::resume`] refuses.
+    Other(usize),
 }
 
 impl SweepFile {
@@ -97,12 +105,15 @@ impl SweepFile {
         }))
     }
 
-    /// Rows that an interrupted run left for the file at `path`, whole ones.
-    pub fn left(path: &Path) -> usize {
+    /// Whole rows that an interrupted run left for the file at `path`, if there are any.
+    pub fn left(path: &Path, identity: &SweepIdentity, header: &str) -> Option<LeftRows> {
         let bytes = fs::read(part_of(path)).unwrap_or_default();
-        let lines = bytes.split_inclusive(|byte| *byte == b'\n');
-        let lines = lines.filter(|line| line.ends_with(b"\n")).count();
-        if bytes.starts_with(b"# flexlink ") { lines.saturating_sub(2) } else { 0 }
+        let lines = bytes.iter().filter(|byte| **byte == b'\n').count();
+        let is_of_a_sweep = bytes.starts_with(b"# flexlink ");
+        let rows = Some(lines.saturating_sub(2)).filter(|rows| is_of_a_sweep && *rows > 0)?;
+        let there = SweepRows::read("", &bytes);
+        let is_own = there.and_then(|there| check_same(&there, identity, header)).is_ok();
+        Some(if is_own { LeftRows::Own(rows) } else { LeftRows::Other(rows) })
     }
 
     /// Appends whole rows, at once: a case may have taken hours.
@@ -114,7 +125,7 @@ impl SweepFile {
     }
 
     /// Gives the file its own name, and lays its record beside it; of a whole sweep only the table is
-    /// left. Where another run writes into its folder for more than a second `on_wait` is told, once.
+    /// left. If another run writes into its folder for more than a second, `on_wait` is called once.
     ///
     /// # Errors
     /// [`FolderError`] if it cannot be written.
@@ -200,12 +211,6 @@ fn check_same(there: &SweepRows, own: &SweepIdentity, header: &str) -> Result<()
     Ok(())
 }
 
-fn part_of(path: &Path) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(".part");
-    PathBuf::from(name)
-}
-
 fn error(path: &Path, cause: io::Error) -> FolderError {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
     let action = FolderAction::Write(name.unwrap_or_default());
@@ -247,7 +252,9 @@ mod tests {
         file.append("2,").unwrap();
         drop(file);
         assert!(!path.exists());
-        assert_eq!(SweepFile::left(&path), 1);
+        let left = |values| SweepFile::left(&path, &identity(values, "1/1"), HEADER);
+        assert_eq!(left("1,2,3"), Some(LeftRows::Own(1)));
+        assert_eq!(left("1,2,4"), Some(LeftRows::Other(1)));
 
         let (mut file, rows) = resumed(&path, identity("1,2,3", "1/1"));
         assert_eq!(rows, 1, "the second row was cut off in writing");

@@ -6,7 +6,7 @@ use super::sweep_table::{ERROR, WARNINGS, one_line};
 use super::table_error::{Place, TableError, quoted};
 use crate::sweep::Variation;
 
-/// What a row is that is none of its case.
+/// Hint for a row that does not fit its case.
 const NOT_AS_WRITTEN: &str = "a row was removed, doubled, moved or changed since it was written";
 
 /// The rows of a shard, or of a sweep that was interrupted, as read from its file: each is that of
@@ -44,7 +44,12 @@ impl SweepRows {
         // Only whole lines count; the last one may have been cut within a letter.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let text = std::str::from_utf8(&bytes[..whole])
-            .map_err(|_| place(1).refuse("text", "other bytes", "must be UTF-8"))
+            .map_err(|error| {
+                let good = &bytes[..error.valid_up_to()];
+                let line = 1 + good.iter().filter(|byte| **byte == b'\n').count() as u64;
+                let found = format!("byte 0x{:02x}", bytes[good.len()]);
+                place(line).refuse("text", found, "must be UTF-8")
+            })
             .map_err(|error| error.with_hint(remedy(bytes).to_owned()))?;
         let mut lines = text.lines();
         let identity = SweepIdentity::read_line(lines.next().unwrap_or_default(), place(1))?;
@@ -169,7 +174,11 @@ pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
         check_shard(shard, first)?;
         let earlier = ordered[shard.identity.shard().number() - 1].replace(shard);
         if let Some(earlier) = earlier {
-            let must = format!("must not be that of {}, too", earlier.name);
+            if earlier.name == shard.name {
+                let place = Place { file: &shard.name, line: None };
+                return Err(place.refuse_whole("is named twice".to_owned()));
+            }
+            let must = format!("must be another one than that of {}", earlier.name);
             return Err(shard.refuse("shard", shard.identity.shard().to_string(), must));
         }
     }
@@ -277,7 +286,10 @@ mod tests {
         let missing = refusal(&[c.clone(), a.clone()]);
         assert_eq!(missing, "s3.csv: shards = 2 of 3, but must be all: 2/3 is missing");
         let twice = refusal(&[a.clone(), b.clone(), b.clone(), c.clone()]);
-        assert_eq!(twice, "s2.csv: shard = 2/3, but must not be that of s2.csv, too");
+        assert_eq!(twice, "s2.csv: is named twice");
+        let copy = SweepRows { name: "copy.csv".into(), ..b.clone() };
+        let twice = refusal(&[a.clone(), b.clone(), copy]);
+        assert_eq!(twice, "copy.csv: shard = 2/3, but must be another one than that of s2.csv");
         let mut cut = b.clone();
         cut.rows.pop();
         assert_eq!(refusal(&[a.clone(), cut, c.clone()]), "s2.csv: rows = 2, but must be 3");
@@ -327,6 +339,13 @@ mod tests {
             assert_eq!(found, message, "{what}");
             assert!(hint.is_none_or(|hint| hint == NOT_AS_WRITTEN), "{what}");
         }
+    }
+
+    #[test]
+    fn a_byte_that_is_no_text_is_named_with_its_line() {
+        let bytes = [file("2/3", 10, "2,1,,\n").as_bytes(), b"5,\xff,,\n"].concat();
+        let error = SweepRows::read("s", &bytes).unwrap_err();
+        assert_eq!(error.to_string(), "s:4: text = byte 0xff, but must be UTF-8");
     }
 
     #[test]
