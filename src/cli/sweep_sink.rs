@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use flexlink::tables::{Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows};
+use flexlink::tables::{
+    Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows, checked_header,
+    checked_rows,
+};
 
 use super::console::{self, Reader};
 use super::exit::{Exit, Failure};
@@ -12,6 +15,8 @@ use super::files::is_standard_output;
 pub(crate) enum Rows {
     InFile(Box<SweepFile>),
     Printed,
+    /// With what tells a shard from a table.
+    PrintedShard,
 }
 
 /// A few words on standard output, where the table is not.
@@ -57,6 +62,14 @@ pub(crate) enum NoMore {
     Failed(Failure),
 }
 
+fn print_row(row: &str) -> Result<(), NoMore> {
+    match console::print_part(row.as_bytes()) {
+        Ok(Reader::There) => Ok(()),
+        Ok(Reader::Gone) => Err(NoMore::ReaderGone),
+        Err(failure) => Err(NoMore::Failed(failure)),
+    }
+}
+
 impl Rows {
     /// Begins a table, or goes on with what an interrupted run left of it.
     pub(crate) fn begin(
@@ -70,9 +83,11 @@ impl Rows {
                 let message = "--resume = standard output, but must have a file to go on with";
                 return Err(Failure::new(Exit::Usage, &message, None));
             }
-            let of_shard = if identity.shard().of() > 1 { identity.line() } else { String::new() };
-            console::print_bytes((of_shard + header).as_bytes())?;
-            return Ok(Begun::To(Self::Printed, None));
+            let is_shard = identity.shard().of() > 1;
+            let first = identity.line() + &checked_header(header);
+            console::print_bytes(if is_shard { &first } else { header }.as_bytes())?;
+            let rows = if is_shard { Self::PrintedShard } else { Self::Printed };
+            return Ok(Begun::To(rows, None));
         }
         if resume {
             return Ok(match SweepFile::resume(path, identity, header)?? {
@@ -89,24 +104,21 @@ impl Rows {
 
     /// Whether they are printed, so that nothing else may be.
     pub(crate) fn are_printed(&self) -> bool {
-        matches!(self, Self::Printed)
+        matches!(self, Self::Printed | Self::PrintedShard)
     }
 
     pub(crate) fn append(&mut self, row: &str) -> Result<(), NoMore> {
         match self {
             Self::InFile(file) => file.append(row).map_err(|error| NoMore::Failed(error.into())),
-            Self::Printed => match console::print_part(row.as_bytes()) {
-                Ok(Reader::There) => Ok(()),
-                Ok(Reader::Gone) => Err(NoMore::ReaderGone),
-                Err(failure) => Err(NoMore::Failed(failure)),
-            },
+            Self::Printed => print_row(row),
+            Self::PrintedShard => print_row(&checked_rows(row)),
         }
     }
 
     pub(crate) fn finish(self, durability: Durability) -> Result<(), Failure> {
         match self {
             Self::InFile(file) => Ok(file.finish(durability, &console::waiting)?),
-            Self::Printed => Ok(()),
+            Self::Printed | Self::PrintedShard => Ok(()),
         }
     }
 
@@ -119,7 +131,7 @@ impl Rows {
                 let hint = "the same command with --resume goes on";
                 Failure::new(Exit::Interrupted, &message, Some(hint))
             }
-            Self::Printed => Failure::new(Exit::Interrupted, &message, None),
+            Self::Printed | Self::PrintedShard => Failure::new(Exit::Interrupted, &message, None),
         }
     }
 }

@@ -76,7 +76,7 @@ pub use summary::{RunInputs, Summary};
 pub use sweep_file::{LeftRows, Resumed, SweepFile};
 pub use sweep_identity::{SweepIdentity, SweepInputs};
 pub use sweep_record::{ForeignRecord, check_record, sweep_files, write_sweep};
-pub use sweep_rows::{SweepRows, SweptCase, merge_shards};
+pub use sweep_rows::{SweepRows, SweptCase, checked_header, checked_rows, merge_shards};
 pub use sweep_table::{SweepColumn, SweepRecord, sweep_columns, sweep_header, sweep_row};
 pub use table_error::TableError;
 pub use time_format::time_format;

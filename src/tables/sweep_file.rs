@@ -8,7 +8,7 @@ use super::folder::{Durability, FolderAction, FolderError};
 use super::single_file::folder_of;
 use super::sweep_identity::SweepIdentity;
 use super::sweep_record::{part_of, write_sweep};
-use super::sweep_rows::SweepRows;
+use super::sweep_rows::{SweepRows, checked_header, checked_rows, without_checks};
 use super::table_error::{Place, TableError, quoted};
 
 /// The file of a sweep while its rows come: `sweep.csv.part` beside `sweep.csv`.
@@ -50,10 +50,10 @@ impl SweepFile {
     /// [`FolderError`] if it cannot be written, or another run is writing it.
     pub fn begin(path: &Path, identity: SweepIdentity, header: &str) -> Result<Self, FolderError> {
         let mut file = Self::open(path, identity)?;
-        let first = file.identity.line() + header;
+        let first = file.identity.line() + &checked_header(header);
         let begun = file.file.set_len(0);
         begun.map_err(|cause| file.error(cause))?;
-        file.append(&first)?;
+        file.write(&first)?;
         Ok(file)
     }
 
@@ -121,7 +121,11 @@ impl SweepFile {
     /// # Errors
     /// [`FolderError`] if they cannot be written.
     pub fn append(&mut self, rows: &str) -> Result<(), FolderError> {
-        self.file.write_all(rows.as_bytes()).map_err(|cause| self.error(cause))
+        self.write(&checked_rows(rows))
+    }
+
+    fn write(&mut self, text: &str) -> Result<(), FolderError> {
+        self.file.write_all(text.as_bytes()).map_err(|cause| self.error(cause))
     }
 
     /// Gives the file its own name, and lays its record beside it; of a whole sweep only the table is
@@ -135,9 +139,13 @@ impl SweepFile {
         on_wait: &dyn Fn(&Path),
     ) -> Result<(), FolderError> {
         let rows = fs::read(&self.part).map_err(|cause| self.error(cause))?;
-        let first = rows.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-        let table = if self.identity.shard().of() > 1 { &rows[..] } else { &rows[first..] };
-        write_sweep(&self.path, table, &self.identity, durability, on_wait)?;
+        let table = if self.identity.shard().of() > 1 {
+            rows
+        } else {
+            let first = rows.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+            without_checks(&String::from_utf8_lossy(&rows[first..])).into_bytes()
+        };
+        write_sweep(&self.path, &table, &self.identity, durability, on_wait)?;
         // The lock is held until the part is gone: no other run may take what is no part any more.
         fs::remove_file(&self.part).map_err(|cause| self.error(cause))
     }
@@ -273,7 +281,8 @@ mod tests {
         file.append("2,,\n").unwrap();
         file.finish(Durability::InMemory, &|_| {}).unwrap();
         let text = fs::read_to_string(&path).unwrap();
-        assert_eq!(text, format!("{}{HEADER}2,,\n", own.line()));
+        let (header, rows) = (checked_header(HEADER), checked_rows("2,,\n"));
+        assert_eq!(text, format!("{}{header}{rows}", own.line()));
         assert!(matches!(SweepFile::resume(&path, own, HEADER), Ok(Ok(Resumed::Complete(_)))));
         let (error, _) = refusal(&path, identity("1,2,4", "2/2"));
         let words =
@@ -296,7 +305,7 @@ mod tests {
         let (_, rows) = resumed(&path, identity("1,2", "1/1"));
         assert_eq!(rows, 0);
         let begun = fs::read_to_string(part_of(&path)).unwrap();
-        assert_eq!(begun, identity("1,2", "1/1").line() + HEADER);
+        assert_eq!(begun, identity("1,2", "1/1").line() + &checked_header(HEADER));
     }
 
     #[test]
@@ -330,7 +339,7 @@ mod tests {
         let second = SweepFile::begin(&path, identity("1,2", "1/1"), HEADER).unwrap_err();
         assert!(second.to_string().ends_with("sweep.csv.part: another run is writing it"));
         let text = fs::read_to_string(part_of(&path)).unwrap();
-        assert!(text.ends_with(HEADER), "the first run's rows are untouched");
+        assert!(text.ends_with(&checked_header(HEADER)), "the first run's rows are untouched");
         drop(first);
         assert!(SweepFile::begin(&path, identity("1,2", "1/1"), HEADER).is_ok());
     }

@@ -1,6 +1,7 @@
 use csv::ReaderBuilder;
 
 use super::encoding::remedy;
+use super::input::sha256;
 use super::sweep_identity::SweepIdentity;
 use super::sweep_table::{ERROR, WARNINGS, one_line};
 use super::table_error::{Place, TableError, quoted};
@@ -8,6 +9,38 @@ use crate::sweep::Variation;
 
 /// Hint for a row that does not fit its case.
 const NOT_AS_WRITTEN: &str = "a row was removed, doubled, moved or changed since it was written";
+
+/// The last column of a part of the rows: the first digits of the SHA-256 of what stands before it.
+pub(super) const CHECK: &str = "check";
+
+const CHECK_DIGITS: usize = 8;
+
+/// Rows with the check of each behind it; one that is cut off has none.
+pub fn checked_rows(rows: &str) -> String {
+    let checked = |row: &str| match row.strip_suffix('\n') {
+        Some(row) => format!("{row},{}\n", check_of(row)),
+        None => row.to_owned(),
+    };
+    rows.split_inclusive('\n').map(checked).collect()
+}
+
+/// The row that names the columns of checked rows, with its line end.
+pub fn checked_header(header: &str) -> String {
+    format!("{},{CHECK}\n", header.trim_end())
+}
+
+/// Lines without their last column, the check.
+pub(super) fn without_checks(text: &str) -> String {
+    text.lines()
+        .flat_map(|line| [line.rsplit_once(',').map_or(line, |(row, _)| row), "\n"])
+        .collect()
+}
+
+fn check_of(row: &str) -> String {
+    let mut digits = sha256(row.as_bytes());
+    digits.truncate(CHECK_DIGITS);
+    digits
+}
 
 /// The rows of a shard, or of a sweep that was interrupted, as read from its file: each is that of
 /// its own case.
@@ -54,13 +87,18 @@ impl SweepRows {
         let mut lines = text.lines();
         let identity = SweepIdentity::read_line(lines.next().unwrap_or_default(), place(1))?;
         let header = lines.next().unwrap_or_default();
+        let header =
+            header.strip_suffix(CHECK).and_then(|rest| rest.strip_suffix(',')).unwrap_or("");
         let names = fields(header);
         check_names(&identity, &names, place(2))?;
-        let rows: Vec<String> = lines.map(str::to_owned).collect();
-        for ((line, row), k) in (3..).zip(&rows).zip(0..identity.rows()) {
+        let parted: Vec<(&str, &str)> =
+            lines.map(|line| line.rsplit_once(',').unwrap_or((line, ""))).collect();
+        for ((line, (row, check)), k) in (3..).zip(&parted).zip(0..identity.rows()) {
             check_row(&identity, &names, k, &fields(row), place(line))
+                .and_then(|()| check_content(row, check, place(line)))
                 .map_err(|error| error.or_hint(NOT_AS_WRITTEN.to_owned()))?;
         }
+        let rows: Vec<String> = parted.iter().map(|(row, _)| (*row).to_owned()).collect();
         if rows.len() > identity.rows() {
             let must = format!("must be {}", identity.rows());
             let whole = Place { file: name, line: None };
@@ -158,6 +196,15 @@ fn check_row(
     Ok(())
 }
 
+/// Refuses a row whose content is not that of its check.
+fn check_content(row: &str, check: &str, place: Place) -> Result<(), TableError> {
+    let must = check_of(row);
+    if check == must {
+        return Ok(());
+    }
+    Err(place.refuse(CHECK, quoted(check), format!("must be {} for this row", quoted(&must))))
+}
+
 /// Joins the shards of a sweep to its table: every row of every shard, in the order of the cases.
 ///
 /// # Errors
@@ -249,7 +296,7 @@ mod tests {
     /// A file with these rows of the shard of a sweep over x = 1, 2, 3, …
     fn file(shard: &str, cases: usize, rows: &str) -> String {
         let identity = identity_of("link", &[], &format!("x=1:{cases}:{cases}"), shard);
-        identity.line() + HEADER + rows
+        identity.line() + &checked_header(HEADER) + &checked_rows(rows)
     }
 
     /// The rows of all cases of a shard.
@@ -342,8 +389,17 @@ mod tests {
     }
 
     #[test]
+    fn a_number_that_was_changed_is_refused_with_its_line() {
+        let text = file("2/3", 10, "2,0.5,,\n5,0.25,,\n").replace("0.25", "0.26");
+        let error = SweepRows::read("s", text.as_bytes()).unwrap_err();
+        let told = error.to_string();
+        assert!(told.starts_with("s:4: check = \"") && told.ends_with("\" for this row"), "{told}");
+        assert_eq!(error.hint(), Some(NOT_AS_WRITTEN));
+    }
+
+    #[test]
     fn a_byte_that_is_no_text_is_named_with_its_line() {
-        let bytes = [file("2/3", 10, "2,1,,\n").as_bytes(), b"5,\xff,,\n"].concat();
+        let bytes = [file("2/3", 10, "2,1,,\n").as_bytes(), b"5,\xff,,,0\n"].concat();
         let error = SweepRows::read("s", &bytes).unwrap_err();
         assert_eq!(error.to_string(), "s:4: text = byte 0xff, but must be UTF-8");
     }
@@ -356,6 +412,7 @@ mod tests {
             ("x,told,error", "s:2: columns = \"x,told,error\", but must end with warnings, error"),
         ] {
             let text = file("2/3", 10, "").replace(HEADER.trim_end(), header);
+            let text = if header.is_empty() { text.replace(",check", "") } else { text };
             let error = SweepRows::read("s", text.as_bytes()).unwrap_err();
             assert_eq!(error.to_string(), message);
         }
