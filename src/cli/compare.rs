@@ -2,10 +2,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use flexlink::numeric::excerpt;
 use flexlink::result::comparison::{Comparison, Entry, Tolerances};
 use flexlink::spec::read_tolerances;
 use flexlink::tables::{
-    GoldenChanges, InputFile, change_golden_files, comparison_json, write_file,
+    GoldenChanges, InputFile, change_golden_files, comparison_json, is_result_file, is_run,
+    write_file,
 };
 
 use super::args::not_negative;
@@ -15,6 +17,7 @@ use super::compare_text::{blessed_text, comparison_text};
 use super::console;
 use super::exit::{Ending, Failure};
 use super::files::read_once;
+use super::warnings::WarningArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -81,6 +84,9 @@ pub(crate) struct Compare {
     /// Print nothing but warnings and errors: the exit code tells.
     #[arg(long, short)]
     quiet: bool,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
 }
 
 impl Compare {
@@ -93,7 +99,7 @@ impl Compare {
         let sides = Sides::find(&self.expected, &self.actual, purpose)?;
         let tolerances = self.read_tolerances(&sides)?;
         let comparison = sides.compare(&tolerances)?;
-        self.warn(&sides, &comparison, &tolerances);
+        let mut warnings = self.warn(&sides, &comparison, &tolerances);
 
         let mut changes = sides.changes(&comparison);
         if self.bless {
@@ -101,6 +107,7 @@ impl Compare {
                 take_whole_runs(&mut changes, &self.expected, &self.actual)?;
             }
             self.accept(&sides, &changes)?;
+            warnings += self.warn_of_run(&sides, &changes);
         }
         match (self.quiet, self.json) {
             (true, _) => {}
@@ -113,6 +120,7 @@ impl Compare {
                 console::print(&(comparison_text(&comparison) + &blessed))?;
             }
         }
+        self.warnings.refuse(warnings)?;
         Ok(if self.bless || comparison.is_equal() { Ending::Done } else { Ending::Different })
     }
 
@@ -148,16 +156,37 @@ impl Compare {
         Ok(tolerances)
     }
 
-    /// Tells of tolerances that have no effect.
-    fn warn(&self, sides: &Sides, comparison: &Comparison, tolerances: &Tolerances) {
+    /// Warns where one table of a run was replaced; returns how many warnings it printed.
+    fn warn_of_run(&self, sides: &Sides, changes: &GoldenChanges) -> usize {
+        let run = Path::new(".").join(&self.expected);
+        let is_of_run = run.parent().is_some_and(is_run)
+            && self.expected.file_name().is_some_and(is_result_file);
+        if !sides.are_single || changes.written.is_empty() || !is_of_run {
+            return 0;
+        }
+        let message = format!(
+            "{}: is not the table of the summary.json beside it any more: solve --repeat of the \
+             folder finds a difference",
+            self.expected.display()
+        );
+        console::warning(
+            message,
+            "compare the two folders with --bless, and the whole run is taken",
+        );
+        1
+    }
+
+    /// Warns of tolerances that have no effect; returns how many warnings it printed.
+    fn warn(&self, sides: &Sides, comparison: &Comparison, tolerances: &Tolerances) -> usize {
         let is_meant = |entry: &&Entry| {
             let names = || comparison.files.iter().map(|file| file.name.as_str());
             !sides.are_single || names().any(|name| entry.is_of(name))
         };
-        for entry in comparison.idle(tolerances).into_iter().filter(is_meant) {
-            let file = entry.file.as_ref().map(|file| format!(" of a file {file:?}"));
+        let idle: Vec<&Entry> = comparison.idle(tolerances).into_iter().filter(is_meant).collect();
+        for entry in &idle {
+            let file = entry.file.as_ref().map(|file| format!(" of a file {:?}", excerpt(file)));
             let (place, column) = (&entry.place, &entry.column);
-            let named = format!("{column:?}{}", file.unwrap_or_default());
+            let named = format!("{:?}{}", excerpt(column), file.unwrap_or_default());
             let message = format!("{place}: column = {named}, but no column is called that");
             console::warning(message, "`*` stands for any text, `?` for one character");
         }
@@ -166,5 +195,6 @@ impl Compare {
             let message = format!("{}: is not read", path.display());
             console::warning(message, "only that of the folder EXPECTED is, with paths in `file`");
         }
+        idle.len() + sides.unread_tolerances.len()
     }
 }

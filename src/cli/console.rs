@@ -3,14 +3,16 @@
 //! Text for people is in the locale's letters and, on a terminal, in colours; files that are printed
 //! are neither touched nor coloured.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
 use clap::builder::styling::{AnsiColor, Style};
+use clap::error::ContextValue;
 
-use flexlink::numeric::is_hidden;
+use flexlink::numeric::{excerpt, is_hidden};
 use flexlink::result::Remark;
 use flexlink::tables::{system_words, write_file_by};
 
@@ -34,25 +36,30 @@ pub(crate) fn warning(message: impl Display, hint: &str) {
 
 /// Prints what is possible but rare, and what the user can do, to standard error.
 pub(crate) fn remarks(remarks: &[Remark]) {
-    for remark in remarks {
-        told("remark", WARNING, &remark.to_string(), Some(remark.hint()));
+    for found in remarks {
+        remark(&found.to_string(), found.hint());
     }
 }
 
-/// Prints what goes on to standard error, below what stands on a terminal's line.
-pub(crate) fn note(message: &str) {
+/// Prints one remark and its hint to standard error.
+pub(crate) fn remark(message: &str, hint: &str) {
+    told("remark", WARNING, message, Some(hint));
+}
+
+/// Prints a line without a label to standard error, below what stands on a terminal's line.
+pub(crate) fn line_below(message: &str) {
     let _ = anstream::stderr().lock().write_all(format!("\n{message}\n").as_bytes());
 }
 
-/// Prints what there is to know before the work begins to standard error.
-pub(crate) fn remark(message: &str) {
+/// Prints a note, what is good to know, to standard error.
+pub(crate) fn note(message: &str) {
     told("note", HINT, message, None);
 }
 
 /// Prints to standard error why nothing goes on: another run holds the folder.
 pub(crate) fn waiting(folder: &Path) {
     let folder = folder.display();
-    remark(&format!("{folder}: another run is writing into the folder; waiting until it is done"));
+    note(&format!("{folder}: another run is writing into the folder; waiting until it is done"));
 }
 
 /// Prints what the user can do to standard error.
@@ -80,7 +87,8 @@ fn visible(letter: char) -> char {
 pub(crate) fn told_by_parser(words: &clap::Error) -> Result<ExitCode, Failure> {
     // Its colours are control characters, too.
     let told = |c: char| if is_hidden(c) && !c.is_control() { visible(c) } else { c };
-    let text: String = words.render().ansi().to_string().chars().map(told).collect();
+    let text: String =
+        shortened(words, words.render().ansi().to_string()).chars().map(told).collect();
     let text = shown(&text);
     if words.use_stderr() {
         let _ = anstream::stderr().lock().write_all(text.as_bytes());
@@ -89,6 +97,19 @@ pub(crate) fn told_by_parser(words: &clap::Error) -> Result<ExitCode, Failure> {
         delivered(out.write_all(text.as_bytes()).and_then(|()| out.flush()))?;
     }
     Ok(ExitCode::from(u8::try_from(words.exit_code()).unwrap_or(Exit::Usage as u8)))
+}
+
+/// What the parser has to say, with no more of an argument than other messages quote.
+pub(crate) fn shortened(words: &clap::Error, text: String) -> String {
+    let pieces = words.context().flat_map(|(_, piece)| match piece {
+        ContextValue::String(piece) => std::slice::from_ref(piece),
+        ContextValue::Strings(pieces) => &pieces[..],
+        _ => &[],
+    });
+    pieces.fold(text, |text, piece| match excerpt(piece) {
+        Cow::Borrowed(_) => text,
+        Cow::Owned(short) => text.replace(piece.as_str(), &short),
+    })
 }
 
 /// Writes text for people to standard output; a reader that has gone away is no error.

@@ -1,8 +1,8 @@
 //! What is asked of the paths on the command line before any work begins.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use flexlink::tables::{REPORT, foreign_record, is_result_file};
+use flexlink::tables::{ForeignRecord, REPORT, is_result_file, sweep_files};
 
 use super::exit::{Exit, Failure};
 
@@ -98,16 +98,62 @@ pub(crate) fn keep_files(output: &Path, inputs: &[&Path]) -> Result<(), Failure>
     Err(Failure::new(Exit::Usage, &message, None))
 }
 
+/// Refuses a table of a sweep in or in the place of the folders of its cases, OUTPUTS/1, OUTPUTS/2, …
+pub(crate) fn keep_from_cases(output: &Path, outputs: &Path) -> Result<(), Failure> {
+    let folder = resolved(outputs);
+    let is_case = |path: &Path| {
+        let first = path.strip_prefix(&folder).ok().and_then(|inner| inner.iter().next());
+        first.is_some_and(|name| name.as_encoded_bytes().iter().all(u8::is_ascii_digit))
+    };
+    let meets = |file: &PathBuf| {
+        // A link is written through, and its record beside it.
+        let followed = resolved(file);
+        let beside = file.file_name().map(|name| resolved(&with_folder(file)).join(name));
+        [Some(followed), beside]
+            .into_iter()
+            .flatten()
+            .any(|file| is_case(&file) || folder.starts_with(&file))
+    };
+    if is_standard_output(output) || !sweep_files(output).iter().any(meets) {
+        return Ok(());
+    }
+    let message = format!(
+        "--output = {}, but must not be, or lie in, a folder that --outputs {} writes",
+        output.display(),
+        outputs.display()
+    );
+    let hint = "another name for the table: the folders of the cases are numbered";
+    Err(Failure::new(Exit::Usage, &message, Some(hint)))
+}
+
+/// The folder of a file, as a path that leads there from here.
+fn with_folder(file: &Path) -> PathBuf {
+    Path::new(".").join(file.parent().unwrap_or(file))
+}
+
+/// A path without symbolic links, as far as it is there.
+fn resolved(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let there = path.ancestors().find_map(|outer| Some((outer, outer.canonicalize().ok()?)));
+    let Some((outer, real)) = there else { return path };
+    match path.strip_prefix(outer) {
+        Ok(rest) if rest.as_os_str().is_empty() => real,
+        Ok(rest) => real.join(rest),
+        Err(_) => path,
+    }
+}
+
 /// Refuses to write the record of a sweep's table over a file that is none.
 pub(crate) fn keep_record(output: &Path) -> Result<(), Failure> {
     if is_standard_output(output) {
         return Ok(());
     }
-    let Some(foreign) = foreign_record(output) else { return Ok(()) };
+    let Some(foreign) = ForeignRecord::beside(output) else { return Ok(()) };
     let message = format!(
-        "--output = {}, but {} has the place of its record, and is none of a sweep",
+        "--output = {}, but its record {} would replace {}",
         output.display(),
-        foreign.display()
+        foreign.path.display(),
+        foreign.what()
     );
     let hint = "another name for the table, or for that file";
     Err(Failure::new(Exit::Usage, &message, Some(hint)))

@@ -29,7 +29,7 @@ displacement per torque.
 
 Writes a CSV with real and imaginary part, magnitude and phase of each, to standard output or a \
 file, and the mesh error of each row: what elements of half the length change, over the magnitude \
-there. The largest is told, above 1 % as a warning. An automatic mesh is refined until it follows \
+there. The largest is printed, above 1 % as a warning. An automatic mesh is refined until it follows \
 the highest frequency to mesh.tolerance.";
 
 /// Bytes that a row takes besides itself while its fourteen columns are written, as measured.
@@ -150,9 +150,7 @@ impl Frf {
 /// Says what the mesh makes the response wrong by at the worst; returns how many warnings it gave.
 fn tell(rows: &[FrequencyResponse], changes: Option<&[f64]>) -> usize {
     let Some(changes) = changes else {
-        console::remark(
-            "the mesh error is not known: modal damping allows no halved elements here",
-        );
+        console::note("the mesh error is not known: modal damping allows no halved elements here");
         return 0;
     };
     let pairs = rows.iter().map(|row| row.frequency_hz).zip(changes.iter().copied());
@@ -161,7 +159,7 @@ fn tell(rows: &[FrequencyResponse], changes: Option<&[f64]>) -> usize {
         console::warning(warning, warning.hint());
         return 1;
     }
-    console::remark(&format!(
+    console::note(&format!(
         "the mesh error is {:.1e} of the magnitude at the worst, at {} Hz (elements halved)",
         error.worst,
         significant(error.at_hz, 4)

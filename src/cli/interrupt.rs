@@ -22,7 +22,7 @@ pub(crate) fn watch() -> &'static AtomicBool {
         if STOPPED.swap(true, Ordering::Relaxed) {
             end(signal);
         }
-        console::note("finishing the cases that have begun; once more ends at once");
+        console::line_below("finishing the cases that have begun; once more ends at once");
     });
     &STOPPED
 }

@@ -99,7 +99,7 @@ impl StageBar {
     /// Tells something above the bar, if that is no hidden one.
     pub(crate) fn say(&self, message: &str) {
         if !self.is_hidden {
-            self.above(|| console::remark(message));
+            self.above(|| console::line_below(message));
         }
     }
 

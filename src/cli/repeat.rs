@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use flexlink::numeric::excerpt;
 use flexlink::result::{Repeated, RepeatedFile};
 use flexlink::tables::{Durability, InputRole, RunRecord, TemporaryFolder, wait_if_ending};
 
@@ -12,6 +13,7 @@ use super::files::{keep, read_once};
 use super::repeat_text::repetition_text;
 use super::solve_options::SolveOptions;
 use super::solve_run::{Destination, Problem, WithPage};
+use super::warnings::WarningArgs;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -25,6 +27,7 @@ pub(crate) struct Repetition<'a> {
     pub(crate) output: Option<&'a Path>,
     pub(crate) durability: Durability,
     pub(crate) print: &'a PrintArgs,
+    pub(crate) warnings: &'a WarningArgs,
 }
 
 impl Repetition<'_> {
@@ -38,7 +41,7 @@ impl Repetition<'_> {
         if let Some(output) = self.output {
             keep(output, &[&record.path(), &link.path, &motion.path])?;
         }
-        warn_of_version(&record);
+        let warnings = warn_of_version(&record);
         let problem = Problem::read(&options, link.file, || Ok(motion.file));
         let problem = problem.map_err(|failure| of_record(failure, &record))?;
         let files = if let Some(output) = self.output {
@@ -47,7 +50,9 @@ impl Repetition<'_> {
             let folder = TemporaryFolder::new().map_err(|error| elsewhere(error.into()))?;
             self.compared(&record, &problem, &options, folder.path()).map_err(elsewhere)?
         };
-        self.tell(&files)
+        let ending = self.tell(&files)?;
+        self.warnings.refuse(warnings)?;
+        Ok(ending)
     }
 
     fn compared(
@@ -100,14 +105,14 @@ impl Repetition<'_> {
 /// The recorded arguments, read as those of the command line are.
 fn recorded_options(record: &RunRecord) -> Result<SolveOptions, Failure> {
     SolveOptions::recorded(&record.origin.arguments).map_err(|words| {
-        let words = words.to_string();
+        let words = console::shortened(&words, words.to_string());
         let first = words.lines().next().unwrap_or_default();
         let why = first.strip_prefix("error: ").unwrap_or(first);
         let shown = &record.shown;
         let message =
             format!("{shown}: inputs.arguments are not those of flexlink {VERSION}: {why}");
         let version = &record.origin.version;
-        let hint = (version != VERSION).then(|| format!("flexlink {version} wrote it"));
+        let hint = (version != VERSION).then(|| format!("flexlink {} wrote it", excerpt(version)));
         Failure::new(Exit::InputRefused, &message, hint.as_deref())
     })
 }
@@ -136,12 +141,15 @@ fn elsewhere(failure: Failure) -> Failure {
     }
 }
 
-fn warn_of_version(record: &RunRecord) {
+/// Warns where another version wrote the record; returns how many warnings it printed.
+fn warn_of_version(record: &RunRecord) -> usize {
     let (shown, version) = (&record.shown, &record.origin.version);
-    if version != VERSION {
-        let message = format!("{shown}: flexlink = {version}, but this is {VERSION}");
-        console::warning(message, "what differs may come from that");
+    if version == VERSION {
+        return 0;
     }
+    let message = format!("{shown}: flexlink = {}, but this is {VERSION}", excerpt(version));
+    console::warning(message, "what differs may come from that");
+    1
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ pub(crate) struct Solve {
     #[arg(long, value_name = "DIR")]
     #[arg(conflicts_with_all = ["ChangeArgs", "ResampleArgs", "ScaleArgs", "NodeArgs"])]
     #[arg(conflicts_with_all = ["deflections", "moments", "digits", "verify"])]
-    #[arg(conflicts_with_all = ["report", "strict", "deny_warnings", "json"])]
+    #[arg(conflicts_with_all = ["report", "strict", "json"])]
     repeat: Option<PathBuf>,
 
     #[command(flatten)]
@@ -91,7 +91,8 @@ impl Solve {
         if let Some(run) = &self.repeat {
             let (link, motion) = (self.link.as_deref(), self.motion.as_deref());
             let (output, print) = (self.output.as_deref(), &self.print);
-            return Repetition { run, link, motion, output, durability, print }.run();
+            let warnings = &self.warnings;
+            return Repetition { run, link, motion, output, durability, print, warnings }.run();
         }
         let (Some(link), Some(motion), Some(output)) = (&self.link, &self.motion, &self.output)
         else {

@@ -2,19 +2,19 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use flexlink::numeric::{excerpt, visible};
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
 use flexlink::tables::{SweepRecord, sweep_columns, sweep_header, sweep_row};
 
 use super::args::{LINK, MOTION, ThreadArgs};
-use super::console;
 use super::exit::{Exit, Failure};
-use super::files::{keep_cases, keep_files, keep_record, read_once};
+use super::files::{keep_cases, keep_files, keep_from_cases, keep_record, read_once};
 use super::interrupt;
 use super::progress::CaseBar;
 use super::sweep_cases::{CaseArgs, Cases};
 use super::sweep_merge::merge;
-use super::sweep_sink::{Begun, NoMore, Rows, report};
-use super::sweep_tally::{Remark, Tally};
+use super::sweep_sink::{Begun, NoMore, Rows, counted, report};
+use super::sweep_tally::{CaseWarning, Tally};
 use super::sweep_work::Outcome;
 use super::warnings::WarningArgs;
 
@@ -30,8 +30,8 @@ Example:
       --vary 'segments.*.EI*=0.5:8:1000:log'
   flexlink sweep --merge sweep-*-of-8.csv -o sweep.csv
 
-LINK and MOTION as for solve. Exit codes: 0 also where single cases fail, 4 where all do or, with
---strict or --deny-warnings, where one does.";
+LINK and MOTION as for solve. Exit codes as `flexlink --help` lists them: 0 also where single cases
+fail, 4 where all do or, with --strict or --deny-warnings, where one does.";
 
 const USAGE: &str = "\
 flexlink sweep [OPTIONS] <LINK> <MOTION> --vary <PATH=VALUES>...
@@ -114,7 +114,7 @@ impl Sweep {
         };
         self.check_files()?;
         let cases = Cases::read(self.plan()?, link, motion, &self.shared)?;
-        console::remarks(&cases.remarks());
+        cases.print_remarks(self.shard);
         if cases.are_played() {
             self.sweep(&cases, |case| cases.played(case))
         } else {
@@ -125,7 +125,7 @@ impl Sweep {
     fn plan(&self) -> Result<SweepPlan, Failure> {
         let read = |text: &String| {
             text.parse::<Variation>().map_err(|error| {
-                let message = format!("--vary '{text}': {error}");
+                let message = format!("--vary '{}': {error}", visible(&excerpt(text)));
                 Failure::new(Exit::Usage, &message, Some(error.hint()))
             })
         };
@@ -145,15 +145,21 @@ impl Sweep {
         let columns = sweep_columns::<C>(cases.link());
         let header = sweep_header(&cases.plan, &columns);
         let identity = cases.identity(&self.vary, self.shard);
-        let (mut rows, there) = match Rows::begin(&output, identity, &header, self.resume)? {
-            Begun::To(rows, there) => (rows, there),
-            Begun::Complete(rows) => {
-                let tally = Tally::of_cases(rows.cases());
-                tally.warn();
-                self.report(&format!("complete {}, {all} cases", output.display()))?;
-                return self.refuse(&tally);
-            }
-        };
+        let (mut rows, there, warnings) =
+            match Rows::begin(&output, identity, &header, self.resume)? {
+                Begun::To(rows, there) => (rows, there, 0),
+                Begun::Anew(rows, warnings) => (rows, None, warnings),
+                Begun::Complete(rows) => {
+                    let tally = Tally::of_cases(rows.cases());
+                    tally.warn();
+                    self.report(&format!(
+                        "complete {}, {}",
+                        output.display(),
+                        counted(all, "case")
+                    ))?;
+                    return self.refuse(&tally);
+                }
+            };
         let mut tally = there.map(|rows| Tally::of_cases(rows.cases())).unwrap_or_default();
         let done = tally.rows();
         let progress = if self.quiet || rows.are_printed() {
@@ -164,9 +170,9 @@ impl Sweep {
         let take = |k: usize, outcome: Outcome<C>| {
             let case = self.shard.case(k);
             let row = outcome.row.map_err(NoMore::Failed)?;
-            let kinds: Vec<&str> = outcome.remarks.iter().map(Remark::kind).collect();
+            let kinds: Vec<&str> = outcome.warnings.iter().map(CaseWarning::kind).collect();
             let line = sweep_row(&cases.plan.case(case), &row, &columns, &kinds);
-            tally.add(case + 1, row.as_ref().err(), outcome.remarks);
+            tally.add(case + 1, row.as_ref().err(), outcome.warnings);
             progress.advance();
             rows.append(&line)
         };
@@ -188,7 +194,8 @@ impl Sweep {
         if self.shard.of() == 1 {
             tally.refuse_all_failed()?;
         }
-        self.refuse(&tally)
+        self.refuse(&tally)?;
+        self.warnings.refuse(warnings)
     }
 
     /// Ends a program whose cases are not as they were asked to be.
@@ -206,7 +213,9 @@ impl Sweep {
         read_once(&inputs)?;
         keep_files(&self.output_path(), &inputs)?;
         keep_record(&self.output_path())?;
-        self.shared.outputs.folder().map_or(Ok(()), |folder| keep_cases(folder, &inputs))
+        let Some(folder) = self.shared.outputs.folder() else { return Ok(()) };
+        keep_cases(folder, &inputs)?;
+        keep_from_cases(&self.output_path(), folder)
     }
 
     fn output_path(&self) -> PathBuf {

@@ -1,11 +1,13 @@
 //! The cases of a sweep: what one takes from files and options.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use flexlink::link::Link;
 use flexlink::motion::{MotionScale, TipMotion};
+use flexlink::numeric::{excerpt, visible};
 use flexlink::response::Torque;
 use flexlink::result::Remark;
 use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
@@ -13,6 +15,7 @@ use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 use flexlink::tables::{InputFile, SweepIdentity, SweepInputs, read_torque_table};
 
 use super::args::{ChangeArgs, ResampleArgs, scale_arguments};
+use super::console;
 use super::exit::{Exit, Failure};
 use super::memory::available;
 use super::record::option;
@@ -135,9 +138,27 @@ impl<'a> Cases<'a> {
         SweepIdentity::new(&inputs, self.plan.clone(), shard)
     }
 
-    /// What is possible but rare in the link of the first case.
-    pub(crate) fn remarks(&self) -> Vec<Remark> {
-        self.specification(&self.plan.case(0)).map(|found| found.remarks).unwrap_or_default()
+    /// Prints what is possible but rare in the links of a shard's cases, each kind once.
+    pub(crate) fn print_remarks(&self, shard: Shard) {
+        // Of each kind the first remark, its case, and how many cases have one.
+        let mut found: Vec<(Remark, usize, usize)> = Vec::new();
+        let cases = shard.len(self.plan.cases());
+        for case in (0..cases).map(|k| shard.case(k)) {
+            let Ok(of_case) = self.specification(&self.plan.case(case)) else { continue };
+            let mut kinds = HashSet::new();
+            for remark in of_case.remarks {
+                let is_new = kinds.insert(remark.kind());
+                match found.iter_mut().find(|(known, ..)| known.kind() == remark.kind()) {
+                    Some((.., count)) => *count += usize::from(is_new),
+                    None => found.push((remark, case, 1)),
+                }
+            }
+        }
+        for (remark, first, count) in found {
+            let first = first + 1;
+            let text = format!("{count} of {cases} cases, the first is case {first}: {remark}");
+            console::remark(&text, remark.hint());
+        }
     }
 
     /// The link file with the changes of a case.
@@ -211,7 +232,7 @@ fn refuse_without_effect(
             continue;
         }
         if read(case).is_some_and(|second| second == first) {
-            let [a, b] = [0, 1].map(|k| variation.change(k));
+            let [a, b] = [0, 1].map(|k| excerpt(&variation.change(k)).into_owned());
             let message = format!("--vary: {a} and {b} give the same link");
             let hint = "a later --vary may set the same value under another name";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
@@ -222,7 +243,9 @@ fn refuse_without_effect(
 
 /// What is set for all cases, and what this case takes.
 fn with_case(overrides: &[Override], values: &CaseValues) -> Result<Vec<Override>, SpecError> {
-    let placed = |change: &String| Override::placed(&format!("--vary '{change}'"), change);
+    let placed = |change: &String| {
+        Override::placed(&format!("--vary '{}'", visible(&excerpt(change))), change)
+    };
     let own = values.link_changes.iter().map(placed);
     overrides.iter().cloned().map(Ok).chain(own).collect()
 }

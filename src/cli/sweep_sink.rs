@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use flexlink::tables::{Durability, Resumed, SweepFile, SweepIdentity, SweepRows};
+use flexlink::tables::{
+    Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows, checked_header,
+    checked_rows,
+};
 
 use super::console::{self, Reader};
 use super::exit::{Exit, Failure};
@@ -12,6 +15,8 @@ use super::files::is_standard_output;
 pub(crate) enum Rows {
     InFile(Box<SweepFile>),
     Printed,
+    /// With what tells a shard from a table.
+    PrintedShard,
 }
 
 /// A few words on standard output, where the table is not.
@@ -22,10 +27,29 @@ pub(crate) fn report(text: &str, output: &Path, quiet: bool) -> Result<(), Failu
     console::print(&format!("{text}\n"))
 }
 
+/// A number of things, in singular or plural.
+pub(crate) fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
+/// Warns of rows that were overwritten; returns how many warnings it printed.
+fn warn_of_left(left: &LeftRows, part: &Path) -> usize {
+    let (rows, hint) = match *left {
+        LeftRows::Own(rows) => (rows, "--resume would have gone on with them"),
+        LeftRows::Other(rows) => (rows, "they were of another sweep: another -o keeps them"),
+    };
+    let (part, rows) = (part.display(), counted(rows, "row"));
+    let message = format!("{part} held {rows} of an interrupted sweep, begun anew");
+    console::warning(message, hint);
+    1
+}
+
 /// A table that was begun.
 pub(crate) enum Begun {
     /// Where its rows go, and those that are there from an earlier run.
     To(Rows, Option<SweepRows>),
+    /// Where its rows go from the first on, and how many warnings were printed of what was there.
+    Anew(Rows, usize),
     /// All its rows are there.
     Complete(SweepRows),
 }
@@ -36,6 +60,14 @@ pub(crate) enum NoMore {
     ReaderGone,
     /// They cannot be written.
     Failed(Failure),
+}
+
+fn print_row(row: &str) -> Result<(), NoMore> {
+    match console::print_part(row.as_bytes()) {
+        Ok(Reader::There) => Ok(()),
+        Ok(Reader::Gone) => Err(NoMore::ReaderGone),
+        Err(failure) => Err(NoMore::Failed(failure)),
+    }
 }
 
 impl Rows {
@@ -51,9 +83,11 @@ impl Rows {
                 let message = "--resume = standard output, but must have a file to go on with";
                 return Err(Failure::new(Exit::Usage, &message, None));
             }
-            let of_shard = if identity.shard().of() > 1 { identity.line() } else { String::new() };
-            console::print_bytes((of_shard + header).as_bytes())?;
-            return Ok(Begun::To(Self::Printed, None));
+            let is_shard = identity.shard().of() > 1;
+            let first = identity.line() + &checked_header(header);
+            console::print_bytes(if is_shard { &first } else { header }.as_bytes())?;
+            let rows = if is_shard { Self::PrintedShard } else { Self::Printed };
+            return Ok(Begun::To(rows, None));
         }
         if resume {
             return Ok(match SweepFile::resume(path, identity, header)?? {
@@ -62,36 +96,29 @@ impl Rows {
                 Resumed::Complete(rows) => Begun::Complete(rows),
             });
         }
-        let left = SweepFile::left(path);
+        let left = SweepFile::left(path, &identity, header);
         let file = SweepFile::begin(path, identity, header)?;
-        if left > 0 {
-            let part = file.part().display();
-            let message = format!("{part} held {left} rows of an interrupted sweep, begun anew");
-            console::warning(message, "--resume would have gone on with them");
-        }
-        Ok(Begun::To(Self::InFile(Box::new(file)), None))
+        let warnings = left.map_or(0, |left| warn_of_left(&left, file.part()));
+        Ok(Begun::Anew(Self::InFile(Box::new(file)), warnings))
     }
 
     /// Whether they are printed, so that nothing else may be.
     pub(crate) fn are_printed(&self) -> bool {
-        matches!(self, Self::Printed)
+        matches!(self, Self::Printed | Self::PrintedShard)
     }
 
     pub(crate) fn append(&mut self, row: &str) -> Result<(), NoMore> {
         match self {
             Self::InFile(file) => file.append(row).map_err(|error| NoMore::Failed(error.into())),
-            Self::Printed => match console::print_part(row.as_bytes()) {
-                Ok(Reader::There) => Ok(()),
-                Ok(Reader::Gone) => Err(NoMore::ReaderGone),
-                Err(failure) => Err(NoMore::Failed(failure)),
-            },
+            Self::Printed => print_row(row),
+            Self::PrintedShard => print_row(&checked_rows(row)),
         }
     }
 
     pub(crate) fn finish(self, durability: Durability) -> Result<(), Failure> {
         match self {
             Self::InFile(file) => Ok(file.finish(durability, &console::waiting)?),
-            Self::Printed => Ok(()),
+            Self::Printed | Self::PrintedShard => Ok(()),
         }
     }
 
@@ -104,7 +131,7 @@ impl Rows {
                 let hint = "the same command with --resume goes on";
                 Failure::new(Exit::Interrupted, &message, Some(hint))
             }
-            Self::Printed => Failure::new(Exit::Interrupted, &message, None),
+            Self::Printed | Self::PrintedShard => Failure::new(Exit::Interrupted, &message, None),
         }
     }
 }

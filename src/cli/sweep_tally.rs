@@ -11,13 +11,13 @@ use super::exit::{Exit, Failure};
 const NAMED: &str = "the columns warnings and error name them";
 
 /// A warning of one case.
-pub(crate) struct Remark {
+pub(crate) struct CaseWarning {
     kind: String,
     /// Its words and what to do about it; a row of a table has the kind alone.
     words: Option<(String, &'static str)>,
 }
 
-impl Remark {
+impl CaseWarning {
     pub(crate) fn new(kind: &str, message: &impl Display, hint: &'static str) -> Self {
         Self { kind: kind.to_owned(), words: Some((message.to_string(), hint)) }
     }
@@ -46,14 +46,14 @@ pub(crate) struct Tally {
     exceeding: usize,
     warned: usize,
     failure: Option<(usize, String)>,
-    remarks: Vec<Counted>,
+    warnings: Vec<Counted>,
 }
 
 struct Counted {
     cases: usize,
     /// Number of the first case with it, from 1.
     first: usize,
-    remark: Remark,
+    warning: CaseWarning,
 }
 
 impl Tally {
@@ -61,25 +61,30 @@ impl Tally {
     pub(crate) fn of_cases(cases: impl Iterator<Item = SweptCase>) -> Self {
         let mut tally = Self::default();
         for SweptCase { number, warnings, error } in cases {
-            let remarks = warnings.into_iter().map(|kind| Remark { kind, words: None });
-            tally.add(number + 1, error.as_ref(), remarks.collect());
+            let own = warnings.into_iter().map(|kind| CaseWarning { kind, words: None });
+            tally.add(number + 1, error.as_ref(), own.collect());
         }
         tally
     }
 
-    /// Counts a case, numbered from 1: its failure, or its remarks.
-    pub(crate) fn add(&mut self, case: usize, failure: Option<&String>, remarks: Vec<Remark>) {
+    /// Counts a case, numbered from 1: its failure, or its warnings.
+    pub(crate) fn add(
+        &mut self,
+        case: usize,
+        failure: Option<&String>,
+        warnings: Vec<CaseWarning>,
+    ) {
         self.rows += 1;
         if let Some(message) = failure {
             self.failed += 1;
             self.failure.get_or_insert_with(|| (case, message.clone()));
         }
-        self.exceeding += usize::from(remarks.iter().any(Remark::is_of_limit));
-        self.warned += usize::from(!remarks.is_empty());
-        for remark in remarks {
-            match self.remarks.iter_mut().find(|counted| counted.remark.kind == remark.kind) {
+        self.exceeding += usize::from(warnings.iter().any(CaseWarning::is_of_limit));
+        self.warned += usize::from(!warnings.is_empty());
+        for warning in warnings {
+            match self.warnings.iter_mut().find(|counted| counted.warning.kind == warning.kind) {
                 Some(counted) => counted.cases += 1,
-                None => self.remarks.push(Counted { cases: 1, first: case, remark }),
+                None => self.warnings.push(Counted { cases: 1, first: case, warning }),
             }
         }
     }
@@ -125,10 +130,10 @@ impl Tally {
             let text = format!("{} failed, the first is case {case}: {message}", of(self.failed));
             console::warning(text, "the column error says why");
         }
-        for Counted { cases, first, remark } in &self.remarks {
-            let (words, hint) = match &remark.words {
+        for Counted { cases, first, warning } in &self.warnings {
+            let (words, hint) = match &warning.words {
                 Some((message, hint)) => (message, *hint),
-                None => (&remark.kind, "flexlink solve tells more of a single case"),
+                None => (&warning.kind, "flexlink solve tells more of a single case"),
             };
             let text = format!("{}, the first is case {first}: {words}", of(*cases));
             console::warning(text, hint);

@@ -10,21 +10,21 @@ use flexlink::tables::{RunInputs, SimulationInputs};
 use super::exit::{Exit, Failure};
 use super::solve_run::remarks;
 use super::sweep_cases::Cases;
-use super::sweep_tally::Remark;
+use super::sweep_tally::CaseWarning;
 
 /// What came of a case.
 pub(crate) struct Outcome<C> {
     /// Its numbers, or why it has none; or why there is no sense in going on.
     pub(crate) row: Result<Result<C, String>, Failure>,
-    /// What there is to say about it.
-    pub(crate) remarks: Vec<Remark>,
+    /// Its warnings.
+    pub(crate) warnings: Vec<CaseWarning>,
 }
 
 impl<C> Outcome<C> {
-    fn of(result: Result<(C, Vec<Remark>), Failure>) -> Self {
+    fn of(result: Result<(C, Vec<CaseWarning>), Failure>) -> Self {
         match result {
-            Ok((row, remarks)) => Self { row: Ok(Ok(row)), remarks },
-            Err(failure) => Self { row: of_case(failure), remarks: Vec::new() },
+            Ok((row, warnings)) => Self { row: Ok(Ok(row)), warnings },
+            Err(failure) => Self { row: of_case(failure), warnings: Vec::new() },
         }
     }
 }
@@ -48,7 +48,7 @@ impl Cases<'_> {
         Outcome::of(self.play(case))
     }
 
-    fn solve(&self, case: usize) -> Result<(SolvedCase, Vec<Remark>), Failure> {
+    fn solve(&self, case: usize) -> Result<(SolvedCase, Vec<CaseWarning>), Failure> {
         let values = self.plan.case(case);
         let specification = self.specification(&values)?;
         let Specification { link, mesh, analysis, limits, .. } = &specification;
@@ -69,12 +69,12 @@ impl Cases<'_> {
             };
             self.shared.outputs.write_solution(&folder, &inputs, &solution, &found, &exceeded)?;
         }
-        let own = solution.warnings.iter().map(|w| Remark::new(w.kind(), w, w.hint()));
-        let limits = exceeded.iter().map(Remark::of_limit);
+        let own = solution.warnings.iter().map(|w| CaseWarning::new(w.kind(), w, w.hint()));
+        let limits = exceeded.iter().map(CaseWarning::of_limit);
         Ok((found, own.chain(limits).collect()))
     }
 
-    fn play(&self, case: usize) -> Result<(PlayedCase, Vec<Remark>), Failure> {
+    fn play(&self, case: usize) -> Result<(PlayedCase, Vec<CaseWarning>), Failure> {
         let values = self.plan.case(case);
         let Specification { link, mesh, .. } = &self.specification(&values)?;
         let motion = self.motion_of(link, values.motion)?;
@@ -112,8 +112,8 @@ impl Cases<'_> {
         }
         let coarse = error.and_then(|error| error.warning());
         let own = simulation.warnings.iter().copied().chain(coarse);
-        let own = own.map(|w| Remark::new(w.kind(), &w, w.hint()));
-        let late = tip_error.late.map(|late| Remark::new(late.kind(), &late, late.hint()));
+        let own = own.map(|w| CaseWarning::new(w.kind(), &w, w.hint()));
+        let late = tip_error.late.map(|late| CaseWarning::new(late.kind(), &late, late.hint()));
         Ok((found, own.chain(late).collect()))
     }
 }

@@ -5,8 +5,8 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, builder::TypedValueParser};
 
 use flexlink::motion::Profile;
-use flexlink::numeric::significant;
-use flexlink::result::{Fit, FitProblem, OpenMotion, Reached, shortest_fit};
+use flexlink::numeric::{excerpt, plain, significant, visible};
+use flexlink::result::{Fit, FitProblem, Limits, Metrics, OpenMotion, Reached, shortest_fit};
 use flexlink::spec::{Override, SpecError, Specification};
 use flexlink::tables::{Digits, InputFile, write_trajectory};
 
@@ -64,8 +64,8 @@ pub(crate) struct Trajectory {
     duration: Option<f64>,
 
     /// Find the shortest duration within a limit, torque=5 or 'power="20 W"', and those of the link
-    /// file; repeatable. Keys as in [limits]. All shorter ones are tried, or a thousand of them, as
-    /// the message says.
+    /// file; repeatable. Keys as in [limits]. All shorter ones are tried; of very many, about a
+    /// thousand at most, and the message says how many.
     #[arg(long, value_name = "KEY=VALUE", requires = "link", conflicts_with = "duration")]
     fit_limit: Vec<String>,
 
@@ -98,14 +98,28 @@ pub(crate) struct Trajectory {
     warnings: WarningArgs,
 }
 
+/// A duration, and what to say about it.
+#[derive(Default)]
+struct Duration {
+    steps: usize,
+    /// Comment for the first line of the file.
+    comment: String,
+    /// How many warnings were printed.
+    warnings: usize,
+}
+
 /// Which limit a motion comes closest to, and by how much.
-fn binding_text(reached: &Reached) -> String {
-    let Reached { held, error } = reached;
+fn binding_text(fit: &Fit) -> String {
+    if fit.has_fewest_steps() {
+        return "; no limit binds: the profile has no fewer steps".to_owned();
+    }
+    let Some(Reached { held, error }) = fit.binding else { return String::new() };
+    let reached = Reached { held, error };
     format!(
         "; limits.{} binds: {} of {} {}, {:.2} % below it with the error of {error:.1e}",
         held.key,
         significant(held.found, 5),
-        held.limit,
+        plain(held.limit),
         held.unit,
         100.0 * (1.0 - reached.share())
     )
@@ -115,6 +129,18 @@ fn profiles() -> impl TypedValueParser<Value = Profile> {
     let names = Profile::ALL.map(Profile::name);
     let named = |name: String| Profile::ALL.into_iter().find(|profile| profile.name() == name);
     PossibleValuesParser::new(names).map(move |name| named(name).unwrap_or(Profile::Sine))
+}
+
+/// What a duration is among those that were tried, with all limits that it is within.
+fn found(fit: &Fit, limits: &Limits) -> String {
+    let held = limits.held(&Metrics::of(&fit.solution));
+    let each = held.iter().map(|held| format!("{}={} {}", held.key, plain(held.limit), held.unit));
+    let within = each.collect::<Vec<_>>().join(", ");
+    if fit.is_shortest() {
+        return format!("the shortest within {within}");
+    }
+    let (tried, shorter) = (fit.shorter_tried, fit.shorter());
+    format!("within {within}; {tried} of the {shorter} shorter durations were tried, none fits")
 }
 
 impl Trajectory {
@@ -128,23 +154,24 @@ impl Trajectory {
             let must = "must lie from 1e-100 to 1e100 m, in either direction";
             return refuse(format!("--distance = {distance_m:?} m, but {must}"));
         }
-        let (steps, remark) = self.duration()?;
+        let Duration { steps, comment, warnings } = self.duration()?;
         let before = self.steps("--rest-before", self.rest_before, 0.0)?;
         let after = self.steps("--rest-after", self.rest_after, 0.0)?;
         let samples = steps + before + after;
         check_memory("the trajectory", samples * BYTES_PER_SAMPLE, None, "use a longer step")?;
         let columns = self.profile.sampled(distance_m, step_s, steps, [before, after]);
         console::deliver_by(self.output.as_deref(), |mut out| {
-            out.write_all(remark.as_bytes())?;
+            out.write_all(comment.as_bytes())?;
             write_trajectory(&mut out, &columns, self.digits)
         })?;
-        self.warnings.refuse(0)
+        self.warnings.refuse(warnings)
     }
 
-    /// Steps of the motion, and what there is to tell about them.
-    fn duration(&self) -> Result<(usize, String), Failure> {
+    /// The duration of the command line, or the shortest one within the limits.
+    fn duration(&self) -> Result<Duration, Failure> {
         if let Some(duration_s) = self.duration {
-            return Ok((self.steps("--duration", duration_s, 4.0)?, String::new()));
+            let steps = self.steps("--duration", duration_s, 4.0)?;
+            return Ok(Duration { steps, ..Duration::default() });
         }
         let changes = self.limits()?;
         let link = self.link.as_deref().unwrap_or(Path::new("-"));
@@ -156,32 +183,22 @@ impl Trajectory {
         let fit = shortest_fit(&FitProblem { link, plan, analysis, limits, motion })?;
         let product = fit.steps as f64 * self.step;
         // Without the last digits of the product.
-        let duration_s: f64 = format!("{product:.12}").parse().unwrap_or(product);
-        let found = format!("{duration_s} s, {}", self.found(&fit));
-        let binding = fit.binding.as_ref().map_or(String::new(), binding_text);
-        console::remark(&format!("{found}{binding}"));
-        for warning in &fit.solution.warnings {
+        let duration_s: f64 = format!("{product:.14e}").parse().unwrap_or(product);
+        let found = format!("{} s, {}", plain(duration_s), found(&fit, limits));
+        console::note(&format!("{found}{}", binding_text(&fit)));
+        let warnings = &fit.solution.warnings;
+        for warning in warnings {
             console::warning(warning, warning.hint());
         }
-        Ok((fit.steps, format!("# {}: {found}\n", self.profile)))
-    }
-
-    /// What a duration is among those that were tried.
-    fn found(&self, fit: &Fit) -> String {
-        let within = self.fit_limit.join(", ");
-        if fit.is_shortest() {
-            format!("the shortest within {within}")
-        } else {
-            let tried = fit.shorter_tried;
-            format!("within {within}; none of the {tried} shorter ones tried is")
-        }
+        let comment = format!("# {}: {found}\n", self.profile);
+        Ok(Duration { steps: fit.steps, comment, warnings: warnings.len() })
     }
 
     /// The limits of the command line, as changes to the link file.
     fn limits(&self) -> Result<Vec<Override>, Failure> {
         let refused = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
         let limit = |text: &String| {
-            let place = format!("--fit-limit '{text}'");
+            let place = format!("--fit-limit '{}'", visible(&excerpt(text)));
             if !text.contains('=') {
                 let message = format!("{place}: has no `=`, but must read KEY=VALUE");
                 let hint = "it reads like torque=5 or 'power=\"20 W\"'";
@@ -206,9 +223,10 @@ impl Trajectory {
             return Ok(whole as usize);
         }
         let message = format!(
-            "{option} = {time_s} s, but must be a whole number of steps of {} s, {least} to \
+            "{option} = {} s, but must be a whole number of steps of {} s, {least} to \
              {MOST_SAMPLES}",
-            self.step
+            plain(time_s),
+            plain(self.step)
         );
         Err(Failure::new(Exit::Usage, &message, None))
     }

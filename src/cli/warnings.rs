@@ -7,7 +7,7 @@ use super::exit::{Exit, Failure};
 /// What becomes of a run with warnings.
 #[derive(Debug, Args)]
 pub(crate) struct WarningArgs {
-    #[arg(long, help = "Fail with exit code 4 if there is a warning; the results are written")]
+    #[arg(long, help = "Fail with exit code 4 if there is a warning; all output is written")]
     deny_warnings: bool,
 }
 
@@ -17,13 +17,13 @@ impl WarningArgs {
         self.deny_warnings
     }
 
-    /// Ends a program that has written its results and told so many warnings, if none is allowed.
+    /// Ends a program that has written its output and printed so many warnings, if none is allowed.
     pub(crate) fn refuse(&self, warnings: usize) -> Result<(), Failure> {
         if warnings == 0 || !self.are_denied() {
             return Ok(());
         }
         let message = format!(
-            "--deny-warnings: warnings = {warnings}, but must be none; the results are written"
+            "--deny-warnings: warnings = {warnings}, but must be none; all output is written"
         );
         Err(Failure::new(Exit::NotSolvable, &message, None))
     }

@@ -2,6 +2,11 @@ use std::fmt;
 
 use thiserror::Error;
 
+use crate::numeric::plain;
+
+/// Characters of a number that is written with all its digits.
+const LONGEST_NUMBER: usize = 24;
+
 /// A physical parameter outside its range.
 ///
 /// The text reads `parameter = found unit, but must …`, as every refusal of this program does.
@@ -25,6 +30,10 @@ impl ParameterError {
         must: impl Into<String>,
     ) -> Self {
         let space = if unit.is_empty() { "" } else { " " };
+        let text = value.to_string();
+        // One far from 1 has up to three hundred digits.
+        let is_long = text.len() > LONGEST_NUMBER;
+        let value = if is_long { text.parse().map_or(text, plain) } else { text };
         Self {
             parameter: parameter.into(),
             found: format!("{value}{space}{unit}"),

@@ -8,6 +8,7 @@ use crate::beam::MeshPlan;
 use crate::inverse::{Accuracy, Analysis, InversionError, QuantityErrors, Solution, invert};
 use crate::link::Link;
 use crate::motion::{MotionError, Profile, TipMotion};
+use crate::numeric::plain;
 
 /// Fewest steps of a profile, and of a motion that is tried.
 const FEWEST_STEPS: usize = 4;
@@ -40,8 +41,10 @@ pub struct OpenMotion {
 pub enum FitError {
     /// Limits that even a slow motion exceeds.
     #[error(
-        "the durations within the limits = none of the {tried} tried from {shortest_s} to \
-         {longest_s} s{}, but must be one",
+        "the durations within the limits = none of the {tried} tried from {} to {} s{}, but must \
+         be one",
+        plain(*shortest_s),
+        plain(*longest_s),
         unsolved(failed.as_ref())
     )]
     TooSlow {
@@ -84,7 +87,17 @@ pub struct Fit {
 impl Fit {
     /// Whether every motion of fewer steps was tried, so that none can be shorter.
     pub fn is_shortest(&self) -> bool {
-        self.shorter_tried == self.steps - FEWEST_STEPS
+        self.shorter_tried == self.shorter()
+    }
+
+    /// Whether the profile has no fewer steps.
+    pub fn has_fewest_steps(&self) -> bool {
+        self.shorter() == 0
+    }
+
+    /// How many motions of fewer steps there are.
+    pub fn shorter(&self) -> usize {
+        self.steps - FEWEST_STEPS
     }
 }
 

@@ -2,6 +2,7 @@ use thiserror::Error;
 
 use super::metrics::{Metrics, MotorMetrics};
 use crate::link::{Drive, ParameterError};
+use crate::numeric::{plain, significant};
 
 /// How the keys of the motor's limits begin.
 const MOTOR: &str = "motor_";
@@ -44,11 +45,18 @@ pub struct Held {
     pub unit: &'static str,
 }
 
+impl Held {
+    /// Where the value acts, where its key does not say so.
+    fn place(&self) -> &'static str {
+        if self.key == "torque" { " at the hub" } else { "" }
+    }
+}
+
 /// A limit that a solution exceeds.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "limits.{} = {} {unit} is exceeded: {:.4e} {unit}",
-    .0.key, .0.limit, .0.found, unit = .0.unit
+    "limits.{} = {} {unit} is exceeded{}: {} {unit}",
+    .0.key, plain(.0.limit), .0.place(), significant(.0.found, 5), unit = .0.unit
 )]
 pub struct Exceeded(pub Held);
 

@@ -2,6 +2,7 @@ use thiserror::Error;
 
 use super::variation::{Operation, Variation};
 use crate::motion::MotionScale;
+use crate::numeric::excerpt;
 
 /// All cases of a sweep: the product of its variations, the last one running fastest.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,12 +58,12 @@ impl SweepPlan {
         for (number, variation) in variations.iter().enumerate() {
             let path = variation.path();
             if variations[..number].iter().any(|earlier| earlier.path() == path) {
-                return Err(PlanError::Twice { path: path.to_owned() });
+                return Err(PlanError::Twice { path: excerpt(path).into_owned() });
             }
             let of_motion = path == DISTANCE || path == DURATION;
             let not_a_factor = (0..variation.values().len())
                 .find(|k| of_motion && factor(variation, *k).is_none())
-                .map(|k| variation.change(k));
+                .map(|k| excerpt(&variation.change(k)).into_owned());
             if let Some(change) = not_a_factor {
                 return Err(PlanError::NoFactor { path: path.to_owned(), change });
             }

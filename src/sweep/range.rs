@@ -1,7 +1,7 @@
 //! The values of `START:STOP:COUNT[:log]`.
 
 use super::variation::VariationError;
-use crate::numeric::{rounded, split_number};
+use crate::numeric::{excerpt, rounded, split_number};
 
 /// Digits that values between the ends of a range are given.
 const DIGITS: usize = 15;
@@ -19,6 +19,7 @@ impl Range {
     /// Reads what stands between the colons of a range.
     pub(super) fn read(parts: &[&str]) -> Result<Self, VariationError> {
         let text = parts.join(":");
+        let text = excerpt(&text);
         let refuse =
             |must: &str| Err(VariationError::refusing(format!("range = {text:?}, but {must}")));
         let (start, stop, count, logarithmic) = match *parts {

@@ -3,6 +3,8 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
+use crate::numeric::excerpt;
+
 /// Most shards of one sweep.
 const MOST: usize = 100_000;
 
@@ -63,7 +65,7 @@ impl FromStr for Shard {
         let pair = text.split_once('/').and_then(|(i, n)| Some((number(i)?, number(n)?)));
         match pair {
             Some((number, of)) if number <= of && of <= MOST => Ok(Self { number, of }),
-            _ => Err(ShardError { found: text.to_owned() }),
+            _ => Err(ShardError { found: excerpt(text).into_owned() }),
         }
     }
 }

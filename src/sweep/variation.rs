@@ -134,7 +134,7 @@ impl FromStr for Variation {
         };
         let mut seen = HashSet::new();
         if let Some(value) = values.iter().find(|value| !seen.insert(value.as_str())) {
-            return refuse(&format!("value = {value} twice, but must be given once"));
+            return refuse(&format!("value = {} twice, but must be given once", excerpt(value)));
         }
         Ok(Self { path: path.to_owned(), operation, unit, values })
     }
@@ -162,7 +162,8 @@ impl<'a> Pieces<'a> {
             }
         }
         if quote.is_some() || depth != 0 {
-            let what = format!("values = {text:?}, but quotes and brackets must be closed");
+            let what =
+                format!("values = {:?}, but quotes and brackets must be closed", excerpt(text));
             return Err(VariationError::refusing(what));
         }
         let parted = |starts: &[usize]| {

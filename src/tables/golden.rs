@@ -18,8 +18,8 @@ pub struct GoldenChanges {
 
 /// Changes a folder of golden files, which is created where it is missing.
 ///
-/// All files are written aside before the first takes its name. Where another run writes into it for
-/// more than a second `on_wait` is told, once.
+/// All files are written aside before the first takes its name. If another run writes into it for
+/// more than a second, `on_wait` is called once.
 ///
 /// # Errors
 /// [`FolderError`] names the first file that cannot be written or removed.

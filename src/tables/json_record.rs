@@ -4,6 +4,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::table_error::{Place, TableError};
+use crate::numeric::{excerpt, visible};
 
 /// Format of all records. It grows with each change that readers of the one before must know of.
 pub(super) const FORMAT: u32 = 2;
@@ -36,7 +37,7 @@ pub(super) fn without_format(version: &str, place: Place) -> TableError {
 }
 
 fn older(found: &str, version: &str, place: Place) -> TableError {
-    let hint = format!("flexlink {version} wrote it in an older format: run it again");
+    let hint = format!("flexlink {} wrote it in an older format: run it again", excerpt(version));
     refused(found, place).with_hint(hint)
 }
 
@@ -52,10 +53,51 @@ pub(super) fn parsed<T: DeserializeOwned>(
 ) -> Result<T, TableError> {
     serde_json::from_slice(bytes).map_err(|error| {
         let line = u64::try_from(error.line()).ok().filter(|line| *line > 0);
-        let text = error.to_string();
-        let found = text.split(" at line ").next().unwrap_or_default().to_owned();
-        Place { line: place.line.or(line), ..place }.refuse("content", found, must)
+        let key = key_before(bytes, error.line(), error.column());
+        let (subject, found, must) = in_words(&error.to_string(), key, must);
+        Place { line: place.line.or(line), ..place }.refuse(subject, found, must)
     })
+}
+
+/// The last key before a place in a record, if there is one.
+fn key_before(bytes: &[u8], line: usize, column: usize) -> Option<String> {
+    let line = bytes.split(|byte| *byte == b'\n').nth(line.checked_sub(1)?)?;
+    let text = String::from_utf8_lossy(&line[..column.min(line.len())]).into_owned();
+    let (before, _) = text.rsplit_once("\":")?;
+    before.rsplit_once('"').map(|(_, key)| key.to_owned())
+}
+
+/// What the parser says of damage: its subject, what was found and what it must be.
+fn in_words(text: &str, key: Option<String>, must: &str) -> (String, String, String) {
+    let text = text.rsplit_once(" at line ").map_or(text, |(text, _)| text);
+    if let Some(key) = text.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`'))
+    {
+        return (key.to_owned(), "nothing".to_owned(), "must be there".to_owned());
+    }
+    let mismatch = text.strip_prefix("invalid type: ").or(text.strip_prefix("invalid value: "));
+    match mismatch.and_then(|text| text.rsplit_once(", expected ")) {
+        Some((found, expected)) => {
+            let subject = key.unwrap_or_else(|| "content".to_owned());
+            let found = excerpt(found);
+            let must = format!("must be {}", plain_kind(expected));
+            (excerpt(&subject).into_owned(), visible(&found).into_owned(), must)
+        }
+        None => ("content".to_owned(), visible(&excerpt(text)).into_owned(), must.to_owned()),
+    }
+}
+
+/// What a value must be, without the names of the programming language.
+fn plain_kind(expected: &str) -> &str {
+    match expected {
+        "u32" | "u64" | "usize" => "a whole number",
+        "f64" => "a number",
+        "a sequence" => "a list",
+        "a string" | "a borrowed string" => "a text",
+        "a boolean" => "true or false",
+        _ if expected.starts_with("struct ") || expected == "a map" => "an object",
+        _ if expected.starts_with("an array") => "a list of that length",
+        _ => expected,
+    }
 }
 
 /// What a record of this version must be.
@@ -69,7 +111,10 @@ pub(super) fn newer(error: TableError, version: &str) -> TableError {
     if numbers(version) <= numbers(own) {
         return error;
     }
-    error.or_hint(format!("flexlink {version} wrote it, and this is {own}: take that version"))
+    error.or_hint(format!(
+        "flexlink {} wrote it, and this is {own}: take that version",
+        excerpt(version)
+    ))
 }
 
 /// The numbers of a version, the first one first.

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::fixed::write_fixed;
 use super::shortest::write_shortest;
-use crate::numeric::largest;
+use crate::numeric::{excerpt, largest};
 
 /// How many digits the numbers of one column group are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,7 +90,7 @@ impl FromStr for Digits {
         }
         match text.parse() {
             Ok(n @ 1..=17) => Ok(Self::BelowPeak(n)),
-            _ => Err(DigitsError { found: text.to_owned() }),
+            _ => Err(DigitsError { found: excerpt(text).into_owned() }),
         }
     }
 }

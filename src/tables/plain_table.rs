@@ -26,7 +26,7 @@ impl PlainColumn {
         Self::of_values(name, cells.to_vec())
     }
 
-    /// The same, of cells that nobody else needs.
+    /// As [`PlainColumn::values`], taking the cells instead of copying them.
     pub(super) fn of_values(name: &str, cells: Vec<f64>) -> Self {
         Self { name: name.to_owned(), cells: Cells::Values(cells) }
     }

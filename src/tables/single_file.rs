@@ -8,8 +8,8 @@ use super::folder::{Durability, FolderAction, FolderError, OutputFolder};
 /// Writes one file, whole or not at all; the folder it lies in is created where it is missing.
 ///
 /// A link is followed. What is no file on a disk, a device or a named pipe, is written to as it is:
-/// taking its name would put a file in its place. A reader of it that goes away is no error. Where
-/// another run writes into the folder for more than a second `on_wait` is told, once.
+/// taking its name would put a file in its place. A reader of it that goes away is no error. If
+/// another run writes into the folder for more than a second, `on_wait` is called once.
 ///
 /// # Errors
 /// [`FolderError`] if `path` names no file, or the file cannot be written.

@@ -1,4 +1,3 @@
-use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -8,8 +7,8 @@ use same_file::Handle;
 use super::folder::{Durability, FolderAction, FolderError};
 use super::single_file::folder_of;
 use super::sweep_identity::SweepIdentity;
-use super::sweep_record::write_sweep;
-use super::sweep_rows::SweepRows;
+use super::sweep_record::{part_of, write_sweep};
+use super::sweep_rows::{SweepRows, checked_header, checked_rows, without_checks};
 use super::table_error::{Place, TableError, quoted};
 
 /// The file of a sweep while its rows come: `sweep.csv.part` beside `sweep.csv`.
@@ -35,6 +34,15 @@ pub enum Resumed {
     Complete(SweepRows),
 }
 
+/// How many rows an interrupted run left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeftRows {
+    /// Rows of the same sweep: [`SweepFile::resume`] goes on with them.
+    Own(usize),
+    /// Rows that [`SweepFile::resume`] refuses.
+    Other(usize),
+}
+
 impl SweepFile {
     /// Begins the file at `path`; what an interrupted run left beside it is overwritten.
     ///
@@ -42,10 +50,10 @@ impl SweepFile {
     /// [`FolderError`] if it cannot be written, or another run is writing it.
     pub fn begin(path: &Path, identity: SweepIdentity, header: &str) -> Result<Self, FolderError> {
         let mut file = Self::open(path, identity)?;
-        let first = file.identity.line() + header;
+        let first = file.identity.line() + &checked_header(header);
         let begun = file.file.set_len(0);
         begun.map_err(|cause| file.error(cause))?;
-        file.append(&first)?;
+        file.write(&first)?;
         Ok(file)
     }
 
@@ -97,12 +105,15 @@ impl SweepFile {
         }))
     }
 
-    /// Rows that an interrupted run left for the file at `path`, whole ones.
-    pub fn left(path: &Path) -> usize {
+    /// Whole rows that an interrupted run left for the file at `path`, if there are any.
+    pub fn left(path: &Path, identity: &SweepIdentity, header: &str) -> Option<LeftRows> {
         let bytes = fs::read(part_of(path)).unwrap_or_default();
-        let lines = bytes.split_inclusive(|byte| *byte == b'\n');
-        let lines = lines.filter(|line| line.ends_with(b"\n")).count();
-        if bytes.starts_with(b"# flexlink ") { lines.saturating_sub(2) } else { 0 }
+        let lines = bytes.iter().filter(|byte| **byte == b'\n').count();
+        let is_of_a_sweep = bytes.starts_with(b"# flexlink ");
+        let rows = Some(lines.saturating_sub(2)).filter(|rows| is_of_a_sweep && *rows > 0)?;
+        let there = SweepRows::read("", &bytes);
+        let is_own = there.and_then(|there| check_same(&there, identity, header)).is_ok();
+        Some(if is_own { LeftRows::Own(rows) } else { LeftRows::Other(rows) })
     }
 
     /// Appends whole rows, at once: a case may have taken hours.
@@ -110,11 +121,15 @@ impl SweepFile {
     /// # Errors
     /// [`FolderError`] if they cannot be written.
     pub fn append(&mut self, rows: &str) -> Result<(), FolderError> {
-        self.file.write_all(rows.as_bytes()).map_err(|cause| self.error(cause))
+        self.write(&checked_rows(rows))
+    }
+
+    fn write(&mut self, text: &str) -> Result<(), FolderError> {
+        self.file.write_all(text.as_bytes()).map_err(|cause| self.error(cause))
     }
 
     /// Gives the file its own name, and lays its record beside it; of a whole sweep only the table is
-    /// left. Where another run writes into its folder for more than a second `on_wait` is told, once.
+    /// left. If another run writes into its folder for more than a second, `on_wait` is called once.
     ///
     /// # Errors
     /// [`FolderError`] if it cannot be written.
@@ -124,9 +139,13 @@ impl SweepFile {
         on_wait: &dyn Fn(&Path),
     ) -> Result<(), FolderError> {
         let rows = fs::read(&self.part).map_err(|cause| self.error(cause))?;
-        let first = rows.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-        let table = if self.identity.shard().of() > 1 { &rows[..] } else { &rows[first..] };
-        write_sweep(&self.path, table, &self.identity, durability, on_wait)?;
+        let table = if self.identity.shard().of() > 1 {
+            rows
+        } else {
+            let first = rows.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+            without_checks(&String::from_utf8_lossy(&rows[first..])).into_bytes()
+        };
+        write_sweep(&self.path, &table, &self.identity, durability, on_wait)?;
         // The lock is held until the part is gone: no other run may take what is no part any more.
         fs::remove_file(&self.part).map_err(|cause| self.error(cause))
     }
@@ -200,12 +219,6 @@ fn check_same(there: &SweepRows, own: &SweepIdentity, header: &str) -> Result<()
     Ok(())
 }
 
-fn part_of(path: &Path) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(".part");
-    PathBuf::from(name)
-}
-
 fn error(path: &Path, cause: io::Error) -> FolderError {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
     let action = FolderAction::Write(name.unwrap_or_default());
@@ -247,7 +260,9 @@ mod tests {
         file.append("2,").unwrap();
         drop(file);
         assert!(!path.exists());
-        assert_eq!(SweepFile::left(&path), 1);
+        let left = |values| SweepFile::left(&path, &identity(values, "1/1"), HEADER);
+        assert_eq!(left("1,2,3"), Some(LeftRows::Own(1)));
+        assert_eq!(left("1,2,4"), Some(LeftRows::Other(1)));
 
         let (mut file, rows) = resumed(&path, identity("1,2,3", "1/1"));
         assert_eq!(rows, 1, "the second row was cut off in writing");
@@ -266,7 +281,8 @@ mod tests {
         file.append("2,,\n").unwrap();
         file.finish(Durability::InMemory, &|_| {}).unwrap();
         let text = fs::read_to_string(&path).unwrap();
-        assert_eq!(text, format!("{}{HEADER}2,,\n", own.line()));
+        let (header, rows) = (checked_header(HEADER), checked_rows("2,,\n"));
+        assert_eq!(text, format!("{}{header}{rows}", own.line()));
         assert!(matches!(SweepFile::resume(&path, own, HEADER), Ok(Ok(Resumed::Complete(_)))));
         let (error, _) = refusal(&path, identity("1,2,4", "2/2"));
         let words =
@@ -289,7 +305,7 @@ mod tests {
         let (_, rows) = resumed(&path, identity("1,2", "1/1"));
         assert_eq!(rows, 0);
         let begun = fs::read_to_string(part_of(&path)).unwrap();
-        assert_eq!(begun, identity("1,2", "1/1").line() + HEADER);
+        assert_eq!(begun, identity("1,2", "1/1").line() + &checked_header(HEADER));
     }
 
     #[test]
@@ -323,7 +339,7 @@ mod tests {
         let second = SweepFile::begin(&path, identity("1,2", "1/1"), HEADER).unwrap_err();
         assert!(second.to_string().ends_with("sweep.csv.part: another run is writing it"));
         let text = fs::read_to_string(part_of(&path)).unwrap();
-        assert!(text.ends_with(HEADER), "the first run's rows are untouched");
+        assert!(text.ends_with(&checked_header(HEADER)), "the first run's rows are untouched");
         drop(first);
         assert!(SweepFile::begin(&path, identity("1,2", "1/1"), HEADER).is_ok());
     }

@@ -200,6 +200,11 @@ impl SweepIdentity {
         self.record.table.as_ref().map(|table| table.sha256.as_str())
     }
 
+    /// Name of the table beside which the record lies.
+    pub(super) fn table_name(&self) -> Option<&str> {
+        self.record.table.as_ref().map(|table| table.name.as_str())
+    }
+
     /// Who made the table, from what.
     pub(super) fn origin(&self) -> Origin {
         let Inputs { link, motion, torque, vary, arguments } = &self.record.inputs;
@@ -293,7 +298,7 @@ mod tests {
             ("\"cases\":11", "\"cases\":12", "s.csv:1: cases = 12, but must be 11, as inputs.vary"),
             ("1:2:11", "1:2", "s.csv:1: inputs.vary: range = \"1:2\", but must read"),
             ("\"sweep\"", "\"solve\"", "s.csv:1: command = \"solve\", but must be \"sweep\""),
-            ("\"title\"", "\"name\"", "s.csv:1: content = missing field `title`, but must be as"),
+            ("\"title\"", "\"name\"", "s.csv:1: title = nothing, but must be there"),
         ] {
             let (found, _) = refused(line.trim_end().replace(from, to).as_str());
             assert!(found.starts_with(words), "{found}");

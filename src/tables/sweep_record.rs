@@ -20,12 +20,53 @@ pub(super) fn record_of(table: &Path) -> PathBuf {
     name.into()
 }
 
-/// What has the place of a table's record and is none of a sweep: it must not be written over.
-pub fn foreign_record(table: &Path) -> Option<PathBuf> {
-    let path = record_of(table);
-    let is_there = path.symlink_metadata().is_ok();
-    let is_own = || InputFile::read(&path).is_ok_and(|file| is_record(&file.bytes));
-    (is_there && !(path.is_file() && is_own())).then_some(path)
+/// Where the rows of a table lie until they are complete.
+pub(super) fn part_of(table: &Path) -> PathBuf {
+    let mut name = table.as_os_str().to_owned();
+    name.push(".part");
+    name.into()
+}
+
+/// The files that a sweep writes for a table: itself, its record, and the rows until they are
+/// complete.
+pub fn sweep_files(table: &Path) -> [PathBuf; 3] {
+    [table.to_owned(), record_of(table), part_of(table)]
+}
+
+/// A file that a table's record must not replace.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ForeignRecord {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// The table of which it is the record; none for a file that no sweep has written.
+    pub table: Option<String>,
+}
+
+impl ForeignRecord {
+    /// The file in the place of the record of `table`, if it is not an earlier one of the same table.
+    pub fn beside(table: &Path) -> Option<Self> {
+        let path = record_of(table);
+        path.symlink_metadata().ok()?;
+        let file = if path.is_file() { InputFile::read(&path).ok() } else { None };
+        let Some(file) = file.filter(|file| is_record(&file.bytes)) else {
+            return Some(Self { path, table: None });
+        };
+        let place = Place { file: &file.shown, line: None };
+        let record = SweepIdentity::read(&file.bytes, place).ok()?;
+        let own = record.table_name()?;
+        let other = table.with_file_name(own);
+        // A table that was renamed with its record is no other one.
+        let is_other = other.file_name() != table.file_name() && record_of(&other) == path;
+        (is_other && other.exists()).then(|| Self { path, table: Some(own.to_owned()) })
+    }
+
+    /// What it is.
+    pub fn what(&self) -> String {
+        match &self.table {
+            Some(table) => format!("the record of {table}"),
+            None => "a file that no sweep has written".to_owned(),
+        }
+    }
 }
 
 /// Writes the table of a sweep, and its record beside it; a device or a pipe has none.
@@ -43,9 +84,9 @@ pub fn write_sweep(
     if is_stream(path) {
         return write_file_with(path, table, durability, on_wait);
     }
-    if let Some(foreign) = foreign_record(path) {
-        let name = foreign.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let cause = io::Error::other("a file that no sweep has written has its place");
+    if let Some(foreign) = ForeignRecord::beside(path) {
+        let name = foreign.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let cause = io::Error::other(format!("it would replace {}", foreign.what()));
         let folder = folder_of(path).to_owned();
         return Err(FolderError { folder, action: FolderAction::Write(name), cause });
     }
@@ -141,16 +182,37 @@ mod tests {
         let identity = identity_of("link", &[], "x=1,2", "1/1");
         for content in ["{\"flexlink\": \"0.1.0\", \"command\": \"solve\"}", "notes", ""] {
             fs::write(&mine, content).unwrap();
-            assert_eq!(foreign_record(&path).as_ref(), Some(&mine));
+            let found = ForeignRecord::beside(&path).map(|foreign| foreign.path);
+            assert_eq!(found.as_ref(), Some(&mine));
             let error =
                 write_sweep(&path, b"x\n", &identity, Durability::InMemory, &|_| {}).unwrap_err();
-            assert!(error.to_string().ends_with("no sweep has written has its place"), "{error}");
+            assert!(
+                error.to_string().ends_with("it would replace a file that no sweep has written"),
+                "{error}"
+            );
             assert_eq!(fs::read_to_string(&mine).unwrap(), content);
             assert!(!path.exists());
             let table = InputFile { shown: "s".into(), name: "s".into(), bytes: vec![] };
             assert_eq!(read_record(&path, &table).unwrap(), None);
         }
         fs::write(&mine, "{\"flexlink\": \"0.1.0\", \"command\": \"sweep\"}").unwrap();
-        assert_eq!(foreign_record(&path), None, "an earlier sweep's");
+        assert_eq!(ForeignRecord::beside(&path), None, "an earlier sweep's");
+    }
+
+    #[test]
+    fn the_record_of_another_table_is_not_written_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let identity = identity_of("link", &[], "x=1,2", "1/1");
+        let write = |name| write_sweep(&at(name), b"x\n", &identity, Durability::InMemory, &|_| {});
+        write("two").unwrap();
+        write("two").unwrap();
+        let error = write("two.csv").unwrap_err();
+        assert!(error.to_string().ends_with("it would replace the record of two"), "{error}");
+        assert!(!at("two.csv").exists());
+        for end in ["", ".json"] {
+            fs::rename(at(&format!("two{end}")), at(&format!("new{end}"))).unwrap();
+        }
+        write("new").unwrap();
     }
 }

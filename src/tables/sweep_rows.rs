@@ -1,13 +1,46 @@
 use csv::ReaderBuilder;
 
 use super::encoding::remedy;
+use super::input::sha256;
 use super::sweep_identity::SweepIdentity;
 use super::sweep_table::{ERROR, WARNINGS, one_line};
 use super::table_error::{Place, TableError, quoted};
 use crate::sweep::Variation;
 
-/// What a row is that is none of its case.
+/// Hint for a row that does not fit its case.
 const NOT_AS_WRITTEN: &str = "a row was removed, doubled, moved or changed since it was written";
+
+/// The last column of a part of the rows: the first digits of the SHA-256 of what stands before it.
+pub(super) const CHECK: &str = "check";
+
+const CHECK_DIGITS: usize = 8;
+
+/// Rows with the check of each behind it; one that is cut off has none.
+pub fn checked_rows(rows: &str) -> String {
+    let checked = |row: &str| match row.strip_suffix('\n') {
+        Some(row) => format!("{row},{}\n", check_of(row)),
+        None => row.to_owned(),
+    };
+    rows.split_inclusive('\n').map(checked).collect()
+}
+
+/// The row that names the columns of checked rows, with its line end.
+pub fn checked_header(header: &str) -> String {
+    format!("{},{CHECK}\n", header.trim_end())
+}
+
+/// Lines without their last column, the check.
+pub(super) fn without_checks(text: &str) -> String {
+    text.lines()
+        .flat_map(|line| [line.rsplit_once(',').map_or(line, |(row, _)| row), "\n"])
+        .collect()
+}
+
+fn check_of(row: &str) -> String {
+    let mut digits = sha256(row.as_bytes());
+    digits.truncate(CHECK_DIGITS);
+    digits
+}
 
 /// The rows of a shard, or of a sweep that was interrupted, as read from its file: each is that of
 /// its own case.
@@ -44,18 +77,28 @@ impl SweepRows {
         // Only whole lines count; the last one may have been cut within a letter.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let text = std::str::from_utf8(&bytes[..whole])
-            .map_err(|_| place(1).refuse("text", "other bytes", "must be UTF-8"))
+            .map_err(|error| {
+                let good = &bytes[..error.valid_up_to()];
+                let line = 1 + good.iter().filter(|byte| **byte == b'\n').count() as u64;
+                let found = format!("byte 0x{:02x}", bytes[good.len()]);
+                place(line).refuse("text", found, "must be UTF-8")
+            })
             .map_err(|error| error.with_hint(remedy(bytes).to_owned()))?;
         let mut lines = text.lines();
         let identity = SweepIdentity::read_line(lines.next().unwrap_or_default(), place(1))?;
         let header = lines.next().unwrap_or_default();
+        let header =
+            header.strip_suffix(CHECK).and_then(|rest| rest.strip_suffix(',')).unwrap_or("");
         let names = fields(header);
         check_names(&identity, &names, place(2))?;
-        let rows: Vec<String> = lines.map(str::to_owned).collect();
-        for ((line, row), k) in (3..).zip(&rows).zip(0..identity.rows()) {
+        let parted: Vec<(&str, &str)> =
+            lines.map(|line| line.rsplit_once(',').unwrap_or((line, ""))).collect();
+        for ((line, (row, check)), k) in (3..).zip(&parted).zip(0..identity.rows()) {
             check_row(&identity, &names, k, &fields(row), place(line))
+                .and_then(|()| check_content(row, check, place(line)))
                 .map_err(|error| error.or_hint(NOT_AS_WRITTEN.to_owned()))?;
         }
+        let rows: Vec<String> = parted.iter().map(|(row, _)| (*row).to_owned()).collect();
         if rows.len() > identity.rows() {
             let must = format!("must be {}", identity.rows());
             let whole = Place { file: name, line: None };
@@ -153,6 +196,15 @@ fn check_row(
     Ok(())
 }
 
+/// Refuses a row whose content is not that of its check.
+fn check_content(row: &str, check: &str, place: Place) -> Result<(), TableError> {
+    let must = check_of(row);
+    if check == must {
+        return Ok(());
+    }
+    Err(place.refuse(CHECK, quoted(check), format!("must be {} for this row", quoted(&must))))
+}
+
 /// Joins the shards of a sweep to its table: every row of every shard, in the order of the cases.
 ///
 /// # Errors
@@ -169,7 +221,11 @@ pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
         check_shard(shard, first)?;
         let earlier = ordered[shard.identity.shard().number() - 1].replace(shard);
         if let Some(earlier) = earlier {
-            let must = format!("must not be that of {}, too", earlier.name);
+            if earlier.name == shard.name {
+                let place = Place { file: &shard.name, line: None };
+                return Err(place.refuse_whole("is named twice".to_owned()));
+            }
+            let must = format!("must be another one than that of {}", earlier.name);
             return Err(shard.refuse("shard", shard.identity.shard().to_string(), must));
         }
     }
@@ -240,7 +296,7 @@ mod tests {
     /// A file with these rows of the shard of a sweep over x = 1, 2, 3, …
     fn file(shard: &str, cases: usize, rows: &str) -> String {
         let identity = identity_of("link", &[], &format!("x=1:{cases}:{cases}"), shard);
-        identity.line() + HEADER + rows
+        identity.line() + &checked_header(HEADER) + &checked_rows(rows)
     }
 
     /// The rows of all cases of a shard.
@@ -277,7 +333,10 @@ mod tests {
         let missing = refusal(&[c.clone(), a.clone()]);
         assert_eq!(missing, "s3.csv: shards = 2 of 3, but must be all: 2/3 is missing");
         let twice = refusal(&[a.clone(), b.clone(), b.clone(), c.clone()]);
-        assert_eq!(twice, "s2.csv: shard = 2/3, but must not be that of s2.csv, too");
+        assert_eq!(twice, "s2.csv: is named twice");
+        let copy = SweepRows { name: "copy.csv".into(), ..b.clone() };
+        let twice = refusal(&[a.clone(), b.clone(), copy]);
+        assert_eq!(twice, "copy.csv: shard = 2/3, but must be another one than that of s2.csv");
         let mut cut = b.clone();
         cut.rows.pop();
         assert_eq!(refusal(&[a.clone(), cut, c.clone()]), "s2.csv: rows = 2, but must be 3");
@@ -330,6 +389,22 @@ mod tests {
     }
 
     #[test]
+    fn a_number_that_was_changed_is_refused_with_its_line() {
+        let text = file("2/3", 10, "2,0.5,,\n5,0.25,,\n").replace("0.25", "0.26");
+        let error = SweepRows::read("s", text.as_bytes()).unwrap_err();
+        let told = error.to_string();
+        assert!(told.starts_with("s:4: check = \"") && told.ends_with("\" for this row"), "{told}");
+        assert_eq!(error.hint(), Some(NOT_AS_WRITTEN));
+    }
+
+    #[test]
+    fn a_byte_that_is_no_text_is_named_with_its_line() {
+        let bytes = [file("2/3", 10, "2,1,,\n").as_bytes(), b"5,\xff,,,0\n"].concat();
+        let error = SweepRows::read("s", &bytes).unwrap_err();
+        assert_eq!(error.to_string(), "s:4: text = byte 0xff, but must be UTF-8");
+    }
+
+    #[test]
     fn columns_of_another_sweep_are_refused() {
         for (header, message) in [
             ("y,told,warnings,error", "s:2: column 1 = \"y\", but must be \"x\""),
@@ -337,6 +412,7 @@ mod tests {
             ("x,told,error", "s:2: columns = \"x,told,error\", but must end with warnings, error"),
         ] {
             let text = file("2/3", 10, "").replace(HEADER.trim_end(), header);
+            let text = if header.is_empty() { text.replace(",check", "") } else { text };
             let error = SweepRows::read("s", text.as_bytes()).unwrap_err();
             assert_eq!(error.to_string(), message);
         }

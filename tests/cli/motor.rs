@@ -1,5 +1,7 @@
 //! The motor's side of the drive: its numbers in every result, and its limits.
 
+use flexlink::numeric::significant;
+
 use super::{Bench, LINK, MOTION, column, keys, repository, stderr, stdout};
 
 /// A rotor of 2 kg cm² behind a gear of 100, on the spring of a joint.
@@ -129,7 +131,7 @@ fn limits_of_the_motor_are_held_beside_the_hubs() {
         assert_eq!(exceeded.status.code(), Some(4), "{key}");
         let error = stderr(&exceeded);
         assert!(error.contains(&format!("error: limits.{key} = ")), "{error}");
-        assert!(error.contains(&format!("is exceeded: {found:.4e} ")), "{error}");
+        assert!(error.contains(&format!("is exceeded: {} ", significant(found, 5))), "{error}");
     }
     // The torque of the limit without a name is the hub's, 100 times as much as the motor's.
     let hub = results["peak_torque_n_m"].as_f64().unwrap();

@@ -289,6 +289,66 @@ fn the_cases_do_not_replace_the_torque_that_is_played_on_them() {
 }
 
 #[test]
+fn a_table_in_the_place_of_its_cases_is_refused_before_any_is_solved() {
+    for (table, outputs) in [
+        ("all/1/torque.csv", "all"),
+        ("./all/2", "all"),
+        ("all/01/summary.json", "./all"),
+        ("all", "all/"),
+        ("all", "all/inner"),
+        ("all.csv", "all.json"),
+        ("all.csv", "all.csv.part"),
+    ] {
+        let bench = Bench::new();
+        let output =
+            sweep(&bench, &["--vary", "payload.mass=0,0.01", "-o", table, "--outputs", outputs]);
+        let error = format!(
+            "error: --output = {table}, but must not be, or lie in, a folder that \
+                             --outputs {outputs} writes\n"
+        );
+        assert_eq!(output.status.code(), Some(2), "{table} {outputs}");
+        assert!(stderr(&output).starts_with(&error), "{}", stderr(&output));
+        assert_eq!(bench.names("."), [""; 0]);
+    }
+    let bench = Bench::new();
+    swept(&bench, &["--vary", "payload.mass=0,0.01", "-o", "all/table.csv", "--outputs", "all"]);
+    assert_eq!(bench.names("all"), ["1", "2", "table.csv", "table.json"]);
+}
+
+#[test]
+fn remarks_do_not_depend_on_the_order_of_the_cases() {
+    for (values, first) in [("2700,2.7,2.8", 2), ("2.7,2700,2.8", 1)] {
+        let bench = Bench::new();
+        let beam = "[hub]\ninertia = 1\n[[segments]]\nlength = 1\nE = '70 GPa'\ndensity = 2700\n\
+                    section = { shape = 'rectangle', width = 0.02, thickness = 0.01 }\n";
+        bench.write("beam.toml", beam);
+        let vary = format!("segments.0.density={values}");
+        let motion = super::repository(super::MOTION);
+        let output = bench.run(&["sweep", "beam.toml", &motion, "--vary", &vary]);
+        let told = stderr(&output);
+        let remark =
+            format!("remark: 2 of 3 cases, the first is case {first}: segments.0.density = 2.7");
+        assert!(told.starts_with(&remark), "{told}");
+        assert_eq!(told.matches("remark: ").count(), 1, "{told}");
+    }
+}
+
+#[test]
+fn two_tables_do_not_share_a_record() {
+    let bench = Bench::new();
+    let vary = ["--vary", "payload.mass=0,0.01", "-o"];
+    swept(&bench, &[&vary[..], &["two"]].concat());
+    let record = bench.read("two.json");
+    let output = sweep(&bench, &[&vary[..], &["two.csv"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    let error =
+        "error: --output = two.csv, but its record two.json would replace the record of two\n";
+    assert!(stderr(&output).starts_with(error), "{}", stderr(&output));
+    assert!(bench.read("two.json") == record);
+    swept(&bench, &[&vary[..], &["two"]].concat());
+}
+
+#[test]
 fn rows_go_to_standard_output_for_a_dash_and_nothing_else_does() {
     let bench = Bench::new();
     let output = swept(&bench, &["--vary", "payload.mass=0,0.001", "-o", "-"]);

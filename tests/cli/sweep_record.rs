@@ -79,8 +79,8 @@ fn a_table_that_was_changed_is_not_shown_as_that_of_its_record() {
 fn a_file_in_the_place_of_the_record_is_kept() {
     let bench = Bench::new();
     bench.write("sweep.json", "{\"mine\": true}\n");
-    let message = "error: --output = sweep.csv, but sweep.json has the place of its record, and is \
-                   none of a sweep\nhint: another name for the table, or for that file\n";
+    let message = "error: --output = sweep.csv, but its record sweep.json would replace a file that \
+                   no sweep has written\nhint: another name for the table, or for that file\n";
     let output = sweep(&bench, &VARY);
     assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(2), message));
     assert_eq!(bench.names("."), ["sweep.json"]);

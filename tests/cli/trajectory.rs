@@ -103,13 +103,14 @@ fn the_shortest_duration_within_a_limit_is_found_to_the_step() {
     let remark = text.lines().next().unwrap();
     let duration: f64 = remark
         .strip_prefix("# septic: ")
-        .and_then(|rest| rest.strip_suffix(" s, the shortest within torque=1"))
+        .and_then(|rest| rest.strip_suffix(" s, the shortest within torque=1 N m"))
         .unwrap()
         .parse()
         .unwrap();
     // The same is told beside the file, with the limit that binds and by how much.
     let told = stderr(&output);
-    let note = format!("note: {duration} s, the shortest within torque=1; limits.torque binds: ");
+    let note =
+        format!("note: {duration} s, the shortest within torque=1 N m; limits.torque binds: ");
     let rest = told.strip_prefix(&note).unwrap_or_else(|| panic!("{told}"));
     let (found, rest) = rest.split_once(" of 1 N m, ").unwrap();
     let (below, _) = rest.split_once(" % below it with the error of ").unwrap();
@@ -126,6 +127,60 @@ fn the_shortest_duration_within_a_limit_is_found_to_the_step() {
     assert!(peak(duration) <= 1.0 && peak(duration - 0.002) > 1.0, "{duration} s");
     let (fitted, exact) = (bench.read("fit.csv"), peak(duration));
     assert!(fitted.ends_with(&bench.read("exact.csv")), "{exact} N m");
+}
+
+/// `--fit-limit` of a septic motion of 0.5 m.
+fn fitted(bench: &Bench, link: &str, step: &str, more: &[&str]) -> (Option<i32>, String) {
+    let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", step, "--link", link];
+    let output = bench.run(&[&fixed[..], more, &["-o", "fit.csv"]].concat());
+    (output.status.code(), stderr(&output))
+}
+
+#[test]
+fn all_limits_that_hold_are_named_and_the_one_that_binds() {
+    let bench = Bench::new();
+    let text = std::fs::read_to_string(repository(LINK)).unwrap();
+    bench.write("limited.toml", &format!("{text}\n[limits]\nhub_rate = 2.0\n"));
+    let (code, told) = fitted(&bench, "limited.toml", "0.01", &["--fit-limit", "torque=5"]);
+    assert_eq!(code, Some(0), "{told}");
+    let within = " s, the shortest within torque=5 N m, hub_rate=2 rad/s";
+    assert!(told.contains(&format!("{within}; limits.hub_rate binds: ")), "{told}");
+    assert!(bench.read("fit.csv").lines().next().unwrap().ends_with(within));
+}
+
+#[test]
+fn no_limit_binds_where_the_profile_has_no_fewer_steps() {
+    let bench = Bench::new();
+    let (_, told) = fitted(&bench, &repository(LINK), "0.1", &["--fit-limit", "torque=1e300"]);
+    let note = "note: 0.4 s, the shortest within torque=1e300 N m; no limit binds: the profile has \
+                no fewer steps\n";
+    assert!(told.starts_with(note), "{told}");
+}
+
+#[test]
+fn a_search_among_very_many_durations_says_how_many_it_tried() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let (code, told) = fitted(&bench, &link, "2e-4", &["--fit-limit", "torque=0.9"]);
+    assert_eq!(code, Some(0), "{told}");
+    let (_, rest) = told.split_once(" s, within torque=0.9 N m; ").unwrap();
+    let (tried, rest) = rest.split_once(" of the ").unwrap();
+    let (shorter, rest) = rest.split_once(" shorter durations were tried, none fits; ").unwrap();
+    let (tried, shorter): (usize, usize) = (tried.parse().unwrap(), shorter.parse().unwrap());
+    assert!(tried < shorter && shorter > 1024 && rest.starts_with("limits.torque binds"), "{told}");
+}
+
+#[test]
+fn a_warning_of_the_motion_that_fits_is_an_error_where_it_is_denied() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let more = ["--fit-limit", "torque=4", "--deny-warnings"];
+    let (code, told) = fitted(&bench, &link, "0.01", &more);
+    assert_eq!(code, Some(4), "{told}");
+    let warnings = told.matches("\nwarning: ").count();
+    let error = format!("error: --deny-warnings: warnings = {warnings}, but must be none");
+    assert!(warnings > 0 && told.contains(&error), "{told}");
+    assert!(bench.path("fit.csv").exists());
 }
 
 #[test]
@@ -153,7 +208,7 @@ fn warnings_of_the_motion_that_fits_are_told_and_do_not_lengthen_it() {
     let fit = bench.run(&[&fixed[..], &["--fit-limit", "torque=4", "-o", "fit.csv"]].concat());
     assert_eq!(fit.status.code(), Some(0), "{}", stderr(&fit));
     let told = stderr(&fit);
-    assert!(told.starts_with("note: 0.42 s, the shortest within torque=4; "), "{told}");
+    assert!(told.starts_with("note: 0.42 s, the shortest within torque=4 N m; "), "{told}");
     assert!(told.contains("\nwarning: the tip deflects by 27 % of the link's length"), "{told}");
     // Every step from the profile's own fewest was tried: a shorter one needs more.
     let shorter = ["trajectory", "septic", "--distance", "0.5", "--step", "0.01"];

@@ -31,7 +31,7 @@ fn a_warning_is_an_error_where_it_is_denied_and_the_results_are_written() {
         let denied = bench.run(&[&arguments[..], &["--deny-warnings"]].concat());
         assert_eq!(denied.status.code(), Some(4));
         let error = format!(
-            "error: --deny-warnings: warnings = {warnings}, but must be none; the results are written\n"
+            "error: --deny-warnings: warnings = {warnings}, but must be none; all output is written\n"
         );
         assert_eq!(stderr(&denied), stderr(&allowed) + &error);
         assert_eq!(stdout(&denied), stdout(&allowed));
@@ -49,7 +49,7 @@ fn a_verified_answer_with_a_warning_fails_where_warnings_are_denied() {
     // A deflection that every check of `verify` passes.
     let warned = bench.run(&[&arguments[..], &["--scale-distance", "2.5"]].concat());
     assert_eq!(warned.status.code(), Some(4));
-    let error = "error: --deny-warnings: warnings = 1, but must be none; the results are written\n";
+    let error = "error: --deny-warnings: warnings = 1, but must be none; all output is written\n";
     let told = stderr(&warned);
     assert!(told.starts_with("warning: the tip deflects by ") && told.ends_with(error), "{told}");
 }
@@ -69,6 +69,65 @@ fn nothing_is_denied_where_nothing_is_warned_of() {
         let output = bench.run(arguments);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
     }
+}
+
+#[test]
+fn warnings_of_compare_repeat_and_sweep_are_errors_where_they_are_denied() {
+    let bench = Bench::new();
+    bench.solve(&["-q"]);
+    bench.write("none.toml", "[[columns]]\ncolumn = 'none'\nignore = true\n");
+    let compare = ["compare", "out", "out", "-q", "--tolerances", "none.toml"];
+    let summary = bench.read("out/summary.json");
+    let version = format!("\"flexlink\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    let repeat = ["solve", "--repeat", "out", &repository(LINK), &repository(MOTION), "-q"];
+    let denied = |arguments: &[&str], allowed: i32| {
+        let plain = bench.run(arguments);
+        assert_eq!(plain.status.code(), Some(allowed), "{}", stderr(&plain));
+        let denied = bench.run(&[arguments, &["--deny-warnings"]].concat());
+        assert_eq!(denied.status.code(), Some(4), "{}", stderr(&denied));
+        let error =
+            "error: --deny-warnings: warnings = 1, but must be none; all output is written\n";
+        assert_eq!(stderr(&denied), stderr(&plain) + error);
+    };
+    denied(&compare, 0);
+    bench.write("out/summary.json", &summary.replace(&version, "\"flexlink\": \"0.0.1\""));
+    denied(&repeat, 1);
+
+    // The first rows of a sweep that was interrupted.
+    let vary = ["--vary", "payload.mass=0,0.01", "--shard", "1/1"];
+    swept(&bench, &[&vary[..], &["-o", "whole.csv"]].concat());
+    for (values, hint) in [
+        ("0,0.01", "--resume would have gone on with them"),
+        ("0,0.02", "they were of another sweep: another -o keeps them"),
+    ] {
+        let stopped =
+            sweep(&bench, &["--vary", "payload.mass=0,0.01", "-o", "-", "--shard", "1/2"]);
+        let lines = stdout(&stopped).replace("\"1/2\"", "\"1/1\"");
+        bench.write("sweep.csv.part", &lines);
+        let vary = format!("payload.mass={values}");
+        let output = sweep(&bench, &["--vary", &vary, "--deny-warnings"]);
+        let told = stderr(&output);
+        let warning =
+            "warning: sweep.csv.part held 1 row of an interrupted sweep, begun anew\nhint: ";
+        assert_eq!(output.status.code(), Some(4), "{told}");
+        assert!(told.starts_with(&format!("{warning}{hint}\n")), "{told}");
+    }
+}
+
+#[test]
+fn one_table_of_a_run_that_is_accepted_alone_is_warned_of() {
+    let bench = Bench::new();
+    bench.solve(&["-q"]);
+    bench.solve(&["-q", "-o", "other", "--set", "payload.mass=0.1"]);
+    let one = ["compare", "out/torque.csv", "other/torque.csv", "--bless", "-q"];
+    let blessed = bench.run(&one);
+    assert_eq!(blessed.status.code(), Some(0));
+    let warning =
+        "warning: out/torque.csv: is not the table of the summary.json beside it any more";
+    assert!(stderr(&blessed).starts_with(warning), "{}", stderr(&blessed));
+    assert_eq!(stderr(&bench.run(&one)), "", "nothing is left to accept");
+    let whole = bench.run(&["compare", "out", "other", "--bless", "-q"]);
+    assert_eq!((whole.status.code(), stderr(&whole)), (Some(0), String::new()));
 }
 
 #[test]

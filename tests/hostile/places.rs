@@ -163,10 +163,117 @@ fn a_message_quotes_sixty_characters_of_an_input() {
     ] {
         refuse(text(&bench.run(&["modes", "link.toml", "--set", &set]).stderr));
     }
+    let value = |k: usize| format!("segments.{long}.EI*=1{}", [":2", ",1", ",'x", ":2:3", ",2"][k]);
+    let mut sweeps: Vec<String> = (0..5).map(value).collect();
+    sweeps.extend([format!("title={0},{0}", &long[..50_000]), format!("hub.inertia=0{long}:1:2")]);
+    sweeps.extend([format!("distance={long}"), format!("{long}=1")]);
+    for vary in &sweeps {
+        refuse(text(&bench.run(&["sweep", "link.toml", "motion.csv", "--vary", vary]).stderr));
+    }
+    let fit = ["trajectory", "sine", "--distance", "1", "--step", "0.1", "--link", "link.toml"];
+    for limit in [long.clone(), format!("{long}=1"), format!("torque={long}")] {
+        refuse(text(&bench.run(&[&fit[..], &["--fit-limit", &limit]].concat()).stderr));
+    }
+    for [command, option] in [
+        ["sweep", "--shard"],
+        ["frf", "--points"],
+        ["solve", "--nodes"],
+        ["solve", "--digits"],
+        ["solve", "--resample"],
+        ["simulate", "--feedback"],
+        ["modes", "--nothing"],
+    ] {
+        refuse(text(&bench.run(&[command, "link.toml", "motion.csv", option, &long]).stderr));
+        refuse(text(&bench.run(&[command, &format!("{option}={long}")]).stderr));
+    }
+    refuse(text(&bench.run(&["trajectory", &long]).stderr));
+    refuse(text(&bench.run(&[&format!("--{long}")]).stderr));
+    bench.write("t.toml", format!("[[columns]]\ncolumn = '{long}'\nrtol = 1\n"));
+    let compare = ["compare", "motion.csv", "motion.csv", "-q", "--tolerances", "t.toml"];
+    let told = text(&bench.run(&compare).stderr);
+    assert!(told.starts_with("warning: t.toml:1: column = ") && told.len() < 700, "{told}");
     for table in [format!("{long},a\n"), format!("time,acceleration\n0,{long}\n")] {
         bench.write("wrong.csv", &table);
         refuse(text(&bench.run(&["solve", "link.toml", "wrong.csv"]).stderr));
     }
+}
+
+#[test]
+fn a_message_quotes_sixty_characters_of_a_record() {
+    let bench = Bench::solved();
+    let summary = fs::read_to_string(bench.path("out/summary.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let long = serde_json::Value::from("x".repeat(100_000));
+    for (pointer, value) in [
+        ("/flexlink", &long),
+        ("/command", &long),
+        ("/format", &long),
+        ("/files/0", &long),
+        ("/inputs/link/sha256", &long),
+        ("/inputs/link/name", &long),
+        ("/inputs/arguments", &serde_json::json!([long.clone()])),
+        ("/inputs/arguments", &serde_json::json!(["--nodes", long.clone()])),
+        ("/link", &long),
+        ("/motion/moves_from_s", &long),
+    ] {
+        let mut forged = record.clone();
+        *forged.pointer_mut(pointer).unwrap() = value.clone();
+        bench.write("out/summary.json", serde_json::to_string_pretty(&forged).unwrap());
+        for arguments in [&["solve", "--repeat", "out", "-q"][..], &["report", "out", "-q"]] {
+            let told = text(&bench.run(arguments).stderr);
+            assert!(told.len() < 900, "{pointer}: {} bytes", told.len());
+        }
+    }
+    let mut old = record.clone();
+    old["format"] = 1.into();
+    old["flexlink"] = long;
+    bench.write("out/summary.json", old.to_string());
+    assert!(text(&bench.run(&["report", "out"]).stderr).len() < 700);
+}
+
+#[test]
+fn damage_of_a_record_is_told_by_key_and_in_plain_words() {
+    let bench = Bench::solved();
+    let summary = fs::read_to_string(bench.path("out/summary.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    for (key, value, words) in [
+        ("link", serde_json::json!(1), "link = integer `1`, but must be an object"),
+        ("format", "x".into(), "format = string \"x\", but must be a whole number"),
+        ("files", "x".into(), "files = string \"x\", but must be a list"),
+        ("title", 1.into(), "title = integer `1`, but must be a text"),
+        ("warnings", serde_json::Value::Null, "warnings = null, but must be a list"),
+    ] {
+        for pretty in [true, false] {
+            let mut forged = record.clone();
+            forged[key] = value.clone();
+            let forged = if pretty { format!("{forged:#}") } else { forged.to_string() };
+            bench.write("out/summary.json", forged);
+            bench.refuses_soon(&["report", "out"], REFUSED, words);
+        }
+    }
+    let mut forged = record;
+    forged.as_object_mut().unwrap().remove("title");
+    bench.write("out/summary.json", forged.to_string());
+    bench.refuses_soon(&["report", "out"], REFUSED, "title = nothing, but must be there");
+}
+
+#[test]
+fn a_page_does_not_turn_the_direction_of_writing() {
+    let bench = Bench::new();
+    bench.write("link.toml", format!("title = \"a\u{202e}b\\u009bc\"\n{}", link("")));
+    let solve = ["solve", "link.toml", "motion.csv", "-q", "--report"];
+    assert_eq!(bench.run(&solve).status.code(), Some(0));
+    let page = fs::read_to_string(bench.path("out/report.html")).unwrap();
+    assert!(page.contains("<h1>a\\u{202e}b\\u{9b}c</h1>"));
+    assert!(!page.contains(|c: char| c == '\u{202e}' || c.is_control() && c != '\n'));
+}
+
+#[test]
+fn what_is_no_text_is_refused_by_report_with_what_to_do() {
+    let bench = Bench::new();
+    let output = bench.run(&["report", "/dev/zero"]);
+    let told = text(&output.stderr);
+    assert!(told.ends_with("\nhint: save the file as text in UTF-8\n"), "{told}");
 }
 
 #[test]

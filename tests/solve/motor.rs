@@ -3,6 +3,7 @@
 use super::{Smooth, link, mesh_of, solved};
 use flexlink::inverse::{Analysis, InversionError, Solution, invert};
 use flexlink::link::Drive;
+use flexlink::numeric::significant;
 use flexlink::result::{Limits, Metrics, Peak};
 
 const STIFF: Drive =
@@ -106,6 +107,10 @@ fn only_exceeded_limits_are_told_with_their_numbers() {
     let keys: Vec<&str> = exceeded.iter().map(|limit| limit.0.key).collect();
     assert_eq!(keys, ["torque", "power"]);
     let message = exceeded[0].to_string();
-    let expected = format!("limits.torque = {} N m is exceeded: {torque:.4e} N m", 0.5 * torque);
+    let expected = format!(
+        "limits.torque = {} N m is exceeded at the hub: {} N m",
+        0.5 * torque,
+        significant(torque, 5)
+    );
     assert_eq!(message, expected);
 }

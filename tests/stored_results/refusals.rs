@@ -117,17 +117,13 @@ fn a_foreign_or_damaged_summary_is_refused() {
         let refusal = summary(text);
         assert!(refusal.starts_with(expected), "{refusal}");
     }
-    let must = format!("must be as flexlink {} writes it", env!("CARGO_PKG_VERSION"));
     let change =
         |from: &str, to: &str| after(&bench, "summary.json", |text| text.replacen(from, to, 1));
     let untitled = change("\"title\"", "\"name\"");
-    assert!(
-        untitled.ends_with(&format!("content = missing field `title`, but {must}")),
-        "{untitled}"
-    );
+    assert!(untitled.ends_with("title = nothing, but must be there"), "{untitled}");
     let length = change("\"length_m\": 0.15", "\"length_m\": \"0.15\"");
-    let words = format!("content = invalid type: string \"0.15\", expected f64, but {must}");
-    assert!(length.starts_with("out/summary.json:") && length.ends_with(&words), "{length}");
+    let words = "length_m = string \"0.15\", but must be a number";
+    assert!(length.starts_with("out/summary.json:") && length.ends_with(words), "{length}");
     let negative = change("\"length_m\": 0.15", "\"length_m\": -0.15");
     let above =
         "out/summary.json: link.segments.0.length = -0.15 m, but must be finite and above 0";

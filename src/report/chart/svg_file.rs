@@ -1,6 +1,7 @@
 use maud::{PreEscaped, html};
 
 use super::figure::Figure;
+use crate::numeric::visible;
 
 /// What a figure of its own looks like: the light colours of the page.
 const STYLE: &str = include_str!("figure.css");
@@ -17,6 +18,7 @@ impl Figure {
             style { (PreEscaped(STYLE)) }
             rect width="100%" height="100%" fill="#ffffff" {}
         };
-        format!("{head}{}{rest}\n", style.into_string())
+        let file = format!("{head}{}{rest}\n", style.into_string());
+        file.split('\n').map(visible).collect::<Vec<_>>().join("\n")
     }
 }

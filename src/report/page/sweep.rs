@@ -96,8 +96,8 @@ fn cases_section(sweep: &StoredSweep) -> Markup {
         section id="cases" {
             h2 { "Cases" }
             p {
-                "The table has the kinds of the warnings; a folder of " code { "sweep --outputs" }
-                " has their words, for its case."
+                "The column " code { "warnings" } " holds the kinds of the warnings; their full text is in \
+                 summary.json of the case, which " code { "sweep --outputs" } " writes."
                 @if sweep.origin.is_none() {
                     " No record lies beside the table, so link, motion and arguments are not known."
                 }

@@ -28,7 +28,7 @@ pub(super) struct FolderLock {
 
 impl FolderLock {
     /// Creates `dir` where it is missing, waits for a run that writes there, and removes what a
-    /// killed one has left; `on_wait` is told once of a wait that is no short one.
+    /// killed one has left; `on_wait` is called once if the wait is long.
     pub(super) fn take(dir: &Path, on_wait: &dyn Fn(&Path)) -> io::Result<Self> {
         Self::take_within(dir, PATIENCE, on_wait)
     }

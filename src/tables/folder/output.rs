@@ -40,7 +40,7 @@ pub struct OutputFolder {
 
 impl OutputFolder {
     /// Opens `dir` for a run's files, creating it and the folders above it where they are missing.
-    /// Where another run writes into it for more than a second `on_wait` is told, once.
+    /// If another run writes into it for more than a second, `on_wait` is called once.
     ///
     /// # Errors
     /// [`FolderError`] if the folder cannot be created, or another run keeps writing into it.

@@ -58,11 +58,15 @@ impl<'a> RunFolder<'a> {
     }
 }
 
+/// Bytes of the longest name that file systems take.
+const LONGEST_NAME: usize = 255;
+
 /// Refuses names that lead into a folder.
 pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Result<(), TableError> {
     let leads = |name: &String| Path::new(name).file_name().is_none_or(|own| own != name.as_str());
+    let is_short = |name: &String| name.len() <= LONGEST_NAME;
     let is_told = |name: &String| !name.contains(is_hidden);
-    match names.iter().find(|name| leads(name) || !is_told(name)) {
+    match names.iter().find(|name| leads(name) || !is_told(name) || !is_short(name)) {
         Some(name) => {
             let must = "must be names, without folders or control characters";
             Err(place.refuse(subject, quoted(name), must))
@@ -75,5 +79,7 @@ pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Resu
 pub(super) fn unreadable(error: &InputError) -> TableError {
     let text = error.to_string();
     let (file, message) = text.split_once(": ").unwrap_or(("", &text));
-    Place { file, line: None }.refuse_whole(message.to_owned())
+    Place { file, line: None }
+        .refuse_whole(message.to_owned())
+        .with_hint(error.hint().map(str::to_owned))
 }

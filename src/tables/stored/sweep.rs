@@ -7,6 +7,7 @@ use std::path::Path;
 use super::super::any_table::read_table;
 use super::super::input::InputFile;
 use super::super::sweep_record::read_record;
+use super::super::sweep_rows::CHECK;
 use super::super::sweep_table::{ERROR, SweepColumn, SweepRecord, WARNINGS};
 use super::super::table_error::{Place, TableError, quoted};
 use crate::result::StoredSweep;
@@ -26,8 +27,10 @@ const LONGEST_HEADER: u64 = 1 << 20;
 pub(super) fn read_sweep(path: &Path, file: &InputFile) -> Result<StoredSweep, TableError> {
     let table = read_table(&file.shown, &file.bytes);
     let is_table = file.name.to_lowercase().ends_with(".csv") || file.name == "-";
-    let table = table
+    let mut table = table
         .map_err(|error| if is_table { error } else { error.or_hint(THE_FOLDER.to_owned()) })?;
+    // That of a shard.
+    table.columns.pop_if(|column| column.name() == CHECK);
     let place = Place { file: &file.shown, line: None };
     let names: Vec<&str> = table.names().collect();
     let varied = check_columns(&names, place)?;
