@@ -29,7 +29,7 @@ const LONG_ROWS: usize = 50_000;
 const LONG_TIMES: f64 = 10.0;
 
 /// Change of a peak by twice the tip's tolerance from which on the user is warned.
-const UNSETTLED: f64 = 0.05;
+const UNSETTLED: f64 = 0.03;
 
 /// What a run was given and measured of itself.
 pub(super) struct Evidence<'a> {

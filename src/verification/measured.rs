@@ -10,9 +10,12 @@ macro_rules! of_each {
         |quantity| match quantity {
             Quantity::Torque => concat!("torque ", $words),
             Quantity::HubAngle => concat!("hub angle ", $words),
+            Quantity::HubRate => concat!("hub rate ", $words),
+            Quantity::HubAcceleration => concat!("hub accel. ", $words),
             Quantity::Displacement => concat!("displacement ", $words),
             Quantity::BendingMoment => concat!("moment ", $words),
             Quantity::MotorTorque => concat!("motor torque ", $words),
+            Quantity::MotorRate => concat!("motor rate ", $words),
         }
     };
 }

@@ -1,9 +1,9 @@
 //! What a case came to, in words.
 
 use super::case::{Case, Expect};
-use super::judge::{Judgement, PEAKS_HOLD, Peak, judged};
+use super::judge::{Judgement, Peak, judged};
 use super::run::{Nodes, Outcome, solved};
-use super::steps::{self, compared};
+use super::steps::compared;
 
 /// What a drawn case may be refused for: it asks for what there is not, or for more than the program
 /// can do, and says so.
@@ -55,14 +55,7 @@ impl Report {
             report.lines.push(format!("{key} at 1, 1/2, 1/4, 1/8 of the step: {peaks}"));
         }
         report.same_motion = compared.same;
-        let is_known = |wrong: &String| {
-            steps::KNOWN.iter().any(|(name, key)| *name == case.name && wrong.starts_with(key))
-        };
-        let (known, wrong): (Vec<_>, Vec<_>) = compared.wrong.into_iter().partition(is_known);
-        report.wrong.extend(wrong);
-        if known.is_empty() && steps::KNOWN.iter().any(|(name, _)| *name == case.name) {
-            report.wrong.push("a peak is known to change with the step, and does not".to_owned());
-        }
+        report.wrong.extend(compared.wrong);
         report
     }
 
@@ -96,10 +89,9 @@ impl Report {
         self.excused = verdicts.iter().filter(|v| v.excused).count();
         for Peak { key, found, truth, .. } in peaks.iter().filter(|peak| !peak.holds) {
             let told = format!("{key} is {found:.5}, not {truth:.5}, {:+.1e}", found / truth - 1.0);
-            self.lines.push(told.clone());
-            if PEAKS_HOLD {
-                self.wrong.push(told);
-            }
+            // Of every frequency of the samples, a summary has the peaks of its rows.
+            let is_whole = case.tip_share() == 0.0;
+            (if is_whole { &mut self.lines } else { &mut self.wrong }).push(told);
         }
         let fails = verdicts.iter().filter(|v| !v.holds && !v.excused).map(|v| v.quantity);
         let (known, fails): (Vec<_>, Vec<_>) =

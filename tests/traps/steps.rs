@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::excuse::hangs_on_the_step;
-use super::judge::{MANY, PEAKS_HOLD, claimed};
+use super::judge::claimed;
 use super::motion::Samples;
 use super::run::{Nodes, Outcome, Written, solved};
 use super::truth::{Run, wanted_m};
@@ -15,12 +15,6 @@ const ROUNDED: f64 = 1e-9;
 
 /// Steps, as parts of the case's own.
 const PARTS: [usize; 4] = [1, 2, 4, 8];
-
-/// Peaks that are known to change with the step without a word, by case: each must still do so.
-///
-/// From step to step the band goes from 73 to 154 Hz, while the files want tips that are apart by less
-/// than the tolerance.
-pub(crate) const KNOWN: [(&str, &str); 1] = [("34-16", "peak_torque_n_m")];
 
 /// Peaks at the four steps.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -92,12 +86,10 @@ pub(crate) fn compared(case: &Case) -> Steps {
         let sure: Vec<f64> = sure.collect();
         if let Some(finest) = sure.last() {
             let worst = sure.iter().fold(0.0_f64, |m, p| m.max((p / finest - 1.0).abs()));
-            let is_known = KNOWN.contains(&(&case.name, key));
-            let shows_peaks = case.motion.duration_s >= (MANY - 0.5) * case.motion.step_s;
             let claims = same.iter().filter_map(|run| claimed(&run.written, quantity));
             let claims = claims.map(|claim| claim.iter().map(|(_, error)| error).sum());
             let within = SAME_PEAK + claims.fold(0.0, f64::max);
-            if worst > within && (PEAKS_HOLD || shows_peaks || is_known) {
+            if worst > within {
                 steps.wrong.push(format!("{key} changes by {worst:.1e} with the step"));
             }
         }
