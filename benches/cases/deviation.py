@@ -2,7 +2,8 @@
 of the displacements of nodes, over that of all nodes: python deviation.py OURS THEIRS.
 
 Prints two, and where each is: of the columns that follow from the torque, and of those that hold the
-hub's motion, from which flexlink takes a slow tail that the scripts leave in. Columns that only one of
+hub's motion, from which flexlink takes a slow tail that the scripts leave in, or peaks, which it finds
+between the samples, too. Columns that only one of
 the tables has are left out.
 """
 
@@ -29,7 +30,7 @@ def deviations(ours, theirs):
 
 
 def has_tail(name):
-    words = ("hub", "power", "deflection")
+    words = ("hub", "power", "deflection", "peak", "ratio", "lead", "lag")
     return any(word in name for word in words) or (name[0] == "v" and name[1].isdigit())
 
 

@@ -305,7 +305,7 @@ mod tests {
                 let Shortfall::Step(step_s) = shortfall else {
                     panic!("{profile}, {steps}: {found:?}")
                 };
-                let enough = (1..).find(|steps| 1.0 / *steps as f64 <= step_s).unwrap();
+                let enough = (1..1_000_000).find(|steps| 1.0 / *steps as f64 <= step_s).unwrap();
                 let again = motion(profile, enough).cutoff(1e-6);
                 assert_eq!(again.shortfall, None, "{profile}, {steps} steps: {again:?}");
                 suggested += 1;

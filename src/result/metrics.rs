@@ -56,7 +56,9 @@ pub struct MotorMetrics {
 
 /// Where the motion is solved up to a cut-off, its samples tell what lies between them.
 fn between(solution: &Solution) -> Between {
-    if solution.band.cutoff_hz.is_some() { Between::BandLimited } else { Between::Unknown }
+    let per_cycle = 1.0 / (solution.band.highest_hz * solution.grid.step_s);
+    let is_limited = solution.band.cutoff_hz.is_some();
+    if is_limited { Between::BandLimited { per_cycle } } else { Between::Unknown }
 }
 
 impl Metrics {

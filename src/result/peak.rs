@@ -18,9 +18,9 @@ const SIDE: usize = 24;
 /// and to 1e-3 up to 0.9 of it.
 const KAISER: f64 = 14.0;
 
-/// Share of the largest sample from which on there may be a larger value beside one: of a wave of three
-/// samples a cycle, the band's end, a half.
-const NEAR: f64 = 0.5;
+/// From so many samples a cycle on, a parabola through three of them tells where the largest value is to
+/// within a part of a step.
+const MANY: f64 = 8.0;
 
 /// A largest value and when it occurs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,12 +32,15 @@ pub struct Peak {
 }
 
 /// How the peak of a history is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Between {
     /// From the samples alone: what lies between them is not known.
     Unknown,
     /// A band that ends below the Nyquist frequency tells what lies between the samples.
-    BandLimited,
+    BandLimited {
+        /// Samples a cycle at the end of the band.
+        per_cycle: f64,
+    },
 }
 
 /// Weights of the samples from `SIDE − 1` before one to `SIDE` after it, for every part of the step after
@@ -69,8 +72,13 @@ fn bessel(x: f64) -> f64 {
 
 /// Value of a history `part` parts of a step after sample `k`; it stands still beyond its ends.
 fn between(samples: &[f64], k: usize, part: usize) -> f64 {
+    let weights = &WEIGHTS[part];
+    if let Some(around) = (k + 1).checked_sub(SIDE).and_then(|from| samples.get(from..k + 1 + SIDE))
+    {
+        return weights.iter().zip(around).map(|(weight, sample)| weight * sample).sum();
+    }
     let last = samples.len() - 1;
-    let taps = WEIGHTS[part].iter().enumerate();
+    let taps = weights.iter().enumerate();
     taps.map(|(tap, weight)| weight * samples[(k + tap + 1).saturating_sub(SIDE).min(last)]).sum()
 }
 
@@ -79,8 +87,9 @@ pub(super) fn peak(samples: &[f64], grid: &TimeGrid, how: Between) -> Peak {
     let of_samples = largest_sample(samples, grid);
     match how {
         Between::Unknown => of_samples,
-        Between::BandLimited => {
-            raised(of_samples, samples, grid, NEAR, |k, part| between(samples, k, part))
+        Between::BandLimited { per_cycle } => {
+            let tops = Tops { samples, grid, per_cycle };
+            tops.raised(of_samples, |k, part| between(samples, k, part))
         }
     }
 }
@@ -91,54 +100,82 @@ pub(super) fn peak_of_product(a: &[f64], b: &[f64], grid: &TimeGrid, how: Betwee
     let of_samples = largest_sample(&product, grid);
     match how {
         Between::Unknown => of_samples,
-        // The product has twice the band.
-        Between::BandLimited => raised(of_samples, &product, grid, NEAR * NEAR, |k, part| {
-            between(a, k, part) * between(b, k, part)
-        }),
+        Between::BandLimited { per_cycle } => {
+            // The product has twice the band.
+            let tops = Tops { samples: &product, grid, per_cycle: 0.5 * per_cycle };
+            tops.raised(of_samples, |k, part| between(a, k, part) * between(b, k, part))
+        }
     }
 }
 
-/// The largest of a peak of samples and of what lies between them, by `at`, around every sample that is
-/// larger than its neighbours of the same sign and not much smaller than the peak.
-fn raised(
-    peak: Peak,
-    samples: &[f64],
-    grid: &TimeGrid,
-    near: f64,
-    at: impl Fn(usize, usize) -> f64,
-) -> Peak {
-    let size = |k: usize| samples[k].abs();
-    let last = samples.len() - 1;
-    let tops =
-        |k: usize, beside: usize| samples[k] * samples[beside] <= 0.0 || size(k) >= size(beside);
-    let is_near = |k: &usize| {
-        let [before, after] = [k.saturating_sub(1), (k + 1).min(last)];
-        size(*k) >= near * peak.value && tops(*k, before) && tops(*k, after)
-    };
-    let mut found = peak;
-    if peak.value == 0.0 {
-        return found;
-    }
-    for k in (0..=last).filter(is_near) {
-        let from = k.saturating_sub(1);
-        let fine: Vec<f64> =
-            (0..=2 * PARTS).map(|n| at((from + n / PARTS).min(last), n % PARTS).abs()).collect();
-        for n in 1..2 * PARTS {
-            let [before, here, after] = [fine[n - 1], fine[n], fine[n + 1]];
-            if here < before || here < after {
+/// Samples between which a history may have its peak.
+struct Tops<'a> {
+    samples: &'a [f64],
+    grid: &'a TimeGrid,
+    per_cycle: f64,
+}
+
+impl Tops<'_> {
+    /// The largest of a peak of samples and of what lies between them, by `at`, around every sample that
+    /// is larger than its neighbours of the same sign and not much smaller than the peak.
+    fn raised(&self, peak: Peak, at: impl Fn(usize, usize) -> f64) -> Peak {
+        let last = self.samples.len() - 1;
+        // Half way between two samples of a wave.
+        let near = libm::cos(PI / self.per_cycle.max(4.0)).powi(2);
+        let mut found = peak;
+        if peak.value == 0.0 {
+            return found;
+        }
+        for k in (0..=last).filter(|k| self.samples[*k].abs() >= near * peak.value) {
+            let beside = [k.saturating_sub(1), (k + 1).min(last)];
+            if !beside.iter().all(|beside| self.tops(k, *beside)) {
                 continue;
             }
-            // The parabola through the three.
-            let bend = 2.0 * here - before - after;
-            let shift = if bend > 0.0 { 0.5 * (after - before) / bend } else { 0.0 };
-            let value = here + 0.25 * shift * (after - before);
-            if value > found.value {
-                let steps = (n as f64 + shift) / PARTS as f64;
-                found = Peak { value, time_s: grid.time_s(from) + steps * grid.step_s };
+            let from = k.saturating_sub(1);
+            let fine = |n: usize| at((from + n / PARTS).min(last), n % PARTS).abs();
+            let [first, end] = self.places(k);
+            let values: Vec<f64> = (first - 1..=end + 1).map(fine).collect();
+            for (place, three) in values.windows(3).enumerate() {
+                let [before, here, after] = [three[0], three[1], three[2]];
+                if here < before || here < after {
+                    continue;
+                }
+                // The parabola through the three.
+                let bend = 2.0 * here - before - after;
+                let shift = if bend > 0.0 { 0.5 * (after - before) / bend } else { 0.0 };
+                let value = here + 0.25 * shift * (after - before);
+                if value > found.value {
+                    let steps = ((first + place) as f64 + shift) / PARTS as f64;
+                    let time_s = self.grid.time_s(from) + steps * self.grid.step_s;
+                    found = Peak { value, time_s };
+                }
             }
         }
+        found
     }
-    found
+
+    fn tops(&self, k: usize, beside: usize) -> bool {
+        let [here, there] = [self.samples[k], self.samples[beside]];
+        here * there <= 0.0 || here.abs() >= there.abs()
+    }
+
+    /// Parts of a step after sample `k − 1` between which the largest value around sample `k` is.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 2 steps")]
+    fn places(&self, k: usize) -> [usize; 2] {
+        let whole = [1, 2 * PARTS - 1];
+        let is_inner = k > 0 && k + 1 < self.samples.len();
+        if self.per_cycle < MANY || !is_inner {
+            return whole;
+        }
+        let [before, here, after] = [k - 1, k, k + 1].map(|k| self.samples[k].abs());
+        let bend = 2.0 * here - before - after;
+        if bend <= 0.0 {
+            return whole;
+        }
+        let place = PARTS as f64 * (1.0 + 0.5 * (after - before) / bend);
+        let nearest = (place.round() as usize).clamp(2, 2 * PARTS - 2);
+        [nearest - 1, nearest + 1]
+    }
 }
 
 fn largest_sample(samples: &[f64], grid: &TimeGrid) -> Peak {
@@ -179,9 +216,12 @@ mod tests {
 
     #[test]
     fn a_peak_between_samples_is_found_from_three_samples_a_cycle_on() {
-        for (cycle_steps, error) in [(3.0, 1e-4), (4.0, 1e-6), (8.0, 1e-6), (40.0, 1e-6)] {
+        for (cycle_steps, error) in
+            [(3.0, 1e-4), (4.0, 1e-6), (8.0, 1e-6), (14.0, 1e-6), (40.0, 1e-6)]
+        {
             let samples = bell(cycle_steps);
-            let found = peak(&samples, &grid(120), Between::BandLimited);
+            let how = Between::BandLimited { per_cycle: cycle_steps };
+            let found = peak(&samples, &grid(120), how);
             assert!((found.value / 1.5 - 1.0).abs() < error, "{cycle_steps}: {found:?}");
             assert!((found.time_s - (1.0 + 0.5 * 59.37)).abs() < 1e-2, "{cycle_steps}: {found:?}");
             let sampled = peak(&samples, &grid(120), Between::Unknown).value;
@@ -192,17 +232,20 @@ mod tests {
     #[test]
     fn the_peak_of_a_product_is_found_from_its_factors() {
         let (a, b) = (bell(4.0), vec![2.0; 120]);
-        let found = peak_of_product(&a, &b, &grid(120), Between::BandLimited);
+        let found = peak_of_product(&a, &b, &grid(120), Between::BandLimited { per_cycle: 3.0 });
         assert!((found.value / 3.0 - 1.0).abs() < 1e-4, "{found:?}");
-        let square = peak_of_product(&a, &a, &grid(120), Between::BandLimited);
+        let square = peak_of_product(&a, &a, &grid(120), Between::BandLimited { per_cycle: 3.0 });
         assert!((square.value / 2.25 - 1.0).abs() < 1e-4, "{square:?}");
     }
 
     #[test]
     fn rest_has_no_peak_and_an_end_is_one() {
-        assert_eq!(peak(&[0.0; 9], &grid(9), Between::BandLimited).value.to_bits(), 0);
+        assert_eq!(
+            peak(&[0.0; 9], &grid(9), Between::BandLimited { per_cycle: 3.0 }).value.to_bits(),
+            0
+        );
         let ramp: Vec<f64> = (0..40).map(|k| 1.0 - (-0.3 * f64::from(k)).exp()).collect();
-        let found = peak(&ramp, &grid(40), Between::BandLimited);
+        let found = peak(&ramp, &grid(40), Between::BandLimited { per_cycle: 3.0 });
         assert!((found.value - ramp[39]).abs() < 1e-4, "{found:?}");
     }
 }

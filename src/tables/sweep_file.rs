@@ -108,7 +108,7 @@ impl SweepFile {
     /// Whole rows that an interrupted run left for the file at `path`, if there are any.
     pub fn left(path: &Path, identity: &SweepIdentity, header: &str) -> Option<LeftRows> {
         let bytes = fs::read(part_of(path)).unwrap_or_default();
-        let lines = bytes.iter().filter(|byte| **byte == b'\n').count();
+        let lines = bytes.split(|byte| *byte == b'\n').count() - 1;
         let is_of_a_sweep = bytes.starts_with(b"# flexlink ");
         let rows = Some(lines.saturating_sub(2)).filter(|rows| is_of_a_sweep && *rows > 0)?;
         let there = SweepRows::read("", &bytes);

@@ -79,7 +79,7 @@ impl SweepRows {
         let text = std::str::from_utf8(&bytes[..whole])
             .map_err(|error| {
                 let good = &bytes[..error.valid_up_to()];
-                let line = 1 + good.iter().filter(|byte| **byte == b'\n').count() as u64;
+                let line = good.split(|byte| *byte == b'\n').count() as u64;
                 let found = format!("byte 0x{:02x}", bytes[good.len()]);
                 place(line).refuse("text", found, "must be UTF-8")
             })

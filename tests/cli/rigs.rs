@@ -31,7 +31,7 @@ fn every_rig_is_solved_verified_and_has_its_modes() {
         assert!(solved.status.success(), "{rig}: {}", stderr(&solved));
         let summary: Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
         let checks = summary["verification"].as_array().unwrap();
-        assert_eq!(checks.len(), 8, "{rig}");
+        assert!(checks.len() >= 9, "{rig}: {checks:?}");
         for check in checks {
             let (found, bound) = (check["found"].as_f64(), check["bound"].as_f64());
             assert!(found.unwrap() <= bound.unwrap(), "{rig}: {check}");
@@ -50,7 +50,7 @@ fn every_rig_is_solved_verified_and_has_its_modes() {
         let verified = bench.run(&[&["verify"], &moved[..]].concat());
         assert!(verified.status.success(), "{rig}: {}", stderr(&verified));
         let text = stdout(&verified);
-        assert_eq!(text.lines().count(), 9, "{text}");
+        assert!(text.lines().count() >= 10, "{text}");
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         assert!(!text.contains("FAILS"), "{text}");
     }

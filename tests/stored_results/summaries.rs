@@ -81,7 +81,7 @@ fn checks_come_back_measured_or_with_the_reason() {
     let checks = bench.run_of("out").checks;
     let summary = json(&bench, "out");
     let expected = summary["verification"].as_array().unwrap();
-    assert!(checks.len() == 8 && expected.len() == 8);
+    assert!(checks.len() == 9 && expected.len() == 9);
     for (found, expected) in checks.iter().zip(expected) {
         assert_eq!(
             (found.what.as_str(), found.of.as_str()),
