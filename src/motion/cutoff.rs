@@ -122,7 +122,12 @@ impl TipMotion {
     }
 
     fn lowest_cutoff(&self, tolerance: f64) -> Cutoff {
-        let len = fast_length(4 * self.grid().len);
+        // Four times as long as it moves: with less rest around it, a low cut-off would be another.
+        let moves = |a: &f64| *a != 0.0;
+        let forcing = self.forcing_m_s2();
+        let first = forcing.iter().position(moves).unwrap_or(0);
+        let last = forcing.iter().rposition(moves).unwrap_or(0);
+        let len = fast_length(self.grid().len.max(4 * (last + 1 - first)));
         let spectrum = self.spectrum(len, self.grid().len.midpoint(len));
         let allowed_m = tolerance * self.histories(&spectrum).way_m();
         let (residual, low, high) = Residual::bracketed(&spectrum, allowed_m);

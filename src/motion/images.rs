@@ -10,8 +10,13 @@
 //!
 //! The `Q_m` belong to the motion and the period alone; the `S_m` to the link.
 
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
 use std::f64::consts::PI;
 use std::sync::OnceLock;
+
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 
 use super::spectrum::TipSpectrum;
 use crate::numeric::largest;
@@ -35,7 +40,10 @@ const NEAR_PERIODS: i32 = 2;
 const POWERS: usize = 8;
 
 /// Times that a polynomial is evaluated at side by side.
-const SIDE_BY_SIDE: usize = 8;
+const SIDE_BY_SIDE: usize = 16;
+
+/// Samples that a thread takes at a time.
+const BLOCK: usize = 4096;
 
 /// The images of a motion in all periods but its own.
 pub struct Images {
@@ -93,20 +101,20 @@ impl Images {
     pub fn history(&self, order: usize) -> &[TailTerms] {
         self.histories[order].get_or_init(|| {
             let span = period(self.step_s, self.samples, self.seam);
+            let series = self.series.each_ref().map(|series| {
+                (0..order).fold(series.clone(), |series, _| span.derivative(&series))
+            });
             let mut history = vec![[0.0; TAIL_TERMS]; self.samples];
-            for (m, series) in self.series.iter().enumerate() {
-                let derived = (0..order).fold(series.clone(), |s, _| span.derivative(&s));
-                let place = |k: usize| {
-                    let steps = k as f64 - if k < self.seam { 0.0 } else { self.samples as f64 };
-                    span.scaled(steps * self.step_s)
-                };
-                for first in (0..self.samples).step_by(SIDE_BY_SIDE) {
-                    let values = clenshaw(&derived, std::array::from_fn(|k| place(first + k)));
-                    for (terms, value) in history[first..].iter_mut().zip(values) {
-                        terms[m] = value;
-                    }
-                }
-            }
+            history.par_chunks_mut(BLOCK).enumerate().for_each(|(block, terms)| {
+                let first = block * BLOCK;
+                Arch::new().dispatch(Evaluation {
+                    images: self,
+                    series: &series,
+                    span,
+                    first,
+                    terms,
+                });
+            });
             history
         })
     }
@@ -120,6 +128,38 @@ impl Images {
         assert_eq!(signal.len(), self.samples, "samples of the period");
         let around = self.around_seam.iter();
         around.map(|(k, terms)| signal[*k] - tail_sum(tail, terms)).collect()
+    }
+}
+
+/// Series at the samples of a period from `first` on.
+struct Evaluation<'a> {
+    images: &'a Images,
+    series: &'a [Vec<f64>; TAIL_TERMS],
+    span: Span,
+    first: usize,
+    terms: &'a mut [TailTerms],
+}
+
+impl WithSimd for Evaluation<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { images, series, span, first, terms } = self;
+        for (m, series) in series.iter().enumerate() {
+            for (group, terms) in terms.chunks_mut(SIDE_BY_SIDE).enumerate() {
+                let from = first + group * SIDE_BY_SIDE;
+                let places = std::array::from_fn(|k| {
+                    let k = from + k;
+                    let steps =
+                        k as f64 - if k < images.seam { 0.0 } else { images.samples as f64 };
+                    span.scaled(steps * images.step_s)
+                });
+                for (terms, value) in terms.iter_mut().zip(clenshaw(series, places)) {
+                    terms[m] = value;
+                }
+            }
+        }
     }
 }
 
@@ -229,6 +269,7 @@ impl Span {
     }
 
     /// Where a time stands, in −1 … 1.
+    #[inline(always)]
     fn scaled(&self, time_s: f64) -> f64 {
         (2.0 * time_s - self.from_s - self.until_s) / (self.until_s - self.from_s)
     }
@@ -279,6 +320,7 @@ fn trimmed(mut series: Vec<f64>) -> Vec<f64> {
 }
 
 /// Values of a Chebyshev series at x in −1 … 1, by Clenshaw's recurrence.
+#[inline(always)]
 fn clenshaw(series: &[f64], x: [f64; SIDE_BY_SIDE]) -> [f64; SIDE_BY_SIDE] {
     let (mut above, mut this) = ([0.0; SIDE_BY_SIDE], [0.0; SIDE_BY_SIDE]);
     for coefficient in series[1..].iter().rev() {
