@@ -30,7 +30,7 @@ def deviations(ours, theirs):
 
 
 def has_tail(name):
-    words = ("hub", "power", "deflection", "peak", "ratio", "lead", "lag")
+    words = ("hub", "power", "deflection", "peak", "ratio", "lead", "lag", "rms")
     return any(word in name for word in words) or (name[0] == "v" and name[1].isdigit())
 
 
