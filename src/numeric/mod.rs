@@ -40,6 +40,6 @@ pub(crate) use sum::sum_over;
 pub use uniform::NotUniform;
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
 pub(crate) use units::{quantity_pattern, reads_as_unit, split_number};
-pub use visible::{excerpt, is_hidden, visible};
+pub use visible::{excerpt, is_hidden, visible, visible_document};
 #[cfg(test)]
 pub(crate) use wide::{Wide, WideComplex};

@@ -20,6 +20,19 @@ pub fn visible(text: &str) -> Cow<'_, str> {
     told.into()
 }
 
+/// A document as it is shown, its line ends and tabs kept.
+pub fn visible_document(document: &str) -> String {
+    let mut shown = String::with_capacity(document.len());
+    for letter in document.chars() {
+        match letter {
+            '\n' | '\t' => shown.push(letter),
+            letter if is_hidden(letter) => shown.extend(letter.escape_unicode()),
+            letter => shown.push(letter),
+        }
+    }
+    shown
+}
+
 /// The beginning of a piece of an input, with a mark where more follows: what a message quotes.
 pub fn excerpt(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(LONGEST) {
@@ -44,6 +57,11 @@ mod tests {
     fn control_characters_are_told_and_no_other() {
         assert_eq!(visible("m\u{1b}[31m\t'µ²'\n\u{85}"), "m\\u{1b}[31m\\t'µ²'\\n\\u{85}");
         assert_eq!(visible("N m²"), "N m²");
+    }
+
+    #[test]
+    fn a_document_keeps_its_line_ends_and_tabs() {
+        assert_eq!(visible_document("a\n\tb\u{202e}\u{7}c"), "a\n\tb\\u{202e}\\u{7}c");
     }
 
     #[test]

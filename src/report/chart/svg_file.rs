@@ -1,7 +1,7 @@
 use maud::{PreEscaped, html};
 
 use super::figure::Figure;
-use crate::numeric::visible;
+use crate::numeric::visible_document;
 
 /// What a figure of its own looks like: the light colours of the page.
 const STYLE: &str = include_str!("figure.css");
@@ -18,7 +18,6 @@ impl Figure {
             style { (PreEscaped(STYLE)) }
             rect width="100%" height="100%" fill="#ffffff" {}
         };
-        let file = format!("{head}{}{rest}\n", style.into_string());
-        file.split('\n').map(visible).collect::<Vec<_>>().join("\n")
+        visible_document(&format!("{head}{}{rest}\n", style.into_string()))
     }
 }

@@ -13,7 +13,7 @@ use self::readings::{checks, given, inputs, link_readings, readings, remarks, wa
 use self::sweep::sweep_page;
 use super::chart::Figure;
 use super::{Figures, View};
-use crate::numeric::visible;
+use crate::numeric::visible_document;
 use crate::result::{Origin, StoredResult, StoredRun};
 
 const STYLE: &str = include_str!("page.css");
@@ -25,13 +25,7 @@ pub fn page(result: &StoredResult, figures: &Figures) -> String {
         StoredResult::Run(run) => run_page(run, figures),
         StoredResult::Sweep(sweep) => sweep_page(sweep, figures),
     };
-    shown(&document.into_string())
-}
-
-/// A document without what is not seen but obeyed: letters that turn the direction of writing, and
-/// control characters other than line ends.
-fn shown(document: &str) -> String {
-    document.split('\n').map(visible).collect::<Vec<_>>().join("\n")
+    visible_document(&document.into_string())
 }
 
 /// What every page has around its sections; `data` is what the animation plays.
