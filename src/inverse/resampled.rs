@@ -16,7 +16,7 @@ use crate::numeric::{TimeGrid, fast_length, largest};
 /// and over the same window; the first sample stands at the window's start.
 ///
 /// # Errors
-/// As [`invert`].
+/// As [`invert`](super::invert).
 pub fn torque_over_window(
     solution: &Solution,
     link: &Link,
