@@ -24,7 +24,7 @@ pub(super) struct Problem<'a> {
     pub(super) link: &'a Link,
     pub(super) motion: &'a TipMotion,
     pub(super) analysis: &'a Analysis,
-    pub(super) cutoff: Cutoff,
+    cutoff: Cutoff,
     pub(super) padding: Padding,
 }
 
@@ -81,12 +81,12 @@ pub fn invert(
     let known = Known { first_zero_per_s, hub_tail, peaks, mesh_errors, mode_errors };
     let motor_n_m = amplitudes.motor.map(|motor| motor.torque_n_m);
     let shortest = PeriodicAnswer::new(amplitudes.hub, motor_n_m.as_deref(), Arc::clone(&period));
-    let answer = problem.decayed(&dynamics, &problem.costed(&known), shortest)?;
+    let (answer, left) = problem.decayed(&dynamics, &problem.costed(&known), shortest)?;
     // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
     if let Some(frequency_hz) = answer.hub.blocked_hz {
         return Err(InversionError::BlockedTip { frequency_hz });
     }
-    let (mut solution, edges) = problem.written(dynamics, &known, answer);
+    let (mut solution, edges) = problem.written(dynamics, &known, answer, left);
     solution.motor().map_or(Ok(()), |motor| motor.check())?;
     if problem.cutoff.keeps_all() {
         problem.measure_step(&mut solution)?;
@@ -146,21 +146,23 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Lengthens the period until every quantity has decayed where one period meets the next.
+    /// Lengthens the period until every quantity has decayed where one period meets the next; returns
+    /// what is left there, over the peak of each.
     ///
     /// The zeros tell the exponential decay; hysteretic damping adds an algebraic tail (∝ t⁻⁴ of the
     /// torque), and a blocked tip rings on, so the decay is measured, too.
-    pub(super) fn decayed(
+    fn decayed(
         &self,
         dynamics: &Dynamics,
         costed: &Costed<'_>,
         shortest: PeriodicAnswer,
-    ) -> Result<PeriodicAnswer, InversionError> {
+    ) -> Result<(PeriodicAnswer, PerQuantity<f64>), InversionError> {
         let initial = shortest.torque_n_m.len();
         let mut answer = shortest;
         loop {
-            let (_, left) = answer.left_at_seam(costed).worst();
-            let has_decayed = left <= self.analysis.tolerance();
+            let left = answer.left_at_seam(costed);
+            let (_, most) = left.worst();
+            let has_decayed = most <= self.analysis.tolerance();
             let next = Padding::lengthened(answer.torque_n_m.len(), initial);
             match next.filter(|_| !has_decayed) {
                 Some(len) => {
@@ -168,19 +170,18 @@ impl<'a> Problem<'a> {
                     let forcing = self.asked(&period).of(dynamics);
                     answer = PeriodicAnswer::of(forcing, Arc::clone(&period))?;
                 }
-                None => return Ok(answer),
+                None => return Ok((answer, left)),
             }
         }
     }
 
-    /// What the finite period and the window that is cut out of it cost each quantity, over its peak.
+    /// What the finite period and the window that is cut out of it cost each quantity, over its peak;
+    /// `left` is the period's part.
     fn window_errors(
-        &self,
         answer: &PeriodicAnswer,
-        known: &Known,
+        left: PerQuantity<f64>,
         window: &Window,
     ) -> PerQuantity<f64> {
-        let left = answer.left_at_seam(&self.costed(known));
         let cut_off = |samples: &[f64]| {
             let periodic = answer.periodic(samples);
             periodic.outside(window) / periodic.peak()
@@ -217,6 +218,7 @@ impl<'a> Problem<'a> {
         dynamics: Dynamics,
         known: &Known,
         answer: PeriodicAnswer,
+        left: PerQuantity<f64>,
     ) -> (Solution, Edges) {
         let given = self.motion.grid();
         let torque = answer.periodic(&answer.torque_n_m);
@@ -239,7 +241,7 @@ impl<'a> Problem<'a> {
             velocity_m_s: cut(&histories.velocity_m_s, &grid),
             acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
         };
-        let window_errors = self.window_errors(&answer, known, &window);
+        let window_errors = Self::window_errors(&answer, left, &window);
         let errors = known.mesh_errors.zip(&window_errors, |mesh, window| QuantityErrors {
             mesh,
             window,
