@@ -143,7 +143,7 @@ fn resolved(path: &Path) -> PathBuf {
     }
 }
 
-/// Refuses to write the record of a sweep's table over a file that is none.
+/// Refuses to write the record of a sweep's table over any other kind of file.
 pub(crate) fn keep_record(output: &Path) -> Result<(), Failure> {
     if is_standard_output(output) {
         return Ok(());

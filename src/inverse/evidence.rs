@@ -24,7 +24,7 @@ const ABOVE_MESH_SHARE: f64 = 1e-2;
 /// Error of mesh or modes, and change by half the step, from which on the user is warned.
 const COARSE: f64 = 1e-2;
 
-/// Rows, and times the motion's own samples, above which a window that was lengthened is told of.
+/// A lengthened window of more rows, and of more times the motion's own samples, is warned of.
 const LONG_ROWS: usize = 50_000;
 const LONG_TIMES: f64 = 10.0;
 

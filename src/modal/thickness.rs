@@ -4,7 +4,7 @@ use super::shape::{Mode, mode};
 use crate::beam::{Element, Mesh};
 use crate::link::{CrossSection, Link, Segment, Taper};
 
-/// Share of a natural frequency from which on the user is told: as much as 2 % of stiffness, more
+/// Share of a natural frequency from which on there is a warning: as much as 2 % of stiffness, more
 /// than what a maker's data of section and material leave open.
 const NOTICEABLE: f64 = 1e-2;
 

@@ -117,7 +117,7 @@ impl Reached {
     }
 }
 
-/// The motion and the link of which the shortest duration is sought.
+/// A motion of open duration, and the link and limits that its shortest duration depends on.
 #[derive(Debug, Clone, Copy)]
 pub struct FitProblem<'a> {
     /// The link.

@@ -179,7 +179,7 @@ impl Tops<'_> {
 }
 
 fn largest_sample(samples: &[f64], grid: &TimeGrid) -> Peak {
-    // By and by, so that only the part with the largest is looked through for it.
+    // In parts: only the part that holds the largest is searched for its place.
     let (mut value, mut first) = (0.0, 0);
     for (part, samples) in samples.chunks(PART).enumerate() {
         let here = largest(samples);

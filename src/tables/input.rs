@@ -175,7 +175,7 @@ fn read_whole(mut input: impl Read, len: u64, most: u64) -> Result<Vec<u8>, Unre
         if input.by_ref().take(CHUNK as u64).read_to_end(&mut bytes)? == 0 {
             return Ok(bytes);
         }
-        // What ends within its first block is told by its reader, with the line.
+        // Of an input that ends within its first block, the reader names the line.
         if before == CHUNK {
             check_text(&bytes[..CHUNK])?;
         }

@@ -55,7 +55,7 @@ impl SolveOutputs {
 
     /// Writes the files of a solution into `folder` and gives them their names, all or none, the
     /// `page` of the run among them, where there is one; its deflections are those of
-    /// [`Self::deflections`], and `watch` is told how far the nodal tables are.
+    /// [`Self::deflections`], and `watch` gets the progress of the nodal tables.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
@@ -106,7 +106,7 @@ impl SolveOutputs {
         let write = |(name, groups): &(_, Vec<_>)| {
             folder.file(name, |out| write_csv(out, &time, groups, self.digits))
         };
-        // All of them, so that of two that fail the same one is told of.
+        // All of them, so that of two that fail the error is always the same one.
         let written: Vec<_> = tables.par_iter().map(write).collect();
         written.into_iter().collect()
     }
