@@ -47,7 +47,7 @@ pub use inversion::invert;
 pub use motor::MotorHistories;
 pub use nodal_block::NodalBlock;
 pub use nodal_table::NodalTable;
-pub use resampled::torque_over_window;
+pub use resampled::{WindowTorques, torques_over_window};
 pub use response::FrequencyResponse;
 pub use solution::{Band, Solution};
 pub use warning::Warning;

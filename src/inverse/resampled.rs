@@ -12,20 +12,33 @@ use crate::link::Link;
 use crate::motion::TipMotion;
 use crate::numeric::{TimeGrid, fast_length, largest};
 
-/// The torque in N m that another sampling of a motion asks of a solution's link, on the same mesh
-/// and over the same window; the first sample stands at the window's start.
+/// Torques over a window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowTorques {
+    /// Torque at the hub in N m.
+    pub hub_n_m: Vec<f64>,
+    /// Torque of the motor in N m, where there is a drive.
+    pub motor_n_m: Option<Vec<f64>>,
+}
+
+/// The torques that another sampling of a motion asks of a solution's link, on the same mesh and over
+/// the same window; the first sample stands at the window's start.
 ///
 /// # Errors
 /// As [`invert`](super::invert).
-pub fn torque_over_window(
+pub fn torques_over_window(
     solution: &Solution,
     link: &Link,
     motion: &TipMotion,
     analysis: &Analysis,
-) -> Result<Vec<f64>, InversionError> {
+) -> Result<WindowTorques, InversionError> {
     let problem = Problem::new(link, motion, analysis, solution.first_zero_per_s)?;
     let answer = problem.answer_on(solution)?;
-    Ok(cut(&answer.torque_n_m, &problem.grid_of(solution)))
+    let grid = problem.grid_of(solution);
+    Ok(WindowTorques {
+        hub_n_m: cut(&answer.torque_n_m, &grid),
+        motor_n_m: answer.motor_n_m.map(|motor| cut(&motor, &grid)),
+    })
 }
 
 impl Problem<'_> {

@@ -2,8 +2,8 @@
 
 use super::check::{Check, Question};
 use super::report::{Answer, CHOSEN, VerificationError};
-use crate::inverse::{invert, torque_over_window};
-use crate::numeric::{TimeGrid, largest};
+use crate::inverse::{Solution, torques_over_window};
+use crate::numeric::largest;
 
 /// The hub's torque, and the motor's where there is a drive, with the motion sampled twice as often.
 pub(super) fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, VerificationError> {
@@ -17,8 +17,11 @@ pub(super) fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, Verifi
         what: "motor torque with the step halved",
         of: "its peak",
     };
-    let torque = torque.measured(torque_change(answer)?, CHOSEN);
-    let motor = motor_change(answer)?.map(|change| motor.measured(change, CHOSEN));
+    let Answer { link, motion, analysis, solution, .. } = answer;
+    let finer = torques_over_window(solution, link, &motion.twice_as_often()?, analysis)?;
+    let torque = torque.measured(torque_change(&solution.torque_n_m, &finer.hub_n_m), CHOSEN);
+    let motor_n_m = finer.motor_n_m.as_deref();
+    let motor = motor_change(solution, motor_n_m).map(|change| motor.measured(change, CHOSEN));
     Ok(std::iter::once(torque).chain(motor).collect())
 }
 
@@ -27,49 +30,26 @@ pub(super) fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, Verifi
 /// Not at the worst sample: where a motion begins or ends with a kink of its acceleration, the
 /// torque has a spike that grows ever narrower with the step and never settles, and moves next to
 /// nothing.
-fn torque_change(answer: &Answer) -> Result<f64, VerificationError> {
-    let Answer { link, motion, analysis, solution, .. } = answer;
-    let finer = motion.twice_as_often()?;
-    let torque = torque_over_window(solution, link, &finer, analysis)?;
-    let pairs = solution.torque_n_m.iter().zip(torque.iter().step_by(2));
+fn torque_change(own: &[f64], finer: &[f64]) -> f64 {
+    let pairs = own.iter().zip(finer.iter().step_by(2));
     let (difference, whole) = pairs.fold((0.0, 0.0), |(difference, whole), (a, b)| {
         (difference + (a - b).powi(2), whole + b * b)
     });
-    Ok((difference / whole).sqrt())
+    (difference / whole).sqrt()
 }
 
 /// Largest change of the motor's torque over its peak; none without a drive.
 ///
 /// At the worst sample: the motor must turn its rotor as the spike says.
-fn motor_change(answer: &Answer) -> Result<Option<f64>, VerificationError> {
-    let Answer { link, plan, motion, analysis, solution, .. } = answer;
-    let Some(own) = solution.motor() else { return Ok(None) };
+fn motor_change(solution: &Solution, finer: Option<&[f64]>) -> Option<f64> {
     // Measured by the inversion itself where the step limits the band.
     let measured = solution.accuracy.errors.motor_torque.and_then(|errors| errors.step);
-    if measured.is_some() {
-        return Ok(measured);
-    }
-    let finer = invert(link, plan, &motion.twice_as_often()?, analysis)?;
-    let Some(motor) = finer.motor() else { return Ok(None) };
-    let mut most = 0.0;
-    for (k, torque) in own.torque_n_m.iter().enumerate() {
-        let Some(row) = row_at(&finer.grid, solution.grid.time_s(k)) else { continue };
-        let change = (torque - motor.torque_n_m[row]).abs();
-        if change.is_nan() || change > most {
-            most = change;
-        }
-    }
-    Ok(Some(most / largest(&motor.torque_n_m)))
-}
-
-/// The row of a grid at a time, none outside of it.
-fn row_at(grid: &TimeGrid, time_s: f64) -> Option<usize> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a number of rows, from 0 to the grid's last"
-    )]
-    let row = |row: f64| row as usize;
-    let rows = ((time_s - grid.time_s(0)) / grid.step_s).round();
-    (0.0..grid.len as f64).contains(&rows).then(|| row(rows))
+    measured.or_else(|| {
+        let (own, finer) = (solution.motor()?.torque_n_m, finer?);
+        let pairs = own.iter().zip(finer.iter().step_by(2));
+        let most = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, |most: f64, change| {
+            if change.is_nan() || change > most { change } else { most }
+        });
+        Some(most / largest(finer))
+    })
 }
