@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use same_file::Handle;
 
 use super::folder::{Durability, FolderAction, FolderError};
+use super::row_check::{checked_header, checked_rows, without_checks};
 use super::single_file::folder_of;
 use super::sweep_identity::SweepIdentity;
 use super::sweep_record::{part_of, write_sweep};
-use super::sweep_rows::{SweepRows, checked_header, checked_rows, without_checks};
+use super::sweep_rows::SweepRows;
 use super::table_error::{Place, TableError, quoted};
 
 /// The file of a sweep while its rows come: `sweep.csv.part` beside `sweep.csv`.

@@ -1,7 +1,7 @@
 use csv::ReaderBuilder;
 
 use super::encoding::remedy;
-use super::input::sha256;
+use super::row_check::{CHECK, check_content};
 use super::sweep_identity::SweepIdentity;
 use super::sweep_table::{ERROR, WARNINGS, one_line};
 use super::table_error::{Place, TableError, quoted};
@@ -9,38 +9,6 @@ use crate::sweep::Variation;
 
 /// Hint for a row that does not fit its case.
 const NOT_AS_WRITTEN: &str = "a row was removed, doubled, moved or changed since it was written";
-
-/// The last column of a part of the rows: the first digits of the SHA-256 of what stands before it.
-pub(super) const CHECK: &str = "check";
-
-const CHECK_DIGITS: usize = 8;
-
-/// Rows with the check of each behind it; one that is cut off has none.
-pub fn checked_rows(rows: &str) -> String {
-    let checked = |row: &str| match row.strip_suffix('\n') {
-        Some(row) => format!("{row},{}\n", check_of(row)),
-        None => row.to_owned(),
-    };
-    rows.split_inclusive('\n').map(checked).collect()
-}
-
-/// The row that names the columns of checked rows, with its line end.
-pub fn checked_header(header: &str) -> String {
-    format!("{},{CHECK}\n", header.trim_end())
-}
-
-/// Lines without their last column, the check.
-pub(super) fn without_checks(text: &str) -> String {
-    text.lines()
-        .flat_map(|line| [line.rsplit_once(',').map_or(line, |(row, _)| row), "\n"])
-        .collect()
-}
-
-fn check_of(row: &str) -> String {
-    let mut digits = sha256(row.as_bytes());
-    digits.truncate(CHECK_DIGITS);
-    digits
-}
 
 /// The rows of a shard, or of a sweep that was interrupted, as read from its file: each is that of
 /// its own case.
@@ -196,15 +164,6 @@ fn check_row(
     Ok(())
 }
 
-/// Refuses a row whose content is not that of its check.
-fn check_content(row: &str, check: &str, place: Place) -> Result<(), TableError> {
-    let must = check_of(row);
-    if check == must {
-        return Ok(());
-    }
-    Err(place.refuse(CHECK, quoted(check), format!("must be {} for this row", quoted(&must))))
-}
-
 /// Joins the shards of a sweep to its table: every row of every shard, in the order of the cases.
 ///
 /// # Errors
@@ -288,6 +247,7 @@ fn told(missing: &[String]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::row_check::{checked_header, checked_rows};
     use super::super::sweep_identity::identity_of;
     use super::*;
 

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::super::any_table::read_table;
 use super::super::input::InputFile;
+use super::super::row_check::CHECK;
 use super::super::sweep_record::read_record;
-use super::super::sweep_rows::CHECK;
 use super::super::sweep_table::{ERROR, SweepColumn, SweepRecord, WARNINGS};
 use super::super::table_error::{Place, TableError, quoted};
 use crate::result::StoredSweep;
