@@ -4,7 +4,7 @@ use clap::Args;
 
 use flexlink::numeric::{excerpt, visible};
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
-use flexlink::tables::{SweepRecord, sweep_columns, sweep_header, sweep_row};
+use flexlink::tables::{SweepRecord, SweptCase, sweep_columns, sweep_header, sweep_row};
 
 use super::args::{LINK, MOTION, ThreadArgs};
 use super::exit::{Exit, Failure};
@@ -114,7 +114,6 @@ impl Sweep {
         };
         self.check_files()?;
         let cases = Cases::read(self.plan()?, link, motion, &self.shared)?;
-        cases.print_remarks(self.shard);
         if cases.are_played() {
             self.sweep(&cases, |case| cases.played(case))
         } else {
@@ -150,7 +149,7 @@ impl Sweep {
                 Begun::To(rows, there) => (rows, there, 0),
                 Begun::Anew(rows, warnings) => (rows, None, warnings),
                 Begun::Complete(rows) => {
-                    let tally = Tally::of_cases(rows.cases());
+                    let tally = self.counted(cases, rows.cases());
                     tally.warn();
                     self.report(&format!(
                         "complete {}, {}",
@@ -160,7 +159,7 @@ impl Sweep {
                     return self.refuse(&tally);
                 }
             };
-        let mut tally = there.map(|rows| Tally::of_cases(rows.cases())).unwrap_or_default();
+        let mut tally = there.map(|rows| self.counted(cases, rows.cases())).unwrap_or_default();
         let done = tally.rows();
         let progress = if self.quiet || rows.are_printed() {
             CaseBar::hidden()
@@ -172,7 +171,7 @@ impl Sweep {
             let row = outcome.row.map_err(NoMore::Failed)?;
             let kinds: Vec<&str> = outcome.warnings.iter().map(CaseWarning::kind).collect();
             let line = sweep_row(&cases.plan.case(case), &row, &columns, &kinds);
-            tally.add(case + 1, row.as_ref().err(), outcome.warnings);
+            tally.add(case + 1, row.as_ref().err(), outcome.warnings, outcome.remarks);
             progress.advance();
             rows.append(&line)
         };
@@ -196,6 +195,11 @@ impl Sweep {
         }
         self.refuse(&tally)?;
         self.warnings.refuse(warnings)
+    }
+
+    /// Counts the cases whose rows are there already.
+    fn counted(&self, cases: &Cases, rows: impl Iterator<Item = SweptCase>) -> Tally {
+        Tally::of_cases(rows, |case| cases.remarks(case))
     }
 
     /// Ends a program whose cases are not as they were asked to be.

@@ -1,6 +1,5 @@
 //! The cases of a sweep: what one takes from files and options.
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -15,7 +14,6 @@ use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 use flexlink::tables::{InputFile, SweepIdentity, SweepInputs, read_torque_table};
 
 use super::args::{ChangeArgs, ResampleArgs, scale_arguments};
-use super::console;
 use super::exit::{Exit, Failure};
 use super::memory::available;
 use super::record::option;
@@ -138,29 +136,6 @@ impl<'a> Cases<'a> {
         SweepIdentity::new(&inputs, self.plan.clone(), shard)
     }
 
-    /// Prints what is possible but rare in the links of a shard's cases, each kind once.
-    pub(crate) fn print_remarks(&self, shard: Shard) {
-        // Of each kind the first remark, its case, and how many cases have one.
-        let mut found: Vec<(Remark, usize, usize)> = Vec::new();
-        let cases = shard.len(self.plan.cases());
-        for case in (0..cases).map(|k| shard.case(k)) {
-            let Ok(of_case) = self.specification(&self.plan.case(case)) else { continue };
-            let mut kinds = HashSet::new();
-            for remark in of_case.remarks {
-                let is_new = kinds.insert(remark.kind());
-                match found.iter_mut().find(|(known, ..)| known.kind() == remark.kind()) {
-                    Some((.., count)) => *count += usize::from(is_new),
-                    None => found.push((remark, case, 1)),
-                }
-            }
-        }
-        for (remark, first, count) in found {
-            let first = first + 1;
-            let text = format!("{count} of {cases} cases, the first is case {first}: {remark}");
-            console::remark(&text, remark.hint());
-        }
-    }
-
     /// The link file with the changes of a case.
     pub(crate) fn specification(&self, values: &CaseValues) -> Result<Specification, SpecError> {
         let overrides = with_case(&self.overrides, values)?;
@@ -170,6 +145,11 @@ impl<'a> Cases<'a> {
         let without = self.shared.outputs.folder().is_none();
         let analysis = if without { analysis.without_tables() } else { analysis };
         Ok(Specification { analysis, ..found })
+    }
+
+    /// What is possible but rare in the link file with the changes of a case.
+    pub(crate) fn remarks(&self, case: usize) -> Vec<Remark> {
+        self.specification(&self.plan.case(case)).map(|found| found.remarks).unwrap_or_default()
     }
 
     /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied.

@@ -34,7 +34,7 @@ pub(crate) fn merge(shards: &[PathBuf], output: &Path, quiet: bool) -> Result<Ta
     }
     let mut cases: Vec<SweptCase> = shards.iter().flat_map(SweepRows::cases).collect();
     cases.sort_by_key(|case| case.number);
-    let tally = Tally::of_cases(cases.into_iter());
+    let tally = Tally::of_cases(cases.into_iter(), |_| Vec::new());
     tally.warn();
     let (rows, shards, output_shown) = (tally.rows(), shards.len(), output.display());
     let text = format!("cases    {rows}, of {shards} shards\nwritten  {output_shown}");

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use flexlink::result::Exceeded;
+use flexlink::result::{Exceeded, Remark};
 use flexlink::tables::SweptCase;
 
 use super::console;
@@ -46,33 +46,54 @@ pub(crate) struct Tally {
     exceeding: usize,
     warned: usize,
     failure: Option<(usize, String)>,
-    warnings: Vec<Counted>,
+    warnings: Vec<Counted<CaseWarning>>,
+    remarks: Vec<Counted<Remark>>,
 }
 
-struct Counted {
+/// Cases that have the same kind of warning or remark.
+struct Counted<T> {
     cases: usize,
-    /// Number of the first case with it, from 1.
+    /// Numbers of the first and the last of them, from 1.
     first: usize,
-    warning: CaseWarning,
+    last: usize,
+    /// That of the first case.
+    told: T,
+}
+
+/// Counts what a case, numbered from 1, has to tell: each kind once, however often it has it.
+fn count<T>(counted: &mut Vec<Counted<T>>, case: usize, told: Vec<T>, kind: fn(&T) -> &str) {
+    for told in told {
+        match counted.iter_mut().find(|of| kind(&of.told) == kind(&told)) {
+            Some(of) => {
+                of.cases += usize::from(of.last != case);
+                of.last = case;
+            }
+            None => counted.push(Counted { cases: 1, first: case, last: case, told }),
+        }
+    }
 }
 
 impl Tally {
-    /// Counts cases whose rows are there already.
-    pub(crate) fn of_cases(cases: impl Iterator<Item = SweptCase>) -> Self {
+    /// Counts cases whose rows are there already; `remarks` tells those of a case, numbered from 0.
+    pub(crate) fn of_cases(
+        cases: impl Iterator<Item = SweptCase>,
+        remarks: impl Fn(usize) -> Vec<Remark>,
+    ) -> Self {
         let mut tally = Self::default();
         for SweptCase { number, warnings, error } in cases {
             let own = warnings.into_iter().map(|kind| CaseWarning { kind, words: None });
-            tally.add(number + 1, error.as_ref(), own.collect());
+            tally.add(number + 1, error.as_ref(), own.collect(), remarks(number));
         }
         tally
     }
 
-    /// Counts a case, numbered from 1: its failure, or its warnings.
+    /// Counts a case, numbered from 1: its failure, or its warnings, and its remarks.
     pub(crate) fn add(
         &mut self,
         case: usize,
         failure: Option<&String>,
         warnings: Vec<CaseWarning>,
+        remarks: Vec<Remark>,
     ) {
         self.rows += 1;
         if let Some(message) = failure {
@@ -81,12 +102,8 @@ impl Tally {
         }
         self.exceeding += usize::from(warnings.iter().any(CaseWarning::is_of_limit));
         self.warned += usize::from(!warnings.is_empty());
-        for warning in warnings {
-            match self.warnings.iter_mut().find(|counted| counted.warning.kind == warning.kind) {
-                Some(counted) => counted.cases += 1,
-                None => self.warnings.push(Counted { cases: 1, first: case, warning }),
-            }
-        }
+        count(&mut self.warnings, case, warnings, CaseWarning::kind);
+        count(&mut self.remarks, case, remarks, |remark| remark.kind());
     }
 
     /// Cases counted.
@@ -123,17 +140,21 @@ impl Tally {
         Err(Failure::new(Exit::NotSolvable, &message, Some(NAMED)))
     }
 
-    /// Prints the warnings, each kind once.
+    /// Prints remarks and warnings, each kind once.
     pub(crate) fn warn(&self) {
         let of = |cases: usize| format!("{cases} of {} cases", self.rows);
+        for Counted { cases, first, told, .. } in &self.remarks {
+            let text = format!("{}, the first is case {first}: {told}", of(*cases));
+            console::remark(&text, told.hint());
+        }
         if let Some((case, message)) = &self.failure {
             let text = format!("{} failed, the first is case {case}: {message}", of(self.failed));
             console::warning(text, "the column error says why");
         }
-        for Counted { cases, first, warning } in &self.warnings {
-            let (words, hint) = match &warning.words {
+        for Counted { cases, first, told, .. } in &self.warnings {
+            let (words, hint) = match &told.words {
                 Some((message, hint)) => (message, *hint),
-                None => (&warning.kind, "flexlink solve tells more of a single case"),
+                None => (&told.kind, "flexlink solve tells more of a single case"),
             };
             let text = format!("{}, the first is case {first}: {words}", of(*cases));
             console::warning(text, hint);

@@ -1,8 +1,10 @@
 //! The work of one case of a sweep, and what comes of it.
 
+use std::f64::consts::TAU;
+
 use flexlink::inverse::invert;
 use flexlink::response::{Play, PlayError, simulate};
-use flexlink::result::TipError;
+use flexlink::result::{Remark, TipError};
 use flexlink::spec::Specification;
 use flexlink::sweep::{PlayedCase, SolvedCase};
 use flexlink::tables::{RunInputs, SimulationInputs};
@@ -18,13 +20,20 @@ pub(crate) struct Outcome<C> {
     pub(crate) row: Result<Result<C, String>, Failure>,
     /// Its warnings.
     pub(crate) warnings: Vec<CaseWarning>,
+    /// What is possible but rare in it.
+    pub(crate) remarks: Vec<Remark>,
 }
 
+/// The numbers of a case, its warnings and its remarks.
+type Found<C> = (C, Vec<CaseWarning>, Vec<Remark>);
+
 impl<C> Outcome<C> {
-    fn of(result: Result<(C, Vec<CaseWarning>), Failure>) -> Self {
+    fn of(result: Result<Found<C>, Failure>, remarks: impl FnOnce() -> Vec<Remark>) -> Self {
         match result {
-            Ok((row, warnings)) => Self { row: Ok(Ok(row)), warnings },
-            Err(failure) => Self { row: of_case(failure), warnings: Vec::new() },
+            Ok((row, warnings, remarks)) => Self { row: Ok(Ok(row)), warnings, remarks },
+            Err(failure) => {
+                Self { row: of_case(failure), warnings: Vec::new(), remarks: remarks() }
+            }
         }
     }
 }
@@ -40,15 +49,15 @@ fn of_case<C>(failure: Failure) -> Result<Result<C, String>, Failure> {
 impl Cases<'_> {
     /// Solves a case, numbered from 0.
     pub(crate) fn solved(&self, case: usize) -> Outcome<SolvedCase> {
-        Outcome::of(self.solve(case))
+        Outcome::of(self.solve(case), || self.remarks(case))
     }
 
     /// Plays the torque on a case, numbered from 0.
     pub(crate) fn played(&self, case: usize) -> Outcome<PlayedCase> {
-        Outcome::of(self.play(case))
+        Outcome::of(self.play(case), || self.remarks(case))
     }
 
-    fn solve(&self, case: usize) -> Result<(SolvedCase, Vec<CaseWarning>), Failure> {
+    fn solve(&self, case: usize) -> Result<Found<SolvedCase>, Failure> {
         let values = self.plan.case(case);
         let specification = self.specification(&values)?;
         let Specification { link, mesh, analysis, limits, .. } = &specification;
@@ -71,12 +80,16 @@ impl Cases<'_> {
         }
         let own = solution.warnings.iter().map(|w| CaseWarning::new(w.kind(), w, w.hint()));
         let limits = exceeded.iter().map(CaseWarning::of_limit);
-        Ok((found, own.chain(limits).collect()))
+        let first: Vec<f64> = found.period_s.iter().map(|period_s| TAU / period_s).collect();
+        let of_modes = Remark::on_modes(link, solution.mesh(), &first);
+        let of_motion = Remark::on_motion(link, &motion, solution.tip.farthest_m());
+        let remarks = specification.remarks.iter().cloned().chain(of_modes).chain(of_motion);
+        Ok((found, own.chain(limits).collect(), remarks.collect()))
     }
 
-    fn play(&self, case: usize) -> Result<(PlayedCase, Vec<CaseWarning>), Failure> {
+    fn play(&self, case: usize) -> Result<Found<PlayedCase>, Failure> {
         let values = self.plan.case(case);
-        let Specification { link, mesh, .. } = &self.specification(&values)?;
+        let Specification { link, mesh, remarks, .. } = &self.specification(&values)?;
         let motion = self.motion_of(link, values.motion)?;
         let Some((torque_file, torque)) = &self.torque_file else {
             return Err(Failure::new(Exit::Usage, &"no torque to play", None));
@@ -114,6 +127,6 @@ impl Cases<'_> {
         let own = simulation.warnings.iter().copied().chain(coarse);
         let own = own.map(|w| CaseWarning::new(w.kind(), &w, w.hint()));
         let late = tip_error.late.map(|late| CaseWarning::new(late.kind(), &late, late.hint()));
-        Ok((found, own.chain(late).collect()))
+        Ok((found, own.chain(late).collect(), remarks.clone()))
     }
 }

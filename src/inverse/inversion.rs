@@ -1,3 +1,4 @@
+use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
 use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
@@ -61,7 +62,8 @@ pub fn invert(
     analysis: &Analysis,
 ) -> Result<Solution, InversionError> {
     let mesh = Mesh::new(link, plan);
-    Dynamics::check_size(link, 2 * mesh.elements().len(), 2)?;
+    let elements = mesh.elements().len();
+    Dynamics::check_size(link, 2 * elements, 2)?;
     let coarsest = Dynamics::new(link, mesh, KeptModes::of(analysis))?;
     let first_zero = first_zero_of(coarsest.mesh());
     let problem = Problem::new(link, motion, analysis, first_zero)?;
@@ -75,7 +77,8 @@ pub fn invert(
         let peaks = asked.peaks(all.mesh().length_m(), &exact);
         Ok::<_, InversionError>(shares(&amplitudes.change_to(&exact), &peaks))
     });
-    let first_zero_per_s = first_zero_of(dynamics.mesh());
+    let is_refined = dynamics.mesh().elements().len() > elements;
+    let first_zero_per_s = if is_refined { first_zero_of(dynamics.mesh()) } else { first_zero };
     let hub_tail = Series::of(&dynamics, first_zero_per_s).map(|s| s.hub_tail(&dynamics));
     let mode_errors = mode_errors.transpose()?;
     let known = Known { first_zero_per_s, hub_tail, peaks, mesh_errors, mode_errors };
@@ -109,7 +112,7 @@ impl<'a> Problem<'a> {
     ) -> Result<Self, InversionError> {
         let padding = Padding::new(motion, analysis, first_zero_per_s);
         // The search of the cut-off takes less memory than the shortest period.
-        check_memory(padding.period_len(motion.grid().len)?, analysis)?;
+        check_memory(padding.period_len(motion.grid().len)?, 0, analysis)?;
         let cutoff = motion.cutoff(analysis.tip_tolerance());
         Ok(Self { link, motion, analysis, cutoff, padding })
     }
@@ -119,7 +122,9 @@ impl<'a> Problem<'a> {
     }
 
     pub(super) fn period(&self, len: usize) -> Result<Arc<TipPeriod>, InversionError> {
-        check_memory(len, self.analysis)?;
+        let period_s = len as f64 * self.motion.grid().step_s;
+        let highest = self.cutoff.end_rad_s() * period_s / TAU;
+        check_memory(len, (highest as usize).min(len / 2), self.analysis)?;
         let seam = self.padding.seam(self.motion.grid().len, len);
         Ok(self.motion.over_period(len, seam, self.cutoff))
     }
@@ -235,12 +240,12 @@ impl<'a> Problem<'a> {
             || answer.period.histories(self.motion),
             || cut(&spectrum.pair.samples(&answer.hub.root_moment_n_m), &grid),
         );
-        let rigid_torque = rigid_torque_n_m(self.link, dynamics.law(), histories);
         let tip = TipMotionHistories {
             displacement_m: cut(&histories.displacement_m, &grid),
             velocity_m_s: cut(&histories.velocity_m_s, &grid),
             acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
         };
+        let rigid = rigid_torque_n_m(self.link, dynamics.law(), &tip);
         let window_errors = Self::window_errors(&answer, left, &window);
         let errors = known.mesh_errors.zip(&window_errors, |mesh, window| QuantityErrors {
             mesh,
@@ -270,7 +275,7 @@ impl<'a> Problem<'a> {
         hub.take_images_off(&grid, 1, joint.friction_n_m_s_rad, &mut torque_n_m);
         let solution = Solution {
             torque_n_m,
-            rigid_torque_n_m: cut(&rigid_torque, &grid),
+            rigid_torque_n_m: rigid,
             hub_angle_rad,
             hub_rate_rad_s,
             rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v * per_length).collect(),

@@ -8,8 +8,10 @@ use crate::numeric::{fast_length, largest};
 /// Most samples of a period.
 const LONGEST: usize = 1 << 24;
 
-/// Memory in bytes that solving takes for each sample of the period, as measured.
-const BYTES_PER_SAMPLE: usize = 190;
+/// Memory in bytes that solving takes for each sample of the period, and for each frequency that is
+/// solved for, as measured.
+const BYTES_PER_SAMPLE: usize = 210;
+const BYTES_PER_FREQUENCY: usize = 360;
 
 /// A period is lengthened to at most this many samples, or to four times what it began with.
 const LENGTHENED: usize = 1 << 20;
@@ -65,8 +67,12 @@ impl Padding {
 ///
 /// # Errors
 /// [`InversionError::TooMuchMemory`].
-pub(super) fn check_memory(samples: usize, analysis: &Analysis) -> Result<(), InversionError> {
-    let bytes = samples * BYTES_PER_SAMPLE;
+pub(super) fn check_memory(
+    samples: usize,
+    frequencies: usize,
+    analysis: &Analysis,
+) -> Result<(), InversionError> {
+    let bytes = samples * BYTES_PER_SAMPLE + frequencies * BYTES_PER_FREQUENCY;
     match analysis.memory_bytes().filter(|allowed| bytes > *allowed) {
         Some(allowed) => Err(InversionError::TooMuchMemory { bytes, allowed }),
         None => Ok(()),

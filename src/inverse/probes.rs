@@ -6,7 +6,7 @@ use super::accuracy::PerQuantity;
 use super::error::InversionError;
 use super::spectra::{Forcing, HubSpectra, MotorSpectra};
 use crate::beam::{Mesh, NodalQuantity};
-use crate::motion::TipSpectrum;
+use crate::motion::{TipHistories, TipSpectrum};
 use crate::numeric::{FourierPair, fast_length, largest};
 
 /// Most nodes that stand for all: a wave between two of them is beyond what the mesh follows.
@@ -41,7 +41,8 @@ pub(super) struct Amplitudes {
     displacement_m: Option<Vec<Vec<Complex64>>>,
     /// Bending moment at the probes in N m, where it is wanted.
     moment_n_m: Option<Vec<Vec<Complex64>>>,
-    /// A transform with four times the samples that the band needs: enough to tell a peak.
+    /// A transform with twice the samples that the band needs: a peak near its end is found to within a
+    /// sixth of itself.
     pair: FourierPair,
 }
 
@@ -87,7 +88,7 @@ impl Amplitudes {
         let displacement_m = tables.then(displacements);
         let moments_n_m = || forcing.nodal_spectra(&probes.nodes, NodalQuantity::Moment);
         let moment_n_m = moments.then(moments_n_m);
-        let coarse = fast_length(8 * hub.torque_n_m.len());
+        let coarse = fast_length(4 * hub.torque_n_m.len());
         let whole = &forcing.spectrum.pair;
         let pair = if coarse < whole.len() { FourierPair::new(coarse) } else { whole.clone() };
         Ok(Self {
@@ -130,14 +131,29 @@ impl Amplitudes {
         largest(&self.pair.samples(amplitudes))
     }
 
-    /// Peak of each quantity: of the hub angle and of displacements those given, as these amplitudes are
-    /// what they differ by from those of a rigid link.
+    /// Largest torque at the hub in N m.
+    pub(super) fn peak_torque_n_m(&self) -> f64 {
+        self.peak_of(&self.hub.torque_n_m)
+    }
+
+    /// Largest distance of the hub angle from where it starts, in rad.
+    fn hub_turn_rad(&self, tip: &TipHistories, length_m: f64) -> f64 {
+        let excess_rad = self.pair.samples(&self.hub.excess_angle_rad);
+        let (start_m, all) = (tip.start_m(), tip.displacement_m.len());
+        let turns = excess_rad.iter().enumerate().map(|(k, excess)| {
+            // The sample at or before this time: within a step the tip does not go far.
+            let at_m = tip.displacement_m[k * all / excess_rad.len()];
+            ((at_m - start_m) / length_m + excess).abs()
+        });
+        turns.fold(0.0, f64::max)
+    }
+
+    /// Peak of each quantity; the tip's way stands for the farthest that a node goes.
     pub(super) fn peaks(
         &self,
         tip: &TipSpectrum,
+        histories: &TipHistories,
         length_m: f64,
-        hub_angle: f64,
-        displacement: f64,
     ) -> PerQuantity<f64> {
         let of_all = |rows: &Vec<Vec<Complex64>>| {
             rows.iter().map(|row| self.peak_of(row)).fold(0.0, f64::max)
@@ -148,11 +164,11 @@ impl Amplitudes {
         };
         let acceleration = self.hub_acceleration_rad_s2.as_ref();
         PerQuantity {
-            torque: self.peak_of(&self.hub.torque_n_m),
-            hub_angle,
+            torque: self.peak_torque_n_m(),
+            hub_angle: self.hub_turn_rad(histories, length_m),
             hub_rate: with_rigid(&self.hub_rate_rad_s, &tip.velocity_m_s),
             hub_acceleration: acceleration.map(|a| with_rigid(a, &tip.acceleration_m_s2)),
-            displacement: self.displacement_m.is_some().then_some(displacement),
+            displacement: self.displacement_m.is_some().then(|| histories.way_m()),
             bending_moment: self.moment_n_m.as_ref().map(of_all),
             motor_torque: self.motor.as_ref().map(|motor| self.peak_of(&motor.torque_n_m)),
             motor_rate: self.motor.as_ref().map(|motor| self.peak_of(&motor.rate_rad_s)),

@@ -7,7 +7,6 @@ use super::probes::{Amplitudes, Probes, Wanted};
 use super::spectra::{Forcing, Joint};
 use crate::beam::MeshPlan;
 use crate::motion::{TipHistories, TipSpectrum};
-use crate::numeric::largest;
 
 /// Peak torques in N m whose squares, and products with rates and times, are numbers, too.
 const TORQUES_N_M: RangeInclusive<f64> = 1e-100..=1e100;
@@ -40,8 +39,7 @@ pub(super) struct Asked<'a> {
 ///
 /// # Errors
 /// [`InversionError::OutOfRange`] if its square is no number.
-pub(super) fn peak_in_range(torque_n_m: &[f64]) -> Result<f64, InversionError> {
-    let peak_n_m = largest(torque_n_m);
+fn in_range(peak_n_m: f64) -> Result<f64, InversionError> {
     if TORQUES_N_M.contains(&peak_n_m) {
         Ok(peak_n_m)
     } else {
@@ -57,17 +55,8 @@ impl<'a> Asked<'a> {
 
     /// Peak of each quantity of an answer. The tip's way stands for the farthest that a node goes.
     pub(super) fn peaks(&self, length_m: f64, amplitudes: &Amplitudes) -> PerQuantity<f64> {
-        let excess_rad = self.spectrum.pair.samples(&amplitudes.hub.excess_angle_rad);
-        let hub_angle = hub_peak_rad(self.histories, &excess_rad, length_m);
-        amplitudes.peaks(self.spectrum, length_m, hub_angle, self.histories.way_m())
+        amplitudes.peaks(self.spectrum, self.histories, length_m)
     }
-}
-
-/// Largest distance of the hub angle from where it starts, in rad.
-fn hub_peak_rad(tip: &TipHistories, excess_rad: &[f64], length_m: f64) -> f64 {
-    let start_m = tip.start_m();
-    let turns = tip.displacement_m.iter().zip(excess_rad);
-    turns.fold(0.0, |most, (at_m, excess)| most.max(((at_m - start_m) / length_m + excess).abs()))
 }
 
 /// What changed over peaks, quantity by quantity.
@@ -125,8 +114,7 @@ fn measured(
 ) -> Result<(PerQuantity<f64>, PerQuantity<f64>), InversionError> {
     let (answer, finer) =
         (answer.as_ref().map_err(Clone::clone)?, finer.as_ref().map_err(Clone::clone)?);
-    let torque_n_m = asked.spectrum.pair.samples(&answer.hub.torque_n_m);
-    let peak_n_m = peak_in_range(&torque_n_m)?;
+    let peak_n_m = in_range(answer.peak_torque_n_m())?;
     let mut peaks = asked.peaks(dynamics.mesh().length_m(), finer);
     // What is less than the rounding of the answer is not known.
     peaks.torque = peaks.torque.max(f64::EPSILON * peak_n_m);

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use crate::numeric::{TimeGrid, largest};
 
 /// Samples looked through at a time for the largest.
-const PART: usize = 256;
+const PART: usize = 128;
 
 /// Parts of a step at which a history is interpolated.
 const PARTS: usize = 16;
@@ -126,7 +126,14 @@ impl Tops<'_> {
         if peak.value == 0.0 {
             return found;
         }
-        for k in (0..=last).filter(|k| self.samples[*k].abs() >= near * peak.value) {
+        let level = near * peak.value;
+        let parts = self.samples.chunks(PART).enumerate();
+        let reaching = parts.filter(|(_, samples)| largest(samples) >= level);
+        let places = reaching.flat_map(|(part, samples)| {
+            let from = part * PART;
+            (from..from + samples.len()).filter(|k| self.samples[*k].abs() >= level)
+        });
+        for k in places {
             let beside = [k.saturating_sub(1), (k + 1).min(last)];
             if !beside.iter().all(|beside| self.tops(k, *beside)) {
                 continue;
