@@ -93,6 +93,14 @@ pub(crate) fn judged(case: &Case, samples: &Samples, written: &Written) -> Judge
     let off = farthest(&rows.of(angle.column("hub_angle_rad")), theta);
     judge("hub_angle", off / span(theta, theta[0]));
 
+    let derived = [
+        ("hub_rate", "hub_rate_rad_s", &truth.hub_rate_rad_s),
+        ("hub_acceleration", "hub_acceleration_rad_s2", &truth.hub_acceleration_rad_s2),
+    ];
+    for (quantity, column, exact) in derived {
+        judge(quantity, farthest(&rows.of(angle.column(column)), exact) / span(exact, 0.0));
+    }
+
     let nodes = written.table("nodal_displacements.csv");
     let peak = truth.displacement_m.iter().map(|v| span(v, v[0])).fold(0.0, f64::max);
     let pairs = nodes.values().iter().zip(&truth.displacement_m);
@@ -109,8 +117,11 @@ pub(crate) fn judged(case: &Case, samples: &Samples, written: &Written) -> Judge
             .fold(outside[2], f64::max);
         judge("bending_moment", off / peak);
     }
-    if let Some(exact) = &truth.motor_torque_n_m {
+    let motor = truth.motor_torque_n_m.as_ref().zip(truth.motor_rate_rad_s.as_ref());
+    if let Some((exact, exact_rate)) = motor {
         let motor = written.table("motor.csv");
+        let off = farthest(&rows.of(motor.column("motor_rate_rad_s")), exact_rate);
+        judge("motor_rate", off / span(exact_rate, 0.0));
         let off = farthest(&rows.of(motor.column("motor_torque_n_m")), exact);
         judge("motor_torque", off.max(outside[1]) / span(exact, 0.0));
     }
@@ -131,7 +142,6 @@ fn peaks(case: &Case, written: &Written, truth: &Truth, verdicts: &[Verdict]) ->
         ("peak_motor_torque_n_m", "motor_torque", exact.motor_torque_n_m, 1.0),
     ];
     let judged = keys.into_iter().filter_map(|(key, quantity, truth, times)| {
-        // Rows of the hub rate are not judged.
         let verdict = verdicts.iter().find(|verdict| verdict.quantity == quantity);
         let claimed: f64 = claimed(written, quantity)?.iter().map(|(_, error)| error).sum();
         // Modal damping tells no moments.

@@ -44,7 +44,10 @@ pub(crate) struct Truth {
     /// Largest torque, motor torque and moment outside of the rows.
     pub(crate) outside_n_m: [f64; 3],
     pub(crate) hub_angle_rad: Vec<f64>,
+    pub(crate) hub_rate_rad_s: Vec<f64>,
+    pub(crate) hub_acceleration_rad_s2: Vec<f64>,
     pub(crate) motor_torque_n_m: Option<Vec<f64>>,
+    pub(crate) motor_rate_rad_s: Option<Vec<f64>>,
     /// One history a node.
     pub(crate) displacement_m: Vec<Vec<f64>>,
     pub(crate) moment_n_m: Vec<Vec<f64>>,
@@ -265,6 +268,11 @@ impl Truth {
         let rate = |omega: f64, t: &Transfers| {
             Complex64::I * (omega * t.excess_angle - 1.0 / (omega * length))
         };
+        let motor_rate = link.drive.map(|Drive { gear, stiffness_n_m, .. }| {
+            history(&|omega, t| {
+                (rate(omega, t) + Complex64::I * omega * t.torque / stiffness_n_m) * gear
+            })
+        });
         let peaks = Peaks {
             torque_n_m: peak(&|_, t| t.torque),
             hub_rate_rad_s: peak(&rate),
@@ -290,7 +298,12 @@ impl Truth {
             outside_n_m,
             torque_n_m: cut(&torque),
             hub_angle_rad: cut(&hub_angle),
+            hub_rate_rad_s: cut(&history(&rate)),
+            hub_acceleration_rad_s2: cut(&history(&|omega, t| {
+                1.0 / length - omega * omega * t.excess_angle
+            })),
             motor_torque_n_m: motor_torque.as_deref().map(cut),
+            motor_rate_rad_s: motor_rate.as_deref().map(cut),
             displacement_m: (0..run.nodes_m.len())
                 .map(|i| {
                     let excess = history(&|_, t| t.excess[i]);
