@@ -13,6 +13,7 @@ use super::rigid::rigid_torque_n_m;
 use super::slow_tail::Series;
 use super::solution::{Band, HubMotion, Solution, cut};
 use super::spectra::Joint;
+use super::watch::{Unwatched, Watch};
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::torque_zeros;
@@ -26,6 +27,7 @@ pub(super) struct Problem<'a> {
     pub(super) analysis: &'a Analysis,
     cutoff: Cutoff,
     pub(super) padding: Padding,
+    watch: &'a dyn Watch,
 }
 
 /// What is left of the torque at the ends of a window, over its peak.
@@ -60,11 +62,25 @@ pub fn invert(
     motion: &TipMotion,
     analysis: &Analysis,
 ) -> Result<Solution, InversionError> {
+    invert_watched(link, plan, motion, analysis, &Unwatched)
+}
+
+/// The same; `watch` gets the progress.
+///
+/// # Errors
+/// As [`invert`].
+pub fn invert_watched(
+    link: &Link,
+    plan: &MeshPlan,
+    motion: &TipMotion,
+    analysis: &Analysis,
+    watch: &dyn Watch,
+) -> Result<Solution, InversionError> {
     let mesh = Mesh::new(link, plan);
     Dynamics::check_size(link, 2 * mesh.elements().len(), 2)?;
     let coarsest = Dynamics::new(link, mesh, KeptModes::of(analysis))?;
     let first_zero = first_zero_of(coarsest.mesh());
-    let problem = Problem::new(link, motion, analysis, first_zero)?;
+    let problem = Problem { watch, ..Problem::new(link, motion, analysis, first_zero)? };
     let period = problem.shortest_period()?;
     let asked = problem.asked(&period);
     let Measured { dynamics, probes, amplitudes, peaks, mesh_errors } =
@@ -111,7 +127,7 @@ impl<'a> Problem<'a> {
         // The search of the cut-off takes less memory than the shortest period.
         check_memory(padding.period_len(motion.grid().len)?, analysis)?;
         let cutoff = motion.cutoff(analysis.tip_tolerance());
-        Ok(Self { link, motion, analysis, cutoff, padding })
+        Ok(Self { link, motion, analysis, cutoff, padding, watch: &Unwatched })
     }
 
     fn shortest_period(&self) -> Result<Arc<TipPeriod>, InversionError> {
@@ -124,7 +140,10 @@ impl<'a> Problem<'a> {
         Ok(self.motion.over_period(len, seam, self.cutoff))
     }
 
-    pub(super) fn asked<'b>(&self, period: &'b TipPeriod) -> Asked<'b> {
+    pub(super) fn asked<'b>(&self, period: &'b TipPeriod) -> Asked<'b>
+    where
+        'a: 'b,
+    {
         Asked {
             joint: Joint::of(self.link),
             spectrum: &period.spectrum,
@@ -133,6 +152,7 @@ impl<'a> Problem<'a> {
                 tables: self.analysis.measures_tables(),
                 moments: self.analysis.measures_moments(),
             },
+            watch: self.watch,
         }
     }
 
