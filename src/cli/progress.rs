@@ -18,6 +18,13 @@ const SHORT: Duration = Duration::from_millis(500);
 /// How often a bar is drawn while nothing moves.
 const TICK: Duration = Duration::from_millis(100);
 
+/// What is shown between two stages, of work of which nobody knows how much is left.
+const BETWEEN: &str = "working";
+
+const UNKNOWN: &str = "{spinner} {msg} {elapsed}";
+
+const KNOWN: &str = "{spinner} {msg} [{bar:30}] {percent:>3} % {elapsed}";
+
 /// The cases of a sweep, with rate and time left.
 pub(crate) struct CaseBar(ProgressBar);
 
@@ -74,8 +81,8 @@ impl StageBar {
     /// terminal.
     pub(crate) fn new() -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        bar.set_style(stage_style("{spinner} {msg} {elapsed}"));
-        bar.set_message("solving");
+        bar.set_style(stage_style(UNKNOWN));
+        bar.set_message(BETWEEN);
         if !stderr().is_terminal() {
             return Self { bar, is_hidden: false, over: None, waiting: None };
         }
@@ -110,7 +117,7 @@ impl StageBar {
 
     /// Shows what goes on, and for how long the run has, where nobody knows how much of it is left.
     pub(crate) fn at(&self, what: &'static str) {
-        self.bar.set_style(stage_style("{spinner} {msg} {elapsed}"));
+        self.bar.set_style(stage_style(UNKNOWN));
         self.bar.set_message(what);
     }
 }
@@ -125,18 +132,22 @@ fn stage_style(template: &str) -> ProgressStyle {
 impl Watch for StageBar {
     fn begin(&self, stage: Stage, parts: usize) {
         let what = match stage {
-            Stage::Solve => return self.at("solving"),
-            Stage::Transform => "transforming",
-            Stage::Write => "writing",
+            Stage::Solve { elements } => format!("solving, {elements} elements"),
+            Stage::Transform => "transforming".to_owned(),
+            Stage::Write => "writing".to_owned(),
         };
-        self.bar.set_style(stage_style("{spinner} {msg:12} [{bar:30}] {percent:>3} %"));
-        self.bar.set_message(what);
-        self.bar.set_length(parts as u64);
+        // Before the style: each of these may draw.
         self.bar.set_position(0);
+        self.bar.set_length(parts as u64);
+        self.bar.set_message(what);
+        self.bar.set_style(stage_style(KNOWN));
     }
 
     fn advance(&self, parts: usize) {
         self.bar.inc(parts as u64);
+        if Some(self.bar.position()) >= self.bar.length() {
+            self.at(BETWEEN);
+        }
     }
 }
 

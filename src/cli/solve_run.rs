@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use flexlink::inverse::{Solution, invert};
+use flexlink::inverse::{Solution, invert_watched};
 use flexlink::modal::REPORTED_MODES;
 use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
@@ -82,7 +82,7 @@ impl Problem {
         let Self { link_file, motion_file, specification, motion } = self;
         let Specification { link, mesh, analysis, limits, .. } = specification;
         let analysis = &options.analysis(analysis);
-        let solution = invert(link, mesh, motion, analysis)?;
+        let solution = invert_watched(link, mesh, motion, analysis, to.stages)?;
         options.nodes.check(solution.mesh())?;
         let measure = || measured(specification, motion, &solution, options.digits);
         if options.verify {

@@ -40,7 +40,7 @@ pub(crate) fn solve_text(
         ("motion", motion_line(motion, solution, metrics)),
         ("torque", torque_line(metrics)),
         ("rigid", rigid_line(metrics)),
-        ("timing", timing_line(metrics)),
+        ("timing", timing_line(metrics.lead_s, metrics.lag_s)),
         (
             "hub",
             hub_line(metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w),
@@ -98,12 +98,15 @@ fn rigid_line(metrics: &Metrics) -> String {
     )
 }
 
-fn timing_line(metrics: &Metrics) -> String {
-    format!(
-        "from {} s before to {} s after the tip's motion (2 % level)",
-        significant(metrics.lead_s, 3),
-        significant(metrics.lag_s, 3)
-    )
+fn timing_line(lead_s: f64, lag_s: f64) -> String {
+    let [from, to] = [lead_s, lag_s].map(|time_s| significant(time_s.abs(), 3));
+    if lead_s >= 0.0 && lag_s >= 0.0 {
+        return format!("from {from} s before to {to} s after the tip's motion (2 % level)");
+    }
+    // A slow motion begins and ends with less torque than that.
+    let begins = if lead_s < 0.0 { "after" } else { "before" };
+    let ends = if lag_s < 0.0 { "before" } else { "after" };
+    format!("{from} s {begins} the tip sets out to {to} s {ends} it stops (2 % level)")
 }
 
 /// What the motor does, on its own side of the gear.
@@ -202,6 +205,26 @@ fn window_line(solution: &Solution) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_torque_that_acts_within_the_motion_alone_is_told_so() {
+        let expected = [
+            ((0.305, 0.319), "from 0.305 s before to 0.319 s after the tip's motion (2 % level)"),
+            ((-19.3, -20.1), "19.3 s after the tip sets out to 20.1 s before it stops (2 % level)"),
+            (
+                (-0.0193, 0.25),
+                "0.0193 s after the tip sets out to 0.250 s after it stops (2 % level)",
+            ),
+            (
+                (0.1, -0.0201),
+                "0.100 s before the tip sets out to 0.0201 s before it stops (2 % level)",
+            ),
+        ];
+        for ((lead_s, lag_s), text) in expected {
+            assert_eq!(timing_line(lead_s, lag_s), text);
+            assert!(LABEL + text.chars().count() <= COLUMNS, "{text}");
+        }
+    }
 
     #[test]
     fn much_memory_is_told_with_what_becomes_slower() {

@@ -78,7 +78,7 @@ pub(super) fn warnings(evidence: &Evidence<'_>, solution: &Solution) -> Vec<Warn
         .chain(unsettled_torque(solution))
         .chain(coarse_step(solution))
         .chain(large_deflection(solution))
-        .chain(thick_link(link, solution).map(Warning::ThickLink))
+        .chain(thick_link(link, solution).map(|share| Warning::ThickLink { share }))
         .chain(
             fast_hub(solution)
                 .map(|FastHub { rate_rad_s, share }| Warning::FastHub { rate_rad_s, share }),

@@ -14,6 +14,7 @@ use super::rigid::rigid_torque_n_m;
 use super::slow_tail::Series;
 use super::solution::{Band, HubMotion, Solution, cut};
 use super::spectra::Joint;
+use super::watch::{Unwatched, Watch};
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::torque_zeros;
@@ -27,6 +28,7 @@ pub(super) struct Problem<'a> {
     pub(super) analysis: &'a Analysis,
     cutoff: Cutoff,
     pub(super) padding: Padding,
+    watch: &'a dyn Watch,
 }
 
 /// What is left of the torque at the ends of a window, over its peak.
@@ -61,12 +63,26 @@ pub fn invert(
     motion: &TipMotion,
     analysis: &Analysis,
 ) -> Result<Solution, InversionError> {
+    invert_watched(link, plan, motion, analysis, &Unwatched)
+}
+
+/// The same; `watch` gets the progress.
+///
+/// # Errors
+/// As [`invert`].
+pub fn invert_watched(
+    link: &Link,
+    plan: &MeshPlan,
+    motion: &TipMotion,
+    analysis: &Analysis,
+    watch: &dyn Watch,
+) -> Result<Solution, InversionError> {
     let mesh = Mesh::new(link, plan);
     let elements = mesh.elements().len();
     Dynamics::check_size(link, 2 * elements, 2)?;
     let coarsest = Dynamics::new(link, mesh, KeptModes::of(analysis))?;
     let first_zero = first_zero_of(coarsest.mesh());
-    let problem = Problem::new(link, motion, analysis, first_zero)?;
+    let problem = Problem { watch, ..Problem::new(link, motion, analysis, first_zero)? };
     let period = problem.shortest_period()?;
     let asked = problem.asked(&period);
     let Measured { dynamics, probes, amplitudes, peaks, mesh_errors } =
@@ -114,7 +130,7 @@ impl<'a> Problem<'a> {
         // The search of the cut-off takes less memory than the shortest period.
         check_memory(padding.period_len(motion.grid().len)?, 0, analysis)?;
         let cutoff = motion.cutoff(analysis.tip_tolerance());
-        Ok(Self { link, motion, analysis, cutoff, padding })
+        Ok(Self { link, motion, analysis, cutoff, padding, watch: &Unwatched })
     }
 
     fn shortest_period(&self) -> Result<Arc<TipPeriod>, InversionError> {
@@ -129,7 +145,10 @@ impl<'a> Problem<'a> {
         Ok(self.motion.over_period(len, seam, self.cutoff))
     }
 
-    pub(super) fn asked<'b>(&self, period: &'b TipPeriod) -> Asked<'b> {
+    pub(super) fn asked<'b>(&self, period: &'b TipPeriod) -> Asked<'b>
+    where
+        'a: 'b,
+    {
         Asked {
             joint: Joint::of(self.link),
             spectrum: &period.spectrum,
@@ -138,6 +157,7 @@ impl<'a> Problem<'a> {
                 tables: self.analysis.measures_tables(),
                 moments: self.analysis.measures_moments(),
             },
+            watch: self.watch,
         }
     }
 

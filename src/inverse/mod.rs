@@ -43,7 +43,7 @@ pub use band_change::changes_on_halves;
 pub use dense::{DenseLink, MOST_ELEMENTS_OF_DENSE_SOLVE};
 pub use dynamics::{Dynamics, KeptModes};
 pub use error::InversionError;
-pub use inversion::invert;
+pub use inversion::{invert, invert_watched};
 pub use motor::MotorHistories;
 pub use nodal_block::NodalBlock;
 pub use nodal_table::NodalTable;

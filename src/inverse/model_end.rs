@@ -1,10 +1,8 @@
 //! Where the model ends: what it leaves out of the link that was given, against what was asked for.
 
-use std::f64::consts::TAU;
-
 use super::solution::Solution;
 use crate::link::Link;
-use crate::modal::{REPORTED_MODES, ThickLink, Thickness, clamped_frequency_below};
+use crate::modal::{NOTICEABLE, REPORTED_MODES, Thickness, clamped_frequency_below};
 use crate::numeric::largest;
 
 /// Largest hub rate over the first natural frequency of the clamped link from which on the user is
@@ -16,6 +14,9 @@ const STIFFENING: f64 = 5e-3;
 
 /// Most that the square is trusted for.
 const MOST_STIFFENING: f64 = 0.1;
+
+/// Most that the first order is trusted for.
+const MOST_THICK: f64 = 0.3;
 
 /// A hub that turns as fast as the link vibrates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,18 +37,27 @@ pub(super) fn stiffening(share: f64) -> String {
     }
 }
 
-/// The modes that shear and rotary inertia lower, of those that the torque is made of: the first one,
-/// and those of the first few that lie in the band.
-pub(super) fn thick_link(link: &Link, solution: &Solution) -> Option<ThickLink> {
+/// Share by which shear and rotary inertia, which the model leaves out, change the torque, where that
+/// is noticeable.
+pub(super) fn thick_link(link: &Link, solution: &Solution) -> Option<f64> {
     let (thickness, mesh) = (Thickness::known(link), solution.mesh());
     if thickness.is_slender(mesh, REPORTED_MODES) {
         return None;
     }
-    let highest = TAU * solution.band.highest_hz;
-    let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
-    let within = modes.iter().filter(|omega| **omega <= highest).count();
-    modes.truncate(within.max(1));
-    thickness.noticeable(mesh, &modes)
+    let modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
+    let forcing = solution.forcing();
+    let torque = (forcing.omegas_rad_s(), &solution.hub.torque_n_m[..]);
+    let share = thickness.torque_change(mesh, solution.law(), &modes, torque);
+    (share > NOTICEABLE).then_some(share)
+}
+
+/// Such a share in words.
+pub(super) fn thick(share: f64) -> String {
+    if share <= MOST_THICK {
+        format!("about {:.0} %", 100.0 * share)
+    } else {
+        format!("more than {:.0} %", 100.0 * MOST_THICK)
+    }
 }
 
 pub(super) fn fast_hub(solution: &Solution) -> Option<FastHub> {
@@ -67,5 +77,10 @@ mod tests {
     fn stiffening_grows_with_the_square_of_the_rate_as_far_as_that_is_trusted() {
         let words = [0.7, 1.4, 21.0].map(stiffening);
         assert_eq!(words, ["about 0.5 %", "about 2.0 %", "more than 10 %"]);
+    }
+
+    #[test]
+    fn a_change_of_the_torque_is_told_as_far_as_the_first_order_is_trusted() {
+        assert_eq!([0.0123, 0.3, 0.31].map(thick), ["about 1 %", "about 30 %", "more than 30 %"]);
     }
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::nodal_block::{Held, NodalBlock};
 use super::slow_tail::Series;
 use super::solution::Solution;
+use super::spectra::Forcing;
 use super::watch::{Stage, Unwatched, Watch};
 use crate::beam::{NodalHistories, NodalQuantity};
 use crate::motion::TailTerms;
@@ -176,19 +177,18 @@ impl<'a> NodalTable<'a> {
     fn hold(&self, rows: &Range<usize>, watch: &dyn Watch) -> Held {
         let len = self.sampling.held(rows);
         let mut held = Held::zeros(self.panels(), len);
-        let forcing = self.solution.forcing();
+        let forcing = Forcing { watch, ..self.solution.forcing() };
         let nodes_at_once = self.nodes_at_once();
         let panels_at_once = nodes_at_once / CHANNELS;
         let blocks = held.samples_mut().chunks_mut((panels_at_once * len).max(1));
         for (number, (nodes, samples)) in self.nodes.chunks(nodes_at_once).zip(blocks).enumerate() {
-            watch.begin(Stage::Solve, 0);
+            forcing.begin(self.nodes.len().div_ceil(nodes_at_once), number);
             let spectra = forcing.nodal_spectra(nodes, self.quantity);
             watch.begin(Stage::Transform, self.nodes.len());
             watch.advance(number * nodes_at_once);
             let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(CHANNELS));
             panels.for_each_init(Room::default, |room, (panel, spectra)| {
-                self.sampling.hold(rows, spectra, panel, room);
-                watch.advance(spectra.len());
+                self.sampling.hold(rows, spectra, panel, room, |nodes| watch.advance(nodes));
             });
         }
         held

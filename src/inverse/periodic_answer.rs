@@ -40,6 +40,7 @@ impl PeriodicAnswer {
     /// # Errors
     /// As [`Forcing::hub_spectra`].
     pub(super) fn of(forcing: Forcing<'_>, period: Arc<TipPeriod>) -> Result<Self, InversionError> {
+        forcing.begin(1, 0);
         let hub = forcing.hub_spectra()?;
         let motor = forcing.motor_spectra(&hub);
         Ok(Self::new(hub, motor.map(|motor| motor.torque_n_m).as_deref(), period))

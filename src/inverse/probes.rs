@@ -68,8 +68,9 @@ impl Amplitudes {
     /// # Errors
     /// As [`Forcing::hub_spectra`].
     pub(super) fn of(forcing: Forcing<'_>, probes: &Probes) -> Result<Self, InversionError> {
-        let hub = forcing.hub_spectra()?;
         let Wanted { tables, moments } = probes.wanted;
+        forcing.begin(1 + usize::from(tables) + usize::from(moments), 0);
+        let hub = forcing.hub_spectra()?;
         let motor = forcing.motor_spectra(&hub);
         let excess = || hub.excess_angle_rad.iter().zip(forcing.omegas_rad_s());
         let hub_rate_rad_s = excess().map(|(e, omega)| e * Complex64::new(0.0, *omega)).collect();

@@ -5,6 +5,7 @@ use super::dynamics::Dynamics;
 use super::error::InversionError;
 use super::probes::{Amplitudes, Probes, Wanted};
 use super::spectra::{Forcing, Joint};
+use super::watch::Watch;
 use crate::beam::MeshPlan;
 use crate::motion::{TipHistories, TipSpectrum};
 
@@ -33,6 +34,7 @@ pub(super) struct Asked<'a> {
     pub(super) spectrum: &'a TipSpectrum,
     pub(super) histories: &'a TipHistories,
     pub(super) wanted: Wanted,
+    pub(super) watch: &'a dyn Watch,
 }
 
 /// Peak of a torque in N m.
@@ -50,7 +52,7 @@ fn in_range(peak_n_m: f64) -> Result<f64, InversionError> {
 impl<'a> Asked<'a> {
     /// The motion on one mesh.
     pub(super) fn of(&self, dynamics: &'a Dynamics) -> Forcing<'a> {
-        Forcing { dynamics, joint: self.joint, spectrum: self.spectrum }
+        Forcing { dynamics, joint: self.joint, spectrum: self.spectrum, watch: self.watch }
     }
 
     /// Peak of each quantity of an answer. The tip's way stands for the farthest that a node goes.

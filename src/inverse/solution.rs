@@ -7,6 +7,7 @@ use super::accuracy::Accuracy;
 use super::dynamics::Dynamics;
 use super::spectra::{Forcing, HubSpectra, Joint};
 use super::warning::Warning;
+use super::watch::Unwatched;
 use crate::beam::Mesh;
 use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
 use crate::motion::{TailTerms, TipMotionHistories, TipPeriod, TipSpectrum, tail_sum};
@@ -93,7 +94,12 @@ pub struct Solution {
 
 impl Solution {
     pub(super) fn forcing(&self) -> Forcing<'_> {
-        Forcing { dynamics: &self.dynamics, joint: self.joint, spectrum: &self.spectrum }
+        Forcing {
+            dynamics: &self.dynamics,
+            joint: self.joint,
+            spectrum: &self.spectrum,
+            watch: &Unwatched,
+        }
     }
 
     /// The mesh that the answer was computed on.

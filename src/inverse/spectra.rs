@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::dynamics::Dynamics;
 use super::error::InversionError;
+use super::watch::{Stage, Watch};
 use crate::beam::{NodalQuantity, TipTransfers};
 use crate::link::{Drive, Link};
 use crate::motion::TipSpectrum;
@@ -28,6 +29,7 @@ pub(super) struct Forcing<'a> {
     pub(super) dynamics: &'a Dynamics,
     pub(super) joint: Joint,
     pub(super) spectrum: &'a TipSpectrum,
+    pub(super) watch: &'a dyn Watch,
 }
 
 /// What the joint adds to the link's own dynamics.
@@ -145,6 +147,13 @@ impl Forcing<'_> {
         &self.spectrum.omegas_rad_s[..self.spectrum.band_len()]
     }
 
+    /// Tells that so many sweeps over the band begin, and how many of them are done.
+    pub(super) fn begin(&self, sweeps: usize, done: usize) {
+        let (elements, band) = (self.dynamics.mesh().elements().len(), self.spectrum.band_len());
+        self.watch.begin(Stage::Solve { elements }, sweeps * band);
+        self.watch.advance(done * band);
+    }
+
     /// Torque and hub angle over the band.
     ///
     /// ```text
@@ -172,6 +181,7 @@ impl Forcing<'_> {
                 let (forcing, tip_transfers) = (*self, &tip);
                 let rows = HubRows { torque, excess, root };
                 Arch::new().dispatch(Excited { forcing, first, omegas, tip_transfers, rows });
+                self.watch.advance(omegas.len());
                 tip.first_blocked(self.dynamics.mesh()).map(|k| first + k)
             },
         );
@@ -248,6 +258,7 @@ impl Forcing<'_> {
             for (value, factor) in rows.iter_mut().flat_map(|row| row.iter_mut().zip(&factors)) {
                 *value *= factor;
             }
+            self.watch.advance(omegas.len());
         });
         spectra
     }

@@ -1,9 +1,8 @@
 use thiserror::Error;
 
 use super::accuracy::Quantity;
-use super::model_end::stiffening;
+use super::model_end::{stiffening, thick};
 use crate::link::Link;
-use crate::modal::ThickLink;
 use crate::motion::Shortfall;
 use crate::numeric::significant;
 
@@ -154,8 +153,14 @@ pub enum Warning {
         share: f64,
     },
     /// Shear and rotary inertia that the model leaves out.
-    #[error(transparent)]
-    ThickLink(#[from] ThickLink),
+    #[error(
+        "shear and rotary inertia, which the model leaves out, change the torque by {} (rms)",
+        thick(*share)
+    )]
+    ThickLink {
+        /// Change of the torque, root mean square over root mean square.
+        share: f64,
+    },
     /// A hub that turns as fast as the link vibrates.
     #[error(
         "the hub turns at up to {} rad/s, {share:.2} of the clamped link's first natural frequency: \
@@ -206,7 +211,7 @@ impl Warning {
             Self::NearNyquist { .. } => "near_nyquist",
             Self::AboveMesh { .. } => "above_mesh",
             Self::LargeDeflection { .. } => "large_deflection",
-            Self::ThickLink(thick) => thick.kind(),
+            Self::ThickLink { .. } => "thick_link",
             Self::FastHub { .. } => "fast_hub",
             Self::CoarseMesh { .. } => "coarse_mesh",
             Self::FewModes { .. } => "few_modes",
@@ -239,7 +244,7 @@ impl Warning {
             Self::LargeDeflection { .. } | Self::FastHub { .. } => {
                 "a slower motion or a stiffer link"
             }
-            Self::ThickLink(thick) => thick.hint(),
+            Self::ThickLink { .. } => "a more slender link; mostly a slower motion, too",
             Self::BlockedTip { .. } => "a smoother or slower motion avoids the frequency",
             Self::NearNyquist { .. } => "a smoother motion or a shorter step",
             Self::AboveMesh { .. } | Self::CoarseMesh { .. } => {

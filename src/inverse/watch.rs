@@ -1,8 +1,11 @@
 /// What long work is at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Solving for the nodes; how many parts that has is not known.
-    Solve,
+    /// Solving on a mesh of so many elements; parts are frequencies.
+    Solve {
+        /// Elements of the mesh.
+        elements: usize,
+    },
     /// Transforming what was found for them; parts are nodes.
     Transform,
     /// Writing a table; parts are rows.

@@ -20,5 +20,5 @@ pub use frequencies::{REPORTED_MODES, held_frequencies, modes_below, natural_fre
 pub use inertia::{carries_rotary_inertia, flexible_modes, hub_moves_mass};
 pub use law::{DampingError, DampingLaw};
 pub use shape::{Mode, Shape, mode};
-pub use thickness::{LoweredMode, ThickLink, Thickness};
+pub use thickness::{LoweredMode, NOTICEABLE, ThickLink, Thickness};
 pub use zeros::{REPORTED_ZEROS, real_frequency_zeros, torque_zeros};

@@ -1,12 +1,16 @@
+use num_complex::Complex64;
 use thiserror::Error;
 
+use super::basis::ModalBasis;
+use super::law::DampingLaw;
 use super::shape::{Mode, mode};
 use crate::beam::{Element, Mesh};
 use crate::link::{CrossSection, Link, Segment, Taper};
+use crate::numeric::Scalar as _;
 
-/// Share of a natural frequency from which on there is a warning: as much as 2 % of stiffness, more
-/// than what a maker's data of section and material leave open.
-const NOTICEABLE: f64 = 1e-2;
+/// Share of a natural frequency, or of a torque, from which on there is a warning: of a frequency it is
+/// as much as 2 % of stiffness, more than what a maker's data of section and material leave open.
+pub const NOTICEABLE: f64 = 1e-2;
 
 /// √(E/ρ) in m/s that is assumed where the section is unknown: that of steel, aluminium and wood.
 const USUAL_SPEED_M_S: f64 = 5e3;
@@ -60,7 +64,7 @@ impl ThickLink {
 
     /// What the user can do about it.
     pub fn hint(&self) -> &'static str {
-        "a more slender link; a torque whose motion lies far below these modes hardly feels it"
+        "a more slender link; solve tells what a torque feels of it"
     }
 }
 
@@ -131,6 +135,12 @@ impl Thickness {
     ///
     /// with φ the slope, Q the shear force per unit acceleration of the mode and g = E/(κG).
     pub fn share(&self, mesh: &Mesh, mode: &Mode) -> f64 {
+        1.0 - (1.0 + self.slowing(mesh, mode)).sqrt().recip()
+    }
+
+    /// R + S, by which 1/ω² of a mode grows; of the rigid rotation, at ω = 0, the share of the inertia
+    /// about the hub.
+    fn slowing(&self, mesh: &Mesh, mode: &Mode) -> f64 {
         let Mode { omega_rad_s, shape } = mode;
         let forces = shape.shear_forces(mesh);
         let (mut rotary, mut shear) = (0.0, 0.0);
@@ -149,7 +159,55 @@ impl Thickness {
             shear += length_m * compliance * (from * from + from * to + to * to) / 3.0;
         }
         let square = omega_rad_s * omega_rad_s;
-        1.0 - (1.0 + rotary + square * shear).sqrt().recip()
+        rotary + square * shear
+    }
+
+    /// Share by which shear and rotary inertia change a torque, about: root mean square over root
+    /// mean square.
+    ///
+    /// The transfer from the tip is a product over modes and zeros, of which the modes tell enough;
+    /// the rigid rotation is mode 0:
+    ///
+    /// ```text
+    /// T/a_tip = I/L · Π (1 − λ/ω_k²) / Π (1 + λ/z_k²)
+    /// Δ(T/a_tip) / (T/a_tip) ≈ R₀ − Σ (R + S)_k ω²/(ω_k² − λ)
+    /// ```
+    ///
+    /// A payload's inertia puts a zero at a real frequency, where no torque moves the tip: a torque that
+    /// peaks there changes by more.
+    ///
+    /// Far below the first mode only the section's own inertia about the hub is left, R₀ = ∫ m̄r² dx / I.
+    ///
+    /// `omegas_rad_s` are the natural frequencies of the first modes; the torque has an amplitude at
+    /// each of the frequencies `of_torque_rad_s`.
+    pub fn torque_change(
+        &self,
+        mesh: &Mesh,
+        law: &DampingLaw,
+        omegas_rad_s: &[f64],
+        (of_torque_rad_s, torque): (&[f64], &[Complex64]),
+    ) -> f64 {
+        let rigid = Mode { omega_rad_s: 0.0, shape: ModalBasis::rigid(mesh) };
+        let inertia = self.slowing(mesh, &rigid);
+        let slowed =
+            |(k, omega): (usize, &f64)| (k + 1, *omega, self.slowing(mesh, &mode(mesh, *omega)));
+        let slowed: Vec<_> = omegas_rad_s.iter().enumerate().map(slowed).collect();
+        let change = |omega: f64| {
+            let of_mode = |(number, mode_rad_s, slowing): &(usize, f64, f64)| {
+                let denominator = law.modal_denominator(*number, *mode_rad_s, omega);
+                denominator.reciprocal() * -*slowing
+            };
+            inertia + slowed.iter().map(of_mode).sum::<Complex64>() * (omega * omega)
+        };
+        let (mut changed, mut whole) = (0.0, 0.0);
+        for (omega, amplitude) in of_torque_rad_s.iter().zip(torque) {
+            let power = amplitude.norm_sqr();
+            let share = change(*omega).norm_sqr();
+            // Without damping there is no torque at a natural frequency.
+            changed += if share.is_finite() { share * power } else { 0.0 };
+            whole += power;
+        }
+        (changed / whole).sqrt()
     }
 }
 

@@ -79,13 +79,14 @@ impl Sampling {
     }
 
     /// Fills `held` with what `rows` are made of; `amplitudes` are those of at most [`CHANNELS`]
-    /// signals.
+    /// signals. Every so often `advance` gets how many more of them are done.
     pub(crate) fn hold(
         &self,
         rows: &Range<usize>,
         amplitudes: &[Vec<Complex64>],
         held: &mut [[f64; CHANNELS]],
         room: &mut Room,
+        advance: impl Fn(usize),
     ) {
         let len = self.transform.len();
         let at_once = self.signals_at_once();
@@ -96,6 +97,7 @@ impl Sampling {
             }
             let signals = part * at_once..part * at_once + amplitudes.len();
             self.interleave(rows, &room.samples, signals, held);
+            advance(amplitudes.len());
         }
     }
 

@@ -132,7 +132,7 @@ mod tests {
         for ends in ends.windows(2) {
             let rows = ends[0]..ends[1];
             let mut held = vec![[0.0; CHANNELS]; sampling.held(&rows)];
-            sampling.hold(&rows, &spectra, &mut held, &mut Room::default());
+            sampling.hold(&rows, &spectra, &mut held, &mut Room::default(), |_| {});
             for row in rows.clone() {
                 let values = sampling.row(&rows, &held, row);
                 assert!(values[0] == 0.0 && values[2..] == [0.0; CHANNELS - 2]);

@@ -55,8 +55,7 @@ fn a_thick_link_is_told_with_the_share_of_its_frequencies_wherever_they_are_used
     let modes = bench.run(&["modes", "bar.toml", "--count", "2"]);
     assert!(stdout(&modes).contains("4007.6"), "{}", stdout(&modes));
     let told = format!(
-        "{lower} to 41 % (mode 2)\nhint: a more slender link; a torque whose motion lies far below \
-         these modes hardly feels it\n"
+        "{lower} to 41 % (mode 2)\nhint: a more slender link; solve tells what a torque feels of it\n"
     );
     assert_eq!(stderr(&modes), told);
     for arguments in [
@@ -66,9 +65,16 @@ fn a_thick_link_is_told_with_the_share_of_its_frequencies_wherever_they_are_used
     ] {
         let output = bench.run(arguments);
         let warned = lines(&stderr(&output), "warning");
-        let of_it = |line: &&String| line.contains("shear and rotary inertia");
+        // The section's own inertia about the hub, thickness over length squared, over four.
+        let of_it = |line: &&String| line.contains("change the torque by about 3 % (rms)");
         assert_eq!(warned.iter().filter(of_it).count(), 1, "{arguments:?}: {warned:?}");
     }
+    // A third as thick: its modes tell, a motion far below them does not.
+    let thin = ["bar.toml", "--set", "segments.0.section.thickness=0.03"];
+    let modes = bench.run(&[&["modes"], &thin[..], &["--count", "1"]].concat());
+    assert!(stderr(&modes).contains("about 3 % (mode 1)"), "{}", stderr(&modes));
+    let solved = bench.run(&[&["solve"], &thin[..], &["move.csv"]].concat());
+    assert_eq!(stderr(&solved), "");
     let slender = bench.run(&["modes", "strip.toml", "--count", "3"]);
     assert_eq!(stderr(&slender), "");
 }

@@ -11,6 +11,7 @@ mod modal;
 mod motor;
 mod nodal;
 mod period;
+mod progress;
 mod rayleigh;
 mod threads;
 mod warnings;

@@ -5,6 +5,7 @@
 mod closed_form;
 mod frequencies;
 mod roots;
+mod thick_torque;
 mod thickness;
 mod transfer;
 mod zeros;

@@ -12,7 +12,7 @@ use flexlink::modal::{Thickness, mode, natural_frequencies};
 const STEPS: usize = 400;
 
 /// A bar of aluminium.
-fn bar(length_m: f64, section: &Section) -> Segment {
+pub(crate) fn bar(length_m: f64, section: &Section) -> Segment {
     Segment {
         name: None,
         length_m,
@@ -22,7 +22,7 @@ fn bar(length_m: f64, section: &Section) -> Segment {
     }
 }
 
-fn link(segments: Vec<Segment>, hub_kg_m2: f64, payload: Payload) -> Link {
+pub(crate) fn link(segments: Vec<Segment>, hub_kg_m2: f64, payload: Payload) -> Link {
     Link::new(LinkParts {
         title: String::new(),
         segments,
@@ -36,7 +36,7 @@ fn link(segments: Vec<Segment>, hub_kg_m2: f64, payload: Payload) -> Link {
 }
 
 /// The bar of 0.3 × 0.1 m on a massless hub.
-fn short_bar() -> Link {
+pub(crate) fn short_bar() -> Link {
     let section = Section::Rectangle { width_m: 0.02, thickness_m: 0.1 };
     link(vec![bar(0.3, &section)], 0.0, Payload::default())
 }
@@ -105,7 +105,7 @@ fn thick_frequencies(link: &Link, flexibility: Option<f64>, from: f64, count: us
     found
 }
 
-fn mesh(link: &Link) -> Mesh {
+pub(crate) fn mesh(link: &Link) -> Mesh {
     let own = vec![None; link.segments().len()];
     Mesh::new(link, &MeshPlan::new(link, &own, Some(ElementCount::Total(60)), 1e-6).unwrap())
 }

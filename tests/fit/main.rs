@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod resolved;
+
 use std::ops::Range;
 
 use flexlink::inverse::{QuantityErrors, Solution, invert};

@@ -1,0 +1,72 @@
+//! How far the work is, as its watcher is told.
+
+use std::sync::Mutex;
+
+use flexlink::beam::{ElementCount, MeshPlan};
+use flexlink::inverse::{Analysis, Stage, Watch, invert, invert_watched};
+
+use super::{Smooth, link};
+
+/// Every stage that began, its parts, and how many of them are done.
+#[derive(Debug, Default)]
+struct Notes(Mutex<Vec<(Stage, usize, usize)>>);
+
+impl Watch for Notes {
+    fn begin(&self, stage: Stage, parts: usize) {
+        self.0.lock().unwrap().push((stage, parts, 0));
+    }
+
+    fn advance(&self, parts: usize) {
+        self.0.lock().unwrap().last_mut().unwrap().2 += parts;
+    }
+}
+
+impl Notes {
+    /// Elements of every mesh that was solved on, in turn; every stage must be done to its end.
+    #[track_caller]
+    fn meshes(&self) -> Vec<usize> {
+        let notes = self.0.lock().unwrap();
+        let of_mesh = |(stage, parts, done): &(Stage, usize, usize)| {
+            assert_eq!(parts, done, "{stage:?}");
+            match stage {
+                Stage::Solve { elements } => *elements,
+                other => panic!("{other:?}"),
+            }
+        };
+        notes.iter().map(of_mesh).collect()
+    }
+}
+
+#[test]
+fn every_mesh_is_told_and_solved_to_its_last_frequency_and_watching_changes_nothing() {
+    let motion = Smooth::SHORT.motion();
+    let link = link(|_| ());
+    let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Auto), 1e-6).unwrap();
+    for analysis in [Analysis::default(), Analysis::default().with_moments()] {
+        let notes = Notes::default();
+        let solution = invert_watched(&link, &plan, &motion, &analysis, &notes).unwrap();
+        let meshes = notes.meshes();
+        let answers = solution.mesh().elements().len();
+        let doubled: Vec<usize> =
+            meshes.iter().copied().take_while(|n| *n <= 2 * answers).collect();
+        assert!(doubled.windows(2).all(|pair| pair[1] == 2 * pair[0] || pair[1] == answers));
+        assert!(meshes.contains(&answers) && meshes.contains(&(2 * answers)), "{meshes:?}");
+        let unwatched = invert(&link, &plan, &motion, &analysis).unwrap();
+        assert!(unwatched.torque_n_m == solution.torque_n_m);
+    }
+}
+
+#[test]
+fn the_nodes_of_a_table_are_solved_for_and_transformed_to_the_last() {
+    let motion = Smooth::SHORT.motion();
+    let link = link(|_| ());
+    let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(20)), 1e-6).unwrap();
+    let solution = invert(&link, &plan, &motion, &Analysis::default()).unwrap();
+    let nodes: Vec<usize> = (0..=20).collect();
+    let notes = Notes::default();
+    solution.displacements(&nodes, 1).block(0, &notes);
+    let notes = notes.0.into_inner().unwrap();
+    let band = solution.band.frequencies;
+    let expected = [(Stage::Solve { elements: 20 }, band, band), (Stage::Transform, 21, 21)];
+    assert_eq!(notes, expected);
+}
