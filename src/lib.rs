@@ -117,6 +117,8 @@
 //! * C. F. Van Loan, IEEE Trans. Automatic Control 23(3), 1978: integrals with the exponential.
 //! * R. Featherstone, *Robot Dynamics Algorithms*, 1987: articulated-body inertia.
 
+#![forbid(unsafe_code)]
+
 pub mod beam;
 pub mod inverse;
 pub mod link;

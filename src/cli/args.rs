@@ -13,7 +13,7 @@ use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::tables::{Durability, InputFile, read_motion_table};
 
 use super::exit::{Exit, Failure};
-use super::memory::{available, check_room};
+use super::memory::{available, most_threads};
 use super::progress::StageBar;
 use super::record::option;
 
@@ -255,12 +255,17 @@ impl ThreadArgs {
     /// Prepares the threads, of which the calling one is the first; to be called once, before any
     /// work. Where the system has no others, and no one asked for them, it does the work of all.
     pub(crate) fn apply(&self) -> Result<(), Failure> {
+        let most = most_threads();
         // They start while this one goes on; for the global ones it would wait, which a small run
         // feels.
-        match self.number(ThreadPoolBuilder::new()).use_current_thread().build() {
+        match self.number(most).use_current_thread().build() {
             Ok(pool) => {
                 // They serve until the program ends.
-                Box::leak(Box::new(pool));
+                let pool = Box::leak(Box::new(pool));
+                // Where memory is limited, nothing else may take what they begin with.
+                if most.is_some() {
+                    pool.broadcast(|_| ());
+                }
                 Ok(())
             }
             Err(error) if self.threads.is_some() => Err(no_threads(&error)),
@@ -270,14 +275,30 @@ impl ThreadArgs {
 
     /// Prepares threads for a caller that waits for them and is none of them itself.
     pub(crate) fn apply_apart(&self) -> Result<(), Failure> {
-        let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
-        check_room(self.threads.map_or_else(cores, usize::from))?;
-        self.number(ThreadPoolBuilder::new()).build_global().map_err(|error| no_threads(&error))
+        let most = most_threads();
+        self.number(most).build_global().map_err(|error| no_threads(&error))?;
+        if most.is_some() {
+            rayon::broadcast(|_| ());
+        }
+        Ok(())
     }
 
-    fn number(&self, threads: ThreadPoolBuilder) -> ThreadPoolBuilder {
-        threads.num_threads(self.threads.map_or(0, usize::from))
+    /// As many threads as are asked for, but at most `most`.
+    fn number(&self, most: Option<usize>) -> ThreadPoolBuilder {
+        let asked = self.threads.map(usize::from);
+        let threads = match most {
+            Some(most) => asked.unwrap_or_else(default_threads).min(most),
+            None => asked.unwrap_or(0),
+        };
+        ThreadPoolBuilder::new().num_threads(threads)
     }
+}
+
+/// How many threads there are where nobody asks for a number, as rayon counts them.
+fn default_threads() -> usize {
+    let told = std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse().ok());
+    let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
+    told.filter(|threads| *threads > 0).unwrap_or_else(cores)
 }
 
 fn no_threads(error: &ThreadPoolBuildError) -> Failure {

@@ -29,6 +29,11 @@ pub(crate) fn error(message: &str, hint: Option<&str>) {
     told("error", ERROR, message, hint);
 }
 
+/// Prints to standard error, without taking any memory, that there is none.
+pub(crate) fn out_of_memory() {
+    let _ = io::stderr().write_all(b"error: out of memory\n");
+}
+
 /// Prints a warning and its hint to standard error.
 pub(crate) fn warning(message: impl Display, hint: &str) {
     told("warning", WARNING, &message.to_string(), Some(hint));

@@ -3,6 +3,7 @@
 use flexlink::numeric::gigabytes;
 use flexlink::tables::{available_addresses, available_memory};
 
+use super::allocator::share_arenas;
 use super::exit::{Exit, Failure};
 
 /// Refuses nodal tables that take more memory than there is, or than `share` of it is theirs.
@@ -65,22 +66,37 @@ pub(crate) fn available() -> Option<usize> {
 /// stacks of a few threads.
 const OWN_BYTES: usize = 24 << 20;
 
-/// Address space in bytes of one more thread, and of one that it begins for its own work.
-const THREAD_BYTES: usize = 2 * ((2 << 20) + (1 << 18));
+/// Address space in bytes of a thread of a sweep: its stack, that of the thread that it begins for its
+/// own work, and the memory of a case.
+const THREAD_BYTES: usize = 2 * ((2 << 20) + (1 << 18)) + (8 << 20);
 
-/// Refuses to begin where the address space is limited to less than this program takes with `threads`
-/// threads of its own beyond the first few.
-pub(crate) fn check_room(threads: usize) -> Result<(), Failure> {
-    let bytes = OWN_BYTES + threads * THREAD_BYTES;
-    let left = available_addresses().map(|left| usize::try_from(left).unwrap_or(usize::MAX));
-    let Some(left) = left.filter(|left| *left < bytes) else { return Ok(()) };
-    let message = format!(
-        "the program would need {} of memory, but must fit in the {} available",
-        gigabytes(bytes),
-        gigabytes(left)
-    );
-    let hint = "the system limits it (`ulimit -v`); fewer --threads need less";
-    Err(Failure::new(Exit::NotSolvable, &message, Some(hint)))
+/// Refuses to begin where the address space is limited to less than this program takes.
+///
+/// Where it is limited to more, the C library is told to reserve little of it. To be called before
+/// there are threads.
+pub(crate) fn check_room() -> Result<(), Failure> {
+    let Some(left) = addresses_left() else { return Ok(()) };
+    if left < OWN_BYTES {
+        let message = format!(
+            "the program would need {} of memory, but must fit in the {} available",
+            gigabytes(OWN_BYTES),
+            gigabytes(left)
+        );
+        let hint = "the system limits it (`ulimit -v`)";
+        return Err(Failure::new(Exit::NotSolvable, &message, Some(hint)));
+    }
+    share_arenas(left);
+    Ok(())
+}
+
+/// How many threads there is room for where the address space is limited, at least one.
+pub(crate) fn most_threads() -> Option<usize> {
+    let left = addresses_left()?;
+    Some((left.saturating_sub(OWN_BYTES) / THREAD_BYTES).max(1))
+}
+
+fn addresses_left() -> Option<usize> {
+    available_addresses().map(|left| usize::try_from(left).unwrap_or(usize::MAX))
 }
 
 /// Refuses tables whose files have so many bytes, and take so many times that to work with, where
@@ -97,20 +113,4 @@ pub(crate) fn check_tables_memory(bytes: usize, times: usize) -> Result<(), Fail
         None,
         "a result of fewer rows or nodes needs less (--nodes, --every)",
     )
-}
-
-/// From now on memory that the system refuses, where no estimate has foreseen it, ends the program as
-/// any other refusal does, by its exit code; the library says how much was asked for.
-pub(crate) fn end_where_memory_does() {
-    #[cfg(unix)]
-    {
-        use std::sync::Arc;
-        use std::sync::atomic::AtomicBool;
-
-        use signal_hook::{consts::SIGABRT, flag::register_conditional_shutdown};
-
-        let always = Arc::new(AtomicBool::new(true));
-        // Where that fails the program is aborted.
-        let _ = register_conditional_shutdown(SIGABRT, Exit::NotSolvable as i32, always);
-    }
 }

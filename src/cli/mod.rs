@@ -1,5 +1,6 @@
 //! The command line: arguments in, exit code out.
 
+mod allocator;
 mod args;
 mod charset;
 mod compare;
@@ -91,8 +92,8 @@ enum Command {
 
 /// Runs the program: the one place that prints an error and its hint.
 pub(crate) fn run() -> ExitCode {
-    memory::end_where_memory_does();
     memory::keep_freed();
+    allocator::end_where_memory_does();
     let outcome = match Cli::try_parse() {
         Ok(cli) => cli.command.run().map(ExitCode::from),
         Err(words) => console::told_by_parser(&words),
@@ -105,7 +106,7 @@ pub(crate) fn run() -> ExitCode {
 
 impl Command {
     fn run(self) -> Result<Ending, Failure> {
-        memory::check_room(0)?;
+        memory::check_room()?;
         // A sweep ends between two cases.
         if !matches!(self, Self::Sweep(_)) {
             interrupt::end_in_order();

@@ -55,7 +55,7 @@ pub use csv_folder::CsvFolder;
 pub use csv_table::{Column, ColumnGroup, write_csv};
 pub use folder::{
     Durability, FolderAction, FolderError, OutputFolder, TemporaryFolder, abandon_unfinished,
-    wait_if_ending,
+    abandon_unfinished_soon, wait_if_ending,
 };
 pub use frf_table::write_frequency_response;
 pub use golden::{GoldenChanges, change_golden_files};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use same_file::Handle;
 
-use super::folder::{Durability, FolderAction, FolderError};
+use super::folder::{Durability, FolderAction, FolderError, Unfinished, hold_off_the_end};
 use super::row_check::{checked_header, checked_rows, without_checks};
 use super::single_file::folder_of;
 use super::sweep_identity::SweepIdentity;
@@ -22,6 +22,8 @@ pub struct SweepFile {
     part: PathBuf,
     file: File,
     identity: SweepIdentity,
+    /// Until the first row is there: then it is kept, whatever ends the program.
+    unfinished: Option<Unfinished>,
 }
 
 /// A sweep that goes on where an earlier run ended.
@@ -50,10 +52,13 @@ impl SweepFile {
     /// # Errors
     /// [`FolderError`] if it cannot be written, or another run is writing it.
     pub fn begin(path: &Path, identity: SweepIdentity, header: &str) -> Result<Self, FolderError> {
+        let held_off = hold_off_the_end();
         let mut file = Self::open(path, identity)?;
-        let first = file.identity.line() + &checked_header(header);
         let begun = file.file.set_len(0);
         begun.map_err(|cause| file.error(cause))?;
+        file.unfinished = Some(Unfinished::note(&file.part, &held_off));
+        drop(held_off);
+        let first = file.identity.line() + &checked_header(header);
         file.write(&first)?;
         Ok(file)
     }
@@ -122,7 +127,9 @@ impl SweepFile {
     /// # Errors
     /// [`FolderError`] if they cannot be written.
     pub fn append(&mut self, rows: &str) -> Result<(), FolderError> {
-        self.write(&checked_rows(rows))
+        self.write(&checked_rows(rows))?;
+        self.unfinished = None;
+        Ok(())
     }
 
     fn write(&mut self, text: &str) -> Result<(), FolderError> {
@@ -185,7 +192,7 @@ impl SweepFile {
         };
         loop {
             if let Some(file) = opened().map_err(|cause| error(&part, cause))? {
-                return Ok(Self { path: path.to_owned(), part, file, identity });
+                return Ok(Self { path: path.to_owned(), part, file, identity, unfinished: None });
             }
         }
     }

@@ -9,14 +9,54 @@ use super::{Bench, NOT_SOLVABLE, PROGRAM, REFUSED, text};
 
 impl Bench {
     /// Runs the program on two threads with so many MB of address space, `input` as standard input.
-    ///
-    /// The threads share one arena: each of its own would take 64 MB, whenever that thread begins.
     fn run_within(&self, megabytes: u32, arguments: &[&str], input: Stdio) -> Output {
-        let script = format!("ulimit -v {}; exec \"$0\" \"$@\"", 1000 * megabytes);
+        self.run_limited(&format!("-v {}", 1000 * megabytes), arguments, input)
+    }
+
+    /// Runs the program on two threads under a limit of the shell's `ulimit`.
+    fn run_limited(&self, limit: &str, arguments: &[&str], input: Stdio) -> Output {
+        let script = format!("ulimit {limit}; exec \"$0\" \"$@\"");
         let words = [&["-c", &script, PROGRAM], arguments].concat();
         let mut command = self.command("sh", &words);
-        command.env("RAYON_NUM_THREADS", "2").env("MALLOC_ARENA_MAX", "1").stdin(input);
-        command.output().unwrap()
+        command.env("RAYON_NUM_THREADS", "2").stdin(input).output().unwrap()
+    }
+}
+
+#[test]
+fn memory_that_no_estimate_foresees_ends_as_any_refusal_does() {
+    let bench = Bench::new();
+    let mut ends = [0, 0];
+    // The limit of data, which no estimate asks about: from the first words to the last table.
+    for megabytes in 3..=22 {
+        let limit = format!("-d {}", 1000 * megabytes);
+        let solve = ["solve", "link.toml", "motion.csv", "-q", "--set", "analysis.lag=20"];
+        let output = bench.run_limited(&limit, &solve, Stdio::null());
+        if output.status.code() == Some(0) {
+            ends[0] += 1;
+            std::fs::remove_dir_all(bench.path("out")).unwrap();
+            continue;
+        }
+        ends[1] += 1;
+        bench.is_refusal(&output, NOT_SOLVABLE, "error: out of memory");
+        assert_eq!(text(&output.stderr).matches("out of memory").count(), 1);
+        assert_eq!(std::fs::read_dir(bench.path(".")).unwrap().count(), 2, "{limit}");
+    }
+    assert!(ends[1] > 5, "{ends:?}");
+}
+
+#[test]
+fn as_many_threads_work_as_there_is_room_for() {
+    let bench = Bench::new();
+    let sweep = ["sweep", "link.toml", "motion.csv", "--vary", "segments.*.EI*=1:4:16", "-q"];
+    let sweep = [&sweep[..], &["--threads", "16", "-o"]].concat();
+    bench.run(&[&sweep[..], &["all.csv"]].concat());
+    for megabytes in [80, 150, 200, 400, 800] {
+        let few = [&sweep[..], &["few.csv"]].concat();
+        let output = bench.run_within(megabytes, &few, Stdio::null());
+        assert_eq!(output.status.code(), Some(0), "{megabytes} MB: {}", text(&output.stderr));
+        let [all, few] =
+            ["all.csv", "few.csv"].map(|name| std::fs::read(bench.path(name)).unwrap());
+        assert!(all == few, "{megabytes} MB");
     }
 }
 

@@ -17,4 +17,5 @@ mod tests;
 pub use error::{FolderAction, FolderError};
 pub use output::{Durability, OutputFolder};
 pub use temporary::TemporaryFolder;
-pub use unfinished::{abandon_unfinished, wait_if_ending};
+pub(super) use unfinished::{Unfinished, hold_off_the_end};
+pub use unfinished::{abandon_unfinished, abandon_unfinished_soon, wait_if_ending};

@@ -3,6 +3,8 @@ use std::fs;
 use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use super::lock::LOCK;
 
@@ -11,13 +13,14 @@ static END: RwLock<()> = RwLock::new(());
 
 /// A file or folder that goes if the program is ended now.
 #[derive(Debug)]
-pub(super) struct Unfinished(PathBuf);
+pub(crate) struct Unfinished(PathBuf);
 
 impl Unfinished {
     /// Notes what is there, or is about to be, while the end is held off.
-    pub(super) fn note(path: &Path, _: &HeldOff) -> Self {
-        PATHS.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned());
-        Self(path.to_owned())
+    pub(crate) fn note(path: &Path, _: &HeldOff) -> Self {
+        let [noted, own] = [path, path].map(Path::to_owned);
+        PATHS.lock().unwrap_or_else(PoisonError::into_inner).insert(noted);
+        Self(own)
     }
 }
 
@@ -28,10 +31,10 @@ impl Drop for Unfinished {
 }
 
 /// What keeps [`abandon_unfinished`] waiting.
-pub(super) type HeldOff = RwLockReadGuard<'static, ()>;
+pub(crate) type HeldOff = RwLockReadGuard<'static, ()>;
 
 /// Holds off the end until the guard is dropped; not to be asked for twice by one thread.
-pub(super) fn hold_off_the_end() -> HeldOff {
+pub(crate) fn hold_off_the_end() -> HeldOff {
     END.read().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -45,7 +48,34 @@ pub fn wait_if_ending() {
 /// that are taking their names take them first, and no file is begun or named afterwards.
 pub fn abandon_unfinished() {
     mem::forget(END.write().unwrap_or_else(PoisonError::into_inner));
-    let paths = mem::take(&mut *PATHS.lock().unwrap_or_else(PoisonError::into_inner));
+    remove_all(&mem::take(&mut *PATHS.lock().unwrap_or_else(PoisonError::into_inner)));
+}
+
+/// The same for a thread that may itself hold off the end: it waits no longer than `patience` for any
+/// thread.
+pub fn abandon_unfinished_soon(patience: Duration) {
+    let begun = Instant::now();
+    let is_time_left = || {
+        thread::sleep(Duration::from_millis(1));
+        begun.elapsed() < patience
+    };
+    loop {
+        match END.try_write() {
+            Ok(held) => break mem::forget(held),
+            Err(_) if is_time_left() => {}
+            Err(_) => break,
+        }
+    }
+    loop {
+        match PATHS.try_lock() {
+            Ok(mut paths) => return remove_all(&mem::take(&mut *paths)),
+            Err(_) if is_time_left() => {}
+            Err(_) => return,
+        }
+    }
+}
+
+fn remove_all(paths: &BTreeSet<PathBuf>) {
     // A lock after the files that it tells of: what cannot be removed is left to the next run.
     for path in paths.iter().filter(|path| !path.ends_with(LOCK)) {
         let _ = fs::remove_file(path);
