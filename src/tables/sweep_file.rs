@@ -1,14 +1,12 @@
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use same_file::Handle;
-
-use super::folder::{Durability, FolderAction, FolderError, Unfinished, hold_off_the_end};
+use super::folder::{Durability, FolderError, Unfinished, hold_off_the_end};
 use super::row_check::{checked_header, checked_rows, without_checks};
-use super::single_file::folder_of;
 use super::sweep_identity::SweepIdentity;
-use super::sweep_record::{part_of, write_sweep};
+use super::sweep_part::{error, open_part, part_of};
+use super::sweep_record::write_sweep;
 use super::sweep_rows::SweepRows;
 use super::table_error::{Place, TableError, quoted};
 
@@ -163,38 +161,9 @@ impl SweepFile {
         &self.part
     }
 
-    /// Opens the part for this run alone.
     fn open(path: &Path, identity: SweepIdentity) -> Result<Self, FolderError> {
-        let part = part_of(path);
-        let folder = folder_of(path);
-        fs::create_dir_all(folder).map_err(|cause| FolderError {
-            folder: folder.to_owned(),
-            action: FolderAction::Create,
-            cause,
-        })?;
-        if path.is_dir() || path.file_name().is_none() {
-            return Err(error(path, io::Error::other("a folder is no file")));
-        }
-        // Who may write beside the table must not have another file cut off by this.
-        if part.is_symlink() {
-            return Err(error(&part, io::Error::other("it is a symbolic link")));
-        }
-        let opened = || {
-            let file = OpenOptions::new().create(true).append(true).open(&part)?;
-            // A file system without locks has no say.
-            if let Err(TryLockError::WouldBlock) = file.try_lock() {
-                return Err(io::Error::other("another run is writing it"));
-            }
-            // Another run may have finished, and removed the file, before it was locked here.
-            let is_there =
-                Handle::from_path(&part).ok() == Some(Handle::from_file(file.try_clone()?)?);
-            Ok(is_there.then_some(file))
-        };
-        loop {
-            if let Some(file) = opened().map_err(|cause| error(&part, cause))? {
-                return Ok(Self { path: path.to_owned(), part, file, identity, unfinished: None });
-            }
-        }
+        let (part, file) = open_part(path)?;
+        Ok(Self { path: path.to_owned(), part, file, identity, unfinished: None })
     }
 
     /// Cuts off a row that was not written to its end.
@@ -225,12 +194,6 @@ fn check_same(there: &SweepRows, own: &SweepIdentity, header: &str) -> Result<()
         ));
     }
     Ok(())
-}
-
-fn error(path: &Path, cause: io::Error) -> FolderError {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-    let action = FolderAction::Write(name.unwrap_or_default());
-    FolderError { folder: folder_of(path).to_owned(), action, cause }
 }
 
 #[cfg(test)]
@@ -327,16 +290,6 @@ mod tests {
         let words = "sweep.csv.part:4: x = \"3\", but must be \"2\", the value of case 2";
         assert!(error.ends_with(words), "{error}");
         assert_eq!(hint, "remove the file, or leave --resume out to begin anew");
-    }
-
-    #[test]
-    fn a_folder_is_no_file_for_a_sweep() {
-        let folder = tempfile::tempdir().unwrap();
-        for path in [folder.path().to_owned(), folder.path().join("..")] {
-            let error = SweepFile::begin(&path, identity("1,2", "1/1"), HEADER).unwrap_err();
-            assert!(error.to_string().ends_with("a folder is no file"), "{error}");
-        }
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::input::{InputFile, sha256};
 use super::records::Fingerprint;
 use super::single_file::{folder_of, is_stream, write_file_with};
 use super::sweep_identity::{SweepIdentity, is_record};
+use super::sweep_part::part_of;
 use super::table_error::{Place, TableError, quoted};
 
 /// Where the record of a table lies.
@@ -17,13 +18,6 @@ pub(super) fn record_of(table: &Path) -> PathBuf {
     }
     let mut name = table.as_os_str().to_owned();
     name.push(".json");
-    name.into()
-}
-
-/// Where the rows of a table lie until they are complete.
-pub(super) fn part_of(table: &Path) -> PathBuf {
-    let mut name = table.as_os_str().to_owned();
-    name.push(".part");
     name.into()
 }
 

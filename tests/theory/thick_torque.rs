@@ -82,13 +82,13 @@ impl Beam<'_> {
 
 /// Amplitude at ω of the acceleration of a sin⁶ velocity of one second.
 fn acceleration(omega: f64) -> Complex64 {
-    let samples = 400;
-    let at = |k: usize| {
-        let time = k as f64 / f64::from(samples);
+    let samples = 400_u32;
+    let at = |k: u32| {
+        let time = f64::from(k) / f64::from(samples);
         let phase = PI * time;
         Complex64::cis(-omega * time) * (phase.sin().powi(5) * phase.cos())
     };
-    (0..samples as usize).map(at).sum::<Complex64>()
+    (0..samples).map(at).sum::<Complex64>()
 }
 
 /// True and estimated change of the torque of a motion that lasts so many of the first periods.

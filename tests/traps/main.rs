@@ -16,6 +16,7 @@ mod answer;
 mod beam;
 mod case;
 mod excuse;
+mod fitted;
 mod half_step;
 mod judge;
 mod link;
