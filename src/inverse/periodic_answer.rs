@@ -73,8 +73,12 @@ impl PeriodicAnswer {
             let periodic = self.periodic(samples);
             periodic.at_seam() / periodic.peak()
         };
-        let hub = self.hub_left(tail);
+        let left = self.hub_left(tail);
+        let angle_rad = self.hub_angle_amplitudes_rad(length_m);
+        let hub: [f64; 3] =
+            std::array::from_fn(|order| left[order].max(self.alternating(&angle_rad, order)));
         let [_, torque_rate, _] = self.differences(&self.around_seam(&self.torque_n_m));
+        let torque_rate = torque_rate.max(self.alternating(&self.hub.torque_n_m, 1));
         let moment = || share(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
         let motor_rate = joint
             .drive
@@ -104,6 +108,30 @@ impl PeriodicAnswer {
             None => self.around_seam(&self.excess_rad),
         };
         self.differences(&left_rad)
+    }
+
+    /// Amplitudes of the hub angle in rad, that at zero frequency left out.
+    fn hub_angle_amplitudes_rad(&self, length_m: f64) -> Vec<Complex64> {
+        let spectrum = &self.period.spectrum;
+        let tip = spectrum.acceleration_m_s2.iter().zip(&spectrum.omegas_rad_s);
+        let bins = self.hub.excess_angle_rad.iter().zip(tip).skip(1);
+        let angles = bins.map(|(excess, (a, omega))| excess - a / (omega * omega * length_m));
+        std::iter::once(Complex64::ZERO).chain(angles).collect()
+    }
+
+    /// Largest part that alternates from sample to sample around the seam, of a quantity's `order`-th
+    /// derivative by time. Where all frequencies are kept, a spectrum ends at the Nyquist frequency with
+    /// a jump or a kink, and rings so; differences over many samples do not see it.
+    fn alternating(&self, amplitudes: &[Complex64], order: usize) -> f64 {
+        let spectrum = &self.period.spectrum;
+        if !spectrum.cutoff.keeps_all() || order == 0 {
+            return 0.0;
+        }
+        let samples = spectrum.pair.samples(spectrum.derivative(amplitudes, order));
+        let (len, reach) = (samples.len(), spectrum.seam_reach());
+        let at = |k: usize| samples[(spectrum.seam + len + k - reach) % len];
+        let bends = (1..2 * reach).map(|k| (at(k - 1) - 2.0 * at(k) + at(k + 1)).abs());
+        0.25 * bends.fold(0.0, f64::max)
     }
 
     fn around_seam(&self, samples: &[f64]) -> Vec<f64> {
