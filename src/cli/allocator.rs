@@ -111,7 +111,8 @@ fn end(refused: Arguments) -> ! {
     }
     abandon_unfinished_soon(PATIENCE);
     let message = format!("out of memory: the system refuses {refused}");
-    let hint = "`ulimit -v` limits it; fewer --threads need less; a sweep goes on with --resume";
+    let hint = "`ulimit` may limit it; fewer --threads need less; a sweep goes on with --resume";
+    console::clear_line();
     console::error(&message, Some(hint));
     IS_TOLD.store(true, Ordering::Release);
     leave()

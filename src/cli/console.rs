@@ -5,7 +5,7 @@
 
 use std::borrow::Cow;
 use std::fmt::Display;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal as _, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -27,6 +27,13 @@ const HINT: Style = AnsiColor::Green.on_default();
 /// Prints an error and its hint to standard error.
 pub(crate) fn error(message: &str, hint: Option<&str>) {
     told("error", ERROR, message, hint);
+}
+
+/// Clears the line of a terminal that a progress bar may stand on.
+pub(crate) fn clear_line() {
+    if io::stderr().is_terminal() {
+        let _ = io::stderr().write_all(b"\r\x1b[2K");
+    }
 }
 
 /// Prints to standard error, without taking any memory, that there is none.

@@ -49,11 +49,14 @@ pub(crate) struct Failure {
     pub(crate) exit: Exit,
     pub(crate) message: String,
     pub(crate) hint: Option<String>,
+    /// Whether it takes more memory than is allowed.
+    pub(crate) is_of_memory: bool,
 }
 
 impl Failure {
     pub(crate) fn new(exit: Exit, message: &impl ToString, hint: Option<&str>) -> Self {
-        Self { exit, message: message.to_string(), hint: hint.map(str::to_owned) }
+        let hint = hint.map(str::to_owned);
+        Self { exit, message: message.to_string(), hint, is_of_memory: false }
     }
 }
 
@@ -77,7 +80,8 @@ impl From<TableError> for Failure {
 
 impl From<InversionError> for Failure {
     fn from(error: InversionError) -> Self {
-        Self::new(Exit::NotSolvable, &error, error.hint())
+        let is_of_memory = matches!(error, InversionError::TooMuchMemory { .. });
+        Self { is_of_memory, ..Self::new(Exit::NotSolvable, &error, error.hint()) }
     }
 }
 

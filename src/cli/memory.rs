@@ -40,7 +40,8 @@ pub(crate) fn check_memory(
         gigabytes(bytes),
         gigabytes(available)
     );
-    Err(Failure::new(Exit::NotSolvable, &message, Some(hint)))
+    let failure = Failure::new(Exit::NotSolvable, &message, Some(hint));
+    Err(Failure { is_of_memory: true, ..failure })
 }
 
 /// Keeps memory that a run frees, some megabytes for each thread, for what it takes next.

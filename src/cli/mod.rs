@@ -98,7 +98,7 @@ pub(crate) fn run() -> ExitCode {
         Ok(cli) => cli.command.run().map(ExitCode::from),
         Err(words) => console::told_by_parser(&words),
     };
-    outcome.unwrap_or_else(|Failure { exit, message, hint }| {
+    outcome.unwrap_or_else(|Failure { exit, message, hint, .. }| {
         console::error(&message, hint.as_deref());
         exit.into()
     })

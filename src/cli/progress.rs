@@ -18,8 +18,9 @@ const SHORT: Duration = Duration::from_millis(500);
 /// How often a bar is drawn while nothing moves.
 const TICK: Duration = Duration::from_millis(100);
 
-/// What is shown between two stages, of work of which nobody knows how much is left.
-const BETWEEN: &str = "working";
+/// What is shown before the first stage, and between two.
+const FIRST: &str = "finding the band";
+const BETWEEN: &str = "measuring errors";
 
 const UNKNOWN: &str = "{spinner} {msg} {elapsed}";
 
@@ -82,7 +83,7 @@ impl StageBar {
     pub(crate) fn new() -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         bar.set_style(stage_style(UNKNOWN));
-        bar.set_message(BETWEEN);
+        bar.set_message(FIRST);
         if !stderr().is_terminal() {
             return Self { bar, is_hidden: false, over: None, waiting: None };
         }

@@ -106,7 +106,7 @@ fn timing_line(lead_s: f64, lag_s: f64) -> String {
     // A slow motion begins and ends with less torque than that.
     let begins = if lead_s < 0.0 { "after" } else { "before" };
     let ends = if lag_s < 0.0 { "before" } else { "after" };
-    format!("{from} s {begins} the tip sets out to {to} s {ends} it stops (2 % level)")
+    format!("{from} s {begins} the tip starts to {to} s {ends} it stops (2 % level)")
 }
 
 /// What the motor does, on its own side of the gear.
@@ -210,14 +210,14 @@ mod tests {
     fn a_torque_that_acts_within_the_motion_alone_is_told_so() {
         let expected = [
             ((0.305, 0.319), "from 0.305 s before to 0.319 s after the tip's motion (2 % level)"),
-            ((-19.3, -20.1), "19.3 s after the tip sets out to 20.1 s before it stops (2 % level)"),
+            ((-19.3, -20.1), "19.3 s after the tip starts to 20.1 s before it stops (2 % level)"),
             (
                 (-0.0193, 0.25),
-                "0.0193 s after the tip sets out to 0.250 s after it stops (2 % level)",
+                "0.0193 s after the tip starts to 0.250 s after it stops (2 % level)",
             ),
             (
                 (0.1, -0.0201),
-                "0.100 s before the tip sets out to 0.0201 s before it stops (2 % level)",
+                "0.100 s before the tip starts to 0.0201 s before it stops (2 % level)",
             ),
         ];
         for ((lead_s, lag_s), text) in expected {

@@ -149,7 +149,7 @@ impl Sweep {
                 Begun::To(rows, there) => (rows, there, 0),
                 Begun::Anew(rows, warnings) => (rows, None, warnings),
                 Begun::Complete(rows) => {
-                    let tally = self.counted(cases, rows.cases());
+                    let tally = counted_rows(cases, rows.cases());
                     tally.warn();
                     self.report(&format!(
                         "complete {}, {}",
@@ -159,7 +159,7 @@ impl Sweep {
                     return self.refuse(&tally);
                 }
             };
-        let mut tally = there.map(|rows| self.counted(cases, rows.cases())).unwrap_or_default();
+        let mut tally = there.map(|rows| counted_rows(cases, rows.cases())).unwrap_or_default();
         let done = tally.rows();
         let progress = if self.quiet || rows.are_printed() {
             CaseBar::hidden()
@@ -197,11 +197,6 @@ impl Sweep {
         self.warnings.refuse(warnings)
     }
 
-    /// Counts the cases whose rows are there already.
-    fn counted(&self, cases: &Cases, rows: impl Iterator<Item = SweptCase>) -> Tally {
-        Tally::of_cases(rows, |case| cases.remarks(case))
-    }
-
     /// Ends a program whose cases are not as they were asked to be.
     fn refuse(&self, tally: &Tally) -> Result<(), Failure> {
         if self.strict {
@@ -233,4 +228,9 @@ impl Sweep {
     fn report(&self, text: &str) -> Result<(), Failure> {
         report(text, &self.output_path(), self.quiet)
     }
+}
+
+/// Counts the cases whose rows are there already.
+fn counted_rows(cases: &Cases, rows: impl Iterator<Item = SweptCase>) -> Tally {
+    Tally::of_cases(rows, |case| cases.remarks(case))
 }

@@ -1,10 +1,13 @@
 //! The cases of a sweep: what one takes from files and options.
 
 use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock};
 
 use clap::Args;
 
+use flexlink::beam::Mesh;
 use flexlink::link::Link;
+use flexlink::modal::natural_frequencies;
 use flexlink::motion::{MotionScale, TipMotion};
 use flexlink::numeric::{excerpt, visible};
 use flexlink::response::Torque;
@@ -61,6 +64,8 @@ pub(crate) struct Cases<'a> {
     first: (Link, TipMotion),
     /// Memory in bytes that each of the cases solved at the same time may take.
     pub(crate) memory_bytes: Option<usize>,
+    /// Held by every case at work; by one alone that needs more than its share of the memory.
+    alone: RwLock<()>,
 }
 
 impl<'a> Cases<'a> {
@@ -104,6 +109,7 @@ impl<'a> Cases<'a> {
             torque_file,
             first,
             memory_bytes: available().map(|bytes| bytes / rayon::current_num_threads()),
+            alone: RwLock::new(()),
         })
     }
 
@@ -136,20 +142,48 @@ impl<'a> Cases<'a> {
         SweepIdentity::new(&inputs, self.plan.clone(), shard)
     }
 
+    /// Does the work of a case within its share of the memory; where that is too little, with all that
+    /// is left, while no other case is at work.
+    pub(crate) fn within_memory<T>(
+        &self,
+        work: impl Fn(Option<usize>) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        let shared = self.alone.read().unwrap_or_else(PoisonError::into_inner);
+        let found = work(self.memory_bytes);
+        drop(shared);
+        match found {
+            Err(failure) if failure.is_of_memory => {
+                let _alone = self.alone.write().unwrap_or_else(PoisonError::into_inner);
+                work(available())
+            }
+            found => found,
+        }
+    }
+
     /// The link file with the changes of a case.
     pub(crate) fn specification(&self, values: &CaseValues) -> Result<Specification, SpecError> {
         let overrides = with_case(&self.overrides, values)?;
         let found = self.document.specification(&self.link_file.shown, &overrides)?;
-        let analysis = found.analysis.within_memory(self.memory_bytes);
+        let analysis = found.analysis;
         // The table holds none.
         let without = self.shared.outputs.folder().is_none();
         let analysis = if without { analysis.without_tables() } else { analysis };
         Ok(Specification { analysis, ..found })
     }
 
-    /// What is possible but rare in the link file with the changes of a case.
+    /// What is possible but rare in a case that need not be solved.
     pub(crate) fn remarks(&self, case: usize) -> Vec<Remark> {
-        self.specification(&self.plan.case(case)).map(|found| found.remarks).unwrap_or_default()
+        let values = self.plan.case(case);
+        let Ok(Specification { link, mesh, remarks, .. }) = self.specification(&values) else {
+            return Vec::new();
+        };
+        let mesh = Mesh::new(&link, &mesh);
+        let of_modes = Remark::on_modes(&link, &mesh, &natural_frequencies(&mesh, 1));
+        let of_motion = self.motion_of(&link, values.motion).map(|motion| {
+            let target = motion.target(motion.grid().time_s(0), motion.grid().end_s());
+            Remark::on_motion(&link, &motion, target.farthest_m())
+        });
+        [remarks, of_modes, of_motion.unwrap_or_default()].concat()
     }
 
     /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied.

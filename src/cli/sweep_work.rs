@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use flexlink::inverse::invert;
-use flexlink::response::{Play, PlayError, simulate};
+use flexlink::response::{Play, PlayError, SimulationError, simulate};
 use flexlink::result::{Remark, TipError};
 use flexlink::spec::Specification;
 use flexlink::sweep::{PlayedCase, SolvedCase};
@@ -49,18 +49,23 @@ fn of_case<C>(failure: Failure) -> Result<Result<C, String>, Failure> {
 impl Cases<'_> {
     /// Solves a case, numbered from 0.
     pub(crate) fn solved(&self, case: usize) -> Outcome<SolvedCase> {
-        Outcome::of(self.solve(case), || self.remarks(case))
+        Outcome::of(self.within_memory(|bytes| self.solve(case, bytes)), || self.remarks(case))
     }
 
     /// Plays the torque on a case, numbered from 0.
     pub(crate) fn played(&self, case: usize) -> Outcome<PlayedCase> {
-        Outcome::of(self.play(case), || self.remarks(case))
+        Outcome::of(self.within_memory(|bytes| self.play(case, bytes)), || self.remarks(case))
     }
 
-    fn solve(&self, case: usize) -> Result<Found<SolvedCase>, Failure> {
+    fn solve(
+        &self,
+        case: usize,
+        memory_bytes: Option<usize>,
+    ) -> Result<Found<SolvedCase>, Failure> {
         let values = self.plan.case(case);
         let specification = self.specification(&values)?;
         let Specification { link, mesh, analysis, limits, .. } = &specification;
+        let analysis = &analysis.within_memory(memory_bytes);
         let motion = self.motion_of(link, values.motion)?;
         let solution = invert(link, mesh, &motion, analysis)?;
         let found = SolvedCase::of(&solution);
@@ -87,7 +92,7 @@ impl Cases<'_> {
         Ok((found, own.chain(limits).collect(), remarks.collect()))
     }
 
-    fn play(&self, case: usize) -> Result<Found<PlayedCase>, Failure> {
+    fn play(&self, case: usize, memory_bytes: Option<usize>) -> Result<Found<PlayedCase>, Failure> {
         let values = self.plan.case(case);
         let Specification { link, mesh, remarks, .. } = &self.specification(&values)?;
         let motion = self.motion_of(link, values.motion)?;
@@ -99,12 +104,14 @@ impl Cases<'_> {
         let play = Play {
             until_s: Some(grid.end_s().max(target.grid().end_s())),
             initial_tip_m: target.start_m(),
-            memory_bytes: self.memory_bytes,
+            memory_bytes,
             ..Play::of(torque)
         };
         let refused = |message: String, hint| Failure::new(Exit::NotSolvable, &message, hint);
-        let simulation = simulate(link, mesh, &play)
-            .map_err(|error| refused(error.to_string(), error.hint()))?;
+        let simulation = simulate(link, mesh, &play).map_err(|error| {
+            let is_of_memory = matches!(error, SimulationError::TooMuchMemory { .. });
+            Failure { is_of_memory, ..refused(error.to_string(), error.hint()) }
+        })?;
         let tip_error = TipError::of(&simulation, &target)
             .map_err(|error| refused(error.to_string(), error.hint()))?;
         let error = PlayError::of(&simulation, link, &play)

@@ -14,6 +14,7 @@ use super::args::specification;
 use super::console;
 use super::exit::{Exit, Failure};
 use super::memory::check_memory;
+use super::progress::StageBar;
 use super::warnings::WarningArgs;
 
 /// Distances in m and steps in s, within which all samples are numbers and none vanishes.
@@ -180,7 +181,10 @@ impl Trajectory {
         let motion =
             OpenMotion { profile: self.profile, distance_m: self.distance, step_s: self.step };
         let (link, plan, analysis, limits) = (&link, &mesh, &analysis, &limits);
+        let stages = StageBar::new();
+        stages.at("trying durations");
         let fit = shortest_fit(&FitProblem { link, plan, analysis, limits, motion })?;
+        drop(stages);
         let product = fit.steps as f64 * self.step;
         // Without the last digits of the product.
         let duration_s: f64 = format!("{product:.14e}").parse().unwrap_or(product);

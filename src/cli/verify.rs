@@ -1,16 +1,17 @@
 use clap::Args;
 
-use flexlink::inverse::{Solution, invert};
+use flexlink::inverse::{Solution, invert_watched};
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, InputFile, verification_json};
-use flexlink::verification::{Answer, Verification, VerificationError, verify};
+use flexlink::verification::{Answer, Check, Verification, VerificationError, verify};
 
 use super::args::{LinkArgs, MotionArgs, ScaleArgs, ThreadArgs};
 use super::console;
 use super::exit::{Exit, Failure};
 use super::files::read_once;
 use super::memory::available;
+use super::progress::StageBar;
 use super::solve_run::remarks;
 use super::verify_text::verify_text;
 use super::warnings::WarningArgs;
@@ -71,8 +72,11 @@ impl Verify {
         let Specification { link, mesh, analysis, .. } = &specification;
         let motion_file = InputFile::read(&self.motion.motion)?;
         let motion = self.scale.scaled(self.motion.resample.motion_of(&motion_file, link)?)?;
-        let solution = invert(link, mesh, &motion, analysis)?;
+        let stages = if self.quiet { StageBar::hidden() } else { StageBar::new() };
+        let solution = invert_watched(link, mesh, &motion, analysis, &stages)?;
+        stages.at("verifying");
         let verification = measured(&specification, &motion, &solution, self.digits)?;
+        drop(stages);
         console::remarks(&remarks(&specification, &motion, &solution));
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
@@ -114,6 +118,6 @@ pub(crate) fn refuse_failed(verification: &Verification) -> Result<(), Failure> 
         return Ok(());
     }
     let message = format!("out of bounds: {}", failed.join("; "));
-    let hint = "a longer window, more elements, a shorter step, a smoother or slower motion, as the check says";
-    Err(Failure::new(Exit::NotSolvable, &message, Some(hint)))
+    let hint = verification.failed().next().map(Check::hint);
+    Err(Failure::new(Exit::NotSolvable, &message, hint))
 }

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use super::accuracy::PerQuantity;
 use super::error::InversionError;
 use super::spectra::{Forcing, HubSpectra, MotorSpectra};
+use super::watch::{Unwatched, Watch};
 use crate::beam::{Mesh, NodalQuantity};
 use crate::motion::{TipHistories, TipSpectrum};
 use crate::numeric::{FourierPair, fast_length, largest};
@@ -41,8 +42,8 @@ pub(super) struct Amplitudes {
     displacement_m: Option<Vec<Vec<Complex64>>>,
     /// Bending moment at the probes in N m, where it is wanted.
     moment_n_m: Option<Vec<Vec<Complex64>>>,
-    /// A transform with twice the samples that the band needs: a peak near its end is found to within a
-    /// sixth of itself.
+    /// A transform with twice the samples that the band needs: a peak at the cut-off is found to within a
+    /// seventh of itself, at the end of the roll-off to within three tenths.
     pair: FourierPair,
 }
 
@@ -69,8 +70,11 @@ impl Amplitudes {
     /// As [`Forcing::hub_spectra`].
     pub(super) fn of(forcing: Forcing<'_>, probes: &Probes) -> Result<Self, InversionError> {
         let Wanted { tables, moments } = probes.wanted;
-        forcing.begin(1 + usize::from(tables) + usize::from(moments), 0);
-        let hub = forcing.hub_spectra()?;
+        let nodal = usize::from(tables) + usize::from(moments);
+        forcing.begin(nodal.max(1), 0);
+        // Beside the nodes the hub takes next to no time.
+        let watch: &dyn Watch = if nodal > 0 { &Unwatched } else { forcing.watch };
+        let hub = Forcing { watch, ..forcing }.hub_spectra()?;
         let motor = forcing.motor_spectra(&hub);
         let excess = || hub.excess_angle_rad.iter().zip(forcing.omegas_rad_s());
         let hub_rate_rad_s = excess().map(|(e, omega)| e * Complex64::new(0.0, *omega)).collect();

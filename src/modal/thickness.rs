@@ -173,10 +173,9 @@ impl Thickness {
     /// Δ(T/a_tip) / (T/a_tip) ≈ R₀ − Σ (R + S)_k ω²/(ω_k² − λ)
     /// ```
     ///
-    /// A payload's inertia puts a zero at a real frequency, where no torque moves the tip: a torque that
-    /// peaks there changes by more.
-    ///
-    /// Far below the first mode only the section's own inertia about the hub is left, R₀ = ∫ m̄r² dx / I.
+    /// with ω² for λ in the numerator: they differ by the damping alone. Far below the first mode only the
+    /// section's own inertia about the hub is left, R₀ = ∫ m̄r² dx / I. A payload's inertia puts a zero at
+    /// a real frequency, where no torque moves the tip: a torque that peaks there changes by more.
     ///
     /// `omegas_rad_s` are the natural frequencies of the first modes; the torque has an amplitude at
     /// each of the frequencies `of_torque_rad_s`.

@@ -29,7 +29,8 @@ pub struct EnergyAccount {
 }
 
 impl Simulation {
-    /// The balance at `count` samples, evenly spaced, the last one included.
+    /// The balance at `count` samples: between two of them the motor's power, without its sign, adds up to
+    /// the same, so that a long rest counts as little as it holds; the last sample is one of them.
     ///
     /// Work and dissipation are integrated over all samples by a cubic spline; the energies are
     /// those of the elements in the shape and rate that the modes add up to.
@@ -39,8 +40,20 @@ impl Simulation {
         let lost: Vec<f64> = (0..self.grid.len).map(|sample| self.loss_w(sample)).collect();
         let (work, dissipated) = (self.integral(&motor, 1), self.integral(&lost, 1));
         let last = self.grid.len - 1;
+        let mut total = 0.0;
+        let worked: Vec<f64> = motor
+            .iter()
+            .map(|power| {
+                total += power.abs();
+                total
+            })
+            .collect();
+        let place = |k: usize| match k {
+            k if k == count => last,
+            k => worked.partition_point(|sum| *sum < total * k as f64 / count as f64),
+        };
         let balance = |k: usize| {
-            let sample = k * last / count;
+            let sample = place(k);
             let (q, rate) = self.state(sample);
             let (shape, velocity) = (self.shape(q), self.shape(rate));
             EnergyBalance {

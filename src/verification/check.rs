@@ -61,6 +61,27 @@ impl Check {
             Outcome::NotMeasured { .. } => false,
         }
     }
+
+    /// What helps where it fails.
+    pub fn hint(&self) -> &'static str {
+        match self.name {
+            "tip_error" | "tip_error_viscous" => {
+                "a tighter analysis.tolerance, no analysis.lead and analysis.lag of your own, or more --digits"
+            }
+            "wrap_around" => {
+                "a looser analysis.tolerance, or a longer analysis.lead and analysis.lag"
+            }
+            "tip_solved" => "a shorter step, a smoother motion or a looser analysis.tip_tolerance",
+            "step_halving" | "step_halving_motor" | "energy" => {
+                "a shorter step or a smoother motion"
+            }
+            "mesh_halving" => "more elements, or mesh.elements = \"auto\"",
+            "truncation" => "more modes: analysis.modes",
+            "tip_deflection" => "a slower motion or a stiffer link",
+            name if name.starts_with("limit") => "a slower motion, or another limit",
+            _ => "please report this as an error of the program",
+        }
+    }
 }
 
 #[cfg(test)]

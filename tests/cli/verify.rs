@@ -64,8 +64,8 @@ fn a_number_out_of_its_bound_ends_the_program_with_four() {
     assert_eq!(stdout(&output).matches("  FAILS").count(), 3, "{}", stdout(&output));
     let failed = "error: out of bounds: tip, the link's own damping; tip, viscous damping, as \
                   predicted; torque at the window's edge\n\
-                  hint: a longer window, more elements, a shorter step, a smoother or slower motion, as \
-                  the check says\n";
+                  hint: a tighter analysis.tolerance, no analysis.lead and analysis.lag of your own, or \
+                  more --digits\n";
     assert!(stderr(&output).ends_with(failed), "{}", stderr(&output));
 }
 

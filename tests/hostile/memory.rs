@@ -130,7 +130,8 @@ fn ten_million_rows_are_solved_in_the_memory_that_was_estimated() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let output = bench.run_within(1500, &[&solve[..], &["-o", "other"]].concat(), Stdio::null());
     assert_eq!(output.status.code(), Some(NOT_SOLVABLE), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("the inversion would need 1.9 GB of memory"));
+    let told = text(&output.stderr);
+    assert!(told.contains("the inversion would need 2.1 GB of memory"), "{told}");
 }
 
 #[test]
@@ -138,12 +139,12 @@ fn what_solving_would_need_is_told_before_it_is_taken() {
     let bench = Bench::new();
     let long = ["solve", "link.toml", "motion.csv", "--set", "analysis.lag=80000"];
     let output = bench.run_within(900, &long, Stdio::null());
-    let message = "error: the inversion would need 1.5 GB of memory, but must fit in the 0.";
+    let message = "error: the inversion would need 1.7 GB of memory, but must fit in the 0.";
     bench.is_refusal(&output, NOT_SOLVABLE, message);
     // The period fits, but twice as long, as the decay before the motion asks for, it does not.
     let longer = ["solve", "link.toml", "motion.csv", "--set", "analysis.lag=20000"];
-    let output = bench.run_within(700, &longer, Stdio::null());
-    let message = "error: the inversion would need 0.77 GB of memory, but must fit in the 0.";
+    let output = bench.run_within(900, &longer, Stdio::null());
+    let message = "error: the inversion would need 1.3 GB of memory, but must fit in the 0.";
     bench.is_refusal(&output, NOT_SOLVABLE, message);
     let hint = "hint: use a longer step, or a shorter analysis.lead and analysis.lag\n";
     assert!(text(&output.stderr).ends_with(hint), "{}", text(&output.stderr));
@@ -169,16 +170,17 @@ fn verifying_and_the_cases_of_a_sweep_are_held_to_the_same_memory() {
     let lag = "analysis.lag=80000";
     let verify = ["verify", "link.toml", "motion.csv", "--set", lag];
     let output = bench.run_within(1000, &verify, Stdio::null());
-    bench.is_refusal(&output, NOT_SOLVABLE, "error: the inversion would need 1.5 GB of memory");
+    bench.is_refusal(&output, NOT_SOLVABLE, "error: the inversion would need 1.7 GB of memory");
     let vary = "segments.*.EI*=1,2";
     let sweep = ["sweep", "link.toml", "motion.csv", "--vary", vary, "-q", "-o", "sweep.csv"];
     let sweep = [&sweep[..], &["--threads", "2", "--set"]].concat();
-    // Both cases may be solved at once: each has half.
-    for (lag, megabytes) in [(lag, 1000), ("analysis.lag=40000", 1300)] {
+    // Each has half; a case that needs more waits until it has all.
+    for (lag, megabytes, failed) in [(lag, 1000, 2), ("analysis.lag=10000", 1300, 0)] {
         let output = bench.run_within(megabytes, &[&sweep[..], &[lag]].concat(), Stdio::null());
-        assert_eq!(output.status.code(), Some(NOT_SOLVABLE), "{}", text(&output.stderr));
+        let code = if failed > 0 { NOT_SOLVABLE } else { 0 };
+        assert_eq!(output.status.code(), Some(code), "{}", text(&output.stderr));
         let table = std::fs::read_to_string(bench.path("sweep.csv")).unwrap();
-        assert_eq!(table.matches("the inversion would need").count(), 2, "{table}");
+        assert_eq!(table.matches("the inversion would need").count(), failed, "{table}");
     }
 }
 

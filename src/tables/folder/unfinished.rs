@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::mem;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard};
+use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard, TryLockError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -62,15 +62,19 @@ pub fn abandon_unfinished_soon(patience: Duration) {
     loop {
         match END.try_write() {
             Ok(held) => break mem::forget(held),
-            Err(_) if is_time_left() => {}
-            Err(_) => break,
+            Err(TryLockError::Poisoned(held)) => break mem::forget(held.into_inner()),
+            Err(TryLockError::WouldBlock) if is_time_left() => {}
+            Err(TryLockError::WouldBlock) => break,
         }
     }
     loop {
         match PATHS.try_lock() {
             Ok(mut paths) => return remove_all(&mem::take(&mut *paths)),
-            Err(_) if is_time_left() => {}
-            Err(_) => return,
+            Err(TryLockError::Poisoned(paths)) => {
+                return remove_all(&mem::take(&mut *paths.into_inner()));
+            }
+            Err(TryLockError::WouldBlock) if is_time_left() => {}
+            Err(TryLockError::WouldBlock) => return,
         }
     }
 }
