@@ -117,7 +117,11 @@ fn unsettled_torque(solution: &Solution) -> Option<Warning> {
     };
     // No peak changes by more than the sum of what is taken away: mostly that is enough to know.
     let torque = &solution.hub.torque_n_m;
-    let taken = torque.iter().zip(looser(torque)).map(|(a, b)| 2.0 * magnitude(a - b));
+    let bins = torque.iter().zip(forcing.omegas_rad_s());
+    let taken = bins.map(|(a, omega)| match cutoff.weight_of_looser(*omega) {
+        1.0 => 0.0,
+        kept => 2.0 * (1.0 - kept) * magnitude(*a),
+    });
     let may_change = taken.sum::<f64>() > UNSETTLED * largest(&solution.torque_n_m);
     let torque = may_change.then(|| measured(Quantity::Torque, torque));
     let motor = forcing.motor_spectra(&solution.hub);

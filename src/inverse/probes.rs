@@ -136,11 +136,6 @@ impl Amplitudes {
         largest(&self.pair.samples(amplitudes))
     }
 
-    /// Largest torque at the hub in N m.
-    pub(super) fn peak_torque_n_m(&self) -> f64 {
-        self.peak_of(&self.hub.torque_n_m)
-    }
-
     /// Largest distance of the hub angle from where it starts, in rad.
     fn hub_turn_rad(&self, tip: &TipHistories, length_m: f64) -> f64 {
         let excess_rad = self.pair.samples(&self.hub.excess_angle_rad);
@@ -169,7 +164,7 @@ impl Amplitudes {
         };
         let acceleration = self.hub_acceleration_rad_s2.as_ref();
         PerQuantity {
-            torque: self.peak_torque_n_m(),
+            torque: self.peak_of(&self.hub.torque_n_m),
             hub_angle: self.hub_turn_rad(histories, length_m),
             hub_rate: with_rigid(&self.hub_rate_rad_s, &tip.velocity_m_s),
             hub_acceleration: acceleration.map(|a| with_rigid(a, &tip.acceleration_m_s2)),

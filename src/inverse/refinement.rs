@@ -37,13 +37,13 @@ pub(super) struct Asked<'a> {
     pub(super) watch: &'a dyn Watch,
 }
 
-/// Peak of a torque in N m.
+/// Refuses a peak torque whose square is no number.
 ///
 /// # Errors
-/// [`InversionError::OutOfRange`] if its square is no number.
-fn in_range(peak_n_m: f64) -> Result<f64, InversionError> {
+/// [`InversionError::OutOfRange`].
+fn check_range(peak_n_m: f64) -> Result<(), InversionError> {
     if TORQUES_N_M.contains(&peak_n_m) {
-        Ok(peak_n_m)
+        Ok(())
     } else {
         Err(InversionError::OutOfRange { peak_n_m })
     }
@@ -116,10 +116,8 @@ fn measured(
 ) -> Result<(PerQuantity<f64>, PerQuantity<f64>), InversionError> {
     let (answer, finer) =
         (answer.as_ref().map_err(Clone::clone)?, finer.as_ref().map_err(Clone::clone)?);
-    let peak_n_m = in_range(answer.peak_torque_n_m())?;
-    let mut peaks = asked.peaks(dynamics.mesh().length_m(), finer);
-    // What is less than the rounding of the answer is not known.
-    peaks.torque = peaks.torque.max(f64::EPSILON * peak_n_m);
+    let peaks = asked.peaks(dynamics.mesh().length_m(), finer);
+    check_range(peaks.torque)?;
     let errors = shares(&answer.change_to(finer), &peaks);
     Ok((errors.zip(&errors, |error, _| ERROR_PER_CHANGE * error), peaks))
 }

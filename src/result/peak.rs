@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use crate::numeric::{TimeGrid, largest};
+use crate::numeric::{TimeGrid, largest, sum_over};
 
 /// Samples looked through at a time for the largest.
 const PART: usize = 128;
@@ -75,7 +75,8 @@ fn between(samples: &[f64], k: usize, part: usize) -> f64 {
     let weights = &WEIGHTS[part];
     if let Some(around) = (k + 1).checked_sub(SIDE).and_then(|from| samples.get(from..k + 1 + SIDE))
     {
-        return weights.iter().zip(around).map(|(weight, sample)| weight * sample).sum();
+        let products: [f64; 2 * SIDE] = std::array::from_fn(|tap| weights[tap] * around[tap]);
+        return sum_over(&products, |product| *product);
     }
     let last = samples.len() - 1;
     let taps = weights.iter().enumerate();
