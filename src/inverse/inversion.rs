@@ -278,7 +278,9 @@ impl<'a> Problem<'a> {
             }
             None => errors,
         };
-        let accuracy = Accuracy { tip: self.cutoff.tip_error_m / histories.way_m(), errors };
+        let ringing_m = if self.cutoff.keeps_all() { histories.ringing_m() } else { 0.0 };
+        let tip_m = self.cutoff.tip_error_m + ringing_m;
+        let accuracy = Accuracy { tip: tip_m / histories.way_m(), errors };
         let per_length = 1.0 / dynamics.mesh().length_m();
         let hub = HubMotion {
             period: &answer.period,

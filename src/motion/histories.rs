@@ -35,6 +35,15 @@ impl TipHistories {
         self.displacement_m[self.before % self.displacement_m.len()]
     }
 
+    /// What alternates from sample to sample in m where the motion rests farthest from itself: the rest of
+    /// a spectrum that ends at the Nyquist frequency.
+    pub fn ringing_m(&self) -> f64 {
+        let all = &self.displacement_m;
+        let rest = all.get(self.before..self.before + 3);
+        let rest = rest.or_else(|| all.get(self.before.checked_sub(3)?..self.before));
+        rest.map_or(0.0, |rest| 0.25 * (rest[0] - 2.0 * rest[1] + rest[2]).abs())
+    }
+
     /// Largest distance in m from there.
     pub fn way_m(&self) -> f64 {
         let start_m = self.start_m();

@@ -207,7 +207,10 @@ impl TipMotion {
         };
         // The tip stands at its initial displacement at the far end of the rest before the motion.
         let begin = before % len;
-        let offset = self.initial_displacement_m() - ramp * steps(begin) - periodic[begin];
+        // Where all frequencies are kept, the rest rings at the Nyquist frequency: that cancels here.
+        let [earlier, later] = [begin + len - 1, begin + 1].map(|k| periodic[k % len]);
+        let rest = 0.25 * (earlier + later) + 0.5 * periodic[begin];
+        let offset = self.initial_displacement_m() - ramp * steps(begin) - rest;
         (0..len).map(|j| offset + ramp * steps(j) + periodic[j]).collect()
     }
 }

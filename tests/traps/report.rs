@@ -9,12 +9,6 @@ use super::steps::compared;
 /// can do, and says so.
 const REFUSALS: [&str; 3] = ["the mesh has no more modes", "for modal damping", "mesh error = "];
 
-/// Claims that are known not to hold, by case: each must still be wrong.
-///
-/// Samples that end in a jump, every frequency of them solved: the tip is off by what the period's
-/// images of the jump at the Nyquist frequency add, and the claim is 0.
-const KNOWN: [(&str, &str); 2] = [("32-34", "tip"), ("34-24", "tip")];
-
 /// Lines of the table, and what is wrong.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Report {
@@ -94,13 +88,7 @@ impl Report {
             (if is_whole { &mut self.lines } else { &mut self.wrong }).push(told);
         }
         let fails = verdicts.iter().filter(|v| !v.holds && !v.excused).map(|v| v.quantity);
-        let (known, fails): (Vec<_>, Vec<_>) =
-            fails.partition(|quantity| KNOWN.contains(&(&case.name, quantity)));
-        let right =
-            KNOWN.iter().filter(|(name, quantity)| *name == case.name && !known.contains(quantity));
-        self.wrong.extend(right.map(|(_, quantity)| {
-            format!("the claim of {quantity} is known to be wrong, and holds")
-        }));
+        let fails: Vec<_> = fails.collect();
         if !fails.is_empty() {
             self.wrong.push(format!("the claim of {} without a word", fails.join(", ")));
         }
