@@ -48,10 +48,10 @@ fn a_link_without_a_drive_has_no_motor() {
 
 #[test]
 fn a_motor_that_leaves_double_precision_is_an_error() {
-    // A torque of 2e99 N m in 0.1 ms on a spring of 1e-30 N m/rad, before a rotor of 1e30 kg m².
+    // A torque of 1e98 N m in 3 ms on a spring of 1e-30 N m/rad, before a rotor of 1e30 kg m².
     let drive =
         Drive { joint_stiffness_n_m_rad: 1e-30, rotor_inertia_kg_m2: 1e30, gear_ratio: 1e6 };
-    let far = Smooth { travel_m: 1e79, duration_s: 1e-4, ..Smooth::SHORT }.motion();
+    let far = Smooth { travel_m: 1e92, duration_s: 3e-3, ..Smooth::SHORT }.motion();
     let driven = link(|parts| parts.drive = Some(drive));
     let error = invert(&driven, &mesh_of(&driven, 10), &far, &Analysis::default());
     let Err(InversionError::MotorNotFinite { history }) = error else {
