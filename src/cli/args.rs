@@ -283,7 +283,7 @@ impl ThreadArgs {
         Ok(())
     }
 
-    /// As many threads as are asked for, but at most `most`.
+    /// A pool of the threads that the user asks for, or of one for each core; `most` limits their number.
     fn number(&self, most: Option<usize>) -> ThreadPoolBuilder {
         let asked = self.threads.map(usize::from);
         let threads = match most {

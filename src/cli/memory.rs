@@ -73,8 +73,8 @@ const THREAD_BYTES: usize = 2 * ((2 << 20) + (1 << 18)) + (8 << 20);
 
 /// Refuses to begin where the address space is limited to less than this program takes.
 ///
-/// Where it is limited to more, the C library is told to reserve little of it. To be called before
-/// there are threads.
+/// If the limit is larger, threads share the C library's arenas, so that these reserve little address
+/// space. Call it before the program starts threads.
 pub(crate) fn check_room() -> Result<(), Failure> {
     let Some(left) = addresses_left() else { return Ok(()) };
     if left < OWN_BYTES {

@@ -73,12 +73,15 @@ impl PeriodicAnswer {
             let periodic = self.periodic(samples);
             periodic.at_seam() / periodic.peak()
         };
-        let left = self.hub_left(tail);
-        let angle_rad = self.hub_angle_amplitudes_rad(length_m);
-        let hub: [f64; 3] =
-            std::array::from_fn(|order| left[order].max(self.alternating(&angle_rad, order)));
-        let [_, torque_rate, _] = self.differences(&self.around_seam(&self.torque_n_m));
-        let torque_rate = torque_rate.max(self.alternating(&self.hub.torque_n_m, 1));
+        let mut hub = self.hub_left(tail);
+        let [_, mut torque_rate, _] = self.differences(&self.around_seam(&self.torque_n_m));
+        if self.period.spectrum.cutoff.keeps_all() {
+            let angle_rad = self.hub_angle_amplitudes_rad(length_m);
+            for order in [1, 2] {
+                hub[order] = hub[order].max(self.alternating(&angle_rad, order));
+            }
+            torque_rate = torque_rate.max(self.alternating(&self.hub.torque_n_m, 1));
+        }
         let moment = || share(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
         let motor_rate = joint
             .drive
@@ -124,9 +127,6 @@ impl PeriodicAnswer {
     /// a jump or a kink, and rings so; differences over many samples do not see it.
     fn alternating(&self, amplitudes: &[Complex64], order: usize) -> f64 {
         let spectrum = &self.period.spectrum;
-        if !spectrum.cutoff.keeps_all() || order == 0 {
-            return 0.0;
-        }
         let samples = spectrum.pair.samples(spectrum.derivative(amplitudes, order));
         let (len, reach) = (samples.len(), spectrum.seam_reach());
         let at = |k: usize| samples[(spectrum.seam + len + k - reach) % len];
