@@ -4,6 +4,7 @@ use thiserror::Error;
 use super::basis::ModalBasis;
 use super::law::DampingLaw;
 use super::shape::{Mode, mode};
+use super::zeros::real_frequency_zeros;
 use crate::beam::{Element, Mesh};
 use crate::link::{CrossSection, Link, Segment, Taper};
 use crate::numeric::Scalar as _;
@@ -162,20 +163,28 @@ impl Thickness {
         rotary + square * shear
     }
 
+    /// R + S of a zero at a real frequency, about: by the energies of the link that the hub moves at it, the
+    /// hub's own left out. A zero does not depend on the hub's inertia.
+    fn slowing_of_zero(&self, mesh: &Mesh, zero_rad_s: f64) -> f64 {
+        let motion = mode(mesh, zero_rad_s);
+        let hub = mesh.hub_inertia_kg_m2() * motion.shape.hub_angle.powi(2);
+        self.slowing(mesh, &motion) / (1.0 - hub)
+    }
+
     /// Share by which shear and rotary inertia change a torque, about: root mean square over root
     /// mean square.
     ///
-    /// The transfer from the tip is a product over modes and zeros, of which the modes tell enough;
-    /// the rigid rotation is mode 0:
+    /// The transfer from the tip is a product over modes and zeros; the rigid rotation is mode 0:
     ///
     /// ```text
-    /// T/a_tip = I/L · Π (1 − λ/ω_k²) / Π (1 + λ/z_k²)
-    /// Δ(T/a_tip) / (T/a_tip) ≈ R₀ − Σ (R + S)_k ω²/(ω_k² − λ)
+    /// T/a_tip = I/L · Π (1 − λ/ω_k²) / Π (1 − λ/ω_z²) / Π (1 + λ/z²)
+    /// Δ(T/a_tip) / (T/a_tip) ≈ R₀ − Σ_k (R + S)_k ω²/(ω_k² − λ) + Σ_z (R + S)_z ω²/(ω_z² − λ)
     /// ```
     ///
-    /// with ω² for λ in the numerator: they differ by the damping alone. Far below the first mode only the
-    /// section's own inertia about the hub is left, R₀ = ∫ m̄r² dx / I. A payload's inertia puts a zero at
-    /// a real frequency, where no torque moves the tip: a torque that peaks there changes by more.
+    /// with ω² for λ in the numerators: they differ by the damping alone. Zeros at real frequencies ω_z,
+    /// where no torque moves the tip, come from rotary inertia: the torque peaks there. The others, z,
+    /// change little. Far below the first mode only the section's own inertia about the hub is left,
+    /// R₀ = ∫ m̄r² dx / I.
     ///
     /// `omegas_rad_s` are the natural frequencies of the first modes; the torque has an amplitude at
     /// each of the frequencies `of_torque_rad_s`.
@@ -190,7 +199,16 @@ impl Thickness {
         let inertia = self.slowing(mesh, &rigid);
         let slowed =
             |(k, omega): (usize, &f64)| (k + 1, *omega, self.slowing(mesh, &mode(mesh, *omega)));
-        let slowed: Vec<_> = omegas_rad_s.iter().enumerate().map(slowed).collect();
+        let mut slowed: Vec<_> = omegas_rad_s.iter().enumerate().map(slowed).collect();
+        let limit_rad_s = of_torque_rad_s.last().copied().unwrap_or(0.0);
+        let zeros: Vec<_> = real_frequency_zeros(mesh, limit_rad_s)
+            .into_iter()
+            .map(|zero| {
+                let number = 1 + omegas_rad_s.iter().filter(|mode| **mode < zero).count();
+                (number, zero, -self.slowing_of_zero(mesh, zero))
+            })
+            .collect();
+        slowed.extend(zeros);
         let change = |omega: f64| {
             let of_mode = |(number, mode_rad_s, slowing): &(usize, f64, f64)| {
                 let denominator = law.modal_denominator(*number, *mode_rad_s, omega);

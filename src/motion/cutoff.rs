@@ -98,6 +98,13 @@ fn weight(omega_rad_s: f64, cutoff_rad_s: f64) -> f64 {
     if beyond >= 1.0 { 0.0 } else { 0.5 * (1.0 + libm::cos(PI * beyond)) }
 }
 
+/// A cut-off, and the largest displacement in m, at any time, of what it leaves out.
+#[derive(Clone, Copy)]
+struct Left {
+    omega_rad_s: f64,
+    error_m: f64,
+}
+
 /// The displacement of a motion over frequency, and what is left of it above a cut-off.
 struct Residual {
     omegas_rad_s: Vec<f64>,
@@ -131,29 +138,31 @@ impl TipMotion {
         let spectrum = self.spectrum(len, self.grid().len.midpoint(len));
         let allowed_m = tolerance * self.histories(&spectrum).way_m();
         let (residual, low, high) = Residual::bracketed(&spectrum, allowed_m);
-        let error_m = residual.largest_m(high);
-        if error_m > allowed_m {
-            let fall = libm::log2(residual.largest_m(0.5 * high) / error_m);
-            let finer = libm::pow(allowed_m / error_m, 1.0 / SURE_FALL);
+        let high = residual.left_by(high);
+        if high.error_m > allowed_m {
+            let fall = libm::log2(residual.left_by(0.5 * high.omega_rad_s).error_m / high.error_m);
+            let finer = libm::pow(allowed_m / high.error_m, 1.0 / SURE_FALL);
             let shortfall = if fall > LEAST_FALL {
                 Shortfall::Step(STEP_MARGIN * finer * self.grid().step_s)
             } else {
                 Shortfall::Noise
             };
             return Cutoff {
-                omega_rad_s: high,
-                looser_rad_s: high,
-                tip_error_m: error_m,
+                omega_rad_s: high.omega_rad_s,
+                looser_rad_s: high.omega_rad_s,
+                tip_error_m: high.error_m,
                 shortfall: Some(shortfall),
             };
         }
-        let (omega_rad_s, tip_error_m) = residual.lowest([low, high], allowed_m, PRECISION);
+        let Left { omega_rad_s, error_m: tip_error_m } =
+            residual.lowest(residual.left_by(low), high, allowed_m, PRECISION);
         let allowed_m = LOOSER * allowed_m;
-        let mut low = 0.5 * omega_rad_s;
-        while residual.largest_m(low) <= allowed_m {
-            low *= 0.5;
+        let mut low = residual.left_by(0.5 * omega_rad_s);
+        while low.error_m <= allowed_m {
+            low = residual.left_by(0.5 * low.omega_rad_s);
         }
-        let (looser_rad_s, _) = residual.lowest([low, omega_rad_s], allowed_m, LOOSER_PRECISION);
+        let high = Left { omega_rad_s, error_m: tip_error_m };
+        let looser_rad_s = residual.lowest(low, high, allowed_m, LOOSER_PRECISION).omega_rad_s;
         Cutoff { omega_rad_s, looser_rad_s, tip_error_m, shortfall: None }
     }
 }
@@ -198,28 +207,39 @@ impl Residual {
         (Self { omegas_rad_s, displacement_m, pair, left_out_m }, low, high)
     }
 
-    /// Largest displacement in m, at any time, of what a cut-off leaves out.
-    fn largest_m(&self, cutoff_rad_s: f64) -> f64 {
+    /// What a cut-off leaves out.
+    fn left_by(&self, omega_rad_s: f64) -> Left {
         let bins = self.displacement_m.iter().zip(&self.omegas_rad_s);
-        let left: Vec<_> =
-            bins.map(|(d, omega)| d * (1.0 - weight(*omega, cutoff_rad_s))).collect();
-        largest(&self.pair.samples(left)) + self.left_out_m
+        let left: Vec<_> = bins.map(|(d, omega)| d * (1.0 - weight(*omega, omega_rad_s))).collect();
+        let error_m = largest(&self.pair.samples(left)) + self.left_out_m;
+        Left { omega_rad_s, error_m }
     }
 
-    /// The lowest cut-off in rad/s between two that leaves no more than `allowed_m`, as the higher one
-    /// does, and what it leaves in m.
-    fn lowest(&self, [mut low, mut high]: [f64; 2], allowed_m: f64, precision: f64) -> (f64, f64) {
-        let mut error_m = self.largest_m(high);
-        while high > (1.0 + precision) * low {
-            let middle = (low * high).sqrt();
-            let middle_error_m = self.largest_m(middle);
-            if middle_error_m <= allowed_m {
-                (high, error_m) = (middle, middle_error_m);
+    /// The lowest cut-off between two that leaves no more than `allowed_m`, as the higher one does, to
+    /// a share of it.
+    ///
+    /// The error falls about as a power of the cut-off: the next one tried lies on the power law through
+    /// both ends, but where the last such one has left more than half of the bracket, in its middle.
+    fn lowest(&self, mut low: Left, mut high: Left, allowed_m: f64, precision: f64) -> Left {
+        let ratio = |low: Left, high: Left| libm::log(high.omega_rad_s / low.omega_rad_s);
+        let mut is_power_law = true;
+        while high.omega_rad_s > (1.0 + precision) * low.omega_rad_s {
+            let width = ratio(low, high);
+            let fall = libm::log(low.error_m / high.error_m);
+            let share = libm::log(allowed_m / high.error_m) / fall;
+            let share = if is_power_law && share.is_finite() { share } else { 0.5 };
+            // No closer to an end than what closes the bracket.
+            let least = 0.9 * precision;
+            let below = (share * width).min(width - least).max(least.min(0.5 * width));
+            let tried = self.left_by(high.omega_rad_s * libm::exp(-below));
+            if tried.error_m <= allowed_m {
+                high = tried;
             } else {
-                low = middle;
+                low = tried;
             }
+            is_power_law = !is_power_law || ratio(low, high) <= 0.5 * width;
         }
-        (high, error_m)
+        high
     }
 }
 

@@ -120,7 +120,6 @@ fn the_change_of_a_torque_is_estimated_within_a_factor_of_about_three_wherever_i
     let rectangle = |thickness_m: f64| bar(1.0, &Section::Rectangle { width_m: 0.02, thickness_m });
     let tube = bar(0.6, &Section::Tube { diameter_m: 0.05, wall_m: 0.002 });
     let strip = bar(0.4, &Section::Rectangle { width_m: 0.05, thickness_m: 0.02 });
-    // So little inertia that no zero lies in the bands.
     let payload = Payload { mass_kg: 2.0, inertia_kg_m2: 0.002, offset_m: 0.0 };
     let mut warned = [0, 0];
     for link in [
@@ -138,4 +137,24 @@ fn the_change_of_a_torque_is_estimated_within_a_factor_of_about_three_wherever_i
         }
     }
     assert!(warned.iter().all(|cases| *cases >= 8), "{warned:?}");
+}
+
+#[test]
+fn a_torque_that_peaks_at_a_real_zero_in_its_band_changes_with_that_zero() {
+    let rectangle = |thickness_m: f64| bar(1.0, &Section::Rectangle { width_m: 0.02, thickness_m });
+    let tube = bar(0.6, &Section::Tube { diameter_m: 0.05, wall_m: 0.002 });
+    let payload =
+        |mass_kg: f64, inertia_kg_m2: f64| Payload { mass_kg, inertia_kg_m2, offset_m: 0.0 };
+    for link in [
+        link(vec![rectangle(0.05)], 0.3, payload(2.0, 0.1)),
+        link(vec![rectangle(0.05)], 0.3, payload(1.0, 0.5)),
+        link(vec![rectangle(0.03)], 5.0, payload(1.0, 0.02)),
+        link(vec![tube], 0.02, payload(0.5, 0.05)),
+    ] {
+        for periods in [20.0, 8.0, 3.0, 1.0, 0.5] {
+            let (found, estimate) = changes(&link, periods);
+            let ratio = estimate / found;
+            assert!((0.5..2.5).contains(&ratio), "{periods} periods: {estimate} of {found}");
+        }
+    }
 }
