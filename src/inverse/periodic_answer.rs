@@ -1,5 +1,6 @@
 //! The answer over one period, and what the period's finite length costs it.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -69,18 +70,24 @@ impl PeriodicAnswer {
     /// period costs it.
     pub(super) fn left_at_seam(&self, costed: &Costed<'_>) -> PerQuantity<f64> {
         let Costed { joint, length_m, moments, tail, peaks } = *costed;
+        let keeps_all = self.period.spectrum.cutoff.keeps_all();
         let share = |samples: &[f64]| {
             let periodic = self.periodic(samples);
-            periodic.at_seam() / periodic.peak()
+            let ringing = if keeps_all { self.ringing(samples) } else { 0.0 };
+            periodic.at_seam().max(ringing) / periodic.peak()
         };
         let mut hub = self.hub_left(tail);
         let [_, mut torque_rate, _] = self.differences(&self.around_seam(&self.torque_n_m));
-        if self.period.spectrum.cutoff.keeps_all() {
+        if keeps_all {
+            let spectrum = &self.period.spectrum;
+            let ringing = |amplitudes: &[Complex64], order: usize| {
+                self.ringing(&spectrum.pair.samples(spectrum.derivative(amplitudes, order)))
+            };
             let angle_rad = self.hub_angle_amplitudes_rad(length_m);
-            for order in [1, 2] {
-                hub[order] = hub[order].max(self.alternating(&angle_rad, order));
+            for (order, left) in hub.iter_mut().enumerate() {
+                *left = left.max(ringing(&angle_rad, order));
             }
-            torque_rate = torque_rate.max(self.alternating(&self.hub.torque_n_m, 1));
+            torque_rate = torque_rate.max(ringing(&self.hub.torque_n_m, 1));
         }
         let moment = || share(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
         let motor_rate = joint
@@ -122,16 +129,31 @@ impl PeriodicAnswer {
         std::iter::once(Complex64::ZERO).chain(angles).collect()
     }
 
-    /// Largest part that alternates from sample to sample around the seam, of a quantity's `order`-th
-    /// derivative by time. Where all frequencies are kept, a spectrum ends at the Nyquist frequency with
-    /// a jump or a kink, and rings so; differences over many samples do not see it.
-    fn alternating(&self, amplitudes: &[Complex64], order: usize) -> f64 {
+    /// What the images of a quantity that alternates from sample to sample add to it, at most. Where all
+    /// frequencies are kept, a spectrum ends at the Nyquist frequency with a jump or a kink, and rings so;
+    /// differences over many samples do not see it.
+    ///
+    /// At the seam the images of a kink, c/t², add up. Those of a jump cancel there:
+    ///
+    /// ```text
+    /// Σ_m c/(t + mP) = c π/P cot(πt/P)
+    /// ```
+    ///
+    /// They are told by their slope, −c π²/P²: within the period its own image taken off, they add 2c/P at
+    /// most.
+    fn ringing(&self, samples: &[f64]) -> f64 {
         let spectrum = &self.period.spectrum;
-        let samples = spectrum.pair.samples(spectrum.derivative(amplitudes, order));
         let (len, reach) = (samples.len(), spectrum.seam_reach());
         let at = |k: usize| samples[(spectrum.seam + len + k - reach) % len];
-        let bends = (1..2 * reach).map(|k| (at(k - 1) - 2.0 * at(k) + at(k + 1)).abs());
-        0.25 * bends.fold(0.0, f64::max)
+        let alternating: Vec<f64> = (1..2 * reach)
+            .map(|k| {
+                let sign = if k % 2 == 0 { 0.25 } else { -0.25 };
+                sign * (2.0 * at(k) - at(k - 1) - at(k + 1))
+            })
+            .collect();
+        let last = alternating.len() - 1;
+        let slope = (alternating[last] - alternating[0]).abs() / last as f64;
+        largest(&alternating).max(2.0 / (PI * PI) * slope * len as f64)
     }
 
     fn around_seam(&self, samples: &[f64]) -> Vec<f64> {

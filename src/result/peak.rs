@@ -12,10 +12,10 @@ const PART: usize = 128;
 const PARTS: usize = 16;
 
 /// Samples on either side that an interpolated value is made of.
-const SIDE: usize = 24;
+const SIDE: usize = 48;
 
-/// Shape of the Kaiser window: a history is right to 1e-6 of its peak up to 0.7 of the Nyquist frequency,
-/// and to 1e-3 up to 0.9 of it.
+/// Shape of the Kaiser window: a history is right to 1e-6 of its peak up to 0.85 of the Nyquist frequency,
+/// and to 1e-3 up to 0.95 of it.
 const KAISER: f64 = 14.0;
 
 /// From so many samples a cycle on, a parabola through three of them tells where the largest value is to

@@ -213,7 +213,8 @@ fn a_slower_and_a_longer_motion_scale_the_torque_of_a_stiff_link() {
     };
     let rigid = column("peak_rigid_torque_n_m");
     for (found, factor) in rigid.iter().zip([1.0, 0.25, 2.0, 0.5]) {
-        assert!((found / rigid[0] - factor).abs() < 1e-9, "{found} is not {factor} of the first");
+        // The cut-off is found to a thousandth of itself, above which little of the torque is left.
+        assert!((found / rigid[0] - factor).abs() < 1e-5, "{found} is not {factor} of the first");
     }
     for ratio in column("torque_ratio") {
         assert!((ratio - 1.0).abs() < 1e-2, "{ratio}");
