@@ -22,6 +22,10 @@ const TICK: Duration = Duration::from_millis(100);
 const FIRST: &str = "finding the band";
 const BETWEEN: &str = "measuring errors";
 
+/// What is shown while rows are written, and after the last one.
+const WRITING: &str = "writing";
+const WRITTEN: &str = "waiting for the disk";
+
 const UNKNOWN: &str = "{spinner} {msg} {elapsed}";
 
 const KNOWN: &str = "{spinner} {msg} [{bar:30}] {percent:>3} % {elapsed}";
@@ -135,7 +139,7 @@ impl Watch for StageBar {
         let what = match stage {
             Stage::Solve { elements } => format!("solving, {elements} elements"),
             Stage::Transform => "transforming".to_owned(),
-            Stage::Write => "writing".to_owned(),
+            Stage::Write => WRITING.to_owned(),
         };
         // Before the style: each of these may draw.
         self.bar.set_position(0);
@@ -147,7 +151,8 @@ impl Watch for StageBar {
     fn advance(&self, parts: usize) {
         self.bar.inc(parts as u64);
         if Some(self.bar.position()) >= self.bar.length() {
-            self.at(BETWEEN);
+            let was_writing = self.bar.message() == WRITING;
+            self.at(if was_writing { WRITTEN } else { BETWEEN });
         }
     }
 }

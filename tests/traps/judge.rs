@@ -20,8 +20,8 @@ const AT_MOST: f64 = 30.0;
 /// Ten digits of every table, those of the window's start, and the truth's own tail.
 const RESOLVED: f64 = 3e-9;
 
-/// What a peak may be off by besides the error that is claimed: what lies between rows is known to 1e-3
-/// up to 0.95 of the Nyquist frequency, and some bands end there. The truth's own grid takes as much.
+/// What a peak may be off by besides the error that is claimed: what lies between rows is known to 4e-2 at
+/// 0.95 of the Nyquist frequency, and some bands end there. The truth's own grid takes as much.
 const BETWEEN_ROWS: f64 = 4e-3;
 
 /// Rows that are compared, at most about.
