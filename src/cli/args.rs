@@ -9,6 +9,7 @@ use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
 use flexlink::motion::{MotionScale, TipMotion};
+use flexlink::numeric::plain;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::tables::{Durability, InputFile, read_motion_table};
 
@@ -165,7 +166,7 @@ pub(crate) fn scale_arguments(scale: MotionScale) -> Vec<String> {
     let MotionScale { distance, duration } = scale;
     let factors = [("--scale-distance", distance), ("--scale-duration", duration)];
     let others = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
-    others.flat_map(|(name, factor)| option(name, factor)).collect()
+    others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
 }
 
 /// What to print on standard output.

@@ -115,14 +115,14 @@ fn binding_text(fit: &Fit) -> String {
         return "; no limit binds: the profile has no fewer steps".to_owned();
     }
     let Some(Reached { held, error }) = fit.binding else { return String::new() };
-    let reached = Reached { held, error };
+    let below = 100.0 * (1.0 - Reached { held, error }.share());
+    let below = if below < 0.01 { "less than 0.01".to_owned() } else { format!("{below:.2}") };
     format!(
-        "; limits.{} binds: {} of {} {}, {:.2} % below it with the error of {error:.1e}",
+        "; limits.{} binds: {} of {} {}, {below} % below it with the error of {error:.1e}",
         held.key,
         significant(held.found, 5),
         plain(held.limit),
         held.unit,
-        100.0 * (1.0 - reached.share())
     )
 }
 

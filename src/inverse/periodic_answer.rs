@@ -77,22 +77,19 @@ impl PeriodicAnswer {
             periodic.at_seam().max(ringing) / periodic.peak()
         };
         let mut hub = self.hub_left(tail);
-        let [_, mut torque_rate, _] = self.differences(&self.around_seam(&self.torque_n_m));
         if keeps_all {
-            let spectrum = &self.period.spectrum;
-            let ringing = |amplitudes: &[Complex64], order: usize| {
-                self.ringing(&spectrum.pair.samples(spectrum.derivative(amplitudes, order)))
-            };
             let angle_rad = self.hub_angle_amplitudes_rad(length_m);
             for (order, left) in hub.iter_mut().enumerate() {
-                *left = left.max(ringing(&angle_rad, order));
+                *left = left.max(self.ringing(&self.derivative(&angle_rad, order)));
             }
-            torque_rate = torque_rate.max(ringing(&self.hub.torque_n_m, 1));
         }
         let moment = || share(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
-        let motor_rate = joint
-            .drive
-            .map(|drive| drive.gear_ratio * (hub[1] + torque_rate / drive.joint_stiffness_n_m_rad));
+        let motor_rate = joint.drive.map(|drive| {
+            let torque_rate = self.derivative(&self.hub.torque_n_m, 1);
+            let ringing = if keeps_all { self.ringing(&torque_rate) } else { 0.0 };
+            let torque_rate = self.farthest_at_seam(&torque_rate, &[]).max(ringing);
+            drive.gear_ratio * (hub[1] + torque_rate / drive.joint_stiffness_n_m_rad)
+        });
         let over = |left: Option<f64>, peak: Option<f64>| {
             left.zip(peak).map(|(left, peak)| if left == 0.0 { 0.0 } else { left / peak })
         };
@@ -113,11 +110,49 @@ impl PeriodicAnswer {
     /// What is left of hub angle, rate and acceleration at the seam beyond the slow tail, in rad, rad/s
     /// and rad/s².
     fn hub_left(&self, tail: Option<&TailTerms>) -> [f64; 3] {
+        let (places, spacing_s) = self.period.spectrum.around_seam();
+        let excess_rad: Vec<f64> = places.iter().map(|(k, _)| self.excess_rad[*k]).collect();
         let left_rad = match tail {
             Some(tail) => self.period.images().residuals_at_seam(&self.excess_rad, tail),
-            None => self.around_seam(&self.excess_rad),
+            None => excess_rad.clone(),
         };
-        self.differences(&left_rad)
+        // The tail is smooth: differences over many samples tell its derivatives.
+        let tail_rad: Vec<f64> = excess_rad.iter().zip(&left_rad).map(|(e, l)| e - l).collect();
+        let rate = |three: &[f64]| 0.5 * (three[2] - three[0]) / spacing_s;
+        let bend = |three: &[f64]| (three[2] - 2.0 * three[1] + three[0]) / spacing_s.powi(2);
+        let left = |order: usize, tail: Vec<f64>| {
+            let excess = self.derivative(&self.hub.excess_angle_rad, order);
+            self.farthest_at_seam(&excess, &tail)
+        };
+        [
+            largest(&left_rad),
+            left(1, tail_rad.windows(3).map(rate).collect()),
+            left(2, tail_rad.windows(3).map(bend).collect()),
+        ]
+    }
+
+    /// Samples of the `order`-th derivative by time of a quantity with `amplitudes`.
+    fn derivative(&self, amplitudes: &[Complex64], order: usize) -> Vec<f64> {
+        let spectrum = &self.period.spectrum;
+        spectrum.pair.samples(spectrum.derivative(amplitudes, order))
+    }
+
+    /// Largest distance of samples around the seam from a smooth tail, given at the places there but the
+    /// first and the last; without one, from zero.
+    fn farthest_at_seam(&self, samples: &[f64], tail: &[f64]) -> f64 {
+        let (places, _) = self.period.spectrum.around_seam();
+        let len = samples.len();
+        let stride = (places[1].0 + len - places[0].0) % len;
+        let inner = places[1..places.len() - 1].windows(2).enumerate();
+        let around = inner.flat_map(|(n, ends)| {
+            let [from, to] = [n, n + 1].map(|n| tail.get(n).copied().unwrap_or(0.0));
+            let first = ends[0].0;
+            (0..=stride).map(move |k| {
+                let tail = from + (to - from) * k as f64 / stride as f64;
+                (samples[(first + k) % len] - tail).abs()
+            })
+        });
+        around.fold(0.0, f64::max)
     }
 
     /// Amplitudes of the hub angle in rad, that at zero frequency left out.
@@ -129,7 +164,7 @@ impl PeriodicAnswer {
         std::iter::once(Complex64::ZERO).chain(angles).collect()
     }
 
-    /// What the images of a quantity that alternates from sample to sample add to it, at most. Where all
+    /// What the images of a quantity that alternates from sample to sample add to it, about. Where all
     /// frequencies are kept, a spectrum ends at the Nyquist frequency with a jump or a kink, and rings so;
     /// differences over many samples do not see it.
     ///
@@ -139,8 +174,7 @@ impl PeriodicAnswer {
     /// Σ_m c/(t + mP) = c π/P cot(πt/P)
     /// ```
     ///
-    /// They are told by their slope, −c π²/P²: within the period its own image taken off, they add 2c/P at
-    /// most.
+    /// Their slope at the seam is −c π²/P². Without the term m = 0, the sum is 2c/P at most.
     fn ringing(&self, samples: &[f64]) -> f64 {
         let spectrum = &self.period.spectrum;
         let (len, reach) = (samples.len(), spectrum.seam_reach());
@@ -153,22 +187,6 @@ impl PeriodicAnswer {
             .collect();
         let last = alternating.len() - 1;
         let slope = (alternating[last] - alternating[0]).abs() / last as f64;
-        largest(&alternating).max(2.0 / (PI * PI) * slope * len as f64)
-    }
-
-    fn around_seam(&self, samples: &[f64]) -> Vec<f64> {
-        let (places, _) = self.period.spectrum.around_seam();
-        places.into_iter().map(|(k, _)| samples[k]).collect()
-    }
-
-    /// Largest magnitude of values around the seam and of their first two derivatives by time.
-    fn differences(&self, values: &[f64]) -> [f64; 3] {
-        let (_, spacing_s) = self.period.spectrum.around_seam();
-        let derived = |values: &[f64]| -> Vec<f64> {
-            values.windows(2).map(|pair| (pair[1] - pair[0]) / spacing_s).collect()
-        };
-        let rates = derived(values);
-        let accelerations = derived(&rates);
-        [values, &rates, &accelerations].map(largest)
+        largest(&alternating) + 2.0 / (PI * PI) * slope * len as f64
     }
 }

@@ -164,7 +164,8 @@ impl Thickness {
     }
 
     /// R + S of a zero at a real frequency, about: by the energies of the link that the hub moves at it, the
-    /// hub's own left out. A zero does not depend on the hub's inertia.
+    /// hub's own left out, as a zero does not depend on the hub's inertia. (A zero is no eigenvalue of a
+    /// symmetric problem: its exact derivative takes a second motion, that by a force on the tip.)
     fn slowing_of_zero(&self, mesh: &Mesh, zero_rad_s: f64) -> f64 {
         let motion = mode(mesh, zero_rad_s);
         let hub = mesh.hub_inertia_kg_m2() * motion.shape.hub_angle.powi(2);
@@ -181,7 +182,7 @@ impl Thickness {
     /// Δ(T/a_tip) / (T/a_tip) ≈ R₀ − Σ_k (R + S)_k ω²/(ω_k² − λ) + Σ_z (R + S)_z ω²/(ω_z² − λ)
     /// ```
     ///
-    /// with ω² for λ in the numerators: they differ by the damping alone. Zeros at real frequencies ω_z,
+    /// with ω² for λ in the numerators: they differ by the damping alone. Zeros at real frequencies `ω_z`,
     /// where no torque moves the tip, come from rotary inertia: the torque peaks there. The others, z,
     /// change little. Far below the first mode only the section's own inertia about the hub is left,
     /// R₀ = ∫ m̄r² dx / I.
@@ -197,30 +198,27 @@ impl Thickness {
     ) -> f64 {
         let rigid = Mode { omega_rad_s: 0.0, shape: ModalBasis::rigid(mesh) };
         let inertia = self.slowing(mesh, &rigid);
-        let slowed =
+        let of_mode =
             |(k, omega): (usize, &f64)| (k + 1, *omega, self.slowing(mesh, &mode(mesh, *omega)));
-        let mut slowed: Vec<_> = omegas_rad_s.iter().enumerate().map(slowed).collect();
+        let mut factors: Vec<_> = omegas_rad_s.iter().enumerate().map(of_mode).collect();
         let limit_rad_s = of_torque_rad_s.last().copied().unwrap_or(0.0);
-        let zeros: Vec<_> = real_frequency_zeros(mesh, limit_rad_s)
-            .into_iter()
-            .map(|zero| {
-                let number = 1 + omegas_rad_s.iter().filter(|mode| **mode < zero).count();
-                (number, zero, -self.slowing_of_zero(mesh, zero))
-            })
-            .collect();
-        slowed.extend(zeros);
+        for zero in real_frequency_zeros(mesh, limit_rad_s) {
+            // Damped as the mode above it.
+            let number = 1 + omegas_rad_s.iter().filter(|mode| **mode < zero).count();
+            factors.push((number, zero, -self.slowing_of_zero(mesh, zero)));
+        }
         let change = |omega: f64| {
-            let of_mode = |(number, mode_rad_s, slowing): &(usize, f64, f64)| {
-                let denominator = law.modal_denominator(*number, *mode_rad_s, omega);
+            let of_factor = |(number, place_rad_s, slowing): &(usize, f64, f64)| {
+                let denominator = law.modal_denominator(*number, *place_rad_s, omega);
                 denominator.reciprocal() * -*slowing
             };
-            inertia + slowed.iter().map(of_mode).sum::<Complex64>() * (omega * omega)
+            inertia + factors.iter().map(of_factor).sum::<Complex64>() * (omega * omega)
         };
         let (mut changed, mut whole) = (0.0, 0.0);
         for (omega, amplitude) in of_torque_rad_s.iter().zip(torque) {
             let power = amplitude.norm_sqr();
             let share = change(*omega).norm_sqr();
-            // Without damping there is no torque at a natural frequency.
+            // Without damping there is no torque at a natural frequency, and none that is finite at a zero.
             changed += if share.is_finite() { share * power } else { 0.0 };
             whole += power;
         }

@@ -158,6 +158,7 @@ impl TipMotion {
             residual.lowest(residual.left_by(low), high, allowed_m, PRECISION);
         let allowed_m = LOOSER * allowed_m;
         let mut low = residual.left_by(0.5 * omega_rad_s);
+        // Ends: a tolerance is far below what a cut-off near zero leaves, the whole motion.
         while low.error_m <= allowed_m {
             low = residual.left_by(0.5 * low.omega_rad_s);
         }
@@ -215,11 +216,11 @@ impl Residual {
         Left { omega_rad_s, error_m }
     }
 
-    /// The lowest cut-off between two that leaves no more than `allowed_m`, as the higher one does, to
-    /// a share of it.
+    /// The lowest cut-off between two that leaves no more than `allowed_m`, as the higher one does; found to
+    /// the share `precision` of itself.
     ///
-    /// The error falls about as a power of the cut-off: the next one tried lies on the power law through
-    /// both ends, but where the last such one has left more than half of the bracket, in its middle.
+    /// The error falls about as a power of the cut-off, so that the next one tried lies on the power law
+    /// through both ends. If that left more than half of the bracket, the next one halves it.
     fn lowest(&self, mut low: Left, mut high: Left, allowed_m: f64, precision: f64) -> Left {
         let ratio = |low: Left, high: Left| libm::log(high.omega_rad_s / low.omega_rad_s);
         let mut is_power_law = true;

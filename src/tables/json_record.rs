@@ -51,6 +51,10 @@ pub(super) fn parsed<T: DeserializeOwned>(
     place: Place,
     must: &str,
 ) -> Result<T, TableError> {
+    if bytes.trim_ascii_start().starts_with(b"[") {
+        // The parser takes a list for the values of an object.
+        return Err(place.refuse("content", "a list", "must be an object"));
+    }
     serde_json::from_slice(bytes).map_err(|error| {
         let line = u64::try_from(error.line()).ok().filter(|line| *line > 0);
         let key = key_before(bytes, error.line(), error.column());

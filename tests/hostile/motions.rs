@@ -152,7 +152,6 @@ fn factors_that_leave_no_motion_are_told_by_their_option() {
         ("1e300", "the tip stands still in all samples, but must move"),
     ] {
         let solve = ["solve", "link.toml", "motion.csv", "--scale-duration", factor];
-        let factor: f64 = factor.parse().unwrap();
         Bench::new().refuses(&solve, 2, &format!("error: --scale-duration {factor}: {what}\n"));
     }
 }

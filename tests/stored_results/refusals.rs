@@ -111,7 +111,7 @@ fn a_foreign_or_damaged_summary_is_refused() {
     }
     for (text, expected) in [
         ("", "out/summary.json:1: content = EOF while parsing a value, but must be the summary"),
-        ("[1]", "out/summary.json:1: content = "),
+        (" [[1]]", "out/summary.json: content = a list, but must be an object"),
         ("{\n\"flexlink\": \"0.1", "out/summary.json:2: content = EOF while parsing a string, but"),
     ] {
         let refusal = summary(text);
