@@ -76,59 +76,56 @@ impl PeriodicAnswer {
             let ringing = if keeps_all { self.ringing(samples) } else { 0.0 };
             periodic.at_seam().max(ringing) / periodic.peak()
         };
-        let mut hub = self.hub_left(tail);
-        if keeps_all {
-            let angle_rad = self.hub_angle_amplitudes_rad(length_m);
-            for (order, left) in hub.iter_mut().enumerate() {
-                *left = left.max(self.ringing(&self.derivative(&angle_rad, order)));
-            }
-        }
+        let angle_rad = keeps_all.then(|| self.hub_angle_amplitudes_rad(length_m));
+        let hub = |order: usize| {
+            let ringing = |angle: &Vec<Complex64>| self.ringing(&self.derivative(angle, order));
+            self.hub_left(tail, order).max(angle_rad.as_ref().map_or(0.0, ringing))
+        };
+        let [hub_rad, hub_rad_s] = [0, 1].map(hub);
         let moment = || share(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
         let motor_rate = joint.drive.map(|drive| {
             let torque_rate = self.derivative(&self.hub.torque_n_m, 1);
             let ringing = if keeps_all { self.ringing(&torque_rate) } else { 0.0 };
             let torque_rate = self.farthest_at_seam(&torque_rate, &[]).max(ringing);
-            drive.gear_ratio * (hub[1] + torque_rate / drive.joint_stiffness_n_m_rad)
+            drive.gear_ratio * (hub_rad_s + torque_rate / drive.joint_stiffness_n_m_rad)
         });
         let over = |left: Option<f64>, peak: Option<f64>| {
             left.zip(peak).map(|(left, peak)| if left == 0.0 { 0.0 } else { left / peak })
         };
         PerQuantity {
             torque: share(&self.torque_n_m),
-            hub_angle: hub[0] / peaks.hub_angle,
-            hub_rate: hub[1] / peaks.hub_rate,
-            hub_acceleration: over(Some(hub[2]), peaks.hub_acceleration),
+            hub_angle: hub_rad / peaks.hub_angle,
+            hub_rate: hub_rad_s / peaks.hub_rate,
+            hub_acceleration: over(peaks.hub_acceleration.map(|_| hub(2)), peaks.hub_acceleration),
             // The tip stays where it is wanted, and the hub on its axis: between them no node is off by
             // more than the hub's turn moves a rigid link.
-            displacement: over(Some(hub[0] * length_m), peaks.displacement),
+            displacement: over(Some(hub_rad * length_m), peaks.displacement),
             bending_moment: moments.then(moment),
             motor_torque: self.motor_n_m.as_deref().map(share),
             motor_rate: over(motor_rate, peaks.motor_rate),
         }
     }
 
-    /// What is left of hub angle, rate and acceleration at the seam beyond the slow tail, in rad, rad/s
-    /// and rad/s².
-    fn hub_left(&self, tail: Option<&TailTerms>) -> [f64; 3] {
+    /// What is left of the `order`-th derivative of the hub angle at the seam beyond the slow tail, in
+    /// rad/sⁿ, n being 0 to 2.
+    fn hub_left(&self, tail: Option<&TailTerms>, order: usize) -> f64 {
         let (places, spacing_s) = self.period.spectrum.around_seam();
         let excess_rad: Vec<f64> = places.iter().map(|(k, _)| self.excess_rad[*k]).collect();
         let left_rad = match tail {
             Some(tail) => self.period.images().residuals_at_seam(&self.excess_rad, tail),
             None => excess_rad.clone(),
         };
+        if order == 0 {
+            return largest(&left_rad);
+        }
         // The tail is smooth: differences over many samples tell its derivatives.
         let tail_rad: Vec<f64> = excess_rad.iter().zip(&left_rad).map(|(e, l)| e - l).collect();
-        let rate = |three: &[f64]| 0.5 * (three[2] - three[0]) / spacing_s;
-        let bend = |three: &[f64]| (three[2] - 2.0 * three[1] + three[0]) / spacing_s.powi(2);
-        let left = |order: usize, tail: Vec<f64>| {
-            let excess = self.derivative(&self.hub.excess_angle_rad, order);
-            self.farthest_at_seam(&excess, &tail)
+        let difference = |three: &[f64]| match order {
+            1 => 0.5 * (three[2] - three[0]) / spacing_s,
+            _ => (three[2] - 2.0 * three[1] + three[0]) / spacing_s.powi(2),
         };
-        [
-            largest(&left_rad),
-            left(1, tail_rad.windows(3).map(rate).collect()),
-            left(2, tail_rad.windows(3).map(bend).collect()),
-        ]
+        let tail: Vec<f64> = tail_rad.windows(3).map(difference).collect();
+        self.farthest_at_seam(&self.derivative(&self.hub.excess_angle_rad, order), &tail)
     }
 
     /// Samples of the `order`-th derivative by time of a quantity with `amplitudes`.
