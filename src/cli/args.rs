@@ -229,18 +229,21 @@ impl NodeArgs {
     }
 }
 
-/// How safe a folder of results is.
+/// Whether a run waits for the disk.
 #[derive(Debug, Args)]
 pub(crate) struct SyncArgs {
-    /// Do not wait until the results are on the disk: faster, but a power failure soon after the run
-    /// may leave files cut short.
-    #[arg(long)]
+    /// Wait until the results are on the disk: they survive a power failure right after the run.
+    #[arg(long, conflicts_with = "no_sync")]
+    sync: bool,
+
+    /// Accepted without effect: no run waits for the disk unless it is told to.
+    #[arg(long, hide = true)]
     no_sync: bool,
 }
 
 impl SyncArgs {
     pub(crate) fn durability(&self) -> Durability {
-        if self.no_sync { Durability::InMemory } else { Durability::OnDisk }
+        if self.sync { Durability::OnDisk } else { Durability::InMemory }
     }
 }
 

@@ -62,7 +62,7 @@ impl Repetition<'_> {
         options: &SolveOptions,
         folder: &Path,
     ) -> Result<Vec<RepeatedFile>, Failure> {
-        // What nobody keeps need not be on the disk.
+        // No one keeps files without a folder of their own.
         let durability = self.output.map_or(Durability::InMemory, |_| self.durability);
         let stages = self.print.stages();
         let to = Destination { folder, durability, page: WithPage::No, stages: &stages };
@@ -160,7 +160,7 @@ mod tests {
     use super::super::solve_options::{Recorded, SolveOptions};
 
     /// Arguments that shape no result.
-    const OTHERS: [&str; 12] = [
+    const OTHERS: [&str; 13] = [
         "link",
         "motion",
         "output",
@@ -168,6 +168,7 @@ mod tests {
         "report",
         "strict",
         "deny_warnings",
+        "sync",
         "no_sync",
         "json",
         "quiet",

@@ -56,7 +56,7 @@ have a unit. Several --vary make the product, the last one running fastest.";
 #[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
 #[command(mut_arg("list", |nodes| nodes.requires("outputs")))]
 #[command(mut_arg("every", |every| every.requires("outputs")))]
-#[command(mut_arg("no_sync", |no_sync| no_sync.conflicts_with("merge")))]
+#[command(mut_arg("sync", |sync| sync.conflicts_with("merge")))]
 pub(crate) struct Sweep {
     #[arg(value_name = "LINK", help = LINK, required_unless_present = "merge")]
     link: Option<PathBuf>,

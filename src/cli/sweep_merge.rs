@@ -30,7 +30,7 @@ pub(crate) fn merge(shards: &[PathBuf], output: &Path, quiet: bool) -> Result<Ta
         console::print_bytes(table.as_bytes())?;
     } else {
         let whole = shards[0].identity().whole();
-        write_sweep(output, table.as_bytes(), &whole, Durability::OnDisk, &console::waiting)?;
+        write_sweep(output, table.as_bytes(), &whole, Durability::default(), &console::waiting)?;
     }
     let mut cases: Vec<SweptCase> = shards.iter().flat_map(SweepRows::cases).collect();
     cases.sort_by_key(|case| case.number);

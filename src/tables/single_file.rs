@@ -14,7 +14,7 @@ use super::folder::{Durability, FolderAction, FolderError, OutputFolder};
 /// # Errors
 /// [`FolderError`] if `path` names no file, or the file cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8], on_wait: &dyn Fn(&Path)) -> Result<(), FolderError> {
-    write_file_with(path, bytes, Durability::OnDisk, on_wait)
+    write_file_with(path, bytes, Durability::default(), on_wait)
 }
 
 /// The same for a file that is made while it is written: `write` receives a buffered writer.
@@ -26,10 +26,10 @@ pub fn write_file_by(
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
-    write_by(path, write, Durability::OnDisk, on_wait)
+    write_by(path, write, Durability::default(), on_wait)
 }
 
-/// As [`write_file`], waiting for the disk or not.
+/// As [`write_file`], with a wait for the disk or without.
 pub(super) fn write_file_with(
     path: &Path,
     bytes: &[u8],

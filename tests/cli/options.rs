@@ -130,7 +130,7 @@ fn what_shapes_the_results_is_recorded_as_it_is_given_and_nothing_else() {
         "--digits",
         "full",
     ];
-    let others = ["--threads", "1", "--no-sync", "--strict", "--report", "-q", "-o", "all"];
+    let others = ["--threads", "1", "--sync", "--strict", "--report", "-q", "-o", "all"];
     bench.solve(&[&shaping[..], &others].concat());
     let arguments = &bench.json("all/summary.json")["inputs"]["arguments"];
     assert_eq!(*arguments, serde_json::json!(shaping));

@@ -11,15 +11,16 @@ use super::error::{FolderAction, FolderError};
 use super::lock::FolderLock;
 use super::unfinished::{HeldOff, Unfinished, hold_off_the_end, wait_if_ending};
 
-/// Whether files are waited for until they are on the disk.
+/// Whether a run waits until its files are on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Durability {
-    /// Each before it takes its name, and the folder afterwards: a power failure leaves whole files
-    /// or none.
+    /// It does not: files are whole however the run ends, but a power failure soon after it may cut them
+    /// short.
     #[default]
-    OnDisk,
-    /// Not at all: the system writes them down when it likes.
     InMemory,
+    /// It waits for each file before that takes its name, and for the folder afterwards: a power failure
+    /// leaves whole files or none.
+    OnDisk,
 }
 
 /// A folder that receives all files of a run, or none.
@@ -47,7 +48,7 @@ impl OutputFolder {
     pub fn stage(dir: &Path, on_wait: &dyn Fn(&Path)) -> Result<Self, FolderError> {
         let mut folder = Self {
             dir: dir.to_owned(),
-            durability: Durability::OnDisk,
+            durability: Durability::default(),
             staged: Mutex::default(),
             lock: None,
             created: Vec::new(),
@@ -65,7 +66,7 @@ impl OutputFolder {
         Ok(folder)
     }
 
-    /// Whether the files are waited for until they are on the disk; they are if nothing is said.
+    /// Sets whether the run waits for the disk; it does not by default.
     #[must_use]
     pub fn with(mut self, durability: Durability) -> Self {
         self.durability = durability;
