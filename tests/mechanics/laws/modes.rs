@@ -4,7 +4,7 @@ use flexlink::link::Link;
 use flexlink::modal::{held_frequencies, modes_below, natural_frequencies};
 use proptest::prelude::*;
 
-use crate::links::{any_parts, mesh};
+use super::links::{any_parts, mesh};
 
 proptest! {
     /// Beside each natural frequency the count is the rigid rotation and the modes found so far.

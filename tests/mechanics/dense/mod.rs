@@ -1,9 +1,9 @@
 //! The recursion against the dense matrices that the paper assembles and factorises.
 
-mod assembly;
-mod damping;
-#[path = "../laws/links.rs"]
-mod links;
+pub(crate) mod assembly;
+pub(crate) mod damping;
 mod modal_damping;
 mod paper;
 mod whole_link;
+
+use super::laws::links;

@@ -1,6 +1,6 @@
 //! Laws that hold for every link: segments, limits, energy, reciprocity, units, counts of modes.
 
-mod links;
+pub(crate) mod links;
 mod modes;
 mod power;
 mod reciprocity;

@@ -7,7 +7,7 @@ use flexlink::inverse::{Dynamics, FrequencyResponse, KeptModes};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
 use num_complex::Complex64;
 
-use crate::closed_form::UniformLink;
+use super::closed_form::UniformLink;
 
 const ELEMENTS: [usize; 7] = [10, 20, 40, 80, 160, 1000, 4000];
 const OMEGAS_RAD_S: [f64; 9] = [0.01, 0.1, 1.0, 3.3, 12.0, 47.0, 150.0, 250.0, 400.0];

@@ -4,7 +4,7 @@ use faer::c64;
 use flexlink::beam::{Mesh, MeshPlan, nodal_transfer, tip_transfer};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
 
-use crate::assembly::{Assembly, Load};
+use super::assembly::{Assembly, Load};
 
 /// The paper's link of n equal elements, the first one ten times stiffer than the others.
 fn bayo(elements: usize) -> Mesh {

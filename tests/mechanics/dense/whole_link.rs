@@ -7,8 +7,8 @@ use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment
 use flexlink::modal::held_frequencies;
 use proptest::prelude::*;
 
-use crate::assembly::{Assembly, Load};
-use crate::links::{any_excitation, any_parts, mesh};
+use super::assembly::{Assembly, Load};
+use super::links::{any_excitation, any_parts, mesh};
 
 /// What round-off in K*/ω² costs the dense solve of links like these at most.
 const DENSE_ERROR: f64 = 1e-8;

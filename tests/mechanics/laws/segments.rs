@@ -5,7 +5,7 @@ use flexlink::link::{Link, LinkParts, Segment};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-use crate::links::{any_excitation, any_parts, mesh};
+use super::links::{any_excitation, any_parts, mesh};
 
 /// Each segment in its own number of elements.
 fn mesh_of(parts: &LinkParts, own: &[usize]) -> Mesh {

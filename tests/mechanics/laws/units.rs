@@ -5,7 +5,7 @@ use flexlink::link::{LinkParts, Taper};
 use flexlink::modal::{natural_frequencies, torque_zeros};
 use proptest::prelude::*;
 
-use crate::links::{any_excitation, any_parts, mesh};
+use super::links::{any_excitation, any_parts, mesh};
 
 /// How many of the new units one metre, kilogram and second are.
 #[derive(Debug, Clone, Copy)]

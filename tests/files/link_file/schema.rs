@@ -38,7 +38,7 @@ fn every_link_file_of_this_repository_is_valid() {
     paths.push(root.join("src/cli/templates/link.toml"));
     let mut texts: Vec<String> =
         paths.iter().map(|path| fs::read_to_string(path).unwrap()).collect();
-    let readme = include_str!("../../README.md").split_once("```toml\n").unwrap().1;
+    let readme = include_str!("../../../README.md").split_once("```toml\n").unwrap().1;
     texts.push(readme.split_once("```").unwrap().0.to_owned());
     let validator = validator();
     for text in texts {

@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Vector2};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-use crate::links::{any_excitation, any_parts, mesh};
+use super::links::{any_excitation, any_parts, mesh};
 
 /// `Σ d^H K_d d` over all elements for a hub angle, twice the strain energy of an undamped link with
 /// these deformations, and the motion of the tip.

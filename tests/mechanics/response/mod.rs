@@ -4,11 +4,6 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod after;
-#[path = "../dense/assembly.rs"]
-#[expect(dead_code, reason = "it serves the frequency domain, too")]
-mod assembly;
-#[path = "../dense/damping.rs"]
-mod damping;
 mod feedback;
 mod free;
 mod modes;
@@ -25,6 +20,8 @@ use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
 use flexlink::motion::{MotionColumns, TipMotion};
 use flexlink::response::{Play, Simulation, Torque, simulate};
+
+use super::dense::{assembly, damping};
 
 /// Bayo's link, undamped: 1.5 m with a stiff root, its rigid inertia 1 kg m².
 fn bayo() -> LinkParts {

@@ -5,7 +5,7 @@ use flexlink::link::{LinkParts, LumpedMass};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-use crate::links::{any_excitation, any_parts, mesh};
+use super::links::{any_excitation, any_parts, mesh};
 
 /// Apparent rotary inertia about the axis, torque per angular acceleration, in kg m²; and the
 /// displacement of each node per hub angle in m.

@@ -4,7 +4,7 @@ use flexlink::beam::{ElementCount, MeshPlan, Piece};
 use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use proptest::prelude::*;
 
-use crate::links::any_parts;
+use super::links::any_parts;
 
 /// Pieces and their elements where no segment has a number of its own.
 fn shares(link: &Link, elements: usize) -> Vec<(Piece, usize)> {

@@ -8,8 +8,8 @@ use flexlink::inverse::{Dynamics, KeptModes};
 use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use flexlink::modal::natural_frequencies;
 
-use crate::assembly::Assembly;
-use crate::damping;
+use super::assembly::Assembly;
+use super::damping;
 
 const RATIOS: [f64; 4] = [0.03, 0.0, 0.1, 0.01];
 

@@ -1,0 +1,10 @@
+//! What is read from files and written to them: links, motions, torques, references, results.
+
+mod link_file;
+mod reference_files;
+mod stored_results;
+mod table_laws;
+mod torque_file;
+mod trajectory_file;
+mod trajectory_motion;
+mod trajectory_resampling;

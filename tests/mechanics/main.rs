@@ -1,0 +1,12 @@
+//! The mechanics against closed forms, published numbers and methods written separately: one program, so
+//! that the library is linked once.
+
+mod dense;
+mod fit;
+mod laws;
+mod literature;
+mod response;
+mod solve;
+mod theory;
+mod trajectories;
+mod verification;
