@@ -82,7 +82,7 @@ pub fn invert_watched(
     Dynamics::check_size(link, 2 * elements, 2)?;
     let coarsest = Dynamics::new(link, mesh, KeptModes::of(analysis))?;
     let first_zero = first_zero_of(coarsest.mesh());
-    let problem = Problem { watch, ..Problem::new(link, motion, analysis, first_zero)? };
+    let problem = Problem::new(link, motion, analysis, first_zero, watch)?;
     let period = problem.shortest_period()?;
     let asked = problem.asked(&period);
     let Measured { dynamics, probes, amplitudes, peaks, mesh_errors } =
@@ -125,12 +125,13 @@ impl<'a> Problem<'a> {
         motion: &'a TipMotion,
         analysis: &'a Analysis,
         first_zero_per_s: Option<f64>,
+        watch: &'a dyn Watch,
     ) -> Result<Self, InversionError> {
         let padding = Padding::new(motion, analysis, first_zero_per_s);
         // The search of the cut-off takes less memory than the shortest period.
         check_memory(padding.period_len(motion.grid().len)?, 0, analysis)?;
         let cutoff = motion.cutoff(analysis.tip_tolerance());
-        Ok(Self { link, motion, analysis, cutoff, padding, watch: &Unwatched })
+        Ok(Self { link, motion, analysis, cutoff, padding, watch })
     }
 
     fn shortest_period(&self) -> Result<Arc<TipPeriod>, InversionError> {

@@ -8,6 +8,7 @@ use super::error::InversionError;
 use super::inversion::Problem;
 use super::periodic_answer::PeriodicAnswer;
 use super::solution::{HubMotion, Solution, cut};
+use super::watch::Unwatched;
 use crate::link::Link;
 use crate::motion::TipMotion;
 use crate::numeric::{TimeGrid, fast_length, largest};
@@ -32,7 +33,7 @@ pub fn torques_over_window(
     motion: &TipMotion,
     analysis: &Analysis,
 ) -> Result<WindowTorques, InversionError> {
-    let problem = Problem::new(link, motion, analysis, solution.first_zero_per_s)?;
+    let problem = Problem::new(link, motion, analysis, solution.first_zero_per_s, &Unwatched)?;
     let answer = problem.answer_on(solution)?;
     let grid = problem.grid_of(solution);
     Ok(WindowTorques {
@@ -64,7 +65,8 @@ impl Problem<'_> {
     pub(super) fn measure_step(&self, solution: &mut Solution) -> Result<(), InversionError> {
         // A motion that cannot be sampled twice as often has no such number.
         let Ok(finer) = self.motion.twice_as_often() else { return Ok(()) };
-        let problem = Problem::new(self.link, &finer, self.analysis, solution.first_zero_per_s)?;
+        let (link, first_zero) = (self.link, solution.first_zero_per_s);
+        let problem = Problem::new(link, &finer, self.analysis, first_zero, &Unwatched)?;
         let answer = problem.answer_on(solution)?;
         let grid = problem.grid_of(solution);
         let pair = &answer.period.spectrum.pair;

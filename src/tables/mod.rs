@@ -29,7 +29,6 @@ mod resample;
 mod row_check;
 mod rows;
 mod samples;
-mod shortest;
 mod signals;
 mod simulate_tables;
 mod simulation_summary;

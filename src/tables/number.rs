@@ -1,10 +1,11 @@
 use std::fmt;
+use std::io::Write as _;
+use std::ops::Range;
 use std::str::FromStr;
 
 use thiserror::Error;
 
 use super::fixed::write_fixed;
-use super::shortest::write_shortest;
 use crate::numeric::{excerpt, largest};
 
 /// How many digits the numbers of one column group are given.
@@ -130,6 +131,18 @@ impl NumberFormat {
             Self::Shortest => write_shortest(out, value),
         }
     }
+}
+
+/// Sizes whose shortest text has no exponent.
+const PLAIN: Range<f64> = 1e-5..1e17;
+
+fn write_shortest(out: &mut Vec<u8>, value: f64) {
+    let written = match value.abs() {
+        0.0 => write!(out, "0"),
+        size if PLAIN.contains(&size) => write!(out, "{value}"),
+        _ => write!(out, "{value:e}"),
+    };
+    debug_assert!(written.is_ok(), "memory takes every number");
 }
 
 #[cfg(test)]
