@@ -1,3 +1,5 @@
+mod text;
+
 use std::path::PathBuf;
 
 use clap::Args;
@@ -16,8 +18,8 @@ use super::console;
 use super::exit::Failure;
 use super::files::check_folder;
 use super::memory::check_memory;
-use super::modes_text::modes_text;
 use super::warnings::WarningArgs;
+use text::modes_text;
 
 const EXAMPLE: &str = "\
 Example:

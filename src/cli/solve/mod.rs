@@ -1,3 +1,7 @@
+pub(crate) mod options;
+pub(crate) mod run;
+mod text;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -11,12 +15,12 @@ use super::console;
 use super::exit::{Ending, Exit, Failure};
 use super::files::keep;
 use super::repeat::Repetition;
-use super::solve_options::SolveOptions;
-use super::solve_run::{Destination, Problem, Solved, WithPage};
-use super::solve_text::solve_text;
 use super::verify::refuse_failed;
-use super::verify_text::verify_text;
+use super::verify::text::verify_text;
 use super::warnings::WarningArgs;
+use options::SolveOptions;
+use run::{Destination, Problem, Solved, WithPage};
+use text::solve_text;
 
 const EXAMPLE: &str = "\
 Example:

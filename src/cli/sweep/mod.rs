@@ -1,3 +1,10 @@
+mod cases;
+mod merge;
+mod outputs;
+mod sink;
+mod tally;
+mod work;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -11,12 +18,12 @@ use super::exit::{Exit, Failure};
 use super::files::{keep_cases, keep_files, keep_from_cases, keep_record, read_once};
 use super::interrupt;
 use super::progress::CaseBar;
-use super::sweep_cases::{CaseArgs, Cases};
-use super::sweep_merge::merge;
-use super::sweep_sink::{Begun, NoMore, Rows, counted, report};
-use super::sweep_tally::{CaseWarning, Tally};
-use super::sweep_work::Outcome;
 use super::warnings::WarningArgs;
+use cases::{CaseArgs, Cases};
+use merge::merge;
+use sink::{Begun, NoMore, Rows, counted, report};
+use tally::{CaseWarning, Tally};
+use work::Outcome;
 
 const EXAMPLE: &str = "\
 Example:

@@ -1,3 +1,6 @@
+mod inputs;
+mod text;
+
 use std::path::PathBuf;
 
 use clap::Args;
@@ -15,9 +18,9 @@ use super::exit::Failure;
 use super::files::keep;
 use super::memory::check_nodal_memory;
 use super::record::digits_arguments;
-use super::simulate_inputs::PlayArgs;
-use super::simulate_text::simulate_text;
 use super::warnings::WarningArgs;
+use inputs::PlayArgs;
+use text::simulate_text;
 
 const EXAMPLE: &str = "\
 Example:

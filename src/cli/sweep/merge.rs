@@ -6,11 +6,11 @@ use flexlink::tables::{
     Durability, InputFile, SweepRows, SweptCase, check_record, merge_shards, write_sweep,
 };
 
-use super::console;
-use super::exit::Failure;
-use super::files::{is_standard_output, keep_files, keep_record, read_once};
-use super::sweep_sink::report;
-use super::sweep_tally::Tally;
+use super::sink::report;
+use super::tally::Tally;
+use crate::cli::console;
+use crate::cli::exit::Failure;
+use crate::cli::files::{is_standard_output, keep_files, keep_record, read_once};
 
 /// Joins the shards in these files; nothing else is read.
 pub(crate) fn merge(shards: &[PathBuf], output: &Path, quiet: bool) -> Result<Tally, Failure> {

@@ -12,13 +12,13 @@ use flexlink::spec::Specification;
 use flexlink::tables::{Durability, InputFile, OutputFolder, RunInputs, Summary};
 use flexlink::verification::Verification;
 
-use super::console;
-use super::exit::Failure;
-use super::memory::{check_nodal_memory, check_page_memory};
-use super::progress::StageBar;
-use super::solve_options::SolveOptions;
-use super::solve_text::memory_text;
-use super::verify::measured;
+use super::options::SolveOptions;
+use super::text::memory_text;
+use crate::cli::console;
+use crate::cli::exit::Failure;
+use crate::cli::memory::{check_nodal_memory, check_page_memory};
+use crate::cli::progress::StageBar;
+use crate::cli::verify::measured;
 
 /// Memory in bytes from which on it is said before the work begins.
 const LARGE: usize = 1 << 29;

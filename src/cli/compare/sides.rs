@@ -8,9 +8,9 @@ use flexlink::result::comparison::{
 };
 use flexlink::tables::{CsvFolder, GoldenChanges, InputFile, read_table};
 
-use super::exit::{Exit, Failure};
-use super::files::is_standard_input;
-use super::memory::check_tables_memory;
+use crate::cli::exit::{Exit, Failure};
+use crate::cli::files::is_standard_input;
+use crate::cli::memory::check_tables_memory;
 
 /// Name of the file of tolerances beside the golden files.
 pub(crate) const TOLERANCES: &str = "tolerances.toml";

@@ -1,3 +1,5 @@
+pub(crate) mod text;
+
 use clap::Args;
 
 use flexlink::inverse::{Solution, invert_watched};
@@ -12,9 +14,9 @@ use super::exit::{Exit, Failure};
 use super::files::read_once;
 use super::memory::available;
 use super::progress::StageBar;
-use super::solve_run::remarks;
-use super::verify_text::verify_text;
+use super::solve::run::remarks;
 use super::warnings::WarningArgs;
+use text::verify_text;
 
 const EXAMPLE: &str = "\
 Example:

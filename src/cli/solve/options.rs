@@ -8,9 +8,9 @@ use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
 use flexlink::tables::{Digits, InputFile, OptionalTable, SolveOutputs};
 
-use super::args::{ChangeArgs, NodeArgs, ResampleArgs, ScaleArgs};
-use super::exit::Failure;
-use super::record::digits_arguments;
+use crate::cli::args::{ChangeArgs, NodeArgs, ResampleArgs, ScaleArgs};
+use crate::cli::exit::Failure;
+use crate::cli::record::digits_arguments;
 
 /// The arguments that a run records.
 #[derive(Debug, Args)]
@@ -47,7 +47,7 @@ pub(crate) struct SolveOptions {
 /// The arguments of a record, read as those of the command line are.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true, disable_help_flag = true)]
-pub(super) struct Recorded {
+pub(crate) struct Recorded {
     #[command(flatten)]
     options: SolveOptions,
 }

@@ -16,11 +16,11 @@ use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 use flexlink::tables::{InputFile, SweepIdentity, SweepInputs, read_torque_table};
 
-use super::args::{ChangeArgs, ResampleArgs, scale_arguments};
-use super::exit::{Exit, Failure};
-use super::memory::available;
-use super::record::option;
-use super::sweep_outputs::OutputsArgs;
+use super::outputs::OutputsArgs;
+use crate::cli::args::{ChangeArgs, ResampleArgs, scale_arguments};
+use crate::cli::exit::{Exit, Failure};
+use crate::cli::memory::available;
+use crate::cli::record::option;
 
 /// What all cases of a sweep share beside LINK and MOTION.
 #[derive(Debug, Args)]

@@ -13,10 +13,10 @@ use flexlink::response::{
 use flexlink::result::{TargetError, TipError};
 use flexlink::tables::{InputFile, read_hub_reference, read_motion_table, read_torque_table};
 
-use super::args::finite;
-use super::exit::{Exit, Failure};
-use super::memory::available;
-use super::record::option;
+use crate::cli::args::finite;
+use crate::cli::exit::{Exit, Failure};
+use crate::cli::memory::available;
+use crate::cli::record::option;
 
 /// What to play on the link, and what to compare with.
 #[derive(Debug, Args)]

@@ -5,8 +5,8 @@ use std::fmt::Display;
 use flexlink::result::{Exceeded, Remark};
 use flexlink::tables::SweptCase;
 
-use super::console;
-use super::exit::{Exit, Failure};
+use crate::cli::console;
+use crate::cli::exit::{Exit, Failure};
 
 const NAMED: &str = "the columns warnings and error name them";
 

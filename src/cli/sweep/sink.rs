@@ -7,9 +7,9 @@ use flexlink::tables::{
     checked_rows,
 };
 
-use super::console::{self, Reader};
-use super::exit::{Exit, Failure};
-use super::files::is_standard_output;
+use crate::cli::console::{self, Reader};
+use crate::cli::exit::{Exit, Failure};
+use crate::cli::files::is_standard_output;
 
 /// The rows of a sweep as they come.
 pub(crate) enum Rows {

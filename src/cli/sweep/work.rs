@@ -9,10 +9,10 @@ use flexlink::spec::Specification;
 use flexlink::sweep::{PlayedCase, SolvedCase};
 use flexlink::tables::{RunInputs, SimulationInputs};
 
-use super::exit::{Exit, Failure};
-use super::solve_run::remarks;
-use super::sweep_cases::Cases;
-use super::sweep_tally::CaseWarning;
+use super::cases::Cases;
+use super::tally::CaseWarning;
+use crate::cli::exit::{Exit, Failure};
+use crate::cli::solve::run::remarks;
 
 /// What came of a case.
 pub(crate) struct Outcome<C> {

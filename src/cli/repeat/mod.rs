@@ -1,5 +1,7 @@
 //! A run of `solve` done again, and held against what it has left.
 
+mod text;
+
 use std::path::Path;
 
 use flexlink::numeric::excerpt;
@@ -10,10 +12,10 @@ use super::args::PrintArgs;
 use super::console;
 use super::exit::{Ending, Exit, Failure};
 use super::files::{keep, read_once};
-use super::repeat_text::repetition_text;
-use super::solve_options::SolveOptions;
-use super::solve_run::{Destination, Problem, WithPage};
+use super::solve::options::SolveOptions;
+use super::solve::run::{Destination, Problem, WithPage};
 use super::warnings::WarningArgs;
+use text::repetition_text;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -157,7 +159,7 @@ mod tests {
     use clap::{CommandFactory as _, Parser as _};
 
     use super::super::Cli;
-    use super::super::solve_options::{Recorded, SolveOptions};
+    use crate::cli::solve::options::{Recorded, SolveOptions};
 
     /// Arguments that shape no result.
     const OTHERS: [&str; 13] = [

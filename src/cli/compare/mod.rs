@@ -1,3 +1,7 @@
+mod runs;
+mod sides;
+mod text;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -11,13 +15,13 @@ use flexlink::tables::{
 };
 
 use super::args::not_negative;
-use super::compare_runs::take_whole_runs;
-use super::compare_sides::{Purpose, Sides, TOLERANCES};
-use super::compare_text::{blessed_text, comparison_text};
 use super::console;
 use super::exit::{Ending, Failure};
 use super::files::read_once;
 use super::warnings::WarningArgs;
+use runs::take_whole_runs;
+use sides::{Purpose, Sides, TOLERANCES};
+use text::{blessed_text, comparison_text};
 
 const EXAMPLE: &str = "\
 Example:

@@ -13,11 +13,11 @@ use flexlink::tables::{
     SimulationSummary, SolveOutputs, Summary,
 };
 
-use super::args::{NodeArgs, SyncArgs};
-use super::console;
-use super::exit::{Exit, Failure};
-use super::memory::check_nodal_memory;
-use super::record::{digits_arguments, option};
+use crate::cli::args::{NodeArgs, SyncArgs};
+use crate::cli::console;
+use crate::cli::exit::{Exit, Failure};
+use crate::cli::memory::check_nodal_memory;
+use crate::cli::record::{digits_arguments, option};
 
 /// Which files every case is to write.
 #[derive(Debug, Args)]
