@@ -236,7 +236,7 @@ pub(crate) struct SyncArgs {
     #[arg(long, conflicts_with = "no_sync")]
     sync: bool,
 
-    /// Accepted without effect: no run waits for the disk unless it is told to.
+    /// Has no effect: a run waits for the disk only with --sync. Older scripts may still give it.
     #[arg(long, hide = true)]
     no_sync: bool,
 }

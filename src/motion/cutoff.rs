@@ -154,17 +154,20 @@ impl TipMotion {
                 shortfall: Some(shortfall),
             };
         }
-        let Left { omega_rad_s, error_m: tip_error_m } =
-            residual.lowest(residual.left_by(low), high, allowed_m, PRECISION);
+        let found = residual.lowest(residual.left_by(low), high, allowed_m, PRECISION);
         let allowed_m = LOOSER * allowed_m;
-        let mut low = residual.left_by(0.5 * omega_rad_s);
+        let mut low = residual.left_by(0.5 * found.omega_rad_s);
         // Ends: a tolerance is far below what a cut-off near zero leaves, the whole motion.
         while low.error_m <= allowed_m {
             low = residual.left_by(0.5 * low.omega_rad_s);
         }
-        let high = Left { omega_rad_s, error_m: tip_error_m };
-        let looser_rad_s = residual.lowest(low, high, allowed_m, LOOSER_PRECISION).omega_rad_s;
-        Cutoff { omega_rad_s, looser_rad_s, tip_error_m, shortfall: None }
+        let looser = residual.lowest(low, found, allowed_m, LOOSER_PRECISION);
+        Cutoff {
+            omega_rad_s: found.omega_rad_s,
+            looser_rad_s: looser.omega_rad_s,
+            tip_error_m: found.error_m,
+            shortfall: None,
+        }
     }
 }
 
