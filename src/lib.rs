@@ -11,10 +11,10 @@
 //!
 //! ```text
 //! link.toml ─spec─► Link ─► Mesh ─► condensation ─► modes, zeros
-//! motion.csv ─tables─► TipMotion ─► inverse ─► Solution + warnings ─► result, tables
-//! torque.csv ─tables─► Torque ─► response ─► Simulation ─► result, tables
-//!                                   Solution, Simulation ─► verification
-//! result folder ─tables─► StoredResult ─► report
+//! motion.csv ─csv─► TipMotion ─► inverse ─► Solution + warnings ─► result, store
+//! torque.csv ─csv─► Torque ─► response ─► Simulation ─► result, store
+//!                                   Solution, Simulation ─► verify
+//! result folder ─store─► StoredResult ─► report
 //! ```
 //!
 //! | module | holds |
@@ -26,12 +26,14 @@
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
 //! | [`inverse`] | transfer at one frequency, period and padding, the inversion, rigid comparison |
 //! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
-//! | [`result`] | the numbers that a person reads first; results held against each other, or read back |
+//! | [`compare`] | tables against tables, column by column; tolerances |
+//! | [`result`] | the numbers that a person reads first; a result read back |
 //! | [`sweep`] | many cases in parallel, their order kept; shards |
-//! | [`verification`] | every approximation of a solution measured by other means |
+//! | [`verify`] | every approximation of a solution measured by other means |
 //! | [`spec`] | link file and `--set` → [`link::Link`]; file of tolerances |
-//! | [`tables`] | CSV → motion, torque, hub reference; solution → CSV and summary.json, and back; golden files |
+//! | [`csv`] | CSV → motion, torque, hub reference, any table; numbers as text |
 //! | [`report`] | a result as figures, and as a page to look at |
+//! | [`store`] | a run's folder with its CSV and summary.json, and back; the file of a sweep; golden files |
 //!
 //! A module imports only from those above it (`tests/layers.rs` holds it to that); the program in
 //! `main.rs` and `cli/` stands on top of all.
@@ -101,7 +103,8 @@
 //! # Invariants
 //!
 //! * [`numeric`] knows no beam, [`link`] knows no file.
-//! * Only [`spec`] and [`tables`] read, only [`tables`] writes, only the program prints.
+//! * Only [`spec`], [`csv`] and [`store`] read files, only [`csv`] and [`store`] write, only the program
+//!   prints.
 //! * A [`link::Link`] or [`motion::TipMotion`] that exists is valid; nothing repairs its input.
 //! * Warnings are returned values.
 //! * Everything inside is SI.
@@ -120,6 +123,8 @@
 #![forbid(unsafe_code)]
 
 pub mod beam;
+pub mod compare;
+pub mod csv;
 pub mod inverse;
 pub mod link;
 pub mod modal;
@@ -129,6 +134,6 @@ pub mod report;
 pub mod response;
 pub mod result;
 pub mod spec;
+pub mod store;
 pub mod sweep;
-pub mod tables;
-pub mod verification;
+pub mod verify;

@@ -2,8 +2,12 @@
 //! number.
 
 use criterion::{Criterion, Throughput};
+use flexlink::csv::Column;
+use flexlink::csv::ColumnGroup;
+use flexlink::csv::Digits;
+use flexlink::csv::NumberFormat;
+use flexlink::csv::write_csv;
 use flexlink::numeric::{ThinnedGrid, TimeGrid};
-use flexlink::tables::{Column, ColumnGroup, Digits, NumberFormat, write_csv};
 
 use super::inputs::waves;
 

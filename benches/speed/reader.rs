@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use criterion::{Criterion, Throughput};
-use flexlink::tables::read_motion_table;
+use flexlink::csv::read_motion_table;
 
 use super::inputs::waves;
 

@@ -1,10 +1,11 @@
 use super::wording::check_words;
-use flexlink::result::comparison::{
+use flexlink::compare::{
     Comparison, FileComparison, FileOutcome, Table, TableComparison, Tolerance, Tolerances,
     compare_tables,
 };
+use flexlink::csv::read_table;
 use flexlink::spec::read_tolerances;
-use flexlink::tables::{comparison_json, read_table};
+use flexlink::store::comparison_json;
 
 /// What divides EXPECTED, ACTUAL and the file of tolerances.
 const DIVIDER: &[u8] = b"\n===\n";

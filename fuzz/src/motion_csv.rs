@@ -1,8 +1,11 @@
 use super::finite;
 use super::wording::check_words;
+use flexlink::csv::Digits;
+use flexlink::csv::MotionTable;
+use flexlink::csv::read_motion_table;
+use flexlink::csv::write_trajectory;
 use flexlink::motion::{Cutoff, MotionColumns, TipMotion};
 use flexlink::numeric::TimeGrid;
-use flexlink::tables::{Digits, MotionTable, read_motion_table, write_trajectory};
 
 const FILE: &str = "motion.csv";
 

@@ -1,7 +1,9 @@
 use super::finite;
 use super::wording::check_words;
+use flexlink::csv::TableError;
+use flexlink::csv::read_hub_reference;
+use flexlink::csv::read_torque_table;
 use flexlink::numeric::TimeGrid;
-use flexlink::tables::{TableError, read_hub_reference, read_torque_table};
 
 const FILE: &str = "torque.csv";
 

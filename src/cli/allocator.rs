@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use flexlink::tables::abandon_unfinished_soon;
+use flexlink::store::abandon_unfinished_soon;
 
 use super::console;
 use super::exit::Exit;

@@ -7,11 +7,13 @@ use clap::Args;
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
 use flexlink::beam::Mesh;
+use flexlink::csv::InputFile;
+use flexlink::csv::read_motion_table;
 use flexlink::link::Link;
 use flexlink::motion::{MotionScale, TipMotion};
 use flexlink::numeric::plain;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
-use flexlink::tables::{Durability, InputFile, read_motion_table};
+use flexlink::store::Durability;
 
 use super::exit::{Exit, Failure};
 use super::memory::{available, most_threads};

@@ -12,9 +12,10 @@ use std::process::ExitCode;
 use clap::builder::styling::{AnsiColor, Style};
 use clap::error::ContextValue;
 
+use flexlink::csv::system_words;
 use flexlink::numeric::{excerpt, is_hidden};
 use flexlink::result::Remark;
-use flexlink::tables::{system_words, write_file_by};
+use flexlink::store::write_file_by;
 
 use super::charset::shown;
 use super::exit::{Exit, Failure};

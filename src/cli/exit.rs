@@ -1,11 +1,13 @@
 use std::process::ExitCode;
 
+use flexlink::csv::InputError;
+use flexlink::csv::TableError;
 use flexlink::inverse::InversionError;
 use flexlink::modal::DampingError;
 use flexlink::result::FitError;
 use flexlink::spec::SpecError;
-use flexlink::tables::{FolderError, InputError, TableError};
-use flexlink::verification::VerificationError;
+use flexlink::store::FolderError;
+use flexlink::verify::VerificationError;
 
 /// How a program that has done its work ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

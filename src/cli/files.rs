@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use flexlink::tables::{ForeignRecord, REPORT, is_result_file, sweep_files};
+use flexlink::store::ForeignRecord;
+use flexlink::store::REPORT;
+use flexlink::store::is_result_file;
+use flexlink::store::sweep_files;
 
 use super::exit::{Exit, Failure};
 

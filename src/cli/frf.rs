@@ -4,13 +4,14 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::beam::Mesh;
+use flexlink::csv::Digits;
+use flexlink::csv::write_frequency_response;
 use flexlink::inverse::{
     Dynamics, FrequencyResponse, InversionError, KeptModes, changes_on_halves,
 };
 use flexlink::modal::natural_frequencies;
 use flexlink::numeric::{plain, significant};
 use flexlink::result::{BandMeshError, mesh_error};
-use flexlink::tables::{Digits, write_frequency_response};
 
 use super::args::LinkArgs;
 use super::console;

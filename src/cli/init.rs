@@ -3,9 +3,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use flexlink::csv::Digits;
+use flexlink::csv::write_trajectory;
 use flexlink::motion::Profile;
 use flexlink::spec::link_file_schema;
-use flexlink::tables::{Digits, OutputFolder, write_trajectory};
+use flexlink::store::OutputFolder;
 
 use super::console;
 use super::exit::{Exit, Failure};
@@ -63,8 +65,8 @@ impl Init {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flexlink::csv::read_motion_table;
     use flexlink::spec::read_specification;
-    use flexlink::tables::read_motion_table;
 
     #[test]
     fn what_it_writes_is_read() {
@@ -72,7 +74,7 @@ mod tests {
         assert!(read.mesh.is_automatic());
         let table =
             read_motion_table("motion.csv", &motion().expect("a motion"), read.link.length_m());
-        let motion = table.and_then(flexlink::tables::MotionTable::into_motion);
+        let motion = table.and_then(flexlink::csv::MotionTable::into_motion);
         assert!((motion.expect("a motion").travel_m() - 0.5).abs() < 1e-5);
     }
 

@@ -3,7 +3,7 @@
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use flexlink::tables::abandon_unfinished;
+use flexlink::store::abandon_unfinished;
 
 use super::console;
 use super::exit::Exit;
@@ -37,7 +37,7 @@ fn listen(asked: impl Fn(i32) + Send + 'static) {
     use std::sync::Arc;
     use std::thread;
 
-    use flexlink::tables::ignored_signals;
+    use flexlink::store::ignored_signals;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::flag::register_conditional_default;
     use signal_hook::iterator::Signals;

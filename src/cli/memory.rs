@@ -1,7 +1,8 @@
 //! Memory, asked about before it is taken.
 
+use flexlink::csv::available_addresses;
+use flexlink::csv::available_memory;
 use flexlink::numeric::gigabytes;
-use flexlink::tables::{available_addresses, available_memory};
 
 use super::allocator::share_arenas;
 use super::exit::{Exit, Failure};

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use flexlink::tables::Digits;
+use flexlink::csv::Digits;
 
 /// An option and its value, one text where the value alone would be taken for an option.
 pub(crate) fn option(name: &str, value: impl Display) -> Vec<String> {

@@ -7,7 +7,7 @@ use clap::{Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
 
-use flexlink::tables::OutputFolder;
+use flexlink::store::OutputFolder;
 
 use super::console;
 use super::exit::{Exit, Failure};

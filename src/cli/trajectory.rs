@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, builder::TypedValueParser};
 
+use flexlink::csv::Digits;
+use flexlink::csv::InputFile;
+use flexlink::csv::write_trajectory;
 use flexlink::motion::Profile;
 use flexlink::numeric::{excerpt, plain, significant, visible};
 use flexlink::result::{Fit, FitProblem, Limits, Metrics, OpenMotion, Reached, shortest_fit};
 use flexlink::spec::{Override, SpecError, Specification};
-use flexlink::tables::{Digits, InputFile, write_trajectory};
 
 use super::args::specification;
 use super::console;

@@ -1,7 +1,6 @@
 //! What a run found: the numbers that a person reads first; results held against each other, or read
 //! back.
 
-pub mod comparison;
 mod fit;
 mod limits;
 mod mesh_error;

@@ -1,10 +1,10 @@
 //! What a result folder holds, read back: the other half of what a run writes.
 
 use crate::beam::Mesh;
+use crate::compare::Table;
 use crate::link::Link;
 use crate::motion::TipMotionHistories;
 use crate::numeric::largest;
-use crate::result::comparison::Table;
 
 /// A result that was read back.
 #[derive(Debug, Clone)]

@@ -5,7 +5,7 @@ use super::error::Fault;
 use super::quantity::Real;
 use super::specification::check_list_of_tables;
 use super::tree::{Node, Place};
-use crate::result::comparison::{Change, Entry, Tolerance, Tolerances};
+use crate::compare::{Change, Entry, Tolerance, Tolerances};
 
 /// The whole file of tolerances, key by key.
 #[derive(Debug, Deserialize)]
@@ -31,7 +31,7 @@ struct RawEntry {
 /// Reads the text of a file of tolerances; `name` is what errors call it.
 ///
 /// ```
-/// use flexlink::result::comparison::Rule;
+/// use flexlink::compare::Rule;
 /// use flexlink::spec::read_tolerances;
 /// let text = "rtol = 1e-6\n[[columns]]\ncolumn = 'wall_time_*'\nignore = true\n";
 /// let tolerances = read_tolerances("tolerances.toml", text)?;

@@ -1,7 +1,9 @@
 //! Files that a simulation is held to: the hub's motion, and the tip's as a target.
 
+use flexlink::csv::TableError;
+use flexlink::csv::read_hub_reference;
+use flexlink::csv::read_motion_table;
 use flexlink::response::HubReference;
-use flexlink::tables::{TableError, read_hub_reference, read_motion_table};
 
 fn read(text: &str) -> Result<HubReference, TableError> {
     read_hub_reference("hub.csv", text.as_bytes())

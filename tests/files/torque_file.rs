@@ -1,7 +1,8 @@
 //! Torque files: what is read, and the full text of every refusal.
 
+use flexlink::csv::TableError;
+use flexlink::csv::read_torque_table;
 use flexlink::response::Torque;
-use flexlink::tables::{TableError, read_torque_table};
 
 fn read(text: &str, column: Option<&str>) -> Result<Torque, TableError> {
     read_torque_table("lab.csv", text.as_bytes(), column)

@@ -3,7 +3,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use flexlink::tables::read_motion_table;
+use flexlink::csv::read_motion_table;
 
 fn refusal(text: &str) -> String {
     let table = read_motion_table("traj.csv", text.as_bytes(), 1.5).unwrap();

@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use flexlink::csv::MotionTable;
+use flexlink::csv::read_motion_table;
 use flexlink::motion::MotionColumns;
-use flexlink::tables::{MotionTable, read_motion_table};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("trajectories")

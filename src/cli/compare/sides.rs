@@ -3,10 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use flexlink::result::comparison::{
+use flexlink::compare::{
     Comparison, FileComparison, FileOutcome, Rule, Table, Tolerances, compare_tables,
 };
-use flexlink::tables::{CsvFolder, GoldenChanges, InputFile, read_table};
+use flexlink::csv::InputFile;
+use flexlink::csv::read_table;
+use flexlink::store::CsvFolder;
+use flexlink::store::GoldenChanges;
 
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::files::is_standard_input;

@@ -1,11 +1,11 @@
 //! The tables that `compare` prints.
 
-use flexlink::numeric::significant;
-use flexlink::result::comparison::{
+use flexlink::compare::{
     ColumnComparison, Comparison, FileComparison, FileOutcome, Place, TableComparison, Unmatched,
     Worst,
 };
-use flexlink::tables::GoldenChanges;
+use flexlink::numeric::significant;
+use flexlink::store::GoldenChanges;
 
 /// Columns told of one file; `--json` tells all.
 const MOST_COLUMNS: usize = 20;

@@ -5,13 +5,16 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::beam::Mesh;
+use flexlink::csv::Digits;
 use flexlink::modal::{
     DampingLaw, Thickness, held_frequencies, mode, natural_frequencies, real_frequency_zeros,
     torque_zeros,
 };
 use flexlink::result::{Remark, mesh_errors};
 use flexlink::spec::Specification;
-use flexlink::tables::{Digits, HeldModes, ModesResult, OutputFolder};
+use flexlink::store::HeldModes;
+use flexlink::store::ModesResult;
+use flexlink::store::OutputFolder;
 
 use super::args::{LinkArgs, SyncArgs};
 use super::console;

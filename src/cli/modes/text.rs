@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
 use flexlink::numeric::significant;
-use flexlink::tables::ModesResult;
+use flexlink::store::ModesResult;
 
 use crate::cli::link_text::{link_line, title};
 

@@ -4,6 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use flexlink::csv::InputFile;
+use flexlink::csv::read_hub_reference;
+use flexlink::csv::read_motion_table;
+use flexlink::csv::read_torque_table;
 use flexlink::link::Link;
 use flexlink::motion::TipTarget;
 use flexlink::numeric::plain;
@@ -11,7 +15,6 @@ use flexlink::response::{
     Feedback, FeedbackError, HubReference, Interpolation, Play, Simulation, SimulationError, Torque,
 };
 use flexlink::result::{TargetError, TipError};
-use flexlink::tables::{InputFile, read_hub_reference, read_motion_table, read_torque_table};
 
 use crate::cli::args::finite;
 use crate::cli::exit::{Exit, Failure};

@@ -5,12 +5,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use flexlink::csv::Digits;
 use flexlink::response::{PlayError, simulate};
 use flexlink::result::PlayedMetrics;
 use flexlink::spec::Specification;
-use flexlink::tables::{
-    Digits, OutputFolder, SimulateOutputs, SimulationInputs, SimulationSummary,
-};
+use flexlink::store::OutputFolder;
+use flexlink::store::SimulateOutputs;
+use flexlink::store::SimulationInputs;
+use flexlink::store::SimulationSummary;
 
 use super::args::{LinkArgs, NodeArgs, PrintArgs, SyncArgs, ThreadArgs};
 use super::console;

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::ArgPredicate;
 
+use flexlink::csv::InputFile;
 use flexlink::spec::Specification;
-use flexlink::tables::{InputFile, REPORT};
+use flexlink::store::REPORT;
 
 use super::args::{LINK, MOTION, PrintArgs, SyncArgs, ThreadArgs};
 use super::console;

@@ -3,14 +3,18 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use flexlink::csv::InputFile;
 use flexlink::inverse::{Solution, invert_watched};
 use flexlink::modal::REPORTED_MODES;
 use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
 use flexlink::result::{Exceeded, Metrics, Remark};
 use flexlink::spec::Specification;
-use flexlink::tables::{Durability, InputFile, OutputFolder, RunInputs, Summary};
-use flexlink::verification::Verification;
+use flexlink::store::Durability;
+use flexlink::store::OutputFolder;
+use flexlink::store::RunInputs;
+use flexlink::store::Summary;
+use flexlink::verify::Verification;
 
 use super::options::SolveOptions;
 use super::text::memory_text;

@@ -6,6 +6,8 @@ use std::sync::{PoisonError, RwLock};
 use clap::Args;
 
 use flexlink::beam::Mesh;
+use flexlink::csv::InputFile;
+use flexlink::csv::read_torque_table;
 use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
 use flexlink::motion::{MotionScale, TipMotion};
@@ -13,8 +15,9 @@ use flexlink::numeric::{excerpt, visible};
 use flexlink::response::Torque;
 use flexlink::result::Remark;
 use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
+use flexlink::store::SweepIdentity;
+use flexlink::store::SweepInputs;
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
-use flexlink::tables::{InputFile, SweepIdentity, SweepInputs, read_torque_table};
 
 use super::outputs::OutputsArgs;
 use crate::cli::args::{ChangeArgs, ResampleArgs, scale_arguments};

@@ -10,8 +10,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::numeric::{excerpt, visible};
+use flexlink::store::SweepRecord;
+use flexlink::store::SweptCase;
+use flexlink::store::sweep_columns;
+use flexlink::store::sweep_header;
+use flexlink::store::sweep_row;
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
-use flexlink::tables::{SweepRecord, SweptCase, sweep_columns, sweep_header, sweep_row};
 
 use super::args::{LINK, MOTION, ThreadArgs};
 use super::exit::{Exit, Failure};

@@ -2,10 +2,14 @@
 
 use std::path::Path;
 
-use flexlink::tables::{
-    Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows, checked_header,
-    checked_rows,
-};
+use flexlink::csv::checked_header;
+use flexlink::csv::checked_rows;
+use flexlink::store::Durability;
+use flexlink::store::LeftRows;
+use flexlink::store::Resumed;
+use flexlink::store::SweepFile;
+use flexlink::store::SweepIdentity;
+use flexlink::store::SweepRows;
 
 use crate::cli::console::{self, Reader};
 use crate::cli::exit::{Exit, Failure};

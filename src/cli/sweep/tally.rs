@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use flexlink::result::{Exceeded, Remark};
-use flexlink::tables::SweptCase;
+use flexlink::store::SweptCase;
 
 use crate::cli::console;
 use crate::cli::exit::{Exit, Failure};

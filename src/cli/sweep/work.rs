@@ -6,8 +6,9 @@ use flexlink::inverse::invert;
 use flexlink::response::{Play, PlayError, SimulationError, simulate};
 use flexlink::result::{Remark, TipError};
 use flexlink::spec::Specification;
+use flexlink::store::RunInputs;
+use flexlink::store::SimulationInputs;
 use flexlink::sweep::{PlayedCase, SolvedCase};
-use flexlink::tables::{RunInputs, SimulationInputs};
 
 use super::cases::Cases;
 use super::tally::CaseWarning;

@@ -2,11 +2,13 @@ pub(crate) mod text;
 
 use clap::Args;
 
+use flexlink::csv::Digits;
+use flexlink::csv::InputFile;
 use flexlink::inverse::{Solution, invert_watched};
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
-use flexlink::tables::{Digits, InputFile, verification_json};
-use flexlink::verification::{Answer, Check, Verification, VerificationError, verify};
+use flexlink::store::verification_json;
+use flexlink::verify::{Answer, Check, Verification, VerificationError, verify};
 
 use super::args::{LinkArgs, MotionArgs, ScaleArgs, ThreadArgs};
 use super::console;

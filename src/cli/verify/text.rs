@@ -1,6 +1,6 @@
 //! The table that `verify` prints.
 
-use flexlink::verification::{Check, Outcome, Verification};
+use flexlink::verify::{Check, Outcome, Verification};
 
 /// Numbers below it are round-off, another one on every machine.
 const ROUND_OFF: f64 = 1e-9;

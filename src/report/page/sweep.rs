@@ -4,9 +4,9 @@ use maud::{Markup, html};
 
 use super::readings::inputs;
 use super::{Figures, Section, document, figures_section, made_by};
+use crate::compare::{Cell, TableColumn};
 use crate::numeric::significant;
 use crate::result::StoredSweep;
-use crate::result::comparison::{Cell, TableColumn};
 
 /// Rows of the table that a page shows.
 const MOST_CASES: usize = 200;

@@ -1,8 +1,8 @@
 use super::super::chart::{Across, Axis, ColourMap, Colours, Curve, Figure, Stroke};
 use super::super::figures::Figures;
 use super::topics::{TOPICS, Topic};
+use crate::compare::{Cell, TableColumn};
 use crate::result::StoredSweep;
-use crate::result::comparison::{Cell, TableColumn};
 
 /// Lines of a figure at most; more could not be told from each other.
 const MOST_LINES: usize = 6;
@@ -200,7 +200,7 @@ fn over_many(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::comparison::Table;
+    use crate::compare::Table;
 
     /// A sweep whose columns after the varied ones are the ratio and its cases' order.
     fn sweep(varied: &[(&str, &[f64])], ratios: &[f64]) -> StoredSweep {

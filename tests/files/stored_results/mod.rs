@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use flexlink::result::{StoredResult, StoredRun, StoredSweep};
-use flexlink::tables::read_result;
+use flexlink::store::read_result;
 use tempfile::TempDir;
 
 const LINK: &str = "specs/bayo1987_example1.toml";

@@ -1,6 +1,6 @@
 //! Tables of sweeps.
 
-use flexlink::result::comparison::Cell;
+use flexlink::compare::Cell;
 
 use super::{Bench, LINK, MOTION};
 

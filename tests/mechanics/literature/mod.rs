@@ -20,11 +20,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use flexlink::beam::Mesh;
+use flexlink::csv::read_motion_table;
 use flexlink::link::Link;
 use flexlink::modal::{held_frequencies, natural_frequencies};
 use flexlink::motion::TipMotion;
 use flexlink::spec::{Override, Specification, read_specification};
-use flexlink::tables::read_motion_table;
 
 /// Enough elements for ten digits of the first five frequencies of a uniform link.
 const FINE: &str = "mesh.elements=800";

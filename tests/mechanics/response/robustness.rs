@@ -10,6 +10,7 @@ use std::fs;
 use std::path::Path;
 
 use flexlink::beam::MeshPlan;
+use flexlink::csv::read_motion_table;
 use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
@@ -18,7 +19,6 @@ use flexlink::numeric::TimeGrid;
 use flexlink::response::{Play, Simulation, Torque};
 use flexlink::result::TipError;
 use flexlink::spec::{Override, read_specification};
-use flexlink::tables::read_motion_table;
 
 use super::{played, torque_of, whole_band};
 

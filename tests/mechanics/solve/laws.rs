@@ -6,9 +6,9 @@ use super::{
     Smooth, accelerated, displaced, link, mesh_of, peak, samples, sine, solved, torque_at,
     torque_difference, uniform, whole_band,
 };
+use flexlink::csv::read_motion_table;
 use flexlink::inverse::{Analysis, invert};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
-use flexlink::tables::read_motion_table;
 
 /// What padding and wrap-around may cost two torques together: some tolerances of the peak.
 const PADDING: f64 = 1e-5;

@@ -12,7 +12,7 @@ use flexlink::link::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload, 
 use flexlink::motion::{MotionColumns, Profile, TipMotion};
 use flexlink::response::{Play, Torque, simulate};
 use flexlink::result::{Limits, Metrics};
-use flexlink::verification::{Answer, Check, Outcome, Verification, verify};
+use flexlink::verify::{Answer, Check, Outcome, Verification, verify};
 
 /// A tapered link with hub radius, friction, a lumped mass and a payload.
 fn parts(stiffness_n_m2: f64, damping: Damping) -> LinkParts {

@@ -1,0 +1,171 @@
+use crate::motion::MotionColumns;
+use crate::numeric::{CubicSpline, SplineEnds};
+
+use super::motion_csv::MotionTable;
+use super::samples::MIN_SAMPLES;
+use super::table_error::{Place, TableError};
+
+/// Most samples that a resampled motion may have.
+const MAX_SAMPLES: f64 = 1e7;
+/// How far the motion may end from a whole number of steps, in steps.
+const WHOLE_STEPS: f64 = 1e-6;
+
+impl MotionTable {
+    /// The motion on a uniform grid from its first time to its last, by cubic splines.
+    ///
+    /// The displacement's spline is at rest at both ends; those of velocity and acceleration assume
+    /// nothing there.
+    ///
+    /// ```
+    /// use flexlink::csv::read_motion_table;
+    /// let file = b"time,displacement\n0,0\n0.1,0.2\n0.3,0.8\n0.4,1\n";
+    /// let motion = read_motion_table("move.csv", file, 1.5)?.resampled(0.05)?;
+    /// assert_eq!(motion.columns.time_s.len(), 9);
+    /// # Ok::<(), flexlink::csv::TableError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`TableError`] unless the step is above 0, divides the motion's duration within 1e-6
+    /// of a step, and gives from 4 to 1e7 samples.
+    pub fn resampled(self, step_s: f64) -> Result<Self, TableError> {
+        let known = &self.columns.time_s;
+        let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
+            return Ok(self);
+        };
+        let place = Place { file: &self.name, line: None };
+        let steps = whole_steps(last - first, step_s, place)?;
+        let time_s: Vec<f64> = (0..=steps).map(|k| first + k as f64 * step_s).collect();
+        let on_grid = |values: &Option<Vec<f64>>, ends| {
+            let spline = CubicSpline::new(known, values.as_ref()?, ends);
+            Some(time_s.iter().map(|&t| spline.value(t.min(last))).collect())
+        };
+        let columns = &self.columns;
+        let lines = time_s.iter().map(|time| {
+            let not_later = known.partition_point(|known| *known <= time + WHOLE_STEPS * step_s);
+            self.lines[not_later.saturating_sub(1)]
+        });
+        Ok(Self {
+            lines: lines.collect(),
+            columns: MotionColumns {
+                acceleration_m_s2: on_grid(&columns.acceleration_m_s2, SplineEnds::NotAKnot),
+                velocity_m_s: on_grid(&columns.velocity_m_s, SplineEnds::NotAKnot),
+                displacement_m: on_grid(&columns.displacement_m, SplineEnds::Clamped),
+                time_s,
+            },
+            name: self.name,
+        })
+    }
+}
+
+/// Number of steps in the duration, refused unless it is whole.
+fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, TableError> {
+    let refuse = |must: String| place.refuse("resampling step", format!("{step_s} s"), must);
+    if !(step_s.is_finite() && step_s > 0.0) {
+        return Err(refuse("must be finite and above 0".to_owned()));
+    }
+    let ratio = duration_s / step_s;
+    let steps = ratio.round();
+    let fewest = (MIN_SAMPLES - 1) as f64;
+    if steps < fewest {
+        let longest = duration_s / fewest;
+        let must = format!("must be at most {longest} s, which gives {MIN_SAMPLES} samples");
+        return Err(refuse(must));
+    }
+    if steps >= MAX_SAMPLES {
+        let shortest = duration_s / (MAX_SAMPLES - 1.0);
+        let must = format!("must be at least {shortest} s, which gives {MAX_SAMPLES:e} samples");
+        return Err(refuse(must));
+    }
+    if (ratio - steps).abs() > WHOLE_STEPS {
+        let below = ratio.floor().max(fewest);
+        let (long, short) = (duration_s / below, duration_s / (below + 1.0));
+        let must = format!("must divide the motion's {duration_s} s into whole steps");
+        let hint = format!("the nearest steps that do are {short} s and {long} s");
+        return Err(refuse(must).with_hint(hint));
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number from 3 to 1e7"
+    )]
+    Ok(steps as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// A table over uneven times, with the line number twice the sample's.
+    fn table(time_s: &[f64], value: impl Fn(f64) -> [f64; 3]) -> MotionTable {
+        let column = |index: usize| Some(time_s.iter().map(|&t| value(t)[index]).collect());
+        MotionTable {
+            columns: MotionColumns {
+                displacement_m: column(0),
+                velocity_m_s: column(1),
+                acceleration_m_s2: column(2),
+                time_s: time_s.to_vec(),
+            },
+            name: "t.csv".to_owned(),
+            lines: (0..time_s.len() as u64).map(|k| 2 * k).collect(),
+        }
+    }
+
+    fn versine(t: f64) -> [f64; 3] {
+        let (sin, cos) = (TAU * t).sin_cos();
+        [0.5 * (1.0 - cos), 0.5 * TAU * sin, 0.5 * TAU * TAU * cos]
+    }
+
+    fn worst(table: &MotionTable) -> f64 {
+        let columns = &table.columns;
+        let wrong = |column: &Option<Vec<f64>>, index: usize| {
+            let values = column.as_ref().unwrap().iter().zip(&columns.time_s);
+            let errors = values.map(|(value, &t)| (value - versine(t)[index]).abs());
+            errors.fold(0.0, f64::max)
+        };
+        let displacement = wrong(&columns.displacement_m, 0);
+        let velocity = wrong(&columns.velocity_m_s, 1);
+        displacement.max(velocity).max(wrong(&columns.acceleration_m_s2, 2))
+    }
+
+    fn uneven(n: u32) -> Vec<f64> {
+        let even = (0..=n).map(|k| f64::from(k) / f64::from(n));
+        even.map(|u| u + 0.05 * (TAU * u).sin() / TAU).collect()
+    }
+
+    #[test]
+    fn all_columns_follow_the_motion_with_the_fourth_power_of_the_spacing() {
+        let error = |n| worst(&table(&uneven(n), versine).resampled(0.001).unwrap());
+        let order = (error(100) / error(200)).log2();
+        assert!((3.8..4.2).contains(&order), "order {order}");
+    }
+
+    #[test]
+    fn the_motion_ends_where_it_ended() {
+        let resampled = table(&uneven(50), |t| [t * t * (3.0 - 2.0 * t); 3]);
+        let resampled = resampled.resampled(0.01).unwrap();
+        let displacement_m = resampled.columns.displacement_m.as_ref().unwrap();
+        assert_eq!((displacement_m.len(), displacement_m[100]), (101, 1.0));
+    }
+
+    #[test]
+    fn a_line_is_that_of_the_last_sample_not_later() {
+        let resampled = table(&[0.0, 0.1, 0.3, 0.6], versine).resampled(0.1).unwrap();
+        let lines: Vec<u64> = (0..7).map(|k| resampled.line_of(k)).collect();
+        assert_eq!(lines, [0, 2, 2, 4, 4, 4, 6]);
+    }
+
+    #[test]
+    fn the_steps_a_refusal_names_are_accepted() {
+        let motion = table(&uneven(10), versine);
+        let error = motion.clone().resampled(0.03).unwrap_err();
+        let must = "must divide the motion's 1 s into whole steps";
+        assert_eq!(error.to_string(), format!("t.csv: resampling step = 0.03 s, but {must}"));
+        let hint = error.hint().unwrap();
+        let steps: Vec<f64> = hint.split(' ').filter_map(|word| word.parse().ok()).collect();
+        assert_eq!(steps.len(), 2);
+        for step_s in steps {
+            assert!(motion.clone().resampled(step_s).is_ok(), "{step_s}");
+        }
+    }
+}

@@ -1,0 +1,219 @@
+use csv::{ReaderBuilder, StringRecord, Trim};
+
+use super::encoding::{disguise, remedy};
+use super::table_error::{Place, TableError};
+
+/// What `first` makes of the first row of a CSV text, the content of `file`, and `next` of it and
+/// each further row; none of a text without rows.
+///
+/// Both are given the row's line and its fields, trimmed; comments, blank lines and a byte order mark
+/// are passed over.
+///
+/// # Errors
+/// Those of `first` and `next`, and [`TableError`] for what is not UTF-8 or no CSV.
+pub(crate) fn read_rows<T>(
+    file: &str,
+    bytes: &[u8],
+    first: impl Fn(u64, &[&str]) -> Result<T, TableError>,
+    next: impl Fn(&mut T, u64, &[&str]) -> Result<(), TableError>,
+) -> Result<Option<T>, TableError> {
+    let mut table = None;
+    each_row(file, bytes, |line, fields| {
+        match &mut table {
+            None => table = Some(first(line, fields)?),
+            Some(table) => next(table, line, fields)?,
+        }
+        Ok(())
+    })
+    .map_err(|error| match disguise(bytes) {
+        Some(remedy) => error.with_hint(remedy.to_owned()),
+        None => error,
+    })?;
+    Ok(table)
+}
+
+fn each_row(
+    file: &str,
+    bytes: &[u8],
+    take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
+) -> Result<(), TableError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let good = error.valid_up_to();
+        let line = Some(1 + line_ends(bytes, 0, good));
+        Place { file, line }
+            .refuse("text", format!("byte 0x{:02x}", bytes[good]), "must be UTF-8")
+            .with_hint(remedy(bytes).to_owned())
+    })?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    check_line_ends(file, text)?;
+    if is_plain(text) { each_plain_row(text, take) } else { each_quoted_row(file, text, take) }
+}
+
+/// Whether lines and fields end where a line feed and a comma stand, which is several times faster
+/// to read.
+fn is_plain(text: &str) -> bool {
+    let bytes = text.as_bytes();
+    let lone = |k: usize| bytes.get(k + 1) != Some(&b'\n');
+    !bytes.contains(&b'"') && !text.match_indices('\r').any(|(k, _)| lone(k))
+}
+
+fn each_plain_row(
+    text: &str,
+    mut take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
+) -> Result<(), TableError> {
+    let mut fields = Vec::new();
+    for (line, row) in (1..).zip(text.split('\n')) {
+        if row.starts_with('#') || row.trim().is_empty() {
+            continue;
+        }
+        fields.clear();
+        let mut start = 0;
+        for (place, byte) in row.bytes().enumerate() {
+            if byte == b',' {
+                fields.push(row[start..place].trim());
+                start = place + 1;
+            }
+        }
+        fields.push(row[start..].trim());
+        take(line, &fields)?;
+    }
+    Ok(())
+}
+
+fn each_quoted_row(
+    file: &str,
+    text: &str,
+    mut take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
+) -> Result<(), TableError> {
+    let mut reader = ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes());
+    let mut record = StringRecord::new();
+    let (mut counted, mut line) = (0, 1);
+    loop {
+        let is_row = reader.read_record(&mut record).map_err(|error| {
+            let place = Place { file, line: Some(line) };
+            place.refuse("row", error.to_string(), "must be CSV")
+        })?;
+        if !is_row {
+            return Ok(());
+        }
+        let start = start_of(&record, text.as_bytes());
+        line += line_ends(text.as_bytes(), counted, start);
+        counted = start;
+        if record.len() > 1 || !record[0].is_empty() {
+            let fields: Vec<&str> = record.iter().map(unquoted).collect();
+            take(line, &fields)?;
+        }
+    }
+}
+
+/// Where in `bytes` a row begins.
+///
+/// The reader tells where it began to look for it: before the comments, the blank lines and the rest
+/// of the line end that it then passed over.
+fn start_of(record: &StringRecord, bytes: &[u8]) -> usize {
+    let looked_from = record.position().map_or(0, csv::Position::byte);
+    let mut start = usize::try_from(looked_from).unwrap_or(bytes.len());
+    loop {
+        match bytes.get(start) {
+            Some(b'\n' | b'\r') => start += 1,
+            Some(b'#') => start += bytes[start..].iter().take_while(|&&b| b != b'\n').count(),
+            _ => return start,
+        }
+    }
+}
+
+/// Refuses a comment in a file whose lines end in CR alone: it would never end.
+fn check_line_ends(file: &str, text: &str) -> Result<(), TableError> {
+    let comments = text.split('\r').any(|line| line.starts_with('#'));
+    if text.contains('\n') || !text.contains('\r') || !comments {
+        return Ok(());
+    }
+    let must = "must be LF or CR LF where there are comments";
+    let hint = "save the file with the line ends of Unix or Windows";
+    Err(Place { file, line: Some(1) }.refuse("line end", "CR", must).with_hint(hint.to_owned()))
+}
+
+/// Number of line ends, LF, CR LF or CR, in `bytes[from..to]`.
+fn line_ends(bytes: &[u8], from: usize, to: usize) -> u64 {
+    let ends = |&k: &usize| match bytes[k] {
+        b'\n' => true,
+        b'\r' => bytes.get(k + 1) != Some(&b'\n'),
+        _ => false,
+    };
+    (from..to).filter(ends).map(|_| 1).sum()
+}
+
+/// A field without the quotes that stay where a blank stands before them.
+fn unquoted(field: &str) -> &str {
+    let inner = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
+    inner.map_or(field, str::trim)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Rows = Vec<(u64, Vec<String>)>;
+
+    fn collected(
+        each: impl FnOnce(
+            &mut dyn FnMut(u64, &[&str]) -> Result<(), TableError>,
+        ) -> Result<(), TableError>,
+    ) -> Rows {
+        let mut all = Vec::new();
+        each(&mut |line, fields| {
+            all.push((line, fields.iter().map(|&field| field.to_owned()).collect()));
+            Ok(())
+        })
+        .unwrap();
+        all
+    }
+
+    fn rows(text: &str) -> Rows {
+        collected(|take| each_row("t.csv", text.as_bytes(), take))
+    }
+
+    #[test]
+    fn plain_text_is_read_as_the_parser_of_quoted_text_reads_it() {
+        for text in [
+            "a,b\n1,2\n3,4\n",
+            "a , b\r\n 1,\t2 \r\n\r\n3,4",
+            "# c\n\n# d\na,b\n\n1,2\n#\n\n  \n3,4\n\n",
+            "a,b,\n,,\n , \n1\n",
+            " # no comment, b\n#,\n1,2",
+            "ä,\u{a0}b\u{a0}\n1,2\n",
+            "",
+            "\n",
+        ] {
+            assert!(is_plain(text), "{text:?}");
+            let plain = collected(|take| each_plain_row(text, take));
+            let quoted = collected(|take| each_quoted_row("t.csv", text, take));
+            assert_eq!(plain, quoted, "{text:?}");
+        }
+        assert!(!is_plain("a,b\r1,2\n") && !is_plain("a,\"b\"\n"));
+    }
+
+    fn lines(text: &str) -> Vec<u64> {
+        rows(text).into_iter().map(|(line, _)| line).collect()
+    }
+
+    #[test]
+    fn lines_are_those_an_editor_shows() {
+        assert_eq!(lines("a,b\n1,2\n3,4\n"), [1, 2, 3]);
+        assert_eq!(lines("# c\n\n# d\na,b\n\n1,2\n#\n\n3,4"), [4, 6, 9]);
+        assert_eq!(lines("\u{feff}# c\r\na,b\r\n\r\n1,2\r\n# x\r\n3,4\r\n"), [2, 4, 6]);
+        assert_eq!(lines("a,b\r1,2\r3,4\r"), [1, 2, 3]);
+        assert_eq!(lines("a,\"b\nc\"\n1,2\n  \n3,4\n"), [1, 3, 5]);
+    }
+
+    #[test]
+    fn fields_are_trimmed_and_freed_of_quotes() {
+        let expected = vec!["a".to_owned(), "b, c".to_owned(), "d".to_owned()];
+        assert_eq!(rows(" a ,\"b, c\", \" d \"\n"), [(1, expected)]);
+    }
+}

@@ -1,0 +1,69 @@
+use thiserror::Error;
+
+use crate::numeric::excerpt;
+
+/// A CSV file that is refused.
+///
+/// The text reads `traj.csv:17: displacement = nan, but must be a finite number`.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{place}: {message}")]
+pub struct TableError {
+    /// File and, where one is at fault, line.
+    place: String,
+    message: String,
+    hint: Option<String>,
+}
+
+impl TableError {
+    /// What the user may do, if there is something to add.
+    pub fn hint(&self) -> Option<&str> {
+        self.hint.as_deref()
+    }
+
+    /// Adds what the user may do.
+    pub(crate) fn with_hint(self, hint: impl Into<Option<String>>) -> Self {
+        Self { hint: hint.into(), ..self }
+    }
+
+    /// Adds what the user may do where nothing better is known.
+    pub(crate) fn or_hint(self, hint: String) -> Self {
+        let hint = self.hint.clone().or(Some(hint));
+        self.with_hint(hint)
+    }
+}
+
+/// Where in a file something was found.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place<'a> {
+    /// The file, as the user named it.
+    pub(crate) file: &'a str,
+    /// Line from 1; `None`: the file as a whole.
+    pub(crate) line: Option<u64>,
+}
+
+impl Place<'_> {
+    /// Refuses `subject`, `found` here, because of what it `must` be.
+    pub(crate) fn refuse(
+        &self,
+        subject: impl Into<String>,
+        found: impl Into<String>,
+        must: impl Into<String>,
+    ) -> TableError {
+        let message = format!("{} = {}, but {}", subject.into(), found.into(), must.into());
+        self.refuse_whole(message)
+    }
+
+    /// Refuses what is found here in words of its own.
+    pub(crate) fn refuse_whole(&self, message: String) -> TableError {
+        let place = match self.line {
+            Some(line) => format!("{}:{line}", self.file),
+            None => self.file.to_owned(),
+        };
+        TableError { place, message, hint: None }
+    }
+}
+
+/// A piece of the file as a message quotes it: in quotes, control characters told, not too long.
+pub(crate) fn quoted(text: &str) -> String {
+    format!("\"{}\"", excerpt(text).escape_debug())
+}

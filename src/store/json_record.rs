@@ -1,0 +1,129 @@
+//! Records in JSON: their format, and what to say of those that another version wrote.
+
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use crate::csv::Place;
+use crate::csv::TableError;
+use crate::numeric::{excerpt, visible};
+
+/// Format of all records. It grows with each change that readers of the one before must know of.
+pub(super) const FORMAT: u32 = 2;
+
+/// What tells a record from other files.
+#[derive(Debug, Deserialize)]
+pub(super) struct Head {
+    pub(super) format: Option<u32>,
+    pub(super) flexlink: Option<String>,
+    pub(super) command: Option<String>,
+}
+
+/// Refuses a record of another format than this version writes and reads.
+pub(super) fn check_format(
+    found: Option<u32>,
+    version: &str,
+    place: Place,
+) -> Result<(), TableError> {
+    match found {
+        Some(FORMAT) => Ok(()),
+        Some(later) if later > FORMAT => Err(newer(refused(&later.to_string(), place), version)),
+        Some(earlier) => Err(older(&earlier.to_string(), version, place)),
+        None => Err(without_format(version, place)),
+    }
+}
+
+/// Refuses a record of the time before records had a format.
+pub(super) fn without_format(version: &str, place: Place) -> TableError {
+    older("nothing", version, place)
+}
+
+fn older(found: &str, version: &str, place: Place) -> TableError {
+    let hint = format!("flexlink {} wrote it in an older format: run it again", excerpt(version));
+    refused(found, place).with_hint(hint)
+}
+
+fn refused(found: &str, place: Place) -> TableError {
+    place.refuse("format", found, format!("must be {FORMAT}"))
+}
+
+/// Reads a record, or refuses it with what it `must` be and, where `place` has none, the line.
+pub(super) fn parsed<T: DeserializeOwned>(
+    bytes: &[u8],
+    place: Place,
+    must: &str,
+) -> Result<T, TableError> {
+    if bytes.trim_ascii_start().starts_with(b"[") {
+        // The parser takes a list for the values of an object.
+        return Err(place.refuse("content", "a list", "must be an object"));
+    }
+    serde_json::from_slice(bytes).map_err(|error| {
+        let line = u64::try_from(error.line()).ok().filter(|line| *line > 0);
+        let key = key_before(bytes, error.line(), error.column());
+        let (subject, found, must) = in_words(&error.to_string(), key, must);
+        Place { line: place.line.or(line), ..place }.refuse(subject, found, must)
+    })
+}
+
+/// The last key before a place in a record, if there is one.
+fn key_before(bytes: &[u8], line: usize, column: usize) -> Option<String> {
+    let line = bytes.split(|byte| *byte == b'\n').nth(line.checked_sub(1)?)?;
+    let text = String::from_utf8_lossy(&line[..column.min(line.len())]).into_owned();
+    let (before, _) = text.rsplit_once("\":")?;
+    before.rsplit_once('"').map(|(_, key)| key.to_owned())
+}
+
+/// What the parser says of damage: its subject, what was found and what it must be.
+fn in_words(text: &str, key: Option<String>, must: &str) -> (String, String, String) {
+    let text = text.rsplit_once(" at line ").map_or(text, |(text, _)| text);
+    if let Some(key) = text.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`'))
+    {
+        return (key.to_owned(), "nothing".to_owned(), "must be there".to_owned());
+    }
+    let mismatch = text.strip_prefix("invalid type: ").or(text.strip_prefix("invalid value: "));
+    match mismatch.and_then(|text| text.rsplit_once(", expected ")) {
+        Some((found, expected)) => {
+            let subject = key.unwrap_or_else(|| "content".to_owned());
+            let found = excerpt(found);
+            let must = format!("must be {}", plain_kind(expected));
+            (excerpt(&subject).into_owned(), visible(&found).into_owned(), must)
+        }
+        None => ("content".to_owned(), visible(&excerpt(text)).into_owned(), must.to_owned()),
+    }
+}
+
+/// What a value must be, without the names of the programming language.
+fn plain_kind(expected: &str) -> &str {
+    match expected {
+        "u32" | "u64" | "usize" => "a whole number",
+        "f64" => "a number",
+        "a sequence" => "a list",
+        "a string" | "a borrowed string" => "a text",
+        "a boolean" => "true or false",
+        _ if expected.starts_with("struct ") || expected == "a map" => "an object",
+        _ if expected.starts_with("an array") => "a list of that length",
+        _ => expected,
+    }
+}
+
+/// What a record of this version must be.
+pub(super) fn as_written() -> String {
+    format!("must be as flexlink {} writes it", env!("CARGO_PKG_VERSION"))
+}
+
+/// Adds to an error that a later version than this one wrote the file, if one did.
+pub(super) fn newer(error: TableError, version: &str) -> TableError {
+    let own = env!("CARGO_PKG_VERSION");
+    if numbers(version) <= numbers(own) {
+        return error;
+    }
+    error.or_hint(format!(
+        "flexlink {} wrote it, and this is {own}: take that version",
+        excerpt(version)
+    ))
+}
+
+/// The numbers of a version, the first one first.
+fn numbers(version: &str) -> Vec<u64> {
+    let plain = version.split(['-', '+']).next().unwrap_or_default();
+    plain.split('.').map(|number| number.parse().unwrap_or(0)).collect()
+}

@@ -1,0 +1,190 @@
+use crate::csv::InputFile;
+use crate::csv::Place;
+use crate::csv::TableError;
+use crate::csv::check_separator;
+use crate::csv::quoted;
+use crate::csv::read_rows;
+use crate::csv::refuse_missing;
+use crate::numeric::TimeGrid;
+
+pub(super) const TIME: &str = "time_s";
+
+/// What a mix of two runs is told to be.
+pub(super) const ONE_RUN: &str = "a folder holds one run";
+
+/// Times may differ by this share of a step: what writing them rounds is less.
+const TIME_TOLERANCE: f64 = 1e-6;
+
+/// A table over time as a run writes it: `time_s` first, then numbers in every field.
+#[derive(Debug, Clone)]
+pub(super) struct Numbers {
+    /// The file, for messages.
+    pub(super) shown: String,
+    /// Names of the columns, `time_s` first.
+    pub(super) names: Vec<String>,
+    /// One column a name.
+    pub(super) columns: Vec<Vec<f64>>,
+    lines: Vec<u64>,
+}
+
+impl Numbers {
+    /// Reads a table that has just these columns beside the time.
+    pub(super) fn of(file: &InputFile, columns: &[&str]) -> Result<Self, TableError> {
+        Self::read(file, |fields, place| {
+            for wanted in columns {
+                if !fields.contains(wanted) {
+                    return Err(refuse_missing(fields, wanted, place));
+                }
+            }
+            let must = || format!("must be one of {TIME}, {}", columns.join(", "));
+            let unknown = |field: &&str| *field != TIME && !columns.contains(field);
+            match fields.iter().position(unknown) {
+                Some(index) => Err(refuse_column(fields, index, &must(), place)),
+                None => Ok(()),
+            }
+        })
+    }
+
+    /// Reads a table whose names, `time_s` first, `check` accepts.
+    pub(super) fn read(
+        file: &InputFile,
+        check: impl Fn(&[&str], Place) -> Result<(), TableError>,
+    ) -> Result<Self, TableError> {
+        let whole = Place { file: &file.shown, line: None };
+        let at = |line| Place { line: Some(line), ..whole };
+        let begin = |line, fields: &[&str]| {
+            check_names(fields, at(line))?;
+            check(fields, at(line))?;
+            Ok(Self {
+                shown: file.shown.clone(),
+                names: fields.iter().map(|&field| field.to_owned()).collect(),
+                columns: vec![Vec::new(); fields.len()],
+                lines: Vec::new(),
+            })
+        };
+        let push = |table: &mut Self, line, fields: &[&str]| table.push(fields, line, at(line));
+        let table = read_rows(&file.shown, &file.bytes, begin, push)?;
+        table
+            .filter(|table| !table.lines.is_empty())
+            .ok_or_else(|| whole.refuse("rows", "none", "must be one or more below the names"))
+    }
+
+    fn push(&mut self, fields: &[&str], line: u64, place: Place) -> Result<(), TableError> {
+        let width = self.names.len();
+        if fields.len() != width {
+            let must = format!("must be {width}, as many as there are columns");
+            return Err(place.refuse("fields", fields.len().to_string(), must));
+        }
+        for ((name, field), column) in self.names.iter().zip(fields).zip(&mut self.columns) {
+            column.push(read_number(name, field, place)?);
+        }
+        if let &[.., before, now] = &self.columns[0][..]
+            && now <= before
+        {
+            let must = format!("must be above {before} s of the row before");
+            return Err(place.refuse(TIME, format!("{now} s"), must));
+        }
+        self.lines.push(line);
+        Ok(())
+    }
+
+    /// The times in s.
+    pub(super) fn times_s(&self) -> &[f64] {
+        &self.columns[0]
+    }
+
+    /// Takes the column of this name; empty if there is none.
+    pub(super) fn take(&mut self, name: &str) -> Vec<f64> {
+        let place = self.names.iter().position(|own| own == name);
+        place.map(|place| std::mem::take(&mut self.columns[place])).unwrap_or_default()
+    }
+
+    /// Refuses times that are not even, or too few to be.
+    pub(super) fn check_even(&self) -> Result<(), TableError> {
+        let rows = self.lines.len();
+        if rows < 2 {
+            return Err(self.refuse(None, "rows", &rows.to_string(), "must be two or more"));
+        }
+        TimeGrid::through(self.times_s()).map(drop).map_err(|error| {
+            let place = Place { file: &self.shown, line: Some(self.lines[error.sample]) };
+            place.refuse_whole(error.to_string())
+        })
+    }
+
+    /// Refuses times that are other than every `every`-th of `times_s`, those of the file `of`.
+    pub(super) fn check_times(
+        &self,
+        times_s: &[f64],
+        every: usize,
+        of: &str,
+    ) -> Result<(), TableError> {
+        let (found, expected) = (self.lines.len(), times_s.len().div_ceil(every));
+        if found != expected {
+            let must = format!("must be {expected}, as {of} has it: {ONE_RUN}");
+            return Err(self.refuse(None, "rows", &found.to_string(), &must));
+        }
+        let pairs = self.times_s().iter().zip(times_s.iter().step_by(every));
+        for (row, (found_s, expected_s)) in pairs.enumerate() {
+            if !is_same_time(*found_s, *expected_s, times_s) {
+                let must = format!("must be {expected_s} s as in {of}: {ONE_RUN}");
+                return Err(self.refuse(Some(row), TIME, &format!("{found_s} s"), &must));
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn refuse(
+        &self,
+        row: Option<usize>,
+        subject: &str,
+        found: &str,
+        must: &str,
+    ) -> TableError {
+        let line = row.map(|row| self.lines[row]);
+        Place { file: &self.shown, line }.refuse(subject, found, must)
+    }
+}
+
+/// Whether two times in s are one, on a grid of these times.
+pub(super) fn is_same_time(a_s: f64, b_s: f64, grid_s: &[f64]) -> bool {
+    /// Each is written to within 1e-12 s.
+    const ROUNDING_S: f64 = 2.1e-12;
+    let step_s = grid_s.get(1).map_or(0.0, |second| second - grid_s[0]);
+    (a_s - b_s).abs() <= (TIME_TOLERANCE * step_s).max(ROUNDING_S)
+}
+
+/// Refuses a column for its name.
+pub(super) fn refuse_column(fields: &[&str], index: usize, must: &str, place: Place) -> TableError {
+    place.refuse(format!("column {}", index + 1), quoted(fields[index]), must)
+}
+
+/// Refuses names that do not begin with the time, or of which two are the same.
+fn check_names(fields: &[&str], place: Place) -> Result<(), TableError> {
+    check_separator(fields, place)?;
+    if !fields.contains(&TIME) {
+        return Err(refuse_missing(fields, TIME, place));
+    }
+    if fields[0] != TIME {
+        return Err(refuse_column(fields, 0, &format!("must be {TIME}"), place));
+    }
+    for (index, field) in fields.iter().enumerate() {
+        if let Some(earlier) = fields[..index].iter().position(|earlier| earlier == field) {
+            let must = format!("must not repeat column {}", earlier + 1);
+            return Err(refuse_column(fields, index, &must, place));
+        }
+    }
+    Ok(())
+}
+
+/// The finite number in a field of the column of this name.
+pub(super) fn read_number(name: &str, field: &str, place: Place) -> Result<f64, TableError> {
+    let finite = "must be a finite number";
+    if field.is_empty() {
+        return Err(place.refuse(name, "nothing", finite));
+    }
+    match field.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) => Err(place.refuse(name, field, finite)),
+        Err(_) => Err(place.refuse(name, quoted(field), "must be a number")),
+    }
+}

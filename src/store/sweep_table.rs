@@ -1,0 +1,163 @@
+//! The table of a sweep: a row for every case.
+
+use crate::csv::NumberFormat;
+use crate::link::Link;
+use crate::numeric::rounded;
+use crate::result::MotorMetrics;
+use crate::sweep::{CaseValues, PlayedCase, SolvedCase, SweepPlan};
+
+/// Significant digits of a number in the table. Rows are written as they come, before the peak of
+/// their column is known.
+const DIGITS: usize = 12;
+
+/// The column of the kinds of a case's warnings, with `;` between them.
+pub(super) const WARNINGS: &str = "warnings";
+
+/// The last column: why a case has no numbers.
+pub(super) const ERROR: &str = "error";
+
+/// Heading of a column and the number that it shows of a case, where it has one.
+pub type SweepColumn<C> = (&'static str, fn(&C) -> Option<f64>);
+
+/// What a sweep tells of each of its cases.
+pub trait SweepRecord: Sized + 'static {
+    /// The columns between those of the variations and the last two, `warnings` and `error`.
+    const COLUMNS: &'static [SweepColumn<Self>];
+
+    /// The columns that follow them where the link has a drive.
+    const MOTOR_COLUMNS: &'static [SweepColumn<Self>] = &[];
+}
+
+/// The columns that a sweep of a link has between those of the variations and the last one.
+pub fn sweep_columns<C: SweepRecord>(link: &Link) -> Vec<SweepColumn<C>> {
+    let motor = if link.drive().is_some() { C::MOTOR_COLUMNS } else { &[] };
+    [C::COLUMNS, motor].concat()
+}
+
+impl SweepRecord for SolvedCase {
+    const COLUMNS: &'static [SweepColumn<Self>] = &[
+        ("period_1_s", |case| case.period_s),
+        ("zero_1_per_s", |case| case.zero_per_s),
+        ("peak_torque_n_m", |case| Some(case.metrics.peak_torque_n_m.value)),
+        ("rms_torque_n_m", |case| Some(case.metrics.rms_torque_n_m)),
+        ("peak_rigid_torque_n_m", |case| Some(case.metrics.peak_rigid_torque_n_m.value)),
+        ("torque_ratio", |case| Some(case.metrics.torque_ratio)),
+        ("lead_s", |case| Some(case.metrics.lead_s)),
+        ("lag_s", |case| Some(case.metrics.lag_s)),
+        ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
+        ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
+        ("peak_root_moment_n_m", |case| Some(case.metrics.peak_root_moment_n_m.value)),
+        ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
+        ("band_hz", |case| Some(case.band_hz)),
+        ("tip_error", |case| Some(case.accuracy.tip)),
+        ("torque_mesh_error", |case| Some(case.accuracy.errors.torque.mesh)),
+        ("torque_window_error", |case| Some(case.accuracy.errors.torque.window)),
+    ];
+
+    const MOTOR_COLUMNS: &'static [SweepColumn<Self>] = &[
+        ("peak_motor_torque_n_m", |case| of_motor(case, |motor| motor.peak_torque_n_m.value)),
+        ("rms_motor_torque_n_m", |case| of_motor(case, |motor| motor.rms_torque_n_m)),
+        ("peak_motor_rate_rad_s", |case| of_motor(case, |motor| motor.peak_rate_rad_s.value)),
+        ("peak_motor_power_w", |case| of_motor(case, |motor| motor.peak_power_w.value)),
+    ];
+}
+
+fn of_motor(case: &SolvedCase, number: fn(&MotorMetrics) -> f64) -> Option<f64> {
+    case.metrics.motor.as_ref().map(number)
+}
+
+impl SweepRecord for PlayedCase {
+    const COLUMNS: &'static [SweepColumn<Self>] = &[
+        ("period_1_s", |case| case.period_s),
+        ("zero_1_per_s", |case| case.zero_per_s),
+        ("tip_error_m", |case| Some(case.tip_error.worst_m)),
+        ("tip_error_share", |case| Some(case.tip_error.share)),
+        ("tip_error_time_s", |case| Some(case.tip_error.time_s)),
+        ("rms_tip_error_m", |case| Some(case.tip_error.rms_m)),
+        ("final_tip_error_m", |case| Some(case.tip_error.final_m)),
+        ("residual_m", |case| Some(case.residual.amplitude_m)),
+        ("residual_share", |case| Some(case.residual.share)),
+        ("residual_frequency_hz", |case| case.residual.frequency_hz),
+        ("residual_decay_s", |case| case.residual.decay_s),
+        ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
+        ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
+        ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
+    ];
+}
+
+/// The row that names the columns, with its line end.
+pub fn sweep_header<C>(plan: &SweepPlan, columns: &[SweepColumn<C>]) -> String {
+    let varied = plan.variations().iter().map(|variation| field(&variation.heading()));
+    let told = columns.iter().map(|(name, _)| (*name).to_owned());
+    line(varied.chain(told).chain([WARNINGS, ERROR].map(str::to_owned)))
+}
+
+/// The row of a case, with its line end: its values, its numbers or why it has none, and the kinds of
+/// its warnings.
+pub fn sweep_row<C>(
+    case: &CaseValues,
+    outcome: &Result<C, String>,
+    columns: &[SweepColumn<C>],
+    warnings: &[&str],
+) -> String {
+    let number = |value: Option<f64>| {
+        let mut text = Vec::new();
+        if let Some(value) = value.filter(|value| value.is_finite()) {
+            NumberFormat::Shortest.write(&mut text, rounded(value, DIGITS));
+        }
+        String::from_utf8_lossy(&text).into_owned()
+    };
+    let told = columns.iter().map(|(_, of)| number(outcome.as_ref().ok().and_then(of)));
+    let error = outcome.as_ref().err().map_or_else(String::new, |error| field(error));
+    let values = case.values.iter().map(|value| field(value));
+    line(values.chain(told).chain([field(&warnings.join(";")), error]))
+}
+
+fn line(fields: impl Iterator<Item = String>) -> String {
+    fields.collect::<Vec<_>>().join(",") + "\n"
+}
+
+/// Text that parts no lines.
+pub(super) fn one_line(text: &str) -> String {
+    text.replace(char::is_control, " ")
+}
+
+/// Text as one field of one line.
+fn field(text: &str) -> String {
+    let text = one_line(text);
+    let plain = !text.contains([',', '"']) && text.trim() == text && !text.starts_with('#');
+    if plain { text } else { format!("\"{}\"", text.replace('"', "\"\"")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::MotionScale;
+
+    #[test]
+    fn fields_that_would_part_or_comment_a_row_are_quoted() {
+        assert_eq!(field("segments.*.EI [N cm^2]"), "segments.*.EI [N cm^2]");
+        assert_eq!(field("[0.01, 0.02]"), "\"[0.01, 0.02]\"");
+        assert_eq!(field("link \"a\"\nline"), "\"link \"\"a\"\" line\"");
+        assert_eq!(field("#1"), "\"#1\"");
+    }
+
+    #[test]
+    fn a_failed_case_has_empty_numbers_and_says_why() {
+        let case = CaseValues {
+            values: vec!["2".into()],
+            link_changes: vec![],
+            motion: MotionScale::default(),
+        };
+        let row =
+            sweep_row(&case, &Err("damping.ratio = 2, too much".into()), SolvedCase::COLUMNS, &[]);
+        assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(18)));
+        let plan = SweepPlan::new(vec!["damping.ratio=2".parse().unwrap()]).unwrap();
+        let header = sweep_header(&plan, SolvedCase::COLUMNS);
+        assert_eq!(header.matches(',').count(), 18);
+        assert!(header.starts_with("damping.ratio,period_1_s,zero_1_per_s,peak_torque_n_m,"));
+        assert!(header.ends_with(
+            ",band_hz,tip_error,torque_mesh_error,torque_window_error,warnings,error\n"
+        ));
+    }
+}
