@@ -6,8 +6,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-use flexlink::store::OutputFolder;
-use flexlink::store::abandon_unfinished;
+use flexlink::store::{OutputFolder, abandon_unfinished};
 
 /// The end removes the file before it is waited for on the disk: to miss it there is no error.
 #[test]

@@ -2,11 +2,7 @@
 //! number.
 
 use criterion::{Criterion, Throughput};
-use flexlink::csv::Column;
-use flexlink::csv::ColumnGroup;
-use flexlink::csv::Digits;
-use flexlink::csv::NumberFormat;
-use flexlink::csv::write_csv;
+use flexlink::csv::{Column, ColumnGroup, Digits, NumberFormat, write_csv};
 use flexlink::numeric::{ThinnedGrid, TimeGrid};
 
 use super::inputs::waves;

@@ -1,9 +1,6 @@
 use super::finite;
 use super::wording::check_words;
-use flexlink::csv::Digits;
-use flexlink::csv::MotionTable;
-use flexlink::csv::read_motion_table;
-use flexlink::csv::write_trajectory;
+use flexlink::csv::{Digits, MotionTable, read_motion_table, write_trajectory};
 use flexlink::motion::{Cutoff, MotionColumns, TipMotion};
 use flexlink::numeric::TimeGrid;
 

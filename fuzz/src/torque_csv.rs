@@ -1,8 +1,6 @@
 use super::finite;
 use super::wording::check_words;
-use flexlink::csv::TableError;
-use flexlink::csv::read_hub_reference;
-use flexlink::csv::read_torque_table;
+use flexlink::csv::{TableError, read_hub_reference, read_torque_table};
 use flexlink::numeric::TimeGrid;
 
 const FILE: &str = "torque.csv";

@@ -7,8 +7,7 @@ use clap::Args;
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
 use flexlink::beam::Mesh;
-use flexlink::csv::InputFile;
-use flexlink::csv::read_motion_table;
+use flexlink::csv::{InputFile, read_motion_table};
 use flexlink::link::Link;
 use flexlink::motion::{MotionScale, TipMotion};
 use flexlink::numeric::plain;

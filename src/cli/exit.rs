@@ -1,7 +1,6 @@
 use std::process::ExitCode;
 
-use flexlink::csv::InputError;
-use flexlink::csv::TableError;
+use flexlink::csv::{InputError, TableError};
 use flexlink::inverse::InversionError;
 use flexlink::modal::DampingError;
 use flexlink::result::FitError;

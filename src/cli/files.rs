@@ -2,10 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use flexlink::store::ForeignRecord;
-use flexlink::store::REPORT;
-use flexlink::store::is_result_file;
-use flexlink::store::sweep_files;
+use flexlink::store::{ForeignRecord, REPORT, is_result_file, sweep_files};
 
 use super::exit::{Exit, Failure};
 

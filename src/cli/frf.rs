@@ -4,8 +4,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::beam::Mesh;
-use flexlink::csv::Digits;
-use flexlink::csv::write_frequency_response;
+use flexlink::csv::{Digits, write_frequency_response};
 use flexlink::inverse::{
     Dynamics, FrequencyResponse, InversionError, KeptModes, changes_on_halves,
 };

@@ -3,8 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::csv::Digits;
-use flexlink::csv::write_trajectory;
+use flexlink::csv::{Digits, write_trajectory};
 use flexlink::motion::Profile;
 use flexlink::spec::link_file_schema;
 use flexlink::store::OutputFolder;

@@ -1,7 +1,6 @@
 //! Memory, asked about before it is taken.
 
-use flexlink::csv::available_addresses;
-use flexlink::csv::available_memory;
+use flexlink::csv::{available_addresses, available_memory};
 use flexlink::numeric::gigabytes;
 
 use super::allocator::share_arenas;

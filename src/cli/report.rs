@@ -6,9 +6,7 @@ use clap::Args;
 use flexlink::report::chart::Figure;
 use flexlink::report::{Figures, page};
 use flexlink::result::StoredResult;
-use flexlink::store::OutputFolder;
-use flexlink::store::REPORT;
-use flexlink::store::read_result;
+use flexlink::store::{OutputFolder, REPORT, read_result};
 
 use super::console;
 use super::exit::{Exit, Failure};

@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, builder::TypedValueParser};
 
-use flexlink::csv::Digits;
-use flexlink::csv::InputFile;
-use flexlink::csv::write_trajectory;
+use flexlink::csv::{Digits, InputFile, write_trajectory};
 use flexlink::motion::Profile;
 use flexlink::numeric::{excerpt, plain, significant, visible};
 use flexlink::result::{Fit, FitProblem, Limits, Metrics, OpenMotion, Reached, shortest_fit};

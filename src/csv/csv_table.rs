@@ -174,6 +174,12 @@ fn write_blocks(
     })
 }
 
+/// Columns of one unit.
+pub(crate) fn group<'a, const N: usize>(columns: [(&str, &'a Vec<f64>); N]) -> ColumnGroup<'a> {
+    let columns = columns.map(|(name, values)| Column { name: name.to_owned(), values });
+    ColumnGroup { columns: columns.into() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

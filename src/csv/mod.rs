@@ -28,8 +28,8 @@ mod trajectory_header;
 mod trajectory_table;
 
 pub use any_table::read_table;
-pub(crate) use csv_table::write_nodal;
 pub use csv_table::{Column, ColumnGroup, write_csv};
+pub(crate) use csv_table::{group, write_nodal};
 pub(crate) use encoding::remedy;
 pub use frf_table::write_frequency_response;
 pub(crate) use header::{check_separator, refuse_missing};

@@ -1,9 +1,9 @@
 use std::io::{self, Write};
 
+use super::csv_table::group;
 use super::csv_table::write_timed;
 use super::number::Digits;
 use crate::motion::MotionColumns;
-use crate::store::group;
 
 /// Writes a trajectory as `solve` reads it: time in s and, where they are given, acceleration,
 /// velocity and displacement in SI.

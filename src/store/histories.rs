@@ -4,9 +4,7 @@ use std::ffi::OsStr;
 use std::io::{self, Write};
 
 use crate::beam::{Mesh, NodalHistories};
-use crate::csv::Column;
-use crate::csv::ColumnGroup;
-use crate::csv::Digits;
+use crate::csv::{Column, ColumnGroup, Digits, group};
 use crate::link::Link;
 use crate::motion::TipMotionHistories;
 
@@ -46,12 +44,6 @@ pub(super) fn tip_groups(tip: &TipMotionHistories) -> Vec<ColumnGroup<'_>> {
         group([("tip_velocity_m_s", &tip.velocity_m_s)]),
         group([("tip_acceleration_m_s2", &tip.acceleration_m_s2)]),
     ]
-}
-
-/// Columns of one unit.
-pub(crate) fn group<'a, const N: usize>(columns: [(&str, &'a Vec<f64>); N]) -> ColumnGroup<'a> {
-    let columns = columns.map(|(name, values)| Column { name: name.to_owned(), values });
-    ColumnGroup { columns: columns.into() }
 }
 
 /// One column a node: `v7_m`.

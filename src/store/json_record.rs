@@ -3,8 +3,7 @@
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use crate::csv::Place;
-use crate::csv::TableError;
+use crate::csv::{Place, TableError};
 use crate::numeric::{excerpt, visible};
 
 /// Format of all records. It grows with each change that readers of the one before must know of.

@@ -31,7 +31,6 @@ pub use folder::{
     abandon_unfinished_soon, wait_if_ending,
 };
 pub use golden::{GoldenChanges, change_golden_files};
-pub(crate) use histories::group;
 pub use histories::{REPORT, SUMMARY, is_result_file};
 pub use modes_tables::{HeldModes, ModesResult};
 pub use records::verification_json;

@@ -3,9 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::folder::{FolderError, OutputFolder};
-use crate::csv::Digits;
-use crate::csv::PlainColumn;
-use crate::csv::write_plain;
+use crate::csv::{Digits, PlainColumn, write_plain};
 use crate::result::CoarseMesh;
 
 /// What is known of the modes and zeros of a link.

@@ -1,10 +1,9 @@
 //! The files of `simulate`: every column's name and unit, once.
 
 use super::folder::{FolderError, OutputFolder};
-use super::histories::{RESULT_FILES, SUMMARY, group, nodal_group, tip_groups, write_nodes};
+use super::histories::{RESULT_FILES, SUMMARY, nodal_group, tip_groups, write_nodes};
 use super::simulation_summary::SimulationSummary;
-use crate::csv::Digits;
-use crate::csv::write_csv;
+use crate::csv::{Digits, group, write_csv};
 use crate::link::Link;
 use crate::response::Simulation;
 

@@ -3,12 +3,9 @@
 use rayon::prelude::*;
 
 use super::folder::{FolderError, OutputFolder};
-use super::histories::{MOTOR, REPORT, RESULT_FILES, SUMMARY, group, tip_groups, write_nodes};
+use super::histories::{MOTOR, REPORT, RESULT_FILES, SUMMARY, tip_groups, write_nodes};
 use super::summary::Summary;
-use crate::csv::ColumnGroup;
-use crate::csv::Digits;
-use crate::csv::write_csv;
-use crate::csv::write_nodal;
+use crate::csv::{ColumnGroup, Digits, group, write_csv, write_nodal};
 use crate::inverse::{MotorHistories, NodalTable, Solution, Watch};
 use crate::link::Link;
 

@@ -7,12 +7,7 @@ use super::sweep_identity::SweepIdentity;
 use super::sweep_part::{error, open_part, part_of};
 use super::sweep_record::write_sweep;
 use super::sweep_rows::SweepRows;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::checked_header;
-use crate::csv::checked_rows;
-use crate::csv::quoted;
-use crate::csv::without_checks;
+use crate::csv::{Place, TableError, checked_header, checked_rows, quoted, without_checks};
 
 /// The file of a sweep while its rows come: `sweep.csv.part` beside `sweep.csv`.
 ///

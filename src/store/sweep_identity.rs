@@ -5,10 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::json_record::{FORMAT, Head, as_written, check_format, newer, parsed, without_format};
 use super::records::{Fingerprint, json, json_line};
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::quoted;
+use crate::csv::{InputFile, Place, TableError, quoted};
 use crate::result::{Origin, StoredInput};
 use crate::sweep::{Shard, SweepPlan, Variation, VariationError};
 

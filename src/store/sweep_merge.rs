@@ -1,9 +1,7 @@
 //! Shards of a sweep joined to its table.
 
 use super::sweep_rows::SweepRows;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::quoted;
+use crate::csv::{Place, TableError, quoted};
 
 /// Joins the shards of a sweep to its table: every row of every shard, in the order of the cases.
 ///

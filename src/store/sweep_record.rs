@@ -8,11 +8,7 @@ use super::records::Fingerprint;
 use super::single_file::{folder_of, is_stream, write_file_with};
 use super::sweep_identity::{SweepIdentity, is_record};
 use super::sweep_part::part_of;
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::quoted;
-use crate::csv::sha256;
+use crate::csv::{InputFile, Place, TableError, quoted, sha256};
 
 /// Where the record of a table lies.
 pub(super) fn record_of(table: &Path) -> PathBuf {

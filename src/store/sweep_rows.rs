@@ -2,12 +2,7 @@ use csv::ReaderBuilder;
 
 use super::sweep_identity::SweepIdentity;
 use super::sweep_table::{ERROR, WARNINGS, one_line};
-use crate::csv::CHECK;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::check_content;
-use crate::csv::quoted;
-use crate::csv::remedy;
+use crate::csv::{CHECK, Place, TableError, check_content, quoted, remedy};
 use crate::sweep::Variation;
 
 /// Hint for a row that does not fit its case.
@@ -185,8 +180,7 @@ pub(super) const HEADER: &str = "x,told,warnings,error\n";
 /// A file with these rows of the shard of a sweep over x = 1, 2, 3, …
 #[cfg(test)]
 pub(super) fn file(shard: &str, cases: usize, rows: &str) -> String {
-    use crate::csv::checked_header;
-    use crate::csv::checked_rows;
+    use crate::csv::{checked_header, checked_rows};
     let identity =
         super::sweep_identity::identity_of("link", &[], &format!("x=1:{cases}:{cases}"), shard);
     identity.line() + &checked_header(HEADER) + &checked_rows(rows)

@@ -1,8 +1,6 @@
 //! Files that a simulation is held to: the hub's motion, and the tip's as a target.
 
-use flexlink::csv::TableError;
-use flexlink::csv::read_hub_reference;
-use flexlink::csv::read_motion_table;
+use flexlink::csv::{TableError, read_hub_reference, read_motion_table};
 use flexlink::response::HubReference;
 
 fn read(text: &str) -> Result<HubReference, TableError> {

@@ -1,13 +1,9 @@
 //! Laws that hold for any file that is read as a table.
 
-use flexlink::csv::Column;
-use flexlink::csv::ColumnGroup;
-use flexlink::csv::Digits;
-use flexlink::csv::TableError;
-use flexlink::csv::read_hub_reference;
-use flexlink::csv::read_motion_table;
-use flexlink::csv::read_torque_table;
-use flexlink::csv::write_csv;
+use flexlink::csv::{
+    Column, ColumnGroup, Digits, TableError, read_hub_reference, read_motion_table,
+    read_torque_table, write_csv,
+};
 use flexlink::numeric::TimeGrid;
 use proptest::prelude::*;
 

@@ -1,7 +1,6 @@
 //! Torque files: what is read, and the full text of every refusal.
 
-use flexlink::csv::TableError;
-use flexlink::csv::read_torque_table;
+use flexlink::csv::{TableError, read_torque_table};
 use flexlink::response::Torque;
 
 fn read(text: &str, column: Option<&str>) -> Result<Torque, TableError> {

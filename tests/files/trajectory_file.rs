@@ -1,8 +1,6 @@
 //! Trajectory files: what is read, and the full text of every refusal.
 
-use flexlink::csv::MotionTable;
-use flexlink::csv::TableError;
-use flexlink::csv::read_motion_table;
+use flexlink::csv::{MotionTable, TableError, read_motion_table};
 
 /// Reads `text` as `traj.csv`, for a link of 2 m.
 fn read(text: &str) -> Result<MotionTable, TableError> {

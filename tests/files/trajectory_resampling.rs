@@ -1,7 +1,6 @@
 //! Resampling of trajectories: what it keeps, and the full text of every refusal.
 
-use flexlink::csv::MotionTable;
-use flexlink::csv::read_motion_table;
+use flexlink::csv::{MotionTable, read_motion_table};
 
 fn read(text: &str) -> MotionTable {
     read_motion_table("traj.csv", text.as_bytes(), 2.0).expect("a trajectory")

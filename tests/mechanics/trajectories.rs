@@ -4,8 +4,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use flexlink::csv::MotionTable;
-use flexlink::csv::read_motion_table;
+use flexlink::csv::{MotionTable, read_motion_table};
 use flexlink::motion::MotionColumns;
 
 fn folder() -> PathBuf {

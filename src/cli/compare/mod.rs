@@ -10,12 +10,9 @@ use flexlink::compare::{Comparison, Entry, Tolerances};
 use flexlink::csv::InputFile;
 use flexlink::numeric::excerpt;
 use flexlink::spec::read_tolerances;
-use flexlink::store::GoldenChanges;
-use flexlink::store::change_golden_files;
-use flexlink::store::comparison_json;
-use flexlink::store::is_result_file;
-use flexlink::store::is_run;
-use flexlink::store::write_file;
+use flexlink::store::{
+    GoldenChanges, change_golden_files, comparison_json, is_result_file, is_run, write_file,
+};
 
 use super::args::not_negative;
 use super::console;

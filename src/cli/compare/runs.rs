@@ -3,13 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use flexlink::csv::InputError;
-use flexlink::csv::InputFile;
-use flexlink::store::CsvFolder;
-use flexlink::store::GoldenChanges;
-use flexlink::store::REPORT;
-use flexlink::store::SUMMARY;
-use flexlink::store::is_run;
+use flexlink::csv::{InputError, InputFile};
+use flexlink::store::{CsvFolder, GoldenChanges, REPORT, SUMMARY, is_run};
 
 /// Adds to `changes` what keeps each changed folder of EXPECTED that holds a run the folder of one:
 /// its tables within tolerance, and summary.json and page, of ACTUAL, or none where it has none.

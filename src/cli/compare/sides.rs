@@ -6,10 +6,8 @@ use std::path::{Path, PathBuf};
 use flexlink::compare::{
     Comparison, FileComparison, FileOutcome, Rule, Table, Tolerances, compare_tables,
 };
-use flexlink::csv::InputFile;
-use flexlink::csv::read_table;
-use flexlink::store::CsvFolder;
-use flexlink::store::GoldenChanges;
+use flexlink::csv::{InputFile, read_table};
+use flexlink::store::{CsvFolder, GoldenChanges};
 
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::files::is_standard_input;

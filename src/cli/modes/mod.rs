@@ -12,9 +12,7 @@ use flexlink::modal::{
 };
 use flexlink::result::{Remark, mesh_errors};
 use flexlink::spec::Specification;
-use flexlink::store::HeldModes;
-use flexlink::store::ModesResult;
-use flexlink::store::OutputFolder;
+use flexlink::store::{HeldModes, ModesResult, OutputFolder};
 
 use super::args::{LinkArgs, SyncArgs};
 use super::console;

@@ -6,11 +6,7 @@ use std::path::Path;
 
 use flexlink::numeric::excerpt;
 use flexlink::result::{Repeated, RepeatedFile};
-use flexlink::store::Durability;
-use flexlink::store::InputRole;
-use flexlink::store::RunRecord;
-use flexlink::store::TemporaryFolder;
-use flexlink::store::wait_if_ending;
+use flexlink::store::{Durability, InputRole, RunRecord, TemporaryFolder, wait_if_ending};
 
 use super::args::PrintArgs;
 use super::console;

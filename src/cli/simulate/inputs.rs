@@ -4,10 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::csv::InputFile;
-use flexlink::csv::read_hub_reference;
-use flexlink::csv::read_motion_table;
-use flexlink::csv::read_torque_table;
+use flexlink::csv::{InputFile, read_hub_reference, read_motion_table, read_torque_table};
 use flexlink::link::Link;
 use flexlink::motion::TipTarget;
 use flexlink::numeric::plain;

@@ -9,10 +9,7 @@ use flexlink::csv::Digits;
 use flexlink::response::{PlayError, simulate};
 use flexlink::result::PlayedMetrics;
 use flexlink::spec::Specification;
-use flexlink::store::OutputFolder;
-use flexlink::store::SimulateOutputs;
-use flexlink::store::SimulationInputs;
-use flexlink::store::SimulationSummary;
+use flexlink::store::{OutputFolder, SimulateOutputs, SimulationInputs, SimulationSummary};
 
 use super::args::{LinkArgs, NodeArgs, PrintArgs, SyncArgs, ThreadArgs};
 use super::console;

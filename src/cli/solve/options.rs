@@ -2,14 +2,12 @@
 
 use clap::{Args, Parser};
 
-use flexlink::csv::Digits;
-use flexlink::csv::InputFile;
+use flexlink::csv::{Digits, InputFile};
 use flexlink::inverse::Analysis;
 use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
-use flexlink::store::OptionalTable;
-use flexlink::store::SolveOutputs;
+use flexlink::store::{OptionalTable, SolveOutputs};
 
 use crate::cli::args::{ChangeArgs, NodeArgs, ResampleArgs, ScaleArgs};
 use crate::cli::exit::Failure;

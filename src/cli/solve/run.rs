@@ -10,10 +10,7 @@ use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
 use flexlink::result::{Exceeded, Metrics, Remark};
 use flexlink::spec::Specification;
-use flexlink::store::Durability;
-use flexlink::store::OutputFolder;
-use flexlink::store::RunInputs;
-use flexlink::store::Summary;
+use flexlink::store::{Durability, OutputFolder, RunInputs, Summary};
 use flexlink::verify::Verification;
 
 use super::options::SolveOptions;

@@ -6,8 +6,7 @@ use std::sync::{PoisonError, RwLock};
 use clap::Args;
 
 use flexlink::beam::Mesh;
-use flexlink::csv::InputFile;
-use flexlink::csv::read_torque_table;
+use flexlink::csv::{InputFile, read_torque_table};
 use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
 use flexlink::motion::{MotionScale, TipMotion};
@@ -15,8 +14,7 @@ use flexlink::numeric::{excerpt, visible};
 use flexlink::response::Torque;
 use flexlink::result::Remark;
 use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
-use flexlink::store::SweepIdentity;
-use flexlink::store::SweepInputs;
+use flexlink::store::{SweepIdentity, SweepInputs};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 
 use super::outputs::OutputsArgs;

@@ -3,12 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use flexlink::csv::InputFile;
-use flexlink::store::Durability;
-use flexlink::store::SweepRows;
-use flexlink::store::SweptCase;
-use flexlink::store::check_record;
-use flexlink::store::merge_shards;
-use flexlink::store::write_sweep;
+use flexlink::store::{Durability, SweepRows, SweptCase, check_record, merge_shards, write_sweep};
 
 use super::sink::report;
 use super::tally::Tally;

@@ -10,11 +10,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::numeric::{excerpt, visible};
-use flexlink::store::SweepRecord;
-use flexlink::store::SweptCase;
-use flexlink::store::sweep_columns;
-use flexlink::store::sweep_header;
-use flexlink::store::sweep_row;
+use flexlink::store::{SweepRecord, SweptCase, sweep_columns, sweep_header, sweep_row};
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
 
 use super::args::{LINK, MOTION, ThreadArgs};

@@ -8,14 +8,10 @@ use flexlink::csv::Digits;
 use flexlink::inverse::{Solution, Unwatched};
 use flexlink::response::{PlayError, Simulation};
 use flexlink::result::Exceeded;
-use flexlink::store::Durability;
-use flexlink::store::OutputFolder;
-use flexlink::store::RunInputs;
-use flexlink::store::SimulateOutputs;
-use flexlink::store::SimulationInputs;
-use flexlink::store::SimulationSummary;
-use flexlink::store::SolveOutputs;
-use flexlink::store::Summary;
+use flexlink::store::{
+    Durability, OutputFolder, RunInputs, SimulateOutputs, SimulationInputs, SimulationSummary,
+    SolveOutputs, Summary,
+};
 use flexlink::sweep::{PlayedCase, SolvedCase};
 
 use crate::cli::args::{NodeArgs, SyncArgs};

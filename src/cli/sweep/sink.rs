@@ -2,14 +2,8 @@
 
 use std::path::Path;
 
-use flexlink::csv::checked_header;
-use flexlink::csv::checked_rows;
-use flexlink::store::Durability;
-use flexlink::store::LeftRows;
-use flexlink::store::Resumed;
-use flexlink::store::SweepFile;
-use flexlink::store::SweepIdentity;
-use flexlink::store::SweepRows;
+use flexlink::csv::{checked_header, checked_rows};
+use flexlink::store::{Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows};
 
 use crate::cli::console::{self, Reader};
 use crate::cli::exit::{Exit, Failure};

@@ -6,8 +6,7 @@ use flexlink::inverse::invert;
 use flexlink::response::{Play, PlayError, SimulationError, simulate};
 use flexlink::result::{Remark, TipError};
 use flexlink::spec::Specification;
-use flexlink::store::RunInputs;
-use flexlink::store::SimulationInputs;
+use flexlink::store::{RunInputs, SimulationInputs};
 use flexlink::sweep::{PlayedCase, SolvedCase};
 
 use super::cases::Cases;

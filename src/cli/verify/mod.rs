@@ -2,8 +2,7 @@ pub(crate) mod text;
 
 use clap::Args;
 
-use flexlink::csv::Digits;
-use flexlink::csv::InputFile;
+use flexlink::csv::{Digits, InputFile};
 use flexlink::inverse::{Solution, invert_watched};
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;

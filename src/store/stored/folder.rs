@@ -1,10 +1,6 @@
 use std::path::Path;
 
-use crate::csv::InputError;
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::quoted;
+use crate::csv::{InputError, InputFile, Place, TableError, quoted};
 use crate::numeric::is_hidden;
 
 /// What a folder must be whose files are missed.

@@ -2,11 +2,7 @@
 
 use super::numbers::read_number;
 use crate::beam::{Mesh, MeshPlan};
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::quoted;
-use crate::csv::read_rows;
+use crate::csv::{InputFile, Place, TableError, quoted, read_rows};
 use crate::link::Link;
 
 const COLUMNS: [&str; 3] = ["node", "x_m", "segment"];

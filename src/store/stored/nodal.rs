@@ -2,9 +2,7 @@
 
 use super::numbers::{Numbers, is_same_time, refuse_column};
 use crate::beam::Mesh;
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
+use crate::csv::{InputFile, Place, TableError};
 use crate::result::StoredNodes;
 
 /// How the columns of a nodal table are headed: `v7_m`.

@@ -1,10 +1,6 @@
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::check_separator;
-use crate::csv::quoted;
-use crate::csv::read_rows;
-use crate::csv::refuse_missing;
+use crate::csv::{
+    InputFile, Place, TableError, check_separator, quoted, read_rows, refuse_missing,
+};
 use crate::numeric::TimeGrid;
 
 pub(super) const TIME: &str = "time_s";

@@ -5,10 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use super::super::histories::SUMMARY;
 use super::folder::{RunFolder, check_names, unreadable};
 use super::summary::StoredSummary;
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::quoted;
+use crate::csv::{InputFile, Place, TableError, quoted};
 use crate::numeric::excerpt;
 use crate::result::{Origin, StoredInput};
 

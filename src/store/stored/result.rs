@@ -5,10 +5,7 @@ use super::super::histories::SUMMARY;
 use super::folder::{A_RUN, RunFolder, unreadable};
 use super::run::read_run;
 use super::sweep::{is_sweep, read_sweep};
-use crate::csv::InputError;
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
+use crate::csv::{InputError, InputFile, Place, TableError};
 use crate::result::StoredResult;
 
 /// Reads a result back: the folder of a run of `solve` or `simulate`, the table of a sweep, or a

@@ -7,9 +7,7 @@ use super::nodal::{Heading, deflections, read_nodal};
 use super::numbers::{Numbers, ONE_RUN, is_same_time};
 use super::summary::StoredSummary;
 use crate::beam::Mesh;
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
+use crate::csv::{InputFile, Place, TableError};
 use crate::motion::TipMotionHistories;
 use crate::result::{StoredNodes, StoredRun, StoredSolution};
 

@@ -10,10 +10,7 @@ use super::super::link_record::{DriveRecord, LinkRecord};
 use super::super::records::{CheckRecord, Fingerprint, WarningRecord};
 use super::folder::A_RUN;
 use super::readings::Readings;
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::quoted;
+use crate::csv::{InputFile, Place, TableError, quoted};
 use crate::result::{Origin, StoredCheck, StoredInput, StoredWarning};
 
 /// What of a summary is read; other keys are passed over, so that a later version may have more.

@@ -7,12 +7,7 @@ use std::path::Path;
 use super::super::sweep_record::read_record;
 use super::super::sweep_table::{ERROR, SweepColumn, SweepRecord, WARNINGS};
 use crate::compare::{Cell, Table};
-use crate::csv::CHECK;
-use crate::csv::InputFile;
-use crate::csv::Place;
-use crate::csv::TableError;
-use crate::csv::quoted;
-use crate::csv::read_table;
+use crate::csv::{CHECK, InputFile, Place, TableError, quoted, read_table};
 use crate::result::StoredSweep;
 use crate::sweep::{PlayedCase, SolvedCase};
 
