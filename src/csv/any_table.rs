@@ -1,6 +1,6 @@
-use super::header::check_separator;
+use super::error::{Place, TableError, quoted};
+use super::heading::check_separator;
 use super::rows::read_rows;
-use super::table_error::{Place, TableError, quoted};
 use crate::compare::{Cell, Table, TableColumn};
 
 /// Reads any CSV table: a row of names, then rows of numbers or words, `#` before comments.

@@ -1,10 +1,11 @@
-//! How much memory the machine has left for this program.
+//! Memory that is left for this process.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Memory in bytes that this program can take before something gives way: what the system has
-/// available, and no more than its limits leave; none where the system does not tell.
+/// Memory in bytes that this process can take: the least of what the system has available, what its
+/// control groups leave and what the limit of its address space leaves. None if the system gives no
+/// number, as on other systems than Linux.
 pub fn available_memory() -> Option<u64> {
     let system = read("/proc/meminfo").and_then(|text| kilobytes(&text, "MemAvailable:"));
     let groups = read("/proc/self/cgroup")
@@ -12,68 +13,31 @@ pub fn available_memory() -> Option<u64> {
     [system, groups, available_addresses()].into_iter().flatten().min()
 }
 
-/// Memory in bytes that the limit of this process's address space (`ulimit -v`) leaves; none where
-/// there is none.
+/// Memory in bytes that the limit of this process's address space (`ulimit -v`) leaves; none without
+/// a limit.
 pub fn available_addresses() -> Option<u64> {
     let limits = read("/proc/self/limits")?;
-    // Where there is no limit, what is used need not be asked.
     let limit = address_space(&limits)?;
     let used = read("/proc/self/status").and_then(|text| kilobytes(&text, "VmSize:"))?;
     Some(limit.saturating_sub(used))
 }
 
-/// The least that a control group of this process, or one around it, leaves; `groups` is the
-/// system's list of them, a line `NUMBER:CONTROLLERS:/PATH` each.
+/// Smallest room in bytes of the process's control group (cgroup v2) and the groups around it;
+/// `groups` is the content of `/proc/self/cgroup`, where version 2 has the line `0::/PATH`.
 fn room_in_groups(mounted: &Path, groups: &str) -> Option<u64> {
-    let rooms = groups.lines().filter_map(|line| {
-        let (_, rest) = line.split_once(':')?;
-        let (controllers, path) = rest.split_once(':')?;
-        let (root, names) = match controllers {
-            "" => (mounted.to_owned(), &SECOND_VERSION),
-            _ if controllers.split(',').any(|name| name == "memory") => {
-                (mounted.join("memory"), &FIRST_VERSION)
-            }
-            _ => return None,
-        };
-        around(&root, path).iter().filter_map(|group| room_in(group, names)).min()
-    });
-    rooms.min()
+    let path = groups.lines().find_map(|line| line.strip_prefix("0::"))?;
+    let own = mounted.join(path.trim_start_matches('/'));
+    own.ancestors().take_while(|group| group.starts_with(mounted)).filter_map(room_in).min()
 }
 
-/// Where a group tells of its memory.
-struct GroupFiles {
-    limit: &'static str,
-    used: &'static str,
-    /// Key in memory.stat of what is used, but only as long as no one else needs it.
-    given_back: &'static str,
-}
-
-const FIRST_VERSION: GroupFiles = GroupFiles {
-    limit: "memory.limit_in_bytes",
-    used: "memory.usage_in_bytes",
-    given_back: "total_inactive_file ",
-};
-
-const SECOND_VERSION: GroupFiles =
-    GroupFiles { limit: "memory.max", used: "memory.current", given_back: "inactive_file " };
-
-/// The folder of a group and those of the groups around it.
-fn around(root: &Path, path: &str) -> Vec<PathBuf> {
-    let own = root.join(path.trim_start_matches('/'));
-    own.ancestors().take_while(|folder| folder.starts_with(root)).map(Path::to_owned).collect()
-}
-
-const NO_LIMIT: u64 = 1 << 60;
-
-/// What one group leaves; none where it sets no limit.
-fn room_in(group: &Path, names: &GroupFiles) -> Option<u64> {
+/// Memory in bytes that one group leaves, its cached files counted as free; none without a limit.
+fn room_in(group: &Path) -> Option<u64> {
     let number = |name| whole(&read(group.join(name))?);
-    // The first version says "none" by a number that no machine has; what is used need not be asked.
-    let limit = number(names.limit).filter(|limit| *limit < NO_LIMIT)?;
-    let used = number(names.used)?;
-    let given_back = read(group.join("memory.stat"))
-        .and_then(|text| whole(text.lines().find_map(|line| line.strip_prefix(names.given_back))?));
-    Some(limit.saturating_sub(used.saturating_sub(given_back.unwrap_or(0))))
+    let limit = number("memory.max")?;
+    let used = number("memory.current")?;
+    let cached = read(group.join("memory.stat"))
+        .and_then(|text| whole(text.lines().find_map(|line| line.strip_prefix("inactive_file "))?));
+    Some(limit.saturating_sub(used.saturating_sub(cached.unwrap_or(0))))
 }
 
 fn read(path: impl AsRef<Path>) -> Option<String> {
@@ -135,19 +99,5 @@ mod tests {
         assert_eq!(room_in_groups(root.path(), "0::/batch/job\n"), Some(1000 - (700 - 250)));
         assert_eq!(room_in_groups(root.path(), "0::/elsewhere\n"), None);
         assert_eq!(room_in_groups(root.path(), "nonsense\n"), None);
-    }
-
-    #[test]
-    fn groups_of_the_first_version_are_read_where_memory_is_theirs() {
-        let root = mounted(&[
-            ("memory/memory.limit_in_bytes", "9223372036854771712\n"),
-            ("memory/memory.usage_in_bytes", "5000\n"),
-            ("memory/job/memory.limit_in_bytes", "3000\n"),
-            ("memory/job/memory.usage_in_bytes", "4000\n"),
-            ("memory/job/memory.stat", "total_inactive_file 1500\n"),
-        ]);
-        let groups = "5:cpu,memory:/job\n2:pids:/job\n0::/\n";
-        assert_eq!(room_in_groups(root.path(), groups), Some(500));
-        assert_eq!(room_in_groups(root.path(), "2:pids:/job\n"), None);
     }
 }

@@ -1,9 +1,9 @@
 use crate::motion::MotionColumns;
 use crate::numeric::{CubicSpline, SplineEnds};
 
-use super::motion_csv::MotionTable;
+use super::error::{Place, TableError};
+use super::motion::MotionTable;
 use super::samples::MIN_SAMPLES;
-use super::table_error::{Place, TableError};
 
 /// Most samples that a resampled motion may have.
 const MAX_SAMPLES: f64 = 1e7;

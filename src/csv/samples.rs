@@ -1,9 +1,9 @@
 use crate::response::HistoryError;
 
-use super::header::{Header, Heading};
-use super::quantity::Quantity;
+use super::error::{Place, TableError, quoted};
+use super::heading::Quantity;
+use super::heading::{Header, Heading};
 use super::rows::read_rows;
-use super::table_error::{Place, TableError, quoted};
 
 /// Fewest samples that a table may have.
 pub(super) const MIN_SAMPLES: usize = 4;

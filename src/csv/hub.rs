@@ -1,10 +1,75 @@
-use super::header::{
-    Header, Heading, check_names, find_column, find_time, names, nearest, refuse_missing,
-    split_unit,
+use super::error::{Place, TableError, quoted};
+use super::heading::{
+    HUB_MOTION, Header, Heading, Quantity, TORQUE, check_names, find_column, find_time, names,
+    nearest, refuse_missing, split_unit,
 };
-use super::quantity::{Quantity, TORQUE};
-use super::table_error::{Place, TableError, quoted};
+use super::samples::Samples;
 use crate::numeric::reads_as_unit;
+use crate::response::{HubReference, Torque};
+
+/// Reads a torque over time: a row that names the columns, then a row for every sample.
+///
+/// Without `column` the torque is the column `torque`, `torque_n_m`, `hub_torque` or
+/// `hub_torque_n_m`; with it, the column of that name, with or without its unit in brackets. Its
+/// unit is N m unless one follows the name in brackets. Of all columns only the time and the torque
+/// are read.
+///
+/// ```
+/// use flexlink::csv::read_torque_table;
+/// let file = b"time [ms],motor [N cm],state\n0,0,idle\n1,50,run\n2,50,run\n3,0,idle\n";
+/// let torque = read_torque_table("lab.csv", file, Some("motor"))?;
+/// assert_eq!(torque.torque_n_m(), [0.0, 0.5, 0.5, 0.0]);
+/// assert_eq!(torque.grid().step_s, 0.001);
+/// # Ok::<(), flexlink::csv::TableError>(())
+/// ```
+///
+/// # Errors
+/// [`TableError`] names the file, and line and column where they are at fault.
+pub fn read_torque_table(
+    name: &str,
+    bytes: &[u8],
+    column: Option<&str>,
+) -> Result<Torque, TableError> {
+    let mut samples =
+        Samples::read(name, bytes, |fields, place| read_torque_header(fields, column, place))?;
+    let time_s = samples.take(Quantity::Time).unwrap_or_default();
+    let torque_n_m = samples.take(Quantity::Torque).unwrap_or_default();
+    Torque::new(&time_s, torque_n_m).map_err(|error| samples.refuse_history(name, &error))
+}
+
+/// Reads the hub motion that a feedback is to hold: `hub_angle`, and `hub_rate` where it is given,
+/// as in the `hub_angle.csv` of `solve`. Other columns are not read.
+///
+/// ```
+/// use flexlink::csv::read_hub_reference;
+/// let file = b"time_s,hub_angle [deg],note\n0,0,\n1,90,\n2,180,\n3,180,\n";
+/// let reference = read_hub_reference("hub_angle.csv", file)?;
+/// assert_eq!(reference.angle_rad()[2], std::f64::consts::PI);
+/// assert_eq!(reference.rate_rad_s(), None);
+/// # Ok::<(), flexlink::csv::TableError>(())
+/// ```
+///
+/// # Errors
+/// [`TableError`] names the file, and line and column where they are at fault.
+pub fn read_hub_reference(name: &str, bytes: &[u8]) -> Result<HubReference, TableError> {
+    let mut samples = Samples::read(name, bytes, read_hub_header)?;
+    let time_s = samples.take(Quantity::Time).unwrap_or_default();
+    let angle_rad = samples.take(Quantity::HubAngle).unwrap_or_default();
+    let rate_rad_s = samples.take(Quantity::HubRate);
+    HubReference::new(&time_s, angle_rad, rate_rad_s)
+        .map_err(|error| samples.refuse_history(name, &error))
+}
+
+fn read_hub_header(fields: &[&str], place: Place) -> Result<Header, TableError> {
+    check_names(fields, &HUB_MOTION, place)?;
+    let time = find_time(fields, &HUB_MOTION, place)?;
+    let angle = find_column(fields, Quantity::HubAngle, &HUB_MOTION, place)?.ok_or_else(|| {
+        let hint = "hub_angle.csv of `flexlink solve` holds it".to_owned();
+        refuse_missing(&names(fields), Quantity::HubAngle.word(), place).or_hint(hint)
+    })?;
+    let rate = find_column(fields, Quantity::HubRate, &HUB_MOTION, place)?;
+    Ok(Header { width: fields.len(), headings: [time, angle].into_iter().chain(rate).collect() })
+}
 
 const IN_BRACKETS: &str = "a unit follows in brackets: torque [N cm]";
 
