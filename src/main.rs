@@ -1,6 +1,7 @@
 //! The program `flexlink`.
 
 mod cli;
+mod terminal;
 
 use std::process::ExitCode;
 

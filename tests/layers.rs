@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules by level. What stands on a level knows those above it in this list, and nothing else.
-const LEVELS: [&[&str]; 11] = [
+const LEVELS: [&[&str]; 12] = [
     &["numeric"],
     &["link"],
     &["motion", "beam"],
@@ -15,6 +15,7 @@ const LEVELS: [&[&str]; 11] = [
     &["sweep", "verify"],
     &["spec", "csv", "report"],
     &["store"],
+    &["terminal"],
     &["cli"],
 ];
 
@@ -27,7 +28,7 @@ const RESERVED: [(&str, &[&str], &[&str]); 2] = [
     ),
     (
         "prints",
-        &["cli"],
+        &["terminal", "cli"],
         &["println!", "print!", "eprintln!", "eprint!", "dbg!", "stdout(", "stderr("],
     ),
 ];

@@ -1,174 +1,14 @@
-//! Arguments that several commands share.
+//! Options that several commands share, and options as a run records them.
 
-use std::num::NonZero;
-use std::path::{Path, PathBuf};
+use std::fmt::Display;
 
 use clap::Args;
-use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
 use flexlink::beam::Mesh;
-use flexlink::csv::{InputFile, read_motion_table};
-use flexlink::link::Link;
-use flexlink::motion::{MotionScale, TipMotion};
-use flexlink::numeric::plain;
-use flexlink::spec::{Override, SpecError, Specification, read_specification};
+use flexlink::csv::Digits;
 use flexlink::store::Durability;
 
-use super::exit::{Exit, Failure};
-use super::memory::{available, most_threads};
-use super::progress::StageBar;
-use super::record::option;
-
-pub(crate) const LINK: &str = "Link file (TOML)";
-
-pub(crate) const MOTION: &str =
-    "Tip trajectory (CSV): `time` and `acceleration`, `displacement` or `angle`";
-
-/// A link file and the changes to it.
-#[derive(Debug, Args)]
-pub(crate) struct LinkArgs {
-    #[arg(value_name = "LINK", help = LINK)]
-    pub(crate) link: PathBuf,
-
-    #[command(flatten)]
-    pub(crate) changes: ChangeArgs,
-}
-
-impl LinkArgs {
-    /// Reads the link file and applies the changes.
-    pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
-        let file = InputFile::read_toml(&self.link)?;
-        let specification = self.changes.specification(&file)?;
-        Ok((file, specification))
-    }
-}
-
-/// Changes to a link file.
-#[derive(Debug, Args)]
-pub(crate) struct ChangeArgs {
-    /// Replace a value of the link file, or multiply it with `*=`; repeatable, in order. A segment
-    /// is named, numbered from 0, or `*` for all: 'segments.*.EI*=4', 'payload.mass="50 g"'.
-    #[arg(long = "set", value_name = "PATH=VALUE")]
-    changes: Vec<String>,
-}
-
-impl ChangeArgs {
-    /// The arguments, for the record.
-    pub(crate) fn arguments(&self) -> Vec<String> {
-        self.changes.iter().flat_map(|change| option("--set", change)).collect()
-    }
-
-    /// The changes, read.
-    pub(crate) fn overrides(&self) -> Result<Vec<Override>, Failure> {
-        let overrides: Result<_, SpecError> =
-            self.changes.iter().map(|change| change.parse()).collect();
-        overrides.map_err(|error| Failure::new(Exit::Usage, &error, error.hint()))
-    }
-
-    /// What a link file describes with the changes.
-    pub(crate) fn specification(&self, file: &InputFile) -> Result<Specification, Failure> {
-        specification(file, &self.overrides()?)
-    }
-}
-
-/// What a link file describes with some changes.
-pub(crate) fn specification(
-    file: &InputFile,
-    changes: &[Override],
-) -> Result<Specification, Failure> {
-    let read = read_specification(&file.shown, file.text()?, changes);
-    let mut specification = read.map_err(|error| {
-        let extension = Path::new(&file.name).extension();
-        let is_table = extension.is_some_and(|extension| extension == "csv");
-        let order = is_table.then_some("LINK, a TOML file, stands before MOTION or TORQUE");
-        Failure::new(Exit::InputRefused, &error, file.disguise().or(error.hint()).or(order))
-    })?;
-    specification.analysis = specification.analysis.within_memory(available());
-    Ok(specification)
-}
-
-/// A tip trajectory.
-#[derive(Debug, Args)]
-pub(crate) struct MotionArgs {
-    #[arg(value_name = "MOTION", help = MOTION)]
-    pub(crate) motion: PathBuf,
-
-    #[command(flatten)]
-    pub(crate) resample: ResampleArgs,
-}
-
-/// How the samples of a trajectory are taken.
-#[derive(Debug, Args)]
-pub(crate) struct ResampleArgs {
-    /// Make the trajectory uniform by a cubic spline, at this step in s.
-    #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
-    resample: Option<f64>,
-}
-
-impl ResampleArgs {
-    /// The trajectory that a file holds for the tip of a link.
-    pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
-        let table = read_motion_table(&file.shown, &file.bytes, link.length_m())?;
-        let table = match self.resample {
-            Some(step_s) => table.resampled(step_s)?,
-            None => table,
-        };
-        Ok(table.into_motion()?)
-    }
-
-    /// The arguments, for the record.
-    pub(crate) fn arguments(&self) -> Vec<String> {
-        self.resample.map(|step_s| option("--resample", step_s)).unwrap_or_default()
-    }
-}
-
-/// Factors on a motion, as a sweep has them.
-#[derive(Debug, Args)]
-pub(crate) struct ScaleArgs {
-    #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
-    #[arg(
-        default_value_t = 1.0,
-        hide_default_value = true,
-        help = "Multiply the motion's distance"
-    )]
-    scale_distance: f64,
-
-    /// Multiply the motion's duration, from its first sample on.
-    #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
-    #[arg(default_value_t = 1.0, hide_default_value = true)]
-    scale_duration: f64,
-}
-
-impl ScaleArgs {
-    fn scale(&self) -> MotionScale {
-        MotionScale { distance: self.scale_distance, duration: self.scale_duration }
-    }
-
-    /// A motion with these factors.
-    pub(crate) fn scaled(&self, motion: TipMotion) -> Result<TipMotion, Failure> {
-        if self.scale() == MotionScale::default() {
-            return Ok(motion);
-        }
-        let scaled = motion.scaled(self.scale());
-        scaled.map_err(|error| {
-            let message = format!("{}: {error}", scale_arguments(self.scale()).join(" "));
-            Failure::new(Exit::Usage, &message, error.hint())
-        })
-    }
-
-    /// The arguments, for the record.
-    pub(crate) fn arguments(&self) -> Vec<String> {
-        scale_arguments(self.scale())
-    }
-}
-
-/// The arguments that scale a motion so, for the record.
-pub(crate) fn scale_arguments(scale: MotionScale) -> Vec<String> {
-    let MotionScale { distance, duration } = scale;
-    let factors = [("--scale-distance", distance), ("--scale-duration", duration)];
-    let others = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
-    others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
-}
+use crate::terminal::{Exit, Failure, StageBar};
 
 /// What to print on standard output.
 #[derive(Debug, Args)]
@@ -249,66 +89,36 @@ impl SyncArgs {
 }
 
 /// How many threads to use.
-#[derive(Debug, Args, Default)]
+#[derive(Debug, Args)]
 pub(crate) struct ThreadArgs {
     /// Threads to use [default: all cores]; the results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
-    threads: Option<u16>,
+    pub(crate) threads: Option<u16>,
 }
 
-impl ThreadArgs {
-    /// Prepares the threads, of which the calling one is the first; to be called once, before any
-    /// work. Where the system has no others, and no one asked for them, it does the work of all.
-    pub(crate) fn apply(&self) -> Result<(), Failure> {
-        let most = most_threads();
-        // They start while this one goes on; for the global ones it would wait, which a small run
-        // feels.
-        match self.number(most).use_current_thread().build() {
-            Ok(pool) => {
-                // They serve until the program ends.
-                let pool = Box::leak(Box::new(pool));
-                // Where memory is limited, nothing else may take what they begin with.
-                if most.is_some() {
-                    pool.broadcast(|_| ());
-                }
-                Ok(())
-            }
-            Err(error) if self.threads.is_some() => Err(no_threads(&error)),
-            Err(_) => Ok(()),
+/// What becomes of a run with warnings.
+#[derive(Debug, Args)]
+pub(crate) struct WarningArgs {
+    #[arg(long, help = "Fail with exit code 4 if there is a warning; all output is written")]
+    deny_warnings: bool,
+}
+
+impl WarningArgs {
+    /// Whether no warning is allowed.
+    pub(crate) fn are_denied(&self) -> bool {
+        self.deny_warnings
+    }
+
+    /// Ends a program that has written its output and printed so many warnings, if none is allowed.
+    pub(crate) fn refuse(&self, warnings: usize) -> Result<(), Failure> {
+        if warnings == 0 || !self.are_denied() {
+            return Ok(());
         }
+        let message = format!(
+            "--deny-warnings: warnings = {warnings}, but must be none; all output is written"
+        );
+        Err(Failure::new(Exit::NotSolvable, &message, None))
     }
-
-    /// Prepares threads for a caller that waits for them and is none of them itself.
-    pub(crate) fn apply_apart(&self) -> Result<(), Failure> {
-        let most = most_threads();
-        self.number(most).build_global().map_err(|error| no_threads(&error))?;
-        if most.is_some() {
-            rayon::broadcast(|_| ());
-        }
-        Ok(())
-    }
-
-    /// A pool of the threads that the user asks for, or of one for each core; `most` limits their number.
-    fn number(&self, most: Option<usize>) -> ThreadPoolBuilder {
-        let asked = self.threads.map(usize::from);
-        let threads = match most {
-            Some(most) => asked.unwrap_or_else(default_threads).min(most),
-            None => asked.unwrap_or(0),
-        };
-        ThreadPoolBuilder::new().num_threads(threads)
-    }
-}
-
-/// How many threads there are where nobody asks for a number, as rayon counts them.
-fn default_threads() -> usize {
-    let told = std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse().ok());
-    let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
-    told.filter(|threads| *threads > 0).unwrap_or_else(cores)
-}
-
-fn no_threads(error: &ThreadPoolBuildError) -> Failure {
-    let hint = "the system limits threads and memory (`ulimit -u`, `ulimit -v`)";
-    Failure::new(Exit::NotSolvable, &format!("cannot start threads: {error}"), Some(hint))
 }
 
 /// A whole number above 0.
@@ -326,4 +136,19 @@ pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|x: &f64| x.is_finite());
     number.ok_or_else(|| "must be a finite number".into())
+}
+
+/// An option and its value, one text where the value alone would be taken for an option.
+pub(crate) fn option(name: &str, value: impl Display) -> Vec<String> {
+    let value = value.to_string();
+    if value.starts_with('-') {
+        vec![format!("{name}={value}")]
+    } else {
+        vec![name.to_owned(), value]
+    }
+}
+
+/// The digits of a run, where they are not the usual ones.
+pub(crate) fn digits_arguments(digits: Digits) -> Vec<String> {
+    if digits == Digits::default() { Vec::new() } else { option("--digits", digits) }
 }

@@ -4,21 +4,14 @@ use std::path::{Path, PathBuf};
 
 use flexlink::store::{ForeignRecord, REPORT, is_result_file, sweep_files};
 
-use super::exit::{Exit, Failure};
+use crate::terminal::console::is_standard_output;
+use crate::terminal::{Exit, Failure};
 
 const ONE_RUN: &str = "a folder holds one run: the results would replace those read";
 
 /// Whether a path means standard input.
 pub(crate) fn is_standard_input(path: &Path) -> bool {
     ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"].iter().any(|name| path.as_os_str() == *name)
-}
-
-/// Whether a path means standard output: not to be opened a second time, which would begin at its
-/// start.
-pub(crate) fn is_standard_output(path: &Path) -> bool {
-    ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
-        .iter()
-        .any(|name| path.as_os_str() == *name)
 }
 
 /// Refuses to read standard input twice.

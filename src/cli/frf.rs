@@ -12,12 +12,10 @@ use flexlink::modal::natural_frequencies;
 use flexlink::numeric::{plain, significant};
 use flexlink::result::{BandMeshError, mesh_error};
 
-use super::args::LinkArgs;
-use super::console;
-use super::exit::{Exit, Failure};
+use super::args::WarningArgs;
 use super::files::keep_files;
-use super::memory::check_memory;
-use super::warnings::WarningArgs;
+use super::inputs::LinkArgs;
+use crate::terminal::{Exit, Failure, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -93,7 +91,7 @@ impl Frf {
         };
         let bytes = self.points.saturating_mul(size_of::<FrequencyResponse>() + ROW_BYTES);
         let bytes = bytes.saturating_add(OWN_BYTES);
-        check_memory("the frequency response", bytes, None, "use fewer --points")?;
+        memory::check("the frequency response", bytes, None, "use fewer --points")?;
         let dynamics = Dynamics::new(link, mesh, KeptModes::of(&specification.analysis))?;
         let friction = link.hub().viscous_friction_n_m_s_rad;
         let frequencies_hz: Vec<f64> = self.grid(from_hz, to_hz).collect();

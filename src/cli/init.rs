@@ -8,9 +8,8 @@ use flexlink::motion::Profile;
 use flexlink::spec::link_file_schema;
 use flexlink::store::OutputFolder;
 
-use super::console;
-use super::exit::{Exit, Failure};
 use super::files::check_folder;
+use crate::terminal::{Exit, Failure, console};
 
 /// A commented link file.
 const LINK: &str = include_str!("templates/link.toml");

@@ -1,21 +1,13 @@
 //! The command line: arguments in, exit code out.
 
-mod allocator;
 mod args;
-mod charset;
 mod compare;
-mod console;
-mod exit;
 mod files;
 mod frf;
 mod init;
+mod inputs;
 mod interrupt;
-mod link_text;
-mod memory;
 mod modes;
-mod number;
-mod progress;
-mod record;
 mod repeat;
 mod report;
 mod schema;
@@ -25,14 +17,12 @@ mod solve;
 mod sweep;
 mod trajectory;
 mod verify;
-mod warnings;
 
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use args::ThreadArgs;
-use exit::{Ending, Failure};
+use crate::terminal::{Ending, Failure, console, memory, threads};
 
 /// Hub torque that makes the tip of a flexible link follow a wanted motion.
 #[derive(Debug, Parser)]
@@ -75,8 +65,6 @@ enum Command {
 
 /// Runs the program: the one place that prints an error and its hint.
 pub(crate) fn run() -> ExitCode {
-    memory::keep_freed();
-    allocator::end_where_memory_does();
     let outcome = match Cli::try_parse() {
         Ok(cli) => cli.command.run().map(ExitCode::from),
         Err(words) => console::told_by_parser(&words),
@@ -89,20 +77,13 @@ pub(crate) fn run() -> ExitCode {
 
 impl Command {
     fn run(self) -> Result<Ending, Failure> {
-        memory::check_room()?;
+        memory::check_program()?;
         // A sweep ends between two cases.
         if !matches!(self, Self::Sweep(_)) {
             interrupt::end_in_order();
         }
-        if matches!(
-            self,
-            Self::Compare(_)
-                | Self::Modes(_)
-                | Self::Frf(_)
-                | Self::Trajectory(_)
-                | Self::Report(_)
-        ) {
-            ThreadArgs::default().apply()?;
+        if self.has_no_thread_option() {
+            threads::start(None)?;
         }
         let done = match self {
             Self::Compare(compare) => return compare.run(),
@@ -120,6 +101,18 @@ impl Command {
             Self::Manual(manual) => manual.run(Cli::command()),
         };
         done.map(|()| Ending::Done)
+    }
+
+    /// Whether the command computes on several threads without an option for their number.
+    fn has_no_thread_option(&self) -> bool {
+        matches!(
+            self,
+            Self::Compare(_)
+                | Self::Modes(_)
+                | Self::Frf(_)
+                | Self::Trajectory(_)
+                | Self::Report(_)
+        )
     }
 }
 

@@ -8,10 +8,9 @@ use flexlink::report::{Figures, page};
 use flexlink::result::StoredResult;
 use flexlink::store::{OutputFolder, REPORT, read_result};
 
-use super::console;
-use super::exit::{Exit, Failure};
-use super::files::{is_standard_output, keep_files, keep_page};
-use super::memory::check_tables_memory;
+use super::files::{keep_files, keep_page};
+use crate::terminal::console::is_standard_output;
+use crate::terminal::{Exit, Failure, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -60,7 +59,7 @@ impl Report {
             keep_files(output, &[&self.result])?;
             keep_page(output, &self.result)?;
         }
-        check_tables_memory(bytes_of(&self.result), PAGE_TIMES)?;
+        memory::check_tables(bytes_of(&self.result), PAGE_TIMES)?;
         let is_alone = self.svg.is_none() && self.png.is_none();
         let file = self.output.clone().or_else(|| is_alone.then(|| beside(&self.result)));
         // No other run may come between the files that are read and the page beside them.

@@ -2,10 +2,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::terminal::{Failure, console};
 use flexlink::spec::link_file_schema;
-
-use super::console;
-use super::exit::Failure;
 
 const EXAMPLE: &str = "\
 Example:

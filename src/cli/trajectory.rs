@@ -4,18 +4,14 @@ use std::path::{Path, PathBuf};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, builder::TypedValueParser};
 
+use super::args::WarningArgs;
+use super::inputs::specification;
+use crate::terminal::{Exit, Failure, StageBar, console, memory};
 use flexlink::csv::{Digits, InputFile, write_trajectory};
 use flexlink::motion::Profile;
 use flexlink::numeric::{excerpt, plain, significant, visible};
 use flexlink::result::{Fit, FitProblem, Limits, Metrics, OpenMotion, Reached, shortest_fit};
 use flexlink::spec::{Override, SpecError, Specification};
-
-use super::args::specification;
-use super::console;
-use super::exit::{Exit, Failure};
-use super::memory::check_memory;
-use super::progress::StageBar;
-use super::warnings::WarningArgs;
 
 /// Distances in m and steps in s, within which all samples are numbers and none vanishes.
 const DISTANCES_M: RangeInclusive<f64> = 1e-100..=1e100;
@@ -159,7 +155,7 @@ impl Trajectory {
         let before = self.steps("--rest-before", self.rest_before, 0.0)?;
         let after = self.steps("--rest-after", self.rest_after, 0.0)?;
         let samples = steps + before + after;
-        check_memory("the trajectory", samples * BYTES_PER_SAMPLE, None, "use a longer step")?;
+        memory::check("the trajectory", samples * BYTES_PER_SAMPLE, None, "use a longer step")?;
         let columns = self.profile.sampled(distance_m, step_s, steps, [before, after]);
         console::deliver_by(self.output.as_deref(), |mut out| {
             out.write_all(comment.as_bytes())?;

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod colours;
 mod compare;
 mod compare_folders;
 mod compare_tolerances;
@@ -11,7 +12,6 @@ mod files;
 mod help;
 mod hints;
 mod line_ends;
-mod locale;
 mod model_end;
 mod modes;
 mod motor;

@@ -14,11 +14,9 @@ use flexlink::store::{
     GoldenChanges, change_golden_files, comparison_json, is_result_file, is_run, write_file,
 };
 
-use super::args::not_negative;
-use super::console;
-use super::exit::{Ending, Failure};
+use super::args::{WarningArgs, not_negative};
 use super::files::read_once;
-use super::warnings::WarningArgs;
+use crate::terminal::{Ending, Failure, console};
 use runs::take_whole_runs;
 use sides::{Purpose, Sides, TOLERANCES};
 use text::{blessed_text, comparison_text};

@@ -9,9 +9,8 @@ use flexlink::compare::{
 use flexlink::csv::{InputFile, read_table};
 use flexlink::store::{CsvFolder, GoldenChanges};
 
-use crate::cli::exit::{Exit, Failure};
 use crate::cli::files::is_standard_input;
-use crate::cli::memory::check_tables_memory;
+use crate::terminal::{Exit, Failure, memory};
 
 /// Name of the file of tolerances beside the golden files.
 pub(crate) const TOLERANCES: &str = "tolerances.toml";
@@ -201,14 +200,14 @@ impl Pair {
 
 fn read(path: &Path) -> Result<Table, Failure> {
     let file = InputFile::read(path)?;
-    check_tables_memory(file.bytes.len(), TABLE_TIMES)?;
+    memory::check_tables(file.bytes.len(), TABLE_TIMES)?;
     Ok(read_table(&file.shown, &file.bytes)?)
 }
 
 /// Reads both tables at once, or one where their bytes are the same.
 fn read_both(expected: &Path, actual: &Path) -> Result<(Table, Option<Table>), Failure> {
     let (expected, actual) = (InputFile::read(expected)?, InputFile::read(actual)?);
-    check_tables_memory(expected.bytes.len() + actual.bytes.len(), TABLE_TIMES)?;
+    memory::check_tables(expected.bytes.len() + actual.bytes.len(), TABLE_TIMES)?;
     let parse = |file: InputFile| read_table(&file.shown, &file.bytes);
     if expected.bytes == actual.bytes {
         return Ok((parse(expected)?, None));

@@ -14,12 +14,10 @@ use flexlink::result::{Remark, mesh_errors};
 use flexlink::spec::Specification;
 use flexlink::store::{HeldModes, ModesResult, OutputFolder};
 
-use super::args::{LinkArgs, SyncArgs};
-use super::console;
-use super::exit::Failure;
+use super::args::{SyncArgs, WarningArgs};
 use super::files::check_folder;
-use super::memory::check_memory;
-use super::warnings::WarningArgs;
+use super::inputs::LinkArgs;
+use crate::terminal::{Failure, console, memory};
 use text::modes_text;
 
 const EXAMPLE: &str = "\
@@ -83,7 +81,7 @@ impl Modes {
         let remarks = [specification.remarks.clone(), of_modes].concat();
         let blocked = real_frequency_zeros(&mesh, highest);
         let shapes = omega_rad_s.len() * mesh.nodes_m().len() * BYTES_PER_DISPLACEMENT;
-        check_memory("the mode shapes", shapes, None, "ask for fewer modes: --count")?;
+        memory::check("the mode shapes", shapes, None, "ask for fewer modes: --count")?;
         let finer = mesh.refined();
         let held = link.drive().map(|drive| {
             let spring_n_m_rad = drive.joint_stiffness_n_m_rad;

@@ -8,13 +8,11 @@ use flexlink::numeric::excerpt;
 use flexlink::result::{Repeated, RepeatedFile};
 use flexlink::store::{Durability, InputRole, RunRecord, TemporaryFolder, wait_if_ending};
 
-use super::args::PrintArgs;
-use super::console;
-use super::exit::{Ending, Exit, Failure};
+use super::args::{PrintArgs, WarningArgs};
 use super::files::{keep, read_once};
 use super::solve::options::SolveOptions;
 use super::solve::run::{Destination, Problem, WithPage};
-use super::warnings::WarningArgs;
+use crate::terminal::{Ending, Exit, Failure, console};
 use text::repetition_text;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");

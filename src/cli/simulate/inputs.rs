@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use crate::cli::args::{finite, option};
+use crate::terminal::{Exit, Failure, memory};
 use flexlink::csv::{InputFile, read_hub_reference, read_motion_table, read_torque_table};
 use flexlink::link::Link;
 use flexlink::motion::TipTarget;
@@ -12,11 +14,6 @@ use flexlink::response::{
     Feedback, FeedbackError, HubReference, Interpolation, Play, Simulation, SimulationError, Torque,
 };
 use flexlink::result::{TargetError, TipError};
-
-use crate::cli::args::finite;
-use crate::cli::exit::{Exit, Failure};
-use crate::cli::memory::available;
-use crate::cli::record::option;
 
 /// What to play on the link, and what to compare with.
 #[derive(Debug, Args)]
@@ -112,7 +109,7 @@ impl PlayArgs {
             until_s: self.until.or(both_s),
             feedback: inputs.feedback.as_ref(),
             initial_tip_m: inputs.initial_tip_m,
-            memory_bytes: available(),
+            memory_bytes: memory::available(),
         }
     }
 

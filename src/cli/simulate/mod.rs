@@ -11,13 +11,10 @@ use flexlink::result::PlayedMetrics;
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, SimulateOutputs, SimulationInputs, SimulationSummary};
 
-use super::args::{LinkArgs, NodeArgs, PrintArgs, SyncArgs, ThreadArgs};
-use super::console;
-use super::exit::Failure;
+use super::args::{NodeArgs, PrintArgs, SyncArgs, ThreadArgs, WarningArgs, digits_arguments};
 use super::files::keep;
-use super::memory::check_nodal_memory;
-use super::record::digits_arguments;
-use super::warnings::WarningArgs;
+use super::inputs::LinkArgs;
+use crate::terminal::{Failure, console, memory, threads};
 use inputs::PlayArgs;
 use text::simulate_text;
 
@@ -80,7 +77,7 @@ pub(crate) struct Simulate {
 
 impl Simulate {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        self.threads.apply()?;
+        threads::start(self.threads.threads)?;
         keep(&self.output, &[&[&*self.link.link], &self.play.paths()[..]].concat())?;
         let (link_file, specification) = self.link.load()?;
         let Specification { link, mesh, .. } = &specification;
@@ -93,7 +90,7 @@ impl Simulate {
         let tip_error = self.play.tip_error(&simulation, &read)?;
 
         let outputs = self.outputs();
-        check_nodal_memory(outputs.nodal_bytes(&simulation), play.memory_bytes)?;
+        memory::check_nodes(outputs.nodal_bytes(&simulation), play.memory_bytes)?;
         let inputs = SimulationInputs {
             link_file: &link_file,
             torque_file: &read.torque_file,

@@ -11,14 +11,13 @@ use flexlink::csv::InputFile;
 use flexlink::spec::Specification;
 use flexlink::store::REPORT;
 
-use super::args::{LINK, MOTION, PrintArgs, SyncArgs, ThreadArgs};
-use super::console;
-use super::exit::{Ending, Exit, Failure};
+use super::args::{PrintArgs, SyncArgs, ThreadArgs, WarningArgs};
 use super::files::keep;
+use super::inputs::{LINK, MOTION};
 use super::repeat::Repetition;
 use super::verify::refuse_failed;
 use super::verify::text::verify_text;
-use super::warnings::WarningArgs;
+use crate::terminal::{Ending, Exit, Failure, console, threads};
 use options::SolveOptions;
 use run::{Destination, Problem, Solved, WithPage};
 use text::solve_text;
@@ -91,7 +90,7 @@ pub(crate) struct Solve {
 
 impl Solve {
     pub(crate) fn run(self) -> Result<Ending, Failure> {
-        self.threads.apply()?;
+        threads::start(self.threads.threads)?;
         let durability = self.sync.durability();
         if let Some(run) = &self.repeat {
             let (link, motion) = (self.link.as_deref(), self.motion.as_deref());

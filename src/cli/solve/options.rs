@@ -2,16 +2,15 @@
 
 use clap::{Args, Parser};
 
+use crate::cli::args::{NodeArgs, digits_arguments};
+use crate::cli::inputs::{ChangeArgs, ResampleArgs, ScaleArgs};
+use crate::terminal::Failure;
 use flexlink::csv::{Digits, InputFile};
 use flexlink::inverse::Analysis;
 use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
 use flexlink::store::{OptionalTable, SolveOutputs};
-
-use crate::cli::args::{ChangeArgs, NodeArgs, ResampleArgs, ScaleArgs};
-use crate::cli::exit::Failure;
-use crate::cli::record::digits_arguments;
 
 /// The arguments that a run records.
 #[derive(Debug, Args)]

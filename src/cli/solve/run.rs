@@ -1,11 +1,9 @@
 //! One run of `solve`: computed and written, nothing told.
 
-use std::f64::consts::TAU;
 use std::path::Path;
 
 use flexlink::csv::InputFile;
 use flexlink::inverse::{Solution, invert_watched};
-use flexlink::modal::REPORTED_MODES;
 use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
 use flexlink::result::{Exceeded, Metrics, Remark};
@@ -15,11 +13,9 @@ use flexlink::verify::Verification;
 
 use super::options::SolveOptions;
 use super::text::memory_text;
-use crate::cli::console;
-use crate::cli::exit::Failure;
-use crate::cli::memory::{check_nodal_memory, check_page_memory};
-use crate::cli::progress::StageBar;
+use crate::cli::inputs::remarks;
 use crate::cli::verify::measured;
+use crate::terminal::{Failure, StageBar, console, memory};
 
 /// Memory in bytes from which on it is said before the work begins.
 const LARGE: usize = 1 << 29;
@@ -109,7 +105,7 @@ impl Problem {
         let files = names.len();
         let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, names);
         let deflections = outputs.deflections(&solution);
-        check_nodal_memory(deflections.bytes(), analysis.memory_bytes())?;
+        memory::check_nodes(deflections.bytes(), analysis.memory_bytes())?;
         if deflections.bytes() >= LARGE {
             to.stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }
@@ -119,7 +115,8 @@ impl Problem {
             WithPage::Yes => {
                 to.stages.at("drawing");
                 let bytes = outputs.page_bytes(&deflections);
-                check_page_memory(bytes, analysis.memory_bytes())?;
+                let hint = "leave --report out, or use --nodes or --every";
+                memory::check("the page", bytes, analysis.memory_bytes(), hint)?;
                 let run = outputs.stored(link, (&solution, &deflections), &summary)?;
                 Some(page(&run, &Figures::of(&run)))
             }
@@ -130,20 +127,4 @@ impl Problem {
         outputs.write(folder, link, (&solution, deflections), told, to.stages)?;
         Ok(Solved { solution, metrics, exceeded, verification, remarks, summary, files })
     }
-}
-
-/// What is possible but rare in a link and its motion.
-pub(crate) fn remarks(
-    specification: &Specification,
-    motion: &TipMotion,
-    solution: &Solution,
-) -> Vec<Remark> {
-    let Specification { link, remarks, .. } = specification;
-    let highest = TAU * solution.band.highest_hz;
-    let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
-    let within = modes.iter().filter(|omega| **omega <= highest).count();
-    modes.truncate(within.max(1));
-    let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
-    let of_motion = Remark::on_motion(link, motion, solution.tip.farthest_m());
-    remarks.iter().cloned().chain(of_modes).chain(of_motion).collect()
 }

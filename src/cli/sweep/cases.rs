@@ -18,10 +18,9 @@ use flexlink::store::{SweepIdentity, SweepInputs};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 
 use super::outputs::OutputsArgs;
-use crate::cli::args::{ChangeArgs, ResampleArgs, scale_arguments};
-use crate::cli::exit::{Exit, Failure};
-use crate::cli::memory::available;
-use crate::cli::record::option;
+use crate::cli::args::option;
+use crate::cli::inputs::{ChangeArgs, ResampleArgs, scale_arguments};
+use crate::terminal::{Exit, Failure, memory};
 
 /// What all cases of a sweep share beside LINK and MOTION.
 #[derive(Debug, Args)]
@@ -109,7 +108,7 @@ impl<'a> Cases<'a> {
             motion_file,
             torque_file,
             first,
-            memory_bytes: available().map(|bytes| bytes / rayon::current_num_threads()),
+            memory_bytes: memory::available().map(|bytes| bytes / rayon::current_num_threads()),
             alone: RwLock::new(()),
         })
     }
@@ -155,7 +154,7 @@ impl<'a> Cases<'a> {
         match found {
             Err(failure) if failure.is_of_memory => {
                 let _alone = self.alone.write().unwrap_or_else(PoisonError::into_inner);
-                work(available())
+                work(memory::available())
             }
             found => found,
         }

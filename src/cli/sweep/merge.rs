@@ -7,9 +7,9 @@ use flexlink::store::{Durability, SweepRows, SweptCase, check_record, merge_shar
 
 use super::sink::report;
 use super::tally::Tally;
-use crate::cli::console;
-use crate::cli::exit::Failure;
-use crate::cli::files::{is_standard_output, keep_files, keep_record, read_once};
+use crate::cli::files::{keep_files, keep_record, read_once};
+use crate::terminal::console::is_standard_output;
+use crate::terminal::{Failure, console};
 
 /// Joins the shards in these files; nothing else is read.
 pub(crate) fn merge(shards: &[PathBuf], output: &Path, quiet: bool) -> Result<Tally, Failure> {

@@ -13,12 +13,11 @@ use flexlink::numeric::{excerpt, visible};
 use flexlink::store::{SweepRecord, SweptCase, sweep_columns, sweep_header, sweep_row};
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
 
-use super::args::{LINK, MOTION, ThreadArgs};
-use super::exit::{Exit, Failure};
+use super::args::{ThreadArgs, WarningArgs};
 use super::files::{keep_cases, keep_files, keep_from_cases, keep_record, read_once};
+use super::inputs::{LINK, MOTION};
 use super::interrupt;
-use super::progress::CaseBar;
-use super::warnings::WarningArgs;
+use crate::terminal::{CaseBar, Exit, Failure, threads};
 use cases::{CaseArgs, Cases};
 use merge::merge;
 use sink::{Begun, NoMore, Rows, counted, report};
@@ -114,7 +113,7 @@ pub(crate) struct Sweep {
 
 impl Sweep {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        self.threads.apply_apart()?;
+        threads::start_apart(self.threads.threads)?;
         let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
             let tally = merge(&self.merge, &self.output_path(), self.quiet)?;
             return self.refuse(&tally);

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use crate::cli::args::{NodeArgs, SyncArgs, digits_arguments, option};
+use crate::terminal::{Exit, Failure, console, memory};
 use flexlink::csv::Digits;
 use flexlink::inverse::{Solution, Unwatched};
 use flexlink::response::{PlayError, Simulation};
@@ -13,12 +15,6 @@ use flexlink::store::{
     SolveOutputs, Summary,
 };
 use flexlink::sweep::{PlayedCase, SolvedCase};
-
-use crate::cli::args::{NodeArgs, SyncArgs};
-use crate::cli::console;
-use crate::cli::exit::{Exit, Failure};
-use crate::cli::memory::check_nodal_memory;
-use crate::cli::record::{digits_arguments, option};
 
 /// Which files every case is to write.
 #[derive(Debug, Args)]
@@ -87,7 +83,7 @@ impl OutputsArgs {
         let files = outputs.file_names(inputs.link);
         let summary = Summary::new(inputs, solution, &case.metrics, exceeded, files);
         let deflections = outputs.deflections(solution);
-        check_nodal_memory(deflections.bytes(), inputs.analysis.memory_bytes())?;
+        memory::check_nodes(deflections.bytes(), inputs.analysis.memory_bytes())?;
         let nodal = (solution, deflections);
         Ok(outputs.write(self.stage(folder)?, inputs.link, nodal, (&summary, None), &Unwatched)?)
     }
@@ -107,7 +103,7 @@ impl OutputsArgs {
             every: self.nodes.every,
             digits: self.digits,
         };
-        check_nodal_memory(outputs.nodal_bytes(simulation), inputs.play.memory_bytes)?;
+        memory::check_nodes(outputs.nodal_bytes(simulation), inputs.play.memory_bytes)?;
         let (files, errors) = (SimulateOutputs::file_names(), (error, Some(&case.tip_error)));
         let summary = SimulationSummary::new(inputs, simulation, &case.metrics, errors, files);
         Ok(outputs.write(self.stage(folder)?, inputs.link, simulation, &summary)?)

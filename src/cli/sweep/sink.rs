@@ -5,9 +5,8 @@ use std::path::Path;
 use flexlink::csv::{checked_header, checked_rows};
 use flexlink::store::{Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows};
 
-use crate::cli::console::{self, Reader};
-use crate::cli::exit::{Exit, Failure};
-use crate::cli::files::is_standard_output;
+use crate::terminal::console::{self, Reader, is_standard_output};
+use crate::terminal::{Exit, Failure};
 
 /// The rows of a sweep as they come.
 pub(crate) enum Rows {

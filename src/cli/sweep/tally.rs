@@ -2,11 +2,9 @@
 
 use std::fmt::Display;
 
+use crate::terminal::{Exit, Failure, console};
 use flexlink::result::{Exceeded, Remark};
 use flexlink::store::SweptCase;
-
-use crate::cli::console;
-use crate::cli::exit::{Exit, Failure};
 
 const NAMED: &str = "the columns warnings and error name them";
 

@@ -11,8 +11,8 @@ use flexlink::sweep::{PlayedCase, SolvedCase};
 
 use super::cases::Cases;
 use super::tally::CaseWarning;
-use crate::cli::exit::{Exit, Failure};
-use crate::cli::solve::run::remarks;
+use crate::cli::inputs::remarks;
+use crate::terminal::{Exit, Failure};
 
 /// What came of a case.
 pub(crate) struct Outcome<C> {

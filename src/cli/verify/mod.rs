@@ -9,14 +9,11 @@ use flexlink::spec::Specification;
 use flexlink::store::verification_json;
 use flexlink::verify::{Answer, Check, Verification, VerificationError, verify};
 
-use super::args::{LinkArgs, MotionArgs, ScaleArgs, ThreadArgs};
-use super::console;
-use super::exit::{Exit, Failure};
+use super::args::{ThreadArgs, WarningArgs};
 use super::files::read_once;
-use super::memory::available;
-use super::progress::StageBar;
-use super::solve::run::remarks;
-use super::warnings::WarningArgs;
+use super::inputs::remarks;
+use super::inputs::{LinkArgs, MotionArgs, ScaleArgs};
+use crate::terminal::{Exit, Failure, StageBar, console, memory, threads};
 use text::verify_text;
 
 const EXAMPLE: &str = "\
@@ -69,7 +66,7 @@ pub(crate) struct Verify {
 
 impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        self.threads.apply()?;
+        threads::start(self.threads.threads)?;
         read_once(&[&self.link.link, &self.motion.motion])?;
         let (_, specification) = self.link.load()?;
         let Specification { link, mesh, analysis, .. } = &specification;
@@ -102,7 +99,7 @@ pub(crate) fn measured(
     digits: Digits,
 ) -> Result<Verification, VerificationError> {
     // Less than before: the solution stays.
-    let analysis = specification.analysis.within_memory(available());
+    let analysis = specification.analysis.within_memory(memory::available());
     verify(&Answer {
         link: &specification.link,
         plan: &specification.mesh,

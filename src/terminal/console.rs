@@ -1,11 +1,10 @@
 //! The only place that prints.
 //!
-//! Text for people is in the locale's letters and, on a terminal, in colours; files that are printed
-//! are neither touched nor coloured.
+//! On a terminal, text for people is coloured. Files are printed byte for byte.
 
 use std::borrow::Cow;
 use std::fmt::Display;
-use std::io::{self, IsTerminal as _, Write};
+use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -17,9 +16,7 @@ use flexlink::numeric::{excerpt, is_hidden};
 use flexlink::result::Remark;
 use flexlink::store::write_file_by;
 
-use super::charset::shown;
 use super::exit::{Exit, Failure};
-use super::files::is_standard_output;
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
@@ -28,18 +25,6 @@ const HINT: Style = AnsiColor::Green.on_default();
 /// Prints an error and its hint to standard error.
 pub(crate) fn error(message: &str, hint: Option<&str>) {
     told("error", ERROR, message, hint);
-}
-
-/// Clears the line of a terminal that a progress bar may stand on.
-pub(crate) fn clear_line() {
-    if io::stderr().is_terminal() {
-        let _ = io::stderr().write_all(b"\r\x1b[2K");
-    }
-}
-
-/// Prints to standard error, without taking any memory, that there is none.
-pub(crate) fn out_of_memory() {
-    let _ = io::stderr().write_all(b"error: out of memory\n");
 }
 
 /// Prints a warning and its hint to standard error.
@@ -88,7 +73,7 @@ fn told(kind: &str, style: Style, message: &str, hint: Option<&str>) {
     let hint = hint.map_or(String::new(), |hint| line("hint", HINT, hint));
     let text = line(kind, style, message) + &hint;
     // There is nowhere left to tell that standard error is closed.
-    let _ = anstream::stderr().lock().write_all(shown(&text).as_bytes());
+    let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 
 /// A letter, or the mark of one that is not seen but obeyed, which a file's name may hold.
@@ -102,7 +87,6 @@ pub(crate) fn told_by_parser(words: &clap::Error) -> Result<ExitCode, Failure> {
     let told = |c: char| if is_hidden(c) && !c.is_control() { visible(c) } else { c };
     let text: String =
         shortened(words, words.render().ansi().to_string()).chars().map(told).collect();
-    let text = shown(&text);
     if words.use_stderr() {
         let _ = anstream::stderr().lock().write_all(text.as_bytes());
     } else {
@@ -128,7 +112,15 @@ pub(crate) fn shortened(words: &clap::Error, text: String) -> String {
 /// Writes text for people to standard output; a reader that has gone away is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let text: String = text.chars().map(|c| if c == '\n' { c } else { visible(c) }).collect();
-    print_bytes(shown(&text).as_bytes())
+    print_bytes(text.as_bytes())
+}
+
+/// Whether a path means standard output. It must not be opened a second time: that would write from
+/// its start.
+pub(crate) fn is_standard_output(path: &Path) -> bool {
+    ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
+        .iter()
+        .any(|name| path.as_os_str() == *name)
 }
 
 /// Whether there is still someone who reads standard output.

@@ -1,4 +1,4 @@
-//! Letters and colours: of the locale and of a terminal, and never in what a program reads.
+//! Colours: on a terminal or where they are asked for, never in what a program reads.
 
 use std::process::Output;
 
@@ -15,39 +15,7 @@ fn under(bench: &Bench, variables: &[(&str, &str)], arguments: &[&str]) -> Outpu
 }
 
 #[test]
-fn a_locale_without_utf8_gets_its_text_in_ascii() {
-    let bench = Bench::new();
-    bench.write("link.toml", UMLAUTS);
-    let motion = repository(MOTION);
-    for variables in [[("LC_ALL", "C")], [("LC_CTYPE", "POSIX")], [("LANG", "de_DE.ISO-8859-1")]] {
-        let output = under(&bench, &variables, &["solve", "link.toml", &motion]);
-        let text = stdout(&output);
-        assert!(text.is_ascii(), "{text}");
-        assert!(text.starts_with("Tr?ger, xi = 2 %\n"), "{text}");
-        for words in ["kg m^2", "(real, +/-)", "m/s^2", " .. "] {
-            assert!(text.contains(words), "{words} in {text}");
-        }
-    }
-    let help = stdout(&under(&bench, &[("LC_ALL", "C")], &["man", "--help"]));
-    assert!(help.is_ascii() && help.contains("flexlink-solve.1, .."), "{help}");
-    let refused = under(&bench, &[("LC_ALL", "C")], &["modes", "Ü.toml"]);
-    assert_eq!(stderr(&refused), "error: ?.toml: cannot read: No such file or directory\n");
-    let usage = under(&bench, &[("LC_ALL", "C")], &["Ü"]);
-    assert!(stderr(&usage).is_ascii(), "{}", stderr(&usage));
-}
-
-#[test]
-fn a_locale_of_utf8_and_none_get_every_letter() {
-    let bench = Bench::new();
-    bench.write("link.toml", UMLAUTS);
-    for variables in [&[][..], &[("LANG", "de_DE.UTF-8")], &[("LC_ALL", ""), ("LANG", "C.utf8")]] {
-        let text = stdout(&under(&bench, variables, &["modes", "link.toml"]));
-        assert!(text.starts_with("Träger, ξ = 2 %\n") && text.contains("±[1/s]"), "{text}");
-    }
-}
-
-#[test]
-fn what_a_program_reads_does_not_depend_on_the_locale() {
+fn what_a_program_reads_has_no_colour_and_does_not_depend_on_the_locale() {
     let bench = Bench::new();
     bench.write("link.toml", UMLAUTS);
     let motion = repository(MOTION);
@@ -66,7 +34,7 @@ fn what_a_program_reads_does_not_depend_on_the_locale() {
             assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
             output.stdout
         });
-        assert!(utf8 == plain, "{arguments:?}");
+        assert!(utf8 == plain && !utf8.contains(&0x1b), "{arguments:?}");
     }
     assert_eq!(bench.json("new/summary.json")["title"], "Träger, ξ = 2 %");
 }

@@ -8,8 +8,6 @@ use flexlink::modal::DampingLaw;
 use flexlink::numeric::{significant, visible};
 use flexlink::result::Peak;
 
-use super::number::list;
-
 /// The link's title, then a line for each label that has content.
 pub(crate) fn labelled(link: &Link, lines: &[(&str, String)]) -> String {
     let mut text = title(link);
@@ -67,4 +65,12 @@ pub(crate) fn hub_line(angle: Peak, rate: Peak, power: Peak) -> String {
         significant(rate.value, 4),
         significant(power.value, 4)
     )
+}
+
+/// Several numbers with `digits` significant digits each.
+pub(crate) fn list(values: &[f64], digits: usize) -> String {
+    if values.is_empty() {
+        return "none".into();
+    }
+    values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ")
 }

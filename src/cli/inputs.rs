@@ -1,0 +1,186 @@
+//! The inputs that several commands share: a link file with its changes, and a tip motion.
+
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use flexlink::csv::{InputFile, read_motion_table};
+use flexlink::inverse::Solution;
+use flexlink::link::Link;
+use flexlink::modal::REPORTED_MODES;
+use flexlink::motion::{MotionScale, TipMotion};
+use flexlink::numeric::plain;
+use flexlink::result::Remark;
+use flexlink::spec::{Override, SpecError, Specification, read_specification};
+
+use super::args::{finite, option};
+use crate::terminal::memory::available;
+use crate::terminal::{Exit, Failure};
+
+pub(crate) const LINK: &str = "Link file (TOML)";
+
+pub(crate) const MOTION: &str =
+    "Tip trajectory (CSV): `time` and `acceleration`, `displacement` or `angle`";
+
+/// A link file and the changes to it.
+#[derive(Debug, Args)]
+pub(crate) struct LinkArgs {
+    #[arg(value_name = "LINK", help = LINK)]
+    pub(crate) link: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+}
+
+impl LinkArgs {
+    /// Reads the link file and applies the changes.
+    pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
+        let file = InputFile::read_toml(&self.link)?;
+        let specification = self.changes.specification(&file)?;
+        Ok((file, specification))
+    }
+}
+
+/// Changes to a link file.
+#[derive(Debug, Args)]
+pub(crate) struct ChangeArgs {
+    /// Replace a value of the link file, or multiply it with `*=`; repeatable, in order. A segment
+    /// is named, numbered from 0, or `*` for all: 'segments.*.EI*=4', 'payload.mass="50 g"'.
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    changes: Vec<String>,
+}
+
+impl ChangeArgs {
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        self.changes.iter().flat_map(|change| option("--set", change)).collect()
+    }
+
+    /// The changes, read.
+    pub(crate) fn overrides(&self) -> Result<Vec<Override>, Failure> {
+        let overrides: Result<_, SpecError> =
+            self.changes.iter().map(|change| change.parse()).collect();
+        overrides.map_err(|error| Failure::new(Exit::Usage, &error, error.hint()))
+    }
+
+    /// What a link file describes with the changes.
+    pub(crate) fn specification(&self, file: &InputFile) -> Result<Specification, Failure> {
+        specification(file, &self.overrides()?)
+    }
+}
+
+/// What a link file describes with some changes.
+pub(crate) fn specification(
+    file: &InputFile,
+    changes: &[Override],
+) -> Result<Specification, Failure> {
+    let read = read_specification(&file.shown, file.text()?, changes);
+    let mut specification = read.map_err(|error| {
+        let extension = Path::new(&file.name).extension();
+        let is_table = extension.is_some_and(|extension| extension == "csv");
+        let order = is_table.then_some("LINK, a TOML file, stands before MOTION or TORQUE");
+        Failure::new(Exit::InputRefused, &error, file.disguise().or(error.hint()).or(order))
+    })?;
+    specification.analysis = specification.analysis.within_memory(available());
+    Ok(specification)
+}
+
+/// A tip trajectory.
+#[derive(Debug, Args)]
+pub(crate) struct MotionArgs {
+    #[arg(value_name = "MOTION", help = MOTION)]
+    pub(crate) motion: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) resample: ResampleArgs,
+}
+
+/// How the samples of a trajectory are taken.
+#[derive(Debug, Args)]
+pub(crate) struct ResampleArgs {
+    /// Make the trajectory uniform by a cubic spline, at this step in s.
+    #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
+    resample: Option<f64>,
+}
+
+impl ResampleArgs {
+    /// The trajectory that a file holds for the tip of a link.
+    pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
+        let table = read_motion_table(&file.shown, &file.bytes, link.length_m())?;
+        let table = match self.resample {
+            Some(step_s) => table.resampled(step_s)?,
+            None => table,
+        };
+        Ok(table.into_motion()?)
+    }
+
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        self.resample.map(|step_s| option("--resample", step_s)).unwrap_or_default()
+    }
+}
+
+/// Factors on a motion, as a sweep has them.
+#[derive(Debug, Args)]
+pub(crate) struct ScaleArgs {
+    #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(
+        default_value_t = 1.0,
+        hide_default_value = true,
+        help = "Multiply the motion's distance"
+    )]
+    scale_distance: f64,
+
+    /// Multiply the motion's duration, from its first sample on.
+    #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(default_value_t = 1.0, hide_default_value = true)]
+    scale_duration: f64,
+}
+
+impl ScaleArgs {
+    fn scale(&self) -> MotionScale {
+        MotionScale { distance: self.scale_distance, duration: self.scale_duration }
+    }
+
+    /// A motion with these factors.
+    pub(crate) fn scaled(&self, motion: TipMotion) -> Result<TipMotion, Failure> {
+        if self.scale() == MotionScale::default() {
+            return Ok(motion);
+        }
+        let scaled = motion.scaled(self.scale());
+        scaled.map_err(|error| {
+            let message = format!("{}: {error}", scale_arguments(self.scale()).join(" "));
+            Failure::new(Exit::Usage, &message, error.hint())
+        })
+    }
+
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        scale_arguments(self.scale())
+    }
+}
+
+/// The arguments that scale a motion so, for the record.
+pub(crate) fn scale_arguments(scale: MotionScale) -> Vec<String> {
+    let MotionScale { distance, duration } = scale;
+    let factors = [("--scale-distance", distance), ("--scale-duration", duration)];
+    let others = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
+    others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
+}
+
+/// Remarks on a link file, its link and the motion: values that are possible but rare.
+pub(crate) fn remarks(
+    specification: &Specification,
+    motion: &TipMotion,
+    solution: &Solution,
+) -> Vec<Remark> {
+    let Specification { link, remarks, .. } = specification;
+    let highest = TAU * solution.band.highest_hz;
+    let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
+    let within = modes.iter().filter(|omega| **omega <= highest).count();
+    modes.truncate(within.max(1));
+    let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
+    let of_motion = Remark::on_motion(link, motion, solution.tip.farthest_m());
+    remarks.iter().cloned().chain(of_modes).chain(of_motion).collect()
+}
