@@ -1,6 +1,5 @@
-use super::compared::Place;
 use super::pairing::Pairing;
-use super::table::{Cell, TableColumn};
+use super::table::{Cell, Place, TableColumn};
 use super::tolerance::Tolerance;
 
 /// One column of EXPECTED held against that of ACTUAL.

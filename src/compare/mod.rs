@@ -4,14 +4,14 @@
 //! `atol + rtol × the column's peak in EXPECTED`, everything else not at all.
 
 mod column;
-mod compared;
+mod comparison;
 mod pairing;
-mod set;
 mod table;
 mod tolerance;
 
 pub use column::{ColumnComparison, Worst};
-pub use compared::{Place, TableComparison, Unmatched, compare_tables};
-pub use set::{Comparison, FileComparison, FileOutcome};
-pub use table::{Cell, Table, TableColumn};
+pub use comparison::{
+    Comparison, FileComparison, FileOutcome, TableComparison, Unmatched, compare_tables,
+};
+pub use table::{Cell, Place, Table, TableColumn};
 pub use tolerance::{Change, Entry, Rule, Tolerance, Tolerances};

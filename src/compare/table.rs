@@ -38,6 +38,15 @@ pub enum Cell<'a> {
     Word(&'a str),
 }
 
+/// Where a row stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Line of the file, from 1.
+    pub line: u64,
+    /// The row's value in the column that rows are matched by, if there is one.
+    pub key: Option<f64>,
+}
+
 impl TableColumn {
     /// A column without rows.
     pub fn new(name: String) -> Self {
@@ -73,8 +82,16 @@ impl TableColumn {
     }
 
     /// The number in a row; NaN where a word stands.
-    pub(super) fn number(&self, row: usize) -> f64 {
+    pub fn number(&self, row: usize) -> f64 {
         self.numbers[row]
+    }
+
+    /// What stands in a row, as text.
+    pub fn text(&self, row: usize) -> String {
+        match self.cell(row) {
+            Cell::Number(number) => number.to_string(),
+            Cell::Word(word) => word.to_owned(),
+        }
     }
 
     /// Largest absolute value of its finite numbers; 0 where it has none.

@@ -1,13 +1,15 @@
 //! A result as figures, and as a page to look at.
 
+mod bending;
 pub mod chart;
 mod figures;
+mod frequency;
 mod page;
-mod run;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod view;
 
-pub use figures::Figures;
+pub use chart::Figures;
 pub use page::page;
-pub use run::View;
+pub use view::View;

@@ -1,11 +1,17 @@
-//! A run to look at, as it is read back from its folder.
+//! A run and a sweep as they are read back, and what is drawn of their bending and their cases.
 
+use super::View;
+use super::bending::{COLUMNS, Moments, ROWS, bending_moments, waves};
+use super::sweep::{FINE, sweep_figures};
 use crate::beam::{Mesh, MeshPlan};
+use crate::compare::{Cell, Table, TableColumn};
 use crate::inverse::{Analysis, Solution, invert};
 use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use crate::motion::{Profile, TipMotion};
+use crate::numeric::largest;
 use crate::result::{
-    Metrics, Origin, StoredInput, StoredNodes, StoredRun, StoredSolution, StoredWarning,
+    Metrics, Origin, StoredInput, StoredNodes, StoredRun, StoredSolution, StoredSweep,
+    StoredWarning,
 };
 
 /// The paper's first example with a small mass and a payload, its title full of traps.
@@ -92,4 +98,157 @@ pub(super) fn run() -> StoredRun {
         link,
         mesh,
     }
+}
+
+#[test]
+fn moments_made_from_displacements_are_those_of_the_solution() {
+    let run = run();
+    let view = View::of(&run);
+    let Moments { nodes: found, is_written } = bending_moments(&view).unwrap();
+    assert!(!is_written);
+    let exact = solution().moments(&found.nodes, 1).histories().samples;
+    let peak = exact[0].iter().fold(0.0_f64, |peak, m| peak.max(m.abs()));
+    for (node, (found, exact)) in found.histories.iter().zip(&exact).enumerate() {
+        for k in view.samples.clone() {
+            let error = (found[k] - exact[k]).abs() / peak;
+            assert!(error < 0.02, "node {node}, sample {k}: {error}");
+        }
+    }
+}
+
+#[test]
+fn moments_written_are_taken_as_they_are() {
+    let mut run = run();
+    let mut written = run.deflections_m.clone().unwrap();
+    written.histories[0][7] = 42.0;
+    run.moments_n_m = Some(written.clone());
+    let expected = Moments { nodes: written, is_written: true };
+    assert_eq!(bending_moments(&View::of(&run)), Some(expected));
+}
+
+#[test]
+fn an_estimate_that_misses_the_summary_is_none() {
+    let mut run = run();
+    assert!(bending_moments(&View::of(&run)).is_some());
+    let exact = largest(&solution().root_moment_n_m);
+    run.readings.push(("peak_root_moment_n_m".to_owned(), exact));
+    assert!(bending_moments(&View::of(&run)).is_some());
+    // Three digits: their second differences are noise.
+    for history in &mut run.deflections_m.as_mut().unwrap().histories {
+        for w in history {
+            *w = (*w * 1e4).round() * 1e-4;
+        }
+    }
+    assert_eq!(bending_moments(&View::of(&run)), None);
+}
+
+#[test]
+fn colours_stand_at_their_time_however_the_rows_are_thinned() {
+    let run = run();
+    let whole = waves(&View::of(&run)).unwrap().map.unwrap();
+    let mut thinned = run.clone();
+    let nodes = thinned.deflections_m.as_mut().unwrap();
+    for values in nodes.histories.iter_mut().chain([&mut nodes.times_s]) {
+        *values = values.iter().copied().step_by(4).collect();
+    }
+    let thinned = waves(&View::of(&thinned)).unwrap().map.unwrap();
+    let middle = ROWS / 2;
+    for k in 0..COLUMNS {
+        let apart = whole.rows[middle][k] - thinned.rows[middle][k];
+        assert!(apart.abs() < 0.12, "column {k}: {apart}");
+    }
+}
+
+#[test]
+fn the_tip_is_known_without_its_node() {
+    let mut run = run();
+    let whole = run.deflections_m.clone().unwrap();
+    let nodes = run.deflections_m.as_mut().unwrap();
+    for list in [0, nodes.nodes.len() - 2] {
+        nodes.nodes.remove(list);
+        nodes.histories.remove(list);
+    }
+    let found = View::of(&run).deflections().unwrap();
+    assert_eq!(found.nodes, whole.nodes);
+    for (found, written) in found.histories.iter().zip(&whole.histories) {
+        let apart = found.iter().zip(written).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(apart < 1e-12, "{apart:e}");
+    }
+    run.deflections_m.as_mut().unwrap().nodes.clear();
+    run.deflections_m.as_mut().unwrap().histories.clear();
+    assert_eq!(View::of(&run).deflections(), None);
+    assert!(waves(&View::of(&run)).is_err());
+}
+
+/// A sweep whose columns after the varied ones are the ratio and its cases' order.
+fn sweep(varied: &[(&str, &[f64])], ratios: &[f64]) -> StoredSweep {
+    let named = varied.iter().copied().chain([("torque_ratio", ratios)]);
+    let columns = named.map(|(name, values)| {
+        let mut column = TableColumn::new(name.to_owned());
+        for value in values {
+            let cell = if value.is_nan() { Cell::Word("") } else { Cell::Number(*value) };
+            column.push(cell);
+        }
+        column
+    });
+    let table = Table { columns: columns.collect(), lines: (2..2 + ratios.len() as u64).collect() };
+    StoredSweep { name: "sweep.csv".to_owned(), origin: None, varied: varied.len(), table }
+}
+
+#[test]
+fn fields_reach_half_way_to_their_neighbours() {
+    let sweep = sweep(
+        &[("a", &[1.0, 2.0, 4.0, 1.0, 2.0, 4.0]), ("b", &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0])],
+        &[0.1, 0.2, 0.3, 0.4, f64::NAN, 0.6],
+    );
+    let figures = sweep_figures(&sweep);
+    assert_eq!((figures.drawn.len(), figures.omitted.len()), (1, 0));
+    let figure = &figures.drawn[0];
+    let map = figure.map.as_ref().unwrap();
+    let place = |share: f64, count: usize| {
+        (0..count).find(|k| (*k + 1) as f64 > share * count as f64).unwrap()
+    };
+    let at = |a: f64, b: f64| {
+        let column = place(figure.x.share(a), FINE.0);
+        map.rows[place(figure.y.share(b), FINE.1)][column]
+    };
+    for (a, b, expected) in [(1.0, 0.0, 0.1), (1.4, 0.45, 0.1), (1.6, 0.0, 0.2), (3.1, 0.55, 0.6)] {
+        assert!((at(a, b) - expected).abs() < 1e-15, "{a}, {b}: {}", at(a, b));
+    }
+    assert!(at(2.0, 1.0).is_nan(), "a case without a number");
+    assert_eq!(figure.x.places, [1.0, 2.0, 4.0]);
+}
+
+#[test]
+fn what_cannot_be_drawn_is_told() {
+    let one = sweep(&[("a", &[1.0])], &[0.5]);
+    let figures = sweep_figures(&one);
+    assert!(figures.drawn.is_empty());
+    assert!(figures.omitted[0].contains("two numbers or more"), "{:?}", figures.omitted);
+    let failed = sweep(&[("a", &[1.0, 2.0])], &[f64::NAN, f64::NAN]);
+    assert!(sweep_figures(&failed).omitted[0].contains("no case has a number"));
+    let many: Vec<f64> = (0..14).map(f64::from).collect();
+    let last: Vec<f64> = (0..14).map(|k| f64::from(k % 2)).collect();
+    let more: Vec<f64> = (0..14).map(|k| f64::from(k / 2)).collect();
+    let crowd = sweep(&[("a", &many), ("b", &more), ("c", &last)], &[0.5; 14]);
+    let figures = sweep_figures(&crowd);
+    assert!(figures.omitted[0].contains("more than a figure holds"), "{:?}", figures.omitted);
+}
+
+#[test]
+fn words_part_lines_and_the_value_with_most_numbers_has_the_axis() {
+    let mut table = sweep(
+        &[("a", &[1.0, 2.0, 3.0, 1.0, 2.0, 3.0]), ("law", &[f64::NAN; 6])],
+        &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
+    );
+    let mut law = TableColumn::new("law".to_owned());
+    for word in ["none", "none", "none", "modal", "modal", "modal"] {
+        law.push(Cell::Word(word));
+    }
+    table.table.columns[1] = law;
+    let figure = &sweep_figures(&table).drawn[0];
+    assert_eq!(figure.x.name, "a");
+    let names: Vec<&str> = figure.curves.iter().map(|curve| curve.name.as_str()).collect();
+    assert_eq!(names, ["law = none", "law = modal"]);
+    assert_eq!(figure.curves[1].points, [(1.0, 0.4), (2.0, 0.5), (3.0, 0.6)]);
 }

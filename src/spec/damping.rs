@@ -1,34 +1,9 @@
-use super::count::Count;
+use super::choices::{MODELS, Model};
 use super::error::{Fault, USUAL_RATIO, listed, nearest};
-use super::quantity::{Quantity, Real};
+use super::quantity::{Count, Quantity, Real};
 use super::raw::RawDamping;
 use crate::link::{Damping, in_unit_interval};
 use crate::numeric::{Dimension, excerpt};
-
-/// A damping model as the file names it.
-pub(super) struct Model {
-    pub(super) name: &'static str,
-    /// Its keys besides `model`.
-    pub(super) keys: &'static [&'static str],
-    /// How these go together.
-    takes: &'static str,
-}
-
-pub(super) const MODELS: [Model; 5] = [
-    Model { name: "hysteretic", keys: &["ratio"], takes: "ratio only" },
-    Model { name: "modal", keys: &["ratio", "ratios"], takes: "ratio or ratios" },
-    Model {
-        name: "rayleigh",
-        keys: &["alpha", "beta", "modes", "ratios"],
-        takes: "alpha and beta, or modes and ratios",
-    },
-    Model {
-        name: "caughey",
-        keys: &["ratio", "ratios", "modes"],
-        takes: "ratio, or ratios with or without modes",
-    },
-    Model { name: "none", keys: &[], takes: "nothing else" },
-];
 
 /// The damping law that `[damping]` gives.
 pub(super) fn damping(raw: &RawDamping) -> Result<Damping, Fault> {

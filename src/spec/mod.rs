@@ -13,25 +13,25 @@
 //! # Ok::<(), flexlink::spec::SpecError>(())
 //! ```
 
-mod convert;
-mod count;
+mod choices;
 mod damping;
+mod document;
 mod error;
-mod override_hints;
 mod overrides;
 mod quantity;
 mod raw;
 mod reader;
-mod replaced;
 mod schema;
-mod section;
 mod segment;
 mod specification;
+mod substitutes;
 mod tolerances;
 mod tree;
+mod value_schema;
 
+pub use document::{LinkDocument, read_specification};
 pub use error::SpecError;
 pub use overrides::Override;
 pub use schema::link_file_schema;
-pub use specification::{LinkDocument, Specification, read_specification};
+pub use specification::Specification;
 pub use tolerances::read_tolerances;

@@ -1,9 +1,7 @@
 use std::str::FromStr;
 
-use super::SpecError;
-use super::error::nearest;
-use super::override_hints::instead;
-use super::replaced::{make_room, remove_own_elements};
+use super::error::{SpecError, nearest};
+use super::substitutes::{instead, make_room, remove_own_elements};
 use super::tree::{Kind, Node, Place};
 use crate::numeric::{excerpt, split_number, visible};
 

@@ -5,12 +5,11 @@
 use schemars::JsonSchema;
 use serde::Deserialize as Derived;
 
-use super::count::{Count, Elements};
-use super::quantity::{Quantity, Real, Tapered, Unbounded};
-use super::schema::{
-    Range, a_model, a_shape, a_share, at_least_one, damping_laws, quantity, section_shapes, shares,
-    stiffness_and_mass, within,
+use super::choices::{
+    a_model, a_shape, at_least_one, damping_laws, section_shapes, stiffness_and_mass,
 };
+use super::quantity::{Count, Elements, Quantity, Real, Tapered, Unbounded};
+use super::value_schema::{Range, a_share, quantity, shares, within};
 use crate::numeric::Dimension;
 
 /// Link file of flexlink.

@@ -1,14 +1,14 @@
-use serde::Deserialize;
-
-use super::convert::convert;
+use super::damping::damping;
 use super::error::Fault;
-use super::overrides::apply;
-use super::raw::RawSpecification;
-use super::tree::{Kind, Node, Place};
-use super::{Override, SpecError};
-use crate::beam::MeshPlan;
+use super::quantity::{Count, Elements, Quantity, Real, Unbounded};
+use super::raw::{
+    RawAnalysis, RawDrive, RawHub, RawLimits, RawMass, RawMesh, RawPayload, RawSpecification,
+};
+use super::segment::{remarks, segment};
+use crate::beam::{ElementCount, MeshPlan};
 use crate::inverse::Analysis;
-use crate::link::Link;
+use crate::link::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload};
+use crate::numeric::Dimension;
 use crate::result::{Limits, Remark};
 
 /// What a link file says, checked.
@@ -26,85 +26,116 @@ pub struct Specification {
     pub remarks: Vec<Remark>,
 }
 
-/// Reads the text of a link file and applies the `overrides` in their order.
-///
-/// `name` is what errors call the file.
-///
-/// # Errors
-/// [`SpecError`] names the line, or the `--set`, and the value that cannot be.
-pub fn read_specification(
-    name: &str,
-    text: &str,
-    overrides: &[Override],
-) -> Result<Specification, SpecError> {
-    LinkDocument::read(name, text)?.specification(name, overrides)
-}
-
-/// The text of a link file, parsed once for many sets of overrides; nothing of it is checked yet.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinkDocument {
-    tree: Node,
-}
-
-impl LinkDocument {
-    /// Parses the text of a link file, which errors call `name`.
-    ///
-    /// # Errors
-    /// [`SpecError`] names the line that is no TOML.
-    pub fn read(name: &str, text: &str) -> Result<Self, SpecError> {
-        let tree = Node::document(text)
-            .map_err(|(place, message)| SpecError::new(shown(name, place, &[]), &message, None))?;
-        Ok(Self { tree })
+/// Turns the raw form into the checked one.
+pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
+    if raw.segments.is_empty() {
+        return Err(Fault::new("segments", "must hold at least one [[segments]]"));
     }
-
-    /// The specification with the `overrides` applied in their order.
-    ///
-    /// # Errors
-    /// As [`read_specification`].
-    pub fn specification(
-        &self,
-        name: &str,
-        overrides: &[Override],
-    ) -> Result<Specification, SpecError> {
-        let mut tree = self.tree.clone();
-        for (number, change) in overrides.iter().enumerate() {
-            apply(&mut tree, number, change)?;
-        }
-        read(&tree).map_err(|fault| {
-            let place = shown(name, fault.place(&tree), overrides);
-            fault.at(place)
-        })
-    }
+    let own_elements = raw.segments.iter().map(|s| s.elements.map(|count| count.0));
+    let own_elements: Vec<Option<usize>> = own_elements.collect();
+    let remarks = remarks(&raw.segments)?;
+    let segments = raw.segments.into_iter().enumerate();
+    let masses = raw.masses.iter().enumerate();
+    let link = Link::new(LinkParts {
+        title: raw.title.unwrap_or_default(),
+        segments: segments.map(|(index, raw)| segment(index, raw)).collect::<Result<_, _>>()?,
+        hub: hub(&raw.hub)?,
+        masses: masses.map(|(index, raw)| lumped_mass(index, raw)).collect::<Result<_, _>>()?,
+        payload: payload(&raw.payload)?,
+        damping: raw.damping.as_ref().map_or(Ok(Damping::None), damping)?,
+        drive: raw.drive.as_ref().map(drive).transpose()?,
+    })?;
+    let mesh = mesh(&link, &own_elements, &raw.mesh)?;
+    let analysis = analysis(&raw.analysis)?;
+    let limits = limits(&raw.limits)?.check(link.drive())?;
+    Ok(Specification { link, mesh, analysis, limits, remarks })
 }
 
-/// How errors point at a place.
-fn shown(name: &str, place: Place, overrides: &[Override]) -> String {
-    match place {
-        Place::File => name.to_owned(),
-        Place::Line(line) => format!("{name}:{line}"),
-        Place::Override(number) => overrides[number].place(),
-    }
+fn hub(raw: &RawHub) -> Result<Hub, Fault> {
+    let friction = &raw.viscous_friction;
+    Ok(Hub {
+        inertia_kg_m2: raw.inertia.si("hub.inertia", Dimension::ROTARY_INERTIA)?,
+        radius_m: raw.radius.si("hub.radius", Dimension::LENGTH)?,
+        viscous_friction_n_m_s_rad: friction
+            .si("hub.viscous_friction", Dimension::VISCOUS_FRICTION)?,
+    })
 }
 
-fn read(tree: &Node) -> Result<Specification, Fault> {
-    for list in ["segments", "masses"] {
-        check_list_of_tables(tree, list)?;
-    }
-    convert(RawSpecification::deserialize(tree)?)
+fn lumped_mass(index: usize, raw: &RawMass) -> Result<LumpedMass, Fault> {
+    let si = |key: &str, value: &Quantity, dimension| {
+        value.si(&format!("masses.{index}.{key}"), dimension)
+    };
+    Ok(LumpedMass {
+        at_m: si("at", &raw.at, Dimension::LENGTH)?,
+        mass_kg: si("mass", &raw.mass, Dimension::MASS)?,
+        inertia_kg_m2: si("inertia", &raw.inertia, Dimension::ROTARY_INERTIA)?,
+    })
 }
 
-/// `[segments]` for `[[segments]]` is an easy slip, and serde's words for it are none of the user's.
-pub(super) fn check_list_of_tables(tree: &Node, list: &str) -> Result<(), Fault> {
-    let is_table = |node: &Node| matches!(node.kind, Kind::Table(_));
-    match tree.get(list) {
-        None => Ok(()),
-        Some(node) => match &node.kind {
-            Kind::List(items) if items.iter().all(is_table) => Ok(()),
-            _ => {
-                let must = format!("must be tables headed [[{list}]]");
-                Err(Fault::new(list, format!("{list} = {}, but {must}", node.shown())))
-            }
-        },
+fn payload(raw: &RawPayload) -> Result<Payload, Fault> {
+    let inertia = &raw.inertia;
+    Ok(Payload {
+        mass_kg: raw.mass.si("payload.mass", Dimension::MASS)?,
+        inertia_kg_m2: inertia.si("payload.inertia", Dimension::ROTARY_INERTIA)?,
+        offset_m: raw.offset.si("payload.offset", Dimension::LENGTH)?,
+    })
+}
+
+fn drive(raw: &RawDrive) -> Result<Drive, Fault> {
+    let stiffness = raw
+        .joint_stiffness
+        .as_ref()
+        .map(|Unbounded(value)| value.si("drive.joint_stiffness", Dimension::TORQUE));
+    Ok(Drive {
+        joint_stiffness_n_m_rad: stiffness.unwrap_or(Ok(f64::INFINITY))?,
+        rotor_inertia_kg_m2: raw
+            .rotor_inertia
+            .si("drive.rotor_inertia", Dimension::ROTARY_INERTIA)?,
+        gear_ratio: raw.gear_ratio.map_or(1.0, |Real(ratio)| ratio),
+    })
+}
+
+fn limits(raw: &RawLimits) -> Result<Limits, Fault> {
+    let si = |key: &str, value: &Option<Quantity>, dimension| {
+        let value = value.as_ref().map(|value| value.si(&format!("limits.{key}"), dimension));
+        value.transpose()
+    };
+    Ok(Limits {
+        torque_n_m: si("torque", &raw.torque, Dimension::TORQUE)?,
+        rms_torque_n_m: si("rms_torque", &raw.rms_torque, Dimension::TORQUE)?,
+        hub_rate_rad_s: si("hub_rate", &raw.hub_rate, Dimension::RATE)?,
+        power_w: si("power", &raw.power, Dimension::POWER)?,
+        deflection_m: si("deflection", &raw.deflection, Dimension::LENGTH)?,
+        bending_moment_n_m: si("bending_moment", &raw.bending_moment, Dimension::TORQUE)?,
+        motor_torque_n_m: si("motor_torque", &raw.motor_torque, Dimension::TORQUE)?,
+        motor_rms_torque_n_m: si("motor_rms_torque", &raw.motor_rms_torque, Dimension::TORQUE)?,
+        motor_rate_rad_s: si("motor_rate", &raw.motor_rate, Dimension::RATE)?,
+        motor_power_w: si("motor_power", &raw.motor_power, Dimension::POWER)?,
+    })
+}
+
+fn mesh(link: &Link, own: &[Option<usize>], raw: &RawMesh) -> Result<MeshPlan, Fault> {
+    let tolerance = raw.tolerance.map_or(MeshPlan::DEFAULT_TOLERANCE, |t| t.0);
+    let count = raw.elements.map(|elements| match elements {
+        Elements::Auto => ElementCount::Auto,
+        Elements::Total(count) => ElementCount::Total(count.0),
+    });
+    Ok(MeshPlan::new(link, own, count, tolerance)?)
+}
+
+fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {
+    let time = |path: &str, value: &Option<Quantity>| {
+        let si = value.as_ref().map(|value| value.si(path, Dimension::TIME));
+        si.transpose()
+    };
+    let Real(tolerance) = raw.tolerance.unwrap_or(Real(Analysis::DEFAULT_TOLERANCE));
+    let lead_s = time("analysis.lead", &raw.lead)?;
+    let lag_s = time("analysis.lag", &raw.lag)?;
+    let Real(tip) = raw.tip_tolerance.unwrap_or(Real(Analysis::DEFAULT_TIP_TOLERANCE));
+    let analysis = Analysis::new(tolerance, lead_s, lag_s)?.with_tip_tolerance(tip)?;
+    match raw.modes {
+        Some(Count(modes)) => Ok(analysis.keeping_modes(modes)?),
+        None => Ok(analysis),
     }
 }
 
@@ -112,15 +143,18 @@ pub(super) fn check_list_of_tables(tree: &Node, list: &str) -> Result<(), Fault>
 mod tests {
     use super::*;
 
+    use super::super::tree::Node;
+    use serde::Deserialize;
+
     #[test]
-    fn an_error_is_placed_in_the_file_the_line_or_the_setting() {
-        let place = |text: &str, set: &str| {
-            let error = read_specification("link.toml", text, &[set.parse().unwrap()]);
-            let message = error.unwrap_err().to_string();
-            message.split_once(": ").unwrap().0.to_owned()
+    fn a_mesh_tolerance_has_its_range() {
+        let refused = |tolerance: &str| {
+            let segment = "{ length = 1, EI = 1, mass_per_length = 1 }";
+            let text = format!("segments = [{segment}]\nmesh.tolerance = {tolerance}");
+            let tree = Node::document(&text).unwrap();
+            convert(RawSpecification::deserialize(&tree).unwrap()).is_err()
         };
-        assert_eq!(place("", "hub.inertia=1"), "link.toml");
-        assert_eq!(place("\n\nlimits = 1", "hub.inertia=1"), "link.toml:3");
-        assert_eq!(place("", "hub.x=1"), "--set 'hub.x=1'");
+        assert!(!refused("1e-12") && !refused("0.1"));
+        assert!(refused("0.9e-12") && refused("0.11"));
     }
 }

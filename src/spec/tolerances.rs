@@ -1,9 +1,8 @@
 use serde::Deserialize;
 
-use super::SpecError;
-use super::error::Fault;
+use super::document::check_list_of_tables;
+use super::error::{Fault, SpecError};
 use super::quantity::Real;
-use super::specification::check_list_of_tables;
 use super::tree::{Node, Place};
 use crate::compare::{Change, Entry, Tolerance, Tolerances};
 

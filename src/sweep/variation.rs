@@ -2,10 +2,8 @@ use std::collections::HashSet;
 use std::fmt;
 use std::str::FromStr;
 
-use thiserror::Error;
-
-use super::range::Range;
-use crate::numeric::{excerpt, split_number};
+use super::values::{Values, VariationError, unquoted};
+use crate::numeric::excerpt;
 
 /// One value of the link file or the motion, and what it takes in turn: `PATH=START:STOP:COUNT`,
 /// `PATH=START:STOP:COUNT:log`, `PATH=a,b,c`, or these with `*=` for factors.
@@ -40,24 +38,6 @@ impl fmt::Display for Operation {
             Self::Replace => "=",
             Self::Multiply => "*=",
         })
-    }
-}
-
-/// A variation that cannot be read.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("{message}")]
-pub struct VariationError {
-    message: String,
-}
-
-impl VariationError {
-    pub(super) fn refusing(message: String) -> Self {
-        Self { message }
-    }
-
-    /// What the user can do about it.
-    pub fn hint(&self) -> &'static str {
-        "it reads like 'segments.*.EI*=1:8:4:log' or 'payload.mass=0,0.05,0.1'"
     }
 }
 
@@ -127,82 +107,13 @@ impl FromStr for Variation {
         if text.contains(char::is_control) {
             return refuse("control characters, but must be one line of text");
         }
-        let pieces = Pieces::of(values)?;
-        let Range { values, unit } = match &pieces.colons[..] {
-            [_] => listed(&pieces.commas)?,
-            parts => Range::read(parts)?,
-        };
+        let Values { values, unit } = Values::read(values)?;
         let mut seen = HashSet::new();
         if let Some(value) = values.iter().find(|value| !seen.insert(value.as_str())) {
             return refuse(&format!("value = {} twice, but must be given once", excerpt(value)));
         }
         Ok(Self { path: path.to_owned(), operation, unit, values })
     }
-}
-
-/// Text parted by colons and by commas, both outside quotes and brackets.
-struct Pieces<'a> {
-    colons: Vec<&'a str>,
-    commas: Vec<&'a str>,
-}
-
-impl<'a> Pieces<'a> {
-    fn of(text: &'a str) -> Result<Self, VariationError> {
-        let (mut depth, mut quote) = (0_i32, None);
-        let (mut colons, mut commas) = (vec![0], vec![0]);
-        for (place, c) in text.char_indices() {
-            match (quote, c) {
-                (Some(open), _) => quote = quote.filter(|_| c != open),
-                (None, '"' | '\'') => quote = Some(c),
-                (None, '[' | '{') => depth += 1,
-                (None, ']' | '}') => depth -= 1,
-                (None, ':') if depth == 0 => colons.push(place + 1),
-                (None, ',') if depth == 0 => commas.push(place + 1),
-                _ => {}
-            }
-        }
-        if quote.is_some() || depth != 0 {
-            let what =
-                format!("values = {:?}, but quotes and brackets must be closed", excerpt(text));
-            return Err(VariationError::refusing(what));
-        }
-        let parted = |starts: &[usize]| {
-            let ends = starts[1..].iter().map(|start| start - 1).chain([text.len()]);
-            starts.iter().zip(ends).map(|(start, end)| text[*start..end].trim()).collect()
-        };
-        Ok(Self { colons: parted(&colons), commas: parted(&commas) })
-    }
-}
-
-/// The values of a list, and the unit that all of them share.
-fn listed(values: &[&str]) -> Result<Range, VariationError> {
-    if values.contains(&"") {
-        let found = values.join(",");
-        let what = format!("values = {:?}, but none of them must be empty", excerpt(&found));
-        return Err(VariationError::refusing(what));
-    }
-    let quantity = |value: &str| {
-        let bare = unquoted(value);
-        let (_, unit) = split_number(bare).filter(|(_, unit)| !unit.trim().is_empty())?;
-        Some((bare[..bare.len() - unit.len()].trim().to_owned(), unit.trim().to_owned()))
-    };
-    let quantities: Option<Vec<_>> = values.iter().map(|value| quantity(value)).collect();
-    if let Some([(_, unit), ..]) = quantities.as_deref()
-        && let Some(quantities) = quantities.as_ref()
-        && quantities.iter().all(|(_, other)| other == unit)
-    {
-        let numbers = quantities.iter().map(|(number, _)| number.clone());
-        return Ok(Range { values: numbers.collect(), unit: unit.clone() });
-    }
-    let values = values.iter().map(|value| (*value).to_owned()).collect();
-    Ok(Range { values, unit: String::new() })
-}
-
-/// A text without the quotes that a link file has around it.
-fn unquoted(value: &str) -> &str {
-    let inner = |quote: char| value.strip_prefix(quote)?.strip_suffix(quote);
-    let plain = |inner: &&str| !inner.contains(['"', '\'', '\\']);
-    inner('"').or_else(|| inner('\'')).filter(plain).unwrap_or(value)
 }
 
 #[cfg(test)]

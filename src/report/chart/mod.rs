@@ -4,15 +4,11 @@ mod axis;
 mod colour_map;
 mod drawing;
 mod figure;
+mod file;
 mod legend;
-mod raster;
-mod svg_file;
-mod table;
-mod thinning;
 
 pub(super) use axis::is_extreme;
 pub use axis::{Axis, Scale};
 pub use colour_map::{ColourMap, Colours};
-pub use figure::{Across, Curve, Figure, Mark, Span, Stroke};
-pub use table::FigureTable;
-pub(super) use table::evenly;
+pub(super) use figure::evenly;
+pub use figure::{Across, Curve, Figure, FigureTable, Figures, Mark, Span, Stroke};

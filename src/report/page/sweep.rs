@@ -2,10 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::readings::inputs;
-use super::{Figures, Section, document, figures_section, made_by};
-use crate::compare::{Cell, TableColumn};
+use super::document::{Section, document, figures_section, inputs, made_by};
+use crate::compare::Cell;
 use crate::numeric::significant;
+use crate::report::Figures;
 use crate::result::StoredSweep;
 
 /// Rows of the table that a page shows.
@@ -42,10 +42,10 @@ impl Kinds {
         let mut kinds = Self(Vec::new());
         let [.., warnings, error] = &sweep.table.columns[..] else { return kinds };
         for row in 0..sweep.table.lines.len() {
-            if !words(error, row).is_empty() {
+            if !error.text(row).is_empty() {
                 kinds.add("failed", row + 1);
             }
-            for kind in words(warnings, row).split(';').filter(|kind| !kind.is_empty()) {
+            for kind in warnings.text(row).split(';').filter(|kind| !kind.is_empty()) {
                 kinds.add(kind, row + 1);
             }
         }
@@ -57,14 +57,6 @@ impl Kinds {
             Some((_, cases, _)) => *cases += 1,
             None => self.0.push((kind.to_owned(), 1, case)),
         }
-    }
-}
-
-/// The text in a row.
-fn words(column: &TableColumn, row: usize) -> String {
-    match column.cell(row) {
-        Cell::Number(number) => number.to_string(),
-        Cell::Word(word) => word.to_owned(),
     }
 }
 

@@ -1,8 +1,10 @@
+//! The part of a run's time that its figures show.
+
 use std::ops::Range;
 
+use super::chart::{Across, Axis, Curve, Figure, Mark, Span, Stroke};
 use crate::modal::natural_frequencies;
 use crate::numeric::largest;
-use crate::report::chart::{Across, Axis, Curve, Figure, Mark, Span, Stroke};
 use crate::result::{StoredNodes, StoredRun};
 
 /// Lead and lag are shown with this many times their length; the calm before and after is not.
@@ -77,7 +79,7 @@ impl<'a> View<'a> {
     /// Deflections with those of root and tip, which are known without having been written: at the
     /// root there is none, and at the tip it is `v − Lθ`. None where no node between was written, or
     /// fewer than two times.
-    pub(in crate::report) fn deflections(&self) -> Option<StoredNodes> {
+    pub(super) fn deflections(&self) -> Option<StoredNodes> {
         let run = self.run;
         let mut nodes = run.deflections_m.clone().filter(|nodes| nodes.times_s.len() > 1)?;
         let tip = run.mesh.nodes_m().len() - 1;
@@ -125,14 +127,14 @@ impl<'a> View<'a> {
 }
 
 /// The sample nearest to a time.
-pub(in crate::report) fn nearest(times_s: &[f64], time_s: f64) -> usize {
+pub(super) fn nearest(times_s: &[f64], time_s: f64) -> usize {
     let next = times_s.partition_point(|t| *t < time_s).min(times_s.len() - 1);
     let before = next.saturating_sub(1);
     if time_s - times_s[before] < times_s[next] - time_s { before } else { next }
 }
 
 /// The samples from one time to another, two at least where there are two.
-pub(in crate::report) fn inside(times_s: &[f64], from_s: f64, until_s: f64) -> Range<usize> {
+pub(super) fn inside(times_s: &[f64], from_s: f64, until_s: f64) -> Range<usize> {
     let len = times_s.len();
     let start = times_s.partition_point(|t| *t < from_s).min(len.saturating_sub(2));
     let end = times_s.partition_point(|t| *t <= until_s).max(start + 2).min(len);

@@ -1,29 +1,66 @@
-//! Which keys go together, as the conversion has it.
+//! Keys of the link file that go together: damping models, shapes of cross-sections, stiffness and
+//! mass; and the JSON Schema of these alternatives.
 
 use schemars::Schema;
 use serde_json::{Map, Value, json};
 
-use super::super::damping::MODELS;
-use super::super::section::{SHAPES, dimensions_of};
+/// A damping model as the file names it.
+pub(super) struct Model {
+    pub(super) name: &'static str,
+    /// Its keys besides `model`.
+    pub(super) keys: &'static [&'static str],
+    /// How these go together.
+    pub(super) takes: &'static str,
+}
+
+pub(super) const MODELS: [Model; 5] = [
+    Model { name: "hysteretic", keys: &["ratio"], takes: "ratio only" },
+    Model { name: "modal", keys: &["ratio", "ratios"], takes: "ratio or ratios" },
+    Model {
+        name: "rayleigh",
+        keys: &["alpha", "beta", "modes", "ratios"],
+        takes: "alpha and beta, or modes and ratios",
+    },
+    Model {
+        name: "caughey",
+        keys: &["ratio", "ratios", "modes"],
+        takes: "ratio, or ratios with or without modes",
+    },
+    Model { name: "none", keys: &[], takes: "nothing else" },
+];
+
+/// Shapes of cross-sections.
+pub(super) const SHAPES: [&str; 4] = ["rectangle", "circle", "tube", "box"];
+
+/// The keys that a shape takes.
+pub(super) fn dimensions_of(shape: &str) -> Option<&'static [&'static str]> {
+    Some(match shape {
+        "rectangle" => &["width", "thickness"],
+        "circle" => &["diameter"],
+        "tube" => &["diameter", "wall"],
+        "box" => &["width", "height", "wall"],
+        _ => return None,
+    })
+}
 
 /// A list that is not empty.
-pub(in super::super) fn at_least_one(schema: &mut Schema) {
+pub(super) fn at_least_one(schema: &mut Schema) {
     schema.insert("minItems".into(), json!(1));
 }
 
 /// A shape of cross-section.
-pub(in super::super) fn a_shape(schema: &mut Schema) {
+pub(super) fn a_shape(schema: &mut Schema) {
     schema.insert("enum".into(), json!(SHAPES));
 }
 
 /// A model of damping.
-pub(in super::super) fn a_model(schema: &mut Schema) {
+pub(super) fn a_model(schema: &mut Schema) {
     schema.insert("enum".into(), json!(MODELS.map(|model| model.name)));
     schema.insert("default".into(), json!("hysteretic"));
 }
 
 /// A segment gives its stiffness in one of three ways, and its mass.
-pub(in super::super) fn stiffness_and_mass(schema: &mut Schema) {
+pub(super) fn stiffness_and_mass(schema: &mut Schema) {
     let way = |whole: &str, material: &str, shape: &str| {
         let with_section =
             json!({ "required": [material, "section"], "not": one_of(&[whole, shape]) });
@@ -50,7 +87,7 @@ fn one_of(keys: &[&str]) -> Value {
 }
 
 /// A section has just the dimensions of its shape.
-pub(in super::super) fn section_shapes(schema: &mut Schema) {
+pub(super) fn section_shapes(schema: &mut Schema) {
     let shapes = SHAPES.iter().map(|shape| {
         let takes = dimensions_of(shape).unwrap_or_default();
         let mut then = only(schema, "shape", takes);
@@ -62,7 +99,7 @@ pub(in super::super) fn section_shapes(schema: &mut Schema) {
 }
 
 /// Damping has just the keys of its model, in one of the ways that this takes them.
-pub(in super::super) fn damping_laws(schema: &mut Schema) {
+pub(super) fn damping_laws(schema: &mut Schema) {
     let laws = MODELS.iter().map(|model| {
         let mut then = only(schema, "model", model.keys);
         if let Value::Object(ways) = ways(model.name) {

@@ -1,8 +1,15 @@
+//! A figure as a file of its own: SVG and PNG.
+
 use std::sync::Arc;
 
+use maud::{PreEscaped, html};
 use resvg::{tiny_skia, usvg};
 
 use super::figure::Figure;
+use crate::numeric::visible_document;
+
+/// What a figure of its own looks like: the light colours of the page.
+const STYLE: &str = include_str!("figure.css");
 
 /// Letters of every figure, so that it looks the same on every machine.
 const FONT: &[u8] = include_bytes!("../font/DejaVuSans.ttf");
@@ -14,6 +21,20 @@ const FAMILY: &str = "DejaVu Sans";
 const SCALE: f32 = 2.0;
 
 impl Figure {
+    /// The figure as a file of its own.
+    pub fn svg_file(&self) -> String {
+        let drawing = self.svg().into_string();
+        let Some(begin) = drawing.find('>') else { return drawing };
+        let (head, rest) = drawing.split_at(begin + 1);
+        let style = html! {
+            title { (self.title) }
+            desc { (self.caption) }
+            style { (PreEscaped(STYLE)) }
+            rect width="100%" height="100%" fill="#ffffff" {}
+        };
+        visible_document(&format!("{head}{}{rest}\n", style.into_string()))
+    }
+
     /// The figure as a PNG file of two pixels for each of the drawing, on white.
     ///
     /// # Errors

@@ -1,13 +1,16 @@
-//! What a key says about its value: unit, range, default.
+//! The JSON Schema of a value: its kind, and what its key says of it: unit, range, default.
 
-use schemars::{Schema, transform::Transform};
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema, transform::Transform};
 use serde_json::{Value, json};
 
+use super::quantity::{Count, Elements, Quantity, Real, Tapered, Unbounded};
 use crate::numeric::{Dimension, quantity_pattern};
 
 /// Where a quantity may lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) enum Range {
+pub(super) enum Range {
     Any,
     AtLeastZero,
     AboveZero,
@@ -42,20 +45,20 @@ impl Range {
 
 /// A number in SI or text with its unit.
 #[derive(Debug)]
-pub(in super::super) struct QuantityKey {
+pub(super) struct QuantityKey {
     dimension: Dimension,
     range: Range,
     default: Option<u8>,
 }
 
 /// Says of which dimension a key's quantity is, and its range.
-pub(in super::super) fn quantity(dimension: Dimension, range: Range) -> QuantityKey {
+pub(super) fn quantity(dimension: Dimension, range: Range) -> QuantityKey {
     QuantityKey { dimension, range, default: None }
 }
 
 impl QuantityKey {
     /// Says what holds without the key.
-    pub(in super::super) fn or(self, default: u8) -> Self {
+    pub(super) fn or(self, default: u8) -> Self {
         Self { default: Some(default), ..self }
     }
 
@@ -110,13 +113,13 @@ fn example(unit: &str) -> &'static str {
 }
 
 /// A number from 0 to below 1.
-pub(in super::super) fn a_share(schema: &mut Schema) {
+pub(super) fn a_share(schema: &mut Schema) {
     schema.insert("minimum".into(), json!(0));
     schema.insert("exclusiveMaximum".into(), json!(1));
 }
 
 /// A list of numbers from 0 to below 1, at least one.
-pub(in super::super) fn shares(schema: &mut Schema) {
+pub(super) fn shares(schema: &mut Schema) {
     schema.insert("minItems".into(), json!(1));
     if let Some(Ok(items)) = schema.get_mut("items").map(<&mut Schema>::try_from) {
         a_share(items);
@@ -124,12 +127,42 @@ pub(in super::super) fn shares(schema: &mut Schema) {
 }
 
 /// A number from `least` to `most`.
-pub(in super::super) fn within(least: f64, most: f64) -> impl Transform {
+pub(super) fn within(least: f64, most: f64) -> impl Transform {
     move |schema: &mut Schema| {
         schema.insert("minimum".into(), json!(least));
         schema.insert("maximum".into(), json!(most));
     }
 }
+
+/// Gives a type the schema that does not depend on where it stands.
+macro_rules! kind {
+    ($type:ident, $($schema:tt)+) => {
+        impl JsonSchema for $type {
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($type).into()
+            }
+
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                json_schema!($($schema)+)
+            }
+        }
+    };
+}
+
+kind!(Quantity, { "type": ["number", "string"] });
+// TOML tools hand an infinite number to JSON, which has none, as null.
+kind!(Unbounded, { "oneOf": [{ "type": ["number", "string"] }, { "type": "null" }] });
+kind!(Tapered, {
+    "type": ["number", "string", "array"],
+    "items": { "type": ["number", "string"] },
+    "minItems": 2,
+    "maxItems": 2,
+});
+kind!(Real, { "type": "number" });
+kind!(Count, { "type": "integer", "minimum": 1, "maximum": Count::MOST });
+kind!(Elements, {
+    "anyOf": [{ "type": "integer", "minimum": 1, "maximum": Count::MOST }, { "const": "auto" }],
+});
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,7 @@
-//! The values of `START:STOP:COUNT[:log]`.
+//! The values of a variation: a list `a,b,c`, or a range `START:STOP:COUNT[:log]`.
 
-use super::variation::VariationError;
+use thiserror::Error;
+
 use crate::numeric::{excerpt, rounded, split_number};
 
 /// Digits that values between the ends of a range are given.
@@ -9,15 +10,65 @@ const DIGITS: usize = 15;
 /// Most values of one range.
 const MOST: usize = 1_000_000;
 
-/// Values of a range as text, and the unit that both its ends have.
-pub(super) struct Range {
+/// A variation that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{message}")]
+pub struct VariationError {
+    message: String,
+}
+
+impl VariationError {
+    pub(super) fn refusing(message: String) -> Self {
+        Self { message }
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        "it reads like 'segments.*.EI*=1:8:4:log' or 'payload.mass=0,0.05,0.1'"
+    }
+}
+
+/// Values as text, and the unit that all of them share; empty where they share none.
+pub(super) struct Values {
     pub(super) values: Vec<String>,
     pub(super) unit: String,
 }
 
-impl Range {
-    /// Reads what stands between the colons of a range.
-    pub(super) fn read(parts: &[&str]) -> Result<Self, VariationError> {
+impl Values {
+    /// Reads a list or a range.
+    pub(super) fn read(text: &str) -> Result<Self, VariationError> {
+        let Pieces { colons, commas } = Pieces::of(text)?;
+        match &colons[..] {
+            [_] => Self::list(&commas),
+            parts => Self::range(parts),
+        }
+    }
+
+    fn list(values: &[&str]) -> Result<Self, VariationError> {
+        if values.contains(&"") {
+            let found = values.join(",");
+            let what = format!("values = {:?}, but none of them must be empty", excerpt(&found));
+            return Err(VariationError::refusing(what));
+        }
+        let quantity = |value: &str| {
+            let bare = unquoted(value);
+            let (_, unit) = split_number(bare).filter(|(_, unit)| !unit.trim().is_empty())?;
+            Some((bare[..bare.len() - unit.len()].trim().to_owned(), unit.trim().to_owned()))
+        };
+        let quantities: Option<Vec<_>> = values.iter().map(|value| quantity(value)).collect();
+        if let Some([(_, unit), ..]) = quantities.as_deref()
+            && let Some(quantities) = quantities.as_ref()
+            && quantities.iter().all(|(_, other)| other == unit)
+        {
+            let numbers = quantities.iter().map(|(number, _)| number.clone());
+            return Ok(Self { values: numbers.collect(), unit: unit.clone() });
+        }
+        let values = values.iter().map(|value| (*value).to_owned()).collect();
+        Ok(Self { values, unit: String::new() })
+    }
+
+    /// The values of the parts that colons separate.
+    fn range(parts: &[&str]) -> Result<Self, VariationError> {
         let text = parts.join(":");
         let text = excerpt(&text);
         let refuse =
@@ -80,6 +131,47 @@ fn shortest(value: f64) -> String {
     if (1e-4..1e15).contains(&size) { format!("{value}") } else { format!("{value:e}") }
 }
 
+/// Text parted by colons and by commas, both outside quotes and brackets.
+struct Pieces<'a> {
+    colons: Vec<&'a str>,
+    commas: Vec<&'a str>,
+}
+
+impl<'a> Pieces<'a> {
+    fn of(text: &'a str) -> Result<Self, VariationError> {
+        let (mut depth, mut quote) = (0_i32, None);
+        let (mut colons, mut commas) = (vec![0], vec![0]);
+        for (place, c) in text.char_indices() {
+            match (quote, c) {
+                (Some(open), _) => quote = quote.filter(|_| c != open),
+                (None, '"' | '\'') => quote = Some(c),
+                (None, '[' | '{') => depth += 1,
+                (None, ']' | '}') => depth -= 1,
+                (None, ':') if depth == 0 => colons.push(place + 1),
+                (None, ',') if depth == 0 => commas.push(place + 1),
+                _ => {}
+            }
+        }
+        if quote.is_some() || depth != 0 {
+            let what =
+                format!("values = {:?}, but quotes and brackets must be closed", excerpt(text));
+            return Err(VariationError::refusing(what));
+        }
+        let parted = |starts: &[usize]| {
+            let ends = starts[1..].iter().map(|start| start - 1).chain([text.len()]);
+            starts.iter().zip(ends).map(|(start, end)| text[*start..end].trim()).collect()
+        };
+        Ok(Self { colons: parted(&colons), commas: parted(&commas) })
+    }
+}
+
+/// A text without the quotes that a link file has around it.
+pub(super) fn unquoted(value: &str) -> &str {
+    let inner = |quote: char| value.strip_prefix(quote)?.strip_suffix(quote);
+    let plain = |inner: &&str| !inner.contains(['"', '\'', '\\']);
+    inner('"').or_else(|| inner('\'')).filter(plain).unwrap_or(value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -88,8 +180,8 @@ mod tests {
         range(text).unwrap().values
     }
 
-    fn range(text: &str) -> Result<Range, VariationError> {
-        Range::read(&text.split(':').map(str::trim).collect::<Vec<_>>())
+    fn range(text: &str) -> Result<Values, VariationError> {
+        Values::range(&text.split(':').map(str::trim).collect::<Vec<_>>())
     }
 
     fn refusal(text: &str) -> String {

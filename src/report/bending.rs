@@ -1,12 +1,13 @@
-//! Bending moments of a run that did not write them.
+//! Bending along the link: moments estimated where a run did not write them, and the figure of waves.
 
+use super::chart::{Across, Axis, ColourMap, Colours, Figure, Stroke, is_extreme};
 use super::view::{View, inside, nearest};
 use crate::beam::Mesh;
-use crate::numeric::largest;
+use crate::numeric::{largest, significant};
 use crate::result::{StoredNodes, StoredRun};
 
 /// Times of a map that a figure can show; accelerations are taken over no longer steps than these.
-const COLUMNS: usize = 680;
+pub(super) const COLUMNS: usize = 680;
 
 /// Fewest nodes from which moments are made.
 const FEWEST: usize = 5;
@@ -19,11 +20,11 @@ const TRUSTED: f64 = 0.1;
 
 /// Bending moments in N m, and where they are from.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::report) struct Moments {
+pub(super) struct Moments {
     /// At the nodes and times of what they are made from.
-    pub(in crate::report) nodes: StoredNodes,
+    pub(super) nodes: StoredNodes,
     /// Whether the run wrote them; estimated otherwise.
-    pub(in crate::report) is_written: bool,
+    pub(super) is_written: bool,
 }
 
 /// The bending moments written, or those that the displacements written ask for: what lies outboard
@@ -35,7 +36,7 @@ pub(in crate::report) struct Moments {
 ///
 /// v̈ from second differences over time, linear between nodes: for colours, not for design. None
 /// where the nodes, the moments or the digits written do not suffice.
-pub(in crate::report) fn bending_moments(view: &View) -> Option<Moments> {
+pub(super) fn bending_moments(view: &View) -> Option<Moments> {
     let run = view.run;
     if let Some(nodes) = run.moments_n_m.clone().filter(|nodes| nodes.times_s.len() > 1) {
         return Some(Moments { nodes, is_written: true });
@@ -133,50 +134,104 @@ fn moments(run: &StoredRun, nodes: &StoredNodes, stretches: &[Stretch], a: &[f64
     found
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::report::tests::{run, solution};
+/// Rows of a map: the link's length is cut into so many.
+pub(super) const ROWS: usize = 120;
 
-    #[test]
-    fn moments_made_from_displacements_are_those_of_the_solution() {
-        let run = run();
-        let view = View::of(&run);
-        let Moments { nodes: found, is_written } = bending_moments(&view).unwrap();
-        assert!(!is_written);
-        let exact = solution().moments(&found.nodes, 1).histories().samples;
-        let peak = exact[0].iter().fold(0.0_f64, |peak, m| peak.max(m.abs()));
-        for (node, (found, exact)) in found.histories.iter().zip(&exact).enumerate() {
-            for k in view.samples.clone() {
-                let error = (found[k] - exact[k]).abs() / peak;
-                assert!(error < 0.02, "node {node}, sample {k}: {error}");
-            }
+/// What runs along the link: the bending moment, or the deflection where the displacements written
+/// are too few for it.
+pub(super) fn waves(view: &View) -> Result<Figure, String> {
+    let (name, what, nodes) = match (bending_moments(view), view.deflections()) {
+        (Some(Moments { nodes, is_written: true }), _) => ("moment", "bending moment", nodes),
+        (Some(Moments { nodes, is_written: false }), _) => {
+            ("moment", "bending moment, estimated from the displacements,", nodes)
+        }
+        (None, Some(nodes)) => ("deflection", "deflection from the hub's tangent line", nodes),
+        (None, None) => {
+            return Err("waves and animation, since no node between root and tip was written, or \
+                        but one moment"
+                .to_owned());
+        }
+    };
+    if is_extreme(nodes.peak()) {
+        let why = "waves and animation, since what bends is too large or too small to be drawn";
+        return Err(why.to_owned());
+    }
+    let story = if view.run.solved.is_some() && name == "moment" {
+        " Before the tip moves a wave runs out to it: the colours begin earlier the nearer to the \
+         hub. After the tip has stopped what is left runs back to the hub, where the torque takes it \
+         up."
+    } else {
+        ""
+    };
+    let unit = if name == "moment" { "N m" } else { "m" };
+    let caption = format!(
+        "The {what} over time (to the right) and along the link (up, from the root), below the tip's \
+         displacement. At each place it is over the largest there, {} {unit} in all, and colours go by \
+         the square root, so that weak waves are seen too.{story}",
+        significant(nodes.peak(), 2)
+    );
+    let tip = view.curve("tip displacement", Stroke::Solid(6), &view.run.tip.displacement_m);
+    let above = Axis::around("tip", "m", tip.points.iter().map(|(_, value)| value));
+    let (map, x) = map(view, &nodes, name);
+    let base = Figure::new("waves", "Waves along the link", Across::Time, view.time_axis(), x);
+    let marks = view.start_and_stop();
+    Ok(Figure { caption, map: Some(map), strip: Some((tip, above)), marks, ..base })
+}
+
+/// A map over the time shown, linear between the moments and the nodes written, and its axis along
+/// the link.
+fn map(view: &View, nodes: &StoredNodes, name: &str) -> (ColourMap, Axis) {
+    let (from_s, until_s) = view.span_s();
+    let column = |k: usize| from_s + (until_s - from_s) * (k as f64 + 0.5) / COLUMNS as f64;
+    let moments: Vec<Between> =
+        (0..COLUMNS).map(|k| Between::of(&nodes.times_s, column(k))).collect();
+    let nodes_m = view.run.mesh.nodes_m();
+    let places: Vec<f64> = nodes.nodes.iter().map(|node| nodes_m[*node]).collect();
+    let (first_m, last_m) = (places[0], places[places.len() - 1]);
+    let row = |k: usize| {
+        let x_m = first_m + (last_m - first_m) * (k as f64 + 0.5) / ROWS as f64;
+        let place = Between::of(&places, x_m);
+        let at = |moment: &Between| {
+            let history = |node: usize| moment.mix(|k| nodes.histories[node][k]);
+            place.mix(history)
+        };
+        over_largest(moments.iter().map(at).collect())
+    };
+    let map = ColourMap {
+        name: name.to_owned(),
+        unit: "(√ of share)".to_owned(),
+        colours: Colours::Diverging,
+        rows: (0..ROWS).map(row).collect(),
+    };
+    (map, Axis::linear("x", "m", first_m..last_m))
+}
+
+/// A place between two of ascending numbers.
+struct Between {
+    before: usize,
+    share: f64,
+}
+
+impl Between {
+    fn of(numbers: &[f64], at: f64) -> Self {
+        let next = numbers.partition_point(|number| *number < at).clamp(1, numbers.len() - 1);
+        let (low, high) = (numbers[next - 1], numbers[next]);
+        Self { before: next - 1, share: ((at - low) / (high - low)).clamp(0.0, 1.0) }
+    }
+
+    fn mix(&self, of: impl Fn(usize) -> f64) -> f64 {
+        let (a, b) = (of(self.before), of(self.before + 1));
+        a + self.share * (b - a)
+    }
+}
+
+/// Square root, with its sign, of what happens at a place over the largest there.
+fn over_largest(mut values: Vec<f64>) -> Vec<f64> {
+    let peak = largest(&values);
+    if peak > 0.0 {
+        for value in &mut values {
+            *value = value.signum() * (value.abs() / peak).sqrt();
         }
     }
-
-    #[test]
-    fn moments_written_are_taken_as_they_are() {
-        let mut run = run();
-        let mut written = run.deflections_m.clone().unwrap();
-        written.histories[0][7] = 42.0;
-        run.moments_n_m = Some(written.clone());
-        let expected = Moments { nodes: written, is_written: true };
-        assert_eq!(bending_moments(&View::of(&run)), Some(expected));
-    }
-
-    #[test]
-    fn an_estimate_that_misses_the_summary_is_none() {
-        let mut run = run();
-        assert!(bending_moments(&View::of(&run)).is_some());
-        let exact = largest(&solution().root_moment_n_m);
-        run.readings.push(("peak_root_moment_n_m".to_owned(), exact));
-        assert!(bending_moments(&View::of(&run)).is_some());
-        // Three digits: their second differences are noise.
-        for history in &mut run.deflections_m.as_mut().unwrap().histories {
-            for w in history {
-                *w = (*w * 1e4).round() * 1e-4;
-            }
-        }
-        assert_eq!(bending_moments(&View::of(&run)), None);
-    }
+    values
 }

@@ -1,10 +1,86 @@
-//! Tables of a page: numbers, checks, warnings, inputs.
+//! The page of a run: its link, its numbers, checks, warnings.
 
 use maud::{Markup, html};
 
+use super::document::{Section, document, figures_section, inputs, made_by};
+use super::link::{given, link_drawing, motion_data};
 use crate::link::{Link, Segment};
 use crate::numeric::significant;
-use crate::result::{Origin, StoredCheck, StoredRun, StoredWarning};
+use crate::report::{Figures, View};
+use crate::result::{StoredCheck, StoredRun, StoredWarning};
+
+pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
+    let origin = &run.origin;
+    let title = match origin.title.trim() {
+        "" => "A flexible link",
+        title => title,
+    };
+    let view = View::of(run);
+    let data = motion_data(&view);
+    let told = made_by(origin);
+    let mut sections = Vec::new();
+    if !run.warnings.is_empty() {
+        sections.push(Section {
+            id: "warnings",
+            name: "Warnings",
+            content: warnings(&run.warnings),
+        });
+    }
+    if !run.remarks.is_empty() {
+        sections.push(Section { id: "remarks", name: "Remarks", content: remarks(&run.remarks) });
+    }
+    sections.push(Section { id: "link", name: "Link and results", content: link_section(run) });
+    if !run.checks.is_empty() {
+        sections.push(Section { id: "checks", name: "Verification", content: checks(&run.checks) });
+    }
+    if data.is_some() {
+        sections.push(Section { id: "animation", name: "Motion", content: animation() });
+    }
+    let (from, until) = view.span_s();
+    let (first, last) = (run.times_s[0], run.times_s[run.times_s.len() - 1]);
+    let note = format!(
+        "Over time the figures show {} … {} s of the {} … {} s that were computed.",
+        given(from, ""),
+        given(until, ""),
+        given(first, ""),
+        given(last, "")
+    );
+    sections.push(Section {
+        id: "figures",
+        name: "Figures",
+        content: figures_section(figures, &note),
+    });
+    sections.push(Section { id: "inputs", name: "Inputs", content: inputs(origin) });
+    document(title, &told, &sections, data.as_deref())
+}
+
+fn link_section(run: &StoredRun) -> Markup {
+    html! {
+        section id="link" {
+            h2 { "Link and results" }
+            figure class="drawing" {
+                (link_drawing(&run.link))
+                figcaption { "Lengths are to scale; thickness grows with the cube root of the bending stiffness, \
+                    a dot with that of its mass, up to a limit." }
+            }
+            div class="columns" { (readings(run)) (link_readings(&run.link)) }
+        }
+    }
+}
+
+fn animation() -> Markup {
+    html! {
+        section id="animation" class="needs-script" {
+            h2 { "The link in motion" }
+            figure class="stage" {
+                svg id="stage" role="img" aria-label="The link seen from above while it moves"
+                    viewBox="0 0 760 420" {}
+                figcaption id="stage-caption" {}
+            }
+            div class="controls" {}
+        }
+    }
+}
 
 /// Units by the end of a name, the longer before what it ends in.
 const UNITS: [(&str, &str); 15] = [
@@ -37,21 +113,8 @@ fn amount(value: f64, unit: &str) -> String {
     format!("{} {unit}", significant(value, 4).replace('-', "−")).trim_end().to_owned()
 }
 
-/// A number as it was given, without the zeros behind it.
-pub(super) fn given(value: f64, unit: &str) -> String {
-    let digits = significant(value, 4);
-    let short = match digits.split_once('.') {
-        Some((whole, decimals)) if !decimals.contains('e') => {
-            let decimals = decimals.trim_end_matches('0');
-            if decimals.is_empty() { whole.to_owned() } else { format!("{whole}.{decimals}") }
-        }
-        _ => digits,
-    };
-    format!("{short} {unit}").replace('-', "−").trim_end().to_owned()
-}
-
 /// The numbers of the summary.
-pub(super) fn readings(run: &StoredRun) -> Markup {
+fn readings(run: &StoredRun) -> Markup {
     html! {
         table class="readings" {
             caption { "Results" }
@@ -66,7 +129,7 @@ pub(super) fn readings(run: &StoredRun) -> Markup {
 }
 
 /// What the link is made of.
-pub(super) fn link_readings(link: &Link) -> Markup {
+fn link_readings(link: &Link) -> Markup {
     let payload = link.payload();
     let hub = link.hub();
     let mut rows = vec![
@@ -129,7 +192,7 @@ fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
 }
 
 /// Every warning and what to do about it.
-pub(super) fn warnings(warnings: &[StoredWarning]) -> Markup {
+fn warnings(warnings: &[StoredWarning]) -> Markup {
     html! {
         section id="warnings" class="warnings" {
             h2 { "Warnings" }
@@ -143,7 +206,7 @@ pub(super) fn warnings(warnings: &[StoredWarning]) -> Markup {
 }
 
 /// Every remark and what to do about it.
-pub(super) fn remarks(remarks: &[StoredWarning]) -> Markup {
+fn remarks(remarks: &[StoredWarning]) -> Markup {
     html! {
         section id="remarks" {
             h2 { "Remarks" }
@@ -157,7 +220,7 @@ pub(super) fn remarks(remarks: &[StoredWarning]) -> Markup {
 }
 
 /// The table of `verify`.
-pub(super) fn checks(checks: &[StoredCheck]) -> Markup {
+fn checks(checks: &[StoredCheck]) -> Markup {
     html! {
         section id="checks" {
             h2 { "Verification" }
@@ -187,39 +250,4 @@ pub(super) fn checks(checks: &[StoredCheck]) -> Markup {
             }
         }
     }
-}
-
-/// What went in: files with their hashes, and arguments that changed them.
-pub(super) fn inputs(origin: &Origin) -> Markup {
-    html! {
-        section id="inputs" {
-            h2 { "Inputs" }
-            div class="scroll" {
-                table {
-                    thead { tr { th scope="col" { "input" } th scope="col" { "file" } th scope="col" { "SHA-256" } } }
-                    tbody {
-                        @for input in &origin.inputs {
-                            tr {
-                                th scope="row" { (input.role) } td { (input.name) }
-                                td { code { (input.sha256) } }
-                            }
-                        }
-                    }
-                }
-            }
-            @if !origin.arguments.is_empty() {
-                p { "Arguments " code { (command_line(&origin.arguments)) } }
-            }
-        }
-    }
-}
-
-/// Arguments as a shell reads them.
-fn command_line(arguments: &[String]) -> String {
-    let quoted = |argument: &String| match shlex::try_quote(argument) {
-        Ok(quoted) => quoted.into_owned(),
-        // No shell takes a NUL.
-        Err(_) => argument.clone(),
-    };
-    arguments.iter().map(quoted).collect::<Vec<_>>().join(" ")
 }

@@ -1,7 +1,7 @@
-use super::super::chart::{Across, Axis, ColourMap, Colours, Curve, Figure, Stroke};
-use super::super::figures::Figures;
-use super::topics::{TOPICS, Topic};
-use crate::compare::{Cell, TableColumn};
+//! Figures of a sweep: what changes with the values that were varied.
+
+use super::chart::{Across, Axis, ColourMap, Colours, Curve, Figure, Figures, Stroke};
+use crate::compare::TableColumn;
 use crate::result::StoredSweep;
 
 /// Lines of a figure at most; more could not be told from each other.
@@ -23,7 +23,7 @@ struct Varied<'a> {
 
 impl<'a> Varied<'a> {
     fn of(column: &'a TableColumn, rows: usize) -> Option<Self> {
-        let values: Vec<f64> = (0..rows).map(|row| number(column, row)).collect();
+        let values: Vec<f64> = (0..rows).map(|row| column.number(row)).collect();
         let mut levels = values.clone();
         levels.sort_by(f64::total_cmp);
         levels.dedup_by(|a, b| a.total_cmp(b).is_eq());
@@ -44,21 +44,14 @@ impl<'a> Varied<'a> {
     }
 }
 
-fn number(column: &TableColumn, row: usize) -> f64 {
-    match column.cell(row) {
-        Cell::Number(number) => number,
-        Cell::Word(_) => f64::NAN,
-    }
-}
-
 /// Figures of a sweep, and what could not be shown and why.
-pub(in crate::report) fn sweep_figures(sweep: &StoredSweep) -> Figures {
+pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
     let rows = sweep.table.lines.len();
     let columns = &sweep.table.columns[..sweep.varied];
     // What has several values, numbers to draw over and words to tell lines apart.
     let several: Vec<&TableColumn> = columns
         .iter()
-        .filter(|column| (1..rows).any(|row| text(column, row) != text(column, 0)))
+        .filter(|column| (1..rows).any(|row| column.text(row) != column.text(0)))
         .collect();
     let mut varied: Vec<Varied> =
         several.iter().filter_map(|column| Varied::of(column, rows)).collect();
@@ -74,7 +67,7 @@ pub(in crate::report) fn sweep_figures(sweep: &StoredSweep) -> Figures {
             .columns
             .iter()
             .filter_map(|(column, name)| Some((*name, sweep.table.column(column)?)))
-            .filter(|(_, column)| (0..rows).any(|row| number(column, row).is_finite()))
+            .filter(|(_, column)| (0..rows).any(|row| column.number(row).is_finite()))
             .collect();
         let [(_, first), ..] = found[..] else { continue };
         match (&varied[..], several.len()) {
@@ -90,14 +83,6 @@ pub(in crate::report) fn sweep_figures(sweep: &StoredSweep) -> Figures {
     figures
 }
 
-/// What stands in a row.
-fn text(column: &TableColumn, row: usize) -> String {
-    match column.cell(row) {
-        Cell::Number(number) => number.to_string(),
-        Cell::Word(word) => word.to_owned(),
-    }
-}
-
 fn figure(topic: &Topic, x: Axis, curves: Vec<Curve>) -> Figure {
     let values = curves.iter().flat_map(|curve| curve.points.iter().map(|(_, value)| value));
     let y = Axis::around(topic.quantity.0, topic.quantity.1, values);
@@ -108,7 +93,7 @@ fn figure(topic: &Topic, x: Axis, curves: Vec<Curve>) -> Figure {
 fn over_one(topic: &Topic, x: &Varied, columns: &[(&str, &TableColumn)]) -> Figure {
     let curve = |(k, (name, column)): (usize, &(&str, &TableColumn))| {
         let rows = 0..x.values.len();
-        line(name, k, rows.map(|row| (x.values[row], number(column, row))).collect())
+        line(name, k, rows.map(|row| (x.values[row], column.number(row))).collect())
     };
     figure(topic, x.axis(0.03), columns.iter().enumerate().map(curve).collect())
 }
@@ -119,7 +104,7 @@ fn line(name: &str, number: usize, mut points: Vec<(f64, f64)>) -> Curve {
 }
 
 /// Pixels of a heat map across and up: enough for the borders of fields of any width.
-const FINE: (usize, usize) = (480, 160);
+pub(super) const FINE: (usize, usize) = (480, 160);
 
 /// A heat map; each case is a field that reaches half way to its neighbours.
 fn over_two(topic: &Topic, [x, y]: [&Varied; 2], column: &TableColumn) -> Figure {
@@ -129,7 +114,7 @@ fn over_two(topic: &Topic, [x, y]: [&Varied; 2], column: &TableColumn) -> Figure
     let mut found = vec![vec![f64::NAN; x.levels.len()]; y.levels.len()];
     for case in 0..x.values.len() {
         if let (Some(i), Some(j)) = (place(x, case), place(y, case)) {
-            found[j][i] = number(column, case);
+            found[j][i] = column.number(case);
         }
     }
     let (columns, rows) = (fields(x, FINE.0), fields(y, FINE.1));
@@ -174,12 +159,12 @@ fn over_many(
 ) -> Result<Figure, String> {
     let name = |row: usize| {
         let others = several.iter().filter(|other| other.name() != x.name);
-        let value = |other: &&TableColumn| format!("{} = {}", other.name(), text(other, row));
+        let value = |other: &&TableColumn| format!("{} = {}", other.name(), other.text(row));
         others.map(value).collect::<Vec<_>>().join(", ")
     };
     let mut lines: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     for row in 0..x.values.len() {
-        let (name, point) = (name(row), (x.values[row], number(column, row)));
+        let (name, point) = (name(row), (x.values[row], column.number(row)));
         match lines.iter_mut().find(|(other, _)| *other == name) {
             Some((_, points)) => points.push(point),
             None => lines.push((name, vec![point])),
@@ -197,84 +182,74 @@ fn over_many(
     Ok(figure(topic, x.axis(0.03), curves.collect()))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::compare::Table;
-
-    /// A sweep whose columns after the varied ones are the ratio and its cases' order.
-    fn sweep(varied: &[(&str, &[f64])], ratios: &[f64]) -> StoredSweep {
-        let named = varied.iter().copied().chain([("torque_ratio", ratios)]);
-        let columns = named.map(|(name, values)| {
-            let mut column = TableColumn::new(name.to_owned());
-            for value in values {
-                let cell = if value.is_nan() { Cell::Word("") } else { Cell::Number(*value) };
-                column.push(cell);
-            }
-            column
-        });
-        let table =
-            Table { columns: columns.collect(), lines: (2..2 + ratios.len() as u64).collect() };
-        StoredSweep { name: "sweep.csv".to_owned(), origin: None, varied: varied.len(), table }
-    }
-
-    #[test]
-    fn fields_reach_half_way_to_their_neighbours() {
-        let sweep = sweep(
-            &[("a", &[1.0, 2.0, 4.0, 1.0, 2.0, 4.0]), ("b", &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0])],
-            &[0.1, 0.2, 0.3, 0.4, f64::NAN, 0.6],
-        );
-        let figures = sweep_figures(&sweep);
-        assert_eq!((figures.drawn.len(), figures.omitted.len()), (1, 0));
-        let figure = &figures.drawn[0];
-        let map = figure.map.as_ref().unwrap();
-        let place = |share: f64, count: usize| {
-            (0..count).find(|k| (*k + 1) as f64 > share * count as f64).unwrap()
-        };
-        let at = |a: f64, b: f64| {
-            let column = place(figure.x.share(a), FINE.0);
-            map.rows[place(figure.y.share(b), FINE.1)][column]
-        };
-        for (a, b, expected) in
-            [(1.0, 0.0, 0.1), (1.4, 0.45, 0.1), (1.6, 0.0, 0.2), (3.1, 0.55, 0.6)]
-        {
-            assert!((at(a, b) - expected).abs() < 1e-15, "{a}, {b}: {}", at(a, b));
-        }
-        assert!(at(2.0, 1.0).is_nan(), "a case without a number");
-        assert_eq!(figure.x.places, [1.0, 2.0, 4.0]);
-    }
-
-    #[test]
-    fn what_cannot_be_drawn_is_told() {
-        let one = sweep(&[("a", &[1.0])], &[0.5]);
-        let figures = sweep_figures(&one);
-        assert!(figures.drawn.is_empty());
-        assert!(figures.omitted[0].contains("two numbers or more"), "{:?}", figures.omitted);
-        let failed = sweep(&[("a", &[1.0, 2.0])], &[f64::NAN, f64::NAN]);
-        assert!(sweep_figures(&failed).omitted[0].contains("no case has a number"));
-        let many: Vec<f64> = (0..14).map(f64::from).collect();
-        let last: Vec<f64> = (0..14).map(|k| f64::from(k % 2)).collect();
-        let more: Vec<f64> = (0..14).map(|k| f64::from(k / 2)).collect();
-        let crowd = sweep(&[("a", &many), ("b", &more), ("c", &last)], &[0.5; 14]);
-        let figures = sweep_figures(&crowd);
-        assert!(figures.omitted[0].contains("more than a figure holds"), "{:?}", figures.omitted);
-    }
-
-    #[test]
-    fn words_part_lines_and_the_value_with_most_numbers_has_the_axis() {
-        let mut table = sweep(
-            &[("a", &[1.0, 2.0, 3.0, 1.0, 2.0, 3.0]), ("law", &[f64::NAN; 6])],
-            &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
-        );
-        let mut law = TableColumn::new("law".to_owned());
-        for word in ["none", "none", "none", "modal", "modal", "modal"] {
-            law.push(Cell::Word(word));
-        }
-        table.table.columns[1] = law;
-        let figure = &sweep_figures(&table).drawn[0];
-        assert_eq!(figure.x.name, "a");
-        let names: Vec<&str> = figure.curves.iter().map(|curve| curve.name.as_str()).collect();
-        assert_eq!(names, ["law = none", "law = modal"]);
-        assert_eq!(figure.curves[1].points, [(1.0, 0.4), (2.0, 0.5), (3.0, 0.6)]);
-    }
+/// What a figure shows of each case.
+struct Topic {
+    id: &'static str,
+    title: &'static str,
+    /// Name and unit of the y axis.
+    quantity: (&'static str, &'static str),
+    /// Columns of the table, each with its name in the legend.
+    columns: &'static [(&'static str, &'static str)],
+    caption: &'static str,
 }
+
+/// All topics, in the order of the page.
+const TOPICS: [Topic; 8] = [
+    Topic {
+        id: "torque-ratio",
+        title: "Peak torque, flexible over rigid",
+        quantity: ("ratio", ""),
+        columns: &[("torque_ratio", "ratio")],
+        caption: "Peak torque of the flexible link over that of the rigid one. It tends to 1 where the \
+                  link is stiff for this motion.",
+    },
+    Topic {
+        id: "lead",
+        title: "Lead",
+        quantity: ("lead", "s"),
+        columns: &[("lead_s", "lead")],
+        caption: "How long before the tip moves the torque begins, at 2 % of its peak.",
+    },
+    Topic {
+        id: "lag",
+        title: "Lag",
+        quantity: ("lag", "s"),
+        columns: &[("lag_s", "lag")],
+        caption: "How long the torque goes on after the tip has stopped, at 2 % of its peak.",
+    },
+    Topic {
+        id: "peak-torque",
+        title: "Peak torque",
+        quantity: ("torque", "N m"),
+        columns: &[("peak_torque_n_m", "flexible link"), ("peak_rigid_torque_n_m", "rigid link")],
+        caption: "Largest torque at the hub.",
+    },
+    Topic {
+        id: "peak-motor-torque",
+        title: "Peak torque of the motor",
+        quantity: ("torque", "N m"),
+        columns: &[("peak_motor_torque_n_m", "motor")],
+        caption: "Largest torque of the motor, on its own side of the gear.",
+    },
+    Topic {
+        id: "residual",
+        title: "Vibration left behind",
+        quantity: ("amplitude", "m"),
+        columns: &[("residual_m", "residual")],
+        caption: "How far the tip vibrates after the torque's last sample.",
+    },
+    Topic {
+        id: "tip-error",
+        title: "Error of the tip",
+        quantity: ("error", "m"),
+        columns: &[("tip_error_m", "largest error")],
+        caption: "How far the tip strays from the wanted motion, at most.",
+    },
+    Topic {
+        id: "deflection",
+        title: "Peak deflection",
+        quantity: ("deflection", "m"),
+        columns: &[("peak_deflection_m", "tip")],
+        caption: "Largest deflection of the tip from the hub's tangent line.",
+    },
+];

@@ -1,9 +1,15 @@
+//! The link file as JSON Schema: derived from the raw form, so that an editor knows the keys that
+//! the reader knows.
+//!
+//! The dialect is draft 7, what TOML editors understand, and nothing refers to a definition
+//! elsewhere: they show a description only where it stands.
+
 use schemars::Schema;
 use schemars::generate::SchemaSettings;
 use schemars::transform::transform_subschemas;
 use serde_json::{Map, Value};
 
-use super::super::raw::RawSpecification;
+use super::raw::RawSpecification;
 
 /// JSON Schema (draft 7) of the link file, as text: what editors complete and check it with.
 ///

@@ -1,0 +1,138 @@
+//! What every page has: head, contents, figures, inputs.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::report::chart::{Figure, Figures};
+use crate::result::Origin;
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// What every page has around its sections; `data` is what the animation plays.
+pub(super) fn document(
+    title: &str,
+    origin: &Markup,
+    sections: &[Section],
+    data: Option<&str>,
+) -> Markup {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="generator" content=(concat!("flexlink ", env!("CARGO_PKG_VERSION")));
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header class="top" {
+                    h1 { (title) }
+                    p class="origin" { (origin) }
+                    button id="theme" type="button" hidden="" { "Theme" }
+                }
+                nav class="contents" aria-label="Contents" {
+                    ul { @for section in sections { li { a href=(format!("#{}", section.id)) { (section.name) } } } }
+                }
+                main { @for section in sections { (section.content) } }
+                footer {
+                    p {
+                        "Made by flexlink " (env!("CARGO_PKG_VERSION")) " from the files of the result, \
+                         which hold every number. Of each line a figure shows the lowest and the highest \
+                         point in each pixel of its width"
+                        @if data.is_some() {
+                            "; maps have 680 by 120 fields, and the animation shows at most 600 moments of \
+                             61 nodes"
+                        }
+                        "."
+                    }
+                }
+                @if let Some(data) = data {
+                    script type="application/json" id="motion" { (PreEscaped(data)) }
+                }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    }
+}
+
+pub(super) struct Section {
+    pub(super) id: &'static str,
+    pub(super) name: &'static str,
+    pub(super) content: Markup,
+}
+
+/// Program, command and files.
+pub(super) fn made_by(origin: &Origin) -> Markup {
+    let files: Vec<&str> = origin.inputs.iter().map(|input| input.name.as_str()).collect();
+    html! { "flexlink " (origin.version) " " (origin.command) " · " (files.join(", ")) }
+}
+
+pub(super) fn figures_section(figures: &Figures, note: &str) -> Markup {
+    html! {
+        section id="figures" {
+            h2 { "Figures" }
+            @if !note.is_empty() { p { (note) } }
+            @for figure in &figures.drawn { (figure_markup(figure)) }
+            @if !figures.omitted.is_empty() {
+                p { "Not shown:" }
+                ul { @for why in &figures.omitted { li { (why) } } }
+            }
+        }
+    }
+}
+
+fn figure_markup(figure: &Figure) -> Markup {
+    let table = figure.table();
+    html! {
+        figure class="chart" id=(format!("fig-{}", figure.id)) {
+            h3 { (figure.title) }
+            (figure.svg())
+            figcaption { (figure.caption) }
+            @if !table.rows.is_empty() {
+                details {
+                    summary { "Numbers" }
+                    div class="scroll" { table {
+                        thead { tr { @for head in &table.head { th scope="col" { (head) } } } }
+                        tbody { @for row in &table.rows { tr { @for cell in row { td { (cell) } } } } }
+                    } }
+                }
+            }
+        }
+    }
+}
+
+/// What went in: files with their hashes, and arguments that changed them.
+pub(super) fn inputs(origin: &Origin) -> Markup {
+    html! {
+        section id="inputs" {
+            h2 { "Inputs" }
+            div class="scroll" {
+                table {
+                    thead { tr { th scope="col" { "input" } th scope="col" { "file" } th scope="col" { "SHA-256" } } }
+                    tbody {
+                        @for input in &origin.inputs {
+                            tr {
+                                th scope="row" { (input.role) } td { (input.name) }
+                                td { code { (input.sha256) } }
+                            }
+                        }
+                    }
+                }
+            }
+            @if !origin.arguments.is_empty() {
+                p { "Arguments " code { (command_line(&origin.arguments)) } }
+            }
+        }
+    }
+}
+
+/// Arguments as a shell reads them.
+fn command_line(arguments: &[String]) -> String {
+    let quoted = |argument: &String| match shlex::try_quote(argument) {
+        Ok(quoted) => quoted.into_owned(),
+        // No shell takes a NUL.
+        Err(_) => argument.clone(),
+    };
+    arguments.iter().map(quoted).collect::<Vec<_>>().join(" ")
+}
