@@ -95,7 +95,7 @@
 //! | λ | ω²(1 + α/(iω))/κ, `lambda`: all that the recursion needs to know of frequency and damping | 1/s² |
 //! | A | apparent inertia of all that is outboard, [`beam::Inertia`] | kg, kg m, kg m² |
 //! | d, R, G | deformation of an element, its rigid transfer, its gain [`beam::Gain`] | |
-//! | e | deflection and slope for θ = 1; `lags_s2` are `e/(λ(L + e_tip))` | |
+//! | e | deflection and slope for θ = 1; `deflections_s2` are `e/(λ(L + e_tip))` | |
 //! | z | zero of torque → tip | 1/s |
 //!
 //! A caret in a comment marks a complex amplitude of e^{+iωt}.

@@ -139,7 +139,7 @@ fn transfers(solution: &Solution, friction_n_m_s_rad: f64, bins: usize) -> Vec<f
     let found = solution.dynamics.tip_transfers(&omegas);
     let size = |(omega, tip): (&f64, TipTransfer)| {
         let factor = law.stiffness_factor(*omega);
-        let bent = (tip.lag_s2 / factor).norm() * omega * friction_n_m_s_rad / length_m;
+        let bent = (tip.deflection_s2 / factor).norm() * omega * friction_n_m_s_rad / length_m;
         let drag = 1.0 + law.mass_rate_per_s() / omega;
         (tip.inertia_kg_m.norm() + bent) * drag + friction_n_m_s_rad / (length_m * omega)
     };
@@ -163,8 +163,8 @@ fn transfers(solution: &Solution, friction_n_m_s_rad: f64, bins: usize) -> Vec<f
 pub fn bending(dynamics: &Dynamics) -> Option<f64> {
     let first_rad_s = natural_frequencies(dynamics.mesh(), 1).first().copied()?;
     let modes = 2 * dynamics.mesh().elements().len();
-    let lag_s2 = dynamics.tip_transfer(0.0).lag_s2.norm();
-    Some(2.0 * (modes as f64 / first_rad_s.powi(2) + 1e3 * lag_s2))
+    let deflection_s2 = dynamics.tip_transfer(0.0).deflection_s2.norm();
+    Some(2.0 * (modes as f64 / first_rad_s.powi(2) + 1e3 * deflection_s2))
 }
 
 /// Law: the torque is that of the rigid link, but for the little that the link still bends, as

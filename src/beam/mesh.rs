@@ -1,9 +1,14 @@
-use std::ops::Range;
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
-use super::condensation::Inertia;
 use super::element::{Element, RelativeElement};
+use super::inertia::Inertia;
 use super::plan::MeshPlan;
+use super::rigid_limit::{limit_stiffness, rigid_lambda};
 use crate::link::Link;
+use crate::numeric::Scalar;
+
+/// Most elements that a mesh is refined to where no torque tells when it is fine enough.
+const MOST_ELEMENTS: usize = 8192;
 
 /// The finite-element link: n elements between n + 1 nodes, node 0 at the root, node n at the tip.
 ///
@@ -12,19 +17,23 @@ use crate::link::Link;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     elements: Vec<Element>,
-    pub(super) relative: Vec<RelativeElement>,
+    relative: Vec<RelativeElement>,
     /// Segment of each element.
     segments: Vec<usize>,
     /// Distance of each node from the axis in m.
     nodes_m: Vec<f64>,
-    /// What is lumped at each node, the payload left out.
+    bodies: Bodies,
+    /// λ in 1/s² up to which the link is rigid to the last digit.
+    pub(super) rigid_lambda: f64,
+}
+
+/// All inertia besides the elements' own.
+#[derive(Debug, Clone, PartialEq)]
+struct Bodies {
+    /// Lumped at each node, that of the tip left out.
     lumped: Vec<Option<Inertia<f64>>>,
     tip: Inertia<f64>,
     hub_inertia_kg_m2: f64,
-    /// λ in 1/s² up to which the link is rigid to the last digit.
-    pub(super) rigid_lambda: f64,
-    /// Elements of each row of equal ones.
-    pub(super) rows: Vec<Range<usize>>,
 }
 
 impl Mesh {
@@ -46,47 +55,22 @@ impl Mesh {
                 segments.push(piece.segment);
             }
         }
-        let mut mesh = Self::assemble(elements, segments, link);
-        mesh.place_masses(link);
-        mesh.with_rigid_limit().with_rows()
-    }
-
-    fn assemble(elements: Vec<Element>, segments: Vec<usize>, link: &Link) -> Self {
-        let payload = link.payload();
         let nodes_m = node_positions(link.hub().radius_m, &elements);
-        Self {
-            relative: elements.iter().map(Element::relative).collect(),
-            lumped: vec![None; nodes_m.len()],
-            tip: Inertia::rigid(payload.mass_kg, payload.inertia_kg_m2, payload.offset_m),
-            hub_inertia_kg_m2: link.hub().inertia_kg_m2,
-            rigid_lambda: 0.0,
-            rows: vec![],
-            nodes_m,
-            elements,
-            segments,
-        }
+        let bodies = Bodies::of(link, &nodes_m);
+        Self::assemble(elements, segments, nodes_m, bodies)
     }
 
-    fn place_masses(&mut self, link: &Link) {
-        for mass in link.masses() {
-            let inertia = Inertia::rigid(mass.mass_kg, mass.inertia_kg_m2, 0.0);
-            // The plan puts a node at every lumped mass, or takes one that is next to it.
-            let distance = |node: &usize| (self.nodes_m[*node] - mass.at_m).abs();
-            let nearest =
-                (0..self.nodes_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            let slot = self.lumped[nearest.unwrap_or(0)].get_or_insert(Inertia {
-                vv: 0.0,
-                vp: 0.0,
-                pp: 0.0,
-            });
-            slot.vv += inertia.vv;
-            slot.pp += inertia.pp;
-        }
-        // A mass on the tip belongs to what the recursion starts from.
-        if let Some(last) = self.lumped.last_mut().and_then(Option::take) {
-            self.tip.vv += last.vv;
-            self.tip.pp += last.pp;
-        }
+    fn assemble(
+        elements: Vec<Element>,
+        segments: Vec<usize>,
+        nodes_m: Vec<f64>,
+        bodies: Bodies,
+    ) -> Self {
+        let mut relative: Vec<_> = elements.iter().map(Element::relative).collect();
+        let lumped = bodies.lumped.iter().flatten().chain([&bodies.tip]);
+        let rigid_lambda = rigid_lambda((&elements, &relative), lumped, nodes_m[nodes_m.len() - 1]);
+        limit_stiffness(&mut relative, rigid_lambda);
+        Self { elements, relative, segments, nodes_m, bodies, rigid_lambda }
     }
 
     /// The same link with every element cut into two halves.
@@ -94,22 +78,25 @@ impl Mesh {
     pub fn refined(&self) -> Self {
         let elements: Vec<Element> = self.elements.iter().flat_map(Element::halves).collect();
         let mut lumped = vec![None; elements.len() + 1];
-        for (node, inertia) in self.lumped.iter().enumerate() {
+        for (node, inertia) in self.bodies.lumped.iter().enumerate() {
             lumped[2 * node] = *inertia;
         }
-        Self {
-            relative: elements.iter().map(Element::relative).collect(),
-            segments: self.segments.iter().flat_map(|s| [*s, *s]).collect(),
-            nodes_m: node_positions(self.nodes_m[0], &elements),
-            elements,
-            lumped,
-            tip: self.tip,
-            hub_inertia_kg_m2: self.hub_inertia_kg_m2,
-            rigid_lambda: 0.0,
-            rows: vec![],
+        let segments = self.segments.iter().flat_map(|s| [*s, *s]).collect();
+        let nodes_m = node_positions(self.nodes_m[0], &elements);
+        Self::assemble(elements, segments, nodes_m, Bodies { lumped, ..self.bodies })
+    }
+
+    /// The mesh with elements halved until natural frequencies up to `omega_rad_s` are exact to
+    /// `tolerance`, or until it has thousands of elements.
+    ///
+    /// The elements raise a natural frequency by `Δω/ω = (βh)⁴/1440` at most, which grows with ω².
+    #[must_use]
+    pub fn resolving(mut self, omega_rad_s: f64, tolerance: f64) -> Self {
+        let error = |mesh: &Self| 0.01 * (omega_rad_s / mesh.resolved_frequency_rad_s()).powi(2);
+        while error(&self) > tolerance && 2 * self.elements.len() <= MOST_ELEMENTS {
+            self = self.refined();
         }
-        .with_rigid_limit()
-        .with_rows()
+        self
     }
 
     /// Elements from the hub outward.
@@ -137,9 +124,9 @@ impl Mesh {
         self.nodes_m[self.nodes_m.len() - 1]
     }
 
-    /// What is lumped at a node, the payload and masses on the tip left out.
+    /// Inertia lumped at a node, the payload and masses on the tip left out.
     pub fn lumped_inertia(&self, node: usize) -> Option<Inertia<f64>> {
-        self.lumped[node]
+        self.bodies.lumped[node]
     }
 
     /// Payload and masses on the tip: the apparent inertia that the recursion starts from.
@@ -148,41 +135,20 @@ impl Mesh {
     /// A_tip = [[m_t, m_t c], [m_t c, J_t + m_t c²]]
     /// ```
     pub fn tip_inertia(&self) -> Inertia<f64> {
-        self.tip
+        self.bodies.tip
     }
 
     /// Rotary inertia `I_H` of the hub in kg m².
     pub fn hub_inertia_kg_m2(&self) -> f64 {
-        self.hub_inertia_kg_m2
-    }
-
-    /// Relative error that the elements cause in a natural frequency of `omega_rad_s`, at most.
-    ///
-    /// ```text
-    /// Δω/ω = (βh)⁴/1440, which grows with ω²
-    /// ```
-    pub fn frequency_error(&self, omega_rad_s: f64) -> f64 {
-        0.01 * (omega_rad_s / self.resolved_frequency_rad_s()).powi(2)
-    }
-
-    /// The mesh with elements halved until natural frequencies up to `omega_rad_s` are exact to
-    /// `tolerance`, or until it has thousands of elements.
-    #[must_use]
-    pub fn resolving(mut self, omega_rad_s: f64, tolerance: f64) -> Self {
-        while self.frequency_error(omega_rad_s) > tolerance
-            && 2 * self.elements.len() <= MOST_ELEMENTS
-        {
-            self = self.refined();
-        }
-        self
+        self.bodies.hub_inertia_kg_m2
     }
 
     /// A mass of the size of the link's own in kg, to compare forces with motions.
     pub(super) fn reference_mass_kg(&self) -> f64 {
         let beam: f64 = self.relative.iter().map(|e| e.m_uu.m11).sum();
-        let lumped: f64 = self.lumped.iter().flatten().map(|l| l.vv).sum();
-        let hub = self.hub_inertia_kg_m2 / self.length_m().powi(2);
-        beam + lumped + self.tip.vv + hub
+        let lumped: f64 = self.bodies.lumped.iter().flatten().map(|l| l.vv).sum();
+        let hub = self.hub_inertia_kg_m2() / self.length_m().powi(2);
+        beam + lumped + self.bodies.tip.vv + hub
     }
 
     /// Frequency in rad/s up to which every element follows the bending waves (1 % of a natural
@@ -191,10 +157,39 @@ impl Mesh {
         let resolved = self.elements.iter().map(Element::resolved_frequency_rad_s);
         resolved.fold(f64::INFINITY, f64::min)
     }
+
+    /// 1/λ in s², for the recursion. Where λ is so small that the link is rigid to the last digit,
+    /// at rest for one, 1/λ of the largest such λ: finite, and with the same answers.
+    #[inline(always)]
+    pub fn per_lambda<S: Scalar>(&self, lambda: S) -> S {
+        let least = lambda.lift(self.rigid_lambda).size();
+        // One reciprocal of the larger λ would not do: of a link next to rigid its square overflows.
+        let of_rigid = lambda.lift(1.0 / self.rigid_lambda);
+        S::choose(least, lambda.size(), of_rigid, lambda.reciprocal())
+    }
 }
 
-/// Most elements that a mesh is refined to without a torque to tell when it is enough.
-const MOST_ELEMENTS: usize = 8192;
+impl Bodies {
+    fn of(link: &Link, nodes_m: &[f64]) -> Self {
+        let mut lumped: Vec<Option<Inertia<f64>>> = vec![None; nodes_m.len()];
+        for mass in link.masses() {
+            // The plan puts a node at every lumped mass, or takes one that is next to it.
+            let distance = |node: &usize| (nodes_m[*node] - mass.at_m).abs();
+            let nearest = (0..nodes_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let there = lumped[nearest.unwrap_or(0)].get_or_insert(Inertia::rigid(0.0, 0.0, 0.0));
+            there.vv += mass.mass_kg;
+            there.pp += mass.inertia_kg_m2;
+        }
+        let payload = link.payload();
+        let mut tip = Inertia::rigid(payload.mass_kg, payload.inertia_kg_m2, payload.offset_m);
+        // The recursion starts from what a mass on the tip and the payload are together.
+        if let Some(last) = lumped.last_mut().and_then(Option::take) {
+            tip.vv += last.vv;
+            tip.pp += last.pp;
+        }
+        Self { lumped, tip, hub_inertia_kg_m2: link.hub().inertia_kg_m2 }
+    }
+}
 
 /// Running sum of the element lengths, compensated so that many elements lose no digit.
 fn node_positions(root_m: f64, elements: &[Element]) -> Vec<f64> {

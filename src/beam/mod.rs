@@ -1,35 +1,39 @@
-//! The finite-element link: how it is meshed, one element, and the recursion that condenses it.
+//! The finite-element link: mesh, elements, and the recursion that condenses it to its hub.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `element` | K and M of one element, and in relative coordinates |
+//! | `plan`, `given_nodes` | how many elements each piece of the link gets |
+//! | `inertia` | apparent inertia A, and the 2×2 system of one element |
+//! | `mesh`, `rigid_limit` | all elements and bodies; λ up to which the link is rigid |
+//! | `inward` | the recursion from tip to hub: torque, hub angle, tip |
+//! | `outward` | from hub to tip: deflections and moments at the nodes |
+//! | `pivoted` | both with row pivoting, for resonances of the outboard part |
+//! | `transfer` | transfers per unit of tip motion at one λ; which recursion computes them |
+//! | `batch` | the same at many λ, over the processor's vectors |
 
-mod condensation;
+mod batch;
 mod element;
-mod elimination;
 mod given_nodes;
-mod histories;
-mod hub_response;
+mod inertia;
+mod inward;
 mod mesh;
+mod outward;
 mod pivoted;
 mod plan;
 mod rigid_limit;
-mod rows;
-mod sixteen;
-mod spectrum;
-mod stretch;
-mod tip_transfers;
-mod transfer;
 #[cfg(test)]
-mod undamped;
-mod walk;
+mod test_links;
+mod transfer;
 
-pub use condensation::{Inertia, Step, condense};
+pub use batch::{
+    Pivots, TipTransfers, nodal_transfers, pivots, tip_displacements_m, tip_transfers,
+};
 pub use element::{Element, RelativeElement};
-pub use elimination::Gain;
-pub use histories::NodalHistories;
-pub use hub_response::{HubResponse, hub_response, tip_displacement_m};
+pub use inertia::{Gain, Inertia};
+pub use inward::{HubResponse, Step, condense, hub_response, tip_displacement_m};
 pub use mesh::Mesh;
+pub use outward::{NodalHistories, NodalQuantity};
 pub use pivoted::{DrivenMotion, PivotedScalar, driven_motion};
 pub use plan::{ElementCount, MeshPlan, Piece};
-pub use sixteen::{Pivots, pivots, tip_displacements_m};
-pub use spectrum::{nodal_transfers, tip_transfers};
-pub use tip_transfers::{TipTransfer, TipTransfers};
-pub use transfer::tip_transfer;
-pub use walk::{NodalQuantity, NodalTransfer, nodal_transfer};
+pub use transfer::{NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};

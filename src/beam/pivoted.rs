@@ -11,8 +11,6 @@ use num_complex::Complex64;
 
 use super::element::RelativeElement;
 use super::mesh::Mesh;
-use super::tip_transfers::TipTransfer;
-use super::walk::NodalTransfer;
 
 /// Numbers that the recursion with pivoting runs over: complex ones, and real ones for modes.
 pub trait PivotedScalar: ComplexField<RealField = f64> + Copy {}
@@ -24,13 +22,13 @@ type Block<S> = Matrix2<S>;
 
 /// Motions `U c` and reactions `Q c` that the part outboard of a node admits.
 #[derive(Clone, Copy)]
-struct Plane<S> {
+struct Admitted<S> {
     motion: Block<S>,
     reaction: Block<S>,
 }
 
-/// What the way back from hub to tip needs of one element.
-struct Passage<S> {
+/// One element as the recursion from hub to tip needs it.
+struct ElementMotion<S> {
     /// Inner coefficients per outer ones: `c_i = change · c_j`.
     change: Block<S>,
     /// Deformation `d = D c_j`.
@@ -57,72 +55,46 @@ pub struct DrivenMotion<S> {
 
 /// The motion that a torque at the hub drives at λ, also where the link or a part of it resonates.
 pub fn driven_motion<S: PivotedScalar>(mesh: &Mesh, lambda: S) -> DrivenMotion<S> {
-    let mut plane = Plane {
+    let mut outer = Admitted {
         motion: Block::<S>::identity(),
         reaction: lifted::<S>(&mesh.tip_inertia().matrix()),
     };
-    let tip_reaction = plane.reaction;
+    let tip_reaction = outer.reaction;
     let (length_m, mass_kg) = (mesh.length_m(), mesh.reference_mass_kg());
-    let mut passages = Vec::with_capacity(mesh.elements().len());
+    let mut motions = Vec::with_capacity(mesh.elements().len());
     for (index, element) in mesh.relative_elements().iter().enumerate().rev() {
-        let (deformation, mut inner) = pass(element, lambda, &plane);
+        let (deformation, mut inner) = pass(element, lambda, &outer);
         if let Some(lumped) = mesh.lumped_inertia(index) {
             inner.reaction += lifted::<S>(&lumped.matrix()) * inner.motion;
         }
         let (change, renewed) = renew(&inner, length_m, mass_kg);
-        passages.push(Passage { change, deformation, reaction: renewed.reaction });
-        plane = renewed;
+        motions.push(ElementMotion { change, deformation, reaction: renewed.reaction });
+        outer = renewed;
     }
     // The root sits on the hub's radius: v_0 = x_0 φ_0 leaves one coefficient, its size free.
     let root_m = mesh.nodes_m()[0];
-    let held = plane.motion.row(0) - plane.motion.row(1) * S::from_real(root_m);
+    let held = outer.motion.row(0) - outer.motion.row(1) * S::from_real(root_m);
     let mut c = Vector2::new(-held[1], held[0]).unscale(held.norm_squared().sqrt());
-    let theta = (plane.motion * c)[1];
-    let at_root = plane.reaction * c;
+    let theta = (outer.motion * c)[1];
+    let at_root = outer.reaction * c;
     let torque = at_root[1]
         + at_root[0] * S::from_real(root_m)
         + theta * S::from_real(mesh.hub_inertia_kg_m2());
 
     let mut e = Vector2::zeros();
     let mut deflections = vec![e];
-    let mut deformations = Vec::with_capacity(passages.len());
-    let mut reactions = Vec::with_capacity(passages.len() + 1);
-    for (passage, element) in passages.iter().rev().zip(mesh.elements()) {
-        reactions.push(passage.reaction * c);
-        c = Elimination::of(&passage.change).solve(&c);
-        let deformation = passage.deformation * c;
+    let mut deformations = Vec::with_capacity(motions.len());
+    let mut reactions = Vec::with_capacity(motions.len() + 1);
+    for (motion, element) in motions.iter().rev().zip(mesh.elements()) {
+        reactions.push(motion.reaction * c);
+        c = Elimination::of(&motion.change).solve(&c);
+        let deformation = motion.deformation * c;
         e = rigid_transfer::<S>(element.length_m) * e + deformation;
         deformations.push(deformation);
         deflections.push(e);
     }
     reactions.push(tip_reaction * c);
     DrivenMotion { theta, torque, deflections, deformations, reactions }
-}
-
-/// Transfers from the tip to every node at λ ≠ 0, also where a part of the link resonates.
-///
-/// Not finite only where no pivot is left at all, as at a zero of torque → tip on the real axis.
-pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
-    if lambda.im == 0.0 { pivoted_over(mesh, lambda.re) } else { pivoted_over(mesh, lambda) }
-}
-
-fn pivoted_over<S: PivotedScalar + Into<Complex64>>(mesh: &Mesh, lambda: S) -> NodalTransfer {
-    let motion = driven_motion(mesh, lambda);
-    let last = motion.deflections.len() - 1;
-    let tip_displacement =
-        motion.theta * S::from_real(mesh.length_m()) + motion.deflections[last][0];
-    let lag = |e: &Vector2<S>| (e[0] / (lambda * tip_displacement)).into();
-    let moment = |q: &Vector2<S>| (q[1] / tip_displacement).into();
-    NodalTransfer {
-        tip: TipTransfer {
-            inertia_kg_m: (motion.torque / tip_displacement).into(),
-            root_inertia_kg_m: moment(&motion.reactions[0]),
-            angle_rad_m: (motion.theta / tip_displacement).into(),
-            lag_s2: lag(&motion.deflections[last]),
-        },
-        lags_s2: motion.deflections.iter().map(lag).collect(),
-        moments_kg_m: motion.reactions.iter().map(moment).collect(),
-    }
 }
 
 /// Carries the plane from the outer node of an element to its inner node; returns the element's
@@ -135,8 +107,8 @@ fn pivoted_over<S: PivotedScalar + Into<Complex64>>(mesh: &Mesh, lambda: S) -> N
 fn pass<S: PivotedScalar>(
     element: &RelativeElement,
     lambda: S,
-    outer: &Plane<S>,
-) -> (Block<S>, Plane<S>) {
+    outer: &Admitted<S>,
+) -> (Block<S>, Admitted<S>) {
     let back = rigid_transfer::<S>(-element.length_m);
     let m_ud = lifted::<S>(&element.m_ud);
     let through = m_ud.transpose() * back;
@@ -147,17 +119,21 @@ fn pass<S: PivotedScalar>(
     let reaction = lifted::<S>(&element.m_uu) * motion
         + m_ud * deformation
         + rigid_transfer::<S>(element.length_m).transpose() * outer.reaction;
-    (deformation, Plane { motion, reaction })
+    (deformation, Admitted { motion, reaction })
 }
 
-/// Makes the two rows that span the plane best its new coefficients.
-fn renew<S: PivotedScalar>(plane: &Plane<S>, length_m: f64, mass_kg: f64) -> (Block<S>, Plane<S>) {
+/// Makes the two rows that span the admitted plane best its new coefficients.
+fn renew<S: PivotedScalar>(
+    admitted: &Admitted<S>,
+    length_m: f64,
+    mass_kg: f64,
+) -> (Block<S>, Admitted<S>) {
     // One unit for all four rows, so that their sizes can be compared.
     let rows = [
-        plane.motion.row(0).into_owned(),
-        plane.motion.row(1) * S::from_real(length_m),
-        plane.reaction.row(0) * S::from_real(1.0 / mass_kg),
-        plane.reaction.row(1) * S::from_real(1.0 / (mass_kg * length_m)),
+        admitted.motion.row(0).into_owned(),
+        admitted.motion.row(1) * S::from_real(length_m),
+        admitted.reaction.row(0) * S::from_real(1.0 / mass_kg),
+        admitted.reaction.row(1) * S::from_real(1.0 / (mass_kg * length_m)),
     ];
     let (mut change, mut largest) = (Block::identity(), f64::NEG_INFINITY);
     for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
@@ -170,7 +146,7 @@ fn renew<S: PivotedScalar>(plane: &Plane<S>, length_m: f64, mass_kg: f64) -> (Bl
     // X̂ · change = X, row by row.
     let elimination = Elimination::of(&change.transpose());
     let express = |x: &Block<S>| elimination.solve_columns(&x.transpose()).transpose();
-    (change, Plane { motion: express(&plane.motion), reaction: express(&plane.reaction) })
+    (change, Admitted { motion: express(&admitted.motion), reaction: express(&admitted.reaction) })
 }
 
 /// `R = [[1, l], [0, 1]]`.
@@ -221,6 +197,7 @@ impl<S: PivotedScalar> Elimination<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::beam::transfer::pivoted_transfer;
     use crate::link::{Hub, Link, LinkParts, Taper, uniform, uniform_segment};
 
     /// A uniform link whose lengths and masses are so many times as large, and the stiffness as
@@ -247,7 +224,10 @@ mod tests {
                 for power in [-40, -12, 12, 40] {
                     let unit = 2.0_f64.powi(power);
                     let heavy = pivoted_transfer(&mesh(1.0, unit), lambda);
-                    assert!(heavy.lags_s2 == expected.lags_s2, "{lambda}: masses times {unit}");
+                    assert!(
+                        heavy.deflections_s2 == expected.deflections_s2,
+                        "{lambda}: masses times {unit}"
+                    );
                     let moments = expected.moments_kg_m.iter().map(|moment| moment * unit);
                     assert!(heavy.moments_kg_m.iter().copied().eq(moments), "{lambda}, {unit}");
                     let long = pivoted_transfer(&mesh(unit, 1.0), lambda);

@@ -1,66 +1,51 @@
 //! The frequency below which the link is rigid to the last digit.
 
-#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
-
-use super::condensation::Inertia;
-use super::element::Element;
-use super::mesh::Mesh;
+use super::element::{Element, RelativeElement};
+use super::inertia::Inertia;
 use crate::link::Taper;
-use crate::numeric::Scalar;
 
-/// What bending may add to a rigid link's motion, as a share of it, so that it is lost in the
-/// rounding of any sum.
+/// Share of a rigid link's motion that bending may add so that it is lost in the rounding of any sum.
 const NEGLIGIBLE: f64 = 1.0 / (1_u128 << 70) as f64;
 
-/// Largest `K_d/λ` in kg or kg m²: a number, with room for what is added to it.
+/// Largest `K_d/λ` in kg or kg m²: finite, with room for what is added to it.
 const STIFFEST: f64 = 1e280;
 
-impl Mesh {
-    /// 1/λ in s², for the recursion. Where λ is so small that the link is rigid to the last digit,
-    /// as at rest, that of the largest such λ: finite, and with the same answers.
-    #[inline(always)]
-    pub fn per_lambda<S: Scalar>(&self, lambda: S) -> S {
-        let least = lambda.lift(self.rigid_lambda).size();
-        // Not by one reciprocal of the larger: of a link next to rigid its square is no number.
-        let of_rigid = lambda.lift(1.0 / self.rigid_lambda);
-        S::choose(least, lambda.size(), of_rigid, lambda.reciprocal())
-    }
+/// λ in 1/s² up to which a link of length L is rigid: all inertia, at the distance L from the axis,
+/// would bend all elements, one after the other, by a negligible angle.
+///
+/// ```text
+/// λ Σ(|A_vv| L² + 2 |A_vφ| L + |A_φφ|) Σ l/EI = 2⁻⁷⁰
+/// ```
+pub(super) fn rigid_lambda<'a>(
+    (elements, relative): (&[Element], &[RelativeElement]),
+    bodies: impl Iterator<Item = &'a Inertia<f64>>,
+    length_m: f64,
+) -> f64 {
+    let flexibility = |element: &Element| {
+        let Taper { inner, outer } = element.bending_stiffness_n_m2;
+        element.length_m / inner.min(outer)
+    };
+    let beam = relative.iter().map(|element| {
+        let mass = element.m_uu;
+        Inertia { vv: mass.m11, vp: mass.m12, pp: mass.m22 }
+    });
+    let about_axis =
+        |a: Inertia<f64>| (a.vv.abs() * length_m + 2.0 * a.vp.abs()) * length_m + a.pp.abs();
+    let inertia: f64 = beam.chain(bodies.copied()).map(about_axis).sum();
+    let slowness_s2 = inertia * elements.iter().map(flexibility).sum::<f64>();
+    // Without any inertia nothing bends at any λ.
+    if slowness_s2 > 0.0 { NEGLIGIBLE / slowness_s2 } else { 1.0 }
+}
 
-    /// The mesh, all inertia placed, with the λ up to which it is rigid: at which all inertia, a
-    /// length L from the axis, would bend all elements, one after the other, by a negligible angle.
-    ///
-    /// ```text
-    /// λ Σ(|A_vv| L² + 2 |A_vφ| L + |A_φφ|) Σ l/EI = 2⁻⁷⁰
-    /// ```
-    ///
-    /// An element so stiff beside the others that `K_d/λ` would be infinite there keeps a stiffness at
-    /// which it is a number: it does not bend by any digit either way.
-    pub(super) fn with_rigid_limit(mut self) -> Self {
-        let flexibility = |element: &Element| {
-            let Taper { inner, outer } = element.bending_stiffness_n_m2;
-            element.length_m / inner.min(outer)
-        };
-        let beam = self.relative_elements().iter().map(|element| Inertia {
-            vv: element.m_uu.m11,
-            vp: element.m_uu.m12,
-            pp: element.m_uu.m22,
-        });
-        let lumped = (0..self.nodes_m().len()).filter_map(|node| self.lumped_inertia(node));
-        let length_m = self.length_m();
-        let moved =
-            |a: Inertia<f64>| (a.vv.abs() * length_m + 2.0 * a.vp.abs()) * length_m + a.pp.abs();
-        let inertia: f64 = beam.chain(lumped).chain([self.tip_inertia()]).map(moved).sum();
-        let slowness_s2 = inertia * self.elements().iter().map(flexibility).sum::<f64>();
-        // Without any inertia nothing bends at any λ.
-        self.rigid_lambda = if slowness_s2 > 0.0 { NEGLIGIBLE / slowness_s2 } else { 1.0 };
-        let most = STIFFEST * self.rigid_lambda;
-        for element in &mut self.relative {
-            let largest = element.k_d.m11.max(element.k_d.m22);
-            if largest > most {
-                element.k_d *= most / largest;
-            }
+/// Lowers the stiffness of elements whose `K_d/λ` would overflow at the rigid limit: so stiff beside
+/// the others, they do not bend by any digit either way.
+pub(super) fn limit_stiffness(elements: &mut [RelativeElement], rigid_lambda: f64) {
+    let most = STIFFEST * rigid_lambda;
+    for element in elements {
+        let largest = element.k_d.m11.max(element.k_d.m22);
+        if largest > most {
+            element.k_d *= most / largest;
         }
-        self
     }
 }
 
@@ -68,7 +53,7 @@ impl Mesh {
 mod tests {
     use num_complex::Complex64;
 
-    use crate::beam::undamped::mesh;
+    use crate::beam::test_links::mesh;
     use crate::beam::{Mesh, NodalTransfer, nodal_transfer};
     use crate::link::{
         Link, LinkParts, LumpedMass, Payload, Segment, Taper, uniform, uniform_segment,
@@ -79,8 +64,13 @@ mod tests {
     #[test]
     fn a_link_at_rest_answers_as_one_that_hardly_moves() {
         let mesh = mesh(17);
-        let NodalTransfer { tip, lags_s2, moments_kg_m } = nodal_transfer(&mesh, Complex64::ZERO);
-        assert!(tip.lag_s2.re > 1e-4 || tip.lag_s2.re < -1e-4, "{}", tip.lag_s2);
+        let NodalTransfer { tip, deflections_s2, moments_kg_m } =
+            nodal_transfer(&mesh, Complex64::ZERO);
+        assert!(
+            tip.deflection_s2.re > 1e-4 || tip.deflection_s2.re < -1e-4,
+            "{}",
+            tip.deflection_s2
+        );
         let rigid = mesh.rigid_lambda;
         let turned = Complex64::new(1.0, -0.04);
         for lambda in [1.1 * rigid, -1.1 * rigid, 1e-18, -1e-18]
@@ -92,10 +82,10 @@ mod tests {
             let close = |a: &[Complex64], b: &[Complex64]| {
                 a.iter().zip(b).all(|(a, b)| (a - b).norm() <= 1e-14 * b.norm())
             };
-            assert!(close(&slow.lags_s2, &lags_s2), "λ = {lambda}");
+            assert!(close(&slow.deflections_s2, &deflections_s2), "λ = {lambda}");
             assert!(close(&slow.moments_kg_m, &moments_kg_m), "λ = {lambda}");
-            let numbers = [slow.tip.inertia_kg_m, slow.tip.angle_rad_m, slow.tip.lag_s2];
-            assert!(close(&numbers, &[tip.inertia_kg_m, tip.angle_rad_m, tip.lag_s2]));
+            let numbers = [slow.tip.inertia_kg_m, slow.tip.angle_rad_m, slow.tip.deflection_s2];
+            assert!(close(&numbers, &[tip.inertia_kg_m, tip.angle_rad_m, tip.deflection_s2]));
         }
     }
 
@@ -117,7 +107,7 @@ mod tests {
             let link = Link::new(LinkParts { masses, payload, ..uniform() }).unwrap();
             let mesh = Mesh::on(&link, 10);
             let transfer = nodal_transfer(&mesh, mesh.rigid_lambda.into());
-            let bent = transfer.lags_s2.iter().map(|lag| lag.norm() * mesh.rigid_lambda);
+            let bent = transfer.deflections_s2.iter().map(|lag| lag.norm() * mesh.rigid_lambda);
             let most = bent.fold(0.0, f64::max);
             assert!(most < 1e-4 * f64::EPSILON && most > 0.0, "{payload:?}: {most:e}");
         }

@@ -1,93 +1,165 @@
-//! Transfers at one λ, and how far the recursion is trusted with them.
+//! Transfers from the tip at one λ, by the recursion where it keeps its digits, else by the one with
+//! pivoting.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
+use nalgebra::Vector2;
 use num_complex::Complex64;
 
-use super::hub_response::{hub_response, hub_response_by_stretches};
+use super::inward::{HubResponse, hub_response};
 use super::mesh::Mesh;
-use super::pivoted::pivoted_transfer;
-use super::tip_transfers::TipTransfer;
-use crate::numeric::{Scalar, Size};
+use super::outward::{NodalQuantity, NodalRecursion};
+use super::pivoted::{PivotedScalar, driven_motion};
+use crate::numeric::Scalar;
 
 /// Largest gain |G| that the recursion is trusted with: it loses about ε·|G| of its digits.
 ///
-/// Element by element, a frequency above it lies on a resonance of what is outboard of some node:
-/// with damping none does, without it a few in a thousand. By stretches more counts as a gain, see
-/// [`Way::untested`].
+/// A frequency above it lies on a resonance of the part outboard of some node: with damping none does,
+/// without it a few in a thousand.
 const LARGEST_GAIN: f64 = 1e4;
 
-/// Least `|Im λ/Re λ|`, twice the damping ratio, at which the recursion goes by stretches.
-const DAMPED: f64 = 1.0 / 64.0;
+/// Transfers from the tip at one λ, per unit of tip motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TipTransfer<S = Complex64> {
+    /// `T/a_tip = (A_0[φφ] + I_H)/(L + e_tip)` in kg m (Bayo 1987, eq 20).
+    pub inertia_kg_m: S,
+    /// Moment at the root, node 0, per tip acceleration in kg m: what the hub exerts on the link.
+    pub root_inertia_kg_m: S,
+    /// `θ/v_tip = 1/(L + e_tip)` in rad/m (eq 21).
+    pub angle_rad_m: S,
+    /// `e_tip/(λ (L + e_tip))` in s²: deflection of the tip per tip acceleration.
+    pub deflection_s2: S,
+}
+
+/// Transfers from the tip to every node at one λ, per unit of tip motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodalTransfer {
+    /// Torque, hub angle and tip.
+    pub tip: TipTransfer,
+    /// Deflection of nodes 0 … n per tip acceleration, `e_i/(λ (L + e_tip))`, in s² (eq 21).
+    pub deflections_s2: Vec<Complex64>,
+    /// Moment in kg m per tip acceleration that the inner part of the link exerts on the outer
+    /// part at nodes 0 … n; the inertia lumped at the node counts as outer.
+    pub moments_kg_m: Vec<Complex64>,
+}
+
+impl<S: Scalar> TipTransfer<S> {
+    /// A response per hub angle, divided by the tip's displacement.
+    #[inline(always)]
+    pub(super) fn of(hub: &HubResponse<S>, mesh: &Mesh) -> Self {
+        let angle_rad_m = hub.tip_displacement_m(mesh).reciprocal();
+        Self {
+            inertia_kg_m: hub.inertia_kg_m2 * angle_rad_m,
+            root_inertia_kg_m: hub.root_inertia_kg_m2 * angle_rad_m,
+            angle_rad_m,
+            deflection_s2: hub.tip_deflection_m * hub.per_lambda_s2 * angle_rad_m,
+        }
+    }
+}
+
+impl NodalTransfer {
+    /// One quantity at nodes 0 … n.
+    pub fn values(&self, quantity: NodalQuantity) -> &[Complex64] {
+        match quantity {
+            NodalQuantity::Deflection => &self.deflections_s2,
+            NodalQuantity::Moment => &self.moments_kg_m,
+        }
+    }
+}
+
+/// Factor from values per hub angle to values per unit of tip motion: deflections in s², moments in
+/// kg m.
+#[inline(always)]
+pub(super) fn per_tip<S: Scalar>(hub: &HubResponse<S>, mesh: &Mesh, quantity: NodalQuantity) -> S {
+    let angle_rad_m = hub.tip_displacement_m(mesh).reciprocal();
+    match quantity {
+        NodalQuantity::Deflection => hub.per_lambda_s2 * angle_rad_m,
+        NodalQuantity::Moment => angle_rad_m,
+    }
+}
 
 /// Transfers from the tip to torque and hub angle.
 ///
-/// Time in the number of elements; of equal elements in a row, in the logarithm of their number from
-/// a damping ratio of 1/128 on, where the answer keeps its digits. Nothing is singular at λ = 0, where
-/// the link is rigid.
+/// Time in the number of elements. Nothing is singular at λ = 0, where the link is rigid.
 pub fn tip_transfer(mesh: &Mesh, lambda: Complex64) -> TipTransfer {
-    let (mut tip, mut largest_gain) = Way::of(lambda).untested_alone(mesh, lambda);
-    if !is_trusted(largest_gain) && Way::of(lambda) == Way::Stretches {
-        (tip, largest_gain) = Way::Elements.untested_alone(mesh, lambda);
-    }
-    if is_trusted(largest_gain) { tip } else { pivoted_transfer(mesh, lambda).tip }
+    let by_recursion =
+        if is_real(lambda) { recursed(mesh, lambda.re) } else { recursed(mesh, lambda) };
+    by_recursion.unwrap_or_else(|| pivoted_transfer(mesh, lambda).tip)
 }
 
-/// How the recursion goes from tip to hub.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
-    /// Element by element, over real numbers, which takes a third of the time.
-    RealElements,
-    /// Element by element.
-    Elements,
-    /// By stretches of equal elements.
-    ///
-    /// A stretch resonates between its own ends, and doubling it takes that resonance off again.
-    /// Up to 4000 times ε·|G| is lost where no damping bounds it, some 100 times with [`DAMPED`].
-    Stretches,
+/// Transfers from the tip to torque and hub angle by the recursion; none where it loses its digits.
+fn recursed<S>(mesh: &Mesh, lambda: S) -> Option<TipTransfer>
+where
+    S: Scalar<Size = f64> + Into<Complex64>,
+{
+    let hub = hub_response(mesh, lambda);
+    is_trusted(hub.largest_gain).then(|| complex(TipTransfer::of(&hub, mesh)))
 }
 
-impl Way {
-    /// The one that λ is asked for by first.
-    pub(super) fn of(lambda: Complex64) -> Self {
-        if is_real(lambda) {
-            Self::RealElements
-        } else if lambda.im.abs() < DAMPED * lambda.re.abs() {
-            Self::Elements
-        } else {
-            Self::Stretches
-        }
-    }
+/// Transfers from the tip to every node, per unit of tip motion.
+pub fn nodal_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
+    let by_recursion = if is_real(lambda) {
+        recursed_nodes(mesh, lambda.re)
+    } else {
+        recursed_nodes(mesh, lambda)
+    };
+    by_recursion.unwrap_or_else(|| pivoted_transfer(mesh, lambda))
+}
 
-    /// Transfers by the recursion alone, and what no gain exceeds.
-    ///
-    /// By stretches, a hundredth of `L/|L + e_tip|` counts as a gain, too: where next to none of the
-    /// hub's motion reaches the tip, that sum is rounding sooner than element by element.
-    #[inline(always)]
-    pub(super) fn untested<S: Scalar>(self, mesh: &Mesh, lambda: S) -> (TipTransfer<S>, S::Size) {
-        if self == Self::Stretches {
-            let hub = hub_response_by_stretches(mesh, lambda);
-            let tip = hub.per_tip(mesh);
-            let rigid_per_tip = tip.angle_rad_m.size() * mesh.length_m();
-            (tip, hub.largest_gain.larger(rigid_per_tip * 0.01))
-        } else {
-            let hub = hub_response(mesh, lambda);
-            (hub.per_tip(mesh), hub.largest_gain)
-        }
+/// Transfers from the tip to every node by the recursion; none where it loses its digits.
+fn recursed_nodes<S>(mesh: &Mesh, lambda: S) -> Option<NodalTransfer>
+where
+    S: Scalar<Size = f64> + Into<Complex64>,
+{
+    let mut nodes = NodalRecursion::new(mesh, lambda, NodalQuantity::Moment);
+    let hub = nodes.run(mesh, lambda, NodalQuantity::Deflection);
+    if !is_trusted(hub.largest_gain) {
+        return None;
     }
+    let times = |factor: S, values: &[S]| values.iter().map(|x| (*x * factor).into()).collect();
+    let deflections_s2 = times(per_tip(&hub, mesh, NodalQuantity::Deflection), &nodes.values);
+    nodes.outward(mesh, lambda, NodalQuantity::Moment);
+    let moments_kg_m = times(per_tip(&hub, mesh, NodalQuantity::Moment), &nodes.values);
+    Some(NodalTransfer { tip: complex(TipTransfer::of(&hub, mesh)), deflections_s2, moments_kg_m })
+}
 
-    /// The same at one λ.
-    pub(super) fn untested_alone(self, mesh: &Mesh, lambda: Complex64) -> (TipTransfer, f64) {
-        if self == Self::RealElements {
-            let (tip, largest_gain) = self.untested(mesh, lambda.re);
-            (tip.map(Complex64::from), largest_gain)
-        } else {
-            self.untested(mesh, lambda)
-        }
+fn complex<S: Into<Complex64>>(tip: TipTransfer<S>) -> TipTransfer {
+    TipTransfer {
+        inertia_kg_m: tip.inertia_kg_m.into(),
+        root_inertia_kg_m: tip.root_inertia_kg_m.into(),
+        angle_rad_m: tip.angle_rad_m.into(),
+        deflection_s2: tip.deflection_s2.into(),
     }
 }
 
-/// Whether λ is a real number, as it is without damping and at rest.
+/// Transfers from the tip to every node at λ ≠ 0, also where a part of the link resonates.
+///
+/// Not finite only where no pivot is left at all, as at a zero of torque → tip on the real axis.
+pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
+    if is_real(lambda) { driven_transfer(mesh, lambda.re) } else { driven_transfer(mesh, lambda) }
+}
+
+fn driven_transfer<S: PivotedScalar + Into<Complex64>>(mesh: &Mesh, lambda: S) -> NodalTransfer {
+    let motion = driven_motion(mesh, lambda);
+    let last = motion.deflections.len() - 1;
+    let tip_displacement =
+        motion.theta * S::from_real(mesh.length_m()) + motion.deflections[last][0];
+    let deflection = |e: &Vector2<S>| (e[0] / (lambda * tip_displacement)).into();
+    let moment = |q: &Vector2<S>| (q[1] / tip_displacement).into();
+    NodalTransfer {
+        tip: TipTransfer {
+            inertia_kg_m: (motion.torque / tip_displacement).into(),
+            root_inertia_kg_m: moment(&motion.reactions[0]),
+            angle_rad_m: (motion.theta / tip_displacement).into(),
+            deflection_s2: deflection(&motion.deflections[last]),
+        },
+        deflections_s2: motion.deflections.iter().map(deflection).collect(),
+        moments_kg_m: motion.reactions.iter().map(moment).collect(),
+    }
+}
+
+/// Whether λ is a real number, as it is without damping and at rest; the recursion over real numbers
+/// takes a third of the time.
 pub(super) fn is_real(lambda: Complex64) -> bool {
     lambda.im == 0.0
 }
@@ -100,11 +172,8 @@ pub(super) fn is_trusted(largest_gain: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::condensation::condense;
-    use crate::beam::nodal_transfer;
-    use crate::beam::tip_displacement_m;
-    use crate::beam::undamped::{Units, even_mesh, mesh, mesh_in};
-    use crate::link::{Hub, Link, LinkParts, Payload, uniform};
+    use crate::beam::test_links::{Units, mesh, mesh_in};
+    use crate::beam::{condense, tip_displacement_m};
     use crate::numeric::{Wide, WideComplex};
 
     #[test]
@@ -125,82 +194,29 @@ mod tests {
     }
 
     #[test]
-    fn stretches_that_are_trusted_with_damped_motions_keep_their_digits() {
-        for elements in [2, 3, 4, 7, 8, 16, 37, 64, 128, 1000] {
-            let links = [without_hub(), with_heavy_payload()];
-            let [without_hub, heavy] = links.map(|link| Mesh::on(&link, elements));
-            for mesh in [without_hub, heavy, even_mesh(elements)] {
-                let at_rest = tip_transfer(&mesh, Complex64::ZERO).inertia_kg_m.re;
-                let mut trusted = 0;
-                for omega_2 in resonances_of_stretches(&mesh) {
-                    for damping in [DAMPED, -0.04] {
-                        let lambda = Complex64::new(omega_2, damping * omega_2);
-                        assert_eq!(Way::of(lambda), Way::Stretches);
-                        let (found, gain) = Way::Stretches.untested_alone(&mesh, lambda);
-                        if is_trusted(gain) {
-                            trusted += 1;
-                            let exact = exact_inertia(&mesh, WideComplex::from(lambda)).nearest();
-                            let error = (found.inertia_kg_m - exact).norm();
-                            let rigid_per_tip = found.angle_rad_m.norm() * mesh.length_m();
-                            let bound = 160.0 * f64::EPSILON * (1.0 + gain.max(rigid_per_tip));
-                            let relative = error / (exact.norm() + 0.3 * at_rest);
-                            assert!(relative < bound, "{elements}, λ = {lambda}: {relative:e}");
-                        }
-                    }
+    fn damped_transfers_keep_their_digits() {
+        for elements in [2, 10, 100] {
+            let mesh = mesh(elements);
+            let at_rest = tip_transfer(&mesh, Complex64::ZERO).inertia_kg_m.re;
+            for k in 0..300 {
+                // From 1 1/s² to far beyond what the mesh resolves.
+                let omega_2 = 1.096_f64.powi(k);
+                for twice_the_ratio in [1.0 / 64.0, -0.04] {
+                    let lambda = Complex64::new(omega_2, twice_the_ratio * omega_2);
+                    let gain = hub_response(&mesh, lambda).largest_gain;
+                    let exact = exact_inertia(&mesh, WideComplex::from(lambda)).nearest();
+                    let found = tip_transfer(&mesh, lambda);
+                    let rigid_per_tip = found.angle_rad_m.norm() * mesh.length_m();
+                    let bound = 160.0 * f64::EPSILON * (1.0 + gain.max(rigid_per_tip));
+                    let error = (found.inertia_kg_m - exact).norm();
+                    let relative = error / (exact.norm() + 0.3 * at_rest);
+                    assert!(relative < bound, "{elements}, λ = {lambda}: {relative:e}");
                 }
-                assert!(trusted > 300, "{elements} elements: trusted with {trusted}");
             }
         }
     }
 
-    fn without_hub() -> Link {
-        let hub = Hub { inertia_kg_m2: 0.0, radius_m: 0.0, viscous_friction_n_m_s_rad: 0.0 };
-        Link::new(LinkParts { hub, ..uniform() }).unwrap()
-    }
-
-    fn with_heavy_payload() -> Link {
-        let payload = Payload { mass_kg: 5.2, inertia_kg_m2: 0.0, offset_m: 0.0 };
-        Link::new(LinkParts { payload, ..uniform() }).unwrap()
-    }
-
-    /// Squared frequencies from 1 1/s² to far beyond any mesh, a stretch's own resonances among them.
-    fn resonances_of_stretches(mesh: &Mesh) -> Vec<f64> {
-        let gain = |lambda: f64| hub_response_by_stretches(mesh, lambda).largest_gain;
-        let grid: Vec<f64> = (0..300).map(|k| 1.096_f64.powi(k)).collect();
-        let peaks = grid.windows(3).filter(|w| gain(w[1]) > gain(w[0]).max(gain(w[2]))).map(|w| {
-            let (mut low, mut high) = (w[0], w[2]);
-            for _ in 0..80 {
-                let third = (high - low) / 3.0;
-                if gain(low + third) < gain(high - third) {
-                    low += third;
-                } else {
-                    high -= third;
-                }
-            }
-            low
-        });
-        let peaks: Vec<f64> = peaks.collect();
-        [grid, peaks].concat()
-    }
-
-    #[test]
-    fn where_stretches_are_not_trusted_the_elements_are_asked_one_by_one() {
-        let mesh = even_mesh(64);
-        let mut by_elements = 0;
-        for k in 0..400 {
-            // Beyond what the mesh resolves, where next to nothing of the hub's motion is left.
-            let lambda = Complex64::new(1.0, -0.04) * (1e6 * 1.05_f64.powi(k));
-            let (_, gain) = Way::Stretches.untested_alone(&mesh, lambda);
-            let (expected, gain_of_elements) = Way::Elements.untested_alone(&mesh, lambda);
-            if !is_trusted(gain) && is_trusted(gain_of_elements) {
-                by_elements += 1;
-                assert_eq!(tip_transfer(&mesh, lambda), expected, "λ = {lambda}");
-            }
-        }
-        assert!(by_elements > 10, "stretches were trusted with nearly all: {by_elements}");
-    }
-
-    /// `T/a_tip` element by element, over numbers with more digits.
+    /// `T/a_tip` over numbers with more digits.
     fn exact_inertia<S: Scalar>(mesh: &Mesh, lambda: S) -> S {
         let root = condense(mesh, lambda, |_, _| {});
         let hub = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();
@@ -233,10 +249,13 @@ mod tests {
                 let peak = a.iter().fold(0.0_f64, |m, x| m.max(x.norm()));
                 a.iter().zip(b).all(|(a, b)| (a - b).norm() < 1e-11 * peak)
             };
-            assert!(close(&plain.lags_s2, &pivoted.lags_s2), "deflections at {omega} rad/s");
+            assert!(
+                close(&plain.deflections_s2, &pivoted.deflections_s2),
+                "deflections at {omega} rad/s"
+            );
             assert!(close(&plain.moments_kg_m, &pivoted.moments_kg_m), "moments at {omega} rad/s");
             let numbers = |tip: TipTransfer| {
-                [tip.inertia_kg_m, tip.root_inertia_kg_m, tip.angle_rad_m, tip.lag_s2]
+                [tip.inertia_kg_m, tip.root_inertia_kg_m, tip.angle_rad_m, tip.deflection_s2]
             };
             for (a, b) in numbers(plain.tip).into_iter().zip(numbers(pivoted.tip)) {
                 assert!((a / b - 1.0).norm() < 1e-11, "at {omega} rad/s: {a} is not {b}");

@@ -44,7 +44,7 @@ impl Series {
 
     /// `S_m` of the hub angle less that of a rigid link.
     pub(super) fn hub_tail(&self, dynamics: &Dynamics) -> TailTerms {
-        let lags = dynamics.tip_transfers(&self.omegas_rad_s).lag_s2;
+        let lags = dynamics.tip_transfers(&self.omegas_rad_s).deflection_s2;
         self.tail(&lags).map(|s| s / dynamics.mesh().length_m())
     }
 

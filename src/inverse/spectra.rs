@@ -118,7 +118,7 @@ impl WithSimd for Excited<'_> {
         let velocities = &forcing.spectrum.velocity_m_s[bins];
         let inertias = &tip_transfers.inertia_kg_m[..len];
         let root_inertias = &tip_transfers.root_inertia_kg_m[..len];
-        let lags = &tip_transfers.lag_s2[..len];
+        let lags = &tip_transfers.deflection_s2[..len];
         let HubRows { torque, excess, root } = rows;
         let (torque, excess, root) = (&mut torque[..len], &mut excess[..len], &mut root[..len]);
         let drag = forcing.dynamics.law().mass_rate_per_s();
@@ -201,8 +201,8 @@ impl Forcing<'_> {
         let compliance_factor = self.dynamics.law().compliance_factor();
         let per_length = 1.0 / self.dynamics.mesh().length_m();
         #[inline(always)]
-        move |omega, inertia_kg_m, lag_s2| {
-            let excess_rad_s2_m = lag_s2 * compliance_factor(omega) * per_length;
+        move |omega, inertia_kg_m, deflection_s2| {
+            let excess_rad_s2_m = deflection_s2 * compliance_factor(omega) * per_length;
             let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);
             let inertia_kg_m = inertia_kg_m + rate * self.joint.friction_n_m_s_rad;
             HubTransfer { inertia_kg_m, excess_rad_s2_m }

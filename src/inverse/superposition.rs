@@ -116,13 +116,13 @@ impl Superposition {
         let lambda = dynamics.law().lambda(omega_rad_s);
         let inertia_kg_m = self.acceleration(lambda, coordinates, |share| share.tip).inv();
         let deflection: Complex64 = coordinates.iter().map(|(q, s)| q * s.tip_deflection()).sum();
-        let lag_s2 = -deflection * inertia_kg_m;
+        let deflection_s2 = -deflection * inertia_kg_m;
         TipTransfer {
             inertia_kg_m,
             root_inertia_kg_m: self.acceleration(lambda, coordinates, |share| share.moments[0])
                 * inertia_kg_m,
-            angle_rad_m: (1.0 - lambda * lag_s2) / dynamics.mesh().length_m(),
-            lag_s2,
+            angle_rad_m: (1.0 - lambda * deflection_s2) / dynamics.mesh().length_m(),
+            deflection_s2,
         }
     }
 
@@ -131,7 +131,7 @@ impl Superposition {
         let tip = self.tip_of(dynamics, omega_rad_s, &coordinates);
         let lambda = dynamics.law().lambda(omega_rad_s);
         let nodes = self.rigid.moments.len();
-        let mut lags_s2 = vec![Complex64::ZERO; nodes];
+        let mut deflections_s2 = vec![Complex64::ZERO; nodes];
         let rigid = self.rigid.hub_angle * tip.inertia_kg_m;
         let mut moments_kg_m: Vec<Complex64> =
             self.rigid.moments.iter().map(|m| rigid * *m).collect();
@@ -139,11 +139,11 @@ impl Superposition {
             let lag = -q * tip.inertia_kg_m;
             let acceleration = lambda * lag;
             for node in 0..nodes {
-                lags_s2[node] += lag * share.deflections[node];
+                deflections_s2[node] += lag * share.deflections[node];
                 moments_kg_m[node] += acceleration * share.moments[node];
             }
         }
-        NodalTransfer { tip, lags_s2, moments_kg_m }
+        NodalTransfer { tip, deflections_s2, moments_kg_m }
     }
 }
 

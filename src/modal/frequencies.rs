@@ -2,16 +2,14 @@ use std::cmp::Ordering;
 
 use nalgebra::{Matrix2, Vector2};
 
+use super::hub_spring::{HubSpring, counted};
 use super::inertia::{hub_moves_mass, outboard_degrees_of_freedom};
 use super::shape::Shape;
-use crate::beam::{Mesh, Pivots, driven_motion, pivots};
-use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
+use crate::beam::{Mesh, Pivots, driven_motion};
+use crate::numeric::{SECTIONS, root};
 
 /// Natural frequencies that a solution or a simulation reports.
 pub const REPORTED_MODES: usize = 5;
-
-/// Highest angular frequency that is searched, in rad/s: no link of this world comes near.
-const SEARCH_LIMIT_RAD_S: f64 = 1e15;
 
 /// Most that counting may be wrong, relative to the frequency.
 const LOST_DIGITS: f64 = 1e-8;
@@ -19,71 +17,7 @@ const LOST_DIGITS: f64 = 1e-8;
 /// A step this small, relative to the frequency, is round-off.
 const SETTLED: f64 = 1e-13;
 
-/// What holds the hub: a torsional spring to the ground, its stiffness k in N m/rad.
-///
-/// A free and a clamped hub are its two ends, so that one count and one search serve all three.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub(super) struct HubSpring(f64);
-
 impl HubSpring {
-    /// No spring: the hub is free to turn.
-    const FREE: Self = Self(0.0);
-    /// A spring that does not yield.
-    pub(super) const CLAMPED: Self = Self(f64::INFINITY);
-
-    /// Number of modes below each ω > 0, the rigid rotation of a free hub included.
-    ///
-    /// By Sylvester's law of inertia it is the number of negative pivots of the dynamic stiffness
-    /// (Wittrick and Williams), here of the blocks `K_d − λ(M_dd + A)`, over λ, and of the hub's
-    /// `k − λ(A_0[φφ] + I_H)`; so none is missed, however close two of them lie. For k = ∞ the
-    /// hub's pivot is never negative, and what is left are the modes of the clamped link.
-    pub(super) fn modes_below(
-        self,
-        mesh: &Mesh,
-        omegas_rad_s: &[f64; SECTIONS],
-    ) -> [usize; SECTIONS] {
-        counted(mesh, omegas_rad_s)
-            .map(|Pivots { negative, hub_n_m }| negative + usize::from(hub_n_m > self.0))
-    }
-
-    /// Two frequencies in rad/s, the number `sought` of mode between them: fewer modes lie below the
-    /// first, as many or more below the second, which is the least of `from_rad_s` times a power of
-    /// two where it is not `from_rad_s` itself. None where the search leads nowhere.
-    pub(super) fn bracket(self, mesh: &Mesh, sought: usize, from_rad_s: f64) -> Option<(f64, f64)> {
-        let is_above = |modes: &usize| *modes >= sought;
-        let mut before = None;
-        let mut upwards = geometric_scan(from_rad_s, 2.0);
-        let (low, high) = loop {
-            let places = next_places(&mut upwards);
-            match self.modes_below(mesh, &places).iter().position(is_above) {
-                Some(first) => {
-                    let low = if first > 0 { Some(places[first - 1]) } else { before };
-                    break (low, places[first]);
-                }
-                None => before = places.last().copied(),
-            }
-            if places[0] > SEARCH_LIMIT_RAD_S {
-                return None;
-            }
-        };
-        if let Some(low) = low {
-            return Some((low, high)).filter(|_| high <= SEARCH_LIMIT_RAD_S);
-        }
-        let (mut low, mut high) = (None, high);
-        let mut downwards = geometric_scan(0.5 * from_rad_s, 0.5);
-        while low.is_none() {
-            let places = next_places(&mut downwards);
-            for (place, modes) in places.iter().zip(self.modes_below(mesh, &places)) {
-                if !is_above(&modes) {
-                    low = Some(*place);
-                    break;
-                }
-                high = *place;
-            }
-        }
-        low.map(|low| (low, high))
-    }
-
     /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.
     fn natural_frequencies(self, mesh: &Mesh, count: usize) -> Vec<f64> {
         // The rigid rotation of a free hub is always below.
@@ -157,32 +91,9 @@ impl HubSpring {
     }
 }
 
-/// Negative pivots at each ω > 0.
-fn counted(mesh: &Mesh, omegas_rad_s: &[f64; SECTIONS]) -> [Pivots; SECTIONS] {
-    // Exactly on a pole of the apparent inertia nothing is finite, and a hair beside it all is;
-    // numbers beyond double precision stay infinite, and are not searched for ever.
-    let mut found = [Pivots { negative: 0, hub_n_m: f64::NAN }; SECTIONS];
-    for hairs in 0..4 {
-        let beside = 1.0 + 4.0 * f64::from(hairs) * f64::EPSILON;
-        let counted = pivots(mesh, &omegas_rad_s.map(|omega| (omega * beside).powi(2)));
-        let open = found.iter_mut().zip(counted).filter(|(found, _)| found.hub_n_m.is_nan());
-        open.filter(|(_, counted)| counted.hub_n_m.is_finite()).for_each(|(f, c)| *f = c);
-        if found.iter().all(|found| found.hub_n_m.is_finite()) {
-            break;
-        }
-    }
-    found
-}
-
 /// `dᵀ K d` of a deformation.
 fn quadratic(stiffness: &Matrix2<f64>, deformation: &Vector2<f64>) -> f64 {
     deformation.dot(&(stiffness * deformation))
-}
-
-/// Number of modes below `omega_rad_s` > 0 of the link on its free hub, the rigid rotation
-/// included.
-pub fn modes_below(mesh: &Mesh, omega_rad_s: f64) -> usize {
-    HubSpring::FREE.modes_below(mesh, &[omega_rad_s; SECTIONS])[0]
 }
 
 /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.
@@ -206,6 +117,15 @@ pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize)
     let spring = HubSpring(joint_stiffness_n_m_rad);
     assert!(spring > HubSpring::FREE, "{joint_stiffness_n_m_rad} N m/rad hold no hub");
     spring.natural_frequencies(mesh, count)
+}
+
+/// First natural frequency in rad/s of the link clamped at its hub, where it lies below
+/// `limit_rad_s` > 0; counting tells cheaply where it does not.
+pub fn clamped_frequency_below(mesh: &Mesh, limit_rad_s: f64) -> Option<f64> {
+    if HubSpring::CLAMPED.modes_below(mesh, &[limit_rad_s; SECTIONS])[0] == 0 {
+        return None;
+    }
+    held_frequencies(mesh, f64::INFINITY, 1).first().copied()
 }
 
 #[cfg(test)]
@@ -310,5 +230,14 @@ mod tests {
     #[should_panic(expected = "0 N m/rad hold no hub")]
     fn a_joint_without_stiffness_holds_no_hub() {
         held_frequencies(&massless(0.1, 0.4), 0.0, 1);
+    }
+
+    #[test]
+    fn the_first_mode_of_a_cantilever_is_found_from_above_alone() {
+        let mesh = Mesh::on(&Link::new(uniform()).unwrap(), 20);
+        let first = (1.875_104_068_7_f64 / 1.5).powi(2) * (5.0_f64 / 0.8).sqrt();
+        assert_eq!(clamped_frequency_below(&mesh, 0.999 * first), None);
+        let found = clamped_frequency_below(&mesh, 1.001 * first).unwrap();
+        assert!((found / first - 1.0).abs() < 1e-6, "{found} is not {first}");
     }
 }

@@ -3,9 +3,9 @@
 
 mod basis;
 mod caughey;
-mod clamped;
 mod complete;
 mod frequencies;
+mod hub_spring;
 mod inertia;
 mod law;
 mod shape;
@@ -14,9 +14,11 @@ mod zeros;
 
 pub use basis::ModalBasis;
 pub use caughey::CaugheySeries;
-pub use clamped::clamped_frequency_below;
 pub use complete::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES};
-pub use frequencies::{REPORTED_MODES, held_frequencies, modes_below, natural_frequencies};
+pub use frequencies::{
+    REPORTED_MODES, clamped_frequency_below, held_frequencies, natural_frequencies,
+};
+pub use hub_spring::modes_below;
 pub use inertia::{carries_rotary_inertia, flexible_modes, hub_moves_mass};
 pub use law::{DampingError, DampingLaw};
 pub use shape::{Mode, Shape, mode};

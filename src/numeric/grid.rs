@@ -1,3 +1,7 @@
+use thiserror::Error;
+
+use super::text::rounded;
+
 /// Uniform time grid: sample k stands at `origin + (first + k)·step`.
 ///
 /// The grid of a result extends the one of its trajectory, so both keep the same origin and their
@@ -77,5 +81,160 @@ impl ThinnedGrid {
     /// Time of sample `k` in s.
     pub fn time_s(&self, k: usize) -> f64 {
         self.grid.time_s(k * self.every)
+    }
+}
+
+/// Largest deviation of a time from the grid, in steps.
+const TIME_TOLERANCE: f64 = 1e-3;
+
+/// Times rounded to decimals of at most this share of a step may be off by one decimal, too: a rate
+/// of 60 Hz written in whole milliseconds.
+const DECIMAL_SHARE: f64 = 0.1;
+
+/// A time that does not stand on the uniform grid of the others.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error(
+    "time = {} s, but must be {} s: the samples before and after stand {} s apart",
+    rounded(*found_s, 12),
+    rounded(*expected_s, 12),
+    rounded(*step_s, 12)
+)]
+pub struct NotUniform {
+    /// Number of the sample, from 0.
+    pub sample: usize,
+    /// Time found.
+    pub found_s: f64,
+    /// Time that continues the grid.
+    pub expected_s: f64,
+    /// Step of the grid.
+    pub step_s: f64,
+}
+
+impl NotUniform {
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        "write times with more decimals, or resample the file to a uniform step"
+    }
+}
+
+impl TimeGrid {
+    /// The uniform grid that times in s stand on, from the first to the last.
+    ///
+    /// A time may be off by a thousandth of a step, or by the rounding of its last decimal.
+    ///
+    /// ```
+    /// use flexlink::numeric::TimeGrid;
+    /// let grid = TimeGrid::through(&[0.000, 0.017, 0.033, 0.050])?;
+    /// assert!((1.0 / grid.step_s - 60.0).abs() < 1e-9);
+    /// # Ok::<(), flexlink::numeric::NotUniform>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`NotUniform`] names the first time that is off, and where it should stand.
+    ///
+    /// # Panics
+    /// If there are fewer than two times.
+    pub fn through(time_s: &[f64]) -> Result<Self, NotUniform> {
+        let (origin_s, last) = (time_s[0], time_s.len() - 1);
+        let step_s = (time_s[last] - origin_s) / last as f64;
+        let slack_s = slack(time_s, step_s);
+        let grid = Self { origin_s, step_s, first: 0, len: time_s.len() };
+        let is_off = |k: usize| exceeds((time_s[k] - grid.time_s(k)).abs(), slack_s);
+        if step_s > 0.0 && !(0..=last).any(is_off) {
+            return Ok(grid);
+        }
+        // One missing row shifts the mean step; the commonest one tells which row is to blame.
+        let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
+        let usual = *steps.clone().select_nth_unstable_by(last / 2, f64::total_cmp).1;
+        steps.insert(0, usual);
+        let strays = |k: &usize| exceeds((steps[*k] - usual).abs(), 2.0 * slack_s.abs());
+        let sample =
+            (1..=last).find(strays).or_else(|| (1..=last).find(|k| is_off(*k))).unwrap_or(last);
+        Err(NotUniform {
+            sample,
+            found_s: time_s[sample],
+            expected_s: time_s[sample - 1] + usual,
+            step_s: usual,
+        })
+    }
+}
+
+/// How far a time may stand from the grid, in s.
+fn slack(time_s: &[f64], step_s: f64) -> f64 {
+    let decimal_s = last_decimal(time_s);
+    // Half a decimal for the time itself, and half for the ends that the grid is drawn through.
+    let rounding_s = if decimal_s <= DECIMAL_SHARE * step_s { decimal_s } else { 0.0 };
+    (TIME_TOLERANCE * step_s).max(1.001 * rounding_s)
+}
+
+/// The decimal unit that all times are whole multiples of, 1 s or below.
+fn last_decimal(time_s: &[f64]) -> f64 {
+    let is_whole = |scale: f64| {
+        time_s.iter().all(|t| {
+            let scaled = t * scale;
+            (scaled - scaled.round()).abs() <= 1e-6
+        })
+    };
+    (0..12)
+        .map(|decimals| 10.0_f64.powi(decimals))
+        .find(|scale| is_whole(*scale))
+        .map_or(0.0, f64::recip)
+}
+
+/// Whether a distance is above its limit; one that is not a number is, too.
+fn exceeds(distance: f64, limit: f64) -> bool {
+    distance > limit || distance.is_nan()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(time_s: &[f64]) -> String {
+        TimeGrid::through(time_s).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn times_with_few_digits_are_uniform_and_keep_the_mean_step() {
+        let third = |k: i32| (f64::from(k) / 300.0 * 1e6).round() / 1e6;
+        let times: Vec<f64> = (0..301).map(third).collect();
+        assert!((TimeGrid::through(&times).unwrap().step_s - 1.0 / 300.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn ordinary_rates_in_few_decimals_are_uniform() {
+        for (rate, decimals) in [(60.0, 3), (60.0, 4), (240.0, 4), (300.0, 5), (1000.0, 3)] {
+            let unit = 10.0_f64.powi(decimals);
+            let rounded = |k: i32| (f64::from(k) / rate * unit).round() / unit;
+            let times: Vec<f64> = (0..=600).map(rounded).collect();
+            let step_s = TimeGrid::through(&times).unwrap().step_s;
+            assert!((step_s * rate - 1.0).abs() < 1e-3, "{rate} Hz in {decimals} decimals");
+        }
+        // At 154 Hz some of these end with a time rounded up and hold another rounded down.
+        let rounded = |k: i32| (f64::from(k) / 154.0 * 1e5).round() / 1e5;
+        for last in 4..200 {
+            let times: Vec<f64> = (0..=last).map(rounded).collect();
+            assert!(TimeGrid::through(&times).is_ok(), "154 Hz, {last} steps");
+        }
+        // In whole seconds a jitter cannot be told from rounding, so it is none.
+        assert!(TimeGrid::through(&[0.0, 1.0, 2.0, 4.0, 5.0]).is_err());
+    }
+
+    #[test]
+    fn a_missing_row_and_a_stray_time_are_named() {
+        let mut times: Vec<f64> = (0..20).map(|k| f64::from(k) * 0.5).collect();
+        times.remove(7);
+        assert_eq!(
+            refusal(&times),
+            "time = 4 s, but must be 3.5 s: the samples before and after stand 0.5 s apart"
+        );
+        let times = [0.0, 1.0, 2.25, 3.0, 4.0, 5.0];
+        assert!(refusal(&times).starts_with("time = 2.25 s, but must be 2 s"));
+    }
+
+    #[test]
+    fn a_steady_drift_of_the_step_is_refused() {
+        let times: Vec<f64> = (0..100).map(|k| f64::from(k) + 1e-5 * f64::from(k * k)).collect();
+        assert!(TimeGrid::through(&times).is_err());
     }
 }

@@ -88,8 +88,8 @@ fn difference(link: &Link, mesh: &Mesh, damping: Mat<f64>, omega: f64) -> f64 {
     [
         (found.tip.inertia_kg_m * tip - 1.0).norm(),
         (found.tip.angle_rad_m * tip / theta - 1.0).norm(),
-        (found.tip.lag_s2 * tip / deflection(mesh.elements().len()) - 1.0).norm(),
-        at_nodes(&found.lags_s2, &deflection),
+        (found.tip.deflection_s2 * tip / deflection(mesh.elements().len()) - 1.0).norm(),
+        at_nodes(&found.deflections_s2, &deflection),
         at_nodes(&found.moments_kg_m, &moment),
     ]
     .into_iter()

@@ -50,9 +50,9 @@ fn the_recursion_solves_the_papers_system() {
                 close(found.angle_rad_m * tip, theta, theta.norm(), "hub angle");
                 let root = c64::ONE - theta * mesh.hub_inertia_kg_m2();
                 close(found.root_inertia_kg_m * tip, root, 1.0, "moment at the root");
-                close(found.lag_s2 * lambda * tip, tip - theta * 1.5, tip.norm(), "lag");
+                close(found.deflection_s2 * lambda * tip, tip - theta * 1.5, tip.norm(), "lag");
             }
-            for (node, lag) in found.lags_s2.iter().enumerate() {
+            for (node, lag) in found.deflections_s2.iter().enumerate() {
                 let deflection = a[2 * node] - theta * mesh.nodes_m()[node];
                 close(lag * lambda * tip, deflection, tip.norm(), "deflection");
             }

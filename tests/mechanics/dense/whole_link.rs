@@ -60,7 +60,7 @@ fn difference(parts: &LinkParts, mesh: &Mesh, lambda: c64) -> f64 {
     [
         (found.tip.inertia_kg_m * tip - 1.0).norm(),
         (found.tip.angle_rad_m * tip / theta - 1.0).norm(),
-        at_nodes(&found.lags_s2, &|k| (a[2 * k] - theta * nodes_m[k]) / lambda),
+        at_nodes(&found.deflections_s2, &|k| (a[2 * k] - theta * nodes_m[k]) / lambda),
         at_nodes(&found.moments_kg_m, &|k| assembly.moment(k, lambda, &a)),
     ]
     .into_iter()

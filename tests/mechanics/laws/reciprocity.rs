@@ -12,7 +12,7 @@ use super::links::{any_excitation, any_parts, mesh};
 fn answer(mesh: &Mesh, lambda: Complex64) -> (Complex64, Vec<Complex64>) {
     let transfer = nodal_transfer(mesh, lambda);
     let per_angle = transfer.tip.angle_rad_m.inv();
-    let nodes = mesh.nodes_m().iter().zip(&transfer.lags_s2);
+    let nodes = mesh.nodes_m().iter().zip(&transfer.deflections_s2);
     let displacements = nodes.map(|(x, lag)| x + lambda * lag * per_angle).collect();
     (transfer.tip.inertia_kg_m * per_angle, displacements)
 }

@@ -38,7 +38,7 @@ fn differ(a: &NodalTransfer, b: &NodalTransfer) -> f64 {
     [
         (a.tip.inertia_kg_m / b.tip.inertia_kg_m - 1.0).norm(),
         (a.tip.angle_rad_m / b.tip.angle_rad_m - 1.0).norm(),
-        off(&a.lags_s2, &b.lags_s2),
+        off(&a.deflections_s2, &b.deflections_s2),
         off(&a.moments_kg_m, &b.moments_kg_m),
     ]
     .into_iter()
@@ -83,7 +83,7 @@ proptest! {
             }
             let mesh = mesh(&parts, 12);
             let transfer = tip_transfer(&mesh, lambda);
-            let lag = lambda * transfer.lag_s2;
+            let lag = lambda * transfer.deflection_s2;
             (transfer.inertia_kg_m * mesh.length_m() / rigid - 1.0, lag.norm())
         };
         let ((stiff, lag), (stiffer, _)) = (stiffened(1e6), stiffened(1e7));

@@ -63,7 +63,7 @@ proptest! {
         let there = nodal_transfer(&there, lambda / (time * time));
         prop_assert_eq!(there.tip.inertia_kg_m, here.tip.inertia_kg_m * (mass * length));
         prop_assert_eq!(there.tip.angle_rad_m, here.tip.angle_rad_m / length);
-        for (there, here) in there.lags_s2.iter().zip(&here.lags_s2) {
+        for (there, here) in there.deflections_s2.iter().zip(&here.deflections_s2) {
             prop_assert_eq!(*there, here * (time * time));
         }
         for (there, here) in there.moments_kg_m.iter().zip(&here.moments_kg_m) {

@@ -76,7 +76,7 @@ fn a_slow_torque_bends_the_link_statically() {
     });
     let statics = nodal_transfer(&slow.1.mesh, Complex64::ZERO);
     let flexibilities: Vec<f64> = statics
-        .lags_s2
+        .deflections_s2
         .iter()
         // w = −lag a_tip, T = inertia · a_tip.
         .map(|lag| -(lag / statics.tip.inertia_kg_m).re)

@@ -146,7 +146,7 @@ fn an_undamped_link_needs_no_torque_at_its_natural_frequencies_and_all_is_finite
         let (exact, beside) = (at(mode.omega_rad_s), at(mode.omega_rad_s * (1.0 + 1e-9)));
         assert!(exact.inertia_kg_m.norm() < 1e-9 * at(0.0).inertia_kg_m.norm(), "{exact:?}");
         assert!((exact.angle_rad_m / beside.angle_rad_m - 1.0).norm() < 1e-6, "{exact:?}");
-        assert!((exact.lag_s2 / beside.lag_s2 - 1.0).norm() < 1e-6, "{exact:?}");
+        assert!((exact.deflection_s2 / beside.deflection_s2 - 1.0).norm() < 1e-6, "{exact:?}");
     }
 }
 

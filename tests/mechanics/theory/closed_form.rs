@@ -177,7 +177,7 @@ impl Solution<'_> {
     }
 
     /// `(v(x) − xθ)/(λ v_tip)` in s².
-    pub(crate) fn lag_s2(&self, x_m: f64) -> Complex64 {
+    pub(crate) fn deflection_s2(&self, x_m: f64) -> Complex64 {
         let theta = self.at(real(0.0))[1];
         let v = self.at(real(x_m))[0];
         short(v - theta * real(x_m)) / short(self.lambda * self.tip)

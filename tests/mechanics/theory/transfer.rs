@@ -49,7 +49,7 @@ fn errors(link: &UniformLink, omega_rad_s: f64, elements: usize) -> [f64; 4] {
     [
         (found.tip.inertia_kg_m / exact.inertia_kg_m() - 1.0).norm(),
         (found.tip.angle_rad_m / exact.angle_rad_m() - 1.0).norm(),
-        at_nodes(&found.lags_s2, &|x| exact.lag_s2(x)),
+        at_nodes(&found.deflections_s2, &|x| exact.deflection_s2(x)),
         at_nodes(&found.moments_kg_m, &|x| exact.moment_kg_m(x)),
     ]
 }

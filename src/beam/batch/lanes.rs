@@ -9,7 +9,7 @@ use std::ops::{Add, Deref, Mul, Neg, Sub};
 
 use pulp::Simd;
 
-use super::scalar::{Scalar, Size};
+use crate::numeric::{Scalar, Size};
 
 /// Most lanes that any instruction set has: two vectors of eight.
 pub(super) const MOST_LANES: usize = 16;
@@ -18,7 +18,7 @@ pub(super) const MOST_LANES: usize = 16;
 /// them on its stack keeps all its vectors there so, which is a tenth of its time.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Lanes<T>(pub(super) [T; MOST_LANES]);
+pub(super) struct Lanes<T>(pub(super) [T; MOST_LANES]);
 
 impl<T> Deref for Lanes<T> {
     type Target = [T; MOST_LANES];
@@ -48,14 +48,14 @@ macro_rules! both {
 
 /// Real numbers, two vectors full: while one waits for a quotient, the other is worked on.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct RealLanes<S: Simd> {
+pub(super) struct RealLanes<S: Simd> {
     simd: S,
     values: [S::f64s; 2],
 }
 
 impl<S: Simd> RealLanes<S> {
     /// How many numbers are worked on at a time.
-    pub(crate) const LEN: usize = 2 * S::F64_LANES;
+    pub(super) const LEN: usize = 2 * S::F64_LANES;
 
     #[inline(always)]
     fn splat(simd: S, x: f64) -> Self {
@@ -67,7 +67,7 @@ impl<S: Simd> RealLanes<S> {
     /// # Panics
     /// If there are fewer.
     #[inline(always)]
-    pub(crate) fn load(simd: S, numbers: &[f64]) -> Self {
+    pub(super) fn load(simd: S, numbers: &[f64]) -> Self {
         let (vectors, _) = S::as_simd_f64s(numbers);
         Self { simd, values: [vectors[0], vectors[1]] }
     }
@@ -85,7 +85,7 @@ impl<S: Simd> RealLanes<S> {
     /// The numbers, lane by lane, of lanes that [`Self::load`] filled; what lies beyond
     /// [`Self::LEN`] is no lane's.
     #[inline(always)]
-    pub(crate) fn lanes(self) -> Lanes<f64> {
+    pub(super) fn lanes(self) -> Lanes<f64> {
         let mut lanes = Lanes([0.0; MOST_LANES]);
         let (vectors, _) = S::as_mut_simd_f64s(&mut lanes.0);
         vectors[..2].copy_from_slice(&self.values);

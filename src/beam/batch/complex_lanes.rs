@@ -9,27 +9,27 @@ use pulp::Simd;
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
 use super::lanes::{Lanes, MOST_LANES, RealLanes};
-use super::scalar::Scalar;
+use crate::numeric::Scalar;
 
 /// Complex numbers, two vectors full, as structure of arrays.
 ///
 /// Which lane holds which number is the vectors' own business: they are parted as fast as that goes,
 /// and come back in the order in which they were.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ComplexLanes<S: Simd> {
+pub(super) struct ComplexLanes<S: Simd> {
     re: RealLanes<S>,
     im: RealLanes<S>,
 }
 
 impl<S: Simd> ComplexLanes<S> {
     /// How many numbers are worked on at a time.
-    pub(crate) const LEN: usize = RealLanes::<S>::LEN;
+    pub(super) const LEN: usize = RealLanes::<S>::LEN;
 
     /// The first [`Self::LEN`] of `numbers`; where there are fewer, the last one again.
     ///
     /// Zero where there are none.
     #[inline(always)]
-    pub(crate) fn load(simd: S, numbers: &[Complex64]) -> Self {
+    pub(super) fn load(simd: S, numbers: &[Complex64]) -> Self {
         if numbers.len() >= Self::LEN {
             return Self::load_all(simd, numbers);
         }
@@ -52,7 +52,7 @@ impl<S: Simd> ComplexLanes<S> {
 
     /// The numbers in their order; what lies beyond [`Self::LEN`] is none of them.
     #[inline(always)]
-    pub(crate) fn numbers(self) -> Lanes<Complex64> {
+    pub(super) fn numbers(self) -> Lanes<Complex64> {
         let mut numbers = Lanes([Complex64::ZERO; MOST_LANES]);
         self.store_all(&mut numbers.0);
         numbers
@@ -60,7 +60,7 @@ impl<S: Simd> ComplexLanes<S> {
 
     /// Writes the first numbers, as many as there is room for, at most [`Self::LEN`].
     #[inline(always)]
-    pub(crate) fn store(self, numbers: &mut [Complex64]) {
+    pub(super) fn store(self, numbers: &mut [Complex64]) {
         if numbers.len() >= Self::LEN {
             self.store_all(numbers);
         } else {
@@ -81,7 +81,7 @@ impl<S: Simd> ComplexLanes<S> {
 
 /// Lanes that complex numbers are worked on in: complex ones, or real ones where all of them are
 /// real.
-pub(crate) trait LambdaLanes<S: Simd>: Scalar<Size = RealLanes<S>> {
+pub(super) trait LambdaLanes<S: Simd>: Scalar<Size = RealLanes<S>> {
     /// How many numbers are worked on at a time.
     const LEN: usize;
 

@@ -1,9 +1,61 @@
-//! One 2×2 system of the recursion: what an element's inner end does to its outer end.
+//! Apparent inertia, and the 2×2 system by which an element passes it on from its outer to its inner
+//! end.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
-use super::condensation::Inertia;
+use nalgebra::Matrix2;
+
 use crate::numeric::{Scalar, Size};
+
+/// Symmetric 2×2 apparent inertia A on (v, φ): kg, kg m, kg m².
+///
+/// Minus the dynamic stiffness over the squared frequency of all that lies outboard of a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inertia<S> {
+    /// Force per acceleration in kg.
+    pub vv: S,
+    /// Force per angular acceleration, and moment per acceleration, in kg m.
+    pub vp: S,
+    /// Moment per angular acceleration in kg m².
+    pub pp: S,
+}
+
+impl<S: Scalar> Inertia<S> {
+    /// Moment in N m that a motion with accelerations (v, φ) needs.
+    #[inline(always)]
+    pub fn moment(&self, v: S, phi: S) -> S {
+        self.vp * v + self.pp * phi
+    }
+
+    /// Rotary inertia about an axis that lies `arm` inboard, kg m².
+    #[inline(always)]
+    pub fn about(&self, arm: f64) -> S {
+        self.pp + (self.vp + self.vp + self.vv * arm) * arm
+    }
+
+    #[inline(always)]
+    pub(super) fn plus(self, other: Inertia<f64>) -> Self {
+        Self { vv: self.vv + other.vv, vp: self.vp + other.vp, pp: self.pp + other.pp }
+    }
+}
+
+impl Inertia<f64> {
+    /// A rigid body whose centre of mass lies `offset` outboard: kg, kg m², m.
+    pub fn rigid(mass: f64, inertia: f64, offset: f64) -> Self {
+        Self { vv: mass, vp: mass * offset, pp: inertia + mass * offset * offset }
+    }
+
+    /// As a matrix on (v, φ).
+    pub fn matrix(&self) -> Matrix2<f64> {
+        Matrix2::new(self.vv, self.vp, self.vp, self.pp)
+    }
+
+    /// As an inertia over numbers of the kind of `like`.
+    #[inline(always)]
+    pub(super) fn lift<S: Scalar>(self, like: S) -> Inertia<S> {
+        Inertia { vv: like.lift(self.vv), vp: like.lift(self.vp), pp: like.lift(self.pp) }
+    }
+}
 
 /// Deformation of an element per motion of its inner end: `d = G u_i` on (v, φ).
 #[derive(Debug, Clone, Copy, PartialEq)]

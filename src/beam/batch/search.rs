@@ -1,6 +1,4 @@
-//! The recursion at sixteen real λ for the price of about two, for searches of modes and zeros.
-//!
-//! Each λ has the bits that it has alone, whatever the processor's vectors hold.
+//! The recursion at sixteen real λ in the time of about two, for searches of modes and zeros.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 #![expect(
@@ -11,10 +9,10 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::condensation::condense;
-use super::hub_response::tip_displacement_m;
-use super::mesh::Mesh;
-use crate::numeric::{RealLanes, SECTIONS, Scalar};
+use super::lanes::RealLanes;
+use crate::beam::inward::{condense, tip_displacement_m};
+use crate::beam::mesh::Mesh;
+use crate::numeric::{SECTIONS, Scalar};
 
 /// Negative pivots of the dynamic stiffness, at one λ > 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -97,7 +95,7 @@ impl WithSimd for Displaced<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::undamped::mesh;
+    use crate::beam::test_links::mesh;
 
     /// λ on both sides of zero, among many modes and zeros.
     fn lambdas() -> [f64; SECTIONS] {

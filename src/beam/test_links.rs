@@ -1,5 +1,5 @@
-//! A link for the tests of the recursion: everything that a mesh can carry, and no damping, so that it
-//! resonates.
+//! A link for the tests of the recursion: with everything that a mesh can carry, and undamped, so that
+//! it resonates.
 
 use super::{ElementCount, Mesh, MeshPlan};
 use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
@@ -19,11 +19,6 @@ pub(super) fn mesh(elements: usize) -> Mesh {
     mesh_in(elements, SI)
 }
 
-/// The same without tapers: two rows of equal elements, the mass between them.
-pub(super) fn even_mesh(elements: usize) -> Mesh {
-    mesh_of(elements, SI, [5.0, 0.8].map(Taper::constant))
-}
-
 /// How many of other units a metre and a kilogram are, the second kept: powers of two, which cost no
 /// digit.
 #[derive(Debug, Clone, Copy)]
@@ -34,12 +29,7 @@ pub(super) struct Units {
 
 /// The link on this many elements, measured in these units.
 pub(super) fn mesh_in(elements: usize, units: Units) -> Mesh {
-    let (stiffness, density) = (Taper { inner: 6.0, outer: 4.0 }, Taper { inner: 0.9, outer: 0.7 });
-    mesh_of(elements, units, [stiffness, density])
-}
-
-/// The link with this bending stiffness in N m² and mass per length in kg/m, were the units SI.
-fn mesh_of(elements: usize, units: Units, [ei, per_length]: [Taper; 2]) -> Mesh {
+    let (ei, per_length) = (Taper { inner: 6.0, outer: 4.0 }, Taper { inner: 0.9, outer: 0.7 });
     let Units { length, mass } = units;
     let inertia = mass * length * length;
     let (stiffness, density) = (inertia * length, mass / length);

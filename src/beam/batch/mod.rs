@@ -1,0 +1,18 @@
+//! The recursion at many λ at a time, as many as the processor's vectors hold.
+//!
+//! Every λ has the bits that it has alone: neither the width of the vectors nor its neighbours in the
+//! list change any. The plain versions are [`tip_transfer`], [`nodal_transfer`], [`condense`] and
+//! [`tip_displacement_m`], which the tests compare bit by bit.
+//!
+//! [`tip_transfer`]: super::tip_transfer
+//! [`nodal_transfer`]: super::nodal_transfer
+//! [`condense`]: super::condense
+//! [`tip_displacement_m`]: super::tip_displacement_m
+
+mod complex_lanes;
+mod lanes;
+mod search;
+mod transfers;
+
+pub use search::{Pivots, pivots, tip_displacements_m};
+pub use transfers::{TipTransfers, nodal_transfers, tip_transfers};
