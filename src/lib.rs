@@ -130,6 +130,7 @@ pub mod link;
 pub mod modal;
 pub mod motion;
 pub mod numeric;
+#[cfg(feature = "report")]
 pub mod report;
 pub mod response;
 pub mod result;
