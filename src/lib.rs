@@ -24,7 +24,8 @@
 //! | [`motion`] | the tip motion, checked at construction, its spectrum, analytic profiles |
 //! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
-//! | [`inverse`] | transfer at one frequency, period and padding, the inversion, rigid comparison |
+//! | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
+//! | [`inverse`] | period and padding, the inversion, what it costs, warnings, motions of the nodes |
 //! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
 //! | [`compare`] | tables against tables, column by column; tolerances |
 //! | [`result`] | the numbers that a person reads first; a result read back |
@@ -128,6 +129,7 @@ pub mod csv;
 pub mod inverse;
 pub mod link;
 pub mod modal;
+pub mod model;
 pub mod motion;
 pub mod numeric;
 #[cfg(feature = "report")]

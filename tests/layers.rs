@@ -4,11 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules by level. What stands on a level knows those above it in this list, and nothing else.
-const LEVELS: [&[&str]; 12] = [
+const LEVELS: [&[&str]; 13] = [
     &["numeric"],
     &["link"],
     &["motion", "beam"],
     &["modal"],
+    &["model"],
     &["inverse", "response"],
     &["compare"],
     &["result"],

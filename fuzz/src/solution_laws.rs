@@ -1,9 +1,10 @@
 use std::f64::consts::TAU;
 
 use flexlink::beam::TipTransfer;
-use flexlink::inverse::{Dynamics, NodalTable, Solution, Unwatched};
+use flexlink::inverse::{NodalTable, Solution, Unwatched};
 use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
+use flexlink::model::Model;
 use flexlink::numeric::largest;
 use flexlink::result::{Metrics, Peak};
 
@@ -103,7 +104,7 @@ fn check_metrics(metrics: &Metrics) {
 ///
 /// # Panics
 /// If it is not.
-pub fn check_linear(first: &Solution, second: &Solution, both: &Solution, friction_n_m_s_rad: f64) {
+pub fn check_linear(first: &Solution, second: &Solution, both: &Solution) {
     let all = [first, second, both];
     let span = |solution: &Solution| (solution.band.fft_length, solution.band.cutoff_hz);
     if all.iter().any(|solution| span(solution) != span(both)) {
@@ -121,7 +122,7 @@ pub fn check_linear(first: &Solution, second: &Solution, both: &Solution, fricti
     let rounded = 10.0 * f64::EPSILON * both.grid.len as f64 * way / step_s.powi(2);
     let noise = DIFFERENCED * (round_off * all.iter().map(norm).sum::<f64>() + rounded);
     let bins = all.iter().map(|solution| solution.band.frequencies).max().unwrap_or(0);
-    let transfers: f64 = transfers(both, friction_n_m_s_rad, bins).iter().sum();
+    let transfers: f64 = transfers(both, bins).iter().sum();
     let torques: f64 = all.iter().map(|solution| largest(&solution.torque_n_m)).sum();
     let allowed = 2.0 / period * transfers * noise + round_off * torques;
     let sum = first.torque_n_m.iter().zip(&second.torque_n_m).map(|(a, b)| a + b);
@@ -132,11 +133,12 @@ pub fn check_linear(first: &Solution, second: &Solution, both: &Solution, fricti
 }
 
 /// Largest |T̂/â| of every bin above zero, in kg m; the first stands for the mean velocity, too.
-fn transfers(solution: &Solution, friction_n_m_s_rad: f64, bins: usize) -> Vec<f64> {
+fn transfers(solution: &Solution, bins: usize) -> Vec<f64> {
+    let friction_n_m_s_rad = solution.model.link().joint().friction_n_m_s_rad;
     let (law, length_m) = (solution.law(), solution.mesh().length_m());
     let omegas: Vec<f64> =
         (1..bins.max(2)).map(|k| TAU * k as f64 / solution.band.period_s).collect();
-    let found = solution.dynamics.tip_transfers(&omegas);
+    let found = solution.model.tip_transfers(&omegas);
     let size = |(omega, tip): (&f64, TipTransfer)| {
         let factor = law.stiffness_factor(*omega);
         let bent = (tip.deflection_s2 / factor).norm() * omega * friction_n_m_s_rad / length_m;
@@ -160,10 +162,10 @@ fn transfers(solution: &Solution, friction_n_m_s_rad: f64, bins: usize) -> Vec<f
 /// The first sum is at most the number of modes over `ω_1²`. The second, but for its signs, is how far
 /// the tip lags at λ = 0; zeros off the real axis have other signs, which may hide all but a share of
 /// it: here a thousandth.
-pub fn bending(dynamics: &Dynamics) -> Option<f64> {
-    let first_rad_s = natural_frequencies(dynamics.mesh(), 1).first().copied()?;
-    let modes = 2 * dynamics.mesh().elements().len();
-    let deflection_s2 = dynamics.tip_transfer(0.0).deflection_s2.norm();
+pub fn bending(model: &dyn Model) -> Option<f64> {
+    let first_rad_s = natural_frequencies(model.mesh(), 1).first().copied()?;
+    let modes = 2 * model.mesh().elements().len();
+    let deflection_s2 = model.tip_transfer(0.0).deflection_s2.norm();
     Some(2.0 * (modes as f64 / first_rad_s.powi(2) + 1e3 * deflection_s2))
 }
 
@@ -173,7 +175,7 @@ pub fn bending(dynamics: &Dynamics) -> Option<f64> {
 /// # Panics
 /// If it is not.
 pub fn check_rigid(link: &Link, solution: &Solution, nyquist_rad_s: f64) {
-    let Some(bending) = bending(&solution.dynamics) else { return };
+    let Some(bending) = bending(&*solution.model) else { return };
     let law = solution.law();
     let bent = bending * law.lambda(nyquist_rad_s).norm();
     let period = solution.band.fft_length as f64;

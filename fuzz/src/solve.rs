@@ -6,9 +6,10 @@ use super::solution_laws::{bending, check_finite, check_linear, check_rigid};
 use super::wording::check_words;
 use arbitrary::{Result, Unstructured};
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
-use flexlink::inverse::{Analysis, Dynamics, KeptModes, Solution, invert};
+use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Link, LinkParts, ParameterError};
 use flexlink::modal::{natural_frequencies, torque_zeros};
+use flexlink::model::{KeptModes, model_of};
 use flexlink::motion::{MotionColumns, TipMotion};
 
 /// Memory that bounds the period, and so the time of one execution: 190 bytes a sample.
@@ -109,15 +110,15 @@ fn check_sum(problem: Problem, motions: &TwoMotions, first_zero: Option<f64>) {
     let problem = Problem { analysis: analysis.within_memory(Some(MEMORY_BYTES)), ..problem };
     let [first, second, both] = [first, second, both].map(|motion| solved(&problem, motion));
     if let (Some(first), Some(second), Some(both)) = (first, second, both) {
-        check_linear(&first, &second, &both, problem.link.hub().viscous_friction_n_m_s_rad);
+        check_linear(&first, &second, &both);
     }
 }
 
 // Law: a link so stiff that bending changes its torque by 2⁻⁶⁰ at most needs the rigid torque.
 fn check_stiff(problem: &Problem, mut parts: LinkParts, columns: &MotionColumns) {
     let mesh = Mesh::new(&problem.link, &problem.plan);
-    let Ok(dynamics) = Dynamics::new(&problem.link, mesh, KeptModes::All) else { return };
-    let Some(bending) = bending(&dynamics) else { return };
+    let Ok(model) = model_of(&problem.link, mesh, KeptModes::All) else { return };
+    let Some(bending) = bending(&*model) else { return };
     let nyquist_rad_s = PI / (columns.time_s[1] - columns.time_s[0]);
     let factor = (bending * nyquist_rad_s.powi(2)).max(1.0) * 2.0_f64.powi(60);
     for segment in &mut parts.segments {

@@ -5,10 +5,8 @@ use clap::Args;
 
 use flexlink::beam::Mesh;
 use flexlink::csv::{Digits, write_frequency_response};
-use flexlink::inverse::{
-    Dynamics, FrequencyResponse, InversionError, KeptModes, changes_on_halves,
-};
 use flexlink::modal::natural_frequencies;
+use flexlink::model::{FrequencyResponse, ModelError, changes_on_halves, model_of};
 use flexlink::numeric::{plain, significant};
 use flexlink::result::{BandMeshError, mesh_error};
 
@@ -92,14 +90,13 @@ impl Frf {
         let bytes = self.points.saturating_mul(size_of::<FrequencyResponse>() + ROW_BYTES);
         let bytes = bytes.saturating_add(OWN_BYTES);
         memory::check("the frequency response", bytes, None, "use fewer --points")?;
-        let dynamics = Dynamics::new(link, mesh, KeptModes::of(&specification.analysis))?;
-        let friction = link.hub().viscous_friction_n_m_s_rad;
+        let model = model_of(link, mesh, specification.analysis.kept_modes())?;
         let frequencies_hz: Vec<f64> = self.grid(from_hz, to_hz).collect();
-        let rows = FrequencyResponse::at_all(&dynamics, friction, &frequencies_hz);
+        let rows = FrequencyResponse::at_all(&*model, &frequencies_hz);
         drop(frequencies_hz);
-        let changes = match changes_on_halves(&dynamics, friction, &rows) {
+        let changes = match changes_on_halves(&*model, &rows) {
             Ok(changes) => Some(changes),
-            Err(InversionError::TooManyElements { .. }) => None,
+            Err(ModelError::TooManyElements { .. }) => None,
             Err(error) => return Err(error.into()),
         };
         let errors: Option<Vec<f64>> = changes

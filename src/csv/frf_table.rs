@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::number::Digits;
 use super::plain_table::{PlainColumn, write_plain};
-use crate::inverse::FrequencyResponse;
+use crate::model::FrequencyResponse;
 use crate::numeric::magnitude;
 
 /// One of the transfers of a row.

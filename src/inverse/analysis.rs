@@ -1,4 +1,5 @@
 use crate::link::ParameterError;
+use crate::model::KeptModes;
 
 /// How exact the answer must be, how much time around the motion it covers, and of which modes it
 /// is made.
@@ -130,6 +131,11 @@ impl Analysis {
     /// Flexible modes to keep, from the first, at least 1; `None`: all that the mesh has.
     pub fn modes(&self) -> Option<usize> {
         self.modes
+    }
+
+    /// Modes that the answer is made of.
+    pub fn kept_modes(&self) -> KeptModes {
+        self.modes.map_or(KeptModes::All, KeptModes::First)
     }
 
     /// Memory in bytes that solving may take; `None`: whatever it needs.

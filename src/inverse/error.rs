@@ -1,42 +1,14 @@
 use thiserror::Error;
 
-use crate::modal::DampingError;
+use crate::model::ModelError;
 use crate::numeric::{gigabytes, significant};
 
 /// Why a valid link and a valid motion have no torque here.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum InversionError {
-    /// Damping that cannot be.
+    /// No model of the link on its mesh, or no finite torque at a frequency.
     #[error(transparent)]
-    Damping(#[from] DampingError),
-    /// A reduction to more modes than there are.
-    #[error("analysis.modes = {asked}, but must be at most {found}: the mesh has no more modes")]
-    NotSoManyModes {
-        /// Modes asked for.
-        asked: usize,
-        /// Flexible modes of the mesh.
-        found: usize,
-    },
-    /// Damping by modes on a mesh too large for all of them.
-    #[error(
-        "the mesh = {elements} elements, but must be at most {limit} for modal damping: it needs \
-         all modes, and dense algebra grows with the cube of their number"
-    )]
-    TooManyElements {
-        /// Elements of the mesh.
-        elements: usize,
-        /// Elements possible.
-        limit: usize,
-    },
-    /// A frequency at which no torque moves the tip at all, or numbers beyond double precision.
-    #[error(
-        "the torque at {} Hz = not a finite number, but must be one",
-        significant(*frequency_hz, 6)
-    )]
-    NotFinite {
-        /// The frequency in Hz.
-        frequency_hz: f64,
-    },
+    Model(#[from] ModelError),
     /// A frequency at which any torque moves the tip by no more than rounding.
     #[error(
         "the tip at {} Hz = held still whatever the torque, but must move there",
@@ -106,16 +78,7 @@ impl InversionError {
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
-            Self::Damping(error) => error.hint(),
-            Self::NotSoManyModes { .. } => "keep fewer modes, or give the mesh more elements",
-            Self::TooManyElements { .. } => {
-                "fewer elements, or hysteretic or rayleigh damping, which have no such limit"
-            }
-            Self::NotFinite { .. } => {
-                "no torque moves the tip there (a payload's inertia without damping, or damping that \
-                 no wave survives), the mesh is far too coarse, or the inputs are too large for \
-                 double precision"
-            }
+            Self::Model(error) => error.hint(),
             Self::BlockedTip { .. } => {
                 "a payload's inertia without damping does that, damping that no wave survives, or a \
                  mesh far too coarse: give damping, more elements or a smoother motion"

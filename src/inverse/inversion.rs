@@ -3,7 +3,6 @@ use std::sync::{Arc, OnceLock};
 
 use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
 use super::analysis::Analysis;
-use super::dynamics::{Dynamics, KeptModes};
 use super::error::InversionError;
 use super::evidence::{Evidence, warnings};
 use super::period::{Padding, Window, check_memory};
@@ -13,11 +12,11 @@ use super::refinement::{Asked, Measured, measured_mesh, shares};
 use super::rigid::rigid_torque_n_m;
 use super::slow_tail::Series;
 use super::solution::{Band, HubMotion, Solution, cut};
-use super::spectra::Joint;
 use super::watch::{Unwatched, Watch};
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::torque_zeros;
+use crate::model::{KeptModes, Model, ModelError, check_size, model_of};
 use crate::motion::{Cutoff, TailTerms, TipMotion, TipMotionHistories, TipPeriod};
 use crate::numeric::TimeGrid;
 
@@ -79,33 +78,33 @@ pub fn invert_watched(
 ) -> Result<Solution, InversionError> {
     let mesh = Mesh::new(link, plan);
     let elements = mesh.elements().len();
-    Dynamics::check_size(link, 2 * elements, 2)?;
-    let coarsest = Dynamics::new(link, mesh, KeptModes::of(analysis))?;
+    check_size(link, 2 * elements, 2)?;
+    let coarsest = model_of(link, mesh, analysis.kept_modes())?;
     let first_zero = first_zero_of(coarsest.mesh());
     let problem = Problem::new(link, motion, analysis, first_zero, watch)?;
     let period = problem.shortest_period()?;
     let asked = problem.asked(&period);
-    let Measured { dynamics, probes, amplitudes, peaks, mesh_errors } =
+    let Measured { model, probes, amplitudes, peaks, mesh_errors } =
         measured_mesh(coarsest, plan, &asked)?;
-    let mode_errors = (dynamics.kept_modes() != KeptModes::All).then(|| {
-        let all = dynamics.unreduced()?;
-        let exact = Amplitudes::of(asked.of(&all), &probes)?;
+    let mode_errors = (model.kept_modes() != KeptModes::All).then(|| {
+        let all = model.unreduced()?;
+        let exact = Amplitudes::of(asked.of(&*all), &probes)?;
         let peaks = asked.peaks(all.mesh().length_m(), &exact);
-        Ok::<_, InversionError>(shares(&amplitudes.change_to(&exact), &peaks))
+        Ok::<_, ModelError>(shares(&amplitudes.change_to(&exact), &peaks))
     });
-    let is_refined = dynamics.mesh().elements().len() > elements;
-    let first_zero_per_s = if is_refined { first_zero_of(dynamics.mesh()) } else { first_zero };
-    let hub_tail = Series::of(&dynamics, first_zero_per_s).map(|s| s.hub_tail(&dynamics));
+    let is_refined = model.mesh().elements().len() > elements;
+    let first_zero_per_s = if is_refined { first_zero_of(model.mesh()) } else { first_zero };
+    let hub_tail = Series::of(&*model, first_zero_per_s).map(|s| s.hub_tail(&*model));
     let mode_errors = mode_errors.transpose()?;
     let known = Known { first_zero_per_s, hub_tail, peaks, mesh_errors, mode_errors };
     let motor_n_m = amplitudes.motor.map(|motor| motor.torque_n_m);
     let shortest = PeriodicAnswer::new(amplitudes.hub, motor_n_m.as_deref(), Arc::clone(&period));
-    let (answer, left) = problem.decayed(&dynamics, &problem.costed(&known), shortest)?;
+    let (answer, left) = problem.decayed(&*model, &problem.costed(&known), shortest)?;
     // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
     if let Some(frequency_hz) = answer.hub.blocked_hz {
         return Err(InversionError::BlockedTip { frequency_hz });
     }
-    let (mut solution, edges) = problem.written(dynamics, &known, answer, left);
+    let (mut solution, edges) = problem.written(model, &known, answer, left);
     solution.motor().map_or(Ok(()), |motor| motor.check())?;
     if problem.cutoff.keeps_all() {
         problem.measure_step(&mut solution)?;
@@ -151,7 +150,6 @@ impl<'a> Problem<'a> {
         'a: 'b,
     {
         Asked {
-            joint: Joint::of(self.link),
             spectrum: &period.spectrum,
             histories: period.histories(self.motion),
             wanted: Wanted {
@@ -162,10 +160,9 @@ impl<'a> Problem<'a> {
         }
     }
 
-    fn costed<'b>(&self, known: &'b Known) -> Costed<'b> {
+    fn costed<'b>(&'b self, known: &'b Known) -> Costed<'b> {
         Costed {
-            joint: Joint::of(self.link),
-            length_m: self.link.length_m(),
+            link: self.link,
             moments: self.analysis.measures_moments(),
             tail: known.hub_tail.as_ref(),
             peaks: &known.peaks,
@@ -179,7 +176,7 @@ impl<'a> Problem<'a> {
     /// torque), and a blocked tip rings on, so the decay is measured, too.
     fn decayed(
         &self,
-        dynamics: &Dynamics,
+        model: &dyn Model,
         costed: &Costed<'_>,
         shortest: PeriodicAnswer,
     ) -> Result<(PeriodicAnswer, PerQuantity<f64>), InversionError> {
@@ -193,7 +190,7 @@ impl<'a> Problem<'a> {
             match next.filter(|_| !has_decayed) {
                 Some(len) => {
                     let period = self.period(len)?;
-                    let forcing = self.asked(&period).of(dynamics);
+                    let forcing = self.asked(&period).of(model);
                     answer = PeriodicAnswer::of(forcing, Arc::clone(&period))?;
                 }
                 None => return Ok((answer, left)),
@@ -241,7 +238,7 @@ impl<'a> Problem<'a> {
     /// Cuts the window to write out of the period and gathers what is known of the answer.
     fn written(
         &self,
-        dynamics: Dynamics,
+        model: Arc<dyn Model>,
         known: &Known,
         answer: PeriodicAnswer,
         left: PerQuantity<f64>,
@@ -266,7 +263,7 @@ impl<'a> Problem<'a> {
             velocity_m_s: cut(&histories.velocity_m_s, &grid),
             acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
         };
-        let rigid = rigid_torque_n_m(self.link, dynamics.law(), &tip);
+        let rigid = rigid_torque_n_m(self.link, model.law(), &tip);
         let window_errors = Self::window_errors(&answer, left, &window);
         let errors = known.mesh_errors.zip(&window_errors, |mesh, window| QuantityErrors {
             mesh,
@@ -282,20 +279,19 @@ impl<'a> Problem<'a> {
         let ringing_m = if self.cutoff.keeps_all() { histories.ringing_m() } else { 0.0 };
         let tip_m = self.cutoff.tip_error_m + ringing_m;
         let accuracy = Accuracy { tip: tip_m / histories.way_m(), errors };
-        let per_length = 1.0 / dynamics.mesh().length_m();
+        let per_length = 1.0 / model.mesh().length_m();
         let hub = HubMotion {
             period: &answer.period,
             excess_amplitudes_rad: &answer.hub.excess_angle_rad,
             tail: known.hub_tail,
             per_length,
         };
-        let joint = Joint::of(self.link);
         let (hub_angle_rad, hub_rate_rad_s) = rayon::join(
             || hub.of_period(&answer.excess_rad, &grid, &tip.displacement_m, 0),
             || hub.on(&grid, &tip.velocity_m_s, 1),
         );
         let mut torque_n_m = cut(&answer.torque_n_m, &grid);
-        hub.take_images_off(&grid, 1, joint.friction_n_m_s_rad, &mut torque_n_m);
+        hub.take_images_off(&grid, 1, self.link.joint().friction_n_m_s_rad, &mut torque_n_m);
         let solution = Solution {
             torque_n_m,
             rigid_torque_n_m: rigid,
@@ -310,13 +306,12 @@ impl<'a> Problem<'a> {
             band: Band::of(&spectrum),
             warnings: Vec::new(),
             grid,
-            dynamics,
+            model,
             hub: answer.hub,
             hub_acceleration_rad_s2: OnceLock::new(),
             hub_tail: known.hub_tail,
             period: answer.period,
             spectrum,
-            joint,
         };
         (solution, edges)
     }

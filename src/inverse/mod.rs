@@ -10,9 +10,6 @@
 
 mod accuracy;
 mod analysis;
-mod band_change;
-mod dense;
-mod dynamics;
 mod error;
 mod evidence;
 mod inversion;
@@ -26,12 +23,10 @@ mod periodic_answer;
 mod probes;
 mod refinement;
 mod resampled;
-mod response;
 mod rigid;
 mod slow_tail;
 mod solution;
 mod spectra;
-mod superposition;
 #[cfg(test)]
 pub(crate) mod tests;
 mod warning;
@@ -39,16 +34,12 @@ mod watch;
 
 pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors};
 pub use analysis::Analysis;
-pub use band_change::changes_on_halves;
-pub use dense::{DenseLink, MOST_ELEMENTS_OF_DENSE_SOLVE};
-pub use dynamics::{Dynamics, KeptModes};
 pub use error::InversionError;
 pub use inversion::{invert, invert_watched};
 pub use motor::MotorHistories;
 pub use nodal_block::NodalBlock;
 pub use nodal_table::NodalTable;
 pub use resampled::{WindowTorques, torques_over_window};
-pub use response::FrequencyResponse;
 pub use solution::{Band, Solution};
 pub use warning::Warning;
 pub use watch::{Stage, Unwatched, Watch};

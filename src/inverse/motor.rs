@@ -46,7 +46,8 @@ impl Solution {
     /// T_m = T/n + J φ̈      motor torque
     /// ```
     pub fn motor(&self) -> Option<MotorHistories> {
-        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = self.joint.drive?;
+        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } =
+            self.model.link().joint().drive?;
         let hub = [&self.hub_angle_rad, &self.hub_rate_rad_s, self.hub_acceleration_rad_s2()];
         let [angle_rad, rate_rad_s, acceleration] = [0, 1, 2].map(|order| -> Vec<f64> {
             let torque = self.spectrum.derivative(&self.hub.torque_n_m, order);

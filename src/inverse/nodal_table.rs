@@ -74,10 +74,10 @@ impl<'a> NodalTable<'a> {
         let first = solution.grid.first.rem_euclid(pair.len() as i64) as usize;
         let sampling = Sampling::new(pair, solution.band.frequencies, first, every);
         let series = match quantity {
-            NodalQuantity::Deflection => Series::of(&solution.dynamics, solution.first_zero_per_s),
+            NodalQuantity::Deflection => Series::of(&*solution.model, solution.first_zero_per_s),
             NodalQuantity::Moment => None,
         };
-        let tails = series.map(|series| series.nodal_tails(&solution.dynamics, nodes));
+        let tails = series.map(|series| series.nodal_tails(&*solution.model, nodes));
         let mut table = Self {
             solution,
             quantity,

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::accuracy::PerQuantity;
-use super::error::InversionError;
 use super::period::PeriodicTorque;
-use super::spectra::{Forcing, HubSpectra, Joint};
+use super::spectra::{Forcing, HubSpectra};
+use crate::link::Link;
+use crate::model::ModelError;
 use crate::motion::{TailTerms, TipPeriod};
 use crate::numeric::largest;
 
@@ -25,8 +26,7 @@ pub(super) struct PeriodicAnswer {
 
 /// What the cost of a period depends on besides the answer.
 pub(super) struct Costed<'a> {
-    pub(super) joint: Joint,
-    pub(super) length_m: f64,
+    pub(super) link: &'a Link,
     /// Whether bending moments are wanted.
     pub(super) moments: bool,
     /// Slow tail of the hub angle, where damping leaves one.
@@ -40,7 +40,7 @@ impl PeriodicAnswer {
     ///
     /// # Errors
     /// As [`Forcing::hub_spectra`].
-    pub(super) fn of(forcing: Forcing<'_>, period: Arc<TipPeriod>) -> Result<Self, InversionError> {
+    pub(super) fn of(forcing: Forcing<'_>, period: Arc<TipPeriod>) -> Result<Self, ModelError> {
         forcing.begin(1, 0);
         let hub = forcing.hub_spectra()?;
         let motor = forcing.motor_spectra(&hub);
@@ -69,7 +69,8 @@ impl PeriodicAnswer {
     /// What is left of each quantity where one period meets the next, over its peak: what the finite
     /// period costs it.
     pub(super) fn left_at_seam(&self, costed: &Costed<'_>) -> PerQuantity<f64> {
-        let Costed { joint, length_m, moments, tail, peaks } = *costed;
+        let Costed { link, moments, tail, peaks } = *costed;
+        let length_m = link.length_m();
         let keeps_all = self.period.spectrum.cutoff.keeps_all();
         let share = |samples: &[f64]| {
             let periodic = self.periodic(samples);
@@ -83,7 +84,7 @@ impl PeriodicAnswer {
         };
         let [hub_rad, hub_rad_s] = [0, 1].map(hub);
         let moment = || share(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
-        let motor_rate = joint.drive.map(|drive| {
+        let motor_rate = link.drive().map(|drive| {
             let torque_rate = self.derivative(&self.hub.torque_n_m, 1);
             let ringing = if keeps_all { self.ringing(&torque_rate) } else { 0.0 };
             let torque_rate = self.farthest_at_seam(&torque_rate, &[]).max(ringing);

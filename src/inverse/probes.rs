@@ -3,10 +3,10 @@
 use num_complex::Complex64;
 
 use super::accuracy::PerQuantity;
-use super::error::InversionError;
 use super::spectra::{Forcing, HubSpectra, MotorSpectra};
 use super::watch::{Unwatched, Watch};
 use crate::beam::{Mesh, NodalQuantity};
+use crate::model::ModelError;
 use crate::motion::{TipHistories, TipSpectrum};
 use crate::numeric::{FourierPair, fast_length, largest};
 
@@ -68,7 +68,7 @@ impl Amplitudes {
     ///
     /// # Errors
     /// As [`Forcing::hub_spectra`].
-    pub(super) fn of(forcing: Forcing<'_>, probes: &Probes) -> Result<Self, InversionError> {
+    pub(super) fn of(forcing: Forcing<'_>, probes: &Probes) -> Result<Self, ModelError> {
         let Wanted { tables, moments } = probes.wanted;
         let nodal = usize::from(tables) + usize::from(moments);
         forcing.begin(nodal.max(1), 0);
@@ -81,7 +81,7 @@ impl Amplitudes {
         let accelerations = || excess().map(|(e, omega)| -e * (omega * omega)).collect();
         let hub_acceleration_rad_s2 = tables.then(accelerations);
         let displacements = || {
-            let nodes_m = forcing.dynamics.mesh().nodes_m();
+            let nodes_m = forcing.model.mesh().nodes_m();
             let mut rows = forcing.nodal_spectra(&probes.nodes, NodalQuantity::Deflection);
             for (row, node) in rows.iter_mut().zip(&probes.nodes) {
                 for (deflection, angle) in row.iter_mut().zip(&hub.excess_angle_rad) {

@@ -1,12 +1,13 @@
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use super::accuracy::PerQuantity;
-use super::dynamics::Dynamics;
 use super::error::InversionError;
 use super::probes::{Amplitudes, Probes, Wanted};
-use super::spectra::{Forcing, Joint};
+use super::spectra::Forcing;
 use super::watch::Watch;
 use crate::beam::MeshPlan;
+use crate::model::{Model, ModelError};
 use crate::motion::{TipHistories, TipSpectrum};
 
 /// Peak torques in N m whose squares, and products with rates and times, are numbers, too.
@@ -18,7 +19,7 @@ const ERROR_PER_CHANGE: f64 = 16.0 / 15.0;
 
 /// The answer on a mesh, and what halved elements change of it.
 pub(super) struct Measured {
-    pub(super) dynamics: Dynamics,
+    pub(super) model: Arc<dyn Model>,
     pub(super) probes: Probes,
     pub(super) amplitudes: Amplitudes,
     /// Peak of each quantity.
@@ -30,7 +31,6 @@ pub(super) struct Measured {
 /// What a motion on a period asks of every mesh.
 #[derive(Clone, Copy)]
 pub(super) struct Asked<'a> {
-    pub(super) joint: Joint,
     pub(super) spectrum: &'a TipSpectrum,
     pub(super) histories: &'a TipHistories,
     pub(super) wanted: Wanted,
@@ -51,8 +51,8 @@ fn check_range(peak_n_m: f64) -> Result<(), InversionError> {
 
 impl<'a> Asked<'a> {
     /// The motion on one mesh.
-    pub(super) fn of(&self, dynamics: &'a Dynamics) -> Forcing<'a> {
-        Forcing { dynamics, joint: self.joint, spectrum: self.spectrum, watch: self.watch }
+    pub(super) fn of(&self, model: &'a dyn Model) -> Forcing<'a> {
+        Forcing { model, spectrum: self.spectrum, watch: self.watch }
     }
 
     /// Peak of each quantity of an answer. The tip's way stands for the farthest that a node goes.
@@ -72,30 +72,30 @@ pub(super) fn shares(changes: &PerQuantity<f64>, peaks: &PerQuantity<f64>) -> Pe
 /// # Errors
 /// [`InversionError::NotConverged`], or a torque that is not finite or beyond what can be squared.
 pub(super) fn measured_mesh(
-    coarsest: Dynamics,
+    coarsest: Arc<dyn Model>,
     plan: &MeshPlan,
     asked: &Asked<'_>,
 ) -> Result<Measured, InversionError> {
     // An automatic mesh is the same whatever is measured on it.
     let tables = asked.wanted.tables || plan.is_automatic();
     let mut probes = Probes::of(coarsest.mesh(), Wanted { tables, ..asked.wanted });
-    let mut answer = Amplitudes::of(asked.of(&coarsest), &probes);
-    let mut dynamics = coarsest;
+    let mut answer = Amplitudes::of(asked.of(&*coarsest), &probes);
+    let mut model = coarsest;
     loop {
-        let elements = dynamics.mesh().elements().len();
-        let finer = dynamics.refined()?;
+        let elements = model.mesh().elements().len();
+        let finer = model.refined()?;
         let finer_probes = probes.refined();
-        let finer_answer = Amplitudes::of(asked.of(&finer), &finer_probes);
+        let finer_answer = Amplitudes::of(asked.of(&*finer), &finer_probes);
         let may_refine = plan.is_automatic() && 4 * elements <= finer.most_elements();
-        match measured(asked, &dynamics, &answer, &finer_answer) {
+        match measured(asked, &*model, &answer, &finer_answer) {
             // A mesh far too coarse for its band may give no numbers at all.
-            Err(InversionError::NotFinite { .. }) if may_refine => {}
+            Err(InversionError::Model(ModelError::NotFinite { .. })) if may_refine => {}
             Err(error) => return Err(error),
             Ok((mesh_errors, peaks)) => {
                 let (_, error) = mesh_errors.worst();
                 if !plan.is_automatic() || error <= plan.tolerance() {
                     let amplitudes = answer?;
-                    return Ok(Measured { dynamics, probes, amplitudes, peaks, mesh_errors });
+                    return Ok(Measured { model, probes, amplitudes, peaks, mesh_errors });
                 }
                 if !may_refine {
                     let tolerance = plan.tolerance();
@@ -103,20 +103,20 @@ pub(super) fn measured_mesh(
                 }
             }
         }
-        (dynamics, probes, answer) = (finer, finer_probes, finer_answer);
+        (model, probes, answer) = (finer, finer_probes, finer_answer);
     }
 }
 
 /// Discretisation error of an answer, measured against that on halved elements, and the peaks there.
 fn measured(
     asked: &Asked<'_>,
-    dynamics: &Dynamics,
-    answer: &Result<Amplitudes, InversionError>,
-    finer: &Result<Amplitudes, InversionError>,
+    model: &dyn Model,
+    answer: &Result<Amplitudes, ModelError>,
+    finer: &Result<Amplitudes, ModelError>,
 ) -> Result<(PerQuantity<f64>, PerQuantity<f64>), InversionError> {
     let (answer, finer) =
         (answer.as_ref().map_err(Clone::clone)?, finer.as_ref().map_err(Clone::clone)?);
-    let peaks = asked.peaks(dynamics.mesh().length_m(), finer);
+    let peaks = asked.peaks(model.mesh().length_m(), finer);
     check_range(peaks.torque)?;
     let errors = shares(&answer.change_to(finer), &peaks);
     Ok((errors.zip(&errors, |error, _| ERROR_PER_CHANGE * error), peaks))

@@ -49,8 +49,8 @@ impl Problem<'_> {
         let own = self.padding.period_len(self.motion.grid().len)?;
         let that = (solution.band.period_s / self.motion.grid().step_s).ceil() as usize;
         let period = self.period(own.max(fast_length(that)))?;
-        let dynamics = &solution.dynamics;
-        PeriodicAnswer::of(self.asked(&period).of(dynamics), Arc::clone(&period))
+        let forcing = self.asked(&period).of(&*solution.model);
+        Ok(PeriodicAnswer::of(forcing, Arc::clone(&period))?)
     }
 
     /// The window of a solution at this motion's own step.
@@ -96,7 +96,7 @@ impl Problem<'_> {
         let turned_rad: Vec<f64> = angle_rad.iter().map(|angle| angle - angle_rad[0]).collect();
         let tip_change_m = apart(&solution.tip.displacement_m, &tip_m);
         let root = pair.samples(&answer.hub.root_moment_n_m);
-        let forcing = problem.asked(&answer.period).of(&solution.dynamics);
+        let forcing = problem.asked(&answer.period).of(&*solution.model);
         let motor = solution.motor().zip(forcing.motor_spectra(&answer.hub));
         let motor = motor.map(|(coarse, fine)| {
             let of = |coarse: &[f64], fine| off(coarse, &pair.samples(fine));

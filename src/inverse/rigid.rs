@@ -16,7 +16,7 @@ pub(super) fn rigid_torque_n_m(
     tip: &TipMotionHistories,
 ) -> Vec<f64> {
     let inertia = link.rigid_inertia_kg_m2() / link.length_m();
-    let friction = link.hub().viscous_friction_n_m_s_rad / link.length_m();
+    let friction = link.joint().friction_n_m_s_rad / link.length_m();
     let drag = inertia * law.mass_rate_per_s() + friction;
     let samples = tip.acceleration_m_s2.iter().zip(&tip.velocity_m_s);
     samples.map(|(a, v)| inertia * a + drag * v).collect()

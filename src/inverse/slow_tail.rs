@@ -17,9 +17,9 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use super::dynamics::Dynamics;
 use crate::beam::NodalQuantity;
 use crate::modal::DampingLaw;
+use crate::model::Model;
 use crate::motion::{TAIL_TERMS, TailTerms};
 
 /// Spacing of the frequencies through which the series of a transfer is found, over the first zero.
@@ -34,8 +34,8 @@ pub(super) struct Series {
 
 impl Series {
     /// None for a law without a slow tail.
-    pub(super) fn of(dynamics: &Dynamics, first_zero_per_s: Option<f64>) -> Option<Self> {
-        let law = dynamics.law();
+    pub(super) fn of(model: &dyn Model, first_zero_per_s: Option<f64>) -> Option<Self> {
+        let law = model.law();
         let is_hysteretic = matches!(law, DampingLaw::Hysteretic { ratio } if *ratio > 0.0);
         let spacing = SPACING * first_zero_per_s.filter(|_| is_hysteretic)?;
         let omegas_rad_s = std::array::from_fn(|k| spacing * k as f64);
@@ -43,17 +43,17 @@ impl Series {
     }
 
     /// `S_m` of the hub angle less that of a rigid link.
-    pub(super) fn hub_tail(&self, dynamics: &Dynamics) -> TailTerms {
-        let lags = dynamics.tip_transfers(&self.omegas_rad_s).deflection_s2;
-        self.tail(&lags).map(|s| s / dynamics.mesh().length_m())
+    pub(super) fn hub_tail(&self, model: &dyn Model) -> TailTerms {
+        let lags = model.tip_transfers(&self.omegas_rad_s).deflection_s2;
+        self.tail(&lags).map(|s| s / model.mesh().length_m())
     }
 
     /// `S_m` of the deflection at each of some nodes.
-    pub(super) fn nodal_tails(&self, dynamics: &Dynamics, nodes: &[usize]) -> Vec<TailTerms> {
+    pub(super) fn nodal_tails(&self, model: &dyn Model, nodes: &[usize]) -> Vec<TailTerms> {
         let mut rows = vec![[Complex64::ZERO; TAIL_TERMS + 1]; nodes.len()];
         let mut columns: Vec<_> = rows.iter_mut().map(<[_; _]>::as_mut_slice).collect();
         let quantity = NodalQuantity::Deflection;
-        dynamics.nodal_transfers(&self.omegas_rad_s, nodes, quantity, &mut columns);
+        model.nodal_transfers(&self.omegas_rad_s, nodes, quantity, &mut columns);
         rows.iter().map(|row| self.tail(row).map(|s| -s)).collect()
     }
 

@@ -4,12 +4,12 @@ use std::sync::{Arc, OnceLock};
 use num_complex::Complex64;
 
 use super::accuracy::Accuracy;
-use super::dynamics::Dynamics;
-use super::spectra::{Forcing, HubSpectra, Joint};
+use super::spectra::{Forcing, HubSpectra};
 use super::warning::Warning;
 use super::watch::Unwatched;
 use crate::beam::Mesh;
 use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
+use crate::model::Model;
 use crate::motion::{TailTerms, TipMotionHistories, TipPeriod, TipSpectrum, tail_sum};
 use crate::numeric::TimeGrid;
 
@@ -72,7 +72,7 @@ pub struct Solution {
     /// motion and the first at rest after it.
     pub moving: (usize, usize),
     /// The link on the mesh that the answer was computed on.
-    pub dynamics: Dynamics,
+    pub model: Arc<dyn Model>,
     /// First zero of torque → tip in 1/s; none where the mesh has none.
     pub first_zero_per_s: Option<f64>,
     /// How exact each quantity is.
@@ -89,27 +89,21 @@ pub struct Solution {
     pub(super) period: Arc<TipPeriod>,
     /// The hub angle's slow tail, where damping leaves one.
     pub(super) hub_tail: Option<TailTerms>,
-    pub(super) joint: Joint,
 }
 
 impl Solution {
     pub(super) fn forcing(&self) -> Forcing<'_> {
-        Forcing {
-            dynamics: &self.dynamics,
-            joint: self.joint,
-            spectrum: &self.spectrum,
-            watch: &Unwatched,
-        }
+        Forcing { model: &*self.model, spectrum: &self.spectrum, watch: &Unwatched }
     }
 
     /// The mesh that the answer was computed on.
     pub fn mesh(&self) -> &Mesh {
-        self.dynamics.mesh()
+        self.model.mesh()
     }
 
     /// The damping law with all its numbers.
     pub fn law(&self) -> &DampingLaw {
-        self.dynamics.law()
+        self.model.law()
     }
 
     /// The first `count` natural frequencies in rad/s, the rigid rotation left out.

@@ -6,11 +6,10 @@ use num_complex::Complex64;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::dynamics::Dynamics;
-use super::error::InversionError;
 use super::watch::{Stage, Watch};
 use crate::beam::{NodalQuantity, TipTransfers};
-use crate::link::{Drive, Link};
+use crate::link::Drive;
+use crate::model::{Model, ModelError};
 use crate::motion::TipSpectrum;
 
 /// Frequencies that a thread solves for at a time, the hub's alone, where there are other threads; no
@@ -26,24 +25,9 @@ const NODAL_BLOCK: usize = 64;
 /// What a motion asks of a link, as far as the spectrum goes.
 #[derive(Clone, Copy)]
 pub(super) struct Forcing<'a> {
-    pub(super) dynamics: &'a Dynamics,
-    pub(super) joint: Joint,
+    pub(super) model: &'a dyn Model,
     pub(super) spectrum: &'a TipSpectrum,
     pub(super) watch: &'a dyn Watch,
-}
-
-/// What the joint adds to the link's own dynamics.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Joint {
-    pub(super) friction_n_m_s_rad: f64,
-    pub(super) drive: Option<Drive>,
-}
-
-impl Joint {
-    pub(super) fn of(link: &Link) -> Self {
-        let friction_n_m_s_rad = link.hub().viscous_friction_n_m_s_rad;
-        Self { friction_n_m_s_rad, drive: link.drive().copied() }
-    }
 }
 
 /// Amplitudes at the hub, from zero frequency to the end of the band.
@@ -121,8 +105,9 @@ impl WithSimd for Excited<'_> {
         let lags = &tip_transfers.deflection_s2[..len];
         let HubRows { torque, excess, root } = rows;
         let (torque, excess, root) = (&mut torque[..len], &mut excess[..len], &mut root[..len]);
-        let drag = forcing.dynamics.law().mass_rate_per_s();
-        let rigid_friction = forcing.joint.friction_n_m_s_rad / forcing.dynamics.mesh().length_m();
+        let drag = forcing.model.law().mass_rate_per_s();
+        let rigid_friction =
+            forcing.model.link().joint().friction_n_m_s_rad / forcing.model.mesh().length_m();
         let hub_transfer = forcing.hub_transfer();
         for k in 0..len {
             let felt = accelerations[k] + velocities[k] * drag;
@@ -138,7 +123,7 @@ impl Forcing<'_> {
     /// Acceleration that the mass feels at bin `k`, â + αv̂, in m/s².
     pub(super) fn felt_acceleration(&self, k: usize) -> Complex64 {
         let spectrum = self.spectrum;
-        let drag = self.dynamics.law().mass_rate_per_s();
+        let drag = self.model.law().mass_rate_per_s();
         spectrum.acceleration_m_s2[k] + spectrum.velocity_m_s[k] * drag
     }
 
@@ -149,7 +134,7 @@ impl Forcing<'_> {
 
     /// Tells that so many sweeps over the band begin, and how many of them are done.
     pub(super) fn begin(&self, sweeps: usize, done: usize) {
-        let (elements, band) = (self.dynamics.mesh().elements().len(), self.spectrum.band_len());
+        let (elements, band) = (self.model.mesh().elements().len(), self.spectrum.band_len());
         self.watch.begin(Stage::Solve { elements }, sweeps * band);
         self.watch.advance(done * band);
     }
@@ -162,8 +147,8 @@ impl Forcing<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`InversionError::NotFinite`] names the lowest frequency that fails.
-    pub(super) fn hub_spectra(&self) -> Result<HubSpectra, InversionError> {
+    /// [`ModelError::NotFinite`] names the lowest frequency that fails.
+    pub(super) fn hub_spectra(&self) -> Result<HubSpectra, ModelError> {
         let omegas = self.omegas_rad_s();
         let zeros = || vec![Complex64::ZERO; omegas.len()];
         let [mut torque_n_m, mut excess_angle_rad, mut root_moment_n_m] =
@@ -176,13 +161,13 @@ impl Forcing<'_> {
         let blocks = omegas.par_chunks(block_len).zip(rows).enumerate();
         let lowest_blocked = blocks.with_min_len(fewest_blocks()).filter_map(
             |(block, (omegas, ((torque, excess), root)))| {
-                let tip = self.dynamics.tip_transfers(omegas);
+                let tip = self.model.tip_transfers(omegas);
                 let first = block * block_len;
                 let (forcing, tip_transfers) = (*self, &tip);
                 let rows = HubRows { torque, excess, root };
                 Arch::new().dispatch(Excited { forcing, first, omegas, tip_transfers, rows });
                 self.watch.advance(omegas.len());
-                tip.first_blocked(self.dynamics.mesh()).map(|k| first + k)
+                tip.first_blocked(self.model.mesh()).map(|k| first + k)
             },
         );
         let lowest_blocked = lowest_blocked.min();
@@ -190,7 +175,7 @@ impl Forcing<'_> {
         let mut bins = torque_n_m.iter().zip(&excess_angle_rad);
         let is_lost = |(t, e): (&Complex64, &Complex64)| !(t.is_finite() && e.is_finite());
         if let Some(bin) = bins.position(is_lost) {
-            return Err(InversionError::NotFinite { frequency_hz: frequency_hz(bin) });
+            return Err(ModelError::NotFinite { frequency_hz: frequency_hz(bin) });
         }
         let blocked_hz = lowest_blocked.map(frequency_hz);
         Ok(HubSpectra { torque_n_m, excess_angle_rad, root_moment_n_m, blocked_hz })
@@ -198,13 +183,14 @@ impl Forcing<'_> {
 
     /// What the inertia and the lag of a transfer to the tip at ω mean at the hub.
     fn hub_transfer(&self) -> impl Fn(f64, Complex64, Complex64) -> HubTransfer {
-        let compliance_factor = self.dynamics.law().compliance_factor();
-        let per_length = 1.0 / self.dynamics.mesh().length_m();
+        let compliance_factor = self.model.law().compliance_factor();
+        let per_length = 1.0 / self.model.mesh().length_m();
+        let friction = self.model.link().joint().friction_n_m_s_rad;
         #[inline(always)]
         move |omega, inertia_kg_m, deflection_s2| {
             let excess_rad_s2_m = deflection_s2 * compliance_factor(omega) * per_length;
             let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);
-            let inertia_kg_m = inertia_kg_m + rate * self.joint.friction_n_m_s_rad;
+            let inertia_kg_m = inertia_kg_m + rate * friction;
             HubTransfer { inertia_kg_m, excess_rad_s2_m }
         }
     }
@@ -216,8 +202,9 @@ impl Forcing<'_> {
     /// T̂_m = T̂/n + J φ̈
     /// ```
     pub(super) fn motor_spectra(&self, hub: &HubSpectra) -> Option<MotorSpectra> {
-        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = self.joint.drive?;
-        let per_length = 1.0 / self.dynamics.mesh().length_m();
+        let drive = self.model.link().joint().drive?;
+        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = drive;
+        let per_length = 1.0 / self.model.mesh().length_m();
         let amplitudes = |(k, omega): (usize, &f64)| {
             let torque = hub.torque_n_m[k];
             let bending = hub.excess_angle_rad[k] + torque / joint_stiffness_n_m_rad;
@@ -250,7 +237,7 @@ impl Forcing<'_> {
         let columns: Vec<Vec<&mut [Complex64]>> = omegas.chunks(NODAL_BLOCK).map(columns).collect();
         let blocks = omegas.par_chunks(NODAL_BLOCK).zip(columns).enumerate();
         blocks.with_min_len(fewest_blocks()).for_each(|(block, (omegas, mut rows))| {
-            self.dynamics.nodal_transfers(omegas, nodes, quantity, &mut rows);
+            self.model.nodal_transfers(omegas, nodes, quantity, &mut rows);
             let factor = |(k, omega): (usize, &f64)| {
                 self.nodal_factor(block * NODAL_BLOCK + k, *omega, quantity)
             };
@@ -267,7 +254,7 @@ impl Forcing<'_> {
     fn nodal_factor(&self, k: usize, omega: f64, quantity: NodalQuantity) -> Complex64 {
         let felt = self.felt_acceleration(k);
         match quantity {
-            NodalQuantity::Deflection => -felt / self.dynamics.law().stiffness_factor(omega),
+            NodalQuantity::Deflection => -felt / self.model.law().stiffness_factor(omega),
             NodalQuantity::Moment => felt,
         }
     }

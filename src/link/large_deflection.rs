@@ -1,4 +1,4 @@
-use super::Link;
+use super::whole::Link;
 
 /// Largest deflection of the tip over the length, and how far a geometrically exact link's tip then
 /// strays along its arc, over its way: torques of this program played in a code of finite rotations.

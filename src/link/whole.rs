@@ -1,9 +1,33 @@
+use super::damping::Damping;
 use super::error::{ParameterError, not_negative};
-use super::{Damping, Drive, Hub, LumpedMass, Payload, Segment};
+use super::joint::{Drive, Hub, Joint};
+use super::segment::Segment;
 
 /// Positions closer than this share of the link's length are one: a sum of segment lengths is
 /// not always the decimal number that a user writes for `at`.
 pub(crate) const POSITION_TOLERANCE: f64 = 1e-9;
+
+/// A point mass fixed to the link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LumpedMass {
+    /// Distance from the axis in m, hub radius included.
+    pub at_m: f64,
+    /// Mass in kg.
+    pub mass_kg: f64,
+    /// Rotary inertia about its own centre in kg m².
+    pub inertia_kg_m2: f64,
+}
+
+/// What the tip carries.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Payload {
+    /// Mass m_t in kg.
+    pub mass_kg: f64,
+    /// Rotary inertia J_t about its own centre of mass in kg m².
+    pub inertia_kg_m2: f64,
+    /// Offset c of that centre beyond the tip in m; negative towards the hub.
+    pub offset_m: f64,
+}
 
 /// All that makes a link, before it is checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,7 +99,7 @@ impl Link {
                 return Err(ParameterError::new(parameter, format!("{name:?}"), "", must));
             }
         }
-        check_hub(&parts.hub)?;
+        parts.hub.check()?;
         let link = Self { parts: parts.clone() };
         for (index, mass) in parts.masses.iter().enumerate() {
             link.check_mass(index, mass)?;
@@ -150,6 +174,12 @@ impl Link {
         self.parts.drive.as_ref()
     }
 
+    /// Friction and drive at the axis.
+    pub fn joint(&self) -> Joint {
+        let friction_n_m_s_rad = self.parts.hub.viscous_friction_n_m_s_rad;
+        Joint { friction_n_m_s_rad, drive: self.parts.drive }
+    }
+
     /// Distance L from the axis to the tip in m: hub radius and all segments.
     pub fn length_m(&self) -> f64 {
         let beam: f64 = self.parts.segments.iter().map(|s| s.length_m).sum();
@@ -181,16 +211,37 @@ impl Link {
     }
 }
 
-fn check_hub(hub: &Hub) -> Result<(), ParameterError> {
-    not_negative("hub.inertia", hub.inertia_kg_m2, "kg m^2")?;
-    not_negative("hub.radius", hub.radius_m, "m")?;
-    not_negative("hub.viscous_friction", hub.viscous_friction_n_m_s_rad, "N m s/rad")
+/// The link of many unit tests: Bayo's link without its stiff root, undamped: 1.5 m, 5 N m² and 0.8 kg/m on a hub of 0.1 kg m²,
+/// so that its rigid inertia is 1 kg m².
+#[cfg(test)]
+pub(crate) fn uniform() -> LinkParts {
+    LinkParts {
+        title: String::new(),
+        segments: vec![uniform_segment()],
+        hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
+        masses: vec![],
+        payload: Payload::default(),
+        damping: Damping::None,
+        drive: None,
+    }
+}
+
+/// Its one segment.
+#[cfg(test)]
+pub(crate) fn uniform_segment() -> Segment {
+    Segment {
+        name: None,
+        length_m: 1.5,
+        bending_stiffness_n_m2: super::segment::Taper::constant(5.0),
+        mass_per_length_kg_m: super::segment::Taper::constant(0.8),
+        cross_section: None,
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Taper;
     use super::*;
+    use crate::link::Taper;
 
     fn parts() -> LinkParts {
         let segment = |name: &str, length_m| Segment {

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 
 use super::chart::{Across, Axis, Curve, Figure, Mark, Stroke};
 use crate::beam::Mesh;
-use crate::inverse::{Dynamics, FrequencyResponse, KeptModes};
 use crate::modal::{Shape, mode, natural_frequencies, real_frequency_zeros, torque_zeros};
+use crate::model::{FrequencyResponse, KeptModes, model_of};
 use crate::numeric::{FourierPair, angular_frequency, fast_length, magnitude, significant};
 use crate::result::StoredRun;
 
@@ -69,18 +69,16 @@ impl MotionSpectrum {
 pub(super) fn transfer(run: &StoredRun) -> Result<Figure, String> {
     let why = |error: &dyn std::fmt::Display| format!("torque per tip acceleration, since {error}");
     let kept = run.kept_modes.map_or(KeptModes::All, KeptModes::First);
-    let dynamics = Dynamics::new(&run.link, run.mesh.clone(), kept).map_err(|error| why(&error))?;
+    let model = model_of(&run.link, run.mesh.clone(), kept).map_err(|error| why(&error))?;
     // A simulated tip may vibrate on at its end: its samples have no spectrum of their own.
     let spectrum = run.solved.is_some().then(|| MotionSpectrum::of(run));
     let (from_hz, to_hz) = band(run, spectrum.as_ref());
     let hertz: Vec<f64> = (0..POINTS)
         .map(|k| from_hz * libm::pow(to_hz / from_hz, k as f64 / (POINTS - 1) as f64))
         .collect();
-    let friction = run.link.hub().viscous_friction_n_m_s_rad;
-    let flexible = |f: &f64| {
-        magnitude(FrequencyResponse::at(&dynamics, friction, *f).torque_per_tip_acceleration_kg_m)
-    };
-    let length_m = run.link.length_m();
+    let flexible =
+        |f: &f64| magnitude(FrequencyResponse::at(&*model, *f).torque_per_tip_acceleration_kg_m);
+    let (length_m, friction) = (run.link.length_m(), run.link.joint().friction_n_m_s_rad);
     let rigid =
         |f: &f64| libm::hypot(run.link.rigid_inertia_kg_m2(), friction / (TAU * f)) / length_m;
     let sizes: Vec<f64> = hertz.iter().map(flexible).collect();
@@ -236,11 +234,11 @@ mod tests {
         let mut run = run();
         run.link = crate::report::tests::link(2.0);
         let figure = transfer(&run).unwrap();
-        let dynamics = Dynamics::new(&run.link, run.mesh.clone(), KeptModes::All).unwrap();
+        let model = model_of(&run.link, run.mesh.clone(), KeptModes::All).unwrap();
         let inertia = run.link.rigid_inertia_kg_m2() / run.link.length_m();
         for k in (0..POINTS).step_by(37) {
             let (f, size) = figure.curves[0].points[k];
-            let exact = FrequencyResponse::at(&dynamics, 2.0, f).torque_per_tip_acceleration_kg_m;
+            let exact = FrequencyResponse::at(&*model, f).torque_per_tip_acceleration_kg_m;
             let exact = (exact.re * exact.re + exact.im * exact.im).sqrt();
             assert!((size / exact - 1.0).abs() < 1e-12, "{size} of {exact} at {f} Hz");
             let drag = 2.0 / run.link.length_m() / (TAU * f);

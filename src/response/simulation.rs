@@ -200,7 +200,7 @@ fn play_on(
         law,
         warnings: Vec::new(),
         initial_tip_m: play.initial_tip_m,
-        friction_n_m_s_rad: link.hub().viscous_friction_n_m_s_rad,
+        friction_n_m_s_rad: link.joint().friction_n_m_s_rad,
         equations,
         record,
     };
@@ -222,7 +222,7 @@ pub(super) fn equations_on(
     basis: ModalBasis,
 ) -> Equations {
     let gain = |of: fn(&Feedback) -> f64| play.feedback.map_or(0.0, of);
-    let friction = link.hub().viscous_friction_n_m_s_rad;
+    let friction = link.joint().friction_n_m_s_rad;
     let reaction = HubReaction {
         stiffness_n_m_rad: gain(Feedback::stiffness_n_m_rad),
         damping_n_m_s_rad: friction + gain(Feedback::damping_n_m_s_rad),

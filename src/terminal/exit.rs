@@ -3,6 +3,7 @@ use std::process::ExitCode;
 use flexlink::csv::{InputError, TableError};
 use flexlink::inverse::InversionError;
 use flexlink::modal::DampingError;
+use flexlink::model::ModelError;
 use flexlink::result::FitError;
 use flexlink::spec::SpecError;
 use flexlink::store::FolderError;
@@ -83,6 +84,12 @@ impl From<InversionError> for Failure {
     fn from(error: InversionError) -> Self {
         let is_of_memory = matches!(error, InversionError::TooMuchMemory { .. });
         Self { is_of_memory, ..Self::new(Exit::NotSolvable, &error, error.hint()) }
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Self::new(Exit::NotSolvable, &error, Some(error.hint()))
     }
 }
 

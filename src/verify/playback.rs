@@ -112,7 +112,7 @@ pub(super) fn tip_solved(answer: &Answer) -> Option<Check> {
 
 /// The written torque less what the hub's friction takes of it.
 fn net_torque(answer: &Answer) -> Vec<f64> {
-    let friction = answer.link.hub().viscous_friction_n_m_s_rad;
+    let friction = answer.link.joint().friction_n_m_s_rad;
     let samples = answer.written_torque_n_m.iter().zip(&answer.solution.hub_rate_rad_s);
     samples.map(|(t, rate)| t - friction * rate).collect()
 }

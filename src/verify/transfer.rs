@@ -1,8 +1,9 @@
 use std::f64::consts::TAU;
 
 use super::check::{Check, Question};
-use crate::inverse::{DenseLink, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Solution};
+use crate::inverse::Solution;
 use crate::modal::REPORTED_MODES;
+use crate::model::{Dense, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Model};
 use crate::numeric::magnitude;
 
 /// Frequencies at which the dense system is solved.
@@ -19,7 +20,7 @@ const SPOILT: f64 = 1e-3;
 pub(super) fn dense_transfer(solution: &Solution) -> Check {
     let question =
         Question { name: "dense_transfer", what: "T/a_tip of the paper's dense H", of: "T/a_tip" };
-    if solution.dynamics.kept_modes() != KeptModes::All {
+    if solution.model.kept_modes() != KeptModes::All {
         return question.not_measured("the link is reduced to few modes".into());
     }
     let elements = solution.mesh().elements().len();
@@ -28,7 +29,7 @@ pub(super) fn dense_transfer(solution: &Solution) -> Check {
             "{elements} elements, more than the {MOST_ELEMENTS_OF_DENSE_SOLVE} that are factorised"
         ));
     }
-    let Some(dense) = DenseLink::assemble(&solution.dynamics) else {
+    let Some(dense) = Dense::assemble(solution.model.on_mesh().clone()) else {
         return question.not_measured("its modes are no finite numbers".into());
     };
     let modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
@@ -38,8 +39,8 @@ pub(super) fn dense_transfer(solution: &Solution) -> Check {
     for k in 0..FREQUENCIES {
         // Between poles and zeros of an undamped link none of these is likely to fall on one.
         let omega = low * libm::pow(high / low, (k as f64 + 0.37) / FREQUENCIES as f64);
-        let exact = solution.dynamics.tip_transfer(omega).inertia_kg_m;
-        let found = dense.torque_per_tip_acceleration_kg_m(omega);
+        let exact = solution.model.tip_transfer(omega).inertia_kg_m;
+        let found = dense.tip_transfer(omega).inertia_kg_m;
         worst = worst.max(magnitude(found - exact) / magnitude(exact));
         bound = bound.max(dense.round_off(omega));
     }

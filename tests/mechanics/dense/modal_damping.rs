@@ -4,9 +4,9 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
-use flexlink::inverse::{Dynamics, KeptModes};
 use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use flexlink::modal::natural_frequencies;
+use flexlink::model::{KeptModes, model_of};
 
 use super::assembly::Assembly;
 use super::damping;
@@ -71,13 +71,13 @@ fn accelerations(matrices: &[Mat<f64>; 3], root_m: f64, omega: f64) -> Vec<c64> 
 /// Largest difference between the sum of modes and the dense solve, over torque, hub angle,
 /// deflections and moments, each relative to its largest value.
 fn difference(link: &Link, mesh: &Mesh, damping: Mat<f64>, omega: f64) -> f64 {
-    let dynamics = Dynamics::new(link, mesh.clone(), KeptModes::All).expect("a valid law");
+    let model = model_of(link, mesh.clone(), KeptModes::All).expect("a valid law");
     let assembly = Assembly::of_link(link, mesh.nodes_m());
     let [mass, stiffness] = assembly.mass_and_stiffness();
     let a = accelerations(&[mass, damping, stiffness], mesh.nodes_m()[0], omega);
     let (tip, theta) = (a[a.len() - 2], a[1]);
-    let found = dynamics.nodal_transfer(omega);
-    assert_eq!(found.tip, dynamics.tip_transfer(omega));
+    let found = model.nodal_transfer(omega);
+    assert_eq!(found.tip, model.tip_transfer(omega));
     let at_nodes = |found: &[c64], dense: &dyn Fn(usize) -> c64| {
         let peak = found.iter().fold(0.0_f64, |peak, z| peak.max(z.norm()));
         let off = found.iter().enumerate().map(|(k, z)| (z - dense(k) / tip).norm());

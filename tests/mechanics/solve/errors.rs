@@ -7,6 +7,7 @@ use flexlink::beam::{ElementCount, Mesh, MeshPlan, tip_transfers};
 use flexlink::inverse::{Analysis, InversionError, Warning, invert};
 use flexlink::link::{Damping, Link, Taper};
 use flexlink::modal::{DampingError, real_frequency_zeros};
+use flexlink::model::ModelError;
 use flexlink::numeric::significant;
 
 fn through_modes(modes: [usize; 2], ratios: [f64; 2]) -> Link {
@@ -24,7 +25,8 @@ fn a_mode_that_the_mesh_does_not_have() {
         &through_modes([1, 5], [0.02, 0.02]),
         &whole_band(Analysis::default()),
     );
-    assert_eq!(error, DampingError::NoSuchMode { asked: 5, found: 4 }.into());
+    let no_such_mode = DampingError::NoSuchMode { asked: 5, found: 4 };
+    assert_eq!(error, InversionError::Model(no_such_mode.into()));
     assert_eq!(
         error.to_string(),
         "damping.modes asks for mode 5, but the mesh must have it and has 4 modes"
@@ -38,7 +40,10 @@ fn two_ratios_that_need_negative_damping() {
         let link = through_modes([1, 2], ratios);
         let error = refused_on_two_elements(&link, &whole_band(Analysis::default()));
         assert!(
-            matches!(error, InversionError::Damping(DampingError::NegativeDamping { .. })),
+            matches!(
+                error,
+                InversionError::Model(ModelError::Damping(DampingError::NegativeDamping { .. }))
+            ),
             "{error}"
         );
         let message = error.to_string();
@@ -55,7 +60,7 @@ fn numbers_beyond_double_precision() {
     let faster = Smooth::MOVE.acceleration_m_s2().iter().map(|a| 1e110 * a).collect();
     let motion = accelerated(Smooth::MOVE.time_s(), faster);
     let error = refused(&link, &mesh_of(&link, 2), &motion, &whole_band(Analysis::default()));
-    let InversionError::NotFinite { frequency_hz } = error else {
+    let InversionError::Model(ModelError::NotFinite { frequency_hz }) = error else {
         panic!("{error}");
     };
     // Of a torque without end the lowest frequency but zero is named, one period's.

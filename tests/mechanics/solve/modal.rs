@@ -2,9 +2,10 @@
 
 use super::{Smooth, link, mesh_of, peak, refused, solved, torque_difference, whole_band};
 use flexlink::beam::Mesh;
-use flexlink::inverse::{Analysis, Dynamics, InversionError, KeptModes, Solution, invert};
+use flexlink::inverse::{Analysis, InversionError, Solution, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Payload};
 use flexlink::modal::{DampingError, ModalBasis};
+use flexlink::model::{KeptModes, ModelError, model_of};
 
 /// A link with all that a link can have.
 fn loaded(damping: Damping) -> Link {
@@ -114,22 +115,23 @@ fn what_modes_cannot_do_is_refused() {
     let motion = Smooth::MOVE.motion();
     let link = loaded(Damping::Modal { ratios: vec![0.02] });
     let error = refused(&link, &mesh_of(&link, 251), &motion, &whole_band(Analysis::default()));
-    assert_eq!(error, InversionError::TooManyElements { elements: 251, limit: 250 });
+    let too_many = ModelError::TooManyElements { elements: 251, limit: 250 };
+    assert_eq!(error, InversionError::Model(too_many));
     assert_eq!(
         error.to_string(),
         "the mesh = 251 elements, but must be at most 250 for modal damping: it needs all modes, \
          and dense algebra grows with the cube of their number"
     );
     let error = refused(&link, &mesh_of(&link, 3), &motion, &keeping(7));
-    assert_eq!(error, InversionError::NotSoManyModes { asked: 7, found: 6 });
+    assert_eq!(error, InversionError::Model(ModelError::NotSoManyModes { asked: 7, found: 6 }));
     assert_eq!(
         error.to_string(),
         "analysis.modes = 7, but must be at most 6: the mesh has no more modes"
     );
     let series = loaded(Damping::Caughey { modes: vec![1, 2, 3], ratios: vec![0.02; 3] });
     let error = refused(&series, &mesh_of(&series, 8), &motion, &whole_band(Analysis::default()));
-    let InversionError::Damping(DampingError::NegativeRatio { mode, ratio, modes, .. }) = error
-    else {
+    let InversionError::Model(ModelError::Damping(error)) = error else { panic!("{error}") };
+    let DampingError::NegativeRatio { mode, ratio, modes, .. } = error else {
         panic!("{error}");
     };
     assert!(mode > 3 && ratio < 0.0 && modes == 16, "mode {mode} of {modes}: {ratio}");
@@ -140,9 +142,9 @@ fn an_undamped_link_needs_no_torque_at_its_natural_frequencies_and_all_is_finite
     let link = loaded(Damping::Modal { ratios: vec![0.0] });
     let mesh = Mesh::new(&link, &mesh_of(&link, 8));
     let modes = ModalBasis::complete(&mesh).unwrap().modes;
-    let dynamics = Dynamics::new(&link, mesh, KeptModes::All).unwrap();
+    let model = model_of(&link, mesh, KeptModes::All).unwrap();
     for mode in &modes[..5] {
-        let at = |omega: f64| dynamics.tip_transfer(omega);
+        let at = |omega: f64| model.tip_transfer(omega);
         let (exact, beside) = (at(mode.omega_rad_s), at(mode.omega_rad_s * (1.0 + 1e-9)));
         assert!(exact.inertia_kg_m.norm() < 1e-9 * at(0.0).inertia_kg_m.norm(), "{exact:?}");
         assert!((exact.angle_rad_m / beside.angle_rad_m - 1.0).norm() < 1e-6, "{exact:?}");

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use flexlink::beam::{Mesh, MeshPlan, nodal_transfer};
-use flexlink::inverse::{Dynamics, FrequencyResponse, KeptModes};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+use flexlink::model::{FrequencyResponse, KeptModes, model_of};
 use num_complex::Complex64;
 
 use super::closed_form::UniformLink;
@@ -153,10 +153,10 @@ fn the_frequency_response_of_a_stiff_link_is_that_of_the_rigid_one_with_drag_and
     })
     .expect("a valid link");
     let plan = MeshPlan::new(&link, &[Some(4)], None, 1e-6).expect("a valid plan");
-    let dynamics = Dynamics::new(&link, Mesh::new(&link, &plan), KeptModes::All);
-    let dynamics = dynamics.expect("damping that can be");
+    let model = model_of(&link, Mesh::new(&link, &plan), KeptModes::All);
+    let model = model.expect("damping that can be");
     for frequency_hz in [0.05, 0.3, 2.0] {
-        let found = FrequencyResponse::at(&dynamics, 0.7, frequency_hz);
+        let found = FrequencyResponse::at(&*model, frequency_hz);
         let rate = Complex64::new(0.0, TAU * frequency_hz);
         let inertia = 0.1 + 0.8 * 1.3_f64.powi(3) / 3.0;
         let torque = inertia / 1.3 * (1.0 + 0.4 / rate) + 0.7 / (rate * 1.3);

@@ -1,8 +1,10 @@
 //! The paper's own solve of a link with everything on it, and what round-off does to it.
 
+use std::sync::Arc;
+
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
-use flexlink::inverse::{DenseLink, Dynamics, KeptModes};
 use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+use flexlink::model::{Dense, KeptModes, Model, model_of};
 
 /// A metre, a kilogram and a second in other units: powers of two, which cost no digit.
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +15,7 @@ struct Units {
 
 const SI: Units = Units { length: 1.0, mass: 1.0 };
 
-fn dynamics(elements: usize, taper: f64, damping: Damping, units: Units) -> Dynamics {
+fn model(elements: usize, taper: f64, damping: Damping, units: Units) -> Arc<dyn Model> {
     let Units { length, mass } = units;
     let inertia = mass * length * length;
     let link = Link::new(LinkParts {
@@ -47,7 +49,11 @@ fn dynamics(elements: usize, taper: f64, damping: Damping, units: Units) -> Dyna
     .unwrap();
     let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6).unwrap();
     let mesh = Mesh::new(&link, &plan);
-    Dynamics::new(&link, mesh, KeptModes::All).unwrap()
+    model_of(&link, mesh, KeptModes::All).unwrap()
+}
+
+fn dense(model: &dyn Model) -> Option<Dense> {
+    Dense::assemble(model.on_mesh().clone())
 }
 
 #[test]
@@ -58,11 +64,11 @@ fn the_dense_solve_gives_the_transfer_of_bodies_and_offsets_under_every_law() {
         Damping::Rayleigh { alpha_per_s: 0.1, beta_s: 2e-4 },
         Damping::Modal { ratios: vec![0.01, 0.03] },
     ] {
-        let dynamics = dynamics(8, 0.7, damping.clone(), SI);
-        let dense = DenseLink::assemble(&dynamics).unwrap();
+        let model = model(8, 0.7, damping.clone(), SI);
+        let dense = dense(&*model).unwrap();
         for omega in [0.7, 3.0, 11.0, 47.0, 130.0] {
-            let found = dense.torque_per_tip_acceleration_kg_m(omega);
-            let expected = dynamics.tip_transfer(omega).inertia_kg_m;
+            let found = dense.tip_transfer(omega).inertia_kg_m;
+            let expected = model.tip_transfer(omega).inertia_kg_m;
             let off = (found / expected - 1.0).norm();
             assert!(off < 1e-9, "{damping:?} at {omega} rad/s: {found} is not {expected}");
         }
@@ -71,20 +77,19 @@ fn the_dense_solve_gives_the_transfer_of_bodies_and_offsets_under_every_law() {
 
 #[test]
 fn two_hundred_elements_are_assembled_and_one_more_is_not() {
-    let is_assembled =
-        |elements| DenseLink::assemble(&dynamics(elements, 0.7, Damping::None, SI)).is_some();
+    let is_assembled = |elements| dense(&*model(elements, 0.7, Damping::None, SI)).is_some();
     assert!(is_assembled(200) && !is_assembled(201));
 }
 
 #[test]
 fn round_off_is_no_more_than_estimated_and_not_far_less() {
-    let dynamics = dynamics(100, 0.7, Damping::None, SI);
-    let dense = DenseLink::assemble(&dynamics).unwrap();
+    let model = model(100, 0.7, Damping::None, SI);
+    let dense = dense(&*model).unwrap();
     let mut largest = 0.0_f64;
     for k in 0..40 {
         let omega = 0.01 * 1.1_f64.powi(k);
-        let exact = dynamics.tip_transfer(omega).inertia_kg_m;
-        let off = (dense.torque_per_tip_acceleration_kg_m(omega) / exact - 1.0).norm();
+        let exact = model.tip_transfer(omega).inertia_kg_m;
+        let off = (dense.tip_transfer(omega).inertia_kg_m / exact - 1.0).norm();
         let share = off / dense.round_off(omega);
         assert!(share < 1.0, "at {omega} rad/s: {off:e} of {:e}", dense.round_off(omega));
         largest = largest.max(share);
@@ -96,8 +101,8 @@ fn round_off_is_no_more_than_estimated_and_not_far_less() {
 #[test]
 fn round_off_grows_with_the_square_of_the_period_and_the_elements_to_three_and_a_half() {
     let round_off = |elements, units, omega: f64| {
-        let dynamics = dynamics(elements, 1.0, Damping::None, units);
-        DenseLink::assemble(&dynamics).unwrap().round_off(omega)
+        let model = model(elements, 1.0, Damping::None, units);
+        dense(&*model).unwrap().round_off(omega)
     };
     let close = |found: f64, expected: f64| {
         assert!((found / expected - 1.0).abs() < 1e-9, "{found:e} is not {expected:e}");

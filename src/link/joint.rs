@@ -1,6 +1,8 @@
+//! The hub, and the joint that turns it: friction, gear and elastic joint.
+
 use std::ops::RangeInclusive;
 
-use super::error::ParameterError;
+use super::error::{ParameterError, not_negative};
 
 /// Stiffnesses of an elastic joint in N m/rad.
 const STIFFNESSES_N_M_RAD: RangeInclusive<f64> = 1e-30..=1e30;
@@ -10,6 +12,38 @@ const INERTIAS_KG_M2: RangeInclusive<f64> = 0.0..=1e30;
 
 /// Ratios of a gear.
 const RATIOS: RangeInclusive<f64> = 1e-6..=1e6;
+
+/// The rigid hub that the motor turns.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Hub {
+    /// Rotary inertia I_H about the axis in kg m².
+    pub inertia_kg_m2: f64,
+    /// Rigid radius between the axis and the link's root in m.
+    pub radius_m: f64,
+    /// Viscous friction b of the joint in N m s/rad.
+    pub viscous_friction_n_m_s_rad: f64,
+}
+
+impl Hub {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`ParameterError`] names the first value out of its range.
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        not_negative("hub.inertia", self.inertia_kg_m2, "kg m^2")?;
+        not_negative("hub.radius", self.radius_m, "m")?;
+        not_negative("hub.viscous_friction", self.viscous_friction_n_m_s_rad, "N m s/rad")
+    }
+}
+
+/// What the joint at the axis adds to the dynamics of the link itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joint {
+    /// Viscous friction b in N m s/rad.
+    pub friction_n_m_s_rad: f64,
+    /// Gear and elastic joint between motor and hub, if there are any.
+    pub drive: Option<Drive>,
+}
 
 /// What sits between motor and hub: a gear and an elastic joint.
 ///
@@ -33,7 +67,7 @@ impl Drive {
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         let (stiffness, inertia) = (self.joint_stiffness_n_m_rad, self.rotor_inertia_kg_m2);
         let refuse = |key, value: f64, unit, must: &str| {
-            // A number of 200 digits is none for people.
+            // In the exponent's notation: 1e200 has 200 digits.
             let value = format!("{value:?}");
             Err(ParameterError::new(format!("drive.{key}"), value, unit, must))
         };

@@ -1,0 +1,257 @@
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+
+use super::link_on_mesh::{LinkOnMesh, Model};
+use crate::beam::{Inertia, Mesh, NodalTransfer, TipTransfer};
+use crate::modal::{ModalBasis, Shape};
+
+/// Most elements that are assembled and factorised: the work grows with the cube of their number.
+pub const MOST_ELEMENTS_OF_DENSE_SOLVE: usize = 200;
+
+/// What an estimate of round-off is taken times.
+const CAUTION: f64 = 100.0;
+
+/// The paper's own solve: assembled matrices on θ and (v, φ) of nodes 1 … n, and a factorisation with
+/// pivoting.
+///
+/// ```text
+/// H x = e_h T,   H = M − K*/ω²  (+ C/(iω) of modal damping)      (Bayo 1987, eqs 15-17)
+/// ```
+#[derive(Debug, Clone)]
+pub struct Dense {
+    link: LinkOnMesh,
+    mass: DMatrix<f64>,
+    stiffness: DMatrix<f64>,
+    /// Mass times each mode and its 2ζω, of a modal law.
+    modes: Vec<(DVector<f64>, f64)>,
+}
+
+impl Dense {
+    /// Assembles the link; none beyond [`MOST_ELEMENTS_OF_DENSE_SOLVE`], or where the modes of a modal
+    /// law are no finite numbers.
+    pub fn assemble(link: LinkOnMesh) -> Option<Self> {
+        let mesh = link.mesh();
+        let count = mesh.elements().len();
+        if count > MOST_ELEMENTS_OF_DENSE_SOLVE {
+            return None;
+        }
+        let (mut mass, mut stiffness) = (free(count), free(count));
+        for (k, element) in mesh.elements().iter().enumerate() {
+            let (m, s) = (element.mass(), element.stiffness());
+            for (row, column) in (0..4).flat_map(|row| (0..4).map(move |column| (row, column))) {
+                mass[(2 * k + row, 2 * k + column)] += m[(row, column)];
+                stiffness[(2 * k + row, 2 * k + column)] += s[(row, column)];
+            }
+        }
+        let lumped = (0..count).filter_map(|k| mesh.lumped_inertia(k).map(|body| (k, body)));
+        for (node, Inertia { vv, vp, pp }) in lumped.chain([(count, mesh.tip_inertia())]) {
+            let at = 2 * node;
+            mass[(at, at)] += vv;
+            mass[(at, at + 1)] += vp;
+            mass[(at + 1, at)] += vp;
+            mass[(at + 1, at + 1)] += pp;
+        }
+        let mut mass = held(mesh, mass);
+        mass[(0, 0)] += mesh.hub_inertia_kg_m2();
+        let stiffness = held(mesh, stiffness);
+        let modes = damped_modes(&link, &mass)?;
+        Some(Self { link, mass, stiffness, modes })
+    }
+
+    /// Accelerations per torque that the mass feels, for each λ of the law.
+    fn accelerations(&self, omega_rad_s: f64) -> DVector<Complex64> {
+        // Exactly on a pole of an undamped link nothing is finite, and a hair beside it all is.
+        let beside = || self.solved(omega_rad_s * (1.0 + 4.0 * f64::EPSILON));
+        let nothing = || DVector::from_element(self.mass.nrows(), Complex64::from(f64::NAN));
+        self.solved(omega_rad_s).or_else(beside).unwrap_or_else(nothing)
+    }
+
+    fn solved(&self, omega_rad_s: f64) -> Option<DVector<Complex64>> {
+        let size = self.mass.nrows();
+        let per_lambda = self.law().lambda(omega_rad_s).inv();
+        let mut h = DMatrix::from_fn(size, size, |row, column| {
+            Complex64::from(self.mass[(row, column)]) - per_lambda * self.stiffness[(row, column)]
+        });
+        for (mode, rate) in &self.modes {
+            // iωC/(−ω²)
+            let factor = Complex64::new(0.0, -rate / omega_rad_s);
+            for row in 0..size {
+                for column in 0..size {
+                    h[(row, column)] += factor * (mode[row] * mode[column]);
+                }
+            }
+        }
+        let mut load = DVector::zeros(size);
+        load[0] = Complex64::ONE;
+        h.lu().solve(&load)
+    }
+
+    /// Moments at nodes 0 … n of all that is outboard of each, from accelerations (v, φ) of the nodes.
+    fn moments(&self, accelerations: &[[Complex64; 2]]) -> Vec<Complex64> {
+        let mesh = self.mesh();
+        let load = |Inertia { vv, vp, pp }: Inertia<f64>, [v, phi]: [Complex64; 2]| {
+            [v * vv + phi * vp, v * vp + phi * pp]
+        };
+        let last = accelerations.len() - 1;
+        let [mut force, mut moment] = load(mesh.tip_inertia(), accelerations[last]);
+        let mut moments = vec![moment; last + 1];
+        for (k, element) in mesh.elements().iter().enumerate().rev() {
+            let (mass, ends) = (element.mass(), [accelerations[k], accelerations[k + 1]]);
+            let row = |row: usize| -> Complex64 {
+                (0..4).map(|column| ends[column / 2][column % 2] * mass[(row, column)]).sum()
+            };
+            let lumped = mesh.lumped_inertia(k).map(|body| load(body, accelerations[k]));
+            let [lumped_force, lumped_moment] = lumped.unwrap_or_default();
+            let length_m = mesh.nodes_m()[k + 1] - mesh.nodes_m()[k];
+            moment += row(3) + (force + row(2)) * length_m + row(1) + lumped_moment;
+            force += row(2) + row(0) + lumped_force;
+            moments[k] = moment;
+        }
+        moments
+    }
+
+    /// Relative error that round-off may cause at ω: K annihilates rigid motion only up to ε times
+    /// its largest entry, and what is left is divided by ω² and by the rigid inertia.
+    pub fn round_off(&self, omega_rad_s: f64) -> f64 {
+        let mesh = self.mesh();
+        let rigid = column(mesh, &ModalBasis::lowest(mesh, 0).rigid);
+        let largest = (1..self.mass.nrows())
+            .step_by(2)
+            .map(|row| self.stiffness[(row, row)] * rigid[row].powi(2));
+        let largest = largest.fold(0.0, f64::max);
+        let sum = (mesh.elements().len() as f64).sqrt();
+        CAUTION * f64::EPSILON * sum * largest / omega_rad_s.powi(2)
+    }
+}
+
+impl Model for Dense {
+    fn on_mesh(&self) -> &LinkOnMesh {
+        &self.link
+    }
+
+    fn tip_transfer(&self, omega_rad_s: f64) -> TipTransfer {
+        self.nodal_transfer(omega_rad_s).tip
+    }
+
+    /// At ω > 0; [`Dense::round_off`] is what round-off may cost.
+    fn nodal_transfer(&self, omega_rad_s: f64) -> NodalTransfer {
+        let (nodes_m, lambda) = (self.mesh().nodes_m(), self.law().lambda(omega_rad_s));
+        let accelerations = self.accelerations(omega_rad_s);
+        // The tip's displacement is the last unknown but one.
+        let inertia_kg_m = accelerations[accelerations.len() - 2].inv();
+        let per_tip = accelerations.map(|acceleration| acceleration * inertia_kg_m);
+        let angle_rad_m = per_tip[0];
+        // The root sits on the hub.
+        let root = [angle_rad_m * nodes_m[0], angle_rad_m];
+        let outer = (1..nodes_m.len()).map(|k| [per_tip[2 * k - 1], per_tip[2 * k]]);
+        let nodes: Vec<_> = std::iter::once(root).chain(outer).collect();
+        let moments_kg_m = self.moments(&nodes);
+        let deflection_s2 =
+            |(v, x_m): (&[Complex64; 2], &f64)| (v[0] - angle_rad_m * *x_m) / lambda;
+        let deflections_s2: Vec<_> = nodes.iter().zip(nodes_m).map(deflection_s2).collect();
+        let tip = TipTransfer {
+            inertia_kg_m,
+            root_inertia_kg_m: moments_kg_m[0],
+            angle_rad_m,
+            deflection_s2: deflections_s2[deflections_s2.len() - 1],
+        };
+        NodalTransfer { tip, deflections_s2, moments_kg_m }
+    }
+}
+
+/// Mass times each mode and its 2ζω, of a modal law: `C = Σ 2ζω (M φ)(M φ)ᵀ`.
+fn damped_modes(link: &LinkOnMesh, mass: &DMatrix<f64>) -> Option<Vec<(DVector<f64>, f64)>> {
+    let (mesh, law) = (link.mesh(), link.law());
+    if !law.is_modal() {
+        return Some(Vec::new());
+    }
+    let basis = ModalBasis::complete(mesh).ok()?;
+    let damped = basis.modes.iter().enumerate().map(|(k, mode)| {
+        let rate = 2.0 * law.modal_ratio(k + 1, mode.omega_rad_s) * mode.omega_rad_s;
+        (mass * column(mesh, &mode.shape), rate)
+    });
+    Some(damped.collect())
+}
+
+/// A matrix on (v, φ) of all nodes.
+fn free(elements: usize) -> DMatrix<f64> {
+    DMatrix::zeros(2 * elements + 2, 2 * elements + 2)
+}
+
+/// A matrix on (v, φ) of all nodes, held at the hub: the root sits on it, `v_0 = x_0 θ`, `φ_0 = θ`.
+///
+/// Without a product of two matrices, in which nalgebra would use what the processor has.
+fn held(mesh: &Mesh, mut free: DMatrix<f64>) -> DMatrix<f64> {
+    let root_m = mesh.nodes_m()[0];
+    for k in 0..free.ncols() {
+        free[(1, k)] += root_m * free[(0, k)];
+    }
+    for k in 0..free.nrows() {
+        free[(k, 1)] += root_m * free[(k, 0)];
+    }
+    free.remove_row(0).remove_column(0)
+}
+
+/// A shape on θ and (v, φ) of nodes 1 … n.
+fn column(mesh: &Mesh, shape: &Shape) -> DVector<f64> {
+    let size = 2 * mesh.nodes_m().len() - 1;
+    DVector::from_fn(size, |row, _| {
+        if row % 2 == 1 {
+            shape.displacement(mesh, row.div_ceil(2))
+        } else {
+            // The root has no slope of its own: θ alone.
+            shape.deflections[row / 2][1] + shape.hub_angle
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, uniform};
+    use crate::model::{KeptModes, model_of};
+
+    fn apart(found: &[Complex64], expected: &[Complex64]) -> f64 {
+        let largest = expected.iter().fold(0.0, |most: f64, x| most.max(x.norm()));
+        let differences = found.iter().zip(expected).map(|(a, b)| (a - b).norm());
+        differences.fold(0.0, f64::max) / largest
+    }
+
+    #[test]
+    fn recursion_and_superposition_answer_as_the_assembled_matrices_do() {
+        let parts = LinkParts {
+            hub: Hub { radius_m: 0.1, ..uniform().hub },
+            masses: [0.1, 0.6]
+                .map(|at_m| LumpedMass { at_m, mass_kg: 0.2, inertia_kg_m2: 3e-3 })
+                .into(),
+            payload: Payload { mass_kg: 0.3, inertia_kg_m2: 2e-3, offset_m: 0.05 },
+            ..uniform()
+        };
+        for damping in [
+            Damping::None,
+            Damping::Hysteretic { ratio: 0.03 },
+            Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 2e-3 },
+            Damping::Modal { ratios: vec![0.05, 0.01] },
+        ] {
+            let link = Link::new(LinkParts { damping, ..parts.clone() }).unwrap();
+            let mesh = Mesh::on(&link, 6);
+            let model = model_of(&link, mesh, KeptModes::All).unwrap();
+            let dense = Dense::assemble(model.on_mesh().clone()).unwrap();
+            for omega in [3.0, 17.0, 90.0] {
+                let [found, expected] =
+                    [&*model, &dense as &dyn Model].map(|model| model.nodal_transfer(omega));
+                let tip = |of: &NodalTransfer| {
+                    [of.tip.inertia_kg_m, of.tip.root_inertia_kg_m, of.tip.angle_rad_m]
+                };
+                for off in [
+                    apart(&tip(&found), &tip(&expected)),
+                    apart(&found.deflections_s2, &expected.deflections_s2),
+                    apart(&found.moments_kg_m, &expected.moments_kg_m),
+                    apart(&[found.tip.deflection_s2], &[expected.tip.deflection_s2]),
+                ] {
+                    assert!(off < 1e-8, "{:?} at {omega}: {off:e}", link.damping());
+                }
+            }
+        }
+    }
+}

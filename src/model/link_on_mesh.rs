@@ -1,0 +1,121 @@
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use super::error::ModelError;
+use crate::beam::{Mesh, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers};
+use crate::link::Link;
+use crate::modal::DampingLaw;
+
+/// A link on a mesh, and its damping law with all its numbers. A clone shares the link.
+#[derive(Debug, Clone)]
+pub struct LinkOnMesh {
+    link: Arc<Link>,
+    mesh: Mesh,
+    law: DampingLaw,
+}
+
+impl LinkOnMesh {
+    /// Computes the numbers of the link's damping law with the modes of `mesh`.
+    ///
+    /// # Errors
+    /// [`ModelError::Damping`].
+    pub fn new(link: &Link, mesh: Mesh) -> Result<Self, ModelError> {
+        let law = DampingLaw::of(link.damping(), &mesh)?;
+        Ok(Self { link: Arc::new(link.clone()), mesh, law })
+    }
+
+    /// The same link on elements of half the length. Damping through modes follows the modes of the
+    /// finer mesh, so that the mesh error counts what its coefficients change.
+    ///
+    /// # Errors
+    /// [`ModelError::Damping`].
+    pub(super) fn refined(&self) -> Result<Self, ModelError> {
+        let mesh = self.mesh.refined();
+        let law = DampingLaw::on_finer(self.link.damping(), &mesh)?;
+        Ok(Self { link: Arc::clone(&self.link), mesh, law })
+    }
+
+    /// The link.
+    pub fn link(&self) -> &Link {
+        &self.link
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The damping law with all its numbers.
+    pub fn law(&self) -> &DampingLaw {
+        &self.law
+    }
+}
+
+/// Modes of the mesh that a model is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KeptModes {
+    /// All of them.
+    All,
+    /// The rigid rotation and the first flexible ones (Bayo 1987, section 5).
+    First(usize),
+}
+
+/// Transfers from the tip of a link at a frequency ω ≥ 0 in rad/s, for e^{+iωt}.
+///
+/// Friction and drive of the joint are no part of them: they act on the hub's motion, which they give.
+pub trait Model: Debug + Send + Sync {
+    /// The link, its mesh and its damping.
+    fn on_mesh(&self) -> &LinkOnMesh;
+
+    /// Modes that the model is made of.
+    fn kept_modes(&self) -> KeptModes {
+        KeptModes::All
+    }
+
+    /// Transfers from the tip to torque and hub angle at ω.
+    fn tip_transfer(&self, omega_rad_s: f64) -> TipTransfer;
+
+    /// Transfers from the tip to every node at ω.
+    fn nodal_transfer(&self, omega_rad_s: f64) -> NodalTransfer;
+
+    /// [`Model::tip_transfer`] at many ω.
+    fn tip_transfers(&self, omegas_rad_s: &[f64]) -> TipTransfers {
+        omegas_rad_s.iter().map(|omega| self.tip_transfer(*omega)).collect()
+    }
+
+    /// [`Model::nodal_transfer`] at many ω: a row for each of `nodes`, in it a value for each ω.
+    ///
+    /// # Panics
+    /// If a node is not one of the mesh, or a row is shorter than `omegas_rad_s`.
+    fn nodal_transfers(
+        &self,
+        omegas_rad_s: &[f64],
+        nodes: &[usize],
+        quantity: NodalQuantity,
+        rows: &mut [&mut [Complex64]],
+    ) {
+        for (column, omega) in omegas_rad_s.iter().enumerate() {
+            let transfer = self.nodal_transfer(*omega);
+            for (row, node) in rows.iter_mut().zip(nodes) {
+                row[column] = transfer.values(quantity)[*node];
+            }
+        }
+    }
+
+    /// The link.
+    fn link(&self) -> &Link {
+        self.on_mesh().link()
+    }
+
+    /// The mesh.
+    fn mesh(&self) -> &Mesh {
+        self.on_mesh().mesh()
+    }
+
+    /// The damping law with all its numbers.
+    fn law(&self) -> &DampingLaw {
+        self.on_mesh().law()
+    }
+}
