@@ -8,7 +8,7 @@ use flexlink::beam::Mesh;
 use flexlink::csv::Digits;
 use flexlink::store::Durability;
 
-use crate::terminal::{Exit, Failure, StageBar};
+use crate::terminal::{Exit, Failure, StageBar, console};
 
 /// What to print on standard output.
 #[derive(Debug, Args)]
@@ -22,9 +22,22 @@ pub(crate) struct PrintArgs {
 }
 
 impl PrintArgs {
-    /// Shows how far the work is.
+    /// A bar that shows how far the work is.
     pub(crate) fn stages(&self) -> StageBar {
         if self.quiet { StageBar::hidden() } else { StageBar::new() }
+    }
+
+    /// Prints the result as JSON or as text, or not at all.
+    pub(crate) fn print(
+        &self,
+        json: impl FnOnce() -> String,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        match (self.quiet, self.json) {
+            (true, _) => Ok(()),
+            (_, true) => console::print_bytes(json().as_bytes()),
+            _ => console::print(&text()),
+        }
     }
 }
 

@@ -1,3 +1,6 @@
+//! `frf`: the frequency response of a link.
+
+use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -9,6 +12,7 @@ use flexlink::modal::natural_frequencies;
 use flexlink::model::{FrequencyResponse, ModelError, changes_on_halves, model_of};
 use flexlink::numeric::{plain, significant};
 use flexlink::result::{BandMeshError, mesh_error};
+use flexlink::spec::Specification;
 
 use super::args::WarningArgs;
 use super::files::keep_files;
@@ -79,11 +83,26 @@ impl Frf {
             keep_files(output, &[&self.link.link])?;
         }
         let (_, specification) = self.link.load()?;
+        let (rows, changes) = self.computed(&specification)?;
+        let errors = changes.as_ref().map(|changes| changes.iter().copied().map(mesh_error));
+        let errors: Option<Vec<f64>> = errors.map(Iterator::collect);
+        console::deliver_by(self.output.as_deref(), |out| {
+            write_frequency_response(out, &rows, errors.as_deref(), self.digits)
+        })?;
+        self.warnings.refuse(tell(&rows, changes.as_deref()))
+    }
+
+    /// The response at each frequency, and what halved elements change of it; `None` where damping
+    /// allows no halved elements.
+    fn computed(
+        &self,
+        specification: &Specification,
+    ) -> Result<(Vec<FrequencyResponse>, Option<Vec<f64>>), Failure> {
         let (link, plan) = (&specification.link, &specification.mesh);
         let coarsest = Mesh::new(link, plan);
         let (from_hz, to_hz) = self.limits(&coarsest)?;
         let mesh = if plan.is_automatic() {
-            coarsest.resolving(to_hz * std::f64::consts::TAU, plan.tolerance())
+            coarsest.resolving(to_hz * TAU, plan.tolerance())
         } else {
             coarsest
         };
@@ -93,25 +112,17 @@ impl Frf {
         let model = model_of(link, mesh, specification.analysis.kept_modes())?;
         let frequencies_hz: Vec<f64> = self.grid(from_hz, to_hz).collect();
         let rows = FrequencyResponse::at_all(&*model, &frequencies_hz);
-        drop(frequencies_hz);
-        let changes = match changes_on_halves(&*model, &rows) {
-            Ok(changes) => Some(changes),
-            Err(ModelError::TooManyElements { .. }) => None,
-            Err(error) => return Err(error.into()),
-        };
-        let errors: Option<Vec<f64>> = changes
-            .as_deref()
-            .map(|changes| changes.iter().map(|change| mesh_error(*change)).collect());
-        console::deliver_by(self.output.as_deref(), |out| {
-            write_frequency_response(out, &rows, errors.as_deref(), self.digits)
-        })?;
-        self.warnings.refuse(tell(&rows, changes.as_deref()))
+        match changes_on_halves(&*model, &rows) {
+            Ok(changes) => Ok((rows, Some(changes))),
+            Err(ModelError::TooManyElements { .. }) => Ok((rows, None)),
+            Err(error) => Err(error.into()),
+        }
     }
 
     /// The frequencies to go through, as asked for or as the link suggests.
     fn limits(&self, mesh: &Mesh) -> Result<(f64, f64), Failure> {
         let modes = natural_frequencies(mesh, 5);
-        let hertz = |mode: Option<&f64>| mode.map_or(1.0, |omega| omega / std::f64::consts::TAU);
+        let hertz = |mode: Option<&f64>| mode.map_or(1.0, |omega| omega / TAU);
         let from_hz = self.from.unwrap_or(0.1 * hertz(modes.first()));
         let to_hz = self.to.unwrap_or(2.0 * hertz(modes.last()));
         let are_possible = [from_hz, to_hz].iter().all(|hertz| FREQUENCIES_HZ.contains(hertz));

@@ -1,3 +1,5 @@
+//! What a user starts with: `init` writes first files, `schema` the JSON Schema of the link file.
+
 use std::io;
 use std::path::PathBuf;
 
@@ -57,6 +59,28 @@ impl Init {
         folder.commit("link.toml", &[])?;
         let [link, motion, schema] = paths.map(|path| path.display().to_string());
         console::print(&format!("written  {link}, {motion} and {schema}\n"))
+    }
+}
+
+const SCHEMA_EXAMPLE: &str = "\
+Example:
+  flexlink schema -o link.schema.json
+
+With the first line `#:schema ./link.schema.json` in link.toml, editors that use Taplo, such as \
+VS Code with Even Better TOML, complete and check it.";
+
+/// Print the JSON Schema of the link file, for editors.
+#[derive(Debug, Args)]
+#[command(after_help = SCHEMA_EXAMPLE)]
+pub(crate) struct Schema {
+    /// File to write [default: standard output].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl Schema {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        console::deliver(self.output.as_deref(), link_file_schema().as_bytes())
     }
 }
 

@@ -8,9 +8,7 @@ mod init;
 mod inputs;
 mod interrupt;
 mod modes;
-mod repeat;
 mod report;
-mod schema;
 mod shell;
 mod simulate;
 mod solve;
@@ -57,7 +55,7 @@ enum Command {
     Compare(compare::Compare),
     Report(report::Report),
     Init(init::Init),
-    Schema(schema::Schema),
+    Schema(init::Schema),
     Completions(shell::Completions),
     #[command(name = "man")]
     Manual(shell::Manual),

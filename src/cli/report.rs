@@ -1,3 +1,5 @@
+//! `report`: the page of a result.
+
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 

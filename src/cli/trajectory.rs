@@ -1,3 +1,5 @@
+//! `trajectory`: a tip motion made from a profile.
+
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,7 @@ pub(crate) mod console;
 mod exit;
 pub(crate) mod memory;
 mod progress;
-pub(crate) mod summary;
+pub(crate) mod text;
 pub(crate) mod threads;
 
 pub(crate) use exit::{Ending, Exit, Failure};

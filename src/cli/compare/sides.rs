@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use flexlink::compare::{
     Comparison, FileComparison, FileOutcome, Rule, Table, Tolerances, compare_tables,
 };
-use flexlink::csv::{InputFile, read_table};
-use flexlink::store::{CsvFolder, GoldenChanges};
+use flexlink::csv::{InputError, InputFile, read_table};
+use flexlink::store::{CsvFolder, GoldenChanges, REPORT, SUMMARY, is_run};
 
 use crate::cli::files::is_standard_input;
 use crate::terminal::{Exit, Failure, memory};
@@ -33,6 +33,8 @@ pub(crate) enum Purpose {
 pub(crate) struct Sides {
     /// The folder of the golden files; `None`: EXPECTED is standard input.
     pub(crate) golden: Option<PathBuf>,
+    /// The folder ACTUAL; `None`: it is a file.
+    actual: Option<PathBuf>,
     pairs: Vec<Pair>,
     /// Whether they are single files, of which the file of tolerances may have others, too.
     pub(crate) are_single: bool,
@@ -133,6 +135,7 @@ impl Sides {
         let unread = golden.others.iter().filter(|name| name.ends_with(&inner));
         Ok(Self {
             golden: Some(expected.to_owned()),
+            actual: Some(actual.to_owned()),
             pairs: pairs.collect(),
             are_single: false,
             not_compared: others.len(),
@@ -151,7 +154,7 @@ impl Sides {
     }
 
     /// What makes EXPECTED like ACTUAL.
-    pub(crate) fn changes(&self, comparison: &Comparison) -> GoldenChanges {
+    pub(crate) fn changes(&self, comparison: &Comparison) -> Result<GoldenChanges, Failure> {
         let mut changes = GoldenChanges::default();
         let pairs = self.pairs.iter().zip(&comparison.files);
         for (pair, _) in pairs.filter(|(_, file)| !file.is_equal()) {
@@ -160,33 +163,32 @@ impl Sides {
                 None => changes.removed.push(pair.name.clone()),
             }
         }
-        changes
+        if let (Some(expected), Some(actual)) = (&self.golden, &self.actual) {
+            take_whole_runs(&mut changes, expected, actual)?;
+        }
+        Ok(changes)
     }
 }
 
 impl Pair {
     fn compare(&self, tolerances: &Tolerances) -> Result<FileOutcome, Failure> {
-        let names = |table: &Table| table.names().map(str::to_owned).collect();
-        Ok(match (&self.expected, &self.actual) {
+        let only: fn(Vec<String>) -> FileOutcome = match &self.expected {
+            Some(_) => FileOutcome::OnlyExpected,
+            None => FileOutcome::OnlyActual,
+        };
+        let table = match (&self.expected, &self.actual) {
             (Some(expected), Some(actual)) => {
                 let (expected, actual) = read_both(expected, actual)?;
                 // Of equal bytes one table was read.
                 let actual = actual.as_ref().unwrap_or(&expected);
                 let compared = compare_tables(&self.name, &expected, actual, tolerances);
-                FileOutcome::Compared(compared)
+                return Ok(FileOutcome::Compared(compared));
             }
-            (Some(expected), None) => {
-                let table = read(expected)?;
-                self.ignored(&table, tolerances)
-                    .unwrap_or_else(|| FileOutcome::OnlyExpected(names(&table)))
-            }
-            (None, Some(actual)) => {
-                let table = read(actual)?;
-                self.ignored(&table, tolerances)
-                    .unwrap_or_else(|| FileOutcome::OnlyActual(names(&table)))
-            }
-            (None, None) => FileOutcome::OnlyActual(Vec::new()),
-        })
+            (Some(path), None) | (None, Some(path)) => read(path)?,
+            (None, None) => return Ok(only(Vec::new())),
+        };
+        let names = || only(table.names().map(str::to_owned).collect());
+        Ok(self.ignored(&table, tolerances).unwrap_or_else(names))
     }
 
     /// A file of one side is no difference where all its columns are ignored.
@@ -231,4 +233,41 @@ fn lie_in_each_other(a: &Path, b: &Path) -> bool {
 
 fn usage(message: &str) -> Failure {
     Failure::new(Exit::Usage, &message, None)
+}
+
+/// Adds to `changes` what keeps each changed folder of EXPECTED that holds a run the folder of one:
+/// its tables within tolerance, and summary.json and page, of ACTUAL, or none where it has none.
+pub(crate) fn take_whole_runs(
+    changes: &mut GoldenChanges,
+    expected: &Path,
+    actual: &Path,
+) -> Result<(), InputError> {
+    let names = changes.written.keys().chain(&changes.removed);
+    let folders: BTreeSet<String> = names.map(|name| folder_of(name).to_owned()).collect();
+    let found = CsvFolder::list(actual)?;
+    for folder in folders.iter().filter(|folder| is_run(&expected.join(folder))) {
+        let tables = found.tables.iter().filter(|(name, _)| folder_of(name) == *folder);
+        for (name, source) in tables.filter(|(name, path)| !is_same(&expected.join(name), path)) {
+            changes.written.insert(name.clone(), source.clone());
+        }
+        for own in [SUMMARY, REPORT] {
+            let name = format!("{folder}{own}");
+            let source = actual.join(&name);
+            match (expected.join(&name).exists(), source.is_file()) {
+                (false, _) => {}
+                (true, true) => drop(changes.written.insert(name, source)),
+                (true, false) => changes.removed.push(name),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The folders of a name with slashes, the last slash included.
+fn folder_of(name: &str) -> &str {
+    &name[..name.rfind('/').map_or(0, |slash| slash + 1)]
+}
+
+fn is_same(a: &Path, b: &Path) -> bool {
+    matches!((InputFile::read(a), InputFile::read(b)), (Ok(a), Ok(b)) if a.bytes == b.bytes)
 }

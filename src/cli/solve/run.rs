@@ -1,4 +1,4 @@
-//! One run of `solve`: computed and written, nothing told.
+//! One run of `solve`: computes and writes, prints nothing.
 
 use std::path::Path;
 
@@ -12,12 +12,12 @@ use flexlink::store::{Durability, OutputFolder, RunInputs, Summary};
 use flexlink::verify::Verification;
 
 use super::options::SolveOptions;
-use super::text::memory_text;
 use crate::cli::inputs::remarks;
 use crate::cli::verify::measured;
+use crate::terminal::text::memory_text;
 use crate::terminal::{Failure, StageBar, console, memory};
 
-/// Memory in bytes from which on it is said before the work begins.
+/// From so many bytes of memory on, a run says how much it takes.
 const LARGE: usize = 1 << 29;
 
 /// What is solved.

@@ -1,23 +1,25 @@
-//! What there is to say about all cases of a sweep together.
+//! Failures, warnings and remarks of all cases of a sweep, counted.
 
 use std::fmt::Display;
 
-use crate::terminal::{Exit, Failure, console};
 use flexlink::result::{Exceeded, Remark};
 use flexlink::store::SweptCase;
 
+use crate::terminal::{Exit, Failure, console};
+
 const NAMED: &str = "the columns warnings and error name them";
 
-/// A warning of one case.
-pub(crate) struct CaseWarning {
-    kind: String,
-    /// Its words and what to do about it; a row of a table has the kind alone.
-    words: Option<(String, &'static str)>,
+/// A warning or remark of one case.
+pub(crate) struct Told {
+    /// The kind, as the table has it.
+    pub(crate) kind: String,
+    words: String,
+    hint: &'static str,
 }
 
-impl CaseWarning {
-    pub(crate) fn new(kind: &str, message: &impl Display, hint: &'static str) -> Self {
-        Self { kind: kind.to_owned(), words: Some((message.to_string(), hint)) }
+impl Told {
+    pub(crate) fn new(kind: &str, words: &impl Display, hint: &'static str) -> Self {
+        Self { kind: kind.to_owned(), words: words.to_string(), hint }
     }
 
     /// The warning of an exceeded limit, whose key its kind names.
@@ -25,17 +27,12 @@ impl CaseWarning {
         Self::new(&format!("{}:{}", Exceeded::KIND, limit.0.key), limit, limit.hint())
     }
 
-    /// The kind, for the table.
-    pub(crate) fn kind(&self) -> &str {
-        &self.kind
-    }
-
     fn is_of_limit(&self) -> bool {
         self.kind.split(':').next() == Some(Exceeded::KIND)
     }
 }
 
-/// Failures and warnings, counted.
+/// Failures, warnings and remarks, counted.
 #[derive(Default)]
 pub(crate) struct Tally {
     rows: usize,
@@ -43,25 +40,26 @@ pub(crate) struct Tally {
     /// Cases that exceed a limit, and cases with any warning.
     exceeding: usize,
     warned: usize,
+    /// Number and message of the first case that failed.
     failure: Option<(usize, String)>,
-    warnings: Vec<Counted<CaseWarning>>,
-    remarks: Vec<Counted<Remark>>,
+    warnings: Vec<Counted>,
+    remarks: Vec<Counted>,
 }
 
 /// Cases that have the same kind of warning or remark.
-struct Counted<T> {
+struct Counted {
     cases: usize,
     /// Numbers of the first and the last of them, from 1.
     first: usize,
     last: usize,
     /// That of the first case.
-    told: T,
+    told: Told,
 }
 
-/// Counts what a case, numbered from 1, has to tell: each kind once, however often it has it.
-fn count<T>(counted: &mut Vec<Counted<T>>, case: usize, told: Vec<T>, kind: fn(&T) -> &str) {
+/// Counts the warnings or remarks of a case, numbered from 1: each kind once.
+fn count(counted: &mut Vec<Counted>, case: usize, told: impl IntoIterator<Item = Told>) {
     for told in told {
-        match counted.iter_mut().find(|of| kind(&of.told) == kind(&told)) {
+        match counted.iter_mut().find(|of| of.told.kind == told.kind) {
             Some(of) => {
                 of.cases += usize::from(of.last != case);
                 of.last = case;
@@ -79,8 +77,10 @@ impl Tally {
     ) -> Self {
         let mut tally = Self::default();
         for SweptCase { number, warnings, error } in cases {
-            let own = warnings.into_iter().map(|kind| CaseWarning { kind, words: None });
-            tally.add(number + 1, error.as_ref(), own.collect(), remarks(number));
+            // The row has the kind alone.
+            let hint = "flexlink solve tells more of a single case";
+            let told = warnings.iter().map(|kind| Told::new(kind, kind, hint));
+            tally.add(number + 1, error.as_ref(), told.collect(), &remarks(number));
         }
         tally
     }
@@ -90,18 +90,19 @@ impl Tally {
         &mut self,
         case: usize,
         failure: Option<&String>,
-        warnings: Vec<CaseWarning>,
-        remarks: Vec<Remark>,
+        warnings: Vec<Told>,
+        remarks: &[Remark],
     ) {
         self.rows += 1;
         if let Some(message) = failure {
             self.failed += 1;
             self.failure.get_or_insert_with(|| (case, message.clone()));
         }
-        self.exceeding += usize::from(warnings.iter().any(CaseWarning::is_of_limit));
+        self.exceeding += usize::from(warnings.iter().any(Told::is_of_limit));
         self.warned += usize::from(!warnings.is_empty());
-        count(&mut self.warnings, case, warnings, CaseWarning::kind);
-        count(&mut self.remarks, case, remarks, |remark| remark.kind());
+        count(&mut self.warnings, case, warnings);
+        let remarks = remarks.iter().map(|remark| Told::new(remark.kind(), remark, remark.hint()));
+        count(&mut self.remarks, case, remarks);
     }
 
     /// Cases counted.
@@ -109,7 +110,7 @@ impl Tally {
         self.rows
     }
 
-    /// Fails where no case at all has numbers, with why the first has none.
+    /// Fails if no case at all has numbers, with the message of the first.
     pub(crate) fn refuse_all_failed(&self) -> Result<(), Failure> {
         let Some((_, message)) = self.failure.as_ref().filter(|_| self.failed == self.rows) else {
             return Ok(());
@@ -118,17 +119,16 @@ impl Tally {
         Err(Failure::new(Exit::NotSolvable, &message, None))
     }
 
-    /// Fails where a case failed or exceeds a limit.
+    /// Fails if a case failed or exceeds a limit.
     pub(crate) fn refuse_exceeding(&self) -> Result<(), Failure> {
         self.refuse("--strict: cases that failed or exceed a limit", self.failed + self.exceeding)
     }
 
-    /// Fails where a case failed or has a warning.
+    /// Fails if a case failed or has a warning.
     pub(crate) fn refuse_warned(&self) -> Result<(), Failure> {
         self.refuse("--deny-warnings: cases that failed or warn", self.failed + self.warned)
     }
 
-    /// Fails where there are such cases.
     fn refuse(&self, what: &str, cases: usize) -> Result<(), Failure> {
         if cases == 0 {
             return Ok(());
@@ -140,22 +140,21 @@ impl Tally {
 
     /// Prints remarks and warnings, each kind once.
     pub(crate) fn warn(&self) {
-        let of = |cases: usize| format!("{cases} of {} cases", self.rows);
-        for Counted { cases, first, told, .. } in &self.remarks {
-            let text = format!("{}, the first is case {first}: {told}", of(*cases));
-            console::remark(&text, told.hint());
+        let rows = self.rows;
+        let line = |of: &Counted| {
+            let Counted { cases, first, told: Told { words, .. }, .. } = of;
+            format!("{cases} of {rows} cases, the first is case {first}: {words}")
+        };
+        for of in &self.remarks {
+            console::remark(&line(of), of.told.hint);
         }
-        if let Some((case, message)) = &self.failure {
-            let text = format!("{} failed, the first is case {case}: {message}", of(self.failed));
+        if let Some((first, message)) = &self.failure {
+            let failed = format!("{} of {rows} cases failed", self.failed);
+            let text = format!("{failed}, the first is case {first}: {message}");
             console::warning(text, "the column error says why");
         }
-        for Counted { cases, first, told, .. } in &self.warnings {
-            let (words, hint) = match &told.words {
-                Some((message, hint)) => (message, *hint),
-                None => (&told.kind, "flexlink solve tells more of a single case"),
-            };
-            let text = format!("{}, the first is case {first}: {words}", of(*cases));
-            console::warning(text, hint);
+        for of in &self.warnings {
+            console::warning(line(of), of.told.hint);
         }
     }
 }

@@ -10,22 +10,22 @@ use flexlink::store::{RunInputs, SimulationInputs};
 use flexlink::sweep::{PlayedCase, SolvedCase};
 
 use super::cases::Cases;
-use super::tally::CaseWarning;
+use super::tally::Told;
 use crate::cli::inputs::remarks;
 use crate::terminal::{Exit, Failure};
 
 /// What came of a case.
 pub(crate) struct Outcome<C> {
-    /// Its numbers, or why it has none; or why there is no sense in going on.
+    /// Its numbers, or why it has none; or why the sweep ends.
     pub(crate) row: Result<Result<C, String>, Failure>,
     /// Its warnings.
-    pub(crate) warnings: Vec<CaseWarning>,
+    pub(crate) warnings: Vec<Told>,
     /// What is possible but rare in it.
     pub(crate) remarks: Vec<Remark>,
 }
 
 /// The numbers of a case, its warnings and its remarks.
-type Found<C> = (C, Vec<CaseWarning>, Vec<Remark>);
+type Found<C> = (C, Vec<Told>, Vec<Remark>);
 
 impl<C> Outcome<C> {
     fn of(result: Result<Found<C>, Failure>, remarks: impl FnOnce() -> Vec<Remark>) -> Self {
@@ -83,8 +83,8 @@ impl Cases<'_> {
             };
             self.shared.outputs.write_solution(&folder, &inputs, &solution, &found, &exceeded)?;
         }
-        let own = solution.warnings.iter().map(|w| CaseWarning::new(w.kind(), w, w.hint()));
-        let limits = exceeded.iter().map(CaseWarning::of_limit);
+        let own = solution.warnings.iter().map(|w| Told::new(w.kind(), w, w.hint()));
+        let limits = exceeded.iter().map(Told::of_limit);
         let first: Vec<f64> = found.period_s.iter().map(|period_s| TAU / period_s).collect();
         let of_modes = Remark::on_modes(link, solution.mesh(), &first);
         let of_motion = Remark::on_motion(link, &motion, solution.tip.farthest_m());
@@ -132,8 +132,8 @@ impl Cases<'_> {
         }
         let coarse = error.and_then(|error| error.warning());
         let own = simulation.warnings.iter().copied().chain(coarse);
-        let own = own.map(|w| CaseWarning::new(w.kind(), &w, w.hint()));
-        let late = tip_error.late.map(|late| CaseWarning::new(late.kind(), &late, late.hint()));
+        let own = own.map(|w| Told::new(w.kind(), &w, w.hint()));
+        let late = tip_error.late.map(|late| Told::new(late.kind(), &late, late.hint()));
         Ok((found, own.chain(late).collect(), remarks.clone()))
     }
 }

@@ -5,7 +5,7 @@ use flexlink::numeric::significant;
 use flexlink::response::{Interpolation, Play, PlayError, Simulation};
 use flexlink::result::{PlayedMetrics, TipError};
 
-use crate::terminal::summary::{damping_line, hub_line, labelled, link_line, ratios_line};
+use super::lines::{damping_line, hub_line, labelled, link_line, ratios_line};
 
 /// The summary, lines of at most 80 columns.
 pub(crate) fn simulate_text(

@@ -7,6 +7,8 @@ use flexlink::compare::{
 use flexlink::numeric::significant;
 use flexlink::store::GoldenChanges;
 
+use super::lines::counted;
+
 /// Columns told of one file; `--json` tells all.
 const MOST_COLUMNS: usize = 20;
 /// Characters of a word that is told.
@@ -26,7 +28,7 @@ pub(crate) fn blessed_text(changes: &GoldenChanges) -> String {
     if written + removed == 0 {
         return "blessed  nothing: EXPECTED is as it was\n".to_owned();
     }
-    format!("blessed  EXPECTED: {} written, {} removed\n", count(written, "file"), removed)
+    format!("blessed  EXPECTED: {} written, {} removed\n", counted(written, "file"), removed)
 }
 
 fn file_text(file: &FileComparison) -> String {
@@ -45,9 +47,9 @@ fn file_text(file: &FileComparison) -> String {
 
 fn size(table: &TableComparison) -> String {
     let ignored = table.columns.iter().filter(|column| column.tolerance.is_none()).count();
-    let columns = count(table.columns.len() - ignored, "column");
+    let columns = counted(table.columns.len() - ignored, "column");
     let ignored = if ignored > 0 { format!(", {ignored} ignored") } else { String::new() };
-    format!("{columns}, {}{ignored}", count(table.rows, "row"))
+    format!("{columns}, {}{ignored}", counted(table.rows, "row"))
 }
 
 /// How far a file within tolerance is from the expected one, if it is at all.
@@ -76,7 +78,7 @@ fn unmatched(side: &str, rows: Unmatched, key: Option<&str>) -> String {
     let Place { line, key: value } = rows.first;
     let at = key.zip(value).map(|(key, value)| format!("{key} = {value:?}, "));
     let which = if rows.count == 1 { "" } else { ", the first" };
-    let (rows, at) = (count(rows.count, "row"), at.unwrap_or_default());
+    let (rows, at) = (counted(rows.count, "row"), at.unwrap_or_default());
     format!("  {rows} only in {side}{which}: {at}line {line}\n")
 }
 
@@ -99,7 +101,7 @@ fn columns_text(table: &TableComparison, failing: &[&ColumnComparison]) -> Strin
         Some(line(&column.name, &amounts(column, worst), &rows, &number, &key))
     });
     let more = failing.len() - told.len();
-    let rest = (more > 0).then(|| format!("  and {}, see --json\n", count(more, "column")));
+    let rest = (more > 0).then(|| format!("  and {}, see --json\n", counted(more, "column")));
     [head].into_iter().chain(columns).chain(rest).collect()
 }
 
@@ -144,12 +146,7 @@ fn result_line(comparison: &Comparison) -> String {
     let told: Vec<String> = told.map(|(number, what)| format!("{number} {what}")).collect();
     let passed_over = match comparison.not_compared {
         0 => String::new(),
-        files => format!("; not compared: {}, no CSV", count(files, "file")),
+        files => format!("; not compared: {}, no CSV", counted(files, "file")),
     };
     format!("result   {}{passed_over}\n", told.join(", "))
-}
-
-fn count(number: usize, noun: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {noun}{plural}")
 }

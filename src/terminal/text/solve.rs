@@ -7,8 +7,8 @@ use flexlink::motion::TipMotion;
 use flexlink::numeric::{gigabytes, significant};
 use flexlink::result::{Metrics, MotorMetrics};
 
-use crate::terminal::summary::list;
-use crate::terminal::summary::{damping_line, hub_line, labelled, link_line, ratios_line};
+use super::lines::list;
+use super::lines::{damping_line, hub_line, labelled, link_line, ratios_line};
 
 /// What is said of the memory before it is taken.
 pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {

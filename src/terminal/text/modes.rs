@@ -7,7 +7,7 @@ use flexlink::link::Link;
 use flexlink::numeric::significant;
 use flexlink::store::ModesResult;
 
-use crate::terminal::summary::{link_line, title};
+use super::lines::{link_line, title};
 
 /// Modes, zeros and the modes with the rotor held, lines of at most 80 columns.
 pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> String {

@@ -1,19 +1,17 @@
 //! A run of `solve` done again, and held against what it has left.
 
-mod text;
-
 use std::path::Path;
 
 use flexlink::numeric::excerpt;
 use flexlink::result::{Repeated, RepeatedFile};
 use flexlink::store::{Durability, InputRole, RunRecord, TemporaryFolder, wait_if_ending};
 
-use super::args::{PrintArgs, WarningArgs};
-use super::files::{keep, read_once};
-use super::solve::options::SolveOptions;
-use super::solve::run::{Destination, Problem, WithPage};
+use super::options::SolveOptions;
+use super::run::{Destination, Problem, WithPage};
+use crate::cli::args::{PrintArgs, WarningArgs};
+use crate::cli::files::{keep, read_once};
+use crate::terminal::text::repetition_text;
 use crate::terminal::{Ending, Exit, Failure, console};
-use text::repetition_text;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -156,8 +154,8 @@ fn warn_of_version(record: &RunRecord) -> usize {
 mod tests {
     use clap::{CommandFactory as _, Parser as _};
 
-    use super::super::Cli;
-    use crate::cli::solve::options::{Recorded, SolveOptions};
+    use super::super::options::{Recorded, SolveOptions};
+    use crate::cli::Cli;
 
     /// Arguments that shape no result.
     const OTHERS: [&str; 13] = [

@@ -1,4 +1,4 @@
-pub(crate) mod text;
+//! `verify`: the answer of `solve` measured by other means.
 
 use clap::Args;
 
@@ -9,12 +9,12 @@ use flexlink::spec::Specification;
 use flexlink::store::verification_json;
 use flexlink::verify::{Answer, Check, Verification, VerificationError, verify};
 
-use super::args::{ThreadArgs, WarningArgs};
+use super::args::{PrintArgs, ThreadArgs, WarningArgs};
 use super::files::read_once;
 use super::inputs::remarks;
 use super::inputs::{LinkArgs, MotionArgs, ScaleArgs};
-use crate::terminal::{Exit, Failure, StageBar, console, memory, threads};
-use text::verify_text;
+use crate::terminal::text::verify_text;
+use crate::terminal::{Exit, Failure, console, memory, threads};
 
 const EXAMPLE: &str = "\
 Example:
@@ -35,6 +35,7 @@ the link file. Exit code 4 if one is out of its bound.";
 /// Measure the torque of `solve` by other means.
 #[derive(Debug, Args)]
 #[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(mut_arg("json", |json| json.help("Print the checks as JSON instead of the table")))]
 pub(crate) struct Verify {
     #[command(flatten)]
     link: LinkArgs,
@@ -49,13 +50,8 @@ pub(crate) struct Verify {
     #[arg(long, value_name = "N", default_value = "10")]
     digits: Digits,
 
-    /// Print the checks as JSON instead of the table.
-    #[arg(long, conflicts_with = "quiet")]
-    json: bool,
-
-    /// Print nothing but warnings and errors.
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    print: PrintArgs,
 
     #[command(flatten)]
     warnings: WarningArgs,
@@ -72,7 +68,7 @@ impl Verify {
         let Specification { link, mesh, analysis, .. } = &specification;
         let motion_file = InputFile::read(&self.motion.motion)?;
         let motion = self.scale.scaled(self.motion.resample.motion_of(&motion_file, link)?)?;
-        let stages = if self.quiet { StageBar::hidden() } else { StageBar::new() };
+        let stages = self.print.stages();
         let solution = invert_watched(link, mesh, &motion, analysis, &stages)?;
         stages.at("verifying");
         let verification = measured(&specification, &motion, &solution, self.digits)?;
@@ -81,11 +77,7 @@ impl Verify {
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
         }
-        match (self.quiet, self.json) {
-            (true, _) => {}
-            (_, true) => console::print_bytes(verification_json(&verification).as_bytes())?,
-            _ => console::print(&verify_text(&verification))?,
-        }
+        self.print.print(|| verification_json(&verification), || verify_text(&verification))?;
         refuse_failed(&verification)?;
         self.warnings.refuse(solution.warnings.len())
     }

@@ -74,3 +74,8 @@ pub(crate) fn list(values: &[f64], digits: usize) -> String {
     }
     values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ")
 }
+
+/// A number of things, in singular or plural.
+pub(crate) fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}

@@ -1,19 +1,182 @@
-//! What `simulate` plays: its arguments, the files they name, and why these are refused.
+//! `simulate`: a torque played on a link.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::args::{finite, option};
-use crate::terminal::{Exit, Failure, memory};
-use flexlink::csv::{InputFile, read_hub_reference, read_motion_table, read_torque_table};
+use flexlink::csv::{Digits, InputFile, read_hub_reference, read_motion_table, read_torque_table};
 use flexlink::link::Link;
 use flexlink::motion::TipTarget;
 use flexlink::numeric::plain;
 use flexlink::response::{
-    Feedback, FeedbackError, HubReference, Interpolation, Play, Simulation, SimulationError, Torque,
+    Feedback, FeedbackError, HubReference, Interpolation, Play, PlayError, Simulation,
+    SimulationError, Torque, simulate,
 };
-use flexlink::result::{TargetError, TipError};
+use flexlink::result::{PlayedMetrics, TargetError, TipError};
+use flexlink::spec::Specification;
+use flexlink::store::{OutputFolder, SimulateOutputs, SimulationInputs, SimulationSummary};
+
+use super::args::{
+    NodeArgs, PrintArgs, SyncArgs, ThreadArgs, WarningArgs, digits_arguments, finite, option,
+};
+use super::files::keep;
+use super::inputs::LinkArgs;
+use crate::terminal::text::simulate_text;
+use crate::terminal::{Exit, Failure, console, memory, threads};
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink simulate link.toml out/torque.csv \\
+      --target out/tip.csv --set 'payload.mass=\"50 g\"'
+  flexlink simulate link.toml out/rigid_torque.csv \\
+      --column rigid_torque_n_m --until 10
+  flexlink simulate link.toml out/torque.csv \\
+      --feedback 20,2 --reference out/hub_angle.csv
+
+One of the files may be `-`, standard input.";
+
+const LONG_ABOUT: &str = "\
+Play a torque on a link: direct dynamics.
+
+Writes torque.csv (the torque as played, feedback included), tip.csv, hub_angle.csv, \
+nodal_displacements.csv, nodes.csv and summary.json into a folder, all or none of them, and prints \
+a short summary. The link is at rest before the torque's first sample; after the last one it is \
+free. Each mode is integrated exactly in time, so that the answer does not depend on the Fourier \
+transform of solve. A hysteretic link has no equation in time: its ratio is taken as the viscous \
+ratio of every mode. The torque acts at the hub, on the whole link: [drive] and analysis.modes have \
+no part in it.";
+
+/// Play a torque on a link: direct dynamics.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+pub(crate) struct Simulate {
+    #[command(flatten)]
+    link: LinkArgs,
+
+    #[command(flatten)]
+    play: PlayArgs,
+
+    /// Folder for the results.
+    #[arg(short, long, value_name = "DIR", default_value = "simulated")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    nodes: NodeArgs,
+
+    /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
+    /// reads back to the same number.
+    #[arg(long, value_name = "N", default_value = "10")]
+    digits: Digits,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
+    sync: SyncArgs,
+
+    #[command(flatten)]
+    print: PrintArgs,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+impl Simulate {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        threads::start(self.threads.threads)?;
+        keep(&self.output, &[&[&*self.link.link], &self.play.paths()[..]].concat())?;
+        let (link_file, specification) = self.link.load()?;
+        let link = &specification.link;
+        let read = self.play.read(link)?;
+        let play = self.play.play(&read);
+        let played = self.played(&specification, &read, &play)?;
+        let inputs = SimulationInputs {
+            link_file: &link_file,
+            torque_file: &read.torque_file,
+            target_file: read.target_file.as_ref(),
+            reference_file: read.reference_file.as_ref(),
+            link,
+            play: &play,
+            arguments: &self.arguments(),
+        };
+        let summary = self.write(&inputs, &played)?;
+        let warnings = self.tell(&inputs, &played, &summary)?;
+        self.warnings.refuse(warnings)
+    }
+
+    /// Plays the torque, and measures the error of the tip and of the simulation itself.
+    fn played(
+        &self,
+        specification: &Specification,
+        read: &Inputs,
+        play: &Play,
+    ) -> Result<Played, Failure> {
+        let Specification { link, mesh, .. } = specification;
+        let refused = |error| self.play.refused(&error, read);
+        let simulation = simulate(link, mesh, play).map_err(refused)?;
+        self.nodes.check(&simulation.mesh)?;
+        let tip_error = self.play.tip_error(&simulation, read)?;
+        memory::check_nodes(self.outputs().nodal_bytes(&simulation), play.memory_bytes)?;
+        let error = PlayError::of(&simulation, link, play).map_err(refused)?;
+        Ok(Played { metrics: PlayedMetrics::of(&simulation), simulation, error, tip_error })
+    }
+
+    /// Writes all tables and summary.json.
+    fn write(
+        &self,
+        inputs: &SimulationInputs,
+        played: &Played,
+    ) -> Result<SimulationSummary, Failure> {
+        let Played { simulation, metrics, .. } = played;
+        let (errors, names) = (played.errors(), SimulateOutputs::file_names());
+        let summary = SimulationSummary::new(inputs, simulation, metrics, errors, names);
+        let folder = OutputFolder::stage(&self.output, &console::waiting)?;
+        let folder = folder.with(self.sync.durability());
+        self.outputs().write(folder, inputs.link, simulation, &summary)?;
+        Ok(summary)
+    }
+
+    /// Prints warnings and the summary; returns the number of warnings.
+    fn tell(
+        &self,
+        inputs: &SimulationInputs,
+        played: &Played,
+        summary: &SimulationSummary,
+    ) -> Result<usize, Failure> {
+        let Played { simulation, metrics, error, tip_error } = played;
+        let coarse = error.as_ref().and_then(PlayError::warning);
+        let warnings: Vec<_> = simulation.warnings.iter().copied().chain(coarse).collect();
+        for warning in &warnings {
+            console::warning(warning, warning.hint());
+        }
+        let late = tip_error.and_then(|error| error.late);
+        if let Some(late) = late {
+            console::warning(late, late.hint());
+        }
+        let text = || {
+            let files = SimulateOutputs::file_names().len();
+            let written = format!("{files} files in {}", self.output.display());
+            let (link, play) = (inputs.link, inputs.play);
+            simulate_text(link, play, simulation, metrics, played.errors(), &written)
+        };
+        self.print.print(|| summary.to_json(), text)?;
+        Ok(warnings.len() + usize::from(late.is_some()))
+    }
+
+    fn outputs(&self) -> SimulateOutputs {
+        SimulateOutputs {
+            nodes: self.nodes.list.clone(),
+            every: self.nodes.every,
+            digits: self.digits,
+        }
+    }
+
+    /// The arguments that shape the results, for the record.
+    fn arguments(&self) -> Vec<String> {
+        let (nodes, digits) = (self.nodes.arguments(), digits_arguments(self.digits));
+        [self.link.changes.arguments(), self.play.arguments(), nodes, digits].concat()
+    }
+}
 
 /// What to play on the link, and what to compare with.
 #[derive(Debug, Args)]
@@ -49,6 +212,20 @@ pub(crate) struct PlayArgs {
     /// The link starts at its first angle.
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,
+}
+
+/// What came of a torque that was played.
+struct Played {
+    simulation: Simulation,
+    metrics: PlayedMetrics,
+    error: Option<PlayError>,
+    tip_error: Option<TipError>,
+}
+
+impl Played {
+    fn errors(&self) -> (Option<&PlayError>, Option<&TipError>) {
+        (self.error.as_ref(), self.tip_error.as_ref())
+    }
 }
 
 /// The inputs beside the link, read.

@@ -1,5 +1,6 @@
-mod text;
+//! `modes`: natural frequencies, mode shapes and zeros.
 
+use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -17,8 +18,8 @@ use flexlink::store::{HeldModes, ModesResult, OutputFolder};
 use super::args::{SyncArgs, WarningArgs};
 use super::files::check_folder;
 use super::inputs::LinkArgs;
+use crate::terminal::text::modes_text;
 use crate::terminal::{Failure, console, memory};
-use text::modes_text;
 
 const EXAMPLE: &str = "\
 Example:
@@ -71,53 +72,67 @@ impl Modes {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |folder| check_folder("--output", folder))?;
         let (_, specification) = self.link.load()?;
-        let count = usize::from(self.count);
-        let (mesh, omega_rad_s) = resolved(&specification, count);
-        let law = DampingLaw::of(specification.link.damping(), &mesh)?;
-        let highest = omega_rad_s.last().copied().unwrap_or_default();
-        let link = &specification.link;
-        let thick = Thickness::known(link).noticeable(&mesh, &omega_rad_s);
-        let of_modes = Remark::on_modes(link, &mesh, &omega_rad_s);
-        let remarks = [specification.remarks.clone(), of_modes].concat();
-        let blocked = real_frequency_zeros(&mesh, highest);
-        let shapes = omega_rad_s.len() * mesh.nodes_m().len() * BYTES_PER_DISPLACEMENT;
-        memory::check("the mode shapes", shapes, None, "ask for fewer modes: --count")?;
-        let finer = mesh.refined();
-        let held = link.drive().map(|drive| {
-            let spring_n_m_rad = drive.joint_stiffness_n_m_rad;
-            let held_on = |mesh: &Mesh| held_frequencies(mesh, spring_n_m_rad, count);
-            let omega_rad_s = held_on(&mesh);
-            let mesh_errors = mesh_errors(&omega_rad_s, &held_on(&finer));
-            HeldModes { joint_stiffness_n_m_rad: spring_n_m_rad, omega_rad_s, mesh_errors }
-        });
-        let zeros_per_s = torque_zeros(&mesh, count);
-        let result = ModesResult {
-            damping_ratios: law.modal_ratios(&omega_rad_s),
-            mesh_errors: mesh_errors(&omega_rad_s, &natural_frequencies(&finer, count)),
-            zero_mesh_errors: mesh_errors(&zeros_per_s, &torque_zeros(&finer, count)),
-            zeros_per_s,
-            blocked_hz: blocked.iter().map(|omega| omega / std::f64::consts::TAU).collect(),
-            blocked_mesh_errors: mesh_errors(&blocked, &real_frequency_zeros(&finer, highest)),
-            nodes_m: mesh.nodes_m().to_vec(),
-            shapes: omega_rad_s.iter().map(|omega| shape(&mesh, *omega)).collect(),
-            omega_rad_s,
-            held,
-        };
+        let (mesh, result) = computed(&specification, usize::from(self.count))?;
         if let Some(folder) = &self.output {
             let staged = OutputFolder::stage(folder, &console::waiting)?;
             result.write(staged.with(self.sync.durability()), self.digits)?;
         }
-        console::remarks(&remarks);
-        if let Some(thick) = &thick {
-            console::warning(thick, thick.hint());
-        }
-        let coarse = result.warnings();
-        for warning in &coarse {
-            console::warning(warning, warning.hint());
-        }
-        console::print(&modes_text(&specification.link, &mesh, &result))?;
-        self.warnings.refuse(usize::from(thick.is_some()) + coarse.len())
+        let warnings = tell(&specification, &mesh, &result)?;
+        self.warnings.refuse(warnings)
     }
+}
+
+/// The mesh, and its modes and zeros with their mesh errors.
+fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesResult), Failure> {
+    let link = &specification.link;
+    let (mesh, omega_rad_s) = resolved(specification, count);
+    let law = DampingLaw::of(link.damping(), &mesh)?;
+    let bytes = omega_rad_s.len() * mesh.nodes_m().len() * BYTES_PER_DISPLACEMENT;
+    memory::check("the mode shapes", bytes, None, "ask for fewer modes: --count")?;
+    let finer = mesh.refined();
+    let highest = omega_rad_s.last().copied().unwrap_or_default();
+    let blocked = real_frequency_zeros(&mesh, highest);
+    let zeros_per_s = torque_zeros(&mesh, count);
+    let result = ModesResult {
+        damping_ratios: law.modal_ratios(&omega_rad_s),
+        mesh_errors: mesh_errors(&omega_rad_s, &natural_frequencies(&finer, count)),
+        zero_mesh_errors: mesh_errors(&zeros_per_s, &torque_zeros(&finer, count)),
+        zeros_per_s,
+        blocked_hz: blocked.iter().map(|omega| omega / TAU).collect(),
+        blocked_mesh_errors: mesh_errors(&blocked, &real_frequency_zeros(&finer, highest)),
+        nodes_m: mesh.nodes_m().to_vec(),
+        shapes: omega_rad_s.iter().map(|omega| shape(&mesh, *omega)).collect(),
+        omega_rad_s,
+        held: link.drive().map(|drive| {
+            let spring_n_m_rad = drive.joint_stiffness_n_m_rad;
+            let omega_rad_s = held_frequencies(&mesh, spring_n_m_rad, count);
+            let finer_rad_s = held_frequencies(&finer, spring_n_m_rad, count);
+            let mesh_errors = mesh_errors(&omega_rad_s, &finer_rad_s);
+            HeldModes { joint_stiffness_n_m_rad: spring_n_m_rad, omega_rad_s, mesh_errors }
+        }),
+    };
+    Ok((mesh, result))
+}
+
+/// Prints remarks, warnings and the table; returns the number of warnings.
+fn tell(
+    specification: &Specification,
+    mesh: &Mesh,
+    result: &ModesResult,
+) -> Result<usize, Failure> {
+    let link = &specification.link;
+    console::remarks(&specification.remarks);
+    console::remarks(&Remark::on_modes(link, mesh, &result.omega_rad_s));
+    let thick = Thickness::known(link).noticeable(mesh, &result.omega_rad_s);
+    if let Some(thick) = &thick {
+        console::warning(thick, thick.hint());
+    }
+    let coarse = result.warnings();
+    for warning in &coarse {
+        console::warning(warning, warning.hint());
+    }
+    console::print(&modes_text(link, mesh, result))?;
+    Ok(usize::from(thick.is_some()) + coarse.len())
 }
 
 /// Displacements of all nodes in a mode.

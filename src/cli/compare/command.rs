@@ -1,0 +1,192 @@
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use flexlink::compare::{Comparison, Entry, Tolerances};
+use flexlink::csv::InputFile;
+use flexlink::numeric::excerpt;
+use flexlink::spec::read_tolerances;
+use flexlink::store::{
+    GoldenChanges, change_golden_files, comparison_json, is_result_file, is_run, write_file,
+};
+
+use super::sides::{Purpose, Sides, TOLERANCES};
+use crate::cli::args::{PrintArgs, WarningArgs, not_negative};
+use crate::cli::files::read_once;
+use crate::terminal::text::{blessed_text, comparison_text};
+use crate::terminal::{Ending, Failure, console};
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink compare golden out --rtol 1e-6
+  flexlink compare golden/torque.csv out/torque.csv
+  flexlink compare golden out --bless
+
+tolerances.toml, of which all is optional:
+  rtol = 1e-9                  # of the column's peak
+  atol = 0.0                   # in the column's unit
+  [[columns]]                  # the last entry that names a column holds
+  file = \"torque.csv\"          # its name, or with a slash its path; * any text, ? one character
+  column = \"torque_*\"
+  rtol = 1e-6                  # and/or atol; or ignore = true
+
+A first row of nothing but numbers is data; the columns are then called `column 1` and so on.
+`-` as EXPECTED or ACTUAL reads standard input. Exit code 1 if the two differ.";
+
+const LONG_ABOUT: &str = "\
+Compare tables column by column, within a tolerance of the column's peak.
+
+EXPECTED and ACTUAL are two CSV files, or two folders whose CSV files are compared by name, those in \
+folders within them too. A number may differ by atol + rtol x the largest absolute value that its \
+column has in EXPECTED; words and empty fields may not differ. Columns are matched by name, rows by \
+the first column where it increases on both sides (time_s, frequency_hz), otherwise by number. \
+Columns, rows and files of one side alone are differences too. Any CSV will do: a row of names, \
+commas, # before comments.";
+
+const QUIET: &str = "Print nothing but warnings and errors: the exit code tells";
+
+/// Compare tables column by column.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(mut_arg("json", |json| json.help("Print everything as JSON instead of the table")))]
+#[command(mut_arg("quiet", |quiet| quiet.help(QUIET)))]
+pub(crate) struct Compare {
+    /// File or folder that is right: the golden files.
+    #[arg(value_name = "EXPECTED")]
+    expected: PathBuf,
+
+    /// File or folder in question.
+    #[arg(value_name = "ACTUAL")]
+    actual: PathBuf,
+
+    /// Difference allowed, as a share of the column's peak [default: that of the file of tolerances,
+    /// or 1e-9].
+    #[arg(long, value_name = "R", value_parser = not_negative, allow_negative_numbers = true)]
+    rtol: Option<f64>,
+
+    /// Difference allowed, in the column's unit [default: that of the file of tolerances, or 0].
+    #[arg(long, value_name = "A", value_parser = not_negative, allow_negative_numbers = true)]
+    atol: Option<f64>,
+
+    /// Tolerances of single columns (TOML) [default: tolerances.toml in the folder EXPECTED, or
+    /// beside the file EXPECTED].
+    #[arg(long, value_name = "FILE")]
+    tolerances: Option<PathBuf>,
+
+    /// Accept: make the CSV files of EXPECTED those of ACTUAL. Files within tolerance stay as they
+    /// are, and so does what is no CSV, but the run of a folder with its summary.json is taken whole.
+    #[arg(long)]
+    bless: bool,
+
+    #[command(flatten)]
+    print: PrintArgs,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+}
+
+impl Compare {
+    pub(crate) fn run(self) -> Result<Ending, Failure> {
+        let sides = self.sides()?;
+        let tolerances = self.read_tolerances(&sides)?;
+        let comparison = sides.compare(&tolerances)?;
+        let mut warnings = self.warn(&sides, &comparison, &tolerances);
+        let changes = self.bless.then(|| sides.changes(&comparison)).transpose()?;
+        if let Some(changes) = &changes {
+            self.accept(&sides, changes)?;
+            warnings += self.warn_of_run(&sides, changes);
+        }
+        self.print.print(
+            || comparison_json(&comparison, changes.as_ref()),
+            || {
+                comparison_text(&comparison)
+                    + &changes.as_ref().map_or_else(String::new, blessed_text)
+            },
+        )?;
+        self.warnings.refuse(warnings)?;
+        Ok(if self.bless || comparison.is_equal() { Ending::Done } else { Ending::Different })
+    }
+
+    /// Finds the files of both sides.
+    fn sides(&self) -> Result<Sides, Failure> {
+        let tolerances = self.tolerances.as_deref();
+        let inputs = [&*self.expected, &*self.actual].into_iter().chain(tolerances);
+        read_once(&inputs.collect::<Vec<_>>())?;
+        let purpose = if self.bless { Purpose::Bless } else { Purpose::Compare };
+        Sides::find(&self.expected, &self.actual, purpose)
+    }
+
+    /// Makes EXPECTED like ACTUAL.
+    fn accept(&self, sides: &Sides, changes: &GoldenChanges) -> Result<(), Failure> {
+        match &sides.golden {
+            Some(folder) if !sides.are_single => {
+                Ok(change_golden_files(folder, changes, &console::waiting)?)
+            }
+            // A file that is named itself may be a link to anywhere.
+            _ => changes.written.values().try_for_each(|source| {
+                let bytes = InputFile::read(source)?.bytes;
+                Ok(write_file(&self.expected, &bytes, &console::waiting)?)
+            }),
+        }
+    }
+
+    /// The file of tolerances, if there is one, with those of the command line.
+    fn read_tolerances(&self, sides: &Sides) -> Result<Tolerances, Failure> {
+        let beside = || {
+            let path = sides.golden.as_ref()?.join(TOLERANCES);
+            path.exists().then_some(path)
+        };
+        let mut tolerances = match self.tolerances.clone().or_else(beside) {
+            None => Tolerances::default(),
+            Some(path) => {
+                let file = InputFile::read_toml(&path)?;
+                read_tolerances(&file.shown, file.text()?)?
+            }
+        };
+        tolerances.general.rtol = self.rtol.unwrap_or(tolerances.general.rtol);
+        tolerances.general.atol = self.atol.unwrap_or(tolerances.general.atol);
+        Ok(tolerances)
+    }
+
+    /// Warns where one table of a run was replaced; returns how many warnings it printed.
+    fn warn_of_run(&self, sides: &Sides, changes: &GoldenChanges) -> usize {
+        let run = Path::new(".").join(&self.expected);
+        let is_of_run = run.parent().is_some_and(is_run)
+            && self.expected.file_name().is_some_and(is_result_file);
+        if !sides.are_single || changes.written.is_empty() || !is_of_run {
+            return 0;
+        }
+        let message = format!(
+            "{}: is not the table of the summary.json beside it any more: solve --repeat of the \
+             folder finds a difference",
+            self.expected.display()
+        );
+        console::warning(
+            message,
+            "compare the two folders with --bless, and the whole run is taken",
+        );
+        1
+    }
+
+    /// Warns of tolerances that have no effect; returns how many warnings it printed.
+    fn warn(&self, sides: &Sides, comparison: &Comparison, tolerances: &Tolerances) -> usize {
+        let is_meant = |entry: &&Entry| {
+            let names = || comparison.files.iter().map(|file| file.name.as_str());
+            !sides.are_single || names().any(|name| entry.is_of(name))
+        };
+        let idle: Vec<&Entry> = comparison.idle(tolerances).into_iter().filter(is_meant).collect();
+        for entry in &idle {
+            let file = entry.file.as_ref().map(|file| format!(" of a file {:?}", excerpt(file)));
+            let (place, column) = (&entry.place, &entry.column);
+            let named = format!("{:?}{}", excerpt(column), file.unwrap_or_default());
+            let message = format!("{place}: column = {named}, but no column is called that");
+            console::warning(message, "`*` stands for any text, `?` for one character");
+        }
+        for inner in &sides.unread_tolerances {
+            let path = self.expected.join(inner);
+            let message = format!("{}: is not read", path.display());
+            console::warning(message, "only that of the folder EXPECTED is, with paths in `file`");
+        }
+        idle.len() + sides.unread_tolerances.len()
+    }
+}

@@ -1,0 +1,243 @@
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use flexlink::numeric::{excerpt, visible};
+use flexlink::store::{SweepRecord, SweepRows, sweep_columns, sweep_header, sweep_row};
+use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
+
+use super::cases::{CaseArgs, Cases};
+use super::table::{Begun, NoMore, Rows, merge};
+use super::tally::Tally;
+use super::work::Outcome;
+use crate::cli::args::{ThreadArgs, WarningArgs};
+use crate::cli::files::{keep_cases, keep_files, keep_from_cases, keep_record, read_once};
+use crate::cli::inputs::{LINK, MOTION};
+use crate::cli::interrupt;
+use crate::terminal::console::is_standard_output;
+use crate::terminal::text::counted;
+use crate::terminal::{CaseBar, Exit, Failure, console, threads};
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink sweep link.toml move.csv \\
+      --vary 'segments.*.EI*=0.5:8:100:log' -o stiffness.csv
+  flexlink sweep link.toml move.csv \\
+      --vary payload.mass=0,0.05 --vary 'duration*=0.8:2:25'
+  flexlink sweep link.toml move.csv --torque torque.csv \\
+      --vary 'segments.*.EI*=0.8:1.2:41'
+  flexlink sweep link.toml move.csv --shard 2/8 \\
+      --vary 'segments.*.EI*=0.5:8:1000:log'
+  flexlink sweep --merge sweep-*-of-8.csv -o sweep.csv
+
+LINK and MOTION as for solve. Exit codes as `flexlink --help` lists them: 0 also where single cases
+fail, 4 where all do or, with --strict or --deny-warnings, where one does.";
+
+const USAGE: &str = "\
+flexlink sweep [OPTIONS] <LINK> <MOTION> --vary <PATH=VALUES>...
+       flexlink sweep --merge <SHARD>... [-o <FILE>]";
+
+const LONG_ABOUT: &str = "\
+Solve many cases: vary values of link and motion.
+
+Writes one table with a row for every case, in order whatever the number of threads: the values, \
+first period and zero, peaks, lead and lag, errors, kinds of warnings. A case that fails says why in \
+the last column and does not stop the rest. Beside the table NAME.csv lies NAME.json: link, motion, \
+arguments and SHA-256. While it runs, the finished rows are in a file of the same name that \
+ends in .part; after an interruption (exit code 130) the same command with --resume goes on from \
+there, without it begins anew. A finished table is made anew, a finished shard is left as it is.
+
+PATH is that of --set, with = for values and *= for factors; distance*= and duration*= scale the \
+motion. VALUES are START:STOP:COUNT, START:STOP:COUNT:log, or a list a,b,c; both ends of a range may \
+have a unit. Several --vary make the product, the last one running fastest.";
+
+/// Solve many cases: vary values of link and motion.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
+#[command(mut_arg("list", |nodes| nodes.requires("outputs")))]
+#[command(mut_arg("every", |every| every.requires("outputs")))]
+#[command(mut_arg("sync", |sync| sync.conflicts_with("merge")))]
+pub(crate) struct Sweep {
+    #[arg(value_name = "LINK", help = LINK, required_unless_present = "merge")]
+    link: Option<PathBuf>,
+
+    #[arg(value_name = "MOTION", help = MOTION, required_unless_present = "merge")]
+    motion: Option<PathBuf>,
+
+    /// What to vary; repeatable: the product of all.
+    #[arg(long, value_name = "PATH=VALUES", required_unless_present = "merge")]
+    vary: Vec<String>,
+
+    /// Table to write, `-` for standard output [default: sweep.csv, of a shard sweep-I-of-N.csv].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    shared: CaseArgs,
+
+    /// Solve only every N-th case, from the I-th on, into a file of its own.
+    #[arg(long, value_name = "I/N", default_value_t, hide_default_value = true)]
+    shard: Shard,
+
+    /// Go on where an interrupted run of the same sweep ended.
+    #[arg(long)]
+    resume: bool,
+
+    /// Join the shards of a sweep to one table, if none is missing.
+    #[arg(long, value_name = "SHARD", num_args = 1..)]
+    #[arg(conflicts_with_all = ["link", "motion", "changes", "resample", "vary", "torque"])]
+    #[arg(conflicts_with_all = ["column", "outputs", "shard", "resume"])]
+    merge: Vec<PathBuf>,
+
+    /// Fail with exit code 4 if a case failed or exceeds a limit of the link file; the table is
+    /// written.
+    #[arg(long)]
+    strict: bool,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+
+    /// Print nothing but warnings and errors, and no progress.
+    #[arg(long, short)]
+    quiet: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+impl Sweep {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        threads::start_apart(self.threads.threads)?;
+        let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
+            return self.merge();
+        };
+        self.check_files()?;
+        let cases = Cases::read(self.plan()?, link, motion, &self.shared)?;
+        if cases.are_played() {
+            self.sweep(&cases, |case| cases.played(case))
+        } else {
+            self.sweep(&cases, |case| cases.solved(case))
+        }
+    }
+
+    fn merge(&self) -> Result<(), Failure> {
+        let tally = merge(&self.merge, &self.output_path())?;
+        tally.warn();
+        self.report(&format!("cases    {}, of {} shards", tally.rows(), self.merge.len()))?;
+        tally.refuse_all_failed()?;
+        self.refuse(&tally)
+    }
+
+    fn plan(&self) -> Result<SweepPlan, Failure> {
+        let read = |text: &String| {
+            text.parse::<Variation>().map_err(|error| {
+                let message = format!("--vary '{}': {error}", visible(&excerpt(text)));
+                Failure::new(Exit::Usage, &message, Some(error.hint()))
+            })
+        };
+        let variations: Vec<Variation> = self.vary.iter().map(read).collect::<Result<_, _>>()?;
+        let refused = |error| Failure::new(Exit::Usage, &format!("--vary: {error}"), None);
+        SweepPlan::new(variations).map_err(refused)
+    }
+
+    /// Works through the cases of this run's shard and writes every row as it comes.
+    fn sweep<C: SweepRecord + Send>(
+        &self,
+        cases: &Cases,
+        work: impl Fn(usize) -> Outcome<C> + Sync,
+    ) -> Result<(), Failure> {
+        let columns = sweep_columns::<C>(cases.link());
+        let header = sweep_header(&cases.plan, &columns);
+        let identity = cases.identity(&self.vary, self.shard);
+        let begun = Rows::begin(&self.output_path(), identity, &header, self.resume)?;
+        let (mut rows, there, warnings) = match begun {
+            Begun::To(rows, there, warnings) => (rows, there, warnings),
+            Begun::Complete(rows) => return self.complete(&tally_of(cases, &rows)),
+        };
+        let mut tally = there.map(|there| tally_of(cases, &there)).unwrap_or_default();
+        let (done, all) = (tally.rows(), self.shard.len(cases.plan.cases()));
+        let is_silent = self.quiet || rows.are_printed();
+        let progress = if is_silent { CaseBar::hidden() } else { CaseBar::new(done, all) };
+        let take = |k: usize, Outcome { row, warnings, remarks }: Outcome<C>| {
+            let (case, row) = (self.shard.case(k), row?);
+            let kinds: Vec<&str> = warnings.iter().map(|warning| &*warning.kind).collect();
+            let line = sweep_row(&cases.plan.case(case), &row, &columns, &kinds);
+            tally.add(case + 1, row.as_ref().err(), warnings, &remarks);
+            progress.advance();
+            rows.append(&line)
+        };
+        let ended = in_order(done..all, interrupt::watch(), |k| work(self.shard.case(k)), take);
+        drop(progress);
+        match ended {
+            Ok(()) => {}
+            Err(NoMore::ReaderGone) => return Ok(()),
+            Err(NoMore::Failed(failure)) => return Err(failure),
+        }
+        tally.warn();
+        if tally.rows() < all {
+            return Err(rows.interrupted(tally.rows(), all));
+        }
+        rows.finish(self.shared.outputs.durability())?;
+        self.report(&format!("cases    {all}"))?;
+        // A shard is only a part: others may have numbers.
+        if self.shard.of() == 1 {
+            tally.refuse_all_failed()?;
+        }
+        self.refuse(&tally)?;
+        self.warnings.refuse(warnings)
+    }
+
+    /// Ends a sweep that an earlier run has completed.
+    fn complete(&self, tally: &Tally) -> Result<(), Failure> {
+        tally.warn();
+        let (output, cases) = (self.output_path(), counted(tally.rows(), "case"));
+        self.say(&format!("complete {}, {cases}\n", output.display()))?;
+        self.refuse(tally)
+    }
+
+    /// Ends a program whose cases are not as they were asked to be.
+    fn refuse(&self, tally: &Tally) -> Result<(), Failure> {
+        if self.strict {
+            tally.refuse_exceeding()?;
+        }
+        if self.warnings.are_denied() { tally.refuse_warned() } else { Ok(()) }
+    }
+
+    /// Refuses files that would be read twice or written over.
+    fn check_files(&self) -> Result<(), Failure> {
+        let files = self.link.iter().chain(&self.motion).map(PathBuf::as_path);
+        let inputs: Vec<&Path> = files.chain(self.shared.torque.path()).collect();
+        read_once(&inputs)?;
+        keep_files(&self.output_path(), &inputs)?;
+        keep_record(&self.output_path())?;
+        let Some(folder) = self.shared.outputs.folder() else { return Ok(()) };
+        keep_cases(folder, &inputs)?;
+        keep_from_cases(&self.output_path(), folder)
+    }
+
+    fn output_path(&self) -> PathBuf {
+        let shard = self.shard;
+        self.output.clone().unwrap_or_else(|| match shard.of() {
+            1 => "sweep.csv".into(),
+            of => format!("sweep-{}-of-{of}.csv", shard.number()).into(),
+        })
+    }
+
+    /// Prints what was done, and where the table is.
+    fn report(&self, done: &str) -> Result<(), Failure> {
+        self.say(&format!("{done}\nwritten  {}\n", self.output_path().display()))
+    }
+
+    /// Prints to standard output, unless the table goes there.
+    fn say(&self, text: &str) -> Result<(), Failure> {
+        if self.quiet || is_standard_output(&self.output_path()) {
+            return Ok(());
+        }
+        console::print(text)
+    }
+}
+
+/// Counts the cases whose rows are there already.
+fn tally_of(cases: &Cases, rows: &SweepRows) -> Tally {
+    Tally::of_cases(rows.cases(), |case| cases.remarks(case))
+}

@@ -1,0 +1,154 @@
+//! The table of a sweep: its rows as they come, or joined from shards.
+
+use std::path::{Path, PathBuf};
+
+use flexlink::csv::{InputFile, checked_header, checked_rows};
+use flexlink::store::{
+    Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows, SweptCase, check_record,
+    merge_shards, write_sweep,
+};
+
+use super::tally::Tally;
+use crate::cli::files::{keep_files, keep_record, read_once};
+use crate::terminal::console::{self, Reader, is_standard_output};
+use crate::terminal::text::counted;
+use crate::terminal::{Exit, Failure};
+
+/// Where the rows of a sweep go.
+pub(crate) enum Rows {
+    /// A file that is whole at the end.
+    InFile(Box<SweepFile>),
+    /// Standard output.
+    Printed,
+    /// Standard output, each row with the checksum of a shard.
+    PrintedShard,
+}
+
+/// A table that was begun.
+pub(crate) enum Begun {
+    /// Where its rows go, those that an earlier run has left, and the number of warnings printed.
+    To(Rows, Option<SweepRows>, usize),
+    /// All its rows are there.
+    Complete(SweepRows),
+}
+
+/// Why no more rows are taken.
+pub(crate) enum NoMore {
+    /// The reader of standard output has gone away, and needs no more.
+    ReaderGone,
+    /// The rows cannot be written.
+    Failed(Failure),
+}
+
+impl From<Failure> for NoMore {
+    fn from(failure: Failure) -> Self {
+        Self::Failed(failure)
+    }
+}
+
+impl Rows {
+    /// Begins a table, or goes on with what an interrupted run left of it.
+    pub(crate) fn begin(
+        path: &Path,
+        identity: SweepIdentity,
+        header: &str,
+        resume: bool,
+    ) -> Result<Begun, Failure> {
+        if is_standard_output(path) {
+            if resume {
+                let message = "--resume = standard output, but must have a file to go on with";
+                return Err(Failure::new(Exit::Usage, &message, None));
+            }
+            let is_shard = identity.shard().of() > 1;
+            let first = identity.line() + &checked_header(header);
+            console::print_bytes(if is_shard { &first } else { header }.as_bytes())?;
+            let rows = if is_shard { Self::PrintedShard } else { Self::Printed };
+            return Ok(Begun::To(rows, None, 0));
+        }
+        let in_file =
+            |file, rows, warnings| Begun::To(Self::InFile(Box::new(file)), rows, warnings);
+        if resume {
+            return Ok(match SweepFile::resume(path, identity, header)?? {
+                Resumed::Anew(file) => in_file(file, None, 0),
+                Resumed::At(file, rows) => in_file(file, Some(rows), 0),
+                Resumed::Complete(rows) => Begun::Complete(rows),
+            });
+        }
+        let left = SweepFile::left(path, &identity, header);
+        let file = SweepFile::begin(path, identity, header)?;
+        let warnings = left.map_or(0, |left| warn_of_left(&left, file.part()));
+        Ok(in_file(file, None, warnings))
+    }
+
+    /// Whether they are printed, so that nothing else may be.
+    pub(crate) fn are_printed(&self) -> bool {
+        !matches!(self, Self::InFile(_))
+    }
+
+    pub(crate) fn append(&mut self, row: &str) -> Result<(), NoMore> {
+        let printed = match self {
+            Self::InFile(file) => return Ok(file.append(row).map_err(Failure::from)?),
+            Self::Printed => console::print_part(row.as_bytes())?,
+            Self::PrintedShard => console::print_part(checked_rows(row).as_bytes())?,
+        };
+        match printed {
+            Reader::There => Ok(()),
+            Reader::Gone => Err(NoMore::ReaderGone),
+        }
+    }
+
+    pub(crate) fn finish(self, durability: Durability) -> Result<(), Failure> {
+        match self {
+            Self::InFile(file) => Ok(file.finish(durability, &console::waiting)?),
+            Self::Printed | Self::PrintedShard => Ok(()),
+        }
+    }
+
+    /// The failure of a sweep that was stopped after `there` of `all` rows.
+    pub(crate) fn interrupted(&self, there: usize, all: usize) -> Failure {
+        let message = format!("interrupted after {there} of {all} cases");
+        let Self::InFile(file) = self else {
+            return Failure::new(Exit::Interrupted, &message, None);
+        };
+        let message = format!("{message}, which are in {}", file.part().display());
+        let hint = "the same command with --resume goes on";
+        Failure::new(Exit::Interrupted, &message, Some(hint))
+    }
+}
+
+/// Warns of rows that were overwritten; returns the number of warnings.
+fn warn_of_left(left: &LeftRows, part: &Path) -> usize {
+    let (rows, hint) = match *left {
+        LeftRows::Own(rows) => (rows, "--resume would have gone on with them"),
+        LeftRows::Other(rows) => (rows, "they were of another sweep: another -o keeps them"),
+    };
+    let (part, rows) = (part.display(), counted(rows, "row"));
+    let message = format!("{part} held {rows} of an interrupted sweep, begun anew");
+    console::warning(message, hint);
+    1
+}
+
+/// Joins the shards in these files to one table, and counts its cases.
+pub(crate) fn merge(shards: &[PathBuf], output: &Path) -> Result<Tally, Failure> {
+    let inputs: Vec<&Path> = shards.iter().map(PathBuf::as_path).collect();
+    read_once(&inputs)?;
+    keep_files(output, &inputs)?;
+    keep_record(output)?;
+    let read = |path: &&Path| -> Result<SweepRows, Failure> {
+        let file = InputFile::read(path)?;
+        let rows = SweepRows::read(&file.shown, &file.bytes)?;
+        check_record(path, &file)?;
+        Ok(rows)
+    };
+    let shards: Vec<SweepRows> = inputs.iter().map(read).collect::<Result<_, _>>()?;
+    let table = merge_shards(&shards)?;
+    if is_standard_output(output) {
+        console::print_bytes(table.as_bytes())?;
+    } else {
+        let whole = shards[0].identity().whole();
+        write_sweep(output, table.as_bytes(), &whole, Durability::default(), &console::waiting)?;
+    }
+    let mut cases: Vec<SweptCase> = shards.iter().flat_map(SweepRows::cases).collect();
+    cases.sort_by_key(|case| case.number);
+    Ok(Tally::of_cases(cases.into_iter(), |_| Vec::new()))
+}
