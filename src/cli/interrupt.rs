@@ -8,13 +8,13 @@ use flexlink::store::abandon_unfinished;
 
 static STOPPED: AtomicBool = AtomicBool::new(false);
 
-/// From now on a request to end removes what is not finished and ends the program.
+/// From now on a request to end removes unfinished files and ends the program.
 pub(crate) fn end_in_order() {
     listen(end);
 }
 
-/// From now on the first request to end turns the returned flag true, and leaves it to the work to
-/// end in order; the second ends the program at once.
+/// From now on the first request to end sets the returned flag, and the work ends in order; the second
+/// ends the program at once.
 pub(crate) fn watch() -> &'static AtomicBool {
     listen(|signal| {
         if STOPPED.swap(true, Ordering::Relaxed) {
@@ -25,40 +25,50 @@ pub(crate) fn watch() -> &'static AtomicBool {
     &STOPPED
 }
 
-/// From now on each request to end is told by its signal, but for those that the program was started
-/// to ignore.
-///
-/// Where no thread is to be had that hears them they end the program as they do any other: the next
-/// run removes what this one leaves.
+/// From now on a thread calls `asked` with each signal that asks to end, except those that the program
+/// was started to ignore. Without memory for a thread such a signal ends the program as it ends any
+/// other, and the next run removes what is left.
 #[cfg(unix)]
 fn listen(asked: impl Fn(i32) + Send + 'static) {
-    use std::sync::Arc;
+    use std::sync::mpsc;
     use std::thread;
 
-    use flexlink::store::ignored_signals;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    use signal_hook::flag::register_conditional_default;
     use signal_hook::iterator::Signals;
 
-    const ALL: [i32; 3] = [SIGINT, SIGTERM, SIGHUP];
-
-    // Of a system that does not tell: to end with its terminal is what most often is not wanted.
-    let ignored = ignored_signals(&ALL).unwrap_or_else(|| vec![SIGHUP]);
-    let heard = ALL.iter().filter(|signal| !ignored.contains(signal));
-    let Ok(mut signals) = Signals::new(heard.clone()) else { return };
-    let listener = thread::Builder::new().spawn(move || signals.forever().for_each(asked));
-    if listener.is_err() {
-        for signal in heard {
-            // Where that fails, too, the signal that cannot be caught is left.
-            let _ = register_conditional_default(*signal, Arc::new(AtomicBool::new(true)));
-        }
-    }
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    // Where the system does not tell, SIGHUP is left alone: `nohup` has it ignored.
+    let ignored = ignored_mask(&status).unwrap_or(bit(SIGHUP));
+    let heard =
+        [SIGINT, SIGTERM, SIGHUP].into_iter().filter(move |signal| ignored & bit(*signal) == 0);
+    let (ready, is_ready) = mpsc::channel::<()>();
+    let listener = thread::Builder::new().spawn(move || {
+        let signals = Signals::new(heard);
+        drop(ready);
+        signals.into_iter().for_each(|mut signals| signals.forever().for_each(&asked));
+    });
+    // Ends with an error when the listener has dropped its side: then it hears.
+    let _ = listener.map(|_| is_ready.recv());
 }
 
 #[cfg(not(unix))]
 fn listen(asked: impl Fn(i32) + Send + 'static) {
     const CTRL_C: i32 = 2;
     let _ = ctrlc::try_set_handler(move || asked(CTRL_C));
+}
+
+/// Signals that whoever started this program had it ignore, as `nohup` does with SIGHUP and a shell with
+/// the SIGINT of a script's background: the hexadecimal `SigIgn` of the system's status of the process.
+#[cfg(unix)]
+fn ignored_mask(status: &str) -> Option<u64> {
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+    u64::from_str_radix(mask.trim(), 16).ok()
+}
+
+/// Bit n − 1 of the mask stands for signal n.
+#[cfg(unix)]
+fn bit(signal: i32) -> u64 {
+    1 << (signal - 1)
 }
 
 #[expect(clippy::exit, reason = "whoever asks to end does not want to wait")]
@@ -69,4 +79,19 @@ fn end(signal: i32) {
     #[cfg(unix)]
     let _ = signal_hook::low_level::emulate_default_handler(signal);
     process::exit(Exit::Interrupted as i32);
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mask_of_ignored_signals_is_read_from_the_status() {
+        let status = "Name:\tflexlink\nSigBlk:\tffffffffffffffff\nSigIgn:\t8000000000000003\n";
+        let mask = ignored_mask(status).unwrap();
+        let ignored: Vec<i32> = (1..=64).filter(|signal| mask & bit(*signal) != 0).collect();
+        assert_eq!(ignored, [1, 2, 64]);
+        assert_eq!(ignored_mask("Name:\tflexlink\n"), None);
+        assert_eq!(ignored_mask("SigIgn:\tmany\n"), None);
+    }
 }

@@ -1,48 +1,25 @@
+//! A single file that is written whole or not at all.
+
 use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::folder::{Durability, FolderAction, FolderError, OutputFolder};
+use super::folder::{Durability, FolderAction, FolderError, OutputFolder, folder_of};
 
-/// Writes one file, whole or not at all; the folder it lies in is created where it is missing.
+/// Writes one file, whole or not at all; the folder it lies in is created if it is missing. `write`
+/// receives a buffered writer.
 ///
-/// A link is followed. What is no file on a disk, a device or a named pipe, is written to as it is:
-/// taking its name would put a file in its place. A reader of it that goes away is no error. If
-/// another run writes into the folder for more than a second, `on_wait` is called once.
+/// A link is followed. A device or a named pipe is written to as it is, because renaming would put a file
+/// in its place; it is no error if its reader goes away. If another run writes into the folder for more
+/// than a second, `on_wait` is called once.
 ///
 /// # Errors
 /// [`FolderError`] if `path` names no file, or the file cannot be written.
-pub fn write_file(path: &Path, bytes: &[u8], on_wait: &dyn Fn(&Path)) -> Result<(), FolderError> {
-    write_file_with(path, bytes, Durability::default(), on_wait)
-}
-
-/// The same for a file that is made while it is written: `write` receives a buffered writer.
-///
-/// # Errors
-/// As [`write_file`].
-pub fn write_file_by(
+pub fn write_file(
     path: &Path,
-    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
-    on_wait: &dyn Fn(&Path),
-) -> Result<(), FolderError> {
-    write_by(path, write, Durability::default(), on_wait)
-}
-
-/// As [`write_file`], with a wait for the disk or without.
-pub(super) fn write_file_with(
-    path: &Path,
-    bytes: &[u8],
     durability: Durability,
-    on_wait: &dyn Fn(&Path),
-) -> Result<(), FolderError> {
-    write_by(path, |out| out.write_all(bytes), durability, on_wait)
-}
-
-fn write_by(
-    path: &Path,
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
-    durability: Durability,
     on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
     let path = &followed(path);
@@ -66,7 +43,7 @@ fn write_by(
     staged.replace()
 }
 
-/// What a symbolic link leads to, if that is there; else the path itself.
+/// Target of a symbolic link, if it exists; else the path itself.
 fn followed(path: &Path) -> PathBuf {
     let target =
         if path.is_symlink() && !is_stream(path) { path.canonicalize().ok() } else { None };
@@ -89,10 +66,4 @@ fn write_through(
         Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => written,
     }
-}
-
-/// The folder that a file lies in.
-pub(super) fn folder_of(path: &Path) -> &Path {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-    folder.unwrap_or(Path::new("."))
 }

@@ -2,11 +2,12 @@ use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::folder::{Durability, FolderError, Unfinished, hold_off_the_end};
+use super::folder::{Durability, FolderError};
 use super::sweep_identity::SweepIdentity;
 use super::sweep_part::{error, open_part, part_of};
 use super::sweep_record::write_sweep;
 use super::sweep_rows::SweepRows;
+use super::unfinished::{Removal, Unfinished};
 use crate::csv::{Place, TableError, checked_header, checked_rows, quoted, without_checks};
 
 /// The file of a sweep while its rows come: `sweep.csv.part` beside `sweep.csv`.
@@ -19,7 +20,7 @@ pub struct SweepFile {
     part: PathBuf,
     file: File,
     identity: SweepIdentity,
-    /// Until the first row is there: then it is kept, whatever ends the program.
+    /// Until the first row is there: then the part is kept, however the program ends.
     unfinished: Option<Unfinished>,
 }
 
@@ -49,12 +50,12 @@ impl SweepFile {
     /// # Errors
     /// [`FolderError`] if it cannot be written, or another run is writing it.
     pub fn begin(path: &Path, identity: SweepIdentity, header: &str) -> Result<Self, FolderError> {
-        let held_off = hold_off_the_end();
-        let mut file = Self::open(path, identity)?;
-        let begun = file.file.set_len(0);
-        begun.map_err(|cause| file.error(cause))?;
-        file.unfinished = Some(Unfinished::note(&file.part, &held_off));
-        drop(held_off);
+        let (unfinished, mut file) = Unfinished::make(Removal::File, || {
+            let file = Self::open(path, identity)?;
+            file.file.set_len(0).map_err(|cause| file.error(cause))?;
+            Ok((file.part.clone(), file))
+        })?;
+        file.unfinished = Some(unfinished);
         let first = file.identity.line() + &checked_header(header);
         file.write(&first)?;
         Ok(file)
@@ -125,8 +126,14 @@ impl SweepFile {
     /// [`FolderError`] if they cannot be written.
     pub fn append(&mut self, rows: &str) -> Result<(), FolderError> {
         self.write(&checked_rows(rows))?;
-        self.unfinished = None;
+        self.keep();
         Ok(())
+    }
+
+    fn keep(&mut self) {
+        if let Some(part) = self.unfinished.take() {
+            part.keep();
+        }
     }
 
     fn write(&mut self, text: &str) -> Result<(), FolderError> {
@@ -173,6 +180,12 @@ impl SweepFile {
 
     fn error(&self, cause: io::Error) -> FolderError {
         error(&self.part, cause)
+    }
+}
+
+impl Drop for SweepFile {
+    fn drop(&mut self) {
+        self.keep();
     }
 }
 

@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 
 use same_file::Handle;
 
-use super::folder::{FolderAction, FolderError};
-use super::single_file::folder_of;
+use super::folder::{FolderAction, FolderError, folder_of};
 
 /// Where the rows of a table lie until they are complete.
 pub(super) fn part_of(table: &Path) -> PathBuf {

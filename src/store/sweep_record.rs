@@ -3,9 +3,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::folder::{Durability, FolderAction, FolderError};
+use super::folder::{Durability, FolderAction, FolderError, folder_of};
 use super::records::Fingerprint;
-use super::single_file::{folder_of, is_stream, write_file_with};
+use super::single_file::{is_stream, write_file};
 use super::sweep_identity::{SweepIdentity, is_record};
 use super::sweep_part::part_of;
 use crate::csv::{InputFile, Place, TableError, quoted, sha256};
@@ -75,7 +75,7 @@ pub fn write_sweep(
     on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
     if is_stream(path) {
-        return write_file_with(path, table, durability, on_wait);
+        return write_file(path, durability, |out| out.write_all(table), on_wait);
     }
     if let Some(foreign) = ForeignRecord::beside(path) {
         let name = foreign.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -83,10 +83,10 @@ pub fn write_sweep(
         let folder = folder_of(path).to_owned();
         return Err(FolderError { folder, action: FolderAction::Write(name), cause });
     }
-    write_file_with(path, table, durability, on_wait)?;
+    write_file(path, durability, |out| out.write_all(table), on_wait)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let json = identity.json(Fingerprint { name, sha256: sha256(table) });
-    write_file_with(&record_of(path), json.as_bytes(), durability, on_wait)
+    write_file(&record_of(path), durability, |out| out.write_all(json.as_bytes()), on_wait)
 }
 
 /// Refuses a shard that has changed since its record was written beside it; one that was copied

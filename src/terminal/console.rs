@@ -14,7 +14,7 @@ use clap::error::ContextValue;
 use flexlink::csv::system_words;
 use flexlink::numeric::{excerpt, is_hidden};
 use flexlink::result::Remark;
-use flexlink::store::write_file_by;
+use flexlink::store::{Durability, write_file};
 
 use super::exit::{Exit, Failure};
 
@@ -152,7 +152,7 @@ pub(crate) fn deliver_by(
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> Result<(), Failure> {
     if let Some(path) = output.filter(|path| !is_standard_output(path)) {
-        return Ok(write_file_by(path, write, &waiting)?);
+        return Ok(write_file(path, Durability::default(), write, &waiting)?);
     }
     let mut out = io::stdout();
     delivered(write(&mut out).and_then(|()| out.flush())).map(drop)

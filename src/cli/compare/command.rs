@@ -7,7 +7,7 @@ use flexlink::csv::InputFile;
 use flexlink::numeric::excerpt;
 use flexlink::spec::read_tolerances;
 use flexlink::store::{
-    GoldenChanges, change_golden_files, comparison_json, is_result_file, is_run, write_file,
+    GoldenChanges, change_golden_files, comparison_json, is_result_file, is_run,
 };
 
 use super::sides::{Purpose, Sides, TOLERANCES};
@@ -125,7 +125,7 @@ impl Compare {
             // A file that is named itself may be a link to anywhere.
             _ => changes.written.values().try_for_each(|source| {
                 let bytes = InputFile::read(source)?.bytes;
-                Ok(write_file(&self.expected, &bytes, &console::waiting)?)
+                console::deliver(Some(&self.expected), &bytes)
             }),
         }
     }

@@ -5,9 +5,8 @@ use std::sync::{Mutex, mpsc};
 use std::thread;
 use std::time::Duration;
 
-use super::error::FolderAction;
-use super::lock::{FolderLock, LOCK};
-use super::output::OutputFolder;
+use super::super::lock::{FolderLock, LOCK};
+use super::{FolderAction, OutputFolder};
 
 fn in_silence(_: &Path) {}
 
@@ -168,7 +167,8 @@ fn files_have_the_permissions_of_ordinary_ones() {
 fn what_a_killed_run_has_left_goes_with_the_next() {
     let base = tempfile::tempdir().unwrap();
     let dir = base.path();
-    fs::write(dir.join(".torque.csv.a1B2c3.flexlink"), "half").unwrap();
+    fs::create_dir(dir.join(".flexlink.run-a1B2c3")).unwrap();
+    fs::write(dir.join(".flexlink.run-a1B2c3/torque.csv"), "half").unwrap();
     fs::write(dir.join(".torque.csv.a1B2c3"), "of another program").unwrap();
     fs::write(dir.join(LOCK), "").unwrap();
     stage_files(dir, &[("torque.csv", "2")]).replace().unwrap();
@@ -183,7 +183,7 @@ fn a_run_waits_for_another_in_its_folder_and_says_so_when_it_gives_up() {
     let first = stage_files(dir, &[("torque.csv", "1"), ("summary.json", "1")]);
     let error = FolderLock::take_within(dir, Duration::from_millis(20), &in_silence).unwrap_err();
     assert_eq!(error.to_string(), "another run has been writing into it for 20ms");
-    assert_eq!(fs::read_dir(dir).unwrap().count(), 3, "the first run's files are left alone");
+    assert_eq!(fs::read_dir(dir).unwrap().count(), 2, "the first run's files are left alone");
     thread::scope(|scope| {
         scope.spawn(|| {
             let second = stage_files(dir, &[("torque.csv", "2"), ("summary.json", "2")]);

@@ -15,5 +15,6 @@ mod summary;
 mod sweep;
 
 pub use record::{FoundInput, InputRole, RunRecord};
+pub use repetition::TemporaryFolder;
 pub use result::read_result;
 pub use summary::is_run;

@@ -1,13 +1,47 @@
 //! The files of a run held against those of its repetition.
 
+use std::env;
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;
 
+use tempfile::Builder;
+
+use super::super::folder::{FolderAction, FolderError};
 use super::super::histories::{REPORT, RESULT_FILES, SUMMARY};
+use super::super::unfinished::{Removal, Unfinished};
 use super::record::RunRecord;
 use crate::csv::InputError;
 use crate::result::{Repeated, RepeatedFile, line_difference};
+
+/// A folder for a run whose files nobody keeps, readable by nobody else. It is removed when it is dropped
+/// or the program is ended; if a run is killed, the system removes it some day.
+#[derive(Debug)]
+pub struct TemporaryFolder(Unfinished);
+
+impl TemporaryFolder {
+    /// Creates it where the system keeps such folders.
+    ///
+    /// # Errors
+    /// [`FolderError`] if it cannot be created.
+    pub fn new() -> Result<Self, FolderError> {
+        let base = env::temp_dir();
+        let mut builder = Builder::new();
+        builder.prefix("flexlink-");
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+        let folder = Unfinished::make(Removal::FolderWithFiles, || {
+            Ok((builder.tempdir_in(&base)?.keep(), ()))
+        });
+        let enter = |cause| FolderError { folder: base, action: FolderAction::Enter, cause };
+        folder.map(|(folder, ())| Self(folder)).map_err(enter)
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
 
 /// Bytes that are read at a time.
 const CHUNK: usize = 1 << 16;
@@ -57,5 +91,29 @@ fn opened(path: &Path) -> Result<Option<BufReader<File>>, InputError> {
             let file = File::open(path).map_err(refused)?;
             Ok(Some(BufReader::with_capacity(CHUNK, file)))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_temporary_folder_goes_with_all_that_is_in_it() {
+        let folder = TemporaryFolder::new().unwrap();
+        let path = folder.path().to_owned();
+        fs::write(path.join("torque.csv"), "0").unwrap();
+        drop(folder);
+        assert!(!path.exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nobody_else_can_read_what_is_in_a_temporary_folder() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = TemporaryFolder::new().unwrap();
+        let mode = folder.path().metadata().unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o700);
     }
 }
