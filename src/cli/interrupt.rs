@@ -45,7 +45,9 @@ fn listen(asked: impl Fn(i32) + Send + 'static) {
     let listener = thread::Builder::new().spawn(move || {
         let signals = Signals::new(heard);
         drop(ready);
-        signals.into_iter().for_each(|mut signals| signals.forever().for_each(&asked));
+        if let Ok(mut signals) = signals {
+            signals.forever().for_each(asked);
+        }
     });
     // Ends with an error when the listener has dropped its side: then it hears.
     let _ = listener.map(|_| is_ready.recv());
