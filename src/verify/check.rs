@@ -1,53 +1,84 @@
-/// One measured number against what it may be.
+use thiserror::Error;
+
+use crate::beam::MeshPlan;
+use crate::inverse::{Analysis, InversionError, Solution};
+use crate::link::Link;
+use crate::motion::{MotionError, TipMotion};
+use crate::response::{HistoryError, SimulationError};
+use crate::result::Limits;
+
+/// Bound on what elements, modes or a step of the user's own choice may change; no tolerance sets it.
+pub(super) const CHOSEN: f64 = 1e-2;
+
+/// A solution with all that it was computed from, and its torque as written.
+#[derive(Clone, Copy)]
+pub struct Answer<'a> {
+    /// The link.
+    pub link: &'a Link,
+    /// The plan of its mesh.
+    pub plan: &'a MeshPlan,
+    /// The wanted motion.
+    pub motion: &'a TipMotion,
+    /// The tolerances of the analysis.
+    pub analysis: &'a Analysis,
+    /// The limits of link and motor.
+    pub limits: &'a Limits,
+    /// The solution.
+    pub solution: &'a Solution,
+    /// The torque in N m, rounded as in its file.
+    pub written_torque_n_m: &'a [f64],
+}
+
+/// One measured number against its bound.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Check {
-    /// Name for machines: `tip_error`, `mesh_halving`, ….
+    /// Name in summary.json: `tip_error`, `mesh_halving`, ….
     pub name: &'static str,
-    /// What was measured, for people.
+    /// What was measured, for a person to read.
     pub what: &'static str,
     /// What the number is a share of.
     pub of: &'static str,
-    /// What came of it.
+    /// Its result.
     pub outcome: Outcome,
 }
 
-/// What came of a check.
+/// Result of a check.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
-    /// A number, which may be as large as its bound.
+    /// A number and the largest one that passes.
     Measured {
         /// What was found.
         found: f64,
-        /// What it may be at most.
+        /// Its bound.
         bound: f64,
     },
-    /// Nothing, and why.
+    /// The check was not made.
     NotMeasured {
         /// The reason.
         reason: String,
     },
 }
 
-/// A check before its number is known.
+/// The names of a check, before its number is known.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Question {
+pub(super) struct Label {
     pub(super) name: &'static str,
     pub(super) what: &'static str,
     pub(super) of: &'static str,
 }
 
-impl Question {
-    /// A number against its bound.
+impl Label {
+    /// The check with its number.
     pub(super) fn measured(self, found: f64, bound: f64) -> Check {
-        self.answered(Outcome::Measured { found, bound })
+        self.with(Outcome::Measured { found, bound })
     }
 
-    /// A check that was not made.
+    /// The check without a number.
     pub(super) fn not_measured(self, reason: String) -> Check {
-        self.answered(Outcome::NotMeasured { reason })
+        self.with(Outcome::NotMeasured { reason })
     }
 
-    fn answered(self, outcome: Outcome) -> Check {
+    fn with(self, outcome: Outcome) -> Check {
         let Self { name, what, of } = self;
         Check { name, what, of, outcome }
     }
@@ -62,7 +93,7 @@ impl Check {
         }
     }
 
-    /// What helps where it fails.
+    /// What the user can do where it fails.
     pub fn hint(&self) -> &'static str {
         match self.name {
             "tip_error" | "tip_error_viscous" => {
@@ -84,15 +115,44 @@ impl Check {
     }
 }
 
+/// Why a solution is not verified.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum VerificationError {
+    /// The written samples are no torque.
+    #[error("the written torque: {0}")]
+    Torque(#[from] HistoryError),
+    /// The torque cannot be played.
+    #[error("playing the torque: {0}")]
+    Simulation(#[from] SimulationError),
+    /// The motion cannot be sampled twice as often.
+    #[error("the motion at half the step: {0}")]
+    Motion(#[from] MotionError),
+    /// The motion at half the step has no torque.
+    #[error("the motion at half the step: {0}")]
+    Inversion(#[from] InversionError),
+}
+
+impl VerificationError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Torque(error) => error.hint(),
+            Self::Simulation(error) => error.hint(),
+            Self::Motion(_) => None,
+            Self::Inversion(error) => error.hint(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_value_that_is_nan_fails() {
-        let question = Question { name: "x", what: "", of: "" };
-        let fails = |found| question.measured(found, 1.0).fails();
+        let label = Label { name: "x", what: "", of: "" };
+        let fails = |found| label.measured(found, 1.0).fails();
         assert!(!fails(1.0) && fails(1.1) && fails(f64::NAN));
-        assert!(!question.not_measured("too large".into()).fails());
+        assert!(!label.not_measured("too large".into()).fails());
     }
 }

@@ -1,12 +1,10 @@
-//! Is the answer right: every approximation of a solution measured by other means.
+//! Checks every approximation of a solution by other means.
 
 mod check;
-mod limits;
-mod measured;
+mod estimates;
 mod playback;
-mod report;
-mod step;
-mod transfer;
+mod recomputed;
+mod verification;
 
-pub use check::{Check, Outcome};
-pub use report::{Answer, Verification, VerificationError, verify};
+pub use check::{Answer, Check, Outcome, VerificationError};
+pub use verification::{Verification, verify};

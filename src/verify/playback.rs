@@ -1,48 +1,48 @@
-use super::check::{Check, Question};
-use super::report::{Answer, VerificationError};
+use super::check::{Answer, Check, Label, VerificationError};
 use crate::link::Damping;
+use crate::motion::TipTarget;
 use crate::numeric::{largest, largest_difference};
 use crate::response::{
     EnergyAccount, EnergyBalance, Play, Simulation, SimulationError, Torque, simulate_on,
 };
 
-/// How far the tip may stray at most, over its way, where the tolerance is no looser.
+/// Largest allowed error of the played tip over its travel, unless the tolerance is looser.
 const TIP: f64 = 1e-3;
 
-/// A balance of energy, over the largest energy, where the tolerance is no tighter.
+/// Largest allowed imbalance of energy over the largest energy, unless the tolerance is tighter.
 const ENERGY: f64 = 1e-6;
 
-/// Error of the integrals of work beyond which a balance would tell nothing.
+/// Error of the integrals of work above which a balance of energy says nothing.
 const QUADRATURE: f64 = 1e-3;
 
-/// Last of the ten digits of tip.csv, over the tip's way.
+/// Last of the ten digits of tip.csv, over the tip's travel.
 const ROUNDED: f64 = 1e-10;
 
-/// Times at which the balance is drawn up.
+/// Number of times at which the energies are summed.
 const BALANCES: usize = 64;
 
-/// What playing the torque tells.
+/// The checks that follow from playing the torque.
 pub(super) struct Played {
     pub(super) tip: Vec<Check>,
     pub(super) energy: Check,
 }
 
-const OWN_LAW: Question =
-    Question { name: "tip_error", what: "tip, the link's own damping", of: "the tip's way" };
+const OWN_LAW: Label =
+    Label { name: "tip_error", what: "tip, the link's own damping", of: "the tip's way" };
 
-const BALANCE: Question =
-    Question { name: "energy", what: "work less energy held and lost", of: "the largest energy" };
+const BALANCE: Label =
+    Label { name: "energy", what: "work less energy held and lost", of: "the largest energy" };
 
 impl Played {
-    /// A link that no torque is played on, and why.
+    /// The checks of a link on which no torque can be played.
     fn not(reason: &str) -> Self {
         let tip = vec![OWN_LAW.not_measured(reason.to_owned())];
         Self { tip, energy: BALANCE.not_measured(reason.to_owned()) }
     }
 }
 
-/// The torque as written, played on the link: tip error and balance of energy.
-pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
+/// Plays the written torque on the link: tip error and balance of energy.
+pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, VerificationError> {
     let Answer { link, solution, .. } = answer;
     let grid = solution.grid;
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
@@ -57,27 +57,24 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
     let straight_m = simulation.straight_tip_m(answer.written_torque_n_m);
     let between_m = largest_difference(&simulation.tip.displacement_m, &straight_m);
     let bound = allowed_tip_error(answer, between_m);
-    let viscous = tip_error(answer, &simulation.tip.displacement_m);
+    let error = |tip_m: &[f64]| tip_error(answer, wanted, tip_m);
     let tip = match link.damping() {
         Damping::Hysteretic { ratio } if *ratio > 0.0 => {
             let tip_m = simulation.hysteretic_tip_m(*ratio, &net_torque(answer));
-            let other_law = Question {
+            let other_law = Label {
                 name: "tip_error_viscous",
                 what: "tip, viscous damping, as predicted",
                 ..OWN_LAW
             };
-            // The laws part by so much that no bound on the tip's distance from the wanted motion
-            // would hold at small ratios and tell anything at large ones: where it goes is known.
+            // Under the viscous law the tip misses the wanted motion by far more than any useful bound,
+            // but by a computable amount; the tip less this amount must be the wanted motion.
             let apart_m = simulation.apart_m(*ratio, &solution.tip.acceleration_m_s2);
             let viscous_m = &simulation.tip.displacement_m;
             let less: Vec<f64> =
                 viscous_m.iter().zip(apart_m).map(|(v, apart)| v - apart).collect();
-            vec![
-                OWN_LAW.measured(tip_error(answer, &tip_m), bound),
-                other_law.measured(tip_error(answer, &less), bound),
-            ]
+            vec![OWN_LAW.measured(error(&tip_m), bound), other_law.measured(error(&less), bound)]
         }
-        _ => vec![OWN_LAW.measured(viscous, bound)],
+        _ => vec![OWN_LAW.measured(error(&simulation.tip.displacement_m), bound)],
     };
     let (imbalance, quadrature) = imbalance(&simulation);
     let energy = if quadrature > QUADRATURE {
@@ -88,10 +85,11 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
     Ok(Played { tip, energy })
 }
 
-/// How far the tip may stray, over its way: as far as a torque that is wrong by the tolerance of its
-/// peak, from one end of the window to the other, drives the rigid link, and by what the samples leave
-/// open, `between_m` from cubics to straight lines; never more than 1e-3 or the tolerance. To that comes
-/// what the tip may miss of the motion asked for.
+/// Allowed error of the played tip over its travel.
+///
+/// It is how far a constant torque of the tolerance times the peak drives the rigid link over the window,
+/// plus `between_m`, the difference between cubics and straight lines through the samples; at most 1e-3
+/// or the tolerance. The tip tolerance of the analysis is added.
 fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
     let Answer { link, analysis, solution, .. } = answer;
     let peak = largest(&solution.torque_n_m);
@@ -101,32 +99,28 @@ fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
     analysis.tip_tolerance() + played.min((driven_m + between_m) / solution.tip.farthest_m())
 }
 
-/// The tip that is solved against the motion asked for; none where the band is that of the samples,
-/// which the tip follows to the last digit.
-pub(super) fn tip_solved(answer: &Answer) -> Option<Check> {
-    let question = Question { name: "tip_solved", what: "tip that is solved", of: "the tip's way" };
+/// The solved tip against the wanted motion; none where all frequencies of the samples are solved for.
+pub(super) fn tip_solved(answer: &Answer, wanted: &TipTarget) -> Option<Check> {
+    let label = Label { name: "tip_solved", what: "tip that is solved", of: "the tip's way" };
     let tolerance = answer.analysis.tip_tolerance();
-    let found = || tip_error(answer, &answer.solution.tip.displacement_m);
-    (tolerance > 0.0).then(|| question.measured(found(), tolerance + ROUNDED))
+    let found = || tip_error(answer, wanted, &answer.solution.tip.displacement_m);
+    (tolerance > 0.0).then(|| label.measured(found(), tolerance + ROUNDED))
 }
 
-/// The written torque less what the hub's friction takes of it.
+/// The written torque less the hub's friction.
 fn net_torque(answer: &Answer) -> Vec<f64> {
     let friction = answer.link.joint().friction_n_m_s_rad;
     let samples = answer.written_torque_n_m.iter().zip(&answer.solution.hub_rate_rad_s);
     samples.map(|(t, rate)| t - friction * rate).collect()
 }
 
-/// Largest distance of a tip from the motion asked for, over its way.
-fn tip_error(answer: &Answer, tip_m: &[f64]) -> f64 {
-    let Answer { motion, solution, .. } = answer;
-    let (grid, tip) = (solution.grid, &solution.tip);
-    let wanted = motion.target(grid.time_s(0), grid.end_s());
-    largest_difference(tip_m, wanted.displacement_m()) / tip.farthest_m()
+/// Largest error of a tip against the wanted motion, over its travel.
+fn tip_error(answer: &Answer, wanted: &TipTarget, tip_m: &[f64]) -> f64 {
+    largest_difference(tip_m, wanted.displacement_m()) / answer.solution.tip.farthest_m()
 }
 
-/// What is missing in the balance of energy, at worst, and what its integrals may be wrong by, both
-/// over the largest energy in the link.
+/// Largest imbalance of energy, and the error of its integrals, both over the largest energy in the
+/// link.
 fn imbalance(simulation: &Simulation) -> (f64, f64) {
     let EnergyAccount { balances, quadrature_error_j } = simulation.energy(BALANCES);
     let held = |b: &EnergyBalance| b.kinetic_j + b.strain_j;

@@ -1,10 +1,12 @@
-//! The errors that a solution measured of itself, each kind at the quantity where it is worst.
+//! Checks of what a solution holds itself: its error estimates, deflection and limits.
 
-use super::check::{Check, Question};
-use super::report::{Answer, CHOSEN};
-use crate::inverse::{PerQuantity, Quantity};
+use super::check::{Answer, CHOSEN, Check, Label};
+use crate::inverse::{PerQuantity, Quantity, Solution};
+use crate::link::Link;
+use crate::numeric::largest;
+use crate::result::{Limits, Reached};
 
-/// A name for each quantity, ending in the same words.
+/// A function from each quantity to what is checked of it: its name and these words.
 macro_rules! of_each {
     ($words:literal) => {
         |quantity| match quantity {
@@ -20,14 +22,14 @@ macro_rules! of_each {
     };
 }
 
-/// Errors of the mesh, of the window and, where few modes are kept, of those left out.
-pub(super) struct Measured {
+/// Error estimates of the mesh, of the window and, where modes were cut, of those left out.
+pub(super) struct Estimates {
     pub(super) mesh: Check,
     pub(super) window: Check,
     pub(super) modes: Option<Check>,
 }
 
-impl Measured {
+impl Estimates {
     pub(super) fn of(answer: &Answer) -> Self {
         let Answer { plan, analysis, solution, .. } = answer;
         let accuracy = &solution.accuracy;
@@ -61,7 +63,41 @@ fn worst(
     let nan = errors.iter().find(|(_, error)| error.is_nan());
     let (quantity, error) = nan.unwrap_or_else(|| errors.worst());
     let of = if quantity == Quantity::Torque { "the peak torque" } else { "its peak" };
-    Question { name, what: what(quantity), of }.measured(error, bound)
+    Label { name, what: what(quantity), of }.measured(error, bound)
+}
+
+/// One check for each limit of the link file: the value with its estimated error, over the limit.
+pub(super) fn within_limits(limits: &Limits, solution: &Solution) -> Vec<Check> {
+    limits.reached(solution).iter().map(within).collect()
+}
+
+fn within(reached: &Reached) -> Check {
+    let (name, what) = names(reached.held.key);
+    Label { name, what, of: "the limit" }.measured(reached.share(), 1.0)
+}
+
+/// Name of the check of a limit, and the limit as the link file names it.
+fn names(key: &str) -> (&'static str, &'static str) {
+    match key {
+        "torque" => ("limit_torque", "limits.torque"),
+        "rms_torque" => ("limit_rms_torque", "limits.rms_torque"),
+        "hub_rate" => ("limit_hub_rate", "limits.hub_rate"),
+        "power" => ("limit_power", "limits.power"),
+        "deflection" => ("limit_deflection", "limits.deflection"),
+        "bending_moment" => ("limit_bending_moment", "limits.bending_moment"),
+        "motor_torque" => ("limit_motor_torque", "limits.motor_torque"),
+        "motor_rms_torque" => ("limit_motor_rms_torque", "limits.motor_rms_torque"),
+        "motor_rate" => ("limit_motor_rate", "limits.motor_rate"),
+        "motor_power" => ("limit_motor_power", "limits.motor_power"),
+        _ => ("limit", "limits"),
+    }
+}
+
+/// The largest deflection of the tip over the length, against the range of the linear theory.
+pub(super) fn tip_deflection(solution: &Solution) -> Check {
+    let label = Label { name: "tip_deflection", what: "tip deflection", of: "the link's length" };
+    let bent = largest(&solution.tip_deflection_m()) / solution.mesh().length_m();
+    label.measured(bent, Link::LARGEST_DEFLECTION)
 }
 
 #[cfg(test)]
