@@ -181,6 +181,6 @@ pub(crate) fn remarks(
     let within = modes.iter().filter(|omega| **omega <= highest).count();
     modes.truncate(within.max(1));
     let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
-    let of_motion = Remark::on_motion(link, motion, solution.tip.farthest_m());
+    let of_motion = Remark::on_motion(link, motion, solution.tip.largest_travel_m());
     remarks.iter().cloned().chain(of_modes).chain(of_motion).collect()
 }

@@ -11,7 +11,7 @@ pub struct TipMotionHistories {
 
 impl TipMotionHistories {
     /// Largest distance in m from where the tip is at the first sample.
-    pub fn farthest_m(&self) -> f64 {
+    pub fn largest_travel_m(&self) -> f64 {
         let away = self.displacement_m.iter().map(|d| (d - self.displacement_m[0]).abs());
         away.fold(0.0, f64::max)
     }

@@ -34,7 +34,7 @@ impl TipTarget {
     }
 
     /// Largest distance from the first sample in m.
-    pub fn farthest_m(&self) -> f64 {
+    pub fn largest_travel_m(&self) -> f64 {
         self.displacement_m.iter().fold(0.0, |m, x| m.max((x - self.start_m()).abs()))
     }
 }

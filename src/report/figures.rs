@@ -173,7 +173,7 @@ fn strayed(
     if is_extreme(strays_m) {
         return Err("it strays by more or less than can be drawn".to_owned());
     }
-    let share = 100.0 * strays_m / run.tip.farthest_m();
+    let share = 100.0 * strays_m / run.tip.largest_travel_m();
     let of_way = if is_extreme(share) {
         String::new()
     } else {

@@ -3,7 +3,7 @@ use super::simulation::Simulation;
 use crate::modal::Shape;
 use crate::numeric::{CubicSpline, SplineEnds, largest_difference};
 
-/// Where the work of the torque is at one time, in J.
+/// Balance of energy at one time, in J.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnergyBalance {
     /// Time in s.
@@ -14,23 +14,23 @@ pub struct EnergyBalance {
     pub kinetic_j: f64,
     /// Strain energy, element by element.
     pub strain_j: f64,
-    /// Energy that damping and friction have taken.
+    /// Energy dissipated by damping and friction.
     pub dissipated_j: f64,
 }
 
-/// Balances over time, and how far their integrals can be trusted.
+/// Balances over time, and the error of their integrals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnergyAccount {
     /// The balances.
     pub balances: Vec<EnergyBalance>,
-    /// What the integrals of work and loss may be wrong by, in J: a quarter of what they change by
-    /// when every second sample is left out. For a smooth power it is a sixteenth, with kinks more.
+    /// Estimated error of the integrals of work and loss in J: a quarter of their change when every second
+    /// sample is left out. A smooth power has an error of a sixteenth, one with kinks a larger one.
     pub quadrature_error_j: f64,
 }
 
 impl Simulation {
-    /// The balance at `count` samples: between two of them the motor's power, without its sign, adds up to
-    /// the same, so that a long rest counts as little as it holds; the last sample is one of them.
+    /// The balance at `count` samples, the last one among them. The integral of the motor's absolute power
+    /// between two of them is the same, so that few fall into a long rest.
     ///
     /// Work and dissipation are integrated over all samples by a cubic spline; the energies are
     /// those of the elements in the shape and rate that the modes add up to.
@@ -54,7 +54,7 @@ impl Simulation {
         };
         let balance = |k: usize| {
             let sample = place(k);
-            let (q, rate) = self.state(sample);
+            let (q, rate) = self.record.at(sample);
             let (shape, velocity) = (self.shape(q), self.shape(rate));
             EnergyBalance {
                 time_s: self.grid.time_s(sample),
@@ -66,7 +66,7 @@ impl Simulation {
         };
         let missing = |power: &[f64], integral: &[f64]| {
             if power.len() < 2 * CubicSpline::MIN_POINTS {
-                // Too few to leave every second one out: nothing is allowed for.
+                // Too few samples to leave every second one out.
                 return 0.0;
             }
             let every_second: Vec<f64> = integral.iter().copied().step_by(2).collect();
@@ -78,13 +78,13 @@ impl Simulation {
         }
     }
 
-    /// Power that damping and friction take at a sample in W.
+    /// Power that damping and friction dissipate at a sample in W.
     fn loss_w(&self, sample: usize) -> f64 {
-        let rate = self.state(sample).1;
+        let rate = self.record.at(sample).1;
         let modes = rate.iter().zip(&self.equations.coordinates);
         let damped: f64 =
             modes.map(|(rate, Coordinate { rate_per_s, .. })| rate_per_s * rate * rate).sum();
-        damped + self.friction_n_m_s_rad * self.hub_rate_rad_s[sample].powi(2)
+        damped + self.equations.reaction.friction_n_m_s_rad * self.hub_rate_rad_s[sample].powi(2)
     }
 
     fn shape(&self, coordinates: &[f64]) -> Shape {

@@ -12,22 +12,24 @@ pub(super) struct Coordinate {
     pub(super) hub_angle: f64,
 }
 
-/// What acts at the hub in proportion to its own motion.
+/// Friction and feedback, which act at the hub in proportion to its motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct HubReaction {
     /// Torque per hub angle in N m/rad.
     pub(super) stiffness_n_m_rad: f64,
-    /// Torque per hub rate in N m s/rad.
+    /// Torque per hub rate in N m s/rad, friction included.
     pub(super) damping_n_m_s_rad: f64,
+    /// Torque of the hub's friction per hub rate in N m s/rad.
+    pub(super) friction_n_m_s_rad: f64,
 }
 
 impl HubReaction {
-    /// Whether nothing reacts, so that the modes do not feel each other.
+    /// True without friction and feedback: the modes are not coupled.
     pub(super) fn is_none(&self) -> bool {
         self.stiffness_n_m_rad == 0.0 && self.damping_n_m_s_rad == 0.0
     }
 
-    /// Torque in N m against a motion.
+    /// Torque in N m that opposes a motion.
     pub(super) fn torque_n_m(&self, hub_angle: f64, hub_rate: f64) -> f64 {
         self.stiffness_n_m_rad * hub_angle + self.damping_n_m_s_rad * hub_rate
     }
@@ -46,7 +48,7 @@ pub(super) struct Equations {
 }
 
 impl Equations {
-    /// Rigid rotation, the modes of a basis, and what they leave over as one more.
+    /// The rigid rotation, the modes of a basis, and the residual mode of those left out.
     pub(super) fn new(
         mesh: &Mesh,
         law: &DampingLaw,

@@ -1,7 +1,6 @@
 use thiserror::Error;
 
-use super::reference::HubReference;
-use super::torque::Torque;
+use super::history::{HubReference, Torque};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, rounded};
 
 /// Collocated feedback at the hub around a computed motion (Bayo 1987, section 6).
@@ -16,7 +15,7 @@ pub struct Feedback {
     reference: HubReference,
 }
 
-/// Feedback that cannot be.
+/// Why gains and a reference are no feedback.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FeedbackError {
     /// A gain out of its range.

@@ -1,11 +1,13 @@
+//! Inputs of a simulation over time: a torque, and a hub motion for feedback.
+
 use thiserror::Error;
 
 use crate::numeric::{NotUniform, TimeGrid};
 
-/// Fewest samples of a history.
+/// Fewest samples of a torque or a reference.
 const MIN_SAMPLES: usize = 4;
 
-/// Why samples over time are no history that a link can be driven with.
+/// Why samples over time are no torque or hub reference.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum HistoryError {
     /// Fewer than 4 samples, or not as many as there are times.
@@ -21,7 +23,7 @@ pub enum HistoryError {
         /// Samples of the time column.
         times: usize,
     },
-    /// A sample that is no number, or is infinite.
+    /// A sample that is NaN or infinite.
     #[error("{column} = {found}, but must be a finite number")]
     NotFinite {
         /// Number of the sample, from 0.
@@ -31,13 +33,13 @@ pub enum HistoryError {
         /// What was found.
         found: f64,
     },
-    /// A time that does not stand on the uniform grid.
+    /// A time off the uniform grid.
     #[error(transparent)]
     NotUniform(#[from] NotUniform),
 }
 
 impl HistoryError {
-    /// Number of the sample, from 0, that is to blame, where one is.
+    /// Number of the offending sample, from 0, if there is one.
     pub fn sample(&self) -> Option<usize> {
         match self {
             Self::NotFinite { sample, .. } | Self::NotUniform(NotUniform { sample, .. }) => {
@@ -56,7 +58,7 @@ impl HistoryError {
     }
 }
 
-/// The uniform grid of times in s on which each of the named columns has its samples.
+/// The uniform grid through times in s, at each of which every named column must have a sample.
 pub(super) fn grid_of(
     time_s: &[f64],
     columns: &[(&'static str, &[f64])],
@@ -74,4 +76,154 @@ pub(super) fn grid_of(
         }
     }
     Ok(TimeGrid::through(time_s)?)
+}
+
+/// A torque at the hub on a uniform time grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Torque {
+    grid: TimeGrid,
+    torque_n_m: Vec<f64>,
+}
+
+impl Torque {
+    /// Checks samples in N m at times in s.
+    ///
+    /// ```
+    /// use flexlink::response::Torque;
+    /// let torque = Torque::new(&[-0.5, 0.0, 0.5, 1.0], vec![0.0, 2.0, 2.0, 0.0])?;
+    /// assert_eq!((torque.grid().time_s(0), torque.grid().step_s), (-0.5, 0.5));
+    /// assert!(Torque::new(&[0.0, 0.5, 1.5, 2.0], vec![0.0; 4]).is_err(), "an uneven step");
+    /// # Ok::<(), flexlink::response::HistoryError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`HistoryError`]: fewer than 4 samples, not as many as there are times, one that is not
+    /// finite, or times off a uniform grid.
+    pub fn new(time_s: &[f64], torque_n_m: Vec<f64>) -> Result<Self, HistoryError> {
+        let grid = grid_of(time_s, &[("torque", &torque_n_m)])?;
+        Ok(Self { grid, torque_n_m })
+    }
+
+    /// Grid of the samples; its origin is the first of them.
+    pub fn grid(&self) -> TimeGrid {
+        self.grid
+    }
+
+    /// Torque in N m at each time of the grid.
+    pub fn torque_n_m(&self) -> &[f64] {
+        &self.torque_n_m
+    }
+}
+
+/// The hub motion that feedback follows, on a uniform time grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HubReference {
+    grid: TimeGrid,
+    angle_rad: Vec<f64>,
+    rate_rad_s: Option<Vec<f64>>,
+}
+
+impl HubReference {
+    /// Checks angles in rad and, where given, rates in rad/s at times in s.
+    ///
+    /// # Errors
+    /// [`HistoryError`]: fewer than 4 samples, not as many as there are times, one that is not
+    /// finite, or times off a uniform grid.
+    pub fn new(
+        time_s: &[f64],
+        angle_rad: Vec<f64>,
+        rate_rad_s: Option<Vec<f64>>,
+    ) -> Result<Self, HistoryError> {
+        let rate = rate_rad_s.as_deref().map(|rate| ("hub_rate", rate));
+        let columns: Vec<_> = [("hub_angle", &angle_rad[..])].into_iter().chain(rate).collect();
+        let grid = grid_of(time_s, &columns)?;
+        Ok(Self { grid, angle_rad, rate_rad_s })
+    }
+
+    /// Grid of the samples; its origin is the first of them.
+    pub fn grid(&self) -> TimeGrid {
+        self.grid
+    }
+
+    /// Hub angle in rad at each time of the grid.
+    pub fn angle_rad(&self) -> &[f64] {
+        &self.angle_rad
+    }
+
+    /// Hub rate in rad/s at each time of the grid, if it was given.
+    pub fn rate_rad_s(&self) -> Option<&[f64]> {
+        self.rate_rad_s.as_deref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TIME_S: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
+
+    fn refusal(result: Result<impl Sized, HistoryError>) -> (String, Option<usize>) {
+        let error = result.err().unwrap();
+        (error.to_string(), error.sample())
+    }
+
+    #[test]
+    fn a_history_keeps_its_samples_and_begins_at_its_first_time() {
+        let torque = Torque::new(&TIME_S, vec![1.0, 2.0, 3.0, 2.0, 1.0]).unwrap();
+        let grid = torque.grid();
+        assert_eq!((grid.origin_s, grid.first, grid.len), (0.1, 0, 5));
+        assert!((grid.step_s - 0.1).abs() < 1e-16);
+        assert_eq!(torque.torque_n_m(), [1.0, 2.0, 3.0, 2.0, 1.0]);
+        let hub = HubReference::new(&TIME_S, vec![0.5; 5], Some(vec![0.0; 5])).unwrap();
+        assert_eq!(
+            (hub.grid(), hub.angle_rad(), hub.rate_rad_s()),
+            (grid, &[0.5; 5][..], Some(&[0.0; 5][..]))
+        );
+        assert_eq!(HubReference::new(&TIME_S, vec![0.5; 5], None).unwrap().rate_rad_s(), None);
+    }
+
+    #[test]
+    fn short_and_ragged_columns_are_refused() {
+        let must = "but both must have equally many, at least 4";
+        let short = refusal(Torque::new(&TIME_S[..3], vec![0.0; 3]));
+        assert_eq!(short, (format!("torque has 3 samples and time 3, {must}"), None));
+        assert!(Torque::new(&[], vec![]).is_err());
+        let ragged = refusal(Torque::new(&TIME_S, vec![0.0; 4]));
+        assert_eq!(ragged, (format!("torque has 4 samples and time 5, {must}"), None));
+        let ragged = refusal(HubReference::new(&TIME_S, vec![0.0; 5], Some(vec![0.0; 6])));
+        assert_eq!(ragged, (format!("hub_rate has 6 samples and time 5, {must}"), None));
+    }
+
+    #[test]
+    fn samples_that_are_no_numbers_are_refused_wherever_they_stand() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut samples = vec![0.0; 5];
+            samples[3] = bad;
+            let expected =
+                |column: &str| (format!("{column} = {bad}, but must be a finite number"), Some(3));
+            assert_eq!(refusal(Torque::new(&samples, vec![0.0; 5])), expected("time"));
+            assert_eq!(refusal(Torque::new(&TIME_S, samples.clone())), expected("torque"));
+            let rate = Some(samples.clone());
+            assert_eq!(
+                refusal(HubReference::new(&TIME_S, vec![0.0; 5], rate)),
+                expected("hub_rate")
+            );
+            assert_eq!(refusal(HubReference::new(&TIME_S, samples, None)), expected("hub_angle"));
+        }
+    }
+
+    #[test]
+    fn times_off_the_grid_are_refused_as_those_of_a_motion_are() {
+        let error = Torque::new(&[0.0, 0.1, 0.2, 0.4, 0.5], vec![0.0; 5]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "time = 0.4 s, but must be 0.3 s: the samples before and after stand 0.1 s apart"
+        );
+        assert_eq!(error.sample(), Some(3));
+        let hint = "write times with more decimals, or resample the file to a uniform step";
+        assert_eq!(error.hint(), Some(hint));
+        for times in [[0.0; 4], [3.0, 2.0, 1.0, 0.0], [-1e308, 0.0, 1e308, 1.1e308]] {
+            assert!(Torque::new(&times, vec![0.0; 4]).is_err(), "{times:?}");
+        }
+    }
 }

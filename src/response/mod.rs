@@ -9,33 +9,26 @@
 
 mod energy;
 mod equations;
-mod exponential;
+mod error;
 mod feedback;
-mod forcing;
 mod history;
-mod hysteretic;
 mod play;
 mod play_error;
-mod reference;
+mod record;
+mod replay;
 mod residual;
 mod selection;
 mod simulation;
 mod stepper;
-mod straight;
-#[cfg(test)]
-mod tests;
-mod torque;
 mod warning;
 
 pub use energy::{EnergyAccount, EnergyBalance};
+pub use error::SimulationError;
 pub use feedback::{Feedback, FeedbackError};
-pub use forcing::Interpolation;
-pub use history::HistoryError;
-pub use play::Play;
+pub use history::{HistoryError, HubReference, Torque};
+pub use play::{Interpolation, Play};
 pub use play_error::PlayError;
-pub use reference::HubReference;
 pub use residual::ResidualVibration;
 pub use selection::ModeSelection;
-pub use simulation::{Simulation, SimulationError, simulate, simulate_on};
-pub use torque::Torque;
+pub use simulation::{Simulation, simulate, simulate_on};
 pub use warning::SimulationWarning;

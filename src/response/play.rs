@@ -1,33 +1,31 @@
+use super::error::SimulationError;
 use super::feedback::Feedback;
-use super::forcing::{Cubic, Interpolation, pieces};
+use super::history::Torque;
 use super::selection::torque_band_rad_s;
-use super::simulation::SimulationError;
-use super::stepper::Stepper;
-use super::torque::Torque;
-use crate::numeric::TimeGrid;
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
 
 /// Most samples that are simulated.
 const LONGEST: usize = 1 << 24;
 
-/// What is played on a link that is at rest before.
+/// A torque to play on a link at rest, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Play<'a> {
     /// The torque at the hub; zero before its first and after its last sample.
     pub torque: &'a Torque,
-    /// How it goes on between its samples.
+    /// The torque between its samples.
     pub interpolation: Interpolation,
-    /// Time in s up to which to go on, free of torque; `None`: to the torque's last sample.
+    /// Time in s at which to end, without torque after its last sample; `None`: at that sample.
     pub until_s: Option<f64>,
     /// Feedback at the hub, added to the torque.
     pub feedback: Option<&'a Feedback>,
-    /// Displacement of the tip before, in m.
+    /// Displacement of the tip at the start in m.
     pub initial_tip_m: f64,
-    /// Memory in bytes that playing may take; `None`: whatever it needs.
+    /// Most memory in bytes that playing may take; `None`: no bound.
     pub memory_bytes: Option<usize>,
 }
 
 impl<'a> Play<'a> {
-    /// A torque played to its end, by cubics, without feedback, the tip at 0 before.
+    /// A torque played to its end, by cubics, without feedback, the tip at 0 at the start.
     pub fn of(torque: &'a Torque) -> Self {
         Self {
             torque,
@@ -39,13 +37,13 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// The torque's grid, continued to the end asked for.
+    /// The torque's grid, continued to the given end.
     pub(super) fn grid(&self) -> Result<TimeGrid, SimulationError> {
         let grid = self.torque.grid();
         let Some(until_s) = self.until_s else { return Ok(grid) };
         let end_s = grid.end_s();
         let steps = (until_s - end_s) / grid.step_s;
-        // An end a hair beside the last sample is that sample.
+        // A millionth of a step beside the last sample is that sample.
         if steps.is_nan() || steps < -1e-6 {
             return Err(SimulationError::EndsEarly { until_s, end_s });
         }
@@ -67,10 +65,10 @@ impl<'a> Play<'a> {
         torque.into_iter().chain(wanted).reduce(f64::max)
     }
 
-    /// The input of the modal equations at every sample and between.
+    /// The input of the modal equations at all samples and between them.
     ///
     /// # Errors
-    /// Feedback with a reference at other times than the torque.
+    /// [`SimulationError::Feedback`] if the reference stands at other times than the torque.
     pub(super) fn driving(&self) -> Result<Driving, SimulationError> {
         let torque = self.torque.torque_n_m();
         let (samples, hold) = match self.feedback {
@@ -86,8 +84,8 @@ impl<'a> Play<'a> {
     }
 }
 
-/// Input u of the modal equations: the torque and what feedback wants; feedback's answer to the
-/// link's own motion is part of the equations.
+/// Input u of the modal equations: the torque, and the part of the feedback that depends on its reference.
+/// The part that depends on the link's motion belongs to the equations.
 #[derive(Debug, Clone)]
 pub(super) struct Driving {
     samples: Vec<f64>,
@@ -111,26 +109,61 @@ impl Driving {
     pub(super) fn held(&self) -> Cubic {
         [self.hold, 0.0, 0.0, 0.0]
     }
+}
 
-    /// Steps from rest through all samples.
-    pub(super) fn record(&self, stepper: &mut Stepper, samples: usize) -> Record {
-        let numbers = samples * stepper.coordinates().len();
-        let mut record =
-            Record { coordinates: Vec::with_capacity(numbers), rates: Vec::with_capacity(numbers) };
-        for sample in 0..samples {
-            if sample > 0 {
-                stepper.advance(&self.after(sample - 1));
-            }
-            record.coordinates.extend(stepper.coordinates());
-            record.rates.extend(stepper.rates());
+/// The torque between its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Interpolation {
+    /// A cubic spline through all samples.
+    #[default]
+    Cubic,
+    /// Straight lines.
+    Linear,
+}
+
+/// Coefficients of a cubic over one step: `u(s) = Σ c_j (s/Δt)ʲ`.
+pub(super) type Cubic = [f64; 4];
+
+/// The pieces between samples, one fewer than there are samples.
+pub(super) fn pieces(samples: &[f64], interpolation: Interpolation) -> Vec<Cubic> {
+    match interpolation {
+        Interpolation::Linear => {
+            samples.windows(2).map(|ends| [ends[0], ends[1] - ends[0], 0.0, 0.0]).collect()
         }
-        record
+        Interpolation::Cubic => {
+            let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
+            spline.slopes().windows(2).zip(samples.windows(2)).map(hermite).collect()
+        }
     }
 }
 
-/// Modal coordinates and their rates at every sample, one row a sample.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Record {
-    pub(super) coordinates: Vec<f64>,
-    pub(super) rates: Vec<f64>,
+fn hermite((slopes, ends): (&[f64], &[f64])) -> Cubic {
+    let rise = ends[1] - ends[0];
+    [
+        ends[0],
+        slopes[0],
+        3.0 * rise - 2.0 * slopes[0] - slopes[1],
+        slopes[0] + slopes[1] - 2.0 * rise,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_of_a_cubic_are_that_cubic() {
+        let cubic = |s: f64| 0.5 - s + 0.25 * s * s - 0.125 * s * s * s;
+        let samples: Vec<f64> = (0..6).map(|k| cubic(f64::from(k))).collect();
+        let evaluated = |c: &Cubic, s: f64| c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+        for (k, piece) in pieces(&samples, Interpolation::Cubic).iter().enumerate() {
+            for s in [0.0, 0.3, 1.0] {
+                assert!((evaluated(piece, s) - cubic(k as f64 + s)).abs() < 1e-13);
+            }
+        }
+        for (k, piece) in pieces(&samples, Interpolation::Linear).iter().enumerate() {
+            let middle = 0.5 * (samples[k] + samples[k + 1]);
+            assert!((evaluated(piece, 0.5) - middle).abs() < 1e-15);
+        }
+    }
 }

@@ -1,19 +1,20 @@
+use super::error::SimulationError;
 use super::play::Play;
 use super::selection::kept_modes;
-use super::simulation::{Simulation, SimulationError, equations_on};
+use super::simulation::{Simulation, equations_on};
 use super::stepper::Stepper;
 use super::warning::SimulationWarning;
 use crate::link::Link;
 use crate::modal::DampingLaw;
 use crate::numeric::largest;
 
-/// Share from which on the user is warned.
+/// Error above which a warning is given.
 const COARSE: f64 = 1e-2;
 
-/// What mesh and modes make a simulation wrong by.
+/// Errors of a simulation by its mesh and its modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlayError {
-    /// Largest error of the tip's displacement, over its way.
+    /// Largest error of the tip's displacement, over its travel.
     pub tip: f64,
     /// Largest error of the hub angle, over its peak.
     pub hub_angle: f64,
@@ -24,21 +25,20 @@ impl PlayError {
     /// there, and measures the change; where modes were cut, with twice as many.
     ///
     /// The error falls with the fourth power of the element length, so that the change is 15/16 of
-    /// it. It takes about as long as the simulation, and no memory. None where the damping law
-    /// cannot be on such elements.
+    /// it. It takes about as long as the simulation, and no memory. `None` where such elements do not
+    /// allow the damping law.
     ///
     /// # Errors
-    /// As [`simulate`](super::simulate), of what the torque was played on.
+    /// As [`simulate`](super::simulate) of this simulation.
     pub fn of(
         simulation: &Simulation,
         link: &Link,
         play: &Play,
     ) -> Result<Option<Self>, SimulationError> {
-        let band_rad_s = play.band_rad_s().ok_or(SimulationError::NoTorque)?;
         let mesh = simulation.mesh.refined();
         let Ok(law) = DampingLaw::of(link.damping(), &mesh) else { return Ok(None) };
         let most_modes = simulation.selection.most_modes_beyond();
-        let (basis, _) = kept_modes(&mesh, band_rad_s, most_modes);
+        let (basis, _) = kept_modes(&mesh, simulation.band_rad_s, most_modes);
         let equations = equations_on(link, &mesh, &law, play, basis);
         let (driving, tips) = (play.driving()?, equations.tips(&mesh));
         let mut stepper = Stepper::new(&equations, simulation.grid.step_s);
@@ -58,12 +58,12 @@ impl PlayError {
         let turned: Vec<f64> = simulation.hub_angle_rad.iter().map(|a| a - start_rad).collect();
         let share = |error: f64, whole: f64| if error == 0.0 { 0.0 } else { error / whole };
         Ok(Some(Self {
-            tip: 16.0 / 15.0 * share(tip_m, simulation.tip.farthest_m()),
+            tip: 16.0 / 15.0 * share(tip_m, simulation.tip.largest_travel_m()),
             hub_angle: 16.0 / 15.0 * share(hub_rad, largest(&turned)),
         }))
     }
 
-    /// What there is to warn of.
+    /// A warning if the errors are large.
     pub fn warning(&self) -> Option<SimulationWarning> {
         let Self { tip, hub_angle } = *self;
         (tip.max(hub_angle) > COARSE).then_some(SimulationWarning::CoarseMesh { tip, hub_angle })

@@ -1,55 +1,70 @@
-use super::play::{Driving, Play};
-use super::simulation::Simulation;
+use super::equations::Equations;
+use super::feedback::Feedback;
+use super::play::Cubic;
 use super::stepper::Stepper;
+use crate::beam::Mesh;
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 
-/// Vibration has died down when it stays below this share of its amplitude.
+/// A vibration has decayed when it stays below this share of its amplitude.
 const DECAYED: f64 = 0.01;
 
-/// Vibration below this share of the tip's way is round-off.
+/// Vibration below this share of the tip's travel is round-off.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Periods of the first mode that are watched at a time, and how often they are.
+/// Periods of the first mode between two tests for decay, and the most tests.
 const PERIODS: usize = 4;
 const WATCHES: usize = 100;
 
-/// Steps in a period of the first mode, whatever those of the torque: enough for the modes that
-/// vibrate beside it.
+/// Steps in a period of the first mode, enough for the higher modes that vibrate too; the torque's own
+/// step does not matter.
 const STEPS: usize = 256;
 
-/// Zeros beside the vibration, in lengths of it, so that its frequency is read between bins.
+/// Zeros appended to the vibration, in lengths of it: they interpolate between the bins of its spectrum.
 const ZEROS: usize = 3;
 
-/// What the tip does after the torque's last sample beside turning with the rigid link; with
-/// feedback, beside standing where the reference ends.
+/// Motion of the tip after the torque's last sample, less the rotation of the rigid link; with feedback,
+/// less the final position of the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ResidualVibration {
     /// Largest excursion in m.
     pub amplitude_m: f64,
-    /// The same over the tip's largest displacement from where it started.
+    /// The same over the tip's travel, its largest displacement from its start.
     pub share: f64,
-    /// Frequency of its strongest part in Hz; none where nothing vibrates.
+    /// Frequency of its strongest part in Hz; `None` where nothing vibrates.
     pub frequency_hz: Option<f64>,
-    /// Time in s from the torque's last sample until it stays below 1 % of its amplitude; none
+    /// Time in s from the torque's last sample until it stays below 1 % of its amplitude; `None`
     /// where it does not within 400 periods of the first mode.
     pub decay_s: Option<f64>,
 }
 
+/// State of a link at the torque's last sample.
+pub(super) struct AfterTorque<'a> {
+    pub(super) equations: &'a Equations,
+    pub(super) mesh: &'a Mesh,
+    pub(super) feedback: Option<&'a Feedback>,
+    /// Input of the modal equations over each step.
+    pub(super) input: Cubic,
+    pub(super) coordinates: &'a [f64],
+    pub(super) rates: &'a [f64],
+    /// Largest displacement of the tip from its start in m.
+    pub(super) travel_m: f64,
+}
+
 impl ResidualVibration {
-    /// Goes on from the torque's last sample until the vibration has died down.
-    pub(super) fn of(simulation: &Simulation, play: &Play, driving: &Driving) -> Self {
-        let Some(period_s) = simulation.equations.first_period_s() else {
+    /// Continues from the torque's last sample until the vibration has decayed.
+    pub(super) fn of(after: &AfterTorque) -> Self {
+        let AfterTorque { equations, input, coordinates, rates, travel_m, .. } = *after;
+        let Some(period_s) = equations.first_period_s() else {
             return Self { decay_s: Some(0.0), ..Self::default() };
         };
         let step_s = period_s / STEPS as f64;
-        let (q, rates) = simulation.state(simulation.driven - 1);
-        let mut stepper = Stepper::new(&simulation.equations, step_s).starting_at(q, rates);
-        let reading = Reading::new(simulation, play);
-        let mut vibration = vec![reading.of(q, rates)];
+        let mut stepper = Stepper::new(equations, step_s).starting_at(coordinates, rates);
+        let reading = Reading::new(after);
+        let mut vibration = vec![reading.of(coordinates, rates)];
         let watch = PERIODS * STEPS;
         for _ in 0..WATCHES {
             for _ in 0..watch {
-                stepper.advance(&driving.held());
+                stepper.advance(&input);
                 vibration.push(reading.of(&stepper.coordinates(), &stepper.rates()));
             }
             let recent = &vibration[vibration.len() - watch..];
@@ -57,44 +72,43 @@ impl ResidualVibration {
                 break;
             }
         }
-        Self::measured(&vibration, step_s, simulation.tip.farthest_m(), watch)
+        Self::measured(&vibration, step_s, travel_m, watch)
     }
 
-    fn measured(vibration: &[f64], step_s: f64, way_m: f64, watch: usize) -> Self {
+    fn measured(vibration: &[f64], step_s: f64, travel_m: f64, watch: usize) -> Self {
         let amplitude_m = peak_between(vibration);
-        let share = if way_m > 0.0 { amplitude_m / way_m } else { 0.0 };
+        let share = if travel_m > 0.0 { amplitude_m / travel_m } else { 0.0 };
         if share <= ROUND_OFF {
             return Self { amplitude_m, share, frequency_hz: None, decay_s: Some(0.0) };
         }
         let stays = |x: &f64| x.abs() > DECAYED * amplitude_m;
         let last = vibration.iter().rposition(stays).unwrap_or(0);
-        let has_died = last + watch <= vibration.len();
+        let has_decayed = last + watch <= vibration.len();
         Self {
             amplitude_m,
             share,
             frequency_hz: strongest_hz(&vibration[..=last], step_s),
-            decay_s: has_died.then_some((last + 1) as f64 * step_s),
+            decay_s: has_decayed.then_some((last + 1) as f64 * step_s),
         }
     }
 }
 
-/// Reads the vibration of the tip off modal coordinates.
+/// Computes the vibration of the tip from modal coordinates.
 struct Reading {
     tips: Vec<f64>,
-    /// Where the tip will stand.
+    /// Final position of the tip in m.
     goal_m: f64,
-    /// Tip bent per rate of the rigid rotation: what friction bends the turning link to is no
-    /// vibration.
+    /// Deflection of the tip by friction per rate of the rigid rotation: it is no vibration.
     dragged_m_s: f64,
 }
 
 impl Reading {
-    fn new(simulation: &Simulation, play: &Play) -> Self {
-        let equations = &simulation.equations;
-        let mut tips = equations.tips(&simulation.mesh);
-        let held = play.feedback.filter(|feedback| feedback.stiffness_n_m_rad() > 0.0);
+    fn new(after: &AfterTorque) -> Self {
+        let AfterTorque { equations, mesh, feedback, .. } = *after;
+        let mut tips = equations.tips(mesh);
+        let held = feedback.filter(|feedback| feedback.stiffness_n_m_rad() > 0.0);
         if let Some(feedback) = held {
-            let goal_m = feedback.turn_rad() * simulation.mesh.length_m();
+            let goal_m = feedback.turn_rad() * mesh.length_m();
             return Self { tips, goal_m, dragged_m_s: 0.0 };
         }
         // Turning with the rigid link is no vibration.
@@ -111,8 +125,8 @@ impl Reading {
     }
 }
 
-/// Largest excursion, between samples, too: the top of the quartic through the largest sample and
-/// two on each side.
+/// Largest excursion, also between samples: the top of the quartic through the largest sample and two on
+/// each side.
 fn peak_between(samples: &[f64]) -> f64 {
     let sizes = |a: &usize, b: &usize| samples[*a].abs().total_cmp(&samples[*b].abs());
     let Some(top) = (0..samples.len()).max_by(sizes) else { return 0.0 };
@@ -127,14 +141,14 @@ fn peak_between(samples: &[f64]) -> f64 {
     let fourth = a - 4.0 * b + 6.0 * c - 4.0 * d + e;
     let derivative = |s: f64| slope + s * (curvature + s * (third / 2.0 + s * fourth / 6.0));
     let bend = |s: f64| curvature + s * (third + s * fourth / 2.0);
-    // From within half a step a few of Newton's steps reach the last bit.
+    // From half a step away a few of Newton's steps converge to the last bit.
     let at = (0..4).fold(0.0, |s, _| s - derivative(s) / bend(s));
     if at.abs() < 1.0 {
         let series = [c, slope, curvature / 2.0, third / 6.0, fourth / 24.0];
         let crest = series.iter().rev().fold(0.0, |sum, term| sum * at + term);
         c.abs().max(crest.abs())
     } else {
-        // Beside a kink the quartic says nothing.
+        // Next to a kink the quartic is useless.
         c.abs()
     }
 }
@@ -151,7 +165,7 @@ fn strongest_hz(vibration: &[f64], step_s: f64) -> Option<f64> {
         let sine = libm::sin(std::f64::consts::PI * (k as f64 + 0.5) / len as f64);
         sine * sine
     };
-    // The mean under the window, so that none of it is left to outshine a decaying vibration.
+    // The mean under the window, so that no rest of it exceeds a decaying vibration.
     let weights: f64 = (0..len).map(window).sum();
     let mean = vibration.iter().enumerate().map(|(k, x)| window(k) * x).sum::<f64>() / weights;
     let mut samples: Vec<f64> =

@@ -4,24 +4,24 @@ use crate::beam::Mesh;
 use crate::modal::{ModalBasis, flexible_modes, modes_below, natural_frequencies};
 use crate::numeric::{FourierPair, TimeGrid, angular_frequency, fast_length, magnitude};
 
-/// Share of the motion that may lie above the frequency up to which modes answer dynamically.
+/// Share of the motion above the torque's band.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// Modes are kept up to this factor above that frequency: beyond, they follow the torque statically
-/// to within (1/factor)² of their small share, and their common residual mode follows that too.
+/// Modes are kept up to this multiple of the band. Higher ones follow the torque statically to within
+/// (1/factor)² of their small share, and so does the residual mode that stands for them.
 const REACH: f64 = 4.0;
 
-/// The band counts as at least this many first natural frequencies: a torque with a jump, or with
-/// corners between its samples, holds more than its samples show.
+/// Least band in first natural frequencies: a torque with a jump, or with corners between its samples, has
+/// higher frequencies than its samples show.
 const LEAST_BAND: f64 = 10.0;
 
 /// Most modes that are kept.
 pub(super) const MOST_MODES: usize = 500;
 
-/// Which modes a torque moves.
+/// The modes that a torque excites.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeSelection {
-    /// Flexible modes kept; those beyond answer together as one residual mode.
+    /// Flexible modes kept; one residual mode stands for the others.
     pub modes: usize,
     /// Flexible modes of the mesh.
     pub of: usize,
@@ -32,16 +32,16 @@ pub struct ModeSelection {
 }
 
 impl ModeSelection {
-    /// The most modes to keep where these are to be measured: twice as many where some were cut.
+    /// The most modes to keep when the error of these is measured: twice as many where some were cut.
     pub(super) fn most_modes_beyond(&self) -> usize {
         if self.modes < MOST_MODES { MOST_MODES } else { 2 * MOST_MODES }
     }
 }
 
-/// Frequency in rad/s above which a torque of these samples has next to no part in the motion.
+/// Frequency in rad/s above which a torque of these samples hardly moves a link.
 ///
-/// A torque's amplitude T̂ moves a rigid link by T̂/(Iω²): these shares are summed from the Nyquist
-/// frequency down until they matter beside the whole motion. None for a torque that is zero.
+/// An amplitude T̂ moves a rigid link by T̂/(Iω²): these are summed from the Nyquist frequency down until the
+/// sum exceeds [`NEGLIGIBLE`] times the whole motion. `None` for a torque of zero.
 pub(super) fn torque_band_rad_s(grid: &TimeGrid, samples: &[f64]) -> Option<f64> {
     let whole = largest_excursion(samples) * grid.step_s.powi(2);
     if whole == 0.0 {
@@ -74,7 +74,7 @@ fn largest_excursion(samples: &[f64]) -> f64 {
     largest
 }
 
-/// The modes of `mesh` that a torque of this band moves, at most so many.
+/// The modes of `mesh` that a torque of this band excites, at most `most_modes`.
 pub(super) fn kept_modes(
     mesh: &Mesh,
     band_rad_s: f64,

@@ -1,111 +1,29 @@
 use rayon::prelude::*;
-use thiserror::Error;
 
 use super::equations::{Equations, HubReaction};
-use super::feedback::{Feedback, FeedbackError};
-use super::play::{Driving, Play, Record};
-use super::residual::ResidualVibration;
+use super::error::SimulationError;
+use super::feedback::Feedback;
+use super::play::Play;
+use super::record::Record;
+use super::residual::{AfterTorque, ResidualVibration};
 use super::selection::{MOST_MODES, ModeSelection, kept_modes};
-use super::stepper::Stepper;
-use super::warning::{SimulationWarning, warnings};
+use super::warning::{Evidence, SimulationWarning, warnings};
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
 use crate::link::Link;
 use crate::modal::{
-    DampingError, DampingLaw, ModalBasis, REPORTED_MODES, Shape, hub_moves_mass,
-    natural_frequencies,
+    DampingLaw, ModalBasis, REPORTED_MODES, Shape, hub_moves_mass, natural_frequencies,
 };
 use crate::motion::TipMotionHistories;
-use crate::numeric::{TimeGrid, gigabytes, plain, rounded};
+use crate::numeric::{TimeGrid, largest};
 
 /// Memory in bytes that playing takes for each sample, as measured, besides the coordinate and the
 /// rate of each mode.
 const BYTES_PER_SAMPLE: usize = 190;
 
-/// Why a torque is not played.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum SimulationError {
-    /// Nothing moves.
-    #[error("the torque is zero in all samples, but must move the link")]
-    NoTorque,
-    /// A hub that turns without moving mass, so that its motion follows no equation in time.
-    #[error("the hub moves no mass, but must: hub.inertia = 0, and the link's root has none")]
-    MasslessHub,
-    /// Damping that cannot be.
-    #[error(transparent)]
-    Damping(#[from] DampingError),
-    /// Feedback that does not fit the torque.
-    #[error(transparent)]
-    Feedback(#[from] FeedbackError),
-    /// An end before that of the torque.
-    #[error(
-        "until = {until_s} s, but must not be before the torque's last sample, {} s",
-        rounded(*end_s, 12)
-    )]
-    EndsEarly {
-        /// The end asked for in s.
-        until_s: f64,
-        /// The torque's last time in s.
-        end_s: f64,
-    },
-    /// More samples than this program holds.
-    #[error(
-        "until = {} s, {samples:.3e} samples, but must be at most {limit} samples",
-        plain(*until_s)
-    )]
-    TooLong {
-        /// The end asked for in s.
-        until_s: f64,
-        /// Samples that it needs.
-        samples: f64,
-        /// Samples possible.
-        limit: usize,
-    },
-    /// More memory than is allowed.
-    #[error(
-        "{samples} samples of {modes} modes would need {} of memory, but must fit in the {} \
-         available",
-        gigabytes(*bytes),
-        gigabytes(*allowed)
-    )]
-    TooMuchMemory {
-        /// Samples of the simulation.
-        samples: usize,
-        /// Modes kept, rigid rotation and residual mode included.
-        modes: usize,
-        /// Bytes needed, about.
-        bytes: usize,
-        /// Bytes allowed.
-        allowed: usize,
-    },
-    /// Numbers beyond double precision.
-    #[error("the motion at {} s = not a finite number, but must be one", rounded(*time_s, 12))]
-    NotFinite {
-        /// The time in s.
-        time_s: f64,
-    },
-}
-
-impl SimulationError {
-    /// What the user can do about it.
-    pub fn hint(&self) -> Option<&'static str> {
-        match self {
-            Self::Damping(error) => Some(error.hint()),
-            Self::Feedback(error) => error.hint(),
-            Self::TooLong { .. } | Self::TooMuchMemory { .. } => {
-                Some("an earlier end, or a torque with a longer step")
-            }
-            Self::NotFinite { .. } => Some("the inputs are too large for double precision"),
-            Self::EndsEarly { .. } => Some("the simulation goes on to the torque's end by itself"),
-            Self::MasslessHub => Some("give the hub an inertia, however small"),
-            Self::NoTorque => None,
-        }
-    }
-}
-
-/// What a torque does to a link. All histories stand on [`Simulation::grid`].
+/// The motion of a link under a torque. All histories stand on [`Simulation::grid`].
 #[derive(Debug, Clone)]
 pub struct Simulation {
-    /// Times of all histories: those of the torque, then as many more as asked for.
+    /// Times of all histories: those of the torque, continued to the given end.
     pub grid: TimeGrid,
     /// Samples of the torque.
     pub driven: usize,
@@ -119,7 +37,7 @@ pub struct Simulation {
     pub hub_acceleration_rad_s2: Vec<f64>,
     /// Motion of the tip.
     pub tip: TipMotionHistories,
-    /// What vibrates on after the torque.
+    /// Vibration after the torque.
     pub residual: ResidualVibration,
     /// Modes that were kept.
     pub selection: ModeSelection,
@@ -131,8 +49,9 @@ pub struct Simulation {
     pub law: DampingLaw,
     /// What the user must know.
     pub warnings: Vec<SimulationWarning>,
+    /// Frequency in rad/s up to which the link is driven.
+    pub(super) band_rad_s: f64,
     pub(super) initial_tip_m: f64,
-    pub(super) friction_n_m_s_rad: f64,
     pub(super) equations: Equations,
     pub(super) record: Record,
 }
@@ -140,8 +59,8 @@ pub struct Simulation {
 /// Plays a torque on a link: direct dynamics in modal coordinates, each mode integrated exactly for
 /// the interpolated torque (Bayo 1987, eqs 11 and 12).
 ///
-/// The modes are those that the torque's own spectrum reaches; the rest answers as one residual
-/// mode, statically right. Hysteretic damping has no equation in time: its ratio is taken as the
+/// The modes are those within the band of the torque; the others act as one residual mode with their static
+/// response. Hysteretic damping has no equation in time: its ratio is taken as the
 /// viscous ratio of every mode. An automatic mesh is refined until it follows the torque's band to
 /// the plan's tolerance.
 ///
@@ -163,7 +82,7 @@ pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, S
     play_on(link, mesh, play, play.band_rad_s().ok_or(SimulationError::NoTorque)?)
 }
 
-/// Plays a torque that drives the link up to a frequency.
+/// Plays a torque that drives the link up to `band_rad_s`.
 fn play_on(
     link: &Link,
     mesh: Mesh,
@@ -180,40 +99,63 @@ fn play_on(
     let equations = equations_on(link, &mesh, &law, play, basis);
     let modes = equations.coordinates.len();
     check_memory(grid.len, modes, play)?;
-    let mut stepper = Stepper::new(&equations, grid.step_s);
-    let record = driving.record(&mut stepper, grid.len);
+    let record = Record::of(&equations, &driving, &grid);
     if let Some(bad) = record.coordinates.iter().position(|q| !q.is_finite()) {
         return Err(SimulationError::NotFinite { time_s: grid.time_s(bad / modes) });
     }
-    let mut simulation = Simulation {
+    let observed = record.observed(&equations, &mesh, &driving, play.initial_tip_m);
+    let [torque_n_m, hub_angle_rad, hub_rate_rad_s, hub_acceleration_rad_s2, tip @ ..] = observed;
+    let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
+    let tip = TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 };
+    let is_finite = |k: &usize| {
+        let power = torque_n_m[*k] * hub_rate_rad_s[*k];
+        let accelerations = tip.acceleration_m_s2[*k] + hub_acceleration_rad_s2[*k];
+        power.is_finite() && accelerations.is_finite()
+    };
+    if let Some(sample) = (0..grid.len).find(|k| !is_finite(k)) {
+        return Err(SimulationError::NotFinite { time_s: grid.time_s(sample) });
+    }
+    let driven = play.torque.grid().len;
+    let (coordinates, rates) = record.at(driven - 1);
+    let residual = ResidualVibration::of(&AfterTorque {
+        equations: &equations,
+        mesh: &mesh,
+        feedback: play.feedback,
+        input: driving.held(),
+        coordinates,
+        rates,
+        travel_m: tip.largest_travel_m(),
+    });
+    let deflection_m = tip_deflection_m(&mesh, &tip.displacement_m, &hub_angle_rad);
+    let warnings = warnings(&Evidence {
+        torque_n_m: play.torque.torque_n_m(),
+        step_s: grid.step_s,
+        first_period_s: equations.first_period_s(),
+        vibration_share: residual.share,
+        deflection_share: largest(&deflection_m) / mesh.length_m(),
+    });
+    Ok(Simulation {
         grid,
-        driven: play.torque.grid().len,
-        torque_n_m: Vec::with_capacity(grid.len),
-        hub_angle_rad: Vec::with_capacity(grid.len),
-        hub_rate_rad_s: Vec::with_capacity(grid.len),
-        hub_acceleration_rad_s2: Vec::with_capacity(grid.len),
-        tip: TipMotionHistories::default(),
-        residual: ResidualVibration::default(),
+        driven,
+        torque_n_m,
+        hub_angle_rad,
+        hub_rate_rad_s,
+        hub_acceleration_rad_s2,
+        tip,
+        residual,
         selection,
         natural_frequencies_rad_s: natural_frequencies(&mesh, REPORTED_MODES),
         mesh,
         law,
-        warnings: Vec::new(),
+        warnings,
+        band_rad_s,
         initial_tip_m: play.initial_tip_m,
-        friction_n_m_s_rad: link.joint().friction_n_m_s_rad,
         equations,
         record,
-    };
-    simulation.observe(&driving);
-    if let Some(sample) = simulation.first_not_finite() {
-        return Err(SimulationError::NotFinite { time_s: grid.time_s(sample) });
-    }
-    simulation.residual = ResidualVibration::of(&simulation, play, &driving);
-    simulation.warnings = warnings(&simulation, play);
-    Ok(simulation)
+    })
 }
 
-/// The link in these modes, with all that reacts to its hub's motion.
+/// The link in these modes, with friction and feedback at its hub.
 pub(super) fn equations_on(
     link: &Link,
     mesh: &Mesh,
@@ -222,15 +164,16 @@ pub(super) fn equations_on(
     basis: ModalBasis,
 ) -> Equations {
     let gain = |of: fn(&Feedback) -> f64| play.feedback.map_or(0.0, of);
-    let friction = link.joint().friction_n_m_s_rad;
+    let friction_n_m_s_rad = link.joint().friction_n_m_s_rad;
     let reaction = HubReaction {
         stiffness_n_m_rad: gain(Feedback::stiffness_n_m_rad),
-        damping_n_m_s_rad: friction + gain(Feedback::damping_n_m_s_rad),
+        damping_n_m_s_rad: friction_n_m_s_rad + gain(Feedback::damping_n_m_s_rad),
+        friction_n_m_s_rad,
     };
     Equations::new(mesh, law, basis, reaction)
 }
 
-/// Refuses a simulation that takes more memory than the play allows.
+/// Refuses a simulation that needs more memory than the play allows.
 fn check_memory(samples: usize, modes: usize, play: &Play) -> Result<(), SimulationError> {
     let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE);
     match play.memory_bytes.filter(|allowed| bytes > *allowed) {
@@ -239,53 +182,14 @@ fn check_memory(samples: usize, modes: usize, play: &Play) -> Result<(), Simulat
     }
 }
 
+fn tip_deflection_m(mesh: &Mesh, tip_m: &[f64], hub_angle_rad: &[f64]) -> Vec<f64> {
+    tip_m.iter().zip(hub_angle_rad).map(|(v, theta)| v - mesh.length_m() * theta).collect()
+}
+
 impl Simulation {
-    /// Modal coordinates and rates at a sample.
-    pub(super) fn state(&self, sample: usize) -> (&[f64], &[f64]) {
-        let row = self.equations.coordinates.len();
-        let range = sample * row..(sample + 1) * row;
-        (&self.record.coordinates[range.clone()], &self.record.rates[range])
-    }
-
-    /// Reads motion of hub and tip, and the motor's torque, off the modal coordinates.
-    fn observe(&mut self, driving: &Driving) {
-        let tips = self.equations.tips(&self.mesh);
-        let tip = |q: &[f64]| -> f64 { q.iter().zip(&tips).map(|(q, tip)| q * tip).sum() };
-        let initial_angle = self.initial_tip_m / self.mesh.length_m();
-        for sample in 0..self.grid.len {
-            let (q, rate) = self.state(sample);
-            let input = driving.at(sample);
-            let acceleration = self.equations.accelerations(q, rate, input);
-            let (angle, hub_rate) = (self.equations.hub(q), self.equations.hub(rate));
-            // Friction is the hub's own; the rest of the reaction is the motor's.
-            let reaction = self.equations.reaction.torque_n_m(angle, hub_rate);
-            let motor = input - (reaction - self.friction_n_m_s_rad * hub_rate);
-            let hub_acceleration = self.equations.hub(&acceleration);
-            let [v, velocity, a] = [tip(q), tip(rate), tip(&acceleration)];
-            self.torque_n_m.push(motor);
-            self.hub_angle_rad.push(initial_angle + angle);
-            self.hub_rate_rad_s.push(hub_rate);
-            self.hub_acceleration_rad_s2.push(hub_acceleration);
-            self.tip.displacement_m.push(self.initial_tip_m + v);
-            self.tip.velocity_m_s.push(velocity);
-            self.tip.acceleration_m_s2.push(a);
-        }
-    }
-
-    /// The first sample at which the motion or the motor's power is beyond double precision.
-    fn first_not_finite(&self) -> Option<usize> {
-        (0..self.grid.len).find(|k| {
-            let power = self.torque_n_m[*k] * self.hub_rate_rad_s[*k];
-            let accelerations = self.tip.acceleration_m_s2[*k] + self.hub_acceleration_rad_s2[*k];
-            !(power.is_finite() && accelerations.is_finite())
-        })
-    }
-
     /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.
     pub fn tip_deflection_m(&self) -> Vec<f64> {
-        let length_m = self.mesh.length_m();
-        let tips = self.tip.displacement_m.iter().zip(&self.hub_angle_rad);
-        tips.map(|(v, theta)| v - length_m * theta).collect()
+        tip_deflection_m(&self.mesh, &self.tip.displacement_m, &self.hub_angle_rad)
     }
 
     /// Total displacement `v = xθ + w` in m at `nodes`, every `every`-th sample.

@@ -1,21 +1,18 @@
 use thiserror::Error;
 
-use super::play::Play;
-use super::simulation::Simulation;
 use crate::link::Link;
-use crate::numeric::largest;
-use crate::numeric::rounded;
+use crate::numeric::{largest, rounded};
 
-/// Torque at its first or last sample, over its peak, from which on the user is told.
+/// Torque at its first or last sample over its peak, above which a warning is given.
 const STEP_SHARE: f64 = 1e-3;
 
-/// Steps in a period of the first mode below which the user is told.
+/// Steps in a period of the first mode below which a warning is given.
 const STEPS_IN_A_PERIOD: f64 = 8.0;
 
-/// Vibration over the tip's way below which no row needs to show it.
+/// Vibration over the tip's travel below which the rows need not show it.
 const VIBRATES: f64 = 1e-6;
 
-/// Something that the user must know to believe a simulation. Returned, never printed here.
+/// What the user must know to judge a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SimulationWarning {
     /// A torque that does not begin at zero.
@@ -42,7 +39,7 @@ pub enum SimulationWarning {
         /// The same over the peak.
         share: f64,
     },
-    /// A step too long for the vibration to be seen.
+    /// A step too long to show the vibration.
     #[error(
         "the step = {:?} s leaves {:?} steps to a period of the first mode, {:?} s: between the rows \
          the link does what no row shows",
@@ -58,19 +55,19 @@ pub enum SimulationWarning {
         /// Period over step.
         steps: f64,
     },
-    /// More bending than the linear theory of small deflections holds for.
+    /// A deflection beyond the linear theory.
     #[error("{}", Link::large_deflection_words(*share))]
     LargeDeflection {
         /// Largest deflection of the tip from the hub's tangent line over the length.
         share: f64,
     },
-    /// A mesh, or modes, too few for the torque.
+    /// Too few elements or modes for the torque.
     #[error(
         "mesh and modes make the tip wrong by {tip:.1e} of its way, the hub angle by \
          {hub_angle:.1e} of its peak (elements halved)"
     )]
     CoarseMesh {
-        /// Error of the tip over its way.
+        /// Error of the tip over its travel.
         tip: f64,
         /// Error of the hub angle over its peak.
         hub_angle: f64,
@@ -78,7 +75,7 @@ pub enum SimulationWarning {
 }
 
 impl SimulationWarning {
-    /// Name of the kind, for machines.
+    /// Name of the kind in summary.json.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::BeginsWithJump { .. } => "begins_with_jump",
@@ -104,32 +101,39 @@ impl SimulationWarning {
     }
 }
 
-/// All warnings that a simulation gives reason for.
-pub(super) fn warnings(simulation: &Simulation, play: &Play) -> Vec<SimulationWarning> {
-    let torque = play.torque.torque_n_m();
+/// What warnings depend on.
+pub(super) struct Evidence<'a> {
+    /// Samples of the torque.
+    pub(super) torque_n_m: &'a [f64],
+    pub(super) step_s: f64,
+    /// Period of the first flexible mode in s.
+    pub(super) first_period_s: Option<f64>,
+    /// Residual vibration over the tip's travel.
+    pub(super) vibration_share: f64,
+    /// Largest deflection of the tip over the length.
+    pub(super) deflection_share: f64,
+}
+
+/// All warnings that the evidence gives.
+pub(super) fn warnings(evidence: &Evidence) -> Vec<SimulationWarning> {
+    let Evidence { torque_n_m: torque, step_s, .. } = *evidence;
     let peak = largest(torque);
     let share = |torque_n_m: f64| torque_n_m.abs() / peak;
     let (first, last) = (torque[0], torque[torque.len() - 1]);
     let begins = SimulationWarning::BeginsWithJump { torque_n_m: first, share: share(first) };
     let ends = SimulationWarning::EndsWithJump { torque_n_m: last, share: share(last) };
-    let step_s = simulation.grid.step_s;
-    let coarse = simulation.equations.first_period_s().map(|period_s| {
+    let coarse = evidence.first_period_s.and_then(|period_s| {
         let steps = period_s / step_s;
-        SimulationWarning::CoarseStep { step_s, period_s, steps }
+        let is_coarse = steps < STEPS_IN_A_PERIOD && evidence.vibration_share > VIBRATES;
+        is_coarse.then_some(SimulationWarning::CoarseStep { step_s, period_s, steps })
     });
-    let is_coarse = |warning: &SimulationWarning| match warning {
-        SimulationWarning::CoarseStep { steps, .. } => {
-            *steps < STEPS_IN_A_PERIOD && simulation.residual.share > VIBRATES
-        }
-        _ => false,
-    };
-    let bent = largest(&simulation.tip_deflection_m()) / simulation.mesh.length_m();
-    let deflects = SimulationWarning::LargeDeflection { share: bent };
+    let deflection = evidence.deflection_share;
+    let deflects = SimulationWarning::LargeDeflection { share: deflection };
     (share(first) > STEP_SHARE)
         .then_some(begins)
         .into_iter()
         .chain((share(last) > STEP_SHARE).then_some(ends))
-        .chain(coarse.filter(is_coarse))
-        .chain((bent > Link::LARGE_DEFLECTION).then_some(deflects))
+        .chain(coarse)
+        .chain((deflection > Link::LARGE_DEFLECTION).then_some(deflects))
         .collect()
 }

@@ -33,7 +33,7 @@ impl PlayedMetrics {
         let power: Vec<f64> = torque_n_m.iter().zip(hub_rate_rad_s).map(|(t, w)| t * w).collect();
         Self {
             peak_torque_n_m: peak(torque_n_m),
-            farthest_m: tip.farthest_m(),
+            farthest_m: tip.largest_travel_m(),
             travel_m: displacement[last] - displacement[0],
             final_tip_velocity_m_s: tip.velocity_m_s[last],
             peak_hub_angle_rad: peak(&turned),

@@ -93,8 +93,8 @@ impl TipError {
     pub fn of(simulation: &Simulation, target: &TipTarget) -> Result<Self, TargetError> {
         let (own, grid, wanted_m) = (&simulation.grid, target.grid(), target.displacement_m());
         let spline = CubicSpline::uniform(&simulation.tip.displacement_m, SplineEnds::NotAKnot);
-        let way_m = target.farthest_m();
-        if way_m == 0.0 {
+        let travel_m = target.largest_travel_m();
+        if travel_m == 0.0 {
             return Err(TargetError::NoMotion);
         }
         let last = (own.len - 1) as f64;
@@ -113,11 +113,11 @@ impl TipError {
         let late = LateTarget { start_s: grid.time_s(0), moved_m };
         Ok(Self {
             worst_m: errors[worst].abs(),
-            share: errors[worst].abs() / way_m,
+            share: errors[worst].abs() / travel_m,
             time_s: grid.time_s(worst),
             rms_m: (squares / errors.len() as f64).sqrt(),
             final_m: errors[errors.len() - 1],
-            late: (moved_m > MOVED_BEFORE * way_m).then_some(late),
+            late: (moved_m > MOVED_BEFORE * travel_m).then_some(late),
         })
     }
 }

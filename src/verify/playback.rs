@@ -96,7 +96,7 @@ fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
     let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
     let played = TIP.max(analysis.tolerance());
-    analysis.tip_tolerance() + played.min((driven_m + between_m) / solution.tip.farthest_m())
+    analysis.tip_tolerance() + played.min((driven_m + between_m) / solution.tip.largest_travel_m())
 }
 
 /// The solved tip against the wanted motion; none where all frequencies of the samples are solved for.
@@ -116,7 +116,7 @@ fn net_torque(answer: &Answer) -> Vec<f64> {
 
 /// Largest error of a tip against the wanted motion, over its travel.
 fn tip_error(answer: &Answer, wanted: &TipTarget, tip_m: &[f64]) -> f64 {
-    largest_difference(tip_m, wanted.displacement_m()) / answer.solution.tip.farthest_m()
+    largest_difference(tip_m, wanted.displacement_m()) / answer.solution.tip.largest_travel_m()
 }
 
 /// Largest imbalance of energy, and the error of its integrals, both over the largest energy in the

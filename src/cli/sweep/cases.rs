@@ -181,7 +181,7 @@ impl<'a> Cases<'a> {
         let of_modes = Remark::on_modes(&link, &mesh, &natural_frequencies(&mesh, 1));
         let of_motion = self.motion_of(&link, values.motion).map(|motion| {
             let target = motion.target(motion.grid().time_s(0), motion.grid().end_s());
-            Remark::on_motion(&link, &motion, target.farthest_m())
+            Remark::on_motion(&link, &motion, target.largest_travel_m())
         });
         [remarks, of_modes, of_motion.unwrap_or_default()].concat()
     }

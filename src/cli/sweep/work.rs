@@ -87,7 +87,7 @@ impl Cases<'_> {
         let limits = exceeded.iter().map(Told::of_limit);
         let first: Vec<f64> = found.period_s.iter().map(|period_s| TAU / period_s).collect();
         let of_modes = Remark::on_modes(link, solution.mesh(), &first);
-        let of_motion = Remark::on_motion(link, &motion, solution.tip.farthest_m());
+        let of_motion = Remark::on_motion(link, &motion, solution.tip.largest_travel_m());
         let remarks = specification.remarks.iter().cloned().chain(of_modes).chain(of_motion);
         Ok((found, own.chain(limits).collect(), remarks.collect()))
     }

@@ -66,7 +66,7 @@ fn periods(frequencies_rad_s: &[f64]) -> Vec<f64> {
 
 fn motion_line(motion: &TipMotion, solution: &Solution, metrics: &Metrics) -> String {
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
-    let farthest_m = solution.tip.farthest_m();
+    let farthest_m = solution.tip.largest_travel_m();
     let way = if motion.travel_m().abs() > 1e-6 * farthest_m {
         format!("{} m", significant(motion.travel_m(), 4))
     } else {

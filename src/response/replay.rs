@@ -1,17 +1,34 @@
+//! The tip of the modes of a simulation under straight lines between the samples, or under hysteretic
+//! damping.
+
 use num_complex::Complex64;
 
 use super::equations::{Coordinate, Equations, HubReaction};
-use super::forcing::{Interpolation, pieces};
+use super::play::{Interpolation, pieces};
 use super::simulation::Simulation;
 use super::stepper::Stepper;
 use crate::numeric::{FourierPair, angular_frequency, fast_length};
 
 impl Simulation {
-    /// Tip displacement in m of the same link with hysteretic damping ξ under a torque at the
-    /// samples of this simulation, what friction takes already taken off.
+    /// Tip displacement in m under a torque that follows straight lines between its samples, which stand at
+    /// those of this simulation; friction and feedback act as in it.
     ///
-    /// Hysteretic damping has no equation in time. Each mode answers by its frequency response, on
-    /// a period of twice the simulation's length; the rigid rotation is integrated in time:
+    /// # Panics
+    /// If there are not as many samples as the simulation has.
+    pub fn straight_tip_m(&self, torque_n_m: &[f64]) -> Vec<f64> {
+        assert_eq!(torque_n_m.len(), self.grid.len, "every time has a sample");
+        let tips = self.equations.tips(&self.mesh);
+        let tip = |q: &[f64]| -> f64 { q.iter().zip(&tips).map(|(q, tip)| q * tip).sum() };
+        let stepper = Stepper::new(&self.equations, self.grid.step_s);
+        let lines = pieces(torque_n_m, Interpolation::Linear);
+        stepper.through(&lines, |q| self.initial_tip_m + tip(q))
+    }
+
+    /// Tip displacement in m of the same link with hysteretic damping ξ under a torque on the link, friction
+    /// already taken off, at the samples of this simulation.
+    ///
+    /// Hysteretic damping has no equation in time. Each mode's response is computed over frequency, on a
+    /// period of twice the simulation's length; the rigid rotation is integrated in time:
     ///
     /// ```text
     /// q̂_k = p_k T̂/(ω_k²(1 + 2iξ) − ω²)                        (Bayo 1987, eqs 15 and 16, mode by mode)
@@ -41,11 +58,11 @@ impl Simulation {
         moved.map(|v| self.initial_tip_m + v).collect()
     }
 
-    /// How far in m the tip of this link, damped viscously mode by mode, parts from a motion with these
-    /// accelerations under the torque that moves the same link with hysteretic damping ξ so.
+    /// Difference in m between the tip of this link, damped viscously mode by mode, and a tip motion with
+    /// these accelerations, under the torque that gives the same link with hysteretic damping ξ this motion.
     ///
-    /// Both answer by their modes, X the tip's and Y the hub's acceleration per torque on the link; the
-    /// hub's friction b takes its share of the motor's torque:
+    /// With X the tip's and Y the hub's acceleration per torque on the link, both sums over modes, and the
+    /// hub's friction b:
     ///
     /// ```text
     /// v̂_viscous/v̂_hysteretic = X_v (iω + bY_h)/(X_h (iω + bY_v)),   X = Σ −ω² v_k p_k/D_k(ω)
@@ -66,7 +83,7 @@ impl Simulation {
         let accelerations = pair.amplitudes(samples);
         let apart = accelerations.iter().enumerate().map(|(bin, acceleration)| {
             if bin == 0 {
-                // A motion that ends at rest holds nothing there.
+                // The acceleration of a motion from rest to rest has no mean.
                 return Complex64::ZERO;
             }
             let omega = angular_frequency(bin, len, self.grid.step_s);
@@ -99,5 +116,28 @@ impl Simulation {
         };
         let stepper = Stepper::new(&alone, self.grid.step_s);
         stepper.through(&pieces(torque_n_m, Interpolation::Cubic), |q| q[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::beam::{ElementCount, MeshPlan};
+    use crate::link::{Hub, Link, LinkParts, uniform};
+    use crate::response::{Interpolation, Play, Torque, simulate};
+
+    #[test]
+    fn the_tip_is_that_of_the_torque_played_by_straight_lines() {
+        let hub = Hub { viscous_friction_n_m_s_rad: 0.1, ..uniform().hub };
+        let link = Link::new(LinkParts { hub, ..uniform() }).unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6).unwrap();
+        let time_s: Vec<f64> = (0..=100).map(|k| 1e-2 * f64::from(k)).collect();
+        let sine = time_s.iter().map(|t| (std::f64::consts::TAU * t).sin()).collect();
+        let torque = Torque::new(&time_s, sine).unwrap();
+        let play = Play { initial_tip_m: 0.5, ..Play::of(&torque) };
+        let cubics = simulate(&link, &plan, &play).unwrap();
+        let lines = Play { interpolation: Interpolation::Linear, ..play };
+        let lines = simulate(&link, &plan, &lines).unwrap().tip.displacement_m;
+        assert!(cubics.straight_tip_m(torque.torque_n_m()) == lines);
+        assert!(cubics.tip.displacement_m != lines);
     }
 }
