@@ -14,6 +14,7 @@ pub(super) struct Coordinate {
 
 /// Friction and feedback, which act at the hub in proportion to its motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[expect(clippy::struct_field_names, reason = "units")]
 pub(super) struct HubReaction {
     /// Torque per hub angle in N m/rad.
     pub(super) stiffness_n_m_rad: f64,
