@@ -42,38 +42,23 @@
 //! ```
 //! use flexlink::beam::MeshPlan;
 //! use flexlink::inverse::{Analysis, invert};
-//! use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
-//! use flexlink::motion::{MotionColumns, TipMotion};
+//! use flexlink::link::{Link, Segment};
+//! use flexlink::motion::Profile;
 //! use flexlink::result::Metrics;
 //!
-//! let link = Link::new(LinkParts {
-//!     title: "a steel strip".into(),
-//!     segments: vec![Segment {
-//!         name: None,
-//!         length_m: 1.5,
-//!         bending_stiffness_n_m2: Taper::constant(5.0),
-//!         mass_per_length_kg_m: Taper::constant(0.8),
-//!         cross_section: None,
-//!     }],
-//!     hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
-//!     masses: vec![],
-//!     payload: Payload::default(),
-//!     damping: Damping::Hysteretic { ratio: 0.02 },
-//!     drive: None,
-//! })?;
-//! let plan = MeshPlan::new(&link, &[None], None, 1e-4)?;
-//! // One period of a sine acceleration.
-//! let time_s: Vec<f64> = (0..=220).map(|k| 0.004 * f64::from(k)).collect();
-//! let sine = time_s.iter().map(|t| 4.0 * (std::f64::consts::TAU * t / 0.88).sin()).collect();
-//! let columns = MotionColumns { time_s, acceleration_m_s2: Some(sine), ..Default::default() };
-//! let motion = TipMotion::new(columns)?;
+//! let strip = Segment::uniform(1.5, 5.0, 0.8);
+//! let link = Link::builder().segment(strip).hub_inertia_kg_m2(0.1).damping_ratio(0.02).build()?;
+//! let motion = Profile::Sine.motion(0.5, 0.88, 220)?;
+//! let solution = invert(&link, &MeshPlan::automatic(&link), &motion, &Analysis::default())?;
 //!
-//! let solution = invert(&link, &plan, &motion, &Analysis::default())?;
 //! let metrics = Metrics::of(&solution);
 //! assert!(metrics.lead_s > 0.2, "the torque starts before the tip moves");
 //! assert!(metrics.torque_ratio < 0.6, "and is smaller than a rigid link's");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! The features `cli` and `report` are on by default; without them the library compiles neither a
+//! command line nor fonts.
 //!
 //! # Notation
 //!

@@ -38,6 +38,13 @@ impl MeshPlan {
     /// Elements that an automatic mesh starts from, at the least.
     const COARSEST: usize = 8;
 
+    /// As many elements as the torque needs for an error below [`MeshPlan::DEFAULT_TOLERANCE`].
+    pub fn automatic(link: &Link) -> Self {
+        let pieces = pieces(link);
+        let shares = divide(link, &pieces, Self::COARSEST.max(pieces.len()));
+        Self { shares, automatic: true, tolerance: Self::DEFAULT_TOLERANCE }
+    }
+
     /// Checks the plan against `link` and shares the elements out.
     ///
     /// `own[k]` is segment k's own number of elements, `count` the one of the whole link; without
@@ -251,6 +258,13 @@ mod tests {
     fn refusal(link: &Link, own: &[Option<usize>], total: usize) -> String {
         let count = Some(ElementCount::Total(total));
         MeshPlan::new(link, own, count, 1e-6).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn an_automatic_plan_is_that_of_no_numbers() {
+        let link = link(&[5.0, 500.0], &[0.2, 0.75]);
+        let open = MeshPlan::new(&link, &[None, None], None, MeshPlan::DEFAULT_TOLERANCE);
+        assert_eq!(Ok(MeshPlan::automatic(&link)), open);
     }
 
     #[test]

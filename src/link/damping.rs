@@ -3,9 +3,10 @@ use std::fmt::Debug;
 use super::error::{ParameterError, not_negative};
 
 /// The link's own damping law (Bayo 1987, eqs 12, 15 and 16).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum Damping {
     /// An undamped link.
+    #[default]
     None,
     /// Complex stiffness K(1 + 2iξ) (eq 16), the paper's law.
     Hysteretic {

@@ -3,6 +3,7 @@
 //! A [`Link`] that exists is valid, so nothing downstream checks it again. It knows no file; a
 //! refusal names the parameter by its dotted path, and whoever read the file adds the line.
 
+mod builder;
 mod damping;
 mod error;
 mod joint;
@@ -11,6 +12,7 @@ mod section;
 mod segment;
 mod whole;
 
+pub use builder::LinkBuilder;
 pub use damping::Damping;
 pub(crate) use damping::in_unit_interval;
 pub use error::ParameterError;

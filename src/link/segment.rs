@@ -116,6 +116,18 @@ pub struct Segment {
 }
 
 impl Segment {
+    /// A segment alike from end to end: length in m, bending stiffness EI in N m², mass per length in
+    /// kg/m. [`Link::new`](super::Link::new) checks the ranges.
+    pub fn uniform(length_m: f64, bending_stiffness_n_m2: f64, mass_per_length_kg_m: f64) -> Self {
+        Self {
+            name: None,
+            length_m,
+            bending_stiffness_n_m2: Taper::constant(bending_stiffness_n_m2),
+            mass_per_length_kg_m: Taper::constant(mass_per_length_kg_m),
+            cross_section: None,
+        }
+    }
+
     pub(super) fn check(&self, index: usize) -> Result<(), ParameterError> {
         let path = |key: &str| format!("segments.{index}.{key}");
         if let Some(name) = &self.name {

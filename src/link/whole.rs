@@ -30,7 +30,7 @@ pub struct Payload {
 }
 
 /// All that makes a link, before it is checked.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct LinkParts {
     /// Title for people.
     pub title: String,

@@ -2,6 +2,8 @@ use std::f64::consts::{PI, TAU};
 use std::fmt;
 
 use super::columns::MotionColumns;
+use super::error::MotionError;
+use super::tip_motion::TipMotion;
 
 /// Shape of a tip motion from rest to rest, over the share u of its duration.
 ///
@@ -73,16 +75,27 @@ impl Profile {
         }
     }
 
+    /// The motion over `distance_m` in `duration_s`, sampled at `steps` + 1 times.
+    ///
+    /// # Errors
+    /// [`MotionError`] with fewer than four steps, or a distance or duration that is no motion.
+    pub fn motion(
+        self,
+        distance_m: f64,
+        duration_s: f64,
+        steps: usize,
+    ) -> Result<TipMotion, MotionError> {
+        TipMotion::new(self.sampled(distance_m, duration_s / steps as f64, steps, [0, 0]))
+    }
+
     /// The motion sampled at `steps` + 1 times from `rest[0]` steps after 0 s on, at rest for
     /// `rest[0]` steps before and `rest[1]` after it.
     ///
     /// Accelerations are antisymmetric about the middle to the last bit, so that the samples
-    /// end at rest, and scaled so that they add up to `distance_m`, as [`super::TipMotion`] adds
+    /// end at rest, and scaled so that they add up to `distance_m`, as [`TipMotion`] adds
     /// them. Whole steps only: a jump is then a sample, of the side towards the middle at the ends
     /// and zero in the middle.
-    ///
-    /// # Panics
-    /// With fewer than 4 steps.
+    /// Fewer than four steps hold no motion, and [`TipMotion::new`] refuses them.
     pub fn sampled(
         self,
         distance_m: f64,
@@ -90,7 +103,6 @@ impl Profile {
         steps: usize,
         rest: [usize; 2],
     ) -> MotionColumns {
-        assert!(steps >= 4, "{steps} steps are no motion");
         let at = |k: usize| match (2 * k).cmp(&steps) {
             std::cmp::Ordering::Less => self.acceleration(k as f64 / steps as f64),
             std::cmp::Ordering::Equal => 0.0,
@@ -134,6 +146,19 @@ mod tests {
                 assert!(error.abs() < 1e-14, "{profile}, {steps} steps: {error:e}");
             }
         }
+    }
+
+    #[test]
+    fn what_is_no_motion_is_refused() {
+        for steps in 0..4 {
+            assert!(Profile::Sine.motion(0.5, 0.88, steps).is_err(), "{steps} steps passed");
+        }
+        for (distance_m, duration_s) in [(0.0, 1.0), (0.5, 0.0), (f64::NAN, 1.0), (0.5, -1.0)] {
+            let refused = Profile::Sine.motion(distance_m, duration_s, 100);
+            assert!(refused.is_err(), "{distance_m} m in {duration_s} s passed");
+        }
+        let motion = Profile::Sine.motion(0.5, 0.88, 220).unwrap();
+        assert!((motion.grid().time_s(220) - 0.88).abs() < 1e-12);
     }
 
     #[test]
