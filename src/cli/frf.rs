@@ -7,12 +7,13 @@ use std::path::PathBuf;
 use clap::Args;
 
 use flexlink::beam::Mesh;
-use flexlink::csv::{Digits, write_frequency_response};
+use flexlink::csv::Digits;
 use flexlink::modal::natural_frequencies;
 use flexlink::model::{FrequencyResponse, ModelError, changes_on_halves, model_of};
 use flexlink::numeric::{plain, significant};
 use flexlink::result::{BandMeshError, mesh_error};
 use flexlink::spec::Specification;
+use flexlink::store::write_frequency_response;
 
 use super::args::WarningArgs;
 use super::files::keep_files;

@@ -1,6 +1,5 @@
 use std::io::{self, Write};
 
-use super::csv_table::{group, write_timed};
 use super::error::{Place, TableError, quoted};
 use super::heading::{
     Header, Heading, Quantity, TRAJECTORY, check_names, check_single, nearest, refuse_missing,
@@ -8,6 +7,7 @@ use super::heading::{
 };
 use super::number::Digits;
 use super::samples::Samples;
+use super::table::{group, write_over_time};
 use crate::motion::{MotionColumns, TipMotion, TipTarget};
 use crate::numeric::TimeGrid;
 
@@ -211,5 +211,5 @@ pub fn write_trajectory(
         .filter_map(|(name, values)| Some(group([(name, values.as_ref()?)])))
         .collect();
     let time_s = &columns.time_s;
-    write_timed(out, "time", &|k| time_s[k], time_s.len(), &groups, digits)
+    write_over_time(out, ("time", &|k| time_s[k]), time_s.len(), &groups, digits)
 }

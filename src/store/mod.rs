@@ -1,18 +1,17 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
 
 mod comparison_json;
+mod file_names;
 mod folder;
+mod frequency_tables;
 mod golden;
-mod histories;
 mod json_record;
 mod link_record;
 mod lock;
-mod modes_tables;
 mod records;
-mod simulate_tables;
+mod run_tables;
 mod simulation_summary;
 mod single_file;
-mod solve_tables;
 mod stored;
 mod summary;
 mod sweep_file;
@@ -25,15 +24,14 @@ mod sweep_table;
 mod unfinished;
 
 pub use comparison_json::comparison_json;
+pub use file_names::{REPORT, SUMMARY, is_result_file};
 pub use folder::{Durability, FolderAction, FolderError, OutputFolder};
+pub use frequency_tables::{HeldModes, ModesResult, write_frequency_response};
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files};
-pub use histories::{REPORT, SUMMARY, is_result_file};
-pub use modes_tables::{HeldModes, ModesResult};
 pub use records::verification_json;
-pub use simulate_tables::SimulateOutputs;
+pub use run_tables::{OptionalTable, SimulateOutputs, SolveOutputs};
 pub use simulation_summary::{SimulationInputs, SimulationSummary};
 pub use single_file::write_file;
-pub use solve_tables::{OptionalTable, SolveOutputs};
 pub use stored::{FoundInput, InputRole, RunRecord, TemporaryFolder, is_run, read_result};
 pub use summary::{RunInputs, Summary};
 pub use sweep_file::{LeftRows, Resumed, SweepFile};

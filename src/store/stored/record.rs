@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::super::histories::SUMMARY;
+use super::super::file_names::SUMMARY;
 use super::folder::{RunFolder, check_names, unreadable};
 use super::summary::StoredSummary;
 use crate::csv::{InputFile, Place, TableError, quoted};

@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::super::histories::SUMMARY;
+use super::super::file_names::SUMMARY;
 use super::folder::{A_RUN, RunFolder, unreadable};
 use super::run::read_run;
 use super::sweep::{is_sweep, read_sweep};

@@ -1,6 +1,6 @@
 //! The folder of a run, read back.
 
-use super::super::histories::{MOTOR, SUMMARY};
+use super::super::file_names::{MOTOR, SUMMARY};
 use super::folder::RunFolder;
 use super::mesh::read_mesh;
 use super::nodal::{Heading, deflections, read_nodal};

@@ -1,7 +1,7 @@
 //! A run of `solve` while it is still in memory: what reading its folder back would give.
 
-use super::super::histories::SUMMARY;
-use super::super::solve_tables::{OptionalTable, SolveOutputs};
+use super::super::file_names::SUMMARY;
+use super::super::run_tables::{OptionalTable, SolveOutputs};
 use super::super::summary::Summary;
 use super::summary::StoredSummary;
 use crate::beam::NodalHistories;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::super::histories::SUMMARY;
+use super::super::file_names::SUMMARY;
 use super::super::json_record::{Head, as_written, check_format, newer, parsed};
 use super::super::link_record::{DriveRecord, LinkRecord};
 use super::super::records::{CheckRecord, Fingerprint, WarningRecord};

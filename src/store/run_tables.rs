@@ -1,13 +1,19 @@
-//! The files of `solve`: every column's name and unit, once.
+//! The files of `solve` and `simulate`: every column's name and unit, once.
+
+use std::io::{self, Write};
 
 use rayon::prelude::*;
 
+use super::file_names::{MOTOR, REPORT, RESULT_FILES, SUMMARY};
 use super::folder::{FolderError, OutputFolder};
-use super::histories::{MOTOR, REPORT, RESULT_FILES, SUMMARY, tip_groups, write_nodes};
+use super::simulation_summary::SimulationSummary;
 use super::summary::Summary;
-use crate::csv::{ColumnGroup, Digits, group, write_csv, write_nodal};
+use crate::beam::Mesh;
+use crate::csv::{Column, ColumnGroup, Digits, group, write_csv, write_nodal};
 use crate::inverse::{MotorHistories, NodalTable, Solution, Watch};
 use crate::link::Link;
+use crate::motion::TipMotionHistories;
+use crate::response::Simulation;
 
 /// Which results to write, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -160,4 +166,99 @@ fn motor_groups(motor: &MotorHistories) -> Vec<ColumnGroup<'_>> {
         group([("motor_rate_rad_s", &motor.rate_rad_s)]),
         group([("motor_power_w", &motor.power_w)]),
     ]
+}
+
+/// Which results of a simulation to write, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulateOutputs {
+    /// Nodes of the nodal table; `None`: all.
+    pub nodes: Option<Vec<usize>>,
+    /// Every how many samples the nodal table has a row, at least 1.
+    pub every: usize,
+    /// Digits of all numbers.
+    pub digits: Digits,
+}
+
+impl SimulateOutputs {
+    /// Names of the files that will be written, summary.json last.
+    pub fn file_names() -> Vec<&'static str> {
+        vec![
+            "torque.csv",
+            "tip.csv",
+            "hub_angle.csv",
+            "nodal_displacements.csv",
+            "nodes.csv",
+            SUMMARY,
+        ]
+    }
+
+    /// Memory in bytes that the motion of the nodes takes while it is written.
+    pub fn nodal_bytes(&self, simulation: &Simulation) -> usize {
+        let nodes = self.nodes.as_ref().map_or(simulation.mesh.nodes_m().len(), Vec::len);
+        size_of::<f64>() * nodes * simulation.grid.len.div_ceil(self.every)
+    }
+
+    /// Writes the files of a simulation into `folder` and gives them their names, all or none.
+    ///
+    /// # Errors
+    /// [`FolderError`] names the file that cannot be written.
+    ///
+    /// # Panics
+    /// If a node asked for is not one of the mesh.
+    pub fn write(
+        &self,
+        folder: OutputFolder,
+        link: &Link,
+        simulation: &Simulation,
+        summary: &SimulationSummary,
+    ) -> Result<(), FolderError> {
+        let all = simulation.grid.thinned(1);
+        let hub = vec![
+            group([("hub_angle_rad", &simulation.hub_angle_rad)]),
+            group([("hub_rate_rad_s", &simulation.hub_rate_rad_s)]),
+            group([("hub_acceleration_rad_s2", &simulation.hub_acceleration_rad_s2)]),
+        ];
+        let tip = tip_groups(&simulation.tip);
+        let torque = [group([("torque_n_m", &simulation.torque_n_m)])];
+        folder.file("torque.csv", |out| write_csv(out, &all, &torque, self.digits))?;
+        folder.file("tip.csv", |out| write_csv(out, &all, &tip, self.digits))?;
+        folder.file("hub_angle.csv", |out| write_csv(out, &all, &hub, self.digits))?;
+        folder.file("nodes.csv", |out| write_nodes(out, link, &simulation.mesh))?;
+        let every_node = || (0..simulation.mesh.nodes_m().len()).collect();
+        let nodes: Vec<usize> = self.nodes.clone().unwrap_or_else(every_node);
+        let histories = simulation.displacements_m(&nodes, self.every);
+        let named = histories.nodes.iter().zip(&histories.samples);
+        let columns = named.map(|(node, values)| Column { name: format!("v{node}_m"), values });
+        let groups = [ColumnGroup { columns: columns.collect() }];
+        let name = "nodal_displacements.csv";
+        folder.file(name, |out| write_csv(out, &histories.grid, &groups, self.digits))?;
+        folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
+        folder.commit(SUMMARY, &RESULT_FILES)
+    }
+}
+
+/// Columns of tip.csv.
+fn tip_groups(tip: &TipMotionHistories) -> Vec<ColumnGroup<'_>> {
+    vec![
+        group([("tip_displacement_m", &tip.displacement_m)]),
+        group([("tip_velocity_m_s", &tip.velocity_m_s)]),
+        group([("tip_acceleration_m_s2", &tip.acceleration_m_s2)]),
+    ]
+}
+
+/// `nodes.csv`: every node of the mesh with the segment that ends there (node 0: begins there),
+/// by name, or by number where it has none. Places have all their digits: the mesh is made of them
+/// again where a run is read back.
+fn write_nodes(out: &mut (dyn Write + Send), link: &Link, mesh: &Mesh) -> io::Result<()> {
+    let format = Digits::Full.for_peak(mesh.length_m());
+    let mut table = csv::Writer::from_writer(out);
+    table.write_record(["node", "x_m", "segment"])?;
+    for (node, x_m) in mesh.nodes_m().iter().enumerate() {
+        let index = mesh.element_segments()[node.saturating_sub(1)];
+        let name = link.segments()[index].name.clone().unwrap_or_else(|| index.to_string());
+        let mut position = Vec::new();
+        format.write(&mut position, *x_m);
+        table.write_record([node.to_string().as_bytes(), &position, name.as_bytes()])?;
+    }
+    table.flush()
 }

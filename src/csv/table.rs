@@ -1,14 +1,16 @@
+//! Tables as CSV text: a row of names, then a row of numbers for each sample, mode or frequency.
+
 use std::io::{self, Write};
 use std::ops::Range;
 
-use super::cells::Cells;
-use super::in_turn::write_in_turn;
-use super::number::Digits;
+use super::cells::CellFormat;
+use super::in_order::write_in_order;
+use super::number::{Digits, NumberFormat};
 use super::time_format::time_format;
 use crate::inverse::{NodalTable, Stage, Watch};
-use crate::numeric::{ThinnedGrid, largest};
+use crate::numeric::ThinnedGrid;
 
-/// Numbers formatted by one thread at a time: their text fits its cache.
+/// Numbers that a thread formats at a time: their text fits its cache.
 const BLOCK_NUMBERS: usize = 1 << 14;
 
 /// One column of a table.
@@ -16,7 +18,7 @@ const BLOCK_NUMBERS: usize = 1 << 14;
 pub struct Column<'a> {
     /// Heading: the word and its unit, `torque_n_m`.
     pub name: String,
-    /// One value a row.
+    /// One value a row. Where one is not finite, the field stays empty.
     pub values: &'a [f64],
 }
 
@@ -28,10 +30,24 @@ pub struct ColumnGroup<'a> {
 }
 
 impl ColumnGroup<'_> {
-    /// Largest absolute value of all columns.
+    /// Largest finite absolute value of all columns.
     fn peak(&self) -> f64 {
-        self.columns.iter().map(|column| largest(column.values)).fold(0.0, f64::max)
+        let values = self.columns.iter().flat_map(|column| column.values);
+        values.filter(|x| x.is_finite()).fold(0.0, |peak, x| peak.max(x.abs()))
     }
+}
+
+/// Columns of one unit.
+pub(crate) fn group<'a, const N: usize>(columns: [(&str, &'a Vec<f64>); N]) -> ColumnGroup<'a> {
+    let columns = columns.map(|(name, values)| Column { name: name.to_owned(), values });
+    ColumnGroup { columns: columns.into() }
+}
+
+/// The column at the left, whose values are computed row by row.
+struct FirstColumn<'a> {
+    heading: &'a str,
+    format: NumberFormat,
+    value: &'a (dyn Fn(usize) -> f64 + Sync),
 }
 
 /// Writes a table over time: a header, then one row a sample, `time_s` first.
@@ -49,53 +65,85 @@ pub fn write_csv(
     groups: &[ColumnGroup],
     digits: Digits,
 ) -> io::Result<()> {
-    write_timed(out, "time_s", &|k| time.time_s(k), time.len(), groups, digits)
+    write_over_time(out, ("time_s", &|k| time.time_s(k)), time.len(), groups, digits)
 }
 
-/// Writes a table of `rows` rows over times in s under a heading of their own.
-pub(super) fn write_timed(
+/// [`write_csv`] with another heading of the times, which are in s, and `rows` of them.
+pub(super) fn write_over_time(
     out: &mut (dyn Write + Send),
-    heading: &str,
-    time_s: &(impl Fn(usize) -> f64 + Sync),
+    (heading, time_s): (&str, &(dyn Fn(usize) -> f64 + Sync)),
     rows: usize,
     groups: &[ColumnGroup],
     digits: Digits,
 ) -> io::Result<()> {
-    let columns = formatted(groups, digits);
-    for (column, _) in &columns {
+    for column in groups.iter().flat_map(|group| &group.columns) {
         assert_eq!(column.values.len(), rows, "{}", column.name);
     }
-    let names = columns.iter().map(|(column, _)| column.name.as_str());
-    write_header(out, heading, names)?;
-    let times = Cells::new(time_format(time_s, rows));
-    let write_block = |rows: Range<usize>, text: &mut Vec<u8>| {
-        let time: Vec<f64> = rows.clone().map(time_s).collect();
-        let (mut spelled_times, mut spelled) = (vec![], vec![vec![]; columns.len()]);
-        let mut all = vec![times.of(&time, &mut spelled_times)];
-        all.extend(
-            columns
-                .iter()
-                .zip(&mut spelled)
-                .map(|((column, cells), spelled)| cells.of(&column.values[rows.clone()], spelled)),
-        );
-        for row in 0..time.len() {
-            all[0].append(text, b'\n', row);
-            all[1..].iter().for_each(|cells| cells.append(text, b',', row));
-            reserve_rows(text, row, time.len());
-        }
-    };
-    write_blocks(out, &(0..rows), columns.len() + 1, write_block)?;
-    out.write_all(b"\n")
+    let first = FirstColumn { heading, format: time_format(time_s, rows), value: time_s };
+    write_table(out, Some(&first), rows, groups, digits)
 }
 
-/// The columns of all groups, each with the format of its group.
-fn formatted<'a>(groups: &'a [ColumnGroup<'a>], digits: Digits) -> Vec<(&'a Column<'a>, Cells)> {
+/// Writes columns of any length, each with decimals for its own peak, after a column of this heading
+/// that counts the rows from 1. Fields beyond the end of a column are empty.
+///
+/// # Errors
+/// Those of `out`.
+pub(crate) fn write_columns(
+    out: &mut (dyn Write + Send),
+    count: Option<&str>,
+    columns: &[(&str, &[f64])],
+    digits: Digits,
+) -> io::Result<()> {
+    let number = |row: usize| (row + 1) as f64;
+    let count = count.map(|heading| FirstColumn {
+        heading,
+        format: NumberFormat::Fixed(0),
+        value: &number,
+    });
+    let groups: Vec<_> = columns
+        .iter()
+        .map(|(name, values)| Column { name: (*name).to_owned(), values })
+        .map(|column| ColumnGroup { columns: vec![column] })
+        .collect();
+    let rows = columns.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
+    write_table(out, count.as_ref(), rows, &groups, digits)
+}
+
+fn write_table(
+    out: &mut (dyn Write + Send),
+    first: Option<&FirstColumn>,
+    rows: usize,
+    groups: &[ColumnGroup],
+    digits: Digits,
+) -> io::Result<()> {
     let mut columns = Vec::new();
     for group in groups {
-        let cells = Cells::new(digits.for_peak(group.peak()));
-        columns.extend(group.columns.iter().map(|column| (column, cells)));
+        let format = CellFormat::new(digits.for_peak(group.peak()));
+        columns.extend(group.columns.iter().map(|column| (column, format)));
     }
-    columns
+    let names = columns.iter().map(|(column, _)| column.name.as_str());
+    write_names(out, first.map(|first| first.heading).into_iter().chain(names))?;
+    let width = columns.len() + usize::from(first.is_some());
+    write_blocks(out, &(0..rows), width, |rows, text| {
+        let computed: Vec<f64> =
+            first.map_or(vec![], |first| rows.clone().map(first.value).collect());
+        let first = first.map(|first| (&computed[..], CellFormat::new(first.format)));
+        let given = columns.iter().map(|(column, format)| {
+            let end = column.values.len();
+            (&column.values[rows.start.min(end)..rows.end.min(end)], *format)
+        });
+        let mut batches = vec![vec![]; width];
+        let cells = first.into_iter().chain(given).zip(&mut batches);
+        let cells: Vec<_> =
+            cells.map(|((values, format), batches)| format.cells(values, batches)).collect();
+        for row in 0..rows.len() {
+            for (column, cells) in cells.iter().enumerate() {
+                cells.append(text, if column == 0 { b'\n' } else { b',' }, row);
+            }
+            reserve_rows(text, row, rows.len());
+        }
+    })?;
+    out.write_all(b"\n")
 }
 
 /// Writes a quantity at the nodes of a link over time: a header, then one row a sample, `time_s`
@@ -112,47 +160,45 @@ pub(crate) fn write_nodal(
 ) -> io::Result<()> {
     let (grid, width) = (table.grid(), table.nodes().len());
     let names = table.nodes().iter().map(|node| format!("{letter}{node}_{unit}"));
-    write_header(out, "time_s", names)?;
-    let times = Cells::new(time_format(|k| grid.time_s(k), grid.len()));
+    write_names(out, std::iter::once("time_s".to_owned()).chain(names))?;
+    let times = CellFormat::new(time_format(|k| grid.time_s(k), grid.len()));
     let are_one = |found, bound| digits.for_peak(found) == digits.for_peak(bound);
-    let cells = Cells::new(digits.for_peak_of(|| table.peak(watch, are_one)));
+    let values = CellFormat::new(digits.for_peak_of(|| table.peak(watch, are_one)));
     for number in 0..table.blocks() {
         let block = table.block(number, watch);
         watch.begin(Stage::Write, block.rows().len());
-        let write_block = |rows: Range<usize>, text: &mut Vec<u8>| {
-            let time: Vec<f64> = rows.clone().map(|k| grid.time_s(k)).collect();
-            let (mut spelled_times, mut spelled) = (vec![], vec![]);
-            let time = times.of(&time, &mut spelled_times);
-            let mut values = vec![0.0; rows.len() * width];
-            block.write_rows(rows.clone(), &mut values);
+        write_blocks(out, &block.rows(), width + 1, |rows, text| {
+            let time_s: Vec<f64> = rows.clone().map(|k| grid.time_s(k)).collect();
+            let (mut time_batches, mut batches) = (vec![], vec![]);
+            let times = times.cells(&time_s, &mut time_batches);
+            let mut numbers = vec![0.0; rows.len() * width];
+            block.write_rows(rows.clone(), &mut numbers);
             for row in 0..rows.len() {
-                time.append(text, b'\n', row);
-                let values = cells.of(&values[row * width..][..width], &mut spelled);
-                (0..width).for_each(|column| values.append(text, b',', column));
+                times.append(text, b'\n', row);
+                let cells = values.cells(&numbers[row * width..][..width], &mut batches);
+                (0..width).for_each(|column| cells.append(text, b',', column));
                 reserve_rows(text, row, rows.len());
             }
             watch.advance(rows.len());
-        };
-        write_blocks(out, &block.rows(), width + 1, write_block)?;
+        })?;
     }
     out.write_all(b"\n")
 }
 
-/// Writes the names of the columns; every row then begins with the end of the line before it.
-fn write_header<S: AsRef<str>>(
+/// Writes the names of the columns without a line end: every row begins with that of the line before.
+fn write_names<S: AsRef<str>>(
     out: &mut (dyn Write + Send),
-    heading: &str,
     names: impl Iterator<Item = S>,
 ) -> io::Result<()> {
-    out.write_all(heading.as_bytes())?;
-    for name in names {
-        out.write_all(b",")?;
+    for (column, name) in names.enumerate() {
+        let separator: &[u8] = if column == 0 { b"" } else { b"," };
+        out.write_all(separator)?;
         out.write_all(name.as_ref().as_bytes())?;
     }
     Ok(())
 }
 
-/// Takes memory for all rows of a block, after the first of them, so that the text does not move
+/// Reserves memory for all rows of a block after the first of them, so that the text does not move
 /// while it grows.
 fn reserve_rows(text: &mut Vec<u8>, row: usize, rows: usize) {
     if row == 0 {
@@ -167,17 +213,11 @@ fn write_blocks(
     width: usize,
     write_block: impl Fn(Range<usize>, &mut Vec<u8>) + Sync,
 ) -> io::Result<()> {
-    let block_rows = (BLOCK_NUMBERS / width).max(1);
-    write_in_turn(out, rows.len().div_ceil(block_rows), |block, text| {
+    let block_rows = (BLOCK_NUMBERS / width.max(1)).max(1);
+    write_in_order(out, rows.len().div_ceil(block_rows), |block, text| {
         let first = rows.start + block * block_rows;
         write_block(first..rows.end.min(first + block_rows), text);
     })
-}
-
-/// Columns of one unit.
-pub(crate) fn group<'a, const N: usize>(columns: [(&str, &'a Vec<f64>); N]) -> ColumnGroup<'a> {
-    let columns = columns.map(|(name, values)| Column { name: name.to_owned(), values });
-    ColumnGroup { columns: columns.into() }
 }
 
 #[cfg(test)]
@@ -261,5 +301,18 @@ mod tests {
     fn a_column_of_another_length_is_a_mistake_of_the_caller() {
         let groups = [ColumnGroup { columns: vec![column("torque_n_m", &[1.0])] }];
         written(&GRID.thinned(1), &groups, Digits::Full);
+    }
+
+    #[test]
+    fn short_columns_and_missing_values_leave_fields_empty() {
+        let columns = [("zero_per_s", &[2.0, f64::INFINITY][..]), ("mesh_error", &[1.0; 3])];
+        let written = |count| {
+            let mut out = Vec::new();
+            write_columns(&mut out, count, &columns, Digits::BelowPeak(2)).unwrap();
+            String::from_utf8(out).unwrap()
+        };
+        assert_eq!(written(None), "zero_per_s,mesh_error\n2.00,1.00\n,1.00\n,1.00\n");
+        let counted = "mode,zero_per_s,mesh_error\n1,2.00,1.00\n2,,1.00\n3,,1.00\n";
+        assert_eq!(written(Some("mode")), counted);
     }
 }

@@ -1,0 +1,163 @@
+//! The files of `modes` and `frf`: every column's name and unit, once.
+
+use std::f64::consts::TAU;
+use std::io::{self, Write};
+
+use num_complex::Complex64;
+
+use super::folder::{FolderError, OutputFolder};
+use crate::csv::{Digits, write_columns};
+use crate::model::FrequencyResponse;
+use crate::numeric::magnitude;
+use crate::result::CoarseMesh;
+
+/// What is known of the modes and zeros of a link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModesResult {
+    /// Natural frequencies in rad/s, the rigid rotation left out.
+    pub omega_rad_s: Vec<f64>,
+    /// Damping ratio that the law gives each mode.
+    pub damping_ratios: Vec<f64>,
+    /// Relative errors that the mesh causes in the natural frequencies; NaN where not known, as below.
+    pub mesh_errors: Vec<f64>,
+    /// Zeros ±z of torque → tip in 1/s.
+    pub zeros_per_s: Vec<f64>,
+    /// Relative errors that the mesh causes in these.
+    pub zero_mesh_errors: Vec<f64>,
+    /// Zeros at real frequencies, in Hz: there no torque moves the tip.
+    pub blocked_hz: Vec<f64>,
+    /// Relative errors that the mesh causes in these.
+    pub blocked_mesh_errors: Vec<f64>,
+    /// Distance of each node from the axis in m.
+    pub nodes_m: Vec<f64>,
+    /// Mass-normalised displacement of each node in 1/√kg, one list a mode.
+    pub shapes: Vec<Vec<f64>>,
+    /// Modes with the rotor held, where the link has a drive.
+    pub held: Option<HeldModes>,
+}
+
+/// The modes of a link while the motor holds the rotor of its drive still.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldModes {
+    /// Stiffness of the joint between rotor and hub in N m/rad; infinite for a stiff joint.
+    pub joint_stiffness_n_m_rad: f64,
+    /// Natural frequencies in rad/s.
+    pub omega_rad_s: Vec<f64>,
+    /// Relative errors that the mesh causes in these.
+    pub mesh_errors: Vec<f64>,
+}
+
+/// Names of all files that `modes` may write.
+const OWNED: [&str; 4] = [MODES, SHAPES, HELD, ZEROS];
+
+const MODES: &str = "modes.csv";
+const SHAPES: &str = "mode_shapes.csv";
+const HELD: &str = "held_modes.csv";
+const ZEROS: &str = "zeros.csv";
+
+impl ModesResult {
+    /// How long before the motion the torque is still 1 % of what it is at its start, in s, were
+    /// there but this zero: ln(100)/z.
+    pub fn leads_s(&self) -> Vec<f64> {
+        self.zeros_per_s.iter().map(|zero| libm::log(100.0) / zero).collect()
+    }
+
+    /// What there is to warn of.
+    pub fn warnings(&self) -> Vec<CoarseMesh> {
+        let held = self.held.as_ref().map_or(&[][..], |held| &held.mesh_errors);
+        let lists = [
+            ("mode", &self.mesh_errors[..]),
+            ("zero", &self.zero_mesh_errors),
+            ("blocked frequency", &self.blocked_mesh_errors),
+            ("mode with the rotor held", held),
+        ];
+        lists.into_iter().filter_map(|(what, errors)| CoarseMesh::of(what, errors)).collect()
+    }
+
+    /// Writes modes.csv, `mode_shapes.csv` and zeros.csv, of a link with a drive also
+    /// `held_modes.csv`; all or none.
+    ///
+    /// # Errors
+    /// [`FolderError`] names the file that cannot be written.
+    pub fn write(&self, folder: OutputFolder, digits: Digits) -> Result<(), FolderError> {
+        let own = [("damping_ratio", &self.damping_ratios), ("mesh_error", &self.mesh_errors)];
+        folder.file(MODES, |out| write_modes(out, &self.omega_rad_s, &own, digits))?;
+        let names: Vec<String> = (1..=self.shapes.len()).map(|k| format!("mode_{k}")).collect();
+        let shapes = names.iter().zip(&self.shapes).map(|(name, shape)| (&name[..], &shape[..]));
+        let shapes: Vec<_> = [("x_m", &self.nodes_m[..])].into_iter().chain(shapes).collect();
+        folder.file(SHAPES, |out| write_columns(out, None, &shapes, digits))?;
+        if let Some(held) = &self.held {
+            let own = [("mesh_error", &held.mesh_errors)];
+            folder.file(HELD, |out| write_modes(out, &held.omega_rad_s, &own, digits))?;
+        }
+        let zeros = [
+            ("zero_per_s", &self.zeros_per_s[..]),
+            ("lead_to_1_percent_s", &self.leads_s()),
+            ("blocked_frequency_hz", &self.blocked_hz),
+            ("mesh_error", &self.zero_mesh_errors),
+            ("blocked_mesh_error", &self.blocked_mesh_errors),
+        ];
+        folder.file(ZEROS, |out| write_columns(out, None, &zeros, digits))?;
+        folder.commit(ZEROS, &OWNED)
+    }
+}
+
+/// Writes number, angular frequency, frequency and period of each mode, then the columns `own`.
+fn write_modes(
+    out: &mut (dyn Write + Send),
+    omega_rad_s: &[f64],
+    own: &[(&str, &Vec<f64>)],
+    digits: Digits,
+) -> io::Result<()> {
+    let hertz: Vec<f64> = omega_rad_s.iter().map(|omega| omega / TAU).collect();
+    let periods: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
+    let common = [("omega_rad_s", omega_rad_s), ("frequency_hz", &hertz), ("period_s", &periods)];
+    let own = own.iter().map(|(name, values)| (*name, &values[..]));
+    let columns: Vec<_> = common.into_iter().chain(own).collect();
+    write_columns(out, Some("mode"), &columns, digits)
+}
+
+/// One of the transfers of a row.
+type Transfer = fn(&FrequencyResponse) -> Complex64;
+
+/// One of the numbers that a transfer is written as.
+type Part = fn(Complex64) -> f64;
+
+/// Writes the frequency response of a link: frequency, then real and imaginary part, magnitude and
+/// phase of each transfer, and the relative error that the mesh causes in them. A transfer that is infinite, at a
+/// pole of an undamped link, leaves its fields empty.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_frequency_response(
+    out: &mut (dyn Write + Send),
+    rows: &[FrequencyResponse],
+    mesh_errors: Option<&[f64]>,
+    digits: Digits,
+) -> io::Result<()> {
+    let frequencies = rows.iter().map(|row| row.frequency_hz).collect();
+    let mut columns: Vec<(String, Vec<f64>)> = vec![("frequency_hz".to_owned(), frequencies)];
+    let transfers: [(&str, Transfer); 3] = [
+        ("torque_per_tip_acceleration_kg_m", |row| row.torque_per_tip_acceleration_kg_m),
+        ("hub_angle_per_tip_displacement_rad_m", |row| row.hub_angle_per_tip_displacement_rad_m),
+        ("tip_displacement_per_torque_1_n", |row| row.tip_displacement_per_torque_1_n),
+    ];
+    let parts: [(&str, Part); 4] = [
+        ("real", |x| x.re),
+        ("imag", |x| x.im),
+        ("magnitude", magnitude),
+        // Adding 0 removes the sign of a zero: half a turn is always +π.
+        ("phase_rad", |x| libm::atan2(x.im + 0.0, x.re)),
+    ];
+    for (name, transfer) in transfers {
+        for (part, of) in parts {
+            let finite = |row| Some(transfer(row)).filter(|x| x.is_finite());
+            let cells = rows.iter().map(|row| finite(row).map_or(f64::NAN, of)).collect();
+            columns.push((format!("{name}_{part}"), cells));
+        }
+    }
+    let transfers = columns.iter().map(|(name, values)| (&name[..], &values[..]));
+    let error = ("mesh_error", mesh_errors.unwrap_or_default());
+    let columns: Vec<_> = transfers.chain([error]).collect();
+    write_columns(out, None, &columns, digits)
+}
