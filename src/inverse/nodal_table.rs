@@ -4,38 +4,37 @@ use std::sync::{Arc, OnceLock};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::nodal_block::{Held, NodalBlock};
+use super::nodal_rows::{NodalBlock, PanelSamples, RowPlan};
 use super::slow_tail::Series;
 use super::solution::Solution;
 use super::spectra::Forcing;
 use super::watch::{Stage, Unwatched, Watch};
 use crate::beam::{NodalHistories, NodalQuantity};
-use crate::motion::TailTerms;
-use crate::numeric::{CHANNELS, Room, Sampling, ThinnedGrid};
+use crate::numeric::{PANEL, Sampling, ThinnedGrid, Transforms};
 
-/// Amplitudes that are held at a time; nodes beyond are solved in further blocks.
+/// Amplitudes in memory at a time, unless [`MOST_NODE_BLOCKS`] asks for more.
 const SPECTRA_BYTES: usize = 1 << 27;
 
-/// Samples that are held at a time; rows beyond are transformed in further blocks.
-const HELD_BYTES: usize = 1 << 30;
+/// Blocks of nodes that are solved one after the other. Each passes through the whole mesh at every
+/// frequency, so their number must not grow with the mesh: time would grow with its square.
+const MOST_NODE_BLOCKS: usize = 4;
 
-/// A quantity at some nodes over time, made row by row: one row a sample, one value a node.
+/// Samples in memory at a time, unless [`MOST_ROW_BLOCKS`] asks for more.
+const SAMPLE_BYTES: usize = 1 << 30;
+
+/// Blocks of rows that are computed one after the other; each solves and transforms all nodes again.
+const MOST_ROW_BLOCKS: usize = 8;
+
+/// A quantity at some nodes over time: one row a sample, one value a node.
 ///
-/// Nothing is computed before a row is asked for; no more is held of it than [`NodalTable::bytes`].
+/// Rows are computed in blocks, when they are asked for, in memory of [`NodalTable::bytes`].
 pub struct NodalTable<'a> {
-    pub(super) solution: &'a Solution,
+    pub(super) plan: RowPlan<'a>,
     quantity: NodalQuantity,
-    pub(super) nodes: Vec<usize>,
-    pub(super) every: usize,
-    pub(super) sampling: Sampling,
-    /// Distances x in m from the axis where the rigid rotation xθ is added.
-    pub(super) arms_m: Option<Vec<f64>>,
-    /// The slow tail of each node's deflection, where damping leaves one.
-    pub(super) tails: Option<Vec<TailTerms>>,
     /// Rows of a block.
     block: usize,
-    /// The only block, where there is one.
-    whole: OnceLock<Arc<Held>>,
+    /// Samples of the only block, if there is one block.
+    whole: OnceLock<Arc<PanelSamples>>,
 }
 
 impl Solution {
@@ -78,34 +77,26 @@ impl<'a> NodalTable<'a> {
             NodalQuantity::Moment => None,
         };
         let tails = series.map(|series| series.nodal_tails(&*solution.model, nodes));
-        let mut table = Self {
-            solution,
-            quantity,
-            nodes: nodes.to_vec(),
-            every,
-            sampling,
-            arms_m: None,
-            tails,
-            block: 1,
-            whole: OnceLock::new(),
-        };
-        // Halved until they fit: the samples held grow no faster than the rows.
+        let nodes = nodes.to_vec();
+        let plan = RowPlan { solution, nodes, every, sampling, arms_m: None, tails };
+        let mut table = Self { plan, quantity, block: 1, whole: OnceLock::new() };
+        let fewest = table.len().div_ceil(MOST_ROW_BLOCKS).max(1);
         table.block = table.len().max(1);
-        while table.block > 1 && table.held_bytes() > HELD_BYTES {
-            table.block = table.block.div_ceil(2);
+        while table.block > fewest && table.sample_bytes() > SAMPLE_BYTES {
+            table.block = table.block.div_ceil(2).max(fewest);
         }
         table
     }
 
-    /// The total displacement, where these are deflections: the rigid rotation is added.
+    /// The total displacements where these are deflections: adds the rigid rotation.
     #[must_use]
     pub fn with_rotation(self) -> Self {
-        let nodes_m = self.solution.mesh().nodes_m();
-        let arms_m = self.nodes.iter().map(|node| nodes_m[*node]).collect();
-        Self { arms_m: Some(arms_m), ..self }
+        let nodes_m = self.plan.solution.mesh().nodes_m();
+        let arms_m = self.nodes().iter().map(|node| nodes_m[*node]).collect();
+        Self { plan: RowPlan { arms_m: Some(arms_m), ..self.plan }, ..self }
     }
 
-    /// The same table, made in blocks of so many rows.
+    /// The same table in blocks of so many rows.
     #[cfg(test)]
     pub(crate) fn in_blocks_of(self, rows: usize) -> Self {
         Self { block: rows, ..self }
@@ -113,12 +104,12 @@ impl<'a> NodalTable<'a> {
 
     /// Numbers of the nodes, one a column.
     pub fn nodes(&self) -> &[usize] {
-        &self.nodes
+        &self.plan.nodes
     }
 
     /// Times of the rows.
     pub fn grid(&self) -> ThinnedGrid {
-        self.solution.grid.thinned(self.every)
+        self.plan.solution.grid.thinned(self.plan.every)
     }
 
     /// Number of rows.
@@ -126,30 +117,26 @@ impl<'a> NodalTable<'a> {
         self.grid().len()
     }
 
-    /// Panels of [`CHANNELS`] nodes, the last maybe not full.
-    pub(super) fn panels(&self) -> usize {
-        self.nodes.len().div_ceil(CHANNELS)
+    fn sample_bytes(&self) -> usize {
+        let samples = self.plan.sampling.samples_for(&(0..self.block));
+        samples * self.plan.panels() * size_of::<[f64; PANEL]>()
     }
 
-    fn held_bytes(&self) -> usize {
-        let rows = 0..self.block;
-        self.sampling.held(&rows) * self.panels() * size_of::<[f64; CHANNELS]>()
-    }
-
-    /// Memory in bytes that making the rows takes, about: amplitudes and samples of a block, and what
-    /// each thread transforms.
+    /// Memory in bytes that the rows take, about: amplitudes and samples of a block, and the transforms
+    /// of each thread.
     pub fn bytes(&self) -> usize {
-        let nodes = self.nodes.len().min(self.nodes_at_once());
-        let rooms = rayon::current_num_threads().min(self.panels()) * self.sampling.room_bytes();
-        self.held_bytes() + nodes * self.spectrum_bytes() + rooms
+        let nodes = self.nodes().len().min(self.nodes_at_once());
+        let threads = rayon::current_num_threads().min(self.plan.panels());
+        let transforms = threads * self.plan.sampling.transform_bytes();
+        self.sample_bytes() + nodes * self.spectrum_bytes() + transforms
     }
 
-    /// Blocks that the rows are made in, one after the other; one wherever memory allows.
+    /// Number of blocks of rows: one if its samples fit the memory.
     pub fn blocks(&self) -> usize {
         self.len().div_ceil(self.block)
     }
 
-    /// Makes the rows of a block, numbered from 0, unless they are there.
+    /// Solves and transforms a block of rows, numbered from 0; an only block is kept for further calls.
     ///
     /// # Panics
     /// If there is no such block.
@@ -157,55 +144,60 @@ impl<'a> NodalTable<'a> {
         assert!(number < self.blocks(), "block {number} of {}", self.blocks());
         let start = number * self.block;
         let rows = start..self.len().min(start + self.block);
-        let held = if self.blocks() == 1 {
-            self.whole.get_or_init(|| Arc::new(self.hold(&rows, watch))).clone()
+        let samples = if self.blocks() == 1 {
+            self.whole.get_or_init(|| Arc::new(self.samples(&rows, watch))).clone()
         } else {
-            Arc::new(self.hold(&rows, watch))
+            Arc::new(self.samples(&rows, watch))
         };
-        NodalBlock { table: self, rows, held }
+        NodalBlock { plan: &self.plan, rows, samples }
     }
 
     fn spectrum_bytes(&self) -> usize {
-        size_of::<Complex64>() * self.solution.band.frequencies
+        size_of::<Complex64>() * self.plan.solution.band.frequencies
     }
 
-    /// Nodes that are solved for at a time: whole panels, one at least.
+    /// Nodes that are solved for at a time: whole panels, at least one.
     fn nodes_at_once(&self) -> usize {
-        (SPECTRA_BYTES / self.spectrum_bytes() / CHANNELS).max(1) * CHANNELS
+        let fitting = SPECTRA_BYTES / self.spectrum_bytes() / PANEL;
+        let fewest = self.plan.panels().div_ceil(MOST_NODE_BLOCKS);
+        fitting.max(fewest).max(1) * PANEL
     }
 
-    fn hold(&self, rows: &Range<usize>, watch: &dyn Watch) -> Held {
-        let len = self.sampling.held(rows);
-        let mut held = Held::zeros(self.panels(), len);
-        let forcing = Forcing { watch, ..self.solution.forcing() };
+    /// The samples that `rows` are computed from.
+    fn samples(&self, rows: &Range<usize>, watch: &dyn Watch) -> PanelSamples {
+        let RowPlan { solution, nodes: all, sampling, .. } = &self.plan;
+        let len = sampling.samples_for(rows);
+        let mut samples = PanelSamples::zeros(self.plan.panels(), len);
+        let forcing = Forcing { watch, ..solution.forcing() };
         let nodes_at_once = self.nodes_at_once();
-        let panels_at_once = nodes_at_once / CHANNELS;
-        let blocks = held.samples_mut().chunks_mut((panels_at_once * len).max(1));
-        for (number, (nodes, samples)) in self.nodes.chunks(nodes_at_once).zip(blocks).enumerate() {
-            forcing.begin(self.nodes.len().div_ceil(nodes_at_once), number);
+        let panels_at_once = nodes_at_once / PANEL;
+        let blocks = samples.samples_mut().chunks_mut((panels_at_once * len).max(1));
+        for (number, (nodes, samples)) in all.chunks(nodes_at_once).zip(blocks).enumerate() {
+            forcing.begin(all.len().div_ceil(nodes_at_once), number);
             let spectra = forcing.nodal_spectra(nodes, self.quantity);
-            watch.begin(Stage::Transform, self.nodes.len());
+            watch.begin(Stage::Transform, all.len());
             watch.advance(number * nodes_at_once);
-            let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(CHANNELS));
-            panels.for_each_init(Room::default, |room, (panel, spectra)| {
-                self.sampling.hold(rows, spectra, panel, room, |nodes| watch.advance(nodes));
+            let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(PANEL));
+            panels.for_each_init(Transforms::default, |transforms, (panel, spectra)| {
+                let advance = |nodes| watch.advance(nodes);
+                sampling.write_samples(rows, spectra, panel, transforms, advance);
             });
         }
-        held
+        samples
     }
 
-    /// All of it, node by node.
+    /// The whole table, node by node.
     pub fn histories(&self) -> NodalHistories {
-        let mut samples = vec![Vec::with_capacity(self.len()); self.nodes.len()];
+        let mut samples = vec![Vec::with_capacity(self.len()); self.nodes().len()];
         for number in 0..self.blocks() {
             let block = self.block(number, &Unwatched);
-            let mut row = vec![0.0; self.nodes.len()];
+            let mut row = vec![0.0; self.nodes().len()];
             for k in block.rows() {
                 block.write_rows(k..k + 1, &mut row);
                 samples.iter_mut().zip(&row).for_each(|(history, value)| history.push(*value));
             }
         }
-        NodalHistories { nodes: self.nodes.clone(), grid: self.grid(), samples }
+        NodalHistories { nodes: self.nodes().to_vec(), grid: self.grid(), samples }
     }
 }
 
@@ -219,12 +211,12 @@ mod tests {
         for (steps, is_narrow) in [(100, false), (4000, true)] {
             let solution = solution(steps);
             let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).rev().collect();
-            assert_eq!(nodes.len(), 2 * CHANNELS + 9, "two full panels and another");
+            assert_eq!(nodes.len(), 2 * PANEL + 9, "two full panels and another");
             for every in [1, 7] {
                 let whole = solution.displacements(&nodes, every);
                 assert_eq!(whole.blocks(), 1);
-                let held = whole.sampling.held(&(0..whole.len()));
-                assert_eq!(is_narrow, held != whole.len(), "{held} samples held");
+                let samples = whole.plan.sampling.samples_for(&(0..whole.len()));
+                assert_eq!(is_narrow, samples != whole.len(), "{samples} samples");
                 let blocked = solution.displacements(&nodes, every);
                 let rows = blocked.len() / 3 + 1;
                 let blocked = blocked.in_blocks_of(rows);
@@ -235,21 +227,22 @@ mod tests {
     }
 
     #[test]
-    fn a_table_holds_as_many_bytes_as_it_says() {
+    fn a_table_takes_as_many_bytes_as_it_says() {
         for steps in [100, 4000] {
             let solution = solution(steps);
             for nodes in [&[3][..], &[0, 1, 2, 3, 4, 5, 6, 7, 8], &[5; 40]] {
                 for (every, rows) in [(1, 80), (1, 13), (7, 13)] {
                     let table = solution.moments(nodes, every).in_blocks_of(rows);
-                    let held = table.block(0, &Unwatched).held;
-                    let bytes = size_of_val(held.samples());
-                    assert_eq!(table.held_bytes(), bytes, "{nodes:?}, {rows} rows, {every}");
+                    let samples = table.block(0, &Unwatched).samples;
+                    let bytes = size_of_val(samples.samples());
+                    assert_eq!(table.sample_bytes(), bytes, "{nodes:?}, {rows} rows, {every}");
                     let amplitudes = solution.forcing().nodal_spectra(nodes, table.quantity);
                     let bytes =
                         bytes + amplitudes.iter().map(|row| size_of_val(&row[..])).sum::<usize>();
-                    let rooms = table.bytes() - bytes;
-                    assert!(rooms <= rayon::current_num_threads() * table.sampling.room_bytes());
-                    assert!(rooms >= table.sampling.room_bytes(), "one thread at least");
+                    let transforms = table.bytes() - bytes;
+                    let of_one = table.plan.sampling.transform_bytes();
+                    assert!(transforms <= rayon::current_num_threads() * of_one);
+                    assert!(transforms >= of_one, "one thread at least");
                 }
             }
         }
@@ -259,21 +252,27 @@ mod tests {
     fn as_many_whole_panels_are_solved_for_at_once_as_their_memory_allows() {
         let solution = solution(4000);
         let table = solution.deflections(&[1], 1);
-        let panel = CHANNELS * table.spectrum_bytes();
-        assert_eq!(table.nodes_at_once() % CHANNELS, 0);
+        let panel = PANEL * table.spectrum_bytes();
+        assert_eq!(table.nodes_at_once() % PANEL, 0);
         let bytes = table.nodes_at_once() * table.spectrum_bytes();
         assert!(bytes <= SPECTRA_BYTES && bytes + panel > SPECTRA_BYTES, "{bytes} and {panel}");
+        let many = solution.deflections(&vec![1; 1_000_000], 1);
+        assert_eq!(many.nodes().len().div_ceil(many.nodes_at_once()), MOST_NODE_BLOCKS);
+        assert!(many.blocks() <= MOST_ROW_BLOCKS && many.sample_bytes() > SAMPLE_BYTES);
     }
 
     #[test]
-    fn each_thread_takes_a_room_of_its_own_as_long_as_there_are_panels_for_it() {
+    fn each_thread_has_transforms_of_its_own_as_long_as_there_are_panels_for_it() {
         let solution = solution(100);
-        let table = solution.deflections(&[1; 3 * CHANNELS], 1);
-        let room = table.sampling.room_bytes();
+        let table = solution.deflections(&[1; 3 * PANEL], 1);
+        let of_one = table.plan.sampling.transform_bytes();
         let bytes = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| table.bytes())
         };
-        assert_eq!([2, 3, 4].map(|threads| bytes(threads) - bytes(1)), [room, 2 * room, 2 * room]);
+        assert_eq!(
+            [2, 3, 4].map(|threads| bytes(threads) - bytes(1)),
+            [of_one, 2 * of_one, 2 * of_one]
+        );
     }
 }

@@ -11,7 +11,6 @@ mod scalar;
 mod spline;
 mod text;
 mod units;
-mod upsampling;
 #[cfg(test)]
 mod wide;
 
@@ -22,7 +21,7 @@ pub use grid::{NotUniform, ThinnedGrid, TimeGrid};
 pub(crate) use reductions::sum_over;
 pub use reductions::{largest, largest_difference, magnitude};
 pub use roots::{SECTIONS, geometric_scan, next_places, root};
-pub(crate) use sampling::{CHANNELS, Room, Sampling};
+pub(crate) use sampling::{PANEL, Sampling, Transforms};
 pub use scalar::{Scalar, Size};
 pub use spline::{CubicSpline, SplineEnds};
 pub(crate) use text::rounded;

@@ -1,42 +1,62 @@
-//! Some samples of many periodic signals that are given by their amplitudes.
+//! Rows of samples of many periodic signals that are given by their amplitudes.
+//!
+//! The plain way is one inverse transform over the whole period for each signal. Where the band is
+//! narrow, a transform over fewer, coarse samples and a short weighted sum for each row take a fifth
+//! less time and an eighth of the memory (400 nodes, 65 536 samples).
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use num_complex::Complex64;
 
 use super::fft::Scratch;
-use super::fourier::FourierPair;
-use super::upsampling::{TAPS, TAPS_BEFORE, Upsampler};
+use super::fourier::{FourierPair, fast_length};
 
-/// Signals that are worked on side by side: the samples of one time stand next to one another.
-pub(crate) const CHANNELS: usize = 16;
+/// Signals of a panel: their samples at one time are next to one another.
+pub(crate) const PANEL: usize = 16;
 
-/// What a thread holds of signals that are transformed but not yet taken apart, unless one is more.
-const ROOM_BYTES: usize = 1 << 20;
+/// Coarse samples that a row is a weighted sum of.
+const TAPS: usize = 30;
 
-/// Memory for the transforms of a panel, which serves again and again.
+/// Those of them before the row, without the last one at or before it.
+const TAPS_BEFORE: usize = TAPS / 2 - 1;
+
+/// Coarse samples per sample that the band itself would need.
+const OVERSAMPLING: usize = 4;
+
+/// Shape of the window, the best for [`TAPS`] and [`OVERSAMPLING`]: errors are below 1e-14 of the
+/// peak of the signal.
+const KAISER_BETA: f64 = 34.0;
+
+/// Most positions between two coarse samples in the table of weights.
+const MOST_PHASES: usize = 512;
+
+/// Samples in bytes that a thread transforms before it interleaves them, unless one signal has more.
+const TRANSFORMED_BYTES: usize = 1 << 20;
+
+/// Memory of a thread for the transforms of one panel after the other.
 #[derive(Debug, Default)]
-pub(crate) struct Room {
+pub(crate) struct Transforms {
     scratch: Scratch,
     samples: Vec<f64>,
 }
 
-/// Which samples of a period are wanted, and how they are had: by a transform over the whole period,
-/// or, where the signals' band is narrow, by one over fewer samples that others are made of.
+/// The rows of a table over time, and the transform that gives the samples they are computed from:
+/// those of the whole period, which the rows select, or coarse ones, which they interpolate.
 #[derive(Clone)]
 pub(crate) struct Sampling {
     transform: FourierPair,
     upsampler: Option<Upsampler>,
-    /// Sample of the period that row 0 is.
+    /// Sample of the period at row 0.
     first: usize,
     every: usize,
 }
 
 impl Sampling {
-    /// Every `every`-th sample from `first` on of signals with amplitudes from zero frequency on,
-    /// `bins` of them; `transform` is that of the whole period.
+    /// Every `every`-th sample from `first` on, of signals with `bins` amplitudes from zero frequency
+    /// on; `transform` is that of the whole period.
     pub(crate) fn new(transform: &FourierPair, bins: usize, first: usize, every: usize) -> Self {
         let upsampler = Upsampler::plan(transform.len(), bins);
         let transform = upsampler
@@ -45,12 +65,12 @@ impl Sampling {
         Self { transform, upsampler, first, every }
     }
 
-    /// Samples of each signal that are held for some rows.
-    pub(crate) fn held(&self, rows: &Range<usize>) -> usize {
+    /// Number of samples of each signal that `rows` are computed from.
+    pub(crate) fn samples_for(&self, rows: &Range<usize>) -> usize {
         self.span(rows).len()
     }
 
-    /// The samples that are held for some rows, counted on beyond the period's end.
+    /// The samples that `rows` are computed from, counted beyond the end of the period.
     fn span(&self, rows: &Range<usize>) -> Range<usize> {
         match &self.upsampler {
             None => rows.clone(),
@@ -62,96 +82,258 @@ impl Sampling {
         }
     }
 
-    /// Which of the samples held for `rows` some of these are made of.
+    /// Which of the samples for `rows` are those for `some` of these rows.
     pub(crate) fn taken(&self, rows: &Range<usize>, some: &Range<usize>) -> Range<usize> {
-        let (held, taken) = (self.span(rows), self.span(some));
-        taken.start - held.start..taken.end - held.start
+        let (all, taken) = (self.span(rows), self.span(some));
+        taken.start - all.start..taken.end - all.start
     }
 
-    /// What no sample exceeds, over the largest of those held that it is made of.
+    /// Upper bound of a row over the largest of the samples that it is computed from.
     pub(crate) fn gain(&self) -> f64 {
         self.upsampler.as_ref().map_or(1.0, Upsampler::gain)
     }
 
-    /// The sample that a row is, counted on beyond the period's end.
+    /// The sample at a row, counted beyond the end of the period.
     fn sample_of(&self, row: usize) -> usize {
         self.first + row * self.every
     }
 
-    /// Fills `held` with what `rows` are made of; `amplitudes` are those of at most [`CHANNELS`]
-    /// signals. Every so often `advance` gets how many more of them are done.
-    pub(crate) fn hold(
+    /// Writes the samples that `rows` are computed from into `panel`; `amplitudes` are those of at most
+    /// [`PANEL`] signals. `advance` gets how many signals are done since the last call.
+    pub(crate) fn write_samples(
         &self,
         rows: &Range<usize>,
         amplitudes: &[Vec<Complex64>],
-        held: &mut [[f64; CHANNELS]],
-        room: &mut Room,
+        panel: &mut [[f64; PANEL]],
+        memory: &mut Transforms,
         advance: impl Fn(usize),
     ) {
         let len = self.transform.len();
         let at_once = self.signals_at_once();
         for (part, amplitudes) in amplitudes.chunks(at_once).enumerate() {
-            room.samples.resize(at_once * len, 0.0);
-            for (amplitudes, samples) in amplitudes.iter().zip(room.samples.chunks_exact_mut(len)) {
-                self.transform.write_samples(amplitudes, &mut room.scratch, samples);
+            memory.samples.resize(at_once * len, 0.0);
+            for (amplitudes, samples) in amplitudes.iter().zip(memory.samples.chunks_exact_mut(len))
+            {
+                self.transform.write_samples(amplitudes, &mut memory.scratch, samples);
             }
             let signals = part * at_once..part * at_once + amplitudes.len();
-            self.interleave(rows, &room.samples, signals, held);
+            self.interleave(rows, &memory.samples, signals, panel);
             advance(amplitudes.len());
         }
     }
 
-    /// Signals that are transformed before they are taken apart into rows.
+    /// Signals that are transformed before they are interleaved.
     fn signals_at_once(&self) -> usize {
-        (ROOM_BYTES / (self.transform.len() * size_of::<f64>())).clamp(1, CHANNELS)
+        (TRANSFORMED_BYTES / (self.transform.len() * size_of::<f64>())).clamp(1, PANEL)
     }
 
-    /// Memory in bytes that a thread's [`Room`] takes.
-    pub(crate) fn room_bytes(&self) -> usize {
-        // What is transformed, and twice as much for the transform itself.
+    /// Memory in bytes that the [`Transforms`] of a thread take.
+    pub(crate) fn transform_bytes(&self) -> usize {
+        // The signals, and the memory of one transform, twice its samples.
         (self.signals_at_once() + 2) * self.transform.len() * size_of::<f64>()
     }
 
-    /// Puts the samples of some signals, one after the other, into their channels of the rows held.
+    /// Copies the samples of some signals of the panel, one after the other, to their places in it.
     fn interleave(
         &self,
         rows: &Range<usize>,
         samples: &[f64],
         signals: Range<usize>,
-        held: &mut [[f64; CHANNELS]],
+        panel: &mut [[f64; PANEL]],
     ) {
         let len = self.transform.len();
         let place = |k: usize| match self.upsampler {
             None => self.sample_of(k) % len,
             Some(_) => (k + len - TAPS_BEFORE) % len,
         };
-        for (k, held) in self.span(rows).zip(held) {
+        for (k, at_k) in self.span(rows).zip(panel) {
             let samples = samples.iter().skip(place(k)).step_by(len);
-            for (held, sample) in held[signals.clone()].iter_mut().zip(samples) {
-                *held = *sample;
+            for (place, sample) in at_k[signals.clone()].iter_mut().zip(samples) {
+                *place = *sample;
             }
         }
     }
 
-    /// One row of the signals whose samples are `held` for `rows`.
+    /// One row of a panel whose `samples` are those for `rows`.
     #[inline(always)]
     pub(crate) fn row(
         &self,
         rows: &Range<usize>,
-        held: &[[f64; CHANNELS]],
+        samples: &[[f64; PANEL]],
         row: usize,
-    ) -> [f64; CHANNELS] {
-        let Some(upsampler) = &self.upsampler else { return held[row - rows.start] };
+    ) -> [f64; PANEL] {
+        let Some(upsampler) = &self.upsampler else { return samples[row - rows.start] };
         let [start, sample] = [rows.start, row].map(|row| self.sample_of(row));
         let first = upsampler.first_tap(sample) - upsampler.first_tap(start);
         let weights = upsampler.weights(sample);
-        let held = &held[first..first + TAPS];
-        let mut sum = [0.0; CHANNELS];
+        let samples = &samples[first..first + TAPS];
+        let mut sum = [0.0; PANEL];
         for tap in 0..TAPS {
-            for channel in 0..CHANNELS {
-                sum[channel] += weights[tap] * held[tap][channel];
+            for signal in 0..PANEL {
+                sum[signal] += weights[tap] * samples[tap][signal];
             }
         }
         sum
+    }
+}
+
+/// Interpolates N samples of a period from M < N coarse ones, by a sinc under a Kaiser window.
+///
+/// ```text
+/// x(t) = Σ_j x_j sinc(t − j) I₀(β√(1 − (2(t − j)/TAPS)²))/I₀(β)        t in coarse steps
+/// ```
+///
+/// (J. F. Kaiser, *Nonrecursive digital filter design using the I₀-sinh window function*, 1974.)
+#[derive(Debug, Clone)]
+struct Upsampler {
+    coarse: usize,
+    /// Coarse steps after which the positions between two coarse samples repeat.
+    steps: usize,
+    /// For each position between two coarse samples.
+    weights: Vec<[f64; TAPS]>,
+}
+
+impl Upsampler {
+    /// Plans the coarse samples for `bins` amplitudes from zero frequency on, and their weights for
+    /// `samples` of a period; none unless there are half as many coarse ones or fewer.
+    fn plan(samples: usize, bins: usize) -> Option<Self> {
+        let least = (2 * OVERSAMPLING * bins).max(TAPS);
+        let phases = |coarse: &usize| samples / greatest_divisor(samples, *coarse);
+        let lengths = std::iter::successors(Some(fast_length(least)), |m| Some(fast_length(m + 1)));
+        let coarse = lengths.take_while(|m| 2 * m <= samples).find(|m| phases(m) <= MOST_PHASES)?;
+        let phases = phases(&coarse);
+        let weights = (0..phases).map(|phase| weights(phase as f64 / phases as f64)).collect();
+        Some(Self { coarse, steps: coarse / (samples / phases), weights })
+    }
+
+    /// Number M of coarse samples.
+    fn coarse(&self) -> usize {
+        self.coarse
+    }
+
+    /// Largest sum of the absolute weights of a sample.
+    fn gain(&self) -> f64 {
+        let sum = |weights: &[f64; TAPS]| weights.iter().map(|weight| weight.abs()).sum();
+        self.weights.iter().map(sum).fold(0.0, f64::max)
+    }
+
+    /// The first of the [`TAPS`] coarse samples for sample `k`, counted from the first for sample 0,
+    /// which is [`TAPS_BEFORE`] before it.
+    #[inline(always)]
+    fn first_tap(&self, k: usize) -> usize {
+        k / self.phases() * self.steps + k % self.phases() * self.steps / self.phases()
+    }
+
+    /// Weights of the coarse samples for sample `k`.
+    #[inline(always)]
+    fn weights(&self, k: usize) -> &[f64; TAPS] {
+        &self.weights[k % self.phases() * self.steps % self.phases()]
+    }
+
+    #[inline(always)]
+    fn phases(&self) -> usize {
+        self.weights.len()
+    }
+}
+
+fn greatest_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { greatest_divisor(b, a % b) }
+}
+
+/// Weights of the coarse samples −14 … 15 for a time `phase` in [0, 1) after sample 0.
+fn weights(phase: f64) -> [f64; TAPS] {
+    let half = TAPS as f64 / 2.0;
+    let largest = bessel_i0(KAISER_BETA);
+    // sin π(t − j) = ±sin πt.
+    let sine = libm::sin(PI * phase.min(1.0 - phase));
+    std::array::from_fn(|tap| {
+        let away = phase - (tap as f64 - TAPS_BEFORE as f64);
+        let sign = if tap.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let sinc = if away == 0.0 { 1.0 } else { sign * sine / (PI * away) };
+        let share = away / half;
+        sinc * bessel_i0(KAISER_BETA * (1.0 - share * share).max(0.0).sqrt()) / largest
+    })
+}
+
+/// Modified Bessel function of the first kind and order zero, by its series of positive terms.
+fn bessel_i0(x: f64) -> f64 {
+    let quarter = x * x / 4.0;
+    let (mut sum, mut term, mut k) = (1.0, 1.0, 1.0);
+    while term > sum * f64::EPSILON / 8.0 {
+        term *= quarter / (k * k);
+        sum += term;
+        k += 1.0;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex64;
+
+    use super::*;
+
+    /// Amplitudes of `bins` harmonics, all of one size.
+    fn amplitudes(bins: usize) -> Vec<Complex64> {
+        let turn = |k: usize| Complex64::cis(1.3 * (k * k) as f64 + 0.2);
+        (0..bins).map(|k| if k == 0 { 0.3.into() } else { turn(k) }).collect()
+    }
+
+    /// Rows of the second of two signals, computed in blocks with these ends.
+    fn rows(sampling: &Sampling, ends: &[usize], bins: usize) -> Vec<f64> {
+        let spectra = vec![vec![Complex64::ZERO; bins], amplitudes(bins)];
+        let mut found = vec![];
+        for ends in ends.windows(2) {
+            let rows = ends[0]..ends[1];
+            let mut panel = vec![[0.0; PANEL]; sampling.samples_for(&rows)];
+            let memory = &mut Transforms::default();
+            sampling.write_samples(&rows, &spectra, &mut panel, memory, |_| {});
+            for row in rows.clone() {
+                let values = sampling.row(&rows, &panel, row);
+                assert!(values[0] == 0.0 && values[2..] == [0.0; PANEL - 2]);
+                found.push(values[1]);
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn samples_of_a_narrow_band_are_those_of_the_whole_transform() {
+        for (samples, bins) in [(65_536, 2171), (13_824, 700), (4000, 11), (1 << 15, 2000)] {
+            let pair = FourierPair::new(samples);
+            assert!(Upsampler::plan(samples, bins).is_some(), "{bins} bins of {samples}");
+            let exact = pair.samples(amplitudes(bins));
+            let peak = exact.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            for (first, every) in [(0, 1), (samples - 77, 3), (samples - 5, 64)] {
+                let len = samples.div_ceil(every) / 2;
+                let sampling = Sampling::new(&pair, bins, first, every);
+                let found = rows(&sampling, &[0, len], bins);
+                for (row, found) in found.iter().enumerate() {
+                    let error = (found - exact[(first + row * every) % samples]).abs() / peak;
+                    assert!(error < 2e-14, "row {row} of {samples} from {first}: {error:e}");
+                }
+                // Rows have the same bits in any blocks.
+                assert!(rows(&sampling, &[0, 1, len / 3, len], bins) == found);
+            }
+        }
+    }
+
+    #[test]
+    fn a_wide_band_is_transformed_as_a_whole() {
+        assert!(Upsampler::plan(4096, 257).is_none());
+        let (pair, bins) = (FourierPair::new(4096), 2049);
+        let sampling = Sampling::new(&pair, bins, 4087, 7);
+        let exact = pair.samples(amplitudes(bins));
+        let expected: Vec<f64> = (0..571).map(|row| exact[(4087 + 7 * row) % 4096]).collect();
+        assert!(rows(&sampling, &[0, 571], bins) == expected);
+        assert!(rows(&sampling, &[0, 2, 300, 571], bins) == expected);
+    }
+
+    #[test]
+    fn the_bessel_function_has_the_values_of_the_tables() {
+        // The sums 1 + 1/4 + 1/64 + … and its like for 5, to eleven digits.
+        for (x, expected) in [(0.0, 1.0), (1.0, 1.266_065_877_75), (5.0, 27.239_871_823_60)] {
+            assert!((bessel_i0(x) / expected - 1.0_f64).abs() < 1e-11, "I₀({x})");
+        }
     }
 }
