@@ -5,12 +5,12 @@ use crate::compare::{Cell, Table, TableColumn};
 
 /// Reads any CSV table: a row of names, then rows of numbers or words, `#` before comments.
 ///
-/// A first row of nothing but numbers is taken for data; the columns are then called `column 1`,
-/// `column 2` and so on, as is one without a name. `name` is what errors call the file.
+/// If the first row has only numbers, it is data, and the columns are called `column 1`, `column 2` and
+/// so on, as is a column without a name. Errors call the file `name`.
 ///
 /// # Errors
-/// [`TableError`] names the line of a row that has not as many fields as there are columns, of a
-/// name that occurs twice, of what is not CSV in UTF-8; a table without a row is refused too.
+/// [`TableError`] names the line of a row with another number of fields than there are columns, of a
+/// name that occurs twice, and of text that is not CSV in UTF-8; it refuses an empty table, too.
 pub fn read_table(name: &str, bytes: &[u8]) -> Result<Table, TableError> {
     let whole = Place { file: name, line: None };
     let at = |line| Place { line: Some(line), ..whole };
@@ -24,7 +24,7 @@ pub fn read_table(name: &str, bytes: &[u8]) -> Result<Table, TableError> {
         .ok_or_else(|| whole.refuse("content", "nothing", "must hold a row of names or of numbers"))
 }
 
-/// A table that begins with this row, of names or of data.
+/// The table whose first row this is, of names or of numbers.
 fn begun(fields: &[&str], line: u64, place: Place) -> Result<Table, TableError> {
     check_separator(fields, place)?;
     if fields.iter().any(|field| field.parse::<f64>().is_err()) {

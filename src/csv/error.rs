@@ -2,20 +2,20 @@ use thiserror::Error;
 
 use crate::numeric::excerpt;
 
-/// A CSV file that is refused.
+/// Why a CSV file is refused.
 ///
 /// The text reads `traj.csv:17: displacement = nan, but must be a finite number`.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{place}: {message}")]
 pub struct TableError {
-    /// File and, where one is at fault, line.
+    /// The file, and the line if one is at fault.
     place: String,
     message: String,
     hint: Option<String>,
 }
 
 impl TableError {
-    /// What the user may do, if there is something to add.
+    /// What the user may do.
     pub fn hint(&self) -> Option<&str> {
         self.hint.as_deref()
     }
@@ -25,7 +25,7 @@ impl TableError {
         Self { hint: hint.into(), ..self }
     }
 
-    /// Adds what the user may do where nothing better is known.
+    /// Adds what the user may do, unless there is a hint.
     pub(crate) fn or_hint(self, hint: String) -> Self {
         let hint = self.hint.clone().or(Some(hint));
         self.with_hint(hint)
@@ -42,7 +42,7 @@ pub(crate) struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// Refuses `subject`, `found` here, because of what it `must` be.
+    /// *place: subject = found, but must*.
     pub(crate) fn refuse(
         &self,
         subject: impl Into<String>,
@@ -53,7 +53,7 @@ impl Place<'_> {
         self.refuse_whole(message)
     }
 
-    /// Refuses what is found here in words of its own.
+    /// *place: message*.
     pub(crate) fn refuse_whole(&self, message: String) -> TableError {
         let place = match self.line {
             Some(line) => format!("{}:{line}", self.file),
@@ -63,7 +63,7 @@ impl Place<'_> {
     }
 }
 
-/// A piece of the file as a message quotes it: in quotes, control characters told, not too long.
+/// An excerpt of the file in quotes, for a message, with its control characters escaped.
 pub(crate) fn quoted(text: &str) -> String {
     format!("\"{}\"", excerpt(text).escape_debug())
 }

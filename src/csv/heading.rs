@@ -1,27 +1,27 @@
 use super::error::{Place, TableError, quoted};
 use crate::numeric::{Dimension, Unit};
 
-/// What a column of a table that is read holds.
+/// The quantity of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quantity {
     Time,
     Acceleration,
     Velocity,
     Displacement,
-    /// Displacement over the link's length.
+    /// Displacement divided by the length of the link.
     Angle,
     Torque,
     HubAngle,
     HubRate,
 }
 
-/// How the column of a quantity is headed.
+/// The heading of a quantity.
 struct Description {
     word: &'static str,
-    /// This program's own ending of the name, which tells the SI unit.
+    /// Ending of the name that states the SI unit, as this program writes it.
     suffix: &'static str,
     dimension: Dimension,
-    /// The SI unit, and another that is much used.
+    /// The SI unit, and another common one.
     units: [&'static str; 2],
 }
 
@@ -51,26 +51,26 @@ impl Quantity {
         self.description().dimension
     }
 
-    /// The SI unit, and another that is much used.
+    /// The SI unit, and another common one.
     pub(super) fn units(self) -> [&'static str; 2] {
         self.description().units
     }
 
-    /// Whether a name ends with this program's own suffix.
+    /// True if the name ends with the suffix of the SI unit.
     pub(super) fn is_suffixed(self, name: &str) -> bool {
         name.to_lowercase().ends_with(self.description().suffix)
     }
 }
 
-/// The columns that one kind of table may hold.
+/// The columns that a kind of table may have.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vocabulary {
     pub(super) quantities: &'static [Quantity],
-    /// May stand before any name, and changes nothing.
+    /// May precede any name, without meaning.
     prefix: &'static str,
     /// A row of names.
     pub(super) example: &'static str,
-    /// What to do about two columns of one quantity, where that is not plain.
+    /// What to do about two columns of one quantity.
     pub(super) choice: Option<&'static str>,
 }
 
@@ -105,13 +105,13 @@ pub(super) const HUB_MOTION: Vocabulary = Vocabulary {
 };
 
 impl Vocabulary {
-    /// A name in small letters, without the prefix.
+    /// The name in lower case, without the prefix.
     pub(super) fn plain(&self, name: &str) -> String {
         let lower = name.to_lowercase();
         lower.strip_prefix(self.prefix).map_or_else(|| lower.clone(), str::to_owned)
     }
 
-    /// The quantity of a name, and whether the name tells its unit.
+    /// The quantity of a name, and true if the name states its unit.
     pub(super) fn quantity(&self, name: &str) -> Option<(Quantity, bool)> {
         let plain = self.plain(name);
         self.quantities.iter().find_map(|quantity| {
@@ -122,16 +122,16 @@ impl Vocabulary {
     }
 }
 
-/// The row that names the columns.
+/// The first row of a table.
 #[derive(Debug, Clone)]
 pub(super) struct Header {
     /// Number of columns.
     pub(super) width: usize,
-    /// The columns that are read, from left to right.
+    /// The columns that the program reads, from the left.
     pub(super) headings: Vec<Heading>,
 }
 
-/// One column's heading.
+/// The heading of one column.
 #[derive(Debug, Clone)]
 pub(super) struct Heading {
     /// Number of the column, from 0.
@@ -160,7 +160,7 @@ impl Heading {
         heading.transpose()
     }
 
-    /// Reads the heading of a column that holds `quantity`; `suffixed` names tell its SI unit.
+    /// Reads the heading of a column of `quantity`; a `suffixed` name states the SI unit.
     pub(super) fn of(
         index: usize,
         field: &str,
@@ -188,7 +188,7 @@ impl Heading {
         self.unit.as_ref().map_or(value, |unit| unit.to_si(value))
     }
 
-    /// The heading as a message names it.
+    /// The column in a message.
     pub(super) fn subject(&self) -> String {
         format!("column {}", self.index + 1)
     }
@@ -214,7 +214,7 @@ fn read_unit(text: &str, name: &str, quantity: Quantity, place: Place) -> Result
     if unit.dimension() == quantity.dimension() { Ok(unit) } else { Err(refuse(None)) }
 }
 
-/// Refuses a first row that does not name columns, or separates them otherwise than by commas.
+/// Refuses a first row of numbers only, or with other separators than commas.
 pub(super) fn check_names(
     fields: &[&str],
     vocabulary: &Vocabulary,
@@ -231,9 +231,9 @@ pub(super) fn check_names(
     check_separator(fields, place)
 }
 
-/// Refuses a first row that separates its columns otherwise than by commas.
+/// Refuses a first row with other separators than commas.
 pub(crate) fn check_separator(fields: &[&str], place: Place) -> Result<(), TableError> {
-    // Where decimals follow a comma, some commas are there all the same.
+    // Such a row may have commas too, as decimal points.
     if let Some(field) = fields.iter().find(|field| field.contains([';', '\t'])) {
         let must = "must name columns that are separated by commas";
         let hint = "separate the columns with commas".to_owned();
@@ -242,7 +242,7 @@ pub(crate) fn check_separator(fields: &[&str], place: Place) -> Result<(), Table
     Ok(())
 }
 
-/// Refuses a column that holds the quantity of one before it.
+/// Refuses a second column of a quantity.
 pub(super) fn check_single(
     before: &[Heading],
     heading: &Heading,
@@ -257,7 +257,7 @@ fn refuse_repeated(earlier: &Heading, heading: &Heading, place: Place) -> TableE
     place.refuse(heading.subject(), quoted(&heading.name), must)
 }
 
-/// The one column of `quantity`, if there is one, whatever stands beside it.
+/// The one column of `quantity`, if there is one, among any other columns.
 pub(super) fn find_column(
     fields: &[&str],
     quantity: Quantity,
@@ -296,19 +296,19 @@ pub(super) fn names<'a>(fields: &[&'a str]) -> Vec<&'a str> {
     fields.iter().map(|field| split_unit(field).0).collect()
 }
 
-/// Refuses columns with these names for want of one, and asks whether one is that misspelt.
+/// Refuses columns without the `wanted` one; the hint names a column that may be that one misspelt.
 pub(crate) fn refuse_missing(names: &[&str], wanted: &str, place: Place) -> TableError {
     let must = format!("must include {wanted}");
-    // A slip changes a letter or two; a longer name is another thing.
+    // A slip changes a letter or two.
     let is_slip = |name: &&&str| name.len().abs_diff(wanted.len()) <= 2;
     let near = nearest(wanted, names.iter().filter(is_slip).copied());
     let hint = near.map(|name| format!("did you mean {wanted} by {}?", quoted(name)));
     place.refuse("columns", quoted(&names.join(",")), must).with_hint(hint)
 }
 
-/// The word that `name` is spelt most like, if one is near at all.
+/// The word that is most similar to `name`, if one is similar.
 pub(super) fn nearest<'a>(name: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    /// Likeness, from 0 to 1, from which a name is taken for a slip or an abbreviation.
+    /// Similarity, from 0 to 1, of a slip or an abbreviation.
     const ALIKE: f64 = 0.7;
     let ranked = words.into_iter().map(|word| (strsim::jaro_winkler(name, word), word));
     let (best, word) = ranked.max_by(|a, b| a.0.total_cmp(&b.0))?;

@@ -7,12 +7,11 @@ use super::samples::Samples;
 use crate::numeric::reads_as_unit;
 use crate::response::{HubReference, Torque};
 
-/// Reads a torque over time: a row that names the columns, then a row for every sample.
+/// Reads a torque over time: a row of names, then a row for each sample.
 ///
 /// Without `column` the torque is the column `torque`, `torque_n_m`, `hub_torque` or
-/// `hub_torque_n_m`; with it, the column of that name, with or without its unit in brackets. Its
-/// unit is N m unless one follows the name in brackets. Of all columns only the time and the torque
-/// are read.
+/// `hub_torque_n_m`; with it, the column of that name, with or without the unit in brackets. The unit
+/// is N m unless one follows the name in brackets. Other columns than time and torque are ignored.
 ///
 /// ```
 /// use flexlink::csv::read_torque_table;
@@ -37,8 +36,8 @@ pub fn read_torque_table(
     Torque::new(&time_s, torque_n_m).map_err(|error| samples.refuse_history(name, &error))
 }
 
-/// Reads the hub motion that a feedback is to hold: `hub_angle`, and `hub_rate` where it is given,
-/// as in the `hub_angle.csv` of `solve`. Other columns are not read.
+/// Reads the hub motion that a feedback follows: `hub_angle`, and `hub_rate` if it is given, as in the
+/// `hub_angle.csv` of `solve`. Other columns are ignored.
 ///
 /// ```
 /// use flexlink::csv::read_hub_reference;
@@ -73,8 +72,8 @@ fn read_hub_header(fields: &[&str], place: Place) -> Result<Header, TableError> 
 
 const IN_BRACKETS: &str = "a unit follows in brackets: torque [N cm]";
 
-/// Reads the row that names the columns of a recording: among its columns the time, and the torque
-/// that is named so or, where one is asked for, the `column` of that name.
+/// Reads the first row of a recording: the column of time, and the one named `column` or, without it,
+/// the one named torque.
 pub(super) fn read_torque_header(
     fields: &[&str],
     column: Option<&str>,
@@ -100,7 +99,7 @@ fn no_torque(fields: &[&str], place: Place) -> TableError {
     refuse_missing(&names(fields), word, place).or_hint(hint)
 }
 
-/// The heading of the torque that is asked for.
+/// The heading of the torque named `column`.
 fn chosen_torque(
     fields: &[&str],
     column: &str,
@@ -121,9 +120,9 @@ fn chosen_torque(
     Heading::of(index, field, Quantity::Torque, suffixed, place)
 }
 
-/// Number of the one column that is headed `column`, or that is so but for its unit.
+/// Index of the one column whose heading is `column`, with or without its unit.
 fn chosen_index(fields: &[&str], column: &str, place: Place) -> Result<usize, TableError> {
-    // What a comma too many leaves without a name cannot be asked for.
+    // A comma too many leaves a column without a name.
     if column.is_empty() {
         return Err(place.refuse("--column", "nothing", "must name a column"));
     }
@@ -162,10 +161,8 @@ fn unknown_column(fields: &[&str], column: &str, place: Place) -> TableError {
     place.refuse("--column", quoted(column), must).with_hint(hint)
 }
 
-/// The last word of a name that has no unit in brackets, where that word reads like a unit other
-/// than this program's own suffix: `torque_n_cm`, `Torque (Nm)`, `hub_angle_rad`.
-///
-/// Such a column cannot be taken for SI.
+/// The last word of a name without a unit in brackets, if that word reads like a unit other than the
+/// suffix `_n_m`: `torque_n_cm`, `Torque (Nm)`, `hub_angle_rad`. Such a column may not be in SI.
 fn unread_unit(field: &str) -> Option<&str> {
     let (name, unit) = split_unit(field);
     if unit.is_some() || Quantity::Torque.is_suffixed(name) {

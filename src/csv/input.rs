@@ -9,8 +9,8 @@ use thiserror::Error;
 
 use super::memory::available_memory;
 
-/// Longest line of an input in bytes: far beyond any table or link file, and soon told from a device
-/// or a file that holds no text.
+/// Longest line of an input in bytes: longer than in any table or link file, but soon reached by a
+/// device or a file that is not text.
 const LONGEST_LINE: usize = 1 << 24;
 
 /// Longest link file, or file of tolerances, in bytes: some million segments.
@@ -39,7 +39,7 @@ pub struct InputError {
     hint: Option<&'static str>,
 }
 
-/// The system's words for an error, without its number, which says nothing beside them.
+/// The system's text for an error, without the error's number.
 pub fn system_words(cause: &io::Error) -> String {
     let text = cause.to_string();
     text.split(" (os error").next().unwrap_or_default().to_owned()
@@ -50,7 +50,7 @@ impl InputError {
         Self { shown, cause, hint: None }
     }
 
-    /// What the user may do, if there is something to add.
+    /// What the user may do.
     pub fn hint(&self) -> Option<&'static str> {
         self.hint
     }
@@ -60,8 +60,8 @@ impl InputFile {
     /// Reads a file, or standard input for `-`.
     ///
     /// # Errors
-    /// [`InputError`] with the system's words, or for more than a megabyte that begins with what is no
-    /// text, a line of more than 16 MiB or a content that half the available memory does not hold.
+    /// [`InputError`] with the system's text; also if more than a megabyte begins with bytes that are not
+    /// text, if a line is longer than 16 MiB, or if the content exceeds half the available memory.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::read_within(path, u64::MAX)
     }
@@ -107,7 +107,7 @@ impl InputFile {
         })
     }
 
-    /// What to do about a file that seems to be something else than a text in UTF-8.
+    /// What to do about the file if it seems to be another format than text in UTF-8.
     pub fn disguise(&self) -> Option<&'static str> {
         disguise(&self.bytes)
     }
@@ -142,11 +142,11 @@ impl Unread {
     }
 }
 
-/// Refuses the beginning of a long input that is no text.
+/// Refuses a long input whose beginning is not text.
 fn check_text(bytes: &[u8]) -> Result<(), Unread> {
     let nul = bytes.iter().position(|byte| *byte == 0);
     let foreign = std::str::from_utf8(bytes).err();
-    // A letter that the beginning ends within is whole in what follows.
+    // The beginning may end within a letter.
     let foreign = foreign.filter(|error| error.error_len().is_some());
     let foreign = foreign.map(|error| error.valid_up_to());
     match nul.into_iter().chain(foreign).min() {
@@ -158,15 +158,15 @@ fn check_text(bytes: &[u8]) -> Result<(), Unread> {
     }
 }
 
-/// Most lines of an input: more samples than a period may have, and their header.
+/// Most lines of an input: more than a period may have samples.
 const MOST_LINES: usize = (1 << 24) + 1024;
 
-/// Reads all of an input, expected to hold `len` bytes, but no line and no content beyond bounds: what
-/// is no text, or never ends, is told from what is while memory lasts. `most` bytes are enough.
+/// Reads all of an input of about `len` bytes. Refuses it as soon as a line, the number of lines or the
+/// content, `most` bytes, exceeds its bound: the input may never end.
 fn read_whole(mut input: impl Read, len: u64, most: u64) -> Result<Vec<u8>, Unread> {
     let room = OnceCell::new();
     let mut bytes = Vec::new();
-    // A sparse file is only as long as it says; its first line may be refused.
+    // `len` may be huge without being true, as of a sparse file.
     bytes.reserve_exact(usize::try_from(len).unwrap_or(usize::MAX).min(LONGEST_LINE));
     let (mut lines, mut line_start) = (0_usize, 0);
     loop {
@@ -174,7 +174,7 @@ fn read_whole(mut input: impl Read, len: u64, most: u64) -> Result<Vec<u8>, Unre
         if input.by_ref().take(CHUNK as u64).read_to_end(&mut bytes)? == 0 {
             return Ok(bytes);
         }
-        // Of an input that ends within its first block, the reader names the line.
+        // For an input that ends within its first block, the reader of the table names the line.
         if before == CHUNK {
             check_text(&bytes[..CHUNK])?;
         }
@@ -195,8 +195,8 @@ fn read_whole(mut input: impl Read, len: u64, most: u64) -> Result<Vec<u8>, Unre
         if bytes.len() as u64 > most {
             return Err(Unread::because(format!("longer than {} MiB", most >> 20)));
         }
-        // As much again goes into the numbers that are made of the text, and a vector that grows
-        // takes twice its size for a moment.
+        // The numbers read from the text take as much again, and a growing vector takes twice its size
+        // for a moment.
         let room = room.get_or_init(|| available_memory().map_or(u64::MAX, |bytes| bytes / 2));
         if bytes.len() as u64 > *room {
             let megabytes = room / 1_000_000;
@@ -216,15 +216,15 @@ fn hexadecimal(bytes: &[u8]) -> String {
     text
 }
 
-/// Bytes that are looked at: names of columns, or keys of a link file.
+/// Bytes that show whether letters take two bytes.
 const HEAD: usize = 32;
 
-/// What to do about bytes that are no UTF-8.
+/// What to do about bytes that are not UTF-8.
 pub(crate) fn remedy(bytes: &[u8]) -> &'static str {
     disguise(bytes).unwrap_or("save the file as text in UTF-8")
 }
 
-/// What bytes seem to be, whether they are UTF-8 or not, and what to do about it.
+/// What the bytes seem to be if not a text in UTF-8, and what to do about it.
 pub(super) fn disguise(bytes: &[u8]) -> Option<&'static str> {
     const UTF_16: &str = "it seems to be UTF-16: save the file as text in UTF-8";
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || is_utf_16(bytes) {
@@ -240,7 +240,7 @@ pub(super) fn disguise(bytes: &[u8]) -> Option<&'static str> {
     known.into_iter().find(|(mark, _)| bytes.starts_with(mark)).map(|(_, remedy)| remedy)
 }
 
-/// Whether every other byte of the beginning is a NUL, as where letters take two bytes each.
+/// True if every other byte of the beginning is 0, as in UTF-16.
 fn is_utf_16(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(HEAD)];
     let (pairs, _) = head.as_chunks::<2>();

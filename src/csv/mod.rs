@@ -1,4 +1,4 @@
-//! CSV: reading, writing, and numbers as text; every column's name and unit once.
+//! CSV: reading, writing, and numbers as text; the name and the unit of every column once.
 
 mod any_table;
 mod cells;
@@ -15,7 +15,6 @@ mod resample;
 mod rows;
 mod samples;
 mod table;
-mod time_format;
 
 pub use any_table::read_table;
 pub use error::TableError;
@@ -26,10 +25,9 @@ pub use input::{InputError, InputFile, system_words};
 pub(crate) use input::{remedy, sha256};
 pub use memory::{available_addresses, available_memory};
 pub use motion::{MotionTable, read_motion_table, write_trajectory};
-pub use number::{Digits, DigitsError, NumberFormat};
+pub use number::{Digits, DigitsError, NumberFormat, time_format};
 pub(crate) use rows::read_rows;
 pub(crate) use rows::{CHECK, check_content, without_checks};
 pub use rows::{checked_header, checked_rows};
 pub use table::{Column, ColumnGroup, write_csv};
 pub(crate) use table::{group, write_columns, write_nodal};
-pub use time_format::time_format;

@@ -11,7 +11,7 @@ use super::table::{group, write_over_time};
 use crate::motion::{MotionColumns, TipMotion, TipTarget};
 use crate::numeric::TimeGrid;
 
-/// A tip motion as read from a file, in SI, with the line of every sample.
+/// A tip motion read from a file, in SI, with the line of each sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionTable {
     /// The samples.
@@ -21,8 +21,8 @@ pub struct MotionTable {
 }
 
 impl MotionTable {
-    /// Line of a sample in its file, from 1; of a resampled motion the line of the last sample
-    /// read that is not later.
+    /// Line of a sample in the file, from 1; in a resampled motion, the line of the last sample of the
+    /// file that is not later.
     ///
     /// # Panics
     /// If there is no such sample.
@@ -45,7 +45,7 @@ impl MotionTable {
 
     /// The displacement as a target to compare with.
     ///
-    /// A target need not be at rest at its ends. Columns beside the displacement are not looked at.
+    /// A target need not be at rest at its ends. Other columns than the displacement are ignored.
     ///
     /// ```
     /// use flexlink::csv::read_motion_table;
@@ -58,7 +58,7 @@ impl MotionTable {
     /// ```
     ///
     /// # Errors
-    /// [`TableError`] where there is no displacement, or a time is off the uniform grid.
+    /// [`TableError`] if there is no displacement, or a time is off the uniform grid.
     pub fn into_target(self) -> Result<TipTarget, TableError> {
         let Self { columns, name, lines } = self;
         let place = Place { file: &name, line: None };
@@ -76,16 +76,16 @@ impl MotionTable {
         Ok(TipTarget::new(grid, displacement_m))
     }
 
-    /// The file, as the user named it.
+    /// The file as the user named it.
     pub fn name(&self) -> &str {
         &self.name
     }
 }
 
-/// Reads a tip trajectory: a row that names the columns, then a row for every sample.
+/// Reads a tip trajectory: a row of names, then a row for each sample.
 ///
-/// An angle stands for the displacement, `angle · link_length_m`. That time advances is checked
-/// here; that it is uniform, is not.
+/// An angle gives the displacement, `angle · link_length_m`. Times must increase; they need not be
+/// uniform.
 ///
 /// ```
 /// use flexlink::csv::read_motion_table;
@@ -119,9 +119,9 @@ pub fn read_motion_table(
     Ok(MotionTable { columns, name: name.to_owned(), lines: samples.lines })
 }
 
-/// Reads the row that names the columns, and checks that together they describe a motion.
+/// Reads the first row, and checks that the columns describe a motion.
 ///
-/// Every column must be one of a trajectory: an unknown one may be a known one misspelt.
+/// An unknown column is refused: it may be a known one misspelt.
 pub(super) fn read_trajectory_header(fields: &[&str], place: Place) -> Result<Header, TableError> {
     check_names(fields, &TRAJECTORY, place)?;
     let mut headings: Vec<Heading> = Vec::new();
@@ -144,7 +144,7 @@ fn unknown_column(index: usize, field: &str, place: Place) -> TableError {
     place.refuse(subject, quoted(field), must).with_hint(hint_for(&TRAJECTORY.plain(name)))
 }
 
-/// What the user may have meant by a name that is not known.
+/// What the user may have meant by an unknown name.
 fn hint_for(name: &str) -> Option<String> {
     if name.is_empty() {
         return Some("a comma at the end of the row begins a column of its own".to_owned());
@@ -191,8 +191,8 @@ fn check_motion(headings: &[Heading], place: Place) -> Result<(), TableError> {
     Ok(())
 }
 
-/// Writes a trajectory as `solve` reads it: time in s and, where they are given, acceleration,
-/// velocity and displacement in SI.
+/// Writes a trajectory as [`read_motion_table`] reads it: the time, and acceleration, velocity and
+/// displacement as far as they are given, all in SI.
 ///
 /// # Errors
 /// Those of `out`.

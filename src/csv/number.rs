@@ -3,12 +3,13 @@ use std::io::Write as _;
 use std::ops::Range;
 use std::str::FromStr;
 
+use rayon::prelude::*;
 use thiserror::Error;
 
 use super::fixed::write_fixed;
 use crate::numeric::{excerpt, largest};
 
-/// How many digits the numbers of one column group are given.
+/// Digits of the numbers of a column group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Digits {
     /// The last digit is at most 10⁻ⁿ of the group's peak, n from 1 to 17.
@@ -24,7 +25,7 @@ impl Default for Digits {
 }
 
 impl Digits {
-    /// Format of a column group whose largest absolute value is `peak`.
+    /// Format of a column group with this largest absolute value.
     ///
     /// The number of decimals d is the smallest, 0 or above, with 10⁻ᵈ ≤ 10⁻ⁿ·peak. A peak of 0
     /// gives n decimals, one that is not finite the shortest text.
@@ -38,7 +39,7 @@ impl Digits {
         self.for_peak_of(|| peak)
     }
 
-    /// [`Self::for_peak`] of a peak that is only sought where it matters.
+    /// [`Self::for_peak`], which calls `peak` only if the format depends on it.
     pub(super) fn for_peak_of(self, peak: impl FnOnce() -> f64) -> NumberFormat {
         let Self::BelowPeak(n) = self else { return NumberFormat::Shortest };
         let peak = peak();
@@ -52,14 +53,13 @@ impl Digits {
 }
 
 impl Digits {
-    /// Samples as they read back from a column of their own.
+    /// The samples as they read back when they are written as a column.
     pub fn as_written(&self, samples: &[f64]) -> Vec<f64> {
         let format = self.for_peak(largest(samples));
         let mut text = Vec::new();
         let read_back = |sample: &f64| {
             text.clear();
             format.write(&mut text, *sample);
-            // Every number that is written reads back.
             std::str::from_utf8(&text).ok().and_then(|text| text.parse().ok()).unwrap_or(f64::NAN)
         };
         samples.iter().map(read_back).collect()
@@ -68,14 +68,14 @@ impl Digits {
 
 /// Largest e with 10ᵉ ≤ |value|; none of what is not finite.
 ///
-/// Read from the decimal text: a logarithm may miss the powers of ten by one.
+/// From the decimal text: a logarithm may miss a power of ten by one.
 fn decimal_exponent(value: f64) -> Option<i32> {
     let text = format!("{:e}", value.abs());
     let (_, exponent) = text.split_once('e')?;
     exponent.parse().ok()
 }
 
-/// A number of digits that cannot be had.
+/// A number of digits that is refused.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("digits = {found}, but must be a whole number from 1 to 17, or full")]
 pub struct DigitsError {
@@ -96,7 +96,7 @@ impl FromStr for Digits {
     }
 }
 
-/// As it is read.
+/// As [`FromStr`] reads it.
 impl fmt::Display for Digits {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -106,7 +106,7 @@ impl fmt::Display for Digits {
     }
 }
 
-/// How the numbers of a column are written.
+/// Format of the numbers of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NumberFormat {
     /// With this many decimals, correctly rounded.
@@ -145,9 +145,65 @@ fn write_shortest(out: &mut Vec<u8>, value: f64) {
     debug_assert!(written.is_ok(), "memory takes every number");
 }
 
+/// Largest error of a time that is read back, in s.
+const TOLERANCE_S: f64 = 1e-12;
+/// The same in steps, so that times at steps below 10 ns stay distinct.
+const TOLERANCE: f64 = 1e-4;
+/// Most decimals before the shortest text takes over.
+const MAX_DECIMALS: usize = 15;
+/// Powers of ten, each exact.
+const POWERS: [f64; MAX_DECIMALS + 1] =
+    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+/// Below this every whole number is exact.
+const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
+
+/// Fewest times for a thread.
+const TIMES_AT_ONCE: usize = 1 << 14;
+
+/// Fewest decimals with which each of `len` times reads back within 1e-12 s and 1e-4 of their step.
+///
+/// Too few decimals usually fail at one of the first times, so that all times are checked about once.
+///
+/// ```
+/// use flexlink::csv::{NumberFormat, time_format};
+/// assert_eq!(time_format(|k| 0.002 * k as f64, 1000), NumberFormat::Fixed(3));
+/// ```
+pub fn time_format(time: impl Fn(usize) -> f64 + Sync, len: usize) -> NumberFormat {
+    let tolerance_s = tolerance_s(&time, len);
+    (0..=MAX_DECIMALS)
+        .find(|&decimals| {
+            let times = (0..len).into_par_iter().with_min_len(TIMES_AT_ONCE);
+            times.all(|k| reads_back(time(k), decimals, tolerance_s))
+        })
+        .map_or(NumberFormat::Shortest, NumberFormat::Fixed)
+}
+
+fn tolerance_s(time: impl Fn(usize) -> f64, len: usize) -> f64 {
+    if len < 2 {
+        return TOLERANCE_S;
+    }
+    let step_s = (time(len - 1) - time(0)).abs() / (len - 1) as f64;
+    TOLERANCE_S.min(TOLERANCE * step_s)
+}
+
+/// True if `time` with this many decimals reads back within the tolerance.
+///
+/// A whole number below 2⁵³ divided by an exact power of ten is rounded once, as by a reader of the
+/// decimal text; larger ones are written and read.
+fn reads_back(time: f64, decimals: usize, tolerance_s: f64) -> bool {
+    let last_digits = (time * POWERS[decimals]).round();
+    let read = if last_digits.abs() < EXACT_INTEGERS {
+        last_digits / POWERS[decimals]
+    } else {
+        format!("{time:.decimals$}").parse().unwrap_or(f64::NAN)
+    };
+    (read - time).abs() <= tolerance_s
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numeric::TimeGrid;
 
     fn text(format: NumberFormat, value: f64) -> String {
         let mut out = b"before,".to_vec();
@@ -222,6 +278,64 @@ mod tests {
             let error = refused.parse::<Digits>().unwrap_err();
             let must = "but must be a whole number from 1 to 17, or full";
             assert_eq!(error.to_string(), format!("digits = {refused}, {must}"));
+        }
+    }
+
+    /// The definition: write all, read all.
+    fn fits(grid: &TimeGrid, decimals: usize) -> bool {
+        let allowed_s = 1e-12_f64.min(1e-4 * grid.duration_s() / (grid.len - 1) as f64);
+        (0..grid.len).all(|k| {
+            let text = format!("{:.decimals$}", grid.time_s(k));
+            (text.parse::<f64>().unwrap() - grid.time_s(k)).abs() <= allowed_s
+        })
+    }
+
+    fn grid(origin_s: f64, step_s: f64, first: i64, len: usize) -> TimeGrid {
+        TimeGrid { origin_s, step_s, first, len }
+    }
+
+    #[test]
+    fn the_decimals_are_the_fewest_that_read_back() {
+        for grid in [
+            grid(0.0, 0.001, -700, 3000),
+            grid(0.0, 0.25, 0, 9),
+            grid(5.0, 1.0, -3, 9),
+            grid(0.125, 0.01, 0, 500),
+            grid(0.0, 1.0 / 1024.0, -5, 2000),
+            grid(0.0, 1.0 / 3.0, 0, 100),
+            grid(0.0, 0.88 / 880.0, 0, 881),
+            grid(0.0, 1e-6, 0, 5000),
+            grid(4.0e4, 0.001, 0, 5000),
+            grid(1.7e9, 0.001, 0, 3000),
+            grid(0.0, 1e-13, 0, 50),
+            grid(0.0, 1e-12, 1, 50),
+        ] {
+            let expected = (0..=15).find(|&d| fits(&grid, d));
+            let expected = expected.map_or(NumberFormat::Shortest, NumberFormat::Fixed);
+            assert_eq!(time_format(|k| grid.time_s(k), grid.len), expected, "{grid:?}");
+        }
+    }
+
+    #[test]
+    fn a_late_sample_may_ask_for_more_decimals() {
+        let time = |k: usize| if k == 999_999 { 0.125 } else { 0.0 };
+        assert_eq!(time_format(time, 1_000_000), NumberFormat::Fixed(3));
+    }
+
+    #[test]
+    fn times_that_are_too_close_for_decimals_take_the_shortest_text_and_stay_apart() {
+        assert_eq!(time_format(|k| 1e-18 * k as f64, 4), NumberFormat::Shortest);
+        for step_s in [1e-13, 0.3e-14, 1e-18, 1e-300] {
+            let format = time_format(|k| step_s * k as f64, 50);
+            let text = |k: usize| {
+                let mut text = Vec::new();
+                format.write(&mut text, step_s * k as f64);
+                String::from_utf8(text).unwrap()
+            };
+            let read = |k: usize| text(k).parse::<f64>().unwrap() / step_s;
+            for k in 0..50 {
+                assert!((read(k) - k as f64).abs() < 1e-3, "{step_s:e}: {}", text(k));
+            }
         }
     }
 }

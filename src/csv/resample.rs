@@ -7,14 +7,14 @@ use super::samples::MIN_SAMPLES;
 
 /// Most samples that a resampled motion may have.
 const MAX_SAMPLES: f64 = 1e7;
-/// How far the motion may end from a whole number of steps, in steps.
+/// Largest distance of the end of the motion from a whole number of steps, in steps.
 const WHOLE_STEPS: f64 = 1e-6;
 
 impl MotionTable {
     /// The motion on a uniform grid from its first time to its last, by cubic splines.
     ///
-    /// The displacement's spline is at rest at both ends; those of velocity and acceleration assume
-    /// nothing there.
+    /// The spline of the displacement is at rest at both ends; those of velocity and acceleration are
+    /// not-a-knot.
     ///
     /// ```
     /// use flexlink::csv::read_motion_table;
@@ -57,7 +57,7 @@ impl MotionTable {
     }
 }
 
-/// Number of steps in the duration, refused unless it is whole.
+/// Number of steps in the duration; an error unless it is whole.
 fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, TableError> {
     let refuse = |must: String| place.refuse("resampling step", format!("{step_s} s"), must);
     if !(step_s.is_finite() && step_s > 0.0) {

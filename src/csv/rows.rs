@@ -3,14 +3,14 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use super::error::{Place, TableError, quoted};
 use super::input::{disguise, remedy, sha256};
 
-/// What `first` makes of the first row of a CSV text, the content of `file`, and `next` of it and
-/// each further row; none of a text without rows.
+/// Reads the CSV text `bytes` of `file`: `first` returns a value for the first row, `next` changes it for
+/// each further row. None for a text without rows.
 ///
-/// Both are given the row's line and its fields, trimmed; comments, blank lines and a byte order mark
-/// are passed over.
+/// Both get the line of the row and its trimmed fields; comments, blank lines and a byte order mark are
+/// skipped.
 ///
 /// # Errors
-/// Those of `first` and `next`, and [`TableError`] for what is not UTF-8 or no CSV.
+/// Those of `first` and `next`, and [`TableError`] for text that is not UTF-8 or not CSV.
 pub(crate) fn read_rows<T>(
     file: &str,
     bytes: &[u8],
@@ -49,8 +49,7 @@ fn each_row(
     if is_plain(text) { each_plain_row(text, take) } else { each_quoted_row(file, text, take) }
 }
 
-/// Whether lines and fields end where a line feed and a comma stand, which is several times faster
-/// to read.
+/// True if every line feed ends a line and every comma a field: such text is read several times faster.
 fn is_plain(text: &str) -> bool {
     let bytes = text.as_bytes();
     let lone = |k: usize| bytes.get(k + 1) != Some(&b'\n');
@@ -111,10 +110,8 @@ fn each_quoted_row(
     }
 }
 
-/// Where in `bytes` a row begins.
-///
-/// The reader tells where it began to look for it: before the comments, the blank lines and the rest
-/// of the line end that it then passed over.
+/// Index in `bytes` where a row begins. The position of the record is before the comments, blank lines
+/// and the rest of a line end that the reader skipped.
 fn start_of(record: &StringRecord, bytes: &[u8]) -> usize {
     let looked_from = record.position().map_or(0, csv::Position::byte);
     let mut start = usize::try_from(looked_from).unwrap_or(bytes.len());
@@ -127,7 +124,7 @@ fn start_of(record: &StringRecord, bytes: &[u8]) -> usize {
     }
 }
 
-/// Refuses a comment in a file whose lines end in CR alone: it would never end.
+/// Refuses comments in a file whose lines end in CR: the reader ends a comment only at LF.
 fn check_line_ends(file: &str, text: &str) -> Result<(), TableError> {
     let comments = text.split('\r').any(|line| line.starts_with('#'));
     if text.contains('\n') || !text.contains('\r') || !comments {
@@ -148,7 +145,7 @@ fn line_ends(bytes: &[u8], from: usize, to: usize) -> u64 {
     (from..to).filter(ends).map(|_| 1).sum()
 }
 
-/// A field without the quotes that stay where a blank stands before them.
+/// A field without the quotes that the reader leaves after a blank.
 fn unquoted(field: &str) -> &str {
     let inner = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
     inner.map_or(field, str::trim)
@@ -160,7 +157,7 @@ pub(crate) const CHECK: &str = "check";
 
 const CHECK_DIGITS: usize = 8;
 
-/// Rows with the check of each behind it; one that is cut off has none.
+/// Rows with a check at the end of each; a row that is cut off gets none.
 pub fn checked_rows(rows: &str) -> String {
     let checked = |row: &str| match row.strip_suffix('\n') {
         Some(row) => format!("{row},{}\n", check_of(row)),
@@ -169,7 +166,7 @@ pub fn checked_rows(rows: &str) -> String {
     rows.split_inclusive('\n').map(checked).collect()
 }
 
-/// The row that names the columns of checked rows, with its line end.
+/// The names of the columns of checked rows, with the line end.
 pub fn checked_header(header: &str) -> String {
     format!("{},{CHECK}\n", header.trim_end())
 }
@@ -187,7 +184,7 @@ fn check_of(row: &str) -> String {
     digits
 }
 
-/// Refuses a row whose content is not that of its check.
+/// Refuses a row whose check is not that of its content.
 pub(crate) fn check_content(row: &str, check: &str, place: Place) -> Result<(), TableError> {
     let must = check_of(row);
     if check == must {

@@ -8,18 +8,18 @@ use super::rows::read_rows;
 /// Fewest samples that a table may have.
 pub(super) const MIN_SAMPLES: usize = 4;
 
-/// Longest number that a message tells as it is.
+/// Longest number that a message shows whole.
 const LONGEST_SHOWN: usize = 60;
 
-/// How numbers are written.
+/// The notation of numbers, for hints.
 const NUMBERS: &str = "decimals follow a point, and nothing divides thousands";
 
-/// The columns of a table that are read, in SI, with the line of every sample.
+/// The columns of a table over time that the program reads, in SI, with the line of each sample.
 pub(super) struct Samples {
     header: Header,
-    /// Which of the headings is the time.
+    /// Index of the time among the headings.
     time: usize,
-    /// One column a heading.
+    /// The values of each heading.
     values: Vec<Vec<f64>>,
     pub(super) lines: Vec<u64>,
     /// The last time as written.
@@ -27,7 +27,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Reads a table whose first row `read_header` makes sense of. One of its columns is the time.
+    /// Reads a table; `read_header` reads its first row. One of the columns is the time.
     pub(super) fn read(
         name: &str,
         bytes: &[u8],
@@ -52,14 +52,14 @@ impl Samples {
         Ok(samples)
     }
 
-    /// Takes the column of a quantity, if the table holds it.
+    /// Takes the column of a quantity, if there is one.
     pub(super) fn take(&mut self, quantity: Quantity) -> Option<Vec<f64>> {
         let is_wanted = |heading: &Heading| heading.quantity == quantity;
         let place = self.header.headings.iter().position(is_wanted)?;
         Some(std::mem::take(&mut self.values[place]))
     }
 
-    /// Why these samples, read from the file of this name, are no history.
+    /// An error of the history made of these samples, with file and line.
     pub(super) fn refuse_history(&self, name: &str, error: &HistoryError) -> TableError {
         let line = error.sample().map(|sample| self.lines[sample]);
         let place = Place { file: name, line };
@@ -128,12 +128,12 @@ fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, Tabl
     }
 }
 
-/// A number as a message tells it: it may have millions of digits.
+/// A number in a message: it may have millions of digits.
 fn shown(field: &str) -> String {
     if field.len() <= LONGEST_SHOWN { field.to_owned() } else { quoted(field) }
 }
 
-/// What the user may have meant by a field that is no number.
+/// What the user may have meant by a field that is not a number.
 fn hint_for(field: &str, heading: &Heading) -> Option<String> {
     let has_clock = field.contains(':') || field.matches(['-', '/', '.']).count() == 2;
     if heading.quantity == Quantity::Time
@@ -146,7 +146,7 @@ fn hint_for(field: &str, heading: &Heading) -> Option<String> {
     (plain != field && plain.parse::<f64>().is_ok()).then(|| NUMBERS.to_owned())
 }
 
-/// Whether a field could be a part of a number that commas divide.
+/// True if a field could be a part of a number that commas divide.
 fn is_digits(field: &str) -> bool {
     let digits = field.strip_prefix(['-', '+']).unwrap_or(field);
     !digits.is_empty()

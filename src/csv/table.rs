@@ -5,8 +5,7 @@ use std::ops::Range;
 
 use super::cells::CellFormat;
 use super::in_order::write_in_order;
-use super::number::{Digits, NumberFormat};
-use super::time_format::time_format;
+use super::number::{Digits, NumberFormat, time_format};
 use crate::inverse::{NodalTable, Stage, Watch};
 use crate::numeric::ThinnedGrid;
 

@@ -11,22 +11,22 @@ use crate::model::FrequencyResponse;
 use crate::numeric::magnitude;
 use crate::result::CoarseMesh;
 
-/// What is known of the modes and zeros of a link.
+/// Modes and zeros of a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModesResult {
     /// Natural frequencies in rad/s, the rigid rotation left out.
     pub omega_rad_s: Vec<f64>,
-    /// Damping ratio that the law gives each mode.
+    /// Damping ratio of each mode.
     pub damping_ratios: Vec<f64>,
-    /// Relative errors that the mesh causes in the natural frequencies; NaN where not known, as below.
+    /// Relative errors that the mesh causes in the natural frequencies; NaN where unknown, as below.
     pub mesh_errors: Vec<f64>,
     /// Zeros ±z of torque → tip in 1/s.
     pub zeros_per_s: Vec<f64>,
-    /// Relative errors that the mesh causes in these.
+    /// Relative errors that the mesh causes in them.
     pub zero_mesh_errors: Vec<f64>,
-    /// Zeros at real frequencies, in Hz: there no torque moves the tip.
+    /// Zeros at real frequencies in Hz: no torque moves the tip there.
     pub blocked_hz: Vec<f64>,
-    /// Relative errors that the mesh causes in these.
+    /// Relative errors that the mesh causes in them.
     pub blocked_mesh_errors: Vec<f64>,
     /// Distance of each node from the axis in m.
     pub nodes_m: Vec<f64>,
@@ -36,14 +36,14 @@ pub struct ModesResult {
     pub held: Option<HeldModes>,
 }
 
-/// The modes of a link while the motor holds the rotor of its drive still.
+/// The modes of a link while the motor holds the rotor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldModes {
     /// Stiffness of the joint between rotor and hub in N m/rad; infinite for a stiff joint.
     pub joint_stiffness_n_m_rad: f64,
     /// Natural frequencies in rad/s.
     pub omega_rad_s: Vec<f64>,
-    /// Relative errors that the mesh causes in these.
+    /// Relative errors that the mesh causes in them.
     pub mesh_errors: Vec<f64>,
 }
 
@@ -56,13 +56,13 @@ const HELD: &str = "held_modes.csv";
 const ZEROS: &str = "zeros.csv";
 
 impl ModesResult {
-    /// How long before the motion the torque is still 1 % of what it is at its start, in s, were
-    /// there but this zero: ln(100)/z.
+    /// Time in s before the motion at which the torque is 1 % of that at its start, with this zero alone:
+    /// ln(100)/z.
     pub fn leads_s(&self) -> Vec<f64> {
         self.zeros_per_s.iter().map(|zero| libm::log(100.0) / zero).collect()
     }
 
-    /// What there is to warn of.
+    /// Warnings of errors that the mesh causes.
     pub fn warnings(&self) -> Vec<CoarseMesh> {
         let held = self.held.as_ref().map_or(&[][..], |held| &held.mesh_errors);
         let lists = [
@@ -74,8 +74,8 @@ impl ModesResult {
         lists.into_iter().filter_map(|(what, errors)| CoarseMesh::of(what, errors)).collect()
     }
 
-    /// Writes modes.csv, `mode_shapes.csv` and zeros.csv, of a link with a drive also
-    /// `held_modes.csv`; all or none.
+    /// Writes modes.csv, `mode_shapes.csv` and zeros.csv, for a link with a drive also `held_modes.csv`:
+    /// all or none.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
@@ -124,8 +124,8 @@ type Transfer = fn(&FrequencyResponse) -> Complex64;
 type Part = fn(Complex64) -> f64;
 
 /// Writes the frequency response of a link: frequency, then real and imaginary part, magnitude and
-/// phase of each transfer, and the relative error that the mesh causes in them. A transfer that is infinite, at a
-/// pole of an undamped link, leaves its fields empty.
+/// phase of each transfer, and the relative error that the mesh causes in them. Fields of an infinite
+/// transfer, at a pole of an undamped link, are empty.
 ///
 /// # Errors
 /// Those of `out`.

@@ -15,14 +15,14 @@ use crate::link::Link;
 use crate::motion::TipMotionHistories;
 use crate::response::Simulation;
 
-/// Which results to write, and how.
+/// Which results of an inversion to write, and with which digits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveOutputs {
     /// Nodes of the nodal tables; `None`: all.
     pub nodes: Option<Vec<usize>>,
-    /// Every how many samples the nodal tables have a row, at least 1.
+    /// The nodal tables have a row for every so many samples, at least 1.
     pub every: usize,
-    /// Tables beyond those that are always written.
+    /// Tables that are written on demand.
     pub optional: Vec<OptionalTable>,
     /// Digits of all numbers.
     pub digits: Digits,
@@ -47,7 +47,7 @@ impl OptionalTable {
 }
 
 impl SolveOutputs {
-    /// Names of the files that will be written of a link, summary.json last.
+    /// Names of the files of a link, summary.json last.
     pub fn file_names(&self, link: &Link) -> Vec<&'static str> {
         let optional = [OptionalTable::NodalDeflections, OptionalTable::BendingMoments];
         let wanted = |name: &&str| {
@@ -58,9 +58,9 @@ impl SolveOutputs {
         RESULT_FILES.into_iter().filter(wanted).chain([SUMMARY]).collect()
     }
 
-    /// Writes the files of a solution into `folder` and gives them their names, all or none, the
-    /// `page` of the run among them, where there is one; its deflections are those of
-    /// [`Self::deflections`], and `watch` gets the progress of the nodal tables.
+    /// Writes the files of a solution, and the `page` of the run if there is one, into `folder`: all or
+    /// none. The deflections are those of [`Self::deflections`]; `watch` gets the progress of the nodal
+    /// tables.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
@@ -72,12 +72,12 @@ impl SolveOutputs {
         (summary, page): (&Summary, Option<&str>),
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
-        // Alone, because these histories are made for their table only, and then dropped.
+        // Before the others, so that its histories are dropped before the nodal tables take memory.
         if let Some(motor) = solution.motor() {
             let (time, groups) = (solution.grid.thinned(1), motor_groups(&motor));
             folder.file(MOTOR, |out| write_csv(out, &time, &groups, self.digits))?;
         }
-        // The nodal tables take longest, and what they leave of the threads serves the others.
+        // The nodal tables take longest; threads that they leave idle write the others.
         let (nodal, others) = rayon::join(
             || self.write_nodal(&folder, (solution, deflections), watch),
             || self.write_histories(&folder, solution),
@@ -91,10 +91,10 @@ impl SolveOutputs {
         folder.commit(SUMMARY, &RESULT_FILES)
     }
 
-    /// Plans the nodal tables: their deflections, of which nothing is computed yet.
+    /// The deflections of the nodal tables, computed when their rows are asked for.
     ///
     /// # Panics
-    /// If a node asked for is not one of the mesh.
+    /// If a node is not one of the mesh.
     pub fn deflections<'a>(&self, solution: &'a Solution) -> NodalTable<'a> {
         let every_node = || (0..solution.mesh().nodes_m().len()).collect();
         solution.deflections(&self.nodes.clone().unwrap_or_else(every_node), self.every)
@@ -111,12 +111,12 @@ impl SolveOutputs {
         let write = |(name, groups): &(_, Vec<_>)| {
             folder.file(name, |out| write_csv(out, &time, groups, self.digits))
         };
-        // All of them, so that of two that fail the error is always the same one.
+        // Collected first, so that of two errors always the same one is returned.
         let written: Vec<_> = tables.par_iter().map(write).collect();
         written.into_iter().collect()
     }
 
-    /// Tables at the nodes, one after the other: each may take much memory.
+    /// Tables at the nodes, one after the other, because each may take much memory.
     fn write_nodal(
         &self,
         folder: &OutputFolder,
@@ -168,19 +168,19 @@ fn motor_groups(motor: &MotorHistories) -> Vec<ColumnGroup<'_>> {
     ]
 }
 
-/// Which results of a simulation to write, and how.
+/// Which results of a simulation to write, and with which digits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulateOutputs {
     /// Nodes of the nodal table; `None`: all.
     pub nodes: Option<Vec<usize>>,
-    /// Every how many samples the nodal table has a row, at least 1.
+    /// The nodal table has a row for every so many samples, at least 1.
     pub every: usize,
     /// Digits of all numbers.
     pub digits: Digits,
 }
 
 impl SimulateOutputs {
-    /// Names of the files that will be written, summary.json last.
+    /// Names of the files, summary.json last.
     pub fn file_names() -> Vec<&'static str> {
         vec![
             "torque.csv",
@@ -192,19 +192,19 @@ impl SimulateOutputs {
         ]
     }
 
-    /// Memory in bytes that the motion of the nodes takes while it is written.
+    /// Memory in bytes of the nodal table.
     pub fn nodal_bytes(&self, simulation: &Simulation) -> usize {
         let nodes = self.nodes.as_ref().map_or(simulation.mesh.nodes_m().len(), Vec::len);
         size_of::<f64>() * nodes * simulation.grid.len.div_ceil(self.every)
     }
 
-    /// Writes the files of a simulation into `folder` and gives them their names, all or none.
+    /// Writes the files of a simulation into `folder`: all or none.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
     ///
     /// # Panics
-    /// If a node asked for is not one of the mesh.
+    /// If a node is not one of the mesh.
     pub fn write(
         &self,
         folder: OutputFolder,
@@ -246,9 +246,9 @@ fn tip_groups(tip: &TipMotionHistories) -> Vec<ColumnGroup<'_>> {
     ]
 }
 
-/// `nodes.csv`: every node of the mesh with the segment that ends there (node 0: begins there),
-/// by name, or by number where it has none. Places have all their digits: the mesh is made of them
-/// again where a run is read back.
+/// `nodes.csv`: every node of the mesh with the segment that ends there (node 0: begins there), by name,
+/// or by number if it has none. Positions have all digits: a run that is read back has its mesh from
+/// them.
 fn write_nodes(out: &mut (dyn Write + Send), link: &Link, mesh: &Mesh) -> io::Result<()> {
     let format = Digits::Full.for_peak(mesh.length_m());
     let mut table = csv::Writer::from_writer(out);
