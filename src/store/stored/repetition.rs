@@ -7,8 +7,8 @@ use std::path::Path;
 
 use tempfile::Builder;
 
-use super::super::folder::{FolderAction, FolderError};
 use super::super::file_names::{REPORT, RESULT_FILES, SUMMARY};
+use super::super::folder::{FolderAction, FolderError};
 use super::super::unfinished::{Removal, Unfinished};
 use super::record::RunRecord;
 use crate::csv::InputError;
