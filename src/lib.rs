@@ -37,7 +37,7 @@
 //! | [`store`] | a run's folder with its CSV and summary.json, and back; the file of a sweep; golden files |
 //!
 //! A module imports only from those above it (`tests/layers.rs` holds it to that); the program in
-//! `main.rs` and `cli/` stands on top of all.
+//! `main.rs`, `cli/` and `terminal/` stands on top of all.
 //!
 //! ```
 //! use flexlink::beam::MeshPlan;

@@ -1,45 +1,15 @@
 //! Options that several commands share, and options as a run records them.
 
 use std::fmt::Display;
+use std::path::Path;
 
 use clap::Args;
 
 use flexlink::beam::Mesh;
 use flexlink::csv::Digits;
-use flexlink::store::Durability;
+use flexlink::store::{Durability, OutputFolder, SimulateOutputs};
 
-use crate::terminal::{Exit, Failure, StageBar, console};
-
-/// What to print on standard output.
-#[derive(Debug, Args)]
-pub(crate) struct PrintArgs {
-    #[arg(long, conflicts_with = "quiet", help = "Print summary.json instead of the summary")]
-    pub(crate) json: bool,
-
-    /// Print nothing but warnings and errors.
-    #[arg(long, short)]
-    pub(crate) quiet: bool,
-}
-
-impl PrintArgs {
-    /// A bar that shows how far the work is.
-    pub(crate) fn stages(&self) -> StageBar {
-        if self.quiet { StageBar::hidden() } else { StageBar::new() }
-    }
-
-    /// Prints the result as JSON or as text, or not at all.
-    pub(crate) fn print(
-        &self,
-        json: impl FnOnce() -> String,
-        text: impl FnOnce() -> String,
-    ) -> Result<(), Failure> {
-        match (self.quiet, self.json) {
-            (true, _) => Ok(()),
-            (_, true) => console::print_bytes(json().as_bytes()),
-            _ => console::print(&text()),
-        }
-    }
-}
+use crate::terminal::{Exit, Failure, console};
 
 /// Which part of the nodal tables to write.
 #[derive(Debug, Args)]
@@ -62,6 +32,11 @@ impl NodeArgs {
         });
         let every = (self.every != 1).then(|| option("--every", self.every));
         list.into_iter().chain(every).flatten().collect()
+    }
+
+    /// The tables of `simulate` with these nodes and rows.
+    pub(crate) fn of_simulation(&self, digits: Digits) -> SimulateOutputs {
+        SimulateOutputs { nodes: self.list.clone(), every: self.every, digits }
     }
 
     /// Refuses nodes that the mesh does not have, and those named twice.
@@ -99,38 +74,10 @@ impl SyncArgs {
     pub(crate) fn durability(&self) -> Durability {
         if self.sync { Durability::OnDisk } else { Durability::InMemory }
     }
-}
 
-/// How many threads to use.
-#[derive(Debug, Args)]
-pub(crate) struct ThreadArgs {
-    /// Threads to use [default: all cores]; the results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
-    pub(crate) threads: Option<u16>,
-}
-
-/// What becomes of a run with warnings.
-#[derive(Debug, Args)]
-pub(crate) struct WarningArgs {
-    #[arg(long, help = "Fail with exit code 4 if there is a warning; all output is written")]
-    deny_warnings: bool,
-}
-
-impl WarningArgs {
-    /// Whether no warning is allowed.
-    pub(crate) fn are_denied(&self) -> bool {
-        self.deny_warnings
-    }
-
-    /// Ends a program that has written its output and printed so many warnings, if none is allowed.
-    pub(crate) fn refuse(&self, warnings: usize) -> Result<(), Failure> {
-        if warnings == 0 || !self.are_denied() {
-            return Ok(());
-        }
-        let message = format!(
-            "--deny-warnings: warnings = {warnings}, but must be none; all output is written"
-        );
-        Err(Failure::new(Exit::NotSolvable, &message, None))
+    /// Begins a folder of results.
+    pub(crate) fn stage(&self, folder: &Path) -> Result<OutputFolder, Failure> {
+        Ok(OutputFolder::stage(folder, &console::waiting)?.with(self.durability()))
     }
 }
 

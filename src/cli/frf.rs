@@ -15,10 +15,9 @@ use flexlink::result::{BandMeshError, mesh_error};
 use flexlink::spec::Specification;
 use flexlink::store::write_frequency_response;
 
-use super::args::WarningArgs;
-use super::files::keep_files;
 use super::inputs::LinkArgs;
-use crate::terminal::{Exit, Failure, console, memory};
+use crate::terminal::files::keep_files;
+use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:

@@ -10,7 +10,7 @@ use flexlink::motion::Profile;
 use flexlink::spec::link_file_schema;
 use flexlink::store::OutputFolder;
 
-use super::files::check_folder;
+use crate::terminal::files::check_folder;
 use crate::terminal::{Exit, Failure, console};
 
 /// A commented link file.

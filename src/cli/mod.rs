@@ -2,14 +2,12 @@
 
 mod args;
 mod compare;
-mod files;
 mod frf;
 mod init;
 mod inputs;
 mod interrupt;
 mod modes;
 mod report;
-mod shell;
 mod simulate;
 mod solve;
 mod sweep;
@@ -20,7 +18,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::terminal::{Ending, Failure, console, memory, threads};
+use crate::terminal::{Ending, Failure, ThreadArgs, console, memory, shell};
 
 /// Hub torque that makes the tip of a flexible link follow a wanted motion.
 #[derive(Debug, Parser)]
@@ -80,8 +78,9 @@ impl Command {
         if !matches!(self, Self::Sweep(_)) {
             interrupt::end_in_order();
         }
-        if self.has_no_thread_option() {
-            threads::start(None)?;
+        // These start as many threads as their option says.
+        if !matches!(self, Self::Solve(_) | Self::Simulate(_) | Self::Verify(_) | Self::Sweep(_)) {
+            ThreadArgs::default().start()?;
         }
         let done = match self {
             Self::Compare(compare) => return compare.run(),
@@ -99,18 +98,6 @@ impl Command {
             Self::Manual(manual) => manual.run(Cli::command()),
         };
         done.map(|()| Ending::Done)
-    }
-
-    /// Whether the command computes on several threads without an option for their number.
-    fn has_no_thread_option(&self) -> bool {
-        matches!(
-            self,
-            Self::Compare(_)
-                | Self::Modes(_)
-                | Self::Frf(_)
-                | Self::Trajectory(_)
-                | Self::Report(_)
-        )
     }
 }
 

@@ -13,13 +13,13 @@ use flexlink::modal::{
 };
 use flexlink::result::{Remark, mesh_errors};
 use flexlink::spec::Specification;
-use flexlink::store::{HeldModes, ModesResult, OutputFolder};
+use flexlink::store::{HeldModes, ModesResult};
 
-use super::args::{SyncArgs, WarningArgs};
-use super::files::check_folder;
+use super::args::SyncArgs;
 use super::inputs::LinkArgs;
+use crate::terminal::files::check_folder;
 use crate::terminal::text::modes_text;
-use crate::terminal::{Failure, console, memory};
+use crate::terminal::{Failure, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -74,8 +74,7 @@ impl Modes {
         let (_, specification) = self.link.load()?;
         let (mesh, result) = computed(&specification, usize::from(self.count))?;
         if let Some(folder) = &self.output {
-            let staged = OutputFolder::stage(folder, &console::waiting)?;
-            result.write(staged.with(self.sync.durability()), self.digits)?;
+            result.write(self.sync.stage(folder)?, self.digits)?;
         }
         let warnings = tell(&specification, &mesh, &result)?;
         self.warnings.refuse(warnings)

@@ -10,8 +10,8 @@ use flexlink::report::{Figures, page};
 use flexlink::result::StoredResult;
 use flexlink::store::{OutputFolder, REPORT, read_result};
 
-use super::files::{keep_files, keep_page};
 use crate::terminal::console::is_standard_output;
+use crate::terminal::files::{keep_files, keep_page};
 use crate::terminal::{Exit, Failure, console, memory};
 
 const EXAMPLE: &str = "\

@@ -14,15 +14,13 @@ use flexlink::response::{
 };
 use flexlink::result::{PlayedMetrics, TargetError, TipError};
 use flexlink::spec::Specification;
-use flexlink::store::{OutputFolder, SimulateOutputs, SimulationInputs, SimulationSummary};
+use flexlink::store::{SimulateOutputs, SimulationInputs, SimulationSummary};
 
-use super::args::{
-    NodeArgs, PrintArgs, SyncArgs, ThreadArgs, WarningArgs, digits_arguments, finite, option,
-};
-use super::files::keep;
+use super::args::{NodeArgs, SyncArgs, digits_arguments, finite, option};
 use super::inputs::LinkArgs;
+use crate::terminal::files::keep;
 use crate::terminal::text::simulate_text;
-use crate::terminal::{Exit, Failure, console, memory, threads};
+use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -83,7 +81,7 @@ pub(crate) struct Simulate {
 
 impl Simulate {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        threads::start(self.threads.threads)?;
+        self.threads.start()?;
         keep(&self.output, &[&[&*self.link.link], &self.play.paths()[..]].concat())?;
         let (link_file, specification) = self.link.load()?;
         let link = &specification.link;
@@ -116,7 +114,10 @@ impl Simulate {
         let simulation = simulate(link, mesh, play).map_err(refused)?;
         self.nodes.check(&simulation.mesh)?;
         let tip_error = self.play.tip_error(&simulation, read)?;
-        memory::check_nodes(self.outputs().nodal_bytes(&simulation), play.memory_bytes)?;
+        memory::check_nodes(
+            self.nodes.of_simulation(self.digits).nodal_bytes(&simulation),
+            play.memory_bytes,
+        )?;
         let error = PlayError::of(&simulation, link, play).map_err(refused)?;
         Ok(Played { metrics: PlayedMetrics::of(&simulation), simulation, error, tip_error })
     }
@@ -130,9 +131,12 @@ impl Simulate {
         let Played { simulation, metrics, .. } = played;
         let (errors, names) = (played.errors(), SimulateOutputs::file_names());
         let summary = SimulationSummary::new(inputs, simulation, metrics, errors, names);
-        let folder = OutputFolder::stage(&self.output, &console::waiting)?;
-        let folder = folder.with(self.sync.durability());
-        self.outputs().write(folder, inputs.link, simulation, &summary)?;
+        self.nodes.of_simulation(self.digits).write(
+            self.sync.stage(&self.output)?,
+            inputs.link,
+            simulation,
+            &summary,
+        )?;
         Ok(summary)
     }
 
@@ -161,14 +165,6 @@ impl Simulate {
         };
         self.print.print(|| summary.to_json(), text)?;
         Ok(warnings.len() + usize::from(late.is_some()))
-    }
-
-    fn outputs(&self) -> SimulateOutputs {
-        SimulateOutputs {
-            nodes: self.nodes.list.clone(),
-            every: self.nodes.every,
-            digits: self.digits,
-        }
     }
 
     /// The arguments that shape the results, for the record.
@@ -242,10 +238,9 @@ pub(crate) struct Inputs {
 impl PlayArgs {
     /// Reads all files; every refusal names its file.
     pub(crate) fn read(&self, link: &Link) -> Result<Inputs, Failure> {
-        let read = |path: &PathBuf| InputFile::read(path);
-        let torque_file = read(&self.torque)?;
-        let target_file = self.target.as_ref().map(read).transpose()?;
-        let reference_file = self.reference.as_ref().map(read).transpose()?;
+        let torque_file = InputFile::read(&self.torque)?;
+        let target_file = self.target.as_deref().map(InputFile::read).transpose()?;
+        let reference_file = self.reference.as_deref().map(InputFile::read).transpose()?;
         let torque =
             read_torque_table(&torque_file.shown, &torque_file.bytes, self.column.as_deref())?;
         let target = target_file.as_ref().map(|file| read_target(file, link)).transpose()?;

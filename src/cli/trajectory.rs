@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, builder::TypedValueParser};
 
-use super::args::WarningArgs;
 use super::inputs::specification;
-use crate::terminal::{Exit, Failure, StageBar, console, memory};
+use crate::terminal::text::{binding_text, found_text};
+use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 use flexlink::csv::{Digits, InputFile, write_trajectory};
 use flexlink::motion::Profile;
-use flexlink::numeric::{excerpt, plain, significant, visible};
-use flexlink::result::{Fit, FitProblem, Limits, Metrics, OpenMotion, Reached, shortest_fit};
+use flexlink::numeric::{excerpt, plain, visible};
+use flexlink::result::{FitProblem, OpenMotion, shortest_fit};
 use flexlink::spec::{Override, SpecError, Specification};
 
 /// Distances in m and steps in s, within which all samples are numbers and none vanishes.
@@ -107,39 +107,10 @@ struct Duration {
     warnings: usize,
 }
 
-/// Which limit a motion comes closest to, and by how much.
-fn binding_text(fit: &Fit) -> String {
-    if fit.has_fewest_steps() {
-        return "; no limit binds: the profile has no fewer steps".to_owned();
-    }
-    let Some(Reached { held, error }) = fit.binding else { return String::new() };
-    let below = 100.0 * (1.0 - Reached { held, error }.share());
-    let below = if below < 0.01 { "less than 0.01".to_owned() } else { format!("{below:.2}") };
-    format!(
-        "; limits.{} binds: {} of {} {}, {below} % below it with the error of {error:.1e}",
-        held.key,
-        significant(held.found, 5),
-        plain(held.limit),
-        held.unit,
-    )
-}
-
 fn profiles() -> impl TypedValueParser<Value = Profile> {
     let names = Profile::ALL.map(Profile::name);
     let named = |name: String| Profile::ALL.into_iter().find(|profile| profile.name() == name);
     PossibleValuesParser::new(names).map(move |name| named(name).unwrap_or(Profile::Sine))
-}
-
-/// What a duration is among those that were tried, with all limits that it is within.
-fn found(fit: &Fit, limits: &Limits) -> String {
-    let held = limits.held(&Metrics::of(&fit.solution));
-    let each = held.iter().map(|held| format!("{}={} {}", held.key, plain(held.limit), held.unit));
-    let within = each.collect::<Vec<_>>().join(", ");
-    if fit.is_shortest() {
-        return format!("the shortest within {within}");
-    }
-    let (tried, shorter) = (fit.shorter_tried, fit.shorter());
-    format!("within {within}; {tried} of the {shorter} shorter durations were tried, none fits")
 }
 
 impl Trajectory {
@@ -186,7 +157,7 @@ impl Trajectory {
         let product = fit.steps as f64 * self.step;
         // Without the last digits of the product.
         let duration_s: f64 = format!("{product:.14e}").parse().unwrap_or(product);
-        let found = format!("{} s, {}", plain(duration_s), found(&fit, limits));
+        let found = format!("{} s, {}", plain(duration_s), found_text(&fit, limits));
         console::note(&format!("{found}{}", binding_text(&fit)));
         let warnings = &fit.solution.warnings;
         for warning in warnings {

@@ -9,12 +9,11 @@ use flexlink::spec::Specification;
 use flexlink::store::verification_json;
 use flexlink::verify::{Answer, Check, Verification, VerificationError, verify};
 
-use super::args::{PrintArgs, ThreadArgs, WarningArgs};
-use super::files::read_once;
 use super::inputs::remarks;
 use super::inputs::{LinkArgs, MotionArgs, ScaleArgs};
+use crate::terminal::files::read_once;
 use crate::terminal::text::verify_text;
-use crate::terminal::{Exit, Failure, console, memory, threads};
+use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -62,7 +61,7 @@ pub(crate) struct Verify {
 
 impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        threads::start(self.threads.threads)?;
+        self.threads.start()?;
         read_once(&[&self.link.link, &self.motion.motion])?;
         let (_, specification) = self.link.load()?;
         let Specification { link, mesh, analysis, .. } = &specification;

@@ -4,7 +4,8 @@ use flexlink::csv::{InputError, TableError};
 use flexlink::inverse::InversionError;
 use flexlink::modal::DampingError;
 use flexlink::model::ModelError;
-use flexlink::result::FitError;
+use flexlink::response::SimulationError;
+use flexlink::result::{FitError, TargetError};
 use flexlink::spec::SpecError;
 use flexlink::store::FolderError;
 use flexlink::verify::VerificationError;
@@ -84,6 +85,19 @@ impl From<InversionError> for Failure {
     fn from(error: InversionError) -> Self {
         let is_of_memory = matches!(error, InversionError::TooMuchMemory { .. });
         Self { is_of_memory, ..Self::new(Exit::NotSolvable, &error, error.hint()) }
+    }
+}
+
+impl From<SimulationError> for Failure {
+    fn from(error: SimulationError) -> Self {
+        let is_of_memory = matches!(error, SimulationError::TooMuchMemory { .. });
+        Self { is_of_memory, ..Self::new(Exit::NotSolvable, &error, error.hint()) }
+    }
+}
+
+impl From<TargetError> for Failure {
+    fn from(error: TargetError) -> Self {
+        Self::new(Exit::NotSolvable, &error, error.hint())
     }
 }
 

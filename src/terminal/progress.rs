@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::io::{IsTerminal as _, stderr};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -18,12 +19,9 @@ const SHORT: Duration = Duration::from_millis(500);
 /// How often a bar is drawn while nothing moves.
 const TICK: Duration = Duration::from_millis(100);
 
-/// What is shown before the first stage, and between two.
+/// What is shown before the first stage, between two, and after the last row is written.
 const FIRST: &str = "finding the band";
 const BETWEEN: &str = "measuring errors";
-
-/// What is shown while rows are written, and after the last one.
-const WRITING: &str = "writing";
 const WRITTEN: &str = "waiting for the disk";
 
 const UNKNOWN: &str = "{spinner} {msg} {elapsed}";
@@ -76,6 +74,8 @@ pub(crate) struct StageBar {
     bar: ProgressBar,
     /// Whether nothing is told above it either.
     is_hidden: bool,
+    /// Whether rows are being written, the last stage.
+    is_writing: AtomicBool,
     /// Dropped when the run is over.
     over: Option<Sender<()>>,
     waiting: Option<JoinHandle<()>>,
@@ -89,7 +89,7 @@ impl StageBar {
         bar.set_style(stage_style(UNKNOWN));
         bar.set_message(FIRST);
         if !stderr().is_terminal() {
-            return Self { bar, is_hidden: false, over: None, waiting: None };
+            return Self::of(bar);
         }
         let (over, runs) = mpsc::channel();
         let shown = bar.clone();
@@ -100,12 +100,26 @@ impl StageBar {
             }
         };
         let waiting = thread::Builder::new().spawn(show).ok();
-        Self { bar, is_hidden: false, over: Some(over), waiting }
+        let mut stages = Self::of(bar);
+        (stages.over, stages.waiting) = (Some(over), waiting);
+        stages
     }
 
     /// Shows nothing.
     pub(crate) fn hidden() -> Self {
-        Self { bar: ProgressBar::hidden(), is_hidden: true, over: None, waiting: None }
+        let mut stages = Self::of(ProgressBar::hidden());
+        stages.is_hidden = true;
+        stages
+    }
+
+    fn of(bar: ProgressBar) -> Self {
+        Self {
+            bar,
+            is_hidden: false,
+            is_writing: AtomicBool::new(false),
+            over: None,
+            waiting: None,
+        }
     }
 
     /// Tells something above the bar, if that is no hidden one.
@@ -139,8 +153,9 @@ impl Watch for StageBar {
         let what = match stage {
             Stage::Solve { elements } => format!("solving, {elements} elements"),
             Stage::Transform => "transforming".to_owned(),
-            Stage::Write => WRITING.to_owned(),
+            Stage::Write => "writing".to_owned(),
         };
+        self.is_writing.store(stage == Stage::Write, Ordering::Relaxed);
         // Before the style: each of these may draw.
         self.bar.set_position(0);
         self.bar.set_length(parts as u64);
@@ -151,8 +166,8 @@ impl Watch for StageBar {
     fn advance(&self, parts: usize) {
         self.bar.inc(parts as u64);
         if Some(self.bar.position()) >= self.bar.length() {
-            let was_writing = self.bar.message() == WRITING;
-            self.at(if was_writing { WRITTEN } else { BETWEEN });
+            let is_written = self.is_writing.load(Ordering::Relaxed);
+            self.at(if is_written { WRITTEN } else { BETWEEN });
         }
     }
 }

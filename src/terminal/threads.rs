@@ -2,6 +2,7 @@
 
 use std::num::NonZero;
 
+use clap::Args;
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
 use super::exit::{Exit, Failure};
@@ -11,36 +12,45 @@ use super::memory::available_address_space;
 /// own work a stack and an arena of the C library each, and the memory of a case.
 const THREAD_BYTES: usize = 2 * ((2 << 20) + (1 << 18) + (64 << 20)) + (8 << 20);
 
-/// Starts so many threads, by default one for each core; the calling thread is the first of them. Call
-/// it once, before any work.
-///
-/// If the system has no threads left and the user has not asked for a number, the calling thread does
-/// all the work.
-pub(crate) fn start(asked: Option<u16>) -> Result<(), Failure> {
-    let (builder, is_limited) = builder(asked);
-    // The global pool would wait until all threads run, as long as a small run takes.
-    match builder.use_current_thread().build() {
-        Ok(pool) => {
-            // The threads serve until the program ends.
-            let pool = Box::leak(Box::new(pool));
-            if is_limited {
-                pool.broadcast(|_| ());
-            }
-            Ok(())
-        }
-        Err(error) if asked.is_some() => Err(refused(&error)),
-        Err(_) => Ok(()),
-    }
+/// How many threads to use.
+#[derive(Debug, Default, Args)]
+pub(crate) struct ThreadArgs {
+    /// Threads to use [default: all cores]; the results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    threads: Option<u16>,
 }
 
-/// Starts so many threads beside the calling one, which only waits for them.
-pub(crate) fn start_apart(asked: Option<u16>) -> Result<(), Failure> {
-    let (builder, is_limited) = builder(asked);
-    builder.build_global().map_err(|error| refused(&error))?;
-    if is_limited {
-        rayon::broadcast(|_| ());
+impl ThreadArgs {
+    /// Starts the threads; the calling thread is the first of them. Call it once, before any work.
+    ///
+    /// If the system has no threads left and the user has not asked for a number, the calling thread
+    /// does all the work.
+    pub(crate) fn start(&self) -> Result<(), Failure> {
+        let (builder, is_limited) = builder(self.threads);
+        // The global pool would wait until all threads run, as long as a small run takes.
+        match builder.use_current_thread().build() {
+            Ok(pool) => {
+                // The threads serve until the program ends.
+                let pool = Box::leak(Box::new(pool));
+                if is_limited {
+                    pool.broadcast(|_| ());
+                }
+                Ok(())
+            }
+            Err(error) if self.threads.is_some() => Err(refused(&error)),
+            Err(_) => Ok(()),
+        }
     }
-    Ok(())
+
+    /// Starts the threads beside the calling one, which only waits for them.
+    pub(crate) fn start_apart(&self) -> Result<(), Failure> {
+        let (builder, is_limited) = builder(self.threads);
+        builder.build_global().map_err(|error| refused(&error))?;
+        if is_limited {
+            rayon::broadcast(|_| ());
+        }
+        Ok(())
+    }
 }
 
 /// A pool of the threads that are asked for, at most as many as a limited address space holds; and

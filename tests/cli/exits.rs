@@ -50,15 +50,6 @@ fn two_for_wrong_usage() {
 }
 
 #[test]
-fn a_node_that_the_mesh_does_not_have_is_named() {
-    let error = failed(&Bench::new(), &["--nodes", "0,99"], 2);
-    let message = "error: --nodes = 99, but must name nodes of the mesh, 0 to 10\n";
-    assert_eq!(error, format!("{message}hint: nodes.csv lists them\n"));
-    let error = failed(&Bench::new(), &["--nodes", "5,0,5"], 2);
-    assert_eq!(error, "error: --nodes = 5 twice, but must name it once\n");
-}
-
-#[test]
 fn three_for_an_input_that_is_refused() {
     let bench = Bench::new();
     bench.write("bad.toml", "segments = [{ length = -1, EI = 5, mass_per_length = 0.8 }]");

@@ -10,7 +10,6 @@ mod damping;
 mod exits;
 mod files;
 mod help;
-mod hints;
 mod line_ends;
 mod model_end;
 mod modes;

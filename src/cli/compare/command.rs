@@ -11,10 +11,10 @@ use flexlink::store::{
 };
 
 use super::sides::{Purpose, Sides, TOLERANCES};
-use crate::cli::args::{PrintArgs, WarningArgs, not_negative};
-use crate::cli::files::read_once;
+use crate::cli::args::not_negative;
+use crate::terminal::files::read_once;
 use crate::terminal::text::{blessed_text, comparison_text};
-use crate::terminal::{Ending, Failure, console};
+use crate::terminal::{Ending, Failure, PrintArgs, WarningArgs, console};
 
 const EXAMPLE: &str = "\
 Example:

@@ -9,7 +9,7 @@ use flexlink::compare::{
 use flexlink::csv::{InputError, InputFile, read_table};
 use flexlink::store::{CsvFolder, GoldenChanges, REPORT, SUMMARY, is_run};
 
-use crate::cli::files::is_standard_input;
+use crate::terminal::files::is_standard_input;
 use crate::terminal::{Exit, Failure, memory};
 
 /// Name of the file of tolerances beside the golden files.

@@ -9,12 +9,12 @@ use flexlink::store::REPORT;
 use super::options::SolveOptions;
 use super::repeat::Repetition;
 use super::run::{Destination, Problem, Solved, WithPage};
-use crate::cli::args::{PrintArgs, SyncArgs, ThreadArgs, WarningArgs};
-use crate::cli::files::keep;
+use crate::cli::args::SyncArgs;
 use crate::cli::inputs::{LINK, MOTION};
 use crate::cli::verify::refuse_failed;
+use crate::terminal::files::keep;
 use crate::terminal::text::{solve_text, verify_text};
-use crate::terminal::{Ending, Exit, Failure, console, threads};
+use crate::terminal::{Ending, Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console};
 
 const EXAMPLE: &str = "\
 Example:
@@ -84,7 +84,7 @@ pub(crate) struct Solve {
 
 impl Solve {
     pub(crate) fn run(self) -> Result<Ending, Failure> {
-        threads::start(self.threads.threads)?;
+        self.threads.start()?;
         if let Some(run) = &self.repeat {
             return self.repetition(run).run();
         }

@@ -8,10 +8,9 @@ use flexlink::store::{Durability, InputRole, RunRecord, TemporaryFolder, wait_if
 
 use super::options::SolveOptions;
 use super::run::{Destination, Problem, WithPage};
-use crate::cli::args::{PrintArgs, WarningArgs};
-use crate::cli::files::{keep, read_once};
+use crate::terminal::files::{keep, read_once};
 use crate::terminal::text::repetition_text;
-use crate::terminal::{Ending, Exit, Failure, console};
+use crate::terminal::{Ending, Exit, Failure, PrintArgs, WarningArgs, console};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 

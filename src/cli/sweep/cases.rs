@@ -44,7 +44,7 @@ pub(crate) struct TorqueArgs {
     /// Play this torque (CSV: `time`, `torque`) on every case instead, and compare the tip with
     /// MOTION.
     #[arg(long, value_name = "FILE")]
-    torque: Option<PathBuf>,
+    pub(crate) torque: Option<PathBuf>,
 
     /// Column of --torque to play [default: `torque`].
     #[arg(long, value_name = "NAME", requires = "torque")]
@@ -61,7 +61,7 @@ pub(crate) struct Cases<'a> {
     pub(crate) motion_file: InputFile,
     pub(crate) torque_file: Option<(InputFile, Torque)>,
     /// The link of the first case, and the motion that was read for it.
-    first: (Link, TipMotion),
+    pub(crate) first: (Link, TipMotion),
     /// Memory in bytes that each of the cases solved at the same time may take.
     pub(crate) memory_bytes: Option<usize>,
     /// Held by every case at work; by one alone that needs more than its share of the memory.
@@ -113,16 +113,6 @@ impl<'a> Cases<'a> {
         })
     }
 
-    /// The link of the first case that can be read.
-    pub(crate) fn link(&self) -> &Link {
-        &self.first.0
-    }
-
-    /// Whether a torque is played on them.
-    pub(crate) fn are_played(&self) -> bool {
-        self.torque_file.is_some()
-    }
-
     /// What tells the rows of this sweep, which varies `vary`, from those of any other.
     pub(crate) fn identity(&self, vary: &[String], shard: Shard) -> SweepIdentity {
         let arguments = [
@@ -166,7 +156,7 @@ impl<'a> Cases<'a> {
         let found = self.document.specification(&self.link_file.shown, &overrides)?;
         let analysis = found.analysis;
         // The table holds none.
-        let without = self.shared.outputs.folder().is_none();
+        let without = self.shared.outputs.outputs.is_none();
         let analysis = if without { analysis.without_tables() } else { analysis };
         Ok(Specification { analysis, ..found })
     }
@@ -216,11 +206,6 @@ impl TorqueArgs {
     /// The arguments that name no file, for the record.
     fn arguments(&self) -> Vec<String> {
         self.column.iter().flat_map(|column| option("--column", column)).collect()
-    }
-
-    /// The file, as named on the command line.
-    pub(crate) fn path(&self) -> Option<&Path> {
-        self.torque.as_deref()
     }
 
     fn read(&self) -> Result<Option<(InputFile, Torque)>, Failure> {

@@ -10,13 +10,12 @@ use super::cases::{CaseArgs, Cases};
 use super::table::{Begun, NoMore, Rows, merge};
 use super::tally::Tally;
 use super::work::Outcome;
-use crate::cli::args::{ThreadArgs, WarningArgs};
-use crate::cli::files::{keep_cases, keep_files, keep_from_cases, keep_record, read_once};
 use crate::cli::inputs::{LINK, MOTION};
 use crate::cli::interrupt;
 use crate::terminal::console::is_standard_output;
+use crate::terminal::files::{keep_cases, keep_files, keep_from_cases, keep_record, read_once};
 use crate::terminal::text::counted;
-use crate::terminal::{CaseBar, Exit, Failure, console, threads};
+use crate::terminal::{CaseBar, Exit, Failure, ThreadArgs, WarningArgs, console};
 
 const EXAMPLE: &str = "\
 Example:
@@ -107,16 +106,16 @@ pub(crate) struct Sweep {
 
 impl Sweep {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        threads::start_apart(self.threads.threads)?;
+        self.threads.start_apart()?;
         let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
             return self.merge();
         };
         self.check_files()?;
         let cases = Cases::read(self.plan()?, link, motion, &self.shared)?;
-        if cases.are_played() {
-            self.sweep(&cases, |case| cases.played(case))
+        if cases.torque_file.is_some() {
+            self.sweep(&cases, |case| cases.outcome(case, Cases::play))
         } else {
-            self.sweep(&cases, |case| cases.solved(case))
+            self.sweep(&cases, |case| cases.outcome(case, Cases::solve))
         }
     }
 
@@ -146,7 +145,7 @@ impl Sweep {
         cases: &Cases,
         work: impl Fn(usize) -> Outcome<C> + Sync,
     ) -> Result<(), Failure> {
-        let columns = sweep_columns::<C>(cases.link());
+        let columns = sweep_columns::<C>(&cases.first.0);
         let header = sweep_header(&cases.plan, &columns);
         let identity = cases.identity(&self.vary, self.shard);
         let begun = Rows::begin(&self.output_path(), identity, &header, self.resume)?;
@@ -177,7 +176,7 @@ impl Sweep {
         if tally.rows() < all {
             return Err(rows.interrupted(tally.rows(), all));
         }
-        rows.finish(self.shared.outputs.durability())?;
+        rows.finish(self.shared.outputs.sync.durability())?;
         self.report(&format!("cases    {all}"))?;
         // A shard is only a part: others may have numbers.
         if self.shard.of() == 1 {
@@ -206,11 +205,11 @@ impl Sweep {
     /// Refuses files that would be read twice or written over.
     fn check_files(&self) -> Result<(), Failure> {
         let files = self.link.iter().chain(&self.motion).map(PathBuf::as_path);
-        let inputs: Vec<&Path> = files.chain(self.shared.torque.path()).collect();
+        let inputs: Vec<&Path> = files.chain(self.shared.torque.torque.as_deref()).collect();
         read_once(&inputs)?;
         keep_files(&self.output_path(), &inputs)?;
         keep_record(&self.output_path())?;
-        let Some(folder) = self.shared.outputs.folder() else { return Ok(()) };
+        let Some(folder) = &self.shared.outputs.outputs else { return Ok(()) };
         keep_cases(folder, &inputs)?;
         keep_from_cases(&self.output_path(), folder)
     }

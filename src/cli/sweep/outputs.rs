@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::cli::args::{NodeArgs, SyncArgs, digits_arguments, option};
-use crate::terminal::{Exit, Failure, console, memory};
+use crate::terminal::{Exit, Failure, memory};
 use flexlink::csv::Digits;
 use flexlink::inverse::{Solution, Unwatched};
 use flexlink::response::{PlayError, Simulation};
 use flexlink::result::Exceeded;
 use flexlink::store::{
-    Durability, OutputFolder, RunInputs, SimulateOutputs, SimulationInputs, SimulationSummary,
-    SolveOutputs, Summary,
+    OutputFolder, RunInputs, SimulateOutputs, SimulationInputs, SimulationSummary, SolveOutputs,
+    Summary,
 };
 use flexlink::sweep::{PlayedCase, SolvedCase};
 
@@ -22,7 +22,7 @@ pub(crate) struct OutputsArgs {
     /// Also write the results of every case, as solve or simulate do, into folders DIR/1, DIR/2,
     /// …, numbered as the rows are.
     #[arg(long, value_name = "DIR")]
-    outputs: Option<PathBuf>,
+    pub(crate) outputs: Option<PathBuf>,
 
     #[command(flatten)]
     nodes: NodeArgs,
@@ -32,20 +32,10 @@ pub(crate) struct OutputsArgs {
     digits: Digits,
 
     #[command(flatten)]
-    sync: SyncArgs,
+    pub(crate) sync: SyncArgs,
 }
 
 impl OutputsArgs {
-    /// Whether table and folders are waited for until they are on the disk.
-    pub(crate) fn durability(&self) -> Durability {
-        self.sync.durability()
-    }
-
-    /// The folder of all, where it is asked for.
-    pub(crate) fn folder(&self) -> Option<&Path> {
-        self.outputs.as_deref()
-    }
-
     /// The arguments that shape the files of a case, for its record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         [self.nodes.arguments(), digits_arguments(self.digits)].concat()
@@ -98,11 +88,7 @@ impl OutputsArgs {
         error: Option<&PlayError>,
     ) -> Result<(), Failure> {
         self.nodes.check(&simulation.mesh)?;
-        let outputs = SimulateOutputs {
-            nodes: self.nodes.list.clone(),
-            every: self.nodes.every,
-            digits: self.digits,
-        };
+        let outputs = self.nodes.of_simulation(self.digits);
         memory::check_nodes(outputs.nodal_bytes(simulation), inputs.play.memory_bytes)?;
         let (files, errors) = (SimulateOutputs::file_names(), (error, Some(&case.tip_error)));
         let summary = SimulationSummary::new(inputs, simulation, &case.metrics, errors, files);
@@ -116,6 +102,6 @@ impl OutputsArgs {
             let message = format!("{shown}: is a symbolic link, but must be a folder of its own");
             return Err(Failure::new(Exit::CannotWrite, &message, None));
         }
-        Ok(OutputFolder::stage(folder, &console::waiting)?.with(self.durability()))
+        self.sync.stage(folder)
     }
 }

@@ -9,8 +9,8 @@ use flexlink::store::{
 };
 
 use super::tally::Tally;
-use crate::cli::files::{keep_files, keep_record, read_once};
 use crate::terminal::console::{self, Reader, is_standard_output};
+use crate::terminal::files::{keep_files, keep_record, read_once};
 use crate::terminal::text::counted;
 use crate::terminal::{Exit, Failure};
 

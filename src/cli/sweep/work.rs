@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use flexlink::inverse::invert;
-use flexlink::response::{Play, PlayError, SimulationError, simulate};
+use flexlink::response::{Play, PlayError, simulate};
 use flexlink::result::{Remark, TipError};
 use flexlink::spec::Specification;
 use flexlink::store::{RunInputs, SimulationInputs};
@@ -25,39 +25,36 @@ pub(crate) struct Outcome<C> {
 }
 
 /// The numbers of a case, its warnings and its remarks.
-type Found<C> = (C, Vec<Told>, Vec<Remark>);
+pub(crate) type Found<C> = (C, Vec<Told>, Vec<Remark>);
 
 impl<C> Outcome<C> {
     fn of(result: Result<Found<C>, Failure>, remarks: impl FnOnce() -> Vec<Remark>) -> Self {
-        match result {
-            Ok((row, warnings, remarks)) => Self { row: Ok(Ok(row)), warnings, remarks },
-            Err(failure) => {
-                Self { row: of_case(failure), warnings: Vec::new(), remarks: remarks() }
-            }
-        }
-    }
-}
-
-/// A failure of one case; results that cannot be written, or were asked for wrongly, fail the sweep.
-fn of_case<C>(failure: Failure) -> Result<Result<C, String>, Failure> {
-    match failure.exit {
-        Exit::InputRefused | Exit::NotSolvable => Ok(Err(failure.message)),
-        Exit::Usage | Exit::CannotWrite | Exit::Interrupted => Err(failure),
+        let failure = match result {
+            Ok((row, warnings, remarks)) => return Self { row: Ok(Ok(row)), warnings, remarks },
+            Err(failure) => failure,
+        };
+        let row = match failure.exit {
+            Exit::InputRefused | Exit::NotSolvable => Ok(Err(failure.message)),
+            // Results that cannot be written, or wrong options, fail the sweep.
+            Exit::Usage | Exit::CannotWrite | Exit::Interrupted => Err(failure),
+        };
+        Self { row, warnings: Vec::new(), remarks: remarks() }
     }
 }
 
 impl Cases<'_> {
+    /// Works on a case, numbered from 0, within its share of the memory.
+    pub(crate) fn outcome<C>(
+        &self,
+        case: usize,
+        work: impl Fn(&Self, usize, Option<usize>) -> Result<Found<C>, Failure>,
+    ) -> Outcome<C> {
+        let found = self.within_memory(|bytes| work(self, case, bytes));
+        Outcome::of(found, || self.remarks(case))
+    }
+
     /// Solves a case, numbered from 0.
-    pub(crate) fn solved(&self, case: usize) -> Outcome<SolvedCase> {
-        Outcome::of(self.within_memory(|bytes| self.solve(case, bytes)), || self.remarks(case))
-    }
-
-    /// Plays the torque on a case, numbered from 0.
-    pub(crate) fn played(&self, case: usize) -> Outcome<PlayedCase> {
-        Outcome::of(self.within_memory(|bytes| self.play(case, bytes)), || self.remarks(case))
-    }
-
-    fn solve(
+    pub(crate) fn solve(
         &self,
         case: usize,
         memory_bytes: Option<usize>,
@@ -92,7 +89,12 @@ impl Cases<'_> {
         Ok((found, own.chain(limits).collect(), remarks.collect()))
     }
 
-    fn play(&self, case: usize, memory_bytes: Option<usize>) -> Result<Found<PlayedCase>, Failure> {
+    /// Plays the torque on a case, numbered from 0.
+    pub(crate) fn play(
+        &self,
+        case: usize,
+        memory_bytes: Option<usize>,
+    ) -> Result<Found<PlayedCase>, Failure> {
         let values = self.plan.case(case);
         let Specification { link, mesh, remarks, .. } = &self.specification(&values)?;
         let motion = self.motion_of(link, values.motion)?;
@@ -107,15 +109,9 @@ impl Cases<'_> {
             memory_bytes,
             ..Play::of(torque)
         };
-        let refused = |message: String, hint| Failure::new(Exit::NotSolvable, &message, hint);
-        let simulation = simulate(link, mesh, &play).map_err(|error| {
-            let is_of_memory = matches!(error, SimulationError::TooMuchMemory { .. });
-            Failure { is_of_memory, ..refused(error.to_string(), error.hint()) }
-        })?;
-        let tip_error = TipError::of(&simulation, &target)
-            .map_err(|error| refused(error.to_string(), error.hint()))?;
-        let error = PlayError::of(&simulation, link, &play)
-            .map_err(|error| refused(error.to_string(), error.hint()))?;
+        let simulation = simulate(link, mesh, &play)?;
+        let tip_error = TipError::of(&simulation, &target)?;
+        let error = PlayError::of(&simulation, link, &play)?;
         let found = PlayedCase::of(&simulation, tip_error);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let inputs = SimulationInputs {

@@ -9,8 +9,9 @@ use clap_mangen::Man;
 
 use flexlink::store::OutputFolder;
 
+use super::console;
+use super::exit::{Exit, Failure};
 use super::files::check_folder;
-use crate::terminal::{Exit, Failure, console};
 
 const COMPLETIONS: &str = "\
 Example:

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use flexlink::store::{ForeignRecord, REPORT, is_result_file, sweep_files};
 
-use crate::terminal::console::is_standard_output;
-use crate::terminal::{Exit, Failure};
+use super::console::is_standard_output;
+use super::exit::{Exit, Failure};
 
 const ONE_RUN: &str = "a folder holds one run: the results would replace those read";
 
