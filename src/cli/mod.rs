@@ -5,7 +5,6 @@ mod compare;
 mod frf;
 mod init;
 mod inputs;
-mod interrupt;
 mod modes;
 mod report;
 mod simulate;
@@ -18,7 +17,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::terminal::{Ending, Failure, ThreadArgs, console, memory, shell};
+use crate::terminal::{Ending, Failure, ThreadArgs, console, interrupt, memory, shell};
 
 /// Hub torque that makes the tip of a flexible link follow a wanted motion.
 #[derive(Debug, Parser)]

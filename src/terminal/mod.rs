@@ -4,6 +4,7 @@
 pub(crate) mod console;
 mod exit;
 pub(crate) mod files;
+pub(crate) mod interrupt;
 pub(crate) mod memory;
 mod options;
 mod progress;

@@ -11,11 +11,10 @@ use super::table::{Begun, NoMore, Rows, merge};
 use super::tally::Tally;
 use super::work::Outcome;
 use crate::cli::inputs::{LINK, MOTION};
-use crate::cli::interrupt;
 use crate::terminal::console::is_standard_output;
 use crate::terminal::files::{keep_cases, keep_files, keep_from_cases, keep_record, read_once};
 use crate::terminal::text::counted;
-use crate::terminal::{CaseBar, Exit, Failure, ThreadArgs, WarningArgs, console};
+use crate::terminal::{CaseBar, Exit, Failure, ThreadArgs, WarningArgs, console, interrupt};
 
 const EXAMPLE: &str = "\
 Example:

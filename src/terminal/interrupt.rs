@@ -3,8 +3,10 @@
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::terminal::{Exit, console};
 use flexlink::store::abandon_unfinished;
+
+use super::console;
+use super::exit::Exit;
 
 static STOPPED: AtomicBool = AtomicBool::new(false);
 
