@@ -9,16 +9,12 @@ use num_complex::Complex64;
 
 /// Bayo's link without its stiff root.
 pub(crate) fn link(damping: Damping) -> Link {
-    link_of(Taper::constant(5.0), damping)
-}
-
-fn link_of(bending_stiffness_n_m2: Taper, damping: Damping) -> Link {
     Link::new(LinkParts {
         title: String::new(),
         segments: vec![Segment {
             name: None,
             length_m: 1.5,
-            bending_stiffness_n_m2,
+            bending_stiffness_n_m2: Taper::constant(5.0),
             mass_per_length_kg_m: Taper::constant(0.8),
             cross_section: None,
         }],
@@ -44,12 +40,6 @@ pub(crate) fn plan(link: &Link, elements: usize) -> MeshPlan {
 
 pub(crate) fn mesh(elements: usize) -> Mesh {
     let link = damped_link();
-    Mesh::new(&link, &plan(&link, elements))
-}
-
-/// A link softer towards its tip: no two elements are equal.
-pub(crate) fn tapered_mesh(elements: usize) -> Mesh {
-    let link = link_of(Taper { inner: 6.0, outer: 4.0 }, DAMPED);
     Mesh::new(&link, &plan(&link, elements))
 }
 

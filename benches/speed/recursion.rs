@@ -1,11 +1,11 @@
-//! The recursion from tip to hub and the way back, on one core. An element of the throughput is one
-//! degree of freedom at one frequency, also where equal elements are condensed together.
+//! The recursion from tip to hub and from hub to tip, on one core. An element of the throughput is one
+//! degree of freedom at one frequency.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use flexlink::beam::{Mesh, NodalQuantity, nodal_transfer, nodal_transfers, tip_transfers};
 use num_complex::Complex64;
 
-use super::inputs::{lambdas, mesh, tapered_mesh};
+use super::inputs::{lambdas, mesh};
 
 const FREQUENCIES: u32 = 1024;
 /// Frequencies solved at a time, as the program does.
@@ -16,14 +16,11 @@ pub(crate) fn bench(criterion: &mut Criterion) {
     let undamped = lambdas(FREQUENCIES, 0.0);
     let mut group = criterion.benchmark_group("recursion");
     for elements in [10, 100, 1000] {
-        let (mesh, tapered) = (mesh(elements), tapered_mesh(elements));
+        let mesh = mesh(elements);
         let nodes: Vec<usize> = (0..=elements).collect();
         let per_frequency = 2 * elements as u64 + 1;
         group.throughput(Throughput::Elements(per_frequency * u64::from(FREQUENCIES)));
         group.bench_function(BenchmarkId::new("torque", elements), |bencher| {
-            bencher.iter(|| torque(&tapered, &damped));
-        });
-        group.bench_function(BenchmarkId::new("torque, equal elements", elements), |bencher| {
             bencher.iter(|| torque(&mesh, &damped));
         });
         group.bench_function(BenchmarkId::new("deflections", elements), |bencher| {
@@ -35,7 +32,7 @@ pub(crate) fn bench(criterion: &mut Criterion) {
             });
             // With the few frequencies that hit a resonance of an outer part, which are solved again.
             group.bench_function(BenchmarkId::new("torque undamped", elements), |bencher| {
-                bencher.iter(|| torque(&tapered, &undamped));
+                bencher.iter(|| torque(&mesh, &undamped));
             });
             group.bench_function(BenchmarkId::new("deflections undamped", elements), |bencher| {
                 bencher.iter(|| nodal(&mesh, &undamped, &nodes, NodalQuantity::Deflection));

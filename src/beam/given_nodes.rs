@@ -2,15 +2,14 @@ use super::mesh::Mesh;
 use super::plan::{MeshPlan, pieces};
 use crate::link::{Link, ParameterError};
 
-/// How far a given node may stand from the mesh's own, as a share of the link's length.
+/// Largest distance of a given node from the mesh's own, as a share of the link's length.
 const NODE_TOLERANCE: f64 = 1e-6;
 
 impl MeshPlan {
     /// The plan whose mesh has nodes at these distances from the axis in m, as tables give them with
     /// a limited number of decimals.
     ///
-    /// Every stretch between segment borders and lumped masses gets as many elements as nodes end in
-    /// it.
+    /// Every piece between segment borders and lumped masses gets as many elements as nodes end in it.
     ///
     /// # Errors
     /// [`ParameterError`] names the first node that stands elsewhere than in any mesh of this link,
@@ -42,7 +41,7 @@ fn root_m(link: &Link, segment: usize) -> f64 {
     before.fold(link.hub().radius_m, |sum, segment| sum + segment.length_m)
 }
 
-/// Number of the node next to a place; 0 of none.
+/// Number of the node nearest to a place; 0 without nodes.
 fn nearest(nodes_m: &[f64], place_m: f64) -> usize {
     let distance = |node: &usize| (nodes_m[*node] - place_m).abs();
     (0..nodes_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
@@ -77,25 +76,21 @@ fn refused(found_m: Option<f64>, must: &str) -> ParameterError {
 mod tests {
     use super::*;
     use crate::beam::ElementCount;
-    use crate::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
+    use crate::link::{Hub, LinkParts, LumpedMass, Segment, Taper, uniform, uniform_segment};
 
     fn rig(radius_m: f64, lengths_m: &[f64], masses_at_m: &[f64]) -> Link {
         let segment = |length_m: &f64| Segment {
-            name: None,
             length_m: *length_m,
             bending_stiffness_n_m2: Taper { inner: 9.0, outer: 2.0 },
             mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.3 },
-            cross_section: None,
+            ..uniform_segment()
         };
         let mass = |at_m: &f64| LumpedMass { at_m: *at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 };
         Link::new(LinkParts {
-            title: String::new(),
             segments: lengths_m.iter().map(segment).collect(),
             hub: Hub { radius_m, ..Hub::default() },
             masses: masses_at_m.iter().map(mass).collect(),
-            payload: Payload::default(),
-            damping: Damping::None,
-            drive: None,
+            ..uniform()
         })
         .unwrap()
     }

@@ -70,7 +70,7 @@ pub struct Gain<S> {
     pub pp: S,
 }
 
-/// Solves `P G = Bᵀ` by LDLᵀ, the larger of the two diagonal entries first, but for the last step.
+/// Solves `P G = Bᵀ` by LDLᵀ, the larger of the two diagonal entries first, without the last step.
 ///
 /// The entries are compared in one unit: φ counts as φl. Without this choice the error near a
 /// resonance of the outboard part would grow with |G|² instead of |G|.
@@ -91,7 +91,7 @@ pub(super) fn eliminate<S: Scalar>(
     ([first, second], Eliminated { order, multiplier, reduced: [v, phi], scaled })
 }
 
-/// `P G = Bᵀ` after `P = L D Lᵀ`, but for the last step: few need G itself.
+/// `P G = Bᵀ` after `P = L D Lᵀ`, without the last step: few callers need G itself.
 ///
 /// Rows are those of B, the motion (v, φ) of the inner end; in each stands the unknown that was
 /// eliminated first, then the other.
@@ -130,8 +130,8 @@ impl<S: Scalar> Eliminated<S> {
         Gain { vv, vp, pv, pp }
     }
 
-    /// What the last step sums G up from, all entries together, φ counted as φL with the length L
-    /// in m: no entry is larger. `one` is the size of 1.
+    /// Upper bound of |G|, φ counted as φL with the link's length L in m: the sizes of all terms of the
+    /// last step together. `one` is the size of 1.
     #[inline(always)]
     pub(super) fn size(&self, one: S::Size, length_m: f64) -> S::Size {
         let [first, second] = self.order.of_sizes([one, one * length_m]);
@@ -156,7 +156,7 @@ struct Order<S: Scalar> {
 }
 
 impl<S: Scalar> Order<S> {
-    /// What belongs to (v, φ) in the order of elimination, and back again.
+    /// (v, φ) in the order of elimination, and back again.
     #[inline(always)]
     fn of(&self, [v, phi]: [S; 2]) -> [S; 2] {
         [S::choose(self.v, self.phi, v, phi), S::choose(self.v, self.phi, phi, v)]

@@ -7,7 +7,7 @@ use super::rigid_limit::{limit_stiffness, rigid_lambda};
 use crate::link::Link;
 use crate::numeric::Scalar;
 
-/// Most elements that a mesh is refined to where no torque tells when it is fine enough.
+/// Most elements of a mesh refined for a frequency instead of a torque.
 const MOST_ELEMENTS: usize = 8192;
 
 /// The finite-element link: n elements between n + 1 nodes, node 0 at the root, node n at the tip.
@@ -208,19 +208,19 @@ fn node_positions(root_m: f64, elements: &[Element]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
+    use crate::link::{
+        Hub, LinkParts, LumpedMass, Payload, Segment, Taper, uniform, uniform_segment,
+    };
 
     fn mesh() -> Mesh {
         let segment = |length_m, ei| Segment {
-            name: None,
             length_m,
             bending_stiffness_n_m2: ei,
             mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.5 },
-            cross_section: None,
+            ..uniform_segment()
         };
         let mass = |at_m| LumpedMass { at_m, mass_kg: 0.1, inertia_kg_m2: 0.02 };
         let link = Link::new(LinkParts {
-            title: String::new(),
             segments: vec![
                 segment(0.3, Taper::constant(50.0)),
                 segment(1.2, Taper { inner: 8.0, outer: 2.0 }),
@@ -228,8 +228,7 @@ mod tests {
             hub: Hub { radius_m: 0.1, ..Hub::default() },
             masses: vec![mass(1.6), mass(0.7), mass(0.1), mass(0.7)],
             payload: Payload { mass_kg: 0.2, inertia_kg_m2: 0.01, offset_m: 0.1 },
-            damping: Damping::None,
-            drive: None,
+            ..uniform()
         })
         .unwrap();
         Mesh::new(&link, &MeshPlan::new(&link, &[Some(1), Some(4)], None, 1e-6).unwrap())
@@ -255,24 +254,10 @@ mod tests {
     #[test]
     fn a_mass_a_hair_beside_a_border_finds_a_node() {
         for hair in [0.0, 5e-10, 1.7e-9, 1.9e-9, 2.1e-9, 1e-8] {
-            let segment = |length_m| Segment {
-                name: None,
-                length_m,
-                bending_stiffness_n_m2: Taper::constant(5.0),
-                mass_per_length_kg_m: Taper::constant(0.8),
-                cross_section: None,
-            };
+            let segment = |length_m| Segment { length_m, ..uniform_segment() };
             let mass = LumpedMass { at_m: 0.7 + hair, mass_kg: 0.1, inertia_kg_m2: 0.0 };
-            let link = Link::new(LinkParts {
-                title: String::new(),
-                segments: vec![segment(0.7), segment(1.2)],
-                hub: Hub::default(),
-                masses: vec![mass],
-                payload: Payload::default(),
-                damping: Damping::None,
-                drive: None,
-            })
-            .unwrap();
+            let (segments, masses) = (vec![segment(0.7), segment(1.2)], vec![mass]);
+            let link = Link::new(LinkParts { segments, masses, ..uniform() }).unwrap();
             let mesh = Mesh::new(&link, &MeshPlan::new(&link, &[None; 2], None, 1e-6).unwrap());
             let node = (0..mesh.nodes_m().len()).find(|k| mesh.lumped_inertia(*k).is_some());
             assert!((mesh.nodes_m()[node.unwrap()] - 0.7).abs() < 2e-8, "hair {hair:e}");

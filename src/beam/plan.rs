@@ -1,6 +1,6 @@
 use crate::link::{Link, POSITION_TOLERANCE, ParameterError, Segment};
 
-/// Elements that a link is to be divided into, all segments together.
+/// Number of elements of a link, all segments together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ElementCount {
     /// Refined until the torque's discretisation error is below the tolerance.
@@ -9,7 +9,7 @@ pub enum ElementCount {
     Total(usize),
 }
 
-/// A stretch without a lumped mass inside, as fractions of its segment's length.
+/// Part of a segment between lumped masses, as fractions of the segment's length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
     /// Number of the segment.
@@ -20,7 +20,7 @@ pub struct Piece {
     pub to: f64,
 }
 
-/// How a link is to be meshed: what the link file says of it, checked against the link.
+/// How many elements each part of a link gets, checked against the link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshPlan {
     shares: Vec<(Piece, usize)>,
@@ -32,7 +32,7 @@ impl MeshPlan {
     /// Discretisation error of the torque, relative to its peak, that `auto` refines to.
     pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 
-    /// Elements of a link at most: more than any motion asks for, no more than memory holds.
+    /// Most elements of a link: more than any motion needs, few enough for the memory.
     pub const MOST_ELEMENTS: usize = 100_000;
 
     /// Elements that an automatic mesh starts from, at the least.
@@ -48,7 +48,7 @@ impl MeshPlan {
     /// Checks the plan against `link` and shares the elements out.
     ///
     /// `own[k]` is segment k's own number of elements, `count` the one of the whole link; without
-    /// `count` the segments' own numbers hold if all have one, else the mesh is automatic. What
+    /// `count` the segments' own numbers apply if all have one, else the mesh is automatic. What
     /// the segments leave open is shared so that every element spans about the same part of a
     /// bending wave: by length · (m̄/EI)^¼, at least one element between neighbouring nodes that
     /// must be there.
@@ -140,7 +140,7 @@ impl MeshPlan {
     }
 }
 
-/// What is left of a total for the open pieces.
+/// Elements of a total that remain for the open pieces.
 fn share_of_total(total: usize, fixed: usize, open: usize) -> Result<usize, ParameterError> {
     let refuse = |must: String| Err(ParameterError::new("mesh.elements", total, "", must));
     if open == 0 && total != fixed {
@@ -227,27 +227,18 @@ fn wavelengths(segment: &Segment, piece: &Piece) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Taper};
+    use crate::link::{LinkParts, LumpedMass, Taper, uniform, uniform_segment};
 
     fn link(stiffnesses: &[f64], masses_at_m: &[f64]) -> Link {
         let segment = |ei: &f64| Segment {
-            name: None,
             length_m: 0.5,
             bending_stiffness_n_m2: Taper::constant(*ei),
-            mass_per_length_kg_m: Taper::constant(0.8),
-            cross_section: None,
+            ..uniform_segment()
         };
         let mass = |at_m: &f64| LumpedMass { at_m: *at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 };
-        Link::new(LinkParts {
-            title: String::new(),
-            segments: stiffnesses.iter().map(segment).collect(),
-            hub: Hub::default(),
-            masses: masses_at_m.iter().map(mass).collect(),
-            payload: Payload::default(),
-            damping: Damping::None,
-            drive: None,
-        })
-        .unwrap()
+        let segments = stiffnesses.iter().map(segment).collect();
+        let masses = masses_at_m.iter().map(mass).collect();
+        Link::new(LinkParts { segments, masses, ..uniform() }).unwrap()
     }
 
     fn counts(link: &Link, own: &[Option<usize>], count: Option<ElementCount>) -> Vec<usize> {

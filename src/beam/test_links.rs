@@ -2,7 +2,9 @@
 //! it resonates.
 
 use super::{ElementCount, Mesh, MeshPlan};
-use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+use crate::link::{
+    Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, uniform, uniform_segment,
+};
 
 impl Mesh {
     /// A link of one segment on this many elements, as unit tests mesh theirs.
@@ -34,13 +36,11 @@ pub(super) fn mesh_in(elements: usize, units: Units) -> Mesh {
     let inertia = mass * length * length;
     let (stiffness, density) = (inertia * length, mass / length);
     let link = Link::new(LinkParts {
-        title: String::new(),
         segments: vec![Segment {
-            name: None,
             length_m: 1.5 * length,
             bending_stiffness_n_m2: ei.scaled(stiffness),
             mass_per_length_kg_m: per_length.scaled(density),
-            cross_section: None,
+            ..uniform_segment()
         }],
         hub: Hub {
             inertia_kg_m2: 0.1 * inertia,
@@ -53,8 +53,7 @@ pub(super) fn mesh_in(elements: usize, units: Units) -> Mesh {
             inertia_kg_m2: 1e-3 * inertia,
         }],
         payload: Payload { mass_kg: 0.05 * mass, inertia_kg_m2: 0.0, offset_m: 0.0 },
-        damping: Damping::None,
-        drive: None,
+        ..uniform()
     });
     let link = link.unwrap();
     Mesh::on(&link, elements)

@@ -4,11 +4,11 @@ use super::frequencies::natural_frequencies;
 use super::shape::{Mode, Shape, mode};
 use crate::beam::{Gain, Mesh, condense};
 
-/// A shape left over by all modes with less than this share of the whole is round-off.
+/// Share of the static shape below which the residual is round-off.
 const NOTHING_LEFT: f64 = 1e-10;
 
-/// So far may twice the strain energy of a shape left over lie from the work of the unit torque that
-/// it belongs to; of round-off the two have nothing to do with each other.
+/// Largest relative difference between twice the strain energy of a residual shape and the work of its
+/// unit torque; for round-off the two are unrelated.
 const ENERGY_TOLERANCE: f64 = 1e-3;
 
 /// The rigid rotation and flexible modes of the link on its free hub, mass-normalised.
@@ -68,7 +68,7 @@ impl ModalBasis {
 
     /// The static residual made a mode of its own, at the frequency that its stiffness and mass
     /// give it: with it a truncated basis answers slow torques as the whole link does, and stays
-    /// orthogonal. None where the modes leave nothing over but round-off, or what moves no mass.
+    /// orthogonal. None where the residual is round-off or moves no mass.
     pub fn residual_mode(&self, mesh: &Mesh) -> Option<Mode> {
         let all = static_shape(mesh, &self.rigid);
         let rest = self.left_over(all.clone());

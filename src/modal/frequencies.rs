@@ -11,10 +11,10 @@ use crate::numeric::{SECTIONS, root};
 /// Natural frequencies that a solution or a simulation reports.
 pub const REPORTED_MODES: usize = 5;
 
-/// Most that counting may be wrong, relative to the frequency.
+/// Largest relative error of a frequency found by counting.
 const LOST_DIGITS: f64 = 1e-8;
 
-/// A step this small, relative to the frequency, is round-off.
+/// Relative step of a frequency that is round-off.
 const SETTLED: f64 = 1e-13;
 
 impl HubSpring {
@@ -47,7 +47,7 @@ impl HubSpring {
         counted(mesh, omegas_rad_s).map(|Pivots { negative, hub_n_m }| {
             let surplus = match (negative + 1).cmp(&sought) {
                 Ordering::Less => None,
-                // Zero has a sign, and counts as below; so does what is no number.
+                // Zero counts as below, and so does NaN.
                 Ordering::Equal => Some(-(self.0 - hub_n_m)).filter(|n_m| !n_m.is_nan()),
                 Ordering::Greater => Some(f64::INFINITY),
             };
@@ -60,7 +60,7 @@ impl HubSpring {
     ///
     /// Rayleigh's quotient is a Newton step on the hub's dynamic stiffness. A mode that hardly
     /// moves the hub has a pole of that stiffness as its neighbour, and steps that lead nowhere:
-    /// they do not settle, and counting stands.
+    /// they do not settle, and the counted frequency is returned.
     fn polished(self, mesh: &Mesh, omega_rad_s: f64) -> f64 {
         let first = self.rayleigh_quotient(mesh, omega_rad_s);
         let second = self.rayleigh_quotient(mesh, first);
@@ -120,7 +120,7 @@ pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize)
 }
 
 /// First natural frequency in rad/s of the link clamped at its hub, where it lies below
-/// `limit_rad_s` > 0; counting tells cheaply where it does not.
+/// `limit_rad_s` > 0; one count is enough where it does not.
 pub fn clamped_frequency_below(mesh: &Mesh, limit_rad_s: f64) -> Option<f64> {
     if HubSpring::CLAMPED.modes_below(mesh, &[limit_rad_s; SECTIONS])[0] == 0 {
         return None;

@@ -3,12 +3,12 @@
 use crate::beam::{Mesh, Pivots, pivots};
 use crate::numeric::{SECTIONS, geometric_scan, next_places};
 
-/// Highest angular frequency that is searched, in rad/s: no link of this world comes near.
+/// Highest angular frequency that is searched, in rad/s, far above any link's.
 const SEARCH_LIMIT_RAD_S: f64 = 1e15;
 
-/// What holds the hub: a torsional spring to the ground, its stiffness k in N m/rad.
+/// A torsional spring between hub and ground, its stiffness k in N m/rad.
 ///
-/// A free and a clamped hub are its two ends, so that one count and one search serve all three.
+/// k = 0 is a free hub, k = ∞ a clamped one, so that one count and one search serve all three.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub(super) struct HubSpring(pub(super) f64);
 
@@ -23,7 +23,7 @@ impl HubSpring {
     /// By Sylvester's law of inertia it is the number of negative pivots of the dynamic stiffness
     /// (Wittrick and Williams), here of the blocks `K_d − λ(M_dd + A)`, over λ, and of the hub's
     /// `k − λ(A_0[φφ] + I_H)`; so none is missed, however close two of them lie. For k = ∞ the
-    /// hub's pivot is never negative, and what is left are the modes of the clamped link.
+    /// hub's pivot is never negative, which leaves the modes of the clamped link.
     pub(super) fn modes_below(
         self,
         mesh: &Mesh,
@@ -33,9 +33,9 @@ impl HubSpring {
             .map(|Pivots { negative, hub_n_m }| negative + usize::from(hub_n_m > self.0))
     }
 
-    /// Two frequencies in rad/s, the number `sought` of mode between them: fewer modes lie below the
-    /// first, as many or more below the second, which is the least of `from_rad_s` times a power of
-    /// two where it is not `from_rad_s` itself. None where the search leads nowhere.
+    /// Two frequencies in rad/s around mode number `sought`: fewer modes lie below the first, as many or
+    /// more below the second, which is `from_rad_s` times a power of two. None where the search passes
+    /// its limit.
     pub(super) fn bracket(self, mesh: &Mesh, sought: usize, from_rad_s: f64) -> Option<(f64, f64)> {
         let is_above = |modes: &usize| *modes >= sought;
         let mut before = None;
@@ -74,8 +74,8 @@ impl HubSpring {
 
 /// Negative pivots at each ω > 0.
 pub(super) fn counted(mesh: &Mesh, omegas_rad_s: &[f64; SECTIONS]) -> [Pivots; SECTIONS] {
-    // Exactly on a pole of the apparent inertia nothing is finite, and a hair beside it all is;
-    // numbers beyond double precision stay infinite, and are not searched for ever.
+    // Exactly on a pole of the apparent inertia no number is finite, and a hair beside it all are;
+    // numbers beyond double precision stay infinite, so the hairs are few.
     let mut found = [Pivots { negative: 0, hub_n_m: f64::NAN }; SECTIONS];
     for hairs in 0..4 {
         let beside = 1.0 + 4.0 * f64::from(hairs) * f64::EPSILON;

@@ -43,13 +43,13 @@ pub enum DampingLaw {
     Caughey(CaugheySeries),
 }
 
-/// Why a link's damping cannot be.
+/// Why a link's damping is refused.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DampingError {
     /// A law through modes that the mesh does not have.
     #[error("damping.modes asks for mode {asked}, but the mesh must have it and has {found} modes")]
     NoSuchMode {
-        /// Mode asked for.
+        /// Number of the mode.
         asked: usize,
         /// Flexible modes of the mesh.
         found: usize,
@@ -252,5 +252,5 @@ fn rayleigh(frequencies_rad_s: &[f64], ratios: [f64; 2]) -> DampingLaw {
     DampingLaw::Rayleigh { alpha_per_s, beta_s }
 }
 
-/// Modes of which a Caughey series is looked at: those of the largest mesh that it is summed on.
+/// Modes at which a Caughey series is checked: those of the largest mesh that it is summed on.
 const MOST_CHECKED: usize = 2 * MOST_ELEMENTS_OF_ALL_MODES;

@@ -29,7 +29,7 @@ struct Resultants {
     outer: Vector2<f64>,
     /// At its inner end.
     inner: Vector2<f64>,
-    /// At its inner end, what is lumped there included.
+    /// At its inner end, with the inertia lumped there.
     with_lump: Vector2<f64>,
 }
 

@@ -94,7 +94,7 @@ impl Thickness {
         self.sections.iter().all(Option::is_none)
     }
 
-    /// Whether the first `modes` modes cannot be lowered noticeably: a cheap look at the radii alone.
+    /// Whether the first `modes` modes cannot be lowered noticeably: judged quickly by the radii alone.
     ///
     /// Mode n bends in n + 1 half waves at most, in a piece that is softer than the rest in shorter
     /// ones, for which four times their energy allows.

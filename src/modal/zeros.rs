@@ -67,8 +67,8 @@ pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
     changes(start, limit_rad_s, usize::MAX, unflipped)
 }
 
-/// The first `count` places, from `start` up to `limit`, at which a function's sign changes that is
-/// told of sixteen places at a time.
+/// The first `count` places, from `start` up to `limit`, at which a function changes its sign; `values`
+/// evaluates it at sixteen places.
 fn changes(
     start: f64,
     limit: f64,

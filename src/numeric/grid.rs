@@ -32,7 +32,7 @@ impl TimeGrid {
         self.origin_s + steps * self.step_s
     }
 
-    /// Where sample `k` stands in a period of `len` samples that begins at the origin.
+    /// Index of sample `k` in a period of `len` samples that begins at the origin.
     pub(crate) fn in_period(&self, k: usize, len: usize) -> usize {
         #[expect(
             clippy::cast_possible_wrap,
@@ -143,7 +143,7 @@ impl TimeGrid {
         if step_s > 0.0 && !(0..=last).any(is_off) {
             return Ok(grid);
         }
-        // One missing row shifts the mean step; the commonest one tells which row is to blame.
+        // One missing row shifts the mean step; the commonest one shows which row is missing.
         let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
         let usual = *steps.clone().select_nth_unstable_by(last / 2, f64::total_cmp).1;
         steps.insert(0, usual);
@@ -216,7 +216,7 @@ mod tests {
             let times: Vec<f64> = (0..=last).map(rounded).collect();
             assert!(TimeGrid::through(&times).is_ok(), "154 Hz, {last} steps");
         }
-        // In whole seconds a jitter cannot be told from rounding, so it is none.
+        // In whole seconds a jitter cannot be distinguished from rounding.
         assert!(TimeGrid::through(&[0.0, 1.0, 2.0, 4.0, 5.0]).is_err());
     }
 

@@ -2,7 +2,6 @@
 
 mod eigen;
 mod fft;
-mod fourier;
 mod grid;
 mod reductions;
 mod roots;
@@ -15,8 +14,7 @@ mod units;
 mod wide;
 
 pub(crate) use eigen::SymmetricEigen;
-pub use fft::Scratch;
-pub use fourier::{FourierPair, angular_frequency, fast_length};
+pub use fft::{FourierPair, Scratch, angular_frequency, fast_length};
 pub use grid::{NotUniform, ThinnedGrid, TimeGrid};
 pub(crate) use reductions::sum_over;
 pub use reductions::{largest, largest_difference, magnitude};

@@ -5,12 +5,12 @@
 use num_complex::Complex64;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Largest absolute value, what is not a number left out; 0 of nothing.
+/// Largest absolute value, NaN left out; 0 for an empty slice.
 pub fn largest(values: &[f64]) -> f64 {
     Arch::new().dispatch(Largest(values))
 }
 
-/// Largest absolute difference of two histories, sample by sample as far as both go.
+/// Largest absolute difference of two histories over the samples that both have.
 pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |largest, (a, b)| largest.max((a - b).abs()))
 }
@@ -22,7 +22,7 @@ impl WithSimd for Largest<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> f64 {
-        // Sixteen at a time, as vectors compare; the largest does not depend on their order.
+        // Sixteen at a time, in vectors; the largest does not depend on their order.
         let (sixteens, rest) = self.0.as_chunks::<16>();
         let mut found = [0.0; 16];
         for sixteen in sixteens {
@@ -49,16 +49,15 @@ pub fn magnitude(z: Complex64) -> f64 {
     libm::hypot(z.re, z.im)
 }
 
-/// Terms that are added up side by side.
-const ASIDE: usize = 8;
+/// Partial sums.
+const PARTS: usize = 8;
 
-/// Sum of a term over values: eight sums side by side, which then are added up.
-///
-/// One after the other each sum would wait for the one before it; a result does not depend on the
-/// processor either way.
+/// Sum of a term over values, as eight partial sums that are added at the end: in a single sum each
+/// addition waits for the one before it. The order does not depend on the processor.
+#[inline]
 pub(crate) fn sum_over<T>(values: &[T], term: impl Fn(&T) -> f64) -> f64 {
-    let (eights, rest) = values.as_chunks::<ASIDE>();
-    let mut sums = [0.0; ASIDE];
+    let (eights, rest) = values.as_chunks::<PARTS>();
+    let mut sums = [0.0; PARTS];
     for eight in eights {
         for (sum, value) in sums.iter_mut().zip(eight) {
             *sum += term(value);

@@ -1,13 +1,12 @@
-/// Places at which a bracket is looked at in one step: as many as the widest vectors hold twice.
+/// Places at which a function is evaluated in one step of a search: two of the widest vectors.
 pub const SECTIONS: usize = 16;
 
-/// Cuts the bracket of a root, at whose ends a function's values have other signs, until no number lies
-/// between, and returns the place of the smaller end.
+/// Narrows the bracket of a root until no number lies between its ends; returns the lower end.
 ///
-/// The ends are place and value, the places positive. The function, asked about sixteen places at a
-/// time, none beyond the ends, need not be smooth, nor finite; where it is, the root is looked for
-/// around where a straight line from end to end has it. Elsewhere the bracket is cut evenly, in the
-/// logarithm first, so that its width does not matter.
+/// The ends are (place, value) with positive places and values of opposite signs. `values` evaluates
+/// the function at sixteen places between them; it need be neither smooth nor finite. Where it is, the
+/// places stand around the root of the straight line from end to end. Elsewhere they divide the bracket
+/// evenly, a wide one in the logarithm, so that the width does not matter.
 pub fn root(
     mut low: (f64, f64),
     mut high: (f64, f64),
@@ -31,17 +30,17 @@ pub fn root(
             }
         }
         if high.0 - low.0 >= width && !is_guessed {
-            // Of the least numbers there are, steps have no length.
+            // Between the least numbers, steps have no length.
             break;
         }
-        // A guess that leaves more than equal steps would is followed by these.
+        // After a guess that narrows the bracket less than equal steps would, take equal steps.
         let is_narrow = (high.0 - low.0) * (SECTIONS + 1) as f64 <= width;
         is_straight = !is_guessed || is_narrow;
     }
     low.0
 }
 
-/// Whether there is a number between two.
+/// True if a floating-point number lies between the two.
 fn is_open(low: f64, high: f64) -> bool {
     let middle = low + 0.5 * (high - low);
     low < middle && middle < high
@@ -85,7 +84,7 @@ pub fn geometric_scan(low: f64, ratio: f64) -> impl Iterator<Item = f64> {
     std::iter::successors(Some(low), move |x| Some(x * ratio))
 }
 
-/// The next sixteen of a sequence without end.
+/// The next sixteen values of an endless sequence.
 pub fn next_places(scan: &mut impl Iterator<Item = f64>) -> [f64; SECTIONS] {
     std::array::from_fn(|_| scan.next().unwrap_or(f64::INFINITY))
 }

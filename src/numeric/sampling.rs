@@ -11,8 +11,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use super::fft::Scratch;
-use super::fourier::{FourierPair, fast_length};
+use super::fft::{FourierPair, Scratch, fast_length};
 
 /// Signals of a panel: their samples at one time are next to one another.
 pub(crate) const PANEL: usize = 16;

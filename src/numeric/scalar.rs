@@ -17,7 +17,7 @@ pub trait Scalar:
     + Add<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// What sizes are measured in: a real number, or one for each lane.
+    /// A measure of size: one real number, or one for each lane.
     type Size: Size;
 
     /// `x` as a number of the kind of `self`.

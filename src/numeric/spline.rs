@@ -1,7 +1,7 @@
 /// What a [`CubicSpline`] does at its two ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SplineEnds {
-    /// The two outermost pieces at each end are one cubic: nothing is assumed of the curve.
+    /// The two outermost pieces at each end are one cubic: no assumption on the curve.
     NotAKnot,
     /// The slope vanishes at both ends: the curve comes from rest and goes to rest.
     Clamped,

@@ -23,7 +23,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// A number with all its digits, for people: as it was given, but one far from 1 in powers of ten.
+/// A number with all its digits, for people; in powers of ten where it is far from 1.
 ///
 /// ```
 /// use flexlink::numeric::plain;
@@ -48,33 +48,32 @@ pub fn gigabytes(bytes: usize) -> String {
     format!("{} GB", significant(bytes as f64 / 1e9, 2))
 }
 
-/// A number of this many significant digits, at least 1; those that arithmetic leaves behind in a
-/// message are gone with twelve.
+/// The value rounded to `digits` ≥ 1 significant digits; 12 hide the round-off of arithmetic.
 pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
-/// Characters of an input that a message quotes at most.
+/// Most characters of an input that a message quotes.
 const LONGEST: usize = 60;
 
-/// A piece of an input as a message quotes it: control characters, and those that turn the direction
-/// of writing, told, so that it stays on its line and no terminal obeys it.
+/// A piece of an input for a message: control characters, and those that change the direction of
+/// writing, are escaped, so that the text stays on its line and no terminal obeys it.
 pub fn visible(text: &str) -> Cow<'_, str> {
     if !text.contains(is_hidden) {
         return text.into();
     }
-    let mut told = String::with_capacity(text.len() + 8);
+    let mut escaped = String::with_capacity(text.len() + 8);
     for letter in text.chars() {
         match letter {
-            letter if letter.is_control() => told.extend(letter.escape_debug()),
-            letter if is_hidden(letter) => told.extend(letter.escape_unicode()),
-            letter => told.push(letter),
+            letter if letter.is_control() => escaped.extend(letter.escape_debug()),
+            letter if is_hidden(letter) => escaped.extend(letter.escape_unicode()),
+            letter => escaped.push(letter),
         }
     }
-    told.into()
+    escaped.into()
 }
 
-/// A document as it is shown, its line ends and tabs kept.
+/// A document with the same characters escaped, its line ends and tabs kept.
 pub fn visible_document(document: &str) -> String {
     let mut shown = String::with_capacity(document.len());
     for letter in document.chars() {
@@ -87,7 +86,7 @@ pub fn visible_document(document: &str) -> String {
     shown
 }
 
-/// The beginning of a piece of an input, with a mark where more follows: what a message quotes.
+/// The first 60 characters of a piece of an input, with `…` where more follow.
 pub fn excerpt(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(LONGEST) {
         None => text.into(),
@@ -95,8 +94,7 @@ pub fn excerpt(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Whether a character is not seen but obeyed: a control character, or one that turns the direction
-/// of writing.
+/// True for a control character, and for one that changes the direction of writing.
 pub fn is_hidden(letter: char) -> bool {
     let turns = matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}')
         || matches!(letter, '\u{2066}'..='\u{2069}');
@@ -131,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn control_characters_are_told_and_no_other() {
+    fn control_characters_are_escaped_and_no_other() {
         assert_eq!(visible("m\u{1b}[31m\t'µ²'\n\u{85}"), "m\\u{1b}[31m\\t'µ²'\\n\\u{85}");
         assert_eq!(visible("N m²"), "N m²");
     }
@@ -142,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn what_turns_the_direction_of_writing_is_told() {
+    fn what_turns_the_direction_of_writing_is_escaped() {
         let all = "\u{202a}\u{202b}\u{202c}\u{202d}\u{202e}\u{2066}\u{2067}\u{2068}\u{2069}\
                    \u{200e}\u{200f}\u{61c}";
         let told = visible(all).into_owned();

@@ -7,7 +7,7 @@ use twofloat::TwoFloat;
 
 use super::Scalar;
 
-/// A number of 106 bits, so that the recursion itself tells how many digits it loses in 53.
+/// A number of 106 bits, to measure how many digits the same recursion loses in 53.
 #[derive(Clone, Copy)]
 pub(crate) struct Wide(TwoFloat);
 

@@ -1,4 +1,4 @@
-//! Many complex numbers at a time, as structure of arrays.
+//! Many complex numbers at a time.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -11,10 +11,9 @@ use pulp::bytemuck::{cast_slice, cast_slice_mut};
 use super::lanes::{Lanes, MOST_LANES, RealLanes};
 use crate::numeric::Scalar;
 
-/// Complex numbers, two vectors full, as structure of arrays.
+/// Complex numbers, two vectors of real and two of imaginary parts.
 ///
-/// Which lane holds which number is the vectors' own business: they are parted as fast as that goes,
-/// and come back in the order in which they were.
+/// Loading distributes the numbers over the lanes in the fastest way; storing restores their order.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ComplexLanes<S: Simd> {
     re: RealLanes<S>,
@@ -25,9 +24,7 @@ impl<S: Simd> ComplexLanes<S> {
     /// How many numbers are worked on at a time.
     pub(super) const LEN: usize = RealLanes::<S>::LEN;
 
-    /// The first [`Self::LEN`] of `numbers`; where there are fewer, the last one again.
-    ///
-    /// Zero where there are none.
+    /// The first [`Self::LEN`] of `numbers`; fewer are filled up with the last one, none with zeros.
     #[inline(always)]
     pub(super) fn load(simd: S, numbers: &[Complex64]) -> Self {
         if numbers.len() >= Self::LEN {
@@ -50,7 +47,7 @@ impl<S: Simd> ComplexLanes<S> {
         }
     }
 
-    /// The numbers in their order; what lies beyond [`Self::LEN`] is none of them.
+    /// The numbers in their order; entries from [`Self::LEN`] on are meaningless.
     #[inline(always)]
     pub(super) fn numbers(self) -> Lanes<Complex64> {
         let mut numbers = Lanes([Complex64::ZERO; MOST_LANES]);
@@ -79,8 +76,7 @@ impl<S: Simd> ComplexLanes<S> {
     }
 }
 
-/// Lanes that complex numbers are worked on in: complex ones, or real ones where all of them are
-/// real.
+/// Lanes over which the recursion runs at complex λ: complex ones, or real ones where all λ are real.
 pub(super) trait LambdaLanes<S: Simd>: Scalar<Size = RealLanes<S>> {
     /// How many numbers are worked on at a time.
     const LEN: usize;
@@ -239,7 +235,7 @@ mod tests {
     }
 
     fn bits(z: Complex64) -> [u64; 2] {
-        // Which NaN a lane holds is nobody's business.
+        // NaNs may differ in their bits.
         [z.re, z.im].map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() })
     }
 

@@ -14,8 +14,8 @@ use crate::numeric::{Scalar, Size};
 /// Most lanes that any instruction set has: two vectors of eight.
 pub(super) const MOST_LANES: usize = 16;
 
-/// The numbers of all lanes, where a vector never lies across two lines of cache. A function that has
-/// them on its stack keeps all its vectors there so, which is a tenth of its time.
+/// One number for each lane, aligned to a line of the cache. A function with such an array on its stack
+/// aligns all its vectors there, which saves a tenth of its time.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Lanes<T>(pub(super) [T; MOST_LANES]);
@@ -29,8 +29,8 @@ impl<T> Deref for Lanes<T> {
     }
 }
 
-/// The same expression for both vectors, of which `K` is the number; no closure, which the compiler
-/// need not inline.
+/// The same expression for both vectors, `K` being the vector's index. A macro, because the compiler
+/// need not inline a closure.
 macro_rules! both {
     ($k:ident => $vector:expr) => {
         [
@@ -46,7 +46,7 @@ macro_rules! both {
     };
 }
 
-/// Real numbers, two vectors full: while one waits for a quotient, the other is worked on.
+/// Real numbers in two vectors: the processor works on one while the other waits for a quotient.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RealLanes<S: Simd> {
     simd: S,

@@ -28,6 +28,12 @@ pub struct TipTransfers {
 }
 
 impl TipTransfers {
+    fn with_capacity(len: usize) -> Self {
+        let [inertia_kg_m, root_inertia_kg_m, angle_rad_m, deflection_s2] =
+            [(); 4].map(|()| Vec::with_capacity(len));
+        Self { inertia_kg_m, root_inertia_kg_m, angle_rad_m, deflection_s2 }
+    }
+
     /// Those at each λ.
     pub fn iter(&self) -> impl Iterator<Item = TipTransfer> {
         (0..self.inertia_kg_m.len()).map(|k| TipTransfer {
@@ -110,7 +116,6 @@ struct Tip<'a> {
 }
 
 /// Transfers by the recursion alone, and an upper bound of |G| at each λ.
-#[derive(Default)]
 struct Recursed {
     transfers: TipTransfers,
     gains: Vec<f64>,
@@ -121,7 +126,11 @@ impl WithSimd for Tip<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut recursed = Recursed::default();
+        let len = self.lambdas.len();
+        let mut recursed = Recursed {
+            transfers: TipTransfers::with_capacity(len),
+            gains: Vec::with_capacity(len),
+        };
         for alike in self.lambdas.chunk_by(|a, b| is_real(*a) == is_real(*b)) {
             if is_real(alike[0]) {
                 recursed.extend::<S, RealLanes<S>>(simd, self.mesh, alike);
@@ -142,16 +151,18 @@ impl Recursed {
             let hub = hub_response(mesh, L::load_numbers(simd, lambdas));
             let (tip, len) = (TipTransfer::of(&hub, mesh), lambdas.len());
             gains.extend(hub.largest_gain.complex().numbers()[..len].iter().map(|gain| gain.re));
-            for (values, lanes) in [
-                (&mut transfers.inertia_kg_m, tip.inertia_kg_m),
-                (&mut transfers.root_inertia_kg_m, tip.root_inertia_kg_m),
-                (&mut transfers.angle_rad_m, tip.angle_rad_m),
-                (&mut transfers.deflection_s2, tip.deflection_s2),
-            ] {
-                values.extend_from_slice(&lanes.complex().numbers()[..len]);
-            }
+            append(&mut transfers.inertia_kg_m, tip.inertia_kg_m, len);
+            append(&mut transfers.root_inertia_kg_m, tip.root_inertia_kg_m, len);
+            append(&mut transfers.angle_rad_m, tip.angle_rad_m, len);
+            append(&mut transfers.deflection_s2, tip.deflection_s2, len);
         }
     }
+}
+
+/// Appends the numbers of the first `len` lanes.
+#[inline(always)]
+fn append<S: Simd, L: LambdaLanes<S>>(values: &mut Vec<Complex64>, lanes: L, len: usize) {
+    values.extend_from_slice(&lanes.complex().numbers()[..len]);
 }
 
 struct Nodal<'a, 'b> {

@@ -1,25 +1,21 @@
-//! A real Fourier transform whose bits do not depend on the processor.
+//! A real Fourier transform whose bits do not depend on the processor or the operating system.
 //!
-//! The usual libraries choose their algorithm and their rounding by processor, and take the sines
-//! of their tables from the system: the same inputs then give other bytes elsewhere. Here the
-//! order of operations depends on the length alone, products and sums are rounded one by one, and
-//! the tables come from a library in Rust. The vectors of a processor only say how many columns
-//! are worked on at a time.
+//! The usual libraries (rustfft, and realfft over it) take the factors `e^{2πi k/N}` from the system's
+//! sine and cosine, and choose algorithm and rounding by processor. Here the order of operations
+//! depends on the length alone, products and sums are rounded one by one, and sines come from `libm`.
+//! The width of the processor's vectors only says how many columns are transformed at a time.
 //!
-//! It costs no time. On two AVX-512 cores (AMD EPYC, Zen 4) it takes 1.6 to 2.6 ns a sample for
-//! 2^10 to 2^16 samples, six tenths of what rustfft takes without vector instructions (2.5 to
-//! 4.3 ns), which is the form of it whose bits differ least between processors. With them, fused
-//! multiplication among them, rustfft is faster up to 2^14 and as fast from 2^16 on. The rounding
-//! error is 0.5 to 0.8 times that of rustfft. Where the spectrum is short, as that of smooth motions
-//! is, what is known to be zero is not computed.
+//! `pair` is the door; `plan` holds lengths and factors, `transform` the real transform by a complex
+//! one by rows and columns, `passes` the butterflies, `vector` eight complex numbers side by side. The
+//! tests hold it against the definition in 106 bits, and against realfft.
 
-mod butterfly;
-mod complex;
-mod eight;
-mod pass;
+mod pair;
+mod passes;
 mod plan;
-mod real;
-mod shuffle;
+#[cfg(test)]
+mod tests;
+mod transform;
+mod vector;
 
-pub use complex::Scratch;
-pub(super) use real::RealFft;
+pub use pair::{FourierPair, angular_frequency, fast_length};
+pub use transform::Scratch;

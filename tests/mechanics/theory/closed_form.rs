@@ -250,3 +250,26 @@ fn the_closed_form_is_the_rigid_link_at_rest() {
     assert!((solution.inertia_kg_m() * 1.5 / rigid - 1.0).norm() < 1e-15);
     assert!((solution.angle_rad_m() * 1.5 - 1.0).norm() < 1e-15);
 }
+
+/// Roots of a function of b = βL, found without the program's own search: the first `count` sign
+/// changes of `f` on 0.05 < b < 20, ascending, bisected to the last bit.
+pub(crate) fn roots(count: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
+    const STEP: f64 = 0.05;
+    let is_negative = |b: f64| f(b) < 0.0;
+    let bisect = |mut low: f64| {
+        let (start, mut step) = (is_negative(low), STEP);
+        while low + step > low {
+            step *= 0.5;
+            if is_negative(low + step) == start {
+                low += step;
+            }
+        }
+        low
+    };
+    (1..400)
+        .map(|k| STEP * f64::from(k))
+        .filter(|b| is_negative(*b) != is_negative(b + STEP))
+        .take(count)
+        .map(bisect)
+        .collect()
+}

@@ -2,8 +2,7 @@
 
 use flexlink::modal::{held_frequencies, natural_frequencies};
 
-use super::closed_form::UniformLink;
-use super::roots::roots;
+use super::closed_form::{UniformLink, roots};
 
 /// (η, μ) and b₁ … b₅, ω = b²√(EI/m̄L⁴); the last row's link is that of ASME DETC2007-35511.
 const PUBLISHED: [(f64, f64, [f64; 5]); 4] = [

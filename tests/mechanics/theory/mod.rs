@@ -4,7 +4,6 @@
 
 mod closed_form;
 mod frequencies;
-mod roots;
 mod thick_torque;
 mod thickness;
 mod transfer;

@@ -3,8 +3,7 @@
 use flexlink::link::Payload;
 use flexlink::modal::{real_frequency_zeros, torque_zeros};
 
-use super::closed_form::UniformLink;
-use super::roots::roots;
+use super::closed_form::{UniformLink, roots};
 
 /// x of the first `count` roots of the tip's motion at λ = `sign`·x⁴, ascending.
 fn tip_roots(link: &UniformLink, sign: f64, count: usize) -> Vec<f64> {

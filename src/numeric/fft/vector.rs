@@ -30,6 +30,53 @@ impl Eight {
         S::as_mut_simd_f64s(&mut self.re).0[at] = vector.re;
         S::as_mut_simd_f64s(&mut self.im).0[at] = vector.im;
     }
+
+    /// Real and imaginary parts of pairs one after another.
+    #[inline(always)]
+    pub(super) fn of_pairs(numbers: &[f64; 16]) -> Self {
+        let mut eight = Self::ZERO;
+        for (k, [re, im]) in numbers.as_chunks().0.iter().enumerate() {
+            (eight.re[k], eight.im[k]) = (*re, *im);
+        }
+        eight
+    }
+
+    /// The same from the last number to the first.
+    #[inline(always)]
+    pub(super) fn of_pairs_backwards(numbers: &[f64; 16]) -> Self {
+        let mut eight = Self::ZERO;
+        for (k, [re, im]) in numbers.as_chunks().0.iter().rev().enumerate() {
+            (eight.re[k], eight.im[k]) = (*re, *im);
+        }
+        eight
+    }
+
+    /// Writes the first `count` numbers, or all eight where `count` is larger, each real part followed
+    /// by its imaginary part.
+    #[inline(always)]
+    pub(super) fn write_pairs(&self, numbers: &mut [f64], count: usize) {
+        let mut pairs = [0.0; 16];
+        for (k, pair) in pairs.as_chunks_mut().0.iter_mut().enumerate() {
+            *pair = [self.re[k], self.im[k]];
+        }
+        if count < 8 {
+            numbers[..2 * count].copy_from_slice(&pairs[..2 * count]);
+        } else if let Some(numbers) = numbers.first_chunk_mut() {
+            *numbers = pairs;
+        }
+    }
+}
+
+/// Row k of the result is column k of `rows`.
+#[inline(always)]
+pub(super) fn transposed(rows: &[[f64; 8]; 8]) -> [[f64; 8]; 8] {
+    let mut columns = [[0.0; 8]; 8];
+    for (j, row) in rows.iter().enumerate() {
+        for (column, x) in columns.iter_mut().zip(row) {
+            column[j] = *x;
+        }
+    }
+    columns
 }
 
 /// One vector of complex numbers.

@@ -1,0 +1,187 @@
+//! One transform along the rows or the columns: Stockham's passes over eights, natural order in,
+//! natural order out.
+
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use pulp::Simd;
+
+use super::plan::{Pass, Stages};
+use super::vector::{Eight, Vector};
+
+/// The points to transform: of `eights` every `step`-th, from the first on.
+#[derive(Clone, Copy)]
+pub(super) struct Points<'a> {
+    pub(super) eights: &'a [Eight],
+    pub(super) step: usize,
+}
+
+/// Transforms `stages.len` points into the front of `out`; that of `spare` is overwritten.
+#[inline(always)]
+pub(super) fn transform<S: Simd>(
+    simd: S,
+    stages: &Stages,
+    points: Points,
+    out: &mut [Eight],
+    spare: &mut [Eight],
+) {
+    let (mut out, mut spare) = (&mut out[..stages.len], &mut spare[..stages.len]);
+    let Some((first, rest)) = stages.passes.split_first() else {
+        out[0] = points.eights[0];
+        return;
+    };
+    if rest.len() % 2 == 1 {
+        std::mem::swap(&mut out, &mut spare);
+    }
+    one_pass(simd, first, points, out);
+    for pass in rest {
+        one_pass(simd, pass, Points { eights: out, step: 1 }, spare);
+        std::mem::swap(&mut out, &mut spare);
+    }
+}
+
+#[inline(always)]
+fn one_pass<S: Simd>(simd: S, pass: &Pass, points: Points, out: &mut [Eight]) {
+    match pass.radix {
+        2 => butterflies::<S, 2, RadixTwo>(simd, pass, points, out),
+        3 => butterflies::<S, 3, RadixThree>(simd, pass, points, out),
+        4 => butterflies::<S, 4, RadixFour>(simd, pass, points, out),
+        5 => butterflies::<S, 5, RadixFive>(simd, pass, points, out),
+        8 => butterflies::<S, 8, RadixEight>(simd, pass, points, out),
+        _ => sums(simd, pass, points, out),
+    }
+}
+
+#[inline(always)]
+fn butterflies<S: Simd, const R: usize, B: Butterfly<R>>(
+    simd: S,
+    pass: &Pass,
+    points: Points,
+    out: &mut [Eight],
+) {
+    let Pass { groups, stride, .. } = *pass;
+    let far = groups * stride * points.step;
+    let (turns, _) = pass.turns.as_chunks::<R>();
+    for (group, (turns, out)) in turns.iter().zip(out.chunks_exact_mut(R * stride)).enumerate() {
+        for q in 0..stride {
+            let from = (group * stride + q) * points.step;
+            for at in 0..Vector::<S>::PER_EIGHT {
+                let mut x = [Vector::zero(simd); R];
+                for (j, x) in x.iter_mut().enumerate() {
+                    *x = points.eights[from + j * far].vector(simd, at);
+                }
+                let y = B::of(x);
+                out[q].set(at, y[0]);
+                for j in 1..R {
+                    out[q + j * stride].set(at, y[j] * Vector::splat(simd, turns[j]));
+                }
+            }
+        }
+    }
+}
+
+/// A pass of any other radix, by the definition.
+#[inline(always)]
+fn sums<S: Simd>(simd: S, pass: &Pass, points: Points, out: &mut [Eight]) {
+    let Pass { radix, groups, stride, .. } = *pass;
+    let far = groups * stride * points.step;
+    for (group, out) in out.chunks_exact_mut(radix * stride).enumerate() {
+        for (row, out) in out.iter_mut().enumerate() {
+            let (j, q) = (row / stride, row % stride);
+            let from = (group * stride + q) * points.step;
+            for at in 0..Vector::<S>::PER_EIGHT {
+                let mut sum = points.eights[from].vector(simd, at);
+                for k in 1..radix {
+                    let root = Vector::splat(simd, pass.roots[j * k % radix]);
+                    sum = sum + points.eights[from + k * far].vector(simd, at) * root;
+                }
+                out.set(at, sum * Vector::splat(simd, pass.turns[group * radix + j]));
+            }
+        }
+    }
+}
+
+/// A transform of a few points written out, `y_k = Σ_j x_j e^{+2πi jk/R}`. A type and no function,
+/// because the compiler inlines every call of its method.
+trait Butterfly<const R: usize> {
+    fn of<S: Simd>(points: [Vector<S>; R]) -> [Vector<S>; R];
+}
+
+struct RadixTwo;
+
+impl Butterfly<2> for RadixTwo {
+    #[inline(always)]
+    fn of<S: Simd>([a, b]: [Vector<S>; 2]) -> [Vector<S>; 2] {
+        [a + b, a - b]
+    }
+}
+
+struct RadixThree;
+
+impl Butterfly<3> for RadixThree {
+    #[inline(always)]
+    fn of<S: Simd>([a, b, c]: [Vector<S>; 3]) -> [Vector<S>; 3] {
+        const SIN_60: f64 = 0.866_025_403_784_438_6;
+        let (sum, turned) = (b + c, (b - c) * SIN_60);
+        let middle = a - sum * 0.5;
+        [a + sum, middle.plus_i_times(turned), middle.minus_i_times(turned)]
+    }
+}
+
+struct RadixFour;
+
+impl Butterfly<4> for RadixFour {
+    #[inline(always)]
+    fn of<S: Simd>([a, b, c, d]: [Vector<S>; 4]) -> [Vector<S>; 4] {
+        let ([even, even_1], [odd, odd_1]) = (RadixTwo::of([a, c]), RadixTwo::of([b, d]));
+        [even + odd, even_1.plus_i_times(odd_1), even - odd, even_1.minus_i_times(odd_1)]
+    }
+}
+
+struct RadixFive;
+
+impl Butterfly<5> for RadixFive {
+    #[inline(always)]
+    fn of<S: Simd>([a, b, c, d, e]: [Vector<S>; 5]) -> [Vector<S>; 5] {
+        const COS_72: f64 = 0.309_016_994_374_947_45;
+        const COS_144: f64 = -0.809_016_994_374_947_5;
+        const SIN_72: f64 = 0.951_056_516_295_153_5;
+        const SIN_144: f64 = 0.587_785_252_292_473_1;
+        let ([outer, outer_1], [inner, inner_1]) = (RadixTwo::of([b, e]), RadixTwo::of([c, d]));
+        let first = a + (outer * COS_72 + inner * COS_144);
+        let second = a + (outer * COS_144 + inner * COS_72);
+        let first_turned = outer_1 * SIN_72 + inner_1 * SIN_144;
+        let second_turned = outer_1 * SIN_144 - inner_1 * SIN_72;
+        [
+            a + (outer + inner),
+            first.plus_i_times(first_turned),
+            second.plus_i_times(second_turned),
+            second.minus_i_times(second_turned),
+            first.minus_i_times(first_turned),
+        ]
+    }
+}
+
+struct RadixEight;
+
+impl Butterfly<8> for RadixEight {
+    #[inline(always)]
+    fn of<S: Simd>([a, b, c, d, e, f, g, h]: [Vector<S>; 8]) -> [Vector<S>; 8] {
+        let [even, even_1, even_2, even_3] = RadixFour::of([a, c, e, g]);
+        let [odd, odd_1, odd_2, odd_3] = RadixFour::of([b, d, f, h]);
+        // Turned by 45 degrees, and by 135 degrees backwards.
+        let odd_1 = odd_1.plus_i_times(odd_1) * FRAC_1_SQRT_2;
+        let odd_3 = odd_3.minus_i_times(odd_3) * FRAC_1_SQRT_2;
+        [
+            even + odd,
+            even_1 + odd_1,
+            even_2.plus_i_times(odd_2),
+            even_3 - odd_3,
+            even - odd,
+            even_1 - odd_1,
+            even_2.minus_i_times(odd_2),
+            even_3 + odd_3,
+        ]
+    }
+}

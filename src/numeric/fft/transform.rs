@@ -1,0 +1,235 @@
+//! The real transforms by a complex one of half the length, and that one by rows and columns.
+
+#![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
+
+use num_complex::Complex64;
+use pulp::bytemuck::{cast_slice, cast_slice_mut};
+use pulp::{Simd, WithSimd};
+
+use super::passes::{Points, transform};
+use super::plan::Plan;
+use super::vector::{Eight, Vector, transposed};
+
+pub(super) struct Forward<'a> {
+    pub(super) plan: &'a Plan,
+    pub(super) samples: &'a [f64],
+    pub(super) scale: f64,
+    pub(super) scratch: &'a mut Scratch,
+    pub(super) amplitudes: &'a mut [Complex64],
+}
+
+impl WithSimd for Forward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { plan, samples, scale, scratch, amplitudes } = self;
+        let points = plan.points;
+        let width = plan.columns.len.div_ceil(8);
+        let rows = room(&mut scratch.rows, plan.rows.len * width, Eight::ZERO);
+        for (row, eights) in rows.chunks_exact_mut(width).enumerate() {
+            for (j, out) in eights.iter_mut().enumerate() {
+                let k = row * plan.columns.len + 8 * j;
+                let z = Eight::of_pairs(sixteen(samples, 2 * k + 16, &mut [0.0; 16]));
+                // Real and imaginary parts exchanged turn the sign of the exponent.
+                out.re = z.im;
+                out.im = z.re;
+            }
+        }
+        let mut numbers = std::mem::take(&mut scratch.numbers);
+        let spectrum = room(&mut numbers, 2 * points + 2, 0.0);
+        complex(simd, plan, scratch, &mut spectrum[..2 * points]);
+        let [im, re] = [spectrum[0], spectrum[1]];
+        (spectrum[2 * points], spectrum[2 * points + 1]) = (im, re);
+        unfold(simd, plan, spectrum, 0.5 * scale, amplitudes);
+        amplitudes[0] = Complex64::from(scale * (re + im));
+        amplitudes[points] = Complex64::from(scale * (re - im));
+        scratch.numbers = numbers;
+    }
+}
+
+pub(super) struct Inverse<'a> {
+    pub(super) plan: &'a Plan,
+    pub(super) amplitudes: &'a [Complex64],
+    pub(super) scratch: &'a mut Scratch,
+    pub(super) samples: &'a mut [f64],
+}
+
+impl WithSimd for Inverse<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { plan, amplitudes, scratch, samples } = self;
+        fold(simd, plan, amplitudes, scratch);
+        complex(simd, plan, scratch, samples);
+    }
+}
+
+/// `Z_k = X_k + conj X_{M−k} + i e^{2πi k/N} (X_k − conj X_{M−k})` for all points; its
+/// transform is `x_{2j} + i x_{2j+1}`.
+#[inline(always)]
+fn fold<S: Simd>(simd: S, plan: &Plan, amplitudes: &[Complex64], scratch: &mut Scratch) {
+    let columns = plan.columns.len;
+    let numbers: &[f64] = cast_slice(amplitudes);
+    let width = columns.div_ceil(8);
+    let mut own = [0.0; 16];
+    let points = room(&mut scratch.rows, plan.rows.len * width, Eight::ZERO);
+    for row in 0..plan.rows.len {
+        let halves = &plan.halves[row * width..][..width];
+        let out = &mut points[row * width..][..width];
+        for (j, (out, turn)) in out.iter_mut().zip(halves).enumerate() {
+            let k = row * columns + 8 * j;
+            // Neither X_k nor X_{M−k} is given: the spectrum of a smooth motion is short.
+            if k >= amplitudes.len() && k + amplitudes.len() + 7 <= plan.points {
+                *out = Eight::ZERO;
+                continue;
+            }
+            let mut near = Eight::of_pairs(sixteen(numbers, 2 * k + 16, &mut own));
+            let mut far =
+                Eight::of_pairs_backwards(sixteen(numbers, 2 * (plan.points - k) + 2, &mut own));
+            if k == 0 {
+                (near.im[0], far.im[0]) = (0.0, 0.0);
+            }
+            let turn = Vector::splat(simd, *turn);
+            for v in 0..Vector::<S>::PER_EIGHT {
+                let (near, far) = (near.vector(simd, v), far.vector(simd, v));
+                let turn = turn * plan.halves_in_eight.vector(simd, v);
+                let difference = near.minus_conjugate(far);
+                out.set(v, near.plus_conjugate(far).plus_i_times(difference * turn));
+            }
+        }
+    }
+}
+
+/// `X_k = s [Z_k + conj Z_{M−k} − i e^{−2πi k/N} (Z_k − conj Z_{M−k})]`, k < M, of Z with real and
+/// imaginary parts exchanged and its first number once more at its end.
+#[inline(always)]
+fn unfold<S: Simd>(
+    simd: S,
+    plan: &Plan,
+    exchanged: &[f64],
+    scale: f64,
+    amplitudes: &mut [Complex64],
+) {
+    let columns = plan.columns.len;
+    let numbers: &mut [f64] = cast_slice_mut(amplitudes);
+    let width = columns.div_ceil(8);
+    let mut own = [0.0; 16];
+    for (at, turn) in plan.halves.iter().enumerate() {
+        let (row, j) = (at / width, at % width);
+        let k = row * columns + 8 * j;
+        let near = Eight::of_pairs(sixteen(exchanged, 2 * k + 16, &mut own));
+        let far =
+            Eight::of_pairs_backwards(sixteen(exchanged, 2 * (plan.points - k) + 2, &mut own));
+        let turn = Vector::splat(simd, *turn);
+        let mut out = Eight::ZERO;
+        for v in 0..Vector::<S>::PER_EIGHT {
+            let near = near.vector(simd, v).exchanged();
+            let far = far.vector(simd, v).exchanged();
+            let turn = turn * plan.halves_in_eight.vector(simd, v);
+            let difference = near.minus_conjugate(far).times_conjugate(turn);
+            out.set(v, near.plus_conjugate(far).minus_i_times(difference) * scale);
+        }
+        out.write_pairs(&mut numbers[2 * k..], columns - 8 * j);
+    }
+}
+
+/// The sixteen of `numbers` before index `end`; at the ends of the slice a copy in `own`, zero where
+/// there is no number. Elsewhere no copy, which would take as long as all that follows.
+#[inline(always)]
+fn sixteen<'a>(numbers: &'a [f64], end: usize, own: &'a mut [f64; 16]) -> &'a [f64; 16] {
+    let whole = end.checked_sub(16).and_then(|start| numbers.get(start..end));
+    if let Some(found) = whole.and_then(<[f64]>::first_chunk) {
+        return found;
+    }
+    some_of_sixteen(numbers, end, own);
+    own
+}
+
+#[inline(never)]
+fn some_of_sixteen(numbers: &[f64], end: usize, own: &mut [f64; 16]) {
+    for (i, own) in own.iter_mut().enumerate() {
+        let at = (end + i).checked_sub(16);
+        *own = at.and_then(|at| numbers.get(at)).copied().unwrap_or_default();
+    }
+}
+
+/// Memory that transforms of any length use one after another.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    rows: Vec<Eight>,
+    columns: Vec<Eight>,
+    line: Vec<Eight>,
+    spare: Vec<Eight>,
+    numbers: Vec<f64>,
+}
+
+/// The first `len` of `memory`, whatever they hold.
+fn room<T: Clone>(memory: &mut Vec<T>, len: usize, new: T) -> &mut [T] {
+    if memory.len() < len {
+        memory.resize(len, new);
+    }
+    &mut memory[..len]
+}
+
+/// `Z_k = Σ_j z_j e^{+2πi jk/M}` of the points in `scratch.rows`, real and imaginary parts in turn
+/// into `numbers`.
+///
+/// The index is split, j = C·r + c and k = s + R·t for R rows and C columns, and the sum with it:
+///
+/// ```text
+/// Z_{s+Rt} = Σ_c e^{2πi ct/C} [ e^{2πi cs/M} Σ_r z_{Cr+c} e^{2πi rs/R} ]
+/// ```
+///
+/// Eight columns are transformed at a time, multiplied, and turned over into rows; then eight of
+/// the other direction. No vector ever holds two numbers that are to be added to each other.
+#[inline(always)]
+fn complex<S: Simd>(simd: S, plan: &Plan, scratch: &mut Scratch, numbers: &mut [f64]) {
+    let (rows, columns) = (plan.rows.len, plan.columns.len);
+    let Scratch { rows: points, columns: turned, line, spare, .. } = scratch;
+    let longest = rows.max(columns);
+    let line = room(line, longest, Eight::ZERO);
+    let spare = room(spare, longest, Eight::ZERO);
+    let step = rows.div_ceil(8);
+    let turned = room(turned, columns * step, Eight::ZERO);
+    let eights = columns.div_ceil(8);
+    for at in 0..eights {
+        let points = Points { eights: &points[at..], step: eights };
+        transform(simd, &plan.rows, points, line, spare);
+        turn(simd, plan, at, line, turned);
+    }
+    for at in 0..step {
+        let points = Points { eights: &turned[at..], step };
+        transform(simd, &plan.columns, points, line, spare);
+        for (z, numbers) in line.iter().zip(numbers.chunks_exact_mut(2 * rows)) {
+            z.write_pairs(&mut numbers[16 * at..], rows - 8 * at);
+        }
+    }
+}
+
+/// Multiplies the eights number `at` of all rows by their factors and turns them over.
+#[inline(always)]
+fn turn<S: Simd>(simd: S, plan: &Plan, at: usize, line: &[Eight], turned: &mut [Eight]) {
+    let (rows, columns) = (plan.rows.len, plan.columns.len);
+    let step = rows.div_ceil(8);
+    let turns = plan.turns[at * rows..][..rows].chunks(8);
+    let factors = turns.zip(plan.turns_in_eight.chunks(8)).zip(line.chunks(8));
+    for (of_eight, ((turns, turns_in_eight), line)) in factors.enumerate() {
+        let (mut re, mut im) = ([[0.0; 8]; 8], [[0.0; 8]; 8]);
+        for (l, ((turn, in_eight), z)) in turns.iter().zip(turns_in_eight).zip(line).enumerate() {
+            let turn = Vector::splat(simd, *turn);
+            for v in 0..Vector::<S>::PER_EIGHT {
+                let z = z.vector(simd, v) * (turn * in_eight.vector(simd, v));
+                S::as_mut_simd_f64s(&mut re[l]).0[v] = z.re;
+                S::as_mut_simd_f64s(&mut im[l]).0[v] = z.im;
+            }
+        }
+        let (re, im) = (transposed(&re), transposed(&im));
+        for l in 0..(columns - 8 * at).min(8) {
+            let out = &mut turned[(8 * at + l) * step + of_eight];
+            out.re = re[l];
+            out.im = im[l];
+        }
+    }
+}
