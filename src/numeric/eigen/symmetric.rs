@@ -2,8 +2,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::ql::{Sweep, diagonalise};
-use super::tridiagonal::{Reduce, Tridiagonal};
+use super::tridiagonal::{Reduce, Sweep, Tridiagonal, diagonalise};
 
 /// Rows of Qᵀ that each reflection is applied to before the next one is fetched.
 const ROWS: usize = 16;
