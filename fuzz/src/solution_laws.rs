@@ -24,12 +24,13 @@ const DIFFERENCED: f64 = 2.5;
 /// If one does.
 pub fn check_finite(solution: &Solution) {
     let tip = &solution.tip;
+    let hub_acceleration_rad_s2 = solution.hub_acceleration_rad_s2();
     let histories = [
         ("torque", &solution.torque_n_m),
         ("rigid torque", &solution.rigid_torque_n_m),
         ("hub angle", &solution.hub_angle_rad),
         ("hub rate", &solution.hub_rate_rad_s),
-        ("hub acceleration", solution.hub_acceleration_rad_s2()),
+        ("hub acceleration", &hub_acceleration_rad_s2),
         ("rigid hub angle", &solution.rigid_hub_angle_rad),
         ("root moment", &solution.root_moment_n_m),
         ("displacement", &tip.displacement_m),
@@ -39,9 +40,9 @@ pub fn check_finite(solution: &Solution) {
     for (name, samples) in histories {
         assert!(samples.len() == solution.grid.len && finite(samples), "{name}");
     }
-    if let Some(motor) = solution.motor() {
-        for samples in [motor.torque_n_m, motor.angle_rad, motor.rate_rad_s, motor.power_w] {
-            assert!(finite(&samples), "a motor's history");
+    if let Some(motor) = &solution.motor {
+        for samples in [&motor.torque_n_m, &motor.angle_rad, &motor.rate_rad_s, &motor.power_w] {
+            assert!(finite(samples), "a motor's history");
         }
     }
     let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();

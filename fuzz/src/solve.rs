@@ -6,7 +6,7 @@ use super::solution_laws::{bending, check_finite, check_linear, check_rigid};
 use super::wording::check_words;
 use arbitrary::{Result, Unstructured};
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
-use flexlink::inverse::{Analysis, Solution, invert};
+use flexlink::inverse::{Analysis, Resources, Solution, invert_with};
 use flexlink::link::{Link, LinkParts, ParameterError};
 use flexlink::modal::{natural_frequencies, torque_zeros};
 use flexlink::model::{KeptModes, model_of};
@@ -71,14 +71,16 @@ fn any_analysis(u: &mut Unstructured) -> Result<Analysis> {
     let analysis = Analysis::new(tolerance, None, None).expect("a tolerance");
     let modes = u.int_in_range(0..=12)?;
     let analysis = analysis.keeping_modes(modes).unwrap_or(analysis);
-    Ok(analysis.within_memory(Some(MEMORY_BYTES)))
+    Ok(analysis)
 }
 
 // Law: what is solved is finite, and what is not is refused with words.
 fn solved(problem: &Problem, columns: MotionColumns) -> Option<Solution> {
     let motion = TipMotion::new(columns);
     let motion = motion.map_err(|error| check_words("", &error, error.hint())).ok()?;
-    let found = invert(&problem.link, &problem.plan, &motion, &problem.analysis);
+    let Problem { link, plan, analysis } = problem;
+    let resources = Resources { memory_bytes: Some(MEMORY_BYTES), ..Resources::default() };
+    let found = invert_with(link, plan, &motion, analysis, &resources);
     let solution = found.map_err(|error| check_words("", &error, error.hint())).ok()?;
     check_finite(&solution);
     Some(solution)
@@ -107,7 +109,7 @@ fn check_sum(problem: Problem, motions: &TwoMotions, first_zero: Option<f64>) {
     let tolerance = problem.analysis.tolerance();
     let decay_s = first_zero.map_or(0.0, |zero| (10.0 / tolerance).ln() / zero) + step_s;
     let Ok(analysis) = Analysis::new(tolerance, Some(decay_s), Some(decay_s)) else { return };
-    let problem = Problem { analysis: analysis.within_memory(Some(MEMORY_BYTES)), ..problem };
+    let problem = Problem { analysis, ..problem };
     let [first, second, both] = [first, second, both].map(|motion| solved(&problem, motion));
     if let (Some(first), Some(second), Some(both)) = (first, second, both) {
         check_linear(&first, &second, &both);

@@ -15,7 +15,6 @@ use flexlink::result::Remark;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
 
 use super::args::{finite, option};
-use crate::terminal::memory::available;
 use crate::terminal::{Exit, Failure};
 
 pub(crate) const LINK: &str = "Link file (TOML)";
@@ -76,14 +75,12 @@ pub(crate) fn specification(
     changes: &[Override],
 ) -> Result<Specification, Failure> {
     let read = read_specification(&file.shown, file.text()?, changes);
-    let mut specification = read.map_err(|error| {
+    read.map_err(|error| {
         let extension = Path::new(&file.name).extension();
         let is_table = extension.is_some_and(|extension| extension == "csv");
         let order = is_table.then_some("LINK, a TOML file, stands before MOTION or TORQUE");
         Failure::new(Exit::InputRefused, &error, file.disguise().or(error.hint()).or(order))
-    })?;
-    specification.analysis = specification.analysis.within_memory(available());
-    Ok(specification)
+    })
 }
 
 /// A tip trajectory.

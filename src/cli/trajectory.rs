@@ -152,7 +152,8 @@ impl Trajectory {
         let (link, plan, analysis, limits) = (&link, &mesh, &analysis, &limits);
         let stages = StageBar::new();
         stages.at("trying durations");
-        let fit = shortest_fit(&FitProblem { link, plan, analysis, limits, motion })?;
+        let memory_bytes = memory::available();
+        let fit = shortest_fit(&FitProblem { link, plan, analysis, memory_bytes, limits, motion })?;
         drop(stages);
         let product = fit.steps as f64 * self.step;
         // Without the last digits of the product.

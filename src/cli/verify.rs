@@ -3,7 +3,7 @@
 use clap::Args;
 
 use flexlink::csv::{Digits, InputFile};
-use flexlink::inverse::{Solution, invert_watched};
+use flexlink::inverse::{Resources, Solution, invert_with};
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
 use flexlink::store::verification_json;
@@ -68,7 +68,8 @@ impl Verify {
         let motion_file = InputFile::read(&self.motion.motion)?;
         let motion = self.scale.scaled(self.motion.resample.motion_of(&motion_file, link)?)?;
         let stages = self.print.stages();
-        let solution = invert_watched(link, mesh, &motion, analysis, &stages)?;
+        let resources = Resources { memory_bytes: memory::available(), watch: &stages };
+        let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
         stages.at("verifying");
         let verification = measured(&specification, &motion, &solution, self.digits)?;
         drop(stages);
@@ -89,15 +90,15 @@ pub(crate) fn measured(
     solution: &Solution,
     digits: Digits,
 ) -> Result<Verification, VerificationError> {
-    // Less than before: the solution stays.
-    let analysis = specification.analysis.within_memory(memory::available());
     verify(&Answer {
         link: &specification.link,
         plan: &specification.mesh,
         motion,
-        analysis: &analysis,
+        analysis: &specification.analysis,
         limits: &specification.limits,
         solution,
+        // Less than before the inversion: the solution stays.
+        memory_bytes: memory::available(),
         written_torque_n_m: &digits.as_written(&solution.torque_n_m),
     })
 }

@@ -12,7 +12,6 @@ pub struct Analysis {
     modes: Option<usize>,
     with_moments: bool,
     without_tables: bool,
-    memory_bytes: Option<usize>,
 }
 
 impl Analysis {
@@ -92,12 +91,6 @@ impl Analysis {
         Self { without_tables: true, ..self }
     }
 
-    /// The same analysis in so much memory in bytes: what would take more is refused.
-    #[must_use]
-    pub fn within_memory(self, bytes: Option<usize>) -> Self {
-        Self { memory_bytes: bytes, ..self }
-    }
-
     /// Share of its peak that padding and wrap-around may cost every quantity.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
@@ -137,11 +130,6 @@ impl Analysis {
     pub fn kept_modes(&self) -> KeptModes {
         self.modes.map_or(KeptModes::All, KeptModes::First)
     }
-
-    /// Memory in bytes that solving may take; `None`: whatever it needs.
-    pub fn memory_bytes(&self) -> Option<usize> {
-        self.memory_bytes
-    }
 }
 
 impl Default for Analysis {
@@ -154,7 +142,6 @@ impl Default for Analysis {
             modes: None,
             with_moments: false,
             without_tables: false,
-            memory_bytes: None,
         }
     }
 }

@@ -1,42 +1,25 @@
-use std::f64::consts::TAU;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
 use super::analysis::Analysis;
+use super::diagnostics::Diagnostics;
 use super::error::InversionError;
-use super::evidence::{Evidence, warnings};
-use super::period::{Padding, Window, check_memory};
+use super::histories::Histories;
+use super::period::Window;
 use super::periodic_answer::{Costed, PeriodicAnswer};
-use super::probes::{Amplitudes, Wanted};
-use super::refinement::{Asked, Measured, measured_mesh, shares};
-use super::rigid::rigid_torque_n_m;
+use super::probes::Amplitudes;
+use super::problem::Problem;
+use super::refinement::{Measured, measured_mesh, shares};
+use super::resampled::Sampled;
 use super::slow_tail::Series;
-use super::solution::{Band, HubMotion, Solution, cut};
-use super::watch::{Unwatched, Watch};
+use super::solution::{Band, Solution};
+use super::watch::Resources;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::torque_zeros;
 use crate::model::{KeptModes, Model, ModelError, check_size, model_of};
-use crate::motion::{Cutoff, TailTerms, TipMotion, TipMotionHistories, TipPeriod};
+use crate::motion::{TailTerms, TipMotion};
 use crate::numeric::TimeGrid;
-
-/// What is to be solved, the mesh and the period left open.
-pub(super) struct Problem<'a> {
-    pub(super) link: &'a Link,
-    pub(super) motion: &'a TipMotion,
-    pub(super) analysis: &'a Analysis,
-    cutoff: Cutoff,
-    pub(super) padding: Padding,
-    watch: &'a dyn Watch,
-}
-
-/// What is left of the torque at the ends of a window, over its peak.
-struct Edges {
-    /// Largest outside the window.
-    cut: f64,
-    /// Largest where one period meets the next.
-    seam: f64,
-}
 
 /// What is known of a mesh besides the answer on it.
 struct Known {
@@ -55,33 +38,33 @@ struct Known {
 ///
 /// # Errors
 /// [`InversionError`]: damping that cannot be, a torque that is not finite, at the hub or at the
-/// motor, an automatic mesh that does not converge, or a window too long to transform or for the memory allowed.
+/// motor, an automatic mesh that does not converge, or a window too long to transform.
 pub fn invert(
     link: &Link,
     plan: &MeshPlan,
     motion: &TipMotion,
     analysis: &Analysis,
 ) -> Result<Solution, InversionError> {
-    invert_watched(link, plan, motion, analysis, &Unwatched)
+    invert_with(link, plan, motion, analysis, &Resources::default())
 }
 
-/// The same; `watch` gets the progress.
+/// [`invert`] within so much memory, its progress watched.
 ///
 /// # Errors
-/// As [`invert`].
-pub fn invert_watched(
+/// As [`invert`], and [`InversionError::TooMuchMemory`].
+pub fn invert_with(
     link: &Link,
     plan: &MeshPlan,
     motion: &TipMotion,
     analysis: &Analysis,
-    watch: &dyn Watch,
+    resources: &Resources<'_>,
 ) -> Result<Solution, InversionError> {
     let mesh = Mesh::new(link, plan);
     let elements = mesh.elements().len();
     check_size(link, 2 * elements, 2)?;
     let coarsest = model_of(link, mesh, analysis.kept_modes())?;
     let first_zero = first_zero_of(coarsest.mesh());
-    let problem = Problem::new(link, motion, analysis, first_zero, watch)?;
+    let problem = Problem::new(motion, analysis, first_zero, *resources)?;
     let period = problem.shortest_period()?;
     let asked = problem.asked(&period);
     let Measured { model, probes, amplitudes, peaks, mesh_errors } =
@@ -92,227 +75,163 @@ pub fn invert_watched(
         let peaks = asked.peaks(all.mesh().length_m(), &exact);
         Ok::<_, ModelError>(shares(&amplitudes.change_to(&exact), &peaks))
     });
+    let mode_errors = mode_errors.transpose()?;
     let is_refined = model.mesh().elements().len() > elements;
     let first_zero_per_s = if is_refined { first_zero_of(model.mesh()) } else { first_zero };
     let hub_tail = Series::of(&*model, first_zero_per_s).map(|s| s.hub_tail(&*model));
-    let mode_errors = mode_errors.transpose()?;
     let known = Known { first_zero_per_s, hub_tail, peaks, mesh_errors, mode_errors };
     let motor_n_m = amplitudes.motor.map(|motor| motor.torque_n_m);
     let shortest = PeriodicAnswer::new(amplitudes.hub, motor_n_m.as_deref(), Arc::clone(&period));
-    let (answer, left) = problem.decayed(&*model, &problem.costed(&known), shortest)?;
-    // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
-    if let Some(frequency_hz) = answer.hub.blocked_hz {
-        return Err(InversionError::BlockedTip { frequency_hz });
-    }
-    let (mut solution, edges) = problem.written(model, &known, answer, left);
-    solution.motor().map_or(Ok(()), |motor| motor.check())?;
-    if problem.cutoff.keeps_all() {
-        problem.measure_step(&mut solution)?;
-    }
-    solution.warnings =
-        warnings(&Evidence { link, motion, analysis, cut: edges.cut, seam: edges.seam }, &solution);
-    Ok(solution)
+    problem.solution(model, &known, shortest)
 }
 
 fn first_zero_of(mesh: &Mesh) -> Option<f64> {
     torque_zeros(mesh, 1).first().copied()
 }
 
-impl<'a> Problem<'a> {
-    pub(super) fn new(
-        link: &'a Link,
-        motion: &'a TipMotion,
-        analysis: &'a Analysis,
-        first_zero_per_s: Option<f64>,
-        watch: &'a dyn Watch,
-    ) -> Result<Self, InversionError> {
-        let padding = Padding::new(motion, analysis, first_zero_per_s);
-        // The search of the cut-off takes less memory than the shortest period.
-        check_memory(padding.period_len(motion.grid().len)?, 0, analysis)?;
-        let cutoff = motion.cutoff(analysis.tip_tolerance());
-        Ok(Self { link, motion, analysis, cutoff, padding, watch })
-    }
-
-    fn shortest_period(&self) -> Result<Arc<TipPeriod>, InversionError> {
-        self.period(self.padding.period_len(self.motion.grid().len)?)
-    }
-
-    pub(super) fn period(&self, len: usize) -> Result<Arc<TipPeriod>, InversionError> {
-        let period_s = len as f64 * self.motion.grid().step_s;
-        let highest = self.cutoff.end_rad_s() * period_s / TAU;
-        check_memory(len, (highest as usize).min(len / 2), self.analysis)?;
-        let seam = self.padding.seam(self.motion.grid().len, len);
-        Ok(self.motion.over_period(len, seam, self.cutoff))
-    }
-
-    pub(super) fn asked<'b>(&self, period: &'b TipPeriod) -> Asked<'b>
-    where
-        'a: 'b,
-    {
-        Asked {
-            spectrum: &period.spectrum,
-            histories: period.histories(self.motion),
-            wanted: Wanted {
-                tables: self.analysis.measures_tables(),
-                moments: self.analysis.measures_moments(),
-            },
-            watch: self.watch,
-        }
-    }
-
-    fn costed<'b>(&'b self, known: &'b Known) -> Costed<'b> {
-        Costed {
-            link: self.link,
-            moments: self.analysis.measures_moments(),
-            tail: known.hub_tail.as_ref(),
-            peaks: &known.peaks,
-        }
-    }
-
-    /// Lengthens the period until every quantity has decayed where one period meets the next; returns
-    /// what is left there, over the peak of each.
-    ///
-    /// The zeros tell the exponential decay; hysteretic damping adds an algebraic tail (∝ t⁻⁴ of the
-    /// torque), and a blocked tip rings on, so the decay is measured, too.
-    fn decayed(
-        &self,
-        model: &dyn Model,
-        costed: &Costed<'_>,
-        shortest: PeriodicAnswer,
-    ) -> Result<(PeriodicAnswer, PerQuantity<f64>), InversionError> {
-        let initial = shortest.torque_n_m.len();
-        let mut answer = shortest;
-        loop {
-            let left = answer.left_at_seam(costed);
-            let (_, most) = left.worst();
-            let has_decayed = most <= self.analysis.tolerance();
-            let next = Padding::lengthened(answer.torque_n_m.len(), initial);
-            match next.filter(|_| !has_decayed) {
-                Some(len) => {
-                    let period = self.period(len)?;
-                    let forcing = self.asked(&period).of(model);
-                    answer = PeriodicAnswer::of(forcing, Arc::clone(&period))?;
-                }
-                None => return Ok((answer, left)),
-            }
-        }
-    }
-
-    /// What the finite period and the window that is cut out of it cost each quantity, over its peak;
-    /// `left` is the period's part.
-    fn window_errors(
-        answer: &PeriodicAnswer,
-        left: PerQuantity<f64>,
-        window: &Window,
-    ) -> PerQuantity<f64> {
-        let cut_off = |samples: &[f64]| {
-            let periodic = answer.periodic(samples);
-            periodic.outside(window) / periodic.peak()
-        };
-        let root = || answer.period.spectrum.pair.samples(&answer.hub.root_moment_n_m);
-        PerQuantity {
-            torque: left.torque.max(cut_off(&answer.torque_n_m)),
-            bending_moment: left.bending_moment.map(|left| left.max(cut_off(&root()))),
-            motor_torque: left
-                .motor_torque
-                .zip(answer.motor_n_m.as_deref())
-                .map(|(left, motor)| left.max(cut_off(motor))),
-            ..left
-        }
-    }
-
-    /// The samples to write: until both the torque and that of the motor stay below the tolerance.
-    fn window(&self, answer: &PeriodicAnswer) -> Window {
-        let given = self.motion.grid();
-        let of = |samples: &[f64]| {
-            let torque = answer.periodic(samples);
-            torque.window(given.len, given.step_s, self.analysis, torque.peak())
-        };
-        let hub = of(&answer.torque_n_m);
-        answer.motor_n_m.as_deref().map(of).map_or(hub, |motor| Window {
-            start: hub.start.min(motor.start),
-            stop: hub.stop.max(motor.stop),
-        })
-    }
-
-    /// Cuts the window to write out of the period and gathers what is known of the answer.
-    fn written(
+impl Problem<'_> {
+    /// The solution on a mesh, from the answer on the shortest period.
+    fn solution(
         &self,
         model: Arc<dyn Model>,
         known: &Known,
-        answer: PeriodicAnswer,
-        left: PerQuantity<f64>,
-    ) -> (Solution, Edges) {
-        let given = self.motion.grid();
-        let torque = answer.periodic(&answer.torque_n_m);
+        shortest: PeriodicAnswer,
+    ) -> Result<Solution, InversionError> {
+        let Known { first_zero_per_s, hub_tail, ref peaks, .. } = *known;
+        let moments = self.analysis.measures_moments();
+        let costed = Costed { link: model.link(), moments, tail: hub_tail.as_ref(), peaks };
+        let (answer, left) = self.decayed(&*model, &costed, shortest)?;
+        // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
+        if let Some(frequency_hz) = answer.hub.blocked_hz {
+            return Err(InversionError::BlockedTip { frequency_hz });
+        }
         let window = self.window(&answer);
-        let edges = Edges {
+        let grid = TimeGrid { first: window.start, len: window.len(), ..self.motion.grid() };
+        let histories = Histories::of(&answer, self.motion, &*model, hub_tail, grid)?;
+        let spectrum = &answer.period.spectrum;
+        let sampled = Sampled {
+            model: &*model,
+            first_zero_per_s,
+            tail: hub_tail,
+            answer: &answer,
+            histories: &histories,
+        };
+        let keeps_all = self.cutoff.keeps_all();
+        let step_errors = if keeps_all { self.step_errors(&sampled)? } else { None };
+        let accuracy = Accuracy {
+            tip: self.tip_error(&answer),
+            errors: errors(known, &window_errors(&answer, left, &window), step_errors),
+        };
+        let torque = answer.periodic(&answer.torque_n_m);
+        let warnings = Diagnostics {
+            model: &*model,
+            motion: self.motion,
+            analysis: self.analysis,
+            spectrum,
+            hub: &answer.hub,
+            histories: &histories,
+            accuracy: &accuracy,
             cut: torque.outside(&window) / torque.peak(),
             seam: torque.at_seam() / torque.peak(),
-        };
-        let grid = TimeGrid { first: window.start, len: window.len(), ..given };
-        let moving = self.motion.moving_samples();
+        }
+        .warnings();
+        let (first, last) = self.motion.moving_samples();
         let on_grid = |k: usize| (k as i64 - window.start).max(0) as usize;
-        let spectrum = Arc::clone(&answer.period.spectrum);
-        let (histories, root_moment_n_m) = rayon::join(
-            || answer.period.histories(self.motion),
-            || cut(&spectrum.pair.samples(&answer.hub.root_moment_n_m), &grid),
-        );
-        let tip = TipMotionHistories {
-            displacement_m: cut(&histories.displacement_m, &grid),
-            velocity_m_s: cut(&histories.velocity_m_s, &grid),
-            acceleration_m_s2: cut(&histories.acceleration_m_s2, &grid),
-        };
-        let rigid = rigid_torque_n_m(self.link, model.law(), &tip);
-        let window_errors = Self::window_errors(&answer, left, &window);
-        let errors = known.mesh_errors.zip(&window_errors, |mesh, window| QuantityErrors {
-            mesh,
-            window,
-            ..QuantityErrors::default()
-        });
-        let errors = match &known.mode_errors {
-            Some(modes) => {
-                errors.zip(modes, |errors, modes| QuantityErrors { modes: Some(modes), ..errors })
-            }
-            None => errors,
-        };
-        let ringing_m = if self.cutoff.keeps_all() { histories.ringing_m() } else { 0.0 };
-        let tip_m = self.cutoff.tip_error_m + ringing_m;
-        let accuracy = Accuracy { tip: tip_m / histories.way_m(), errors };
-        let per_length = 1.0 / model.mesh().length_m();
-        let hub = HubMotion {
-            period: &answer.period,
-            excess_amplitudes_rad: &answer.hub.excess_angle_rad,
-            tail: known.hub_tail,
-            per_length,
-        };
-        let (hub_angle_rad, hub_rate_rad_s) = rayon::join(
-            || hub.of_period(&answer.excess_rad, &grid, &tip.displacement_m, 0),
-            || hub.on(&grid, &tip.velocity_m_s, 1),
-        );
-        let mut torque_n_m = cut(&answer.torque_n_m, &grid);
-        hub.take_images_off(&grid, 1, self.link.joint().friction_n_m_s_rad, &mut torque_n_m);
-        let solution = Solution {
+        let Histories { torque_n_m, rigid_torque_n_m, hub_angle_rad, hub_rate_rad_s, .. } =
+            histories;
+        Ok(Solution {
+            motion: self.motion.clone(),
+            analysis: *self.analysis,
+            grid,
             torque_n_m,
-            rigid_torque_n_m: rigid,
+            rigid_torque_n_m,
             hub_angle_rad,
             hub_rate_rad_s,
-            rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v * per_length).collect(),
-            root_moment_n_m,
-            tip,
-            moving: (on_grid(moving.0), on_grid(moving.1)),
-            first_zero_per_s: known.first_zero_per_s,
+            rigid_hub_angle_rad: histories.rigid_hub_angle_rad,
+            root_moment_n_m: histories.root_moment_n_m,
+            tip: histories.tip,
+            motor: histories.motor,
+            moving: (on_grid(first), on_grid(last)),
+            first_zero_per_s,
             accuracy,
-            band: Band::of(&spectrum),
-            warnings: Vec::new(),
-            grid,
+            band: Band::of(spectrum),
+            warnings,
             model,
+            spectrum: Arc::clone(spectrum),
             hub: answer.hub,
-            hub_acceleration_rad_s2: OnceLock::new(),
-            hub_tail: known.hub_tail,
+            hub_tail,
             period: answer.period,
-            spectrum,
-        };
-        (solution, edges)
+        })
+    }
+
+    /// Largest distance of the tip that is solved from the wanted one, over its way.
+    fn tip_error(&self, answer: &PeriodicAnswer) -> f64 {
+        let histories = answer.period.histories(self.motion);
+        let ringing_m = if self.cutoff.keeps_all() { histories.ringing_m() } else { 0.0 };
+        (self.cutoff.tip_error_m + ringing_m) / histories.way_m()
+    }
+}
+
+/// What mesh, window, modes and step cost each quantity.
+fn errors(
+    known: &Known,
+    window: &PerQuantity<f64>,
+    step: Option<PerQuantity<f64>>,
+) -> PerQuantity<QuantityErrors> {
+    let mut errors = known.mesh_errors.zip(window, |mesh, window| QuantityErrors {
+        mesh,
+        window,
+        ..QuantityErrors::default()
+    });
+    if let Some(modes) = &known.mode_errors {
+        errors = errors.zip(modes, |errors, modes| QuantityErrors { modes: Some(modes), ..errors });
+    }
+    if let Some(step) = &step {
+        errors = errors.zip(step, |errors, step| QuantityErrors { step: Some(step), ..errors });
+    }
+    errors
+}
+
+/// What the finite period and the window that is cut out of it cost each quantity, over its peak;
+/// `left` is the period's part.
+fn window_errors(
+    answer: &PeriodicAnswer,
+    left: PerQuantity<f64>,
+    window: &Window,
+) -> PerQuantity<f64> {
+    let cut_off = |samples: &[f64]| {
+        let periodic = answer.periodic(samples);
+        periodic.outside(window) / periodic.peak()
+    };
+    let root = || answer.period.spectrum.pair.samples(&answer.hub.root_moment_n_m);
+    PerQuantity {
+        torque: left.torque.max(cut_off(&answer.torque_n_m)),
+        bending_moment: left.bending_moment.map(|left| left.max(cut_off(&root()))),
+        motor_torque: left
+            .motor_torque
+            .zip(answer.motor_n_m.as_deref())
+            .map(|(left, motor)| left.max(cut_off(motor))),
+        ..left
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::beam::ElementCount;
+    use crate::link::{Damping, LinkParts, uniform};
+    use crate::motion::MotionColumns;
+
+    /// A motion of this many steps, smooth, so that its band is narrow where they are many.
+    pub(crate) fn solution(steps: u32) -> Solution {
+        let damping = Damping::Hysteretic { ratio: 0.02 };
+        let link = Link::new(LinkParts { damping, ..uniform() }).unwrap();
+        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(40)), 1e-4).unwrap();
+        let share = |k: u32| (2.0 * f64::from(k) / f64::from(steps) - 1.0) * 6.0;
+        let time_s = (0..=steps).map(|k| 1.2 * f64::from(k) / f64::from(steps)).collect();
+        let bell = (0..=steps).map(|k| -share(k) * (-share(k).powi(2)).exp()).collect();
+        let columns = MotionColumns { time_s, acceleration_m_s2: Some(bell), ..Default::default() };
+        let motion = TipMotion::new(columns).unwrap();
+        invert(&link, &plan, &motion, &Analysis::default()).unwrap()
     }
 }

@@ -10,37 +10,35 @@
 
 mod accuracy;
 mod analysis;
+mod diagnostics;
 mod error;
-mod evidence;
+mod histories;
 mod inversion;
-mod model_end;
-mod motor;
-
 mod nodal_peak;
 mod nodal_rows;
 mod nodal_table;
 mod period;
 mod periodic_answer;
 mod probes;
+mod problem;
 mod refinement;
 mod resampled;
-mod rigid;
 mod slow_tail;
 mod solution;
 mod spectra;
-#[cfg(test)]
-pub(crate) mod tests;
 mod warning;
 mod watch;
 
 pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors};
 pub use analysis::Analysis;
 pub use error::InversionError;
-pub use inversion::{invert, invert_watched};
-pub use motor::MotorHistories;
+pub use histories::MotorHistories;
+#[cfg(test)]
+pub(crate) use inversion::tests;
+pub use inversion::{invert, invert_with};
 pub use nodal_rows::NodalBlock;
 pub use nodal_table::NodalTable;
 pub use resampled::{WindowTorques, torques_over_window};
 pub use solution::{Band, Solution};
 pub use warning::Warning;
-pub use watch::{Stage, Unwatched, Watch};
+pub use watch::{Resources, Stage, Unwatched, Watch};

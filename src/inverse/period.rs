@@ -63,17 +63,17 @@ impl Padding {
     }
 }
 
-/// Refuses a period that takes more memory to solve than the analysis allows.
+/// Refuses a period that takes more memory to solve than is allowed.
 ///
 /// # Errors
 /// [`InversionError::TooMuchMemory`].
 pub(super) fn check_memory(
     samples: usize,
     frequencies: usize,
-    analysis: &Analysis,
+    memory_bytes: Option<usize>,
 ) -> Result<(), InversionError> {
     let bytes = samples * BYTES_PER_SAMPLE + frequencies * BYTES_PER_FREQUENCY;
-    match analysis.memory_bytes().filter(|allowed| bytes > *allowed) {
+    match memory_bytes.filter(|allowed| bytes > *allowed) {
         Some(allowed) => Err(InversionError::TooMuchMemory { bytes, allowed }),
         None => Ok(()),
     }

@@ -1,10 +1,22 @@
 use thiserror::Error;
 
 use super::accuracy::Quantity;
-use super::model_end::{stiffening, thick};
 use crate::link::Link;
 use crate::motion::Shortfall;
 use crate::numeric::significant;
+
+/// Largest hub rate over the first natural frequency of the clamped link from which on the user is
+/// warned.
+pub(super) const FAST_HUB: f64 = 0.7;
+
+/// What centrifugal stiffening moves the tip by there, over its way.
+const STIFFENING: f64 = 5e-3;
+
+/// Most that the square is trusted for.
+const MOST_STIFFENING: f64 = 0.1;
+
+/// Largest change of the torque that the first order in the thickness is trusted for.
+const MOST_THICK: f64 = 0.3;
 
 /// Something that the user must know to believe the answer. Returned, never printed here.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -260,5 +272,41 @@ fn cause(shortfall: &Shortfall) -> String {
             format!("its step is too long, {} s would do", significant(*step_s, 2))
         }
         Shortfall::Noise => "its samples hold noise or rounding of that size".into(),
+    }
+}
+
+/// What centrifugal stiffening, which grows with the square of the rate, moves the tip by where the hub
+/// turns with this share of the first clamped frequency, in words.
+fn stiffening(share: f64) -> String {
+    let moves = STIFFENING * (share / FAST_HUB).powi(2);
+    if moves <= MOST_STIFFENING {
+        format!("about {:.1} %", 100.0 * moves)
+    } else {
+        format!("more than {:.0} %", 100.0 * MOST_STIFFENING)
+    }
+}
+
+/// What shear and rotary inertia change of the torque, in words.
+fn thick(share: f64) -> String {
+    if share <= MOST_THICK {
+        format!("about {:.0} %", 100.0 * share)
+    } else {
+        format!("more than {:.0} %", 100.0 * MOST_THICK)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stiffening_grows_with_the_square_of_the_rate_as_far_as_that_is_trusted() {
+        let words = [0.7, 1.4, 21.0].map(stiffening);
+        assert_eq!(words, ["about 0.5 %", "about 2.0 %", "more than 10 %"]);
+    }
+
+    #[test]
+    fn a_change_of_the_torque_is_told_as_far_as_the_first_order_is_trusted() {
+        assert_eq!([0.0123, 0.3, 0.31].map(thick), ["about 1 %", "about 30 %", "more than 30 %"]);
     }
 }

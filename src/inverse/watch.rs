@@ -1,18 +1,20 @@
-/// What long work is at.
+//! What long work may take of the machine, and who is told how far it has come.
+
+/// A part of long work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Solving on a mesh of so many elements; parts are frequencies.
+    /// Solving on a mesh; its parts are frequencies.
     Solve {
         /// Elements of the mesh.
         elements: usize,
     },
-    /// Transforming what was found for them; parts are nodes.
+    /// Transforming what was solved to samples over time; its parts are nodes.
     Transform,
-    /// Writing a table; parts are rows.
+    /// Writing a table; its parts are rows.
     Write,
 }
 
-/// Someone who is told how far long work has come.
+/// Gets the progress of long work.
 pub trait Watch: Sync {
     /// A stage of so many parts begins.
     fn begin(&self, stage: Stage, parts: usize);
@@ -21,7 +23,7 @@ pub trait Watch: Sync {
     fn advance(&self, parts: usize);
 }
 
-/// No one.
+/// Ignores all progress.
 #[derive(Debug, Clone, Copy)]
 pub struct Unwatched;
 
@@ -29,4 +31,19 @@ impl Watch for Unwatched {
     fn begin(&self, _: Stage, _: usize) {}
 
     fn advance(&self, _: usize) {}
+}
+
+/// Memory for an inversion, and who gets its progress. By default all memory, and no one.
+#[derive(Clone, Copy)]
+pub struct Resources<'a> {
+    /// Memory in bytes; an inversion that would take more is refused. `None`: no limit.
+    pub memory_bytes: Option<usize>,
+    /// Gets the progress.
+    pub watch: &'a dyn Watch,
+}
+
+impl Default for Resources<'_> {
+    fn default() -> Self {
+        Self { memory_bytes: None, watch: &Unwatched }
+    }
 }

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use super::checks::{agree, at_rest, finite};
 use super::columns::MotionColumns;
 use super::error::{MotionColumn, MotionError};
@@ -37,11 +39,11 @@ pub struct EndVelocity {
     pub share: f64,
 }
 
-/// A wanted tip motion on a uniform grid, from rest to rest.
+/// A wanted tip motion on a uniform grid, from rest to rest. A clone shares the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TipMotion {
     grid: TimeGrid,
-    source: Source,
+    source: Arc<Source>,
     initial_displacement_m: f64,
     travel_m: f64,
     moving: (usize, usize),
@@ -121,7 +123,7 @@ impl TipMotion {
         if !travel_m.is_finite() {
             return Err(MotionError::TooLarge);
         }
-        let source = Source::Acceleration(samples);
+        let source = Arc::new(Source::Acceleration(samples));
         Ok(Self {
             grid,
             source,
@@ -148,7 +150,7 @@ impl TipMotion {
         }
         let moving = moving_samples(&second_differences)?;
         let (initial_displacement_m, travel_m) = (samples[0], samples[last] - samples[0]);
-        let source = Source::Displacement { samples, second_differences };
+        let source = Arc::new(Source::Displacement { samples, second_differences });
         Ok(Self {
             grid,
             source,
@@ -199,7 +201,7 @@ impl TipMotion {
         let half = TimeGrid { step_s: 0.5 * grid.step_s, len: 2 * grid.len - 1, ..grid };
         let time_s = (0..half.len).map(|k| half.time_s(k)).collect();
         let mut columns = MotionColumns { time_s, ..MotionColumns::default() };
-        match &self.source {
+        match &*self.source {
             Source::Acceleration(samples) => {
                 columns.acceleration_m_s2 = Some(finer(samples, SplineEnds::NotAKnot));
             }
@@ -234,12 +236,12 @@ impl TipMotion {
 
     /// Whether displacements were given rather than accelerations.
     pub fn is_from_displacement(&self) -> bool {
-        matches!(self.source, Source::Displacement { .. })
+        matches!(*self.source, Source::Displacement { .. })
     }
 
     /// What drives the motion, in m/s²: accelerations, or second differences of displacements.
     pub(super) fn forcing_m_s2(&self) -> &[f64] {
-        match &self.source {
+        match &*self.source {
             Source::Acceleration(samples) => samples,
             Source::Displacement { second_differences, .. } => second_differences,
         }

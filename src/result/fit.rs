@@ -5,7 +5,9 @@ use thiserror::Error;
 use super::limits::{Held, Limits};
 use super::metrics::Metrics;
 use crate::beam::MeshPlan;
-use crate::inverse::{Accuracy, Analysis, InversionError, QuantityErrors, Solution, invert};
+use crate::inverse::{
+    Accuracy, Analysis, InversionError, QuantityErrors, Resources, Solution, invert_with,
+};
 use crate::link::Link;
 use crate::motion::{MotionError, Profile, TipMotion};
 use crate::numeric::plain;
@@ -126,6 +128,8 @@ pub struct FitProblem<'a> {
     pub plan: &'a MeshPlan,
     /// How exact the answers must be.
     pub analysis: &'a Analysis,
+    /// Memory in bytes that each trial may take; `None`: no limit.
+    pub memory_bytes: Option<usize>,
     /// What link and motor stand.
     pub limits: &'a Limits,
     /// The motion.
@@ -233,7 +237,7 @@ impl FitProblem<'_> {
         if self.plan.is_automatic() && self.exceeds_on_a_coarse_mesh(&motion) {
             return Trial::Exceeds;
         }
-        match invert(self.link, self.plan, &motion, self.analysis) {
+        match self.inverted(self.plan, &motion) {
             Ok(solution) => {
                 let binding = self.closest(&solution);
                 // A value whose error is that large is not known to be within any limit.
@@ -252,7 +256,7 @@ impl FitProblem<'_> {
     fn exceeds_on_a_coarse_mesh(&self, motion: &TipMotion) -> bool {
         for halvings in 0..HALVINGS {
             let plan = self.plan.halved(halvings);
-            let Ok(solution) = invert(self.link, &plan, motion, self.analysis) else { continue };
+            let Ok(solution) = self.inverted(&plan, motion) else { continue };
             let reached = self.limits.reached(&solution);
             let exceeds = |reached: &Reached| {
                 let Reached { held, error } = reached;
@@ -263,6 +267,11 @@ impl FitProblem<'_> {
             }
         }
         false
+    }
+
+    fn inverted(&self, plan: &MeshPlan, motion: &TipMotion) -> Result<Solution, InversionError> {
+        let resources = Resources { memory_bytes: self.memory_bytes, ..Resources::default() };
+        invert_with(self.link, plan, motion, self.analysis, &resources)
     }
 
     fn closest(&self, solution: &Solution) -> Option<Reached> {

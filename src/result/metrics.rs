@@ -88,7 +88,7 @@ impl Metrics {
             peak_deflection_m: peak(&solution.tip_deflection_m()),
             peak_tip_velocity_m_s: peak(&solution.tip.velocity_m_s),
             peak_tip_acceleration_m_s2: peak(&solution.tip.acceleration_m_s2),
-            motor: solution.motor().map(|motor| MotorMetrics::of(&motor, grid, between)),
+            motor: solution.motor.as_ref().map(|motor| MotorMetrics::of(motor, grid, between)),
         }
     }
 }

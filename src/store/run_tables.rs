@@ -72,9 +72,8 @@ impl SolveOutputs {
         (summary, page): (&Summary, Option<&str>),
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
-        // Before the others, so that its histories are dropped before the nodal tables take memory.
-        if let Some(motor) = solution.motor() {
-            let (time, groups) = (solution.grid.thinned(1), motor_groups(&motor));
+        if let Some(motor) = &solution.motor {
+            let (time, groups) = (solution.grid.thinned(1), motor_groups(motor));
             folder.file(MOTOR, |out| write_csv(out, &time, &groups, self.digits))?;
         }
         // The nodal tables take longest; threads that they leave idle write the others.
@@ -107,7 +106,8 @@ impl SolveOutputs {
         solution: &Solution,
     ) -> Result<(), FolderError> {
         let time = solution.grid.thinned(1);
-        let tables = histories(solution);
+        let hub_acceleration_rad_s2 = solution.hub_acceleration_rad_s2();
+        let tables = histories(solution, &hub_acceleration_rad_s2);
         let write = |(name, groups): &(_, Vec<_>)| {
             folder.file(name, |out| write_csv(out, &time, groups, self.digits))
         };
@@ -140,21 +140,27 @@ impl SolveOutputs {
 }
 
 /// Tables over the whole grid; columns of one unit share a group.
-fn histories(solution: &Solution) -> [(&'static str, Vec<ColumnGroup<'_>>); 4] {
+fn histories<'a>(
+    solution: &'a Solution,
+    hub_acceleration_rad_s2: &'a Vec<f64>,
+) -> [(&'static str, Vec<ColumnGroup<'a>>); 4] {
     let Solution { tip, .. } = solution;
     [
         ("torque.csv", vec![group([("torque_n_m", &solution.torque_n_m)])]),
         ("rigid_torque.csv", vec![group([("rigid_torque_n_m", &solution.rigid_torque_n_m)])]),
-        ("hub_angle.csv", hub_groups(solution)),
+        ("hub_angle.csv", hub_groups(solution, hub_acceleration_rad_s2)),
         ("tip.csv", tip_groups(tip)),
     ]
 }
 
-fn hub_groups(solution: &Solution) -> Vec<ColumnGroup<'_>> {
+fn hub_groups<'a>(
+    solution: &'a Solution,
+    acceleration_rad_s2: &'a Vec<f64>,
+) -> Vec<ColumnGroup<'a>> {
     vec![
         group([("hub_angle_rad", &solution.hub_angle_rad)]),
         group([("hub_rate_rad_s", &solution.hub_rate_rad_s)]),
-        group([("hub_acceleration_rad_s2", solution.hub_acceleration_rad_s2())]),
+        group([("hub_acceleration_rad_s2", acceleration_rad_s2)]),
         group([("rigid_hub_angle_rad", &solution.rigid_hub_angle_rad)]),
     ]
 }

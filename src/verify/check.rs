@@ -25,6 +25,8 @@ pub struct Answer<'a> {
     pub limits: &'a Limits,
     /// The solution.
     pub solution: &'a Solution,
+    /// Memory in bytes that the checks may take; `None`: no limit.
+    pub memory_bytes: Option<usize>,
     /// The torque in N m, rounded as in its file.
     pub written_torque_n_m: &'a [f64],
 }

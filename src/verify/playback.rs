@@ -47,7 +47,7 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
     let grid = solution.grid;
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, answer.written_torque_n_m.to_vec())?;
-    let memory_bytes = answer.analysis.memory_bytes();
+    let memory_bytes = answer.memory_bytes;
     let initial_tip_m = solution.tip.displacement_m[0];
     let play = Play { initial_tip_m, memory_bytes, ..Play::of(&torque) };
     let simulation = match simulate_on(link, solution.mesh().clone(), &play) {

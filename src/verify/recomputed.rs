@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::check::{Answer, CHOSEN, Check, Label, VerificationError};
-use crate::inverse::{Solution, torques_over_window};
+use crate::inverse::{Resources, Solution, torques_over_window};
 use crate::modal::REPORTED_MODES;
 use crate::model::{Dense, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Model};
 use crate::numeric::{largest, magnitude};
@@ -27,8 +27,9 @@ pub(super) fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, Verifi
         what: "motor torque with the step halved",
         of: "its peak",
     };
-    let Answer { link, motion, analysis, solution, .. } = answer;
-    let finer = torques_over_window(solution, link, &motion.twice_as_often()?, analysis)?;
+    let Answer { motion, solution, memory_bytes, .. } = *answer;
+    let resources = Resources { memory_bytes, ..Resources::default() };
+    let finer = torques_over_window(solution, &motion.twice_as_often()?, &resources)?;
     let torque = torque.measured(torque_change(&solution.torque_n_m, &finer.hub_n_m), CHOSEN);
     let motor_n_m = finer.motor_n_m.as_deref();
     let motor = motor_change(solution, motor_n_m).map(|change| motor.measured(change, CHOSEN));
@@ -55,7 +56,7 @@ fn motor_change(solution: &Solution, finer: Option<&[f64]>) -> Option<f64> {
     // The inversion has measured it where the step limits the band.
     let measured = solution.accuracy.errors.motor_torque.and_then(|errors| errors.step);
     measured.or_else(|| {
-        let (own, finer) = (solution.motor()?.torque_n_m, finer?);
+        let (own, finer) = (&solution.motor.as_ref()?.torque_n_m, finer?);
         let pairs = own.iter().zip(finer.iter().step_by(2));
         let most = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, |most: f64, change| {
             if change.is_nan() || change > most { change } else { most }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use flexlink::csv::InputFile;
-use flexlink::inverse::{Solution, invert_watched};
+use flexlink::inverse::{Resources, Solution, invert_with};
 use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
 use flexlink::result::{Exceeded, Metrics, Remark};
@@ -79,7 +79,9 @@ impl Problem {
         let Self { link_file, motion_file, specification, motion } = self;
         let Specification { link, mesh, analysis, limits, .. } = specification;
         let analysis = &options.analysis(analysis);
-        let solution = invert_watched(link, mesh, motion, analysis, to.stages)?;
+        let memory_bytes = memory::available();
+        let resources = Resources { memory_bytes, watch: to.stages };
+        let solution = invert_with(link, mesh, motion, analysis, &resources)?;
         options.nodes.check(solution.mesh())?;
         let measure = || measured(specification, motion, &solution, options.digits);
         if options.verify {
@@ -105,7 +107,7 @@ impl Problem {
         let files = names.len();
         let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, names);
         let deflections = outputs.deflections(&solution);
-        memory::check_nodes(deflections.bytes(), analysis.memory_bytes())?;
+        memory::check_nodes(deflections.bytes(), memory_bytes)?;
         if deflections.bytes() >= LARGE {
             to.stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }
@@ -116,7 +118,7 @@ impl Problem {
                 to.stages.at("drawing");
                 let bytes = outputs.page_bytes(&deflections);
                 let hint = "leave --report out, or use --nodes or --every";
-                memory::check("the page", bytes, analysis.memory_bytes(), hint)?;
+                memory::check("the page", bytes, memory_bytes, hint)?;
                 let run = outputs.stored(link, (&solution, &deflections), &summary)?;
                 Some(page(&run, &Figures::of(&run)))
             }

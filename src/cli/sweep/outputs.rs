@@ -59,9 +59,8 @@ impl OutputsArgs {
         &self,
         folder: &Path,
         inputs: &RunInputs,
-        solution: &Solution,
-        case: &SolvedCase,
-        exceeded: &[Exceeded],
+        (solution, case, exceeded): (&Solution, &SolvedCase, &[Exceeded]),
+        memory_bytes: Option<usize>,
     ) -> Result<(), Failure> {
         self.nodes.check(solution.mesh())?;
         let outputs = SolveOutputs {
@@ -73,7 +72,7 @@ impl OutputsArgs {
         let files = outputs.file_names(inputs.link);
         let summary = Summary::new(inputs, solution, &case.metrics, exceeded, files);
         let deflections = outputs.deflections(solution);
-        memory::check_nodes(deflections.bytes(), inputs.analysis.memory_bytes())?;
+        memory::check_nodes(deflections.bytes(), memory_bytes)?;
         let nodal = (solution, deflections);
         Ok(outputs.write(self.stage(folder)?, inputs.link, nodal, (&summary, None), &Unwatched)?)
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use flexlink::inverse::invert;
+use flexlink::inverse::{Resources, invert_with};
 use flexlink::response::{Play, PlayError, simulate};
 use flexlink::result::{Remark, TipError};
 use flexlink::spec::Specification;
@@ -62,9 +62,9 @@ impl Cases<'_> {
         let values = self.plan.case(case);
         let specification = self.specification(&values)?;
         let Specification { link, mesh, analysis, limits, .. } = &specification;
-        let analysis = &analysis.within_memory(memory_bytes);
         let motion = self.motion_of(link, values.motion)?;
-        let solution = invert(link, mesh, &motion, analysis)?;
+        let resources = Resources { memory_bytes, ..Resources::default() };
+        let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
         let found = SolvedCase::of(&solution);
         let exceeded = limits.exceeded(&found.metrics);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
@@ -78,7 +78,8 @@ impl Cases<'_> {
                 verification: None,
                 remarks: &remarks(&specification, &motion, &solution),
             };
-            self.shared.outputs.write_solution(&folder, &inputs, &solution, &found, &exceeded)?;
+            let solved = (&solution, &found, &exceeded[..]);
+            self.shared.outputs.write_solution(&folder, &inputs, solved, memory_bytes)?;
         }
         let own = solution.warnings.iter().map(|w| Told::new(w.kind(), w, w.hint()));
         let limits = exceeded.iter().map(Told::of_limit);

@@ -44,7 +44,7 @@ impl SolveOutputs {
         let solved = StoredSolution {
             rigid_torque_n_m: solution.rigid_torque_n_m.clone(),
             rigid_hub_angle_rad: solution.rigid_hub_angle_rad.clone(),
-            motor_torque_n_m: solution.motor().map(|motor| motor.torque_n_m),
+            motor_torque_n_m: solution.motor.as_ref().map(|motor| motor.torque_n_m.clone()),
             moving_s: (moving.moves_from_s, moving.moves_until_s),
             lead_s: reading("lead_s")?,
             lag_s: reading("lag_s")?,

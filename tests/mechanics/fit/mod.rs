@@ -33,7 +33,8 @@ fn open(profile: Profile, distance_m: f64, step_s: f64) -> OpenMotion {
 
 fn fitted(link: &Specification, limits: Limits, motion: OpenMotion) -> Result<Fit, FitError> {
     let Specification { link, mesh, analysis, .. } = link;
-    shortest_fit(&FitProblem { link, plan: mesh, analysis, limits: &limits, motion })
+    let (plan, limits, memory_bytes) = (mesh, &limits, None);
+    shortest_fit(&FitProblem { link, plan, analysis, memory_bytes, limits, motion })
 }
 
 fn torque(limit_n_m: f64) -> Limits {

@@ -60,7 +60,7 @@ impl RoundTrip {
             others: [
                 difference(&found.tip.velocity_m_s, &wanted.tip.velocity_m_s),
                 difference(&found.tip.acceleration_m_s2, &wanted.tip.acceleration_m_s2),
-                difference(&found.hub_acceleration_rad_s2, wanted.hub_acceleration_rad_s2()),
+                difference(&found.hub_acceleration_rad_s2, &wanted.hub_acceleration_rad_s2()),
             ],
         }
     }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::{Smooth, accelerated, link, mesh_of, refused, sine, whole_band};
 use flexlink::beam::{ElementCount, Mesh, MeshPlan, tip_transfers};
-use flexlink::inverse::{Analysis, InversionError, Warning, invert};
+use flexlink::inverse::{Analysis, InversionError, Resources, Warning, invert, invert_with};
 use flexlink::link::{Damping, Link, Taper};
 use flexlink::modal::{DampingError, real_frequency_zeros};
 use flexlink::model::ModelError;
@@ -176,9 +176,9 @@ fn the_memory_that_a_refusal_names_is_what_it_takes() {
     // No slow tail lengthens the period.
     let (link, motion) = (link(|parts| parts.damping = Damping::None), Smooth::SHORT.motion());
     let within = |bytes: usize| {
-        let analysis =
-            whole_band(Analysis::new(1e-4, None, None).unwrap()).within_memory(Some(bytes));
-        invert(&link, &mesh_of(&link, 4), &motion, &analysis)
+        let analysis = whole_band(Analysis::new(1e-4, None, None).unwrap());
+        let resources = Resources { memory_bytes: Some(bytes), ..Resources::default() };
+        invert_with(&link, &mesh_of(&link, 4), &motion, &analysis, &resources)
             .map(|solution| solution.band.fft_length)
     };
     // A period that is lengthened takes more than the first one.

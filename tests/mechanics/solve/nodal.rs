@@ -113,11 +113,12 @@ fn the_torque_balances_the_angular_momentum_of_the_moving_link() {
         _ if node % 2 == 1 => 4.0,
         _ => 2.0,
     };
+    let hub_acceleration_rad_s2 = solution.hub_acceleration_rad_s2();
     let balance = (1..solution.grid.len - 1).map(|k| {
         let second = |v: &Vec<f64>| (v[k - 1] - 2.0 * v[k] + v[k + 1]) / step_s.powi(2);
         let moment = |node: usize| weight(node) * spacing * node as f64 * second(&v[node]);
         let beam = 0.8 * nodes.iter().map(|node| moment(*node)).sum::<f64>() * spacing / 3.0;
-        0.1 * solution.hub_acceleration_rad_s2()[k] + 0.1 * solution.hub_rate_rad_s[k] + beam
+        0.1 * hub_acceleration_rad_s2[k] + 0.1 * solution.hub_rate_rad_s[k] + beam
     });
     let torque = &solution.torque_n_m[1..solution.grid.len - 1];
     let difference = largest_difference(torque, balance) / peak(torque);

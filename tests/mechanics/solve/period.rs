@@ -3,7 +3,7 @@
 use super::{
     Smooth, accelerated, link, mesh_of, samples, sine, solved, torque_difference, whole_band,
 };
-use flexlink::inverse::{Analysis, Solution, Warning, invert, torques_over_window};
+use flexlink::inverse::{Analysis, Resources, Solution, Warning, invert, torques_over_window};
 use flexlink::link::Damping;
 
 /// With viscous damping the torque decays exponentially on both sides, as the zeros say.
@@ -141,7 +141,7 @@ fn another_sampling_of_a_motion_asks_for_the_same_torque_over_the_same_window() 
         accelerated(time_s, motion.acceleration_m_s2())
     };
     let solution = solved(&link, 16, &late(256));
-    let finer = torques_over_window(&solution, &link, &late(512), &whole_band(Analysis::default()));
+    let finer = torques_over_window(&solution, &late(512), &Resources::default());
     let finer = finer.unwrap().hub_n_m;
     assert_eq!(finer.len(), 2 * solution.grid.len - 1);
     let peak = super::peak(&solution.torque_n_m);

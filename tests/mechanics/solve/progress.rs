@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 use flexlink::beam::{ElementCount, MeshPlan};
-use flexlink::inverse::{Analysis, Stage, Watch, invert, invert_watched};
+use flexlink::inverse::{Analysis, Resources, Stage, Watch, invert, invert_with};
 
 use super::{Smooth, link};
 
@@ -44,7 +44,8 @@ fn every_mesh_is_told_and_solved_to_its_last_frequency_and_watching_changes_noth
     let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Auto), 1e-6).unwrap();
     for analysis in [Analysis::default(), Analysis::default().with_moments()] {
         let notes = Notes::default();
-        let solution = invert_watched(&link, &plan, &motion, &analysis, &notes).unwrap();
+        let resources = Resources { watch: &notes, ..Resources::default() };
+        let solution = invert_with(&link, &plan, &motion, &analysis, &resources).unwrap();
         let meshes = notes.meshes();
         let answers = solution.mesh().elements().len();
         let doubled: Vec<usize> =

@@ -80,7 +80,17 @@ impl Run {
 
     fn verified(&self, written_torque_n_m: &[f64]) -> Verification {
         let Self { link, plan, motion, analysis, limits, solution } = self;
-        let answer = Answer { link, plan, motion, analysis, limits, solution, written_torque_n_m };
+        let memory_bytes = None;
+        let answer = Answer {
+            link,
+            plan,
+            motion,
+            analysis,
+            limits,
+            solution,
+            memory_bytes,
+            written_torque_n_m,
+        };
         verify(&answer).unwrap()
     }
 

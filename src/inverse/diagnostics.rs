@@ -1,0 +1,229 @@
+//! What a run measured of itself, and the warnings that follow from it.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use super::accuracy::{Accuracy, Quantity};
+use super::analysis::Analysis;
+use super::histories::{Histories, tip_deflection_m};
+use super::spectra::{Forcing, HubSpectra};
+use super::warning::{FAST_HUB, Warning};
+use super::watch::Unwatched;
+use crate::beam::Mesh;
+use crate::link::Link;
+use crate::modal::{
+    NOTICEABLE, REPORTED_MODES, Thickness, clamped_frequency_below, natural_frequencies,
+    real_frequency_zeros,
+};
+use crate::model::Model;
+use crate::motion::{TipMotion, TipSpectrum};
+use crate::numeric::{FourierPair, fast_length, largest, magnitude};
+
+/// Amplitude near the Nyquist frequency, over the largest, from which on the user is warned.
+const NYQUIST_SHARE: f64 = 1e-3;
+
+/// Share of the torque above the mesh's frequency from which on the user is warned.
+const ABOVE_MESH_SHARE: f64 = 1e-2;
+
+/// Error of mesh or modes, and change by half the step, from which on the user is warned.
+const COARSE: f64 = 1e-2;
+
+/// A lengthened window of more rows, and of more times the motion's own samples, is warned of.
+const LONG_ROWS: usize = 50_000;
+const LONG_TIMES: f64 = 10.0;
+
+/// Change of a peak by twice the tip's tolerance from which on the user is warned.
+const UNSETTLED: f64 = 0.03;
+
+/// What a run was given and measured of itself.
+pub(super) struct Diagnostics<'a> {
+    pub(super) model: &'a dyn Model,
+    pub(super) motion: &'a TipMotion,
+    pub(super) analysis: &'a Analysis,
+    pub(super) spectrum: &'a TipSpectrum,
+    pub(super) hub: &'a HubSpectra,
+    pub(super) histories: &'a Histories,
+    pub(super) accuracy: &'a Accuracy,
+    /// Torque outside the written window, over the peak.
+    pub(super) cut: f64,
+    /// Torque where one period meets the next, over the peak.
+    pub(super) seam: f64,
+}
+
+impl Diagnostics<'_> {
+    /// All warnings that there is reason for.
+    pub(super) fn warnings(&self) -> Vec<Warning> {
+        let Self { model, motion, spectrum, accuracy, cut, seam, .. } = *self;
+        let (mesh, tolerance) = (model.mesh(), self.analysis.tolerance());
+        let corrected = motion.corrected().map(|end| Warning::EndVelocityCorrected {
+            velocity_m_s: end.velocity_m_s,
+            share: end.share,
+        });
+        let tip_missed = spectrum.cutoff.shortfall.map(|shortfall| Warning::TipMissed {
+            share: accuracy.tip,
+            tolerance: self.analysis.tip_tolerance(),
+            shortfall,
+        });
+        let period_s = spectrum.period_s();
+        let wrap_around = Warning::WrapAround { share: seam, tolerance, period_s };
+        let torque_cut = Warning::TorqueCut { share: cut, tolerance };
+        let (rows, given) = (self.histories.grid.len, motion.grid().len);
+        let times = rows as f64 / given as f64;
+        let is_long = seam > tolerance && rows > LONG_ROWS && times > LONG_TIMES;
+        let (quantity, error) = accuracy.of_kind(|errors| errors.mesh).worst();
+        corrected
+            .into_iter()
+            .chain(tip_missed)
+            .chain((cut > tolerance.max(seam)).then_some(torque_cut))
+            .chain((seam > tolerance).then_some(wrap_around))
+            .chain(is_long.then_some(Warning::LongWindow { rows, times }))
+            .chain(self.inexact_window())
+            .chain(blocked_tip(mesh, spectrum, tolerance))
+            .chain(near_nyquist(spectrum))
+            .chain(above_mesh(mesh, spectrum, &self.hub.torque_n_m))
+            .chain((error > COARSE).then_some(Warning::CoarseMesh { quantity, error }))
+            .chain(self.few_modes())
+            .chain(self.unsettled_torque())
+            .chain(self.coarse_step())
+            .chain(self.large_deflection())
+            .chain(self.thick_link())
+            .chain(self.fast_hub())
+            .collect()
+    }
+
+    fn forcing(&self) -> Forcing<'_> {
+        Forcing { model: self.model, spectrum: self.spectrum, watch: &Unwatched }
+    }
+
+    /// The worst of the quantities beside the torque, of which the torque's own warnings do not tell.
+    fn inexact_window(&self) -> Option<Warning> {
+        let tolerance = self.analysis.tolerance();
+        let mut shares = self.accuracy.of_kind(|errors| errors.window);
+        // A torque that is cut off is cut off at the motor and along the link as well.
+        if shares.torque > tolerance {
+            (shares.motor_torque, shares.bending_moment) = (None, None);
+        }
+        shares.torque = 0.0;
+        let (quantity, share) = shares.worst();
+        (share > tolerance).then_some(Warning::InexactWindow { quantity, share, tolerance })
+    }
+
+    /// The torque whose peak changes most where the tip's tolerance is larger. What is below the tolerance
+    /// is at the mercy of rounding, kinks and step; a torque that hangs on it is not told by the tip.
+    fn unsettled_torque(&self) -> Option<Warning> {
+        let cutoff = &self.spectrum.cutoff;
+        if cutoff.looser_rad_s >= cutoff.omega_rad_s {
+            return None;
+        }
+        let forcing = self.forcing();
+        let looser = |amplitudes: &[Complex64]| -> Vec<Complex64> {
+            let bins = amplitudes.iter().zip(forcing.omegas_rad_s());
+            bins.map(|(a, omega)| a * cutoff.weight_of_looser(*omega)).collect()
+        };
+        let measured = |quantity, amplitudes: &[Complex64]| {
+            let pair = FourierPair::new(fast_length(8 * amplitudes.len()));
+            let peak_n_m = |amplitudes| largest(&pair.samples(amplitudes));
+            (quantity, peak_n_m(amplitudes), peak_n_m(&looser(amplitudes)))
+        };
+        // No peak changes by more than the sum of what is taken away: mostly that is enough to know.
+        let torque = &self.hub.torque_n_m;
+        let bins = torque.iter().zip(forcing.omegas_rad_s());
+        let taken = bins.map(|(a, omega)| match cutoff.weight_of_looser(*omega) {
+            1.0 => 0.0,
+            kept => 2.0 * (1.0 - kept) * magnitude(*a),
+        });
+        let may_change = taken.sum::<f64>() > UNSETTLED * largest(&self.histories.torque_n_m);
+        let torque = may_change.then(|| measured(Quantity::Torque, torque));
+        let motor = forcing.motor_spectra(self.hub);
+        let motor = motor.map(|motor| measured(Quantity::MotorTorque, &motor.torque_n_m));
+        let change =
+            |(_, peak_n_m, looser_n_m): &(Quantity, f64, f64)| (looser_n_m / peak_n_m - 1.0).abs();
+        let (quantity, peak_n_m, looser_n_m) = motor
+            .into_iter()
+            .chain(torque)
+            .max_by(|a, b| change(a).total_cmp(&change(b)))
+            .filter(|measured| change(measured) > UNSETTLED)?;
+        Some(Warning::UnsettledTorque { quantity, peak_n_m, looser_n_m })
+    }
+
+    fn few_modes(&self) -> Option<Warning> {
+        let modes = self.accuracy.of_kind(|errors| errors.modes.unwrap_or(0.0));
+        let (quantity, error) = modes.worst();
+        (error > COARSE).then_some(Warning::FewModes { quantity, error })
+    }
+
+    fn coarse_step(&self) -> Option<Warning> {
+        let steps = self.accuracy.of_kind(|errors| errors.step.unwrap_or(0.0));
+        let (quantity, share) = steps.worst();
+        (share > COARSE).then_some(Warning::CoarseStep { quantity, share })
+    }
+
+    fn large_deflection(&self) -> Option<Warning> {
+        let Histories { rigid_hub_angle_rad, hub_angle_rad, .. } = self.histories;
+        let length_m = self.model.mesh().length_m();
+        let share =
+            largest(&tip_deflection_m(rigid_hub_angle_rad, hub_angle_rad, length_m)) / length_m;
+        (share > Link::LARGE_DEFLECTION).then_some(Warning::LargeDeflection { share })
+    }
+
+    /// The share by which shear and rotary inertia, which the model leaves out, change the torque, where
+    /// that is noticeable.
+    fn thick_link(&self) -> Option<Warning> {
+        let (thickness, mesh) = (Thickness::known(self.model.link()), self.model.mesh());
+        if thickness.is_slender(mesh, REPORTED_MODES) {
+            return None;
+        }
+        let modes = natural_frequencies(mesh, REPORTED_MODES);
+        let forcing = self.forcing();
+        let torque = (forcing.omegas_rad_s(), &self.hub.torque_n_m[..]);
+        let share = thickness.torque_change(mesh, self.model.law(), &modes, torque);
+        (share > NOTICEABLE).then_some(Warning::ThickLink { share })
+    }
+
+    fn fast_hub(&self) -> Option<Warning> {
+        let rate_rad_s = largest(&self.histories.hub_rate_rad_s);
+        if rate_rad_s <= 0.0 {
+            return None;
+        }
+        let clamped = clamped_frequency_below(self.model.mesh(), rate_rad_s / FAST_HUB)?;
+        Some(Warning::FastHub { rate_rad_s, share: rate_rad_s / clamped })
+    }
+}
+
+/// Zeros of torque → tip on the real axis, where the motion holds more than the tolerance.
+fn blocked_tip(mesh: &Mesh, spectrum: &TipSpectrum, tolerance: f64) -> Vec<Warning> {
+    let (magnitudes, peak) = (&spectrum.magnitudes_m_s2, spectrum.largest_m_s2);
+    let bins = magnitudes.iter().rposition(|a| *a > tolerance * peak).unwrap_or(0);
+    let spacing = spectrum.omegas_rad_s[1];
+    let zeros = real_frequency_zeros(mesh, spectrum.omegas_rad_s[bins]);
+    let blocked = zeros.into_iter().filter_map(|omega| {
+        // Damping shifts the zero off the axis, not along it; the nearest bins tell the content.
+        let below = ((omega / spacing) as usize).min(magnitudes.len() - 2);
+        let share = largest(&magnitudes[below..below + 2]) / peak;
+        let frequency_hz = omega / TAU;
+        (share > tolerance).then_some(Warning::BlockedTip { frequency_hz, share })
+    });
+    blocked.collect()
+}
+
+fn near_nyquist(spectrum: &TipSpectrum) -> Option<Warning> {
+    if !spectrum.cutoff.keeps_all() {
+        return None;
+    }
+    let magnitudes = &spectrum.magnitudes_m_s2;
+    let from = magnitudes.len() * 4 / 5;
+    let share = largest(&magnitudes[from..]) / spectrum.largest_m_s2;
+    let nyquist_hz = spectrum.omegas_rad_s[magnitudes.len() - 1] / TAU;
+    (share > NYQUIST_SHARE).then_some(Warning::NearNyquist { share, nyquist_hz })
+}
+
+fn above_mesh(mesh: &Mesh, spectrum: &TipSpectrum, torque: &[Complex64]) -> Option<Warning> {
+    let resolved = mesh.resolved_frequency_rad_s();
+    let power = |torque: &[Complex64]| torque.iter().map(Complex64::norm_sqr).sum::<f64>();
+    let omegas = &spectrum.omegas_rad_s[..torque.len()];
+    let above = omegas.iter().position(|omega| *omega > resolved)?;
+    let share = (power(&torque[above..]) / power(torque)).sqrt();
+    let resolved_hz = resolved / TAU;
+    (share > ABOVE_MESH_SHARE).then_some(Warning::AboveMesh { share, resolved_hz })
+}
