@@ -166,18 +166,15 @@ pub(crate) fn scale_arguments(scale: MotionScale) -> Vec<String> {
     others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
 }
 
-/// Remarks on a link file, its link and the motion: values that are possible but rare.
-pub(crate) fn remarks(
-    specification: &Specification,
-    motion: &TipMotion,
-    solution: &Solution,
-) -> Vec<Remark> {
-    let Specification { link, remarks, .. } = specification;
+/// Remarks on a link file, and on the link and the motion of its solution: values that are possible but
+/// rare.
+pub(crate) fn remarks(of_file: &[Remark], solution: &Solution) -> Vec<Remark> {
+    let link = solution.link();
     let highest = TAU * solution.band.highest_hz;
     let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
     let within = modes.iter().filter(|omega| **omega <= highest).count();
     modes.truncate(within.max(1));
     let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
-    let of_motion = Remark::on_motion(link, motion, solution.tip.largest_travel_m());
-    remarks.iter().cloned().chain(of_modes).chain(of_motion).collect()
+    let of_motion = Remark::on_motion(link, &solution.motion, solution.tip.largest_travel_m());
+    of_file.iter().cloned().chain(of_modes).chain(of_motion).collect()
 }

@@ -4,7 +4,6 @@ use clap::Args;
 
 use flexlink::csv::{Digits, InputFile};
 use flexlink::inverse::{Resources, Solution, invert_with};
-use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
 use flexlink::store::verification_json;
 use flexlink::verify::{Answer, Check, Verification, VerificationError, verify};
@@ -71,9 +70,9 @@ impl Verify {
         let resources = Resources { memory_bytes: memory::available(), watch: &stages };
         let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
         stages.at("verifying");
-        let verification = measured(&specification, &motion, &solution, self.digits)?;
+        let verification = measured(&specification, &solution, self.digits)?;
         drop(stages);
-        console::remarks(&remarks(&specification, &motion, &solution));
+        console::remarks(&remarks(&specification.remarks, &solution));
         for warning in &solution.warnings {
             console::warning(warning, warning.hint());
         }
@@ -86,15 +85,11 @@ impl Verify {
 /// Measures a solution whose torque is written with so many digits.
 pub(crate) fn measured(
     specification: &Specification,
-    motion: &TipMotion,
     solution: &Solution,
     digits: Digits,
 ) -> Result<Verification, VerificationError> {
     verify(&Answer {
-        link: &specification.link,
         plan: &specification.mesh,
-        motion,
-        analysis: &specification.analysis,
         limits: &specification.limits,
         solution,
         // Less than before the inversion: the solution stays.

@@ -229,7 +229,7 @@ pub(crate) mod tests {
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(40)), 1e-4).unwrap();
         let share = |k: u32| (2.0 * f64::from(k) / f64::from(steps) - 1.0) * 6.0;
         let time_s = (0..=steps).map(|k| 1.2 * f64::from(k) / f64::from(steps)).collect();
-        let bell = (0..=steps).map(|k| -share(k) * (-share(k).powi(2)).exp()).collect();
+        let bell = (0..=steps).map(|k| -share(k) * libm::exp(-share(k).powi(2))).collect();
         let columns = MotionColumns { time_s, acceleration_m_s2: Some(bell), ..Default::default() };
         let motion = TipMotion::new(columns).unwrap();
         invert(&link, &plan, &motion, &Analysis::default()).unwrap()

@@ -67,7 +67,6 @@ impl SolveOutputs {
     pub fn write(
         &self,
         folder: OutputFolder,
-        link: &Link,
         (solution, deflections): (&Solution, NodalTable),
         (summary, page): (&Summary, Option<&str>),
         watch: &dyn Watch,
@@ -82,7 +81,7 @@ impl SolveOutputs {
             || self.write_histories(&folder, solution),
         );
         others.and(nodal)?;
-        folder.file("nodes.csv", |out| write_nodes(out, link, solution.mesh()))?;
+        folder.file("nodes.csv", |out| write_nodes(out, solution.link(), solution.mesh()))?;
         if let Some(page) = page {
             folder.file(REPORT, |out| out.write_all(page.as_bytes()))?;
         }

@@ -6,8 +6,7 @@ use super::json_record::FORMAT;
 use super::link_record::{DriveRecord, LinkRecord};
 use super::records::{CheckRecord, Fingerprint, MeshRecord, WarningRecord, json};
 use crate::csv::InputFile;
-use crate::inverse::{Accuracy, Analysis, QuantityErrors, Solution};
-use crate::link::Link;
+use crate::inverse::{Accuracy, QuantityErrors, Solution};
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
 use crate::result::{Exceeded, Metrics, MotorMetrics, Remark};
@@ -20,12 +19,6 @@ pub struct RunInputs<'a> {
     pub link_file: &'a InputFile,
     /// The trajectory file.
     pub motion_file: &'a InputFile,
-    /// The link that was read from it.
-    pub link: &'a Link,
-    /// The motion that was read from it.
-    pub motion: &'a TipMotion,
-    /// How exact the answer was to be.
-    pub analysis: &'a Analysis,
     /// The arguments that shape the results beside the files, in order, as the program takes them:
     /// `--set`, `payload.mass=0`.
     pub arguments: &'a [String],
@@ -160,27 +153,28 @@ impl Summary {
         exceeded: &[Exceeded],
         files: Vec<&'static str>,
     ) -> Self {
+        let link = solution.link();
         let hertz = |omega: &f64| omega / std::f64::consts::TAU;
         let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         Self {
             format: FORMAT,
             flexlink: env!("CARGO_PKG_VERSION"),
             command: "solve",
-            title: inputs.link.title().to_owned(),
+            title: link.title().to_owned(),
             inputs: Inputs {
                 link: Fingerprint::of(inputs.link_file),
                 motion: Fingerprint::of(inputs.motion_file),
                 arguments: inputs.arguments.to_vec(),
             },
-            link: LinkRecord::new(inputs.link, solution.law()),
-            drive: inputs.link.drive().map(DriveRecord::of),
+            link: LinkRecord::new(link, solution.law()),
+            drive: link.drive().map(DriveRecord::of),
             mesh: MeshRecord::of(solution.mesh()),
-            motion: MotionRecord::new(inputs.motion, metrics),
+            motion: MotionRecord::new(&solution.motion, metrics),
             periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
             natural_frequencies_hz: frequencies.iter().map(hertz).collect(),
             modal_damping_ratios: solution.law().modal_ratios(&frequencies),
             zeros_per_s: solution.zeros_per_s(REPORTED_ZEROS),
-            analysis: AnalysisRecord::new(inputs.analysis, solution),
+            analysis: AnalysisRecord::new(solution),
             results: Results::new(metrics),
             errors: Errors::of(&solution.accuracy),
             verification: inputs.verification.map(CheckRecord::all),
@@ -239,8 +233,8 @@ impl MotionRecord {
 }
 
 impl AnalysisRecord {
-    fn new(analysis: &Analysis, solution: &Solution) -> Self {
-        let (band, grid) = (&solution.band, &solution.grid);
+    fn new(solution: &Solution) -> Self {
+        let Solution { analysis, band, grid, .. } = solution;
         Self {
             tolerance: analysis.tolerance(),
             tip_tolerance: analysis.tip_tolerance(),

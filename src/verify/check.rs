@@ -1,26 +1,19 @@
 use thiserror::Error;
 
 use crate::beam::MeshPlan;
-use crate::inverse::{Analysis, InversionError, Solution};
-use crate::link::Link;
-use crate::motion::{MotionError, TipMotion};
+use crate::inverse::{InversionError, Solution};
+use crate::motion::MotionError;
 use crate::response::{HistoryError, SimulationError};
 use crate::result::Limits;
 
 /// Bound on what elements, modes or a step of the user's own choice may change; no tolerance sets it.
 pub(super) const CHOSEN: f64 = 1e-2;
 
-/// A solution with all that it was computed from, and its torque as written.
+/// A solution, the plan of its mesh and the limits set, and its torque as written.
 #[derive(Clone, Copy)]
 pub struct Answer<'a> {
-    /// The link.
-    pub link: &'a Link,
     /// The plan of its mesh.
     pub plan: &'a MeshPlan,
-    /// The wanted motion.
-    pub motion: &'a TipMotion,
-    /// The tolerances of the analysis.
-    pub analysis: &'a Analysis,
     /// The limits of link and motor.
     pub limits: &'a Limits,
     /// The solution.

@@ -31,7 +31,7 @@ pub(super) struct Estimates {
 
 impl Estimates {
     pub(super) fn of(answer: &Answer) -> Self {
-        let Answer { plan, analysis, solution, .. } = answer;
+        let Answer { plan, solution, .. } = answer;
         let accuracy = &solution.accuracy;
         let mesh_bound = if plan.is_automatic() { plan.tolerance() } else { CHOSEN };
         let modes = accuracy.errors.torque.modes.map(|_| {
@@ -46,7 +46,7 @@ impl Estimates {
                 "wrap_around",
                 of_each!("at the window's edge"),
                 &window,
-                analysis.tolerance(),
+                solution.analysis.tolerance(),
             ),
             modes,
         }

@@ -43,8 +43,8 @@ impl Played {
 
 /// Plays the written torque on the link: tip error and balance of energy.
 pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, VerificationError> {
-    let Answer { link, solution, .. } = answer;
-    let grid = solution.grid;
+    let solution = answer.solution;
+    let (link, grid) = (solution.link(), solution.grid);
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, answer.written_torque_n_m.to_vec())?;
     let memory_bytes = answer.memory_bytes;
@@ -80,7 +80,7 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
     let energy = if quadrature > QUADRATURE {
         BALANCE.not_measured("the step is too long to add up work".to_owned())
     } else {
-        BALANCE.measured(imbalance, ENERGY.min(answer.analysis.tolerance()).max(quadrature))
+        BALANCE.measured(imbalance, ENERGY.min(solution.analysis.tolerance()).max(quadrature))
     };
     Ok(Played { tip, energy })
 }
@@ -91,7 +91,8 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
 /// plus `between_m`, the difference between cubics and straight lines through the samples; at most 1e-3
 /// or the tolerance. The tip tolerance of the analysis is added.
 fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
-    let Answer { link, analysis, solution, .. } = answer;
+    let solution = answer.solution;
+    let (link, analysis) = (solution.link(), &solution.analysis);
     let peak = largest(&solution.torque_n_m);
     let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
@@ -102,14 +103,14 @@ fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
 /// The solved tip against the wanted motion; none where all frequencies of the samples are solved for.
 pub(super) fn tip_solved(answer: &Answer, wanted: &TipTarget) -> Option<Check> {
     let label = Label { name: "tip_solved", what: "tip that is solved", of: "the tip's way" };
-    let tolerance = answer.analysis.tip_tolerance();
+    let tolerance = answer.solution.analysis.tip_tolerance();
     let found = || tip_error(answer, wanted, &answer.solution.tip.displacement_m);
     (tolerance > 0.0).then(|| label.measured(found(), tolerance + ROUNDED))
 }
 
 /// The written torque less the hub's friction.
 fn net_torque(answer: &Answer) -> Vec<f64> {
-    let friction = answer.link.joint().friction_n_m_s_rad;
+    let friction = answer.solution.link().joint().friction_n_m_s_rad;
     let samples = answer.written_torque_n_m.iter().zip(&answer.solution.hub_rate_rad_s);
     samples.map(|(t, rate)| t - friction * rate).collect()
 }

@@ -27,9 +27,9 @@ pub(super) fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, Verifi
         what: "motor torque with the step halved",
         of: "its peak",
     };
-    let Answer { motion, solution, memory_bytes, .. } = *answer;
+    let Answer { solution, memory_bytes, .. } = *answer;
     let resources = Resources { memory_bytes, ..Resources::default() };
-    let finer = torques_over_window(solution, &motion.twice_as_often()?, &resources)?;
+    let finer = torques_over_window(solution, &solution.motion.twice_as_often()?, &resources)?;
     let torque = torque.measured(torque_change(&solution.torque_n_m, &finer.hub_n_m), CHOSEN);
     let motor_n_m = finer.motor_n_m.as_deref();
     let motor = motor_change(solution, motor_n_m).map(|change| motor.measured(change, CHOSEN));

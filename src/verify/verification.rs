@@ -24,8 +24,8 @@ pub struct Verification {
 /// # Errors
 /// [`VerificationError`].
 pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
-    let Answer { motion, limits, solution, .. } = answer;
-    let wanted = motion.target(solution.grid.time_s(0), solution.grid.end_s());
+    let Answer { limits, solution, .. } = answer;
+    let wanted = solution.motion.target(solution.grid.time_s(0), solution.grid.end_s());
     let Played { tip: mut checks, energy } = played(answer, &wanted)?;
     checks.extend(tip_solved(answer, &wanted));
     let Estimates { mesh, window, modes } = Estimates::of(answer);

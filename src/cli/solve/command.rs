@@ -97,7 +97,7 @@ impl Solve {
         let motion_file = || Ok(InputFile::read(motion)?);
         let problem = Problem::read(&self.options, InputFile::read_toml(link)?, motion_file)?;
         let solved = self.solve(&problem, output)?;
-        self.tell(&problem, &solved, output)?;
+        self.tell(&solved, output)?;
         self.judge(&solved)
     }
 
@@ -122,7 +122,7 @@ impl Solve {
     }
 
     /// Prints remarks, warnings and the summary.
-    fn tell(&self, problem: &Problem, solved: &Solved, output: &Path) -> Result<(), Failure> {
+    fn tell(&self, solved: &Solved, output: &Path) -> Result<(), Failure> {
         let Solved { solution, metrics, exceeded, verification, remarks, summary, files } = solved;
         console::remarks(remarks);
         for warning in &solution.warnings {
@@ -134,8 +134,7 @@ impl Solve {
         }
         let text = || {
             let written = format!("{files} files in {}", output.display());
-            let (link, motion) = (&problem.specification.link, &problem.motion);
-            let summary = solve_text(link, motion, solution, metrics, &written);
+            let summary = solve_text(solution, metrics, &written);
             let checks = verification.as_ref().map(verify_text).unwrap_or_default();
             let page = format!("written  {}\n", output.join(REPORT).display());
             summary + &checks + if self.report { &page } else { "" }

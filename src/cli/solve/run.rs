@@ -24,8 +24,8 @@ const LARGE: usize = 1 << 29;
 pub(crate) struct Problem {
     link_file: InputFile,
     motion_file: InputFile,
-    pub(crate) specification: Specification,
-    pub(crate) motion: TipMotion,
+    specification: Specification,
+    motion: TipMotion,
 }
 
 /// What came of it.
@@ -83,20 +83,17 @@ impl Problem {
         let resources = Resources { memory_bytes, watch: to.stages };
         let solution = invert_with(link, mesh, motion, analysis, &resources)?;
         options.nodes.check(solution.mesh())?;
-        let measure = || measured(specification, motion, &solution, options.digits);
+        let measure = || measured(specification, &solution, options.digits);
         if options.verify {
             to.stages.at("verifying");
         }
         let verification = options.verify.then(measure).transpose()?;
 
-        let remarks = remarks(specification, motion, &solution);
+        let remarks = remarks(&specification.remarks, &solution);
         let outputs = options.outputs();
         let inputs = RunInputs {
             link_file,
             motion_file,
-            link,
-            motion,
-            analysis,
             arguments: &options.arguments(),
             verification: verification.as_ref(),
             remarks: &remarks,
@@ -119,14 +116,14 @@ impl Problem {
                 let bytes = outputs.page_bytes(&deflections);
                 let hint = "leave --report out, or use --nodes or --every";
                 memory::check("the page", bytes, memory_bytes, hint)?;
-                let run = outputs.stored(link, (&solution, &deflections), &summary)?;
+                let run = outputs.stored((&solution, &deflections), &summary)?;
                 Some(page(&run, &Figures::of(&run)))
             }
         };
         let on_wait = |folder: &Path| to.stages.above(|| console::waiting(folder));
         let folder = OutputFolder::stage(to.folder, &on_wait)?.with(to.durability);
         let told = (&summary, page.as_deref());
-        outputs.write(folder, link, (&solution, deflections), told, to.stages)?;
+        outputs.write(folder, (&solution, deflections), told, to.stages)?;
         Ok(Solved { solution, metrics, exceeded, verification, remarks, summary, files })
     }
 }

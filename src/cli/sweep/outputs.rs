@@ -69,12 +69,12 @@ impl OutputsArgs {
             optional: Vec::new(),
             digits: self.digits,
         };
-        let files = outputs.file_names(inputs.link);
+        let files = outputs.file_names(solution.link());
         let summary = Summary::new(inputs, solution, &case.metrics, exceeded, files);
         let deflections = outputs.deflections(solution);
         memory::check_nodes(deflections.bytes(), memory_bytes)?;
         let nodal = (solution, deflections);
-        Ok(outputs.write(self.stage(folder)?, inputs.link, nodal, (&summary, None), &Unwatched)?)
+        Ok(outputs.write(self.stage(folder)?, nodal, (&summary, None), &Unwatched)?)
     }
 
     /// Writes what simulate writes.

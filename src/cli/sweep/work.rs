@@ -71,12 +71,9 @@ impl Cases<'_> {
             let inputs = RunInputs {
                 link_file: &self.link_file,
                 motion_file: &self.motion_file,
-                link,
-                motion: &motion,
-                analysis,
                 arguments: &self.arguments(&values),
                 verification: None,
-                remarks: &remarks(&specification, &motion, &solution),
+                remarks: &remarks(&specification.remarks, &solution),
             };
             let solved = (&solution, &found, &exceeded[..]);
             self.shared.outputs.write_solution(&folder, &inputs, solved, memory_bytes)?;

@@ -7,7 +7,6 @@ use super::summary::StoredSummary;
 use crate::beam::NodalHistories;
 use crate::csv::{InputFile, Place, TableError, time_format};
 use crate::inverse::{NodalTable, Solution};
-use crate::link::Link;
 use crate::numeric::ThinnedGrid;
 use crate::result::{StoredNodes, StoredResult, StoredRun, StoredSolution};
 
@@ -26,7 +25,6 @@ impl SolveOutputs {
     /// [`TableError`] for a summary that cannot be read back.
     pub fn stored(
         &self,
-        link: &Link,
         (solution, deflections): (&Solution, &NodalTable),
         summary: &Summary,
     ) -> Result<StoredResult, TableError> {
@@ -53,7 +51,7 @@ impl SolveOutputs {
         let has_moments = self.optional.contains(&OptionalTable::BendingMoments);
         Ok(StoredResult::Run(Box::new(StoredRun {
             origin: told.origin(),
-            link: link.clone(),
+            link: solution.link().clone(),
             mesh: solution.mesh().clone(),
             kept_modes: told.analysis.as_ref().and_then(|analysis| analysis.modes),
             times_s: times_s(&grid.thinned(1)),

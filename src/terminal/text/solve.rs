@@ -1,9 +1,7 @@
 //! The short summary that `solve` prints.
 
 use flexlink::inverse::{Quantity, QuantityErrors, Solution};
-use flexlink::link::Link;
 use flexlink::modal::{REPORTED_MODES, REPORTED_ZEROS};
-use flexlink::motion::TipMotion;
 use flexlink::numeric::{gigabytes, significant};
 use flexlink::result::{Metrics, MotorMetrics};
 
@@ -22,13 +20,8 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
 }
 
 /// The summary, lines of at most 80 columns.
-pub(crate) fn solve_text(
-    link: &Link,
-    motion: &TipMotion,
-    solution: &Solution,
-    metrics: &Metrics,
-    written: &str,
-) -> String {
+pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: &str) -> String {
+    let link = solution.link();
     let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
     let zeros = solution.zeros_per_s(REPORTED_ZEROS);
     let lines = [
@@ -37,7 +30,7 @@ pub(crate) fn solve_text(
         ("ratios", ratios_line(solution.law(), &frequencies)),
         ("periods", with_unit(&list(&periods(&frequencies), 5), "s")),
         ("zeros", with_unit(&list(&zeros, 4), "1/s (real, ±)")),
-        ("motion", motion_line(motion, solution, metrics)),
+        ("motion", motion_line(solution, metrics)),
         ("torque", torque_line(metrics)),
         ("rigid", rigid_line(metrics)),
         ("timing", timing_line(metrics.lead_s, metrics.lag_s)),
@@ -64,7 +57,8 @@ fn periods(frequencies_rad_s: &[f64]) -> Vec<f64> {
     frequencies_rad_s.iter().map(|omega| std::f64::consts::TAU / omega).collect()
 }
 
-fn motion_line(motion: &TipMotion, solution: &Solution, metrics: &Metrics) -> String {
+fn motion_line(solution: &Solution, metrics: &Metrics) -> String {
+    let motion = &solution.motion;
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
     let farthest_m = solution.tip.largest_travel_m();
     let way = if motion.travel_m().abs() > 1e-6 * farthest_m {

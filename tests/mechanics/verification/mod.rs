@@ -53,44 +53,31 @@ fn smooth(duration_s: f64, steps: u32) -> TipMotion {
 
 /// A run that can be spoiled before it is verified.
 struct Run {
-    link: Link,
     plan: MeshPlan,
-    motion: TipMotion,
-    analysis: Analysis,
     limits: Limits,
     solution: Solution,
 }
 
 impl Run {
-    fn new(damping: Damping, elements: usize, motion: TipMotion, analysis: Analysis) -> Self {
-        Self::of(link(6.0, damping), elements, motion, analysis)
+    fn new(damping: Damping, elements: usize, motion: &TipMotion, analysis: Analysis) -> Self {
+        Self::of(&link(6.0, damping), elements, motion, analysis)
     }
 
-    fn of(link: Link, elements: usize, motion: TipMotion, analysis: Analysis) -> Self {
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);
+    fn of(link: &Link, elements: usize, motion: &TipMotion, analysis: Analysis) -> Self {
+        let plan = MeshPlan::new(link, &[None], Some(ElementCount::Total(elements)), 1e-6);
         let plan = plan.unwrap();
-        let solution = invert(&link, &plan, &motion, &analysis).unwrap();
+        let solution = invert(link, &plan, motion, &analysis).unwrap();
         let limits = Limits::default();
-        Self { link, plan, motion, analysis, limits, solution }
+        Self { plan, limits, solution }
     }
 
     fn usual() -> Self {
-        Self::new(Damping::Hysteretic { ratio: 0.02 }, 24, smooth(0.88, 880), Analysis::default())
+        Self::new(Damping::Hysteretic { ratio: 0.02 }, 24, &smooth(0.88, 880), Analysis::default())
     }
 
     fn verified(&self, written_torque_n_m: &[f64]) -> Verification {
-        let Self { link, plan, motion, analysis, limits, solution } = self;
-        let memory_bytes = None;
-        let answer = Answer {
-            link,
-            plan,
-            motion,
-            analysis,
-            limits,
-            solution,
-            memory_bytes,
-            written_torque_n_m,
-        };
+        let Self { plan, limits, solution } = self;
+        let answer = Answer { plan, limits, solution, memory_bytes: None, written_torque_n_m };
         verify(&answer).unwrap()
     }
 
@@ -120,7 +107,7 @@ fn a_right_answer_passes_under_every_law() {
     ] {
         let is_hysteretic = matches!(damping, Damping::Hysteretic { .. });
         let verification =
-            Run::new(damping.clone(), 24, smooth(0.88, 880), Analysis::default()).as_computed();
+            Run::new(damping.clone(), 24, &smooth(0.88, 880), Analysis::default()).as_computed();
         assert_eq!(failed(&verification), [""; 0], "{damping:?}: {verification:?}");
         let names: Vec<&str> = verification.checks.iter().map(|check| check.name).collect();
         assert_eq!(names.contains(&"tip_error_viscous"), is_hysteretic);
@@ -142,7 +129,8 @@ fn a_hysteretic_torque_strays_on_a_viscous_link_as_the_laws_differ() {
         (found(&verification, "tip_error"), found(&verification, "tip_error_viscous"));
     assert!(own < 1e-4 && viscous < 1e-4, "{own:e} and {viscous:e}");
     // Without the prediction the tip is 0.1 to 1 % of its way off.
-    let Run { link, plan, solution, .. } = &run;
+    let Run { plan, solution, .. } = &run;
+    let link = solution.link();
     let time_s: Vec<f64> = (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, solution.torque_n_m.clone()).unwrap();
     let tip_m = simulate(link, plan, &Play::of(&torque)).unwrap().tip.displacement_m;
@@ -167,7 +155,7 @@ fn a_torque_that_is_written_wrong_is_found() {
 #[test]
 fn a_cut_lead_is_found_at_the_edge_and_at_the_tip() {
     let analysis = Analysis::new(1e-6, Some(0.1), None).unwrap();
-    let run = Run::new(Damping::Hysteretic { ratio: 0.02 }, 24, smooth(0.88, 880), analysis);
+    let run = Run::new(Damping::Hysteretic { ratio: 0.02 }, 24, &smooth(0.88, 880), analysis);
     let failed = failed(&run.as_computed());
     assert_eq!(failed, ["tip_error", "tip_error_viscous", "wrap_around"]);
 }
@@ -175,9 +163,9 @@ fn a_cut_lead_is_found_at_the_edge_and_at_the_tip() {
 #[test]
 fn a_coarse_mesh_and_a_coarse_step_are_found() {
     let law = Damping::Hysteretic { ratio: 0.02 };
-    let coarse_mesh = Run::new(law.clone(), 2, smooth(0.25, 250), Analysis::default());
+    let coarse_mesh = Run::new(law.clone(), 2, &smooth(0.25, 250), Analysis::default());
     assert!(failed(&coarse_mesh.as_computed()).contains(&"mesh_halving"));
-    let coarse_step = Run::new(law, 24, smooth(0.88, 8), Analysis::default());
+    let coarse_step = Run::new(law, 24, &smooth(0.88, 8), Analysis::default());
     assert!(failed(&coarse_step.as_computed()).contains(&"step_halving"));
 }
 
@@ -203,7 +191,7 @@ fn rome(analysis: Analysis) -> Run {
         ..usual
     });
     let motion = TipMotion::new(Profile::MinJerk.sampled(0.3, 0.002, 500, [0, 0])).unwrap();
-    Run::of(link.unwrap(), 10, motion, analysis)
+    Run::of(&link.unwrap(), 10, &motion, analysis)
 }
 
 fn check<'a>(verification: &'a Verification, name: &str) -> &'a Check {
@@ -251,7 +239,7 @@ fn a_tip_that_is_solved_beyond_its_tolerance_is_found() {
     run.solution.tip.displacement_m[440] += 1e-6;
     assert_eq!(failed(&run.as_computed()), ["tip_solved"]);
     let whole = Analysis::default().with_tip_tolerance(0.0).unwrap();
-    let run = Run::new(Damping::Hysteretic { ratio: 0.02 }, 24, smooth(0.88, 880), whole);
+    let run = Run::new(Damping::Hysteretic { ratio: 0.02 }, 24, &smooth(0.88, 880), whole);
     assert!(run.as_computed().checks.iter().all(|check| check.name != "tip_solved"));
 }
 
@@ -259,7 +247,7 @@ fn a_tip_that_is_solved_beyond_its_tolerance_is_found() {
 fn a_reduction_to_too_few_modes_is_found_and_the_dense_system_is_not_asked() {
     let analysis = Analysis::default().keeping_modes(1).unwrap();
     let law = Damping::Hysteretic { ratio: 0.02 };
-    let verification = Run::new(law, 24, smooth(0.88, 880), analysis).as_computed();
+    let verification = Run::new(law, 24, &smooth(0.88, 880), analysis).as_computed();
     assert!(failed(&verification).contains(&"truncation"));
     let dense = verification.checks.iter().find(|check| check.name == "dense_transfer").unwrap();
     let reason = Outcome::NotMeasured { reason: "the link is reduced to few modes".into() };
@@ -271,7 +259,7 @@ fn a_reduction_to_too_few_modes_is_found_and_the_dense_system_is_not_asked() {
 fn a_torque_off_by_half_a_percent_is_found_under_either_law_at_every_ratio() {
     for ratio in [0.001, 0.02, 0.1, 0.3] {
         let law = Damping::Hysteretic { ratio };
-        let run = Run::new(law, 24, smooth(0.88, 880), Analysis::default());
+        let run = Run::new(law, 24, &smooth(0.88, 880), Analysis::default());
         let right = run.as_computed();
         assert_eq!(failed(&right), [] as [&str; 0], "ratio {ratio}: {right:?}");
         let torque = &run.solution.torque_n_m;
@@ -285,7 +273,7 @@ fn a_torque_off_by_half_a_percent_is_found_under_either_law_at_every_ratio() {
 fn more_bending_than_three_tenths_of_the_length_is_found() {
     let bent = |duration_s| {
         let law = Damping::Hysteretic { ratio: 0.02 };
-        let run = Run::new(law, 24, smooth(duration_s, 880), Analysis::default());
+        let run = Run::new(law, 24, &smooth(duration_s, 880), Analysis::default());
         let deflections = run.solution.tip_deflection_m();
         let share = deflections.iter().fold(0.0_f64, |m, w| m.max(w.abs())) / 1.5;
         (share, failed(&run.as_computed()).contains(&"tip_deflection"))
