@@ -1,5 +1,5 @@
 use super::pairing::Pairing;
-use super::table::{Cell, Place, TableColumn};
+use super::table::{Cell, RowPlace, TableColumn};
 use super::tolerance::Tolerance;
 
 /// One column of EXPECTED held against that of ACTUAL.
@@ -23,9 +23,9 @@ pub struct Worst {
     /// Absolute difference in the column's unit; infinite where not both fields are finite numbers.
     pub difference: f64,
     /// EXPECTED's row.
-    pub expected: Place,
+    pub expected: RowPlace,
     /// ACTUAL's row.
-    pub actual: Place,
+    pub actual: RowPlace,
     /// EXPECTED's field, as text: empty, a word or a number.
     pub expected_field: String,
     /// ACTUAL's field, as text.
@@ -72,7 +72,7 @@ pub(super) fn compare_column(
     actual: &TableColumn,
     tolerance: Tolerance,
     pairing: &Pairing,
-    place: impl Fn(usize, usize) -> (Place, Place),
+    place: impl Fn(usize, usize) -> (RowPlace, RowPlace),
 ) -> ColumnComparison {
     let peak = expected.peak();
     let allowed = tolerance.allowed(peak);
@@ -133,7 +133,7 @@ mod tests {
         let compared = |actual| {
             let tolerance = Tolerance { rtol: f64::MAX, atol: f64::MAX };
             let pairing = Pairing::by_number(1, 1);
-            let place = |_, _| [1, 1].map(|line| Place { line, key: None }).into();
+            let place = |_, _| [1, 1].map(|line| RowPlace { line, key: None }).into();
             let expected = column(Cell::Number(2.0));
             compare_column(&expected, &column(actual), tolerance, &pairing, place)
         };

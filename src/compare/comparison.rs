@@ -1,7 +1,7 @@
 use super::column::{ColumnComparison, compare_column};
 use super::pairing::{Pairing, key};
-use super::table::{Place, Table, TableColumn};
-use super::tolerance::{Entry, Rule, Tolerances};
+use super::table::{RowPlace, Table, TableColumn};
+use super::tolerance::{ColumnRule, Rule, Tolerances};
 
 /// Rows that one side has alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -9,7 +9,7 @@ pub struct Unmatched {
     /// How many, above 0.
     pub count: usize,
     /// The first of them.
-    pub first: Place,
+    pub first: RowPlace,
 }
 
 /// Two tables held against each other.
@@ -83,7 +83,7 @@ pub fn compare_tables(
     };
     // Rows of a table of which nothing is compared are nobody's concern.
     let any = expected.names().chain(actual.names()).any(|name| compared(&name));
-    let unmatched = |rows: &[usize], place: &dyn Fn(usize) -> Place| {
+    let unmatched = |rows: &[usize], place: &dyn Fn(usize) -> RowPlace| {
         let first = rows.first().filter(|_| any)?;
         Some(Unmatched { count: rows.len(), first: place(*first) })
     };
@@ -109,8 +109,8 @@ fn pair(expected: &Table, actual: &Table, keys: Option<[&TableColumn; 2]>) -> Pa
     }
 }
 
-fn place_of(table: &Table, key: Option<&TableColumn>, row: usize) -> Place {
-    Place { line: table.lines[row], key: key.map(|key| key.number(row)) }
+fn place_of(table: &Table, key: Option<&TableColumn>, row: usize) -> RowPlace {
+    RowPlace { line: table.lines[row], key: key.map(|key| key.number(row)) }
 }
 
 fn ignored(column: &TableColumn) -> ColumnComparison {
@@ -180,9 +180,9 @@ impl Comparison {
     }
 
     /// The entries that name no column of any file.
-    pub fn idle<'a>(&self, tolerances: &'a Tolerances) -> Vec<&'a Entry> {
+    pub fn idle<'a>(&self, tolerances: &'a Tolerances) -> Vec<&'a ColumnRule> {
         let files: Vec<_> = self.files.iter().map(|file| (&file.name, file.columns())).collect();
-        let is_idle = |entry: &&Entry| {
+        let is_idle = |entry: &&ColumnRule| {
             !files.iter().any(|(file, names)| names.iter().any(|name| entry.names(file, name)))
         };
         tolerances.entries.iter().filter(is_idle).collect()

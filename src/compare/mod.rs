@@ -13,5 +13,5 @@ pub use column::{ColumnComparison, Worst};
 pub use comparison::{
     Comparison, FileComparison, FileOutcome, TableComparison, Unmatched, compare_tables,
 };
-pub use table::{Cell, Place, Table, TableColumn};
-pub use tolerance::{Change, Entry, Rule, Tolerance, Tolerances};
+pub use table::{Cell, RowPlace, Table, TableColumn};
+pub use tolerance::{Change, ColumnRule, Rule, Tolerance, Tolerances};

@@ -40,7 +40,7 @@ pub enum Cell<'a> {
 
 /// Where a row stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct RowPlace {
     /// Line of the file, from 1.
     pub line: u64,
     /// The row's value in the column that rows are matched by, if there is one.

@@ -47,7 +47,7 @@ pub enum Change {
 
 /// Columns by name, and what holds for them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct ColumnRule {
     /// Where it was written, for messages.
     pub place: String,
     /// Pattern of the file's name, or of its path where the pattern has a slash; `None`: any.
@@ -58,7 +58,7 @@ pub struct Entry {
     pub change: Change,
 }
 
-impl Entry {
+impl ColumnRule {
     /// Whether it speaks of this column of the file with this path, whose folders end in slashes.
     ///
     /// In patterns `*` stands for any text and `?` for one character.
@@ -81,7 +81,7 @@ pub struct Tolerances {
     /// Where no entry says otherwise.
     pub general: Tolerance,
     /// Exceptions; of those that name a column the last holds.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<ColumnRule>,
 }
 
 impl Tolerances {
@@ -90,8 +90,8 @@ impl Tolerances {
         let general = self.general;
         match self.entries.iter().rfind(|entry| entry.names(file, column)) {
             None => Rule::Within(general),
-            Some(Entry { change: Change::Ignore, .. }) => Rule::Ignore,
-            Some(Entry { change: Change::Tolerance { rtol, atol }, .. }) => {
+            Some(ColumnRule { change: Change::Ignore, .. }) => Rule::Ignore,
+            Some(ColumnRule { change: Change::Tolerance { rtol, atol }, .. }) => {
                 Rule::Within(Tolerance {
                     rtol: rtol.unwrap_or(general.rtol),
                     atol: atol.unwrap_or(general.atol),
@@ -105,9 +105,9 @@ impl Tolerances {
 mod tests {
     use super::*;
 
-    fn entry(file: Option<&str>, column: &str, change: Change) -> Entry {
+    fn entry(file: Option<&str>, column: &str, change: Change) -> ColumnRule {
         let file = file.map(str::to_owned);
-        Entry { place: "t:1".into(), file, column: column.into(), change }
+        ColumnRule { place: "t:1".into(), file, column: column.into(), change }
     }
 
     fn within(rtol: f64, atol: f64) -> Rule {

@@ -50,13 +50,13 @@ pub(super) fn bending_moments(view: &View) -> Option<Moments> {
     if deflections.nodes.len() < FEWEST || deflections.times_s.len() < 3 || !is_fine {
         return None;
     }
-    let stretches = Stretch::between(&run.mesh, &deflections.nodes);
+    let intervals = Interval::between(&run.mesh, &deflections.nodes);
     let turns: Vec<f64> =
         deflections.times_s.iter().map(|t| run.hub_angle_rad[nearest(&run.times_s, *t)]).collect();
     let mut histories = vec![Vec::with_capacity(turns.len()); deflections.nodes.len()];
     for k in 0..turns.len() {
         let accelerations = accelerations(run, &deflections, &turns, (k, apart, step_s));
-        let moments = moments(run, &deflections, &stretches, &accelerations);
+        let moments = moments(run, &deflections, &intervals, &accelerations);
         histories.iter_mut().zip(moments).for_each(|(history, moment)| history.push(moment));
     }
     let known = run.readings.iter().find(|(name, _)| name == "peak_root_moment_n_m");
@@ -67,12 +67,12 @@ pub(super) fn bending_moments(view: &View) -> Option<Moments> {
 }
 
 /// Length in m and mass in kg between two neighbours of the nodes written.
-struct Stretch {
+struct Interval {
     length_m: f64,
     mass_kg: f64,
 }
 
-impl Stretch {
+impl Interval {
     fn between(mesh: &Mesh, nodes: &[usize]) -> Vec<Self> {
         let of = |pair: &[usize]| {
             let elements = &mesh.elements()[pair[0]..pair[1]];
@@ -103,13 +103,13 @@ fn accelerations(
 }
 
 /// Moments in N m at the nodes, summed up from the tip inward.
-fn moments(run: &StoredRun, nodes: &StoredNodes, stretches: &[Stretch], a: &[f64]) -> Vec<f64> {
+fn moments(run: &StoredRun, nodes: &StoredNodes, intervals: &[Interval], a: &[f64]) -> Vec<f64> {
     let payload = run.link.payload();
     let tip = a.len() - 1;
     // φ̈ of the chord inboard of a node.
     let turning = |k: usize| {
         let outer = k.max(1);
-        (a[outer] - a[outer - 1]) / stretches[outer - 1].length_m
+        (a[outer] - a[outer - 1]) / intervals[outer - 1].length_m
     };
     let mut force = payload.mass_kg * (a[tip] + payload.offset_m * turning(tip));
     let mut moment = payload.offset_m * force + payload.inertia_kg_m2 * turning(tip);
@@ -120,7 +120,7 @@ fn moments(run: &StoredRun, nodes: &StoredNodes, stretches: &[Stretch], a: &[f64
     };
     let mut found = Vec::with_capacity(a.len());
     for k in (0..=tip).rev() {
-        if let Some(Stretch { length_m, mass_kg }) = stretches.get(k) {
+        if let Some(Interval { length_m, mass_kg }) = intervals.get(k) {
             // A load that is linear between the two nodes.
             moment += force * length_m + mass_kg * length_m * (a[k] / 6.0 + a[k + 1] / 3.0);
             force += mass_kg * (a[k] + a[k + 1]) / 2.0;
@@ -183,15 +183,15 @@ pub(super) fn waves(view: &View) -> Result<Figure, String> {
 fn map(view: &View, nodes: &StoredNodes, name: &str) -> (ColourMap, Axis) {
     let (from_s, until_s) = view.span_s();
     let column = |k: usize| from_s + (until_s - from_s) * (k as f64 + 0.5) / COLUMNS as f64;
-    let moments: Vec<Between> =
-        (0..COLUMNS).map(|k| Between::of(&nodes.times_s, column(k))).collect();
+    let moments: Vec<Interpolation> =
+        (0..COLUMNS).map(|k| Interpolation::of(&nodes.times_s, column(k))).collect();
     let nodes_m = view.run.mesh.nodes_m();
     let places: Vec<f64> = nodes.nodes.iter().map(|node| nodes_m[*node]).collect();
     let (first_m, last_m) = (places[0], places[places.len() - 1]);
     let row = |k: usize| {
         let x_m = first_m + (last_m - first_m) * (k as f64 + 0.5) / ROWS as f64;
-        let place = Between::of(&places, x_m);
-        let at = |moment: &Between| {
+        let place = Interpolation::of(&places, x_m);
+        let at = |moment: &Interpolation| {
             let history = |node: usize| moment.mix(|k| nodes.histories[node][k]);
             place.mix(history)
         };
@@ -207,12 +207,12 @@ fn map(view: &View, nodes: &StoredNodes, name: &str) -> (ColourMap, Axis) {
 }
 
 /// A place between two of ascending numbers.
-struct Between {
+struct Interpolation {
     before: usize,
     share: f64,
 }
 
-impl Between {
+impl Interpolation {
     fn of(numbers: &[f64], at: f64) -> Self {
         let next = numbers.partition_point(|number| *number < at).clamp(1, numbers.len() - 1);
         let (low, high) = (numbers[next - 1], numbers[next]);

@@ -2,12 +2,9 @@
 
 use thiserror::Error;
 
-use super::limits::{Held, Limits};
-use super::metrics::Metrics;
+use super::limits::{Limits, Reached};
 use crate::beam::MeshPlan;
-use crate::inverse::{
-    Accuracy, Analysis, InversionError, QuantityErrors, Resources, Solution, invert_with,
-};
+use crate::inverse::{Analysis, InversionError, Resources, Solution, invert_with};
 use crate::link::Link;
 use crate::motion::{MotionError, Profile, TipMotion};
 use crate::numeric::plain;
@@ -24,7 +21,7 @@ const TRIALS: usize = 1024;
 /// How many times the elements of an automatic mesh are halved to see that a trial is far too fast.
 const HALVINGS: u32 = 3;
 
-/// Measured errors up to this tell what the value is, and what a finer mesh would say.
+/// Largest relative error with which a value is compared with its limit.
 const TELLING: f64 = 0.25;
 
 /// A motion of which only the duration is open.
@@ -32,7 +29,7 @@ const TELLING: f64 = 0.25;
 pub struct OpenMotion {
     /// Its shape.
     pub profile: Profile,
-    /// Its way in m.
+    /// Distance from its start to its end in m.
     pub distance_m: f64,
     /// Its step in s.
     pub step_s: f64,
@@ -103,22 +100,6 @@ impl Fit {
     }
 }
 
-/// How near a solution comes to a limit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reached {
-    /// The limit, and the value of the solution.
-    pub held: Held,
-    /// Measured error of the value, a share of it.
-    pub error: f64,
-}
-
-impl Reached {
-    /// The value with its error over the limit: at most 1 within it.
-    pub fn share(&self) -> f64 {
-        self.held.found * (1.0 + self.error) / self.held.limit
-    }
-}
-
 /// A motion of open duration, and the link and limits that its shortest duration depends on.
 #[derive(Debug, Clone, Copy)]
 pub struct FitProblem<'a> {
@@ -138,13 +119,12 @@ pub struct FitProblem<'a> {
 
 /// The fewest steps of a motion within limits: the answer to how fast a link may move its tip.
 ///
-/// What a motion asks for does not simply fall with its duration: it jumps with the number of steps,
-/// and rises again where the link resonates. So nothing is concluded from one duration about
-/// another. Doubled durations find one that is within the limits; then all shorter ones are tried
-/// upward, or, of more than a thousand, a thousand of them, as many in each doubling, and all between
-/// the first of these that fits and the one before it. A motion fits if every value, its measured error
-/// added, is within its limit and the error of the nearest is below a quarter; one that cannot be solved
-/// does not fit.
+/// The torque does not simply fall as the duration grows: it jumps with the number of steps, and rises
+/// again where the link resonates. So no duration tells of another. The search doubles the duration until
+/// one fits; then it tries all shorter ones upward, or, of more than a thousand, a thousand of them, as
+/// many in each doubling, and all between the first of these that fits and the one before it. A motion
+/// fits if every value with its measured error is within its limit, and the error of the value nearest
+/// to its limit is below a quarter. A motion that cannot be solved does not fit.
 ///
 /// # Errors
 /// [`FitError`] where no duration fits.
@@ -178,7 +158,7 @@ fn grid(end: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(FEWEST_STEPS).filter(|first| *first < end), next)
 }
 
-/// What came of one duration.
+/// The result of one duration.
 enum Trial {
     Fits(Box<Fit>),
     Exceeds,
@@ -240,7 +220,7 @@ impl FitProblem<'_> {
         match self.inverted(self.plan, &motion) {
             Ok(solution) => {
                 let binding = self.closest(&solution);
-                // A value whose error is that large is not known to be within any limit.
+                // A value with a larger error is not known to be within any limit.
                 let fits = |reached: Reached| reached.share() <= 1.0 && reached.error <= TELLING;
                 if !binding.is_none_or(fits) {
                     return Trial::Exceeds;
@@ -259,8 +239,8 @@ impl FitProblem<'_> {
             let Ok(solution) = self.inverted(&plan, motion) else { continue };
             let reached = self.limits.reached(&solution);
             let exceeds = |reached: &Reached| {
-                let Reached { held, error } = reached;
-                *error <= TELLING && held.found > held.limit * (1.0 + 4.0 * error)
+                let Reached { value, error } = reached;
+                *error <= TELLING && value.found > value.limit * (1.0 + 4.0 * error)
             };
             if reached.iter().any(exceeds) {
                 return true;
@@ -278,56 +258,6 @@ impl FitProblem<'_> {
         let reached = self.limits.reached(solution).into_iter();
         reached.max_by(|a, b| a.share().total_cmp(&b.share()))
     }
-}
-
-impl Limits {
-    /// How near a solution comes to every limit that is set, in the order of the link file.
-    pub fn reached(&self, solution: &Solution) -> Vec<Reached> {
-        let metrics = Metrics::of(solution);
-        let held = self.held(&metrics).into_iter();
-        held.map(|held| Reached { held, error: error_of(held, solution, &metrics) }).collect()
-    }
-}
-
-/// Measured error of what a limit holds, a share of its value.
-///
-/// Errors are measured over peaks: an effective value has that of the peak. Power has the errors of torque
-/// and rate, deflection that of the hub angle, the root's moment that of the torque.
-fn error_of(held: Held, solution: &Solution, metrics: &Metrics) -> f64 {
-    let Accuracy { errors, .. } = solution.accuracy;
-    let torque = total(errors.torque);
-    let rate = total(errors.hub_rate);
-    let [motor_torque, motor_rate] =
-        [errors.motor_torque, errors.motor_rate].map(|errors| errors.map_or(0.0, total));
-    let peak = metrics.peak_torque_n_m.value;
-    let motor = metrics.motor.as_ref();
-    let over = |error: f64, peak: f64| (error * peak / held.found).min(f64::MAX);
-    match held.key {
-        "rms_torque" => over(torque, peak),
-        "hub_rate" => rate,
-        "power" => over(torque + rate, peak * metrics.peak_hub_rate_rad_s.value),
-        "deflection" => {
-            let turned_m = solution.mesh().length_m() * metrics.peak_hub_angle_rad.value;
-            // Of a link that does not bend, a number all the same.
-            over(total(errors.hub_angle), turned_m)
-        }
-        "bending_moment" => torque * (peak / held.found).max(1.0),
-        "motor_torque" => motor_torque,
-        "motor_rate" => motor_rate,
-        "motor_rms_torque" => {
-            motor.map_or(0.0, |motor| over(motor_torque, motor.peak_torque_n_m.value))
-        }
-        "motor_power" => motor.map_or(0.0, |motor| {
-            let peaks = motor.peak_torque_n_m.value * motor.peak_rate_rad_s.value;
-            over(motor_torque + motor_rate, peaks)
-        }),
-        _ => torque,
-    }
-}
-
-fn total(errors: QuantityErrors) -> f64 {
-    let QuantityErrors { mesh, window, step, modes } = errors;
-    mesh + window + step.unwrap_or(0.0) + modes.unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 use super::choices::{MODELS, Model};
 use super::error::{Fault, USUAL_RATIO, listed, nearest};
-use super::quantity::{Count, Quantity, Real};
+use super::quantity::{Count, Real, optional_si};
 use super::raw::RawDamping;
 use crate::link::{Damping, in_unit_interval};
 use crate::numeric::{Dimension, excerpt};
@@ -138,13 +138,11 @@ fn rayleigh(raw: &RawDamping, model: &Model) -> Result<Damping, Fault> {
     match (&raw.modes, &raw.ratios, &raw.alpha, &raw.beta) {
         (None, None, None, None) => Err(neither(model)),
         (None, None, alpha, beta) => {
-            let si = |path, value: &Option<Quantity>, dimension| {
-                let si = value.as_ref().map(|value| value.si(path, dimension));
-                si.transpose().map(Option::unwrap_or_default)
-            };
+            let alpha = optional_si("damping.alpha", alpha.as_ref(), Dimension::RATE)?;
+            let beta = optional_si("damping.beta", beta.as_ref(), Dimension::TIME)?;
             Ok(Damping::Rayleigh {
-                alpha_per_s: si("damping.alpha", alpha, Dimension::RATE)?,
-                beta_s: si("damping.beta", beta, Dimension::TIME)?,
+                alpha_per_s: alpha.unwrap_or_default(),
+                beta_s: beta.unwrap_or_default(),
             })
         }
         (Some(modes), Some(ratios), None, None) => Ok(Damping::RayleighThroughModes {

@@ -1,6 +1,8 @@
+//! The values of the link file: quantities, numbers, counts.
+
 use std::fmt;
 
-use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 
 use super::error::Fault;
 use crate::link::{ParameterError, Taper};
@@ -36,6 +38,15 @@ impl Quantity {
     }
 }
 
+/// The value in SI of the quantity at `path`, if it is given.
+pub(super) fn optional_si(
+    path: &str,
+    value: Option<&Quantity>,
+    dimension: Dimension,
+) -> Result<Option<f64>, Fault> {
+    value.map(|value| value.si(path, dimension)).transpose()
+}
+
 fn example(dimension: Dimension) -> String {
     let name = dimension.name().unwrap_or("a number");
     format!("{name} is wanted, such as \"1 {}\"", dimension.si_unit())
@@ -64,114 +75,9 @@ impl Tapered {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Unbounded(pub(super) Quantity);
 
-impl<'de> Deserialize<'de> for Unbounded {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        // Asked for a number outright, the reader lets an infinite one pass.
-        deserializer.deserialize_f64(QuantityVisitor).map(Self)
-    }
-}
-
 /// A pure number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Real(pub(super) f64);
-
-/// Refuses a taper unless both ends are above 0.
-pub(super) fn positive(path: &str, taper: Taper, unit: &str) -> Result<Taper, Fault> {
-    let refused = [taper.inner, taper.outer].into_iter().find(|value| *value <= 0.0);
-    refused.map_or(Ok(taper), |value| {
-        Err(ParameterError::new(path, value, unit, "must be above 0").into())
-    })
-}
-
-impl<'de> Deserialize<'de> for Quantity {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(QuantityVisitor)
-    }
-}
-
-struct QuantityVisitor;
-
-impl Visitor<'_> for QuantityVisitor {
-    type Value = Quantity;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a number in SI or a string with its unit")
-    }
-
-    fn visit_f64<E: Error>(self, number: f64) -> Result<Quantity, E> {
-        Ok(Quantity::Number(number))
-    }
-
-    fn visit_i64<E: Error>(self, number: i64) -> Result<Quantity, E> {
-        Ok(Quantity::Number(number as f64))
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<Quantity, E> {
-        Ok(Quantity::Text(text.to_owned()))
-    }
-}
-
-impl<'de> Deserialize<'de> for Tapered {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(TaperedVisitor)
-    }
-}
-
-struct TaperedVisitor;
-
-impl<'de> Visitor<'de> for TaperedVisitor {
-    type Value = Tapered;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a number in SI, a string with its unit, or two of them [inner, outer]")
-    }
-
-    fn visit_f64<E: Error>(self, number: f64) -> Result<Tapered, E> {
-        QuantityVisitor.visit_f64(number).map(Tapered::Constant)
-    }
-
-    fn visit_i64<E: Error>(self, number: i64) -> Result<Tapered, E> {
-        QuantityVisitor.visit_i64(number).map(Tapered::Constant)
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<Tapered, E> {
-        QuantityVisitor.visit_str(text).map(Tapered::Constant)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Tapered, A::Error> {
-        let mut values = Vec::new();
-        while let Some(value) = items.next_element()? {
-            values.push(value);
-        }
-        let count = values.len();
-        let ends: Result<[Quantity; 2], _> = values.try_into();
-        ends.map(Tapered::Linear).map_err(|_| A::Error::invalid_length(count, &self))
-    }
-}
-
-impl<'de> Deserialize<'de> for Real {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(RealVisitor)
-    }
-}
-
-struct RealVisitor;
-
-impl Visitor<'_> for RealVisitor {
-    type Value = Real;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a number")
-    }
-
-    fn visit_f64<E: Error>(self, number: f64) -> Result<Real, E> {
-        Ok(Real(number))
-    }
-
-    fn visit_i64<E: Error>(self, number: i64) -> Result<Real, E> {
-        Ok(Real(number as f64))
-    }
-}
 
 /// A whole number of elements or modes, or that of a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -190,55 +96,144 @@ pub(super) enum Elements {
     Total(Count),
 }
 
-/// Expects a count, or also the word `auto`.
-struct CountVisitor {
-    wanted: &'static str,
+/// Refuses a taper unless both ends are above 0.
+pub(super) fn positive(path: &str, taper: Taper, unit: &str) -> Result<Taper, Fault> {
+    let refused = [taper.inner, taper.outer].into_iter().find(|value| *value <= 0.0);
+    refused.map_or(Ok(taper), |value| {
+        Err(ParameterError::new(path, value, unit, "must be above 0").into())
+    })
 }
 
-impl CountVisitor {
-    fn count<E: Error>(&self, number: i64) -> Result<Count, E> {
-        match usize::try_from(number) {
-            Ok(count) if (1..=Count::MOST).contains(&count) => Ok(Count(count)),
-            _ => Err(E::custom(format!("must be {}", self.wanted))),
+/// A value that is no table, before its key says more.
+enum Value {
+    Integer(i64),
+    Number(f64),
+    Text(String),
+    List(Vec<Quantity>),
+}
+
+impl Value {
+    fn number(&self) -> Option<f64> {
+        match self {
+            Self::Integer(number) => Some(*number as f64),
+            Self::Number(number) => Some(*number),
+            Self::Text(_) | Self::List(_) => None,
+        }
+    }
+
+    fn count(&self) -> Option<Count> {
+        let Self::Integer(number) = self else { return None };
+        let count = usize::try_from(*number).ok()?;
+        (1..=Count::MOST).contains(&count).then_some(Count(count))
+    }
+
+    fn quantity(self) -> Option<Quantity> {
+        match self {
+            Self::Text(text) => Some(Quantity::Text(text)),
+            number => number.number().map(Quantity::Number),
+        }
+    }
+
+    fn taper(self) -> Option<Tapered> {
+        match self {
+            Self::List(ends) => <[Quantity; 2]>::try_from(ends).ok().map(Tapered::Linear),
+            constant => constant.quantity().map(Tapered::Constant),
+        }
+    }
+
+    fn elements(self) -> Option<Elements> {
+        match self {
+            Self::Text(word) => (word == "auto").then_some(Elements::Auto),
+            number => number.count().map(Elements::Total),
         }
     }
 }
 
-impl Visitor<'_> for CountVisitor {
-    type Value = Elements;
+/// Takes any value that is no table; refuses others with the words for what is wanted.
+struct Wanted {
+    what: &'static str,
+    takes_list: bool,
+}
+
+impl<'de> Visitor<'de> for Wanted {
+    type Value = Value;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.wanted)
+        formatter.write_str(self.what)
     }
 
-    fn visit_i64<E: Error>(self, number: i64) -> Result<Elements, E> {
-        self.count(number).map(Elements::Total)
+    fn visit_f64<E: Error>(self, number: f64) -> Result<Value, E> {
+        Ok(Value::Number(number))
     }
 
-    fn visit_str<E: Error>(self, word: &str) -> Result<Elements, E> {
-        match word {
-            "auto" => Ok(Elements::Auto),
-            _ => Err(E::custom(format!("must be {}", self.wanted))),
+    fn visit_i64<E: Error>(self, number: i64) -> Result<Value, E> {
+        Ok(Value::Integer(number))
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Value, E> {
+        Ok(Value::Text(text.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
+        if !self.takes_list {
+            return Err(A::Error::invalid_type(Unexpected::Seq, &self));
         }
+        let mut values = Vec::new();
+        while let Some(value) = items.next_element()? {
+            values.push(value);
+        }
+        Ok(Value::List(values))
     }
 }
 
-const A_COUNT: &str = "a whole number from 1 to 100000";
+const QUANTITY: Wanted =
+    Wanted { what: "a number in SI or a string with its unit", takes_list: false };
+const TAPER: Wanted = Wanted {
+    what: "a number in SI, a string with its unit, or two of them [inner, outer]",
+    takes_list: true,
+};
+const REAL: Wanted = Wanted { what: "a number", takes_list: false };
+const COUNT: Wanted = Wanted { what: "a whole number from 1 to 100000", takes_list: false };
+const ELEMENTS: Wanted =
+    Wanted { what: "a whole number from 1 to 100000, or \"auto\"", takes_list: false };
 
-impl<'de> Deserialize<'de> for Count {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match deserializer.deserialize_any(CountVisitor { wanted: A_COUNT })? {
-            Elements::Total(count) => Ok(count),
-            Elements::Auto => Err(D::Error::custom(format!("must be {A_COUNT}"))),
-        }
+impl Wanted {
+    /// Reads a value and turns it into what is wanted; `None` from `of` refuses it.
+    fn read<'de, D: Deserializer<'de>, T>(
+        self,
+        deserializer: D,
+        of: impl FnOnce(Value) -> Option<T>,
+    ) -> Result<T, D::Error> {
+        let what = self.what;
+        let value = deserializer.deserialize_any(self)?;
+        of(value).ok_or_else(|| D::Error::custom(format!("must be {what}")))
     }
 }
 
-impl<'de> Deserialize<'de> for Elements {
+/// Reads types from values.
+macro_rules! read {
+    ($($type:ident: $wanted:ident by $of:expr;)+) => {
+        $(impl<'de> Deserialize<'de> for $type {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                $wanted.read(deserializer, $of)
+            }
+        })+
+    };
+}
+
+read! {
+    Quantity: QUANTITY by Value::quantity;
+    Tapered: TAPER by Value::taper;
+    Real: REAL by |value| value.number().map(Real);
+    Count: COUNT by |value| value.count();
+    Elements: ELEMENTS by Value::elements;
+}
+
+impl<'de> Deserialize<'de> for Unbounded {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(CountVisitor {
-            wanted: "a whole number from 1 to 100000, or \"auto\"",
-        })
+        // The reader accepts an infinite number only where `f64` is asked for.
+        let value = deserializer.deserialize_f64(QUANTITY)?;
+        value.quantity().map(Self).ok_or_else(|| D::Error::custom("must be a quantity"))
     }
 }
 

@@ -1,6 +1,6 @@
 use super::damping::damping;
 use super::error::Fault;
-use super::quantity::{Count, Elements, Quantity, Real, Unbounded};
+use super::quantity::{Count, Elements, Quantity, Real, Unbounded, optional_si};
 use super::raw::{
     RawAnalysis, RawDrive, RawHub, RawLimits, RawMass, RawMesh, RawPayload, RawSpecification,
 };
@@ -82,12 +82,10 @@ fn payload(raw: &RawPayload) -> Result<Payload, Fault> {
 }
 
 fn drive(raw: &RawDrive) -> Result<Drive, Fault> {
-    let stiffness = raw
-        .joint_stiffness
-        .as_ref()
-        .map(|Unbounded(value)| value.si("drive.joint_stiffness", Dimension::TORQUE));
+    let stiffness = raw.joint_stiffness.as_ref().map(|Unbounded(value)| value);
+    let stiffness = optional_si("drive.joint_stiffness", stiffness, Dimension::TORQUE)?;
     Ok(Drive {
-        joint_stiffness_n_m_rad: stiffness.unwrap_or(Ok(f64::INFINITY))?,
+        joint_stiffness_n_m_rad: stiffness.unwrap_or(f64::INFINITY),
         rotor_inertia_kg_m2: raw
             .rotor_inertia
             .si("drive.rotor_inertia", Dimension::ROTARY_INERTIA)?,
@@ -97,8 +95,7 @@ fn drive(raw: &RawDrive) -> Result<Drive, Fault> {
 
 fn limits(raw: &RawLimits) -> Result<Limits, Fault> {
     let si = |key: &str, value: &Option<Quantity>, dimension| {
-        let value = value.as_ref().map(|value| value.si(&format!("limits.{key}"), dimension));
-        value.transpose()
+        optional_si(&format!("limits.{key}"), value.as_ref(), dimension)
     };
     Ok(Limits {
         torque_n_m: si("torque", &raw.torque, Dimension::TORQUE)?,
@@ -124,13 +121,9 @@ fn mesh(link: &Link, own: &[Option<usize>], raw: &RawMesh) -> Result<MeshPlan, F
 }
 
 fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {
-    let time = |path: &str, value: &Option<Quantity>| {
-        let si = value.as_ref().map(|value| value.si(path, Dimension::TIME));
-        si.transpose()
-    };
     let Real(tolerance) = raw.tolerance.unwrap_or(Real(Analysis::DEFAULT_TOLERANCE));
-    let lead_s = time("analysis.lead", &raw.lead)?;
-    let lag_s = time("analysis.lag", &raw.lag)?;
+    let lead_s = optional_si("analysis.lead", raw.lead.as_ref(), Dimension::TIME)?;
+    let lag_s = optional_si("analysis.lag", raw.lag.as_ref(), Dimension::TIME)?;
     let Real(tip) = raw.tip_tolerance.unwrap_or(Real(Analysis::DEFAULT_TIP_TOLERANCE));
     let analysis = Analysis::new(tolerance, lead_s, lag_s)?.with_tip_tolerance(tip)?;
     match raw.modes {

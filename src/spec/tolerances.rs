@@ -4,7 +4,7 @@ use super::document::check_list_of_tables;
 use super::error::{Fault, SpecError};
 use super::quantity::Real;
 use super::tree::{Node, Place};
-use crate::compare::{Change, Entry, Tolerance, Tolerances};
+use crate::compare::{Change, ColumnRule, Tolerance, Tolerances};
 
 /// The whole file of tolerances, key by key.
 #[derive(Debug, Deserialize)]
@@ -13,13 +13,13 @@ struct RawTolerances {
     rtol: Option<Real>,
     atol: Option<Real>,
     #[serde(default)]
-    columns: Vec<RawEntry>,
+    columns: Vec<RawColumnRule>,
 }
 
 /// `[[columns]]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table")]
-struct RawEntry {
+struct RawColumnRule {
     file: Option<String>,
     column: String,
     rtol: Option<Real>,
@@ -70,7 +70,7 @@ fn read(tree: &Node, place_of: impl Fn(&str) -> String) -> Result<Tolerances, Fa
     Ok(Tolerances { general, entries: entries.collect::<Result<_, _>>()? })
 }
 
-fn entry(path: &str, place: String, raw: RawEntry) -> Result<Entry, Fault> {
+fn entry(path: &str, place: String, raw: RawColumnRule) -> Result<ColumnRule, Fault> {
     let rtol = checked(&format!("{path}.rtol"), raw.rtol)?;
     let atol = checked(&format!("{path}.atol"), raw.atol)?;
     let change = match (raw.ignore, rtol.or(atol)) {
@@ -86,7 +86,7 @@ fn entry(path: &str, place: String, raw: RawEntry) -> Result<Entry, Fault> {
         }
         _ => Change::Tolerance { rtol, atol },
     };
-    Ok(Entry { place, file: raw.file, column: raw.column, change })
+    Ok(ColumnRule { place, file: raw.file, column: raw.column, change })
 }
 
 /// A tolerance, refused below 0.
@@ -116,7 +116,7 @@ mod tests {
         assert_eq!(read.general, Tolerance { rtol: 1e-9, atol: 1.0 });
         let change = Change::Tolerance { rtol: Some(1e-3), atol: None };
         let (place, file) = ("t.toml:2".to_owned(), Some("a.csv".to_owned()));
-        assert_eq!(read.entries[0], Entry { place, file, column: "*".into(), change });
+        assert_eq!(read.entries[0], ColumnRule { place, file, column: "*".into(), change });
         assert_eq!(read.entries[1].change, Change::Tolerance { rtol: None, atol: None });
         assert_eq!(read_tolerances("t.toml", ""), Ok(Tolerances::default()));
     }

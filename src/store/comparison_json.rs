@@ -3,7 +3,7 @@ use serde::Serialize;
 use super::golden::GoldenChanges;
 use super::records::json;
 use crate::compare::{
-    ColumnComparison, Comparison, FileComparison, FileOutcome, Place, TableComparison, Unmatched,
+    ColumnComparison, Comparison, FileComparison, FileOutcome, RowPlace, TableComparison, Unmatched,
 };
 
 #[derive(Debug, Serialize)]
@@ -125,7 +125,7 @@ impl RowsRecord {
 }
 
 impl PlaceRecord {
-    fn of(place: Place) -> Self {
+    fn of(place: RowPlace) -> Self {
         Self { line: place.line, key: place.key }
     }
 }

@@ -72,7 +72,7 @@ pub(super) fn within_limits(limits: &Limits, solution: &Solution) -> Vec<Check> 
 }
 
 fn within(reached: &Reached) -> Check {
-    let (name, what) = names(reached.held.key);
+    let (name, what) = names(reached.value.key);
     Label { name, what, of: "the limit" }.measured(reached.share(), 1.0)
 }
 

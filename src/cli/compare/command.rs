@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::compare::{Comparison, Entry, Tolerances};
+use flexlink::compare::{Comparison, ColumnRule, Tolerances};
 use flexlink::csv::InputFile;
 use flexlink::numeric::excerpt;
 use flexlink::spec::read_tolerances;
@@ -170,11 +170,11 @@ impl Compare {
 
     /// Warns of tolerances that have no effect; returns how many warnings it printed.
     fn warn(&self, sides: &Sides, comparison: &Comparison, tolerances: &Tolerances) -> usize {
-        let is_meant = |entry: &&Entry| {
+        let is_meant = |entry: &&ColumnRule| {
             let names = || comparison.files.iter().map(|file| file.name.as_str());
             !sides.are_single || names().any(|name| entry.is_of(name))
         };
-        let idle: Vec<&Entry> = comparison.idle(tolerances).into_iter().filter(is_meant).collect();
+        let idle: Vec<&ColumnRule> = comparison.idle(tolerances).into_iter().filter(is_meant).collect();
         for entry in &idle {
             let file = entry.file.as_ref().map(|file| format!(" of a file {:?}", excerpt(file)));
             let (place, column) = (&entry.place, &entry.column);

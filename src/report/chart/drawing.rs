@@ -23,12 +23,12 @@ const GAP: f64 = 10.0;
 
 /// Heights between which a y axis lies in the plot.
 #[derive(Debug, Clone, Copy)]
-struct Stretch {
+struct Band {
     top: f64,
     height: f64,
 }
 
-impl Stretch {
+impl Band {
     fn y(&self, share: f64) -> f64 {
         self.top + self.height * (1.0 - share)
     }
@@ -46,24 +46,23 @@ impl Figure {
     }
 
     /// Where the y axis lies: below the strip, where there is one.
-    fn main_stretch(&self) -> Stretch {
+    fn main_band(&self) -> Band {
         let top = if self.strip.is_some() { STRIP + GAP } else { 0.0 };
-        Stretch { top, height: self.plot().1 - top }
+        Band { top, height: self.plot().1 - top }
     }
 
-    /// The drawing. Its own namespace makes it a file; in a page it is needless, and harmless.
+    /// The drawing. A file needs the namespace; in a page it does no harm.
     pub fn svg(&self) -> Markup {
         let (width, height) = self.plot();
-        let stretch = self.main_stretch();
+        let band = self.main_band();
         let (x, y) = (&self.x, &self.y);
-        let range = |axis: &Axis| format!("{} {}", axis.range.start, axis.range.end);
         let across = if self.across == Across::Time { "time" } else { "other" };
         html! {
             svg class="chart" xmlns="http://www.w3.org/2000/svg" role="img"
                 aria-label=(format!("{}: {} against {}", self.title, y.title(), x.title()))
                 viewBox=(format!("0 0 {WIDTH} {}", self.height()))
                 data-plot=(format!("{LEFT} {TOP} {width} {height}"))
-                data-band=(format!("{} {}", stretch.top, stretch.height))
+                data-band=(format!("{} {}", band.top, band.height))
                 data-x=(range(x)) data-y=(range(y))
                 data-x-name=(x.name) data-x-unit=(x.unit)
                 data-y-name=(y.name) data-y-unit=(y.unit)
@@ -71,10 +70,10 @@ impl Figure {
                 data-x-axis=(across)
                 data-x-scale=(x.scale.word()) data-y-scale=(y.scale.word()) {
                 rect class="plot-area" x=(LEFT) y=(TOP) width=(width) height=(height) {}
-                (self.ticks(stretch))
+                (self.ticks(band))
                 svg class="plot" x=(LEFT) y=(TOP) width=(width) height=(height)
                     viewBox=(format!("0 0 {width} {height}")) preserveAspectRatio="none" {
-                    g class="zoom" { (self.content(stretch)) }
+                    g class="zoom" { (self.content(band)) }
                     g class="marks" {
                         @for mark in &self.marks {
                             @let at = number(width * x.share(mark.at));
@@ -89,7 +88,7 @@ impl Figure {
         }
     }
 
-    fn content(&self, stretch: Stretch) -> Markup {
+    fn content(&self, band: Band) -> Markup {
         let (width, height) = self.plot();
         html! {
             @for span in &self.spans {
@@ -98,7 +97,7 @@ impl Figure {
                     width=(number(to - from)) height=(height) {}
             }
             @if let Some(map) = &self.map {
-                image x="0" y=(stretch.top) width=(width) height=(stretch.height)
+                image x="0" y=(band.top) width=(width) height=(band.height)
                     preserveAspectRatio="none" href=(map.picture()) {}
             }
             @if let Some(curve) = &self.backdrop {
@@ -106,31 +105,25 @@ impl Figure {
                     d=(self.area(curve)) {}
             }
             @if let Some((curve, axis)) = &self.strip {
-                (self.line(curve, axis, Stretch { top: 0.0, height: STRIP }, true))
+                (self.line(curve, axis, Band { top: 0.0, height: STRIP }, true))
             }
-            @for curve in &self.curves { (self.line(curve, &self.y, stretch, false)) }
+            @for curve in &self.curves { (self.line(curve, &self.y, band, false)) }
         }
     }
 
-    fn line(&self, curve: &Curve, y: &Axis, stretch: Stretch, is_strip: bool) -> Markup {
+    fn line(&self, curve: &Curve, y: &Axis, band: Band, is_strip: bool) -> Markup {
         let width = self.plot().0;
-        let points = thinned(&curve.points);
-        let places = points
-            .iter()
-            .map(|(at, value)| (width * self.x.share(*at), stretch.y(y.share(*value))));
-        let places: Vec<(f64, f64)> = places.collect();
-        let own = is_strip.then(|| {
-            (
-                format!("{} {}", y.range.start, y.range.end),
-                format!("{} {}", stretch.top, stretch.height),
-            )
-        });
+        let point = |(at, value): (f64, f64)| (width * self.x.share(at), band.y(y.share(value)));
+        let points: Vec<_> = thinned(&curve.points).into_iter().map(point).collect();
+        // The strip has a y axis of its own.
+        let axis = is_strip.then(|| range(y));
+        let heights = is_strip.then(|| format!("{} {}", band.top, band.height));
         html! {
             path class=(curve.stroke.classes()) data-name=(curve.name)
-                data-y=[own.as_ref().map(|own| &own.0)] data-band=[own.as_ref().map(|own| &own.1)]
-                data-unit=[is_strip.then_some(&y.unit)] d=(path(&places)) {}
+                data-y=[axis] data-band=[heights]
+                data-unit=[is_strip.then_some(&y.unit)] d=(path(&points)) {}
             @if let Stroke::Dotted(colour) = curve.stroke {
-                path class=(format!("dots s{colour}")) d=(dots(&places)) {}
+                path class=(format!("dots s{colour}")) d=(dots(&points)) {}
             }
         }
     }
@@ -138,21 +131,19 @@ impl Figure {
     /// The area below a line that goes from 0 to 1.
     fn area(&self, curve: &Curve) -> String {
         let (width, height) = self.plot();
-        let points = thinned(&curve.points);
-        let places =
-            points.iter().map(|(at, share)| (width * self.x.share(*at), height * (1.0 - share)));
-        let places: Vec<(f64, f64)> = places.collect();
-        let [Some(first), Some(last)] = [places.first(), places.last()] else {
+        let point = |(at, share): (f64, f64)| (width * self.x.share(at), height * (1.0 - share));
+        let points: Vec<_> = thinned(&curve.points).into_iter().map(point).collect();
+        let [Some(first), Some(last)] = [points.first(), points.last()] else {
             return String::new();
         };
-        format!("{}L{},{height}L{},{height}Z", path(&places), number(last.0), number(first.0))
+        format!("{}L{},{height}L{},{height}Z", path(&points), number(last.0), number(first.0))
     }
 
-    fn ticks(&self, stretch: Stretch) -> Markup {
+    fn ticks(&self, band: Band) -> Markup {
         let (width, height) = self.plot();
         let right = LEFT + width;
         let foot = TOP + height;
-        let middle = TOP + stretch.top + stretch.height / 2.0;
+        let middle = TOP + band.top + band.height / 2.0;
         html! {
             g class="ticks x" {
                 @for (value, label) in self.x.ticks() {
@@ -163,7 +154,7 @@ impl Figure {
             }
             g class="ticks y" {
                 @for (value, label) in self.y.ticks() {
-                    @let at = TOP + stretch.y(self.y.share(value));
+                    @let at = TOP + band.y(self.y.share(value));
                     line class="grid-line" x1=(LEFT) x2=(right) y1=(number(at)) y2=(number(at)) {}
                     text class="tick" x=(LEFT - 7.0) y=(number(at + 4.0)) text-anchor="end" { (label) }
                 }
@@ -175,6 +166,11 @@ impl Figure {
                 transform=(format!("translate(15 {}) rotate(-90)", number(middle))) { (self.y.title()) }
         }
     }
+}
+
+/// First and last number of an axis.
+fn range(axis: &Axis) -> String {
+    format!("{} {}", axis.range.start, axis.range.end)
 }
 
 /// The numbers that are written beside an axis.
@@ -189,46 +185,46 @@ pub(super) fn number(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// A line through all places; one that is not finite parts it.
-fn path(places: &[(f64, f64)]) -> String {
+/// A line through all points, interrupted at one that is not finite.
+fn path(points: &[(f64, f64)]) -> String {
     let mut text = String::new();
     let mut pen = 'M';
-    for (x, y) in places {
+    for (x, y) in points {
         if !(x.is_finite() && y.is_finite()) {
             pen = 'M';
             continue;
         }
-        // Far outside it is out of sight, and too large for some viewers.
+        // Some viewers fail on larger coordinates, which are out of sight.
         let y = y.clamp(-1e5, 1e5);
-        // Into a string nothing fails.
+        // Writing to a string cannot fail.
         let _ = write!(text, "{pen}{},{}", number(*x), number(y));
         pen = 'L';
     }
     text
 }
 
-/// A dot at each place.
-fn dots(places: &[(f64, f64)]) -> String {
-    let finite = places.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+/// A dot at each point.
+fn dots(points: &[(f64, f64)]) -> String {
+    let finite = points.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
     finite.map(|(x, y)| format!("M{},{}h0", number(*x), number(*y))).collect::<Vec<_>>().concat()
 }
 
-/// Stretches of x of which each keeps its lowest and its highest point: one for each pixel of a
+/// Bandes of x of which each keeps its lowest and its highest point: one for each pixel of a
 /// figure's width.
-const STRETCHES: usize = 680;
+const PARTS: usize = 680;
 
-/// The points that a figure can show of a line with ascending x: of each stretch the lowest and the
-/// highest, so that no peak is lost; all where there are few.
+/// The points that a figure shows of a line with ascending x: all if they are few, else the lowest and
+/// the highest of each part, so that no peak is lost.
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    if points.len() <= 2 * STRETCHES {
+    if points.len() <= 2 * PARTS {
         return points.to_vec();
     }
-    let mut kept = Vec::with_capacity(2 * STRETCHES + 2);
+    let mut kept = Vec::with_capacity(2 * PARTS + 2);
     kept.push(points[0]);
-    for stretch in points.chunks(points.len().div_ceil(STRETCHES)) {
+    for part in points.chunks(points.len().div_ceil(PARTS)) {
         let by_height = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let lowest = stretch.iter().min_by(by_height);
-        let highest = stretch.iter().max_by(by_height);
+        let lowest = part.iter().min_by(by_height);
+        let highest = part.iter().max_by(by_height);
         let mut both: Vec<(f64, f64)> = lowest.into_iter().chain(highest).copied().collect();
         both.sort_by(|a, b| a.0.total_cmp(&b.0));
         kept.extend(both);
@@ -249,7 +245,7 @@ mod tests {
         points[54_321].1 = 7.0;
         points[54_322].1 = -9.0;
         let kept = thinned(&points);
-        assert!(kept.len() <= 2 * STRETCHES + 2, "{}", kept.len());
+        assert!(kept.len() <= 2 * PARTS + 2, "{}", kept.len());
         assert!(kept.windows(2).all(|pair| pair[0].0 < pair[1].0));
         assert_eq!((kept[0], kept[kept.len() - 1]), (points[0], points[99_999]));
         assert!(kept.contains(&points[54_321]) && kept.contains(&points[54_322]));

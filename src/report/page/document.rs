@@ -1,14 +1,14 @@
-//! What every page has: head, contents, figures, inputs.
+//! The parts that every page has: head, contents, figures, inputs.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::report::chart::{Figure, Figures};
+use crate::report::chart::{Figure, FigureTable, Figures};
 use crate::result::Origin;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// What every page has around its sections; `data` is what the animation plays.
+/// A whole page; `data` is the JSON that the animation plays.
 pub(super) fn document(
     title: &str,
     origin: &Markup,
@@ -34,7 +34,12 @@ pub(super) fn document(
                 nav class="contents" aria-label="Contents" {
                     ul { @for section in sections { li { a href=(format!("#{}", section.id)) { (section.name) } } } }
                 }
-                main { @for section in sections { (section.content) } }
+                main { @for section in sections {
+                    section id=(section.id) class=[section.class] {
+                        h2 { (section.heading) }
+                        (section.content)
+                    }
+                } }
                 footer {
                     p {
                         "Made by flexlink " (env!("CARGO_PKG_VERSION")) " from the files of the result, \
@@ -56,10 +61,20 @@ pub(super) fn document(
     }
 }
 
+/// A part of a page, which the contents link to.
 pub(super) struct Section {
     pub(super) id: &'static str,
+    /// Its name in the contents.
     pub(super) name: &'static str,
+    pub(super) heading: &'static str,
+    pub(super) class: Option<&'static str>,
     pub(super) content: Markup,
+}
+
+impl Section {
+    pub(super) fn new(id: &'static str, name: &'static str, content: Markup) -> Self {
+        Self { id, name, heading: name, class: None, content }
+    }
 }
 
 /// Program, command and files.
@@ -68,63 +83,55 @@ pub(super) fn made_by(origin: &Origin) -> Markup {
     html! { "flexlink " (origin.version) " " (origin.command) " · " (files.join(", ")) }
 }
 
-pub(super) fn figures_section(figures: &Figures, note: &str) -> Markup {
+/// A table that scrolls sideways where the page is narrow.
+pub(super) fn table<T: AsRef<str>>(head: &[T], rows: &Markup) -> Markup {
     html! {
-        section id="figures" {
-            h2 { "Figures" }
-            @if !note.is_empty() { p { (note) } }
-            @for figure in &figures.drawn { (figure_markup(figure)) }
-            @if !figures.omitted.is_empty() {
-                p { "Not shown:" }
-                ul { @for why in &figures.omitted { li { (why) } } }
-            }
-        }
+        div class="scroll" { table {
+            thead { tr { @for head in head { th scope="col" { (head.as_ref()) } } } }
+            tbody { (rows) }
+        } }
     }
 }
 
+pub(super) fn figures_section(figures: &Figures, note: &str) -> Section {
+    let content = html! {
+        @if !note.is_empty() { p { (note) } }
+        @for figure in &figures.drawn { (figure_markup(figure)) }
+        @if !figures.omitted.is_empty() {
+            p { "Not shown:" }
+            ul { @for why in &figures.omitted { li { (why) } } }
+        }
+    };
+    Section::new("figures", "Figures", content)
+}
+
 fn figure_markup(figure: &Figure) -> Markup {
-    let table = figure.table();
+    let FigureTable { head, rows } = figure.table();
+    let cells = html! { @for row in &rows { tr { @for cell in row { td { (cell) } } } } };
     html! {
         figure class="chart" id=(format!("fig-{}", figure.id)) {
             h3 { (figure.title) }
             (figure.svg())
             figcaption { (figure.caption) }
-            @if !table.rows.is_empty() {
-                details {
-                    summary { "Numbers" }
-                    div class="scroll" { table {
-                        thead { tr { @for head in &table.head { th scope="col" { (head) } } } }
-                        tbody { @for row in &table.rows { tr { @for cell in row { td { (cell) } } } } }
-                    } }
-                }
-            }
+            @if !rows.is_empty() { details { summary { "Numbers" } (table(&head, &cells)) } }
         }
     }
 }
 
-/// What went in: files with their hashes, and arguments that changed them.
-pub(super) fn inputs(origin: &Origin) -> Markup {
-    html! {
-        section id="inputs" {
-            h2 { "Inputs" }
-            div class="scroll" {
-                table {
-                    thead { tr { th scope="col" { "input" } th scope="col" { "file" } th scope="col" { "SHA-256" } } }
-                    tbody {
-                        @for input in &origin.inputs {
-                            tr {
-                                th scope="row" { (input.role) } td { (input.name) }
-                                td { code { (input.sha256) } }
-                            }
-                        }
-                    }
-                }
-            }
-            @if !origin.arguments.is_empty() {
-                p { "Arguments " code { (command_line(&origin.arguments)) } }
-            }
+/// Input files with their hashes, and the arguments of the run.
+pub(super) fn inputs(origin: &Origin) -> Section {
+    let files = html! {
+        @for input in &origin.inputs {
+            tr { th scope="row" { (input.role) } td { (input.name) } td { code { (input.sha256) } } }
         }
-    }
+    };
+    let content = html! {
+        (table(&["input", "file", "SHA-256"], &files))
+        @if !origin.arguments.is_empty() {
+            p { "Arguments " code { (command_line(&origin.arguments)) } }
+        }
+    };
+    Section::new("inputs", "Inputs", content)
 }
 
 /// Arguments as a shell reads them.

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::document::{Section, document, figures_section, inputs, made_by};
+use super::document::{Section, document, figures_section, inputs, made_by, table};
 use super::link::{given, link_drawing, motion_data};
 use crate::link::{Link, Segment};
 use crate::numeric::significant;
@@ -17,72 +17,61 @@ pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
     };
     let view = View::of(run);
     let data = motion_data(&view);
-    let told = made_by(origin);
     let mut sections = Vec::new();
     if !run.warnings.is_empty() {
-        sections.push(Section {
-            id: "warnings",
-            name: "Warnings",
-            content: warnings(&run.warnings),
-        });
+        let class = Some("warnings");
+        let content = warnings(&run.warnings);
+        sections.push(Section { class, ..Section::new("warnings", "Warnings", content) });
     }
     if !run.remarks.is_empty() {
-        sections.push(Section { id: "remarks", name: "Remarks", content: remarks(&run.remarks) });
+        sections.push(Section::new("remarks", "Remarks", remarks(&run.remarks)));
     }
-    sections.push(Section { id: "link", name: "Link and results", content: link_section(run) });
+    sections.push(Section::new("link", "Link and results", link_section(run)));
     if !run.checks.is_empty() {
-        sections.push(Section { id: "checks", name: "Verification", content: checks(&run.checks) });
+        sections.push(Section::new("checks", "Verification", checks(&run.checks)));
     }
     if data.is_some() {
-        sections.push(Section { id: "animation", name: "Motion", content: animation() });
+        let (heading, class) = ("The link in motion", Some("needs-script"));
+        let section = Section::new("animation", "Motion", animation());
+        sections.push(Section { heading, class, ..section });
     }
     let (from, until) = view.span_s();
-    let (first, last) = (run.times_s[0], run.times_s[run.times_s.len() - 1]);
+    let [from, until, first, last] =
+        [from, until, run.times_s[0], run.times_s[run.times_s.len() - 1]].map(|t| given(t, ""));
     let note = format!(
-        "Over time the figures show {} … {} s of the {} … {} s that were computed.",
-        given(from, ""),
-        given(until, ""),
-        given(first, ""),
-        given(last, "")
+        "Over time the figures show {from} … {until} s of the {first} … {last} s that were computed."
     );
-    sections.push(Section {
-        id: "figures",
-        name: "Figures",
-        content: figures_section(figures, &note),
-    });
-    sections.push(Section { id: "inputs", name: "Inputs", content: inputs(origin) });
-    document(title, &told, &sections, data.as_deref())
+    sections.push(figures_section(figures, &note));
+    sections.push(inputs(origin));
+    document(title, &made_by(origin), &sections, data.as_deref())
 }
 
 fn link_section(run: &StoredRun) -> Markup {
     html! {
-        section id="link" {
-            h2 { "Link and results" }
-            figure class="drawing" {
-                (link_drawing(&run.link))
-                figcaption { "Lengths are to scale; thickness grows with the cube root of the bending stiffness, \
-                    a dot with that of its mass, up to a limit." }
-            }
-            div class="columns" { (readings(run)) (link_readings(&run.link)) }
+        figure class="drawing" {
+            (link_drawing(&run.link))
+            figcaption { "Lengths are to scale; thickness grows with the cube root of the bending stiffness, \
+                a dot with that of its mass, up to a limit." }
+        }
+        div class="columns" {
+            (readings("Results", &results(run)))
+            (readings("Link", &link_readings(&run.link)))
         }
     }
 }
 
 fn animation() -> Markup {
     html! {
-        section id="animation" class="needs-script" {
-            h2 { "The link in motion" }
-            figure class="stage" {
-                svg id="stage" role="img" aria-label="The link seen from above while it moves"
-                    viewBox="0 0 760 420" {}
-                figcaption id="stage-caption" {}
-            }
-            div class="controls" {}
+        figure class="stage" {
+            svg id="stage" role="img" aria-label="The link seen from above while it moves"
+                viewBox="0 0 760 420" {}
+            figcaption id="stage-caption" {}
         }
+        div class="controls" {}
     }
 }
 
-/// Units by the end of a name, the longer before what it ends in.
+/// Units by the suffix of a name; a longer suffix stands before one that it ends in.
 const UNITS: [(&str, &str); 15] = [
     ("_n_m_s_rad", "N m s/rad"),
     ("_kg_m2", "kg m²"),
@@ -101,7 +90,7 @@ const UNITS: [(&str, &str); 15] = [
     ("_w", "W"),
 ];
 
-/// What a name such as `peak_torque_n_m` says: words and a unit.
+/// Words and unit of a name such as `peak_torque_n_m`.
 fn words_and_unit(name: &str) -> (String, &'static str) {
     let found = UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit)));
     let (words, unit) = found.unwrap_or((name, ""));
@@ -113,23 +102,29 @@ fn amount(value: f64, unit: &str) -> String {
     format!("{} {unit}", significant(value, 4).replace('-', "−")).trim_end().to_owned()
 }
 
-/// The numbers of the summary.
-fn readings(run: &StoredRun) -> Markup {
+/// A table of names and values.
+fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
     html! {
         table class="readings" {
-            caption { "Results" }
+            caption { (caption) }
             tbody {
-                @for (name, value) in &run.readings {
-                    @let (words, unit) = words_and_unit(name);
-                    tr { th scope="row" { (words) } td { (amount(*value, unit)) } }
-                }
+                @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } }
             }
         }
     }
 }
 
-/// What the link is made of.
-fn link_readings(link: &Link) -> Markup {
+/// The numbers of the summary.
+fn results(run: &StoredRun) -> Vec<(String, String)> {
+    let row = |(name, value): &(String, f64)| {
+        let (words, unit) = words_and_unit(name);
+        (words, amount(*value, unit))
+    };
+    run.readings.iter().map(row).collect()
+}
+
+/// The parts of the link.
+fn link_readings(link: &Link) -> Vec<(String, String)> {
     let payload = link.payload();
     let hub = link.hub();
     let mut rows = vec![
@@ -159,14 +154,7 @@ fn link_readings(link: &Link) -> Markup {
         rows.push(("payload".to_owned(), words));
     }
     rows.push(("damping".to_owned(), link.damping().name().to_owned()));
-    html! {
-        table class="readings" {
-            caption { "Link" }
-            tbody {
-                @for (name, value) in &rows { tr { th scope="row" { (name) } td { (value) } } }
-            }
-        }
-    }
+    rows
 }
 
 fn segment_words(segment: &Segment) -> String {
@@ -194,60 +182,36 @@ fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
 /// Every warning and what to do about it.
 fn warnings(warnings: &[StoredWarning]) -> Markup {
     html! {
-        section id="warnings" class="warnings" {
-            h2 { "Warnings" }
-            ul {
-                @for warning in warnings {
-                    li { strong { (warning.message) } " " span class="hint" { "What helps: " (warning.hint) "." } }
-                }
-            }
-        }
+        ul { @for StoredWarning { message, hint } in warnings {
+            li { strong { (message) } " " span class="hint" { "What helps: " (hint) "." } }
+        } }
     }
 }
 
 /// Every remark and what to do about it.
 fn remarks(remarks: &[StoredWarning]) -> Markup {
     html! {
-        section id="remarks" {
-            h2 { "Remarks" }
-            ul {
-                @for remark in remarks {
-                    li { (remark.message) " " span class="hint" { "What helps: " (remark.hint) "." } }
-                }
-            }
-        }
+        ul { @for StoredWarning { message, hint } in remarks {
+            li { (message) " " span class="hint" { "What helps: " (hint) "." } }
+        } }
     }
 }
 
 /// The table of `verify`.
 fn checks(checks: &[StoredCheck]) -> Markup {
-    html! {
-        section id="checks" {
-            h2 { "Verification" }
-            p { "The answer, measured by other means." }
-            div class="scroll" {
-                table {
-                    thead { tr {
-                        th scope="col" { "check" } th scope="col" { "found" } th scope="col" { "at most" }
-                        th scope="col" { "of" } th scope="col" { "verdict" }
-                    } }
-                    tbody {
-                        @for check in checks {
-                            tr {
-                                th scope="row" { (check.what) }
-                                @match &check.outcome {
-                                    Ok((found, bound)) => {
-                                        td { (significant(*found, 2)) } td { (significant(*bound, 2)) }
-                                    }
-                                    Err(reason) => td colspan="2" { "not measured: " (reason) },
-                                }
-                                td { (check.of) }
-                                @if check.passes { td class="pass" { "holds" } } @else { td class="fail" { "fails" } }
-                            }
-                        }
-                    }
-                }
+    let rows = html! {
+        @for check in checks { tr {
+            th scope="row" { (check.what) }
+            @match &check.outcome {
+                Ok((found, bound)) => { td { (significant(*found, 2)) } td { (significant(*bound, 2)) } }
+                Err(reason) => td colspan="2" { "not measured: " (reason) },
             }
-        }
+            td { (check.of) }
+            @if check.passes { td class="pass" { "holds" } } @else { td class="fail" { "fails" } }
+        } }
+    };
+    html! {
+        p { "The answer, measured by other means." }
+        (table(&["check", "found", "at most", "of", "verdict"], &rows))
     }
 }

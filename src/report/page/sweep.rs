@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::document::{Section, document, figures_section, inputs, made_by};
+use super::document::{Section, document, figures_section, inputs, made_by, table};
 use crate::compare::Cell;
 use crate::numeric::significant;
 use crate::report::Figures;
@@ -15,26 +15,23 @@ pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
     let cases = sweep.table.lines.len();
     let varied: Vec<&str> = sweep.table.names().take(sweep.varied).collect();
     let title = format!("Sweep over {}", varied.join(" and "));
-    let told = html! {
+    let origin = html! {
         @if let Some(origin) = &sweep.origin { (made_by(origin)) " · " }
         (sweep.name) " · " (cases) @if cases == 1 { " case" } @else { " cases" }
     };
     let mut sections = Vec::new();
     let kinds = Kinds::of(sweep);
     if !kinds.0.is_empty() {
-        let content = warnings_section(&kinds, cases);
-        sections.push(Section { id: "warnings", name: "Warnings", content });
+        let section = Section::new("warnings", "Warnings", warnings(&kinds, cases));
+        sections.push(Section { class: Some("warnings"), ..section });
     }
-    let content = figures_section(figures, "");
-    sections.push(Section { id: "figures", name: "Figures", content });
-    sections.push(Section { id: "cases", name: "Cases", content: cases_section(sweep) });
-    if let Some(origin) = &sweep.origin {
-        sections.push(Section { id: "inputs", name: "Inputs", content: inputs(origin) });
-    }
-    document(&title, &told, &sections, None)
+    sections.push(figures_section(figures, ""));
+    sections.push(Section::new("cases", "Cases", cases_table(sweep)));
+    sections.extend(sweep.origin.as_ref().map(inputs));
+    document(&title, &origin, &sections, None)
 }
 
-/// What there is to warn of: each kind, of how many cases, and the number of the first, from 1.
+/// Kinds of warnings, each with the number of its cases and the row of the first, from 1.
 struct Kinds(Vec<(String, usize, usize)>);
 
 impl Kinds {
@@ -60,23 +57,18 @@ impl Kinds {
     }
 }
 
-fn warnings_section(kinds: &Kinds, cases: usize) -> Markup {
+fn warnings(kinds: &Kinds, cases: usize) -> Markup {
     html! {
-        section id="warnings" class="warnings" {
-            h2 { "Warnings" }
-            ul {
-                @for (kind, count, first) in &kinds.0 {
-                    li {
-                        strong { (kind) } " "
-                        span class="hint" { (count) " of " (cases) " cases, the first is row " (first) "." }
-                    }
-                }
+        ul { @for (kind, count, first) in &kinds.0 {
+            li {
+                strong { (kind) } " "
+                span class="hint" { (count) " of " (cases) " cases, the first is row " (first) "." }
             }
-        }
+        } }
     }
 }
 
-fn cases_section(sweep: &StoredSweep) -> Markup {
+fn cases_table(sweep: &StoredSweep) -> Markup {
     let cases = sweep.table.lines.len();
     let shown = cases.min(MOST_CASES);
     let cell = |column: usize, row: usize| match sweep.table.columns[column].cell(row) {
@@ -84,27 +76,21 @@ fn cases_section(sweep: &StoredSweep) -> Markup {
         Cell::Number(number) => significant(number, 5),
         Cell::Word(word) => word.to_owned(),
     };
+    let head: Vec<&str> = sweep.table.names().collect();
+    let rows = html! {
+        @for row in 0..shown { tr { @for column in 0..head.len() { td { (cell(column, row)) } } } }
+    };
     html! {
-        section id="cases" {
-            h2 { "Cases" }
-            p {
-                "The column " code { "warnings" } " holds the kinds of the warnings; their full text is in \
-                 summary.json of the case, which " code { "sweep --outputs" } " writes."
-                @if sweep.origin.is_none() {
-                    " No record lies beside the table, so link, motion and arguments are not known."
-                }
+        p {
+            "The column " code { "warnings" } " holds the kinds of the warnings; their full text is in \
+             summary.json of the case, which " code { "sweep --outputs" } " writes."
+            @if sweep.origin.is_none() {
+                " No record lies beside the table, so link, motion and arguments are not known."
             }
-            @if shown < cases {
-                p { "The first " (shown) " of " (cases) "; " (sweep.name) " holds all." }
-            }
-            div class="scroll" { table {
-                thead { tr { @for name in sweep.table.names() { th scope="col" { (name) } } } }
-                tbody {
-                    @for row in 0..shown {
-                        tr { @for column in 0..sweep.table.columns.len() { td { (cell(column, row)) } } }
-                    }
-                }
-            } }
         }
+        @if shown < cases {
+            p { "The first " (shown) " of " (cases) "; " (sweep.name) " holds all." }
+        }
+        (table(&head, &rows))
     }
 }

@@ -1,8 +1,8 @@
 //! The tables that `compare` prints.
 
 use flexlink::compare::{
-    ColumnComparison, Comparison, FileComparison, FileOutcome, Place, TableComparison, Unmatched,
-    Worst,
+    ColumnComparison, Comparison, FileComparison, FileOutcome, RowPlace, TableComparison,
+    Unmatched, Worst,
 };
 use flexlink::numeric::significant;
 use flexlink::store::GoldenChanges;
@@ -75,7 +75,7 @@ fn differences(table: &TableComparison) -> String {
 }
 
 fn unmatched(side: &str, rows: Unmatched, key: Option<&str>) -> String {
-    let Place { line, key: value } = rows.first;
+    let RowPlace { line, key: value } = rows.first;
     let at = key.zip(value).map(|(key, value)| format!("{key} = {value:?}, "));
     let which = if rows.count == 1 { "" } else { ", the first" };
     let (rows, at) = (counted(rows.count, "row"), at.unwrap_or_default());

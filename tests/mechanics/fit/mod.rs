@@ -191,7 +191,7 @@ fn a_limit_of_the_motor_holds_for_the_motors_torque() {
     let fit = fitted(&link, motor_torque(limit), motion).unwrap();
     assert_eq!(fit.steps, first_within(&peaks, limit));
     let binding = fit.binding.unwrap();
-    assert_eq!(binding.held.key, "motor_torque");
+    assert_eq!(binding.value.key, "motor_torque");
     assert!((binding.share() - motor_peak(&fit.solution) / limit).abs() < 1e-12);
     // The hub's share of 40 N m is reached by far faster motions: the rotor's inertia, seen through
     // the gear, is twice the link's.
@@ -212,7 +212,7 @@ fn of_two_limits_the_one_that_binds_is_told() {
         fitted(&link, limits, motion).unwrap().binding.unwrap()
     };
     let [tight, loose] = [both(1.0, 10.0), both(100.0, 0.1)];
-    assert_eq!((tight.held.key, loose.held.key), ("torque", "deflection"));
+    assert_eq!((tight.value.key, loose.value.key), ("torque", "deflection"));
     assert!(tight.share() <= 1.0 && tight.share() > 0.9 && loose.share() <= 1.0);
 }
 

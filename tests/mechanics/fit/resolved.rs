@@ -65,19 +65,19 @@ fn the_shortest_motion_keeps_its_limit_when_solved_more_finely_and_no_shorter_on
         let link = link(settings);
         let motion = open(profile, 0.5, 0.01);
         let Fit { steps, solution, binding, .. } = fitted(&link, limits, motion).unwrap();
-        let Reached { held, error } = binding.unwrap();
-        let found = closest(&limits, &finer(settings, motion, steps)).held.found;
-        let off = (found / held.found - 1.0).abs();
+        let Reached { value, error } = binding.unwrap();
+        let found = closest(&limits, &finer(settings, motion, steps)).value.found;
+        let off = (found / value.found - 1.0).abs();
         assert!(off <= TELLS * error + OF_THE_BAND, "{name}: {off:.1e} off, {error:.1e} claimed");
-        let most = held.limit * (1.0 + OF_THE_BAND);
-        assert!(found <= most, "{name}: {found} beyond {}", held.limit);
+        let most = value.limit * (1.0 + OF_THE_BAND);
+        assert!(found <= most, "{name}: {found} beyond {}", value.limit);
         assert!(closest(&limits, &solution).share() <= 1.0, "{name}");
         for shorter in [steps - 1, steps - 2] {
             let share = solved(&link, motion, shorter).map(|s| closest(&limits, &s).share());
             assert!(share.is_none_or(|share| share > 1.0), "{name}: {shorter} steps, {share:?}");
-            // Nor is it the error that keeps it out.
-            let found = closest(&limits, &finer(settings, motion, shorter)).held.found;
-            assert!(found > held.limit * (1.0 - 2.0 * error), "{name}: {shorter} steps, {found}");
+            // Its error does not exclude it either.
+            let found = closest(&limits, &finer(settings, motion, shorter)).value.found;
+            assert!(found > value.limit * (1.0 - 2.0 * error), "{name}: {shorter} steps, {found}");
         }
     }
 }
