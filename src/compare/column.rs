@@ -2,25 +2,25 @@ use super::pairing::Pairing;
 use super::table::{Cell, RowPlace, TableColumn};
 use super::tolerance::Tolerance;
 
-/// One column of EXPECTED held against that of ACTUAL.
+/// The comparison of one column of EXPECTED with that of ACTUAL.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnComparison {
     /// The heading.
     pub name: String,
     /// Largest absolute value of EXPECTED's finite numbers, in the column's unit.
     pub peak: f64,
-    /// What was asked of it; `None`: it was not compared.
+    /// Its tolerance; `None` if it was not compared.
     pub tolerance: Option<Tolerance>,
-    /// The field that differs most, the first of equals; `None` where all are the same.
+    /// The field that differs most, the first of equals; `None` if all are the same.
     pub worst: Option<Worst>,
-    /// Number of rows that differ by more than is allowed.
+    /// Number of rows beyond tolerance.
     pub rows_beyond: usize,
 }
 
 /// The field of a column that differs most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Worst {
-    /// Absolute difference in the column's unit; infinite where not both fields are finite numbers.
+    /// Absolute difference in the column's unit; infinite unless both fields are finite numbers.
     pub difference: f64,
     /// EXPECTED's row.
     pub expected: RowPlace,
@@ -38,12 +38,12 @@ impl ColumnComparison {
         self.tolerance.map(|tolerance| tolerance.allowed(self.peak))
     }
 
-    /// Whether a row is beyond tolerance.
+    /// True if a row is beyond tolerance.
     pub fn fails(&self) -> bool {
         self.rows_beyond > 0
     }
 
-    /// The largest difference as a share of the peak; 0 where there is none.
+    /// The largest difference relative to the peak; 0 if there is none.
     pub fn relative(&self) -> f64 {
         let difference = self.worst.as_ref().map_or(0.0, |worst| worst.difference);
         if difference == 0.0 { 0.0 } else { difference / self.peak }
@@ -66,7 +66,7 @@ struct Largest {
     actual: usize,
 }
 
-/// Compares a column that both sides have; `place` tells where the rows of a pair stand.
+/// Compares a column that both sides have; `place` returns the places of the rows of a pair.
 pub(super) fn compare_column(
     expected: &TableColumn,
     actual: &TableColumn,
@@ -80,7 +80,7 @@ pub(super) fn compare_column(
     let mut largest: Option<Largest> = None;
     for &(e, a) in &pairing.pairs {
         let difference = difference(expected.cell(e), actual.cell(a));
-        // No tolerance makes one word of another, not even an infinite one.
+        // Different words fail even with an infinite tolerance.
         rows_beyond += usize::from(difference > allowed || difference.is_infinite());
         if difference > largest.as_ref().map_or(0.0, |largest| largest.difference) {
             largest = Some(Largest { difference, expected: e, actual: a });
@@ -100,12 +100,12 @@ pub(super) fn compare_column(
     ColumnComparison { name, peak, tolerance: Some(tolerance), worst, rows_beyond }
 }
 
-/// Absolute difference of two fields: 0 for the same, infinite where one is no finite number.
+/// Absolute difference of two fields: 0 if equal, infinite if one is no finite number.
 fn difference(expected: Cell, actual: Cell) -> f64 {
     match (expected, actual) {
         (Cell::Number(e), Cell::Number(a)) if e.is_finite() && a.is_finite() => (e - a).abs(),
         (Cell::Number(e), Cell::Number(a)) if e.total_cmp(&a).is_eq() => 0.0,
-        // The sign of a NaN is an accident of the processor.
+        // The sign of a NaN depends on the processor.
         (Cell::Number(e), Cell::Number(a)) if e.is_nan() && a.is_nan() => 0.0,
         (Cell::Word(e), Cell::Word(a)) if e == a => 0.0,
         _ => f64::INFINITY,

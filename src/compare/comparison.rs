@@ -3,16 +3,16 @@ use super::pairing::{Pairing, key};
 use super::table::{RowPlace, Table, TableColumn};
 use super::tolerance::{ColumnRule, Rule, Tolerances};
 
-/// Rows that one side has alone.
+/// Rows that only one side has.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unmatched {
-    /// How many, above 0.
+    /// Their number, above 0.
     pub count: usize,
     /// The first of them.
     pub first: RowPlace,
 }
 
-/// Two tables held against each other.
+/// The comparison of two tables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableComparison {
     /// Name of the column that rows were matched by; `None`: by their number.
@@ -22,18 +22,18 @@ pub struct TableComparison {
     /// The columns that both sides have, and those of either that are not compared, in the order of
     /// EXPECTED, then of ACTUAL.
     pub columns: Vec<ColumnComparison>,
-    /// Names of columns that EXPECTED has alone.
+    /// Names of columns that only EXPECTED has.
     pub columns_expected: Vec<String>,
-    /// Names of columns that ACTUAL has alone.
+    /// Names of columns that only ACTUAL has.
     pub columns_actual: Vec<String>,
-    /// Rows that EXPECTED has alone.
+    /// Rows that only EXPECTED has.
     pub rows_expected: Option<Unmatched>,
-    /// Rows that ACTUAL has alone.
+    /// Rows that only ACTUAL has.
     pub rows_actual: Option<Unmatched>,
 }
 
 impl TableComparison {
-    /// Whether the two are the same within tolerance.
+    /// True if the two are the same within tolerance.
     pub fn is_equal(&self) -> bool {
         let complete = self.columns_expected.is_empty() && self.columns_actual.is_empty();
         let matched = self.rows_expected.is_none() && self.rows_actual.is_none();
@@ -48,10 +48,10 @@ impl TableComparison {
     }
 }
 
-/// Holds two tables, called `file`, against each other.
+/// Compares two tables that the rules know as `file`.
 ///
-/// Rows are matched by EXPECTED's first column where both sides have it, it is not ignored and
-/// increases on both; otherwise by their number. The order of columns does not matter.
+/// Rows are matched by EXPECTED's first column if both sides have it, it is not ignored and increases
+/// on both; otherwise by their number. The order of columns does not matter.
 pub fn compare_tables(
     file: &str,
     expected: &Table,
@@ -81,7 +81,7 @@ pub fn compare_tables(
         let missing = |name: &&str| other.column(name).is_none();
         side.names().filter(missing).filter(compared).map(str::to_owned).collect()
     };
-    // Rows of a table of which nothing is compared are nobody's concern.
+    // If no column is compared, missing rows do not count.
     let any = expected.names().chain(actual.names()).any(|name| compared(&name));
     let unmatched = |rows: &[usize], place: &dyn Fn(usize) -> RowPlace| {
         let first = rows.first().filter(|_| any)?;
@@ -128,23 +128,23 @@ fn ignored(column: &TableColumn) -> ColumnComparison {
 pub struct FileComparison {
     /// Path from the folders that are compared, with slashes.
     pub name: String,
-    /// What was found.
+    /// The result.
     pub outcome: FileOutcome,
 }
 
-/// What was found of one file.
+/// The result for one file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FileOutcome {
     /// Both sides have it.
     Compared(TableComparison),
-    /// EXPECTED alone has it, with these columns.
+    /// Only EXPECTED has it, with these columns.
     OnlyExpected(Vec<String>),
-    /// ACTUAL alone has it, with these columns.
+    /// Only ACTUAL has it, with these columns.
     OnlyActual(Vec<String>),
 }
 
 impl FileComparison {
-    /// Whether both sides have it, the same within tolerance.
+    /// True if both sides have it, the same within tolerance.
     pub fn is_equal(&self) -> bool {
         matches!(&self.outcome, FileOutcome::Compared(table) if table.is_equal())
     }
@@ -164,7 +164,7 @@ impl FileComparison {
     }
 }
 
-/// All files of two sides held against each other.
+/// The comparison of all files of two sides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// The files, in the order of their names.
@@ -174,12 +174,12 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Whether nothing differs beyond tolerance.
+    /// True if nothing differs beyond tolerance.
     pub fn is_equal(&self) -> bool {
         self.files.iter().all(FileComparison::is_equal)
     }
 
-    /// The entries that name no column of any file.
+    /// The rules that name no column of any file.
     pub fn idle<'a>(&self, tolerances: &'a Tolerances) -> Vec<&'a ColumnRule> {
         let files: Vec<_> = self.files.iter().map(|file| (&file.name, file.columns())).collect();
         let is_idle = |entry: &&ColumnRule| {

@@ -1,7 +1,7 @@
-//! Two tables, or two sets of them, held against each other column by column.
+//! Comparison of two tables, or of two sets of them, column by column.
 //!
-//! EXPECTED is the one that is right, ACTUAL the one in question. A number may differ by
-//! `atol + rtol × the column's peak in EXPECTED`, everything else not at all.
+//! EXPECTED is the reference, ACTUAL the table to check. A number may differ by
+//! `atol + rtol × the column's peak in EXPECTED`; everything else must be equal.
 
 mod column;
 mod comparison;

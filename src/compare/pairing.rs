@@ -1,7 +1,7 @@
 use super::table::{Table, TableColumn};
 
-/// Share of the step to the nearest row by which the keys of one row may be apart: rounding moves a
-/// time by far less, another step by far more.
+/// Largest difference of the keys of one row, relative to the distance of the nearest row: rounding
+/// moves a time by far less, another step by far more.
 const KEY_SHARE: f64 = 1e-3;
 
 /// Which row of EXPECTED belongs to which row of ACTUAL.
@@ -9,9 +9,9 @@ const KEY_SHARE: f64 = 1e-3;
 pub(super) struct Pairing {
     /// Rows of EXPECTED and ACTUAL, in order.
     pub(super) pairs: Vec<(usize, usize)>,
-    /// Rows of EXPECTED alone, in order.
+    /// Rows that only EXPECTED has, in order.
     pub(super) expected: Vec<usize>,
-    /// Rows of ACTUAL alone, in order.
+    /// Rows that only ACTUAL has, in order.
     pub(super) actual: Vec<usize>,
 }
 
@@ -59,7 +59,7 @@ impl Pairing {
     }
 }
 
-/// Distance of a key to the nearer of its neighbours; infinite where it stands alone.
+/// Distance of a key to its nearest neighbour; infinite for a single key.
 fn gap(keys: &[f64], row: usize) -> f64 {
     let before = if row > 0 { keys[row] - keys[row - 1] } else { f64::INFINITY };
     let after = keys.get(row + 1).map_or(f64::INFINITY, |next| next - keys[row]);

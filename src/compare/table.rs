@@ -19,17 +19,17 @@ impl Table {
     }
 }
 
-/// One column: numbers, and the words that stand where there is none.
+/// One column of numbers and words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableColumn {
     name: String,
-    /// One a row; NaN where a word stands.
+    /// One per row; NaN where a word stands.
     numbers: Vec<f64>,
     /// Row and text, in the order of the rows; an empty field is an empty word.
     words: Vec<(usize, String)>,
 }
 
-/// What stands in one field of a table.
+/// The content of one field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cell<'a> {
     /// A number, which may be NaN or infinite.
@@ -38,7 +38,7 @@ pub enum Cell<'a> {
     Word(&'a str),
 }
 
-/// Where a row stands.
+/// The place of a row in its file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RowPlace {
     /// Line of the file, from 1.
@@ -69,7 +69,7 @@ impl TableColumn {
         &self.name
     }
 
-    /// What stands in a row of the table, from 0.
+    /// The content of a row, counted from 0.
     pub fn cell(&self, row: usize) -> Cell<'_> {
         let number = self.numbers[row];
         if !number.is_nan() {
@@ -86,7 +86,7 @@ impl TableColumn {
         self.numbers[row]
     }
 
-    /// What stands in a row, as text.
+    /// The content of a row as text.
     pub fn text(&self, row: usize) -> String {
         match self.cell(row) {
             Cell::Number(number) => number.to_string(),
@@ -100,7 +100,7 @@ impl TableColumn {
         finite.fold(0.0, f64::max)
     }
 
-    /// Its numbers, if there is a finite one in every row and each is above the one before it.
+    /// Its numbers, if all are finite and each is above the one before.
     pub(super) fn increasing(&self) -> Option<&[f64]> {
         let finite = self.numbers.iter().all(|number| number.is_finite());
         let rising = self.numbers.windows(2).all(|pair| pair[0] < pair[1]);

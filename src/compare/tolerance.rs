@@ -1,9 +1,9 @@
 use wildmatch::WildMatch;
 
-/// How far a number may be from the expected one.
+/// Largest difference of a number from the expected one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Share of the column's peak.
+    /// Relative to the column's peak.
     pub rtol: f64,
     /// In the column's own unit.
     pub atol: f64,
@@ -22,30 +22,30 @@ impl Tolerance {
     }
 }
 
-/// What is asked of one column.
+/// How a column is compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
-    /// Nothing: it is not compared and need not be there.
+    /// It is not compared and may be missing.
     Ignore,
-    /// To be within a tolerance.
+    /// Within a tolerance.
     Within(Tolerance),
 }
 
-/// What an entry says of the columns that it names.
+/// What a rule changes for the columns that it names.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
     /// They are not compared.
     Ignore,
-    /// They have a tolerance of their own; a part that is `None` stays the general one.
+    /// They have another tolerance; a part that is `None` stays general.
     Tolerance {
-        /// Share of the column's peak.
+        /// Relative to the column's peak.
         rtol: Option<f64>,
         /// In the column's own unit.
         atol: Option<f64>,
     },
 }
 
-/// Columns by name, and what holds for them.
+/// Columns by pattern, and what changes for them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnRule {
     /// Where it was written, for messages.
@@ -54,19 +54,19 @@ pub struct ColumnRule {
     pub file: Option<String>,
     /// Pattern of the column's name.
     pub column: String,
-    /// What holds for them.
+    /// What changes for them.
     pub change: Change,
 }
 
 impl ColumnRule {
-    /// Whether it speaks of this column of the file with this path, whose folders end in slashes.
+    /// True if it names this column of the file with this path, whose folders end in slashes.
     ///
     /// In patterns `*` stands for any text and `?` for one character.
     pub fn names(&self, file: &str, column: &str) -> bool {
         self.is_of(file) && WildMatch::new(&self.column).matches(column)
     }
 
-    /// Whether it speaks of columns of the file with this path.
+    /// True if it names columns of the file with this path.
     pub fn is_of(&self, file: &str) -> bool {
         self.file.as_deref().is_none_or(|pattern| {
             let name = file.rsplit('/').next().unwrap_or(file);
@@ -75,17 +75,17 @@ impl ColumnRule {
     }
 }
 
-/// What is asked of every column.
+/// The tolerances of all columns.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tolerances {
-    /// Where no entry says otherwise.
+    /// For columns that no rule names.
     pub general: Tolerance,
-    /// Exceptions; of those that name a column the last holds.
+    /// Exceptions; of several that name a column the last one counts.
     pub entries: Vec<ColumnRule>,
 }
 
 impl Tolerances {
-    /// What is asked of a column.
+    /// How a column is compared.
     pub fn rule(&self, file: &str, column: &str) -> Rule {
         let general = self.general;
         match self.entries.iter().rfind(|entry| entry.names(file, column)) {

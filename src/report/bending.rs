@@ -6,36 +6,36 @@ use crate::beam::Mesh;
 use crate::numeric::{largest, significant};
 use crate::result::{StoredNodes, StoredRun};
 
-/// Times of a map that a figure can show; accelerations are taken over no longer steps than these.
+/// Columns of the map, one for each pixel; the step of accelerations is at most one column.
 pub(super) const COLUMNS: usize = 680;
 
-/// Fewest nodes from which moments are made.
+/// Fewest nodes from which moments are estimated.
 const FEWEST: usize = 5;
 
-/// Largest step of the accelerations, over the first period.
+/// Largest step of the accelerations, relative to the period of the first mode.
 const COARSEST: f64 = 0.05;
 
-/// How far the largest moment at the root may be off what the summary says of it.
+/// Largest relative difference of the estimated root moment from that of the summary.
 const TRUSTED: f64 = 0.1;
 
-/// Bending moments in N m, and where they are from.
+/// Bending moments in N m.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Moments {
-    /// At the nodes and times of what they are made from.
+    /// At the nodes and times of the displacements, or as written.
     pub(super) nodes: StoredNodes,
-    /// Whether the run wrote them; estimated otherwise.
+    /// True if the run wrote them, false if they are estimated.
     pub(super) is_written: bool,
 }
 
-/// The bending moments written, or those that the displacements written ask for: what lies outboard
-/// of a node is accelerated by force and moment there.
+/// The bending moments that the run wrote, or those estimated from its displacements: force and moment
+/// at a node accelerate all that lies outboard of it.
 ///
 /// ```text
 /// m(x) = ∫ₓᴸ m̄ (s − x) v̈ ds + Σ [m (x_m − x) v̈ + J φ̈] + payload     (d'Alembert; v of Bayo 1987, eq 1)
 /// ```
 ///
-/// v̈ from second differences over time, linear between nodes: for colours, not for design. None
-/// where the nodes, the moments or the digits written do not suffice.
+/// v̈ is taken from second differences over time and is linear between nodes: exact enough for colours,
+/// not for design. None if nodes, times or digits do not suffice.
 pub(super) fn bending_moments(view: &View) -> Option<Moments> {
     let run = view.run;
     if let Some(nodes) = run.moments_n_m.clone().filter(|nodes| nodes.times_s.len() > 1) {
@@ -66,7 +66,7 @@ pub(super) fn bending_moments(view: &View) -> Option<Moments> {
     is_right.then_some(Moments { nodes, is_written: false })
 }
 
-/// Length in m and mass in kg between two neighbours of the nodes written.
+/// Length in m and mass in kg between two neighbouring nodes.
 struct Interval {
     length_m: f64,
     mass_kg: f64,
@@ -83,7 +83,7 @@ impl Interval {
     }
 }
 
-/// v̈ in m/s² of every node written, at one time.
+/// v̈ in m/s² of every node at one time.
 fn accelerations(
     run: &StoredRun,
     nodes: &StoredNodes,
@@ -121,7 +121,7 @@ fn moments(run: &StoredRun, nodes: &StoredNodes, intervals: &[Interval], a: &[f6
     let mut found = Vec::with_capacity(a.len());
     for k in (0..=tip).rev() {
         if let Some(Interval { length_m, mass_kg }) = intervals.get(k) {
-            // A load that is linear between the two nodes.
+            // The load is linear between the two nodes.
             moment += force * length_m + mass_kg * length_m * (a[k] / 6.0 + a[k + 1] / 3.0);
             force += mass_kg * (a[k] + a[k + 1]) / 2.0;
         }
@@ -134,11 +134,11 @@ fn moments(run: &StoredRun, nodes: &StoredNodes, intervals: &[Interval], a: &[f6
     found
 }
 
-/// Rows of a map: the link's length is cut into so many.
+/// Rows of the map, evenly along the link.
 pub(super) const ROWS: usize = 120;
 
-/// What runs along the link: the bending moment, or the deflection where the displacements written
-/// are too few for it.
+/// Waves along the link: the bending moment, or the deflection if too few displacements were written
+/// for it.
 pub(super) fn waves(view: &View) -> Result<Figure, String> {
     let (name, what, nodes) = match (bending_moments(view), view.deflections()) {
         (Some(Moments { nodes, is_written: true }), _) => ("moment", "bending moment", nodes),
@@ -178,8 +178,7 @@ pub(super) fn waves(view: &View) -> Result<Figure, String> {
     Ok(Figure { caption, map: Some(map), strip: Some((tip, above)), marks, ..base })
 }
 
-/// A map over the time shown, linear between the moments and the nodes written, and its axis along
-/// the link.
+/// A map over the time shown, linear between times and between nodes, and its axis along the link.
 fn map(view: &View, nodes: &StoredNodes, name: &str) -> (ColourMap, Axis) {
     let (from_s, until_s) = view.span_s();
     let column = |k: usize| from_s + (until_s - from_s) * (k as f64 + 0.5) / COLUMNS as f64;
@@ -206,7 +205,7 @@ fn map(view: &View, nodes: &StoredNodes, name: &str) -> (ColourMap, Axis) {
     (map, Axis::linear("x", "m", first_m..last_m))
 }
 
-/// A place between two of ascending numbers.
+/// Linear interpolation between two of ascending numbers.
 struct Interpolation {
     before: usize,
     share: f64,
@@ -225,7 +224,7 @@ impl Interpolation {
     }
 }
 
-/// Square root, with its sign, of what happens at a place over the largest there.
+/// Signed square root of each value relative to the largest.
 fn over_largest(mut values: Vec<f64>) -> Vec<f64> {
     let peak = largest(&values);
     if peak > 0.0 {

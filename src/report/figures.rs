@@ -1,4 +1,4 @@
-//! Figures of a result; of a run those over time: figures 3 to 9 of the paper, for this link.
+//! All figures of a result, and those of a run over time: figures 3 to 9 of the paper for this link.
 
 use std::fmt::Write as _;
 
@@ -83,7 +83,7 @@ fn torque(view: &View) -> Figure {
         let rigid = &solved.rigid_torque_n_m;
         curves.push(view.curve("rigid link", Stroke::Dashed(2), rigid));
         let rigid = significant(largest(rigid), 4);
-        // Into a string nothing fails.
+        // Writing to a string cannot fail.
         let _ = write!(caption, " Were the link rigid, it would be {rigid} N m (figures 5 and 7).");
         if let Some(motor) = &solved.motor_torque_n_m {
             curves.push(view.curve("motor", Stroke::Solid(4), motor));
@@ -99,7 +99,7 @@ fn torque(view: &View) -> Figure {
     }
 }
 
-/// When the torque acts beside the motion.
+/// When the torque begins and ends relative to the motion.
 fn timing_words(solved: &StoredSolution) -> String {
     let StoredSolution { lead_s, lag_s, .. } = *solved;
     let size = |seconds: f64| significant(seconds.abs(), 3);
@@ -141,10 +141,9 @@ fn hub(view: &View) -> Figure {
     }
 }
 
-/// Tip of the link when the rigid link's torque is played on it; why there is no such figure, where
-/// there is none.
+/// The tip when the rigid link's torque is played on the flexible link (figures 8 and 9).
 ///
-/// Nothing where the run was not asked for a motion.
+/// None for a run without a wanted motion; `Err` says why the figure cannot be drawn.
 fn tip_under_rigid_torque(view: &View) -> Option<Result<Figure, String>> {
     let solved = view.run.solved.as_ref()?;
     let why = |error: String| format!("the tip under the rigid link's torque, since {error}");

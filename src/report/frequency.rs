@@ -13,7 +13,7 @@ use crate::result::StoredRun;
 /// Frequencies that are drawn.
 const POINTS: usize = 900;
 
-/// Modes and zeros that are marked at most.
+/// Most modes and zeros that are marked.
 const MARKED: usize = 8;
 
 /// Decades of the motion's spectrum that are shown.
@@ -40,7 +40,7 @@ impl MotionSpectrum {
         }
     }
 
-    /// Frequency in Hz above which nothing is left that is shown.
+    /// Highest frequency in Hz at which the spectrum is within the decades shown.
     fn last_shown_hz(&self) -> f64 {
         let shown = |share: &f64| *share > libm::pow(10.0, -DECADES);
         self.shares.iter().rposition(shown).map_or(0.0, |last| self.hertz[last])
@@ -70,7 +70,7 @@ pub(super) fn transfer(run: &StoredRun) -> Result<Figure, String> {
     let why = |error: &dyn std::fmt::Display| format!("torque per tip acceleration, since {error}");
     let kept = run.kept_modes.map_or(KeptModes::All, KeptModes::First);
     let model = model_of(&run.link, run.mesh.clone(), kept).map_err(|error| why(&error))?;
-    // A simulated tip may vibrate on at its end: its samples have no spectrum of their own.
+    // A simulated tip may still vibrate at the last sample: its spectrum would be that of the cut.
     let spectrum = run.solved.is_some().then(|| MotionSpectrum::of(run));
     let (from_hz, to_hz) = band(run, spectrum.as_ref());
     let hertz: Vec<f64> = (0..POINTS)
@@ -101,8 +101,8 @@ pub(super) fn transfer(run: &StoredRun) -> Result<Figure, String> {
     })
 }
 
-/// First and last frequency in Hz that are drawn: from far below the first mode to where the motion
-/// has nothing left, or to the last mode marked.
+/// First and last frequency in Hz: from a tenth of the first mode to the end of the motion's spectrum,
+/// or to the last mode marked.
 fn band(run: &StoredRun, spectrum: Option<&MotionSpectrum>) -> (f64, f64) {
     let modes = natural_frequencies(&run.mesh, MARKED);
     let nyquist_hz = 0.5 / (run.times_s[1] - run.times_s[0]);
@@ -154,10 +154,10 @@ fn caption(marks: &[Mark], has_spectrum: bool) -> String {
 /// Modes that are drawn.
 const MODES: usize = 4;
 
-/// Points of a shape at least, so that cubics look like cubics.
+/// Fewest points of a shape.
 const SHAPE_POINTS: usize = 120;
 
-/// Displacement along the link in its first modes; none where nothing vibrates.
+/// Displacement along the link in its first modes; refused if nothing vibrates.
 pub(super) fn shapes(mesh: &Mesh) -> Result<Figure, String> {
     let frequencies = natural_frequencies(mesh, MODES);
     if frequencies.is_empty() {
@@ -185,7 +185,7 @@ pub(super) fn shapes(mesh: &Mesh) -> Result<Figure, String> {
     })
 }
 
-/// The shape by the elements' own cubics, from the axis on: a rigid radius turns with the hub.
+/// Points (x, v) of a shape by the elements' cubics, from the axis outward: the hub's radius is rigid.
 fn smooth(mesh: &Mesh, shape: &Shape) -> Vec<(f64, f64)> {
     let nodes_m = mesh.nodes_m();
     let parts = SHAPE_POINTS.div_ceil(mesh.elements().len());

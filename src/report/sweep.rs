@@ -4,20 +4,20 @@ use super::chart::{Across, Axis, ColourMap, Colours, Curve, Figure, Figures, Str
 use crate::compare::TableColumn;
 use crate::result::StoredSweep;
 
-/// Lines of a figure at most; more could not be told from each other.
+/// Most lines of a figure; more cannot be distinguished.
 const MOST_LINES: usize = 6;
 
-/// Levels of a heat map at most that are all written beside it.
+/// Most levels of a heat map that all get a tick.
 const MOST_TICKS: usize = 12;
 
-/// From this ratio on values above 0 are drawn by their logarithm.
+/// Ratio of the largest to the smallest value above which an axis is logarithmic.
 const WIDE: f64 = 12.0;
 
-/// A value that was varied: its heading and one number a case.
+/// A value that was varied: its heading and one number per case.
 struct Varied<'a> {
     name: &'a str,
     values: Vec<f64>,
-    /// The numbers that occur, ascending.
+    /// The different numbers, ascending.
     levels: Vec<f64>,
 }
 
@@ -31,7 +31,7 @@ impl<'a> Varied<'a> {
         all.then(|| Self { name: column.name(), values, levels })
     }
 
-    /// Its axis; `margin` in shares of the whole.
+    /// Its axis; `margin` relative to the range of its values.
     fn axis(&self, margin: f64) -> Axis {
         let (low, high) = (self.levels[0], self.levels[self.levels.len() - 1]);
         if low > 0.0 && high / low > WIDE {
@@ -44,11 +44,11 @@ impl<'a> Varied<'a> {
     }
 }
 
-/// Figures of a sweep, and what could not be shown and why.
+/// Figures of a sweep.
 pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
     let rows = sweep.table.lines.len();
     let columns = &sweep.table.columns[..sweep.varied];
-    // What has several values, numbers to draw over and words to tell lines apart.
+    // Columns with several values: numbers for an axis, words for names of lines.
     let several: Vec<&TableColumn> = columns
         .iter()
         .filter(|column| (1..rows).any(|row| column.text(row) != column.text(0)))
@@ -60,7 +60,7 @@ pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
         figures.omitted.push("figures, since no varied value takes two numbers or more".to_owned());
         return figures;
     }
-    // The value with most numbers has the axis; of equals the last one, which runs fastest.
+    // The value with most numbers becomes the axis; of equals the last, which runs fastest.
     varied.sort_by_key(|varied| varied.levels.len());
     for topic in &TOPICS {
         let found: Vec<(&str, &TableColumn)> = topic
@@ -103,10 +103,10 @@ fn line(name: &str, number: usize, mut points: Vec<(f64, f64)>) -> Curve {
     Curve { name: name.to_owned(), stroke: Stroke::Dotted(number + 1), points }
 }
 
-/// Pixels of a heat map across and up: enough for the borders of fields of any width.
+/// Columns and rows of a heat map: enough for fields of uneven width.
 pub(super) const FINE: (usize, usize) = (480, 160);
 
-/// A heat map; each case is a field that reaches half way to its neighbours.
+/// A heat map; the field of a case reaches half way to its neighbours.
 fn over_two(topic: &Topic, [x, y]: [&Varied; 2], column: &TableColumn) -> Figure {
     let place = |varied: &Varied, case: usize| {
         varied.levels.iter().position(|level| level.total_cmp(&varied.values[case]).is_eq())
@@ -131,7 +131,7 @@ fn over_two(topic: &Topic, [x, y]: [&Varied; 2], column: &TableColumn) -> Figure
     Figure { caption, map: Some(map), ..base }
 }
 
-/// The axis of a heat map: it reaches half a field beyond the first and the last level.
+/// The axis of a heat map reaches half a field beyond the first and the last level.
 fn field_axis(varied: &Varied) -> Axis {
     let axis = varied.axis(0.5 / (varied.levels.len() - 1) as f64);
     let places = if varied.levels.len() <= MOST_TICKS { varied.levels.clone() } else { vec![] };

@@ -7,17 +7,17 @@ use crate::modal::natural_frequencies;
 use crate::numeric::largest;
 use crate::result::{StoredNodes, StoredRun};
 
-/// Lead and lag are shown with this many times their length; the calm before and after is not.
+/// Time shown before and after the motion, in multiples of lead and lag.
 const AROUND: f64 = 1.7;
 
-/// Periods of the first mode that are shown after the motion, if the result has them.
+/// Time shown after the motion at least, in periods of the first mode.
 const PERIODS: f64 = 4.0;
 
-/// Torque below this share of its peak is calm where no motion tells when it begins.
+/// Share of the peak above which a torque acts, for runs without a wanted motion.
 const CALM: f64 = 1e-3;
 
-/// The part of a run's time that its figures show: the motion, what comes before and after it, and
-/// no more of the calm than that.
+/// The part of a run's time that its figures show: the motion with some time before and after it, but
+/// not all the rest.
 #[derive(Debug, Clone)]
 pub struct View<'a> {
     /// The run.
@@ -29,7 +29,7 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// Looks for the part of a run where something happens.
+    /// Finds the part of a run in which link and torque act.
     pub fn of(run: &'a StoredRun) -> Self {
         let times = &run.times_s;
         let period_s = natural_frequencies(&run.mesh, 1).first().map(|w| std::f64::consts::TAU / w);
@@ -76,9 +76,8 @@ impl<'a> View<'a> {
         Figure { curves, ..Figure::new(id, title, Across::Time, self.time_axis(), y) }
     }
 
-    /// Deflections with those of root and tip, which are known without having been written: at the
-    /// root there is none, and at the tip it is `v − Lθ`. None where no node between was written, or
-    /// fewer than two times.
+    /// Deflections, completed by those of the root, 0, and of the tip, `v − Lθ`. None if no node between
+    /// them was written, or fewer than two times.
     pub(super) fn deflections(&self) -> Option<StoredNodes> {
         let run = self.run;
         let mut nodes = run.deflections_m.clone().filter(|nodes| nodes.times_s.len() > 1)?;
@@ -105,7 +104,7 @@ impl<'a> View<'a> {
         Axis::linear("time", "s", from..until)
     }
 
-    /// Lead and lag, where the run has them.
+    /// Lead and lag, shaded.
     pub fn lead_and_lag(&self) -> Vec<Span> {
         let Some(solved) = &self.run.solved else { return vec![] };
         let (from, until) = solved.moving_s;
@@ -117,7 +116,7 @@ impl<'a> View<'a> {
         long.map(|(name, class, range)| Span { name: name.to_owned(), class, range }).collect()
     }
 
-    /// When the tip starts and stops, where that is known.
+    /// Times at which the tip starts and stops, if they are known.
     pub fn start_and_stop(&self) -> Vec<Mark> {
         let Some(solved) = &self.run.solved else { return vec![] };
         let (from, until) = solved.moving_s;
@@ -133,7 +132,7 @@ pub(super) fn nearest(times_s: &[f64], time_s: f64) -> usize {
     if time_s - times_s[before] < times_s[next] - time_s { before } else { next }
 }
 
-/// The samples from one time to another, two at least where there are two.
+/// The samples from one time to another, at least two if there are two.
 pub(super) fn inside(times_s: &[f64], from_s: f64, until_s: f64) -> Range<usize> {
     let len = times_s.len();
     let start = times_s.partition_point(|t| *t < from_s).min(len.saturating_sub(2));

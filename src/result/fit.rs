@@ -9,25 +9,25 @@ use crate::link::Link;
 use crate::motion::{MotionError, Profile, TipMotion};
 use crate::numeric::plain;
 
-/// Fewest steps of a profile, and of a motion that is tried.
+/// Fewest steps of a motion.
 const FEWEST_STEPS: usize = 4;
 
-/// Most steps of a motion that is tried.
+/// Most steps of a motion.
 const MOST_STEPS: usize = 1 << 18;
 
-/// Up to this many steps every number is tried; of more, at most as many as this.
+/// Up to this many steps every number is tried, of more at most this many.
 const TRIALS: usize = 1024;
 
-/// How many times the elements of an automatic mesh are halved to see that a trial is far too fast.
+/// Coarser meshes, each of half the elements, on which an automatic mesh refuses far too fast trials.
 const HALVINGS: u32 = 3;
 
 /// Largest relative error with which a value is compared with its limit.
 const TELLING: f64 = 0.25;
 
-/// A motion of which only the duration is open.
+/// A motion with all given but its duration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpenMotion {
-    /// Its shape.
+    /// Its profile.
     pub profile: Profile,
     /// Distance from its start to its end in m.
     pub distance_m: f64,
@@ -38,7 +38,7 @@ pub struct OpenMotion {
 /// Why no duration is found.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FitError {
-    /// Limits that even a slow motion exceeds.
+    /// Even slow motions exceed the limits.
     #[error(
         "the durations within the limits = none of the {tried} tried from {} to {} s{}, but must \
          be one",
@@ -56,10 +56,10 @@ pub enum FitError {
         /// How many of them cannot be solved, and why the longest of these cannot.
         failed: Option<(usize, Box<FitError>)>,
     },
-    /// A motion that is none.
+    /// The motion is invalid.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// A motion without a torque.
+    /// The motion has no torque.
     #[error(transparent)]
     Inversion(#[from] InversionError),
 }
@@ -75,21 +75,21 @@ fn unsolved(failed: Option<&(usize, Box<FitError>)>) -> String {
 pub struct Fit {
     /// Steps of the motion.
     pub steps: usize,
-    /// What it asks of the link.
+    /// Its solution.
     pub solution: Solution,
-    /// The limit that it comes closest to; none where none is set.
+    /// The limit that it comes closest to; none if none is set.
     pub binding: Option<Reached>,
     /// How many motions of fewer steps were tried; none of them is within the limits.
     pub shorter_tried: usize,
 }
 
 impl Fit {
-    /// Whether every motion of fewer steps was tried, so that none can be shorter.
+    /// True if every motion of fewer steps was tried.
     pub fn is_shortest(&self) -> bool {
         self.shorter_tried == self.shorter()
     }
 
-    /// Whether the profile has no fewer steps.
+    /// True if no profile has fewer steps.
     pub fn has_fewest_steps(&self) -> bool {
         self.shorter() == 0
     }
@@ -100,18 +100,18 @@ impl Fit {
     }
 }
 
-/// A motion of open duration, and the link and limits that its shortest duration depends on.
+/// A motion of open duration, with the link and the limits.
 #[derive(Debug, Clone, Copy)]
 pub struct FitProblem<'a> {
     /// The link.
     pub link: &'a Link,
-    /// How it is to be meshed.
+    /// How the link is meshed.
     pub plan: &'a MeshPlan,
     /// How exact the answers must be.
     pub analysis: &'a Analysis,
     /// Memory in bytes that each trial may take; `None`: no limit.
     pub memory_bytes: Option<usize>,
-    /// What link and motor stand.
+    /// Largest values that link and motor may reach.
     pub limits: &'a Limits,
     /// The motion.
     pub motion: OpenMotion,
@@ -231,8 +231,8 @@ impl FitProblem<'_> {
         }
     }
 
-    /// Whether a value exceeds its limit by more than four times its error on a mesh that is
-    /// coarser than the plan's: then it is not worth refining.
+    /// True if a value exceeds its limit by more than four times its error on a coarser mesh: then the
+    /// plan's mesh is not needed.
     fn exceeds_on_a_coarse_mesh(&self, motion: &TipMotion) -> bool {
         for halvings in 0..HALVINGS {
             let plan = self.plan.halved(halvings);

@@ -152,7 +152,7 @@ impl Reached {
 }
 
 impl Limits {
-    /// How near a solution comes to every limit that is set, in the order of the link file.
+    /// How near a solution comes to each limit, in the order of the link file.
     pub fn reached(&self, solution: &Solution) -> Vec<Reached> {
         let metrics = Metrics::of(solution);
         let values = self.limited_values(&metrics).into_iter();

@@ -1,28 +1,28 @@
-//! What the elements get wrong of the link by itself.
+//! Errors of the mesh in frequencies, zeros and transfers of a link.
 
 use thiserror::Error;
 
 use crate::numeric::significant;
 
-/// Relative error from which on the user is warned.
+/// Relative error above which the user is warned.
 const COARSE: f64 = 1e-2;
 
-/// Relative errors of what was found on a mesh, measured on elements of half the length; NaN where
-/// these have no such value.
+/// Relative errors of values `found` on a mesh, measured on elements of half the length; NaN if these
+/// have no such value.
 ///
-/// They fall with the fourth power of the element length, so that the halves have a sixteenth of
-/// them and the change is 15/16.
+/// Errors fall with the fourth power of the element length: the halves have a sixteenth of the error,
+/// and the change is 15/16 of it.
 pub fn mesh_errors(found: &[f64], on_halves: &[f64]) -> Vec<f64> {
     let halves = on_halves.iter().copied().chain(std::iter::repeat(f64::NAN));
     found.iter().zip(halves).map(|(found, half)| mesh_error((found / half - 1.0).abs())).collect()
 }
 
-/// The relative error that a relative change on halved elements tells.
+/// The relative error that follows from a relative change on halved elements.
 pub fn mesh_error(change: f64) -> f64 {
     16.0 / 15.0 * change
 }
 
-/// A mesh that is too coarse for some of what it was asked for. Returned, never printed here.
+/// Warning of a mesh that is too coarse for some values.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum CoarseMesh {
     /// Natural frequencies or zeros.
@@ -31,7 +31,7 @@ pub enum CoarseMesh {
          (elements halved)"
     )]
     Numbered {
-        /// What is wrong.
+        /// Name of the values.
         what: &'static str,
         /// Number of the first that is, from 1.
         first: usize,
@@ -51,7 +51,7 @@ pub enum CoarseMesh {
         significant(*at_hz, 4)
     )]
     Band {
-        /// Highest frequency in Hz up to which all errors are below; none where the first is not.
+        /// Highest frequency in Hz up to which all errors are small; none if the first is not.
         below_hz: Option<f64>,
         /// Largest relative error.
         worst: f64,
@@ -61,7 +61,7 @@ pub enum CoarseMesh {
 }
 
 impl CoarseMesh {
-    /// What there is to warn of in the `errors` of a numbered list.
+    /// A warning, if one of the `errors` of a numbered list is large.
     pub fn of(what: &'static str, errors: &[f64]) -> Option<Self> {
         let first = 1 + errors.iter().position(|error| *error > COARSE)?;
         let worst = errors.iter().copied().fold(0.0, f64::max);
@@ -86,14 +86,14 @@ pub struct BandMeshError {
     pub worst: f64,
     /// Its frequency in Hz.
     pub at_hz: f64,
-    /// Last frequency before the first error above 1 %; none where there is none.
+    /// Last frequency before the first error above 1 %, if there is one.
     below_hz: Option<f64>,
     is_coarse: bool,
 }
 
 impl BandMeshError {
-    /// Of relative changes on halved elements at ascending frequencies in Hz, each a pair of
-    /// frequency and change; none without frequencies.
+    /// From pairs of a frequency in Hz, ascending, and the relative change there on halved elements; none
+    /// without frequencies.
     pub fn of_changes(changes: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
         changes.into_iter().fold(None, |known: Option<Self>, (at_hz, change)| {
             let worst = mesh_error(change);
@@ -108,7 +108,7 @@ impl BandMeshError {
         })
     }
 
-    /// What there is to warn of.
+    /// A warning, if the error is large.
     pub fn warning(&self) -> Option<CoarseMesh> {
         let Self { worst, at_hz, below_hz, is_coarse } = *self;
         is_coarse.then_some(CoarseMesh::Band { below_hz, worst, at_hz })

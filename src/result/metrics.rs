@@ -37,7 +37,7 @@ pub struct Metrics {
     pub peak_tip_velocity_m_s: Peak,
     /// Largest tip acceleration in m/s².
     pub peak_tip_acceleration_m_s2: Peak,
-    /// What the motor does; none for a link without a drive.
+    /// Values of the motor; none for a link without a drive.
     pub motor: Option<MotorMetrics>,
 }
 
@@ -55,7 +55,7 @@ pub struct MotorMetrics {
     pub peak_power_w: Peak,
 }
 
-/// Where the motion is solved up to a cut-off, its samples tell what lies between them.
+/// A motion that is solved up to a cut-off is band-limited.
 fn between(solution: &Solution) -> Between {
     let per_cycle = 1.0 / (solution.band.highest_hz * solution.grid.step_s);
     let is_limited = solution.band.cutoff_hz.is_some();
@@ -94,7 +94,7 @@ impl Metrics {
     }
 }
 
-/// The numbers of a simulation that a person reads first.
+/// Numbers of a simulation that a person reads first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlayedMetrics {
     /// Largest torque of the motor in N m.
@@ -137,8 +137,8 @@ impl PlayedMetrics {
     }
 }
 
-/// Where a torque acts: the samples beyond a level, and how far into the steps around them it is
-/// beyond the level already, or still.
+/// When a torque acts: the samples beyond a level, and the parts of the steps around them in which it is
+/// beyond the level.
 struct Acting {
     /// The first sample beyond the level, and the last.
     first: usize,

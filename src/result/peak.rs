@@ -1,17 +1,17 @@
-//! The largest value of a history, between its samples too.
+//! The largest value of a history, also between its samples.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use crate::numeric::{TimeGrid, largest, sum_over};
 
-/// Samples looked through at a time for the largest.
+/// Samples that are searched at a time.
 const PART: usize = 128;
 
-/// Parts of a step at which a history is interpolated.
+/// Number of parts of a step between which a history is interpolated.
 const PARTS: usize = 16;
 
-/// Samples on either side that an interpolated value is made of.
+/// Samples on either side that an interpolated value depends on.
 const SIDE: usize = 48;
 
 /// Shape β of the window exp(β √(1 − x²)) (A. H. Barnett, J. Magland, L. af Klinteberg, SIAM J. Sci. Comput.
@@ -19,8 +19,8 @@ const SIDE: usize = 48;
 /// at 0.95 of it, where the roll-off has left a twentieth.
 const WINDOW: f64 = 14.0;
 
-/// From so many samples a cycle on, a parabola through three of them tells where the largest value is to
-/// within a part of a step.
+/// Samples per cycle above which a parabola through three of them places the largest value to within a
+/// part of a step.
 const MANY: f64 = 8.0;
 
 /// A largest value and when it occurs.
@@ -35,17 +35,17 @@ pub struct Peak {
 /// How the peak of a history is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Between {
-    /// From the samples alone: what lies between them is not known.
+    /// From the samples alone.
     Unknown,
-    /// A band that ends below the Nyquist frequency tells what lies between the samples.
+    /// The history has no content above a frequency below Nyquist's, and is interpolated.
     BandLimited {
-        /// Samples a cycle at the end of the band.
+        /// Samples per cycle at the end of the band.
         per_cycle: f64,
     },
 }
 
 /// Weights of the samples from `SIDE − 1` before one to `SIDE` after it, for every part of the step after
-/// that one: the sinc function in the window.
+/// that one: the sinc function times the window.
 static WEIGHTS: LazyLock<[[f64; 2 * SIDE]; PARTS]> = LazyLock::new(|| {
     std::array::from_fn(|part| {
         let at = part as f64 / PARTS as f64;
@@ -61,7 +61,7 @@ static WEIGHTS: LazyLock<[[f64; 2 * SIDE]; PARTS]> = LazyLock::new(|| {
     })
 });
 
-/// Value of a history `part` parts of a step after sample `k`; it stands still beyond its ends.
+/// Value of a history `part` parts of a step after sample `k`; constant beyond its ends.
 fn between(samples: &[f64], k: usize, part: usize) -> f64 {
     let weights = &WEIGHTS[part];
     if let Some(around) = (k + 1).checked_sub(SIDE).and_then(|from| samples.get(from..k + 1 + SIDE))
@@ -100,7 +100,7 @@ pub(super) fn peak_of_product(a: &[f64], b: &[f64], grid: &TimeGrid, how: Betwee
     }
 }
 
-/// Samples between which a history may have its peak.
+/// Search for the peak between samples.
 struct Tops<'a> {
     samples: &'a [f64],
     grid: &'a TimeGrid,
@@ -108,11 +108,11 @@ struct Tops<'a> {
 }
 
 impl Tops<'_> {
-    /// The largest of a peak of samples and of what lies between them, by `at`, around every sample that
-    /// is larger than its neighbours of the same sign and not much smaller than the peak.
+    /// The larger of the samples' peak and of the values `at` gives around every sample that exceeds its
+    /// neighbours of the same sign and is not much smaller than the peak.
     fn raised(&self, peak: Peak, at: impl Fn(usize, usize) -> f64) -> Peak {
         let last = self.samples.len() - 1;
-        // Half way between two samples of a wave.
+        // Half way between two samples of a wave at the end of the band.
         let near = libm::cos(PI / self.per_cycle.max(4.0)).powi(2);
         let mut found = peak;
         if peak.value == 0.0 {
@@ -178,7 +178,7 @@ impl Tops<'_> {
 }
 
 fn largest_sample(samples: &[f64], grid: &TimeGrid) -> Peak {
-    // In parts: only the part that holds the largest is searched for its place.
+    // Only the part that holds the largest value is searched for its place.
     let (mut value, mut first) = (0.0, 0);
     for (part, samples) in samples.chunks(PART).enumerate() {
         let here = largest(samples);

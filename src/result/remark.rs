@@ -18,14 +18,14 @@ const MODULI_PA: RangeInclusive<f64> = 1e6..=2e12;
 /// First natural frequencies in Hz of links that are turned: a boom in space and a needle.
 const FIRST_FREQUENCIES_HZ: RangeInclusive<f64> = 0.02..=1e5;
 
-/// Times in s that a tip moves for: no motor is quicker, and slower motions need no flexible link.
+/// Durations of motions in s: motors are not faster, and slower motions bend no link.
 const DURATIONS_S: RangeInclusive<f64> = 1e-3..=500.0;
 
-/// The tip's way over the length: a full turn.
-const FARTHEST: f64 = TAU;
+/// Usual travel of the tip relative to the length: a full turn.
+const MOST_TRAVEL: f64 = TAU;
 
-/// Something that is possible but rare, and often a slip of units. It neither stops a run nor counts
-/// as a warning.
+/// A value that is possible but rare, often a slip of units. It neither stops a run nor counts as a
+/// warning.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Remark {
     /// A density that no solid has.
@@ -52,7 +52,7 @@ pub enum Remark {
         /// Young's modulus in Pa.
         pa: f64,
     },
-    /// A link too slow or too fast to be one.
+    /// A first natural frequency that is unusual for a link.
     #[error(
         "the first natural frequency is {} Hz, where links have {:?} to {:e}: probably a wrong unit of \
          length, mass or stiffness",
@@ -64,7 +64,7 @@ pub enum Remark {
         /// The frequency in Hz.
         hertz: f64,
     },
-    /// A motion too short or too long for one.
+    /// An unusual duration.
     #[error(
         "the tip moves for {} s, where motions take {:?} to {:?}: probably time in another unit",
         significant(*duration_s, 4),
@@ -75,20 +75,20 @@ pub enum Remark {
         /// From the last sample at rest to the first one at rest again, in s.
         duration_s: f64,
     },
-    /// A way of more than a full turn.
+    /// A travel of more than a full turn.
     #[error(
         "the tip moves by {} m, {} turns of a link of {} m: probably length in another unit",
-        significant(*way_m, 4),
-        significant(way_m / (TAU * length_m), 3),
+        significant(*travel_m, 4),
+        significant(travel_m / (TAU * length_m), 3),
         significant(*length_m, 4)
     )]
-    Way {
+    Travel {
         /// Largest distance from where the tip starts, in m.
-        way_m: f64,
+        travel_m: f64,
         /// Length of the link in m.
         length_m: f64,
     },
-    /// A link so short and stiff that its unknown section may matter.
+    /// A link so short and stiff that shear, which needs its section, may matter.
     #[error(
         "the link's section is not known everywhere: were it of metal, shear and rotary inertia, which the \
          model leaves out, would lower mode {} by about {:.0} %",
@@ -96,25 +96,25 @@ pub enum Remark {
         100.0 * mode.share
     )]
     UnknownSection {
-        /// The highest mode that was looked at.
+        /// The highest mode examined.
         mode: LoweredMode,
     },
 }
 
 impl Remark {
-    /// What there is to say about a density, where it is above 0 at all.
+    /// A remark on an unusual density above 0.
     pub fn on_density(parameter: &str, kg_m3: f64) -> Option<Self> {
         let is_usual = kg_m3 <= 0.0 || DENSITIES_KG_M3.contains(&kg_m3);
         (!is_usual).then(|| Self::Density { parameter: parameter.to_owned(), kg_m3 })
     }
 
-    /// What there is to say about Young's modulus.
+    /// A remark on an unusual Young's modulus.
     pub fn on_modulus(parameter: &str, pa: f64) -> Option<Self> {
         let is_usual = MODULI_PA.contains(&pa);
         (!is_usual).then(|| Self::Modulus { parameter: parameter.to_owned(), pa })
     }
 
-    /// What there is to say about the first natural frequencies of a link, in rad/s.
+    /// Remarks on the first natural frequencies of a link, in rad/s.
     pub fn on_modes(link: &Link, mesh: &Mesh, omegas_rad_s: &[f64]) -> Vec<Self> {
         let first = omegas_rad_s.first().map(|omega| omega / TAU);
         let rare = first.filter(|hertz| !FIRST_FREQUENCIES_HZ.contains(hertz));
@@ -126,15 +126,16 @@ impl Remark {
             .collect()
     }
 
-    /// What there is to say about a motion that takes a link's tip as far as `way_m`.
-    pub fn on_motion(link: &Link, motion: &TipMotion, way_m: f64) -> Vec<Self> {
+    /// Remarks on a motion that moves the tip by `travel_m`.
+    pub fn on_motion(link: &Link, motion: &TipMotion, travel_m: f64) -> Vec<Self> {
         let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
         let duration_s = grid.time_s(until) - grid.time_s(from);
         let is_usual = DURATIONS_S.contains(&duration_s);
         let length_m = link.length_m();
         let duration = (!is_usual).then_some(Self::Duration { duration_s });
-        let way = (way_m > FARTHEST * length_m).then_some(Self::Way { way_m, length_m });
-        duration.into_iter().chain(way).collect()
+        let travel =
+            (travel_m > MOST_TRAVEL * length_m).then_some(Self::Travel { travel_m, length_m });
+        duration.into_iter().chain(travel).collect()
     }
 
     /// Name of the kind, for machines.
@@ -144,7 +145,7 @@ impl Remark {
             Self::Modulus { .. } => "modulus",
             Self::FirstFrequency { .. } => "first_frequency",
             Self::Duration { .. } => "duration",
-            Self::Way { .. } => "way",
+            Self::Travel { .. } => "way",
             Self::UnknownSection { .. } => "unknown_section",
         }
     }
@@ -156,7 +157,7 @@ impl Remark {
             Self::Modulus { .. } => "write the unit beside the number, as in \"70 GPa\"",
             Self::FirstFrequency { .. } => "write the units beside the numbers of the link file",
             Self::Duration { .. } => "name the unit in the column's heading, as in \"time [ms]\"",
-            Self::Way { .. } => {
+            Self::Travel { .. } => {
                 "name the unit in the column's heading, as in \"displacement [mm]\""
             }
             Self::UnknownSection { .. } => {

@@ -1,8 +1,8 @@
-//! A run held against its repetition, byte for byte.
+//! Comparison of a run with its repetition, byte for byte.
 
 use std::io::{self, BufRead, Read as _};
 
-/// Longest line in bytes that is held at a time; a longer one counts as several.
+/// Longest line in bytes; a longer one counts as several.
 const LONGEST_LINE: u64 = 1 << 24;
 
 /// One file of a run, or of its repetition.
@@ -10,20 +10,20 @@ const LONGEST_LINE: u64 = 1 << 24;
 pub struct RepeatedFile {
     /// Its name.
     pub name: String,
-    /// What was found.
+    /// The result.
     pub outcome: Repeated,
 }
 
-/// What was found of a file.
+/// The result for a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Repeated {
     /// The run and its repetition have the same bytes.
     Same,
     /// Both have it, with other bytes.
     Differs(LineDifference),
-    /// The run has it no more.
+    /// It is missing from the run.
     Missing,
-    /// The run has it, and its repetition writes none.
+    /// Only the run has it.
     Extra,
 }
 
@@ -32,18 +32,18 @@ pub enum Repeated {
 pub struct LineDifference {
     /// Number of the first line that differs, from 1.
     pub line: u64,
-    /// That line of the run with its line end; none where its text has ended.
+    /// That line of the run with its line end; none if its text has ended.
     pub run: Option<Vec<u8>>,
     /// That line of the repetition.
     pub repetition: Option<Vec<u8>>,
-    /// Number of lines that differ, each held against the one of its number.
+    /// Number of lines that differ from the line of the same number.
     pub differing: u64,
     /// Number of lines of the longer text.
     pub lines: u64,
 }
 
-/// Holds the text of a run against that of its repetition, line by line; none where all bytes are
-/// the same.
+/// Compares the text of a run with that of its repetition, line by line; none if all bytes are the
+/// same.
 ///
 /// ```
 /// use flexlink::result::line_difference;
@@ -79,7 +79,7 @@ pub fn line_difference(
     Ok(found)
 }
 
-/// Reads the next line with its end; nothing where the text has ended.
+/// Reads the next line with its end; nothing if the text has ended.
 fn read_line(text: &mut impl BufRead, line: &mut Vec<u8>) -> io::Result<usize> {
     line.clear();
     text.take(LONGEST_LINE).read_until(b'\n', line)

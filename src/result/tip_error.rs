@@ -4,28 +4,28 @@ use crate::motion::TipTarget;
 use crate::numeric::{CubicSpline, SplineEnds, rounded};
 use crate::response::Simulation;
 
-/// Share of the target's way that the tip may have moved before the target's first sample.
+/// Largest travel of the tip before the target's first sample, relative to the target's travel.
 const MOVED_BEFORE: f64 = 1e-2;
 
-/// How far a simulated tip strays from the motion that was wanted.
+/// Distance of a simulated tip from the wanted motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TipError {
     /// Largest distance in m.
     pub worst_m: f64,
-    /// The same over the largest distance of the wanted motion from its start.
+    /// The same, relative to the largest distance of the wanted motion from its start.
     pub share: f64,
-    /// When it is reached, in s.
+    /// Time of the largest distance in s.
     pub time_s: f64,
     /// Root mean square of the distance over the target's samples in m.
     pub rms_m: f64,
     /// Distance at the target's last sample in m, simulated less wanted.
     pub final_m: f64,
-    /// Set where the target leaves open from where the tip moves.
+    /// Set if the tip moves before the target begins.
     pub late: Option<LateTarget>,
 }
 
-/// A target whose first sample finds the tip on its way: the link starts where the target does,
-/// though the target does not tell where that is.
+/// A target that begins after the tip has moved: its first displacement is taken as that of the link at
+/// rest.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
     "the target begins at {} s, when the tip has moved by {:?} m: its first displacement is taken as \
@@ -36,7 +36,7 @@ pub struct TipError {
 pub struct LateTarget {
     /// First time of the target in s.
     pub start_s: f64,
-    /// Way of the simulated tip until then in m.
+    /// Travel of the simulated tip until then in m.
     pub moved_m: f64,
 }
 
@@ -55,7 +55,7 @@ impl LateTarget {
 /// Why a simulation is not compared with a target.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum TargetError {
-    /// A target that goes on after the simulation.
+    /// The target ends after the simulation.
     #[error(
         "the target ends at {} s, but must not go on after the simulation, which ends at {} s",
         rounded(*end_s, 12),
@@ -67,7 +67,7 @@ pub enum TargetError {
         /// Last time of the simulation in s.
         simulated_s: f64,
     },
-    /// A target that stands still.
+    /// The target does not move.
     #[error("the target stands still in all samples, but must move")]
     NoMotion,
 }
@@ -85,8 +85,7 @@ impl TargetError {
 impl TipError {
     /// Compares a simulation with a wanted displacement at the target's own times.
     ///
-    /// Before the simulation's first sample its tip rests; between its samples a cubic spline goes
-    /// through them.
+    /// The tip rests before the simulation's first sample; between samples a cubic spline interpolates.
     ///
     /// # Errors
     /// [`TargetError`].

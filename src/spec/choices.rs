@@ -9,7 +9,7 @@ pub(super) struct Model {
     pub(super) name: &'static str,
     /// Its keys besides `model`.
     pub(super) keys: &'static [&'static str],
-    /// How these go together.
+    /// Which of these belong together, in words.
     pub(super) takes: &'static str,
 }
 
@@ -98,7 +98,7 @@ pub(super) fn section_shapes(schema: &mut Schema) {
     schema.insert("allOf".into(), shapes.into());
 }
 
-/// Damping has just the keys of its model, in one of the ways that this takes them.
+/// Damping has just the keys of its model, in one of the combinations that the model takes.
 pub(super) fn damping_laws(schema: &mut Schema) {
     let laws = MODELS.iter().map(|model| {
         let mut then = only(schema, "model", model.keys);
@@ -117,7 +117,7 @@ pub(super) fn damping_laws(schema: &mut Schema) {
     schema.insert("allOf".into(), laws.into());
 }
 
-/// How the keys of a damping model go together.
+/// The combinations of keys that a damping model takes.
 fn ways(model: &str) -> Value {
     match model {
         "hysteretic" => json!({ "required": ["ratio"] }),

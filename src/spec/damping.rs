@@ -59,7 +59,7 @@ fn refuse_surplus(raw: &RawDamping, model: &Model) -> Result<(), Fault> {
     })
 }
 
-/// What to do about a surplus key, mostly: which model takes it.
+/// A hint for a surplus key: mostly the model that takes it.
 fn instead(key: &str, model: &Model) -> &'static str {
     match key {
         _ if model.name == "none" => {
@@ -77,7 +77,7 @@ fn neither(model: &Model) -> Fault {
     Fault::new("damping", format!("damping gives neither, but {name} must have {takes}"))
 }
 
-/// Two ways of giving a law at once; of their `keys` the one written last is shown.
+/// Refuses a law that is given in two ways; the error points at the last of the `keys`.
 fn both(model: &Model, keys: &[&str]) -> Fault {
     let Model { name, takes, .. } = model;
     let paths = keys.iter().map(|key| format!("damping.{key}"));
@@ -108,7 +108,7 @@ fn modal(raw: &RawDamping, model: &Model) -> Result<Damping, Fault> {
     }
 }
 
-/// The ratio has its range checked here, under the key that was written: the link knows a list only.
+/// Checks the range here, for an error that names `ratio`: the link has a list only.
 fn in_every_mode(Real(ratio): Real) -> Result<Damping, Fault> {
     in_unit_interval("damping.ratio", ratio)?;
     Ok(Damping::Modal { ratios: vec![ratio] })

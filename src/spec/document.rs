@@ -11,7 +11,7 @@ use super::tree::{Kind, Node, Place};
 /// `name` is what errors call the file.
 ///
 /// # Errors
-/// [`SpecError`] names the line, or the `--set`, and the value that cannot be.
+/// [`SpecError`] names the line, or the `--set`, and the wrong value.
 pub fn read_specification(
     name: &str,
     text: &str,
@@ -57,7 +57,7 @@ impl LinkDocument {
     }
 }
 
-/// How errors point at a place.
+/// A place as errors name it.
 fn shown(name: &str, place: Place, overrides: &[Override]) -> String {
     match place {
         Place::File => name.to_owned(),
@@ -73,7 +73,7 @@ fn read(tree: &Node) -> Result<Specification, Fault> {
     convert(RawSpecification::deserialize(tree)?)
 }
 
-/// `[segments]` for `[[segments]]` is an easy slip, and serde's words for it are none of the user's.
+/// Refuses `[segments]` for `[[segments]]`, an easy slip, in words of the link file.
 pub(super) fn check_list_of_tables(tree: &Node, list: &str) -> Result<(), Fault> {
     let is_table = |node: &Node| matches!(node.kind, Kind::Table(_));
     match tree.get(list) {

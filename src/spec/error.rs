@@ -4,7 +4,7 @@ use super::tree::{Node, Place};
 use crate::link::ParameterError;
 use crate::numeric::visible;
 
-/// What to try where a damping ratio is missing or cannot be.
+/// Hint for a missing or wrong damping ratio.
 pub(super) const USUAL_RATIO: &str = "0.02 is usual for metal links";
 
 /// Why a link file, a `--set` on it, or a file of tolerances is refused.
@@ -19,22 +19,22 @@ pub struct SpecError {
 }
 
 impl SpecError {
-    /// What to write instead, where there is something to say.
+    /// What to write instead, if there is something to say.
     pub fn hint(&self) -> Option<&str> {
         self.hint.as_deref()
     }
 
-    /// Keys, names and units of the file stand in `message` and `hint` as they were found.
+    /// Makes control characters in `message` and `hint` visible: they quote the file.
     pub(super) fn new(place: String, message: &str, hint: Option<&str>) -> Self {
         let told = |text: &str| visible(text).into_owned();
         Self { place, message: told(message), hint: hint.map(told) }
     }
 }
 
-/// A refusal that knows the dotted path but not yet where that was written.
+/// A refusal with a dotted path, before its line is looked up.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Fault {
-    /// Paths that took part in it; the one written last is shown.
+    /// Paths that it concerns; the error points at the one written last.
     at: Vec<String>,
     message: String,
     hint: Option<String>,
@@ -54,7 +54,7 @@ impl Fault {
         self
     }
 
-    /// The last place that took part in it.
+    /// The last of the places that it concerns.
     pub(super) fn place(&self, tree: &Node) -> Place {
         let places = self.at.iter().map(|path| tree.deepest(path).place);
         places.max().unwrap_or(Place::File)
@@ -76,7 +76,7 @@ impl From<ParameterError> for Fault {
     }
 }
 
-/// The candidate that `word` is spelt most like, if one is near at all.
+/// The candidate with the spelling nearest to `word`, if one is near.
 pub(super) fn nearest<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -87,7 +87,7 @@ pub(super) fn nearest<'a>(
     best.filter(|(_, score)| *score > 0.75).map(|(candidate, _)| candidate)
 }
 
-/// `a`, `a and b`, `a, b and c`, with the given last joint.
+/// `a`, `a and b`, `a, b and c`, with `joint` for `and`.
 pub(super) fn listed<T: AsRef<str>>(words: &[T], joint: &str) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
     match words.split_last() {

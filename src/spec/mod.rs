@@ -1,8 +1,8 @@
 //! From the text of a link file, and the `--set` of the command line, to a checked link.
 //!
-//! Two forms and one fallible conversion between them: the raw form mirrors the file key by key
-//! and knows no physics, the [`Specification`] is valid. In between every refusal names a dotted
-//! path; where that path was written, in which line or which `--set`, is looked up at the end.
+//! The raw form mirrors the file key by key and knows no physics; the [`Specification`] is valid; one
+//! conversion leads from the first to the second. Its refusals name a dotted path. The line or the
+//! `--set` that wrote this path is looked up at the end.
 //!
 //! ```
 //! use flexlink::spec::{Override, read_specification};

@@ -5,21 +5,21 @@ use super::substitutes::{instead, make_room, remove_own_elements};
 use super::tree::{Kind, Node, Place};
 use crate::numeric::{excerpt, split_number, visible};
 
-/// Most steps of a path: no link file has a value so deep.
+/// Most steps of a path; link files are less deep.
 const MOST_STEPS: usize = 16;
 
-/// Keys that hold words: no factor belongs to a word, though it may begin with a number.
+/// Keys whose text is no quantity, even if it begins with a number: they cannot be multiplied.
 const WORDS: [&str; 4] = ["title", "name", "shape", "model"];
 
 /// One change of the link file from the command line: `PATH=VALUE` replaces a value,
 /// `PATH*=FACTOR` multiplies it.
 ///
-/// PATH is the dotted TOML path; a segment is named, numbered from 0, or `*` for all. A value that
-/// is set takes the place of what else the file gives in its stead: EI that of E and I,
-/// `mesh.elements` that of the segments' own elements.
+/// PATH is the dotted TOML path; a segment is named, numbered from 0, or `*` for all. A value also
+/// replaces the keys that say the same in another way: EI replaces E and I, `mesh.elements` the
+/// elements of the segments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Override {
-    /// How errors point at it.
+    /// Its place, as errors name it.
     place: String,
     path: Vec<String>,
     change: Change,
@@ -32,15 +32,15 @@ enum Change {
 }
 
 impl Override {
-    /// How errors point at it.
+    /// Its place, as errors name it.
     pub(super) fn place(&self) -> String {
         self.place.clone()
     }
 
-    /// Reads a change that errors point at as `place`, where that is no `--set`.
+    /// Reads a change that errors call `place`.
     ///
     /// # Errors
-    /// [`SpecError`] for text that is no change.
+    /// [`SpecError`] if the text is no change.
     pub fn placed(place: &str, text: &str) -> Result<Self, SpecError> {
         let refused = |message: &str| {
             let hint = "it reads like segments.0.EI=20 or payload.mass*=1.1";
@@ -85,7 +85,7 @@ impl FromStr for Override {
     }
 }
 
-/// Changes the tree as the `number`-th override says.
+/// Applies the `number`-th override to the tree.
 pub(super) fn apply(tree: &mut Node, number: usize, change: &Override) -> Result<(), SpecError> {
     let step = Step { change: &change.change, place: Place::Override(number) };
     step.descend(tree, "", &change.path).map_err(|Refused { message, hint }| {
@@ -149,8 +149,8 @@ impl Step<'_> {
         }
     }
 
-    /// The key that carries a factor of the product `step` where the file does not give the
-    /// product itself: four times EI is four times E.
+    /// The key to multiply if the file does not give the product `step` itself: four times EI is four
+    /// times E.
     fn factor_of(self, step: &str) -> Option<&'static str> {
         match (self.change, step) {
             (Change::Multiply(_), "EI") => Some("E"),
@@ -223,14 +223,14 @@ impl Step<'_> {
     }
 }
 
-/// Twice ten elements are still a whole number of elements.
+/// An integer if the product is whole, since elements are counted.
 fn whole_where_possible(product: f64) -> Kind {
     let exact = product.fract() == 0.0 && product.abs() < 9e15;
     #[expect(clippy::cast_possible_truncation, reason = "a whole number below 2^53")]
     if exact { Kind::Integer(product as i64) } else { Kind::Number(product) }
 }
 
-/// Whether the value at a path is a word or more, not a quantity.
+/// True if the value at a path is text, not a quantity.
 fn holds_words(path: &str) -> bool {
     let key = path.rsplit('.').next();
     key.is_some_and(|key| WORDS.contains(&key))
@@ -241,7 +241,7 @@ fn below(path: &str, step: &str) -> String {
     format!("{path}{dot}{step}")
 }
 
-/// Numbers of the items of a list that a step of the path means.
+/// Numbers of the list items that a step of the path names.
 fn chosen(items: &[Node], path: &str, step: &str) -> Result<Vec<usize>, Refused> {
     let name = |item: &Node| match item.get("name").map(|node| &node.kind) {
         Some(Kind::Text(name)) => Some(name.clone()),

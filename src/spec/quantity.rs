@@ -22,7 +22,7 @@ impl Default for Quantity {
 }
 
 impl Quantity {
-    /// The value in SI of the quantity that stands at `path`.
+    /// The value in SI; `path` is its place, for errors.
     pub(super) fn si(&self, path: &str, dimension: Dimension) -> Result<f64, Fault> {
         match self {
             Self::Number(number) => Ok(*number),
@@ -38,7 +38,7 @@ impl Quantity {
     }
 }
 
-/// The value in SI of the quantity at `path`, if it is given.
+/// The value in SI, if one is given; `path` is its place, for errors.
 pub(super) fn optional_si(
     path: &str,
     value: Option<&Quantity>,
@@ -60,7 +60,7 @@ pub(super) enum Tapered {
 }
 
 impl Tapered {
-    /// The values in SI of the taper that stands at `path`.
+    /// The values in SI; `path` is their place, for errors.
     pub(super) fn si(&self, path: &str, dimension: Dimension) -> Result<Taper, Fault> {
         match self {
             Self::Constant(value) => Ok(Taper::constant(value.si(path, dimension)?)),
@@ -79,7 +79,7 @@ pub(super) struct Unbounded(pub(super) Quantity);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Real(pub(super) f64);
 
-/// A whole number of elements or modes, or that of a mode.
+/// A number of elements or modes, or the number of a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Count(pub(super) usize);
 
@@ -104,7 +104,7 @@ pub(super) fn positive(path: &str, taper: Taper, unit: &str) -> Result<Taper, Fa
     })
 }
 
-/// A value that is no table, before its key says more.
+/// A value that is no table, as the file gives it.
 enum Value {
     Integer(i64),
     Number(f64),
@@ -149,7 +149,7 @@ impl Value {
     }
 }
 
-/// Takes any value that is no table; refuses others with the words for what is wanted.
+/// Reads any value that is no table; refusals say `what` must be there.
 struct Wanted {
     what: &'static str,
     takes_list: bool,
@@ -198,7 +198,7 @@ const ELEMENTS: Wanted =
     Wanted { what: "a whole number from 1 to 100000, or \"auto\"", takes_list: false };
 
 impl Wanted {
-    /// Reads a value and turns it into what is wanted; `None` from `of` refuses it.
+    /// Reads a value and converts it; `None` from `of` refuses it.
     fn read<'de, D: Deserializer<'de>, T>(
         self,
         deserializer: D,
@@ -210,7 +210,7 @@ impl Wanted {
     }
 }
 
-/// Reads types from values.
+/// Implements `Deserialize` by a conversion of a value.
 macro_rules! read {
     ($($type:ident: $wanted:ident by $of:expr;)+) => {
         $(impl<'de> Deserialize<'de> for $type {

@@ -21,7 +21,7 @@ pub(super) struct Misfit {
 
 #[derive(Debug)]
 enum Reason {
-    /// Another kind of value is wanted; `found` is filled in where the value is at hand.
+    /// Another kind of value must be there; [`Misfit::below`] fills in `found`.
     Kind {
         found: Option<String>,
         must: String,
@@ -60,7 +60,7 @@ impl Error for Misfit {
     }
 
     fn invalid_type(_: Unexpected<'_>, expected: &dyn Expected) -> Self {
-        // Serde's word for a list is none of the user's.
+        // Serde calls a list a sequence.
         let expected = expected.to_string().replace("a sequence", "a list");
         Self::must(format!("must be {expected}"))
     }
@@ -129,7 +129,7 @@ impl<'de> Deserializer<'de> for &'de Node {
         }
     }
 
-    /// A number that may be infinite, or whatever else is there.
+    /// Accepts an infinite number too.
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
         match self.kind {
             Kind::Number(number) if number.is_infinite() => visitor.visit_f64(number),
@@ -141,7 +141,7 @@ impl<'de> Deserializer<'de> for &'de Node {
         visitor.visit_some(self)
     }
 
-    /// A structure is written as a table only, never as a list in the order of its fields.
+    /// Accepts a table only, no list in the order of the fields.
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         _name: &'static str,

@@ -1,8 +1,8 @@
 //! The link file as JSON Schema: derived from the raw form, so that an editor knows the keys that
 //! the reader knows.
 //!
-//! The dialect is draft 7, what TOML editors understand, and nothing refers to a definition
-//! elsewhere: they show a description only where it stands.
+//! TOML editors understand draft 7, and show a description only where it stands: so the schema has no
+//! references.
 
 use schemars::Schema;
 use schemars::generate::SchemaSettings;
@@ -13,8 +13,8 @@ use super::raw::RawSpecification;
 
 /// JSON Schema (draft 7) of the link file, as text: what editors complete and check it with.
 ///
-/// It knows every key with its meaning, unit, range and default, and which keys go together. What it
-/// cannot say, such as the dimension of a unit or the sum of the elements, the reader still checks.
+/// It has every key with its meaning, unit, range and default, and the keys that go together. It cannot
+/// say the dimension of a unit or the sum of the elements; the reader checks these.
 ///
 /// ```
 /// let schema: serde_json::Value = serde_json::from_str(&flexlink::spec::link_file_schema())?;
@@ -30,7 +30,7 @@ pub fn link_file_schema() -> String {
     format!("{:#}\n", Value::from(schema))
 }
 
-/// Takes out the `null` of an optional key, since TOML has none, and the line ends that only wrap a
+/// Removes the `null` of optional keys, which TOML does not have, and the line ends that wrap a
 /// description.
 fn tidied(schema: &mut Schema) {
     if let Some(Value::String(text)) = schema.get_mut("description") {
@@ -58,7 +58,7 @@ fn tidied(schema: &mut Schema) {
     transform_subschemas(&mut tidied, schema);
 }
 
-/// Adds the keywords of the one choice that is left, those of the key itself standing first.
+/// Adds the keywords of the only choice, unless the key has its own.
 fn adopt(schema: &mut Schema, only: Map<String, Value>) {
     for (keyword, value) in only {
         if schema.get(&keyword).is_none() {

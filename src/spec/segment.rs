@@ -40,7 +40,7 @@ pub(super) fn segment(index: usize, raw: RawSegment) -> Result<Segment, Fault> {
     })
 }
 
-/// What there is to say about the materials of segments.
+/// Remarks on unusual materials.
 pub(super) fn remarks(segments: &[RawSegment]) -> Result<Vec<Remark>, Fault> {
     let mut remarks = Vec::new();
     for (index, raw) in segments.iter().enumerate() {
@@ -56,7 +56,7 @@ pub(super) fn remarks(segments: &[RawSegment]) -> Result<Vec<Remark>, Fault> {
     Ok(remarks)
 }
 
-/// How thick the segment is, by its section, or by I and area where both are given.
+/// The cross-section by `section`, or by I and area if both are given.
 fn cross_section(
     at: &str,
     section: Option<&Section>,
@@ -118,8 +118,8 @@ fn mass_per_length(at: &str, way: &Way<'_>) -> Result<Taper, Fault> {
     }
 }
 
-/// A property along the segment that is given whole, or as a material's constant times a property
-/// of the cross-section.
+/// A property along the segment, given as a whole or as a material's constant times a property of the
+/// cross-section.
 struct Property {
     name: &'static str,
     whole: &'static str,
@@ -169,7 +169,7 @@ impl Property {
         }
     }
 
-    /// Says which keys clash, or which one is missing.
+    /// Names the keys that exclude each other, or the missing key.
     fn refusal(&self, at: &str, given: &[&str]) -> Fault {
         let Self { name, whole, material, shape } = self;
         let has = |key: &&str| given.contains(key);

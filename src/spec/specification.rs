@@ -11,22 +11,22 @@ use crate::link::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload};
 use crate::numeric::Dimension;
 use crate::result::{Limits, Remark};
 
-/// What a link file says, checked.
+/// The checked content of a link file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Specification {
     /// The physical link.
     pub link: Link,
-    /// How it is to be meshed.
+    /// How the link is meshed.
     pub mesh: MeshPlan,
-    /// How exact the answer must be, around which time, of which modes.
+    /// Tolerances, window and modes of the inversion.
     pub analysis: Analysis,
-    /// What link and motor stand.
+    /// Largest values that link and motor may reach.
     pub limits: Limits,
-    /// What of the file is possible but rare, and often a slip of units.
+    /// Values that are possible but rare, often a slip of units.
     pub remarks: Vec<Remark>,
 }
 
-/// Turns the raw form into the checked one.
+/// Converts the raw form to the checked one.
 pub(super) fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
     if raw.segments.is_empty() {
         return Err(Fault::new("segments", "must hold at least one [[segments]]"));

@@ -1,13 +1,13 @@
-//! Keys of the link file that stand for each other: what the value of `--set` replaces, and what to
-//! multiply where a key is absent.
+//! Keys of the link file that replace each other: which keys a `--set` removes, and which key to multiply
+//! if the named one is absent.
 
 use super::error::nearest;
 use super::tree::{Kind, Node};
 
-/// Removes what the value that is set at `step` takes the place of.
+/// Removes the keys that a new value at `step` replaces.
 ///
-/// A product takes the place of its factors, and of the section if nothing else needs it; one ratio
-/// in every mode and a ratio for each mode take each other's.
+/// A product replaces its factors, and the section if no other key needs it; `ratio` and `ratios`
+/// replace each other.
 pub(super) fn make_room(entries: &mut Vec<(String, Node)>, step: &str) {
     let (replaced, section_serves): (&[&str], _) = match step {
         "EI" => (&["E", "I"], Some("density")),
@@ -21,7 +21,7 @@ pub(super) fn make_room(entries: &mut Vec<(String, Node)>, step: &str) {
     entries.retain(|(key, _)| !replaced.contains(&key.as_str()) && Some(key.as_str()) != section);
 }
 
-/// Removes the elements of single segments: a number for the whole link takes their place.
+/// Removes the elements of single segments, which a number for the whole link replaces.
 pub(super) fn remove_own_elements(tree: &mut Node) {
     let Kind::Table(entries) = &mut tree.kind else { return };
     let segments = entries.iter_mut().filter(|(key, _)| key == "segments");
@@ -35,7 +35,7 @@ pub(super) fn remove_own_elements(tree: &mut Node) {
     }
 }
 
-/// What to do instead of multiplying the absent key `step`.
+/// Hint for a factor on the absent key `step`.
 pub(super) fn instead(entries: &[(String, Node)], step: &str) -> String {
     let has = |wanted: &str| entries.iter().any(|(key, _)| key == wanted);
     let others: &[&str] = match step {
@@ -54,7 +54,7 @@ pub(super) fn instead(entries: &[(String, Node)], step: &str) -> String {
     }
 }
 
-/// The keys that can be multiplied: those that are there, and products of which a factor is.
+/// The keys that can be multiplied: those of the file, and products of which the file has a factor.
 fn multiplied(entries: &[(String, Node)]) -> impl Iterator<Item = &str> {
     let there = || entries.iter().map(|(key, _)| key.as_str());
     let products = [("E", "EI"), ("density", "mass_per_length")];

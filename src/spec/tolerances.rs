@@ -39,7 +39,7 @@ struct RawColumnRule {
 /// ```
 ///
 /// # Errors
-/// [`SpecError`] names the line and the value that cannot be.
+/// [`SpecError`] names the line and the wrong value.
 pub fn read_tolerances(name: &str, text: &str) -> Result<Tolerances, SpecError> {
     let shown = |place: Place| match place {
         Place::Line(line) => format!("{name}:{line}"),

@@ -4,7 +4,7 @@ use toml::de::{DeTable, DeValue, Error};
 
 use crate::numeric::excerpt;
 
-/// Where a value was written; of two places the later is the greater.
+/// Where a value was written; later places are greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Place {
     /// The file as a whole.
@@ -22,7 +22,7 @@ pub(super) struct Node {
     pub(super) kind: Kind,
 }
 
-/// What a value of the link file is.
+/// A value of the link file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Kind {
     Text(String),
@@ -49,8 +49,7 @@ impl Node {
         Ok(Self { place: Place::File, kind })
     }
 
-    /// Reads one TOML value that stands at `place`; what is none is a string, since a shell takes
-    /// the quotes off.
+    /// Reads one TOML value, written at `place`; other text is a string, since a shell removes the quotes.
     pub(super) fn value(text: &str, place: Place) -> Self {
         let kind = DeValue::parse(text).map_or_else(
             |_| Kind::Text(text.to_owned()),
@@ -71,7 +70,7 @@ impl Node {
         }
     }
 
-    /// The value at a dotted path, or what encloses it nearest.
+    /// The value at a dotted path, or the innermost value that encloses it.
     pub(super) fn deepest(&self, path: &str) -> &Self {
         let mut node = self;
         for step in path.split('.') {
@@ -83,7 +82,7 @@ impl Node {
         node
     }
 
-    /// The value as it reads in a sentence.
+    /// The value as messages quote it.
     pub(super) fn shown(&self) -> String {
         match &self.kind {
             Kind::Text(text) => format!("{:?}", excerpt(text)),
@@ -92,7 +91,7 @@ impl Node {
             Kind::Boolean(truth) => truth.to_string(),
             Kind::Date(date) => date.clone(),
             Kind::List(items) => {
-                // Each takes two characters at least.
+                // Each item takes at least two characters of the excerpt.
                 let shown: Vec<String> = items.iter().take(30).map(Self::shown).collect();
                 let more = if items.len() > shown.len() { ", …" } else { "" };
                 format!("[{}{more}]", excerpt(&shown.join(", ")))
@@ -128,7 +127,7 @@ fn kind(value: &DeValue<'_>, place: &impl Fn(Range<usize>) -> Place) -> Kind {
         DeValue::String(text) => Kind::Text(text.to_string()),
         DeValue::Integer(digits) => i64::from_str_radix(digits.as_str(), digits.radix())
             .map_or_else(
-                // Beyond 64 bits; such a number is no count, and as a quantity only its size matters.
+                // Beyond 64 bits: no count, and as a quantity its size suffices.
                 |_| Kind::Number(digits.as_str().parse().unwrap_or(f64::INFINITY)),
                 Kind::Integer,
             ),

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::quantity::{Count, Elements, Quantity, Real, Tapered, Unbounded};
 use crate::numeric::{Dimension, quantity_pattern};
 
-/// Where a quantity may lie.
+/// Allowed range of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Range {
     Any,
@@ -17,8 +17,8 @@ pub(super) enum Range {
 }
 
 impl Range {
-    /// The sign that a text may begin with. Text of zero passes wherever a minus is refused: its
-    /// value only the program knows.
+    /// Pattern of the sign of a text. A text of 0 passes even if the value must be above 0: the schema
+    /// cannot know its value.
     fn sign(self) -> &'static str {
         match self {
             Self::Any => "[+-]?",
@@ -51,18 +51,18 @@ pub(super) struct QuantityKey {
     default: Option<u8>,
 }
 
-/// Says of which dimension a key's quantity is, and its range.
+/// Describes a key by dimension and range.
 pub(super) fn quantity(dimension: Dimension, range: Range) -> QuantityKey {
     QuantityKey { dimension, range, default: None }
 }
 
 impl QuantityKey {
-    /// Says what holds without the key.
+    /// Adds the default value.
     pub(super) fn or(self, default: u8) -> Self {
         Self { default: Some(default), ..self }
     }
 
-    /// Limits the numbers and the texts of a schema; of each, JSON Schema looks only at its own.
+    /// Limits numbers and texts; each keyword applies to its own type only.
     fn limit(&self, schema: &mut Schema) {
         schema.insert("pattern".into(), quantity_pattern(self.range.sign()).into());
         if let Some(keyword) = self.range.keyword() {
@@ -92,7 +92,7 @@ impl Transform for QuantityKey {
     }
 }
 
-/// A quantity as text, of the dimension that has this SI unit.
+/// An example of a quantity with this SI unit, as text.
 fn example(unit: &str) -> &'static str {
     match unit {
         "m" => "\"150 cm\"",
@@ -134,7 +134,7 @@ pub(super) fn within(least: f64, most: f64) -> impl Transform {
     }
 }
 
-/// Gives a type the schema that does not depend on where it stands.
+/// Implements `JsonSchema` by a constant schema.
 macro_rules! kind {
     ($type:ident, $($schema:tt)+) => {
         impl JsonSchema for $type {
@@ -150,7 +150,7 @@ macro_rules! kind {
 }
 
 kind!(Quantity, { "type": ["number", "string"] });
-// TOML tools hand an infinite number to JSON, which has none, as null.
+// TOML tools write an infinite number as null to JSON.
 kind!(Unbounded, { "oneOf": [{ "type": ["number", "string"] }, { "type": "null" }] });
 kind!(Tapered, {
     "type": ["number", "string", "array"],

@@ -6,15 +6,15 @@ use crate::result::{Metrics, PlayedMetrics, TipError};
 /// The numbers of a case whose torque was computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolvedCase {
-    /// Period of the first mode in s; none where nothing vibrates.
+    /// Period of the first mode in s; none if nothing vibrates.
     pub period_s: Option<f64>,
     /// First zero of torque → tip in 1/s.
     pub zero_per_s: Option<f64>,
-    /// What a person reads first.
+    /// Peaks, lead and lag.
     pub metrics: Metrics,
     /// Frequency in Hz up to which the tip's motion is followed.
     pub band_hz: f64,
-    /// How exact it is.
+    /// Its measured errors.
     pub accuracy: Accuracy,
 }
 
@@ -34,20 +34,20 @@ impl SolvedCase {
 /// The numbers of a case on which a given torque was played.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlayedCase {
-    /// Period of the first mode in s; none where nothing vibrates.
+    /// Period of the first mode in s; none if nothing vibrates.
     pub period_s: Option<f64>,
     /// First zero of torque → tip in 1/s.
     pub zero_per_s: Option<f64>,
-    /// What a person reads first.
+    /// Peaks, lead and lag.
     pub metrics: PlayedMetrics,
     /// How far the tip strays from the wanted motion.
     pub tip_error: TipError,
-    /// What it does after the torque.
+    /// Vibration after the torque.
     pub residual: ResidualVibration,
 }
 
 impl PlayedCase {
-    /// Reads the numbers off a simulation and what it was compared with.
+    /// Reads the numbers off a simulation; `tip_error` is that against its target.
     pub fn of(simulation: &Simulation, tip_error: TipError) -> Self {
         Self {
             period_s: first_period_s(&simulation.natural_frequencies_rad_s),

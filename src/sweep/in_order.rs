@@ -7,15 +7,14 @@ use std::thread;
 
 use rayon::ThreadPoolBuilder;
 
-/// Does the work of many cases on all threads of the current pool, and hands over what each gives
-/// in the order of the cases, as soon as all before it are done.
+/// Computes many cases on all threads of the current pool, and passes each result to `take` in the order
+/// of the cases, as soon as all before it are done.
 ///
-/// A case has one thread, or an even share of them where there are fewer cases than threads. When
-/// `stop` turns true, or `take` fails, the cases that were begun are finished and no other is
-/// begun: what was handed over has no gap.
+/// A case has one thread, or an even share of them if there are fewer cases than threads. When `stop`
+/// turns true, or `take` fails, the cases at work are finished and no other is begun: the results that
+/// `take` received have no gap.
 ///
-/// The threads that work hand over, too, one at a time: none sleeps until there is something to
-/// hand over.
+/// The working threads themselves call `take`, one at a time.
 ///
 /// # Errors
 /// The first of `take`.
@@ -35,8 +34,8 @@ pub fn in_order<T: Send, E: Send>(
     let done = Done { waiting: BTreeMap::new(), due: cases.start, take: Some(take) };
     let done = Mutex::new(done);
     let worker = || {
-        // Work that is parallel in itself finds only these threads. Without them (the system has no
-        // more) it shares those of the whole program.
+        // Parallel work within a case uses these threads. If the system has no more threads, it shares those
+        // of the whole program.
         let _own =
             ThreadPoolBuilder::new().num_threads(threads / workers).use_current_thread().build();
         while !stop.load(Ordering::Relaxed) && !failed.load(Ordering::Relaxed) {
@@ -56,22 +55,22 @@ pub fn in_order<T: Send, E: Send>(
             return worker();
         }
         let ended = begun.into_iter().map(|one| one.join().unwrap_or_else(|it| resume_unwind(it)));
-        // The last thread is waited for, whichever failed.
+        // All threads end before the error is returned.
         ended.fold(Ok(()), Result::and)
     })
 }
 
-/// What the threads have done and not handed over yet.
+/// Results that are done and not yet passed to `take`.
 struct Done<T, F> {
     waiting: BTreeMap<usize, T>,
-    /// The case to hand over next.
+    /// The next case for `take`.
     due: usize,
-    /// Where to; away while a thread hands over, and for good when that fails.
+    /// `None` while a thread calls it, and after it has failed.
     take: Option<F>,
 }
 
-/// Hands over a case and all that waited for it, unless one before it is not done or another thread
-/// is handing over, which then finds this one.
+/// Passes a case and all that waited for it to `take`, unless one before it is not done or another
+/// thread calls `take`, which then finds this one.
 fn hand_over<T, E>(
     done: &Mutex<Done<T, impl FnMut(usize, T) -> Result<(), E>>>,
     case: usize,

@@ -11,7 +11,7 @@ pub struct SweepPlan {
     cases: usize,
 }
 
-/// What one case of a sweep takes.
+/// The values of one case of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseValues {
     /// The value of every variation, as its column shows it.
@@ -22,7 +22,7 @@ pub struct CaseValues {
     pub motion: MotionScale,
 }
 
-/// Variations that make no sweep.
+/// Why variations make no sweep.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PlanError {
     /// One path in two variations.
@@ -34,17 +34,17 @@ pub enum PlanError {
     /// More cases than can be counted.
     #[error("the product of all values has more cases than can be counted")]
     TooMany,
-    /// Something else than a factor on the motion.
+    /// A value of the motion that is no factor.
     #[error("{change}, but {path} of the motion takes factors, {path}*=0.5,1,2")]
     NoFactor {
         /// The path, `distance` or `duration`.
         path: String,
-        /// What was asked for.
+        /// The change that was asked for.
         change: String,
     },
 }
 
-/// What of the motion can be varied.
+/// Values of the motion that can be varied.
 const DISTANCE: &str = "distance";
 const DURATION: &str = "duration";
 
@@ -84,7 +84,7 @@ impl SweepPlan {
         self.cases
     }
 
-    /// The cases in which at most one value differs from the first case's: all values, each once.
+    /// The first case, and those in which one value differs from it: all values, each once.
     pub fn single_changes(&self) -> impl Iterator<Item = usize> {
         let strides = self.variations.iter().rev().scan(1, |stride, variation| {
             let (own, values) = (*stride, variation.values().len());
@@ -97,7 +97,7 @@ impl SweepPlan {
         std::iter::once(0).chain(changed)
     }
 
-    /// What the case of this number, from 0, takes.
+    /// The values of a case, counted from 0.
     pub fn case(&self, number: usize) -> CaseValues {
         let mut left = number;
         let mut chosen: Vec<usize> = Vec::with_capacity(self.variations.len());

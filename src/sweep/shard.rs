@@ -8,14 +8,14 @@ use crate::numeric::excerpt;
 /// Most shards of one sweep.
 const MOST: usize = 100_000;
 
-/// Every N-th case: the share of one machine of N. `2/8` has the cases 2, 10, 18, …
+/// Every N-th case, the share of one machine of N: `2/8` has the cases 2, 10, 18, …
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     number: usize,
     of: usize,
 }
 
-/// A shard that there is not.
+/// Text that is no shard.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("shard = {found:?}, but must read I/N, 1 <= I <= N, N at most {MOST}")]
 pub struct ShardError {

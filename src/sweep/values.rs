@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::numeric::{excerpt, rounded, split_number};
 
-/// Digits that values between the ends of a range are given.
+/// Significant digits of the values between the ends of a range.
 const DIGITS: usize = 15;
 
 /// Most values of one range.
@@ -114,7 +114,7 @@ fn value(start: f64, stop: f64, (k, last): (usize, usize), logarithmic: bool) ->
     }
     let share = k as f64 / last as f64;
     let between = if logarithmic {
-        // Neither their product nor their quotient, which may be beyond all numbers.
+        // Product and quotient of the ends could overflow.
         start.signum() * libm::pow(start.abs(), 1.0 - share) * libm::pow(stop.abs(), share)
     } else {
         (1.0 - share) * start + share * stop
@@ -131,7 +131,7 @@ fn shortest(value: f64) -> String {
     if (1e-4..1e15).contains(&size) { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// Text parted by colons and by commas, both outside quotes and brackets.
+/// Text split at colons and at commas, both outside quotes and brackets.
 struct Pieces<'a> {
     colons: Vec<&'a str>,
     commas: Vec<&'a str>,

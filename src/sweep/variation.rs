@@ -5,7 +5,7 @@ use std::str::FromStr;
 use super::values::{Values, VariationError, unquoted};
 use crate::numeric::excerpt;
 
-/// One value of the link file or the motion, and what it takes in turn: `PATH=START:STOP:COUNT`,
+/// One quantity of the link file or the motion, and its values in turn: `PATH=START:STOP:COUNT`,
 /// `PATH=START:STOP:COUNT:log`, `PATH=a,b,c`, or these with `*=` for factors.
 ///
 /// ```
@@ -23,12 +23,12 @@ pub struct Variation {
     values: Vec<String>,
 }
 
-/// What is done with a value.
+/// How a value changes the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operation {
-    /// `=`: it takes the place of the file's own.
+    /// `=`: it replaces the value of the file.
     Replace,
-    /// `*=`: the file's own is multiplied with it.
+    /// `*=`: it multiplies the value of the file.
     Multiply,
 }
 
@@ -47,7 +47,7 @@ impl Variation {
         &self.path
     }
 
-    /// What is done with the values.
+    /// How the values change the file.
     pub fn operation(&self) -> Operation {
         self.operation
     }
@@ -65,20 +65,20 @@ impl Variation {
         unquoted(&self.values[number])
     }
 
-    /// The path, with `*` behind it where the values are factors, and the unit of the values in
-    /// brackets where they share one.
+    /// Heading of the column: the path, `*` if the values are factors, and in brackets the unit if they
+    /// share one.
     pub fn heading(&self) -> String {
         let factor = if self.operation == Operation::Multiply { "*" } else { "" };
         let Self { path, unit, .. } = self;
         if unit.is_empty() { format!("{path}{factor}") } else { format!("{path}{factor} [{unit}]") }
     }
 
-    /// Whether the values have a unit that all of them share.
+    /// True if all values share a unit.
     pub(super) fn has_unit(&self) -> bool {
         !self.unit.is_empty()
     }
 
-    /// The change of the link file that the value of this number asks for, as `--set` reads it.
+    /// The change of the link file by the value of this number, as `--set` reads it.
     ///
     /// # Panics
     /// If there is no such value.

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod bench;
 mod colours;
 mod compare;
 mod compare_folders;
@@ -36,37 +37,17 @@ mod warnings;
 use std::fmt::Debug;
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
-use tempfile::TempDir;
+
+use bench::Bench;
 
 const LINK: &str = "specs/bayo1987_example1.toml";
 const MOTION: &str = "trajectories/sine_0.88s.csv";
 
-/// A working folder of its own, in which the program runs.
-struct Bench {
-    folder: TempDir,
-}
-
 impl Bench {
-    fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).unwrap();
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
-    }
-
     /// Names in a folder of the bench, in order.
     fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path(folder)).unwrap();
@@ -94,22 +75,6 @@ impl Bench {
         let output = self.run(&[&["solve", &link, &motion], arguments].concat());
         assert!(output.status.success(), "{}", stderr(&output));
         output
-    }
-
-    /// Columns of a table, each with its name.
-    fn table(&self, name: &str) -> Vec<(String, Vec<f64>)> {
-        let text = self.read(name);
-        let mut lines = text.lines();
-        let names = lines.next().unwrap().split(',').map(str::to_owned);
-        let mut columns: Vec<(String, Vec<f64>)> = names.map(|name| (name, Vec::new())).collect();
-        for line in lines {
-            let fields: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
-            assert_eq!(fields.len(), columns.len(), "{name}: {line}");
-            for ((_, values), field) in columns.iter_mut().zip(fields) {
-                values.push(field);
-            }
-        }
-        columns
     }
 
     fn json(&self, name: &str) -> Value {

@@ -23,6 +23,8 @@ mod link;
 mod listed;
 mod modes;
 mod motion;
+#[path = "../mechanics/theory/published.rs"]
+mod published;
 mod random;
 mod report;
 mod run;

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::compare::{Comparison, ColumnRule, Tolerances};
+use flexlink::compare::{ColumnRule, Comparison, Tolerances};
 use flexlink::csv::InputFile;
 use flexlink::numeric::excerpt;
 use flexlink::spec::read_tolerances;
@@ -174,7 +174,8 @@ impl Compare {
             let names = || comparison.files.iter().map(|file| file.name.as_str());
             !sides.are_single || names().any(|name| entry.is_of(name))
         };
-        let idle: Vec<&ColumnRule> = comparison.idle(tolerances).into_iter().filter(is_meant).collect();
+        let idle: Vec<&ColumnRule> =
+            comparison.idle(tolerances).into_iter().filter(is_meant).collect();
         for entry in &idle {
             let file = entry.file.as_ref().map(|file| format!(" of a file {:?}", excerpt(file)));
             let (place, column) = (&entry.place, &entry.column);

@@ -10,7 +10,7 @@ pub enum Scale {
 }
 
 impl Scale {
-    /// The word that the page's script knows it by.
+    /// Its name in the page's script.
     pub(super) fn word(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -19,10 +19,10 @@ impl Scale {
     }
 }
 
-/// One axis of a figure: what it counts, in which unit, from where to where.
+/// One axis of a figure: quantity, unit, scale and range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What is counted: `torque`.
+    /// Name of the quantity: `torque`.
     pub name: String,
     /// Its unit, empty for a pure number: `N m`.
     pub unit: String,
@@ -30,14 +30,14 @@ pub struct Axis {
     pub scale: Scale,
     /// First and last number; on a logarithmic axis both above 0.
     pub range: Range<f64>,
-    /// Numbers that are written beside it; round ones where there are none of its own.
+    /// Values of the ticks; empty for round ones.
     pub places: Vec<f64>,
 }
 
-/// Ticks of a linear axis, about.
+/// Approximate number of ticks of a linear axis.
 const TICKS: f64 = 6.0;
 
-/// Decades of a logarithmic axis that have a tick each; beyond them only some have.
+/// Most decades of a logarithmic axis that all get a tick.
 const MOST_DECADES: i32 = 7;
 
 impl Axis {
@@ -57,7 +57,7 @@ impl Axis {
         Self { scale: Scale::Logarithmic, ..Self::linear(name, unit, range) }
     }
 
-    /// An axis that holds all of `values`, and 0, with a margin.
+    /// An axis over 0 and all finite `values`, with a margin.
     pub fn around<'a>(name: &str, unit: &str, values: impl Iterator<Item = &'a f64>) -> Self {
         let finite = values.copied().filter(|value| value.is_finite());
         let (low, high) = finite
@@ -72,8 +72,7 @@ impl Axis {
         Self::linear(name, unit, range)
     }
 
-    /// Whether its numbers are so large or so small that drawing them would leave the numbers that a
-    /// computer has.
+    /// True if drawing its numbers would overflow or underflow.
     pub(super) fn is_extreme(&self) -> bool {
         let Range { start, end } = self.range;
         let spread = match self.scale {
@@ -83,7 +82,7 @@ impl Axis {
         [start, end, spread].into_iter().any(is_extreme) || end <= start
     }
 
-    /// Where a number stands: 0 at the axis' begin, 1 at its end.
+    /// Position of a number: 0 at the start of the axis, 1 at its end.
     pub(in crate::report) fn share(&self, value: f64) -> f64 {
         let Range { start, end } = self.range;
         match self.scale {
@@ -101,7 +100,7 @@ impl Axis {
         }
     }
 
-    /// Numbers that are written beside the axis, each with its text.
+    /// Values of the ticks, each with its label.
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         if !self.places.is_empty() {
             return self.places.iter().map(|value| (*value, short_label(*value))).collect();
@@ -122,7 +121,7 @@ impl Axis {
         let step = step.filter(|step| *step >= 0.999 * raw).fold(10.0 * power, f64::min);
         let first = libm::ceil(start / step - 1e-6) as i64;
         let last = libm::floor(end / step + 1e-6) as i64;
-        // One digit of the step is all that a tick needs.
+        // One digit of the step suffices.
         let decimals = usize::try_from(-libm::floor(libm::log10(step * 1.001)) as i32).unwrap_or(0);
         let label = |value: f64| {
             if (1e-4..1e6).contains(&start.abs().max(end.abs())) {
@@ -157,7 +156,7 @@ impl Axis {
     }
 }
 
-/// Plain where that is short.
+/// Decimal if that is short, else with an exponent.
 fn short_label(value: f64) -> String {
     let value = crate::numeric::rounded(value, 4);
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
@@ -167,7 +166,7 @@ fn short_label(value: f64) -> String {
     }
 }
 
-/// Whether a number is so large, or so small and not 0, that no figure is drawn of it.
+/// True if a number is too large, or too close to 0 but not 0, to be drawn.
 pub(in crate::report) fn is_extreme(value: f64) -> bool {
     let size = value.abs();
     !(size <= 0.0 || (1e-300..=1e300).contains(&size))

@@ -3,18 +3,18 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::numeric::largest;
 
-/// Columns and rows of pixels at most: what a figure can show.
+/// Most columns and rows of pixels.
 const MOST_COLUMNS: usize = 680;
 const MOST_ROWS: usize = 160;
 
 /// Numbers over a rectangle, shown by colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourMap {
-    /// What is shown: `deflection`.
+    /// Name of the quantity: `deflection`.
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// Whether colours tell a sign or a size.
+    /// Which colours stand for its numbers.
     pub colours: Colours,
     /// Rows of numbers, the lowest row first; all of one length.
     pub rows: Vec<Vec<f64>>,
@@ -44,13 +44,13 @@ impl ColourMap {
         }
     }
 
-    /// Whether its numbers are too large to tell their colours.
+    /// True if its numbers are too large for colours.
     pub(super) fn is_extreme(&self) -> bool {
         let (low, high) = self.limits();
         [low, high].into_iter().any(|limit| limit.is_finite() && limit.abs() > 1e300)
     }
 
-    /// Colour of a number as (red, green, blue); white where there is none.
+    /// Red, green and blue of a number; white for NaN.
     fn colour(&self, value: f64, (low, high): (f64, f64)) -> [u8; 3] {
         if !value.is_finite() {
             return [255; 3];
@@ -71,7 +71,7 @@ impl ColourMap {
         (0..count).map(|k| hexadecimal(self.colour(value(k), (low, high)))).collect()
     }
 
-    /// A picture of the numbers as a `data:` address, thinned to what a figure can show.
+    /// A PNG picture of the numbers as a `data:` address, thinned to the pixels of a figure.
     #[expect(clippy::cast_possible_truncation, reason = "no more pixels than those of a figure")]
     pub(super) fn picture(&self) -> String {
         let limits = self.limits();
@@ -85,7 +85,7 @@ impl ColourMap {
         let mut encoder = png::Encoder::new(&mut file, across.len() as u32, up.len() as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_compression(png::Compression::High);
-        // Into memory, with as many pixels as were told: nothing fails.
+        // Writing to memory, and as many pixels as announced, cannot fail.
         if let Ok(mut writer) = encoder.write_header() {
             let _ = writer.write_image_data(&pixels);
         }

@@ -1,5 +1,5 @@
-//! A figure as SVG. Colours are classes: the page has its own for light and dark, a figure of its
-//! own brings them along.
+//! A figure as SVG. Colours are classes: the style sheet of the page has a light and a dark theme, that
+//! of a figure in a file of its own only the light one.
 
 use std::fmt::Write as _;
 
@@ -11,13 +11,13 @@ use super::figure::{Across, Curve, Figure, Stroke};
 /// Width of every figure in pixels.
 pub(super) const WIDTH: f64 = 760.0;
 
-/// The plot within the figure: what is left of it, above it, right of it and below it.
+/// Margins around the plot.
 pub(super) const LEFT: f64 = 66.0;
 pub(super) const TOP: f64 = 34.0;
 pub(super) const RIGHT: f64 = 16.0;
 const BOTTOM: f64 = 46.0;
 
-/// Height of the line above a colour map, and the gap below it.
+/// Height of the strip above a colour map, and of the gap below it.
 const STRIP: f64 = 70.0;
 const GAP: f64 = 10.0;
 
@@ -45,7 +45,7 @@ impl Figure {
         (WIDTH - LEFT - RIGHT, self.height() - TOP - BOTTOM)
     }
 
-    /// Where the y axis lies: below the strip, where there is one.
+    /// Heights of the y axis: below the strip, if there is one.
     fn main_band(&self) -> Band {
         let top = if self.strip.is_some() { STRIP + GAP } else { 0.0 };
         Band { top, height: self.plot().1 - top }
@@ -173,7 +173,7 @@ fn range(axis: &Axis) -> String {
     format!("{} {}", axis.range.start, axis.range.end)
 }
 
-/// The numbers that are written beside an axis.
+/// The ticks that an axis is given.
 fn places(axis: &Axis) -> String {
     axis.places.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
 }
@@ -209,8 +209,7 @@ fn dots(points: &[(f64, f64)]) -> String {
     finite.map(|(x, y)| format!("M{},{}h0", number(*x), number(*y))).collect::<Vec<_>>().concat()
 }
 
-/// Bandes of x of which each keeps its lowest and its highest point: one for each pixel of a
-/// figure's width.
+/// Parts of x, one per pixel, of which each keeps its lowest and its highest point.
 const PARTS: usize = 680;
 
 /// The points that a figure shows of a line with ascending x: all if they are few, else the lowest and

@@ -2,45 +2,45 @@ use super::axis::Axis;
 use super::colour_map::ColourMap;
 use crate::numeric::significant;
 
-/// A figure: what is drawn, in numbers; [`Figure::svg`] draws it.
+/// The content of a figure in numbers; [`Figure::svg`] draws it.
 #[derive(Debug, Clone)]
 pub struct Figure {
     /// Name of its file, and its anchor in a page: `torque`.
     pub id: String,
     /// Heading.
     pub title: String,
-    /// What it shows, and what to see in it.
+    /// Text below the figure.
     pub caption: String,
-    /// To the right.
+    /// The horizontal axis.
     pub x: Axis,
-    /// Upward.
+    /// The vertical axis.
     pub y: Axis,
-    /// What x counts: figures over time are looked at together.
+    /// Quantity of x; the page zooms all figures over time together.
     pub across: Across,
-    /// Stretches of x that are shaded.
+    /// Shaded ranges of x.
     pub spans: Vec<Span>,
     /// An area behind all lines, from 0 to 1 of the height, with its name.
     pub backdrop: Option<Curve>,
     /// Colours behind all lines.
     pub map: Option<ColourMap>,
-    /// A line over the upper part of the colours, with the axis that it has for itself.
+    /// A line above the colours, with its own y axis.
     pub strip: Option<(Curve, Axis)>,
     /// Lines.
     pub curves: Vec<Curve>,
-    /// Places of x with a name.
+    /// Named values of x.
     pub marks: Vec<Mark>,
 }
 
-/// What the x axis of a figure counts.
+/// Quantity of a figure's x axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Across {
     /// Time, the same in all figures of a page.
     Time,
-    /// Something of its own.
+    /// Any other quantity.
     Other,
 }
 
-/// How a curve is drawn; colours go by number, so that all figures agree on them.
+/// How a curve is drawn, with the number of its colour in the style sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {
     /// A line of a colour, 1 to 6.
@@ -69,50 +69,50 @@ impl Stroke {
 /// A line of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// What it is, for the legend.
+    /// Name in the legend.
     pub name: String,
     /// How it is drawn.
     pub stroke: Stroke,
-    /// Points (x, y); one that is not finite parts the line.
+    /// Points (x, y); one that is not finite interrupts the line.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Curve {
-    /// A line through the values at some places.
+    /// A line through the points (x, y).
     pub fn new(name: &str, stroke: Stroke, x: &[f64], y: &[f64]) -> Self {
         let points = x.iter().copied().zip(y.iter().copied()).collect();
         Self { name: name.to_owned(), stroke, points }
     }
 }
 
-/// A shaded stretch.
+/// A shaded range of x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Span {
-    /// What it is, for the legend.
+    /// Name in the legend.
     pub name: String,
     /// Its class in the style sheet: `lead` or `lag`.
     pub class: &'static str,
-    /// From where to where.
+    /// The range.
     pub range: std::ops::Range<f64>,
 }
 
-/// A place of x with a name.
+/// A named value of x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// Where it is.
+    /// The value.
     pub at: f64,
-    /// What it is: `f1`.
+    /// Its name: `f1`.
     pub label: String,
     /// Its class in the style sheet.
     pub class: &'static str,
 }
 
-/// Figures of a result, and what could not be shown and why.
+/// Figures of a result.
 #[derive(Debug, Clone, Default)]
 pub struct Figures {
     /// In the order of a page.
     pub drawn: Vec<Figure>,
-    /// What is missing: `waves, since no nodal displacements were written`.
+    /// What is missing and why: `waves, since no nodal displacements were written`.
     pub omitted: Vec<String>,
 }
 
@@ -137,7 +137,7 @@ impl Figure {
         is_map || [&self.x, &self.y].into_iter().chain(strip).any(Axis::is_extreme)
     }
 
-    /// A figure of nothing yet.
+    /// A figure without content.
     pub fn new(id: &str, title: &str, across: Across, x: Axis, y: Axis) -> Self {
         Self {
             id: id.to_owned(),
@@ -156,13 +156,13 @@ impl Figure {
     }
 }
 
-/// Rows of the table beside a figure, about.
+/// Most rows of the table below a figure.
 const ROWS: usize = 16;
 
 /// Digits of its numbers.
 const DIGITS: usize = 4;
 
-/// The numbers of a figure as a table: some places, and what each line has there.
+/// Numbers of a figure as a table: some values of x, and the value of each line there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigureTable {
     /// Headings.
@@ -172,7 +172,7 @@ pub struct FigureTable {
 }
 
 impl Figure {
-    /// Some of the figure's numbers, evenly over its first line or its map.
+    /// Numbers at even distances along the first line or the map.
     pub fn table(&self) -> FigureTable {
         if let (Some(map), None) = (&self.map, self.curves.first()) {
             return self.map_table(&map.rows, &map.name, &map.unit);
@@ -222,7 +222,7 @@ fn text(value: f64) -> String {
     if value.is_finite() { significant(value, DIGITS).replace('-', "−") } else { String::new() }
 }
 
-/// The value of the point nearest to a place; none beyond the line's ends.
+/// Value of the point nearest to an x; none beyond the line's ends.
 fn value_at(curve: &Curve, at: f64) -> Option<f64> {
     let inside = curve.points.first()?.0 <= at && at <= curve.points.last()?.0;
     let next = curve.points.partition_point(|(x, _)| *x < at).min(curve.points.len() - 1);

@@ -8,16 +8,16 @@ use resvg::{tiny_skia, usvg};
 use super::figure::Figure;
 use crate::numeric::visible_document;
 
-/// What a figure of its own looks like: the light colours of the page.
+/// Style sheet of a figure in a file of its own: the light colours of the page.
 const STYLE: &str = include_str!("figure.css");
 
-/// Letters of every figure, so that it looks the same on every machine.
+/// Font of the pictures, so that they are the same on every machine.
 const FONT: &[u8] = include_bytes!("../font/DejaVuSans.ttf");
 
-/// Its name.
+/// Name of the font.
 const FAMILY: &str = "DejaVu Sans";
 
-/// Pixels of a picture for each of the drawing: sharp in print and on fine screens.
+/// Pixels of a picture per unit of the drawing.
 const SCALE: f32 = 2.0;
 
 impl Figure {
@@ -35,10 +35,10 @@ impl Figure {
         visible_document(&format!("{head}{}{rest}\n", style.into_string()))
     }
 
-    /// The figure as a PNG file of two pixels for each of the drawing, on white.
+    /// The figure as a PNG file, two pixels per unit of the drawing, on white.
     ///
     /// # Errors
-    /// What the renderer says, should the drawing be too large for it.
+    /// The renderer's message if the drawing is too large for it.
     pub fn png_file(&self) -> Result<Vec<u8>, String> {
         let mut fonts = usvg::fontdb::Database::new();
         fonts.load_font_data(FONT.to_vec());

@@ -138,7 +138,7 @@ pub(super) fn inputs(origin: &Origin) -> Section {
 fn command_line(arguments: &[String]) -> String {
     let quoted = |argument: &String| match shlex::try_quote(argument) {
         Ok(quoted) => quoted.into_owned(),
-        // No shell takes a NUL.
+        // Only an argument with a NUL cannot be quoted.
         Err(_) => argument.clone(),
     };
     arguments.iter().map(quoted).collect::<Vec<_>>().join(" ")

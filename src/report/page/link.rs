@@ -11,20 +11,20 @@ use crate::report::chart::{evenly, is_extreme};
 use crate::report::view::{inside, nearest};
 use crate::result::{StoredNodes, StoredRun};
 
-/// Width and height of the drawing in pixels, where the axis is, and where the farthest body ends.
+/// Width and height of the drawing, position of the axis, x of the farthest body, all in pixels.
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 150.0;
 const AXIS: (f64, f64) = (60.0, 62.0);
 const END: f64 = 700.0;
 
-/// Thickness in pixels of the stiffest and at least of the softest place.
+/// Largest and smallest thickness in pixels.
 const THICKEST: f64 = 26.0;
 const THINNEST: f64 = 3.0;
 
-/// Radius in pixels of a body as heavy as the link.
+/// Radius in pixels of a mass equal to that of the link.
 const LINK_SIZED: f64 = 14.0;
 
-/// Thickness of a place relative to the stiffest, as that of a section whose width stays: EI ∝ h³.
+/// Thickness relative to the largest, for sections of one width: EI ∝ h³.
 pub(super) fn relative_thickness(stiffness: f64, largest: f64) -> f64 {
     libm::cbrt(stiffness / largest)
 }
@@ -35,7 +35,7 @@ pub(super) fn largest_stiffness(link: &Link) -> f64 {
     link.segments().iter().map(ends).fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// The link to scale along its length: thickness for stiffness, dots for masses.
+/// The link, to scale along its length, its thickness by the stiffness, with a dot for each mass.
 pub(super) fn link_drawing(link: &Link) -> Markup {
     let offset = link.payload().offset_m.max(0.0);
     let per_m = (END - AXIS.0) / (link.length_m() + offset);
@@ -99,7 +99,7 @@ fn dimensions(link: &Link, borders: &[f64], at: impl Fn(f64) -> f64) -> Markup {
     let ends = std::iter::once(&0.0).chain(borders);
     for (k, border) in ends.enumerate() {
         let is_last = k == borders.len();
-        // Labels that would lie over each other are left out, the tip's never.
+        // A label that would overlap the one before is left out; the tip's label is kept.
         if at(*border) - last > 46.0 || is_last {
             if is_last && shown.len() > 1 && at(*border) - last < 46.0 {
                 shown.pop();
@@ -126,7 +126,7 @@ fn dimensions(link: &Link, borders: &[f64], at: impl Fn(f64) -> f64) -> Markup {
     }
 }
 
-/// A number as it was given, without the zeros behind it.
+/// A number with its unit, without trailing zeros.
 pub(super) fn given(value: f64, unit: &str) -> String {
     let digits = significant(value, 4);
     let short = match digits.split_once('.') {
@@ -139,19 +139,19 @@ pub(super) fn given(value: f64, unit: &str) -> String {
     format!("{short} {unit}").replace('-', "−").trim_end().to_owned()
 }
 
-/// Frames and nodes at most.
+/// Most frames and nodes.
 const FRAMES: usize = 600;
 const NODES: usize = 61;
 
-/// Digits of its numbers: more than an eye can tell.
+/// Significant digits of the numbers.
 const DIGITS: usize = 5;
 
-/// The motion over the time shown; none where no nodes were written, or what moves is too large or too
-/// small to be drawn.
+/// The motion over the time shown as JSON; none if no nodes were written, or if its numbers are too large
+/// or too small to be drawn.
 pub(super) fn motion_data(view: &View) -> Option<String> {
     let run = view.run;
     let nodes = &view.deflections()?;
-    // What only turns an arrow or the hub may be small.
+    // A small torque or hub angle only gives a short arrow.
     let [torque_n_m, angle_rad] =
         [&run.torque_n_m, &run.hub_angle_rad].map(|h| largest(h).max(1.0));
     let tip_m = largest(&run.tip.displacement_m);
@@ -162,7 +162,7 @@ pub(super) fn motion_data(view: &View) -> Option<String> {
     let shown = inside(&nodes.times_s, from_s, until_s);
     let frames: Vec<usize> =
         evenly(shown.len(), FRAMES).into_iter().map(|k| shown.start + k).collect();
-    // The nodes may be thinned over time: each frame's sample of the run.
+    // Nodes may be written at fewer times than the other histories.
     let samples: Vec<usize> =
         frames.iter().map(|k| nearest(&run.times_s, nodes.times_s[*k])).collect();
     let of = |history: &[f64]| -> Vec<f64> { samples.iter().map(|k| short(history[*k])).collect() };
@@ -170,7 +170,7 @@ pub(super) fn motion_data(view: &View) -> Option<String> {
     let of_nodes = |quantity: &StoredNodes, frame: &usize| -> Vec<f64> {
         kept.iter().map(|node| short(quantity.histories[*node][*frame])).collect()
     };
-    // Moments written at other nodes or times than the deflections are not played.
+    // Moments at other nodes or times than the deflections are left out.
     let alike = |m: &StoredNodes| {
         m.nodes == nodes.nodes && m.times_s.len() == nodes.times_s.len() && !is_extreme(m.peak())
     };
@@ -195,11 +195,11 @@ pub(super) fn motion_data(view: &View) -> Option<String> {
         "peak_deflection_m": nodes.peak(),
         "thickness": thickness(run),
     });
-    // Inside a page no text may look like the end of the script.
+    // A `<` in a title could end the script element.
     Some(data.to_string().replace('<', "\\u003c"))
 }
 
-/// Relative thickness along the link: two places for each segment.
+/// Relative thickness along the link, at both ends of each segment.
 fn thickness(run: &StoredRun) -> Vec<Value> {
     let largest = largest_stiffness(&run.link);
     let mut at = run.link.hub().radius_m;
@@ -214,7 +214,7 @@ fn thickness(run: &StoredRun) -> Vec<Value> {
     places
 }
 
-/// A number as short as an eye can tell.
+/// A number with few digits.
 fn short(value: f64) -> f64 {
     rounded(value, DIGITS)
 }

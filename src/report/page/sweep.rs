@@ -8,7 +8,7 @@ use crate::numeric::significant;
 use crate::report::Figures;
 use crate::result::StoredSweep;
 
-/// Rows of the table that a page shows.
+/// Most rows of the table.
 const MOST_CASES: usize = 200;
 
 pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {

@@ -2,18 +2,20 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+#[path = "../../cli/bench.rs"]
+mod bench;
 mod read_back;
 mod refusals;
 mod summaries;
 mod sweeps;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use flexlink::result::{StoredResult, StoredRun, StoredSweep};
 use flexlink::store::read_result;
-use tempfile::TempDir;
+
+use bench::Bench;
 
 const LINK: &str = "specs/bayo1987_example1.toml";
 const MOTION: &str = "trajectories/sine_0.88s.csv";
@@ -21,28 +23,7 @@ const MOTION: &str = "trajectories/sine_0.88s.csv";
 /// A short window: what is asked here is not how exact an answer is.
 const SHORT: [&str; 4] = ["--resample", "0.002", "--set", "analysis.tolerance=1e-3"];
 
-/// A folder of its own, for results.
-struct Bench {
-    folder: TempDir,
-}
-
 impl Bench {
-    fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn text(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).unwrap();
-    }
-
     /// Runs the program in the repository's folder, with the results into `folder`.
     #[track_caller]
     fn run(&self, arguments: &[&str], folder: &str) {
@@ -83,21 +64,9 @@ impl Bench {
         (error.to_string().replace(&own, ""), error.hint().map(str::to_owned))
     }
 
-    /// The columns of a table, read in the plainest way.
-    fn columns(&self, name: &str) -> Vec<(String, Vec<f64>)> {
-        let text = self.text(name);
-        let mut lines = text.lines();
-        let names = lines.next().unwrap().split(',');
-        let rows: Vec<Vec<f64>> = lines
-            .map(|line| line.split(',').map(|field| field.parse().unwrap()).collect())
-            .collect();
-        let column = |k: usize| rows.iter().map(|row| row[k]).collect();
-        names.enumerate().map(|(k, name)| (name.to_owned(), column(k))).collect()
-    }
-
     #[track_caller]
     fn column(&self, name: &str, heading: &str) -> Vec<f64> {
-        let columns = self.columns(name);
+        let columns = self.table(name);
         columns.into_iter().find(|(own, _)| own == heading).unwrap().1
     }
 }

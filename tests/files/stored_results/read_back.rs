@@ -48,7 +48,7 @@ fn assert_histories(bench: &Bench, folder: &str, run: &StoredRun) {
     assert!(run.tip.displacement_m == column("tip.csv", "tip_displacement_m"));
     assert!(run.tip.velocity_m_s == column("tip.csv", "tip_velocity_m_s"));
     assert!(run.tip.acceleration_m_s2 == column("tip.csv", "tip_acceleration_m_s2"));
-    let nodes = bench.text(&format!("{folder}/nodes.csv"));
+    let nodes = bench.read(&format!("{folder}/nodes.csv"));
     let places = nodes.lines().skip(1).map(|row| row.split(',').nth(1).unwrap());
     let places: Vec<f64> = places.map(|place| place.parse().unwrap()).collect();
     assert_eq!(places.len(), run.mesh.nodes_m().len());
@@ -65,7 +65,7 @@ fn assert_histories(bench: &Bench, folder: &str, run: &StoredRun) {
 #[track_caller]
 fn assert_nodes(bench: &Bench, table: &str, heading: (&str, &str), found: &StoredNodes) {
     assert!(found.times_s == bench.column(table, "time_s"), "{table}");
-    assert_eq!(found.nodes.len(), bench.columns(table).len() - 1, "{table}");
+    assert_eq!(found.nodes.len(), bench.table(table).len() - 1, "{table}");
     for (node, history) in found.nodes.iter().zip(&found.histories) {
         let name = format!("{}{node}_{}", heading.0, heading.1);
         assert!(*history == bench.column(table, &name), "{table}: {name}");

@@ -16,7 +16,7 @@ fn solved() -> Bench {
 #[track_caller]
 fn after(bench: &Bench, file: &str, change: impl Fn(&str) -> String) -> String {
     let name = format!("out/{file}");
-    let text = bench.text(&name);
+    let text = bench.read(&name);
     let changed = change(&text);
     assert_ne!(changed, text, "{file} is changed");
     bench.write(&name, &changed);
@@ -59,7 +59,7 @@ fn a_missing_file_is_told_by_its_name() {
         std::fs::remove_file(&path).unwrap();
         let named = "must be there: summary.json names it";
         assert_eq!(bench.refusal("out").0, format!("out: {name} = nothing, but {named}"));
-        let summary = bench.text("out/summary.json");
+        let summary = bench.read("out/summary.json");
         let unnamed = summary.replace(&format!("    \"{name}\",\n"), "");
         assert_ne!(unnamed, summary);
         bench.write("out/summary.json", &unnamed);
@@ -149,7 +149,7 @@ fn a_foreign_or_damaged_summary_is_refused() {
 #[test]
 fn an_older_run_is_refused_with_the_advice_to_run_it_again() {
     let bench = solved();
-    let own = bench.text("out/summary.json");
+    let own = bench.read("out/summary.json");
     assert!(own.starts_with("{\n  \"format\": 2,\n"), "{own}");
     let older = own.replacen("  \"format\": 2,\n", "", 1);
     let version = format!("\"flexlink\": \"{}\"", env!("CARGO_PKG_VERSION"));
@@ -162,7 +162,7 @@ fn an_older_run_is_refused_with_the_advice_to_run_it_again() {
 #[test]
 fn a_later_version_is_told_of_where_something_is_missing() {
     let bench = solved();
-    let summary = bench.text("out/summary.json");
+    let summary = bench.read("out/summary.json");
     let later = summary.replace(
         &format!("\"flexlink\": \"{}\"", env!("CARGO_PKG_VERSION")),
         "\"flexlink\": \"10.0.0\"",

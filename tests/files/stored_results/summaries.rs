@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::{Bench, LINK, MOTION};
 
 fn json(bench: &Bench, folder: &str) -> Value {
-    serde_json::from_str(&bench.text(&format!("{folder}/summary.json"))).unwrap()
+    serde_json::from_str(&bench.read(&format!("{folder}/summary.json"))).unwrap()
 }
 
 /// That the numbers of the readings are those of the summary under their keys.
@@ -92,7 +92,7 @@ fn checks_come_back_measured_or_with_the_reason() {
         assert_eq!((value.to_bits(), bound.to_bits()), (number("found"), number("bound")));
         assert!(found.passes);
     }
-    let text = bench.text("out/summary.json");
+    let text = bench.read("out/summary.json");
     let (before, after) = text.split_once("\"found\": ").unwrap();
     let (_, after) = after.split_once("\"passes\": true").unwrap();
     let unmeasured = "null, \"bound\": null, \"reason\": \"no modes\", \"passes\": false";
@@ -139,7 +139,7 @@ fn the_numbers_of_a_simulation_are_named_by_what_they_are_of() {
 fn keys_of_a_later_version_are_passed_over() {
     let bench = Bench::new();
     bench.solve(&[LINK, MOTION]);
-    let text = bench.text("out/summary.json");
+    let text = bench.read("out/summary.json");
     let version = format!("\"flexlink\": \"{}\"", env!("CARGO_PKG_VERSION"));
     assert!(text.contains(&version));
     bench

@@ -23,7 +23,7 @@ fn a_sweep_comes_back_from_its_file_and_from_its_folder() {
         assert_eq!((sweep.name.as_str(), sweep.varied), ("stiff.csv", 2));
         assert_eq!(sweep.table.lines, [2, 3, 4, 5]);
         let names: Vec<&str> = sweep.table.names().collect();
-        let text = bench.text("s/stiff.csv");
+        let text = bench.read("s/stiff.csv");
         assert_eq!(names.join(","), text.lines().next().unwrap());
         for (row, line) in text.lines().skip(1).enumerate() {
             for (column, field) in sweep.table.columns.iter().zip(line.split(',')) {
@@ -54,7 +54,7 @@ fn a_sweep_of_one_torque_and_one_with_failed_cases_come_back() {
 fn what_is_no_sweep_or_several_is_refused() {
     let bench = Bench::new();
     swept(&bench, &VARY[..2], "s/a.csv");
-    let text = bench.text("s/a.csv");
+    let text = bench.read("s/a.csv");
     bench.write("s/b.csv", &text);
     let hint = |text: &str| Some(text.to_owned());
     let several = "s: tables of sweeps = a.csv, b.csv, but must be one";

@@ -26,6 +26,8 @@ use flexlink::modal::{held_frequencies, natural_frequencies};
 use flexlink::motion::TipMotion;
 use flexlink::spec::{Override, Specification, read_specification};
 
+use closed_form::Uniform;
+
 /// Enough elements for ten digits of the first five frequencies of a uniform link.
 const FINE: &str = "mesh.elements=800";
 
@@ -76,4 +78,23 @@ fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
 /// rounding of the print leaves open.
 fn deviation_percent(computed: f64, printed: f64, last_digit: f64) -> (f64, f64) {
     (100.0 * (computed / printed - 1.0), 50.0 * last_digit / printed)
+}
+
+/// Fails unless the first clamped frequency is the printed one, but for the rounding of the print.
+#[track_caller]
+fn assert_clamped_frequency(name: &str, printed_hz: f64, last_digit_hz: f64) {
+    let found = hertz(&clamped_frequencies(name, &[], 1))[0];
+    let (deviation, print) = deviation_percent(found, printed_hz, last_digit_hz);
+    assert!(deviation.abs() <= print, "{found} Hz deviates by {deviation} %");
+}
+
+/// Fails unless the first frequencies of a uniform link, clamped and free, are those of the closed form.
+#[track_caller]
+fn assert_closed_form(name: &str, count: usize) {
+    let link = specification(name, &[]).link;
+    let uniform = Uniform::of(&link);
+    let clamped = closed_form::frequencies(&link, &uniform.clamped_numbers(count));
+    assert_close(&clamped_frequencies(name, &[FINE], count), &clamped, 1e-9);
+    let free = closed_form::frequencies(&link, &uniform.free_hub_numbers(count));
+    assert_close(&frequencies(name, &[FINE], count), &free, 1e-9);
 }

@@ -4,6 +4,7 @@
 
 mod closed_form;
 mod frequencies;
+mod published;
 mod thick_torque;
 mod thickness;
 mod transfer;
