@@ -1,7 +1,12 @@
-//! The import law: a module imports only from levels below its own, siblings never from each other.
+//! The import law: a module imports only from levels below its own, siblings never from each other, and
+//! no files of a module import each other in a circle.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+mod circles;
+mod source;
+
+use std::path::Path;
+
+use source::{identifier, names, sources, without_text};
 
 /// Modules by level. What stands on a level knows those above it in this list, and nothing else.
 const LEVELS: [&[&str]; 13] = [
@@ -109,14 +114,6 @@ fn climbs(code: &str, depth: usize) -> Vec<String> {
     names(code, &chain).map(target).filter(|target| level(target).is_some()).collect()
 }
 
-/// What follows each occurrence of `word` that no longer name ends with.
-fn names<'a>(code: &'a str, word: &'a str) -> impl Iterator<Item = &'a str> {
-    let continues = |c: char| c.is_alphanumeric() || c == '_';
-    let whole = move |at: &usize| !code[..*at].ends_with(continues);
-    let starts = code.match_indices(word).map(|(at, _)| at);
-    starts.filter(whole).map(move |at| code[at + word.len()..].trim_start())
-}
-
 /// First names of the members of a group, up to its closing brace.
 fn members(group: &str) -> Vec<String> {
     let mut depth = 1;
@@ -133,87 +130,6 @@ fn members(group: &str) -> Vec<String> {
         }
     }
     found.retain(|name| !name.is_empty());
-    found
-}
-
-fn identifier(code: &str) -> String {
-    code.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
-}
-
-/// The source without comments and without what stands in quotes.
-fn without_text(source: &str) -> String {
-    let mut code = String::new();
-    let mut rest = source;
-    while let Some(c) = rest.chars().next() {
-        let skipped = match c {
-            '/' if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
-            '/' if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |end| end + 2),
-            'r' if !code.ends_with(|c: char| c.is_alphanumeric() || c == '_') => raw_string(rest),
-            '"' => quoted(rest),
-            '\'' => character(rest),
-            _ => 0,
-        };
-        if skipped == 0 {
-            code.push(c);
-            rest = &rest[c.len_utf8()..];
-        } else {
-            code.push(' ');
-            rest = &rest[skipped..];
-        }
-    }
-    code
-}
-
-/// Length of the string that `code` begins with, quotes included.
-fn quoted(code: &str) -> usize {
-    let mut escaped = true;
-    let end = code.char_indices().find(|(_, c)| {
-        let ends = *c == '"' && !escaped;
-        // The opening quote counts as escaped.
-        escaped = *c == '\\' && !escaped;
-        ends
-    });
-    end.map_or(code.len(), |(at, _)| at + 1)
-}
-
-/// Length of the raw string that `code` begins with, 0 for anything else that begins with r.
-fn raw_string(code: &str) -> usize {
-    let hashes = code[1..].chars().take_while(|c| *c == '#').count();
-    let inner = &code[1 + hashes..];
-    if !inner.starts_with('"') {
-        return 0;
-    }
-    let end = format!("\"{}", "#".repeat(hashes));
-    inner[1..].find(&end).map_or(code.len(), |at| 1 + hashes + 1 + at + end.len())
-}
-
-/// Length of the character literal that `code` begins with, 0 for a lifetime.
-fn character(code: &str) -> usize {
-    let mut inner = code[1..].char_indices();
-    match inner.next() {
-        Some((_, '\\')) => code[3..].find('\'').map_or(0, |at| at + 4),
-        Some((_, c)) if code[1 + c.len_utf8()..].starts_with('\'') => c.len_utf8() + 2,
-        _ => 0,
-    }
-}
-
-/// Every source file below `src`, with its path from there.
-fn sources() -> Vec<(PathBuf, String)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut folders = vec![root.clone()];
-    let mut found = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).expect("a folder of the sources") {
-            let path = entry.expect("an entry of the folder").path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
-                let source = fs::read_to_string(&path).expect("a source in UTF-8");
-                found
-                    .push((path.strip_prefix(&root).expect("a path below src").to_owned(), source));
-            }
-        }
-    }
     found
 }
 
