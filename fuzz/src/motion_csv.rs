@@ -72,7 +72,7 @@ fn check_rest(motion: &TipMotion) {
     // The middle of the rest between two repetitions.
     let (len, seam) = (4 * grid.len, grid.len + 3 * grid.len / 2);
     let period = motion.over_period(len, seam, Cutoff::ALL);
-    let histories = period.histories(motion);
+    let histories = &period.histories;
     let speeds = &histories.velocity_m_s;
     let accelerations = &histories.acceleration_m_s2;
     for samples in [&histories.displacement_m, speeds, accelerations] {

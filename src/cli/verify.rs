@@ -67,7 +67,8 @@ impl Verify {
         let motion_file = InputFile::read(&self.motion.motion)?;
         let motion = self.scale.scaled(self.motion.resample.motion_of(&motion_file, link)?)?;
         let stages = self.print.stages();
-        let resources = Resources { memory_bytes: memory::available(), watch: &stages };
+        let resources =
+            Resources { memory_bytes: memory::available(), watch: &stages, ..Resources::default() };
         let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
         stages.at("verifying");
         let verification = measured(&specification, &solution, self.digits)?;

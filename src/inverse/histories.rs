@@ -8,7 +8,7 @@ use super::spectra::HubSpectra;
 use crate::link::{Drive, Link};
 use crate::modal::DampingLaw;
 use crate::model::Model;
-use crate::motion::{TailTerms, TipMotion, TipMotionHistories, TipPeriod, tail_sum};
+use crate::motion::{TailTerms, TipMotionHistories, TipPeriod, tail_sum};
 use crate::numeric::TimeGrid;
 
 /// What the motor does, on its own side of the gear and on the solution's grid.
@@ -44,16 +44,14 @@ impl Histories {
     /// [`InversionError::MotorNotFinite`].
     pub(super) fn of(
         answer: &PeriodicAnswer,
-        motion: &TipMotion,
         model: &dyn Model,
         tail: Option<TailTerms>,
         grid: TimeGrid,
     ) -> Result<Self, InversionError> {
         let (period, per_length) = (&answer.period, 1.0 / model.mesh().length_m());
-        let (whole_tip, root_moment_n_m) = rayon::join(
-            || period.histories(motion),
-            || cut(&period.spectrum.pair.samples(&answer.hub.root_moment_n_m), &grid),
-        );
+        let whole_tip = &period.histories;
+        let root_moment_n_m =
+            cut(&period.spectrum.pair.samples(&answer.hub.root_moment_n_m), &grid);
         let tip = TipMotionHistories {
             displacement_m: cut(&whole_tip.displacement_m, &grid),
             velocity_m_s: cut(&whole_tip.velocity_m_s, &grid),

@@ -107,7 +107,7 @@ impl Problem<'_> {
         }
         let window = self.window(&answer);
         let grid = TimeGrid { first: window.start, len: window.len(), ..self.motion.grid() };
-        let histories = Histories::of(&answer, self.motion, &*model, hub_tail, grid)?;
+        let histories = Histories::of(&answer, &*model, hub_tail, grid)?;
         let spectrum = &answer.period.spectrum;
         let sampled = Sampled {
             model: &*model,
@@ -119,7 +119,7 @@ impl Problem<'_> {
         let keeps_all = self.cutoff.keeps_all();
         let step_errors = if keeps_all { self.step_errors(&sampled)? } else { None };
         let accuracy = Accuracy {
-            tip: self.tip_error(&answer),
+            tip: answer.period.tip_error_m() / answer.period.histories.largest_travel_m(),
             errors: errors(known, &window_errors(&answer, left, &window), step_errors),
         };
         let torque = answer.periodic(&answer.torque_n_m);
@@ -157,18 +157,10 @@ impl Problem<'_> {
             band: Band::of(spectrum),
             warnings,
             model,
-            spectrum: Arc::clone(spectrum),
             hub: answer.hub,
             hub_tail,
             period: answer.period,
         })
-    }
-
-    /// Largest distance of the tip that is solved from the wanted one, over its way.
-    fn tip_error(&self, answer: &PeriodicAnswer) -> f64 {
-        let histories = answer.period.histories(self.motion);
-        let ringing_m = if self.cutoff.keeps_all() { histories.ringing_m() } else { 0.0 };
-        (self.cutoff.tip_error_m + ringing_m) / histories.way_m()
     }
 }
 

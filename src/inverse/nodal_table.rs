@@ -69,7 +69,7 @@ impl<'a> NodalTable<'a> {
     fn new(solution: &'a Solution, nodes: &[usize], every: usize, quantity: NodalQuantity) -> Self {
         let last = solution.mesh().nodes_m().len() - 1;
         assert!(nodes.iter().all(|node| *node <= last), "nodes {nodes:?} of 0 … {last}");
-        let pair = &solution.spectrum.pair;
+        let pair = &solution.period.spectrum.pair;
         let first = solution.grid.first.rem_euclid(pair.len() as i64) as usize;
         let sampling = Sampling::new(pair, solution.band.frequencies, first, every);
         let series = match quantity {

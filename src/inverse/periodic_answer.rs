@@ -71,13 +71,11 @@ impl PeriodicAnswer {
     pub(super) fn left_at_seam(&self, costed: &Costed<'_>) -> PerQuantity<f64> {
         let Costed { link, moments, tail, peaks } = *costed;
         let length_m = link.length_m();
-        let keeps_all = self.period.spectrum.cutoff.keeps_all();
         let share = |samples: &[f64]| {
             let periodic = self.periodic(samples);
-            let ringing = if keeps_all { self.ringing(samples) } else { 0.0 };
-            periodic.at_seam().max(ringing) / periodic.peak()
+            periodic.at_seam().max(self.ringing(samples)) / periodic.peak()
         };
-        let angle_rad = keeps_all.then(|| self.hub_angle_amplitudes_rad(length_m));
+        let angle_rad = self.rings().then(|| self.hub_angle_amplitudes_rad(length_m));
         let hub = |order: usize| {
             let ringing = |angle: &Vec<Complex64>| self.ringing(&self.derivative(angle, order));
             self.hub_left(tail, order).max(angle_rad.as_ref().map_or(0.0, ringing))
@@ -86,8 +84,8 @@ impl PeriodicAnswer {
         let moment = || share(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
         let motor_rate = link.drive().map(|drive| {
             let torque_rate = self.derivative(&self.hub.torque_n_m, 1);
-            let ringing = if keeps_all { self.ringing(&torque_rate) } else { 0.0 };
-            let torque_rate = self.farthest_at_seam(&torque_rate, &[]).max(ringing);
+            let torque_rate =
+                self.farthest_at_seam(&torque_rate, &[]).max(self.ringing(&torque_rate));
             drive.gear_ratio * (hub_rad_s + torque_rate / drive.joint_stiffness_n_m_rad)
         });
         let over = |left: Option<f64>, peak: Option<f64>| {
@@ -162,9 +160,14 @@ impl PeriodicAnswer {
         std::iter::once(Complex64::ZERO).chain(angles).collect()
     }
 
-    /// What the images of a quantity that alternates from sample to sample add to it, about. Where all
-    /// frequencies are kept, a spectrum ends at the Nyquist frequency with a jump or a kink, and rings so;
-    /// differences over many samples do not see it.
+    /// True where all frequencies are kept: a spectrum that ends at the Nyquist frequency with a jump or a
+    /// kink rings there.
+    fn rings(&self) -> bool {
+        self.period.spectrum.cutoff.keeps_all()
+    }
+
+    /// About what the images of a quantity that rings, alternating from sample to sample, add to it; 0 where
+    /// nothing rings. Differences over many samples do not see it.
     ///
     /// At the seam the images of a kink, c/t², add up. Those of a jump cancel there:
     ///
@@ -174,6 +177,9 @@ impl PeriodicAnswer {
     ///
     /// Their slope at the seam is −c π²/P². Without the term m = 0, the sum is 2c/P at most.
     fn ringing(&self, samples: &[f64]) -> f64 {
+        if !self.rings() {
+            return 0.0;
+        }
         let spectrum = &self.period.spectrum;
         let (len, reach) = (samples.len(), spectrum.seam_reach());
         let at = |k: usize| samples[(spectrum.seam + len + k - reach) % len];

@@ -168,7 +168,7 @@ impl Amplitudes {
             hub_angle: self.hub_turn_rad(histories, length_m),
             hub_rate: with_rigid(&self.hub_rate_rad_s, &tip.velocity_m_s),
             hub_acceleration: acceleration.map(|a| with_rigid(a, &tip.acceleration_m_s2)),
-            displacement: self.displacement_m.is_some().then(|| histories.way_m()),
+            displacement: self.displacement_m.is_some().then(|| histories.largest_travel_m()),
             bending_moment: self.moment_n_m.as_ref().map(of_all),
             motor_torque: self.motor.as_ref().map(|motor| self.peak_of(&motor.torque_n_m)),
             motor_rate: self.motor.as_ref().map(|motor| self.peak_of(&motor.rate_rad_s)),

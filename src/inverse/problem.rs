@@ -34,7 +34,11 @@ impl<'a> Problem<'a> {
         let padding = Padding::new(motion, analysis, first_zero_per_s);
         // The search of the cut-off takes less memory than the shortest period.
         check_memory(padding.period_len(motion.grid().len)?, 0, resources.memory_bytes)?;
-        let cutoff = motion.cutoff(analysis.tip_tolerance());
+        let tolerance = analysis.tip_tolerance();
+        let cutoff = match resources.periods {
+            Some(periods) => periods.cutoff(motion, tolerance),
+            None => motion.cutoff(tolerance),
+        };
         Ok(Self { motion, analysis, cutoff, padding, resources })
     }
 
@@ -47,7 +51,10 @@ impl<'a> Problem<'a> {
         let highest = self.cutoff.end_rad_s() * period_s / TAU;
         check_memory(len, (highest as usize).min(len / 2), self.resources.memory_bytes)?;
         let seam = self.padding.seam(self.motion.grid().len, len);
-        Ok(self.motion.over_period(len, seam, self.cutoff))
+        Ok(match self.resources.periods {
+            Some(periods) => periods.over_period(self.motion, len, seam, self.cutoff),
+            None => Arc::new(self.motion.over_period(len, seam, self.cutoff)),
+        })
     }
 
     pub(super) fn asked<'b>(&self, period: &'b TipPeriod) -> Asked<'b>
@@ -56,7 +63,7 @@ impl<'a> Problem<'a> {
     {
         Asked {
             spectrum: &period.spectrum,
-            histories: period.histories(self.motion),
+            histories: &period.histories,
             wanted: Wanted {
                 tables: self.analysis.measures_tables(),
                 moments: self.analysis.measures_moments(),

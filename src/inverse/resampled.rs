@@ -93,7 +93,7 @@ impl Problem<'_> {
         };
         let share = |coarse: &[f64], fine: &[f64]| apart(coarse, fine) / largest(fine);
         let off = |coarse: &[f64], period: &[f64]| share(coarse, &cut(period, &grid));
-        let tip = answer.period.histories(&finer);
+        let tip = &answer.period.histories;
         let fine_tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2]
             .map(|tip| cut(tip, &grid));
         let hub = HubMotion::of(&answer.period, &answer.hub, tail, 1.0 / length_m);
@@ -117,7 +117,7 @@ impl Problem<'_> {
             hub_angle: turn_rad / largest(&turned_rad),
             hub_rate: share(&histories.hub_rate_rad_s, &rate_rad_s),
             hub_acceleration: Some(share(&coarse_acceleration, &acceleration_rad_s2)),
-            displacement: Some(tip_change_m.max(turn_rad * length_m) / tip.way_m()),
+            displacement: Some(tip_change_m.max(turn_rad * length_m) / tip.largest_travel_m()),
             bending_moment: Some(off(&histories.root_moment_n_m, &root)),
             motor_torque: motor.map(|(torque, _)| torque),
             motor_rate: motor.map(|(_, rate)| rate),

@@ -90,7 +90,6 @@ pub struct Solution {
     pub warnings: Vec<Warning>,
     /// Amplitudes at the hub over the band.
     pub(super) hub: HubSpectra,
-    pub(super) spectrum: Arc<TipSpectrum>,
     pub(super) period: Arc<TipPeriod>,
     /// The hub angle's slow tail, where damping leaves one.
     pub(super) hub_tail: Option<TailTerms>,
@@ -98,7 +97,7 @@ pub struct Solution {
 
 impl Solution {
     pub(super) fn forcing(&self) -> Forcing<'_> {
-        Forcing { model: &*self.model, spectrum: &self.spectrum, watch: &Unwatched }
+        Forcing { model: &*self.model, spectrum: &self.period.spectrum, watch: &Unwatched }
     }
 
     /// The link.

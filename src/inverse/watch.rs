@@ -1,5 +1,7 @@
 //! What long work may take of the machine, and who is told how far it has come.
 
+use crate::motion::Periods;
+
 /// A part of long work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
@@ -33,17 +35,20 @@ impl Watch for Unwatched {
     fn advance(&self, _: usize) {}
 }
 
-/// Memory for an inversion, and who gets its progress. By default all memory, and no one.
+/// Memory for an inversion, who gets its progress, and what it shares with others. By default all memory, no
+/// one and nothing.
 #[derive(Clone, Copy)]
 pub struct Resources<'a> {
     /// Memory in bytes; an inversion that would take more is refused. `None`: no limit.
     pub memory_bytes: Option<usize>,
     /// Gets the progress.
     pub watch: &'a dyn Watch,
+    /// Cut-off and periods that several inversions share; `None`: the inversion computes its own.
+    pub periods: Option<&'a Periods>,
 }
 
 impl Default for Resources<'_> {
     fn default() -> Self {
-        Self { memory_bytes: None, watch: &Unwatched }
+        Self { memory_bytes: None, watch: &Unwatched, periods: None }
     }
 }

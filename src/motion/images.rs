@@ -1,48 +1,38 @@
 //! What a motion in all other periods adds to a signal that decays as a power of time.
 //!
-//! A Fourier transform of period P adds up what every period leaves. A signal that answers to the motion
-//! with a kernel h(s) → `Σ_m S_m/s^{2m+1}` far from it, such as a deflection under hysteretic damping, so
-//! gets in addition
+//! A Fourier transform of period P adds the tails of all periods. A signal whose response to the motion
+//! has a kernel h(s) → `Σ_m S_m/s^{2m+1}` far from it, such as a deflection under hysteretic damping,
+//! therefore contains in addition
 //!
 //! ```text
 //! Σ_m S_m Q_m(t),   Q_m(t) = ∫ a(τ) K_m(t − τ) dτ,   K_m(s) = Σ_{k≠0} (s + kP)^{−(2m+1)}.
 //! ```
 //!
-//! The `Q_m` belong to the motion and the period alone; the `S_m` to the link.
+//! The `Q_m` depend on the motion and the period alone, the `S_m` on the link.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
-use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
+use super::chebyshev::{Cosines, POINTS, SIDE_BY_SIDE, Span, clenshaw, trimmed};
 use super::spectrum::TipSpectrum;
-use crate::numeric::largest;
 
-/// Terms that are known: 1/s, 1/s³ and 1/s⁵.
+/// Number of terms: 1/s, 1/s³ and 1/s⁵.
 pub const TAIL_TERMS: usize = 3;
 
 /// A number for each term: `S_m` of a signal, or `Q_m` at a time.
 pub type TailTerms = [f64; TAIL_TERMS];
 
-/// Chebyshev points over the motion, and over the period.
-const POINTS: usize = 48;
-
-/// Coefficients below this share of the largest do not count: the images are a small part of a signal.
-const ROUNDING: f64 = 1e-11;
-
-/// Distances in periods up to which an image counts by itself; those beyond are a power series.
+/// Images up to this many periods away are summed one by one; those beyond by a power series.
 const NEAR_PERIODS: i32 = 2;
 
-/// Odd powers of that series.
+/// Number of odd powers of that series.
 const POWERS: usize = 8;
 
-/// Times that a polynomial is evaluated at side by side.
-const SIDE_BY_SIDE: usize = 16;
-
-/// Samples that a thread takes at a time.
+/// Samples in one parallel task.
 const BLOCK: usize = 4096;
 
 /// The images of a motion in all periods but its own.
@@ -50,30 +40,23 @@ pub struct Images {
     step_s: f64,
     samples: usize,
     seam: usize,
-    /// Samples around the seam, and the terms of the motion in all periods, its own among them, there.
+    /// Samples around the seam, and there the terms of the motion in all periods, its own included.
     around_seam: Vec<(usize, TailTerms)>,
-    /// Of each `Q_m` over the period, in Chebyshev's polynomials.
+    /// Chebyshev series of each `Q_m` over the period.
     series: [Vec<f64>; TAIL_TERMS],
-    /// `Q_m` and its derivatives at all samples of the period.
+    /// `Q_m` and its derivatives at all samples of the period, each computed on first use.
     histories: [OnceLock<Vec<TailTerms>>; 3],
 }
 
-/// The motion as its images see it.
+/// What the images depend on of a motion.
 struct Source {
     period_s: f64,
-    /// Chebyshev points in s of the time in which it accelerates, and the velocity in m/s that it gains around each: as
-    /// good as the acceleration itself, as the kernel is a polynomial over the motion.
+    /// Chebyshev points in s over the time of the acceleration, and the velocity in m/s gained around each.
+    /// They replace the acceleration exactly, because the kernel is a polynomial over the motion.
     points_s: [f64; POINTS],
     gains_m_s: [f64; POINTS],
     /// Σ_{k>2} k^{−n} for n = 2, 4, ….
     beyond: [f64; POWERS + TAIL_TERMS],
-}
-
-/// Times from one to another, in s.
-#[derive(Clone, Copy)]
-struct Span {
-    from_s: f64,
-    until_s: f64,
 }
 
 impl Images {
@@ -119,8 +102,8 @@ impl Images {
         })
     }
 
-    /// What a period's samples of a signal hold around the seam beyond its tail and the images', in the
-    /// signal's unit: what the finite period costs it.
+    /// A period's samples of a signal around the seam, less its tail and those of the images, in the signal's
+    /// unit: the error of the finite period.
     ///
     /// # Panics
     /// Without a sample for each of the period.
@@ -131,7 +114,7 @@ impl Images {
     }
 }
 
-/// Series at the samples of a period from `first` on.
+/// Evaluates the series at the samples of a period from `first` on.
 struct Evaluation<'a> {
     images: &'a Images,
     series: &'a [Vec<f64>; TAIL_TERMS],
@@ -174,7 +157,7 @@ pub fn tail_sum(tail: &TailTerms, terms: &TailTerms) -> f64 {
     tail[0] * terms[0] + tail[1] * terms[1] + tail[2] * terms[2]
 }
 
-/// Whether the motion's own period counts among the images.
+/// The motion's own period among the images.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Own {
     In,
@@ -182,8 +165,8 @@ enum Own {
 }
 
 impl Source {
-    /// `forcing_m_s2` are the motion's own samples, from 0 s on. What a roll-off takes of them has no
-    /// moments, and its ringing no place in a kernel that holds far from the motion alone.
+    /// `forcing_m_s2` are the motion's own samples, from 0 s on, without a roll-off: what a roll-off removes
+    /// has no moments, and its ringing is not far from the motion, where alone the kernel holds.
     fn new(spectrum: &TipSpectrum, forcing_m_s2: &[f64]) -> Self {
         let (period_s, step_s) = (spectrum.period_s(), spectrum.step_s);
         let time_s = |k: usize| k as f64 * step_s;
@@ -262,75 +245,6 @@ impl Source {
     }
 }
 
-impl Span {
-    /// The time at x in −1 … 1.
-    fn at(&self, x: f64) -> f64 {
-        0.5 * (self.from_s + self.until_s) + 0.5 * (self.until_s - self.from_s) * x
-    }
-
-    /// Where a time stands, in −1 … 1.
-    #[inline(always)]
-    fn scaled(&self, time_s: f64) -> f64 {
-        (2.0 * time_s - self.from_s - self.until_s) / (self.until_s - self.from_s)
-    }
-
-    /// Series of the derivative by time of a Chebyshev series.
-    fn derivative(&self, series: &[f64]) -> Vec<f64> {
-        let mut derived = vec![0.0; series.len() + 1];
-        for j in (0..series.len() - 1).rev() {
-            derived[j] = derived[j + 2] + 2.0 * (j + 1) as f64 * series[j + 1];
-        }
-        derived[0] *= 0.5;
-        derived.truncate(series.len());
-        let per_second = 2.0 / (self.until_s - self.from_s);
-        derived.iter().map(|value| value * per_second).collect()
-    }
-}
-
-/// Values of all Chebyshev polynomials below [`POINTS`] at the points of the last of them.
-struct Cosines([f64; 4 * POINTS]);
-
-impl Cosines {
-    fn new() -> Self {
-        Self(std::array::from_fn(|k| libm::cos(PI * k as f64 / (2 * POINTS) as f64)))
-    }
-
-    /// `T_j` at point `point`.
-    fn of(&self, j: usize, point: usize) -> f64 {
-        self.0[j * (2 * point + 1) % (4 * POINTS)]
-    }
-
-    /// The series through values at the points.
-    fn series(&self, values: &[f64]) -> Vec<f64> {
-        let coefficient = |j: usize| {
-            let sum: f64 =
-                values.iter().enumerate().map(|(point, value)| value * self.of(j, point)).sum();
-            (if j == 0 { 1.0 } else { 2.0 }) / POINTS as f64 * sum
-        };
-        (0..POINTS).map(coefficient).collect()
-    }
-}
-
-/// A series without the coefficients at its end that do not count.
-fn trimmed(mut series: Vec<f64>) -> Vec<f64> {
-    let least = ROUNDING * largest(&series);
-    let counts = |c: &f64| c.abs() > least;
-    series.truncate(series.iter().rposition(counts).map_or(1, |last| last + 1));
-    series
-}
-
-/// Values of a Chebyshev series at x in −1 … 1, by Clenshaw's recurrence.
-#[inline(always)]
-fn clenshaw(series: &[f64], x: [f64; SIDE_BY_SIDE]) -> [f64; SIDE_BY_SIDE] {
-    let (mut above, mut this) = ([0.0; SIDE_BY_SIDE], [0.0; SIDE_BY_SIDE]);
-    for coefficient in series[1..].iter().rev() {
-        for k in 0..SIDE_BY_SIDE {
-            (above[k], this[k]) = (this[k], 2.0 * x[k] * this[k] - above[k] + coefficient);
-        }
-    }
-    std::array::from_fn(|k| x[k] * this[k] - above[k] + series[0])
-}
-
 /// Σ_{k>2} k^{−n} for even n.
 fn beyond_near(n: i32) -> f64 {
     const SUMMED: i32 = 64;
@@ -342,18 +256,19 @@ fn beyond_near(n: i32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::{Profile, TipMotion};
+    use crate::motion::{Cutoff, Profile, TipMotion};
+    use crate::numeric::largest;
 
     #[test]
     fn images_add_up_to_a_direct_sum_over_many_periods() {
         const MOST: i32 = 2000;
         let motion = TipMotion::new(Profile::Septic.sampled(0.5, 0.01, 100, [0, 0])).unwrap();
         for (len, seam) in [(300, 200), (150, 130), (3000, 1500)] {
-            let spectrum = motion.spectrum(len, seam);
-            let images = Images::new(&spectrum, motion.forcing_m_s2());
+            let period = motion.over_period(len, seam, Cutoff::ALL);
+            let images = period.images();
             let period_s = len as f64 * 0.01;
             let direct = |time_s: f64, q: i32| -> f64 {
-                let samples = motion.forcing_m_s2().iter().enumerate();
+                let samples = motion.samples().forcing_m_s2().iter().enumerate();
                 let of_sample = |(k, a): (usize, &f64)| {
                     let away_s = time_s - 0.01 * k as f64;
                     let image = |m: i32| (away_s + f64::from(m) * period_s).powi(-q);
@@ -380,7 +295,8 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_the_history() {
         let motion = TipMotion::new(Profile::Septic.sampled(0.5, 0.01, 100, [0, 0])).unwrap();
-        let images = Images::new(&motion.spectrum(300, 200), motion.forcing_m_s2());
+        let period = motion.over_period(300, 200, Cutoff::ALL);
+        let images = period.images();
         for order in [1, 2] {
             let (before, derived) = (images.history(order - 1), images.history(order));
             for m in 0..TAIL_TERMS {

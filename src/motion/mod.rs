@@ -1,28 +1,27 @@
-//! The wanted tip motion: sampled columns, what they must satisfy, and their spectrum.
+//! The wanted tip motion: sampled columns, their checks, spectrum and cut-off.
 
-mod checks;
-mod columns;
+mod chebyshev;
 mod cutoff;
+mod cutoff_search;
 mod error;
-mod histories;
 mod images;
 mod period;
 mod profile;
+mod samples;
 mod scale;
+mod shared;
 mod spectrum;
 mod target;
-#[cfg(test)]
-mod tests;
 mod tip_motion;
 
-pub use columns::MotionColumns;
 pub use cutoff::{Cutoff, LOOSER, Shortfall};
 pub use error::{MotionColumn, MotionError};
-pub use histories::{TipHistories, TipMotionHistories};
 pub use images::{Images, TAIL_TERMS, TailTerms, tail_sum};
-pub use period::TipPeriod;
+pub use period::{TipHistories, TipPeriod};
 pub use profile::Profile;
+pub use samples::MotionColumns;
 pub use scale::MotionScale;
+pub use shared::Periods;
 pub use spectrum::TipSpectrum;
-pub use target::TipTarget;
+pub use target::{TipMotionHistories, TipTarget};
 pub use tip_motion::{EndVelocity, TipMotion};

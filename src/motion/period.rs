@@ -1,114 +1,201 @@
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::OnceLock;
+
+use num_complex::Complex64;
 
 use super::cutoff::Cutoff;
-use super::histories::TipHistories;
 use super::images::Images;
+use super::samples::{Samples, Source};
 use super::spectrum::TipSpectrum;
-use super::tip_motion::TipMotion;
 
-/// A motion on a period: what depends on no link, and so is the same for all cases of a sweep.
+/// A motion on a period, up to a cut-off: all that depends on no link.
 pub struct TipPeriod {
     /// Its spectrum.
-    pub spectrum: Arc<TipSpectrum>,
-    forcing_m_s2: Vec<f64>,
-    histories: OnceLock<TipHistories>,
+    pub spectrum: TipSpectrum,
+    /// Its histories.
+    pub histories: TipHistories,
+    samples: Samples,
+    /// Computed on first use: only a link with hysteretic damping needs them.
     images: OnceLock<Images>,
 }
 
 impl TipPeriod {
-    /// Its histories; `motion` must be the one that the period is of.
-    pub fn histories(&self, motion: &TipMotion) -> &TipHistories {
-        self.histories.get_or_init(|| motion.histories(&self.spectrum))
+    /// Arguments as of [`TipSpectrum::of`].
+    pub(super) fn of(motion: &Samples, len: usize, seam: usize, cutoff: Cutoff) -> Self {
+        let spectrum = TipSpectrum::of(motion, len, seam, cutoff);
+        Self {
+            histories: TipHistories::of(motion, &spectrum),
+            spectrum,
+            samples: motion.clone(),
+            images: OnceLock::new(),
+        }
     }
 
     /// What the motion in all other periods adds to signals with a slow tail.
     pub fn images(&self) -> &Images {
-        self.images.get_or_init(|| Images::new(&self.spectrum, &self.forcing_m_s2))
+        self.images.get_or_init(|| Images::new(&self.spectrum, self.samples.forcing_m_s2()))
+    }
+
+    /// Error of the solved tip in m: what the cut-off leaves out or, where all frequencies are kept, the
+    /// ringing at the Nyquist frequency.
+    pub fn tip_error_m(&self) -> f64 {
+        let cutoff = &self.spectrum.cutoff;
+        if cutoff.keeps_all() { self.histories.ringing_m() } else { cutoff.tip_error_m }
     }
 }
 
-impl TipMotion {
-    /// The motion on a period of `len` samples with this seam, as [`TipMotion::spectrum`] has it, rolled
-    /// off at a cut-off.
-    ///
-    /// The motion and its clones keep the last two, so that many links that ask for the same
-    /// period, and for the one that it is lengthened to, share them.
-    ///
-    /// # Panics
-    /// As [`TipMotion::spectrum`].
-    pub fn over_period(&self, len: usize, seam: usize, cutoff: Cutoff) -> Arc<TipPeriod> {
-        let is_asked_for = |period: &&Arc<TipPeriod>| {
-            let TipSpectrum { pair, seam: its_seam, cutoff: its_cutoff, .. } = &*period.spectrum;
-            (pair.len(), *its_seam, *its_cutoff) == (len, seam, cutoff)
+/// Motion of the tip over a period of N samples, sample 0 the trajectory's first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TipHistories {
+    /// Acceleration in m/s².
+    pub acceleration_m_s2: Vec<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vec<f64>,
+    /// Displacement in m. Samples from `before` on stand for times before the trajectory.
+    pub displacement_m: Vec<f64>,
+    /// The first sample that stands one period earlier.
+    pub before: usize,
+}
+
+impl TipHistories {
+    /// Where all frequencies are kept, given samples stay as they are; all else is the band-limited
+    /// integral or derivative. The displacement is a ramp of the mean velocity plus a periodic part, so that
+    /// it may end elsewhere than it starts.
+    fn of(motion: &Samples, spectrum: &TipSpectrum) -> Self {
+        let (len, before) = (spectrum.pair.len(), spectrum.seam);
+        let velocity_m_s = spectrum.pair.samples(&spectrum.velocity_m_s);
+        let band_limited = || spectrum.pair.samples(&spectrum.acceleration_m_s2);
+        let integrated = || integrated_displacement_m(motion.initial_displacement_m, spectrum);
+        let (acceleration_m_s2, displacement_m) = match &*motion.source {
+            _ if !spectrum.cutoff.keeps_all() => (band_limited(), integrated()),
+            Source::Acceleration(samples) => {
+                let mut acceleration = samples.clone();
+                acceleration.resize(len, 0.0);
+                (acceleration, integrated())
+            }
+            Source::Displacement { samples, .. } => {
+                let mut displacement = samples.clone();
+                displacement.resize(before, samples[samples.len() - 1]);
+                displacement.resize(len, samples[0]);
+                (band_limited(), displacement)
+            }
         };
-        let last = &self.last_periods().periods;
-        // Whole periods are put in, so that no panic elsewhere leaves half a one.
-        let kept = || last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(period) = kept().iter().find(is_asked_for) {
-            return Arc::clone(period);
-        }
-        let spectrum = Arc::new(self.spectrum(len, seam).up_to(cutoff));
-        let period = Arc::new(TipPeriod {
-            spectrum,
-            forcing_m_s2: self.forcing_m_s2().to_vec(),
-            histories: OnceLock::new(),
-            images: OnceLock::new(),
-        });
-        let mut kept = kept();
-        kept.insert(0, Arc::clone(&period));
-        kept.truncate(2);
-        period
+        Self { acceleration_m_s2, velocity_m_s, displacement_m, before }
+    }
+
+    /// Displacement in m at the start of the rest before the motion.
+    pub fn start_m(&self) -> f64 {
+        self.displacement_m[self.before % self.displacement_m.len()]
+    }
+
+    /// Amplitude in m of the part that alternates from sample to sample in the middle of the rest, an effect
+    /// of a spectrum that ends at the Nyquist frequency.
+    fn ringing_m(&self) -> f64 {
+        let all = &self.displacement_m;
+        let rest = all.get(self.before..self.before + 3);
+        let rest = rest.or_else(|| all.get(self.before.checked_sub(3)?..self.before));
+        rest.map_or(0.0, |rest| 0.25 * (rest[0] - 2.0 * rest[1] + rest[2]).abs())
+    }
+
+    /// Largest displacement in m from the start.
+    pub fn largest_travel_m(&self) -> f64 {
+        let start_m = self.start_m();
+        self.displacement_m.iter().fold(0.0, |most, at_m| most.max((at_m - start_m).abs()))
     }
 }
 
-/// The last periods, and the last cut-off, that a motion or a clone of it was asked for; no property of
-/// the motion.
-#[derive(Clone, Default)]
-pub(super) struct LastPeriods {
-    periods: Arc<Mutex<Vec<Arc<TipPeriod>>>>,
-    /// A tolerance and its cut-off.
-    cutoff: Arc<Mutex<Option<(f64, Cutoff)>>>,
-}
-
-impl LastPeriods {
-    /// The cut-off of a tolerance, found by `find` unless it was the last one.
-    pub(super) fn cutoff(&self, tolerance: f64, find: impl FnOnce() -> Cutoff) -> Cutoff {
-        let mut last = self.cutoff.lock().unwrap_or_else(PoisonError::into_inner);
-        match *last {
-            Some((known, cutoff)) if known.to_bits() == tolerance.to_bits() => cutoff,
-            _ => last.insert((tolerance, find())).1,
-        }
-    }
-}
-
-impl PartialEq for LastPeriods {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl std::fmt::Debug for LastPeriods {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("LastPeriods")
-    }
+/// The displacement in m over the period of a spectrum: the integral of its velocity.
+fn integrated_displacement_m(initial_displacement_m: f64, spectrum: &TipSpectrum) -> Vec<f64> {
+    let (len, before) = (spectrum.pair.len(), spectrum.seam);
+    let bins = spectrum.acceleration_m_s2.iter().zip(&spectrum.omegas_rad_s);
+    let mut periodic: Vec<Complex64> = bins.map(|(a, omega)| -a / (omega * omega)).collect();
+    periodic[0] = Complex64::ZERO;
+    let periodic = spectrum.pair.samples(periodic);
+    let ramp = spectrum.velocity_m_s[0].re * spectrum.step_s;
+    let steps = |j: usize| {
+        if j < before { j as f64 } else { j as f64 - len as f64 }
+    };
+    // The tip has its initial displacement at the start of the rest before the motion.
+    let begin = before % len;
+    // Where all frequencies are kept, the displacement rings at the Nyquist frequency: this mean cancels it.
+    let [earlier, later] = [begin + len - 1, begin + 1].map(|k| periodic[k % len]);
+    let rest = 0.25 * (earlier + later) + 0.5 * periodic[begin];
+    let offset = initial_displacement_m - ramp * steps(begin) - rest;
+    (0..len).map(|j| offset + ramp * steps(j) + periodic[j]).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::Profile;
+    use crate::motion::{MotionColumns, TipMotion};
+
+    /// A step of the displacement by an error function: smooth, band-limited to round-off, from
+    /// rest to rest, with every derivative known.
+    fn smooth(t: f64) -> [f64; 3] {
+        let (s, pi) = ((t - 1.0) / 0.1, std::f64::consts::PI);
+        let gauss = (-s * s).exp() / (0.1 * pi.sqrt());
+        // ∫gauss dt by its own series in steps would be long; a fine Simpson sum is exact enough.
+        let n = 4000;
+        let h = t / f64::from(n);
+        let g = |t: f64| (-((t - 1.0) / 0.1).powi(2)).exp() / (0.1 * pi.sqrt());
+        let simpson: f64 = (0..n)
+            .map(|k| {
+                let a = f64::from(k) * h;
+                (g(a) + 4.0 * g(a + 0.5 * h) + g(a + h)) * h / 6.0
+            })
+            .sum();
+        [simpson, gauss, -2.0 * s / 0.1 * gauss]
+    }
+
+    fn samples() -> (Vec<f64>, [Vec<f64>; 3]) {
+        let time_s: Vec<f64> = (0..201).map(|k| 0.01 * f64::from(k)).collect();
+        let columns = [0, 1, 2].map(|d| time_s.iter().map(|t| smooth(*t)[d]).collect());
+        (time_s, columns)
+    }
+
+    fn worst(found: &[f64], exact: &[f64]) -> f64 {
+        found.iter().zip(exact).fold(0.0, |m, (a, b)| m.max((a - b).abs()))
+    }
 
     #[test]
-    fn clones_share_a_period_and_another_one_is_not_taken_for_it() {
-        let motion = TipMotion::new(Profile::Septic.sampled(0.5, 0.01, 100, [0, 0])).unwrap();
-        let period = motion.over_period(256, 200, Cutoff::ALL);
-        assert!(Arc::ptr_eq(&period, &motion.clone().over_period(256, 200, Cutoff::ALL)));
-        for (len, seam) in [(256, 201), (300, 200)] {
-            let other = motion.over_period(len, seam, Cutoff::ALL);
-            assert_eq!((other.spectrum.pair.len(), other.histories(&motion).before), (len, seam));
+    fn displacements_give_the_accelerations_of_a_smooth_motion_to_round_off() {
+        let (time_s, [d, v, a]) = samples();
+        let columns =
+            MotionColumns { time_s, displacement_m: Some(d.clone()), ..Default::default() };
+        let motion = TipMotion::new(columns).unwrap();
+        for len in [202, 300, 512] {
+            let found = motion.over_period(len, 201 + (len - 201) / 2, Cutoff::ALL).histories;
+            // Round-off of the displacement, 1e-16, over the squared step.
+            assert!(worst(&found.acceleration_m_s2, &a) < 1e-9, "{len} samples");
+            assert!(worst(&found.velocity_m_s, &v) < 1e-11, "{len} samples");
+            assert!(worst(&found.displacement_m, &d) < 1e-15, "{len} samples");
         }
-        let longer = motion.scaled(crate::motion::MotionScale { distance: 2.0, duration: 1.0 });
-        let longer = longer.unwrap().over_period(256, 200, Cutoff::ALL);
-        assert!(longer.spectrum.largest_m_s2 > 1.9 * period.spectrum.largest_m_s2);
+    }
+
+    #[test]
+    fn accelerations_give_the_displacements_of_a_smooth_motion_to_round_off() {
+        let (time_s, [d, v, a]) = samples();
+        let columns =
+            MotionColumns { time_s, acceleration_m_s2: Some(a.clone()), ..Default::default() };
+        let motion = TipMotion::new(columns).unwrap();
+        assert!((motion.travel_m() - 1.0).abs() < 1e-13);
+        for len in [202, 300, 512] {
+            let found = motion.over_period(len, 201 + (len - 201) / 2, Cutoff::ALL).histories;
+            assert!(worst(&found.velocity_m_s, &v) < 1e-12, "{len} samples");
+            assert!(worst(&found.displacement_m, &d) < 1e-12, "{len} samples");
+            let last = found.displacement_m[len - 1];
+            let expected = if found.before < len { 0.0 } else { 1.0 };
+            assert!((last - expected).abs() < 1e-12, "the rest before the motion, {len} samples");
+        }
+    }
+
+    #[test]
+    fn a_derivative_multiplies_each_amplitude_by_its_own_rate() {
+        let (time_s, [d, ..]) = samples();
+        let columns = MotionColumns { time_s, displacement_m: Some(d), ..Default::default() };
+        let spectrum = TipMotion::new(columns).unwrap().over_period(256, 230, Cutoff::ALL).spectrum;
+        let derived = spectrum.derivative(&spectrum.velocity_m_s, 1);
+        for (a, b) in derived.iter().zip(&spectrum.acceleration_m_s2).take(60) {
+            assert!((a - b).norm() < 1e-14);
+        }
     }
 }

@@ -1,7 +1,26 @@
+use super::cutoff::Cutoff;
 use super::tip_motion::TipMotion;
 use crate::numeric::{TimeGrid, fast_length};
 
-/// A tip displacement to compare with; it need not be at rest at its ends.
+/// Motion of the tip over the grid of a result.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TipMotionHistories {
+    /// Displacement along the arc in m.
+    pub displacement_m: Vec<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vec<f64>,
+    /// Acceleration in m/s².
+    pub acceleration_m_s2: Vec<f64>,
+}
+
+impl TipMotionHistories {
+    /// Largest displacement in m from the first sample.
+    pub fn largest_travel_m(&self) -> f64 {
+        let away = self.displacement_m.iter().map(|d| (d - self.displacement_m[0]).abs());
+        away.fold(0.0, f64::max)
+    }
+}
+/// A tip displacement to compare with. It need not be at rest at its ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TipTarget {
     grid: TimeGrid,
@@ -9,7 +28,7 @@ pub struct TipTarget {
 }
 
 impl TipTarget {
-    /// Displacements in m, one a time of `grid`.
+    /// Displacements in m, one at each time of `grid`.
     ///
     /// # Panics
     /// Without samples, or with another number of them than there are times.
@@ -33,7 +52,7 @@ impl TipTarget {
         self.displacement_m[0]
     }
 
-    /// Largest distance from the first sample in m.
+    /// Largest displacement from the first sample in m.
     pub fn largest_travel_m(&self) -> f64 {
         self.displacement_m.iter().fold(0.0, |m, x| m.max((x - self.start_m()).abs()))
     }
@@ -44,7 +63,7 @@ impl TipMotion {
     /// two times in s.
     pub fn target(&self, from_s: f64, until_s: f64) -> TipTarget {
         let own = self.grid();
-        // A time a hair beside a sample is that sample.
+        // A time within a millionth of a step of a sample is that sample.
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -54,7 +73,7 @@ impl TipMotion {
         let (before, after) = (steps(own.time_s(0) - from_s), steps(until_s - own.end_s()));
         let len = fast_length(2 * own.len + before + after);
         let seam = own.len + after + own.len / 2;
-        let period_m = self.histories(&self.spectrum(len, seam)).displacement_m;
+        let period_m = self.over_period(len, seam, Cutoff::ALL).histories.displacement_m;
         let displacement_m = period_m[len - before..].iter().chain(&period_m[..own.len + after]);
         let first = own.first.saturating_sub_unsigned(before as u64);
         let grid = TimeGrid { first, len: before + own.len + after, ..own };

@@ -1,13 +1,12 @@
 use std::sync::Arc;
 
-use super::checks::{agree, at_rest, finite};
-use super::columns::MotionColumns;
+use super::cutoff::Cutoff;
 use super::error::{MotionColumn, MotionError};
-use super::period::LastPeriods;
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length, largest};
-
-/// Share of the peak acceleration below which the tip counts as at rest.
-const MOTION_THRESHOLD: f64 = 1e-6;
+use super::period::TipPeriod;
+use super::samples::{
+    MotionColumns, Samples, Source, agree, at_rest, can_be_transformed, finite, moving_samples,
+};
+use crate::numeric::{TimeGrid, fast_length, largest};
 
 /// End velocity over peak velocity that is round-off.
 const ROUND_OFF: f64 = 1e-9;
@@ -15,22 +14,7 @@ const ROUND_OFF: f64 = 1e-9;
 /// End velocity over peak velocity that a file with few digits may have; it is corrected.
 const FEW_DIGITS: f64 = 1e-3;
 
-/// Periods of so many times the motion's own samples are transformed without a number too large.
-const PERIODS: f64 = 64.0;
-
-/// Peak acceleration in m/s² of which the amplitudes of a spectrum, and their squares, are numbers.
-const LEAST_M_S2: f64 = 1e-120;
-
-/// What the samples of a motion were.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Source {
-    /// Accelerations in m/s².
-    Acceleration(Vec<f64>),
-    /// Displacements in m and their second differences over the squared step in m/s².
-    Displacement { samples: Vec<f64>, second_differences: Vec<f64> },
-}
-
-/// A velocity that the samples left the tip with, and that was taken out.
+/// A velocity at the end of the samples, which a correction has removed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndVelocity {
     /// ∫a dt of the samples as given, in m/s.
@@ -42,22 +26,17 @@ pub struct EndVelocity {
 /// A wanted tip motion on a uniform grid, from rest to rest. A clone shares the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TipMotion {
-    grid: TimeGrid,
-    source: Arc<Source>,
-    initial_displacement_m: f64,
-    travel_m: f64,
+    samples: Samples,
     moving: (usize, usize),
     corrected: Option<EndVelocity>,
-    last_periods: LastPeriods,
 }
 
 impl TipMotion {
-    /// Checks sampled columns and makes a motion of them.
+    /// A motion from sampled columns.
     ///
-    /// Acceleration samples rule where they are given; else displacement samples. Other columns
-    /// must agree with them. An acceleration that leaves the tip with up to 1e-3 of its peak
-    /// velocity is corrected by a constant over the motion's own samples, and says so in
-    /// [`TipMotion::corrected`].
+    /// The motion is computed from the acceleration samples if given, else from the displacement samples.
+    /// Other columns must agree with them. An acceleration that ends with a velocity of up to 1e-3 of the
+    /// peak is corrected by a constant over the samples that move the tip; see [`TipMotion::corrected`].
     ///
     /// # Errors
     /// [`MotionError`]: times off a uniform grid, a motion that is not at rest at both ends,
@@ -78,14 +57,15 @@ impl TipMotion {
         ];
         named.into_iter().try_for_each(|(name, samples)| finite(name, samples))?;
         let grid = TimeGrid::through(&time_s)?;
-        let initial_displacement_m = displacement_m.as_ref().map_or(0.0, |d| d[0]);
         let from_acceleration = acceleration_m_s2.is_some();
-        let mut motion = match (acceleration_m_s2, &displacement_m) {
-            (Some(samples), _) => Self::from_acceleration(grid, samples)?,
+        let motion = match (acceleration_m_s2, &displacement_m) {
+            (Some(samples), given) => {
+                let initial_displacement_m = given.as_ref().map_or(0.0, |d| d[0]);
+                Self::from_acceleration(grid, samples, initial_displacement_m)?
+            }
             (None, Some(samples)) => Self::from_displacement(grid, samples.clone())?,
             (None, None) => return Err(MotionError::Shape { samples: len }),
         };
-        motion.initial_displacement_m = initial_displacement_m;
         motion.check_agreement(
             velocity_m_s.as_deref(),
             displacement_m.as_deref(),
@@ -94,7 +74,11 @@ impl TipMotion {
         Ok(motion)
     }
 
-    fn from_acceleration(grid: TimeGrid, mut samples: Vec<f64>) -> Result<Self, MotionError> {
+    fn from_acceleration(
+        grid: TimeGrid,
+        mut samples: Vec<f64>,
+        initial_displacement_m: f64,
+    ) -> Result<Self, MotionError> {
         let moving = moving_samples(&samples)?;
         let velocities = samples.iter().scan(0.0, |sum, a| {
             *sum += a * grid.step_s;
@@ -124,15 +108,8 @@ impl TipMotion {
             return Err(MotionError::TooLarge);
         }
         let source = Arc::new(Source::Acceleration(samples));
-        Ok(Self {
-            grid,
-            source,
-            initial_displacement_m: 0.0,
-            travel_m,
-            moving,
-            corrected,
-            last_periods: LastPeriods::default(),
-        })
+        let samples = Samples { grid, source, initial_displacement_m, travel_m };
+        Ok(Self { samples, moving, corrected })
     }
 
     fn from_displacement(grid: TimeGrid, samples: Vec<f64>) -> Result<Self, MotionError> {
@@ -151,15 +128,8 @@ impl TipMotion {
         let moving = moving_samples(&second_differences)?;
         let (initial_displacement_m, travel_m) = (samples[0], samples[last] - samples[0]);
         let source = Arc::new(Source::Displacement { samples, second_differences });
-        Ok(Self {
-            grid,
-            source,
-            initial_displacement_m,
-            travel_m,
-            moving,
-            corrected: None,
-            last_periods: LastPeriods::default(),
-        })
+        let samples = Samples { grid, source, initial_displacement_m, travel_m };
+        Ok(Self { samples, moving, corrected: None })
     }
 
     fn check_agreement(
@@ -172,89 +142,69 @@ impl TipMotion {
         if velocity_m_s.is_none() && displacement_m.is_none() {
             return Ok(());
         }
-        let len = fast_length(2 * self.grid.len);
-        let expected = self.histories(&self.spectrum(len, len - self.grid.len / 2));
-        let peak = |samples: &[f64]| largest(&samples[..self.grid.len]) * self.grid.step_s;
+        let TimeGrid { len: given, step_s, .. } = self.grid();
+        let len = fast_length(2 * given);
+        let expected = self.over_period(len, len - given / 2, Cutoff::ALL).histories;
+        let peak = |samples: &[f64]| largest(&samples[..given]) * step_s;
         if let Some(found) = velocity_m_s {
             let jump = peak(&expected.acceleration_m_s2);
-            let expected = &expected.velocity_m_s[..self.grid.len];
+            let expected = &expected.velocity_m_s[..given];
             agree(MotionColumn::Velocity, found, expected, jump, from_acceleration)?;
         }
         if let Some(found) = displacement_m {
             let jump = peak(&expected.velocity_m_s);
-            let expected = &expected.displacement_m[..self.grid.len];
+            let expected = &expected.displacement_m[..given];
             agree(MotionColumn::Displacement, found, expected, jump, true)?;
         }
         Ok(())
     }
 
-    /// The same motion sampled twice as often, by a cubic spline through its samples.
-    ///
-    /// # Errors
-    /// As [`TipMotion::new`].
-    pub fn twice_as_often(&self) -> Result<Self, MotionError> {
-        let grid = self.grid;
-        let finer = |samples: &[f64], ends| {
-            let spline = CubicSpline::uniform(samples, ends);
-            (0..2 * grid.len - 1).map(|k| spline.value(0.5 * k as f64)).collect()
-        };
-        let half = TimeGrid { step_s: 0.5 * grid.step_s, len: 2 * grid.len - 1, ..grid };
-        let time_s = (0..half.len).map(|k| half.time_s(k)).collect();
-        let mut columns = MotionColumns { time_s, ..MotionColumns::default() };
-        match &*self.source {
-            Source::Acceleration(samples) => {
-                columns.acceleration_m_s2 = Some(finer(samples, SplineEnds::NotAKnot));
-            }
-            Source::Displacement { samples, .. } => {
-                columns.displacement_m = Some(finer(samples, SplineEnds::Clamped));
-            }
-        }
-        Self::new(columns)
-    }
-
-    /// The same samples, told of a motion that starts elsewhere and had been corrected before.
-    pub(super) fn standing_for(
+    /// The same motion from another start, with the correction of another.
+    pub(super) fn with_start(
         self,
         initial_displacement_m: f64,
         corrected: Option<EndVelocity>,
     ) -> Self {
-        Self { initial_displacement_m, corrected, last_periods: LastPeriods::default(), ..self }
+        Self { samples: Samples { initial_displacement_m, ..self.samples }, corrected, ..self }
+    }
+
+    /// The motion on a period of `len` samples, an even number not below its own, up to a cut-off. Of the
+    /// samples beyond its own those from `seam` on stand for times before the motion.
+    ///
+    /// # Panics
+    /// If `len` is odd or below the number of samples, or `seam` does not lie in the padding.
+    pub fn over_period(&self, len: usize, seam: usize, cutoff: Cutoff) -> TipPeriod {
+        TipPeriod::of(&self.samples, len, seam, cutoff)
+    }
+
+    /// True if both have the same start and share their samples.
+    pub(super) fn is_clone_of(&self, other: &Self) -> bool {
+        let start = |motion: &Self| motion.initial_displacement_m().to_bits();
+        Arc::ptr_eq(&self.samples.source, &other.samples.source) && start(self) == start(other)
+    }
+
+    pub(super) fn samples(&self) -> &Samples {
+        &self.samples
     }
 
     /// Grid of the given samples.
     pub fn grid(&self) -> TimeGrid {
-        self.grid
+        self.samples.grid
     }
 
-    pub(super) fn source(&self) -> &Source {
-        &self.source
-    }
-
-    pub(super) fn last_periods(&self) -> &LastPeriods {
-        &self.last_periods
-    }
-
-    /// Whether displacements were given rather than accelerations.
+    /// True if displacements were given rather than accelerations.
     pub fn is_from_displacement(&self) -> bool {
-        matches!(*self.source, Source::Displacement { .. })
-    }
-
-    /// What drives the motion, in m/s²: accelerations, or second differences of displacements.
-    pub(super) fn forcing_m_s2(&self) -> &[f64] {
-        match &*self.source {
-            Source::Acceleration(samples) => samples,
-            Source::Displacement { second_differences, .. } => second_differences,
-        }
+        matches!(*self.samples.source, Source::Displacement { .. })
     }
 
     /// Tip displacement before the motion in m.
     pub fn initial_displacement_m(&self) -> f64 {
-        self.initial_displacement_m
+        self.samples.initial_displacement_m
     }
 
     /// Tip displacement after the motion less that before it, in m.
     pub fn travel_m(&self) -> f64 {
-        self.travel_m
+        self.samples.travel_m
     }
 
     /// Numbers of the last sample at rest before the motion and of the first one after it.
@@ -264,26 +214,126 @@ impl TipMotion {
         self.moving
     }
 
-    /// The end velocity that was taken out of the samples, where they had one.
+    /// The end velocity that was removed from the samples, if they had one.
     pub fn corrected(&self) -> Option<EndVelocity> {
         self.corrected
     }
 }
 
-/// Whether the sums of a Fourier transform over many times the motion stay numbers.
-fn can_be_transformed(forcing: &[f64]) -> bool {
-    let sum: f64 = forcing.iter().map(|a| a.abs()).sum();
-    (sum * PERIODS * forcing.len() as f64).is_finite()
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Numbers of the last sample before those that move the tip and of the first one after them.
-fn moving_samples(forcing: &[f64]) -> Result<(usize, usize), MotionError> {
-    let peak_m_s2 = largest(forcing);
-    let moves = |a: &f64| a.abs() > MOTION_THRESHOLD * peak_m_s2;
-    let ends = forcing.iter().position(moves).zip(forcing.iter().rposition(moves));
-    let (first, last) = ends.filter(|_| peak_m_s2 > 0.0).ok_or(MotionError::NoMotion)?;
-    if peak_m_s2 < LEAST_M_S2 {
-        return Err(MotionError::TooSmall { peak_m_s2, least_m_s2: LEAST_M_S2 });
+    const STEP_S: f64 = 0.01;
+
+    fn columns(f: impl Fn(f64) -> f64, count: usize) -> (Vec<f64>, Vec<f64>) {
+        let time_s: Vec<f64> = (0..count).map(|k| 0.5 + k as f64 * STEP_S).collect();
+        let samples = time_s.iter().map(|t| f((t - 0.5) / (STEP_S * (count - 1) as f64)));
+        let samples = samples.collect();
+        (time_s, samples)
     }
-    Ok((first.saturating_sub(1), (last + 1).min(forcing.len() - 1)))
+
+    fn accelerated(f: impl Fn(f64) -> f64) -> Result<TipMotion, MotionError> {
+        let (time_s, samples) = columns(f, 101);
+        let acceleration_m_s2 = Some(samples);
+        TipMotion::new(MotionColumns { time_s, acceleration_m_s2, ..MotionColumns::default() })
+    }
+
+    /// Least-jerk position and acceleration over a unit time.
+    fn least_jerk(t: f64) -> (f64, f64) {
+        (t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t), 60.0 * t - 180.0 * t * t + 120.0 * t.powi(3))
+    }
+
+    #[test]
+    fn travel_follows_from_the_acceleration_with_the_square_of_the_step() {
+        let motion = accelerated(|t| least_jerk(t).1).unwrap();
+        // The sum of t·a misses the integral by Δt²/12 of (t a)' at the end, which is 60.
+        let expected = 1.0 - 5.0 * STEP_S * STEP_S;
+        assert!((motion.travel_m() - expected).abs() < 1e-6, "travel {}", motion.travel_m());
+        assert_eq!(motion.corrected(), None);
+        assert_eq!(motion.moving_samples(), (0, 100));
+    }
+
+    #[test]
+    fn few_digits_are_corrected_and_told_and_a_velocity_is_refused() {
+        let rounded = accelerated(|t| (least_jerk(t).1 * 1e3).round() / 1e3 + 4e-4).unwrap();
+        let end = rounded.corrected().unwrap();
+        assert!((end.velocity_m_s - 4e-4 * 101.0 * STEP_S).abs() < 1e-5, "{end:?}");
+        assert!((end.share - end.velocity_m_s / 1.875).abs() < 1e-5, "{end:?}");
+        let sum: f64 = rounded.samples().forcing_m_s2().iter().sum();
+        assert!((sum * STEP_S).abs() < 1e-13);
+        let error = accelerated(|t| least_jerk(t).1 + 0.01).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "the motion ends with a velocity of 1.010e-2 m/s, 0.54 % of its peak, but must end at \
+             rest: the acceleration must integrate to 0"
+        );
+    }
+
+    #[test]
+    fn a_tip_that_stands_still_is_refused() {
+        assert_eq!(accelerated(|_| 0.0), Err(MotionError::NoMotion));
+        let (time_s, samples) = columns(|_| 0.3, 8);
+        let displacement_m = Some(samples);
+        let still = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
+        assert_eq!(TipMotion::new(still), Err(MotionError::NoMotion));
+    }
+
+    #[test]
+    fn columns_that_agree_are_taken_and_one_in_other_units_is_named() {
+        let (time_s, displacement) = columns(|t| 0.2 + least_jerk(t).0, 101);
+        let (_, acceleration) = columns(|t| least_jerk(t).1, 101);
+        let (_, velocity) = columns(|t| 30.0 * t * t * (1.0 - t) * (1.0 - t), 101);
+        let both = MotionColumns {
+            time_s,
+            acceleration_m_s2: Some(acceleration),
+            velocity_m_s: Some(velocity),
+            displacement_m: Some(displacement),
+        };
+        let motion = TipMotion::new(both.clone()).unwrap();
+        assert!((motion.initial_displacement_m() - 0.2).abs() < 1e-15);
+        let mut centimetres = both.clone();
+        for d in centimetres.displacement_m.iter_mut().flatten() {
+            *d *= 100.0;
+        }
+        let error = TipMotion::new(centimetres).unwrap_err();
+        assert!(matches!(
+            error,
+            MotionError::Disagree { column: MotionColumn::Displacement, sample: 100, .. }
+        ));
+        let mut late = both;
+        late.velocity_m_s.as_mut().unwrap().rotate_right(5);
+        let error = TipMotion::new(late).unwrap_err();
+        assert!(matches!(error, MotionError::Disagree { column: MotionColumn::Velocity, .. }));
+    }
+
+    #[test]
+    fn samples_that_are_no_numbers_are_refused_wherever_they_stand() {
+        for bad in [f64::NAN, f64::INFINITY] {
+            let (time_s, mut samples) = columns(|t| least_jerk(t).1, 101);
+            samples[7] = bad;
+            let acceleration_m_s2 = Some(samples);
+            let columns = MotionColumns { time_s, acceleration_m_s2, ..Default::default() };
+            let error = TipMotion::new(columns).unwrap_err();
+            assert_eq!(error.sample(), Some(7));
+            assert!(error.to_string().starts_with("acceleration = "), "{error}");
+        }
+        assert_eq!(accelerated(|t| 1e307 * least_jerk(t).1), Err(MotionError::TooLarge));
+        // Every sample and difference is a number, but their transform is not.
+        let displacement_m = Some(vec![0.0, 0.0, 3e306, 3e306, 3e306]);
+        let time_s = vec![0.0, 1.0, 2.0, 3.0, 4.0];
+        let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
+        assert_eq!(TipMotion::new(columns), Err(MotionError::TooLarge));
+    }
+
+    #[test]
+    fn ragged_or_short_columns_are_refused() {
+        let (time_s, mut samples) = columns(|t| least_jerk(t).1, 101);
+        samples.pop();
+        let ragged =
+            MotionColumns { time_s, acceleration_m_s2: Some(samples), ..Default::default() };
+        assert_eq!(TipMotion::new(ragged), Err(MotionError::Shape { samples: 101 }));
+        let nothing = MotionColumns { time_s: vec![0.0, 1.0, 2.0, 3.0], ..Default::default() };
+        assert_eq!(TipMotion::new(nothing), Err(MotionError::Shape { samples: 4 }));
+    }
 }

@@ -41,8 +41,8 @@ pub enum SimulationWarning {
     },
     /// A step too long to show the vibration.
     #[error(
-        "the step = {:?} s leaves {:?} steps to a period of the first mode, {:?} s: between the rows \
-         the link does what no row shows",
+        "the step = {:?} s leaves {:?} steps to a period of the first mode, {:?} s: the rows do not \
+         show its vibration",
         rounded(*step_s, 12),
         rounded(*steps, 2),
         rounded(*period_s, 4)

@@ -108,7 +108,7 @@ fn jumps_at_the_ends_a_coarse_step_and_a_late_target_are_told() {
     bench.write("coarse.csv", "time,torque\n0,0\n0.1,1\n0.2,1\n0.3,0\n");
     let output = simulated(&bench, &["coarse.csv"]);
     let expected = "warning: the step = 0.1 s leaves 5.3 steps to a period of the first mode, \
-                    0.5264 s: between the rows the link does what no row shows\n\
+                    0.5264 s: the rows do not show its vibration\n\
                     hint: a torque with a shorter step\n";
     assert_eq!(stderr(&output), expected);
     bench.write("late.csv", "time,displacement\n0.2,1e-3\n0.3,2e-3\n0.4,3e-3\n0.5,4e-3\n");

@@ -80,7 +80,7 @@ impl Problem {
         let Specification { link, mesh, analysis, limits, .. } = specification;
         let analysis = &options.analysis(analysis);
         let memory_bytes = memory::available();
-        let resources = Resources { memory_bytes, watch: to.stages };
+        let resources = Resources { memory_bytes, watch: to.stages, ..Resources::default() };
         let solution = invert_with(link, mesh, motion, analysis, &resources)?;
         options.nodes.check(solution.mesh())?;
         let measure = || measured(specification, &solution, options.digits);

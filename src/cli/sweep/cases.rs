@@ -9,7 +9,7 @@ use flexlink::beam::Mesh;
 use flexlink::csv::{InputFile, read_torque_table};
 use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
-use flexlink::motion::{MotionScale, TipMotion};
+use flexlink::motion::{MotionScale, Periods, TipMotion};
 use flexlink::numeric::{excerpt, visible};
 use flexlink::response::Torque;
 use flexlink::result::Remark;
@@ -62,6 +62,8 @@ pub(crate) struct Cases<'a> {
     pub(crate) torque_file: Option<(InputFile, Torque)>,
     /// The link of the first case, and the motion that was read for it.
     pub(crate) first: (Link, TipMotion),
+    /// Periods of that motion, which most cases have.
+    pub(crate) periods: Periods,
     /// Memory in bytes that each of the cases solved at the same time may take.
     pub(crate) memory_bytes: Option<usize>,
     /// Held by every case at work; by one alone that needs more than its share of the memory.
@@ -107,6 +109,7 @@ impl<'a> Cases<'a> {
             link_file,
             motion_file,
             torque_file,
+            periods: Periods::of(&first.1),
             first,
             memory_bytes: memory::available().map(|bytes| bytes / rayon::current_num_threads()),
             alone: RwLock::new(()),

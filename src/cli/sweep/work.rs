@@ -63,7 +63,8 @@ impl Cases<'_> {
         let specification = self.specification(&values)?;
         let Specification { link, mesh, analysis, limits, .. } = &specification;
         let motion = self.motion_of(link, values.motion)?;
-        let resources = Resources { memory_bytes, ..Resources::default() };
+        let resources =
+            Resources { memory_bytes, periods: Some(&self.periods), ..Resources::default() };
         let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
         let found = SolvedCase::of(&solution);
         let exceeded = limits.exceeded(&found.metrics);

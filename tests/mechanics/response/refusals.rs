@@ -171,8 +171,8 @@ fn a_step_that_hides_the_first_mode_is_warned_about() {
     assert_eq!(coarse(0.065), None, "8.1 steps");
     assert_eq!(
         coarse(0.1).unwrap(),
-        "the step = 0.1 s leaves 5.3 steps to a period of the first mode, 0.5264 s: between the rows \
-         the link does what no row shows"
+        "the step = 0.1 s leaves 5.3 steps to a period of the first mode, 0.5264 s: the rows do not \
+         show its vibration"
     );
 }
 

@@ -1,0 +1,170 @@
+//! Samples of a tip motion, and what they must satisfy.
+
+use std::sync::Arc;
+
+use super::error::{MotionColumn, MotionError};
+use crate::numeric::{TimeGrid, largest};
+
+/// Share of the peak acceleration below which the tip counts as at rest.
+const MOTION_THRESHOLD: f64 = 1e-6;
+
+/// Longest period, in lengths of the motion, whose transform must not overflow.
+const PERIODS: f64 = 64.0;
+
+/// Least peak acceleration in m/s²: the squares of its amplitudes do not underflow.
+const LEAST_M_S2: f64 = 1e-120;
+
+/// End velocity over peak velocity up to which displacement samples count as at rest.
+const REST_TOLERANCE: f64 = 1e-2;
+
+/// Largest difference of two columns over the peak of one.
+const AGREEMENT_TOLERANCE: f64 = 1e-3;
+
+/// Sampled columns of a tip motion, in SI, all of one length.
+///
+/// At least one of `acceleration_m_s2` and `displacement_m` is present.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MotionColumns {
+    /// Time in s.
+    pub time_s: Vec<f64>,
+    /// Tip acceleration in m/s².
+    pub acceleration_m_s2: Option<Vec<f64>>,
+    /// Tip velocity in m/s.
+    pub velocity_m_s: Option<Vec<f64>>,
+    /// Tip displacement along the arc in m.
+    pub displacement_m: Option<Vec<f64>>,
+}
+
+/// Samples of a tip motion that have passed the checks. A clone shares them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Samples {
+    pub(super) grid: TimeGrid,
+    pub(super) source: Arc<Source>,
+    /// Displacement before the motion in m.
+    pub(super) initial_displacement_m: f64,
+    /// Displacement after the motion less that before it, in m.
+    pub(super) travel_m: f64,
+}
+
+/// The column that a motion is computed from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Source {
+    /// Accelerations in m/s².
+    Acceleration(Vec<f64>),
+    /// Displacements in m, and their second differences over the squared step in m/s².
+    Displacement { samples: Vec<f64>, second_differences: Vec<f64> },
+}
+
+impl Samples {
+    /// Accelerations in m/s², or second differences of displacements over the squared step.
+    pub(super) fn forcing_m_s2(&self) -> &[f64] {
+        match &*self.source {
+            Source::Acceleration(samples) => samples,
+            Source::Displacement { second_differences, .. } => second_differences,
+        }
+    }
+}
+
+/// Refuses a column with a sample that is not a finite number.
+pub(super) fn finite(column: &'static str, samples: Option<&Vec<f64>>) -> Result<(), MotionError> {
+    let samples = samples.map(Vec::as_slice).unwrap_or_default();
+    match samples.iter().position(|x| !x.is_finite()) {
+        Some(sample) => Err(MotionError::NotFinite { sample, column, found: samples[sample] }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses displacement samples that begin or end with a velocity.
+///
+/// The velocity at the end is extrapolated from the two outermost differences, which is exact for
+/// a constant acceleration. A smoother start gives a velocity of the opposite sign; it is at rest, too.
+pub(super) fn at_rest(displacement_m: &[f64], step_s: f64) -> Result<(), MotionError> {
+    let differences: Vec<f64> = displacement_m.windows(2).map(|d| d[1] - d[0]).collect();
+    let peak = largest(&differences);
+    let last = differences.len() - 1;
+    let ends =
+        [(0, differences[0], differences[1]), (last + 1, differences[last], differences[last - 1])];
+    for (sample, outer, inner) in ends {
+        let velocity = 1.5 * outer - 0.5 * inner;
+        if velocity * outer > 0.0 && velocity.abs() > REST_TOLERANCE * peak {
+            return Err(MotionError::MovingAtEnd {
+                sample,
+                velocity_m_s: velocity / step_s,
+                share: velocity.abs() / peak,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a column that differs from what follows from another column.
+///
+/// It may differ by a share of the peak plus `jump`, the change of the quantity in one step: the time of a
+/// jump of its derivative is known to one step only.
+pub(super) fn agree(
+    column: MotionColumn,
+    found: &[f64],
+    expected: &[f64],
+    jump: f64,
+    from_acceleration: bool,
+) -> Result<(), MotionError> {
+    let peak = expected.iter().fold(0.0_f64, |m, x| m.max((x - expected[0]).abs()));
+    let allowed = AGREEMENT_TOLERANCE * peak + jump;
+    let distance = |k: &usize| (found[*k] - expected[*k]).abs();
+    let worst = (0..found.len()).max_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
+    if distance(&worst) <= allowed {
+        return Ok(());
+    }
+    Err(MotionError::Disagree {
+        sample: worst,
+        column,
+        found: found[worst],
+        expected: expected[worst],
+        from_acceleration,
+    })
+}
+
+/// True if a Fourier transform over [`PERIODS`] times the motion does not overflow.
+pub(super) fn can_be_transformed(forcing: &[f64]) -> bool {
+    let sum: f64 = forcing.iter().map(|a| a.abs()).sum();
+    (sum * PERIODS * forcing.len() as f64).is_finite()
+}
+
+/// Numbers of the last sample before those that move the tip and of the first one after them.
+pub(super) fn moving_samples(forcing: &[f64]) -> Result<(usize, usize), MotionError> {
+    let peak_m_s2 = largest(forcing);
+    let moves = |a: &f64| a.abs() > MOTION_THRESHOLD * peak_m_s2;
+    let ends = forcing.iter().position(moves).zip(forcing.iter().rposition(moves));
+    let (first, last) = ends.filter(|_| peak_m_s2 > 0.0).ok_or(MotionError::NoMotion)?;
+    if peak_m_s2 < LEAST_M_S2 {
+        return Err(MotionError::TooSmall { peak_m_s2, least_m_s2: LEAST_M_S2 });
+    }
+    Ok((first.saturating_sub(1), (last + 1).min(forcing.len() - 1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gentle_starts_are_at_rest_and_ramps_are_not() {
+        let sampled =
+            |f: fn(f64) -> f64| (0..=10).map(|k| f(f64::from(k) / 10.0)).collect::<Vec<_>>();
+        // Minimum jerk and bang-bang, both coarse.
+        let gentle = [
+            sampled(|t| t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t)),
+            sampled(|t| if t < 0.5 { 2.0 * t * t } else { 1.0 - 2.0 * (1.0 - t) * (1.0 - t) }),
+        ];
+        for motion in gentle {
+            assert_eq!(at_rest(&motion, 0.1), Ok(()));
+        }
+        let error = at_rest(&sampled(|t| t), 0.1).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "the motion starts with a velocity of 1.000e0 m/s, 100.00 % of its peak, but must be \
+             at rest there"
+        );
+        let half = at_rest(&sampled(|t| t * t), 0.1).unwrap_err();
+        assert_eq!(half.sample(), Some(10));
+    }
+}

@@ -1,0 +1,109 @@
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::cutoff::Cutoff;
+use super::period::TipPeriod;
+use super::tip_motion::TipMotion;
+
+/// Number of periods kept: that of one case, and the longer one that the case may need.
+const KEPT: usize = 2;
+
+/// The last cut-off and the last periods of one motion, for the cases of a sweep.
+///
+/// Neither depends on a link, so that a sweep makes one of these and passes it to all cases, which may run in
+/// parallel. A case with another motion computes its own.
+pub struct Periods {
+    motion: TipMotion,
+    /// A tolerance and its cut-off.
+    cutoff: Mutex<Option<(f64, Cutoff)>>,
+    /// Latest first.
+    periods: Mutex<Vec<Arc<TipPeriod>>>,
+}
+
+impl Periods {
+    /// For `motion` and its clones; nothing is computed yet.
+    pub fn of(motion: &TipMotion) -> Self {
+        Self { motion: motion.clone(), cutoff: Mutex::default(), periods: Mutex::default() }
+    }
+
+    /// [`TipMotion::cutoff`], computed unless `tolerance` is that of the last call.
+    pub fn cutoff(&self, motion: &TipMotion, tolerance: f64) -> Cutoff {
+        if !motion.is_clone_of(&self.motion) {
+            return motion.cutoff(tolerance);
+        }
+        // Other threads wait for the cut-off that one of them computes.
+        let mut last = self.cutoff.lock().unwrap_or_else(PoisonError::into_inner);
+        match *last {
+            Some((known, cutoff)) if known.to_bits() == tolerance.to_bits() => cutoff,
+            _ => last.insert((tolerance, motion.cutoff(tolerance))).1,
+        }
+    }
+
+    /// [`TipMotion::over_period`], computed unless it is one of the last two.
+    ///
+    /// # Panics
+    /// As [`TipMotion::over_period`].
+    pub fn over_period(
+        &self,
+        motion: &TipMotion,
+        len: usize,
+        seam: usize,
+        cutoff: Cutoff,
+    ) -> Arc<TipPeriod> {
+        let computed = || Arc::new(motion.over_period(len, seam, cutoff));
+        if !motion.is_clone_of(&self.motion) {
+            return computed();
+        }
+        let is_wanted = |period: &&Arc<TipPeriod>| {
+            let spectrum = &period.spectrum;
+            (spectrum.pair.len(), spectrum.seam, spectrum.cutoff) == (len, seam, cutoff)
+        };
+        // Only whole periods are put in: a list that a panic left behind is good.
+        let kept = || self.periods.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(period) = kept().iter().find(is_wanted) {
+            return Arc::clone(period);
+        }
+        let period = computed();
+        let mut kept = kept();
+        kept.insert(0, Arc::clone(&period));
+        kept.truncate(KEPT);
+        period
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::{MotionScale, Profile};
+
+    fn motion() -> TipMotion {
+        TipMotion::new(Profile::Septic.sampled(0.5, 0.01, 100, [0, 0])).unwrap()
+    }
+
+    #[test]
+    fn clones_share_a_period_and_another_one_is_not_taken_for_it() {
+        let motion = motion();
+        let periods = Periods::of(&motion);
+        let over =
+            |motion: &TipMotion, len, seam| periods.over_period(motion, len, seam, Cutoff::ALL);
+        let period = over(&motion, 256, 200);
+        assert!(Arc::ptr_eq(&period, &over(&motion.clone(), 256, 200)));
+        for (len, seam) in [(256, 201), (300, 200)] {
+            let other = over(&motion, len, seam);
+            assert_eq!((other.spectrum.pair.len(), other.histories.before), (len, seam));
+        }
+        let longer = motion.scaled(MotionScale { distance: 2.0, duration: 1.0 }).unwrap();
+        assert!(over(&longer, 256, 200).spectrum.largest_m_s2 > 1.9 * period.spectrum.largest_m_s2);
+    }
+
+    #[test]
+    fn each_motion_and_each_tolerance_has_its_own_cut_off() {
+        let motion = motion();
+        let periods = Periods::of(&motion);
+        let slower = motion.scaled(MotionScale { distance: 1.0, duration: 2.0 }).unwrap();
+        for tolerance in [1e-3, 1e-3, 1e-5, 0.0] {
+            for motion in [&motion, &slower] {
+                assert_eq!(periods.cutoff(motion, tolerance), motion.cutoff(tolerance));
+            }
+        }
+    }
+}
