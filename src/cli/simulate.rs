@@ -14,7 +14,7 @@ use flexlink::response::{
 };
 use flexlink::result::{PlayedMetrics, TargetError, TipError};
 use flexlink::spec::Specification;
-use flexlink::store::{SimulateOutputs, SimulationInputs, SimulationSummary};
+use flexlink::store::{SimulateOutputs, SimulationInputs, Summary};
 
 use super::args::{NodeArgs, SyncArgs, digits_arguments, finite, option};
 use super::inputs::LinkArgs;
@@ -123,14 +123,10 @@ impl Simulate {
     }
 
     /// Writes all tables and summary.json.
-    fn write(
-        &self,
-        inputs: &SimulationInputs,
-        played: &Played,
-    ) -> Result<SimulationSummary, Failure> {
+    fn write(&self, inputs: &SimulationInputs, played: &Played) -> Result<Summary, Failure> {
         let Played { simulation, metrics, .. } = played;
         let (errors, names) = (played.errors(), SimulateOutputs::file_names());
-        let summary = SimulationSummary::new(inputs, simulation, metrics, errors, names);
+        let summary = Summary::of_simulation(inputs, simulation, metrics, errors, &names);
         self.nodes.of_simulation(self.digits).write(
             self.sync.stage(&self.output)?,
             inputs.link,
@@ -145,7 +141,7 @@ impl Simulate {
         &self,
         inputs: &SimulationInputs,
         played: &Played,
-        summary: &SimulationSummary,
+        summary: &Summary,
     ) -> Result<usize, Failure> {
         let Played { simulation, metrics, error, tip_error } = played;
         let coarse = error.as_ref().and_then(PlayError::warning);

@@ -1,9 +1,12 @@
 use std::fmt::Debug;
 
+use serde::{Deserialize, Serialize};
+
 use super::error::{ParameterError, not_negative};
 
 /// The link's own damping law (Bayo 1987, eqs 12, 15 and 16).
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(tag = "model", rename_all = "lowercase")]
 pub enum Damping {
     /// An undamped link.
     #[default]
@@ -20,7 +23,9 @@ pub enum Damping {
         /// β in s, at least 0.
         beta_s: f64,
     },
-    /// C = αM + βK with α and β such that two flexible modes get the given ratios.
+    /// C = αM + βK with α and β such that two flexible modes get the given ratios; stored as
+    /// [`Self::Rayleigh`].
+    #[serde(skip)]
     RayleighThroughModes {
         /// Numbers of the two flexible modes, from 1, ascending.
         modes: [usize; 2],

@@ -2,6 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use serde::{Deserialize, Deserializer, Serialize};
+
 use super::error::{ParameterError, not_negative};
 
 /// Stiffnesses of an elastic joint in N m/rad.
@@ -14,7 +16,7 @@ const INERTIAS_KG_M2: RangeInclusive<f64> = 0.0..=1e30;
 const RATIOS: RangeInclusive<f64> = 1e-6..=1e6;
 
 /// The rigid hub that the motor turns.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Hub {
     /// Rotary inertia I_H about the axis in kg m².
     pub inertia_kg_m2: f64,
@@ -49,14 +51,20 @@ pub struct Joint {
 ///
 /// The rotor turns on the motor side of the gear; the joint's spring on the link's side carries
 /// the torque that the hub receives.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// Torque of the joint per twist in N m/rad, from 1e-30 to 1e30; infinite for a stiff joint.
+    #[serde(deserialize_with = "null_is_stiff")]
     pub joint_stiffness_n_m_rad: f64,
     /// Rotary inertia of the rotor about its own axis in kg m², from 0 to 1e30.
     pub rotor_inertia_kg_m2: f64,
     /// Turns of the motor for one turn of the hub, from 1e-6 to 1e6.
     pub gear_ratio: f64,
+}
+
+/// Reads a joint stiffness: JSON has no infinity and writes null for it.
+fn null_is_stiff<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
 impl Drive {

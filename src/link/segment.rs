@@ -1,13 +1,29 @@
+use serde::{Deserialize, Serialize};
+
 use super::error::{ParameterError, not_negative, positive};
 use super::section::Section;
 
-/// A property that varies linearly along a segment, from its inner to its outer end.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A property that varies linearly along a segment, from its inner to its outer end; stored as the list of
+/// both.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[f64; 2]", into = "[f64; 2]")]
 pub struct Taper {
     /// Value at the end towards the hub.
     pub inner: f64,
     /// Value at the end towards the tip.
     pub outer: f64,
+}
+
+impl From<[f64; 2]> for Taper {
+    fn from([inner, outer]: [f64; 2]) -> Self {
+        Self { inner, outer }
+    }
+}
+
+impl From<Taper> for [f64; 2] {
+    fn from(taper: Taper) -> Self {
+        [taper.inner, taper.outer]
+    }
 }
 
 impl Taper {
@@ -101,7 +117,7 @@ impl CrossSection {
 }
 
 /// One piece of the link with its own stiffness and mass, from the hub outward.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Segment {
     /// Name that addresses the segment, unique in its link.
     pub name: Option<String>,
@@ -111,7 +127,8 @@ pub struct Segment {
     pub bending_stiffness_n_m2: Taper,
     /// Mass per length m̄ in kg/m, at least 0.
     pub mass_per_length_kg_m: Taper,
-    /// How thick it is, where that is known.
+    /// How thick it is, where that is known; not stored.
+    #[serde(skip)]
     pub cross_section: Option<CrossSection>,
 }
 

@@ -1,3 +1,5 @@
+use serde::{Deserialize, Serialize};
+
 use super::damping::Damping;
 use super::error::{ParameterError, not_negative};
 use super::joint::{Drive, Hub, Joint};
@@ -8,7 +10,7 @@ use super::segment::Segment;
 pub(crate) const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// A point mass fixed to the link.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LumpedMass {
     /// Distance from the axis in m, hub radius included.
     pub at_m: f64,
@@ -19,7 +21,7 @@ pub struct LumpedMass {
 }
 
 /// What the tip carries.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Payload {
     /// Mass m_t in kg.
     pub mass_kg: f64,

@@ -87,10 +87,12 @@ pub(super) fn run() -> StoredRun {
         readings: vec![("peak_torque_n_m".to_owned(), metrics.peak_torque_n_m.value)],
         checks: vec![],
         remarks: vec![StoredWarning {
+            kind: "a kind".to_owned(),
             message: "a density of <b>".to_owned(),
             hint: "another unit".to_owned(),
         }],
         warnings: vec![StoredWarning {
+            kind: "a kind".to_owned(),
             message: "<em>bent".to_owned(),
             hint: "less & slower".to_owned(),
         }],

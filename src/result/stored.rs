@@ -1,5 +1,9 @@
 //! What a result folder holds, read back: the other half of what a run writes.
 
+use std::fmt::Display;
+
+use serde::{Deserialize, Serialize};
+
 use crate::beam::Mesh;
 use crate::compare::Table;
 use crate::link::Link;
@@ -125,13 +129,21 @@ pub struct StoredCheck {
     pub passes: bool,
 }
 
-/// A warning of a run.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A warning or remark of a run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoredWarning {
-    /// What it says.
+    /// Its kind: `short lead`.
+    pub kind: String,
+    /// Its text.
     pub message: String,
     /// What the user can do about it.
     pub hint: String,
+}
+
+impl StoredWarning {
+    pub(crate) fn new(kind: &str, message: &dyn Display, hint: &str) -> Self {
+        Self { kind: kind.to_owned(), message: message.to_string(), hint: hint.to_owned() }
+    }
 }
 
 /// The table of a sweep.

@@ -1,7 +1,7 @@
 use serde::Serialize;
 
 use super::golden::GoldenChanges;
-use super::records::json;
+use super::json::json;
 use crate::compare::{
     ColumnComparison, Comparison, FileComparison, FileOutcome, RowPlace, TableComparison, Unmatched,
 };

@@ -55,6 +55,14 @@ pub struct FolderError {
     pub cause: io::Error,
 }
 
+impl FolderError {
+    /// The error of a file that cannot be written.
+    pub(super) fn of_file(path: &Path, cause: io::Error) -> Self {
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        Self { folder: folder_of(path).to_owned(), action: FolderAction::Write(lossy(name)), cause }
+    }
+}
+
 impl fmt::Display for FolderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: cannot ", self.folder.display())?;

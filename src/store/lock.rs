@@ -68,16 +68,7 @@ impl FolderLock {
         let path = folder.join(LOCK);
         let taken = || -> io::Result<_> {
             let (file, was_there) = open(&path)?;
-            let is_locked = match file.try_lock() {
-                Ok(()) => true,
-                Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::WouldBlock.into()),
-                // A file system without locks: runs into one folder do not wait for each other.
-                Err(TryLockError::Error(_)) => false,
-            };
-            // The run before may have removed the file after it was opened here.
-            if Handle::from_path(&path).ok() != Some(Handle::from_file(file.try_clone()?)?) {
-                return Err(io::ErrorKind::WouldBlock.into());
-            }
+            let is_locked = lock(&file, &path)?;
             Ok((path.clone(), (file, was_there && is_locked)))
         };
         let (noted, (file, is_left)) = Unfinished::make(Removal::File, taken)?;
@@ -87,6 +78,23 @@ impl FolderLock {
         }
         Ok(lock)
     }
+}
+
+/// Locks a file that was opened at `path`, for this run alone; false on a file system without locks, where
+/// runs do not wait for each other.
+///
+/// # Errors
+/// [`io::ErrorKind::WouldBlock`] if another run holds the lock, or has removed the file since.
+pub(super) fn lock(file: &File, path: &Path) -> io::Result<bool> {
+    let is_locked = match file.try_lock() {
+        Ok(()) => true,
+        Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::WouldBlock.into()),
+        Err(TryLockError::Error(_)) => false,
+    };
+    if Handle::from_path(path).ok() != Some(Handle::from_file(file.try_clone()?)?) {
+        return Err(io::ErrorKind::WouldBlock.into());
+    }
+    Ok(is_locked)
 }
 
 /// Creates or opens the lock file; also returns whether it was there.

@@ -5,22 +5,16 @@ mod file_names;
 mod folder;
 mod frequency_tables;
 mod golden;
-mod json_record;
-mod link_record;
+mod json;
 mod lock;
-mod records;
+mod numbers;
 mod run_tables;
 mod simulation_summary;
 mod single_file;
+mod solve_summary;
 mod stored;
 mod summary;
-mod sweep_file;
-mod sweep_identity;
-mod sweep_merge;
-mod sweep_part;
-mod sweep_record;
-mod sweep_rows;
-mod sweep_table;
+mod sweep;
 mod unfinished;
 
 pub use comparison_json::comparison_json;
@@ -28,16 +22,15 @@ pub use file_names::{REPORT, SUMMARY, is_result_file};
 pub use folder::{Durability, FolderAction, FolderError, OutputFolder};
 pub use frequency_tables::{HeldModes, ModesResult, write_frequency_response};
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files};
-pub use records::verification_json;
 pub use run_tables::{OptionalTable, SimulateOutputs, SolveOutputs};
-pub use simulation_summary::{SimulationInputs, SimulationSummary};
+pub use simulation_summary::SimulationInputs;
 pub use single_file::write_file;
-pub use stored::{FoundInput, InputRole, RunRecord, TemporaryFolder, is_run, read_result};
-pub use summary::{RunInputs, Summary};
-pub use sweep_file::{LeftRows, Resumed, SweepFile};
-pub use sweep_identity::{SweepIdentity, SweepInputs};
-pub use sweep_merge::merge_shards;
-pub use sweep_record::{ForeignRecord, check_record, sweep_files, write_sweep};
-pub use sweep_rows::{SweepRows, SweptCase};
-pub use sweep_table::{SweepColumn, SweepRecord, sweep_columns, sweep_header, sweep_row};
+pub use solve_summary::RunInputs;
+pub use stored::{FoundInput, InputRole, RunRecord, TemporaryFolder, read_result};
+pub use summary::{Summary, is_run, verification_json};
+pub use sweep::{
+    ForeignRecord, LeftRows, Resumed, SweepColumn, SweepFile, SweepIdentity, SweepInputs,
+    SweepRecord, SweepRows, SweptCase, check_record, merge_shards, sweep_columns, sweep_files,
+    sweep_header, sweep_row, write_sweep,
+};
 pub use unfinished::{abandon_unfinished, wait_if_ending};

@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use super::file_names::{MOTOR, REPORT, RESULT_FILES, SUMMARY};
 use super::folder::{FolderError, OutputFolder};
-use super::simulation_summary::SimulationSummary;
 use super::summary::Summary;
 use crate::beam::Mesh;
 use crate::csv::{Column, ColumnGroup, Digits, group, write_csv, write_nodal};
@@ -215,7 +214,7 @@ impl SimulateOutputs {
         folder: OutputFolder,
         link: &Link,
         simulation: &Simulation,
-        summary: &SimulationSummary,
+        summary: &Summary,
     ) -> Result<(), FolderError> {
         let all = simulation.grid.thinned(1);
         let hub = vec![

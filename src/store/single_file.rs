@@ -5,7 +5,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::folder::{Durability, FolderAction, FolderError, OutputFolder, folder_of};
+use super::folder::{Durability, FolderError, OutputFolder, folder_of};
 
 /// Writes one file, whole or not at all; the folder it lies in is created if it is missing. `write`
 /// receives a buffered writer.
@@ -23,12 +23,7 @@ pub fn write_file(
     on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
     let path = &followed(path);
-    let folder = folder_of(path);
-    let refused = |cause| {
-        let name = path.file_name().unwrap_or(path.as_os_str());
-        let action = FolderAction::Write(name.to_string_lossy().into());
-        FolderError { folder: folder.to_owned(), action, cause }
-    };
+    let refused = |cause| FolderError::of_file(path, cause);
     // A path may end in a separator, or in a dot after it, which its last name does not show.
     let is_last =
         |name: &&OsStr| path.as_os_str().as_encoded_bytes().ends_with(name.as_encoded_bytes());
@@ -38,7 +33,7 @@ pub fn write_file(
     if is_stream(path) {
         return write_through(path, write).map_err(refused);
     }
-    let staged = OutputFolder::stage(folder, on_wait)?.with(durability);
+    let staged = OutputFolder::stage(folder_of(path), on_wait)?.with(durability);
     staged.file(name, write)?;
     staged.replace()
 }

@@ -1,186 +1,216 @@
-//! summary.json: what went in, what came out, and how far it can be trusted.
+//! summary.json: what a run of `solve` or `simulate` was given, its numbers, and how far to trust them.
+//! One record is written and read back.
 
-use serde::Serialize;
+use std::borrow::Cow;
+use std::path::Path;
 
-use super::json_record::FORMAT;
-use super::link_record::{DriveRecord, LinkRecord};
-use super::records::{CheckRecord, Fingerprint, MeshRecord, WarningRecord, json};
-use crate::csv::InputFile;
-use crate::inverse::{Accuracy, QuantityErrors, Solution};
-use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
-use crate::motion::TipMotion;
-use crate::result::{Exceeded, Metrics, MotorMetrics, Remark};
-use crate::verify::Verification;
+use serde::{Deserialize, Serialize};
 
-/// What a run was given.
-#[derive(Debug, Clone, Copy)]
-pub struct RunInputs<'a> {
-    /// The link file.
-    pub link_file: &'a InputFile,
-    /// The trajectory file.
-    pub motion_file: &'a InputFile,
-    /// The arguments that shape the results beside the files, in order, as the program takes them:
-    /// `--set`, `payload.mass=0`.
-    pub arguments: &'a [String],
-    /// What verifying the answer gave, if it was verified.
-    pub verification: Option<&'a Verification>,
-    /// What is possible but rare in link and motion.
-    pub remarks: &'a [Remark],
-}
+use super::file_names::SUMMARY;
+use super::json::{FORMAT, Fingerprint, Head, as_written, check_format, json, newer, parsed};
+use super::numbers::Numbers;
+use crate::beam::Mesh;
+use crate::csv::{InputFile, Place, TableError, quoted};
+use crate::link::{
+    Damping, Drive, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
+};
+use crate::modal::DampingLaw;
+use crate::result::{Origin, StoredCheck, StoredWarning};
+use crate::verify::{Check, Outcome, Verification};
 
-/// The content of summary.json, in the order of its keys.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// How a message describes a folder whose files are missing.
+pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve` or `simulate`";
+
+/// A key that one of the two commands does not write, and the other writes as null if it has no value. Null
+/// is read back as a key that is not there.
+type Nullable<T> = Option<Option<T>>;
+
+/// The content of summary.json, in the order of its keys. Keys of one command alone are optional; keys that
+/// nothing reads back are skipped, and unknown ones too, so that a later version may have more.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    format: u32,
-    flexlink: &'static str,
-    command: &'static str,
-    title: String,
-    inputs: Inputs,
-    link: LinkRecord,
-    drive: Option<DriveRecord>,
-    mesh: MeshRecord,
-    motion: MotionRecord,
-    periods_s: Vec<f64>,
-    natural_frequencies_hz: Vec<f64>,
-    modal_damping_ratios: Vec<f64>,
-    zeros_per_s: Vec<f64>,
-    analysis: AnalysisRecord,
-    results: Results,
-    errors: Errors,
-    verification: Option<Vec<CheckRecord>>,
-    warnings: Vec<WarningRecord>,
-    remarks: Vec<WarningRecord>,
-    files: Vec<&'static str>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Inputs {
-    link: Fingerprint,
-    motion: Fingerprint,
-    arguments: Vec<String>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct MotionRecord {
-    given: &'static str,
-    samples: usize,
-    step_s: f64,
-    start_s: f64,
-    moves_from_s: f64,
-    moves_until_s: f64,
-    travel_m: f64,
-    peak_velocity_m_s: f64,
-    peak_acceleration_m_s2: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct AnalysisRecord {
-    tolerance: f64,
-    tip_tolerance: f64,
-    /// Nothing where every frequency of the samples is solved for.
-    band_hz: Option<f64>,
-    /// Nothing where all modes are kept.
-    modes: Option<usize>,
-    period_s: f64,
-    fft_length: usize,
-    frequencies: usize,
-    highest_frequency_hz: f64,
-    nyquist_hz: f64,
-    window_start_s: f64,
-    window_end_s: f64,
-    rows: usize,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Results {
-    peak_torque_n_m: f64,
-    peak_torque_time_s: f64,
-    rms_torque_n_m: f64,
-    peak_rigid_torque_n_m: f64,
-    torque_ratio: f64,
-    lead_s: f64,
-    lag_s: f64,
-    peak_hub_angle_rad: f64,
-    peak_hub_rate_rad_s: f64,
-    peak_power_w: f64,
-    peak_root_moment_n_m: f64,
-    peak_deflection_m: f64,
-    /// Keys that only a link with a drive has.
-    #[serde(flatten)]
-    motor: Option<MotorResults>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct MotorResults {
-    peak_motor_torque_n_m: f64,
-    peak_motor_torque_time_s: f64,
-    rms_motor_torque_n_m: f64,
-    peak_motor_rate_rad_s: f64,
-    peak_motor_power_w: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Errors {
-    tip: f64,
-    torque: QuantityRecord,
-    hub_angle: QuantityRecord,
-    hub_rate: QuantityRecord,
-    hub_acceleration: Option<QuantityRecord>,
-    displacement: Option<QuantityRecord>,
+    pub(super) format: u32,
+    pub(super) flexlink: String,
+    pub(super) command: String,
+    pub(super) title: String,
+    pub(super) inputs: Inputs,
+    pub(super) link: LinkRecord,
     #[serde(skip_serializing_if = "Option::is_none")]
-    bending_moment: Option<QuantityRecord>,
-    motor_torque: Option<QuantityRecord>,
-    motor_rate: Option<QuantityRecord>,
+    pub(super) drive: Nullable<Drive>,
+    #[serde(skip_deserializing)]
+    pub(super) mesh: MeshRecord,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) motion: Option<MotionRecord>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) torque: Option<TorqueRecord>,
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub(super) feedback: Nullable<Numbers>,
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub(super) modes: Option<ModesRecord>,
+    #[serde(skip_deserializing)]
+    pub(super) periods_s: Vec<f64>,
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub(super) natural_frequencies_hz: Option<Vec<f64>>,
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub(super) modal_damping_ratios: Option<Vec<f64>>,
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub(super) viscous_damping_ratios: Option<Vec<f64>>,
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub(super) zeros_per_s: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) analysis: Option<AnalysisRecord>,
+    pub(super) results: Numbers,
+    pub(super) errors: Option<Numbers>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) verification: Nullable<Vec<CheckRecord>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) residual: Option<Numbers>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) tip_error: Nullable<Numbers>,
+    pub(super) warnings: Vec<StoredWarning>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) remarks: Option<Vec<StoredWarning>>,
+    pub(super) files: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Inputs {
+    pub(super) link: Fingerprint,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) motion: Option<Fingerprint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) torque: Option<Fingerprint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) target: Nullable<Fingerprint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) reference: Nullable<Fingerprint>,
+    pub(super) arguments: Vec<String>,
+}
+
+/// The link in SI, keyed as in its file, but for its title and its drive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct LinkRecord {
+    length_m: f64,
+    rigid_inertia_kg_m2: f64,
+    segments: Vec<Segment>,
+    hub: Hub,
+    masses: Vec<LumpedMass>,
+    payload: Payload,
+    damping: Damping,
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub(super) struct MeshRecord {
+    elements: usize,
+    degrees_of_freedom: usize,
+    resolved_hz: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct MotionRecord {
+    pub(super) given: Cow<'static, str>,
+    pub(super) samples: usize,
+    pub(super) step_s: f64,
+    pub(super) start_s: f64,
+    pub(super) moves_from_s: f64,
+    pub(super) moves_until_s: f64,
+    pub(super) travel_m: f64,
+    pub(super) peak_velocity_m_s: f64,
+    pub(super) peak_acceleration_m_s2: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct TorqueRecord {
+    pub(super) samples: usize,
+    pub(super) step_s: f64,
+    pub(super) start_s: f64,
+    pub(super) end_s: f64,
+    pub(super) simulated_until_s: f64,
+    pub(super) interpolation: Cow<'static, str>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-struct QuantityRecord {
-    mesh: f64,
-    window: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    step: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    modes: Option<f64>,
+pub(super) struct ModesRecord {
+    pub(super) kept: usize,
+    pub(super) of_mesh: usize,
+    pub(super) torque_band_hz: f64,
+    pub(super) highest_hz: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct AnalysisRecord {
+    pub(super) tolerance: f64,
+    pub(super) tip_tolerance: f64,
+    /// Null if every frequency of the samples is solved for.
+    pub(super) band_hz: Option<f64>,
+    /// Null if all modes are kept.
+    pub(super) modes: Option<usize>,
+    pub(super) period_s: f64,
+    pub(super) fft_length: usize,
+    pub(super) frequencies: usize,
+    pub(super) highest_frequency_hz: f64,
+    pub(super) nyquist_hz: f64,
+    pub(super) window_start_s: f64,
+    pub(super) window_end_s: f64,
+    pub(super) rows: usize,
+}
+
+/// One check of an answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct CheckRecord {
+    name: Cow<'static, str>,
+    what: Cow<'static, str>,
+    of: Cow<'static, str>,
+    /// Null if it was not measured.
+    found: Option<f64>,
+    bound: Option<f64>,
+    /// Why it was not measured.
+    reason: Option<String>,
+    passes: bool,
+}
+
+/// Whether a folder has the summary of a run, of any version.
+pub fn is_run(folder: &Path) -> bool {
+    let file = InputFile::read(&folder.join(SUMMARY));
+    let head = file.ok().and_then(|file| serde_json::from_slice::<Head>(&file.bytes).ok());
+    head.is_some_and(|head| head.flexlink.is_some())
 }
 
 impl Summary {
-    /// Gathers the summary of a solution, its metrics and the limits that it exceeds; `files` are
-    /// the names of what is written with it.
-    pub fn new(
-        inputs: &RunInputs,
-        solution: &Solution,
-        metrics: &Metrics,
-        exceeded: &[Exceeded],
-        files: Vec<&'static str>,
+    /// A summary with the keys of both commands.
+    pub(super) fn begun(
+        command: &str,
+        inputs: Inputs,
+        (link, law, mesh): (&Link, &DampingLaw, &Mesh),
+        results: Numbers,
     ) -> Self {
-        let link = solution.link();
-        let hertz = |omega: &f64| omega / std::f64::consts::TAU;
-        let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         Self {
             format: FORMAT,
-            flexlink: env!("CARGO_PKG_VERSION"),
-            command: "solve",
+            flexlink: env!("CARGO_PKG_VERSION").to_owned(),
+            command: command.to_owned(),
             title: link.title().to_owned(),
-            inputs: Inputs {
-                link: Fingerprint::of(inputs.link_file),
-                motion: Fingerprint::of(inputs.motion_file),
-                arguments: inputs.arguments.to_vec(),
-            },
-            link: LinkRecord::new(link, solution.law()),
-            drive: link.drive().map(DriveRecord::of),
-            mesh: MeshRecord::of(solution.mesh()),
-            motion: MotionRecord::new(&solution.motion, metrics),
-            periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
-            natural_frequencies_hz: frequencies.iter().map(hertz).collect(),
-            modal_damping_ratios: solution.law().modal_ratios(&frequencies),
-            zeros_per_s: solution.zeros_per_s(REPORTED_ZEROS),
-            analysis: AnalysisRecord::new(solution),
-            results: Results::new(metrics),
-            errors: Errors::of(&solution.accuracy),
-            verification: inputs.verification.map(CheckRecord::all),
-            warnings: warnings(solution, exceeded),
-            remarks: inputs.remarks.iter().map(remark).collect(),
-            files,
+            inputs,
+            link: LinkRecord::of(link, law),
+            drive: None,
+            mesh: MeshRecord::of(mesh),
+            motion: None,
+            torque: None,
+            feedback: None,
+            modes: None,
+            periods_s: Vec::new(),
+            natural_frequencies_hz: None,
+            modal_damping_ratios: None,
+            viscous_damping_ratios: None,
+            zeros_per_s: None,
+            analysis: None,
+            results,
+            errors: None,
+            verification: None,
+            residual: None,
+            tip_error: None,
+            warnings: Vec::new(),
+            remarks: None,
+            files: Vec::new(),
         }
     }
 
@@ -191,116 +221,148 @@ impl Summary {
     pub fn to_json(&self) -> String {
         json(self)
     }
-}
 
-fn remark(remark: &Remark) -> WarningRecord {
-    WarningRecord {
-        kind: remark.kind().into(),
-        message: remark.to_string(),
-        hint: remark.hint().into(),
-    }
-}
-
-fn warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<WarningRecord> {
-    let record = |warning: &crate::inverse::Warning| WarningRecord {
-        kind: warning.kind().into(),
-        message: warning.to_string(),
-        hint: warning.hint().into(),
-    };
-    let limit = |exceeded: &Exceeded| WarningRecord {
-        kind: Exceeded::KIND.into(),
-        message: exceeded.to_string(),
-        hint: exceeded.hint().into(),
-    };
-    solution.warnings.iter().map(record).chain(exceeded.iter().map(limit)).collect()
-}
-
-impl MotionRecord {
-    fn new(motion: &TipMotion, metrics: &Metrics) -> Self {
-        let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
-        Self {
-            given: if motion.is_from_displacement() { "displacement" } else { "acceleration" },
-            samples: grid.len,
-            step_s: grid.step_s,
-            start_s: grid.origin_s,
-            moves_from_s: grid.time_s(from),
-            moves_until_s: grid.time_s(until),
-            travel_m: motion.travel_m(),
-            peak_velocity_m_s: metrics.peak_tip_velocity_m_s.value,
-            peak_acceleration_m_s2: metrics.peak_tip_acceleration_m_s2.value,
-        }
-    }
-}
-
-impl AnalysisRecord {
-    fn new(solution: &Solution) -> Self {
-        let Solution { analysis, band, grid, .. } = solution;
-        Self {
-            tolerance: analysis.tolerance(),
-            tip_tolerance: analysis.tip_tolerance(),
-            band_hz: band.cutoff_hz,
-            modes: analysis.modes(),
-            period_s: band.period_s,
-            fft_length: band.fft_length,
-            frequencies: band.frequencies,
-            highest_frequency_hz: band.highest_hz,
-            nyquist_hz: band.nyquist_hz,
-            window_start_s: grid.time_s(0),
-            window_end_s: grid.time_s(grid.len - 1),
-            rows: grid.len,
-        }
-    }
-}
-
-impl Errors {
-    fn of(accuracy: &Accuracy) -> Self {
-        let record = |errors: QuantityErrors| {
-            let QuantityErrors { mesh, window, step, modes } = errors;
-            QuantityRecord { mesh, window, step, modes }
+    pub(super) fn read(file: &InputFile) -> Result<Self, TableError> {
+        let whole = Place { file: &file.shown, line: None };
+        let head: Head = parsed(&file.bytes, whole, "must be the summary of a run, in JSON")?;
+        let Some(version) = head.flexlink else {
+            let must = format!("must be the version that wrote it: {A_RUN}");
+            return Err(whole.refuse("flexlink", "nothing", must));
         };
-        let errors = &accuracy.errors;
+        let command = head.command.unwrap_or_default();
+        if !["solve", "simulate"].contains(&command.as_str()) {
+            let must = "must be \"solve\" or \"simulate\"";
+            return Err(whole.refuse("command", quoted(&command), must));
+        }
+        check_format(head.format, &version, whole)?;
+        parsed(&file.bytes, whole, &as_written()).map_err(|error| newer(error, &version))
+    }
+
+    pub(super) fn origin(&self) -> Origin {
+        let Inputs { link, motion, torque, target, reference, arguments } = &self.inputs;
+        let files = [
+            ("link", Some(link)),
+            ("motion", motion.as_ref()),
+            ("torque", torque.as_ref()),
+            ("target", target.as_ref().and_then(Option::as_ref)),
+            ("reference", reference.as_ref().and_then(Option::as_ref)),
+        ];
+        Origin {
+            command: self.command.clone(),
+            version: self.flexlink.clone(),
+            title: self.title.clone(),
+            inputs: files.into_iter().filter_map(|(role, file)| Some(file?.input(role))).collect(),
+            arguments: arguments.clone(),
+        }
+    }
+
+    /// The link, with the ranges of its parameters checked.
+    pub(super) fn link(&self) -> Result<Link, ParameterError> {
+        let record = self.link.clone();
+        let link = Link::new(LinkParts {
+            title: self.title.clone(),
+            segments: record.segments,
+            hub: record.hub,
+            masses: record.masses,
+            payload: record.payload,
+            damping: record.damping,
+            drive: self.drive.flatten(),
+        })?;
+        let length_m = record.length_m;
+        if (length_m - link.length_m()).abs() <= 1e-9 * link.length_m() {
+            return Ok(link);
+        }
+        let must = format!("must be {} m, the sum of hub radius and segments", link.length_m());
+        Err(ParameterError::new("length_m", length_m, "m", must))
+    }
+
+    /// First and last time in s of the histories.
+    pub(super) fn window_s(&self) -> Option<(f64, f64)> {
+        let solved = self.analysis.as_ref().map(|w| (w.window_start_s, w.window_end_s));
+        solved.or(self.torque.as_ref().map(|torque| (torque.start_s, torque.simulated_until_s)))
+    }
+
+    /// All numbers by name: results, those of residual and tip error, errors.
+    pub(super) fn readings(&self) -> Vec<(String, f64)> {
+        let prefixed = |numbers: Option<&Numbers>, prefix| {
+            numbers.map(|numbers| numbers.prefixed(prefix)).unwrap_or_default()
+        };
+        let errors = prefixed(self.errors.as_ref(), "").into_iter();
+        [
+            self.results.prefixed(""),
+            prefixed(self.residual.as_ref(), "residual_"),
+            prefixed(self.tip_error.as_ref().and_then(Option::as_ref), "tip_error_"),
+            errors.map(|(name, error)| (format!("{name}_error"), error)).collect(),
+        ]
+        .concat()
+    }
+
+    pub(super) fn checks(&self) -> Vec<StoredCheck> {
+        self.verification.iter().flatten().flatten().map(CheckRecord::stored).collect()
+    }
+}
+
+impl LinkRecord {
+    fn of(link: &Link, law: &DampingLaw) -> Self {
+        let damping = match (link.damping(), law) {
+            (damping @ Damping::Caughey { .. }, _) => damping.clone(),
+            (_, DampingLaw::Rayleigh { alpha_per_s, beta_s }) => {
+                Damping::Rayleigh { alpha_per_s: *alpha_per_s, beta_s: *beta_s }
+            }
+            (damping @ (Damping::Modal { .. } | Damping::Hysteretic { .. }), _) => damping.clone(),
+            _ => Damping::None,
+        };
         Self {
-            tip: accuracy.tip,
-            torque: record(errors.torque),
-            hub_angle: record(errors.hub_angle),
-            hub_rate: record(errors.hub_rate),
-            hub_acceleration: errors.hub_acceleration.map(record),
-            displacement: errors.displacement.map(record),
-            bending_moment: errors.bending_moment.map(record),
-            motor_torque: errors.motor_torque.map(record),
-            motor_rate: errors.motor_rate.map(record),
+            length_m: link.length_m(),
+            rigid_inertia_kg_m2: link.rigid_inertia_kg_m2(),
+            segments: link.segments().to_vec(),
+            hub: *link.hub(),
+            masses: link.masses().to_vec(),
+            payload: *link.payload(),
+            damping,
         }
     }
 }
 
-impl Results {
-    fn new(metrics: &Metrics) -> Self {
+impl MeshRecord {
+    fn of(mesh: &Mesh) -> Self {
+        let elements = mesh.elements().len();
         Self {
-            peak_torque_n_m: metrics.peak_torque_n_m.value,
-            peak_torque_time_s: metrics.peak_torque_n_m.time_s,
-            rms_torque_n_m: metrics.rms_torque_n_m,
-            peak_rigid_torque_n_m: metrics.peak_rigid_torque_n_m.value,
-            torque_ratio: metrics.torque_ratio,
-            lead_s: metrics.lead_s,
-            lag_s: metrics.lag_s,
-            peak_hub_angle_rad: metrics.peak_hub_angle_rad.value,
-            peak_hub_rate_rad_s: metrics.peak_hub_rate_rad_s.value,
-            peak_power_w: metrics.peak_power_w.value,
-            peak_root_moment_n_m: metrics.peak_root_moment_n_m.value,
-            peak_deflection_m: metrics.peak_deflection_m.value,
-            motor: metrics.motor.as_ref().map(MotorResults::new),
+            elements,
+            degrees_of_freedom: 2 * elements + 1,
+            resolved_hz: mesh.resolved_frequency_rad_s() / std::f64::consts::TAU,
         }
     }
 }
 
-impl MotorResults {
-    fn new(motor: &MotorMetrics) -> Self {
-        Self {
-            peak_motor_torque_n_m: motor.peak_torque_n_m.value,
-            peak_motor_torque_time_s: motor.peak_torque_n_m.time_s,
-            rms_motor_torque_n_m: motor.rms_torque_n_m,
-            peak_motor_rate_rad_s: motor.peak_rate_rad_s.value,
-            peak_motor_power_w: motor.peak_power_w.value,
+impl CheckRecord {
+    pub(super) fn all(verification: &Verification) -> Vec<Self> {
+        verification.checks.iter().map(Self::of).collect()
+    }
+
+    fn of(check: &Check) -> Self {
+        let (found, bound, reason) = match &check.outcome {
+            Outcome::Measured { found, bound } => (Some(*found), Some(*bound), None),
+            Outcome::NotMeasured { reason } => (None, None, Some(reason.clone())),
+        };
+        let Check { name, what, of, .. } = *check;
+        let [name, what, of] = [name, what, of].map(Cow::Borrowed);
+        Self { name, what, of, found, bound, reason, passes: !check.fails() }
+    }
+
+    fn stored(&self) -> StoredCheck {
+        let reason =
+            || self.reason.clone().unwrap_or_else(|| "no finite number was found".to_owned());
+        StoredCheck {
+            what: self.what.to_string(),
+            of: self.of.to_string(),
+            outcome: self.found.zip(self.bound).ok_or_else(reason),
+            passes: self.passes,
         }
     }
+}
+
+/// The JSON text of a verification: a list of its checks.
+pub fn verification_json(verification: &Verification) -> String {
+    json(&CheckRecord::all(verification))
 }

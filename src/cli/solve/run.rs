@@ -102,7 +102,7 @@ impl Problem {
         let exceeded = limits.exceeded(&metrics);
         let names = outputs.file_names(link);
         let files = names.len();
-        let summary = Summary::new(&inputs, &solution, &metrics, &exceeded, names);
+        let summary = Summary::of_solution(&inputs, &solution, &metrics, &exceeded, &names);
         let deflections = outputs.deflections(&solution);
         memory::check_nodes(deflections.bytes(), memory_bytes)?;
         if deflections.bytes() >= LARGE {

@@ -11,8 +11,7 @@ use flexlink::inverse::{Solution, Unwatched};
 use flexlink::response::{PlayError, Simulation};
 use flexlink::result::Exceeded;
 use flexlink::store::{
-    OutputFolder, RunInputs, SimulateOutputs, SimulationInputs, SimulationSummary, SolveOutputs,
-    Summary,
+    OutputFolder, RunInputs, SimulateOutputs, SimulationInputs, SolveOutputs, Summary,
 };
 use flexlink::sweep::{PlayedCase, SolvedCase};
 
@@ -70,7 +69,7 @@ impl OutputsArgs {
             digits: self.digits,
         };
         let files = outputs.file_names(solution.link());
-        let summary = Summary::new(inputs, solution, &case.metrics, exceeded, files);
+        let summary = Summary::of_solution(inputs, solution, &case.metrics, exceeded, &files);
         let deflections = outputs.deflections(solution);
         memory::check_nodes(deflections.bytes(), memory_bytes)?;
         let nodal = (solution, deflections);
@@ -90,7 +89,7 @@ impl OutputsArgs {
         let outputs = self.nodes.of_simulation(self.digits);
         memory::check_nodes(outputs.nodal_bytes(simulation), inputs.play.memory_bytes)?;
         let (files, errors) = (SimulateOutputs::file_names(), (error, Some(&case.tip_error)));
-        let summary = SimulationSummary::new(inputs, simulation, &case.metrics, errors, files);
+        let summary = Summary::of_simulation(inputs, simulation, &case.metrics, errors, &files);
         Ok(outputs.write(self.stage(folder)?, inputs.link, simulation, &summary)?)
     }
 

@@ -182,7 +182,7 @@ fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
 /// Every warning and what to do about it.
 fn warnings(warnings: &[StoredWarning]) -> Markup {
     html! {
-        ul { @for StoredWarning { message, hint } in warnings {
+        ul { @for StoredWarning { message, hint, .. } in warnings {
             li { strong { (message) } " " span class="hint" { "What helps: " (hint) "." } }
         } }
     }
@@ -191,7 +191,7 @@ fn warnings(warnings: &[StoredWarning]) -> Markup {
 /// Every remark and what to do about it.
 fn remarks(remarks: &[StoredWarning]) -> Markup {
     html! {
-        ul { @for StoredWarning { message, hint } in remarks {
+        ul { @for StoredWarning { message, hint, .. } in remarks {
             li { (message) " " span class="hint" { "What helps: " (hint) "." } }
         } }
     }

@@ -1,10 +1,10 @@
+//! Files in the folder of a run.
+
 use std::path::Path;
 
+use super::super::summary::A_RUN;
 use crate::csv::{InputError, InputFile, Place, TableError, quoted};
 use crate::numeric::is_hidden;
-
-/// What a folder must be whose files are missed.
-pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve` or `simulate`";
 
 /// The folder of one run.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +23,7 @@ impl<'a> RunFolder<'a> {
             return Err(self.refuse(name, "nothing", &format!("must be there: {A_RUN}")));
         }
         let path = self.path.join(name);
-        // A pipe that a command line names has an end; what lies in a folder may have none.
+        // A pipe in a folder, unlike one that a command line names, may have no end.
         if !path.is_file() && !path.is_dir() {
             return Err(self.refuse(name, "a device or a pipe", "must be a file"));
         }
@@ -57,15 +57,15 @@ impl<'a> RunFolder<'a> {
     }
 }
 
-/// Bytes of the longest name that file systems take.
+/// Bytes of the longest file name.
 const LONGEST_NAME: usize = 255;
 
 /// Refuses names that lead into a folder.
 pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Result<(), TableError> {
     let leads = |name: &String| Path::new(name).file_name().is_none_or(|own| own != name.as_str());
     let is_short = |name: &String| name.len() <= LONGEST_NAME;
-    let is_told = |name: &String| !name.contains(is_hidden);
-    match names.iter().find(|name| leads(name) || !is_told(name) || !is_short(name)) {
+    let is_visible = |name: &String| !name.contains(is_hidden);
+    match names.iter().find(|name| leads(name) || !is_visible(name) || !is_short(name)) {
         Some(name) => {
             let must = "must be names, without folders or control characters";
             Err(place.refuse(subject, quoted(name), must))
@@ -74,7 +74,7 @@ pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Resu
     }
 }
 
-/// A file that the system does not give, told as one that is refused.
+/// The error of a file that cannot be read, as that of one that is refused.
 pub(super) fn unreadable(error: &InputError) -> TableError {
     let text = error.to_string();
     let (file, message) = text.split_once(": ").unwrap_or(("", &text));

@@ -1,20 +1,10 @@
-//! Result folders and tables of sweeps, read back: the other half of what a run writes.
+//! Results read back: folders of runs and tables of sweeps, for `report` and `solve --repeat`.
 
 mod folder;
-mod link;
-mod mesh;
-mod nodal;
-mod numbers;
-mod readings;
-mod record;
 mod repetition;
 mod result;
 mod run;
-mod solved;
-mod summary;
-mod sweep;
+mod tables;
 
-pub use record::{FoundInput, InputRole, RunRecord};
-pub use repetition::TemporaryFolder;
+pub use repetition::{FoundInput, InputRole, RunRecord, TemporaryFolder};
 pub use result::read_result;
-pub use summary::is_run;

@@ -1,18 +1,215 @@
-//! The files of a run held against those of its repetition.
+//! What a run of `solve` records to be repeated, the files that it read, and its files against those of
+//! its repetition.
 
 use std::env;
 use std::fs::File;
 use std::io::{self, BufReader};
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use tempfile::Builder;
 
 use super::super::file_names::{REPORT, RESULT_FILES, SUMMARY};
 use super::super::folder::{FolderAction, FolderError};
+use super::super::summary::Summary;
 use super::super::unfinished::{Removal, Unfinished};
-use super::record::RunRecord;
-use crate::csv::InputError;
-use crate::result::{Repeated, RepeatedFile, line_difference};
+use super::folder::{RunFolder, check_names, unreadable};
+use crate::csv::{InputError, InputFile, Place, TableError, quoted};
+use crate::numeric::excerpt;
+use crate::result::{Origin, Repeated, RepeatedFile, StoredInput, line_difference};
+
+/// Bytes that are read at a time.
+const CHUNK: usize = 1 << 16;
+
+/// What summary.json of a run of `solve` records of it: enough to run it again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunRecord {
+    /// Who made the run, with which arguments.
+    pub origin: Origin,
+    /// summary.json, as messages name it.
+    pub shown: String,
+    folder: PathBuf,
+    /// Names of the files that were written.
+    files: Vec<String>,
+}
+
+/// What a run read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InputRole {
+    /// The link file.
+    Link,
+    /// The trajectory file.
+    Motion,
+}
+
+/// An input of a run that is found again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FoundInput {
+    /// Where it was found.
+    pub path: PathBuf,
+    /// The file, called as the run called it: it is the same to the byte.
+    pub file: InputFile,
+}
+
+impl RunRecord {
+    /// Reads the record in a folder.
+    ///
+    /// # Errors
+    /// [`TableError`] for a folder that is not of a run of `solve`, or a record that is damaged.
+    pub fn read(folder: &Path) -> Result<Self, TableError> {
+        let hint =
+            "--repeat takes the folder of a run of `solve`, or of a case of `sweep --outputs`";
+        let file = RunFolder::new(folder).file(SUMMARY);
+        let file = file.map_err(|error| error.or_hint(hint.to_owned()))?;
+        let place = Place { file: &file.shown, line: None };
+        let summary = Summary::read(&file)?;
+        if summary.command != "solve" {
+            let refused = place.refuse("command", quoted(&summary.command), "must be \"solve\"");
+            return Err(refused.or_hint(hint.to_owned()));
+        }
+        let origin = summary.origin();
+        check_names("files", &summary.files, place)?;
+        let inputs: Vec<String> = origin.inputs.iter().map(|input| input.name.clone()).collect();
+        check_names("inputs", &inputs, place)?;
+        let (folder, files) = (folder.to_owned(), summary.files);
+        Ok(Self { origin, shown: file.shown.clone(), folder, files })
+    }
+
+    /// Finds the input of the run: the file `given`, or one of the recorded name in the current
+    /// folder, in that of the run or in the one above it.
+    ///
+    /// # Errors
+    /// [`TableError`] if there is none, or none with the recorded bytes.
+    pub fn input(&self, role: InputRole, given: Option<&Path>) -> Result<FoundInput, TableError> {
+        let input = self.recorded(role)?;
+        let candidates = match given {
+            Some(path) => vec![path.to_owned()],
+            None => self.candidates(role, &input.name)?,
+        };
+        let mut others = Vec::new();
+        for path in candidates {
+            let mut file = match InputFile::read(&path) {
+                Ok(file) => file,
+                Err(error) if given.is_some() => return Err(unreadable(&error)),
+                // The right one may lie in another folder.
+                Err(error) => {
+                    others.push(error.to_string());
+                    continue;
+                }
+            };
+            let sha256 = file.sha256();
+            if sha256 == input.sha256 {
+                file.name.clone_from(&input.name);
+                return Ok(FoundInput { path, file });
+            }
+            others.push(format!("{} has SHA-256 {sha256}", file.shown));
+        }
+        Err(self.refuse_others(&others, role, &input.sha256))
+    }
+
+    /// Compares the files of the run with those of its repetition in another folder, but for its page and
+    /// files that no run writes.
+    ///
+    /// # Errors
+    /// [`InputError`] for a file that cannot be read.
+    pub fn compare(&self, repetition: &Path) -> Result<Vec<RepeatedFile>, InputError> {
+        let known = RESULT_FILES.into_iter().filter(|name| *name != REPORT).chain([SUMMARY]);
+        let is_there = |name: &&str| {
+            let folders = [&*self.folder, repetition];
+            folders.iter().any(|folder| folder.join(name).symlink_metadata().is_ok())
+        };
+        let unnamed = |name: &&str| !self.files.iter().any(|file| file == name);
+        let unnamed = known.filter(is_there).filter(unnamed);
+        let names = self.files.iter().map(String::as_str).chain(unnamed);
+        let compared = |name: &str| {
+            let (run, repetition) = (self.folder.join(name), repetition.join(name));
+            Ok(RepeatedFile { name: name.to_owned(), outcome: compared(&run, &repetition)? })
+        };
+        names.map(compared).collect()
+    }
+
+    /// Path of summary.json.
+    pub fn path(&self) -> PathBuf {
+        self.folder.join(SUMMARY)
+    }
+
+    fn recorded(&self, role: InputRole) -> Result<&StoredInput, TableError> {
+        let name = role.name();
+        let found = self.origin.inputs.iter().find(|input| input.role == name);
+        found.ok_or_else(|| {
+            self.place().refuse(format!("inputs.{name}"), "nothing", "must be there")
+        })
+    }
+
+    /// Where a file of this name is, of the places where it may be.
+    fn candidates(&self, role: InputRole, name: &str) -> Result<Vec<PathBuf>, TableError> {
+        let what = format!("inputs.{}", role.name());
+        if name == "-" {
+            let must = "must be given again";
+            return Err(self.place().refuse(what, "standard input", must).with_hint(self.give()));
+        }
+        let mut folders: Vec<PathBuf> = Vec::new();
+        for folder in [PathBuf::new(), self.folder.clone(), above(&self.folder)] {
+            if !folders.iter().any(|other| is_same(other, &folder)) {
+                folders.push(folder);
+            }
+        }
+        let found = folders.iter().map(|folder| folder.join(name)).filter(|path| path.is_file());
+        let found: Vec<PathBuf> = found.collect();
+        if found.is_empty() {
+            let shown: Vec<String> = folders.iter().map(|folder| shown(folder)).collect();
+            let must = format!("must be in one of the folders {}", shown.join(", "));
+            return Err(self.place().refuse(what, quoted(name), must).with_hint(self.give()));
+        }
+        Ok(found)
+    }
+
+    fn refuse_others(&self, others: &[String], role: InputRole, expected: &str) -> TableError {
+        // 64 digits, unless someone has changed the record.
+        let expected = if expected.len() == 64 { expected.into() } else { excerpt(expected) };
+        let message = format!("{}, but must have SHA-256 {expected}", others.join(", "));
+        let name = role.name().to_uppercase();
+        let hint = format!("{name} has changed since the run, or is another file; {}", self.give());
+        self.place().refuse_whole(message).with_hint(hint)
+    }
+
+    fn place(&self) -> Place<'_> {
+        Place { file: &self.shown, line: None }
+    }
+
+    /// What to do about an input that is not found.
+    fn give(&self) -> String {
+        let folder = self.folder.display();
+        format!("name both: flexlink solve --repeat {folder} LINK MOTION, one of them may be `-`")
+    }
+}
+
+impl InputRole {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Link => "link",
+            Self::Motion => "motion",
+        }
+    }
+}
+
+/// The folder that a folder is in.
+fn above(folder: &Path) -> PathBuf {
+    match folder.components().next_back() {
+        Some(Component::Normal(_)) => folder.parent().map(Path::to_owned).unwrap_or_default(),
+        _ => folder.join(".."),
+    }
+}
+
+/// Whether two folders, the current one if there is no name, are one.
+fn is_same(a: &Path, b: &Path) -> bool {
+    let real = |folder: &Path| Path::new(".").join(folder).canonicalize();
+    matches!((real(a), real(b)), (Ok(a), Ok(b)) if a == b)
+}
+
+/// A folder as messages name it.
+fn shown(folder: &Path) -> String {
+    if folder.as_os_str().is_empty() { ".".to_owned() } else { folder.display().to_string() }
+}
 
 /// A folder for a run whose files nobody keeps, readable by nobody else. It is removed when it is dropped
 /// or the program is ended; if a run is killed, the system removes it some day.
@@ -40,32 +237,6 @@ impl TemporaryFolder {
     /// Where it is.
     pub fn path(&self) -> &Path {
         self.0.path()
-    }
-}
-
-/// Bytes that are read at a time.
-const CHUNK: usize = 1 << 16;
-
-impl RunRecord {
-    /// Holds the files of the run against those of its repetition in another folder; what no run
-    /// writes, and the page of a run, is left out.
-    ///
-    /// # Errors
-    /// [`InputError`] for a file that cannot be read.
-    pub fn compare(&self, repetition: &Path) -> Result<Vec<RepeatedFile>, InputError> {
-        let known = RESULT_FILES.into_iter().filter(|name| *name != REPORT).chain([SUMMARY]);
-        let is_there = |name: &&str| {
-            let folders = [&*self.folder, repetition];
-            folders.iter().any(|folder| folder.join(name).symlink_metadata().is_ok())
-        };
-        let unnamed = |name: &&str| !self.files.iter().any(|file| file == name);
-        let unnamed = known.filter(is_there).filter(unnamed);
-        let names = self.files.iter().map(String::as_str).chain(unnamed);
-        let compared = |name: &str| {
-            let (run, repetition) = (self.folder.join(name), repetition.join(name));
-            Ok(RepeatedFile { name: name.to_owned(), outcome: compared(&run, &repetition)? })
-        };
-        names.map(compared).collect()
     }
 }
 

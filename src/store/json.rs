@@ -1,15 +1,16 @@
-//! Records in JSON: their format, and what to say of those that another version wrote.
+//! Records as JSON: their text, their format, and messages on damaged ones and those of other versions.
 
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
-use crate::csv::{Place, TableError};
-use crate::numeric::{excerpt, visible};
+use crate::csv::{InputFile, Place, TableError};
+use crate::numeric::{excerpt, is_hidden, visible};
+use crate::result::StoredInput;
 
-/// Format of all records. It grows with each change that readers of the one before must know of.
+/// Format of all records. It grows with each change that breaks readers of the one before.
 pub(super) const FORMAT: u32 = 2;
 
-/// What tells a record from other files.
+/// Keys that tell a record from other files.
 #[derive(Debug, Deserialize)]
 pub(super) struct Head {
     pub(super) format: Option<u32>,
@@ -17,7 +18,7 @@ pub(super) struct Head {
     pub(super) command: Option<String>,
 }
 
-/// Refuses a record of another format than this version writes and reads.
+/// Refuses a record of another format than [`FORMAT`].
 pub(super) fn check_format(
     found: Option<u32>,
     version: &str,
@@ -31,7 +32,7 @@ pub(super) fn check_format(
     }
 }
 
-/// Refuses a record of the time before records had a format.
+/// Refuses a record without a format, as early versions wrote it.
 pub(super) fn without_format(version: &str, place: Place) -> TableError {
     older("nothing", version, place)
 }
@@ -45,7 +46,8 @@ fn refused(found: &str, place: Place) -> TableError {
     place.refuse("format", found, format!("must be {FORMAT}"))
 }
 
-/// Reads a record, or refuses it with what it `must` be and, where `place` has none, the line.
+/// Reads a record. An error tells the line if `place` has none, and what the record `must` be if it is no
+/// JSON at all.
 pub(super) fn parsed<T: DeserializeOwned>(
     bytes: &[u8],
     place: Place,
@@ -63,7 +65,7 @@ pub(super) fn parsed<T: DeserializeOwned>(
     })
 }
 
-/// The last key before a place in a record, if there is one.
+/// The last key before a line and column of a record, if there is one.
 fn key_before(bytes: &[u8], line: usize, column: usize) -> Option<String> {
     let line = bytes.split(|byte| *byte == b'\n').nth(line.checked_sub(1)?)?;
     let text = String::from_utf8_lossy(&line[..column.min(line.len())]).into_owned();
@@ -71,7 +73,7 @@ fn key_before(bytes: &[u8], line: usize, column: usize) -> Option<String> {
     before.rsplit_once('"').map(|(_, key)| key.to_owned())
 }
 
-/// What the parser says of damage: its subject, what was found and what it must be.
+/// An error of the parser as its subject, what was found and what it must be.
 fn in_words(text: &str, key: Option<String>, must: &str) -> (String, String, String) {
     let text = text.rsplit_once(" at line ").map_or(text, |(text, _)| text);
     if let Some(key) = text.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`'))
@@ -90,7 +92,7 @@ fn in_words(text: &str, key: Option<String>, must: &str) -> (String, String, Str
     }
 }
 
-/// What a value must be, without the names of the programming language.
+/// A type of Rust in the user's words.
 fn plain_kind(expected: &str) -> &str {
     match expected {
         "u32" | "u64" | "usize" => "a whole number",
@@ -104,12 +106,12 @@ fn plain_kind(expected: &str) -> &str {
     }
 }
 
-/// What a record of this version must be.
+/// The requirement that damage within a record fails.
 pub(super) fn as_written() -> String {
     format!("must be as flexlink {} writes it", env!("CARGO_PKG_VERSION"))
 }
 
-/// Adds to an error that a later version than this one wrote the file, if one did.
+/// Adds a hint to an error if a later version than this one wrote the file.
 pub(super) fn newer(error: TableError, version: &str) -> TableError {
     let own = env!("CARGO_PKG_VERSION");
     if numbers(version) <= numbers(own) {
@@ -121,8 +123,59 @@ pub(super) fn newer(error: TableError, version: &str) -> TableError {
     ))
 }
 
-/// The numbers of a version, the first one first.
+/// The numbers of a version: `[1, 2, 3]` of `1.2.3-beta`.
 fn numbers(version: &str) -> Vec<u64> {
     let plain = version.split(['-', '+']).next().unwrap_or_default();
     plain.split('.').map(|number| number.parse().unwrap_or(0)).collect()
+}
+
+/// The JSON text of a record, indented, with a final line end.
+///
+/// # Panics
+/// Never: records hold nothing that JSON cannot.
+pub(super) fn json(record: &impl Serialize) -> String {
+    let mut text = serde_json::to_string_pretty(record).expect("plain records are JSON");
+    text.push('\n');
+    without_controls(text)
+}
+
+/// The JSON text of a record on one line, without a line end.
+///
+/// # Panics
+/// Never, as [`json`].
+pub(super) fn json_line(record: &impl Serialize) -> String {
+    without_controls(serde_json::to_string(record).expect("plain records are JSON"))
+}
+
+/// Escapes U+007F to U+009F and marks of the direction of writing: JSON need not, but terminals obey them.
+/// They can only be in strings.
+fn without_controls(text: String) -> String {
+    let is_bare = |letter: char| is_hidden(letter) && letter != '\n';
+    if !text.contains(is_bare) {
+        return text;
+    }
+    let escaped = |letter: char| match letter {
+        letter if is_bare(letter) => format!("\\u{:04x}", u32::from(letter)),
+        letter => letter.to_string(),
+    };
+    text.chars().map(escaped).collect()
+}
+
+/// An input file of a run: its name without folders, and its SHA-256 in hexadecimal digits.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Fingerprint {
+    pub(super) name: String,
+    pub(super) sha256: String,
+}
+
+impl Fingerprint {
+    pub(super) fn of(file: &InputFile) -> Self {
+        Self { name: file.name.clone(), sha256: file.sha256() }
+    }
+
+    /// The file with what it was to the run: `link`, `motion`.
+    pub(super) fn input(&self, role: &str) -> StoredInput {
+        let Self { name, sha256 } = self.clone();
+        StoredInput { role: role.to_owned(), name, sha256 }
+    }
 }

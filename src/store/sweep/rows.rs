@@ -1,9 +1,8 @@
-use csv::ReaderBuilder;
+//! The rows of a sweep, read from a shard or an unfinished table.
 
-use super::sweep_identity::SweepIdentity;
-use super::sweep_table::{ERROR, WARNINGS, one_line};
+use super::identity::SweepIdentity;
+use super::table::{check_names, check_row, fields};
 use crate::csv::{CHECK, Place, TableError, check_content, quoted, remedy};
-use crate::sweep::Variation;
 
 /// Hint for a row that does not fit its case.
 const NOT_AS_WRITTEN: &str = "a row was removed, doubled, moved or changed since it was written";
@@ -21,7 +20,7 @@ pub struct SweepRows {
     pub(super) rows: Vec<String>,
 }
 
-/// What a row says of its case beside the numbers.
+/// The fields of a row beside the numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SweptCase {
     /// Its number, from 0.
@@ -40,7 +39,7 @@ impl SweepRows {
     /// a row that is not that of its case.
     pub fn read(name: &str, bytes: &[u8]) -> Result<Self, TableError> {
         let place = |line| Place { file: name, line: Some(line) };
-        // Only whole lines count; the last one may have been cut within a letter.
+        // The last line may have been cut off in writing, even within a letter.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let text = std::str::from_utf8(&bytes[..whole])
             .map_err(|error| {
@@ -73,7 +72,7 @@ impl SweepRows {
         Ok(Self { name: name.to_owned(), identity, header: header.to_owned(), rows })
     }
 
-    /// What the rows say of their cases, in order.
+    /// Warnings and errors of the cases, in order.
     pub fn cases(&self) -> impl Iterator<Item = SweptCase> {
         let shard = self.identity.shard();
         self.rows.iter().enumerate().map(move |(k, row)| {
@@ -100,6 +99,23 @@ impl SweepRows {
         self.rows.is_empty()
     }
 
+    /// Refuses rows of another sweep than `own`, or with other columns than those of `header`; `of` tells
+    /// whose these are.
+    pub(super) fn check_same(
+        &self,
+        own: &SweepIdentity,
+        header: &str,
+        of: &str,
+    ) -> Result<(), TableError> {
+        let place = |line| Place { file: &self.name, line: Some(line) };
+        self.identity.check_same(own, place(1), of)?;
+        if self.header == header {
+            return Ok(());
+        }
+        let must = format!("must be {} as {of}", quoted(header));
+        Err(place(2).refuse("columns", quoted(&self.header), must))
+    }
+
     pub(super) fn refuse(
         &self,
         subject: &str,
@@ -110,70 +126,6 @@ impl SweepRows {
     }
 }
 
-/// Refuses a row of names that is not that of the sweep.
-fn check_names(identity: &SweepIdentity, names: &[String], place: Place) -> Result<(), TableError> {
-    let headings = identity.plan().variations().iter().map(Variation::heading);
-    for (k, heading) in headings.enumerate() {
-        let found = names.get(k).map_or("", String::as_str);
-        if found != heading {
-            let must = format!("must be {}", quoted(&heading));
-            return Err(place.refuse(format!("column {}", k + 1), quoted(found), must));
-        }
-    }
-    if names.ends_with(&[WARNINGS.to_owned(), ERROR.to_owned()]) {
-        return Ok(());
-    }
-    let must = format!("must end with {WARNINGS}, {ERROR}");
-    Err(place.refuse("columns", quoted(&names.join(",")), must))
-}
-
-/// Refuses row `k` where it is not that of its case: its values those of the case, then numbers, or
-/// none where it failed.
-fn check_row(
-    identity: &SweepIdentity,
-    names: &[String],
-    k: usize,
-    fields: &[String],
-    place: Place,
-) -> Result<(), TableError> {
-    if fields.len() != names.len() {
-        let must = format!("must be {}, as many as there are columns", names.len());
-        return Err(place.refuse("fields", fields.len().to_string(), must));
-    }
-    let case = identity.shard().case(k);
-    let values = identity.plan().case(case).values;
-    for ((name, found), value) in names.iter().zip(fields).zip(&values) {
-        let value = one_line(value);
-        if *found != value {
-            let must = format!("must be {}, the value of case {}", quoted(&value), case + 1);
-            return Err(place.refuse(name, quoted(found), must));
-        }
-    }
-    let told = values.len()..fields.len() - 1;
-    let failed = fields.last().is_some_and(|error| !error.is_empty());
-    for (name, found) in names[told.clone()].iter().zip(&fields[told]) {
-        let is_number = found.parse().is_ok_and(f64::is_finite);
-        if failed && !found.is_empty() {
-            return Err(place.refuse(
-                name,
-                quoted(found),
-                "must be nothing: the case has an error",
-            ));
-        }
-        if !found.is_empty() && !is_number && name != WARNINGS {
-            return Err(place.refuse(name, quoted(found), "must be a finite number or nothing"));
-        }
-    }
-    Ok(())
-}
-
-/// The fields of one row; none where it is no CSV.
-fn fields(row: &str) -> Vec<String> {
-    let mut reader = ReaderBuilder::new().has_headers(false).from_reader(row.as_bytes());
-    let record = reader.records().next().and_then(Result::ok);
-    record.map(|fields| fields.iter().map(str::to_owned).collect()).unwrap_or_default()
-}
-
 #[cfg(test)]
 pub(super) const HEADER: &str = "x,told,warnings,error\n";
 
@@ -182,7 +134,7 @@ pub(super) const HEADER: &str = "x,told,warnings,error\n";
 pub(super) fn file(shard: &str, cases: usize, rows: &str) -> String {
     use crate::csv::{checked_header, checked_rows};
     let identity =
-        super::sweep_identity::identity_of("link", &[], &format!("x=1:{cases}:{cases}"), shard);
+        super::identity::identity_of("link", &[], &format!("x=1:{cases}:{cases}"), shard);
     identity.line() + &checked_header(HEADER) + &checked_rows(rows)
 }
 

@@ -1,15 +1,17 @@
-//! What a sweep is made of: the first line of its unfinished tables and shards, and the JSON file
-//! beside its finished ones.
+//! The inputs and the plan of a sweep: the first line of its unfinished tables and shards, and the record
+//! in JSON beside its finished ones.
 
 use serde::{Deserialize, Serialize};
 
-use super::json_record::{FORMAT, Head, as_written, check_format, newer, parsed, without_format};
-use super::records::{Fingerprint, json, json_line};
+use super::super::json::{
+    FORMAT, Fingerprint, Head, as_written, check_format, json, json_line, newer, parsed,
+    without_format,
+};
 use crate::csv::{InputFile, Place, TableError, quoted};
-use crate::result::{Origin, StoredInput};
+use crate::result::Origin;
 use crate::sweep::{Shard, SweepPlan, Variation, VariationError};
 
-/// What begins the first line of a shard or an unfinished sweep.
+/// Start of the first line of a shard or an unfinished sweep.
 const PREFIX: &str = "# flexlink ";
 
 const COMMAND: &str = "sweep";
@@ -53,7 +55,7 @@ struct Record {
     inputs: Inputs,
     shard: String,
     cases: usize,
-    /// The table beside which the record lies; none in the first line of a table.
+    /// The table beside which the record lies; not in the first line of a table.
     #[serde(skip_serializing_if = "Option::is_none")]
     table: Option<Fingerprint>,
 }
@@ -94,12 +96,12 @@ impl SweepIdentity {
         &self.plan
     }
 
-    /// The cases that the file is to hold.
+    /// The cases whose rows the file holds when it is complete.
     pub fn shard(&self) -> Shard {
         self.shard
     }
 
-    /// Rows that the file is to hold.
+    /// Number of rows of the complete file.
     pub fn rows(&self) -> usize {
         self.shard.len(self.plan.cases())
     }
@@ -180,7 +182,7 @@ impl SweepIdentity {
         }
     }
 
-    /// What makes the rows.
+    /// Keys whose values decide the rows.
     fn keys(&self) -> [(&'static str, String); 6] {
         let Inputs { link, motion, torque, vary, arguments } = &self.record.inputs;
         let torque = torque.as_ref().map(|file| file.sha256.clone());
@@ -194,30 +196,21 @@ impl SweepIdentity {
         ]
     }
 
-    /// SHA-256 of the table beside which the record lies.
-    pub(super) fn table_sha256(&self) -> Option<&str> {
-        self.record.table.as_ref().map(|table| table.sha256.as_str())
+    /// The table beside which the record lies.
+    pub(super) fn table(&self) -> Option<&Fingerprint> {
+        self.record.table.as_ref()
     }
 
-    /// Name of the table beside which the record lies.
-    pub(super) fn table_name(&self) -> Option<&str> {
-        self.record.table.as_ref().map(|table| table.name.as_str())
-    }
-
-    /// Who made the table, from what.
-    pub(super) fn origin(&self) -> Origin {
+    /// Program, inputs and arguments of the sweep.
+    pub(in crate::store) fn origin(&self) -> Origin {
         let Inputs { link, motion, torque, vary, arguments } = &self.record.inputs;
         let files = [("link", Some(link)), ("motion", Some(motion)), ("torque", torque.as_ref())];
-        let input = |(role, file): (&str, Option<&Fingerprint>)| {
-            let Fingerprint { name, sha256 } = file?.clone();
-            Some(StoredInput { role: role.to_owned(), name, sha256 })
-        };
         let vary = vary.iter().flat_map(|text| ["--vary".to_owned(), text.clone()]);
         Origin {
             command: self.record.command.clone(),
             version: self.record.flexlink.clone(),
             title: self.record.title.clone(),
-            inputs: files.into_iter().filter_map(input).collect(),
+            inputs: files.into_iter().filter_map(|(role, file)| Some(file?.input(role))).collect(),
             arguments: arguments.iter().cloned().chain(vary).collect(),
         }
     }
@@ -237,17 +230,17 @@ pub(super) fn identity_of(
     vary: &str,
     shard: &str,
 ) -> SweepIdentity {
-    let file = |text: &str| InputFile {
-        shown: "x".into(),
-        name: "x".into(),
-        bytes: text.as_bytes().to_vec(),
+    let (shown, name, bytes) = ("x".to_owned(), "x".to_owned(), link.as_bytes().to_vec());
+    let file = InputFile { shown, name, bytes };
+    let inputs = SweepInputs {
+        link_file: &file,
+        motion_file: &file,
+        torque_file: None,
+        title: "a link",
+        vary: &[vary.to_owned()],
+        arguments: &arguments.iter().map(|a| (*a).to_owned()).collect::<Vec<_>>(),
     };
-    let arguments: Vec<String> = arguments.iter().map(|a| (*a).to_owned()).collect();
-    let (link_file, motion_file) = (&file(link), &file("motion"));
-    let vary = &[vary.to_owned()];
-    let plan = SweepPlan::new(vec![vary[0].parse().unwrap()]).unwrap();
-    let (torque_file, title, arguments) = (None, "a link", &arguments[..]);
-    let inputs = SweepInputs { link_file, motion_file, torque_file, title, vary, arguments };
+    let plan = SweepPlan::new(vec![vary.parse().unwrap()]).unwrap();
     SweepIdentity::new(&inputs, plan, shard.parse().unwrap())
 }
 
@@ -272,7 +265,7 @@ mod tests {
         let json = found.json(table);
         assert!(is_record(json.as_bytes()) && json.starts_with("{\n  \"format\": 2,\n"), "{json}");
         let read = SweepIdentity::read(json.as_bytes(), PLACE).unwrap();
-        assert_eq!(read.table_sha256(), Some("00ff"));
+        assert_eq!(read.table().unwrap().sha256, "00ff");
         assert!(!is_record(b"{\"command\": \"sweep\"}") && !is_record(b"[1]"));
     }
 

@@ -3,11 +3,10 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::folder::{Durability, FolderAction, FolderError, folder_of};
-use super::records::Fingerprint;
-use super::single_file::{is_stream, write_file};
-use super::sweep_identity::{SweepIdentity, is_record};
-use super::sweep_part::part_of;
+use super::super::folder::{Durability, FolderError};
+use super::super::json::Fingerprint;
+use super::super::single_file::{is_stream, write_file};
+use super::identity::{SweepIdentity, is_record};
 use crate::csv::{InputFile, Place, TableError, quoted, sha256};
 
 /// Where the record of a table lies.
@@ -17,6 +16,13 @@ pub(super) fn record_of(table: &Path) -> PathBuf {
     }
     let mut name = table.as_os_str().to_owned();
     name.push(".json");
+    name.into()
+}
+
+/// Path of the file that holds the rows of a table until they are complete.
+pub(super) fn part_of(table: &Path) -> PathBuf {
+    let mut name = table.as_os_str().to_owned();
+    name.push(".part");
     name.into()
 }
 
@@ -46,14 +52,14 @@ impl ForeignRecord {
         };
         let place = Place { file: &file.shown, line: None };
         let record = SweepIdentity::read(&file.bytes, place).ok()?;
-        let own = record.table_name()?;
+        let own = &record.table()?.name;
         let other = table.with_file_name(own);
         // A table that was renamed with its record is no other one.
         let is_other = other.file_name() != table.file_name() && record_of(&other) == path;
-        (is_other && other.exists()).then(|| Self { path, table: Some(own.to_owned()) })
+        (is_other && other.exists()).then(|| Self { path, table: Some(own.clone()) })
     }
 
-    /// What it is.
+    /// A description for messages.
     pub fn what(&self) -> String {
         match &self.table {
             Some(table) => format!("the record of {table}"),
@@ -78,10 +84,8 @@ pub fn write_sweep(
         return write_file(path, durability, |out| out.write_all(table), on_wait);
     }
     if let Some(foreign) = ForeignRecord::beside(path) {
-        let name = foreign.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let cause = io::Error::other(format!("it would replace {}", foreign.what()));
-        let folder = folder_of(path).to_owned();
-        return Err(FolderError { folder, action: FolderAction::Write(name), cause });
+        return Err(FolderError::of_file(&foreign.path, cause));
     }
     write_file(path, durability, |out| out.write_all(table), on_wait)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -102,7 +106,7 @@ pub fn check_record(path: &Path, shard: &InputFile) -> Result<(), TableError> {
 ///
 /// # Errors
 /// [`TableError`] for a record that is damaged, of another version's format, or of another table.
-pub(super) fn read_record(
+pub(in crate::store) fn read_record(
     path: &Path,
     table: &InputFile,
 ) -> Result<Option<SweepIdentity>, TableError> {
@@ -116,7 +120,8 @@ pub(super) fn read_record(
     }
     let place = Place { file: &file.shown, line: None };
     let identity = SweepIdentity::read(&file.bytes, place)?;
-    let (found, must) = (identity.table_sha256().unwrap_or_default(), table.sha256());
+    let found = identity.table().map_or("", |table| &table.sha256);
+    let must = table.sha256();
     if found != must {
         let must = format!("must be {}, that of {}", quoted(&must), table.name);
         let hint =
@@ -130,7 +135,7 @@ pub(super) fn read_record(
 mod tests {
     use std::fs;
 
-    use super::super::sweep_identity::identity_of;
+    use super::super::identity::identity_of;
     use super::*;
 
     #[test]

@@ -1,25 +1,28 @@
-//! The table of a sweep: a row for every case.
+//! The table of a sweep: a row for every case, as it is written and as it is checked when it is read.
 
-use crate::csv::NumberFormat;
+use csv::ReaderBuilder;
+
+use super::identity::SweepIdentity;
+use crate::csv::{NumberFormat, Place, TableError, quoted};
 use crate::link::Link;
 use crate::numeric::rounded;
 use crate::result::MotorMetrics;
-use crate::sweep::{CaseValues, PlayedCase, SolvedCase, SweepPlan};
+use crate::sweep::{CaseValues, PlayedCase, SolvedCase, SweepPlan, Variation};
 
 /// Significant digits of a number in the table. Rows are written as they come, before the peak of
 /// their column is known.
 const DIGITS: usize = 12;
 
 /// The column of the kinds of a case's warnings, with `;` between them.
-pub(super) const WARNINGS: &str = "warnings";
+pub(in crate::store) const WARNINGS: &str = "warnings";
 
 /// The last column: why a case has no numbers.
-pub(super) const ERROR: &str = "error";
+pub(in crate::store) const ERROR: &str = "error";
 
 /// Heading of a column and the number that it shows of a case, where it has one.
 pub type SweepColumn<C> = (&'static str, fn(&C) -> Option<f64>);
 
-/// What a sweep tells of each of its cases.
+/// A case with the columns of its numbers.
 pub trait SweepRecord: Sized + 'static {
     /// The columns between those of the variations and the last two, `warnings` and `error`.
     const COLUMNS: &'static [SweepColumn<Self>];
@@ -117,8 +120,8 @@ fn line(fields: impl Iterator<Item = String>) -> String {
     fields.collect::<Vec<_>>().join(",") + "\n"
 }
 
-/// Text that parts no lines.
-pub(super) fn one_line(text: &str) -> String {
+/// Text on one line.
+fn one_line(text: &str) -> String {
     text.replace(char::is_control, " ")
 }
 
@@ -127,6 +130,74 @@ fn field(text: &str) -> String {
     let text = one_line(text);
     let plain = !text.contains([',', '"']) && text.trim() == text && !text.starts_with('#');
     if plain { text } else { format!("\"{}\"", text.replace('"', "\"\"")) }
+}
+
+/// Refuses a row of names that is not that of the sweep.
+pub(super) fn check_names(
+    identity: &SweepIdentity,
+    names: &[String],
+    place: Place,
+) -> Result<(), TableError> {
+    let headings = identity.plan().variations().iter().map(Variation::heading);
+    for (k, heading) in headings.enumerate() {
+        let found = names.get(k).map_or("", String::as_str);
+        if found != heading {
+            let must = format!("must be {}", quoted(&heading));
+            return Err(place.refuse(format!("column {}", k + 1), quoted(found), must));
+        }
+    }
+    if names.ends_with(&[WARNINGS.to_owned(), ERROR.to_owned()]) {
+        return Ok(());
+    }
+    let must = format!("must end with {WARNINGS}, {ERROR}");
+    Err(place.refuse("columns", quoted(&names.join(",")), must))
+}
+
+/// Refuses row `k` where it is not that of its case: its values those of the case, then numbers, or
+/// none where it failed.
+pub(super) fn check_row(
+    identity: &SweepIdentity,
+    names: &[String],
+    k: usize,
+    fields: &[String],
+    place: Place,
+) -> Result<(), TableError> {
+    if fields.len() != names.len() {
+        let must = format!("must be {}, as many as there are columns", names.len());
+        return Err(place.refuse("fields", fields.len().to_string(), must));
+    }
+    let case = identity.shard().case(k);
+    let values = identity.plan().case(case).values;
+    for ((name, found), value) in names.iter().zip(fields).zip(&values) {
+        let value = one_line(value);
+        if *found != value {
+            let must = format!("must be {}, the value of case {}", quoted(&value), case + 1);
+            return Err(place.refuse(name, quoted(found), must));
+        }
+    }
+    let numbers = values.len()..fields.len() - 1;
+    let failed = fields.last().is_some_and(|error| !error.is_empty());
+    for (name, found) in names[numbers.clone()].iter().zip(&fields[numbers]) {
+        let is_number = found.parse().is_ok_and(f64::is_finite);
+        if failed && !found.is_empty() {
+            return Err(place.refuse(
+                name,
+                quoted(found),
+                "must be nothing: the case has an error",
+            ));
+        }
+        if !found.is_empty() && !is_number && name != WARNINGS {
+            return Err(place.refuse(name, quoted(found), "must be a finite number or nothing"));
+        }
+    }
+    Ok(())
+}
+
+/// The fields of one row; none if it is no CSV.
+pub(super) fn fields(row: &str) -> Vec<String> {
+    let mut reader = ReaderBuilder::new().has_headers(false).from_reader(row.as_bytes());
+    let record = reader.records().next().and_then(Result::ok);
+    record.map(|fields| fields.iter().map(str::to_owned).collect()).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Shards of a sweep joined to its table.
 
-use super::sweep_rows::SweepRows;
-use crate::csv::{Place, TableError, quoted};
+use super::rows::SweepRows;
+use crate::csv::{Place, TableError};
 
 /// Joins the shards of a sweep to its table: every row of every shard, in the order of the cases.
 ///
@@ -33,7 +33,7 @@ pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
         let missing: Vec<String> =
             missing.map(|(number, _)| format!("{}/{of}", number + 1)).collect();
         let found = format!("{} of {of}", shards.len());
-        let must = format!("must be all: {} missing", told(&missing));
+        let must = format!("must be all: {} missing", listed(&missing));
         return Err(first.refuse("shards", found, must));
     };
     let cases = first.identity.plan().cases();
@@ -44,20 +44,12 @@ pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
 
 /// Refuses a shard of another sweep than that of the `first`, and one that is not finished.
 fn check_shard(shard: &SweepRows, first: &SweepRows) -> Result<(), TableError> {
-    let place = Place { file: &shard.name, line: Some(1) };
-    shard.identity.check_same(&first.identity, place, &format!("in {}", first.name))?;
+    shard.check_same(&first.identity, &first.header, &format!("in {}", first.name))?;
     let (own, of) = (shard.identity.shard(), first.identity.shard().of());
     if own.of() != of {
         let must = format!("must be one of {of} as in {}", first.name);
+        let place = Place { file: &shard.name, line: Some(1) };
         return Err(place.refuse("shard", own.to_string(), must));
-    }
-    if shard.header != first.header {
-        let must = format!("must be {} as in {}", quoted(&first.header), first.name);
-        return Err(Place { line: Some(2), ..place }.refuse(
-            "columns",
-            quoted(&shard.header),
-            must,
-        ));
     }
     let (found, must) = (shard.rows.len(), shard.identity.rows());
     if found != must {
@@ -68,8 +60,8 @@ fn check_shard(shard: &SweepRows, first: &SweepRows) -> Result<(), TableError> {
     Ok(())
 }
 
-/// A list of a few, or how many there are.
-fn told(missing: &[String]) -> String {
+/// A list of a few, or the first of many and their number.
+fn listed(missing: &[String]) -> String {
     match missing {
         [one] => format!("{one} is"),
         few if few.len() <= 8 => format!("{} are", few.join(", ")),
@@ -79,8 +71,8 @@ fn told(missing: &[String]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sweep_identity::{SweepIdentity, identity_of};
-    use super::super::sweep_rows::{HEADER, file};
+    use super::super::identity::{SweepIdentity, identity_of};
+    use super::super::rows::{HEADER, file};
     use super::*;
 
     /// The rows of all cases of a shard.

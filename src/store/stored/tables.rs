@@ -1,19 +1,24 @@
+//! Tables of a run, read back: histories, quantities at nodes, and the mesh.
+
+use crate::beam::{Mesh, MeshPlan};
 use crate::csv::{
     InputFile, Place, TableError, check_separator, quoted, read_rows, refuse_missing,
 };
+use crate::link::Link;
 use crate::numeric::TimeGrid;
+use crate::result::StoredNodes;
 
 pub(super) const TIME: &str = "time_s";
 
-/// What a mix of two runs is told to be.
+/// End of a message on tables of two runs.
 pub(super) const ONE_RUN: &str = "a folder holds one run";
 
-/// Times may differ by this share of a step: what writing them rounds is less.
+/// Times may differ by this share of a step, more than writing them rounds.
 const TIME_TOLERANCE: f64 = 1e-6;
 
 /// A table over time as a run writes it: `time_s` first, then numbers in every field.
 #[derive(Debug, Clone)]
-pub(super) struct Numbers {
+pub(super) struct Table {
     /// The file, for messages.
     pub(super) shown: String,
     /// Names of the columns, `time_s` first.
@@ -23,7 +28,7 @@ pub(super) struct Numbers {
     lines: Vec<u64>,
 }
 
-impl Numbers {
+impl Table {
     /// Reads a table that has just these columns beside the time.
     pub(super) fn of(file: &InputFile, columns: &[&str]) -> Result<Self, TableError> {
         Self::read(file, |fields, place| {
@@ -183,4 +188,111 @@ pub(super) fn read_number(name: &str, field: &str, place: Place) -> Result<f64, 
         Ok(_) => Err(place.refuse(name, field, finite)),
         Err(_) => Err(place.refuse(name, quoted(field), "must be a number")),
     }
+}
+
+/// Name of a column of a nodal table: `v7_m`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Heading {
+    pub(super) letter: &'static str,
+    pub(super) unit: &'static str,
+}
+
+impl Heading {
+    fn name(self, node: usize) -> String {
+        format!("{}{node}_{}", self.letter, self.unit)
+    }
+
+    /// The node of a column, if it is headed so.
+    fn node(self, field: &str) -> Option<usize> {
+        let rest = field.strip_prefix(self.letter)?.strip_suffix(self.unit)?.strip_suffix('_')?;
+        rest.parse().ok().filter(|node| self.name(*node) == field)
+    }
+}
+
+/// Reads a table whose times are all or every k-th of `times_s`, those of torque.csv.
+pub(super) fn read_nodal(
+    file: &InputFile,
+    heading: Heading,
+    mesh: &Mesh,
+    times_s: &[f64],
+) -> Result<StoredNodes, TableError> {
+    let last = mesh.nodes_m().len() - 1;
+    let node_of = |field: &str| heading.node(field).filter(|node| *node <= last);
+    let check = |fields: &[&str], place: Place| {
+        let must = format!("must be of a node, {} to {}", heading.name(0), heading.name(last));
+        if fields.len() < 2 {
+            return Err(place.refuse("columns", "the time alone", must));
+        }
+        let stray = (1..fields.len()).find(|index| node_of(fields[*index]).is_none());
+        stray.map_or(Ok(()), |index| Err(refuse_column(fields, index, &must, place)))
+    };
+    let mut table = Table::read(file, check)?;
+    table.check_times(times_s, stride(table.times_s(), times_s), "torque.csv")?;
+    let columns = table.names.iter().zip(&mut table.columns);
+    let mut histories: Vec<(usize, Vec<f64>)> = columns
+        .filter_map(|(name, values)| Some((node_of(name)?, std::mem::take(values))))
+        .collect();
+    histories.sort_by_key(|(node, _)| *node);
+    let (nodes, histories) = histories.into_iter().unzip();
+    Ok(StoredNodes { nodes, times_s: table.take(TIME), histories })
+}
+
+/// Every how many of the times of a run a table has a row.
+fn stride(own_s: &[f64], times_s: &[f64]) -> usize {
+    match own_s.get(1) {
+        Some(second) => times_s
+            .iter()
+            .skip(1)
+            .position(|time| is_same_time(*second, *time, times_s))
+            .map_or(1, |k| k + 1),
+        None => times_s.len(),
+    }
+}
+
+/// Deflections `w = v − xθ` of displacements, by the hub angles of the run in rad at `times_s`.
+pub(super) fn deflections(
+    mut displacements: StoredNodes,
+    mesh: &Mesh,
+    hub_angle_rad: &[f64],
+    times_s: &[f64],
+) -> StoredNodes {
+    let every = stride(&displacements.times_s, times_s);
+    for (node, history) in displacements.nodes.iter().zip(&mut displacements.histories) {
+        let x_m = mesh.nodes_m()[*node];
+        for (value, angle) in history.iter_mut().zip(hub_angle_rad.iter().step_by(every)) {
+            *value -= x_m * angle;
+        }
+    }
+    displacements
+}
+
+const NODE_COLUMNS: [&str; 3] = ["node", "x_m", "segment"];
+
+/// The mesh of `link` whose nodes the file lists.
+pub(super) fn read_mesh(file: &InputFile, link: &Link) -> Result<Mesh, TableError> {
+    let whole = Place { file: &file.shown, line: None };
+    let at = |line| Place { line: Some(line), ..whole };
+    let begin = |line, fields: &[&str]| {
+        if fields == NODE_COLUMNS {
+            return Ok(Vec::new());
+        }
+        let must = format!("must be {}", quoted(&NODE_COLUMNS.join(",")));
+        Err(at(line).refuse("columns", quoted(&fields.join(",")), must))
+    };
+    let push = |nodes_m: &mut Vec<f64>, line, fields: &[&str]| {
+        let &[node, x_m, _] = fields else {
+            let must = "must be 3, as many as there are columns";
+            return Err(at(line).refuse("fields", fields.len().to_string(), must));
+        };
+        let number = nodes_m.len().to_string();
+        if node != number {
+            return Err(at(line).refuse("node", quoted(node), format!("must be {number}")));
+        }
+        nodes_m.push(read_number("x_m", x_m, at(line))?);
+        Ok(())
+    };
+    let nodes_m = read_rows(&file.shown, &file.bytes, begin, push)?.unwrap_or_default();
+    let plan = MeshPlan::through(link, &nodes_m);
+    let plan = plan.map_err(|error| whole.refuse_whole(error.to_string()))?;
+    Ok(Mesh::new(link, &plan))
 }
