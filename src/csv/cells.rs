@@ -2,8 +2,7 @@
 //! most of their time here.
 //!
 //! The batches compute exactly, or bound their error: a number whose last digit is in doubt, about one
-//! in a hundred thousand, goes to [`write_fixed`], so that the text is always that of
-//! [`NumberFormat::write`].
+//! in a hundred thousand, goes to [`NumberFormat::write`], so that the text is always its own.
 
 #![expect(
     clippy::inline_always,
@@ -13,7 +12,6 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::fixed::write_fixed;
 use super::number::NumberFormat;
 
 /// Writes the cells of a column or a row, which share one format.
@@ -53,14 +51,23 @@ impl CellFormat {
 impl Cells<'_> {
     /// Appends a separator and the text of cell `k`, which is empty for a number that is not finite or
     /// not there.
+    #[inline(always)]
     pub(super) fn append(&self, out: &mut Vec<u8>, separator: u8, k: usize) {
-        let Some(value) = self.values.get(k).filter(|value| value.is_finite()) else {
-            return out.push(separator);
-        };
-        if let Some(decimals) = &self.format.decimals {
-            decimals.append(out, separator, self.batches, (k, *value));
+        if let Some(decimals) = &self.format.decimals
+            && let Some(batch) = self.batches.get(k / BATCH_LEN)
+            && batch.exact[k % BATCH_LEN]
+            && k < self.values.len()
+        {
+            decimals.append(out, separator, batch, k % BATCH_LEN);
         } else {
-            out.push(separator);
+            self.append_alone(out, separator, k);
+        }
+    }
+
+    #[inline(never)]
+    fn append_alone(&self, out: &mut Vec<u8>, separator: u8, k: usize) {
+        out.push(separator);
+        if let Some(value) = self.values.get(k).filter(|value| value.is_finite()) {
             self.format.format.write(out, *value);
         }
     }
@@ -75,7 +82,7 @@ const MOST_DECIMALS: usize = 16;
 /// 2⁵²: added to a smaller number and subtracted again, it rounds to a whole number.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
 
-/// Numbers of more units in the last digit than this go to [`write_fixed`].
+/// Numbers of more units in the last digit than this go to [`NumberFormat::write`].
 const MOST_UNITS: f64 = 1e15;
 
 /// Whole parts from here on do not fit eight digits.
@@ -187,25 +194,15 @@ impl Decimals {
         eight_digits(&seconds, &mut batch.words[2]);
     }
 
-    /// Appends a separator and number `k` of the batches, which is `value`.
+    /// Appends a separator and the number in this lane of a batch, whose digits are exact.
     #[inline(always)]
-    fn append(
-        &self,
-        out: &mut Vec<u8>,
-        separator: u8,
-        batches: &[Batch],
-        (k, value): (usize, f64),
-    ) {
-        let (batch, lane) = (&batches[k / BATCH_LEN], k % BATCH_LEN);
-        if !batch.exact[lane] {
-            out.push(separator);
-            return write_fixed(out, value, self.count);
-        }
+    fn append(&self, out: &mut Vec<u8>, separator: u8, batch: &Batch, lane: usize) {
         let start = out.len();
         out.extend_from_slice(&[b'-'; CELL_BYTES]);
         let cell = &mut out[start..];
         cell[0] = separator;
-        let [whole, first, second] = batch.words.map(|word| word[lane]);
+        let [whole, first, second] =
+            [batch.words[0][lane], batch.words[1][lane], batch.words[2][lane]];
         // The whole part keeps its last digit, also a zero.
         let leading = (whole | 1 << 56).trailing_zeros() / 8;
         let begin = 1 + (batch.signs[lane] & 1) as usize;
@@ -251,9 +248,12 @@ mod tests {
     use super::*;
     use crate::csv::fixed::words;
 
-    /// As the standard library has it, a zero without sign.
+    /// As the standard library has it, a zero without sign; nothing for a number that is not finite.
     fn expected(value: f64, decimals: usize, out: &mut String) {
         use std::fmt::Write as _;
+        if !value.is_finite() {
+            return;
+        }
         let start = out.len();
         write!(out, "{value:.decimals$}").unwrap();
         if out[start..].bytes().all(|c| matches!(c, b'-' | b'0' | b'.')) && value.is_sign_negative()
@@ -264,14 +264,14 @@ mod tests {
 
     #[track_caller]
     fn check(values: &[f64], count: usize) {
-        let decimals = Decimals::new(count).unwrap();
+        let format = CellFormat::new(NumberFormat::Fixed(count));
         // The digits of earlier numbers must not remain.
         let mut batches = vec![];
-        decimals.compute(&[-1e300; 40], &mut batches);
-        decimals.compute(values, &mut batches);
+        format.cells(&[-1e300; 40], &mut batches);
+        let cells = format.cells(values, &mut batches);
         let (mut found, mut text) = (vec![], String::new());
         for (k, value) in values.iter().enumerate() {
-            decimals.append(&mut found, b';', &batches, (k, *value));
+            cells.append(&mut found, b';', k);
             text.push(';');
             expected(*value, count, &mut text);
         }
@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn infinities_and_large_numbers_are_written_as_the_standard_library_writes_them() {
+    fn cells_of_large_numbers_are_whole_and_those_of_no_number_empty() {
         let values = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -5e-324, -0.0, 1e8, 0.5];
         (1..=MOST_DECIMALS).for_each(|count| check(&values, count));
         assert!(Decimals::new(0).is_none() && Decimals::new(MOST_DECIMALS + 1).is_none());
