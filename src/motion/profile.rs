@@ -78,7 +78,7 @@ impl Profile {
     /// The motion over `distance_m` in `duration_s`, sampled at `steps` + 1 times.
     ///
     /// # Errors
-    /// [`MotionError`] with fewer than four steps, or a distance or duration that is no motion.
+    /// [`MotionError`] with fewer than three steps, or a distance or duration that is no motion.
     pub fn motion(
         self,
         distance_m: f64,
@@ -95,7 +95,7 @@ impl Profile {
     /// end at rest, and scaled so that they add up to `distance_m`, as [`TipMotion`] adds
     /// them. Whole steps only: a jump is then a sample, of the side towards the middle at the ends
     /// and zero in the middle.
-    /// Fewer than four steps hold no motion, and [`TipMotion::new`] refuses them.
+    /// Fewer than three steps hold no motion, and [`TipMotion::new`] refuses them.
     pub fn sampled(
         self,
         distance_m: f64,
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn what_is_no_motion_is_refused() {
-        for steps in 0..4 {
+        for steps in 0..3 {
             assert!(Profile::Sine.motion(0.5, 0.88, steps).is_err(), "{steps} steps passed");
         }
         for (distance_m, duration_s) in [(0.0, 1.0), (0.5, 0.0), (f64::NAN, 1.0), (0.5, -1.0)] {
