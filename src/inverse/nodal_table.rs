@@ -13,7 +13,7 @@ use crate::beam::{NodalHistories, NodalQuantity};
 use crate::numeric::{PANEL, Sampling, ThinnedGrid, Transforms};
 
 /// Amplitudes in memory at a time, unless [`MOST_NODE_BLOCKS`] asks for more.
-const SPECTRA_BYTES: usize = 1 << 30;
+const SPECTRA_BYTES: usize = 1 << 27;
 
 /// Blocks of nodes that are solved one after the other. Each passes through the whole mesh at every
 /// frequency, so their number must not grow with the mesh: time would grow with its square.

@@ -16,13 +16,13 @@ pub struct Periods {
     /// A tolerance and its cut-off.
     cutoff: Mutex<Option<(f64, Cutoff)>>,
     /// Latest first.
-    periods: Mutex<Vec<Arc<TipPeriod>>>,
+    last: Mutex<Vec<Arc<TipPeriod>>>,
 }
 
 impl Periods {
     /// For `motion` and its clones; nothing is computed yet.
     pub fn of(motion: &TipMotion) -> Self {
-        Self { motion: motion.clone(), cutoff: Mutex::default(), periods: Mutex::default() }
+        Self { motion: motion.clone(), cutoff: Mutex::default(), last: Mutex::default() }
     }
 
     /// [`TipMotion::cutoff`], computed unless `tolerance` is that of the last call.
@@ -58,7 +58,7 @@ impl Periods {
             (spectrum.pair.len(), spectrum.seam, spectrum.cutoff) == (len, seam, cutoff)
         };
         // Only whole periods are put in: a list that a panic left behind is good.
-        let kept = || self.periods.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(period) = kept().iter().find(is_wanted) {
             return Arc::clone(period);
         }
