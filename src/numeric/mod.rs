@@ -16,7 +16,7 @@ mod wide;
 pub(crate) use eigen::SymmetricEigen;
 pub use fft::{FourierPair, Scratch, angular_frequency, fast_length};
 pub use grid::{NotUniform, ThinnedGrid, TimeGrid};
-pub(crate) use reductions::sum_over;
+pub(crate) use reductions::dot;
 pub use reductions::{largest, largest_difference, magnitude};
 pub use roots::{SECTIONS, geometric_scan, next_places, root};
 pub(crate) use sampling::{PANEL, Sampling, Transforms};

@@ -5,9 +5,37 @@
 use num_complex::Complex64;
 use pulp::{Arch, Simd, WithSimd};
 
+/// Partial sums of a scalar product.
+const PARTS: usize = 8;
+
 /// Largest absolute value, NaN left out; 0 for an empty slice.
 pub fn largest(values: &[f64]) -> f64 {
     Arch::new().dispatch(Largest(values))
+}
+
+/// Scalar product of two slices, as eight partial sums that are added at the end: in a single sum each
+/// addition waits for the one before it. The order does not depend on the processor.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    Arch::new().dispatch(Dot(a, b))
+}
+
+struct Dot<'a>(&'a [f64], &'a [f64]);
+
+impl WithSimd for Dot<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let ((a, rest_a), (b, rest_b)) = (self.0.as_chunks::<PARTS>(), self.1.as_chunks::<PARTS>());
+        let mut sums = [0.0; PARTS];
+        for (a, b) in a.iter().zip(b) {
+            for k in 0..PARTS {
+                sums[k] += a[k] * b[k];
+            }
+        }
+        let rest: f64 = rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum();
+        sums.iter().sum::<f64>() + rest
+    }
 }
 
 /// Largest absolute difference of two histories over the samples that both have.
@@ -49,33 +77,16 @@ pub fn magnitude(z: Complex64) -> f64 {
     libm::hypot(z.re, z.im)
 }
 
-/// Partial sums.
-const PARTS: usize = 8;
-
-/// Sum of a term over values, as eight partial sums that are added at the end: in a single sum each
-/// addition waits for the one before it. The order does not depend on the processor.
-#[inline]
-pub(crate) fn sum_over<T>(values: &[T], term: impl Fn(&T) -> f64) -> f64 {
-    let (eights, rest) = values.as_chunks::<PARTS>();
-    let mut sums = [0.0; PARTS];
-    for eight in eights {
-        for (sum, value) in sums.iter_mut().zip(eight) {
-            *sum += term(value);
-        }
-    }
-    sums.iter().sum::<f64>() + rest.iter().map(term).sum::<f64>()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn every_value_is_summed_once_however_many_there_are() {
+    fn every_product_is_summed_once_however_many_there_are() {
         for len in 0..30_u32 {
-            let values: Vec<u32> = (1..=len).collect();
+            let values: Vec<f64> = (1..=len).map(f64::from).collect();
             let squares = f64::from(len * (len + 1) * (2 * len + 1)) / 6.0;
-            assert_eq!(sum_over(&values, |x| f64::from(x * x)).to_bits(), squares.to_bits());
+            assert_eq!(dot(&values, &values).to_bits(), squares.to_bits());
         }
     }
 }

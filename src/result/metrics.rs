@@ -1,6 +1,6 @@
 use super::peak::{Between, Peak, peak, peak_of_product};
 use crate::inverse::{MotorHistories, Solution};
-use crate::numeric::{TimeGrid, sum_over};
+use crate::numeric::{TimeGrid, dot};
 use crate::response::Simulation;
 
 /// Share of the peak torque that counts as acting: the level of the paper's 0.3 s.
@@ -190,7 +190,7 @@ impl MotorMetrics {
 }
 
 fn rms(samples: &[f64]) -> f64 {
-    let squares = sum_over(samples, |x| x * x);
+    let squares = dot(samples, samples);
     (squares / samples.len() as f64).sqrt()
 }
 

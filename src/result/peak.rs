@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use crate::numeric::{TimeGrid, largest, sum_over};
+use crate::numeric::{TimeGrid, dot, largest};
 
 /// Samples that are searched at a time.
 const PART: usize = 128;
@@ -66,8 +66,7 @@ fn between(samples: &[f64], k: usize, part: usize) -> f64 {
     let weights = &WEIGHTS[part];
     if let Some(around) = (k + 1).checked_sub(SIDE).and_then(|from| samples.get(from..k + 1 + SIDE))
     {
-        let products: [f64; 2 * SIDE] = std::array::from_fn(|tap| weights[tap] * around[tap]);
-        return sum_over(&products, |product| *product);
+        return dot(weights, around);
     }
     let last = samples.len() - 1;
     let taps = weights.iter().enumerate();
@@ -76,54 +75,69 @@ fn between(samples: &[f64], k: usize, part: usize) -> f64 {
 
 /// Largest magnitude of a history.
 pub(super) fn peak(samples: &[f64], grid: &TimeGrid, how: Between) -> Peak {
-    let of_samples = largest_sample(samples, grid);
-    match how {
-        Between::Unknown => of_samples,
-        Between::BandLimited { per_cycle } => {
-            let tops = Tops { samples, grid, per_cycle };
-            tops.raised(of_samples, |k, part| between(samples, k, part))
-        }
-    }
+    Tops::of(samples, grid).peak(how, |k, part| between(samples, k, part))
 }
 
 /// Largest magnitude of the product of two histories, as [`peak`].
 pub(super) fn peak_of_product(a: &[f64], b: &[f64], grid: &TimeGrid, how: Between) -> Peak {
     let product: Vec<f64> = a.iter().zip(b).map(|(a, b)| a * b).collect();
-    let of_samples = largest_sample(&product, grid);
-    match how {
-        Between::Unknown => of_samples,
-        Between::BandLimited { per_cycle } => {
-            // The product has twice the band.
-            let tops = Tops { samples: &product, grid, per_cycle: 0.5 * per_cycle };
-            tops.raised(of_samples, |k, part| between(a, k, part) * between(b, k, part))
-        }
-    }
+    let how = match how {
+        Between::Unknown => how,
+        // The product has twice the band.
+        Between::BandLimited { per_cycle } => Between::BandLimited { per_cycle: 0.5 * per_cycle },
+    };
+    Tops::of(&product, grid).peak(how, |k, part| between(a, k, part) * between(b, k, part))
 }
 
 /// Search for the peak between samples.
 struct Tops<'a> {
     samples: &'a [f64],
+    /// Largest magnitude of every [`PART`] samples.
+    largest: Vec<f64>,
     grid: &'a TimeGrid,
-    per_cycle: f64,
 }
 
-impl Tops<'_> {
+impl<'a> Tops<'a> {
+    fn of(samples: &'a [f64], grid: &'a TimeGrid) -> Self {
+        Self { samples, largest: samples.chunks(PART).map(largest).collect(), grid }
+    }
+
+    /// The peak, `at` giving values between the samples.
+    fn peak(&self, how: Between, at: impl Fn(usize, usize) -> f64) -> Peak {
+        let of_samples = self.largest_sample();
+        match how {
+            Between::BandLimited { per_cycle } if of_samples.value > 0.0 => {
+                self.raised(of_samples, per_cycle, at)
+            }
+            _ => of_samples,
+        }
+    }
+
+    /// The first of the largest samples. Only the part that holds it is searched for its place.
+    fn largest_sample(&self) -> Peak {
+        let (mut value, mut first) = (0.0, 0);
+        for (part, here) in self.largest.iter().enumerate() {
+            if *here > value {
+                (value, first) = (*here, part * PART);
+            }
+        }
+        let mut within = self.samples[first..].iter();
+        let within = within.position(|sample| sample.abs() >= value).unwrap_or(0);
+        Peak { value, time_s: self.grid.time_s(first + within) }
+    }
+
     /// The larger of the samples' peak and of the values `at` gives around every sample that exceeds its
     /// neighbours of the same sign and is not much smaller than the peak.
-    fn raised(&self, peak: Peak, at: impl Fn(usize, usize) -> f64) -> Peak {
+    fn raised(&self, peak: Peak, per_cycle: f64, at: impl Fn(usize, usize) -> f64) -> Peak {
         let last = self.samples.len() - 1;
         // Half way between two samples of a wave at the end of the band.
-        let near = libm::cos(PI / self.per_cycle.max(4.0)).powi(2);
+        let near = libm::cos(PI / per_cycle.max(4.0)).powi(2);
         let mut found = peak;
-        if peak.value == 0.0 {
-            return found;
-        }
         let level = near * peak.value;
-        let parts = self.samples.chunks(PART).enumerate();
-        let reaching = parts.filter(|(_, samples)| largest(samples) >= level);
-        let places = reaching.flat_map(|(part, samples)| {
-            let from = part * PART;
-            (from..from + samples.len()).filter(|k| self.samples[*k].abs() >= level)
+        let reaching = (0..self.largest.len()).filter(|part| self.largest[*part] >= level);
+        let places = reaching.flat_map(|part| {
+            let samples = part * PART..self.samples.len().min((part + 1) * PART);
+            samples.filter(|k| self.samples[*k].abs() >= level)
         });
         for k in places {
             let beside = [k.saturating_sub(1), (k + 1).min(last)];
@@ -132,7 +146,7 @@ impl Tops<'_> {
             }
             let from = k.saturating_sub(1);
             let fine = |n: usize| at((from + n / PARTS).min(last), n % PARTS).abs();
-            let [first, end] = self.places(k);
+            let [first, end] = self.places(k, per_cycle);
             let values: Vec<f64> = (first - 1..=end + 1).map(fine).collect();
             for (place, three) in values.windows(3).enumerate() {
                 let [before, here, after] = [three[0], three[1], three[2]];
@@ -160,10 +174,10 @@ impl Tops<'_> {
 
     /// Parts of a step after sample `k − 1` between which the largest value around sample `k` is.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 2 steps")]
-    fn places(&self, k: usize) -> [usize; 2] {
+    fn places(&self, k: usize, per_cycle: f64) -> [usize; 2] {
         let whole = [1, 2 * PARTS - 1];
         let is_inner = k > 0 && k + 1 < self.samples.len();
-        if self.per_cycle < MANY || !is_inner {
+        if per_cycle < MANY || !is_inner {
             return whole;
         }
         let [before, here, after] = [k - 1, k, k + 1].map(|k| self.samples[k].abs());
@@ -175,19 +189,6 @@ impl Tops<'_> {
         let nearest = (place.round() as usize).clamp(2, 2 * PARTS - 2);
         [nearest - 1, nearest + 1]
     }
-}
-
-fn largest_sample(samples: &[f64], grid: &TimeGrid) -> Peak {
-    // Only the part that holds the largest value is searched for its place.
-    let (mut value, mut first) = (0.0, 0);
-    for (part, samples) in samples.chunks(PART).enumerate() {
-        let here = largest(samples);
-        if here > value {
-            (value, first) = (here, part * PART);
-        }
-    }
-    let within = samples[first..].iter().position(|sample| sample.abs() >= value).unwrap_or(0);
-    Peak { value, time_s: grid.time_s(first + within) }
 }
 
 #[cfg(test)]
