@@ -14,65 +14,6 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::number::NumberFormat;
 
-/// Writes the cells of a column or a row, which share one format.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct CellFormat {
-    format: NumberFormat,
-    /// None where the format has no decimals, more than [`MOST_DECIMALS`], or is the shortest text.
-    decimals: Option<Decimals>,
-}
-
-/// Numbers whose digits are computed.
-pub(super) struct Cells<'a> {
-    format: CellFormat,
-    values: &'a [f64],
-    batches: &'a [Batch],
-}
-
-impl CellFormat {
-    pub(super) fn new(format: NumberFormat) -> Self {
-        let decimals = match format {
-            NumberFormat::Fixed(count) => Decimals::new(count),
-            NumberFormat::Shortest => None,
-        };
-        Self { format, decimals }
-    }
-
-    /// Computes the digits of `values`; `batches` is memory for them that one call after the other may
-    /// use.
-    pub(super) fn cells<'a>(&self, values: &'a [f64], batches: &'a mut Vec<Batch>) -> Cells<'a> {
-        if let Some(decimals) = &self.decimals {
-            decimals.compute(values, batches);
-        }
-        Cells { format: *self, values, batches }
-    }
-}
-
-impl Cells<'_> {
-    /// Appends a separator and the text of cell `k`, which is empty for a number that is not finite or
-    /// not there.
-    #[inline(always)]
-    pub(super) fn append(&self, out: &mut Vec<u8>, separator: u8, k: usize) {
-        if let Some(decimals) = &self.format.decimals
-            && let Some(batch) = self.batches.get(k / BATCH_LEN)
-            && batch.exact[k % BATCH_LEN]
-            && k < self.values.len()
-        {
-            decimals.append(out, separator, batch, k % BATCH_LEN);
-        } else {
-            self.append_alone(out, separator, k);
-        }
-    }
-
-    #[inline(never)]
-    fn append_alone(&self, out: &mut Vec<u8>, separator: u8, k: usize) {
-        out.push(separator);
-        if let Some(value) = self.values.get(k).filter(|value| value.is_finite()) {
-            self.format.format.write(out, *value);
-        }
-    }
-}
-
 /// Numbers of a batch.
 const BATCH_LEN: usize = 16;
 
@@ -94,16 +35,25 @@ const CELL_BYTES: usize = 32;
 /// Eight digits '0', as one word.
 const ZEROS: u64 = 0x3030_3030_3030_3030;
 
-/// Powers of ten for one count of decimals, 1 to [`MOST_DECIMALS`].
+/// Writes the cells of a column or a row, which share one format.
 #[derive(Debug, Clone, Copy)]
-struct Decimals {
-    count: usize,
-    /// 10^count.
+pub(super) struct CellFormat {
+    format: NumberFormat,
+    /// Decimals of numbers that are computed in batches, 1 to [`MOST_DECIMALS`]; 0: none are.
+    decimals: usize,
+    /// 10^decimals.
     scale: f64,
-    /// 10^(count - 8), or 1.
+    /// 10^(decimals - 8), or 1.
     cut: f64,
     /// Powers of ten that extend the first and the second word of decimals to eight digits.
     fill: [f64; 2],
+}
+
+/// Numbers whose digits are computed.
+pub(super) struct Cells<'a> {
+    format: CellFormat,
+    values: &'a [f64],
+    batches: &'a [Batch],
 }
 
 /// Digits of sixteen numbers: a word of eight digits for the whole part and two for the decimals, the
@@ -116,9 +66,9 @@ pub(super) struct Batch {
     exact: [bool; BATCH_LEN],
 }
 
-/// [`Decimals::compute`] for the vectors of this processor.
+/// The digits of numbers, computed in the vectors of this processor.
 struct Compute<'a> {
-    decimals: &'a Decimals,
+    format: &'a CellFormat,
     numbers: &'a [f64],
     batches: &'a mut [Batch],
 }
@@ -130,12 +80,12 @@ impl WithSimd for Compute<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let (full, rest) = self.numbers.as_chunks();
         for k in 0..full.len() {
-            self.decimals.compute_batch(&full[k], &mut self.batches[k]);
+            self.format.compute_batch(&full[k], &mut self.batches[k]);
         }
         if !rest.is_empty() {
-            let mut last = [0.0; BATCH_LEN];
+            let mut last = [f64::NAN; BATCH_LEN];
             last[..rest.len()].copy_from_slice(rest);
-            self.decimals.compute_batch(&last, &mut self.batches[full.len()]);
+            self.format.compute_batch(&last, &mut self.batches[full.len()]);
         }
     }
 }
@@ -145,25 +95,27 @@ impl Batch {
         Self { words: [[0; BATCH_LEN]; 3], signs: [0; BATCH_LEN], exact: [false; BATCH_LEN] };
 }
 
-impl Decimals {
-    /// None if there are no decimals or more than [`MOST_DECIMALS`].
-    fn new(count: usize) -> Option<Self> {
+impl CellFormat {
+    pub(super) fn new(format: NumberFormat) -> Self {
+        let decimals = match format {
+            NumberFormat::Fixed(count) if count <= MOST_DECIMALS => count,
+            _ => 0,
+        };
         let ten = |power: usize| (0..power).fold(1.0, |product, _| 10.0 * product);
-        (1..=MOST_DECIMALS).contains(&count).then(|| {
-            let (first, second) = (count.min(8), count.saturating_sub(8));
-            Self {
-                count,
-                scale: ten(count),
-                cut: ten(second),
-                fill: [ten(8 - first), ten(8 - second)],
-            }
-        })
+        let (first, second) = (decimals.min(8), decimals.saturating_sub(8));
+        let fill = [ten(8 - first), ten(8 - second)];
+        Self { format, decimals, scale: ten(decimals), cut: ten(second), fill }
     }
 
-    /// Overwrites `batches` with the digits of `numbers`; zeros fill the last batch.
-    fn compute(&self, numbers: &[f64], batches: &mut Vec<Batch>) {
-        batches.resize(numbers.len().div_ceil(BATCH_LEN), Batch::BLANK);
-        Arch::new().dispatch(Compute { decimals: self, numbers, batches });
+    /// Computes the digits of `values`; `batches` is memory for them that one call after the other may
+    /// use.
+    pub(super) fn cells<'a>(&self, values: &'a [f64], batches: &'a mut Vec<Batch>) -> Cells<'a> {
+        let count = if self.decimals > 0 { values.len().div_ceil(BATCH_LEN) } else { 0 };
+        batches.resize(count, Batch::BLANK);
+        if count > 0 {
+            Arch::new().dispatch(Compute { format: self, numbers: values, batches });
+        }
+        Cells { format: *self, values, batches }
     }
 
     #[inline(always)]
@@ -196,7 +148,7 @@ impl Decimals {
 
     /// Appends a separator and the number in this lane of a batch, whose digits are exact.
     #[inline(always)]
-    fn append(&self, out: &mut Vec<u8>, separator: u8, batch: &Batch, lane: usize) {
+    fn append_exact(&self, out: &mut Vec<u8>, separator: u8, batch: &Batch, lane: usize) {
         let start = out.len();
         out.extend_from_slice(&[b'-'; CELL_BYTES]);
         let cell = &mut out[start..];
@@ -211,7 +163,29 @@ impl Decimals {
         cell[point] = b'.';
         cell[point + 1..point + 9].copy_from_slice(&(first + ZEROS).to_le_bytes());
         cell[point + 9..point + 17].copy_from_slice(&(second + ZEROS).to_le_bytes());
-        out.truncate(start + point + 1 + self.count);
+        out.truncate(start + point + 1 + self.decimals);
+    }
+}
+
+impl Cells<'_> {
+    /// Appends a separator and the text of cell `k`, which is empty for a number that is not finite or
+    /// not there.
+    #[inline(always)]
+    pub(super) fn append(&self, out: &mut Vec<u8>, separator: u8, k: usize) {
+        match self.batches.get(k / BATCH_LEN) {
+            Some(batch) if batch.exact[k % BATCH_LEN] => {
+                self.format.append_exact(out, separator, batch, k % BATCH_LEN);
+            }
+            _ => self.append_alone(out, separator, k),
+        }
+    }
+
+    #[inline(never)]
+    fn append_alone(&self, out: &mut Vec<u8>, separator: u8, k: usize) {
+        out.push(separator);
+        if let Some(value) = self.values.get(k).filter(|value| value.is_finite()) {
+            self.format.format.write(out, *value);
+        }
     }
 }
 
@@ -246,7 +220,16 @@ fn four_digits(number: f64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::csv::fixed::words;
+
+    /// Words without pattern (Steele, Lea, Flood 2014: `SplitMix64`).
+    fn words(seed: u64) -> impl Iterator<Item = u64> {
+        (1_u64..).map(move |k| {
+            let mut z = (seed + k).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            z ^ (z >> 31)
+        })
+    }
 
     /// As the standard library has it, a zero without sign; nothing for a number that is not finite.
     fn expected(value: f64, decimals: usize, out: &mut String) {
@@ -316,14 +299,17 @@ mod tests {
     fn cells_of_large_numbers_are_whole_and_those_of_no_number_empty() {
         let values = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -5e-324, -0.0, 1e8, 0.5];
         (1..=MOST_DECIMALS).for_each(|count| check(&values, count));
-        assert!(Decimals::new(0).is_none() && Decimals::new(MOST_DECIMALS + 1).is_none());
+        for count in [0, MOST_DECIMALS + 1] {
+            assert_eq!(CellFormat::new(NumberFormat::Fixed(count)).decimals, 0);
+            check(&values, count);
+        }
     }
 
     #[test]
     fn few_numbers_need_exact_arithmetic() {
         let values: Vec<f64> = (0..1 << 20).map(|k| 0.3 * (0.37 * f64::from(k)).sin()).collect();
         let mut batches = vec![];
-        Decimals::new(11).unwrap().compute(&values, &mut batches);
+        CellFormat::new(NumberFormat::Fixed(11)).cells(&values, &mut batches);
         let left = batches.iter().flat_map(|batch| batch.exact).filter(|exact| !exact).count();
         assert!(left < 1000, "{left} of a million");
     }

@@ -1,64 +1,46 @@
-use super::error::{Place, TableError, quoted};
+use super::rows::{Place, TableError, quoted};
 use crate::numeric::{Dimension, Unit};
 
-/// The quantity of a column.
+/// A quantity that a column may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Quantity {
-    Time,
-    Acceleration,
-    Velocity,
-    Displacement,
-    /// Displacement divided by the length of the link.
-    Angle,
-    Torque,
-    HubAngle,
-    HubRate,
-}
-
-/// The heading of a quantity.
-struct Description {
-    word: &'static str,
-    /// Ending of the name that states the SI unit, as this program writes it.
+pub(super) struct Quantity {
+    /// The name, without prefix and unit.
+    pub(super) word: &'static str,
+    /// Ending of a name that states the SI unit, as this program writes it.
     suffix: &'static str,
     dimension: Dimension,
     /// The SI unit, and another common one.
-    units: [&'static str; 2],
+    pub(super) units: [&'static str; 2],
 }
 
+const fn quantity(
+    word: &'static str,
+    suffix: &'static str,
+    dimension: Dimension,
+    units: [&'static str; 2],
+) -> Quantity {
+    Quantity { word, suffix, dimension, units }
+}
+
+pub(super) const TIME: Quantity = quantity("time", "_s", Dimension::TIME, ["s", "ms"]);
+pub(super) const ACCELERATION: Quantity =
+    quantity("acceleration", "_m_s2", Dimension::ACCELERATION, ["m/s^2", "cm/s^2"]);
+pub(super) const VELOCITY: Quantity =
+    quantity("velocity", "_m_s", Dimension::VELOCITY, ["m/s", "cm/s"]);
+pub(super) const DISPLACEMENT: Quantity =
+    quantity("displacement", "_m", Dimension::LENGTH, ["m", "cm"]);
+/// Displacement divided by the length of the link.
+pub(super) const ANGLE: Quantity = quantity("angle", "_rad", Dimension::NONE, ["rad", "deg"]);
+pub(super) const TORQUE: Quantity = quantity("torque", "_n_m", Dimension::TORQUE, ["N m", "N cm"]);
+pub(super) const HUB_ANGLE: Quantity =
+    quantity("hub_angle", "_rad", Dimension::NONE, ["rad", "deg"]);
+pub(super) const HUB_RATE: Quantity =
+    quantity("hub_rate", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]);
+
 impl Quantity {
-    fn description(self) -> Description {
-        let of = |word, suffix, dimension, units| Description { word, suffix, dimension, units };
-        match self {
-            Self::Time => of("time", "_s", Dimension::TIME, ["s", "ms"]),
-            Self::Acceleration => {
-                of("acceleration", "_m_s2", Dimension::ACCELERATION, ["m/s^2", "cm/s^2"])
-            }
-            Self::Velocity => of("velocity", "_m_s", Dimension::VELOCITY, ["m/s", "cm/s"]),
-            Self::Displacement => of("displacement", "_m", Dimension::LENGTH, ["m", "cm"]),
-            Self::Angle => of("angle", "_rad", Dimension::NONE, ["rad", "deg"]),
-            Self::Torque => of("torque", "_n_m", Dimension::TORQUE, ["N m", "N cm"]),
-            Self::HubAngle => of("hub_angle", "_rad", Dimension::NONE, ["rad", "deg"]),
-            Self::HubRate => of("hub_rate", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]),
-        }
-    }
-
-    /// The name, without prefix and unit.
-    pub(super) fn word(self) -> &'static str {
-        self.description().word
-    }
-
-    pub(super) fn dimension(self) -> Dimension {
-        self.description().dimension
-    }
-
-    /// The SI unit, and another common one.
-    pub(super) fn units(self) -> [&'static str; 2] {
-        self.description().units
-    }
-
     /// True if the name ends with the suffix of the SI unit.
     pub(super) fn is_suffixed(self, name: &str) -> bool {
-        name.to_lowercase().ends_with(self.description().suffix)
+        name.to_lowercase().ends_with(self.suffix)
     }
 }
 
@@ -67,42 +49,12 @@ impl Quantity {
 pub(super) struct Vocabulary {
     pub(super) quantities: &'static [Quantity],
     /// May precede any name, without meaning.
-    prefix: &'static str,
+    pub(super) prefix: &'static str,
     /// A row of names.
     pub(super) example: &'static str,
     /// What to do about two columns of one quantity.
     pub(super) choice: Option<&'static str>,
 }
-
-/// The tip's motion.
-pub(super) const TRAJECTORY: Vocabulary = Vocabulary {
-    quantities: &[
-        Quantity::Time,
-        Quantity::Acceleration,
-        Quantity::Velocity,
-        Quantity::Displacement,
-        Quantity::Angle,
-    ],
-    prefix: "tip_",
-    example: "time,acceleration",
-    choice: None,
-};
-
-/// A torque at the hub.
-pub(super) const TORQUE: Vocabulary = Vocabulary {
-    quantities: &[Quantity::Time, Quantity::Torque],
-    prefix: "hub_",
-    example: "time,torque",
-    choice: Some("rename one of them; among torques --column chooses"),
-};
-
-/// The hub's motion.
-pub(super) const HUB_MOTION: Vocabulary = Vocabulary {
-    quantities: &[Quantity::Time, Quantity::HubAngle, Quantity::HubRate],
-    prefix: "",
-    example: "time,hub_angle",
-    choice: Some("rename one of them"),
-};
 
 impl Vocabulary {
     /// The name in lower case, without the prefix.
@@ -112,23 +64,66 @@ impl Vocabulary {
     }
 
     /// The quantity of a name, and true if the name states its unit.
-    pub(super) fn quantity(&self, name: &str) -> Option<(Quantity, bool)> {
+    fn quantity(&self, name: &str) -> Option<(Quantity, bool)> {
         let plain = self.plain(name);
         self.quantities.iter().find_map(|quantity| {
-            let Description { word, suffix, .. } = quantity.description();
-            let ending = plain.strip_prefix(word)?;
-            (ending.is_empty() || ending == suffix).then_some((*quantity, ending == suffix))
+            let ending = plain.strip_prefix(quantity.word)?;
+            let suffixed = ending == quantity.suffix;
+            (ending.is_empty() || suffixed).then_some((*quantity, suffixed))
         })
+    }
+
+    /// Reads the first row of a table: the headings that this vocabulary knows, from the left.
+    ///
+    /// # Errors
+    /// [`TableError`] for a row without names, a unit of another quantity, and two columns of one
+    /// quantity.
+    pub(super) fn read(&self, fields: &[&str], place: Place) -> Result<Vec<Heading>, TableError> {
+        self.check_names(fields, place)?;
+        let mut headings: Vec<Heading> = Vec::new();
+        for (index, field) in fields.iter().enumerate() {
+            let Some((quantity, suffixed)) = self.quantity(split_unit(field).0) else { continue };
+            let heading = Heading::of(index, field, quantity, suffixed, place)?;
+            if let Some(earlier) = find(&headings, quantity) {
+                let must = format!("must not repeat {}", earlier.named());
+                let choice = self.choice.map(str::to_owned);
+                return Err(heading.refuse(&must, place).with_hint(choice));
+            }
+            headings.push(heading);
+        }
+        Ok(headings)
+    }
+
+    /// Refuses a first row of numbers only, or with other separators than commas.
+    fn check_names(&self, fields: &[&str], place: Place) -> Result<(), TableError> {
+        if fields.iter().all(|field| field.parse::<f64>().is_ok()) {
+            let hint = format!(
+                "begin with a row like {}; a line that starts with # is a comment",
+                self.example
+            );
+            let found = quoted(&fields.join(","));
+            return Err(place.refuse("first row", found, "must name the columns").with_hint(hint));
+        }
+        check_separator(fields, place)
     }
 }
 
-/// The first row of a table.
-#[derive(Debug, Clone)]
-pub(super) struct Header {
-    /// Number of columns.
-    pub(super) width: usize,
-    /// The columns that the program reads, from the left.
-    pub(super) headings: Vec<Heading>,
+/// The heading of a quantity, if the table has one.
+pub(super) fn find(headings: &[Heading], quantity: Quantity) -> Option<&Heading> {
+    headings.iter().find(|heading| heading.quantity == quantity)
+}
+
+/// Refuses a table that has no column of this quantity.
+pub(super) fn require(
+    headings: &[Heading],
+    quantity: Quantity,
+    fields: &[&str],
+    place: Place,
+) -> Result<(), TableError> {
+    match find(headings, quantity) {
+        Some(_) => Ok(()),
+        None => Err(refuse_missing(&names(fields), quantity.word, place)),
+    }
 }
 
 /// The heading of one column.
@@ -146,20 +141,6 @@ pub(super) struct Heading {
 }
 
 impl Heading {
-    /// Reads the heading of a column; `None` if the vocabulary does not know its name.
-    pub(super) fn read(
-        index: usize,
-        field: &str,
-        vocabulary: &Vocabulary,
-        place: Place,
-    ) -> Result<Option<Self>, TableError> {
-        let (name, _) = split_unit(field);
-        let known = vocabulary.quantity(name);
-        let heading =
-            known.map(|(quantity, suffixed)| Self::of(index, field, quantity, suffixed, place));
-        heading.transpose()
-    }
-
     /// Reads the heading of a column of `quantity`; a `suffixed` name states the SI unit.
     pub(super) fn of(
         index: usize,
@@ -178,7 +159,7 @@ impl Heading {
             index,
             quantity,
             name: name.to_owned(),
-            unit_text: unit_text.unwrap_or(quantity.units()[0]).to_owned(),
+            unit_text: unit_text.unwrap_or(quantity.units[0]).to_owned(),
             unit,
         })
     }
@@ -188,9 +169,14 @@ impl Heading {
         self.unit.as_ref().map_or(value, |unit| unit.to_si(value))
     }
 
-    /// The column in a message.
-    pub(super) fn subject(&self) -> String {
-        format!("column {}", self.index + 1)
+    /// The column in a message: `column 2, "torque"`.
+    pub(super) fn named(&self) -> String {
+        format!("column {}, {}", self.index + 1, quoted(&self.name))
+    }
+
+    /// Refuses this column.
+    pub(super) fn refuse(&self, must: &str, place: Place) -> TableError {
+        place.refuse(format!("column {}", self.index + 1), quoted(&self.name), must)
     }
 }
 
@@ -204,31 +190,14 @@ pub(super) fn split_unit(field: &str) -> (&str, Option<&str>) {
 
 fn read_unit(text: &str, name: &str, quantity: Quantity, place: Place) -> Result<Unit, TableError> {
     let refuse = |hint| {
-        let must = format!("must be a unit such as {}", quantity.units().join(" or "));
+        let must = format!("must be a unit such as {}", quantity.units.join(" or "));
         place.refuse(format!("unit of {name}"), quoted(text), must).with_hint(hint)
     };
     if text.is_empty() {
         return Err(refuse(None));
     }
     let unit = Unit::parse(text).map_err(|error| refuse(error.hint()))?;
-    if unit.dimension() == quantity.dimension() { Ok(unit) } else { Err(refuse(None)) }
-}
-
-/// Refuses a first row of numbers only, or with other separators than commas.
-pub(super) fn check_names(
-    fields: &[&str],
-    vocabulary: &Vocabulary,
-    place: Place,
-) -> Result<(), TableError> {
-    if fields.iter().all(|field| field.parse::<f64>().is_ok()) {
-        let must = "must name the columns";
-        let hint = format!(
-            "begin with a row like {}; a line that starts with # is a comment",
-            vocabulary.example
-        );
-        return Err(place.refuse("first row", quoted(&fields.join(",")), must).with_hint(hint));
-    }
-    check_separator(fields, place)
+    if unit.dimension() == quantity.dimension { Ok(unit) } else { Err(refuse(None)) }
 }
 
 /// Refuses a first row with other separators than commas.
@@ -240,55 +209,6 @@ pub(crate) fn check_separator(fields: &[&str], place: Place) -> Result<(), Table
         return Err(place.refuse("first row", quoted(field), must).with_hint(hint));
     }
     Ok(())
-}
-
-/// Refuses a second column of a quantity.
-pub(super) fn check_single(
-    before: &[Heading],
-    heading: &Heading,
-    place: Place,
-) -> Result<(), TableError> {
-    let twice = before.iter().find(|earlier| earlier.quantity == heading.quantity);
-    twice.map_or(Ok(()), |earlier| Err(refuse_repeated(earlier, heading, place)))
-}
-
-fn refuse_repeated(earlier: &Heading, heading: &Heading, place: Place) -> TableError {
-    let must = format!("must not repeat {}, {}", earlier.subject(), quoted(&earlier.name));
-    place.refuse(heading.subject(), quoted(&heading.name), must)
-}
-
-/// The one column of `quantity`, if there is one, among any other columns.
-pub(super) fn find_column(
-    fields: &[&str],
-    quantity: Quantity,
-    vocabulary: &Vocabulary,
-    place: Place,
-) -> Result<Option<Heading>, TableError> {
-    let mut found: Option<Heading> = None;
-    for (index, field) in fields.iter().enumerate() {
-        let (name, _) = split_unit(field);
-        let Some((_, suffixed)) = vocabulary.quantity(name).filter(|known| known.0 == quantity)
-        else {
-            continue;
-        };
-        let heading = Heading::of(index, field, quantity, suffixed, place)?;
-        if let Some(earlier) = &found {
-            let choice = vocabulary.choice.map(str::to_owned);
-            return Err(refuse_repeated(earlier, &heading, place).with_hint(choice));
-        }
-        found = Some(heading);
-    }
-    Ok(found)
-}
-
-/// The one column of time.
-pub(super) fn find_time(
-    fields: &[&str],
-    vocabulary: &Vocabulary,
-    place: Place,
-) -> Result<Heading, TableError> {
-    let time = find_column(fields, Quantity::Time, vocabulary, place)?;
-    time.ok_or_else(|| refuse_missing(&names(fields), Quantity::Time.word(), place))
 }
 
 /// The names of all columns, without their units.

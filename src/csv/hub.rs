@@ -1,11 +1,26 @@
-use super::error::{Place, TableError, quoted};
 use super::heading::{
-    HUB_MOTION, Header, Heading, Quantity, TORQUE, check_names, find_column, find_time, names,
-    nearest, refuse_missing, split_unit,
+    HUB_ANGLE, HUB_RATE, Heading, TIME, TORQUE, Vocabulary, names, nearest, require, split_unit,
 };
-use super::samples::Samples;
+use super::rows::{Place, TableError, quoted};
+use super::samples::{Samples, refuse_samples};
 use crate::numeric::reads_as_unit;
 use crate::response::{HubReference, Torque};
+
+/// A torque at the hub.
+const RECORDING: Vocabulary = Vocabulary {
+    quantities: &[TIME, TORQUE],
+    prefix: "hub_",
+    example: "time,torque",
+    choice: Some("rename one of them; among torques --column chooses"),
+};
+
+/// The hub's motion.
+const HUB_MOTION: Vocabulary = Vocabulary {
+    quantities: &[TIME, HUB_ANGLE, HUB_RATE],
+    prefix: "",
+    example: "time,hub_angle",
+    choice: Some("rename one of them"),
+};
 
 /// Reads a torque over time: a row of names, then a row for each sample.
 ///
@@ -30,10 +45,11 @@ pub fn read_torque_table(
     column: Option<&str>,
 ) -> Result<Torque, TableError> {
     let mut samples =
-        Samples::read(name, bytes, |fields, place| read_torque_header(fields, column, place))?;
-    let time_s = samples.take(Quantity::Time).unwrap_or_default();
-    let torque_n_m = samples.take(Quantity::Torque).unwrap_or_default();
-    Torque::new(&time_s, torque_n_m).map_err(|error| samples.refuse_history(name, &error))
+        Samples::read(name, bytes, |fields, place| torque_headings(fields, column, place))?;
+    let time_s = samples.take(TIME).unwrap_or_default();
+    let torque_n_m = samples.take(TORQUE).unwrap_or_default();
+    Torque::new(&time_s, torque_n_m)
+        .map_err(|error| refuse_samples(name, &samples.lines, error.sample(), &error, error.hint()))
 }
 
 /// Reads the hub motion that a feedback follows: `hub_angle`, and `hub_rate` if it is given, as in the
@@ -51,52 +67,51 @@ pub fn read_torque_table(
 /// # Errors
 /// [`TableError`] names the file, and line and column where they are at fault.
 pub fn read_hub_reference(name: &str, bytes: &[u8]) -> Result<HubReference, TableError> {
-    let mut samples = Samples::read(name, bytes, read_hub_header)?;
-    let time_s = samples.take(Quantity::Time).unwrap_or_default();
-    let angle_rad = samples.take(Quantity::HubAngle).unwrap_or_default();
-    let rate_rad_s = samples.take(Quantity::HubRate);
+    let mut samples = Samples::read(name, bytes, hub_headings)?;
+    let time_s = samples.take(TIME).unwrap_or_default();
+    let angle_rad = samples.take(HUB_ANGLE).unwrap_or_default();
+    let rate_rad_s = samples.take(HUB_RATE);
     HubReference::new(&time_s, angle_rad, rate_rad_s)
-        .map_err(|error| samples.refuse_history(name, &error))
+        .map_err(|error| refuse_samples(name, &samples.lines, error.sample(), &error, error.hint()))
 }
 
-fn read_hub_header(fields: &[&str], place: Place) -> Result<Header, TableError> {
-    check_names(fields, &HUB_MOTION, place)?;
-    let time = find_time(fields, &HUB_MOTION, place)?;
-    let angle = find_column(fields, Quantity::HubAngle, &HUB_MOTION, place)?.ok_or_else(|| {
-        let hint = "hub_angle.csv of `flexlink solve` holds it".to_owned();
-        refuse_missing(&names(fields), Quantity::HubAngle.word(), place).or_hint(hint)
-    })?;
-    let rate = find_column(fields, Quantity::HubRate, &HUB_MOTION, place)?;
-    Ok(Header { width: fields.len(), headings: [time, angle].into_iter().chain(rate).collect() })
+fn hub_headings(fields: &[&str], place: Place) -> Result<Vec<Heading>, TableError> {
+    let headings = HUB_MOTION.read(fields, place)?;
+    require(&headings, TIME, fields, place)?;
+    require(&headings, HUB_ANGLE, fields, place)
+        .map_err(|error| error.or_hint("hub_angle.csv of `flexlink solve` holds it".to_owned()))?;
+    Ok(headings)
 }
 
 const IN_BRACKETS: &str = "a unit follows in brackets: torque [N cm]";
 
-/// Reads the first row of a recording: the column of time, and the one named `column` or, without it,
-/// the one named torque.
-pub(super) fn read_torque_header(
+/// Reads the time and the torque that is named `column` or, without it, `torque`.
+fn torque_headings(
     fields: &[&str],
     column: Option<&str>,
     place: Place,
-) -> Result<Header, TableError> {
-    check_names(fields, &TORQUE, place)?;
-    let time = find_time(fields, &TORQUE, place)?;
-    let torque = match column {
-        Some(column) => chosen_torque(fields, column, &time, place)?,
-        None => find_column(fields, Quantity::Torque, &TORQUE, place)?
-            .ok_or_else(|| no_torque(fields, place))?,
+) -> Result<Vec<Heading>, TableError> {
+    let Some(column) = column else {
+        let headings = RECORDING.read(fields, place)?;
+        require(&headings, TIME, fields, place)?;
+        require(&headings, TORQUE, fields, place)
+            .map_err(|error| error.or_hint(where_torque_is(fields)))?;
+        return Ok(headings);
     };
-    Ok(Header { width: fields.len(), headings: vec![time, torque] })
+    let mut headings = Vocabulary { quantities: &[TIME], ..RECORDING }.read(fields, place)?;
+    require(&headings, TIME, fields, place)?;
+    let torque = chosen_torque(fields, column, &headings[0], place)?;
+    headings.push(torque);
+    Ok(headings)
 }
 
-fn no_torque(fields: &[&str], place: Place) -> TableError {
-    let word = Quantity::Torque.word();
-    let hint = match fields.iter().find(|field| field.to_lowercase().contains(word)) {
+/// How to choose the torque of a table without a column of that name.
+fn where_torque_is(fields: &[&str]) -> String {
+    match fields.iter().find(|field| field.to_lowercase().contains(TORQUE.word)) {
         Some(field) if unread_unit(field).is_some() => IN_BRACKETS.to_owned(),
         Some(field) => format!("choose the torque with --column {}", quoted(split_unit(field).0)),
         None => "choose the torque with --column NAME".to_owned(),
-    };
-    refuse_missing(&names(fields), word, place).or_hint(hint)
+    }
 }
 
 /// The heading of the torque named `column`.
@@ -116,8 +131,8 @@ fn chosen_torque(
         let subject = format!("column {}", index + 1);
         return Err(place.refuse(subject, quoted(field), must).with_hint(IN_BRACKETS.to_owned()));
     }
-    let suffixed = Quantity::Torque.is_suffixed(split_unit(field).0);
-    Heading::of(index, field, Quantity::Torque, suffixed, place)
+    let suffixed = TORQUE.is_suffixed(split_unit(field).0);
+    Heading::of(index, field, TORQUE, suffixed, place)
 }
 
 /// Index of the one column whose heading is `column`, with or without its unit.
@@ -165,7 +180,7 @@ fn unknown_column(fields: &[&str], column: &str, place: Place) -> TableError {
 /// suffix `_n_m`: `torque_n_cm`, `Torque (Nm)`, `hub_angle_rad`. Such a column may not be in SI.
 fn unread_unit(field: &str) -> Option<&str> {
     let (name, unit) = split_unit(field);
-    if unit.is_some() || Quantity::Torque.is_suffixed(name) {
+    if unit.is_some() || TORQUE.is_suffixed(name) {
         return None;
     }
     let mut words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());

@@ -1,13 +1,13 @@
+//! Input files, read whole within bounds, and the memory that bounds them.
+
 use std::cell::OnceCell;
 use std::fmt::Write as _;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
 use sha2::{Digest as _, Sha256};
 use thiserror::Error;
-
-use super::memory::available_memory;
 
 /// Longest line of an input in bytes: longer than in any table or link file, but soon reached by a
 /// device or a file that is not text.
@@ -50,6 +50,11 @@ impl InputError {
         Self { shown, cause, hint: None }
     }
 
+    /// A cause in words of this program.
+    fn because(shown: &str, cause: String, hint: Option<&'static str>) -> Self {
+        Self { hint, ..Self::new(shown.to_owned(), io::Error::other(cause)) }
+    }
+
     /// What the user may do.
     pub fn hint(&self) -> Option<&'static str> {
         self.hint
@@ -75,21 +80,18 @@ impl InputFile {
     }
 
     fn read_within(path: &Path, most: u64) -> Result<Self, InputError> {
-        let standard_input = path.as_os_str() == "-";
-        let shown =
-            if standard_input { "standard input".to_owned() } else { path.display().to_string() };
-        let read = if standard_input {
-            read_whole(io::stdin().lock(), 0, most)
+        let is_standard_input = path.as_os_str() == "-";
+        let shown = if is_standard_input {
+            "standard input".to_owned()
         } else {
-            let opened = File::open(path).map_err(Unread::from);
-            opened.and_then(|file| {
-                let len = file.metadata().map_or(0, |about| about.len());
-                read_whole(file, len, most)
-            })
+            path.display().to_string()
         };
-        let bytes = match read {
-            Ok(bytes) => bytes,
-            Err(Unread { cause, hint }) => return Err(InputError { shown, cause, hint }),
+        let bytes = if is_standard_input {
+            read_whole(&shown, io::stdin().lock(), 0, most)?
+        } else {
+            let file = File::open(path).map_err(|cause| InputError::new(shown.clone(), cause))?;
+            let len = file.metadata().map_or(0, |about| about.len());
+            read_whole(&shown, file, len, most)?
         };
         let name = path.file_name().map_or_else(|| shown.clone(), |n| n.to_string_lossy().into());
         Ok(Self { shown, name, bytes })
@@ -102,8 +104,7 @@ impl InputFile {
     pub fn text(&self) -> Result<&str, InputError> {
         std::str::from_utf8(&self.bytes).map_err(|error| {
             let cause = format!("not UTF-8 from byte {} on", error.valid_up_to() + 1);
-            let error = InputError::new(self.shown.clone(), io::Error::other(cause));
-            InputError { hint: Some(remedy(&self.bytes)), ..error }
+            InputError::because(&self.shown, cause, Some(remedy(&self.bytes)))
         })
     }
 
@@ -120,42 +121,23 @@ impl InputFile {
 
 /// SHA-256 of bytes, in hexadecimal.
 pub(crate) fn sha256(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
-}
-
-/// Why an input is not read.
-#[derive(Debug)]
-struct Unread {
-    cause: io::Error,
-    hint: Option<&'static str>,
-}
-
-impl From<io::Error> for Unread {
-    fn from(cause: io::Error) -> Self {
-        Self { cause, hint: None }
-    }
-}
-
-impl Unread {
-    fn because(cause: String) -> Self {
-        io::Error::other(cause).into()
-    }
+    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
 }
 
 /// Refuses a long input whose beginning is not text.
-fn check_text(bytes: &[u8]) -> Result<(), Unread> {
+fn check_text(shown: &str, bytes: &[u8]) -> Result<(), InputError> {
     let nul = bytes.iter().position(|byte| *byte == 0);
-    let foreign = std::str::from_utf8(bytes).err();
     // The beginning may end within a letter.
-    let foreign = foreign.filter(|error| error.error_len().is_some());
+    let foreign = std::str::from_utf8(bytes).err().filter(|error| error.error_len().is_some());
     let foreign = foreign.map(|error| error.valid_up_to());
-    match nul.into_iter().chain(foreign).min() {
-        None => Ok(()),
-        Some(at) => {
-            let cause = format!("not a text file: byte {} is {:#04x}", at + 1, bytes[at]);
-            Err(Unread { cause: io::Error::other(cause), hint: Some(remedy(bytes)) })
-        }
-    }
+    nul.into_iter().chain(foreign).min().map_or(Ok(()), |at| {
+        let cause = format!("not a text file: byte {} is {:#04x}", at + 1, bytes[at]);
+        Err(InputError::because(shown, cause, Some(remedy(bytes))))
+    })
 }
 
 /// Most lines of an input: more than a period may have samples.
@@ -163,7 +145,13 @@ const MOST_LINES: usize = (1 << 24) + 1024;
 
 /// Reads all of an input of about `len` bytes. Refuses it as soon as a line, the number of lines or the
 /// content, `most` bytes, exceeds its bound: the input may never end.
-fn read_whole(mut input: impl Read, len: u64, most: u64) -> Result<Vec<u8>, Unread> {
+fn read_whole(
+    shown: &str,
+    mut input: impl Read,
+    len: u64,
+    most: u64,
+) -> Result<Vec<u8>, InputError> {
+    let refuse = |cause: String| Err(InputError::because(shown, cause, None));
     let room = OnceCell::new();
     let mut bytes = Vec::new();
     // `len` may be huge without being true, as of a sparse file.
@@ -171,49 +159,41 @@ fn read_whole(mut input: impl Read, len: u64, most: u64) -> Result<Vec<u8>, Unre
     let (mut lines, mut line_start) = (0_usize, 0);
     loop {
         let before = bytes.len();
-        if input.by_ref().take(CHUNK as u64).read_to_end(&mut bytes)? == 0 {
+        let read = input.by_ref().take(CHUNK as u64).read_to_end(&mut bytes);
+        if read.map_err(|cause| InputError::new(shown.to_owned(), cause))? == 0 {
             return Ok(bytes);
         }
         // For an input that ends within its first block, the reader of the table names the line.
         if before == CHUNK {
-            check_text(&bytes[..CHUNK])?;
+            check_text(shown, &bytes[..CHUNK])?;
         }
-        for (k, _) in bytes[before..].iter().enumerate().filter(|(_, b)| matches!(b, b'\n' | b'\r'))
-        {
-            (lines, line_start) = (lines + 1, before + k + 1);
+        for (k, byte) in bytes.iter().enumerate().skip(before) {
+            if matches!(byte, b'\n' | b'\r') {
+                (lines, line_start) = (lines + 1, k + 1);
+            }
         }
         if lines > MOST_LINES {
-            return Err(Unread::because(format!("longer than {MOST_LINES} lines")));
+            return refuse(format!("longer than {MOST_LINES} lines"));
         }
         if bytes.len() - line_start > LONGEST_LINE {
-            let line = lines + 1;
-            return Err(Unread::because(format!("line {line} is longer than 16 MiB")));
+            return refuse(format!("line {} is longer than 16 MiB", lines + 1));
         }
         if bytes.len() <= LONGEST_LINE {
             continue;
         }
         if bytes.len() as u64 > most {
-            return Err(Unread::because(format!("longer than {} MiB", most >> 20)));
+            return refuse(format!("longer than {} MiB", most >> 20));
         }
-        // The numbers read from the text take as much again, and a growing vector takes twice its size
-        // for a moment.
-        let room = room.get_or_init(|| available_memory().map_or(u64::MAX, |bytes| bytes / 2));
-        if bytes.len() as u64 > *room {
+        // The numbers read from the text take as much again, and a growing vector takes twice its
+        // size for a moment.
+        let room = *room.get_or_init(|| available_memory().map_or(u64::MAX, |bytes| bytes / 2));
+        if bytes.len() as u64 > room {
             let megabytes = room / 1_000_000;
-            let cause = format!("more than {megabytes} MB, half of the memory that is available");
-            return Err(Unread::because(cause));
+            return refuse(format!(
+                "more than {megabytes} MB, half of the memory that is available"
+            ));
         }
     }
-}
-
-/// Bytes as text, two digits each.
-fn hexadecimal(bytes: &[u8]) -> String {
-    let mut text = String::with_capacity(2 * bytes.len());
-    for byte in bytes {
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{byte:02x}");
-    }
-    text
 }
 
 /// Bytes that show whether letters take two bytes.
@@ -246,6 +226,63 @@ fn is_utf_16(bytes: &[u8]) -> bool {
     let (pairs, _) = head.as_chunks::<2>();
     let all = |is: fn(&[u8; 2]) -> bool| pairs.len() >= 2 && pairs.iter().all(is);
     all(|[low, high]| *low != 0 && *high == 0) || all(|[high, low]| *low != 0 && *high == 0)
+}
+
+/// Memory in bytes that this process can take: the least of what the system has available, what its
+/// control groups leave and what the limit of its address space leaves. None if the system gives no
+/// number, as on other systems than Linux.
+pub fn available_memory() -> Option<u64> {
+    let system = read("/proc/meminfo").and_then(|text| kilobytes(&text, "MemAvailable:"));
+    let groups = read("/proc/self/cgroup")
+        .and_then(|groups| room_in_groups(Path::new("/sys/fs/cgroup"), &groups));
+    [system, groups, available_addresses()].into_iter().flatten().min()
+}
+
+/// Memory in bytes that the limit of this process's address space (`ulimit -v`) leaves; none without
+/// a limit.
+pub fn available_addresses() -> Option<u64> {
+    let limits = read("/proc/self/limits")?;
+    let limit = address_space(&limits)?;
+    let used = read("/proc/self/status").and_then(|text| kilobytes(&text, "VmSize:"))?;
+    Some(limit.saturating_sub(used))
+}
+
+/// Smallest room in bytes of the process's control group (cgroup v2) and the groups around it;
+/// `groups` is the content of `/proc/self/cgroup`, where version 2 has the line `0::/PATH`.
+fn room_in_groups(mounted: &Path, groups: &str) -> Option<u64> {
+    let path = groups.lines().find_map(|line| line.strip_prefix("0::"))?;
+    let own = mounted.join(path.trim_start_matches('/'));
+    own.ancestors().take_while(|group| group.starts_with(mounted)).filter_map(room_in).min()
+}
+
+/// Memory in bytes that one group leaves, its cached files counted as free; none without a limit.
+fn room_in(group: &Path) -> Option<u64> {
+    let number = |name| whole(&read(group.join(name))?);
+    let limit = number("memory.max")?;
+    let used = number("memory.current")?;
+    let cached = read(group.join("memory.stat"))
+        .and_then(|text| whole(text.lines().find_map(|line| line.strip_prefix("inactive_file "))?));
+    Some(limit.saturating_sub(used.saturating_sub(cached.unwrap_or(0))))
+}
+
+fn read(path: impl AsRef<Path>) -> Option<String> {
+    fs::read_to_string(path).ok()
+}
+
+/// The number of a line `NAME   123 kB`, in bytes.
+fn kilobytes(text: &str, name: &str) -> Option<u64> {
+    let rest = text.lines().find_map(|line| line.strip_prefix(name))?;
+    whole(rest.strip_suffix("kB")?).map(|kilobytes| kilobytes.saturating_mul(1024))
+}
+
+/// The soft limit of the address space in bytes; none where it is unlimited.
+fn address_space(limits: &str) -> Option<u64> {
+    let rest = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    whole(rest.split_whitespace().next()?)
+}
+
+fn whole(text: &str) -> Option<u64> {
+    text.trim().parse().ok()
 }
 
 #[cfg(test)]
@@ -286,13 +323,13 @@ mod tests {
             (b"\0", "not a text file: byte 1 is 0x00"),
         ] {
             let mut endless = Endless(pattern, 0);
-            let refused = read_whole(&mut endless, 0, u64::MAX).unwrap_err();
+            let refused = read_whole("x", &mut endless, 0, u64::MAX).unwrap_err();
             assert_eq!(refused.cause.to_string(), words);
             assert!(endless.1 <= 2 * CHUNK, "{} bytes were read", endless.1);
         }
         // A letter may lie across the end of the block.
         let text = format!("#{}\n", "µ".repeat(CHUNK));
-        assert_eq!(read_whole(text.as_bytes(), 0, u64::MAX).unwrap(), text.as_bytes());
+        assert_eq!(read_whole("x", text.as_bytes(), 0, u64::MAX).unwrap(), text.as_bytes());
     }
 
     #[test]
@@ -310,5 +347,42 @@ mod tests {
             assert!(disguise(&little).is_some_and(|remedy| remedy.contains("UTF-16")));
             assert!(disguise(&big).is_some_and(|remedy| remedy.contains("UTF-16")));
         }
+    }
+
+    #[test]
+    fn what_the_system_tells_is_read() {
+        let told = "MemTotal:       24643584 kB\nMemFree:        19088000 kB\n\
+                    MemAvailable:   22600192 kB\n";
+        assert_eq!(kilobytes(told, "MemAvailable:"), Some(22_600_192 * 1024));
+        assert_eq!(kilobytes(told, "SwapFree:"), None);
+        let limits = "Limit             Soft Limit  Hard Limit  Units\n\
+                      Max address space 2048000000  unlimited   bytes\n";
+        assert_eq!(address_space(limits), Some(2_048_000_000));
+        assert_eq!(address_space(&limits.replace("2048000000", "unlimited ")), None);
+    }
+
+    /// A folder like the system's own, with these files.
+    fn mounted(files: &[(&str, &str)]) -> tempfile::TempDir {
+        let root = tempfile::tempdir().unwrap();
+        for (name, content) in files {
+            let path = root.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, content).unwrap();
+        }
+        root
+    }
+
+    #[test]
+    fn the_narrowest_of_nested_groups_counts_and_cached_files_are_given_back() {
+        let root = mounted(&[
+            ("batch/memory.max", "1000\n"),
+            ("batch/memory.current", "700\n"),
+            ("batch/memory.stat", "anon 100\ninactive_file 250\nactive_file 50\n"),
+            ("batch/job/memory.max", "max\n"),
+            ("batch/job/memory.current", "400\n"),
+        ]);
+        assert_eq!(room_in_groups(root.path(), "0::/batch/job\n"), Some(1000 - (700 - 250)));
+        assert_eq!(room_in_groups(root.path(), "0::/elsewhere\n"), None);
+        assert_eq!(room_in_groups(root.path(), "nonsense\n"), None);
     }
 }

@@ -1,23 +1,37 @@
 use std::io::{self, Write};
 
-use super::error::{Place, TableError, quoted};
 use super::heading::{
-    Header, Heading, Quantity, TRAJECTORY, check_names, check_single, nearest, refuse_missing,
-    split_unit,
+    ACCELERATION, ANGLE, DISPLACEMENT, Heading, Quantity, TIME, VELOCITY, Vocabulary, find, names,
+    nearest, refuse_missing, require, split_unit,
 };
 use super::number::Digits;
-use super::samples::Samples;
+use super::rows::{Place, TableError, quoted};
+use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
 use super::table::{group, write_over_time};
 use crate::motion::{MotionColumns, TipMotion, TipTarget};
-use crate::numeric::TimeGrid;
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
+
+/// The tip's motion.
+const TRAJECTORY: Vocabulary = Vocabulary {
+    quantities: &[TIME, ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE],
+    prefix: "tip_",
+    example: "time,acceleration",
+    choice: None,
+};
+
+/// Most samples that a resampled motion may have.
+const MAX_SAMPLES: f64 = 1e7;
+
+/// Largest distance of the end of the motion from a whole number of steps, in steps.
+const WHOLE_STEPS: f64 = 1e-6;
 
 /// A tip motion read from a file, in SI, with the line of each sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionTable {
     /// The samples.
     pub columns: MotionColumns,
-    pub(super) name: String,
-    pub(super) lines: Vec<u64>,
+    name: String,
+    lines: Vec<u64>,
 }
 
 impl MotionTable {
@@ -36,11 +50,8 @@ impl MotionTable {
     /// What [`TipMotion::new`] refuses, with file and line.
     pub fn into_motion(self) -> Result<TipMotion, TableError> {
         let Self { columns, name, lines } = self;
-        TipMotion::new(columns).map_err(|error| {
-            let line = error.sample().map(|sample| lines[sample]);
-            let place = Place { file: &name, line };
-            place.refuse_whole(error.to_string()).with_hint(error.hint().map(str::to_owned))
-        })
+        TipMotion::new(columns)
+            .map_err(|error| refuse_samples(&name, &lines, error.sample(), &error, error.hint()))
     }
 
     /// The displacement as a target to compare with.
@@ -61,19 +72,63 @@ impl MotionTable {
     /// [`TableError`] if there is no displacement, or a time is off the uniform grid.
     pub fn into_target(self) -> Result<TipTarget, TableError> {
         let Self { columns, name, lines } = self;
-        let place = Place { file: &name, line: None };
         let Some(displacement_m) = columns.displacement_m else {
             let must = "must be given of a target, as displacement or angle";
             let hint = "an acceleration leaves open where the tip is; tip.csv of `flexlink solve` \
                         holds the displacement";
+            let place = Place { file: &name, line: None };
             let error = place.refuse("displacement", "nothing", must);
             return Err(error.with_hint(hint.to_owned()));
         };
         let grid = TimeGrid::through(&columns.time_s).map_err(|error| {
-            let place = Place { line: Some(lines[error.sample]), ..place };
-            place.refuse_whole(error.to_string()).with_hint(error.hint().to_owned())
+            refuse_samples(&name, &lines, Some(error.sample), &error, Some(error.hint()))
         })?;
         Ok(TipTarget::new(grid, displacement_m))
+    }
+
+    /// The motion on a uniform grid from its first time to its last, by cubic splines.
+    ///
+    /// The spline of the displacement is at rest at both ends; those of velocity and acceleration are
+    /// not-a-knot.
+    ///
+    /// ```
+    /// use flexlink::csv::read_motion_table;
+    /// let file = b"time,displacement\n0,0\n0.1,0.2\n0.3,0.8\n0.4,1\n";
+    /// let motion = read_motion_table("move.csv", file, 1.5)?.resampled(0.05)?;
+    /// assert_eq!(motion.columns.time_s.len(), 9);
+    /// # Ok::<(), flexlink::csv::TableError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`TableError`] unless the step is above 0, divides the motion's duration within 1e-6
+    /// of a step, and gives from 4 to 1e7 samples.
+    pub fn resampled(self, step_s: f64) -> Result<Self, TableError> {
+        let known = &self.columns.time_s;
+        let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
+            return Ok(self);
+        };
+        let place = Place { file: &self.name, line: None };
+        let steps = whole_steps(last - first, step_s, place)?;
+        let time_s: Vec<f64> = (0..=steps).map(|k| first + k as f64 * step_s).collect();
+        let on_grid = |values: &Option<Vec<f64>>, ends| {
+            let spline = CubicSpline::new(known, values.as_ref()?, ends);
+            Some(time_s.iter().map(|&t| spline.value(t.min(last))).collect())
+        };
+        let columns = &self.columns;
+        let lines = time_s.iter().map(|time| {
+            let not_later = known.partition_point(|known| *known <= time + WHOLE_STEPS * step_s);
+            self.lines[not_later.saturating_sub(1)]
+        });
+        Ok(Self {
+            lines: lines.collect(),
+            columns: MotionColumns {
+                acceleration_m_s2: on_grid(&columns.acceleration_m_s2, SplineEnds::NotAKnot),
+                velocity_m_s: on_grid(&columns.velocity_m_s, SplineEnds::NotAKnot),
+                displacement_m: on_grid(&columns.displacement_m, SplineEnds::Clamped),
+                time_s,
+            },
+            name: self.name,
+        })
     }
 
     /// The file as the user named it.
@@ -103,18 +158,16 @@ pub fn read_motion_table(
     bytes: &[u8],
     link_length_m: f64,
 ) -> Result<MotionTable, TableError> {
-    let mut samples = Samples::read(name, bytes, read_trajectory_header)?;
-    let arc = samples.take(Quantity::Angle).map(|mut angle| {
-        for value in &mut angle {
-            *value *= link_length_m;
-        }
+    let mut samples = Samples::read(name, bytes, trajectory_headings)?;
+    let arc = samples.take(ANGLE).map(|mut angle| {
+        angle.iter_mut().for_each(|value| *value *= link_length_m);
         angle
     });
     let columns = MotionColumns {
-        time_s: samples.take(Quantity::Time).unwrap_or_default(),
-        acceleration_m_s2: samples.take(Quantity::Acceleration),
-        velocity_m_s: samples.take(Quantity::Velocity),
-        displacement_m: samples.take(Quantity::Displacement).or(arc),
+        time_s: samples.take(TIME).unwrap_or_default(),
+        acceleration_m_s2: samples.take(ACCELERATION),
+        velocity_m_s: samples.take(VELOCITY),
+        displacement_m: samples.take(DISPLACEMENT).or(arc),
     };
     Ok(MotionTable { columns, name: name.to_owned(), lines: samples.lines })
 }
@@ -122,23 +175,30 @@ pub fn read_motion_table(
 /// Reads the first row, and checks that the columns describe a motion.
 ///
 /// An unknown column is refused: it may be a known one misspelt.
-pub(super) fn read_trajectory_header(fields: &[&str], place: Place) -> Result<Header, TableError> {
-    check_names(fields, &TRAJECTORY, place)?;
-    let mut headings: Vec<Heading> = Vec::new();
-    for (index, field) in fields.iter().enumerate() {
-        let heading = Heading::read(index, field, &TRAJECTORY, place)?
-            .ok_or_else(|| unknown_column(index, field, place))?;
-        check_single(&headings, &heading, place)?;
-        check_arc(&headings, &heading, place)?;
-        headings.push(heading);
+fn trajectory_headings(fields: &[&str], place: Place) -> Result<Vec<Heading>, TableError> {
+    let headings = TRAJECTORY.read(fields, place)?;
+    let is_read = |index: usize| headings.iter().any(|heading| heading.index == index);
+    if let Some(index) = (0..fields.len()).find(|index| !is_read(*index)) {
+        return Err(unknown_column(index, fields[index], place));
     }
-    check_motion(&headings, place)?;
-    Ok(Header { width: fields.len(), headings })
+    if let (Some(arc), Some(angle)) = (find(&headings, DISPLACEMENT), find(&headings, ANGLE)) {
+        let (first, second) = if arc.index < angle.index { (arc, angle) } else { (angle, arc) };
+        let first = first.named();
+        let must = format!("must not stand beside {first}: they are two names of one thing");
+        let hint = "displacement = angle * link length; keep one of them";
+        return Err(second.refuse(&must, place).with_hint(hint.to_owned()));
+    }
+    require(&headings, TIME, fields, place)?;
+    if [ACCELERATION, DISPLACEMENT, ANGLE].iter().all(|known| find(&headings, *known).is_none()) {
+        let wanted = "acceleration, displacement or angle";
+        return Err(refuse_missing(&names(fields), wanted, place));
+    }
+    Ok(headings)
 }
 
 fn unknown_column(index: usize, field: &str, place: Place) -> TableError {
     let subject = format!("column {}", index + 1);
-    let words: Vec<&str> = TRAJECTORY.quantities.iter().map(|quantity| quantity.word()).collect();
+    let words: Vec<&str> = TRAJECTORY.quantities.iter().map(|quantity| quantity.word).collect();
     let must = format!("must be one of {}", words.join(", "));
     let (name, _) = split_unit(field);
     place.refuse(subject, quoted(field), must).with_hint(hint_for(&TRAJECTORY.plain(name)))
@@ -153,42 +213,50 @@ fn hint_for(name: &str) -> Option<String> {
         return Some("a trajectory holds the tip's motion; the hub's follows from it".to_owned());
     }
     let begins = |quantity: &&Quantity| {
-        let rest = name.strip_prefix(quantity.word());
+        let rest = name.strip_prefix(quantity.word);
         rest.is_some_and(|rest| rest.starts_with(['_', '(', '[', ' ']))
     };
     if let Some(quantity) = TRAJECTORY.quantities.iter().find(begins) {
-        let [_, unit] = quantity.units();
-        let word = quantity.word();
+        let [_, unit] = quantity.units;
+        let word = quantity.word;
         return Some(format!("a unit follows in brackets: {word} [{unit}]"));
     }
-    let words = TRAJECTORY.quantities.iter().map(|quantity| quantity.word());
+    let words = TRAJECTORY.quantities.iter().map(|quantity| quantity.word);
     nearest(name, words).map(|word| format!("did you mean {word}?"))
 }
 
-/// Refuses an angle beside a displacement.
-fn check_arc(before: &[Heading], heading: &Heading, place: Place) -> Result<(), TableError> {
-    let is_arc =
-        |heading: &&Heading| matches!(heading.quantity, Quantity::Displacement | Quantity::Angle);
-    let Some(earlier) = before.iter().find(is_arc).filter(|_| is_arc(&heading)) else {
-        return Ok(());
-    };
-    let same = format!("{}, {}", earlier.subject(), quoted(&earlier.name));
-    let must = format!("must not stand beside {same}: they are two names of one thing");
-    let hint = "displacement = angle * link length; keep one of them";
-    Err(place.refuse(heading.subject(), quoted(&heading.name), must).with_hint(hint.to_owned()))
-}
-
-fn check_motion(headings: &[Heading], place: Place) -> Result<(), TableError> {
-    let has = |wanted| headings.iter().any(|heading| heading.quantity == wanted);
-    let names: Vec<&str> = headings.iter().map(|h| h.name.as_str()).collect();
-    if !has(Quantity::Time) {
-        return Err(refuse_missing(&names, "time", place));
+/// Number of steps in the duration; an error unless it is whole.
+fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, TableError> {
+    let refuse = |must: String| place.refuse("resampling step", format!("{step_s} s"), must);
+    if !(step_s.is_finite() && step_s > 0.0) {
+        return Err(refuse("must be finite and above 0".to_owned()));
     }
-    let moves = has(Quantity::Acceleration) || has(Quantity::Displacement) || has(Quantity::Angle);
-    if !moves {
-        return Err(refuse_missing(&names, "acceleration, displacement or angle", place));
+    let ratio = duration_s / step_s;
+    let steps = ratio.round();
+    let fewest = (MIN_SAMPLES - 1) as f64;
+    if steps < fewest {
+        let longest = duration_s / fewest;
+        let must = format!("must be at most {longest} s, which gives {MIN_SAMPLES} samples");
+        return Err(refuse(must));
     }
-    Ok(())
+    if steps >= MAX_SAMPLES {
+        let shortest = duration_s / (MAX_SAMPLES - 1.0);
+        let must = format!("must be at least {shortest} s, which gives {MAX_SAMPLES:e} samples");
+        return Err(refuse(must));
+    }
+    if (ratio - steps).abs() > WHOLE_STEPS {
+        let below = ratio.floor().max(fewest);
+        let (long, short) = (duration_s / below, duration_s / (below + 1.0));
+        let must = format!("must divide the motion's {duration_s} s into whole steps");
+        let hint = format!("the nearest steps that do are {short} s and {long} s");
+        return Err(refuse(must).with_hint(hint));
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number from 3 to 1e7"
+    )]
+    Ok(steps as usize)
 }
 
 /// Writes a trajectory as [`read_motion_table`] reads it: the time, and acceleration, velocity and
@@ -206,10 +274,86 @@ pub fn write_trajectory(
         ("velocity", &columns.velocity_m_s),
         ("displacement", &columns.displacement_m),
     ];
-    let groups: Vec<_> = given
-        .into_iter()
-        .filter_map(|(name, values)| Some(group([(name, values.as_ref()?)])))
-        .collect();
-    let time_s = &columns.time_s;
-    write_over_time(out, ("time", &|k| time_s[k]), time_s.len(), &groups, digits)
+    let given = given.into_iter().filter_map(|(name, values)| Some((name, values.as_deref()?)));
+    let groups: Vec<_> = given.map(|column| group([column])).collect();
+    write_over_time(out, ("time", &columns.time_s), &groups, digits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// A table over uneven times, with the line number twice the sample's.
+    fn table(time_s: &[f64], value: impl Fn(f64) -> [f64; 3]) -> MotionTable {
+        let column = |index: usize| Some(time_s.iter().map(|&t| value(t)[index]).collect());
+        MotionTable {
+            columns: MotionColumns {
+                displacement_m: column(0),
+                velocity_m_s: column(1),
+                acceleration_m_s2: column(2),
+                time_s: time_s.to_vec(),
+            },
+            name: "t.csv".to_owned(),
+            lines: (0..time_s.len() as u64).map(|k| 2 * k).collect(),
+        }
+    }
+
+    fn versine(t: f64) -> [f64; 3] {
+        let (sin, cos) = (TAU * t).sin_cos();
+        [0.5 * (1.0 - cos), 0.5 * TAU * sin, 0.5 * TAU * TAU * cos]
+    }
+
+    fn worst(table: &MotionTable) -> f64 {
+        let columns = &table.columns;
+        let wrong = |column: &Option<Vec<f64>>, index: usize| {
+            let values = column.as_ref().unwrap().iter().zip(&columns.time_s);
+            let errors = values.map(|(value, &t)| (value - versine(t)[index]).abs());
+            errors.fold(0.0, f64::max)
+        };
+        let displacement = wrong(&columns.displacement_m, 0);
+        let velocity = wrong(&columns.velocity_m_s, 1);
+        displacement.max(velocity).max(wrong(&columns.acceleration_m_s2, 2))
+    }
+
+    fn uneven(n: u32) -> Vec<f64> {
+        let even = (0..=n).map(|k| f64::from(k) / f64::from(n));
+        even.map(|u| u + 0.05 * (TAU * u).sin() / TAU).collect()
+    }
+
+    #[test]
+    fn all_columns_follow_the_motion_with_the_fourth_power_of_the_spacing() {
+        let error = |n| worst(&table(&uneven(n), versine).resampled(0.001).unwrap());
+        let order = (error(100) / error(200)).log2();
+        assert!((3.8..4.2).contains(&order), "order {order}");
+    }
+
+    #[test]
+    fn the_motion_ends_where_it_ended() {
+        let resampled = table(&uneven(50), |t| [t * t * (3.0 - 2.0 * t); 3]);
+        let resampled = resampled.resampled(0.01).unwrap();
+        let displacement_m = resampled.columns.displacement_m.as_ref().unwrap();
+        assert_eq!((displacement_m.len(), displacement_m[100]), (101, 1.0));
+    }
+
+    #[test]
+    fn a_line_is_that_of_the_last_sample_not_later() {
+        let resampled = table(&[0.0, 0.1, 0.3, 0.6], versine).resampled(0.1).unwrap();
+        let lines: Vec<u64> = (0..7).map(|k| resampled.line_of(k)).collect();
+        assert_eq!(lines, [0, 2, 2, 4, 4, 4, 6]);
+    }
+
+    #[test]
+    fn the_steps_a_refusal_names_are_accepted() {
+        let motion = table(&uneven(10), versine);
+        let error = motion.clone().resampled(0.03).unwrap_err();
+        let must = "must divide the motion's 1 s into whole steps";
+        assert_eq!(error.to_string(), format!("t.csv: resampling step = 0.03 s, but {must}"));
+        let hint = error.hint().unwrap();
+        let steps: Vec<f64> = hint.split(' ').filter_map(|word| word.parse().ok()).collect();
+        assert_eq!(steps.len(), 2);
+        for step_s in steps {
+            assert!(motion.clone().resampled(step_s).is_ok(), "{step_s}");
+        }
+    }
 }

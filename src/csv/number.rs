@@ -6,7 +6,6 @@ use std::str::FromStr;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::fixed::write_fixed;
 use crate::numeric::{excerpt, largest};
 
 /// Digits of the numbers of a column group.
@@ -36,23 +35,18 @@ impl Digits {
     /// assert_eq!(Digits::BelowPeak(3).for_peak(0.05), NumberFormat::Fixed(5));
     /// ```
     pub fn for_peak(&self, peak: f64) -> NumberFormat {
-        self.for_peak_of(|| peak)
-    }
-
-    /// [`Self::for_peak`], which calls `peak` only if the format depends on it.
-    pub(super) fn for_peak_of(self, peak: impl FnOnce() -> f64) -> NumberFormat {
-        let Self::BelowPeak(n) = self else { return NumberFormat::Shortest };
-        let peak = peak();
-        if peak == 0.0 {
-            return NumberFormat::Fixed(usize::from(n));
+        match *self {
+            Self::Full => NumberFormat::Shortest,
+            Self::BelowPeak(n) if peak == 0.0 => NumberFormat::Fixed(usize::from(n)),
+            Self::BelowPeak(n) => match decimal_exponent(peak) {
+                Some(exponent) => {
+                    NumberFormat::Fixed(usize::try_from(i32::from(n) - exponent).unwrap_or(0))
+                }
+                None => NumberFormat::Shortest,
+            },
         }
-        decimal_exponent(peak)
-            .map(|exponent| usize::try_from(i32::from(n) - exponent).unwrap_or(0))
-            .map_or(NumberFormat::Shortest, NumberFormat::Fixed)
     }
-}
 
-impl Digits {
     /// The samples as they read back when they are written as a column.
     pub fn as_written(&self, samples: &[f64]) -> Vec<f64> {
         let format = self.for_peak(largest(samples));
@@ -130,6 +124,17 @@ impl NumberFormat {
             Self::Fixed(decimals) => write_fixed(out, value, decimals),
             Self::Shortest => write_shortest(out, value),
         }
+    }
+}
+
+fn write_fixed(out: &mut Vec<u8>, value: f64, decimals: usize) {
+    let start = out.len();
+    let written = write!(out, "{value:.decimals$}");
+    debug_assert!(written.is_ok(), "memory takes every number");
+    if let [b'-', digits @ ..] = &out[start..]
+        && digits.iter().all(|digit| matches!(digit, b'0' | b'.'))
+    {
+        out.remove(start);
     }
 }
 

@@ -1,7 +1,76 @@
-use csv::{ReaderBuilder, StringRecord, Trim};
+//! Rows of CSV text with their lines, and the errors that name a line.
 
-use super::error::{Place, TableError, quoted};
+use csv::{ReaderBuilder, StringRecord, Trim};
+use thiserror::Error;
+
 use super::input::{disguise, remedy, sha256};
+use crate::numeric::excerpt;
+
+/// Why a CSV file is refused.
+///
+/// The text reads `traj.csv:17: displacement = nan, but must be a finite number`.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{place}: {message}")]
+pub struct TableError {
+    /// The file, and the line if one is at fault.
+    place: String,
+    message: String,
+    hint: Option<String>,
+}
+
+impl TableError {
+    /// What the user may do.
+    pub fn hint(&self) -> Option<&str> {
+        self.hint.as_deref()
+    }
+
+    /// Adds what the user may do.
+    pub(crate) fn with_hint(self, hint: impl Into<Option<String>>) -> Self {
+        Self { hint: hint.into(), ..self }
+    }
+
+    /// Adds what the user may do, unless there is a hint.
+    pub(crate) fn or_hint(self, hint: String) -> Self {
+        let hint = self.hint.clone().or(Some(hint));
+        self.with_hint(hint)
+    }
+}
+
+/// Where in a file something was found.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place<'a> {
+    /// The file, as the user named it.
+    pub(crate) file: &'a str,
+    /// Line from 1; `None`: the file as a whole.
+    pub(crate) line: Option<u64>,
+}
+
+impl Place<'_> {
+    /// *place: subject = found, but must*.
+    pub(crate) fn refuse(
+        &self,
+        subject: impl Into<String>,
+        found: impl Into<String>,
+        must: impl Into<String>,
+    ) -> TableError {
+        let message = format!("{} = {}, but {}", subject.into(), found.into(), must.into());
+        self.refuse_whole(message)
+    }
+
+    /// *place: message*.
+    pub(crate) fn refuse_whole(&self, message: String) -> TableError {
+        let place = match self.line {
+            Some(line) => format!("{}:{line}", self.file),
+            None => self.file.to_owned(),
+        };
+        TableError { place, message, hint: None }
+    }
+}
+
+/// An excerpt of the file in quotes, for a message, with its control characters escaped.
+pub(crate) fn quoted(text: &str) -> String {
+    format!("\"{}\"", excerpt(text).escape_debug())
+}
 
 /// Reads the CSV text `bytes` of `file`: `first` returns a value for the first row, `next` changes it for
 /// each further row. None for a text without rows.

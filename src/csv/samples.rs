@@ -1,9 +1,8 @@
-use crate::response::HistoryError;
+//! Named columns of a table: numbers over time in SI, or any numbers and words.
 
-use super::error::{Place, TableError, quoted};
-use super::heading::Quantity;
-use super::heading::{Header, Heading};
-use super::rows::read_rows;
+use super::heading::{Heading, Quantity, TIME, check_separator};
+use super::rows::{Place, TableError, quoted, read_rows};
+use crate::compare::{Cell, Table, TableColumn};
 
 /// Fewest samples that a table may have.
 pub(super) const MIN_SAMPLES: usize = 4;
@@ -16,9 +15,9 @@ const NUMBERS: &str = "decimals follow a point, and nothing divides thousands";
 
 /// The columns of a table over time that the program reads, in SI, with the line of each sample.
 pub(super) struct Samples {
-    header: Header,
-    /// Index of the time among the headings.
-    time: usize,
+    /// Number of all columns of the table.
+    width: usize,
+    headings: Vec<Heading>,
     /// The values of each heading.
     values: Vec<Vec<f64>>,
     pub(super) lines: Vec<u64>,
@@ -27,21 +26,26 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Reads a table; `read_header` reads its first row. One of the columns is the time.
+    /// Reads a table; `read_names` reads the headings from its first row, one of them the time.
     pub(super) fn read(
         name: &str,
         bytes: &[u8],
-        read_header: impl Fn(&[&str], Place) -> Result<Header, TableError>,
+        read_names: impl Fn(&[&str], Place) -> Result<Vec<Heading>, TableError>,
     ) -> Result<Self, TableError> {
         let whole = Place { file: name, line: None };
         let at = |line| Place { line: Some(line), ..whole };
-        let samples = read_rows(
-            name,
-            bytes,
-            |line, fields| Ok(Self::new(read_header(fields, at(line))?)),
-            |samples: &mut Self, line, fields| samples.push(fields, line, at(line)),
-        )?;
-        let samples = samples.ok_or_else(|| {
+        let begin = |line, fields: &[&str]| {
+            let headings = read_names(fields, at(line))?;
+            Ok(Self {
+                width: fields.len(),
+                values: vec![Vec::new(); headings.len()],
+                headings,
+                lines: Vec::new(),
+                time_text: String::new(),
+            })
+        };
+        let push = |samples: &mut Self, line, fields: &[&str]| samples.push(fields, at(line));
+        let samples = read_rows(name, bytes, begin, push)?.ok_or_else(|| {
             let must = format!("must hold a row of names and {MIN_SAMPLES} samples or more");
             whole.refuse("content", "nothing", must)
         })?;
@@ -54,60 +58,53 @@ impl Samples {
 
     /// Takes the column of a quantity, if there is one.
     pub(super) fn take(&mut self, quantity: Quantity) -> Option<Vec<f64>> {
-        let is_wanted = |heading: &Heading| heading.quantity == quantity;
-        let place = self.header.headings.iter().position(is_wanted)?;
-        Some(std::mem::take(&mut self.values[place]))
+        let index = self.headings.iter().position(|heading| heading.quantity == quantity)?;
+        Some(std::mem::take(&mut self.values[index]))
     }
 
-    /// An error of the history made of these samples, with file and line.
-    pub(super) fn refuse_history(&self, name: &str, error: &HistoryError) -> TableError {
-        let line = error.sample().map(|sample| self.lines[sample]);
-        let place = Place { file: name, line };
-        place.refuse_whole(error.to_string()).with_hint(error.hint().map(str::to_owned))
-    }
-
-    fn new(header: Header) -> Self {
-        let is_time = |heading: &Heading| heading.quantity == Quantity::Time;
-        Self {
-            time: header.headings.iter().position(is_time).unwrap_or(0),
-            values: vec![Vec::new(); header.headings.len()],
-            header,
-            lines: Vec::new(),
-            time_text: String::new(),
-        }
-    }
-
-    fn push(&mut self, fields: &[&str], line: u64, place: Place) -> Result<(), TableError> {
-        let Header { width, headings } = &self.header;
-        if fields.len() != *width {
-            let must = format!("must be {width}, as many as there are columns");
-            let hint = (fields.len() > *width && fields.iter().all(|field| is_digits(field)))
+    fn push(&mut self, fields: &[&str], place: Place) -> Result<(), TableError> {
+        if fields.len() != self.width {
+            let hint = (fields.len() > self.width && fields.iter().all(|field| is_digits(field)))
                 .then(|| format!("{NUMBERS}, and one comma divides two fields"));
-            return Err(place.refuse("fields", fields.len().to_string(), must).with_hint(hint));
+            return Err(refuse_width(fields, self.width, place).with_hint(hint));
         }
-        for (heading, values) in headings.iter().zip(&mut self.values) {
-            values.push(read_number(fields[heading.index], heading, place)?);
+        for (heading, values) in self.headings.iter().zip(&mut self.values) {
+            let value = read_number(fields[heading.index], heading, place)?;
+            if heading.quantity == TIME {
+                let text = fields[heading.index];
+                if let (Some(before), Some(line)) = (values.last(), self.lines.last())
+                    && value <= *before
+                {
+                    let Heading { name, unit_text, .. } = heading;
+                    let must =
+                        format!("must be above {} {unit_text} of line {line}", self.time_text);
+                    return Err(place.refuse(name, format!("{text} {unit_text}"), must));
+                }
+                text.clone_into(&mut self.time_text);
+            }
+            values.push(value);
         }
-        let time_text = fields[headings[self.time].index];
-        self.check_time(time_text, place)?;
-        time_text.clone_into(&mut self.time_text);
-        self.lines.push(line);
+        self.lines.extend(place.line);
         Ok(())
     }
+}
 
-    /// Refuses a time, written as `text`, that is not above the one before it.
-    fn check_time(&self, text: &str, place: Place) -> Result<(), TableError> {
-        let (&[.., before, now], Some(line)) = (&self.values[self.time][..], self.lines.last())
-        else {
-            return Ok(());
-        };
-        if now > before {
-            return Ok(());
-        }
-        let Heading { name, unit_text, .. } = &self.header.headings[self.time];
-        let must = format!("must be above {} {unit_text} of line {line}", self.time_text);
-        Err(place.refuse(name, format!("{text} {unit_text}"), must))
-    }
+/// Refuses one of the samples whose `lines` these are, or all of them, for the reason `why`.
+pub(super) fn refuse_samples(
+    file: &str,
+    lines: &[u64],
+    sample: Option<usize>,
+    why: &impl ToString,
+    hint: Option<&str>,
+) -> TableError {
+    let place = Place { file, line: sample.map(|sample| lines[sample]) };
+    place.refuse_whole(why.to_string()).with_hint(hint.map(str::to_owned))
+}
+
+/// Refuses a row that has not as many fields as the first.
+fn refuse_width(fields: &[&str], width: usize, place: Place) -> TableError {
+    let must = format!("must be {width}, as many as there are columns");
+    place.refuse("fields", fields.len().to_string(), must)
 }
 
 /// One field of a column, in SI.
@@ -136,10 +133,7 @@ fn shown(field: &str) -> String {
 /// What the user may have meant by a field that is not a number.
 fn hint_for(field: &str, heading: &Heading) -> Option<String> {
     let has_clock = field.contains(':') || field.matches(['-', '/', '.']).count() == 2;
-    if heading.quantity == Quantity::Time
-        && has_clock
-        && field.starts_with(|c: char| c.is_ascii_digit())
-    {
+    if heading.quantity == TIME && has_clock && field.starts_with(|c: char| c.is_ascii_digit()) {
         return Some("time is a number from any start, 0.25 for a quarter of a second".to_owned());
     }
     let plain = field.replace([',', ' ', '\'', '_', '\u{a0}', '\u{202f}'], "");
@@ -151,4 +145,110 @@ fn is_digits(field: &str) -> bool {
     let digits = field.strip_prefix(['-', '+']).unwrap_or(field);
     !digits.is_empty()
         && digits.bytes().all(|byte| byte.is_ascii_digit() || b".eE-".contains(&byte))
+}
+
+/// Reads any CSV table: a row of names, then rows of numbers or words, `#` before comments.
+///
+/// If the first row has only numbers, it is data, and the columns are called `column 1`, `column 2` and
+/// so on, as is a column without a name. Errors call the file `name`.
+///
+/// # Errors
+/// [`TableError`] names the line of a row with another number of fields than there are columns, of a
+/// name that occurs twice, and of text that is not CSV in UTF-8; it refuses an empty table, too.
+pub fn read_table(name: &str, bytes: &[u8]) -> Result<Table, TableError> {
+    let whole = Place { file: name, line: None };
+    let at = |line| Place { line: Some(line), ..whole };
+    let table = read_rows(
+        name,
+        bytes,
+        |line, fields| begun(fields, line, at(line)),
+        |table, line, fields| push(table, fields, line, at(line)),
+    )?;
+    table
+        .ok_or_else(|| whole.refuse("content", "nothing", "must hold a row of names or of numbers"))
+}
+
+/// The table whose first row this is, of names or of numbers.
+fn begun(fields: &[&str], line: u64, place: Place) -> Result<Table, TableError> {
+    check_separator(fields, place)?;
+    if fields.iter().any(|field| field.parse::<f64>().is_err()) {
+        return columns(fields, place);
+    }
+    let mut table = columns(&vec![""; fields.len()], place)?;
+    push(&mut table, fields, line, place)?;
+    Ok(table)
+}
+
+/// A table of these columns without rows.
+fn columns(names: &[&str], place: Place) -> Result<Table, TableError> {
+    let mut table = Table::default();
+    for (index, name) in names.iter().enumerate() {
+        let number = format!("column {}", index + 1);
+        let own = if name.is_empty() { &number } else { *name };
+        if let Some(earlier) = table.names().position(|earlier| earlier == own) {
+            let must = format!("must not repeat column {}", earlier + 1);
+            return Err(place.refuse(number.as_str(), quoted(own), must));
+        }
+        table.columns.push(TableColumn::new(own.to_owned()));
+    }
+    Ok(table)
+}
+
+fn push(table: &mut Table, fields: &[&str], line: u64, place: Place) -> Result<(), TableError> {
+    if fields.len() != table.columns.len() {
+        return Err(refuse_width(fields, table.columns.len(), place));
+    }
+    for (column, field) in table.columns.iter_mut().zip(fields) {
+        column.push(field.parse().map_or(Cell::Word(field), Cell::Number));
+    }
+    table.lines.push(line);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(text: &str) -> String {
+        read_table("t.csv", text.as_bytes()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn names_words_and_numbers_are_read_as_they_stand() {
+        let text = "\u{feff}# made by hand\r\n time_s ,\"a, b\",\r\n0,x,1e3\r\n\r\n.5,,-inf\r\n";
+        let table = read_table("t.csv", text.as_bytes()).unwrap();
+        assert_eq!(table.names().collect::<Vec<_>>(), ["time_s", "a, b", "column 3"]);
+        assert_eq!(table.lines, [3, 5]);
+        let row = |row| table.columns.iter().map(|column| column.cell(row)).collect::<Vec<_>>();
+        assert_eq!(row(0), [Cell::Number(0.0), Cell::Word("x"), Cell::Number(1000.0)]);
+        assert_eq!(row(1), [Cell::Number(0.5), Cell::Word(""), Cell::Number(f64::NEG_INFINITY)]);
+    }
+
+    #[test]
+    fn a_first_row_of_numbers_is_data() {
+        let table = read_table("t.csv", b"# time, torque\n1,2\n3,4\n").unwrap();
+        assert_eq!(table.names().collect::<Vec<_>>(), ["column 1", "column 2"]);
+        assert_eq!(table.lines, [2, 3]);
+    }
+
+    #[test]
+    fn a_table_of_names_alone_has_no_rows() {
+        assert!(read_table("t.csv", b"a,b\n").unwrap().lines.is_empty());
+    }
+
+    #[test]
+    fn what_is_no_table_is_refused() {
+        let nothing = "t.csv: content = nothing, but must hold a row of names or of numbers";
+        assert_eq!(refused(""), nothing);
+        assert_eq!(refused("# only a remark\n\n"), nothing);
+        let ragged = "fields = 1, but must be 2, as many as there are columns";
+        assert_eq!(refused("a,b\n1,2\n\n3\n"), format!("t.csv:4: {ragged}"));
+        assert_eq!(refused("1,2\n3\n"), format!("t.csv:2: {ragged}"));
+        let twice = "t.csv:1: column 3 = \"a\", but must not repeat column 1";
+        assert_eq!(refused("a,b, a\n"), twice);
+        let utf8 = "t.csv:2: text = byte 0xff, but must be UTF-8";
+        assert_eq!(read_table("t.csv", b"a\n\xff\n").unwrap_err().to_string(), utf8);
+        let commas = "must name columns that are separated by commas";
+        assert_eq!(refused("a;b\n1;2\n"), format!("t.csv:1: first row = \"a;b\", but {commas}"));
+    }
 }

@@ -3,14 +3,18 @@
 use std::io::{self, Write};
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::cells::CellFormat;
-use super::in_order::write_in_order;
 use super::number::{Digits, NumberFormat, time_format};
 use crate::inverse::{NodalTable, Stage, Watch};
 use crate::numeric::ThinnedGrid;
 
 /// Numbers that a thread formats at a time: their text fits its cache.
 const BLOCK_NUMBERS: usize = 1 << 14;
+
+/// Blocks that each thread formats in a round.
+const BLOCKS_PER_THREAD: usize = 2;
 
 /// One column of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,16 +41,9 @@ impl ColumnGroup<'_> {
 }
 
 /// Columns of one unit.
-pub(crate) fn group<'a, const N: usize>(columns: [(&str, &'a Vec<f64>); N]) -> ColumnGroup<'a> {
+pub(crate) fn group<'a, const N: usize>(columns: [(&str, &'a [f64]); N]) -> ColumnGroup<'a> {
     let columns = columns.map(|(name, values)| Column { name: name.to_owned(), values });
     ColumnGroup { columns: columns.into() }
-}
-
-/// The column at the left, whose values are computed row by row.
-struct FirstColumn<'a> {
-    heading: &'a str,
-    format: NumberFormat,
-    value: &'a (dyn Fn(usize) -> f64 + Sync),
 }
 
 /// Writes a table over time: a header, then one row a sample, `time_s` first.
@@ -64,22 +61,23 @@ pub fn write_csv(
     groups: &[ColumnGroup],
     digits: Digits,
 ) -> io::Result<()> {
-    write_over_time(out, ("time_s", &|k| time.time_s(k)), time.len(), groups, digits)
+    let time_s: Vec<f64> = (0..time.len()).map(|k| time.time_s(k)).collect();
+    write_over_time(out, ("time_s", &time_s), groups, digits)
 }
 
-/// [`write_csv`] with another heading of the times, which are in s, and `rows` of them.
+/// [`write_csv`] with these times in s, and another heading of them.
 pub(super) fn write_over_time(
     out: &mut (dyn Write + Send),
-    (heading, time_s): (&str, &(dyn Fn(usize) -> f64 + Sync)),
-    rows: usize,
+    (heading, time_s): (&str, &[f64]),
     groups: &[ColumnGroup],
     digits: Digits,
 ) -> io::Result<()> {
+    let rows = time_s.len();
     for column in groups.iter().flat_map(|group| &group.columns) {
         assert_eq!(column.values.len(), rows, "{}", column.name);
     }
-    let first = FirstColumn { heading, format: time_format(time_s, rows), value: time_s };
-    write_table(out, Some(&first), rows, groups, digits)
+    let format = CellFormat::new(time_format(|k| time_s[k], rows));
+    write_table(out, Some((heading, time_s, format)), rows, groups, digits)
 }
 
 /// Writes columns of any length, each with decimals for its own peak, after a column of this heading
@@ -93,48 +91,35 @@ pub(crate) fn write_columns(
     columns: &[(&str, &[f64])],
     digits: Digits,
 ) -> io::Result<()> {
-    let number = |row: usize| (row + 1) as f64;
-    let count = count.map(|heading| FirstColumn {
-        heading,
-        format: NumberFormat::Fixed(0),
-        value: &number,
-    });
-    let groups: Vec<_> = columns
-        .iter()
-        .map(|(name, values)| Column { name: (*name).to_owned(), values })
-        .map(|column| ColumnGroup { columns: vec![column] })
-        .collect();
     let rows = columns.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
-    write_table(out, count.as_ref(), rows, &groups, digits)
+    let numbers: Vec<f64> = (1..=rows).map(|row| row as f64).collect();
+    let whole = CellFormat::new(NumberFormat::Fixed(0));
+    let first = count.map(|heading| (heading, &numbers[..], whole));
+    let groups: Vec<_> = columns.iter().map(|column| group([*column])).collect();
+    write_table(out, first, rows, &groups, digits)
 }
 
+/// Writes a table of `rows` rows, its first column with a format of its own.
 fn write_table(
     out: &mut (dyn Write + Send),
-    first: Option<&FirstColumn>,
+    first: Option<(&str, &[f64], CellFormat)>,
     rows: usize,
     groups: &[ColumnGroup],
     digits: Digits,
 ) -> io::Result<()> {
-    let mut columns = Vec::new();
+    let mut columns: Vec<_> = first.into_iter().collect();
     for group in groups {
         let format = CellFormat::new(digits.for_peak(group.peak()));
-        columns.extend(group.columns.iter().map(|column| (column, format)));
+        columns.extend(group.columns.iter().map(|c| (c.name.as_str(), c.values, format)));
     }
-    let names = columns.iter().map(|(column, _)| column.name.as_str());
-    write_names(out, first.map(|first| first.heading).into_iter().chain(names))?;
-    let width = columns.len() + usize::from(first.is_some());
-    write_blocks(out, &(0..rows), width, |rows, text| {
-        let computed: Vec<f64> =
-            first.map_or(vec![], |first| rows.clone().map(first.value).collect());
-        let first = first.map(|first| (&computed[..], CellFormat::new(first.format)));
-        let given = columns.iter().map(|(column, format)| {
-            let end = column.values.len();
-            (&column.values[rows.start.min(end)..rows.end.min(end)], *format)
+    write_names(out, columns.iter().map(|(name, ..)| *name))?;
+    write_blocks(out, &(0..rows), columns.len(), |rows, text| {
+        let mut batches = vec![vec![]; columns.len()];
+        let cells = columns.iter().zip(&mut batches).map(|((_, values, format), batches)| {
+            let end = values.len();
+            format.cells(&values[rows.start.min(end)..rows.end.min(end)], batches)
         });
-        let mut batches = vec![vec![]; width];
-        let cells = first.into_iter().chain(given).zip(&mut batches);
-        let cells: Vec<_> =
-            cells.map(|((values, format), batches)| format.cells(values, batches)).collect();
+        let cells: Vec<_> = cells.collect();
         for row in 0..rows.len() {
             for (column, cells) in cells.iter().enumerate() {
                 cells.append(text, if column == 0 { b'\n' } else { b',' }, row);
@@ -162,7 +147,9 @@ pub(crate) fn write_nodal(
     write_names(out, std::iter::once("time_s".to_owned()).chain(names))?;
     let times = CellFormat::new(time_format(|k| grid.time_s(k), grid.len()));
     let are_one = |found, bound| digits.for_peak(found) == digits.for_peak(bound);
-    let values = CellFormat::new(digits.for_peak_of(|| table.peak(watch, are_one)));
+    // The shortest digits need no peak, which takes a pass through all nodes.
+    let peak = if digits == Digits::Full { 0.0 } else { table.peak(watch, are_one) };
+    let values = CellFormat::new(digits.for_peak(peak));
     for number in 0..table.blocks() {
         let block = table.block(number, watch);
         watch.begin(Stage::Write, block.rows().len());
@@ -219,8 +206,44 @@ fn write_blocks(
     })
 }
 
+/// Writes the text of `blocks` blocks in their order; `make` appends the text of one block to an empty
+/// buffer.
+///
+/// All threads make a round of blocks while one of them writes the round before, so that two rounds at
+/// most are in memory.
+///
+/// # Errors
+/// Those of `out`.
+fn write_in_order(
+    out: &mut (dyn Write + Send),
+    blocks: usize,
+    make: impl Fn(usize, &mut Vec<u8>) + Sync,
+) -> io::Result<()> {
+    let at_once = BLOCKS_PER_THREAD * rayon::current_num_threads();
+    let (mut made, mut next) = (Vec::new(), Vec::new());
+    let mut start = 0;
+    while start < blocks || !made.is_empty() {
+        next.resize_with(at_once.min(blocks - start), Vec::new);
+        let (written, ()) = rayon::join(
+            || made.iter().try_for_each(|text: &Vec<u8>| out.write_all(text)),
+            || {
+                next.par_iter_mut().enumerate().with_max_len(1).for_each(|(k, text)| {
+                    text.clear();
+                    make(start + k, text);
+                });
+            },
+        );
+        written?;
+        start += next.len();
+        std::mem::swap(&mut made, &mut next);
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use super::*;
     use crate::inverse::Unwatched;
     use crate::numeric::TimeGrid;
@@ -313,5 +336,62 @@ mod tests {
         assert_eq!(written(None), "zero_per_s,mesh_error\n2.00,1.00\n,1.00\n,1.00\n");
         let counted = "mode,zero_per_s,mesh_error\n1,2.00,1.00\n2,,1.00\n3,,1.00\n";
         assert_eq!(written(Some("mode")), counted);
+    }
+
+    fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+    }
+
+    /// Blocks of uneven work.
+    fn text(block: usize, out: &mut Vec<u8>) {
+        let busy: f64 = (0..block % 7 * 500).map(|k| k as f64).sum();
+        out.extend(format!("{block}:{busy};").as_bytes());
+    }
+
+    #[test]
+    fn texts_are_in_order_on_any_number_of_threads() {
+        for blocks in [0, 1, 2, 4, 299, 300] {
+            let mut expected = vec![];
+            (0..blocks).for_each(|block| text(block, &mut expected));
+            for threads in [1, 2, 7] {
+                let mut out = vec![];
+                on_threads(threads, || write_in_order(&mut out, blocks, text)).unwrap();
+                assert!(out == expected, "{blocks} blocks on {threads} threads");
+            }
+        }
+    }
+
+    /// A disk that is full after some writes.
+    struct Full(usize);
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0 = self.0.checked_sub(1).ok_or(io::ErrorKind::StorageFull)?;
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn an_error_ends_the_work_and_is_returned() {
+        let made = AtomicUsize::new(0);
+        let make = |block: usize, out: &mut Vec<u8>| {
+            made.fetch_add(1, Ordering::Relaxed);
+            text(block, out);
+        };
+        let written = on_threads(3, || write_in_order(&mut Full(5), 100_000, make));
+        assert_eq!(written.unwrap_err().kind(), io::ErrorKind::StorageFull);
+        assert!(made.into_inner() < 100);
+    }
+
+    #[test]
+    #[should_panic(expected = "block 4")]
+    fn a_panic_is_passed_on_and_no_thread_waits() {
+        let make = |block: usize, _: &mut Vec<u8>| assert_ne!(block, 4, "block {block}");
+        let mut out = vec![];
+        let _ = on_threads(3, || write_in_order(&mut out, 50, make));
     }
 }
