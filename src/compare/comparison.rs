@@ -1,7 +1,115 @@
-use super::column::{ColumnComparison, compare_column};
-use super::pairing::{Pairing, key};
-use super::table::{RowPlace, Table, TableColumn};
-use super::tolerance::{ColumnRule, Rule, Tolerances};
+//! Comparison of columns, tables and sets of files.
+
+use super::table::{Cell, Pairing, RowPlace, Table, TableColumn, key};
+use super::tolerance::{ColumnRule, Rule, Tolerance, Tolerances};
+
+/// The comparison of one column of EXPECTED with that of ACTUAL.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColumnComparison {
+    /// The heading.
+    pub name: String,
+    /// Largest absolute value of EXPECTED's finite numbers, in the column's unit.
+    pub peak: f64,
+    /// Its tolerance; `None` if it was not compared.
+    pub tolerance: Option<Tolerance>,
+    /// The field that differs most, the first of equals; `None` if all are the same.
+    pub worst: Option<Worst>,
+    /// Number of rows beyond tolerance.
+    pub rows_beyond: usize,
+}
+
+/// The field of a column that differs most.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Worst {
+    /// Absolute difference in the column's unit; infinite unless both fields are finite numbers.
+    pub difference: f64,
+    /// EXPECTED's row.
+    pub expected: RowPlace,
+    /// ACTUAL's row.
+    pub actual: RowPlace,
+    /// EXPECTED's field, as text: empty, a word or a number.
+    pub expected_field: String,
+    /// ACTUAL's field, as text.
+    pub actual_field: String,
+}
+
+impl ColumnComparison {
+    /// Largest difference allowed, in the column's unit; `None` if it was not compared.
+    pub fn allowed(&self) -> Option<f64> {
+        self.tolerance.map(|tolerance| tolerance.allowed(self.peak))
+    }
+
+    /// True if a row is beyond tolerance.
+    pub fn fails(&self) -> bool {
+        self.rows_beyond > 0
+    }
+
+    /// The largest difference relative to the peak; 0 if there is none.
+    pub fn relative(&self) -> f64 {
+        self.worst.as_ref().map_or(0.0, |worst| worst.difference / self.peak)
+    }
+
+    /// The largest difference as a multiple of what is allowed, for ranking.
+    fn severity(&self) -> f64 {
+        match (self.allowed(), &self.worst) {
+            (Some(allowed), Some(worst)) => worst.difference / allowed,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Compares a column that both sides have in these pairs of rows; `place` returns their places.
+fn compare_column(
+    expected: &TableColumn,
+    actual: &TableColumn,
+    tolerance: Tolerance,
+    pairs: &[(usize, usize)],
+    place: impl Fn(usize, usize) -> (RowPlace, RowPlace),
+) -> ColumnComparison {
+    let peak = expected.peak();
+    let allowed = tolerance.allowed(peak);
+    let mut rows_beyond = 0;
+    let mut largest = (0.0, None);
+    for &(e, a) in pairs {
+        let difference = difference(expected.cell(e), actual.cell(a));
+        // Different words fail even with an infinite tolerance.
+        rows_beyond += usize::from(difference > allowed || difference.is_infinite());
+        if difference > largest.0 {
+            largest = (difference, Some((e, a)));
+        }
+    }
+    let worst = largest.1.map(|(e, a)| {
+        let (expected_place, actual_place) = place(e, a);
+        Worst {
+            difference: largest.0,
+            expected: expected_place,
+            actual: actual_place,
+            expected_field: field(expected.cell(e)),
+            actual_field: field(actual.cell(a)),
+        }
+    });
+    let name = expected.name().to_owned();
+    ColumnComparison { name, peak, tolerance: Some(tolerance), worst, rows_beyond }
+}
+
+/// Absolute difference of two fields: 0 if equal, infinite if one is no finite number.
+fn difference(expected: Cell, actual: Cell) -> f64 {
+    match (expected, actual) {
+        (Cell::Number(e), Cell::Number(a)) if e.is_finite() && a.is_finite() => (e - a).abs(),
+        (Cell::Number(e), Cell::Number(a)) if e.total_cmp(&a).is_eq() => 0.0,
+        // The sign of a NaN depends on the processor.
+        (Cell::Number(e), Cell::Number(a)) if e.is_nan() && a.is_nan() => 0.0,
+        (Cell::Word(e), Cell::Word(a)) if e == a => 0.0,
+        _ => f64::INFINITY,
+    }
+}
+
+fn field(cell: Cell) -> String {
+    match cell {
+        Cell::Number(number) => format!("{number:?}"),
+        Cell::Word(word) => word.to_owned(),
+    }
+}
 
 /// Rows that only one side has.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,16 +169,14 @@ pub fn compare_tables(
     let rule = |name: &str| tolerances.rule(file, name);
     let compared = |name: &&str| rule(name) != Rule::Ignore;
     let keys = key(expected, actual).filter(|[key, _]| compared(&key.name()));
-    let pairing = pair(expected, actual, keys);
-    let place = |e: usize, a: usize| {
-        let [left, right] = [0, 1].map(|side| keys.map(|keys| keys[side]));
-        (place_of(expected, left, e), place_of(actual, right, a))
-    };
+    let pairing = Pairing::of(expected, actual, keys);
+    let [expected_key, actual_key] = [0, 1].map(|side| keys.map(|keys| keys[side]));
+    let place = |e, a| (expected.place(e, expected_key), actual.place(a, actual_key));
     let columns = expected.columns.iter().filter_map(|column| match rule(column.name()) {
         Rule::Ignore => Some(ignored(column)),
         Rule::Within(tolerance) => {
             let other = actual.column(column.name())?;
-            Some(compare_column(column, other, tolerance, &pairing, place))
+            Some(compare_column(column, other, tolerance, &pairing.pairs, place))
         }
     });
     let only_actual =
@@ -83,9 +189,9 @@ pub fn compare_tables(
     };
     // If no column is compared, missing rows do not count.
     let any = expected.names().chain(actual.names()).any(|name| compared(&name));
-    let unmatched = |rows: &[usize], place: &dyn Fn(usize) -> RowPlace| {
+    let unmatched = |rows: &[usize], table: &Table, key| {
         let first = rows.first().filter(|_| any)?;
-        Some(Unmatched { count: rows.len(), first: place(*first) })
+        Some(Unmatched { count: rows.len(), first: table.place(*first, key) })
     };
     TableComparison {
         matched_by: keys.map(|[key, _]| key.name().to_owned()),
@@ -93,26 +199,12 @@ pub fn compare_tables(
         columns: columns.collect(),
         columns_expected: alone(expected, actual),
         columns_actual: alone(actual, expected),
-        rows_expected: unmatched(&pairing.expected, &|row| {
-            place_of(expected, keys.map(|keys| keys[0]), row)
-        }),
-        rows_actual: unmatched(&pairing.actual, &|row| {
-            place_of(actual, keys.map(|keys| keys[1]), row)
-        }),
+        rows_expected: unmatched(&pairing.expected, expected, expected_key),
+        rows_actual: unmatched(&pairing.actual, actual, actual_key),
     }
 }
 
-fn pair(expected: &Table, actual: &Table, keys: Option<[&TableColumn; 2]>) -> Pairing {
-    match keys.map(|keys| keys.map(TableColumn::increasing)) {
-        Some([Some(left), Some(right)]) => Pairing::by_key(left, right),
-        _ => Pairing::by_number(expected.lines.len(), actual.lines.len()),
-    }
-}
-
-fn place_of(table: &Table, key: Option<&TableColumn>, row: usize) -> RowPlace {
-    RowPlace { line: table.lines[row], key: key.map(|key| key.number(row)) }
-}
-
+/// A column that is not compared.
 fn ignored(column: &TableColumn) -> ColumnComparison {
     ColumnComparison {
         name: column.name().to_owned(),
@@ -186,5 +278,54 @@ impl Comparison {
             !files.iter().any(|(file, names)| names.iter().any(|name| entry.names(file, name)))
         };
         tolerances.entries.iter().filter(is_idle).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_tolerance_makes_a_word_a_number() {
+        let column = |cell| {
+            let mut column = TableColumn::new("a".into());
+            column.push(cell);
+            column
+        };
+        let compared = |actual| {
+            let tolerance = Tolerance { rtol: f64::MAX, atol: f64::MAX };
+            let place = |_, _| [1, 1].map(|line| RowPlace { line, key: None }).into();
+            let expected = column(Cell::Number(2.0));
+            compare_column(&expected, &column(actual), tolerance, &[(0, 0)], place)
+        };
+        assert!(!compared(Cell::Number(1e300)).fails());
+        assert!(compared(Cell::Word("two")).fails());
+    }
+
+    #[test]
+    fn only_finite_numbers_have_a_distance() {
+        let number = Cell::Number;
+        let (nan, inf) = (f64::NAN, f64::INFINITY);
+        for same in [
+            [number(nan), number(-nan)],
+            [number(inf), number(inf)],
+            [number(0.0), number(-0.0)],
+            [Cell::Word(""), Cell::Word("")],
+            [Cell::Word("root"), Cell::Word("root")],
+        ] {
+            assert!(difference(same[0], same[1]) == 0.0, "{same:?}");
+        }
+        for other in [
+            [number(nan), number(0.0)],
+            [number(inf), number(-inf)],
+            [number(1e308), number(inf)],
+            [Cell::Word(""), number(0.0)],
+            [Cell::Word(""), number(nan)],
+            [Cell::Word("root"), Cell::Word("Root")],
+        ] {
+            assert!(difference(other[0], other[1]).is_infinite(), "{other:?}");
+            assert!(difference(other[1], other[0]).is_infinite(), "{other:?}");
+        }
+        assert!((difference(number(1.0), number(-2.5)) - 3.5).abs() < 1e-15);
     }
 }

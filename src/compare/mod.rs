@@ -3,15 +3,13 @@
 //! EXPECTED is the reference, ACTUAL the table to check. A number may differ by
 //! `atol + rtol × the column's peak in EXPECTED`; everything else must be equal.
 
-mod column;
 mod comparison;
-mod pairing;
 mod table;
 mod tolerance;
 
-pub use column::{ColumnComparison, Worst};
 pub use comparison::{
-    Comparison, FileComparison, FileOutcome, TableComparison, Unmatched, compare_tables,
+    ColumnComparison, Comparison, FileComparison, FileOutcome, TableComparison, Unmatched, Worst,
+    compare_tables,
 };
 pub use table::{Cell, RowPlace, Table, TableColumn};
 pub use tolerance::{Change, ColumnRule, Rule, Tolerance, Tolerances};
