@@ -156,9 +156,6 @@ const TOLERANCE_S: f64 = 1e-12;
 const TOLERANCE: f64 = 1e-4;
 /// Most decimals before the shortest text takes over.
 const MAX_DECIMALS: usize = 15;
-/// Powers of ten, each exact.
-const POWERS: [f64; MAX_DECIMALS + 1] =
-    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 /// Below this every whole number is exact.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 
@@ -174,35 +171,32 @@ const TIMES_AT_ONCE: usize = 1 << 14;
 /// assert_eq!(time_format(|k| 0.002 * k as f64, 1000), NumberFormat::Fixed(3));
 /// ```
 pub fn time_format(time: impl Fn(usize) -> f64 + Sync, len: usize) -> NumberFormat {
-    let tolerance_s = tolerance_s(&time, len);
-    (0..=MAX_DECIMALS)
-        .find(|&decimals| {
-            let times = (0..len).into_par_iter().with_min_len(TIMES_AT_ONCE);
-            times.all(|k| reads_back(time(k), decimals, tolerance_s))
-        })
-        .map_or(NumberFormat::Shortest, NumberFormat::Fixed)
-}
-
-fn tolerance_s(time: impl Fn(usize) -> f64, len: usize) -> f64 {
-    if len < 2 {
-        return TOLERANCE_S;
+    let steps = len.saturating_sub(1);
+    let mut tolerance_s = TOLERANCE_S;
+    if steps > 0 {
+        let step_s = (time(steps) - time(0)).abs() / steps as f64;
+        tolerance_s = tolerance_s.min(TOLERANCE * step_s);
     }
-    let step_s = (time(len - 1) - time(0)).abs() / (len - 1) as f64;
-    TOLERANCE_S.min(TOLERANCE * step_s)
-}
-
-/// True if `time` with this many decimals reads back within the tolerance.
-///
-/// A whole number below 2⁵³ divided by an exact power of ten is rounded once, as by a reader of the
-/// decimal text; larger ones are written and read.
-fn reads_back(time: f64, decimals: usize, tolerance_s: f64) -> bool {
-    let last_digits = (time * POWERS[decimals]).round();
-    let read = if last_digits.abs() < EXACT_INTEGERS {
-        last_digits / POWERS[decimals]
-    } else {
-        format!("{time:.decimals$}").parse().unwrap_or(f64::NAN)
-    };
-    (read - time).abs() <= tolerance_s
+    let mut scale = 1.0;
+    for decimals in 0..=MAX_DECIMALS {
+        let reads_back = |k: usize| {
+            let time = time(k);
+            let last_digits = (time * scale).round();
+            // A whole number below 2⁵³ divided by an exact power of ten is rounded once, as by a
+            // reader of the decimal text; larger ones are written and read.
+            let read = if last_digits.abs() < EXACT_INTEGERS {
+                last_digits / scale
+            } else {
+                format!("{time:.decimals$}").parse().unwrap_or(f64::NAN)
+            };
+            (read - time).abs() <= tolerance_s
+        };
+        if (0..len).into_par_iter().with_min_len(TIMES_AT_ONCE).all(reads_back) {
+            return NumberFormat::Fixed(decimals);
+        }
+        scale *= 10.0;
+    }
+    NumberFormat::Shortest
 }
 
 #[cfg(test)]
