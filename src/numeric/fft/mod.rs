@@ -5,13 +5,12 @@
 //! depends on the length alone, products and sums are rounded one by one, and sines come from `libm`.
 //! The width of the processor's vectors only says how many columns are transformed at a time.
 //!
-//! `pair` is the door; `plan` holds lengths and factors, `transform` the real transform by a complex
-//! one by rows and columns, `passes` the butterflies, `vector` eight complex numbers side by side. The
-//! tests hold it against the definition in 106 bits, and against realfft.
+//! `pair` is the door; `transform` holds the real transform by a complex one by rows and columns,
+//! `passes` the butterflies along one of them, `vector` eight complex numbers side by side. The tests
+//! hold it against the definition in 106 bits, and against realfft.
 
 mod pair;
 mod passes;
-mod plan;
 #[cfg(test)]
 mod tests;
 mod transform;

@@ -1,31 +1,12 @@
 //! The Fourier pair on real samples.
 
-use std::cell::RefCell;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use num_complex::Complex64;
 use pulp::Arch;
 
-use super::plan::Plan;
-use super::transform::{Forward, Inverse, Scratch};
-
-/// Longest transform whose memory, some hundred kilobytes, the thread keeps.
-const SHORT: usize = 1 << 13;
-
-thread_local! {
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
-}
-
-/// Runs a transform with memory of its own, or, a short one, with the thread's: a sweep of small cases
-/// takes 6 % longer where each transform allocates.
-fn with_scratch(len: usize, transform: impl FnOnce(&mut Scratch)) {
-    if len <= SHORT {
-        SCRATCH.with_borrow_mut(transform);
-    } else {
-        transform(&mut Scratch::default());
-    }
-}
+use super::transform::{Forward, Inverse, Plan, Scratch};
 
 /// Fourier pair on an even number N of real samples.
 ///
@@ -45,7 +26,7 @@ impl FourierPair {
     /// If `len` is odd or zero.
     pub fn new(len: usize) -> Self {
         assert!(len > 0 && len.is_multiple_of(2), "a Fourier pair needs an even length, not {len}");
-        Self(Plan::of(len / 2))
+        Self(Arc::new(Plan::new(len / 2)))
     }
 
     /// Number N of samples.
@@ -62,18 +43,12 @@ impl FourierPair {
     ///
     /// # Panics
     /// If there are not N samples.
-    #[expect(
-        clippy::needless_pass_by_value,
-        reason = "callers collect the samples for this call alone"
-    )]
-    pub fn amplitudes(&self, samples: Vec<f64>) -> Vec<Complex64> {
-        let (plan, samples, scale) = (&*self.0, &samples[..], 1.0 / self.len() as f64);
+    pub fn amplitudes(&self, samples: impl AsRef<[f64]>) -> Vec<Complex64> {
+        let (plan, samples, scale) = (&*self.0, samples.as_ref(), 1.0 / self.len() as f64);
         assert_eq!(samples.len(), self.len(), "samples of a Fourier pair");
         let mut found = vec![Complex64::ZERO; self.len() / 2 + 1];
-        let amplitudes = &mut found[..];
-        with_scratch(self.len(), |scratch| {
-            Arch::new().dispatch(Forward { plan, samples, scale, scratch, amplitudes });
-        });
+        let (scratch, amplitudes) = (&mut Scratch::default(), &mut found[..]);
+        Arch::new().dispatch(Forward { plan, samples, scale, scratch, amplitudes });
         found
     }
 
@@ -86,10 +61,7 @@ impl FourierPair {
     /// If there are more than N/2 + 1 amplitudes.
     pub fn samples(&self, amplitudes: impl AsRef<[Complex64]>) -> Vec<f64> {
         let mut samples = vec![0.0; self.len()];
-        let amplitudes = amplitudes.as_ref();
-        with_scratch(self.len(), |scratch| {
-            self.write_samples(amplitudes, scratch, &mut samples);
-        });
+        self.write_samples(amplitudes.as_ref(), &mut Scratch::default(), &mut samples);
         samples
     }
 

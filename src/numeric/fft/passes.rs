@@ -3,12 +3,92 @@
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::iter::repeat_n;
 
 use pulp::Simd;
 
-use super::plan::{Pass, Stages};
 use super::vector::{Eight, Vector};
+
+/// The passes of one transform along the rows or the columns.
+#[derive(Debug)]
+pub(super) struct Stages {
+    pub(super) len: usize,
+    passes: Vec<Pass>,
+}
+
+/// `groups` times `stride` butterflies of `radix` points each.
+#[derive(Debug)]
+struct Pass {
+    radix: usize,
+    groups: usize,
+    stride: usize,
+    /// What the outputs are multiplied by: `radix` factors a group, the first of them 1.
+    turns: Vec<[f64; 2]>,
+    /// e^{2πi k/radix}, where no butterfly is written out.
+    roots: Vec<[f64; 2]>,
+}
+
+impl Stages {
+    pub(super) fn new(len: usize) -> Self {
+        let mut stride = 1;
+        let mut passes = Vec::new();
+        for radix in radices(len) {
+            let groups = len / (stride * radix);
+            let turns = (0..groups).flat_map(|p| (0..radix).map(move |j| cis(p * j * stride, len)));
+            let roots = if radix > 8 || radix == 7 { 0..radix } else { 0..0 };
+            let roots = roots.map(|k| cis(k, radix)).collect();
+            passes.push(Pass { radix, groups, stride, turns: turns.collect(), roots });
+            stride *= radix;
+        }
+        Self { len, passes }
+    }
+}
+
+/// Numbers whose product is `len`: 8 as often as can be, and no 2 where two 4 do.
+fn radices(len: usize) -> Vec<usize> {
+    let twos = len.trailing_zeros() as usize;
+    let mut odd = len >> twos;
+    let mut found = Vec::new();
+    let mut factor = 3;
+    while odd > 1 {
+        while odd.is_multiple_of(factor) {
+            found.push(factor);
+            odd /= factor;
+        }
+        // The rest has no factor up to its root: it is prime.
+        factor = if factor * factor > odd { odd } else { factor + 2 };
+    }
+    let (two, fours) = match twos % 3 {
+        0 => (0, 0),
+        1 if twos == 1 => (1, 0),
+        1 => (0, 2),
+        _ => (0, 1),
+    };
+    let eights = (twos - two - 2 * fours) / 3;
+    found.extend(repeat_n(2, two).chain(repeat_n(4, fours)).chain(repeat_n(8, eights)));
+    found
+}
+
+/// e^{2πi k/n}, real and imaginary part. The angle is folded into an eighth of a turn by integers,
+/// and its sine and cosine are those of a library in Rust, the same bits on every machine.
+pub(super) fn cis(k: usize, n: usize) -> [f64; 2] {
+    let eighths = 8 * (k % n);
+    let (octant, rest) = (eighths / n, eighths % n);
+    let angle = |eighths: usize| TAU * (eighths as f64 / (8 * n) as f64);
+    let (sin, cos) = if octant % 2 == 0 {
+        libm::sincos(angle(rest))
+    } else {
+        let (sin, cos) = libm::sincos(angle(n - rest));
+        (cos, sin)
+    };
+    match octant / 2 {
+        0 => [cos, sin],
+        1 => [-sin, cos],
+        2 => [-cos, -sin],
+        _ => [sin, -cos],
+    }
+}
 
 /// The points to transform: of `eights` every `step`-th, from the first on.
 #[derive(Clone, Copy)]

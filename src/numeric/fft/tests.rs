@@ -5,8 +5,7 @@ use num_complex::Complex64;
 use pulp::bytemuck::cast_slice;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::plan::Plan;
-use super::transform::{Forward, Inverse, Scratch};
+use super::transform::{Forward, Inverse, Plan, Scratch};
 
 /// Numbers without any pattern between −1 and 1.
 fn noise(len: usize) -> Vec<f64> {

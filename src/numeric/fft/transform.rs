@@ -1,4 +1,5 @@
-//! The real transforms by a complex one of half the length, and that one by rows and columns.
+//! The real transforms by a complex one of half the length, and that one by rows and columns; their
+//! lengths and factors.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -6,9 +7,65 @@ use num_complex::Complex64;
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 use pulp::{Simd, WithSimd};
 
-use super::passes::{Points, transform};
-use super::plan::Plan;
+use super::passes::{Points, Stages, cis, transform};
 use super::vector::{Eight, Vector, transposed};
+
+/// Of a real transform of 2M samples by a complex one of M = rows · columns points, which stand row
+/// by row, each row filled up to whole eights.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub(super) points: usize,
+    rows: Stages,
+    columns: Stages,
+    /// e^{2πi 8jk/M}, by eights `j` of a row, then by row `k`.
+    turns: Vec<[f64; 2]>,
+    /// e^{2πi lk/M} of the eight numbers `l` = 0 … 7, by row `k`.
+    turns_in_eight: Vec<Eight>,
+    /// e^{2πi k/2M} of the first point `k` of each eight.
+    halves: Vec<[f64; 2]>,
+    /// e^{2πi l/2M}.
+    halves_in_eight: Eight,
+}
+
+impl Plan {
+    /// The plan for `points` complex points, at least one.
+    pub(super) fn new(points: usize) -> Self {
+        let rows = number_of_rows(points);
+        let columns = points / rows;
+        let eights = columns.div_ceil(8);
+        let turns = (0..eights).flat_map(|j| (0..rows).map(move |k| cis(8 * j * k, points)));
+        let halves = (0..rows).flat_map(|row| (0..eights).map(move |j| row * columns + 8 * j));
+        Self {
+            points,
+            rows: Stages::new(rows),
+            columns: Stages::new(columns),
+            turns: turns.collect(),
+            turns_in_eight: (0..rows).map(|k| cis_of_eight(k, points)).collect(),
+            halves: halves.map(|k| cis(k, 2 * points)).collect(),
+            halves_in_eight: cis_of_eight(1, 2 * points),
+        }
+    }
+}
+
+/// The divisor of `points` that makes the fewest idle lanes, along rows and along columns; of
+/// those that make as few, the one nearest to the square root, so that a line fits the cache.
+fn number_of_rows(points: usize) -> usize {
+    let divisors = (1..=points.isqrt()).filter(|n| points.is_multiple_of(*n));
+    let shapes = divisors.flat_map(|n| [(n, points / n), (points / n, n)]);
+    let cost = |&(rows, columns): &(usize, usize)| {
+        let lanes = rows * columns.next_multiple_of(8) + columns * rows.next_multiple_of(8);
+        lanes + 8 * rows.max(columns)
+    };
+    shapes.min_by_key(cost).map_or(1, |(rows, _)| rows)
+}
+
+fn cis_of_eight(k: usize, n: usize) -> Eight {
+    let mut eight = Eight::ZERO;
+    for l in 0..8 {
+        [eight.re[l], eight.im[l]] = cis(k * l, n);
+    }
+    eight
+}
 
 pub(super) struct Forward<'a> {
     pub(super) plan: &'a Plan,
@@ -93,10 +150,9 @@ fn fold<S: Simd>(simd: S, plan: &Plan, amplitudes: &[Complex64], scratch: &mut S
             }
             let turn = Vector::splat(simd, *turn);
             for v in 0..Vector::<S>::PER_EIGHT {
-                let (near, far) = (near.vector(simd, v), far.vector(simd, v));
+                let (near, far) = (near.vector(simd, v), far.vector(simd, v).conjugate());
                 let turn = turn * plan.halves_in_eight.vector(simd, v);
-                let difference = near.minus_conjugate(far);
-                out.set(v, near.plus_conjugate(far).plus_i_times(difference * turn));
+                out.set(v, (near + far).plus_i_times((near - far) * turn));
             }
         }
     }
@@ -126,10 +182,9 @@ fn unfold<S: Simd>(
         let mut out = Eight::ZERO;
         for v in 0..Vector::<S>::PER_EIGHT {
             let near = near.vector(simd, v).exchanged();
-            let far = far.vector(simd, v).exchanged();
-            let turn = turn * plan.halves_in_eight.vector(simd, v);
-            let difference = near.minus_conjugate(far).times_conjugate(turn);
-            out.set(v, near.plus_conjugate(far).minus_i_times(difference) * scale);
+            let far = far.vector(simd, v).exchanged().conjugate();
+            let turn = (turn * plan.halves_in_eight.vector(simd, v)).conjugate();
+            out.set(v, (near + far).minus_i_times((near - far) * turn) * scale);
         }
         out.write_pairs(&mut numbers[2 * k..], columns - 8 * j);
     }

@@ -108,25 +108,8 @@ impl<S: Simd> Vector<S> {
     }
 
     #[inline(always)]
-    pub(super) fn plus_conjugate(self, other: Self) -> Self {
-        let simd = self.simd;
-        Self { simd, re: simd.add_f64s(self.re, other.re), im: simd.sub_f64s(self.im, other.im) }
-    }
-
-    #[inline(always)]
-    pub(super) fn minus_conjugate(self, other: Self) -> Self {
-        let simd = self.simd;
-        Self { simd, re: simd.sub_f64s(self.re, other.re), im: simd.add_f64s(self.im, other.im) }
-    }
-
-    #[inline(always)]
-    pub(super) fn times_conjugate(self, other: Self) -> Self {
-        let simd = self.simd;
-        Self {
-            simd,
-            re: simd.add_f64s(simd.mul_f64s(self.re, other.re), simd.mul_f64s(self.im, other.im)),
-            im: simd.sub_f64s(simd.mul_f64s(self.im, other.re), simd.mul_f64s(self.re, other.im)),
-        }
+    pub(super) fn conjugate(self) -> Self {
+        Self { im: self.simd.neg_f64s(self.im), ..self }
     }
 
     #[inline(always)]
