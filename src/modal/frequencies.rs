@@ -193,10 +193,10 @@ mod tests {
     fn counted_in_106_bits(mesh: &Mesh, lambda: Wide) -> usize {
         let mut negative = 0;
         let root = condense(mesh, lambda, |_, step| {
-            negative += step.pivots.iter().filter(|p| p.nearest() < 0.0).count();
+            negative += step.pivots.iter().filter(|p| p.nearest().re < 0.0).count();
         });
         let hub = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();
-        negative + usize::from(hub.nearest() > 0.0)
+        negative + usize::from(hub.nearest().re > 0.0)
     }
 
     #[test]

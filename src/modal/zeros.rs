@@ -220,7 +220,7 @@ mod tests {
                 // In 106 bits.
                 let is_negative = |share: f64| {
                     let z = Wide::from(zero) * (Wide::from(1.0) + share);
-                    tip_displacement_m(&mesh, z * z * -1.0).nearest() < 0.0
+                    tip_displacement_m(&mesh, z * z * -1.0).nearest().re < 0.0
                 };
                 let sides = (is_negative(-1e-11), is_negative(1e-11));
                 assert_eq!(sides, (k % 2 == 1, k % 2 == 0), "zero {k} of {elements} elements");

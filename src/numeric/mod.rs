@@ -10,8 +10,6 @@ mod scalar;
 mod spline;
 mod text;
 mod units;
-#[cfg(test)]
-mod wide;
 
 pub(crate) use eigen::SymmetricEigen;
 pub use fft::{FourierPair, Scratch, angular_frequency, fast_length};
@@ -20,11 +18,11 @@ pub(crate) use reductions::dot;
 pub use reductions::{largest, largest_difference, magnitude};
 pub use roots::{SECTIONS, geometric_scan, next_places, root};
 pub(crate) use sampling::{PANEL, Sampling, Transforms};
+#[cfg(test)]
+pub(crate) use scalar::wide::Wide;
 pub use scalar::{Scalar, Size};
 pub use spline::{CubicSpline, SplineEnds};
 pub(crate) use text::rounded;
 pub use text::{excerpt, gigabytes, is_hidden, plain, significant, visible, visible_document};
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
 pub(crate) use units::{quantity_pattern, reads_as_unit, split_number};
-#[cfg(test)]
-pub(crate) use wide::{Wide, WideComplex};

@@ -13,6 +13,30 @@ pub fn largest(values: &[f64]) -> f64 {
     Arch::new().dispatch(Largest(values))
 }
 
+struct Largest<'a>(&'a [f64]);
+
+impl WithSimd for Largest<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        // Sixteen at a time, in vectors; the largest does not depend on their order.
+        let (sixteens, rest) = self.0.as_chunks::<16>();
+        let mut found = [0.0; 16];
+        for sixteen in sixteens {
+            for (found, value) in found.iter_mut().zip(sixteen) {
+                *found = larger(*found, *value);
+            }
+        }
+        found.iter().chain(rest).fold(0.0, |found, value| larger(found, *value))
+    }
+}
+
+#[inline(always)]
+fn larger(largest: f64, value: f64) -> f64 {
+    if value.abs() > largest { value.abs() } else { largest }
+}
+
 /// Scalar product of two slices, as eight partial sums that are added at the end: in a single sum each
 /// addition waits for the one before it. The order does not depend on the processor.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -41,35 +65,6 @@ impl WithSimd for Dot<'_> {
 /// Largest absolute difference of two histories over the samples that both have.
 pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |largest, (a, b)| largest.max((a - b).abs()))
-}
-
-struct Largest<'a>(&'a [f64]);
-
-impl WithSimd for Largest<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        // Sixteen at a time, in vectors; the largest does not depend on their order.
-        let (sixteens, rest) = self.0.as_chunks::<16>();
-        let mut found = [0.0; 16];
-        for sixteen in sixteens {
-            for (found, value) in found.iter_mut().zip(sixteen) {
-                *found = larger(*found, *value);
-            }
-        }
-        for half in [8, 4, 2, 1] {
-            for k in 0..half {
-                found[k] = larger(found[k], found[k + half]);
-            }
-        }
-        rest.iter().fold(found[0], |found, value| larger(found, *value))
-    }
-}
-
-#[inline(always)]
-fn larger(largest: f64, value: f64) -> f64 {
-    if value.abs() > largest { value.abs() } else { largest }
 }
 
 /// Absolute value |z|, with the same bits on every processor.
