@@ -1,149 +1,174 @@
-//! Keys of the link file that go together: damping models, shapes of cross-sections, stiffness and
-//! mass; and the JSON Schema of these alternatives.
+//! Keys of the link file that exclude, replace or need each other: stiffness and mass, shapes of
+//! cross-sections, damping laws; and the JSON Schema of these alternatives.
 
-use schemars::Schema;
+use schemars::{JsonSchema, Schema};
+use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-/// A damping model as the file names it.
-pub(super) struct Model {
+/// A property along the segment, given as a whole or as a material's constant times a property of the
+/// cross-section, which is given itself or follows from `section`.
+pub(super) struct Property {
     pub(super) name: &'static str,
-    /// Its keys besides `model`.
-    pub(super) keys: &'static [&'static str],
-    /// Which of these belong together, in words.
-    pub(super) takes: &'static str,
+    pub(super) whole: &'static str,
+    pub(super) material: &'static str,
+    pub(super) shape: &'static str,
 }
 
-pub(super) const MODELS: [Model; 5] = [
-    Model { name: "hysteretic", keys: &["ratio"], takes: "ratio only" },
-    Model { name: "modal", keys: &["ratio", "ratios"], takes: "ratio or ratios" },
-    Model {
-        name: "rayleigh",
-        keys: &["alpha", "beta", "modes", "ratios"],
-        takes: "alpha and beta, or modes and ratios",
-    },
-    Model {
-        name: "caughey",
-        keys: &["ratio", "ratios", "modes"],
-        takes: "ratio, or ratios with or without modes",
-    },
-    Model { name: "none", keys: &[], takes: "nothing else" },
-];
+pub(super) const STIFFNESS: Property =
+    Property { name: "bending stiffness", whole: "EI", material: "E", shape: "I" };
 
-/// Shapes of cross-sections.
-pub(super) const SHAPES: [&str; 4] = ["rectangle", "circle", "tube", "box"];
+pub(super) const MASS: Property = Property {
+    name: "mass per length",
+    whole: "mass_per_length",
+    material: "density",
+    shape: "area",
+};
 
-/// The keys that a shape takes.
-pub(super) fn dimensions_of(shape: &str) -> Option<&'static [&'static str]> {
-    Some(match shape {
-        "rectangle" => &["width", "thickness"],
-        "circle" => &["diameter"],
-        "tube" => &["diameter", "wall"],
-        "box" => &["width", "height", "wall"],
-        _ => return None,
-    })
-}
+pub(super) const PROPERTIES: [Property; 2] = [STIFFNESS, MASS];
 
-/// A list that is not empty.
-pub(super) fn at_least_one(schema: &mut Schema) {
-    schema.insert("minItems".into(), json!(1));
-}
-
-/// A shape of cross-section.
-pub(super) fn a_shape(schema: &mut Schema) {
-    schema.insert("enum".into(), json!(SHAPES));
-}
-
-/// A model of damping.
-pub(super) fn a_model(schema: &mut Schema) {
-    schema.insert("enum".into(), json!(MODELS.map(|model| model.name)));
-    schema.insert("default".into(), json!("hysteretic"));
-}
-
-/// A segment gives its stiffness in one of three ways, and its mass.
-pub(super) fn stiffness_and_mass(schema: &mut Schema) {
-    let way = |whole: &str, material: &str, shape: &str| {
-        let with_section =
-            json!({ "required": [material, "section"], "not": one_of(&[whole, shape]) });
+/// The schema of a segment: each property in one of its three ways; a section serves one of them.
+pub(super) fn properties(schema: &mut Schema) {
+    let ways = PROPERTIES.map(|Property { whole, material, shape, .. }| {
         json!({ "oneOf": [
             { "required": [whole], "not": one_of(&[material, shape]) },
             { "required": [material, shape], "not": one_of(&[whole, "section"]) },
-            with_section,
+            { "required": [material, "section"], "not": one_of(&[whole, shape]) },
         ] })
-    };
-    let section_serves = json!({ "section": { "anyOf": [
-        { "required": ["E"] }, { "required": ["density"] },
-    ] } });
-    schema.insert(
-        "allOf".into(),
-        json!([way("EI", "E", "I"), way("mass_per_length", "density", "area"),]),
-    );
-    schema.insert("dependencies".into(), section_serves);
+    });
+    schema.insert("allOf".into(), json!(ways));
+    let section_serves = one_of(&PROPERTIES.map(|property| property.material));
+    schema.insert("dependencies".into(), json!({ "section": section_serves }));
 }
 
-/// Matches what has one of the keys.
+/// Matches a table that has one of the keys.
 fn one_of(keys: &[&str]) -> Value {
     let required: Vec<Value> = keys.iter().map(|key| json!({ "required": [key] })).collect();
     json!({ "anyOf": required })
 }
 
-/// A section has just the dimensions of its shape.
-pub(super) fn section_shapes(schema: &mut Schema) {
-    let shapes = SHAPES.iter().map(|shape| {
-        let takes = dimensions_of(shape).unwrap_or_default();
-        let mut then = only(schema, "shape", takes);
-        then.insert("required".into(), json!(takes));
-        json!({ "if": { "properties": { "shape": { "const": shape } } }, "then": then })
-    });
-    let shapes: Vec<Value> = shapes.collect();
-    schema.insert("allOf".into(), shapes.into());
+/// A shape of cross-section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase", expecting = "a string")]
+pub(super) enum Shape {
+    Rectangle,
+    Circle,
+    Tube,
+    Box,
 }
 
-/// Damping has just the keys of its model, in one of the combinations that the model takes.
-pub(super) fn damping_laws(schema: &mut Schema) {
-    let laws = MODELS.iter().map(|model| {
-        let mut then = only(schema, "model", model.keys);
-        if let Value::Object(ways) = ways(model.name) {
-            then.extend(ways);
-        }
-        let named = json!({ "model": { "const": model.name } });
-        if model.name == "hysteretic" {
-            // The model of a table that names none.
-            json!({ "if": { "properties": named }, "then": then })
-        } else {
-            json!({ "if": { "properties": named, "required": ["model"] }, "then": then })
-        }
-    });
-    let laws: Vec<Value> = laws.collect();
-    schema.insert("allOf".into(), laws.into());
-}
+impl Shape {
+    const ALL: [Self; 4] = [Self::Rectangle, Self::Circle, Self::Tube, Self::Box];
 
-/// The combinations of keys that a damping model takes.
-fn ways(model: &str) -> Value {
-    match model {
-        "hysteretic" => json!({ "required": ["ratio"] }),
-        "modal" => json!({ "oneOf": [{ "required": ["ratio"] }, { "required": ["ratios"] }] }),
-        "rayleigh" => json!({ "oneOf": [
-            one_of(&["alpha", "beta"]),
-            {
-                "required": ["modes", "ratios"],
-                "properties": { "modes": pair(), "ratios": pair() },
-            },
-        ], "dependencies": { "modes": ["ratios"], "ratios": ["modes"] } }),
-        "caughey" => json!({
-            "oneOf": [{ "required": ["ratio"] }, { "required": ["ratios"] }],
-            "dependencies": { "modes": ["ratios"] },
-            "properties": { "modes": series(), "ratios": series() },
-        }),
-        _ => json!({}),
+    pub(super) fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
+    }
+
+    /// The dimensions that it takes.
+    pub(super) fn dimensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Rectangle => &["width", "thickness"],
+            Self::Circle => &["diameter"],
+            Self::Tube => &["diameter", "wall"],
+            Self::Box => &["width", "height", "wall"],
+        }
     }
 }
 
-fn pair() -> Value {
-    json!({ "minItems": 2, "maxItems": 2 })
+/// The schema of a section: just the dimensions of its shape.
+pub(super) fn dimensions(schema: &mut Schema) {
+    let shapes = Shape::ALL.map(|shape| {
+        let mut then = only(schema, "shape", shape.dimensions());
+        then.insert("required".into(), json!(shape.dimensions()));
+        json!({ "if": { "properties": { "shape": { "const": shape.name() } } }, "then": then })
+    });
+    schema.insert("allOf".into(), json!(shapes));
 }
 
-fn series() -> Value {
-    json!({ "minItems": 1, "maxItems": 8 })
+/// A damping law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase", expecting = "a string")]
+pub(super) enum Model {
+    Hysteretic,
+    Modal,
+    Rayleigh,
+    Caughey,
+    None,
+}
+
+impl Model {
+    pub(super) const ALL: [Self; 5] =
+        [Self::Hysteretic, Self::Modal, Self::Rayleigh, Self::Caughey, Self::None];
+
+    pub(super) fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
+    }
+
+    /// Its keys besides `model`.
+    pub(super) fn keys(self) -> &'static [&'static str] {
+        match self {
+            Self::Hysteretic => &["ratio"],
+            Self::Modal => &["ratio", "ratios"],
+            Self::Rayleigh => &["alpha", "beta", "modes", "ratios"],
+            Self::Caughey => &["ratio", "ratios", "modes"],
+            Self::None => &[],
+        }
+    }
+
+    /// Which of its keys belong together, in words.
+    pub(super) fn takes(self) -> &'static str {
+        match self {
+            Self::Hysteretic => "ratio only",
+            Self::Modal => "ratio or ratios",
+            Self::Rayleigh => "alpha and beta, or modes and ratios",
+            Self::Caughey => "ratio, or ratios with or without modes",
+            Self::None => "nothing else",
+        }
+    }
+
+    /// The schema of the combinations of keys that it takes.
+    fn combinations(self) -> Value {
+        let one_ratio_or_list = json!([{ "required": ["ratio"] }, { "required": ["ratios"] }]);
+        match self {
+            Self::Hysteretic => json!({ "required": ["ratio"] }),
+            Self::Modal => json!({ "oneOf": one_ratio_or_list }),
+            Self::Rayleigh => {
+                let pair = json!({ "minItems": 2, "maxItems": 2 });
+                json!({ "oneOf": [
+                    one_of(&["alpha", "beta"]),
+                    {
+                        "required": ["modes", "ratios"],
+                        "properties": { "modes": pair, "ratios": pair },
+                    },
+                ], "dependencies": { "modes": ["ratios"], "ratios": ["modes"] } })
+            }
+            Self::Caughey => {
+                let series = json!({ "minItems": 1, "maxItems": 8 });
+                json!({
+                    "oneOf": one_ratio_or_list,
+                    "dependencies": { "modes": ["ratios"] },
+                    "properties": { "modes": series, "ratios": series },
+                })
+            }
+            Self::None => json!({}),
+        }
+    }
+}
+
+/// The schema of damping: just the keys of its model, in one of the combinations that the model takes.
+pub(super) fn combinations(schema: &mut Schema) {
+    let laws = Model::ALL.map(|model| {
+        let mut then = only(schema, "model", model.keys());
+        if let Value::Object(combinations) = model.combinations() {
+            then.extend(combinations);
+        }
+        let mut condition = json!({ "properties": { "model": { "const": model.name() } } });
+        // A table that names no model is hysteretic.
+        if model != Model::Hysteretic {
+            condition["required"] = json!(["model"]);
+        }
+        json!({ "if": condition, "then": then })
+    });
+    schema.insert("allOf".into(), json!(laws));
 }
 
 /// Refuses all keys of a schema but `name` and those that are taken.

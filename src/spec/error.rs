@@ -1,8 +1,11 @@
+use std::fmt::Display;
+
+use serde::de;
 use thiserror::Error;
 
-use super::tree::{Node, Place};
+use super::value::Count;
 use crate::link::ParameterError;
-use crate::numeric::visible;
+use crate::numeric::{excerpt, visible};
 
 /// Hint for a missing or wrong damping ratio.
 pub(super) const USUAL_RATIO: &str = "0.02 is usual for metal links";
@@ -23,30 +26,24 @@ impl SpecError {
     pub fn hint(&self) -> Option<&str> {
         self.hint.as_deref()
     }
-
-    /// Makes control characters in `message` and `hint` visible: they quote the file.
-    pub(super) fn new(place: String, message: &str, hint: Option<&str>) -> Self {
-        let told = |text: &str| visible(text).into_owned();
-        Self { place, message: told(message), hint: hint.map(told) }
-    }
 }
 
 /// A refusal with a dotted path, before its line is looked up.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Fault {
     /// Paths that it concerns; the error points at the one written last.
-    at: Vec<String>,
+    pub(super) paths: Vec<String>,
     message: String,
     hint: Option<String>,
 }
 
 impl Fault {
-    pub(super) fn new(at: impl Into<String>, message: impl Into<String>) -> Self {
-        Self::among(vec![at.into()], message)
+    pub(super) fn new(path: impl Into<String>, message: impl Into<String>) -> Self {
+        Self::among(vec![path.into()], message)
     }
 
-    pub(super) fn among(at: Vec<String>, message: impl Into<String>) -> Self {
-        Self { at, message: message.into(), hint: None }
+    pub(super) fn among(paths: Vec<String>, message: impl Into<String>) -> Self {
+        Self { paths, message: message.into(), hint: None }
     }
 
     pub(super) fn hinting(mut self, hint: impl Into<Option<String>>) -> Self {
@@ -54,37 +51,135 @@ impl Fault {
         self
     }
 
-    /// The last of the places that it concerns.
-    pub(super) fn place(&self, tree: &Node) -> Place {
-        let places = self.at.iter().map(|path| tree.deepest(path).place);
-        places.max().unwrap_or(Place::File)
-    }
-
-    /// The refusal, with its place as text.
+    /// The refusal, with its place as text. Control characters become visible: the texts quote the file.
     pub(super) fn at(self, place: String) -> SpecError {
-        SpecError::new(place, &self.message, self.hint.as_deref())
+        let shown = |text: String| visible(&text).into_owned();
+        SpecError { place, message: shown(self.message), hint: self.hint.map(shown) }
     }
 }
 
 impl From<ParameterError> for Fault {
     fn from(error: ParameterError) -> Self {
-        let hint = match error.parameter.as_str() {
-            "damping.ratio" => Some(USUAL_RATIO.to_owned()),
-            _ => None,
-        };
+        let hint = (error.parameter == "damping.ratio").then(|| USUAL_RATIO.to_owned());
         Self::new(error.parameter.clone(), error.to_string()).hinting(hint)
     }
 }
 
-/// The candidate with the spelling nearest to `word`, if one is near.
-pub(super) fn nearest<'a>(
+/// Why a value does not fit the raw form.
+#[derive(Debug, Error)]
+#[error("{reason:?}")]
+pub(super) struct Misfit {
+    /// The path to the value, from the outside in.
+    steps: Vec<String>,
+    /// The value, as messages quote it.
+    found: Option<String>,
+    reason: Reason,
+}
+
+#[derive(Debug)]
+enum Reason {
+    /// `must be …`, or words that follow the value. A second line is the hint.
+    Value(String),
+    NotTables,
+    Unknown {
+        key: String,
+        known: &'static [&'static str],
+    },
+    Missing {
+        key: &'static str,
+    },
+}
+
+impl Misfit {
+    fn new(reason: Reason) -> Self {
+        Self { steps: Vec::new(), found: None, reason }
+    }
+
+    pub(super) fn not_tables() -> Self {
+        Self::new(Reason::NotTables)
+    }
+
+    /// Adds the step that led to the value, which messages quote as `found` unless an inner one is known.
+    pub(super) fn below(mut self, step: String, found: impl FnOnce() -> String) -> Self {
+        self.steps.insert(0, step);
+        self.found.get_or_insert_with(found);
+        self
+    }
+}
+
+impl de::Error for Misfit {
+    fn custom<T: Display>(message: T) -> Self {
+        Self::new(Reason::Value(message.to_string()))
+    }
+
+    fn invalid_type(_: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        match expected.to_string().as_str() {
+            "a sequence" => Self::custom("must be a list"),
+            "f64" => Self::custom("must be a number"),
+            "i64" => Self::custom(format!("must be {}", Count::WORDS)),
+            expected => Self::custom(format!("must be {expected}")),
+        }
+    }
+
+    fn invalid_length(_: usize, expected: &dyn de::Expected) -> Self {
+        Self::custom(format!("must be {expected}"))
+    }
+
+    fn unknown_variant(word: &str, known: &'static [&'static str]) -> Self {
+        let hint = did_you_mean(word, known.iter().copied()).unwrap_or_default();
+        Self::custom(format!("must be {}\n{hint}", listed(known, "or")))
+    }
+
+    fn unknown_field(key: &str, known: &'static [&'static str]) -> Self {
+        Self::new(Reason::Unknown { key: key.to_owned(), known })
+    }
+
+    fn missing_field(key: &'static str) -> Self {
+        Self::new(Reason::Missing { key })
+    }
+}
+
+impl From<Misfit> for Fault {
+    fn from(misfit: Misfit) -> Self {
+        let path = misfit.steps.join(".");
+        let inner = |key: &str| {
+            let dot = if path.is_empty() { "" } else { "." };
+            format!("{path}{dot}{key}")
+        };
+        let found = format!("{} = {}", excerpt(&path), misfit.found.unwrap_or_default());
+        match misfit.reason {
+            Reason::Value(text) => {
+                let (wrong, hint) = text.split_once('\n').unwrap_or((&text, ""));
+                let but = if wrong.starts_with("must") { ", but" } else { "" };
+                let hint = Some(hint.to_owned()).filter(|hint| !hint.is_empty());
+                Self::new(path, format!("{found}{but} {wrong}")).hinting(hint)
+            }
+            Reason::NotTables => {
+                let message = format!("{found}, but must be tables headed [[{path}]]");
+                Self::new(path, message)
+            }
+            Reason::Unknown { key, known } => {
+                let place = if path.is_empty() { String::new() } else { format!(" in {path}") };
+                let hint = did_you_mean(&key, known.iter().copied())
+                    .unwrap_or_else(|| format!("known here: {}", listed(known, "and")));
+                Self::new(inner(&key), format!("unknown key `{}`{place}", excerpt(&key)))
+                    .hinting(hint)
+            }
+            Reason::Missing { key } => Self::new(inner(key), format!("{} is missing", inner(key))),
+        }
+    }
+}
+
+/// Hint at the candidate with the spelling nearest to `word`, if one is near.
+pub(super) fn did_you_mean<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
+) -> Option<String> {
     let scores =
         candidates.into_iter().map(|candidate| (candidate, strsim::jaro_winkler(word, candidate)));
     let best = scores.reduce(|best, next| if next.1 > best.1 { next } else { best });
-    best.filter(|(_, score)| *score > 0.75).map(|(candidate, _)| candidate)
+    let near = best.filter(|(_, score)| *score > 0.75);
+    near.map(|(candidate, _)| format!("did you mean `{candidate}`?"))
 }
 
 /// `a`, `a and b`, `a, b and c`, with `joint` for `and`.
@@ -104,9 +199,10 @@ mod tests {
     #[test]
     fn a_misspelt_word_is_near_the_meant_one_and_a_strange_one_near_none() {
         let known = ["length", "mass_per_length", "EI", "elements"];
-        assert_eq!(nearest("lenght", known), Some("length"));
-        assert_eq!(nearest("mass_per_lenght", known), Some("mass_per_length"));
-        assert_eq!(nearest("colour", known), None);
+        let meant = |word: &str| Some(format!("did you mean `{word}`?"));
+        assert_eq!(did_you_mean("lenght", known), meant("length"));
+        assert_eq!(did_you_mean("mass_per_lenght", known), meant("mass_per_length"));
+        assert_eq!(did_you_mean("colour", known), None);
     }
 
     #[test]

@@ -14,24 +14,18 @@
 //! ```
 
 mod choices;
+mod convert;
 mod damping;
-mod document;
 mod error;
 mod overrides;
-mod quantity;
 mod raw;
-mod reader;
-mod schema;
 mod segment;
-mod specification;
-mod substitutes;
 mod tolerances;
 mod tree;
-mod value_schema;
+mod value;
 
-pub use document::{LinkDocument, read_specification};
+pub use convert::{LinkDocument, Specification, read_specification};
 pub use error::SpecError;
 pub use overrides::Override;
-pub use schema::link_file_schema;
-pub use specification::Specification;
+pub use raw::link_file_schema;
 pub use tolerances::read_tolerances;

@@ -1,7 +1,7 @@
 use std::str::FromStr;
 
-use super::error::{SpecError, nearest};
-use super::substitutes::{instead, make_room, remove_own_elements};
+use super::choices::PROPERTIES;
+use super::error::{Fault, SpecError, did_you_mean};
 use super::tree::{Kind, Node, Place};
 use crate::numeric::{excerpt, split_number, visible};
 
@@ -20,7 +20,7 @@ const WORDS: [&str; 4] = ["title", "name", "shape", "model"];
 #[derive(Debug, Clone, PartialEq)]
 pub struct Override {
     /// Its place, as errors name it.
-    place: String,
+    pub(super) place: String,
     path: Vec<String>,
     change: Change,
 }
@@ -32,11 +32,6 @@ enum Change {
 }
 
 impl Override {
-    /// Its place, as errors name it.
-    pub(super) fn place(&self) -> String {
-        self.place.clone()
-    }
-
     /// Reads a change that errors call `place`.
     ///
     /// # Errors
@@ -44,7 +39,7 @@ impl Override {
     pub fn placed(place: &str, text: &str) -> Result<Self, SpecError> {
         let refused = |message: &str| {
             let hint = "it reads like segments.0.EI=20 or payload.mass*=1.1";
-            SpecError::new(place.to_owned(), message, Some(hint))
+            Fault::new("", message).hinting(hint.to_owned()).at(place.to_owned())
         };
         let Some((path, value)) = text.split_once('=') else {
             return Err(refused("has no `=`, but must read PATH=VALUE or PATH*=FACTOR"));
@@ -88,23 +83,24 @@ impl FromStr for Override {
 /// Applies the `number`-th override to the tree.
 pub(super) fn apply(tree: &mut Node, number: usize, change: &Override) -> Result<(), SpecError> {
     let step = Step { change: &change.change, place: Place::Override(number) };
-    step.descend(tree, "", &change.path).map_err(|Refused { message, hint }| {
-        SpecError::new(change.place(), &message, hint.as_deref())
-    })?;
+    step.descend(tree, "", &change.path).map_err(|fault| fault.at(change.place.clone()))?;
     if matches!(change.change, Change::Replace(_)) && change.path == ["mesh", "elements"] {
         remove_own_elements(tree);
     }
     Ok(())
 }
 
-struct Refused {
-    message: String,
-    hint: Option<String>,
-}
-
-impl Refused {
-    fn new(message: String) -> Self {
-        Self { message, hint: None }
+/// Removes the elements of single segments, which a number for the whole link replaces.
+fn remove_own_elements(tree: &mut Node) {
+    let Kind::Table(entries) = &mut tree.kind else { return };
+    let segments = entries.iter_mut().filter(|(key, _)| key == "segments");
+    for (_, segments) in segments {
+        let Kind::List(segments) = &mut segments.kind else { continue };
+        for segment in segments {
+            if let Kind::Table(entries) = &mut segment.kind {
+                entries.retain(|(key, _)| key != "elements");
+            }
+        }
     }
 }
 
@@ -116,7 +112,7 @@ struct Step<'a> {
 
 impl Step<'_> {
     /// Walks from `node`, which stands at `path`, along the `rest` of the path, and changes there.
-    fn descend(self, node: &mut Node, path: &str, rest: &[String]) -> Result<(), Refused> {
+    fn descend(self, node: &mut Node, path: &str, rest: &[String]) -> Result<(), Fault> {
         let Some((step, rest)) = rest.split_first() else {
             return self.edit(node, path);
         };
@@ -140,55 +136,48 @@ impl Step<'_> {
                 };
                 self.descend(&mut entries[number].1, &inner, rest)
             }
-            _ => Err(Refused::new(format!(
-                "{} = {}, which holds no {}",
-                excerpt(path),
-                node.shown(),
-                excerpt(step)
-            ))),
+            _ => {
+                let found = node.shown();
+                let message =
+                    format!("{} = {found}, which holds no {}", excerpt(path), excerpt(step));
+                Err(Fault::new(path, message))
+            }
         }
     }
 
     /// The key to multiply if the file does not give the product `step` itself: four times EI is four
     /// times E.
     fn factor_of(self, step: &str) -> Option<&'static str> {
-        match (self.change, step) {
-            (Change::Multiply(_), "EI") => Some("E"),
-            (Change::Multiply(_), "mass_per_length") => Some("density"),
-            _ => None,
-        }
+        let property = PROPERTIES.iter().find(|property| property.whole == step);
+        let multiplies = matches!(self.change, Change::Multiply(_));
+        property.map(|property| property.material).filter(|_| multiplies)
     }
 
     /// Adds an empty table at the absent key `step`, to be replaced or filled.
     fn create(
         self,
-        entries: &mut Vec<(String, Node)>,
+        entries: &mut Entries,
         path: &str,
         step: &str,
         rest: &[String],
-    ) -> Result<usize, Refused> {
+    ) -> Result<usize, Fault> {
+        let absent = format!("{} is not in the file", excerpt(path));
         if matches!(self.change, Change::Multiply(_)) {
-            return Err(Refused {
-                message: format!(
-                    "{} is not in the file, so it cannot be multiplied",
-                    excerpt(path)
-                ),
-                hint: Some(instead(entries, step)),
-            });
+            let message = format!("{absent}, so it cannot be multiplied");
+            return Err(Fault::new(path, message).hinting(instead(entries, step)));
         }
         if matches!(step, "segments" | "masses") && !rest.is_empty() {
-            return Err(Refused::new(format!("{} is not in the file", excerpt(path))));
+            return Err(Fault::new(path, absent));
         }
         if rest.is_empty() {
             make_room(entries, step);
         }
         let kind = Kind::Table(Vec::new());
-        let place = self.place;
-        entries.push((step.to_owned(), Node { place, kind }));
+        entries.push((step.to_owned(), Node { place: self.place, kind }));
         Ok(entries.len() - 1)
     }
 
-    fn edit(self, node: &mut Node, path: &str) -> Result<(), Refused> {
+    fn edit(self, node: &mut Node, path: &str) -> Result<(), Fault> {
         match self.change {
             Change::Replace(text) => {
                 *node = Node::value(text, self.place);
@@ -198,9 +187,9 @@ impl Step<'_> {
         }
     }
 
-    fn multiply(self, node: &mut Node, path: &str, factor: f64) -> Result<(), Refused> {
+    fn multiply(self, node: &mut Node, path: &str, factor: f64) -> Result<(), Fault> {
         let refused = |found: &Node| {
-            Refused::new(format!("{path} = {}, which cannot be multiplied", found.shown()))
+            Fault::new(path, format!("{path} = {}, which cannot be multiplied", found.shown()))
         };
         node.kind = match &mut node.kind {
             Kind::Integer(number) => whole_where_possible(*number as f64 * factor),
@@ -242,7 +231,7 @@ fn below(path: &str, step: &str) -> String {
 }
 
 /// Numbers of the list items that a step of the path names.
-fn chosen(items: &[Node], path: &str, step: &str) -> Result<Vec<usize>, Refused> {
+fn chosen(items: &[Node], path: &str, step: &str) -> Result<Vec<usize>, Fault> {
     let name = |item: &Node| match item.get("name").map(|node| &node.kind) {
         Some(Kind::Text(name)) => Some(name.clone()),
         _ => None,
@@ -260,16 +249,53 @@ fn chosen(items: &[Node], path: &str, step: &str) -> Result<Vec<usize>, Refused>
         });
         let known: Vec<String> = known.collect();
         let known = if known.is_empty() { "none".into() } else { known.join(", ") };
-        let near = nearest(step, names.iter().map(String::as_str));
-        Refused {
-            message: format!(
-                "{} is not in the file, which has {}",
-                excerpt(&below(path, step)),
-                excerpt(&known)
-            ),
-            hint: near.map(|near| format!("did you mean `{near}`?")),
-        }
+        let path = below(path, step);
+        let message =
+            format!("{} is not in the file, which has {}", excerpt(&path), excerpt(&known));
+        Fault::new(path, message).hinting(did_you_mean(step, names.iter().map(String::as_str)))
     })
+}
+
+type Entries = Vec<(String, Node)>;
+
+/// Removes the keys that a new value at `step` replaces.
+///
+/// A product replaces its factors, and the section if no other key needs it; `ratio` and `ratios`
+/// replace each other.
+fn make_room(entries: &mut Entries, step: &str) {
+    let given: Vec<String> = entries.iter().map(|(key, _)| key.clone()).collect();
+    let is_given = |key: &str| given.iter().any(|other| other == key);
+    let mut replaced = match step {
+        "ratio" => vec!["ratios", "modes"],
+        "ratios" => vec!["ratio"],
+        _ => vec![],
+    };
+    if let Some(property) = PROPERTIES.iter().find(|property| property.whole == step) {
+        replaced.extend([property.material, property.shape]);
+        let mut others = PROPERTIES.iter().filter(|other| other.whole != step);
+        if !others.any(|other| is_given(other.material)) {
+            replaced.push("section");
+        }
+    }
+    entries.retain(|(key, _)| !replaced.contains(&key.as_str()));
+}
+
+/// Hint for a factor on the absent key `step`.
+fn instead(entries: &Entries, step: &str) -> String {
+    let given: Vec<&str> = entries.iter().map(|(key, _)| key.as_str()).collect();
+    let is_factor = |key: &str| PROPERTIES.iter().find(|p| [p.material, p.shape].contains(&key));
+    let others = match step {
+        "ratio" => vec!["ratios"],
+        "ratios" => vec!["ratio"],
+        _ => is_factor(step).map_or(vec![], |property| vec![property.whole, property.material]),
+    };
+    if let Some(other) = others.iter().find(|other| given.contains(other)) {
+        return format!("the file gives {other} there: multiply that");
+    }
+    // A product can be multiplied by its factor.
+    let products = PROPERTIES.iter().filter(|property| given.contains(&property.material));
+    let known = given.iter().copied().chain(products.map(|property| property.whole));
+    did_you_mean(step, known).unwrap_or_else(|| "give it a value with `=`".into())
 }
 
 #[cfg(test)]
@@ -286,12 +312,25 @@ mod tests {
     }
 
     #[test]
+    fn a_slip_in_a_product_of_which_a_factor_is_given_is_asked_about() {
+        let text = "[[segments]]\nlength = 1\nE = 2e11\nI = 1e-10\ndensity = 7800\narea = 1e-4\n";
+        let mut tree = Node::document("", text).unwrap();
+        for (slip, meant) in
+            [("EII", "EI"), ("mass_per_lenght", "mass_per_length"), ("lenght", "length")]
+        {
+            let change = format!("segments.*.{slip}*=2").parse().unwrap();
+            let error = apply(&mut tree, 0, &change).unwrap_err();
+            assert_eq!(error.hint(), Some(format!("did you mean `{meant}`?").as_str()));
+        }
+    }
+
+    #[test]
     fn what_an_override_writes_is_placed_there_and_the_rest_is_not() {
-        let mut tree = Node::document("[hub]\ninertia = '2 kg m^2'\nradius = 1\n").unwrap();
+        let mut tree = Node::document("", "[hub]\ninertia = '2 kg m^2'\nradius = 1\n").unwrap();
         apply(&mut tree, 3, &"hub.inertia*=1.5".parse().unwrap()).unwrap();
-        let place = |path| tree.deepest(path).place;
+        let place = |path| tree.place_of(path);
         assert_eq!(place("hub.inertia"), Place::Override(3));
         assert_eq!(place("hub.radius"), Place::Line(3));
-        assert_eq!(tree.deepest("hub.inertia").shown(), "\"3.0 kg m^2\"");
+        assert_eq!(tree.get("hub").unwrap().get("inertia").unwrap().shown(), "\"3.0 kg m^2\"");
     }
 }

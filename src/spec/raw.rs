@@ -1,32 +1,34 @@
-//! The link file key by key, as it is written; what is allowed together is decided elsewhere.
-//!
-//! The comments on the keys and their ranges become those of the JSON Schema.
+//! The link file key by key, as it is written; conversion decides what is allowed together. The types of
+//! the keys, their comments and ranges make the JSON Schema.
 
-use schemars::JsonSchema;
-use serde::Deserialize as Derived;
+use schemars::generate::SchemaSettings;
+use schemars::transform::transform_subschemas;
+use schemars::{JsonSchema, Schema};
+use serde::Deserialize;
+use serde_json::{Value, json};
 
-use super::choices::{
-    a_model, a_shape, at_least_one, damping_laws, section_shapes, stiffness_and_mass,
+use super::choices::{Model, Shape, combinations, dimensions, properties};
+use super::value::{
+    Area, BendingStiffness, Count, Density, Elements, Length, Mass, MassPerLength, Power, Pressure,
+    Rate, RotaryInertia, SecondMoment, Time, Torque, Unbounded, ViscousFriction, above_zero,
+    at_least_zero, describe, tables,
 };
-use super::quantity::{Count, Elements, Quantity, Real, Tapered, Unbounded};
-use super::value_schema::{Range, a_share, quantity, shares, within};
-use crate::numeric::Dimension;
 
 /// Link file of flexlink.
-#[derive(Debug, Derived, JsonSchema)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub(super) struct RawSpecification {
     /// Title, for people.
     pub(super) title: Option<String>,
     /// Segments of the link, from the hub outward; at least one.
-    #[serde(default)]
-    #[schemars(transform = at_least_one)]
+    #[serde(default, deserialize_with = "tables")]
+    #[schemars(length(min = 1))]
     pub(super) segments: Vec<RawSegment>,
     /// What the motor turns.
     #[serde(default)]
     pub(super) hub: RawHub,
     /// Masses lumped on the link, any number.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tables")]
     pub(super) masses: Vec<RawMass>,
     /// What the tip carries.
     #[serde(default)]
@@ -47,37 +49,37 @@ pub(super) struct RawSpecification {
 }
 
 /// `[[segments]]`
-#[derive(Debug, Derived, JsonSchema)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table")]
-#[schemars(transform = stiffness_and_mass)]
+#[schemars(transform = properties)]
 pub(super) struct RawSegment {
     /// Unique name, which addresses the segment in --set; not a number, without `.`, `*` and `=`.
     pub(super) name: Option<String>,
     /// Length along the link.
-    #[schemars(transform = quantity(Dimension::LENGTH, Range::AboveZero))]
-    pub(super) length: Quantity,
+    #[schemars(transform = above_zero)]
+    pub(super) length: Length,
     /// Bending stiffness; or give E and I, or E and section. [inner, outer] tapers linearly.
     #[serde(rename = "EI")]
-    #[schemars(transform = quantity(Dimension::BENDING_STIFFNESS, Range::AboveZero))]
-    pub(super) bending_stiffness: Option<Tapered>,
+    #[schemars(transform = above_zero)]
+    pub(super) bending_stiffness: Option<BendingStiffness>,
     /// Young's modulus, with I or section.
     #[serde(rename = "E")]
-    #[schemars(transform = quantity(Dimension::PRESSURE, Range::AboveZero))]
-    pub(super) modulus: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) modulus: Option<Pressure>,
     /// Second moment of area, with E. [inner, outer] tapers linearly.
     #[serde(rename = "I")]
-    #[schemars(transform = quantity(Dimension::SECOND_MOMENT, Range::AboveZero))]
-    pub(super) second_moment: Option<Tapered>,
+    #[schemars(transform = above_zero)]
+    pub(super) second_moment: Option<SecondMoment>,
     /// Mass per length; or give density and area, or density and section. [inner, outer] tapers
     /// linearly.
-    #[schemars(transform = quantity(Dimension::MASS_PER_LENGTH, Range::AtLeastZero))]
-    pub(super) mass_per_length: Option<Tapered>,
+    #[schemars(transform = at_least_zero)]
+    pub(super) mass_per_length: Option<MassPerLength>,
     /// Density, with area or section.
-    #[schemars(transform = quantity(Dimension::DENSITY, Range::AtLeastZero))]
-    pub(super) density: Option<Quantity>,
+    #[schemars(transform = at_least_zero)]
+    pub(super) density: Option<Density>,
     /// Area of the cross-section, with density. [inner, outer] tapers linearly.
-    #[schemars(transform = quantity(Dimension::AREA, Range::AboveZero))]
-    pub(super) area: Option<Tapered>,
+    #[schemars(transform = above_zero)]
+    pub(super) area: Option<Area>,
     /// Cross-section, with E or density or both.
     pub(super) section: Option<RawSection>,
     /// Elements of this segment; by default shared out from [mesh].
@@ -85,184 +87,247 @@ pub(super) struct RawSegment {
 }
 
 /// `section = { … }`
-#[derive(Debug, Derived, JsonSchema)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table such as { shape = \"circle\", diameter = 0.01 }")]
-#[schemars(transform = section_shapes)]
+#[schemars(transform = dimensions)]
 pub(super) struct RawSection {
     /// rectangle (width, thickness), circle (diameter), tube (diameter, wall) or box (width, height,
     /// wall).
-    #[schemars(transform = a_shape)]
-    pub(super) shape: String,
+    pub(super) shape: Shape,
     /// Width across the plane of motion; of a rectangle or box.
-    #[schemars(transform = quantity(Dimension::LENGTH, Range::AboveZero))]
-    pub(super) width: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) width: Option<Length>,
     /// Thickness in the plane of motion; of a rectangle.
-    #[schemars(transform = quantity(Dimension::LENGTH, Range::AboveZero))]
-    pub(super) thickness: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) thickness: Option<Length>,
     /// Height in the plane of motion; of a box.
-    #[schemars(transform = quantity(Dimension::LENGTH, Range::AboveZero))]
-    pub(super) height: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) height: Option<Length>,
     /// Outer diameter; of a circle or tube.
-    #[schemars(transform = quantity(Dimension::LENGTH, Range::AboveZero))]
-    pub(super) diameter: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) diameter: Option<Length>,
     /// Thickness of the wall, below half the outer size; of a tube or box.
-    #[schemars(transform = quantity(Dimension::LENGTH, Range::AboveZero))]
-    pub(super) wall: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) wall: Option<Length>,
 }
 
 /// `[hub]`
-#[derive(Debug, Default, Derived, JsonSchema)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawHub {
     /// Rotary inertia about the axis.
-    #[schemars(transform = quantity(Dimension::ROTARY_INERTIA, Range::AtLeastZero).or(0))]
-    pub(super) inertia: Quantity,
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) inertia: RotaryInertia,
     /// Rigid radius from the axis to the link's root.
-    #[schemars(transform = quantity(Dimension::LENGTH, Range::AtLeastZero).or(0))]
-    pub(super) radius: Quantity,
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) radius: Length,
     /// Viscous friction of the joint.
-    #[schemars(transform = quantity(Dimension::VISCOUS_FRICTION, Range::AtLeastZero).or(0))]
-    pub(super) viscous_friction: Quantity,
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) viscous_friction: ViscousFriction,
 }
 
 /// `[[masses]]`
-#[derive(Debug, Derived, JsonSchema)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub(super) struct RawMass {
     /// Distance from the axis, hub radius included; a node is placed there.
-    #[schemars(transform = quantity(Dimension::LENGTH, Range::AtLeastZero))]
-    pub(super) at: Quantity,
+    #[schemars(transform = at_least_zero)]
+    pub(super) at: Length,
     /// Mass.
-    #[schemars(transform = quantity(Dimension::MASS, Range::AtLeastZero))]
-    pub(super) mass: Quantity,
+    #[schemars(transform = at_least_zero)]
+    pub(super) mass: Mass,
     /// Rotary inertia about its own centre.
     #[serde(default)]
-    #[schemars(transform = quantity(Dimension::ROTARY_INERTIA, Range::AtLeastZero).or(0))]
-    pub(super) inertia: Quantity,
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) inertia: RotaryInertia,
 }
 
 /// `[payload]`
-#[derive(Debug, Default, Derived, JsonSchema)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawPayload {
     /// Mass.
-    #[schemars(transform = quantity(Dimension::MASS, Range::AtLeastZero).or(0))]
-    pub(super) mass: Quantity,
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) mass: Mass,
     /// Rotary inertia about its own centre of mass.
-    #[schemars(transform = quantity(Dimension::ROTARY_INERTIA, Range::AtLeastZero).or(0))]
-    pub(super) inertia: Quantity,
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) inertia: RotaryInertia,
     /// Distance of its centre of mass beyond the tip; negative towards the hub.
-    #[schemars(transform = quantity(Dimension::LENGTH, Range::Any).or(0))]
-    pub(super) offset: Quantity,
+    #[schemars(extend("default" = 0))]
+    pub(super) offset: Length,
 }
 
 /// `[damping]`
-#[derive(Debug, Default, Derived, JsonSchema)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
-#[schemars(transform = damping_laws)]
+#[schemars(transform = combinations)]
 pub(super) struct RawDamping {
     /// hysteretic (ratio), modal (ratio or ratios), rayleigh (alpha and beta, or modes and ratios),
     /// caughey (ratio, or ratios with or without modes) or none; by default hysteretic.
-    #[schemars(transform = a_model)]
-    pub(super) model: Option<String>,
+    #[schemars(extend("default" = "hysteretic"))]
+    pub(super) model: Option<Model>,
     /// Damping ratio; 0.02 is usual for metal links.
-    #[schemars(transform = a_share)]
-    pub(super) ratio: Option<Real>,
+    #[schemars(range(min = 0), extend("exclusiveMaximum" = 1))]
+    pub(super) ratio: Option<f64>,
     /// Damping ratios, from mode 1 or one for each of `modes`.
     #[schemars(transform = shares)]
-    pub(super) ratios: Option<Vec<Real>>,
+    pub(super) ratios: Option<Vec<f64>>,
     /// Flexible modes, from 1, that the ratios belong to.
     pub(super) modes: Option<Vec<Count>>,
     /// Rayleigh damping in proportion to mass.
-    #[schemars(transform = quantity(Dimension::RATE, Range::AtLeastZero).or(0))]
-    pub(super) alpha: Option<Quantity>,
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) alpha: Option<Rate>,
     /// Rayleigh damping in proportion to stiffness.
-    #[schemars(transform = quantity(Dimension::TIME, Range::AtLeastZero).or(0))]
-    pub(super) beta: Option<Quantity>,
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) beta: Option<Time>,
 }
 
 /// `[drive]`
-#[derive(Debug, Default, Derived, JsonSchema)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawDrive {
     /// Stiffness of the elastic joint; inf, the default, is a stiff one.
-    #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
+    #[schemars(transform = above_zero)]
     pub(super) joint_stiffness: Option<Unbounded>,
     /// Rotary inertia of the rotor, on the motor side of the gear.
-    #[schemars(transform = quantity(Dimension::ROTARY_INERTIA, Range::AtLeastZero).or(0))]
-    pub(super) rotor_inertia: Quantity,
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) rotor_inertia: RotaryInertia,
     /// Turns of the motor for one turn of the hub, 1e-6 to 1e6.
-    #[schemars(transform = within(1e-6, 1e6), extend("default" = 1))]
-    pub(super) gear_ratio: Option<Real>,
+    #[schemars(range(min = 1e-6, max = 1e6), extend("default" = 1))]
+    pub(super) gear_ratio: Option<f64>,
 }
 
 /// `[limits]`
-#[derive(Debug, Default, Derived, JsonSchema)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawLimits {
     /// Peak torque at the hub, on the link's side of a drive.
-    #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
-    pub(super) torque: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) torque: Option<Torque>,
     /// Root mean square of the torque at the hub while it acts.
-    #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
-    pub(super) rms_torque: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) rms_torque: Option<Torque>,
     /// Peak rate of the hub, an angle per time.
-    #[schemars(transform = quantity(Dimension::RATE, Range::AboveZero))]
-    pub(super) hub_rate: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) hub_rate: Option<Rate>,
     /// Peak mechanical power at the hub.
-    #[schemars(transform = quantity(Dimension::POWER, Range::AboveZero))]
-    pub(super) power: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) power: Option<Power>,
     /// Peak deflection of the tip from the hub's tangent line.
-    #[schemars(transform = quantity(Dimension::LENGTH, Range::AboveZero))]
-    pub(super) deflection: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) deflection: Option<Length>,
     /// Peak bending moment at the link's root.
-    #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
-    pub(super) bending_moment: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) bending_moment: Option<Torque>,
     /// Peak torque of the motor, on its own side of the gear; needs a [drive], as all limits of the
     /// motor.
-    #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
-    pub(super) motor_torque: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) motor_torque: Option<Torque>,
     /// Root mean square of the motor's torque while it acts.
-    #[schemars(transform = quantity(Dimension::TORQUE, Range::AboveZero))]
-    pub(super) motor_rms_torque: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) motor_rms_torque: Option<Torque>,
     /// Peak rate of the rotor, an angle per time.
-    #[schemars(transform = quantity(Dimension::RATE, Range::AboveZero))]
-    pub(super) motor_rate: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) motor_rate: Option<Rate>,
     /// Peak mechanical power of the motor.
-    #[schemars(transform = quantity(Dimension::POWER, Range::AboveZero))]
-    pub(super) motor_power: Option<Quantity>,
+    #[schemars(transform = above_zero)]
+    pub(super) motor_power: Option<Power>,
 }
 
 /// `[mesh]`
-#[derive(Debug, Default, Derived, JsonSchema)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawMesh {
     /// Elements of the whole link, or "auto", the default where a segment has no number of its own:
     /// refined until all that is written is exact to tolerance.
     pub(super) elements: Option<Elements>,
     /// Share of its peak that "auto" may cost every quantity, 1e-12 to 0.1.
-    #[schemars(transform = within(1e-12, 0.1), extend("default" = 1e-6))]
-    pub(super) tolerance: Option<Real>,
+    #[schemars(range(min = 1e-12, max = 0.1), extend("default" = 1e-6))]
+    pub(super) tolerance: Option<f64>,
 }
 
 /// `[analysis]`
-#[derive(Debug, Default, Derived, JsonSchema)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawAnalysis {
     /// Share of its peak that padding and wrap-around may cost every quantity, 1e-12 to 1e-2.
-    #[schemars(transform = within(1e-12, 1e-2), extend("default" = 1e-6))]
-    pub(super) tolerance: Option<Real>,
+    #[schemars(range(min = 1e-12, max = 1e-2), extend("default" = 1e-6))]
+    pub(super) tolerance: Option<f64>,
     /// Share of its way that the tip may stray from the wanted motion, 1e-12 to 0.1: no frequency is
     /// solved that this does not need. 0: every frequency of the samples.
-    #[schemars(transform = within(0.0, 0.1), extend("default" = 1e-6))]
-    pub(super) tip_tolerance: Option<Real>,
+    #[schemars(range(min = 0.0, max = 0.1), extend("default" = 1e-6))]
+    pub(super) tip_tolerance: Option<f64>,
     /// Time added before the trajectory's first sample; by default until the torque falls below
     /// tolerance there.
-    #[schemars(transform = quantity(Dimension::TIME, Range::AtLeastZero))]
-    pub(super) lead: Option<Quantity>,
+    #[schemars(transform = at_least_zero)]
+    pub(super) lead: Option<Time>,
     /// Time added after the trajectory's last sample; by default likewise.
-    #[schemars(transform = quantity(Dimension::TIME, Range::AtLeastZero))]
-    pub(super) lag: Option<Quantity>,
+    #[schemars(transform = at_least_zero)]
+    pub(super) lag: Option<Time>,
     /// Lowest flexible modes to keep, the paper's reduction; by default all.
     pub(super) modes: Option<Count>,
+}
+
+/// A list of numbers from 0 to below 1, at least one.
+fn shares(schema: &mut Schema) {
+    schema.insert("minItems".into(), 1.into());
+    let share = json!({ "type": "number", "minimum": 0, "exclusiveMaximum": 1 });
+    schema.insert("items".into(), share);
+}
+
+/// JSON Schema (draft 7) of the link file, as text: what editors complete and check it with.
+///
+/// It has every key with its meaning, unit, range and default, and the keys that go together. It cannot
+/// say the dimension of a unit or the sum of the elements; the reader checks these. Editors show a
+/// description only where it stands: so the schema has no references.
+///
+/// ```
+/// let schema: serde_json::Value = serde_json::from_str(&flexlink::spec::link_file_schema())?;
+/// assert!(schema["properties"]["hub"]["properties"]["inertia"].is_object());
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+pub fn link_file_schema() -> String {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    let generator = settings.with_transform(tidied).into_generator();
+    let mut schema = generator.into_root_schema_for::<RawSpecification>();
+    schema.insert("title".into(), "flexlink link file".into());
+    schema.insert("required".into(), Value::from(vec!["segments"]));
+    format!("{:#}\n", Value::from(schema))
+}
+
+/// Removes the `null` of optional keys, which TOML does not have, and the line ends that wrap a
+/// description.
+fn tidied(schema: &mut Schema) {
+    if let Some(Value::String(text)) = schema.get_mut("description") {
+        let paragraphs: Vec<String> = text.split("\n\n").map(|p| p.replace('\n', " ")).collect();
+        *text = paragraphs.join("\n\n");
+    }
+    if let Some(Value::Array(types)) = schema.get_mut("type") {
+        types.retain(|kind| kind != "null");
+        if let [only] = &types[..] {
+            let only = only.clone();
+            schema.insert("type".into(), only);
+        }
+    }
+    if let Some(Value::Array(choices)) = schema.get_mut("enum") {
+        choices.retain(|choice| !choice.is_null());
+    }
+    if let Some(Value::Array(choices)) = schema.get_mut("anyOf") {
+        choices.retain(|choice| choice.get("type").is_none_or(|kind| kind != "null"));
+        if let [Value::Object(only)] = &mut choices[..] {
+            let only = std::mem::take(only);
+            schema.remove("anyOf");
+            // Keywords of the key come before those of its type.
+            for (keyword, value) in only {
+                schema.ensure_object().entry(keyword).or_insert(value);
+            }
+        }
+    }
+    // Where numbers have no default in the file, serde has one.
+    if schema.get("default").is_some_and(Value::is_null) {
+        schema.remove("default");
+    }
+    schema.remove("format");
+    describe(schema);
+    transform_subschemas(&mut tidied, schema);
 }

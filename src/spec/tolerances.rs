@@ -1,18 +1,18 @@
 use serde::Deserialize;
 
-use super::document::check_list_of_tables;
+use super::convert::placed;
 use super::error::{Fault, SpecError};
-use super::quantity::Real;
 use super::tree::{Node, Place};
+use super::value::tables;
 use crate::compare::{Change, ColumnRule, Tolerance, Tolerances};
 
 /// The whole file of tolerances, key by key.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 struct RawTolerances {
-    rtol: Option<Real>,
-    atol: Option<Real>,
-    #[serde(default)]
+    rtol: Option<f64>,
+    atol: Option<f64>,
+    #[serde(default, deserialize_with = "tables")]
     columns: Vec<RawColumnRule>,
 }
 
@@ -22,8 +22,8 @@ struct RawTolerances {
 struct RawColumnRule {
     file: Option<String>,
     column: String,
-    rtol: Option<Real>,
-    atol: Option<Real>,
+    rtol: Option<f64>,
+    atol: Option<f64>,
     ignore: Option<bool>,
 }
 
@@ -41,21 +41,15 @@ struct RawColumnRule {
 /// # Errors
 /// [`SpecError`] names the line and the wrong value.
 pub fn read_tolerances(name: &str, text: &str) -> Result<Tolerances, SpecError> {
-    let shown = |place: Place| match place {
+    let tree = Node::document(name, text)?;
+    let place_of = |path: &str| match tree.place_of(path) {
         Place::Line(line) => format!("{name}:{line}"),
         Place::File | Place::Override(_) => name.to_owned(),
     };
-    let tree = Node::document(text)
-        .map_err(|(place, message)| SpecError::new(shown(place), &message, None))?;
-    let place_of = |path: &str| shown(tree.deepest(path).place);
-    read(&tree, place_of).map_err(|fault| {
-        let place = shown(fault.place(&tree));
-        fault.at(place)
-    })
+    read(&tree, place_of).map_err(|fault| placed(fault, &tree, name, &[]))
 }
 
 fn read(tree: &Node, place_of: impl Fn(&str) -> String) -> Result<Tolerances, Fault> {
-    check_list_of_tables(tree, "columns")?;
     let raw = RawTolerances::deserialize(tree)?;
     let usual = Tolerance::default();
     let general = Tolerance {
@@ -90,12 +84,12 @@ fn entry(path: &str, place: String, raw: RawColumnRule) -> Result<ColumnRule, Fa
 }
 
 /// A tolerance, refused below 0.
-fn checked(path: &str, number: Option<Real>) -> Result<Option<f64>, Fault> {
+fn checked(path: &str, number: Option<f64>) -> Result<Option<f64>, Fault> {
     match number {
-        Some(Real(number)) if number < 0.0 => {
+        Some(number) if number < 0.0 => {
             Err(Fault::new(path, format!("{path} = {number}, but must be 0 or above")))
         }
-        number => Ok(number.map(|Real(number)| number)),
+        number => Ok(number),
     }
 }
 

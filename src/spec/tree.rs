@@ -1,7 +1,17 @@
+//! The link file as a tree of values, each with the line or `--set` that wrote it; serde reads the raw
+//! form from it.
+
 use std::ops::Range;
 
-use toml::de::{DeTable, DeValue, Error};
+use serde::de::value::StrDeserializer;
+use serde::de::{
+    DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
+    Visitor,
+};
+use serde::forward_to_deserialize_any;
+use toml::de::{DeTable, DeValue};
 
+use super::error::{Fault, Misfit, SpecError};
 use crate::numeric::excerpt;
 
 /// Where a value was written; later places are greater.
@@ -36,16 +46,22 @@ pub(super) enum Kind {
 }
 
 impl Node {
-    /// Reads a TOML document.
+    /// Reads a TOML document, which errors call `name`.
     ///
     /// # Errors
-    /// The place and the TOML parser's own words.
-    pub(super) fn document(text: &str) -> Result<Self, (Place, String)> {
+    /// The line and the TOML parser's own words.
+    pub(super) fn document(name: &str, text: &str) -> Result<Self, SpecError> {
         let line_ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
-        let line =
-            |span: Range<usize>| Place::Line(line_ends.partition_point(|at| *at < span.start) + 1);
-        let root = DeTable::parse(text).map_err(|error| complaint(&error, text, line))?;
-        let kind = table(root.get_ref(), &line);
+        let line = |span: Range<usize>| line_ends.partition_point(|at| *at < span.start) + 1;
+        let root = DeTable::parse(text).map_err(|error| {
+            let place = error.span().map_or(name.to_owned(), |at| format!("{name}:{}", line(at)));
+            let message = match (error.message(), error.span()) {
+                ("duplicate key", Some(at)) => format!("duplicate key `{}`", excerpt(&text[at])),
+                (message, _) => message.to_owned(),
+            };
+            Fault::new("", message).at(place)
+        })?;
+        let kind = table(root.get_ref(), &|span| Place::Line(line(span)));
         Ok(Self { place: Place::File, kind })
     }
 
@@ -70,8 +86,8 @@ impl Node {
         }
     }
 
-    /// The value at a dotted path, or the innermost value that encloses it.
-    pub(super) fn deepest(&self, path: &str) -> &Self {
+    /// Where the value at a dotted path was written, or the innermost value that encloses it.
+    pub(super) fn place_of(&self, path: &str) -> Place {
         let mut node = self;
         for step in path.split('.') {
             match node.get(step) {
@@ -79,7 +95,7 @@ impl Node {
                 None => break,
             }
         }
-        node
+        node.place
     }
 
     /// The value as messages quote it.
@@ -99,17 +115,6 @@ impl Node {
             Kind::Table(_) => "a table".into(),
         }
     }
-}
-
-fn complaint(error: &Error, text: &str, line: impl Fn(Range<usize>) -> Place) -> (Place, String) {
-    let Some(span) = error.span() else {
-        return (Place::File, error.message().to_owned());
-    };
-    let message = match error.message() {
-        "duplicate key" => format!("duplicate key `{}`", excerpt(&text[span.clone()])),
-        message => message.to_owned(),
-    };
-    (line(span), message)
 }
 
 fn table(entries: &DeTable<'_>, place: &impl Fn(Range<usize>) -> Place) -> Kind {
@@ -144,14 +149,151 @@ fn kind(value: &DeValue<'_>, place: &impl Fn(Range<usize>) -> Place) -> Kind {
     }
 }
 
+impl<'de> Deserializer<'de> for &'de Node {
+    type Error = Misfit;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+        match &self.kind {
+            Kind::Text(text) => visitor.visit_borrowed_str(text),
+            Kind::Integer(number) => visitor.visit_i64(*number),
+            Kind::Number(number) if !number.is_finite() => Err(Misfit::custom("must be finite")),
+            Kind::Number(number) => visitor.visit_f64(*number),
+            Kind::Boolean(truth) => visitor.visit_bool(*truth),
+            Kind::Date(_) => Err(Misfit::invalid_type(Unexpected::Other("date"), &visitor)),
+            Kind::List(items) => visitor.visit_seq(Items(items.iter().enumerate())),
+            Kind::Table(entries) => {
+                visitor.visit_map(Entries { entries: entries.iter(), value: None })
+            }
+        }
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+        visitor.visit_some(self)
+    }
+
+    /// Accepts a table only, no list in the order of the fields.
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        _fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Misfit> {
+        match self.kind {
+            Kind::Table(_) => self.deserialize_any(visitor),
+            _ => Err(Misfit::invalid_type(Unexpected::Map, &visitor)),
+        }
+    }
+
+    /// Accepts one word.
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        _variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Misfit> {
+        match &self.kind {
+            Kind::Text(word) => visitor.visit_enum(word.as_str().into_deserializer()),
+            _ => Err(Misfit::custom("must be a string")),
+        }
+    }
+
+    /// Accepts an infinite number as `Unbounded`, and nothing but a list of tables as `Tables`.
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Misfit> {
+        let is_table = |node: &Node| matches!(node.kind, Kind::Table(_));
+        match &self.kind {
+            Kind::Number(number) if name == "Unbounded" && number.is_infinite() => {
+                visitor.visit_newtype_struct(number.into_deserializer())
+            }
+            Kind::List(items) if name == "Tables" && items.iter().all(is_table) => {
+                visitor.visit_newtype_struct(self)
+            }
+            _ if name == "Tables" => Err(Misfit::not_tables()),
+            _ => visitor.visit_newtype_struct(self),
+        }
+    }
+
+    forward_to_deserialize_any! {
+        bool u8 u16 u32 u64 i8 i16 i32 i64 f32 f64 char str string seq bytes byte_buf map unit
+        ignored_any unit_struct tuple_struct tuple identifier
+    }
+}
+
+struct Items<'de>(std::iter::Enumerate<std::slice::Iter<'de, Node>>);
+
+impl<'de> SeqAccess<'de> for Items<'de> {
+    type Error = Misfit;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(
+        &mut self,
+        seed: T,
+    ) -> Result<Option<T::Value>, Misfit> {
+        let Some((number, node)) = self.0.next() else { return Ok(None) };
+        seed.deserialize(node)
+            .map(Some)
+            .map_err(|misfit| misfit.below(number.to_string(), || node.shown()))
+    }
+}
+
+struct Entries<'de> {
+    entries: std::slice::Iter<'de, (String, Node)>,
+    value: Option<&'de (String, Node)>,
+}
+
+impl<'de> MapAccess<'de> for Entries<'de> {
+    type Error = Misfit;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, Misfit> {
+        self.value = self.entries.next();
+        let Some((key, _)) = self.value else { return Ok(None) };
+        let key: StrDeserializer<'_, Misfit> = key.as_str().into_deserializer();
+        seed.deserialize(key).map(Some)
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Misfit> {
+        let Some((key, node)) = self.value.take() else {
+            return Err(Misfit::custom("must follow its key"));
+        };
+        seed.deserialize(node).map_err(|misfit| misfit.below(key.clone(), || node.shown()))
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use serde::Deserialize;
+
+    use super::super::raw::RawSpecification;
     use super::*;
+
+    fn fault(text: &str) -> Fault {
+        let tree = Node::document("link.toml", text).unwrap();
+        RawSpecification::deserialize(&tree).unwrap_err().into()
+    }
+
+    #[test]
+    fn a_misfit_names_its_path_through_tables_and_lists() {
+        let text = "[[segments]]\nlength = 1\n[[segments]]\nlength = 1\nI = [1, {}]\n";
+        let must = "must be a number in SI or a string with its unit";
+        let message = format!("segments.1.I.1 = a table, but {must}");
+        assert_eq!(fault(text), Fault::new("segments.1.I.1", message));
+    }
+
+    #[test]
+    fn a_table_is_not_read_from_a_list() {
+        let message = "payload = [1, 0, 0], but must be a table";
+        assert_eq!(fault("payload = [1, 0, 0]"), Fault::new("payload", message));
+    }
 
     #[test]
     fn a_path_leads_to_its_line_or_to_that_of_the_enclosing_header() {
         let text = "title = 'a'\n\n[[segments]]\nlength = 1\n[[segments]]\nEI = [\n 5,\n 4]\n";
-        let tree = Node::document(text).unwrap();
+        let tree = Node::document("link.toml", text).unwrap();
         for (path, line) in [
             ("title", 1),
             ("segments", 3),
@@ -160,9 +302,9 @@ mod tests {
             ("segments.1.EI", 6),
             ("segments.1.EI.1", 8),
         ] {
-            assert_eq!(tree.deepest(path).place, Place::Line(line), "{path}");
+            assert_eq!(tree.place_of(path), Place::Line(line), "{path}");
         }
-        assert_eq!(tree.deepest("hub.inertia").place, Place::File);
+        assert_eq!(tree.place_of("hub.inertia"), Place::File);
     }
 
     #[test]

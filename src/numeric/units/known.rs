@@ -50,7 +50,7 @@ impl Dimension {
     /// W
     pub const POWER: Self = Self::new(1, 2, -3);
 
-    const fn new(mass: i8, length: i8, time: i8) -> Self {
+    pub(crate) const fn new(mass: i8, length: i8, time: i8) -> Self {
         Self { mass, length, time }
     }
 

@@ -1,0 +1,195 @@
+use serde::Deserialize;
+
+use super::damping::damping;
+use super::error::{Fault, SpecError};
+use super::overrides::{Override, apply};
+use super::raw::{RawAnalysis, RawLimits, RawSpecification};
+use super::segment::segment;
+use super::tree::{Node, Place};
+use super::value::{Count, Elements, Si};
+use crate::beam::{ElementCount, MeshPlan};
+use crate::inverse::Analysis;
+use crate::link::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload};
+use crate::result::{Limits, Remark};
+
+/// The checked content of a link file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Specification {
+    /// The physical link.
+    pub link: Link,
+    /// How the link is meshed.
+    pub mesh: MeshPlan,
+    /// Tolerances, window and modes of the inversion.
+    pub analysis: Analysis,
+    /// Largest values that link and motor may reach.
+    pub limits: Limits,
+    /// Values that are possible but rare, often a slip of units.
+    pub remarks: Vec<Remark>,
+}
+
+/// Reads the text of a link file and applies the `overrides` in their order.
+///
+/// `name` is what errors call the file.
+///
+/// # Errors
+/// [`SpecError`] names the line, or the `--set`, and the wrong value.
+pub fn read_specification(
+    name: &str,
+    text: &str,
+    overrides: &[Override],
+) -> Result<Specification, SpecError> {
+    LinkDocument::read(name, text)?.specification(name, overrides)
+}
+
+/// The text of a link file, parsed once for many sets of overrides; nothing of it is checked yet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkDocument {
+    tree: Node,
+}
+
+impl LinkDocument {
+    /// Parses the text of a link file, which errors call `name`.
+    ///
+    /// # Errors
+    /// [`SpecError`] names the line that is no TOML.
+    pub fn read(name: &str, text: &str) -> Result<Self, SpecError> {
+        Ok(Self { tree: Node::document(name, text)? })
+    }
+
+    /// The specification with the `overrides` applied in their order.
+    ///
+    /// # Errors
+    /// As [`read_specification`].
+    pub fn specification(
+        &self,
+        name: &str,
+        overrides: &[Override],
+    ) -> Result<Specification, SpecError> {
+        let mut tree = self.tree.clone();
+        for (number, change) in overrides.iter().enumerate() {
+            apply(&mut tree, number, change)?;
+        }
+        let raw = RawSpecification::deserialize(&tree).map_err(Fault::from);
+        raw.and_then(convert).map_err(|fault| placed(fault, &tree, name, overrides))
+    }
+}
+
+/// The refusal with the last of the places in the tree that it concerns.
+pub(super) fn placed(fault: Fault, tree: &Node, name: &str, overrides: &[Override]) -> SpecError {
+    let places = fault.paths.iter().map(|path| tree.place_of(path));
+    let place = match places.max().unwrap_or(Place::File) {
+        Place::File => name.to_owned(),
+        Place::Line(line) => format!("{name}:{line}"),
+        Place::Override(number) => overrides[number].place.clone(),
+    };
+    fault.at(place)
+}
+
+/// Converts the raw form to the checked one.
+fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
+    if raw.segments.is_empty() {
+        return Err(Fault::new("segments", "must hold at least one [[segments]]"));
+    }
+    let own_elements: Vec<Option<usize>> =
+        raw.segments.iter().map(|segment| segment.elements.map(|count| count.0)).collect();
+    let remarks = raw.segments.iter().enumerate().flat_map(|(index, segment)| {
+        let at = |key: &str| format!("segments.{index}.{key}");
+        let modulus = segment.modulus.and_then(|e| Remark::on_modulus(&at("E"), e.si()));
+        let density = segment.density.and_then(|rho| Remark::on_density(&at("density"), rho.si()));
+        modulus.into_iter().chain(density)
+    });
+    let remarks = remarks.collect();
+    let segments = raw.segments.into_iter().enumerate();
+    let link = Link::new(LinkParts {
+        title: raw.title.unwrap_or_default(),
+        segments: segments.map(|(index, raw)| segment(index, raw)).collect::<Result<_, _>>()?,
+        hub: Hub {
+            inertia_kg_m2: raw.hub.inertia.si(),
+            radius_m: raw.hub.radius.si(),
+            viscous_friction_n_m_s_rad: raw.hub.viscous_friction.si(),
+        },
+        masses: raw
+            .masses
+            .iter()
+            .map(|mass| LumpedMass {
+                at_m: mass.at.si(),
+                mass_kg: mass.mass.si(),
+                inertia_kg_m2: mass.inertia.si(),
+            })
+            .collect(),
+        payload: Payload {
+            mass_kg: raw.payload.mass.si(),
+            inertia_kg_m2: raw.payload.inertia.si(),
+            offset_m: raw.payload.offset.si(),
+        },
+        damping: raw.damping.as_ref().map_or(Ok(Damping::None), damping)?,
+        drive: raw.drive.map(|drive| Drive {
+            joint_stiffness_n_m_rad: drive.joint_stiffness.map_or(f64::INFINITY, |k| k.0.si()),
+            rotor_inertia_kg_m2: drive.rotor_inertia.si(),
+            gear_ratio: drive.gear_ratio.unwrap_or(1.0),
+        }),
+    })?;
+    let count = raw.mesh.elements.map(|elements| match elements {
+        Elements::Word(_) => ElementCount::Auto,
+        Elements::Total(count) => ElementCount::Total(count.0),
+    });
+    let tolerance = raw.mesh.tolerance.unwrap_or(MeshPlan::DEFAULT_TOLERANCE);
+    let mesh = MeshPlan::new(&link, &own_elements, count, tolerance)?;
+    let analysis = analysis(&raw.analysis)?;
+    let limits = limits(&raw.limits).check(link.drive())?;
+    Ok(Specification { link, mesh, analysis, limits, remarks })
+}
+
+fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {
+    let tolerance = raw.tolerance.unwrap_or(Analysis::DEFAULT_TOLERANCE);
+    let tip_tolerance = raw.tip_tolerance.unwrap_or(Analysis::DEFAULT_TIP_TOLERANCE);
+    let analysis = Analysis::new(tolerance, raw.lead.map(Si::si), raw.lag.map(Si::si))?
+        .with_tip_tolerance(tip_tolerance)?;
+    match raw.modes {
+        Some(Count(modes)) => Ok(analysis.keeping_modes(modes)?),
+        None => Ok(analysis),
+    }
+}
+
+fn limits(raw: &RawLimits) -> Limits {
+    Limits {
+        torque_n_m: raw.torque.map(Si::si),
+        rms_torque_n_m: raw.rms_torque.map(Si::si),
+        hub_rate_rad_s: raw.hub_rate.map(Si::si),
+        power_w: raw.power.map(Si::si),
+        deflection_m: raw.deflection.map(Si::si),
+        bending_moment_n_m: raw.bending_moment.map(Si::si),
+        motor_torque_n_m: raw.motor_torque.map(Si::si),
+        motor_rms_torque_n_m: raw.motor_rms_torque.map(Si::si),
+        motor_rate_rad_s: raw.motor_rate.map(Si::si),
+        motor_power_w: raw.motor_power.map(Si::si),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_tolerance_has_its_range() {
+        let refused = |tolerance: &str| {
+            let segment = "{ length = 1, EI = 1, mass_per_length = 1 }";
+            let text = format!("segments = [{segment}]\nmesh.tolerance = {tolerance}");
+            read_specification("link.toml", &text, &[]).is_err()
+        };
+        assert!(!refused("1e-12") && !refused("0.1"));
+        assert!(refused("0.9e-12") && refused("0.11"));
+    }
+
+    #[test]
+    fn an_error_is_placed_in_the_file_the_line_or_the_setting() {
+        let place = |text: &str, set: &str| {
+            let error = read_specification("link.toml", text, &[set.parse().unwrap()]);
+            let message = error.unwrap_err().to_string();
+            message.split_once(": ").unwrap().0.to_owned()
+        };
+        assert_eq!(place("", "hub.inertia=1"), "link.toml");
+        assert_eq!(place("\n\nlimits = 1", "hub.inertia=1"), "link.toml:3");
+        assert_eq!(place("", "hub.x=1"), "--set 'hub.x=1'");
+    }
+}
