@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::report::chart::Figure;
-use flexlink::report::{Figures, page};
+use flexlink::report::{Figure, Figures, page};
 use flexlink::result::StoredResult;
 use flexlink::store::{OutputFolder, REPORT, read_result};
 

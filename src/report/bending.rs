@@ -1,6 +1,8 @@
 //! Bending along the link: moments estimated where a run did not write them, and the figure of waves.
 
-use super::chart::{Across, Axis, ColourMap, Colours, Figure, Stroke, is_extreme};
+use super::axis::{Axis, is_extreme};
+use super::colour_map::{ColourMap, Colours};
+use super::figure::{Figure, Stroke};
 use super::view::{View, inside, nearest};
 use crate::beam::Mesh;
 use crate::numeric::{largest, significant};
@@ -53,9 +55,21 @@ pub(super) fn bending_moments(view: &View) -> Option<Moments> {
     let intervals = Interval::between(&run.mesh, &deflections.nodes);
     let turns: Vec<f64> =
         deflections.times_s.iter().map(|t| run.hub_angle_rad[nearest(&run.times_s, *t)]).collect();
+    // v of every node.
+    let motion = |(node, w): (&usize, &Vec<f64>)| -> Vec<f64> {
+        let x_m = run.mesh.nodes_m()[*node];
+        w.iter().zip(&turns).map(|(w, turn)| w + x_m * turn).collect()
+    };
+    let motions: Vec<_> =
+        deflections.nodes.iter().zip(&deflections.histories).map(motion).collect();
+    let last = turns.len() - 1;
+    let apart = apart.min(last / 2);
+    let square = (apart as f64 * step_s) * (apart as f64 * step_s);
     let mut histories = vec![Vec::with_capacity(turns.len()); deflections.nodes.len()];
-    for k in 0..turns.len() {
-        let accelerations = accelerations(run, &deflections, &turns, (k, apart, step_s));
+    for k in 0..=last {
+        let middle = k.clamp(apart, last - apart);
+        let second = |v: &Vec<f64>| v[middle - apart] - 2.0 * v[middle] + v[middle + apart];
+        let accelerations: Vec<f64> = motions.iter().map(|v| second(v) / square).collect();
         let moments = moments(run, &deflections, &intervals, &accelerations);
         histories.iter_mut().zip(moments).for_each(|(history, moment)| history.push(moment));
     }
@@ -81,25 +95,6 @@ impl Interval {
         };
         nodes.windows(2).map(of).collect()
     }
-}
-
-/// v̈ in m/s² of every node at one time.
-fn accelerations(
-    run: &StoredRun,
-    nodes: &StoredNodes,
-    turns: &[f64],
-    (k, apart, step_s): (usize, usize, f64),
-) -> Vec<f64> {
-    let last = nodes.times_s.len() - 1;
-    let apart = apart.min(last / 2);
-    let middle = k.clamp(apart, last - apart);
-    let square = (apart as f64 * step_s) * (apart as f64 * step_s);
-    let history = |(node, w): (&usize, &Vec<f64>)| {
-        let x_m = run.mesh.nodes_m()[*node];
-        let v = |k: usize| w[k] + x_m * turns[k];
-        (v(middle - apart) - 2.0 * v(middle) + v(middle + apart)) / square
-    };
-    nodes.nodes.iter().zip(&nodes.histories).map(history).collect()
 }
 
 /// Moments in N m at the nodes, summed up from the tip inward.
@@ -140,17 +135,15 @@ pub(super) const ROWS: usize = 120;
 /// Waves along the link: the bending moment, or the deflection if too few displacements were written
 /// for it.
 pub(super) fn waves(view: &View) -> Result<Figure, String> {
-    let (name, what, nodes) = match (bending_moments(view), view.deflections()) {
-        (Some(Moments { nodes, is_written: true }), _) => ("moment", "bending moment", nodes),
-        (Some(Moments { nodes, is_written: false }), _) => {
-            ("moment", "bending moment, estimated from the displacements,", nodes)
-        }
-        (None, Some(nodes)) => ("deflection", "deflection from the hub's tangent line", nodes),
-        (None, None) => {
-            return Err("waves and animation, since no node between root and tip was written, or \
-                        but one moment"
-                .to_owned());
-        }
+    let (name, unit, what, nodes) = if let Some(moments) = bending_moments(view) {
+        let estimated = "bending moment, estimated from the displacements,";
+        let what = if moments.is_written { "bending moment" } else { estimated };
+        ("moment", "N m", what, moments.nodes)
+    } else {
+        let none = "waves and animation, since no node between root and tip was written, or but one \
+                    moment";
+        let nodes = view.deflections().ok_or(none)?;
+        ("deflection", "m", "deflection from the hub's tangent line", nodes)
     };
     if is_extreme(nodes.peak()) {
         let why = "waves and animation, since what bends is too large or too small to be drawn";
@@ -163,7 +156,6 @@ pub(super) fn waves(view: &View) -> Result<Figure, String> {
     } else {
         ""
     };
-    let unit = if name == "moment" { "N m" } else { "m" };
     let caption = format!(
         "The {what} over time (to the right) and along the link (up, from the root), below the tip's \
          displacement. At each place it is over the largest there, {} {unit} in all, and colours go by \
@@ -173,9 +165,9 @@ pub(super) fn waves(view: &View) -> Result<Figure, String> {
     let tip = view.curve("tip displacement", Stroke::Solid(6), &view.run.tip.displacement_m);
     let above = Axis::around("tip", "m", tip.points.iter().map(|(_, value)| value));
     let (map, x) = map(view, &nodes, name);
-    let base = Figure::new("waves", "Waves along the link", Across::Time, view.time_axis(), x);
+    let figure = Figure::new("waves", "Waves along the link", caption, view.time_axis(), x);
     let marks = view.start_and_stop();
-    Ok(Figure { caption, map: Some(map), strip: Some((tip, above)), marks, ..base })
+    Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure })
 }
 
 /// A map over the time shown, linear between times and between nodes, and its axis along the link.

@@ -1,15 +1,17 @@
-//! All figures of a result, and those of a run over time: figures 3 to 9 of the paper for this link.
+//! All figures of a result and its page; figures of a run over time: 3 to 9 of the paper for this link.
 
 use std::fmt::Write as _;
 
+use super::axis::is_extreme;
 use super::bending::waves;
-use super::chart::{Figure, Figures, Stroke, is_extreme};
+use super::figure::{Figure, Figures, Stroke};
 use super::frequency::{shapes, transfer};
-use super::sweep::sweep_figures;
+use super::run::run_page;
+use super::sweep::{sweep_figures, sweep_page};
 use super::view::{View, inside};
 use crate::link::Damping;
-use crate::numeric::{largest, significant};
-use crate::response::{Play, Simulation, Torque, simulate_on};
+use crate::numeric::{largest, significant, visible_document};
+use crate::response::{Play, Torque, simulate_on};
 use crate::result::{StoredResult, StoredRun, StoredSolution};
 
 impl Figures {
@@ -22,17 +24,26 @@ impl Figures {
     }
 }
 
+/// The page of a result, with its figures: one HTML file that needs nothing else.
+pub fn page(result: &StoredResult, figures: &Figures) -> String {
+    let document = match result {
+        StoredResult::Run(run) => run_page(run, figures),
+        StoredResult::Sweep(sweep) => sweep_page(sweep, figures),
+    };
+    visible_document(&document.into_string())
+}
+
 fn run_figures(run: &StoredRun) -> Figures {
     let view = &View::of(run);
+    let [acceleration, displacement] = motion(view);
     let mut figures = Figures::default();
-    figures.add(Ok(torque(view)));
-    for figure in motion(view) {
+    for figure in [torque(view), acceleration, displacement, hub(view)] {
         figures.add(Ok(figure));
     }
-    figures.add(Ok(hub(view)));
     figures.add(waves(view));
-    if let Some(figure) = tip_under_rigid_torque(view) {
-        figures.add(figure);
+    if let Some(solved) = &run.solved {
+        let why = |error| format!("the tip under the rigid link's torque, since {error}");
+        figures.add(tip_under_rigid_torque(view, solved).map_err(why));
     }
     figures.add(transfer(run));
     figures.add(shapes(&run.mesh));
@@ -40,36 +51,30 @@ fn run_figures(run: &StoredRun) -> Figures {
 }
 
 /// Acceleration and displacement of the tip (Bayo 1987, figures 3 and 4).
-fn motion(view: &View) -> Vec<Figure> {
+fn motion(view: &View) -> [Figure; 2] {
     let tip = &view.run.tip;
     let wanted = view.run.solved.is_some();
     let what = if wanted { "The motion asked for" } else { "The motion that the torque makes" };
-    let acceleration = Figure {
-        caption: format!(
-            "{what}: tip acceleration, at most {} m/s² (figure 3 of the paper).",
-            significant(largest(&tip.acceleration_m_s2), 3)
-        ),
-        ..view.figure(
-            "tip-acceleration",
-            "Acceleration of the tip",
-            ("acceleration", "m/s²"),
-            vec![view.curve("tip", Stroke::Solid(3), &tip.acceleration_m_s2)],
-        )
-    };
+    let peak = significant(largest(&tip.acceleration_m_s2), 3);
+    let acceleration = view.figure(
+        "tip-acceleration",
+        "Acceleration of the tip",
+        format!("{what}: tip acceleration, at most {peak} m/s² (figure 3 of the paper)."),
+        ("acceleration", "m/s²"),
+        vec![view.curve("tip", Stroke::Solid(3), &tip.acceleration_m_s2)],
+    );
     let ends = tip.displacement_m[tip.displacement_m.len() - 1] - tip.displacement_m[0];
-    let displacement = Figure {
-        caption: format!(
-            "{what}: tip displacement along the arc; it ends {} m from where it began (figure 4).",
-            significant(ends, 3).replace('-', "−")
+    let ends = significant(ends, 3).replace('-', "−");
+    let displacement = view.figure(
+        "tip-displacement",
+        "Displacement of the tip",
+        format!(
+            "{what}: tip displacement along the arc; it ends {ends} m from where it began (figure 4)."
         ),
-        ..view.figure(
-            "tip-displacement",
-            "Displacement of the tip",
-            ("displacement", "m"),
-            vec![view.curve("tip", Stroke::Solid(3), &tip.displacement_m)],
-        )
-    };
-    vec![acceleration, displacement]
+        ("displacement", "m"),
+        vec![view.curve("tip", Stroke::Solid(3), &tip.displacement_m)],
+    );
+    [acceleration, displacement]
 }
 
 /// Torque at the hub, flexible against rigid (figures 5 and 7).
@@ -92,11 +97,8 @@ fn torque(view: &View) -> Figure {
         }
         caption.push_str(&timing_words(solved));
     }
-    Figure {
-        caption,
-        spans: view.lead_and_lag(),
-        ..view.figure("torque", "Torque at the hub", ("torque", "N m"), curves)
-    }
+    let figure = view.figure("torque", "Torque at the hub", caption, ("torque", "N m"), curves);
+    Figure { spans: view.lead_and_lag(), ..figure }
 }
 
 /// When the torque begins and ends relative to the motion.
@@ -111,15 +113,10 @@ fn timing_words(solved: &StoredSolution) -> String {
             size(lag_s)
         );
     }
-    let side = |seconds: f64, before: &str, after: &str| {
-        let place = if seconds >= 0.0 { before } else { after };
-        format!("{} s {place}", size(seconds))
-    };
-    format!(
-        " It exceeds 2 % of its peak from {} until {}.",
-        side(lead_s, "before the tip sets out", "after the tip has set out"),
-        side(lag_s, "after it has stopped", "before it has stopped")
-    )
+    let start = if lead_s >= 0.0 { "before the tip sets out" } else { "after the tip has set out" };
+    let stop = if lag_s >= 0.0 { "after it has stopped" } else { "before it has stopped" };
+    let (lead, lag) = (size(lead_s), size(lag_s));
+    format!(" It exceeds 2 % of its peak from {lead} s {start} until {lag} s {stop}.")
 }
 
 /// Rotation of the hub, flexible against rigid (figure 6).
@@ -127,45 +124,27 @@ fn hub(view: &View) -> Figure {
     let run = view.run;
     let own = if run.solved.is_some() { "flexible link" } else { "hub" };
     let mut curves = vec![view.curve(own, Stroke::Solid(1), &run.hub_angle_rad)];
-    let mut caption = "Angle of the hub.".to_owned();
+    let mut caption = "Angle of the hub.";
     if let Some(solved) = &run.solved {
         curves.push(view.curve("rigid link", Stroke::Dashed(2), &solved.rigid_hub_angle_rad));
-        "Angle of the hub; the hub of a rigid link would turn as the tip does (figure 6). What lies \
-         between the two curves is bending."
-            .clone_into(&mut caption);
+        caption = "Angle of the hub; the hub of a rigid link would turn as the tip does (figure 6). \
+                   What lies between the two curves is bending.";
     }
-    Figure {
-        caption,
-        spans: view.lead_and_lag(),
-        ..view.figure("hub-angle", "Rotation of the hub", ("angle", "rad"), curves)
-    }
+    let (title, quantity) = ("Rotation of the hub", ("angle", "rad"));
+    let figure = view.figure("hub-angle", title, caption.to_owned(), quantity, curves);
+    Figure { spans: view.lead_and_lag(), ..figure }
 }
 
 /// The tip when the rigid link's torque is played on the flexible link (figures 8 and 9).
-///
-/// None for a run without a wanted motion; `Err` says why the figure cannot be drawn.
-fn tip_under_rigid_torque(view: &View) -> Option<Result<Figure, String>> {
-    let solved = view.run.solved.as_ref()?;
-    let why = |error: String| format!("the tip under the rigid link's torque, since {error}");
-    let drawn = simulated(view, solved).and_then(|simulation| strayed(view, solved, &simulation));
-    Some(drawn.map_err(why))
-}
-
-fn simulated(view: &View, solved: &StoredSolution) -> Result<Simulation, String> {
+fn tip_under_rigid_torque(view: &View, solved: &StoredSolution) -> Result<Figure, String> {
     let run = view.run;
     let torque = Torque::new(&run.times_s, solved.rigid_torque_n_m.clone())
         .map_err(|error| error.to_string())?;
-    let play = Play { initial_tip_m: run.tip.displacement_m[0], ..Play::of(&torque) };
-    simulate_on(&run.link, run.mesh.clone(), &play).map_err(|error| error.to_string())
-}
-
-fn strayed(
-    view: &View,
-    solved: &StoredSolution,
-    simulation: &Simulation,
-) -> Result<Figure, String> {
-    let (run, tip) = (view.run, &simulation.tip.displacement_m);
     let wanted = &run.tip.displacement_m;
+    let play = Play { initial_tip_m: wanted[0], ..Play::of(&torque) };
+    let simulation =
+        simulate_on(&run.link, run.mesh.clone(), &play).map_err(|error| error.to_string())?;
+    let tip = &simulation.tip.displacement_m;
     let after = inside(&run.times_s, solved.moving_s.1, f64::INFINITY);
     let strays: Vec<f64> = after.map(|k| tip[k] - wanted[k]).collect();
     let strays_m = largest(&strays);
@@ -182,22 +161,19 @@ fn strayed(
         Damping::Hysteretic { .. } => ", its damping ratio as viscous in every mode",
         _ => "",
     };
-    let curves = vec![
-        view.curve("wanted", Stroke::Solid(3), wanted),
-        view.curve("rigid link's torque", Stroke::Dashed(2), tip),
-    ];
-    Ok(Figure {
-        caption: format!(
+    let strays_m = significant(strays_m, 3);
+    Ok(view.figure(
+        "tip-under-rigid-torque",
+        "Tip under the rigid link's torque",
+        format!(
             "What a controller gets that takes the link for rigid: its torque, played on the flexible \
-             link{damping} (figures 8 and 9). After the motion the tip still strays by up to {} \
-             m{of_way}.",
-            significant(strays_m, 3)
+             link{damping} (figures 8 and 9). After the motion the tip still strays by up to \
+             {strays_m} m{of_way}."
         ),
-        ..view.figure(
-            "tip-under-rigid-torque",
-            "Tip under the rigid link's torque",
-            ("displacement", "m"),
-            curves,
-        )
-    })
+        ("displacement", "m"),
+        vec![
+            view.curve("wanted", Stroke::Solid(3), wanted),
+            view.curve("rigid link's torque", Stroke::Dashed(2), tip),
+        ],
+    ))
 }

@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use super::chart::{Across, Axis, Curve, Figure, Mark, Stroke};
+use super::axis::Axis;
+use super::figure::{Curve, Figure, Mark, Stroke};
 use crate::beam::Mesh;
 use crate::modal::{Shape, mode, natural_frequencies, real_frequency_zeros, torque_zeros};
 use crate::model::{FrequencyResponse, KeptModes, model_of};
@@ -88,16 +89,15 @@ pub(super) fn transfer(run: &StoredRun) -> Result<Figure, String> {
     let y = Axis::logarithmic("|T / a|", "kg m", range);
     let x = Axis::logarithmic("frequency", "Hz", from_hz..to_hz);
     let marks = marks(&run.mesh, from_hz..to_hz);
-    let title = "Torque per tip acceleration";
+    let caption = caption(&marks, spectrum.is_some());
     Ok(Figure {
-        caption: caption(&marks, spectrum.is_some()),
         backdrop: spectrum.map(|spectrum| spectrum.backdrop(&hertz)),
         curves: vec![
             Curve::new("flexible link", Stroke::Solid(1), &hertz, &sizes),
             Curve::new("rigid link", Stroke::Dashed(2), &hertz, &rigid),
         ],
         marks,
-        ..Figure::new("transfer", title, Across::Other, x, y)
+        ..Figure::new("transfer", "Torque per tip acceleration", caption, x, y)
     })
 }
 
@@ -116,21 +116,19 @@ fn band(run: &StoredRun, spectrum: Option<&MotionSpectrum>) -> (f64, f64) {
 }
 
 fn marks(mesh: &Mesh, range: std::ops::Range<f64>) -> Vec<Mark> {
-    let of = |class, letter: &'static str, places: Vec<f64>| {
-        let mark = move |(k, omega): (usize, f64)| Mark {
-            at: omega / TAU,
-            label: format!("{letter}{}", k + 1),
-            class,
-        };
-        places.into_iter().enumerate().map(mark).collect::<Vec<_>>()
-    };
-    let blocked = real_frequency_zeros(mesh, TAU * range.end);
     let all = [
-        of("mode", "f", natural_frequencies(mesh, MARKED)),
-        of("zero", "z", torque_zeros(mesh, MARKED)),
-        of("blocked", "b", blocked),
+        ("mode", "f", natural_frequencies(mesh, MARKED)),
+        ("zero", "z", torque_zeros(mesh, MARKED)),
+        ("blocked", "b", real_frequency_zeros(mesh, TAU * range.end)),
     ];
-    all.into_iter().flatten().filter(|mark| range.contains(&mark.at)).collect()
+    let mut marks = Vec::new();
+    for (class, letter, places) in all {
+        for (k, omega) in places.into_iter().enumerate() {
+            marks.push(Mark { at: omega / TAU, label: format!("{letter}{}", k + 1), class });
+        }
+    }
+    marks.retain(|mark| range.contains(&mark.at));
+    marks
 }
 
 fn caption(marks: &[Mark], has_spectrum: bool) -> String {
@@ -175,14 +173,10 @@ pub(super) fn shapes(mesh: &Mesh) -> Result<Figure, String> {
     let curves: Vec<Curve> = frequencies.iter().enumerate().map(curve).collect();
     let x = Axis::linear("x", "m", 0.0..mesh.length_m());
     let y = Axis::linear("displacement", "", -1.1..1.1);
-    Ok(Figure {
-        caption: "Displacement along the link, from the hub's axis to the tip, while it vibrates freely \
-                  about its hub; each shape over its largest value. The slope at the hub is the hub's \
-                  own turning."
-            .to_owned(),
-        curves,
-        ..Figure::new("mode-shapes", "Mode shapes", Across::Other, x, y)
-    })
+    let caption = "Displacement along the link, from the hub's axis to the tip, while it vibrates freely \
+                   about its hub; each shape over its largest value. The slope at the hub is the hub's \
+                   own turning.";
+    Ok(Figure { curves, ..Figure::new("mode-shapes", "Mode shapes", caption.to_owned(), x, y) })
 }
 
 /// Points (x, v) of a shape by the elements' cubics, from the axis outward: the hub's radius is rigid.

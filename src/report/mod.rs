@@ -1,15 +1,19 @@
 //! A result as figures, and as a page to look at.
 
+mod axis;
 mod bending;
-pub mod chart;
+mod colour_map;
+mod drawing;
+mod figure;
 mod figures;
 mod frequency;
+mod link;
 mod page;
+mod run;
 mod sweep;
 #[cfg(test)]
 mod tests;
 mod view;
 
-pub use chart::Figures;
-pub use page::page;
-pub use view::View;
+pub use figure::{Figure, Figures};
+pub use figures::page;

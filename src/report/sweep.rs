@@ -1,7 +1,13 @@
-//! Figures of a sweep: what changes with the values that were varied.
+//! A sweep: figures of what changes with the values that were varied, and its page.
 
-use super::chart::{Across, Axis, ColourMap, Colours, Curve, Figure, Figures, Stroke};
-use crate::compare::TableColumn;
+use maud::{Markup, html};
+
+use super::axis::Axis;
+use super::colour_map::{ColourMap, Colours};
+use super::figure::{Curve, Figure, Figures, Stroke};
+use super::page::{Section, document, figures_section, inputs, made_by, table};
+use crate::compare::{Cell, TableColumn};
+use crate::numeric::significant;
 use crate::result::StoredSweep;
 
 /// Most lines of a figure; more cannot be distinguished.
@@ -83,11 +89,9 @@ pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
     figures
 }
 
-fn figure(topic: &Topic, x: Axis, curves: Vec<Curve>) -> Figure {
-    let values = curves.iter().flat_map(|curve| curve.points.iter().map(|(_, value)| value));
-    let y = Axis::around(topic.quantity.0, topic.quantity.1, values);
-    let base = Figure::new(topic.id, topic.title, Across::Other, x, y);
-    Figure { caption: topic.caption.to_owned(), curves, ..base }
+fn figure(topic: &Topic, x: &Varied, curves: Vec<Curve>) -> Figure {
+    let caption = topic.caption.to_owned();
+    Figure::of_curves(topic.id, topic.title, caption, x.axis(0.03), topic.quantity, curves)
 }
 
 fn over_one(topic: &Topic, x: &Varied, columns: &[(&str, &TableColumn)]) -> Figure {
@@ -95,7 +99,7 @@ fn over_one(topic: &Topic, x: &Varied, columns: &[(&str, &TableColumn)]) -> Figu
         let rows = 0..x.values.len();
         line(name, k, rows.map(|row| (x.values[row], column.number(row))).collect())
     };
-    figure(topic, x.axis(0.03), columns.iter().enumerate().map(curve).collect())
+    figure(topic, x, columns.iter().enumerate().map(curve).collect())
 }
 
 fn line(name: &str, number: usize, mut points: Vec<(f64, f64)>) -> Curve {
@@ -126,9 +130,9 @@ fn over_two(topic: &Topic, [x, y]: [&Varied; 2], column: &TableColumn) -> Figure
         rows: rows.iter().map(row).collect(),
     };
     let title = format!("{}, over two values", topic.title);
-    let base = Figure::new(topic.id, &title, Across::Other, field_axis(x), field_axis(y));
     let caption = format!("{} Each field is a case; white where there is none.", topic.caption);
-    Figure { caption, map: Some(map), ..base }
+    let figure = Figure::new(topic.id, &title, caption, field_axis(x), field_axis(y));
+    Figure { map: Some(map), ..figure }
 }
 
 /// The axis of a heat map reaches half a field beyond the first and the last level.
@@ -179,7 +183,7 @@ fn over_many(
         ));
     }
     let curves = lines.into_iter().enumerate().map(|(k, (name, points))| line(&name, k, points));
-    Ok(figure(topic, x.axis(0.03), curves.collect()))
+    Ok(figure(topic, x, curves.collect()))
 }
 
 /// What a figure shows of each case.
@@ -253,3 +257,81 @@ const TOPICS: [Topic; 8] = [
         caption: "Largest deflection of the tip from the hub's tangent line.",
     },
 ];
+
+/// Most rows of the table.
+const MOST_CASES: usize = 200;
+
+pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
+    let cases = sweep.table.lines.len();
+    let varied: Vec<&str> = sweep.table.names().take(sweep.varied).collect();
+    let title = format!("Sweep over {}", varied.join(" and "));
+    let origin = html! {
+        @if let Some(origin) = &sweep.origin { (made_by(origin)) " · " }
+        (sweep.name) " · " (cases) @if cases == 1 { " case" } @else { " cases" }
+    };
+    let mut sections = Vec::new();
+    let kinds = kinds_of_warnings(sweep);
+    if !kinds.is_empty() {
+        sections.push(Section::warnings(warnings(&kinds, cases)));
+    }
+    sections.push(figures_section(figures, ""));
+    sections.push(Section::new("cases", "Cases", cases_table(sweep)));
+    sections.extend(sweep.origin.as_ref().map(inputs));
+    document(&title, &origin, &sections, None)
+}
+
+/// Kinds of warnings, each with the number of its cases and the row of the first, from 1.
+fn kinds_of_warnings(sweep: &StoredSweep) -> Vec<(String, usize, usize)> {
+    let mut kinds: Vec<(String, usize, usize)> = Vec::new();
+    let [.., warnings, error] = &sweep.table.columns[..] else { return kinds };
+    for row in 0..sweep.table.lines.len() {
+        let failed = (!error.text(row).is_empty()).then_some("failed");
+        let warnings = warnings.text(row);
+        let warnings = warnings.split(';').filter(|kind| !kind.is_empty());
+        for kind in failed.into_iter().chain(warnings) {
+            match kinds.iter_mut().find(|(known, ..)| known == kind) {
+                Some((_, cases, _)) => *cases += 1,
+                None => kinds.push((kind.to_owned(), 1, row + 1)),
+            }
+        }
+    }
+    kinds
+}
+
+fn warnings(kinds: &[(String, usize, usize)], cases: usize) -> Markup {
+    html! {
+        ul { @for (kind, count, first) in kinds {
+            li {
+                strong { (kind) } " "
+                span class="hint" { (count) " of " (cases) " cases, the first is row " (first) "." }
+            }
+        } }
+    }
+}
+
+fn cases_table(sweep: &StoredSweep) -> Markup {
+    let cases = sweep.table.lines.len();
+    let shown = cases.min(MOST_CASES);
+    let cell = |column: usize, row: usize| match sweep.table.columns[column].cell(row) {
+        Cell::Number(number) if column < sweep.varied => format!("{number}"),
+        Cell::Number(number) => significant(number, 5),
+        Cell::Word(word) => word.to_owned(),
+    };
+    let head: Vec<&str> = sweep.table.names().collect();
+    let rows = html! {
+        @for row in 0..shown { tr { @for column in 0..head.len() { td { (cell(column, row)) } } } }
+    };
+    html! {
+        p {
+            "The column " code { "warnings" } " holds the kinds of the warnings; their full text is in \
+             summary.json of the case, which " code { "sweep --outputs" } " writes."
+            @if sweep.origin.is_none() {
+                " No record lies beside the table, so link, motion and arguments are not known."
+            }
+        }
+        @if shown < cases {
+            p { "The first " (shown) " of " (cases) "; " (sweep.name) " holds all." }
+        }
+        (table(&head, &rows))
+    }
+}

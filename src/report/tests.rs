@@ -1,8 +1,8 @@
 //! A run and a sweep as they are read back, and what is drawn of their bending and their cases.
 
-use super::View;
 use super::bending::{COLUMNS, Moments, ROWS, bending_moments, waves};
 use super::sweep::{FINE, sweep_figures};
+use super::view::View;
 use crate::beam::{Mesh, MeshPlan};
 use crate::compare::{Cell, Table, TableColumn};
 use crate::inverse::{Analysis, Solution, invert};

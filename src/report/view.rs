@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::chart::{Across, Axis, Curve, Figure, Mark, Span, Stroke};
+use super::axis::{Axis, TIME};
+use super::figure::{Curve, Figure, Mark, Span, Stroke};
 use crate::modal::natural_frequencies;
 use crate::numeric::largest;
 use crate::result::{StoredNodes, StoredRun};
@@ -19,18 +20,18 @@ const CALM: f64 = 1e-3;
 /// The part of a run's time that its figures show: the motion with some time before and after it, but
 /// not all the rest.
 #[derive(Debug, Clone)]
-pub struct View<'a> {
+pub(super) struct View<'a> {
     /// The run.
-    pub run: &'a StoredRun,
+    pub(super) run: &'a StoredRun,
     /// Samples shown.
-    pub samples: Range<usize>,
+    pub(super) samples: Range<usize>,
     /// Period of the first mode in s, if anything vibrates.
-    pub period_s: Option<f64>,
+    pub(super) period_s: Option<f64>,
 }
 
 impl<'a> View<'a> {
     /// Finds the part of a run in which link and torque act.
-    pub fn of(run: &'a StoredRun) -> Self {
+    pub(super) fn of(run: &'a StoredRun) -> Self {
         let times = &run.times_s;
         let period_s = natural_frequencies(&run.mesh, 1).first().map(|w| std::f64::consts::TAU / w);
         let after = PERIODS * period_s.unwrap_or(0.0);
@@ -52,28 +53,26 @@ impl<'a> View<'a> {
     }
 
     /// First and last time shown, in s.
-    pub fn span_s(&self) -> (f64, f64) {
+    pub(super) fn span_s(&self) -> (f64, f64) {
         (self.run.times_s[self.samples.start], self.run.times_s[self.samples.end - 1])
     }
 
     /// A history as a line over the time shown.
-    pub fn curve(&self, name: &str, stroke: Stroke, history: &[f64]) -> Curve {
+    pub(super) fn curve(&self, name: &str, stroke: Stroke, history: &[f64]) -> Curve {
         let samples = self.samples.clone();
         Curve::new(name, stroke, &self.run.times_s[samples.clone()], &history[samples])
     }
 
     /// A figure over the time shown, with the axis that its lines need.
-    pub fn figure(
+    pub(super) fn figure(
         &self,
-        id: &str,
+        id: &'static str,
         title: &str,
+        caption: String,
         quantity: (&str, &str),
         curves: Vec<Curve>,
     ) -> Figure {
-        let (name, unit) = quantity;
-        let values = curves.iter().flat_map(|curve| curve.points.iter().map(|(_, value)| value));
-        let y = Axis::around(name, unit, values);
-        Figure { curves, ..Figure::new(id, title, Across::Time, self.time_axis(), y) }
+        Figure::of_curves(id, title, caption, self.time_axis(), quantity, curves)
     }
 
     /// Deflections, completed by those of the root, 0, and of the tip, `v − Lθ`. None if no node between
@@ -99,25 +98,22 @@ impl<'a> View<'a> {
     }
 
     /// The axis of the time shown.
-    pub fn time_axis(&self) -> Axis {
+    pub(super) fn time_axis(&self) -> Axis {
         let (from, until) = self.span_s();
-        Axis::linear("time", "s", from..until)
+        Axis::linear(TIME, "s", from..until)
     }
 
     /// Lead and lag, shaded.
-    pub fn lead_and_lag(&self) -> Vec<Span> {
+    pub(super) fn lead_and_lag(&self) -> Vec<Span> {
         let Some(solved) = &self.run.solved else { return vec![] };
         let (from, until) = solved.moving_s;
-        let spans = [
-            ("lead", "lead", from - solved.lead_s..from),
-            ("lag", "lag", until..until + solved.lag_s),
-        ];
-        let long = spans.into_iter().filter(|(_, _, range)| range.end > range.start);
-        long.map(|(name, class, range)| Span { name: name.to_owned(), class, range }).collect()
+        let spans = [("lead", from - solved.lead_s..from), ("lag", until..until + solved.lag_s)];
+        let long = spans.into_iter().filter(|(_, range)| range.end > range.start);
+        long.map(|(name, range)| Span { name, range }).collect()
     }
 
     /// Times at which the tip starts and stops, if they are known.
-    pub fn start_and_stop(&self) -> Vec<Mark> {
+    pub(super) fn start_and_stop(&self) -> Vec<Mark> {
         let Some(solved) = &self.run.solved else { return vec![] };
         let (from, until) = solved.moving_s;
         let mark = |at, label: &str, class| Mark { at, label: label.to_owned(), class };

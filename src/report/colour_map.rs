@@ -1,28 +1,26 @@
+//! Numbers over a rectangle as colours.
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::numeric::largest;
 
-/// Most columns and rows of pixels.
-const MOST_COLUMNS: usize = 680;
-const MOST_ROWS: usize = 160;
-
 /// Numbers over a rectangle, shown by colours.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ColourMap {
+pub(super) struct ColourMap {
     /// Name of the quantity: `deflection`.
-    pub name: String,
+    pub(super) name: String,
     /// Its unit.
-    pub unit: String,
+    pub(super) unit: String,
     /// Which colours stand for its numbers.
-    pub colours: Colours,
+    pub(super) colours: Colours,
     /// Rows of numbers, the lowest row first; all of one length.
-    pub rows: Vec<Vec<f64>>,
+    pub(super) rows: Vec<Vec<f64>>,
 }
 
 /// Which colours stand for numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Colours {
+pub(super) enum Colours {
     /// Blue below zero, red above, white at zero.
     Diverging,
     /// Dark blue for the smallest number to yellow for the largest.
@@ -31,17 +29,13 @@ pub enum Colours {
 
 impl ColourMap {
     /// Smallest and largest number that a colour stands for.
-    pub fn limits(&self) -> (f64, f64) {
-        let finite = || self.rows.iter().flatten().copied().filter(|value| value.is_finite());
-        match self.colours {
-            Colours::Diverging => {
-                let peak = self.rows.iter().map(|row| largest(row)).fold(0.0, f64::max);
-                (-peak, peak)
-            }
-            Colours::Sequential => {
-                (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max))
-            }
+    pub(super) fn limits(&self) -> (f64, f64) {
+        if self.colours == Colours::Diverging {
+            let peak = self.rows.iter().map(|row| largest(row)).fold(0.0, f64::max);
+            return (-peak, peak);
         }
+        let finite = || self.rows.iter().flatten().copied().filter(|value| value.is_finite());
+        (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max))
     }
 
     /// True if its numbers are too large for colours.
@@ -71,18 +65,15 @@ impl ColourMap {
         (0..count).map(|k| hexadecimal(self.colour(value(k), (low, high)))).collect()
     }
 
-    /// A PNG picture of the numbers as a `data:` address, thinned to the pixels of a figure.
+    /// A PNG picture of the numbers as a `data:` address, a pixel for each.
     #[expect(clippy::cast_possible_truncation, reason = "no more pixels than those of a figure")]
     pub(super) fn picture(&self) -> String {
         let limits = self.limits();
-        let columns = self.rows.first().map_or(0, Vec::len);
-        let (across, up) = (thinned(columns, MOST_COLUMNS), thinned(self.rows.len(), MOST_ROWS));
-        let pixels = up.iter().rev().flat_map(|row| {
-            across.iter().flat_map(move |column| self.colour(self.rows[*row][*column], limits))
-        });
-        let pixels: Vec<u8> = pixels.collect();
+        let (columns, rows) = (self.rows.first().map_or(0, Vec::len), self.rows.len());
+        let numbers = self.rows.iter().rev().flatten();
+        let pixels: Vec<u8> = numbers.flat_map(|number| self.colour(*number, limits)).collect();
         let mut file = Vec::new();
-        let mut encoder = png::Encoder::new(&mut file, across.len() as u32, up.len() as u32);
+        let mut encoder = png::Encoder::new(&mut file, columns as u32, rows as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_compression(png::Compression::High);
         // Writing to memory, and as many pixels as announced, cannot fail.
@@ -91,12 +82,6 @@ impl ColourMap {
         }
         format!("data:image/png;base64,{}", STANDARD.encode(file))
     }
-}
-
-/// At most `most` of `len` numbers, evenly.
-fn thinned(len: usize, most: usize) -> Vec<usize> {
-    let count = len.min(most);
-    (0..count).map(|k| k * len / count).collect()
 }
 
 #[cfg(test)]
@@ -137,13 +122,5 @@ mod tests {
         let scale = map.scale(3);
         assert_eq!(scale.len(), 3);
         assert!(scale[0] < scale[2], "{scale:?}");
-    }
-
-    #[test]
-    fn large_maps_are_thinned() {
-        let rows = vec![vec![1.0; 5000]; 900];
-        let map = ColourMap { rows, ..map(Colours::Sequential) };
-        let (width, height, _) = pixels(&map.picture());
-        assert_eq!((width as usize, height as usize), (MOST_COLUMNS, MOST_ROWS));
     }
 }

@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::report::chart::{Figure, FigureTable, Figures};
+use super::figure::{Figure, Figures};
 use crate::result::Origin;
 
 const STYLE: &str = include_str!("page.css");
@@ -75,6 +75,10 @@ impl Section {
     pub(super) fn new(id: &'static str, name: &'static str, content: Markup) -> Self {
         Self { id, name, heading: name, class: None, content }
     }
+
+    pub(super) fn warnings(content: Markup) -> Self {
+        Self { class: Some("warnings"), ..Self::new("warnings", "Warnings", content) }
+    }
 }
 
 /// Program, command and files.
@@ -106,7 +110,7 @@ pub(super) fn figures_section(figures: &Figures, note: &str) -> Section {
 }
 
 fn figure_markup(figure: &Figure) -> Markup {
-    let FigureTable { head, rows } = figure.table();
+    let (head, rows) = figure.table();
     let cells = html! { @for row in &rows { tr { @for cell in row { td { (cell) } } } } };
     html! {
         figure class="chart" id=(format!("fig-{}", figure.id)) {

@@ -3,12 +3,12 @@
 use maud::{Markup, html};
 use serde_json::{Value, json};
 
+use super::axis::is_extreme;
+use super::bending::bending_moments;
+use super::figure::evenly;
+use super::view::{View, inside, nearest};
 use crate::link::{Link, Segment};
 use crate::numeric::{largest, rounded, significant};
-use crate::report::View;
-use crate::report::bending::bending_moments;
-use crate::report::chart::{evenly, is_extreme};
-use crate::report::view::{inside, nearest};
 use crate::result::{StoredNodes, StoredRun};
 
 /// Width and height of the drawing, position of the axis, x of the farthest body, all in pixels.

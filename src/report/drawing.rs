@@ -5,16 +5,21 @@ use std::fmt::Write as _;
 
 use maud::{Markup, html};
 
-use super::axis::Axis;
-use super::figure::{Across, Curve, Figure, Stroke};
+use super::axis::{Axis, TIME};
+use super::colour_map::ColourMap;
+use super::figure::{Curve, Figure, Mark, Stroke};
+use crate::numeric::significant;
+
+/// Approximate width of a letter.
+const LETTER: f64 = 6.6;
 
 /// Width of every figure in pixels.
-pub(super) const WIDTH: f64 = 760.0;
+const WIDTH: f64 = 760.0;
 
 /// Margins around the plot.
-pub(super) const LEFT: f64 = 66.0;
-pub(super) const TOP: f64 = 34.0;
-pub(super) const RIGHT: f64 = 16.0;
+const LEFT: f64 = 66.0;
+const TOP: f64 = 34.0;
+const RIGHT: f64 = 16.0;
 const BOTTOM: f64 = 46.0;
 
 /// Height of the strip above a colour map, and of the gap below it.
@@ -36,12 +41,12 @@ impl Band {
 
 impl Figure {
     /// Height of the figure in pixels.
-    pub(super) fn height(&self) -> f64 {
+    fn height(&self) -> f64 {
         if self.map.is_some() { 380.0 } else { 300.0 }
     }
 
     /// Width and height of the plot.
-    pub(super) fn plot(&self) -> (f64, f64) {
+    fn plot(&self) -> (f64, f64) {
         (WIDTH - LEFT - RIGHT, self.height() - TOP - BOTTOM)
     }
 
@@ -52,11 +57,12 @@ impl Figure {
     }
 
     /// The drawing. A file needs the namespace; in a page it does no harm.
-    pub fn svg(&self) -> Markup {
+    pub(super) fn svg(&self) -> Markup {
         let (width, height) = self.plot();
         let band = self.main_band();
         let (x, y) = (&self.x, &self.y);
-        let across = if self.across == Across::Time { "time" } else { "other" };
+        // The page zooms all figures over time together.
+        let across = if x.name == TIME { TIME } else { "other" };
         html! {
             svg class="chart" xmlns="http://www.w3.org/2000/svg" role="img"
                 aria-label=(format!("{}: {} against {}", self.title, y.title(), x.title()))
@@ -93,7 +99,7 @@ impl Figure {
         html! {
             @for span in &self.spans {
                 @let [from, to] = [span.range.start, span.range.end].map(|x| width * self.x.share(x));
-                rect class=(format!("span {}", span.class)) x=(number(from)) y="0"
+                rect class=(format!("span {}", span.name)) x=(number(from)) y="0"
                     width=(number(to - from)) height=(height) {}
             }
             @if let Some(map) = &self.map {
@@ -101,8 +107,7 @@ impl Figure {
                     preserveAspectRatio="none" href=(map.picture()) {}
             }
             @if let Some(curve) = &self.backdrop {
-                path class="fill" data-name=(curve.name)
-                    d=(self.area(curve)) {}
+                path class="fill" data-name=(curve.name) d=(self.area(curve)) {}
             }
             @if let Some((curve, axis)) = &self.strip {
                 (self.line(curve, axis, Band { top: 0.0, height: STRIP }, true))
@@ -111,10 +116,15 @@ impl Figure {
         }
     }
 
-    fn line(&self, curve: &Curve, y: &Axis, band: Band, is_strip: bool) -> Markup {
+    /// The points of a line that are drawn, in pixels.
+    fn points(&self, curve: &Curve, y: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let width = self.plot().0;
-        let point = |(at, value): (f64, f64)| (width * self.x.share(at), band.y(y.share(value)));
-        let points: Vec<_> = thinned(&curve.points).into_iter().map(point).collect();
+        let point = |(at, value)| (width * self.x.share(at), y(value));
+        thinned(&curve.points).into_iter().map(point).collect()
+    }
+
+    fn line(&self, curve: &Curve, y: &Axis, band: Band, is_strip: bool) -> Markup {
+        let points = self.points(curve, |value| band.y(y.share(value)));
         // The strip has a y axis of its own.
         let axis = is_strip.then(|| range(y));
         let heights = is_strip.then(|| format!("{} {}", band.top, band.height));
@@ -130,9 +140,8 @@ impl Figure {
 
     /// The area below a line that goes from 0 to 1.
     fn area(&self, curve: &Curve) -> String {
-        let (width, height) = self.plot();
-        let point = |(at, share): (f64, f64)| (width * self.x.share(at), height * (1.0 - share));
-        let points: Vec<_> = thinned(&curve.points).into_iter().map(point).collect();
+        let height = self.plot().1;
+        let points = self.points(curve, |share| height * (1.0 - share));
         let [Some(first), Some(last)] = [points.first(), points.last()] else {
             return String::new();
         };
@@ -166,6 +175,82 @@ impl Figure {
                 transform=(format!("translate(15 {}) rotate(-90)", number(middle))) { (self.y.title()) }
         }
     }
+
+    /// Names of the marks, one row for each class; a name that would overlap the one before is left
+    /// out.
+    fn mark_labels(&self) -> Markup {
+        let mut classes: Vec<&str> = self.marks.iter().map(|mark| mark.class).collect();
+        classes.dedup();
+        html! {
+            g class="mark-labels" {
+                @for (row, class) in classes.iter().enumerate() {
+                    @for (mark, at) in self.with_room(class) {
+                        text class=(format!("mark-label {class}")) data-at=(mark.at)
+                            x=(number(at + 3.0)) y=(TOP + 13.0 + 14.0 * row as f64) { (mark.label) }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Marks of a class whose names have room, each with its x.
+    fn with_room(&self, class: &str) -> Vec<(&Mark, f64)> {
+        let width = self.plot().0;
+        let mut free = f64::NEG_INFINITY;
+        let mut shown = Vec::new();
+        for mark in self.marks.iter().filter(|mark| mark.class == class) {
+            let at = LEFT + width * self.x.share(mark.at);
+            let end = at + 6.0 + LETTER * mark.label.chars().count() as f64;
+            if at >= free && end <= LEFT + width {
+                free = end;
+                shown.push((mark, at));
+            }
+        }
+        shown
+    }
+
+    /// The legend, in a row above the plot: first all lines, then what is filled.
+    fn legend(&self) -> Markup {
+        let strip = self.strip.as_ref().map(|(curve, _)| curve);
+        let lines = strip.into_iter().chain(&self.curves);
+        let lines = lines.map(|curve| (curve.name.as_str(), curve.stroke.classes(), true));
+        let spans = self.spans.iter().map(|s| (s.name, format!("span {}", s.name), false));
+        let backdrop = self.backdrop.iter().map(|c| (c.name.as_str(), "fill".to_owned(), false));
+        let mut at = LEFT;
+        let placed = lines.chain(spans).chain(backdrop).map(|(name, class, is_line)| {
+            let x = at;
+            at += 34.0 + LETTER * name.chars().count() as f64 + 14.0;
+            (x, name, class, is_line)
+        });
+        html! {
+            g class="legend" {
+                @for (x, name, class, is_line) in placed {
+                    @if is_line {
+                        path class=(class) d=(format!("M{x},17h26")) {}
+                    } @else {
+                        rect class=(class) x=(x) y="9" width="26" height="15" {}
+                    }
+                    text class="legend-text" x=(x + 32.0) y="21" { (name) }
+                }
+                @if let Some(map) = &self.map { (colour_scale(map)) }
+            }
+        }
+    }
+}
+
+/// The colours of a map from its smallest number to its largest.
+fn colour_scale(map: &ColourMap) -> Markup {
+    let (low, high) = map.limits();
+    let [low, high] = [low, high].map(|value| significant(value, 3).replace('-', "−"));
+    let letters = high.chars().count() + map.unit.chars().count() + 2;
+    let end = WIDTH - RIGHT - LETTER * letters as f64;
+    html! {
+        text class="legend-text" x=(end - 128.0) y="21" text-anchor="end" { (map.name) " " (low) }
+        @for (k, colour) in map.scale(24).iter().enumerate() {
+            rect x=(end - 120.0 + 5.0 * k as f64 - 4.0) y="9" width="5.2" height="15" fill=(colour) {}
+        }
+        text class="legend-text" x=(end + 6.0) y="21" { (high) " " (map.unit) }
+    }
 }
 
 /// First and last number of an axis.
@@ -179,7 +264,7 @@ fn places(axis: &Axis) -> String {
 }
 
 /// A coordinate as text, to a hundredth of a pixel.
-pub(super) fn number(value: f64) -> String {
+fn number(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }

@@ -1,37 +1,39 @@
+//! An axis of a figure: its range and its ticks.
+
 use std::ops::Range;
+
+use crate::numeric::rounded;
+
+/// Name of the axis that all figures over time share.
+pub(super) const TIME: &str = "time";
 
 /// How an axis spreads its numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
-    /// Evenly.
+pub(super) enum Scale {
     Linear,
-    /// By their logarithm.
     Logarithmic,
 }
 
 impl Scale {
     /// Its name in the page's script.
     pub(super) fn word(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Logarithmic => "log",
-        }
+        if self == Self::Linear { "linear" } else { "log" }
     }
 }
 
 /// One axis of a figure: quantity, unit, scale and range.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub(super) struct Axis {
     /// Name of the quantity: `torque`.
-    pub name: String,
+    pub(super) name: String,
     /// Its unit, empty for a pure number: `N m`.
-    pub unit: String,
+    pub(super) unit: String,
     /// How its numbers are spread.
-    pub scale: Scale,
+    pub(super) scale: Scale,
     /// First and last number; on a logarithmic axis both above 0.
-    pub range: Range<f64>,
+    pub(super) range: Range<f64>,
     /// Values of the ticks; empty for round ones.
-    pub places: Vec<f64>,
+    pub(super) places: Vec<f64>,
 }
 
 /// Approximate number of ticks of a linear axis.
@@ -42,7 +44,7 @@ const MOST_DECADES: i32 = 7;
 
 impl Axis {
     /// An axis from the first to the last number of a range.
-    pub fn linear(name: &str, unit: &str, range: Range<f64>) -> Self {
+    pub(super) fn linear(name: &str, unit: &str, range: Range<f64>) -> Self {
         Self {
             name: name.to_owned(),
             unit: unit.to_owned(),
@@ -53,15 +55,19 @@ impl Axis {
     }
 
     /// A logarithmic axis over a range above 0.
-    pub fn logarithmic(name: &str, unit: &str, range: Range<f64>) -> Self {
+    pub(super) fn logarithmic(name: &str, unit: &str, range: Range<f64>) -> Self {
         Self { scale: Scale::Logarithmic, ..Self::linear(name, unit, range) }
     }
 
     /// An axis over 0 and all finite `values`, with a margin.
-    pub fn around<'a>(name: &str, unit: &str, values: impl Iterator<Item = &'a f64>) -> Self {
-        let finite = values.copied().filter(|value| value.is_finite());
-        let (low, high) = finite
-            .fold((0.0, 0.0), |(low, high): (f64, f64), value| (low.min(value), high.max(value)));
+    pub(super) fn around<'a>(
+        name: &str,
+        unit: &str,
+        values: impl Iterator<Item = &'a f64>,
+    ) -> Self {
+        let (low, high) = values
+            .filter(|value| value.is_finite())
+            .fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(*value), high.max(*value)));
         let margin = 0.06 * (high - low);
         let range = match (low < 0.0, high > 0.0) {
             (false, false) => -1.0..1.0,
@@ -83,7 +89,7 @@ impl Axis {
     }
 
     /// Position of a number: 0 at the start of the axis, 1 at its end.
-    pub(in crate::report) fn share(&self, value: f64) -> f64 {
+    pub(super) fn share(&self, value: f64) -> f64 {
         let Range { start, end } = self.range;
         match self.scale {
             Scale::Linear => (value - start) / (end - start),
@@ -93,11 +99,7 @@ impl Axis {
 
     /// Name and unit: `torque in N m`.
     pub(super) fn title(&self) -> String {
-        if self.unit.is_empty() {
-            self.name.clone()
-        } else {
-            format!("{} in {}", self.name, self.unit)
-        }
+        in_unit(&self.name, &self.unit)
     }
 
     /// Values of the ticks, each with its label.
@@ -124,11 +126,12 @@ impl Axis {
         // One digit of the step suffices.
         let decimals = usize::try_from(-libm::floor(libm::log10(step * 1.001)) as i32).unwrap_or(0);
         let label = |value: f64| {
-            if (1e-4..1e6).contains(&start.abs().max(end.abs())) {
-                unsigned_zero(&format!("{value:.decimals$}"))
-            } else {
-                format!("{:e}", crate::numeric::rounded(value, 6))
+            if !(1e-4..1e6).contains(&start.abs().max(end.abs())) {
+                return format!("{:e}", rounded(value, 6));
             }
+            let text = format!("{value:.decimals$}");
+            let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+            text.replace('-', if is_zero { "" } else { "−" })
         };
         (first..=last).map(|k| k as f64 * step).map(|value| (value, label(value))).collect()
     }
@@ -156,9 +159,14 @@ impl Axis {
     }
 }
 
+/// Name and unit of a quantity: `torque in N m`.
+pub(super) fn in_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} in {unit}") }
+}
+
 /// Decimal if that is short, else with an exponent.
 fn short_label(value: f64) -> String {
-    let value = crate::numeric::rounded(value, 4);
+    let value = rounded(value, 4);
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         format!("{value}").replace('-', "−")
     } else {
@@ -167,18 +175,13 @@ fn short_label(value: f64) -> String {
 }
 
 /// True if a number is too large, or too close to 0 but not 0, to be drawn.
-pub(in crate::report) fn is_extreme(value: f64) -> bool {
+pub(super) fn is_extreme(value: f64) -> bool {
     let size = value.abs();
     !(size <= 0.0 || (1e-300..=1e300).contains(&size))
 }
 
 fn power_of_ten(exponent: i32) -> f64 {
     libm::pow(10.0, f64::from(exponent))
-}
-
-fn unsigned_zero(text: &str) -> String {
-    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
-    if is_zero { text.trim_start_matches('-').to_owned() } else { text.replace('-', "−") }
 }
 
 #[cfg(test)]

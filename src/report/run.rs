@@ -2,11 +2,12 @@
 
 use maud::{Markup, html};
 
-use super::document::{Section, document, figures_section, inputs, made_by, table};
+use super::figure::Figures;
 use super::link::{given, link_drawing, motion_data};
+use super::page::{Section, document, figures_section, inputs, made_by, table};
+use super::view::View;
 use crate::link::{Link, Segment};
 use crate::numeric::significant;
-use crate::report::{Figures, View};
 use crate::result::{StoredCheck, StoredRun, StoredWarning};
 
 pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
@@ -19,12 +20,10 @@ pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
     let data = motion_data(&view);
     let mut sections = Vec::new();
     if !run.warnings.is_empty() {
-        let class = Some("warnings");
-        let content = warnings(&run.warnings);
-        sections.push(Section { class, ..Section::new("warnings", "Warnings", content) });
+        sections.push(Section::warnings(advice(&run.warnings, true)));
     }
     if !run.remarks.is_empty() {
-        sections.push(Section::new("remarks", "Remarks", remarks(&run.remarks)));
+        sections.push(Section::new("remarks", "Remarks", advice(&run.remarks, false)));
     }
     sections.push(Section::new("link", "Link and results", link_section(run)));
     if !run.checks.is_empty() {
@@ -179,20 +178,14 @@ fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
     if inertia_kg_m2 > 0.0 { format!("{mass}, {}", given(inertia_kg_m2, "kg m²")) } else { mass }
 }
 
-/// Every warning and what to do about it.
-fn warnings(warnings: &[StoredWarning]) -> Markup {
+/// Every warning or remark and what to do about it.
+fn advice(list: &[StoredWarning], is_strong: bool) -> Markup {
     html! {
-        ul { @for StoredWarning { message, hint, .. } in warnings {
-            li { strong { (message) } " " span class="hint" { "What helps: " (hint) "." } }
-        } }
-    }
-}
-
-/// Every remark and what to do about it.
-fn remarks(remarks: &[StoredWarning]) -> Markup {
-    html! {
-        ul { @for StoredWarning { message, hint, .. } in remarks {
-            li { (message) " " span class="hint" { "What helps: " (hint) "." } }
+        ul { @for StoredWarning { message, hint, .. } in list {
+            li {
+                @if is_strong { strong { (message) } } @else { (message) }
+                " " span class="hint" { "What helps: " (hint) "." }
+            }
         } }
     }
 }
