@@ -8,8 +8,9 @@ use crate::numeric::rounded;
 pub(super) const TIME: &str = "time";
 
 /// How an axis spreads its numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) enum Scale {
+    #[default]
     Linear,
     Logarithmic,
 }
@@ -22,7 +23,7 @@ impl Scale {
 }
 
 /// One axis of a figure: quantity, unit, scale and range.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Axis {
     /// Name of the quantity: `torque`.
     pub(super) name: String,
@@ -45,13 +46,7 @@ const MOST_DECADES: i32 = 7;
 impl Axis {
     /// An axis from the first to the last number of a range.
     pub(super) fn linear(name: &str, unit: &str, range: Range<f64>) -> Self {
-        Self {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            scale: Scale::Linear,
-            range,
-            places: Vec::new(),
-        }
+        Self { name: name.to_owned(), unit: unit.to_owned(), range, ..Self::default() }
     }
 
     /// A logarithmic axis over a range above 0.

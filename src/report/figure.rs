@@ -11,7 +11,7 @@ use super::colour_map::ColourMap;
 use crate::numeric::{significant, visible_document};
 
 /// The content of a figure in numbers; [`Figure::svg_file`] and [`Figure::png_file`] draw it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Figure {
     /// Name of its file, and its anchor in a page: `torque`.
     pub id: &'static str,
@@ -134,19 +134,7 @@ const DIGITS: usize = 4;
 impl Figure {
     /// A figure without content.
     pub(super) fn new(id: &'static str, title: &str, caption: String, x: Axis, y: Axis) -> Self {
-        Self {
-            id,
-            title: title.to_owned(),
-            caption,
-            x,
-            y,
-            spans: Vec::new(),
-            backdrop: None,
-            map: None,
-            strip: None,
-            curves: Vec::new(),
-            marks: Vec::new(),
-        }
+        Self { id, title: title.to_owned(), caption, x, y, ..Self::default() }
     }
 
     /// A figure of lines, with a y axis of this name and unit that holds them.

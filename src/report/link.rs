@@ -1,7 +1,7 @@
 //! The link of a run: drawn to scale, and its motion as the animation plays it.
 
 use maud::{Markup, html};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::axis::is_extreme;
 use super::bending::bending_moments;
@@ -9,7 +9,7 @@ use super::figure::evenly;
 use super::view::{View, inside, nearest};
 use crate::link::{Link, Segment};
 use crate::numeric::{largest, rounded, significant};
-use crate::result::{StoredNodes, StoredRun};
+use crate::result::StoredNodes;
 
 /// Width and height of the drawing, position of the axis, x of the farthest body, all in pixels.
 const WIDTH: f64 = 760.0;
@@ -25,14 +25,23 @@ const THINNEST: f64 = 3.0;
 const LINK_SIZED: f64 = 14.0;
 
 /// Thickness relative to the largest, for sections of one width: EI ∝ h³.
-pub(super) fn relative_thickness(stiffness: f64, largest: f64) -> f64 {
+fn relative_thickness(stiffness: f64, largest: f64) -> f64 {
     libm::cbrt(stiffness / largest)
 }
 
 /// Largest stiffness EI of a link in N m².
-pub(super) fn largest_stiffness(link: &Link) -> f64 {
+fn largest_stiffness(link: &Link) -> f64 {
     let ends = |s: &Segment| s.bending_stiffness_n_m2.inner.max(s.bending_stiffness_n_m2.outer);
     link.segments().iter().map(ends).fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// Distances in m of the segments' ends from the axis.
+fn borders_m(link: &Link) -> Vec<f64> {
+    let mut borders = vec![link.hub().radius_m];
+    for segment in link.segments() {
+        borders.push(borders[borders.len() - 1] + segment.length_m);
+    }
+    borders
 }
 
 /// The link, to scale along its length, its thickness by the stiffness, with a dot for each mass.
@@ -50,10 +59,7 @@ pub(super) fn link_drawing(link: &Link) -> Markup {
     let link_kg: f64 = link.segments().iter().map(mass_per_length).sum();
     let size =
         |kg: f64| (LINK_SIZED * libm::cbrt(kg / link_kg.max(f64::MIN_POSITIVE))).clamp(3.5, 22.0);
-    let mut borders = vec![link.hub().radius_m];
-    for segment in link.segments() {
-        borders.push(borders[borders.len() - 1] + segment.length_m);
-    }
+    let borders = borders_m(link);
     let words = format!(
         "The link to scale: {} segments, {} m from the axis to the tip",
         link.segments().len(),
@@ -193,25 +199,21 @@ pub(super) fn motion_data(view: &View) -> Option<String> {
         "masses": link.masses().iter().map(|m| body(m.at_m, m.mass_kg)).collect::<Vec<_>>(),
         "peak_torque_n_m": largest(&run.torque_n_m),
         "peak_deflection_m": nodes.peak(),
-        "thickness": thickness(run),
+        "thickness": thickness(link),
     });
     // A `<` in a title could end the script element.
     Some(data.to_string().replace('<', "\\u003c"))
 }
 
 /// Relative thickness along the link, at both ends of each segment.
-fn thickness(run: &StoredRun) -> Vec<Value> {
-    let largest = largest_stiffness(&run.link);
-    let mut at = run.link.hub().radius_m;
-    let mut places = Vec::new();
-    for segment in run.link.segments() {
+fn thickness(link: &Link) -> Vec<[f64; 2]> {
+    let largest = largest_stiffness(link);
+    let borders = borders_m(link);
+    let ends = link.segments().iter().zip(borders.windows(2)).flat_map(|(segment, ends)| {
         let taper = segment.bending_stiffness_n_m2;
-        for (x, stiffness) in [(at, taper.inner), (at + segment.length_m, taper.outer)] {
-            places.push(json!([short(x), short(relative_thickness(stiffness, largest))]));
-        }
-        at += segment.length_m;
-    }
-    places
+        [(ends[0], taper.inner), (ends[1], taper.outer)]
+    });
+    ends.map(|(x, ei)| [short(x), short(relative_thickness(ei, largest))]).collect()
 }
 
 /// A number with few digits.

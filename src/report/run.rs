@@ -96,11 +96,6 @@ fn words_and_unit(name: &str) -> (String, &'static str) {
     (words.replace('_', " "), unit)
 }
 
-/// A number with its unit, for people.
-fn amount(value: f64, unit: &str) -> String {
-    format!("{} {unit}", significant(value, 4).replace('-', "−")).trim_end().to_owned()
-}
-
 /// A table of names and values.
 fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
     html! {
@@ -117,26 +112,25 @@ fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
 fn results(run: &StoredRun) -> Vec<(String, String)> {
     let row = |(name, value): &(String, f64)| {
         let (words, unit) = words_and_unit(name);
-        (words, amount(*value, unit))
+        let amount = format!("{} {unit}", significant(*value, 4).replace('-', "−"));
+        (words, amount.trim_end().to_owned())
     };
     run.readings.iter().map(row).collect()
 }
 
 /// The parts of the link.
 fn link_readings(link: &Link) -> Vec<(String, String)> {
-    let payload = link.payload();
-    let hub = link.hub();
-    let mut rows = vec![
-        ("length".to_owned(), given(link.length_m(), "m")),
-        ("rigid inertia".to_owned(), given(link.rigid_inertia_kg_m2(), "kg m²")),
-        ("hub inertia".to_owned(), given(hub.inertia_kg_m2, "kg m²")),
+    let (hub, payload) = (link.hub(), link.payload());
+    let friction = hub.viscous_friction_n_m_s_rad;
+    let rows = [
+        ("length", Some(given(link.length_m(), "m"))),
+        ("rigid inertia", Some(given(link.rigid_inertia_kg_m2(), "kg m²"))),
+        ("hub inertia", Some(given(hub.inertia_kg_m2, "kg m²"))),
+        ("hub radius", (hub.radius_m > 0.0).then(|| given(hub.radius_m, "m"))),
+        ("hub friction", (friction > 0.0).then(|| given(friction, "N m s/rad"))),
     ];
-    if hub.radius_m > 0.0 {
-        rows.push(("hub radius".to_owned(), given(hub.radius_m, "m")));
-    }
-    if hub.viscous_friction_n_m_s_rad > 0.0 {
-        rows.push(("hub friction".to_owned(), given(hub.viscous_friction_n_m_s_rad, "N m s/rad")));
-    }
+    let rows = rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
+    let mut rows: Vec<(String, String)> = rows.collect();
     for (k, segment) in link.segments().iter().enumerate() {
         let name = segment.name.clone().unwrap_or_else(|| k.to_string());
         rows.push((format!("segment {name}"), segment_words(segment)));

@@ -89,22 +89,26 @@ pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
     figures
 }
 
-fn figure(topic: &Topic, x: &Varied, curves: Vec<Curve>) -> Figure {
+/// A line's name and its points.
+type Line = (String, Vec<(f64, f64)>);
+
+fn figure(topic: &Topic, x: &Varied, lines: Vec<Line>) -> Figure {
+    let curve = |(k, (name, mut points)): (usize, Line)| {
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Curve { name, stroke: Stroke::Dotted(k + 1), points }
+    };
+    let curves = lines.into_iter().enumerate().map(curve).collect();
     let caption = topic.caption.to_owned();
     Figure::of_curves(topic.id, topic.title, caption, x.axis(0.03), topic.quantity, curves)
 }
 
+/// A line for each column.
 fn over_one(topic: &Topic, x: &Varied, columns: &[(&str, &TableColumn)]) -> Figure {
-    let curve = |(k, (name, column)): (usize, &(&str, &TableColumn))| {
-        let rows = 0..x.values.len();
-        line(name, k, rows.map(|row| (x.values[row], column.number(row))).collect())
+    let line = |(name, column): &(&str, &TableColumn)| {
+        let points = x.values.iter().enumerate().map(|(row, x)| (*x, column.number(row)));
+        ((*name).to_owned(), points.collect())
     };
-    figure(topic, x, columns.iter().enumerate().map(curve).collect())
-}
-
-fn line(name: &str, number: usize, mut points: Vec<(f64, f64)>) -> Curve {
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Curve { name: name.to_owned(), stroke: Stroke::Dotted(number + 1), points }
+    figure(topic, x, columns.iter().map(line).collect())
 }
 
 /// Columns and rows of a heat map: enough for fields of uneven width.
@@ -166,7 +170,7 @@ fn over_many(
         let value = |other: &&TableColumn| format!("{} = {}", other.name(), other.text(row));
         others.map(value).collect::<Vec<_>>().join(", ")
     };
-    let mut lines: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+    let mut lines: Vec<Line> = Vec::new();
     for row in 0..x.values.len() {
         let (name, point) = (name(row), (x.values[row], column.number(row)));
         match lines.iter_mut().find(|(other, _)| *other == name) {
@@ -182,8 +186,7 @@ fn over_many(
             x.name
         ));
     }
-    let curves = lines.into_iter().enumerate().map(|(k, (name, points))| line(&name, k, points));
-    Ok(figure(topic, x, curves.collect()))
+    Ok(figure(topic, x, lines))
 }
 
 /// What a figure shows of each case.

@@ -70,19 +70,20 @@ impl LinkDocument {
             apply(&mut tree, number, change)?;
         }
         let raw = RawSpecification::deserialize(&tree).map_err(Fault::from);
-        raw.and_then(convert).map_err(|fault| placed(fault, &tree, name, overrides))
+        raw.and_then(convert).map_err(|fault| {
+            let place = tree.last_place(&fault);
+            fault.at(shown(place, name, overrides))
+        })
     }
 }
 
-/// The refusal with the last of the places in the tree that it concerns.
-pub(super) fn placed(fault: Fault, tree: &Node, name: &str, overrides: &[Override]) -> SpecError {
-    let places = fault.paths.iter().map(|path| tree.place_of(path));
-    let place = match places.max().unwrap_or(Place::File) {
+/// A place as errors name it.
+pub(super) fn shown(place: Place, name: &str, overrides: &[Override]) -> String {
+    match place {
         Place::File => name.to_owned(),
         Place::Line(line) => format!("{name}:{line}"),
         Place::Override(number) => overrides[number].place.clone(),
-    };
-    fault.at(place)
+    }
 }
 
 /// Converts the raw form to the checked one.

@@ -111,10 +111,16 @@ struct Step<'a> {
 }
 
 impl Step<'_> {
-    /// Walks from `node`, which stands at `path`, along the `rest` of the path, and changes there.
+    /// Walks from the `node` at `path` along the `rest` of the path, and changes the value there.
     fn descend(self, node: &mut Node, path: &str, rest: &[String]) -> Result<(), Fault> {
         let Some((step, rest)) = rest.split_first() else {
-            return self.edit(node, path);
+            return match self.change {
+                Change::Replace(text) => {
+                    *node = Node::value(text, self.place);
+                    Ok(())
+                }
+                Change::Multiply(factor) => self.multiply(node, path, *factor),
+            };
         };
         match &mut node.kind {
             Kind::List(items) => {
@@ -129,7 +135,10 @@ impl Step<'_> {
             Kind::Table(entries) => {
                 let inner = below(path, step);
                 let at = |wanted: &str| entries.iter().position(|(key, _)| key == wanted);
-                let factor = self.factor_of(step).filter(|_| rest.is_empty()).and_then(at);
+                // Four times EI is four times E, where the file gives E.
+                let is_factor = rest.is_empty() && matches!(self.change, Change::Multiply(_));
+                let product = PROPERTIES.iter().find(|product| product.whole == step && is_factor);
+                let factor = product.and_then(|product| at(product.material));
                 let number = match at(step).or(factor) {
                     Some(number) => number,
                     None => self.create(entries, &inner, step, rest)?,
@@ -143,14 +152,6 @@ impl Step<'_> {
                 Err(Fault::new(path, message))
             }
         }
-    }
-
-    /// The key to multiply if the file does not give the product `step` itself: four times EI is four
-    /// times E.
-    fn factor_of(self, step: &str) -> Option<&'static str> {
-        let property = PROPERTIES.iter().find(|property| property.whole == step);
-        let multiplies = matches!(self.change, Change::Multiply(_));
-        property.map(|property| property.material).filter(|_| multiplies)
     }
 
     /// Adds an empty table at the absent key `step`, to be replaced or filled.
@@ -177,27 +178,13 @@ impl Step<'_> {
         Ok(entries.len() - 1)
     }
 
-    fn edit(self, node: &mut Node, path: &str) -> Result<(), Fault> {
-        match self.change {
-            Change::Replace(text) => {
-                *node = Node::value(text, self.place);
-                Ok(())
-            }
-            Change::Multiply(factor) => self.multiply(node, path, *factor),
-        }
-    }
-
     fn multiply(self, node: &mut Node, path: &str, factor: f64) -> Result<(), Fault> {
-        let refused = |found: &Node| {
-            Fault::new(path, format!("{path} = {}, which cannot be multiplied", found.shown()))
-        };
-        node.kind = match &mut node.kind {
-            Kind::Integer(number) => whole_where_possible(*number as f64 * factor),
-            Kind::Number(number) => Kind::Number(*number * factor),
-            Kind::Text(text) => match split_number(text).filter(|_| !holds_words(path)) {
-                Some((number, unit)) => Kind::Text(format!("{:?}{unit}", number * factor)),
-                None => return Err(refused(node)),
-            },
+        let product = match &mut node.kind {
+            Kind::Integer(number) => Some(whole_where_possible(*number as f64 * factor)),
+            Kind::Number(number) => Some(Kind::Number(*number * factor)),
+            Kind::Text(text) => split_number(text)
+                .filter(|_| !holds_words(path))
+                .map(|(number, unit)| Kind::Text(format!("{:?}{unit}", number * factor))),
             Kind::List(items) => {
                 for (number, item) in items.iter_mut().enumerate() {
                     self.multiply(item, &below(path, &number.to_string()), factor)?;
@@ -205,9 +192,11 @@ impl Step<'_> {
                 node.place = self.place;
                 return Ok(());
             }
-            Kind::Boolean(_) | Kind::Date(_) | Kind::Table(_) => return Err(refused(node)),
+            Kind::Boolean(_) | Kind::Date(_) | Kind::Table(_) => None,
         };
-        node.place = self.place;
+        let message = format!("{path} = {}, which cannot be multiplied", node.shown());
+        let kind = product.ok_or_else(|| Fault::new(path, message))?;
+        *node = Node { place: self.place, kind };
         Ok(())
     }
 }

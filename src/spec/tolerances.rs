@@ -1,8 +1,8 @@
 use serde::Deserialize;
 
-use super::convert::placed;
+use super::convert::shown;
 use super::error::{Fault, SpecError};
-use super::tree::{Node, Place};
+use super::tree::Node;
 use super::value::tables;
 use crate::compare::{Change, ColumnRule, Tolerance, Tolerances};
 
@@ -42,15 +42,15 @@ struct RawColumnRule {
 /// [`SpecError`] names the line and the wrong value.
 pub fn read_tolerances(name: &str, text: &str) -> Result<Tolerances, SpecError> {
     let tree = Node::document(name, text)?;
-    let place_of = |path: &str| match tree.place_of(path) {
-        Place::Line(line) => format!("{name}:{line}"),
-        Place::File | Place::Override(_) => name.to_owned(),
-    };
-    read(&tree, place_of).map_err(|fault| placed(fault, &tree, name, &[]))
+    let raw = RawTolerances::deserialize(&tree).map_err(Fault::from);
+    let place_of = |path: &str| shown(tree.place_of(path), name, &[]);
+    raw.and_then(|raw| convert(raw, place_of)).map_err(|fault| {
+        let place = tree.last_place(&fault);
+        fault.at(shown(place, name, &[]))
+    })
 }
 
-fn read(tree: &Node, place_of: impl Fn(&str) -> String) -> Result<Tolerances, Fault> {
-    let raw = RawTolerances::deserialize(tree)?;
+fn convert(raw: RawTolerances, place_of: impl Fn(&str) -> String) -> Result<Tolerances, Fault> {
     let usual = Tolerance::default();
     let general = Tolerance {
         rtol: checked("rtol", raw.rtol)?.unwrap_or(usual.rtol),
@@ -58,8 +58,7 @@ fn read(tree: &Node, place_of: impl Fn(&str) -> String) -> Result<Tolerances, Fa
     };
     let entries = raw.columns.into_iter().enumerate().map(|(number, raw)| {
         let path = format!("columns.{number}");
-        let place = place_of(&path);
-        entry(&path, place, raw)
+        entry(&path, place_of(&path), raw)
     });
     Ok(Tolerances { general, entries: entries.collect::<Result<_, _>>()? })
 }

@@ -98,6 +98,11 @@ impl Node {
         node.place
     }
 
+    /// The last of the places that a refusal concerns.
+    pub(super) fn last_place(&self, fault: &Fault) -> Place {
+        fault.paths.iter().map(|path| self.place_of(path)).max().unwrap_or(Place::File)
+    }
+
     /// The value as messages quote it.
     pub(super) fn shown(&self) -> String {
         match &self.kind {
