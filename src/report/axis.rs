@@ -114,8 +114,8 @@ impl Axis {
         let raw = (end - start) / TICKS;
         let exponent = libm::floor(libm::log10(raw)) as i32;
         let power = power_of_ten(exponent);
-        let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter();
-        let step = step.filter(|step| *step >= 0.999 * raw).fold(10.0 * power, f64::min);
+        let mut steps = [1.0, 2.0, 5.0].into_iter().map(|factor| factor * power);
+        let step = steps.find(|step| *step >= 0.999 * raw).unwrap_or(10.0 * power);
         let first = libm::ceil(start / step - 1e-6) as i64;
         let last = libm::floor(end / step + 1e-6) as i64;
         // One digit of the step suffices.

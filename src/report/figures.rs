@@ -6,7 +6,7 @@ use super::axis::is_extreme;
 use super::bending::waves;
 use super::figure::{Figure, Figures, Stroke};
 use super::frequency::{shapes, transfer};
-use super::run::run_page;
+use super::page::run_page;
 use super::sweep::{sweep_figures, sweep_page};
 use super::view::{View, inside};
 use crate::link::Damping;

@@ -53,10 +53,8 @@ pub(super) fn link_drawing(link: &Link) -> Markup {
     let largest = largest_stiffness(link);
     let half =
         |stiffness: f64| 0.5 * (THICKEST * relative_thickness(stiffness, largest)).max(THINNEST);
-    let mass_per_length = |s: &Segment| {
-        0.5 * (s.mass_per_length_kg_m.inner + s.mass_per_length_kg_m.outer) * s.length_m
-    };
-    let link_kg: f64 = link.segments().iter().map(mass_per_length).sum();
+    let mass_kg = |s: &Segment| s.mass_per_length_kg_m.mean() * s.length_m;
+    let link_kg: f64 = link.segments().iter().map(mass_kg).sum();
     let size =
         |kg: f64| (LINK_SIZED * libm::cbrt(kg / link_kg.max(f64::MIN_POSITIVE))).clamp(3.5, 22.0);
     let borders = borders_m(link);

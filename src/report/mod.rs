@@ -9,7 +9,6 @@ mod figures;
 mod frequency;
 mod link;
 mod page;
-mod run;
 mod sweep;
 #[cfg(test)]
 mod tests;

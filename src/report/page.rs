@@ -1,9 +1,13 @@
-//! The parts that every page has: head, contents, figures, inputs.
+//! The parts that every page has, and the page of a run.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::figure::{Figure, Figures};
-use crate::result::Origin;
+use super::link::{given, link_drawing, motion_data};
+use super::view::View;
+use crate::link::{Link, Segment};
+use crate::numeric::significant;
+use crate::result::{Origin, StoredCheck, StoredRun, StoredWarning};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -146,4 +150,197 @@ fn command_line(arguments: &[String]) -> String {
         Err(_) => argument.clone(),
     };
     arguments.iter().map(quoted).collect::<Vec<_>>().join(" ")
+}
+
+pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
+    let origin = &run.origin;
+    let title = match origin.title.trim() {
+        "" => "A flexible link",
+        title => title,
+    };
+    let view = View::of(run);
+    let data = motion_data(&view);
+    let mut sections = Vec::new();
+    if !run.warnings.is_empty() {
+        sections.push(Section::warnings(advice(&run.warnings, true)));
+    }
+    if !run.remarks.is_empty() {
+        sections.push(Section::new("remarks", "Remarks", advice(&run.remarks, false)));
+    }
+    sections.push(Section::new("link", "Link and results", link_section(run)));
+    if !run.checks.is_empty() {
+        sections.push(Section::new("checks", "Verification", checks(&run.checks)));
+    }
+    if data.is_some() {
+        let (heading, class) = ("The link in motion", Some("needs-script"));
+        let section = Section::new("animation", "Motion", animation());
+        sections.push(Section { heading, class, ..section });
+    }
+    let (from, until) = view.span_s();
+    let [from, until, first, last] =
+        [from, until, run.times_s[0], run.times_s[run.times_s.len() - 1]].map(|t| given(t, ""));
+    let note = format!(
+        "Over time the figures show {from} … {until} s of the {first} … {last} s that were computed."
+    );
+    sections.push(figures_section(figures, &note));
+    sections.push(inputs(origin));
+    document(title, &made_by(origin), &sections, data.as_deref())
+}
+
+fn link_section(run: &StoredRun) -> Markup {
+    html! {
+        figure class="drawing" {
+            (link_drawing(&run.link))
+            figcaption { "Lengths are to scale; thickness grows with the cube root of the bending stiffness, \
+                a dot with that of its mass, up to a limit." }
+        }
+        div class="columns" {
+            (readings("Results", &results(run)))
+            (readings("Link", &link_readings(&run.link)))
+        }
+    }
+}
+
+fn animation() -> Markup {
+    html! {
+        figure class="stage" {
+            svg id="stage" role="img" aria-label="The link seen from above while it moves"
+                viewBox="0 0 760 420" {}
+            figcaption id="stage-caption" {}
+        }
+        div class="controls" {}
+    }
+}
+
+/// Units by the suffix of a name; a longer suffix comes before one that it ends in.
+const UNITS: [(&str, &str); 15] = [
+    ("_n_m_s_rad", "N m s/rad"),
+    ("_kg_m2", "kg m²"),
+    ("_rad_s2", "rad/s²"),
+    ("_m_s2", "m/s²"),
+    ("_rad_s", "rad/s"),
+    ("_n_m2", "N m²"),
+    ("_kg_m", "kg/m"),
+    ("_per_s", "1/s"),
+    ("_m_s", "m/s"),
+    ("_n_m", "N m"),
+    ("_rad", "rad"),
+    ("_hz", "Hz"),
+    ("_m", "m"),
+    ("_s", "s"),
+    ("_w", "W"),
+];
+
+/// Words and unit of a name such as `peak_torque_n_m`.
+fn words_and_unit(name: &str) -> (String, &'static str) {
+    let found = UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit)));
+    let (words, unit) = found.unwrap_or((name, ""));
+    (words.replace('_', " "), unit)
+}
+
+/// A table of names and values.
+fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
+    html! {
+        table class="readings" {
+            caption { (caption) }
+            tbody {
+                @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } }
+            }
+        }
+    }
+}
+
+/// The numbers of the summary.
+fn results(run: &StoredRun) -> Vec<(String, String)> {
+    let row = |(name, value): &(String, f64)| {
+        let (words, unit) = words_and_unit(name);
+        let amount = format!("{} {unit}", significant(*value, 4).replace('-', "−"));
+        (words, amount.trim_end().to_owned())
+    };
+    run.readings.iter().map(row).collect()
+}
+
+/// The parts of the link.
+fn link_readings(link: &Link) -> Vec<(String, String)> {
+    let (hub, payload) = (link.hub(), link.payload());
+    let friction = hub.viscous_friction_n_m_s_rad;
+    let rows = [
+        ("length", Some(given(link.length_m(), "m"))),
+        ("rigid inertia", Some(given(link.rigid_inertia_kg_m2(), "kg m²"))),
+        ("hub inertia", Some(given(hub.inertia_kg_m2, "kg m²"))),
+        ("hub radius", (hub.radius_m > 0.0).then(|| given(hub.radius_m, "m"))),
+        ("hub friction", (friction > 0.0).then(|| given(friction, "N m s/rad"))),
+    ];
+    let rows = rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
+    let mut rows: Vec<(String, String)> = rows.collect();
+    for (k, segment) in link.segments().iter().enumerate() {
+        let name = segment.name.clone().unwrap_or_else(|| k.to_string());
+        rows.push((format!("segment {name}"), segment_words(segment)));
+    }
+    for mass in link.masses() {
+        let place = format!("mass at {}", given(mass.at_m, "m"));
+        rows.push((place, body_words(mass.mass_kg, mass.inertia_kg_m2)));
+    }
+    if payload.mass_kg > 0.0 || payload.inertia_kg_m2 > 0.0 {
+        let mut words = body_words(payload.mass_kg, payload.inertia_kg_m2);
+        if payload.offset_m.abs() > 0.0 {
+            words = format!("{words}, {} beyond the tip", given(payload.offset_m, "m"));
+        }
+        rows.push(("payload".to_owned(), words));
+    }
+    rows.push(("damping".to_owned(), link.damping().name().to_owned()));
+    rows
+}
+
+fn segment_words(segment: &Segment) -> String {
+    let ends = |inner: f64, outer: f64, unit: &str| {
+        if inner.total_cmp(&outer).is_eq() {
+            given(inner, unit)
+        } else {
+            format!("{} … {}", given(inner, ""), given(outer, unit))
+        }
+    };
+    let (stiffness, mass) = (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m);
+    format!(
+        "{}; EI {}; {}",
+        given(segment.length_m, "m"),
+        ends(stiffness.inner, stiffness.outer, "N m²"),
+        ends(mass.inner, mass.outer, "kg/m")
+    )
+}
+
+fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
+    let mass = given(mass_kg, "kg");
+    if inertia_kg_m2 > 0.0 { format!("{mass}, {}", given(inertia_kg_m2, "kg m²")) } else { mass }
+}
+
+/// Every warning or remark and what to do about it.
+fn advice(list: &[StoredWarning], is_strong: bool) -> Markup {
+    html! {
+        ul { @for StoredWarning { message, hint, .. } in list {
+            li {
+                @if is_strong { strong { (message) } } @else { (message) }
+                " " span class="hint" { "What helps: " (hint) "." }
+            }
+        } }
+    }
+}
+
+/// The table of `verify`.
+fn checks(checks: &[StoredCheck]) -> Markup {
+    let rows = html! {
+        @for check in checks { tr {
+            th scope="row" { (check.what) }
+            @match &check.outcome {
+                Ok((found, bound)) => { td { (significant(*found, 2)) } td { (significant(*bound, 2)) } }
+                Err(reason) => td colspan="2" { "not measured: " (reason) },
+            }
+            td { (check.of) }
+            @if check.passes { td class="pass" { "holds" } } @else { td class="fail" { "fails" } }
+        } }
+    };
+    html! {
+        p { "The answer, measured by other means." }
+        (table(&["check", "found", "at most", "of", "verdict"], &rows))
+    }
 }

@@ -1,5 +1,3 @@
-//! The damping law that `[damping]` gives.
-
 use super::choices::Model;
 use super::error::{Fault, USUAL_RATIO, listed};
 use super::raw::RawDamping;
@@ -19,10 +17,13 @@ pub(super) fn damping(raw: &RawDamping) -> Result<Damping, Fault> {
     };
     refuse_surplus(raw, model)?;
     match model {
-        Model::Hysteretic => hysteretic(raw),
-        Model::Modal => modal(raw),
+        Model::Hysteretic => {
+            let missing = || Fault::new("damping.ratio", "damping.ratio is missing");
+            let ratio = raw.ratio.ok_or_else(|| missing().hinting(USUAL_RATIO.to_owned()))?;
+            Ok(Damping::Hysteretic { ratio })
+        }
+        Model::Modal | Model::Caughey => by_modes(raw, model),
         Model::Rayleigh => rayleigh(raw),
-        Model::Caughey => caughey(raw),
         Model::None => Ok(Damping::None),
     }
 }
@@ -76,33 +77,18 @@ fn modes_alone() -> Fault {
     Fault::new("damping", "damping gives modes, but must give their ratios too")
 }
 
-fn hysteretic(raw: &RawDamping) -> Result<Damping, Fault> {
-    let missing = || Fault::new("damping.ratio", "damping.ratio is missing");
-    let ratio = raw.ratio.ok_or_else(|| missing().hinting(USUAL_RATIO.to_owned()))?;
-    Ok(Damping::Hysteretic { ratio })
-}
-
-fn modal(raw: &RawDamping) -> Result<Damping, Fault> {
-    match (raw.ratio, &raw.ratios) {
-        (None, None) => Err(neither(Model::Modal).hinting(USUAL_RATIO.to_owned())),
-        (Some(ratio), None) => in_every_mode(ratio),
-        (None, Some(ratios)) => Ok(Damping::Modal { ratios: ratios.clone() }),
-        (Some(_), Some(_)) => Err(both(Model::Modal)),
-    }
-}
-
-/// Checks the range here, for an error that names `ratio`: the link has a list only.
-fn in_every_mode(ratio: f64) -> Result<Damping, Fault> {
-    in_unit_interval("damping.ratio", ratio)?;
-    Ok(Damping::Modal { ratios: vec![ratio] })
-}
-
-fn caughey(raw: &RawDamping) -> Result<Damping, Fault> {
+/// A ratio for each mode: modal damping, or a Caughey series through chosen modes.
+fn by_modes(raw: &RawDamping, model: Model) -> Result<Damping, Fault> {
     match (raw.ratio, raw.ratios.clone(), &raw.modes) {
-        (None, None, None) => Err(neither(Model::Caughey).hinting(USUAL_RATIO.to_owned())),
+        (None, None, None) => Err(neither(model).hinting(USUAL_RATIO.to_owned())),
         (None, None, Some(_)) => Err(modes_alone()),
-        (Some(ratio), None, None) => in_every_mode(ratio),
-        (Some(_), _, _) => Err(both(Model::Caughey)),
+        (Some(ratio), None, None) => {
+            // The link has a list only; this error names `ratio`.
+            in_unit_interval("damping.ratio", ratio)?;
+            Ok(Damping::Modal { ratios: vec![ratio] })
+        }
+        (Some(_), _, _) => Err(both(model)),
+        (None, Some(ratios), None) if model == Model::Modal => Ok(Damping::Modal { ratios }),
         (None, Some(ratios), modes) => {
             let modes = modes.as_deref().map_or_else(|| (1..=ratios.len()).collect(), counts);
             if modes.len() != ratios.len() {

@@ -15,36 +15,31 @@ use super::value::{
 };
 
 /// Link file of flexlink.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table")]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawSpecification {
     /// Title, for people.
     pub(super) title: Option<String>,
     /// Segments of the link, from the hub outward; at least one.
-    #[serde(default, deserialize_with = "tables")]
+    #[serde(deserialize_with = "tables")]
     #[schemars(length(min = 1))]
     pub(super) segments: Vec<RawSegment>,
     /// What the motor turns.
-    #[serde(default)]
     pub(super) hub: RawHub,
     /// Masses lumped on the link, any number.
-    #[serde(default, deserialize_with = "tables")]
+    #[serde(deserialize_with = "tables")]
     pub(super) masses: Vec<RawMass>,
     /// What the tip carries.
-    #[serde(default)]
     pub(super) payload: RawPayload,
     /// Damping of the link; without this table there is none.
     pub(super) damping: Option<RawDamping>,
     /// What sits between motor and hub; adds the tables of motor and held modes.
     pub(super) drive: Option<RawDrive>,
     /// What link and motor stand; exceeding one is a warning, with --strict an error.
-    #[serde(default)]
     pub(super) limits: RawLimits,
     /// Finite elements.
-    #[serde(default)]
     pub(super) mesh: RawMesh,
     /// How exact the answer is, around which time, of which modes.
-    #[serde(default)]
     pub(super) analysis: RawAnalysis,
 }
 
@@ -278,8 +273,8 @@ fn shares(schema: &mut Schema) {
 /// JSON Schema (draft 7) of the link file, as text: what editors complete and check it with.
 ///
 /// It has every key with its meaning, unit, range and default, and the keys that go together. It cannot
-/// say the dimension of a unit or the sum of the elements; the reader checks these. Editors show a
-/// description only where it stands: so the schema has no references.
+/// say the dimension of a unit or the sum of the elements; the reader checks these. It has no
+/// references: editors show no description through one.
 ///
 /// ```
 /// let schema: serde_json::Value = serde_json::from_str(&flexlink::spec::link_file_schema())?;
