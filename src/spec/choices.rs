@@ -59,6 +59,7 @@ pub(super) enum Shape {
 impl Shape {
     const ALL: [Self; 4] = [Self::Rectangle, Self::Circle, Self::Tube, Self::Box];
 
+    /// Its word in the file.
     pub(super) fn name(self) -> String {
         format!("{self:?}").to_lowercase()
     }
@@ -99,6 +100,7 @@ impl Model {
     pub(super) const ALL: [Self; 5] =
         [Self::Hysteretic, Self::Modal, Self::Rayleigh, Self::Caughey, Self::None];
 
+    /// Its word in the file.
     pub(super) fn name(self) -> String {
         format!("{self:?}").to_lowercase()
     }

@@ -295,9 +295,14 @@ mod tests {
 
     #[test]
     fn each_end_of_a_taper_may_have_its_own_unit() {
-        let tree = Node::document("", "length = 1\narea = ['10 cm^2', 5e-4]").unwrap();
-        let area = RawSegment::deserialize(&tree).unwrap().area;
-        assert_eq!(area, Some(Tapered(Taper { inner: 1e-3, outer: 5e-4 })));
+        let area = |value: &str| {
+            let tree = Node::document("", &format!("length = 1\narea = {value}")).unwrap();
+            RawSegment::deserialize(&tree).map(|raw| raw.area).map_err(Fault::from)
+        };
+        let taper = Taper { inner: 1e-3, outer: 5e-4 };
+        assert_eq!(area("['10 cm^2', 5e-4]"), Ok(Some(Tapered(taper))));
+        let message = "area.1 = \"1 m\" is a length, but must be an area such as m^2";
+        assert_eq!(area("[1, '1 m']"), Err(Fault::new("area.1", message)));
     }
 
     #[test]
