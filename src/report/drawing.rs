@@ -63,6 +63,8 @@ impl Figure {
         let (x, y) = (&self.x, &self.y);
         // The page zooms all figures over time together.
         let across = if x.name == TIME { TIME } else { "other" };
+        let places: Vec<String> = x.places.iter().map(f64::to_string).collect();
+        let places = (!places.is_empty()).then(|| places.join(" "));
         html! {
             svg class="chart" xmlns="http://www.w3.org/2000/svg" role="img"
                 aria-label=(format!("{}: {} against {}", self.title, y.title(), x.title()))
@@ -72,7 +74,7 @@ impl Figure {
                 data-x=(range(x)) data-y=(range(y))
                 data-x-name=(x.name) data-x-unit=(x.unit)
                 data-y-name=(y.name) data-y-unit=(y.unit)
-                data-x-places=[(!x.places.is_empty()).then(|| places(x))]
+                data-x-places=[places]
                 data-x-axis=(across)
                 data-x-scale=(x.scale.word()) data-y-scale=(y.scale.word()) {
                 rect class="plot-area" x=(LEFT) y=(TOP) width=(width) height=(height) {}
@@ -256,11 +258,6 @@ fn colour_scale(map: &ColourMap) -> Markup {
 /// First and last number of an axis.
 fn range(axis: &Axis) -> String {
     format!("{} {}", axis.range.start, axis.range.end)
-}
-
-/// The ticks that an axis is given.
-fn places(axis: &Axis) -> String {
-    axis.places.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
 }
 
 /// A coordinate as text, to a hundredth of a pixel.

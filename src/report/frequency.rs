@@ -1,14 +1,15 @@
 //! Figures of the link alone: torque per tip acceleration over frequency, shapes of the first modes.
 
 use std::f64::consts::TAU;
-use std::fmt::Write as _;
 
 use super::axis::Axis;
 use super::figure::{Curve, Figure, Mark, Stroke};
 use crate::beam::Mesh;
 use crate::modal::{Shape, mode, natural_frequencies, real_frequency_zeros, torque_zeros};
 use crate::model::{FrequencyResponse, KeptModes, model_of};
-use crate::numeric::{FourierPair, angular_frequency, fast_length, magnitude, significant};
+use crate::numeric::{
+    FourierPair, angular_frequency, fast_length, largest, magnitude, significant,
+};
 use crate::result::StoredRun;
 
 /// Frequencies that are drawn.
@@ -34,7 +35,7 @@ impl MotionSpectrum {
         samples.resize(len, 0.0);
         let amplitudes = FourierPair::new(len).amplitudes(samples);
         let sizes: Vec<f64> = amplitudes.iter().map(|a| magnitude(*a)).collect();
-        let peak = sizes.iter().fold(f64::MIN_POSITIVE, |peak, size| peak.max(*size));
+        let peak = largest(&sizes).max(f64::MIN_POSITIVE);
         Self {
             hertz: (0..sizes.len()).map(|k| angular_frequency(k, len, step_s) / TAU).collect(),
             shares: sizes.iter().map(|size| size / peak).collect(),
@@ -62,15 +63,15 @@ impl MotionSpectrum {
     fn between(&self, from_hz: f64, to_hz: f64) -> f64 {
         let start = self.hertz.partition_point(|f| *f < from_hz).min(self.hertz.len() - 1);
         let end = self.hertz.partition_point(|f| *f < to_hz).clamp(start + 1, self.hertz.len());
-        self.shares[start..end].iter().fold(0.0, |largest, share| largest.max(*share))
+        largest(&self.shares[start..end])
     }
 }
 
 /// `|T/a_tip|` with natural frequencies and zeros, the motion's spectrum behind it.
 pub(super) fn transfer(run: &StoredRun) -> Result<Figure, String> {
-    let why = |error: &dyn std::fmt::Display| format!("torque per tip acceleration, since {error}");
     let kept = run.kept_modes.map_or(KeptModes::All, KeptModes::First);
-    let model = model_of(&run.link, run.mesh.clone(), kept).map_err(|error| why(&error))?;
+    let model = model_of(&run.link, run.mesh.clone(), kept)
+        .map_err(|error| format!("torque per tip acceleration, since {error}"))?;
     // A simulated tip may still vibrate at the last sample: its spectrum would be that of the cut.
     let spectrum = run.solved.is_some().then(|| MotionSpectrum::of(run));
     let (from_hz, to_hz) = band(run, spectrum.as_ref());
@@ -132,21 +133,22 @@ fn marks(mesh: &Mesh, range: std::ops::Range<f64>) -> Vec<Mark> {
 }
 
 fn caption(marks: &[Mark], has_spectrum: bool) -> String {
-    let mut caption = "How much torque an acceleration of the tip takes at each frequency, of this \
-                       link and were it rigid. Natural frequencies f, and zeros ±z of torque → tip, \
-                       drawn at z/2π."
-        .to_owned();
-    if marks.iter().any(|mark| mark.class == "blocked") {
-        caption
-            .push_str(" At b no torque moves the tip, for what is lumped there: the curve peaks.");
-    }
-    if has_spectrum {
-        let _ = write!(
-            caption,
+    let blocked = if marks.iter().any(|mark| mark.class == "blocked") {
+        " At b no torque moves the tip, for what is lumped there: the curve peaks."
+    } else {
+        ""
+    };
+    let spectrum = if has_spectrum {
+        format!(
             " Grey: the motion's spectrum over {DECADES} decades, so the part of the curve that matters."
-        );
-    }
-    caption
+        )
+    } else {
+        String::new()
+    };
+    format!(
+        "How much torque an acceleration of the tip takes at each frequency, of this link and were it \
+         rigid. Natural frequencies f, and zeros ±z of torque → tip, drawn at z/2π.{blocked}{spectrum}"
+    )
 }
 
 /// Modes that are drawn.

@@ -105,19 +105,21 @@ impl<'a> View<'a> {
 
     /// Lead and lag, shaded.
     pub(super) fn lead_and_lag(&self) -> Vec<Span> {
-        let Some(solved) = &self.run.solved else { return vec![] };
-        let (from, until) = solved.moving_s;
-        let spans = [("lead", from - solved.lead_s..from), ("lag", until..until + solved.lag_s)];
-        let long = spans.into_iter().filter(|(_, range)| range.end > range.start);
-        long.map(|(name, range)| Span { name, range }).collect()
+        let spans = self.run.solved.iter().flat_map(|solved| {
+            let (from, until) = solved.moving_s;
+            let lead = Span { name: "lead", range: from - solved.lead_s..from };
+            [lead, Span { name: "lag", range: until..until + solved.lag_s }]
+        });
+        spans.filter(|span| span.range.end > span.range.start).collect()
     }
 
     /// Times at which the tip starts and stops, if they are known.
     pub(super) fn start_and_stop(&self) -> Vec<Mark> {
-        let Some(solved) = &self.run.solved else { return vec![] };
-        let (from, until) = solved.moving_s;
-        let mark = |at, label: &str, class| Mark { at, label: label.to_owned(), class };
-        vec![mark(from, "tip starts", "start"), mark(until, "tip stops", "stop")]
+        let marks = self.run.solved.iter().flat_map(|solved| {
+            let (from, until) = solved.moving_s;
+            [(from, "tip starts", "start"), (until, "tip stops", "stop")]
+        });
+        marks.map(|(at, label, class)| Mark { at, label: label.to_owned(), class }).collect()
     }
 }
 
