@@ -2,7 +2,9 @@
 //! degree of freedom at one frequency.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use flexlink::beam::{Mesh, NodalQuantity, nodal_transfer, nodal_transfers, tip_transfers};
+use flexlink::beam::{
+    Checkpoints, Mesh, NodalQuantity, nodal_transfer, nodal_transfers, tip_transfers,
+};
 use num_complex::Complex64;
 
 use super::inputs::{lambdas, mesh};
@@ -63,7 +65,8 @@ fn nodal(
     let mut table = vec![vec![Complex64::ZERO; BLOCK]; nodes.len()];
     for lambdas in lambdas.chunks(BLOCK) {
         let mut rows: Vec<_> = table.iter_mut().map(Vec::as_mut_slice).collect();
-        nodal_transfers(mesh, lambdas, nodes, quantity, &mut rows);
+        let checkpoints = &mut Checkpoints::of(mesh, []);
+        nodal_transfers(mesh, lambdas, nodes, quantity, &mut rows, checkpoints);
     }
     table
 }

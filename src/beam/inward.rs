@@ -2,6 +2,8 @@
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
+use std::ops::Range;
+
 use super::element::RelativeElement;
 use super::inertia::{Eliminated, Gain, Inertia, eliminate};
 use super::mesh::Mesh;
@@ -40,11 +42,27 @@ impl<S: Scalar> Step<S> {
 pub fn condense<S: Scalar>(
     mesh: &Mesh,
     lambda: S,
+    visit: impl FnMut(usize, &Step<S>),
+) -> Inertia<S> {
+    let elements = 0..mesh.elements().len();
+    let per_lambda = mesh.per_lambda(lambda);
+    let tip = mesh.tip_inertia().lift(per_lambda);
+    condense_part(mesh, per_lambda, elements, tip, visit)
+}
+
+/// [`condense`] over some elements: from the apparent inertia at the outermost node to that at the
+/// innermost.
+#[inline(always)]
+pub(super) fn condense_part<S: Scalar>(
+    mesh: &Mesh,
+    per_lambda: S,
+    elements: Range<usize>,
+    outermost: Inertia<S>,
     mut visit: impl FnMut(usize, &Step<S>),
 ) -> Inertia<S> {
-    let per_lambda = mesh.per_lambda(lambda);
-    let mut outer = mesh.tip_inertia().lift(per_lambda);
-    for (index, element) in mesh.relative_elements().iter().enumerate().rev() {
+    let (first, mut outer) = (elements.start, outermost);
+    for (index, element) in mesh.relative_elements()[elements].iter().enumerate().rev() {
+        let index = first + index;
         let mut step = condense_element(element, per_lambda, outer);
         if let Some(lumped) = mesh.lumped_inertia(index) {
             step.inner = step.inner.plus(lumped);

@@ -27,7 +27,7 @@ mod test_links;
 mod transfer;
 
 pub use batch::{
-    Pivots, TipTransfers, nodal_transfers, pivots, tip_displacements_m, tip_transfers,
+    Checkpoints, Pivots, TipTransfers, nodal_transfers, pivots, tip_displacements_m, tip_transfers,
 };
 pub use element::{Element, RelativeElement};
 pub use inertia::{Gain, Inertia};

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use super::inward::{HubResponse, hub_response};
 use super::mesh::Mesh;
-use super::outward::{NodalQuantity, NodalRecursion};
+use super::outward::{Checkpoint, NodalQuantity, NodalRecursion};
 use super::pivoted::{PivotedScalar, driven_motion};
 use crate::numeric::Scalar;
 
@@ -111,16 +111,31 @@ fn recursed_nodes<S>(mesh: &Mesh, lambda: S) -> Option<NodalTransfer>
 where
     S: Scalar<Size = f64> + Into<Complex64>,
 {
-    let mut nodes = NodalRecursion::new(mesh, lambda, NodalQuantity::Moment);
-    let hub = nodes.run(mesh, lambda, NodalQuantity::Deflection);
-    if !is_trusted(hub.largest_gain) {
+    let elements = mesh.elements().len();
+    let mut ends = Checkpoint::of_mesh(mesh, lambda, &[0, elements]);
+    let mut nodes = NodalRecursion::new(&(0..elements), lambda, NodalQuantity::Moment);
+    let gain = nodes.run(mesh, lambda, NodalQuantity::Deflection, &mut ends);
+    if !is_trusted(gain) {
         return None;
     }
+    let hub = response_between(mesh, lambda, &ends, gain);
     let times = |factor: S, values: &[S]| values.iter().map(|x| (*x * factor).into()).collect();
-    let deflections_s2 = times(per_tip(&hub, mesh, NodalQuantity::Deflection), &nodes.values);
-    nodes.outward(mesh, lambda, NodalQuantity::Moment);
-    let moments_kg_m = times(per_tip(&hub, mesh, NodalQuantity::Moment), &nodes.values);
+    let deflections_s2 = times(per_tip(&hub, mesh, NodalQuantity::Deflection), nodes.values());
+    nodes.outward(mesh, NodalQuantity::Moment, &mut ends);
+    let moments_kg_m = times(per_tip(&hub, mesh, NodalQuantity::Moment), nodes.values());
     Some(NodalTransfer { tip: complex(TipTransfer::of(&hub, mesh)), deflections_s2, moments_kg_m })
+}
+
+/// The response at the hub after both passes between root and tip; `gain` is their bound of |G|.
+#[inline(always)]
+pub(super) fn response_between<S: Scalar>(
+    mesh: &Mesh,
+    lambda: S,
+    ends: &[Checkpoint<S>],
+    gain: S::Size,
+) -> HubResponse<S> {
+    let [tip_deflection_m, _] = ends[ends.len() - 1].deflection;
+    HubResponse::at_axis(mesh, lambda, (ends[0].inertia, gain), tip_deflection_m)
 }
 
 fn complex<S: Into<Complex64>>(tip: TipTransfer<S>) -> TipTransfer {

@@ -9,15 +9,15 @@ use super::slow_tail::Series;
 use super::solution::Solution;
 use super::spectra::Forcing;
 use super::watch::{Stage, Unwatched, Watch};
-use crate::beam::{NodalHistories, NodalQuantity};
+use crate::beam::{Checkpoints, NodalHistories, NodalQuantity};
 use crate::numeric::{PANEL, Sampling, ThinnedGrid, Transforms};
 
-/// Amplitudes in memory at a time, unless [`MOST_NODE_BLOCKS`] asks for more.
+/// Amplitudes in memory at a time, unless that would be more than [`MOST_NODE_BLOCKS`].
 const SPECTRA_BYTES: usize = 1 << 27;
 
-/// Blocks of nodes that are solved one after the other. Each passes through the whole mesh at every
-/// frequency, so their number must not grow with the mesh: time would grow with its square.
-const MOST_NODE_BLOCKS: usize = 4;
+/// Most groups of nodes that are solved one after the other: the checkpoints between more of them would
+/// take more memory than the amplitudes.
+const MOST_NODE_BLOCKS: usize = 32;
 
 /// Samples in memory at a time, unless [`MOST_ROW_BLOCKS`] asks for more.
 const SAMPLE_BYTES: usize = 1 << 30;
@@ -128,7 +128,9 @@ impl<'a> NodalTable<'a> {
         let nodes = self.nodes().len().min(self.nodes_at_once());
         let threads = rayon::current_num_threads().min(self.plan.panels());
         let transforms = threads * self.plan.sampling.transform_bytes();
-        self.sample_bytes() + nodes * self.spectrum_bytes() + transforms
+        let further = self.nodes().len().div_ceil(self.nodes_at_once()).saturating_sub(1);
+        let checkpoints = Checkpoints::bytes(further) * self.plan.solution.band.frequencies;
+        self.sample_bytes() + nodes * self.spectrum_bytes() + checkpoints + transforms
     }
 
     /// Number of blocks of rows: one if its samples fit the memory.
@@ -144,11 +146,9 @@ impl<'a> NodalTable<'a> {
         assert!(number < self.blocks(), "block {number} of {}", self.blocks());
         let start = number * self.block;
         let rows = start..self.len().min(start + self.block);
-        let samples = if self.blocks() == 1 {
-            self.whole.get_or_init(|| Arc::new(self.samples(&rows, watch))).clone()
-        } else {
-            Arc::new(self.samples(&rows, watch))
-        };
+        let samples = || Arc::new(self.samples(&rows, self.nodes_at_once(), watch));
+        let samples =
+            if self.blocks() == 1 { self.whole.get_or_init(samples).clone() } else { samples() };
         NodalBlock { plan: &self.plan, rows, samples }
     }
 
@@ -163,18 +163,29 @@ impl<'a> NodalTable<'a> {
         fitting.max(fewest).max(1) * PANEL
     }
 
-    /// The samples that `rows` are computed from.
-    fn samples(&self, rows: &Range<usize>, watch: &dyn Watch) -> PanelSamples {
+    /// The samples that `rows` are computed from, solved for so many nodes at a time.
+    fn samples(
+        &self,
+        rows: &Range<usize>,
+        nodes_at_once: usize,
+        watch: &dyn Watch,
+    ) -> PanelSamples {
         let RowPlan { solution, nodes: all, sampling, .. } = &self.plan;
         let len = sampling.samples_for(rows);
         let mut samples = PanelSamples::zeros(self.plan.panels(), len);
         let forcing = Forcing { watch, ..solution.forcing() };
-        let nodes_at_once = self.nodes_at_once();
-        let panels_at_once = nodes_at_once / PANEL;
-        let blocks = samples.samples_mut().chunks_mut((panels_at_once * len).max(1));
-        for (number, (nodes, samples)) in all.chunks(nodes_at_once).zip(blocks).enumerate() {
-            forcing.begin(all.len().div_ceil(nodes_at_once), number);
-            let spectra = forcing.nodal_spectra(nodes, self.quantity);
+        let groups: Vec<&[usize]> = all.chunks(nodes_at_once).collect();
+        let mut checkpoints = forcing.checkpoints(groups.iter().skip(1).copied());
+        // The first group takes a pass through the whole mesh, the others together one more.
+        let (first_pass, passes) = (groups.len(), (2 * groups.len()).saturating_sub(1));
+        let blocks = samples.samples_mut().chunks_mut((nodes_at_once / PANEL * len).max(1));
+        for (number, (nodes, samples)) in groups.iter().zip(blocks).enumerate() {
+            let (done, share) =
+                if number == 0 { (0, first_pass) } else { (first_pass + number - 1, 1) };
+            forcing.begin(passes, done);
+            let advance = |bins| watch.advance(share * bins);
+            let spectra =
+                forcing.nodal_spectra_from(&mut checkpoints, nodes, self.quantity, advance);
             watch.begin(Stage::Transform, all.len());
             watch.advance(number * nodes_at_once);
             let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(PANEL));
@@ -223,6 +234,17 @@ mod tests {
                 assert_eq!(blocked.blocks(), 3);
                 assert!(blocked.histories() == whole.histories());
             }
+        }
+    }
+
+    #[test]
+    fn nodes_solved_for_in_groups_have_the_bits_of_all_at_once() {
+        let solution = solution(100);
+        let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
+        for table in [solution.deflections(&nodes, 1), solution.moments(&nodes, 1)] {
+            let rows = 0..table.len();
+            let samples = |at_once| table.samples(&rows, at_once, &Unwatched);
+            assert!(samples(PANEL).samples() == samples(3 * PANEL).samples());
         }
     }
 

@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use crate::beam::NodalQuantity;
+use crate::beam::{Checkpoints, NodalQuantity};
 use crate::modal::DampingLaw;
 use crate::model::Model;
 use crate::motion::{TAIL_TERMS, TailTerms};
@@ -53,7 +53,8 @@ impl Series {
         let mut rows = vec![[Complex64::ZERO; TAIL_TERMS + 1]; nodes.len()];
         let mut columns: Vec<_> = rows.iter_mut().map(<[_; _]>::as_mut_slice).collect();
         let quantity = NodalQuantity::Deflection;
-        model.nodal_transfers(&self.omegas_rad_s, nodes, quantity, &mut columns);
+        let checkpoints = &mut Checkpoints::of(model.mesh(), []);
+        model.nodal_transfers(&self.omegas_rad_s, nodes, quantity, &mut columns, checkpoints);
         rows.iter().map(|row| self.tail(row).map(|s| -s)).collect()
     }
 

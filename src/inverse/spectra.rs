@@ -7,7 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::watch::{Stage, Watch};
-use crate::beam::{NodalQuantity, TipTransfers};
+use crate::beam::{Checkpoints, NodalQuantity, TipTransfers};
 use crate::link::Drive;
 use crate::model::{Model, ModelError};
 use crate::motion::TipSpectrum;
@@ -228,6 +228,28 @@ impl Forcing<'_> {
         nodes: &[usize],
         quantity: NodalQuantity,
     ) -> Vec<Vec<Complex64>> {
+        let advance = |bins| self.watch.advance(bins);
+        self.nodal_spectra_from(&mut self.checkpoints([]), nodes, quantity, advance)
+    }
+
+    /// Checkpoints for [`Forcing::nodal_spectra_from`] of a first group of nodes and these further ones.
+    pub(super) fn checkpoints<'b>(
+        &self,
+        further: impl IntoIterator<Item = &'b [usize]>,
+    ) -> Vec<Checkpoints> {
+        let checkpoints = Checkpoints::of(self.model.mesh(), further);
+        vec![checkpoints; self.omegas_rad_s().len().div_ceil(NODAL_BLOCK)]
+    }
+
+    /// [`Forcing::nodal_spectra`] of one of several groups of nodes; `advance` gets how many bins are done
+    /// since its last call.
+    pub(super) fn nodal_spectra_from(
+        &self,
+        checkpoints: &mut [Checkpoints],
+        nodes: &[usize],
+        quantity: NodalQuantity,
+        advance: impl Fn(usize) + Sync,
+    ) -> Vec<Vec<Complex64>> {
         let omegas = self.omegas_rad_s();
         let mut spectra = vec![vec![Complex64::ZERO; omegas.len()]; nodes.len()];
         // Each block writes its own columns of every row.
@@ -235,18 +257,21 @@ impl Forcing<'_> {
         let columns =
             |_: &[f64]| -> Vec<_> { rows.iter_mut().filter_map(Iterator::next).collect() };
         let columns: Vec<Vec<&mut [Complex64]>> = omegas.chunks(NODAL_BLOCK).map(columns).collect();
-        let blocks = omegas.par_chunks(NODAL_BLOCK).zip(columns).enumerate();
-        blocks.with_min_len(fewest_blocks()).for_each(|(block, (omegas, mut rows))| {
-            self.model.nodal_transfers(omegas, nodes, quantity, &mut rows);
-            let factor = |(k, omega): (usize, &f64)| {
-                self.nodal_factor(block * NODAL_BLOCK + k, *omega, quantity)
-            };
-            let factors: Vec<Complex64> = omegas.iter().enumerate().map(factor).collect();
-            for (value, factor) in rows.iter_mut().flat_map(|row| row.iter_mut().zip(&factors)) {
-                *value *= factor;
-            }
-            self.watch.advance(omegas.len());
-        });
+        let blocks = omegas.par_chunks(NODAL_BLOCK).zip(columns).zip(checkpoints).enumerate();
+        blocks.with_min_len(fewest_blocks()).for_each(
+            |(block, ((omegas, mut rows), checkpoints))| {
+                self.model.nodal_transfers(omegas, nodes, quantity, &mut rows, checkpoints);
+                let factor = |(k, omega): (usize, &f64)| {
+                    self.nodal_factor(block * NODAL_BLOCK + k, *omega, quantity)
+                };
+                let factors: Vec<Complex64> = omegas.iter().enumerate().map(factor).collect();
+                for (value, factor) in rows.iter_mut().flat_map(|row| row.iter_mut().zip(&factors))
+                {
+                    *value *= factor;
+                }
+                advance(omegas.len());
+            },
+        );
         spectra
     }
 

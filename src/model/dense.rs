@@ -1,4 +1,5 @@
-use nalgebra::{DMatrix, DVector};
+use faer::linalg::solvers::Solve;
+use faer::{Col, Mat};
 use num_complex::Complex64;
 
 use super::link_on_mesh::{LinkOnMesh, Model};
@@ -17,13 +18,15 @@ const CAUTION: f64 = 100.0;
 /// ```text
 /// H x = e_h T,   H = M − K*/ω²  (+ C/(iω) of modal damping)      (Bayo 1987, eqs 15-17)
 /// ```
+///
+/// faer multiplies by other instructions on each processor: last digits of the transfers differ.
 #[derive(Debug, Clone)]
 pub struct Dense {
     link: LinkOnMesh,
-    mass: DMatrix<f64>,
-    stiffness: DMatrix<f64>,
+    mass: Mat<f64>,
+    stiffness: Mat<f64>,
     /// Mass times each mode and its 2ζω, of a modal law.
-    modes: Vec<(DVector<f64>, f64)>,
+    modes: Vec<(Col<f64>, f64)>,
 }
 
 impl Dense {
@@ -35,7 +38,9 @@ impl Dense {
         if count > MOST_ELEMENTS_OF_DENSE_SOLVE {
             return None;
         }
-        let (mut mass, mut stiffness) = (free(count), free(count));
+        // On (v, φ) of all nodes.
+        let size = 2 * count + 2;
+        let (mut mass, mut stiffness) = (Mat::zeros(size, size), Mat::zeros(size, size));
         for (k, element) in mesh.elements().iter().enumerate() {
             let (m, s) = (element.mass(), element.stiffness());
             for (row, column) in (0..4).flat_map(|row| (0..4).map(move |column| (row, column))) {
@@ -51,39 +56,41 @@ impl Dense {
             mass[(at + 1, at)] += vp;
             mass[(at + 1, at + 1)] += pp;
         }
-        let mut mass = held(mesh, mass);
+        let mut mass = held(mesh, &mass);
         mass[(0, 0)] += mesh.hub_inertia_kg_m2();
-        let stiffness = held(mesh, stiffness);
+        let stiffness = held(mesh, &stiffness);
         let modes = damped_modes(&link, &mass)?;
         Some(Self { link, mass, stiffness, modes })
     }
 
-    /// Accelerations per torque that the mass feels, for each λ of the law.
-    fn accelerations(&self, omega_rad_s: f64) -> DVector<Complex64> {
+    /// `H⁻¹ e_h`: accelerations of all unknowns per torque.
+    fn accelerations(&self, omega_rad_s: f64) -> Col<Complex64> {
+        let found = self.solved(omega_rad_s);
         // Exactly on a pole of an undamped link nothing is finite, and a hair beside it all is.
-        let beside = || self.solved(omega_rad_s * (1.0 + 4.0 * f64::EPSILON));
-        let nothing = || DVector::from_element(self.mass.nrows(), Complex64::from(f64::NAN));
-        self.solved(omega_rad_s).or_else(beside).unwrap_or_else(nothing)
+        if found.iter().all(|acceleration| acceleration.is_finite()) {
+            found
+        } else {
+            self.solved(omega_rad_s * (1.0 + 4.0 * f64::EPSILON))
+        }
     }
 
-    fn solved(&self, omega_rad_s: f64) -> Option<DVector<Complex64>> {
+    fn solved(&self, omega_rad_s: f64) -> Col<Complex64> {
         let size = self.mass.nrows();
         let per_lambda = self.law().lambda(omega_rad_s).inv();
-        let mut h = DMatrix::from_fn(size, size, |row, column| {
+        let mut h = Mat::from_fn(size, size, |row, column| {
             Complex64::from(self.mass[(row, column)]) - per_lambda * self.stiffness[(row, column)]
         });
         for (mode, rate) in &self.modes {
             // iωC/(−ω²)
             let factor = Complex64::new(0.0, -rate / omega_rad_s);
-            for row in 0..size {
-                for column in 0..size {
+            for column in 0..size {
+                for row in 0..size {
                     h[(row, column)] += factor * (mode[row] * mode[column]);
                 }
             }
         }
-        let mut load = DVector::zeros(size);
-        load[0] = Complex64::ONE;
-        h.lu().solve(&load)
+        let load = |row| if row == 0 { Complex64::ONE } else { Complex64::ZERO };
+        h.partial_piv_lu().solve(Col::from_fn(size, load))
     }
 
     /// Moments at nodes 0 … n of all that is outboard of each, from accelerations (v, φ) of the nodes.
@@ -138,8 +145,8 @@ impl Model for Dense {
         let (nodes_m, lambda) = (self.mesh().nodes_m(), self.law().lambda(omega_rad_s));
         let accelerations = self.accelerations(omega_rad_s);
         // The tip's displacement is the last unknown but one.
-        let inertia_kg_m = accelerations[accelerations.len() - 2].inv();
-        let per_tip = accelerations.map(|acceleration| acceleration * inertia_kg_m);
+        let inertia_kg_m = accelerations[accelerations.nrows() - 2].inv();
+        let per_tip: Vec<_> = accelerations.iter().map(|a| a * inertia_kg_m).collect();
         let angle_rad_m = per_tip[0];
         // The root sits on the hub.
         let root = [angle_rad_m * nodes_m[0], angle_rad_m];
@@ -160,7 +167,7 @@ impl Model for Dense {
 }
 
 /// Mass times each mode and its 2ζω, of a modal law: `C = Σ 2ζω (M φ)(M φ)ᵀ`.
-fn damped_modes(link: &LinkOnMesh, mass: &DMatrix<f64>) -> Option<Vec<(DVector<f64>, f64)>> {
+fn damped_modes(link: &LinkOnMesh, mass: &Mat<f64>) -> Option<Vec<(Col<f64>, f64)>> {
     let (mesh, law) = (link.mesh(), link.law());
     if !law.is_modal() {
         return Some(Vec::new());
@@ -173,29 +180,19 @@ fn damped_modes(link: &LinkOnMesh, mass: &DMatrix<f64>) -> Option<Vec<(DVector<f
     Some(damped.collect())
 }
 
-/// A matrix on (v, φ) of all nodes.
-fn free(elements: usize) -> DMatrix<f64> {
-    DMatrix::zeros(2 * elements + 2, 2 * elements + 2)
-}
-
 /// A matrix on (v, φ) of all nodes, held at the hub: the root sits on it, `v_0 = x_0 θ`, `φ_0 = θ`.
-///
-/// Without a product of two matrices, in which nalgebra would use what the processor has.
-fn held(mesh: &Mesh, mut free: DMatrix<f64>) -> DMatrix<f64> {
+fn held(mesh: &Mesh, free: &Mat<f64>) -> Mat<f64> {
     let root_m = mesh.nodes_m()[0];
-    for k in 0..free.ncols() {
-        free[(1, k)] += root_m * free[(0, k)];
-    }
-    for k in 0..free.nrows() {
-        free[(k, 1)] += root_m * free[(k, 0)];
-    }
-    free.remove_row(0).remove_column(0)
+    let arm_m = |index| if index == 0 { root_m } else { 0.0 };
+    let in_row = |row, column| free[(row + 1, column)] + arm_m(row) * free[(0, column)];
+    Mat::from_fn(free.nrows() - 1, free.ncols() - 1, |row, column| {
+        in_row(row, column + 1) + arm_m(column) * in_row(row, 0)
+    })
 }
 
 /// A shape on θ and (v, φ) of nodes 1 … n.
-fn column(mesh: &Mesh, shape: &Shape) -> DVector<f64> {
-    let size = 2 * mesh.nodes_m().len() - 1;
-    DVector::from_fn(size, |row, _| {
+fn column(mesh: &Mesh, shape: &Shape) -> Col<f64> {
+    Col::from_fn(2 * mesh.nodes_m().len() - 1, |row| {
         if row % 2 == 1 {
             shape.displacement(mesh, row.div_ceil(2))
         } else {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::error::ModelError;
-use crate::beam::{Mesh, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers};
+use crate::beam::{Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers};
 use crate::link::Link;
 use crate::modal::DampingLaw;
 
@@ -86,15 +86,17 @@ pub trait Model: Debug + Send + Sync {
     }
 
     /// [`Model::nodal_transfer`] at many ω: a row for each of `nodes`, in it a value for each ω.
+    /// With the same checkpoints, further calls at the same ω pass through a part of the mesh alone.
     ///
     /// # Panics
-    /// If a node is not one of the mesh, or a row is shorter than `omegas_rad_s`.
+    /// As [`nodal_transfers`](crate::beam::nodal_transfers).
     fn nodal_transfers(
         &self,
         omegas_rad_s: &[f64],
         nodes: &[usize],
         quantity: NodalQuantity,
         rows: &mut [&mut [Complex64]],
+        _: &mut Checkpoints,
     ) {
         for (column, omega) in omegas_rad_s.iter().enumerate() {
             let transfer = self.nodal_transfer(*omega);

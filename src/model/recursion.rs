@@ -2,8 +2,8 @@ use num_complex::Complex64;
 
 use super::link_on_mesh::{LinkOnMesh, Model};
 use crate::beam::{
-    NodalQuantity, NodalTransfer, TipTransfer, TipTransfers, nodal_transfer, nodal_transfers,
-    tip_transfer, tip_transfers,
+    Checkpoints, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers, nodal_transfer,
+    nodal_transfers, tip_transfer, tip_transfers,
 };
 
 /// A link with a local damping law, condensed to its hub element by element: exact, and linear in the
@@ -52,7 +52,9 @@ impl Model for Recursion {
         nodes: &[usize],
         quantity: NodalQuantity,
         rows: &mut [&mut [Complex64]],
+        checkpoints: &mut Checkpoints,
     ) {
-        nodal_transfers(self.mesh(), &self.lambdas(omegas_rad_s), nodes, quantity, rows);
+        let lambdas = self.lambdas(omegas_rad_s);
+        nodal_transfers(self.mesh(), &lambdas, nodes, quantity, rows, checkpoints);
     }
 }

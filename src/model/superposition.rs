@@ -2,7 +2,7 @@ use num_complex::Complex64;
 
 use super::error::ModelError;
 use super::link_on_mesh::{KeptModes, LinkOnMesh, Model};
-use crate::beam::{Mesh, NodalTransfer, TipTransfer};
+use crate::beam::{Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer};
 use crate::modal::{ModalBasis, Shape};
 
 /// A link as the sum of its modes, for damping laws that give each mode a ratio, and for a link reduced
@@ -115,6 +115,36 @@ impl Superposition {
             deflection_s2,
         }
     }
+
+    /// One quantity per tip motion as a function of the node, from the coordinates and the tip at ω.
+    fn nodal_value(
+        &self,
+        omega_rad_s: f64,
+        coordinates: &[(Complex64, &Share)],
+        tip: &TipTransfer,
+        quantity: NodalQuantity,
+    ) -> impl Fn(usize) -> Complex64 {
+        let lambda = self.law().lambda(omega_rad_s);
+        let rigid = self.rigid.hub_angle * tip.inertia_kg_m;
+        let weight = |q: &Complex64| {
+            let lag = -q * tip.inertia_kg_m;
+            match quantity {
+                NodalQuantity::Deflection => lag,
+                NodalQuantity::Moment => lambda * lag,
+            }
+        };
+        let shares: Vec<_> = coordinates.iter().map(|(q, share)| (weight(q), *share)).collect();
+        move |node| match quantity {
+            NodalQuantity::Deflection => {
+                let terms = shares.iter().map(|(weight, share)| weight * share.deflections[node]);
+                terms.fold(Complex64::ZERO, |sum, term| sum + term)
+            }
+            NodalQuantity::Moment => {
+                let terms = shares.iter().map(|(weight, share)| weight * share.moments[node]);
+                terms.fold(rigid * self.rigid.moments[node], |sum, term| sum + term)
+            }
+        }
+    }
 }
 
 impl Model for Superposition {
@@ -133,21 +163,33 @@ impl Model for Superposition {
     fn nodal_transfer(&self, omega_rad_s: f64) -> NodalTransfer {
         let coordinates = self.coordinates(omega_rad_s);
         let tip = self.tip_of(omega_rad_s, &coordinates);
-        let lambda = self.law().lambda(omega_rad_s);
-        let nodes = self.rigid.moments.len();
-        let mut deflections_s2 = vec![Complex64::ZERO; nodes];
-        let rigid = self.rigid.hub_angle * tip.inertia_kg_m;
-        let mut moments_kg_m: Vec<Complex64> =
-            self.rigid.moments.iter().map(|m| rigid * *m).collect();
-        for (q, share) in &coordinates {
-            let lag = -q * tip.inertia_kg_m;
-            let acceleration = lambda * lag;
-            for node in 0..nodes {
-                deflections_s2[node] += lag * share.deflections[node];
-                moments_kg_m[node] += acceleration * share.moments[node];
+        let at_nodes = |quantity| -> Vec<Complex64> {
+            let value = self.nodal_value(omega_rad_s, &coordinates, &tip, quantity);
+            (0..self.rigid.moments.len()).map(value).collect()
+        };
+        NodalTransfer {
+            tip,
+            deflections_s2: at_nodes(NodalQuantity::Deflection),
+            moments_kg_m: at_nodes(NodalQuantity::Moment),
+        }
+    }
+
+    fn nodal_transfers(
+        &self,
+        omegas_rad_s: &[f64],
+        nodes: &[usize],
+        quantity: NodalQuantity,
+        rows: &mut [&mut [Complex64]],
+        _: &mut Checkpoints,
+    ) {
+        for (column, omega) in omegas_rad_s.iter().enumerate() {
+            let coordinates = self.coordinates(*omega);
+            let tip = self.tip_of(*omega, &coordinates);
+            let value = self.nodal_value(*omega, &coordinates, &tip, quantity);
+            for (row, node) in rows.iter_mut().zip(nodes) {
+                row[column] = value(*node);
             }
         }
-        NodalTransfer { tip, deflections_s2, moments_kg_m }
     }
 }
 

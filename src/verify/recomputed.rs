@@ -97,5 +97,6 @@ pub(super) fn dense_transfer(solution: &Solution) -> Check {
     if bound > SPOILT {
         return label.not_measured(format!("its round-off may be {bound:.1e}"));
     }
-    label.measured(worst, bound)
+    // Round-off has other digits on every processor: a difference within the bound counts as the bound.
+    label.measured(if worst <= bound { bound } else { worst }, bound)
 }

@@ -81,6 +81,9 @@ pub(super) trait LambdaLanes<S: Simd>: Scalar<Size = RealLanes<S>> {
     /// How many numbers are worked on at a time.
     const LEN: usize;
 
+    /// True if all imaginary parts are 0 and left out.
+    const IS_REAL: bool;
+
     /// The first [`Self::LEN`] of `numbers`, as [`ComplexLanes::load`] has them.
     fn load_numbers(simd: S, numbers: &[Complex64]) -> Self;
 
@@ -90,6 +93,7 @@ pub(super) trait LambdaLanes<S: Simd>: Scalar<Size = RealLanes<S>> {
 
 impl<S: Simd> LambdaLanes<S> for ComplexLanes<S> {
     const LEN: usize = RealLanes::<S>::LEN;
+    const IS_REAL: bool = false;
 
     #[inline(always)]
     fn load_numbers(simd: S, numbers: &[Complex64]) -> Self {
@@ -104,6 +108,7 @@ impl<S: Simd> LambdaLanes<S> for ComplexLanes<S> {
 
 impl<S: Simd> LambdaLanes<S> for RealLanes<S> {
     const LEN: usize = Self::LEN;
+    const IS_REAL: bool = true;
 
     #[inline(always)]
     fn load_numbers(simd: S, numbers: &[Complex64]) -> Self {

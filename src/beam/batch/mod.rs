@@ -15,4 +15,4 @@ mod search;
 mod transfers;
 
 pub use search::{Pivots, pivots, tip_displacements_m};
-pub use transfers::{TipTransfers, nodal_transfers, tip_transfers};
+pub use transfers::{Checkpoints, TipTransfers, nodal_transfers, tip_transfers};

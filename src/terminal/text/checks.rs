@@ -24,8 +24,10 @@ fn line(check: &Check) -> String {
     match &check.outcome {
         Outcome::Measured { found, bound } => {
             let verdict = if check.fails() { "  FAILS" } else { "" };
-            let found = if *found < ROUND_OFF {
+            let found = if *found <= ROUND_OFF {
                 format!("< {ROUND_OFF:.0e}")
+            } else if found >= bound && !check.fails() {
+                format!("< {bound:.1e}")
             } else {
                 beyond(*found, *bound)
             };
