@@ -28,24 +28,12 @@ impl Element {
         let vi = (4.0 * p + 2.0 * q) / l.powi(2);
         let vj = (2.0 * p + 4.0 * q) / l.powi(2);
         let ij = (p + q) / l;
-        Matrix4::new(
-            vv,
-            vi,
-            -vv,
-            vj, //
-            vi,
-            (3.0 * p + q) / l,
-            -vi,
-            ij, //
-            -vv,
-            -vi,
-            vv,
-            -vj, //
-            vj,
-            ij,
-            -vj,
-            (p + 3.0 * q) / l,
-        )
+        Matrix4::from([
+            [vv, vi, -vv, vj],
+            [vi, (3.0 * p + q) / l, -vi, ij],
+            [-vv, -vi, vv, -vj],
+            [vj, ij, -vj, (p + 3.0 * q) / l],
+        ])
     }
 
     /// Consistent mass, 4×4, symmetric. Rows: `v_i` (kg), `φ_i` (kg m), `v_j`, `φ_j`.
@@ -63,24 +51,12 @@ impl Element {
             (-l2 * (7.0 * p + 6.0 * q) / 420.0, l2 * (6.0 * p + 7.0 * q) / 420.0);
         let vv = 9.0 * l * (p + q) / 140.0;
         let phi_phi = -l3 * (p + q) / 280.0;
-        Matrix4::new(
-            l * (10.0 * p + 3.0 * q) / 35.0,
-            v_phi_i,
-            vv,
-            cross_i, //
-            v_phi_i,
-            l3 * (5.0 * p + 3.0 * q) / 840.0,
-            cross_j,
-            phi_phi, //
-            vv,
-            cross_j,
-            l * (3.0 * p + 10.0 * q) / 35.0,
-            v_phi_j, //
-            cross_i,
-            phi_phi,
-            v_phi_j,
-            l3 * (3.0 * p + 5.0 * q) / 840.0,
-        )
+        Matrix4::from([
+            [l * (10.0 * p + 3.0 * q) / 35.0, v_phi_i, vv, cross_i],
+            [v_phi_i, l3 * (5.0 * p + 3.0 * q) / 840.0, cross_j, phi_phi],
+            [vv, cross_j, l * (3.0 * p + 10.0 * q) / 35.0, v_phi_j],
+            [cross_i, phi_phi, v_phi_j, l3 * (3.0 * p + 5.0 * q) / 840.0],
+        ])
     }
 
     /// The same element in relative coordinates.

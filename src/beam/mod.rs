@@ -6,8 +6,7 @@
 //! | `plan`, `given_nodes` | how many elements each piece of the link gets |
 //! | `inertia` | apparent inertia A, and the 2×2 system of one element |
 //! | `mesh`, `rigid_limit` | all elements and bodies; λ up to which the link is rigid |
-//! | `inward` | the recursion from tip to hub: torque, hub angle, tip |
-//! | `outward` | from hub to tip: deflections and moments at the nodes |
+//! | `recursion` | from tip to hub: torque, hub angle, tip; back from hub to tip: deflections and moments at the nodes |
 //! | `pivoted` | both with row pivoting, for resonances of the outboard part |
 //! | `transfer` | transfers per unit of tip motion at one λ; which recursion computes them |
 //! | `batch` | the same at many λ, over the processor's vectors |
@@ -16,11 +15,10 @@ mod batch;
 mod element;
 mod given_nodes;
 mod inertia;
-mod inward;
 mod mesh;
-mod outward;
 mod pivoted;
 mod plan;
+mod recursion;
 mod rigid_limit;
 #[cfg(test)]
 mod test_links;
@@ -31,9 +29,10 @@ pub use batch::{
 };
 pub use element::{Element, RelativeElement};
 pub use inertia::{Gain, Inertia};
-pub use inward::{HubResponse, Step, condense, hub_response, tip_displacement_m};
 pub use mesh::Mesh;
-pub use outward::{NodalHistories, NodalQuantity};
 pub use pivoted::{DrivenMotion, PivotedScalar, driven_motion};
 pub use plan::{ElementCount, MeshPlan, Piece};
+pub use recursion::{
+    HubResponse, NodalHistories, NodalQuantity, Step, condense, hub_response, tip_displacement_m,
+};
 pub use transfer::{NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};

@@ -6,10 +6,9 @@
 use nalgebra::Vector2;
 use num_complex::Complex64;
 
-use super::inward::{HubResponse, hub_response};
 use super::mesh::Mesh;
-use super::outward::{Checkpoint, NodalQuantity, NodalRecursion};
 use super::pivoted::{PivotedScalar, driven_motion};
+use super::recursion::{Checkpoint, HubResponse, NodalQuantity, NodalRecursion, hub_response};
 use crate::numeric::Scalar;
 
 /// Largest gain |G| that the recursion is trusted with: it loses about ε·|G| of its digits.

@@ -1,6 +1,6 @@
 //! How exact a solution is: for every quantity that is written, what each approximation costs.
 
-/// What a solution gives over time.
+/// A quantity of a solution over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Torque at the hub.
@@ -50,7 +50,7 @@ pub struct PerQuantity<T> {
     pub hub_acceleration: Option<T>,
     /// Total displacement at the nodes, unless tables are left out.
     pub displacement: Option<T>,
-    /// Bending moment at the nodes, where it was asked for.
+    /// Bending moment at the nodes, where it is measured.
     pub bending_moment: Option<T>,
     /// Torque of the motor, where the link has a drive.
     pub motor_torque: Option<T>,
@@ -95,6 +95,17 @@ impl<T: Copy> PerQuantity<T> {
     }
 }
 
+impl PerQuantity<QuantityErrors> {
+    /// These errors with those of a further kind, where they were measured.
+    pub(super) fn with(
+        &self,
+        further: Option<PerQuantity<f64>>,
+        join: impl Fn(QuantityErrors, f64) -> QuantityErrors,
+    ) -> Self {
+        further.map_or(*self, |further| self.zip(&further, join))
+    }
+}
+
 impl PerQuantity<f64> {
     /// The largest value and the quantity that it is of; the torque where several are as large. NaN
     /// counts as the largest.
@@ -105,7 +116,7 @@ impl PerQuantity<f64> {
     }
 }
 
-/// What approximations cost one quantity, each a share of its own peak.
+/// Errors of one quantity, each a share of its own peak.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct QuantityErrors {
     /// Discretisation of the link, measured on halved elements.
@@ -121,7 +132,7 @@ pub struct QuantityErrors {
 /// How exact a solution is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Accuracy {
-    /// Largest distance of the tip that is solved from the wanted one, over its way.
+    /// Largest distance of the tip that is solved from the wanted one, over its travel.
     pub tip: f64,
     /// What each quantity may be off by, over its own peak.
     pub errors: PerQuantity<QuantityErrors>,

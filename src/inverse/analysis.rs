@@ -1,9 +1,25 @@
+//! What a caller chooses: how exact an inversion is, its resources, and who watches its progress.
+
+use serde::{Deserialize, Serialize};
+
 use crate::link::ParameterError;
 use crate::model::KeptModes;
+use crate::motion::Periods;
 
 /// How exact the answer must be, how much time around the motion it covers, and of which modes it
 /// is made.
-#[derive(Debug, Clone, Copy, PartialEq)]
+///
+/// Reading one checks it, and gives what is missing its default.
+///
+/// ```
+/// use flexlink::inverse::Analysis;
+/// let analysis: Analysis = serde_json::from_str(r#"{"tolerance": 1e-4}"#).unwrap();
+/// assert_eq!(analysis, Analysis::new(1e-4, None, None)?);
+/// assert!(serde_json::from_str::<Analysis>(r#"{"tolerance": 2.0}"#).is_err());
+/// # Ok::<(), flexlink::link::ParameterError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Unchecked")]
 pub struct Analysis {
     tolerance: f64,
     tip_tolerance: f64,
@@ -18,7 +34,7 @@ impl Analysis {
     /// Share of its peak that padding and wrap-around may cost every quantity.
     pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 
-    /// Share of its way that the tip may stray from the wanted motion.
+    /// Share of its travel that the tip may stray from the wanted motion.
     pub const DEFAULT_TIP_TOLERANCE: f64 = 1e-6;
 
     /// Checks the ranges: `tolerance` in [1e-12, 1e-2], lead and lag at least 0 s. All modes are kept.
@@ -62,7 +78,7 @@ impl Analysis {
         Ok(Self { modes: Some(modes), ..self })
     }
 
-    /// The same analysis with the tip within this share of its way of the wanted motion: the motion is
+    /// The same analysis with the tip within this share of its travel of the wanted motion: the motion is
     /// solved up to the lowest frequency that this takes (see [`TipMotion::cutoff`]); at 0 up to the
     /// Nyquist frequency.
     ///
@@ -96,7 +112,7 @@ impl Analysis {
         self.tolerance
     }
 
-    /// Share of its way that the tip may stray from the wanted motion; 0: all frequencies are solved.
+    /// Share of its travel that the tip may stray from the wanted motion; 0: all frequencies are solved.
     pub fn tip_tolerance(&self) -> f64 {
         self.tip_tolerance
     }
@@ -146,6 +162,87 @@ impl Default for Analysis {
     }
 }
 
+/// An [`Analysis`] as it is read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Unchecked {
+    tolerance: Option<f64>,
+    tip_tolerance: Option<f64>,
+    lead_s: Option<f64>,
+    lag_s: Option<f64>,
+    modes: Option<usize>,
+    #[serde(default)]
+    with_moments: bool,
+    #[serde(default)]
+    without_tables: bool,
+}
+
+impl TryFrom<Unchecked> for Analysis {
+    type Error = ParameterError;
+
+    fn try_from(read: Unchecked) -> Result<Self, ParameterError> {
+        let Unchecked { lead_s, lag_s, with_moments, without_tables, .. } = read;
+        let analysis = Self::new(read.tolerance.unwrap_or(Self::DEFAULT_TOLERANCE), lead_s, lag_s)?
+            .with_tip_tolerance(read.tip_tolerance.unwrap_or(Self::DEFAULT_TIP_TOLERANCE))?;
+        let analysis = match read.modes {
+            Some(modes) => analysis.keeping_modes(modes)?,
+            None => analysis,
+        };
+        Ok(Self { with_moments, without_tables, ..analysis })
+    }
+}
+
+/// A part of long work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Solving on a mesh; its parts are frequencies.
+    Solve {
+        /// Elements of the mesh.
+        elements: usize,
+    },
+    /// Transforming what was solved to samples over time; its parts are nodes.
+    Transform,
+    /// Writing a table; its parts are rows.
+    Write,
+}
+
+/// Gets the progress of long work.
+pub trait Watch: Sync {
+    /// A stage of so many parts begins.
+    fn begin(&self, stage: Stage, parts: usize);
+
+    /// So many parts of it are done, in any thread.
+    fn advance(&self, parts: usize);
+}
+
+/// Ignores all progress.
+#[derive(Debug, Clone, Copy)]
+pub struct Unwatched;
+
+impl Watch for Unwatched {
+    fn begin(&self, _: Stage, _: usize) {}
+
+    fn advance(&self, _: usize) {}
+}
+
+/// Memory of an inversion, the watcher of its progress, and what it shares with others. By default there
+/// is no limit, no watcher, and nothing shared.
+#[derive(Clone, Copy)]
+pub struct Resources<'a> {
+    /// Memory in bytes; an inversion that would take more is refused. `None`: no limit.
+    pub memory_bytes: Option<usize>,
+    /// Gets the progress.
+    pub watch: &'a dyn Watch,
+    /// Cut-off and periods that several inversions share; `None`: the inversion computes its own.
+    pub periods: Option<&'a Periods>,
+}
+
+impl Default for Resources<'_> {
+    fn default() -> Self {
+        Self { memory_bytes: None, watch: &Unwatched, periods: None }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -157,5 +254,17 @@ mod tests {
         assert_eq!(refused, "analysis.modes = 0, but must be at least 1");
         let reduced = analysis.keeping_modes(1).unwrap();
         assert_eq!(reduced, Analysis { modes: Some(1), ..analysis });
+    }
+
+    #[test]
+    fn a_stored_analysis_is_read_back_and_checked() {
+        let analysis = Analysis::new(1e-4, Some(0.5), None).unwrap().keeping_modes(3).unwrap();
+        let analysis = analysis.with_moments().without_tables();
+        let stored = serde_json::to_string(&analysis).unwrap();
+        assert_eq!(serde_json::from_str::<Analysis>(&stored).unwrap(), analysis);
+        assert_eq!(serde_json::from_str::<Analysis>("{}").unwrap(), Analysis::default());
+        for wrong in [r#"{"modes": 0}"#, r#"{"lag_s": -1.0}"#, r#"{"tip_tolerance": 1.0}"#] {
+            assert!(serde_json::from_str::<Analysis>(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -5,11 +5,12 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use super::accuracy::{Accuracy, Quantity};
-use super::analysis::Analysis;
+use super::analysis::{Analysis, Unwatched};
 use super::histories::{Histories, tip_deflection_m};
-use super::spectra::{Forcing, HubSpectra};
+use super::period::Window;
+use super::periodic_answer::PeriodicAnswer;
+use super::spectra::DrivenModel;
 use super::warning::{FAST_HUB, Warning};
-use super::watch::Unwatched;
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::{
@@ -41,21 +42,21 @@ pub(super) struct Diagnostics<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) motion: &'a TipMotion,
     pub(super) analysis: &'a Analysis,
-    pub(super) spectrum: &'a TipSpectrum,
-    pub(super) hub: &'a HubSpectra,
+    pub(super) answer: &'a PeriodicAnswer,
+    pub(super) window: &'a Window,
     pub(super) histories: &'a Histories,
     pub(super) accuracy: &'a Accuracy,
-    /// Torque outside the written window, over the peak.
-    pub(super) cut: f64,
-    /// Torque where one period meets the next, over the peak.
-    pub(super) seam: f64,
 }
 
 impl Diagnostics<'_> {
     /// All warnings that there is reason for.
     pub(super) fn warnings(&self) -> Vec<Warning> {
-        let Self { model, motion, spectrum, accuracy, cut, seam, .. } = *self;
+        let Self { model, motion, answer, accuracy, .. } = *self;
         let (mesh, tolerance) = (model.mesh(), self.analysis.tolerance());
+        let spectrum = &answer.period.spectrum;
+        let torque = answer.periodic(&answer.torque_n_m);
+        let cut = torque.outside(self.window) / torque.peak();
+        let seam = torque.at_seam() / torque.peak();
         let corrected = motion.corrected().map(|end| Warning::EndVelocityCorrected {
             velocity_m_s: end.velocity_m_s,
             share: end.share,
@@ -81,7 +82,7 @@ impl Diagnostics<'_> {
             .chain(self.inexact_window())
             .chain(blocked_tip(mesh, spectrum, tolerance))
             .chain(near_nyquist(spectrum))
-            .chain(above_mesh(mesh, spectrum, &self.hub.torque_n_m))
+            .chain(above_mesh(mesh, spectrum, &answer.hub.torque_n_m))
             .chain((error > COARSE).then_some(Warning::CoarseMesh { quantity, error }))
             .chain(self.few_modes())
             .chain(self.unsettled_torque())
@@ -92,11 +93,11 @@ impl Diagnostics<'_> {
             .collect()
     }
 
-    fn forcing(&self) -> Forcing<'_> {
-        Forcing { model: self.model, spectrum: self.spectrum, watch: &Unwatched }
+    fn driven(&self) -> DrivenModel<'_> {
+        DrivenModel { model: self.model, period: &self.answer.period, watch: &Unwatched }
     }
 
-    /// The worst of the quantities beside the torque, of which the torque's own warnings do not tell.
+    /// The worst of the quantities beside the torque, which has warnings of its own.
     fn inexact_window(&self) -> Option<Warning> {
         let tolerance = self.analysis.tolerance();
         let mut shares = self.accuracy.of_kind(|errors| errors.window);
@@ -109,16 +110,16 @@ impl Diagnostics<'_> {
         (share > tolerance).then_some(Warning::InexactWindow { quantity, share, tolerance })
     }
 
-    /// The torque whose peak changes most where the tip's tolerance is larger. What is below the tolerance
-    /// is at the mercy of rounding, kinks and step; a torque that hangs on it is not told by the tip.
+    /// The torque whose peak changes most where the tip's tolerance is larger. Rounding, kinks and step
+    /// determine what is below the tolerance; a torque that depends on it is not determined by the tip.
     fn unsettled_torque(&self) -> Option<Warning> {
-        let cutoff = &self.spectrum.cutoff;
+        let cutoff = &self.answer.period.spectrum.cutoff;
         if cutoff.looser_rad_s >= cutoff.omega_rad_s {
             return None;
         }
-        let forcing = self.forcing();
+        let driven = self.driven();
         let looser = |amplitudes: &[Complex64]| -> Vec<Complex64> {
-            let bins = amplitudes.iter().zip(forcing.omegas_rad_s());
+            let bins = amplitudes.iter().zip(driven.omegas_rad_s());
             bins.map(|(a, omega)| a * cutoff.weight_of_looser(*omega)).collect()
         };
         let measured = |quantity, amplitudes: &[Complex64]| {
@@ -126,16 +127,16 @@ impl Diagnostics<'_> {
             let peak_n_m = |amplitudes| largest(&pair.samples(amplitudes));
             (quantity, peak_n_m(amplitudes), peak_n_m(&looser(amplitudes)))
         };
-        // No peak changes by more than the sum of what is taken away: mostly that is enough to know.
-        let torque = &self.hub.torque_n_m;
-        let bins = torque.iter().zip(forcing.omegas_rad_s());
+        // No peak changes by more than the sum of what is taken away: mostly that sum is small enough.
+        let torque = &self.answer.hub.torque_n_m;
+        let bins = torque.iter().zip(driven.omegas_rad_s());
         let taken = bins.map(|(a, omega)| match cutoff.weight_of_looser(*omega) {
             1.0 => 0.0,
             kept => 2.0 * (1.0 - kept) * magnitude(*a),
         });
         let may_change = taken.sum::<f64>() > UNSETTLED * largest(&self.histories.torque_n_m);
         let torque = may_change.then(|| measured(Quantity::Torque, torque));
-        let motor = forcing.motor_spectra(self.hub);
+        let motor = driven.motor_spectra(&self.answer.hub);
         let motor = motor.map(|motor| measured(Quantity::MotorTorque, &motor.torque_n_m));
         let change =
             |(_, peak_n_m, looser_n_m): &(Quantity, f64, f64)| (looser_n_m / peak_n_m - 1.0).abs();
@@ -175,8 +176,8 @@ impl Diagnostics<'_> {
             return None;
         }
         let modes = natural_frequencies(mesh, REPORTED_MODES);
-        let forcing = self.forcing();
-        let torque = (forcing.omegas_rad_s(), &self.hub.torque_n_m[..]);
+        let driven = self.driven();
+        let torque = (driven.omegas_rad_s(), &self.answer.hub.torque_n_m[..]);
         let share = thickness.torque_change(mesh, self.model.law(), &modes, torque);
         (share > NOTICEABLE).then_some(Warning::ThickLink { share })
     }
@@ -198,7 +199,7 @@ fn blocked_tip(mesh: &Mesh, spectrum: &TipSpectrum, tolerance: f64) -> Vec<Warni
     let spacing = spectrum.omegas_rad_s[1];
     let zeros = real_frequency_zeros(mesh, spectrum.omegas_rad_s[bins]);
     let blocked = zeros.into_iter().filter_map(|omega| {
-        // Damping shifts the zero off the axis, not along it; the nearest bins tell the content.
+        // Damping shifts the zero off the axis, not along it; the nearest bins hold the content there.
         let below = ((omega / spacing) as usize).min(magnitudes.len() - 2);
         let share = largest(&magnitudes[below..below + 2]) / peak;
         let frequency_hz = omega / TAU;

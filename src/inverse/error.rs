@@ -24,10 +24,10 @@ pub enum InversionError {
         /// Peak torque in N m.
         peak_n_m: f64,
     },
-    /// A motor whose torque, angle, rate or power is no number.
+    /// A motor whose torque, angle, rate or power is not finite.
     #[error("the motor's {history} = not finite, but must be")]
     MotorNotFinite {
-        /// Which of its histories it is.
+        /// The name of the history.
         history: &'static str,
     },
     /// An automatic mesh that does not converge.
@@ -40,7 +40,7 @@ pub enum InversionError {
         error: f64,
         /// Elements of the finest mesh tried.
         elements: usize,
-        /// Tolerance asked for.
+        /// The tolerance of the mesh.
         tolerance: f64,
     },
     /// A period that takes more memory than is allowed.

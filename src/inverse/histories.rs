@@ -1,15 +1,20 @@
 //! Histories over the window that is written, cut out of the answer over one period.
 
+use std::f64::consts::PI;
+
 use num_complex::Complex64;
 
 use super::error::InversionError;
 use super::periodic_answer::PeriodicAnswer;
-use super::spectra::HubSpectra;
+use crate::beam::{Checkpoints, NodalQuantity};
 use crate::link::{Drive, Link};
 use crate::modal::DampingLaw;
 use crate::model::Model;
-use crate::motion::{TailTerms, TipMotionHistories, TipPeriod, tail_sum};
+use crate::motion::{TAIL_TERMS, TailTerms, TipMotionHistories, TipPeriod, tail_sum};
 use crate::numeric::TimeGrid;
+
+/// Spacing of the frequencies through which the series of a transfer is found, over the first zero.
+const SPACING: f64 = 0.1;
 
 /// What the motor does, on its own side of the gear and on the solution's grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,11 +62,9 @@ impl Histories {
             velocity_m_s: cut(&whole_tip.velocity_m_s, &grid),
             acceleration_m_s2: cut(&whole_tip.acceleration_m_s2, &grid),
         };
-        let hub = HubMotion::of(period, &answer.hub, tail, per_length);
-        let (hub_angle_rad, hub_rate_rad_s) = rayon::join(
-            || hub.of_period(&answer.excess_rad, &grid, &tip.displacement_m, 0),
-            || hub.on(&grid, &tip.velocity_m_s, 1),
-        );
+        let hub = HubMotion { period, tail, per_length };
+        let hub_angle_rad = hub.on(&grid, answer.excess(0), &tip.displacement_m, 0);
+        let hub_rate_rad_s = hub.on(&grid, answer.excess(1), &tip.velocity_m_s, 1);
         let joint = model.link().joint();
         let mut torque_n_m = cut(&answer.torque_n_m, &grid);
         hub.take_images_off(&grid, 1, joint.friction_n_m_s_rad, &mut torque_n_m);
@@ -98,12 +101,13 @@ impl Histories {
         hub: &HubMotion<'_>,
     ) -> Result<MotorHistories, InversionError> {
         let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = *drive;
-        let spectrum = &answer.period.spectrum;
-        let acceleration = hub.on(&self.grid, &self.tip.acceleration_m_s2, 2);
+        let acceleration = hub.on(&self.grid, answer.excess(2), &self.tip.acceleration_m_s2, 2);
         let hub = [&self.hub_angle_rad, &self.hub_rate_rad_s, &acceleration];
         let [angle_rad, rate_rad_s, acceleration] = [0, 1, 2].map(|order| -> Vec<f64> {
-            let torque = spectrum.derivative(&answer.hub.torque_n_m, order);
-            let twist = cut(&spectrum.pair.samples(torque), &self.grid);
+            let twist = match order {
+                0 => cut(&answer.torque_n_m, &self.grid),
+                _ => cut(&answer.derivative(&answer.hub.torque_n_m, order), &self.grid),
+            };
             let motions = hub[order].iter().zip(twist);
             motions.map(|(hub, t)| gear_ratio * (hub + t / joint_stiffness_n_m_rad)).collect()
         });
@@ -111,30 +115,18 @@ impl Histories {
         let torque_n_m: Vec<f64> =
             pairs.map(|(t, a)| t / gear_ratio + rotor_inertia_kg_m2 * a).collect();
         let power_w = torque_n_m.iter().zip(&rate_rad_s).map(|(t, rate)| t * rate).collect();
-        let motor = MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w };
-        motor.check()?;
-        Ok(motor)
-    }
-}
-
-impl MotorHistories {
-    /// Refuses a history that leaves double precision.
-    ///
-    /// # Errors
-    /// [`InversionError::MotorNotFinite`].
-    fn check(&self) -> Result<(), InversionError> {
         let histories = [
-            ("torque", &self.torque_n_m),
-            ("angle", &self.angle_rad),
-            ("rate", &self.rate_rad_s),
-            ("power", &self.power_w),
+            ("torque", &torque_n_m),
+            ("angle", &angle_rad),
+            ("rate", &rate_rad_s),
+            ("power", &power_w),
         ];
         for (history, samples) in histories {
             if samples.iter().any(|sample| !sample.is_finite()) {
                 return Err(InversionError::MotorNotFinite { history });
             }
         }
-        Ok(())
+        Ok(MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w })
     }
 }
 
@@ -181,33 +173,25 @@ fn parts<'a, T>(period: &'a [T], grid: &TimeGrid) -> impl Iterator<Item = &'a [T
     })
 }
 
-/// The hub angle over a period: the tip's motion over the length, and what bending adds.
+/// The hub's motion over a period: the tip's over the length, and what bending adds.
 pub(super) struct HubMotion<'a> {
-    period: &'a TipPeriod,
-    excess_amplitudes_rad: &'a [Complex64],
-    tail: Option<TailTerms>,
-    per_length: f64,
+    pub(super) period: &'a TipPeriod,
+    /// The hub angle's slow tail, where damping leaves one.
+    pub(super) tail: Option<TailTerms>,
+    /// One over the length, in 1/m.
+    pub(super) per_length: f64,
 }
 
-impl<'a> HubMotion<'a> {
-    pub(super) fn of(
-        period: &'a TipPeriod,
-        hub: &'a HubSpectra,
-        tail: Option<TailTerms>,
-        per_length: f64,
-    ) -> Self {
-        Self { period, excess_amplitudes_rad: &hub.excess_angle_rad, tail, per_length }
-    }
-
-    /// Its `order`-th derivative on a grid, `tip` being that of the tip there.
-    pub(super) fn on(&self, grid: &TimeGrid, tip: &[f64], order: usize) -> Vec<f64> {
-        let spectrum = &self.period.spectrum;
-        let derivative = spectrum.derivative(self.excess_amplitudes_rad, order);
-        self.of_period(&spectrum.pair.samples(derivative), grid, tip, order)
-    }
-
-    /// The same, where the derivative of the excess is known over the period.
-    fn of_period(&self, excess: &[f64], grid: &TimeGrid, tip: &[f64], order: usize) -> Vec<f64> {
+impl HubMotion<'_> {
+    /// The `order`-th derivative of the hub angle on a grid, from that of its excess over the whole
+    /// period and that of the tip on the grid.
+    pub(super) fn on(
+        &self,
+        grid: &TimeGrid,
+        excess: &[f64],
+        tip: &[f64],
+        order: usize,
+    ) -> Vec<f64> {
         let mut motion = cut(excess, grid);
         self.take_images_off(grid, order, 1.0, &mut motion);
         for (excess, tip) in motion.iter_mut().zip(tip) {
@@ -220,14 +204,82 @@ impl<'a> HubMotion<'a> {
     fn take_images_off(&self, grid: &TimeGrid, order: usize, factor: f64, samples: &mut [f64]) {
         let Some(tail) = self.tail.filter(|_| factor != 0.0) else { return };
         let tail = tail.map(|s| factor * s);
-        let images = self.period.images().history(order);
-        let mut rest = samples;
-        for part in parts(images, grid) {
-            let (these, others) = rest.split_at_mut(part.len());
-            for (sample, terms) in these.iter_mut().zip(part) {
-                *sample -= tail_sum(&tail, terms);
-            }
-            rest = others;
+        let images = parts(self.period.images().history(order), grid).flatten();
+        for (sample, terms) in samples.iter_mut().zip(images) {
+            *sample -= tail_sum(&tail, terms);
         }
+    }
+}
+
+/// Frequencies at which transfers are power series in ω², from which the slow tail of hysteretic damping
+/// follows.
+///
+/// The factor κ = 1 + 2iξ sgn ω has a jump at ω = 0, so that deflections and the hub angle decay no
+/// faster than t⁻² away from the motion, where the torque decays as t⁻⁴. That part is known in closed
+/// form: where the transfer from tip acceleration is
+///
+/// ```text
+/// H(ω) = (g₀ + g₁ ω² + g₂ ω⁴ + …)/κ,   ω > 0,
+/// h(s) → Σ_m S_m/s^{2m+1},   S_m = −(−1)^m (2m)!/π · Im(g_m/κ),   |s| → ∞,
+/// ```
+///
+/// and what the motion in all other periods adds through it, [`Images`](crate::motion::Images), is taken
+/// off.
+pub(super) struct SlowTails {
+    /// Zero and the frequencies above it, in rad/s.
+    omegas_rad_s: [f64; TAIL_TERMS + 1],
+    compliance: Complex64,
+}
+
+impl SlowTails {
+    /// None for a law without a slow tail.
+    pub(super) fn of(model: &dyn Model, first_zero_per_s: Option<f64>) -> Option<Self> {
+        let law = model.law();
+        let is_hysteretic = matches!(law, DampingLaw::Hysteretic { ratio } if *ratio > 0.0);
+        let spacing = SPACING * first_zero_per_s.filter(|_| is_hysteretic)?;
+        let omegas_rad_s = std::array::from_fn(|k| spacing * k as f64);
+        Some(Self { omegas_rad_s, compliance: law.stiffness_factor(0.0).inv() })
+    }
+
+    /// `S_m` of the hub angle less that of a rigid link.
+    pub(super) fn hub_tail(&self, model: &dyn Model) -> TailTerms {
+        let lags = model.tip_transfers(&self.omegas_rad_s).deflection_s2;
+        self.tail(&lags).map(|s| s / model.mesh().length_m())
+    }
+
+    /// `S_m` of the deflection at each of some nodes.
+    pub(super) fn nodal_tails(&self, model: &dyn Model, nodes: &[usize]) -> Vec<TailTerms> {
+        let mut rows = vec![[Complex64::ZERO; TAIL_TERMS + 1]; nodes.len()];
+        let mut columns: Vec<_> = rows.iter_mut().map(<[_; _]>::as_mut_slice).collect();
+        let quantity = NodalQuantity::Deflection;
+        let checkpoints = &mut Checkpoints::of(model.mesh(), []);
+        model.nodal_transfers(&self.omegas_rad_s, nodes, quantity, &mut columns, checkpoints);
+        rows.iter().map(|row| self.tail(row).map(|s| -s)).collect()
+    }
+
+    /// `S_m` from the values of `κH`.
+    fn tail(&self, values: &[Complex64]) -> TailTerms {
+        // Newton's divided differences in ω², and from them the coefficients of its powers.
+        let squares = self.omegas_rad_s.map(|omega| omega * omega);
+        let mut differences = values.to_vec();
+        for level in 1..differences.len() {
+            for k in (level..differences.len()).rev() {
+                let rise = differences[k] - differences[k - 1];
+                differences[k] = rise / (squares[k] - squares[k - level]);
+            }
+        }
+        let mut powers = vec![Complex64::ZERO; differences.len()];
+        for k in (0..differences.len()).rev() {
+            for j in (1..powers.len()).rev() {
+                powers[j] = powers[j - 1] - powers[j] * squares[k];
+            }
+            powers[0] = differences[k] - powers[0] * squares[k];
+        }
+        let mut factor = -1.0 / PI;
+        std::array::from_fn(|m| {
+            let tail = factor * (powers[m] * self.compliance).im;
+            factor *= -(((2 * m + 1) * (2 * m + 2)) as f64);
+            tail
+        })
     }
 }

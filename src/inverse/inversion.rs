@@ -1,34 +1,21 @@
-use std::sync::Arc;
+//! The inversion: period, mesh, window, histories, errors, warnings, and the solution made of them.
 
 use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
-use super::analysis::Analysis;
+use super::analysis::{Analysis, Resources};
 use super::diagnostics::Diagnostics;
 use super::error::InversionError;
-use super::histories::Histories;
+use super::histories::{Histories, SlowTails};
+use super::mesh_error::{MeshAnswer, Probes};
 use super::period::Window;
-use super::periodic_answer::{Costed, PeriodicAnswer};
-use super::probes::Amplitudes;
-use super::problem::Problem;
-use super::refinement::{Measured, measured_mesh, shares};
-use super::resampled::Sampled;
-use super::slow_tail::Series;
+use super::periodic_answer::PeriodicAnswer;
+use super::problem::{AnsweringModel, Problem};
 use super::solution::{Band, Solution};
-use super::watch::Resources;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Link;
 use crate::modal::torque_zeros;
-use crate::model::{KeptModes, Model, ModelError, check_size, model_of};
-use crate::motion::{TailTerms, TipMotion};
+use crate::model::{check_size, model_of};
+use crate::motion::TipMotion;
 use crate::numeric::TimeGrid;
-
-/// What is known of a mesh besides the answer on it.
-struct Known {
-    first_zero_per_s: Option<f64>,
-    hub_tail: Option<TailTerms>,
-    peaks: PerQuantity<f64>,
-    mesh_errors: PerQuantity<f64>,
-    mode_errors: Option<PerQuantity<f64>>,
-}
 
 /// Finds the hub torque that makes the tip of `link` follow `motion` (Bayo 1987, eqs 13-21).
 ///
@@ -63,125 +50,95 @@ pub fn invert_with(
     let elements = mesh.elements().len();
     check_size(link, 2 * elements, 2)?;
     let coarsest = model_of(link, mesh, analysis.kept_modes())?;
-    let first_zero = first_zero_of(coarsest.mesh());
-    let problem = Problem::new(motion, analysis, first_zero, *resources)?;
+    let mut first_zero_per_s = first_zero(coarsest.mesh());
+    let problem = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
     let period = problem.shortest_period()?;
-    let asked = problem.asked(&period);
-    let Measured { model, probes, amplitudes, peaks, mesh_errors } =
-        measured_mesh(coarsest, plan, &asked)?;
-    let mode_errors = (model.kept_modes() != KeptModes::All).then(|| {
-        let all = model.unreduced()?;
-        let exact = Amplitudes::of(asked.of(&*all), &probes)?;
-        let peaks = asked.peaks(all.mesh().length_m(), &exact);
-        Ok::<_, ModelError>(shares(&amplitudes.change_to(&exact), &peaks))
-    });
-    let mode_errors = mode_errors.transpose()?;
-    let is_refined = model.mesh().elements().len() > elements;
-    let first_zero_per_s = if is_refined { first_zero_of(model.mesh()) } else { first_zero };
-    let hub_tail = Series::of(&*model, first_zero_per_s).map(|s| s.hub_tail(&*model));
-    let known = Known { first_zero_per_s, hub_tail, peaks, mesh_errors, mode_errors };
-    let motor_n_m = amplitudes.motor.map(|motor| motor.torque_n_m);
-    let shortest = PeriodicAnswer::new(amplitudes.hub, motor_n_m.as_deref(), Arc::clone(&period));
-    problem.solution(model, &known, shortest)
+    // An automatic mesh is the same whatever is measured on it.
+    let tables = analysis.measures_tables() || plan.is_automatic();
+    let probes = Probes::new(coarsest.mesh(), tables, analysis.measures_moments());
+    let MeshAnswer { model, amplitudes, peaks, mesh_errors, mode_errors } =
+        MeshAnswer::of(coarsest, plan, &period, probes, resources.watch)?;
+    if model.mesh().elements().len() > elements {
+        first_zero_per_s = first_zero(model.mesh());
+    }
+    let tails = SlowTails::of(&*model, first_zero_per_s);
+    let hub_tail = tails.map(|tails| tails.hub_tail(&*model));
+    let answering = AnsweringModel { model, first_zero_per_s, hub_tail, peaks };
+    let shortest = PeriodicAnswer::new(amplitudes.hub, amplitudes.motor.as_ref(), period);
+    let (answer, left) = problem.decayed(&answering, shortest)?;
+    // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
+    if let Some(frequency_hz) = answer.hub.blocked_hz {
+        return Err(InversionError::BlockedTip { frequency_hz });
+    }
+    let window = problem.window(&answer);
+    let errors = mesh_errors
+        .zip(&window_errors(&answer, left, &window), |mesh, window| QuantityErrors {
+            mesh,
+            window,
+            ..QuantityErrors::default()
+        })
+        .with(mode_errors, |errors, modes| QuantityErrors { modes: Some(modes), ..errors });
+    problem.solution(answering, answer, &window, &errors)
 }
 
-fn first_zero_of(mesh: &Mesh) -> Option<f64> {
+fn first_zero(mesh: &Mesh) -> Option<f64> {
     torque_zeros(mesh, 1).first().copied()
 }
 
 impl Problem<'_> {
-    /// The solution on a mesh, from the answer on the shortest period.
+    /// The solution over a window of the answer; `errors` are those of mesh, modes and window.
     fn solution(
         &self,
-        model: Arc<dyn Model>,
-        known: &Known,
-        shortest: PeriodicAnswer,
+        answering: AnsweringModel,
+        answer: PeriodicAnswer,
+        window: &Window,
+        errors: &PerQuantity<QuantityErrors>,
     ) -> Result<Solution, InversionError> {
-        let Known { first_zero_per_s, hub_tail, ref peaks, .. } = *known;
-        let moments = self.analysis.measures_moments();
-        let costed = Costed { link: model.link(), moments, tail: hub_tail.as_ref(), peaks };
-        let (answer, left) = self.decayed(&*model, &costed, shortest)?;
-        // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
-        if let Some(frequency_hz) = answer.hub.blocked_hz {
-            return Err(InversionError::BlockedTip { frequency_hz });
-        }
-        let window = self.window(&answer);
         let grid = TimeGrid { first: window.start, len: window.len(), ..self.motion.grid() };
-        let histories = Histories::of(&answer, &*model, hub_tail, grid)?;
-        let spectrum = &answer.period.spectrum;
-        let sampled = Sampled {
-            model: &*model,
-            first_zero_per_s,
-            tail: hub_tail,
-            answer: &answer,
-            histories: &histories,
-        };
+        let histories = Histories::of(&answer, &*answering.model, answering.hub_tail, grid)?;
         let keeps_all = self.cutoff.keeps_all();
-        let step_errors = if keeps_all { self.step_errors(&sampled)? } else { None };
+        let step_errors =
+            if keeps_all { self.step_errors(&answering, &answer, &histories)? } else { None };
         let accuracy = Accuracy {
             tip: answer.period.tip_error_m() / answer.period.histories.largest_travel_m(),
-            errors: errors(known, &window_errors(&answer, left, &window), step_errors),
+            errors: errors
+                .with(step_errors, |errors, step| QuantityErrors { step: Some(step), ..errors }),
         };
-        let torque = answer.periodic(&answer.torque_n_m);
         let warnings = Diagnostics {
-            model: &*model,
+            model: &*answering.model,
             motion: self.motion,
             analysis: self.analysis,
-            spectrum,
-            hub: &answer.hub,
+            answer: &answer,
+            window,
             histories: &histories,
             accuracy: &accuracy,
-            cut: torque.outside(&window) / torque.peak(),
-            seam: torque.at_seam() / torque.peak(),
         }
         .warnings();
         let (first, last) = self.motion.moving_samples();
         let on_grid = |k: usize| (k as i64 - window.start).max(0) as usize;
-        let Histories { torque_n_m, rigid_torque_n_m, hub_angle_rad, hub_rate_rad_s, .. } =
-            histories;
         Ok(Solution {
             motion: self.motion.clone(),
             analysis: *self.analysis,
             grid,
-            torque_n_m,
-            rigid_torque_n_m,
-            hub_angle_rad,
-            hub_rate_rad_s,
+            torque_n_m: histories.torque_n_m,
+            rigid_torque_n_m: histories.rigid_torque_n_m,
+            hub_angle_rad: histories.hub_angle_rad,
+            hub_rate_rad_s: histories.hub_rate_rad_s,
             rigid_hub_angle_rad: histories.rigid_hub_angle_rad,
             root_moment_n_m: histories.root_moment_n_m,
             tip: histories.tip,
             motor: histories.motor,
             moving: (on_grid(first), on_grid(last)),
-            first_zero_per_s,
+            first_zero_per_s: answering.first_zero_per_s,
             accuracy,
-            band: Band::of(spectrum),
+            band: Band::of(&answer.period.spectrum),
             warnings,
-            model,
+            model: answering.model,
             hub: answer.hub,
-            hub_tail,
+            hub_tail: answering.hub_tail,
             period: answer.period,
         })
     }
-}
-
-/// What mesh, window, modes and step cost each quantity.
-fn errors(
-    known: &Known,
-    window: &PerQuantity<f64>,
-    step: Option<PerQuantity<f64>>,
-) -> PerQuantity<QuantityErrors> {
-    let mut errors = known.mesh_errors.zip(window, |mesh, window| QuantityErrors {
-        mesh,
-        window,
-        ..QuantityErrors::default()
-    });
-    if let Some(modes) = &known.mode_errors {
-        errors = errors.zip(modes, |errors, modes| QuantityErrors { modes: Some(modes), ..errors });
-    }
-    if let Some(step) = &step {
-        errors = errors.zip(step, |errors, step| QuantityErrors { step: Some(step), ..errors });
-    }
-    errors
 }
 
 /// What the finite period and the window that is cut out of it cost each quantity, over its peak;

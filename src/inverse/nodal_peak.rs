@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::analysis::Watch;
 use super::nodal_rows::{NodalBlock, RowPlan};
 use super::nodal_table::NodalTable;
-use super::watch::Watch;
 use crate::motion::{TAIL_TERMS, TailTerms};
 use crate::numeric::{PANEL, largest};
 

@@ -4,11 +4,11 @@ use std::sync::{Arc, OnceLock};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
+use super::analysis::{Stage, Unwatched, Watch};
+use super::histories::SlowTails;
 use super::nodal_rows::{NodalBlock, PanelSamples, RowPlan};
-use super::slow_tail::Series;
 use super::solution::Solution;
-use super::spectra::Forcing;
-use super::watch::{Stage, Unwatched, Watch};
+use super::spectra::DrivenModel;
 use crate::beam::{Checkpoints, NodalHistories, NodalQuantity};
 use crate::numeric::{PANEL, Sampling, ThinnedGrid, Transforms};
 
@@ -27,7 +27,7 @@ const MOST_ROW_BLOCKS: usize = 8;
 
 /// A quantity at some nodes over time: one row a sample, one value a node.
 ///
-/// Rows are computed in blocks, when they are asked for, in memory of [`NodalTable::bytes`].
+/// Rows are computed in blocks, on request, in memory of [`NodalTable::bytes`].
 pub struct NodalTable<'a> {
     pub(super) plan: RowPlan<'a>,
     quantity: NodalQuantity,
@@ -72,11 +72,11 @@ impl<'a> NodalTable<'a> {
         let pair = &solution.period.spectrum.pair;
         let first = solution.grid.first.rem_euclid(pair.len() as i64) as usize;
         let sampling = Sampling::new(pair, solution.band.frequencies, first, every);
-        let series = match quantity {
-            NodalQuantity::Deflection => Series::of(&*solution.model, solution.first_zero_per_s),
+        let tails = match quantity {
+            NodalQuantity::Deflection => SlowTails::of(&*solution.model, solution.first_zero_per_s),
             NodalQuantity::Moment => None,
         };
-        let tails = series.map(|series| series.nodal_tails(&*solution.model, nodes));
+        let tails = tails.map(|tails| tails.nodal_tails(&*solution.model, nodes));
         let nodes = nodes.to_vec();
         let plan = RowPlan { solution, nodes, every, sampling, arms_m: None, tails };
         let mut table = Self { plan, quantity, block: 1, whole: OnceLock::new() };
@@ -173,19 +173,19 @@ impl<'a> NodalTable<'a> {
         let RowPlan { solution, nodes: all, sampling, .. } = &self.plan;
         let len = sampling.samples_for(rows);
         let mut samples = PanelSamples::zeros(self.plan.panels(), len);
-        let forcing = Forcing { watch, ..solution.forcing() };
+        let driven = DrivenModel { watch, ..solution.driven() };
         let groups: Vec<&[usize]> = all.chunks(nodes_at_once).collect();
-        let mut checkpoints = forcing.checkpoints(groups.iter().skip(1).copied());
+        let mut checkpoints = driven.checkpoints(groups.iter().skip(1).copied());
         // The first group takes a pass through the whole mesh, the others together one more.
         let (first_pass, passes) = (groups.len(), (2 * groups.len()).saturating_sub(1));
         let blocks = samples.samples_mut().chunks_mut((nodes_at_once / PANEL * len).max(1));
         for (number, (nodes, samples)) in groups.iter().zip(blocks).enumerate() {
             let (done, share) =
                 if number == 0 { (0, first_pass) } else { (first_pass + number - 1, 1) };
-            forcing.begin(passes, done);
+            driven.begin(passes, done);
             let advance = |bins| watch.advance(share * bins);
             let spectra =
-                forcing.nodal_spectra_from(&mut checkpoints, nodes, self.quantity, advance);
+                driven.nodal_spectra_from(&mut checkpoints, nodes, self.quantity, advance);
             watch.begin(Stage::Transform, all.len());
             watch.advance(number * nodes_at_once);
             let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(PANEL));
@@ -258,7 +258,7 @@ mod tests {
                     let samples = table.block(0, &Unwatched).samples;
                     let bytes = size_of_val(samples.samples());
                     assert_eq!(table.sample_bytes(), bytes, "{nodes:?}, {rows} rows, {every}");
-                    let amplitudes = solution.forcing().nodal_spectra(nodes, table.quantity);
+                    let amplitudes = solution.driven().nodal_spectra(nodes, table.quantity);
                     let bytes =
                         bytes + amplitudes.iter().map(|row| size_of_val(&row[..])).sum::<usize>();
                     let transforms = table.bytes() - bytes;

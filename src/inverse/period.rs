@@ -31,10 +31,10 @@ impl Padding {
         let decay_s = first_zero.map_or(0.0, |z| libm::log(10.0 / analysis.tolerance()) / z);
         let decay = (decay_s / step_s).ceil() as usize;
         let (first, last) = motion.moving_samples();
-        let asked = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);
+        let given = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);
         Self {
-            before: decay.saturating_sub(first).max(asked(analysis.lead_s())),
-            after: decay.saturating_sub(motion.grid().len - 1 - last).max(asked(analysis.lag_s())),
+            before: decay.saturating_sub(first).max(given(analysis.lead_s())),
+            after: decay.saturating_sub(motion.grid().len - 1 - last).max(given(analysis.lag_s())),
         }
     }
 
@@ -50,8 +50,8 @@ impl Padding {
         Ok(fast_length(samples))
     }
 
-    /// The sample from which on a period of `len` samples stands for times before a motion of
-    /// `given` samples; what the period has to spare is shared between both sides.
+    /// The first sample of a period of `len` samples that is at a time before a motion of `given`
+    /// samples; what the period has to spare is shared between both sides.
     pub(super) fn seam(self, given: usize, len: usize) -> usize {
         given + self.after + (len - given - self.before - self.after) / 2
     }
@@ -99,29 +99,29 @@ impl Window {
     }
 }
 
-/// The torque over a period, seen from the middle of the rest: sample `before` on stand one
+/// The torque over a period that begins in the middle of the rest: samples from `before` on are one
 /// period earlier, as in the motion's own histories.
 pub(super) struct PeriodicTorque<'a> {
     pub(super) samples: &'a [f64],
-    /// The first sample that stands one period earlier.
+    /// The first sample whose time is one period earlier.
     pub(super) before: usize,
-    /// Samples on either side of that one that tell what is left where periods meet.
+    /// Samples on either side of that one in which what is left where periods meet is measured.
     pub(super) reach: usize,
 }
 
 impl PeriodicTorque<'_> {
     /// Torque from sample `from` of the trajectory's own numbering, negative before it, to before
     /// sample `to`, at most a period later: in two parts, where the samples go over their end.
-    fn stretch(&self, from: i64, to: i64) -> [&[f64]; 2] {
+    fn part(&self, from: i64, to: i64) -> [&[f64]; 2] {
         let len = self.samples.len();
         let first = from.rem_euclid(len as i64) as usize;
         let end = first + (to - from).max(0) as usize;
         [&self.samples[first..end.min(len)], &self.samples[..end.saturating_sub(len)]]
     }
 
-    /// Largest torque of a [`Self::stretch`].
+    /// Largest torque of a [`Self::part`].
     fn largest(&self, from: i64, to: i64) -> f64 {
-        let [a, b] = self.stretch(from, to);
+        let [a, b] = self.part(from, to);
         largest(a).max(largest(b))
     }
 
@@ -142,22 +142,22 @@ impl PeriodicTorque<'_> {
     }
 
     /// The part of the period to write: the trajectory's samples, and before and after them as
-    /// many as asked for, or until the torque stays below the tolerance of `peak`.
+    /// many as the analysis says, or until the torque stays below the tolerance of `peak`.
     pub(super) fn window(&self, len: usize, step_s: f64, analysis: &Analysis, peak: f64) -> Window {
         let (begin, end) = self.ends();
         let last = len as i64 - 1;
         let acts = |torque: &f64| torque.abs() > analysis.tolerance() * peak;
         let before_it_acts = || {
-            let mut early = self.stretch(begin, 0).into_iter().flatten();
+            let mut early = self.part(begin, 0).into_iter().flatten();
             early.position(acts).map_or(0, |k| begin + k as i64 - 1)
         };
         let after_it_acts = || {
-            let mut late = self.stretch(last + 1, end + 1).into_iter().flatten().rev();
+            let mut late = self.part(last + 1, end + 1).into_iter().flatten().rev();
             late.position(acts).map_or(last, |k| end - k as i64 + 1)
         };
-        let asked = |time_s: f64| steps(time_s, step_s) as i64;
-        let start = analysis.lead_s().map_or_else(before_it_acts, |lead_s| -asked(lead_s));
-        let stop = analysis.lag_s().map_or_else(after_it_acts, |lag_s| last + asked(lag_s));
+        let given = |time_s: f64| steps(time_s, step_s) as i64;
+        let start = analysis.lead_s().map_or_else(before_it_acts, |lead_s| -given(lead_s));
+        let stop = analysis.lag_s().map_or_else(after_it_acts, |lag_s| last + given(lag_s));
         Window { start: start.max(begin), stop: stop.min(end) }
     }
 
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_as_asked_for_leaves_out_what_lies_beyond_it_and_goes_no_further_than_the_period() {
+    fn a_window_of_given_lead_and_lag_ends_at_the_latest_with_the_period() {
         assert_eq!(window(&acting(-3, 8), Some(0.3), Some(0.5)), (-3, 8, 0.0));
         assert_eq!(window(&acting(-3, -3), Some(0.2), Some(0.5)), (-2, 8, 2.0));
         assert_eq!(window(&acting(8, 8), Some(0.2), Some(0.4)), (-2, 7, 2.0));

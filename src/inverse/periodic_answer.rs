@@ -1,13 +1,13 @@
 //! The answer over one period, and what the period's finite length costs it.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
 
 use super::accuracy::PerQuantity;
 use super::period::PeriodicTorque;
-use super::spectra::{Forcing, HubSpectra};
+use super::spectra::{DrivenModel, HubSpectra, MotorSpectra};
 use crate::link::Link;
 use crate::model::ModelError;
 use crate::motion::{TailTerms, TipPeriod};
@@ -20,44 +20,41 @@ pub(super) struct PeriodicAnswer {
     pub(super) torque_n_m: Vec<f64>,
     /// Torque of the motor in N m, where there is a drive.
     pub(super) motor_n_m: Option<Vec<f64>>,
-    /// Hub angle less that of the rigid link in rad, the images of its slow tail still in it.
-    pub(super) excess_rad: Vec<f64>,
-}
-
-/// What the cost of a period depends on besides the answer.
-pub(super) struct Costed<'a> {
-    pub(super) link: &'a Link,
-    /// Whether bending moments are wanted.
-    pub(super) moments: bool,
-    /// Slow tail of the hub angle, where damping leaves one.
-    pub(super) tail: Option<&'a TailTerms>,
-    /// Peak of each quantity.
-    pub(super) peaks: &'a PerQuantity<f64>,
+    /// Hub angle less that of the rigid link in rad and its derivatives, the images of its slow tail still
+    /// in it; each computed on first use.
+    excess: [OnceLock<Vec<f64>>; 3],
 }
 
 impl PeriodicAnswer {
     /// Solves for it.
     ///
     /// # Errors
-    /// As [`Forcing::hub_spectra`].
-    pub(super) fn of(forcing: Forcing<'_>, period: Arc<TipPeriod>) -> Result<Self, ModelError> {
-        forcing.begin(1, 0);
-        let hub = forcing.hub_spectra()?;
-        let motor = forcing.motor_spectra(&hub);
-        Ok(Self::new(hub, motor.map(|motor| motor.torque_n_m).as_deref(), period))
+    /// As [`DrivenModel::hub_spectra`].
+    pub(super) fn of(driven: DrivenModel<'_>, period: Arc<TipPeriod>) -> Result<Self, ModelError> {
+        driven.begin(1, 0);
+        let hub = driven.hub_spectra()?;
+        let motor = driven.motor_spectra(&hub);
+        Ok(Self::new(hub, motor.as_ref(), period))
     }
 
-    /// From amplitudes of the hub, and of the motor's torque in N m.
+    /// From amplitudes of hub and motor.
     pub(super) fn new(
         hub: HubSpectra,
-        motor_torque_n_m: Option<&[Complex64]>,
+        motor: Option<&MotorSpectra>,
         period: Arc<TipPeriod>,
     ) -> Self {
         let pair = &period.spectrum.pair;
         let torque_n_m = pair.samples(&hub.torque_n_m);
-        let excess_rad = pair.samples(&hub.excess_angle_rad);
-        let motor_n_m = motor_torque_n_m.map(|torque| pair.samples(torque));
-        Self { period, hub, torque_n_m, motor_n_m, excess_rad }
+        let motor_n_m = motor.map(|motor| pair.samples(&motor.torque_n_m));
+        Self { period, hub, torque_n_m, motor_n_m, excess: [(); 3].map(|()| OnceLock::new()) }
+    }
+
+    /// Samples of the `order`-th derivative of the hub angle less that of the rigid link, in rad/sⁿ.
+    ///
+    /// # Panics
+    /// Beyond the second derivative.
+    pub(super) fn excess(&self, order: usize) -> &[f64] {
+        self.excess[order].get_or_init(|| self.derivative(&self.hub.excess_angle_rad, order))
     }
 
     /// Samples of the period as seen from the middle of the rest.
@@ -67,20 +64,20 @@ impl PeriodicAnswer {
     }
 
     /// What is left of each quantity where one period meets the next, over its peak: what the finite
-    /// period costs it.
-    pub(super) fn left_at_seam(&self, costed: &Costed<'_>) -> PerQuantity<f64> {
-        let Costed { link, moments, tail, peaks } = *costed;
+    /// period costs it. `tail` is the slow tail of the hub angle, where damping leaves one.
+    pub(super) fn left_at_seam(
+        &self,
+        link: &Link,
+        tail: Option<&TailTerms>,
+        peaks: &PerQuantity<f64>,
+    ) -> PerQuantity<f64> {
         let length_m = link.length_m();
         let share = |samples: &[f64]| {
             let periodic = self.periodic(samples);
             periodic.at_seam().max(self.ringing(samples)) / periodic.peak()
         };
-        let angle_rad = self.rings().then(|| self.hub_angle_amplitudes_rad(length_m));
-        let hub = |order: usize| {
-            let ringing = |angle: &Vec<Complex64>| self.ringing(&self.derivative(angle, order));
-            self.hub_left(tail, order).max(angle_rad.as_ref().map_or(0.0, ringing))
-        };
-        let [hub_rad, hub_rad_s] = [0, 1].map(hub);
+        let hub = self.hub_left(tail, length_m);
+        let [hub_rad, hub_rad_s] = [0, 1].map(&hub);
         let moment = || share(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
         let motor_rate = link.drive().map(|drive| {
             let torque_rate = self.derivative(&self.hub.torque_n_m, 1);
@@ -88,47 +85,51 @@ impl PeriodicAnswer {
                 self.farthest_at_seam(&torque_rate, &[]).max(self.ringing(&torque_rate));
             drive.gear_ratio * (hub_rad_s + torque_rate / drive.joint_stiffness_n_m_rad)
         });
-        let over = |left: Option<f64>, peak: Option<f64>| {
-            left.zip(peak).map(|(left, peak)| if left == 0.0 { 0.0 } else { left / peak })
-        };
+        let over = |left: f64, peak: f64| if left == 0.0 { 0.0 } else { left / peak };
         PerQuantity {
             torque: share(&self.torque_n_m),
             hub_angle: hub_rad / peaks.hub_angle,
             hub_rate: hub_rad_s / peaks.hub_rate,
-            hub_acceleration: over(peaks.hub_acceleration.map(|_| hub(2)), peaks.hub_acceleration),
+            hub_acceleration: peaks.hub_acceleration.map(|peak| over(hub(2), peak)),
             // The tip stays where it is wanted, and the hub on its axis: between them no node is off by
             // more than the hub's turn moves a rigid link.
-            displacement: over(Some(hub_rad * length_m), peaks.displacement),
-            bending_moment: moments.then(moment),
+            displacement: peaks.displacement.map(|peak| over(hub_rad * length_m, peak)),
+            bending_moment: peaks.bending_moment.map(|_| moment()),
             motor_torque: self.motor_n_m.as_deref().map(share),
-            motor_rate: over(motor_rate, peaks.motor_rate),
+            motor_rate: motor_rate.zip(peaks.motor_rate).map(|(left, peak)| over(left, peak)),
         }
     }
 
-    /// What is left of the `order`-th derivative of the hub angle at the seam beyond the slow tail, in
-    /// rad/sⁿ, n being 0 to 2.
-    fn hub_left(&self, tail: Option<&TailTerms>, order: usize) -> f64 {
+    /// What is left of the n-th derivative of the hub angle at the seam beyond the slow tail, in rad/sⁿ,
+    /// as a function of n from 0 to 2.
+    fn hub_left(&self, tail: Option<&TailTerms>, length_m: f64) -> impl Fn(usize) -> f64 {
         let (places, spacing_s) = self.period.spectrum.around_seam();
-        let excess_rad: Vec<f64> = places.iter().map(|(k, _)| self.excess_rad[*k]).collect();
+        let excess_rad: Vec<f64> = places.iter().map(|(k, _)| self.excess(0)[*k]).collect();
         let left_rad = match tail {
-            Some(tail) => self.period.images().residuals_at_seam(&self.excess_rad, tail),
+            Some(tail) => self.period.images().residuals_at_seam(self.excess(0), tail),
             None => excess_rad.clone(),
         };
-        if order == 0 {
-            return largest(&left_rad);
-        }
-        // The tail is smooth: differences over many samples tell its derivatives.
+        // The tail is smooth: its derivatives are differences over many samples.
         let tail_rad: Vec<f64> = excess_rad.iter().zip(&left_rad).map(|(e, l)| e - l).collect();
-        let difference = |three: &[f64]| match order {
-            1 => 0.5 * (three[2] - three[0]) / spacing_s,
-            _ => (three[2] - 2.0 * three[1] + three[0]) / spacing_s.powi(2),
-        };
-        let tail: Vec<f64> = tail_rad.windows(3).map(difference).collect();
-        self.farthest_at_seam(&self.derivative(&self.hub.excess_angle_rad, order), &tail)
+        let angle_rad = self.rings().then(|| self.hub_angle_amplitudes_rad(length_m));
+        move |order| {
+            let difference = |three: &[f64]| match order {
+                1 => 0.5 * (three[2] - three[0]) / spacing_s,
+                _ => (three[2] - 2.0 * three[1] + three[0]) / spacing_s.powi(2),
+            };
+            let left = if order == 0 {
+                largest(&left_rad)
+            } else {
+                let tail: Vec<f64> = tail_rad.windows(3).map(difference).collect();
+                self.farthest_at_seam(self.excess(order), &tail)
+            };
+            let ringing = |angle: &Vec<Complex64>| self.ringing(&self.derivative(angle, order));
+            left.max(angle_rad.as_ref().map_or(0.0, ringing))
+        }
     }
 
     /// Samples of the `order`-th derivative by time of a quantity with `amplitudes`.
-    fn derivative(&self, amplitudes: &[Complex64], order: usize) -> Vec<f64> {
+    pub(super) fn derivative(&self, amplitudes: &[Complex64], order: usize) -> Vec<f64> {
         let spectrum = &self.period.spectrum;
         spectrum.pair.samples(spectrum.derivative(amplitudes, order))
     }

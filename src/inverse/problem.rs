@@ -1,27 +1,37 @@
-//! What is to be solved, the mesh and the period left open.
+//! A motion to be solved for: its periods on any mesh, and the same motion sampled otherwise.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::accuracy::PerQuantity;
-use super::analysis::Analysis;
+use super::analysis::{Analysis, Resources, Unwatched};
 use super::error::InversionError;
+use super::histories::{Histories, HubMotion, cut};
 use super::period::{Padding, Window, check_memory};
-use super::periodic_answer::{Costed, PeriodicAnswer};
-use super::probes::Wanted;
-use super::refinement::Asked;
-use super::watch::Resources;
+use super::periodic_answer::PeriodicAnswer;
+use super::solution::Solution;
+use super::spectra::DrivenModel;
 use crate::model::Model;
-use crate::motion::{Cutoff, TipMotion, TipPeriod};
+use crate::motion::{Cutoff, TailTerms, TipMotion, TipPeriod};
+use crate::numeric::{TimeGrid, fast_length, largest};
 
-/// A motion and how exactly it is to be followed, over a band and with a padding that the first zero of
-/// the link asks for.
+/// A motion, and how exactly it is followed; the first zero of the link determines the padding.
 pub(super) struct Problem<'a> {
     pub(super) motion: &'a TipMotion,
     pub(super) analysis: &'a Analysis,
     pub(super) cutoff: Cutoff,
-    pub(super) padding: Padding,
+    padding: Padding,
     pub(super) resources: Resources<'a>,
+}
+
+/// The model that answers, and what is known of it besides.
+pub(super) struct AnsweringModel {
+    pub(super) model: Arc<dyn Model>,
+    pub(super) first_zero_per_s: Option<f64>,
+    /// The hub angle's slow tail, where damping leaves one.
+    pub(super) hub_tail: Option<TailTerms>,
+    /// Peak of each quantity.
+    pub(super) peaks: PerQuantity<f64>,
 }
 
 impl<'a> Problem<'a> {
@@ -42,11 +52,12 @@ impl<'a> Problem<'a> {
         Ok(Self { motion, analysis, cutoff, padding, resources })
     }
 
+    /// The shortest period after which the torque has decayed, as far as the first zero determines it.
     pub(super) fn shortest_period(&self) -> Result<Arc<TipPeriod>, InversionError> {
         self.period(self.padding.period_len(self.motion.grid().len)?)
     }
 
-    pub(super) fn period(&self, len: usize) -> Result<Arc<TipPeriod>, InversionError> {
+    fn period(&self, len: usize) -> Result<Arc<TipPeriod>, InversionError> {
         let period_s = len as f64 * self.motion.grid().step_s;
         let highest = self.cutoff.end_rad_s() * period_s / TAU;
         check_memory(len, (highest as usize).min(len / 2), self.resources.memory_bytes)?;
@@ -57,45 +68,32 @@ impl<'a> Problem<'a> {
         })
     }
 
-    pub(super) fn asked<'b>(&self, period: &'b TipPeriod) -> Asked<'b>
-    where
-        'a: 'b,
-    {
-        Asked {
-            spectrum: &period.spectrum,
-            histories: &period.histories,
-            wanted: Wanted {
-                tables: self.analysis.measures_tables(),
-                moments: self.analysis.measures_moments(),
-            },
-            watch: self.resources.watch,
-        }
+    fn answer(&self, model: &dyn Model, len: usize) -> Result<PeriodicAnswer, InversionError> {
+        let (period, watch) = (self.period(len)?, self.resources.watch);
+        let driven = DrivenModel { model, period: &period, watch };
+        Ok(PeriodicAnswer::of(driven, Arc::clone(&period))?)
     }
 
     /// Lengthens the period until every quantity has decayed where one period meets the next; returns
     /// what is left there, over the peak of each.
     ///
-    /// The zeros tell the exponential decay; hysteretic damping adds an algebraic tail (∝ t⁻⁴ of the
+    /// The zeros give the exponential decay; hysteretic damping adds an algebraic tail (∝ t⁻⁴ of the
     /// torque), and a blocked tip rings on, so the decay is measured, too.
     pub(super) fn decayed(
         &self,
-        model: &dyn Model,
-        costed: &Costed<'_>,
+        answering: &AnsweringModel,
         shortest: PeriodicAnswer,
     ) -> Result<(PeriodicAnswer, PerQuantity<f64>), InversionError> {
+        let AnsweringModel { model, hub_tail, peaks, .. } = answering;
         let initial = shortest.torque_n_m.len();
         let mut answer = shortest;
         loop {
-            let left = answer.left_at_seam(costed);
+            let left = answer.left_at_seam(model.link(), hub_tail.as_ref(), peaks);
             let (_, most) = left.worst();
             let has_decayed = most <= self.analysis.tolerance();
             let next = Padding::lengthened(answer.torque_n_m.len(), initial);
             match next.filter(|_| !has_decayed) {
-                Some(len) => {
-                    let period = self.period(len)?;
-                    let forcing = self.asked(&period).of(model);
-                    answer = PeriodicAnswer::of(forcing, Arc::clone(&period))?;
-                }
+                Some(len) => answer = self.answer(&**model, len)?,
                 None => return Ok((answer, left)),
             }
         }
@@ -114,4 +112,105 @@ impl<'a> Problem<'a> {
             stop: hub.stop.max(motor.stop),
         })
     }
+
+    /// The motion on a mesh, on a period no shorter than one given, so that it holds what that one does.
+    fn answer_over(
+        &self,
+        model: &dyn Model,
+        period_s: f64,
+    ) -> Result<PeriodicAnswer, InversionError> {
+        let own = self.padding.period_len(self.motion.grid().len)?;
+        let given = (period_s / self.motion.grid().step_s).ceil() as usize;
+        self.answer(model, own.max(fast_length(given)))
+    }
+
+    /// A window at this motion's own step.
+    fn grid_over(&self, window: &TimeGrid) -> TimeGrid {
+        let grid = self.motion.grid();
+        let first = ((window.time_s(0) - grid.time_s(0)) / grid.step_s).round() as i64;
+        let len = (window.duration_s() / grid.step_s).round() as usize + 1;
+        TimeGrid { first, len, ..grid }
+    }
+
+    /// What half the step changes of every quantity, over its peak; none where the motion cannot be
+    /// sampled twice as often.
+    pub(super) fn step_errors(
+        &self,
+        answering: &AnsweringModel,
+        coarse: &PeriodicAnswer,
+        histories: &Histories,
+    ) -> Result<Option<PerQuantity<f64>>, InversionError> {
+        let Ok(finer) = self.motion.twice_as_often() else { return Ok(None) };
+        let resources = Resources { watch: &Unwatched, ..self.resources };
+        let problem = Problem::new(&finer, self.analysis, answering.first_zero_per_s, resources)?;
+        let model = &*answering.model;
+        let fine = problem.answer_over(model, coarse.period.spectrum.period_s())?;
+        let (window, grid) = (&histories.grid, problem.grid_over(&histories.grid));
+        let apart = |coarse: &[f64], fine: &[f64]| {
+            let pairs = coarse.iter().zip(fine.iter().step_by(2));
+            pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+        };
+        let share = |coarse: &[f64], fine: &[f64]| apart(coarse, fine) / largest(fine);
+        let off = |coarse: &[f64], period: &[f64]| share(coarse, &cut(period, &grid));
+        let tip = &fine.period.histories;
+        let fine_tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2]
+            .map(|tip| cut(tip, &grid));
+        let (tail, length_m) = (answering.hub_tail, model.mesh().length_m());
+        let hub = HubMotion { period: &fine.period, tail, per_length: 1.0 / length_m };
+        let [angle_rad, rate_rad_s, acceleration_rad_s2] =
+            [0, 1, 2].map(|order| hub.on(&grid, fine.excess(order), &fine_tip[order], order));
+        let coarse_hub = HubMotion { period: &coarse.period, ..hub };
+        let coarse_tip_m_s2 = &histories.tip.acceleration_m_s2;
+        let coarse_acceleration = coarse_hub.on(window, coarse.excess(2), coarse_tip_m_s2, 2);
+        let turn_rad = apart(&histories.hub_angle_rad, &angle_rad);
+        let turned_rad: Vec<f64> = angle_rad.iter().map(|angle| angle - angle_rad[0]).collect();
+        let tip_change_m = apart(&histories.tip.displacement_m, &fine_tip[0]);
+        let pair = &fine.period.spectrum.pair;
+        let root = pair.samples(&fine.hub.root_moment_n_m);
+        let driven = DrivenModel { model, period: &fine.period, watch: &Unwatched };
+        let motor = histories.motor.as_ref().zip(driven.motor_spectra(&fine.hub));
+        let motor = motor.map(|(coarse, fine)| {
+            let of = |coarse: &[f64], fine| off(coarse, &pair.samples(fine));
+            (of(&coarse.torque_n_m, &fine.torque_n_m), of(&coarse.rate_rad_s, &fine.rate_rad_s))
+        });
+        Ok(Some(PerQuantity {
+            torque: off(&histories.torque_n_m, &fine.torque_n_m),
+            hub_angle: turn_rad / largest(&turned_rad),
+            hub_rate: share(&histories.hub_rate_rad_s, &rate_rad_s),
+            hub_acceleration: Some(share(&coarse_acceleration, &acceleration_rad_s2)),
+            displacement: Some(tip_change_m.max(turn_rad * length_m) / tip.largest_travel_m()),
+            bending_moment: Some(off(&histories.root_moment_n_m, &root)),
+            motor_torque: motor.map(|(torque, _)| torque),
+            motor_rate: motor.map(|(_, rate)| rate),
+        }))
+    }
+}
+
+/// Torques over a window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowTorques {
+    /// Torque at the hub in N m.
+    pub hub_n_m: Vec<f64>,
+    /// Torque of the motor in N m, where there is a drive.
+    pub motor_n_m: Option<Vec<f64>>,
+}
+
+/// The torques for another sampling of the motion on a solution's link, on the same mesh and over the
+/// same window; the first sample is at the window's start.
+///
+/// # Errors
+/// As [`invert_with`](super::invert_with).
+pub fn torques_over_window(
+    solution: &Solution,
+    motion: &TipMotion,
+    resources: &Resources<'_>,
+) -> Result<WindowTorques, InversionError> {
+    let first_zero = solution.first_zero_per_s;
+    let problem = Problem::new(motion, &solution.analysis, first_zero, *resources)?;
+    let answer = problem.answer_over(&*solution.model, solution.band.period_s)?;
+    let grid = problem.grid_over(&solution.grid);
+    Ok(WindowTorques {
+        hub_n_m: cut(&answer.torque_n_m, &grid),
+        motor_n_m: answer.motor_n_m.map(|motor| cut(&motor, &grid)),
+    })
 }

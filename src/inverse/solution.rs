@@ -2,11 +2,10 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::accuracy::Accuracy;
-use super::analysis::Analysis;
+use super::analysis::{Analysis, Unwatched};
 use super::histories::{HubMotion, MotorHistories, tip_deflection_m};
-use super::spectra::{Forcing, HubSpectra};
+use super::spectra::{DrivenModel, HubSpectra};
 use super::warning::Warning;
-use super::watch::Unwatched;
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
@@ -47,9 +46,9 @@ impl Band {
     }
 }
 
-/// What the hub must do so that the tip moves as wanted, and the problem that this is the answer to.
+/// What the hub must do so that the tip moves as wanted, with the link, the motion and the analysis.
 ///
-/// All histories stand on [`Solution::grid`], the trajectory's samples with lead and lag added
+/// All histories are samples on [`Solution::grid`], the trajectory's samples with lead and lag added
 /// where its own rest is too short.
 #[derive(Clone)]
 pub struct Solution {
@@ -96,8 +95,8 @@ pub struct Solution {
 }
 
 impl Solution {
-    pub(super) fn forcing(&self) -> Forcing<'_> {
-        Forcing { model: &*self.model, spectrum: &self.period.spectrum, watch: &Unwatched }
+    pub(super) fn driven(&self) -> DrivenModel<'_> {
+        DrivenModel { model: &*self.model, period: &self.period, watch: &Unwatched }
     }
 
     /// The link.
@@ -128,8 +127,10 @@ impl Solution {
     /// Hub acceleration in rad/s², computed by each call: most solutions are read without it.
     pub fn hub_acceleration_rad_s2(&self) -> Vec<f64> {
         let per_length = 1.0 / self.mesh().length_m();
-        let hub = HubMotion::of(&self.period, &self.hub, self.hub_tail, per_length);
-        hub.on(&self.grid, &self.tip.acceleration_m_s2, 2)
+        let hub = HubMotion { period: &self.period, tail: self.hub_tail, per_length };
+        let spectrum = &self.period.spectrum;
+        let excess = spectrum.pair.samples(spectrum.derivative(&self.hub.excess_angle_rad, 2));
+        hub.on(&self.grid, &excess, &self.tip.acceleration_m_s2, 2)
     }
 
     /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.

@@ -9,13 +9,13 @@ use crate::numeric::significant;
 /// warned.
 pub(super) const FAST_HUB: f64 = 0.7;
 
-/// What centrifugal stiffening moves the tip by there, over its way.
+/// What centrifugal stiffening moves the tip by there, over its travel.
 const STIFFENING: f64 = 5e-3;
 
-/// Most that the square is trusted for.
+/// Largest share that the square is valid for.
 const MOST_STIFFENING: f64 = 0.1;
 
-/// Largest change of the torque that the first order in the thickness is trusted for.
+/// Largest change of the torque that the first order in the thickness is valid for.
 const MOST_THICK: f64 = 0.3;
 
 /// Something that the user must know to believe the answer. Returned, never printed here.
@@ -39,23 +39,23 @@ pub enum Warning {
         cause(shortfall)
     )]
     TipMissed {
-        /// Largest distance from the wanted motion over its way.
+        /// Largest distance from the wanted motion over its travel.
         share: f64,
         /// The tolerance of the tip.
         tolerance: f64,
         /// What the samples lack.
         shortfall: Shortfall,
     },
-    /// A quantity that the finite period or the window leaves less exact than asked for.
+    /// A quantity that the finite period or the window leaves less exact than the tolerance.
     #[error(
         "the finite period and the window leave the {} off by {share:.1e} of its peak, above the \
          tolerance {tolerance:e}",
         quantity.name()
     )]
     InexactWindow {
-        /// What is off.
+        /// The quantity.
         quantity: Quantity,
-        /// By how much, over its own peak.
+        /// Its error over its own peak.
         share: f64,
         /// The analysis tolerance.
         tolerance: f64,
@@ -69,10 +69,10 @@ pub enum Warning {
     CoarseStep {
         /// What changes most.
         quantity: Quantity,
-        /// By how much, over its own peak.
+        /// Its error over its own peak.
         share: f64,
     },
-    /// A torque that the tip does not settle.
+    /// A torque that the tip's motion does not determine.
     #[error(
         "the peak {} depends on analysis.tip_tolerance: it is {} N m, and {} N m at twice the tolerance",
         quantity.name(),
@@ -173,7 +173,7 @@ pub enum Warning {
         /// Change of the torque, root mean square over root mean square.
         share: f64,
     },
-    /// A hub that turns as fast as the link vibrates.
+    /// A hub that turns about as fast as the link vibrates.
     #[error(
         "the hub turns at up to {} rad/s, {share:.2} of the clamped link's first natural frequency: \
          centrifugal stiffening, which the model leaves out, moves the tip by {} of its way",
@@ -300,13 +300,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stiffening_grows_with_the_square_of_the_rate_as_far_as_that_is_trusted() {
+    fn stiffening_grows_with_the_square_of_the_rate_as_far_as_that_is_valid() {
         let words = [0.7, 1.4, 21.0].map(stiffening);
         assert_eq!(words, ["about 0.5 %", "about 2.0 %", "more than 10 %"]);
     }
 
     #[test]
-    fn a_change_of_the_torque_is_told_as_far_as_the_first_order_is_trusted() {
+    fn a_change_of_the_torque_is_given_as_far_as_the_first_order_is_valid() {
         assert_eq!([0.0123, 0.3, 0.31].map(thick), ["about 1 %", "about 30 %", "more than 30 %"]);
     }
 }

@@ -2,8 +2,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::error::ModelError;
-use super::link_on_mesh::Model;
+use super::link_on_mesh::{Model, ModelError};
 use crate::beam::TipTransfer;
 use crate::numeric::magnitude;
 

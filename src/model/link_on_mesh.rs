@@ -2,11 +2,12 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use num_complex::Complex64;
+use thiserror::Error;
 
-use super::error::ModelError;
 use crate::beam::{Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers};
 use crate::link::Link;
-use crate::modal::DampingLaw;
+use crate::modal::{AllModesError, DampingError, DampingLaw, MOST_ELEMENTS_OF_ALL_MODES};
+use crate::numeric::significant;
 
 /// A link on a mesh, and its damping law with all its numbers. A clone shares the link.
 #[derive(Debug, Clone)]
@@ -119,5 +120,70 @@ pub trait Model: Debug + Send + Sync {
     /// The damping law with all its numbers.
     fn law(&self) -> &DampingLaw {
         self.on_mesh().law()
+    }
+}
+
+/// Why a valid link has no model on its mesh, or a model no finite answer.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ModelError {
+    /// Damping whose numbers contradict each other or the link.
+    #[error(transparent)]
+    Damping(#[from] DampingError),
+    /// A reduction to more modes than there are.
+    #[error("analysis.modes = {asked}, but must be at most {found}: the mesh has no more modes")]
+    NotSoManyModes {
+        /// Modes to keep.
+        asked: usize,
+        /// Flexible modes of the mesh.
+        found: usize,
+    },
+    /// Damping by modes on a mesh too large for all of them.
+    #[error(
+        "the mesh = {elements} elements, but must be at most {limit} for modal damping: it needs \
+         all modes, and dense algebra grows with the cube of their number"
+    )]
+    TooManyElements {
+        /// Elements of the mesh.
+        elements: usize,
+        /// Elements possible.
+        limit: usize,
+    },
+    /// A frequency at which no torque moves the tip at all, or numbers beyond double precision.
+    #[error(
+        "the torque at {} Hz = not a finite number, but must be one",
+        significant(*frequency_hz, 6)
+    )]
+    NotFinite {
+        /// The frequency in Hz.
+        frequency_hz: f64,
+    },
+}
+
+impl ModelError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::Damping(error) => error.hint(),
+            Self::NotSoManyModes { .. } => "keep fewer modes, or give the mesh more elements",
+            Self::TooManyElements { .. } => {
+                "fewer elements, or hysteretic or rayleigh damping, which have no such limit"
+            }
+            Self::NotFinite { .. } => {
+                "no torque moves the tip there (a payload's inertia without damping, or damping that \
+                 no wave survives), the mesh is far too coarse, or the inputs are too large for \
+                 double precision"
+            }
+        }
+    }
+}
+
+impl From<AllModesError> for ModelError {
+    fn from(error: AllModesError) -> Self {
+        match error {
+            AllModesError::TooManyElements { elements } => {
+                Self::TooManyElements { elements, limit: MOST_ELEMENTS_OF_ALL_MODES }
+            }
+            AllModesError::NotFinite => Self::NotFinite { frequency_hz: 0.0 },
+        }
     }
 }

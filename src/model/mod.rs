@@ -5,19 +5,15 @@
 //! ([`Dense`]), which check the other two. [`model_of`] chooses the one that a link's damping law and
 //! the modes kept ask for.
 
-mod choice;
 mod dense;
-mod error;
 mod frequency_response;
 mod link_on_mesh;
 mod recursion;
 mod superposition;
 
-pub(crate) use choice::check_size;
-pub use choice::model_of;
 pub use dense::{Dense, MOST_ELEMENTS_OF_DENSE_SOLVE};
-pub use error::ModelError;
 pub use frequency_response::{FrequencyResponse, changes_on_halves};
-pub use link_on_mesh::{KeptModes, LinkOnMesh, Model};
-pub use recursion::Recursion;
+pub use link_on_mesh::{KeptModes, LinkOnMesh, Model, ModelError};
+pub(crate) use recursion::check_size;
+pub use recursion::{Recursion, model_of};
 pub use superposition::Superposition;

@@ -1,10 +1,75 @@
+//! The model of a link: the recursion, or modal superposition where damping or a reduction asks for modes.
+
+use std::sync::Arc;
+
 use num_complex::Complex64;
 
-use super::link_on_mesh::{LinkOnMesh, Model};
+use super::link_on_mesh::{KeptModes, LinkOnMesh, Model, ModelError};
+use super::superposition::Superposition;
 use crate::beam::{
-    Checkpoints, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers, nodal_transfer,
+    Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers, nodal_transfer,
     nodal_transfers, tip_transfer, tip_transfers,
 };
+use crate::link::{Damping, Link};
+use crate::modal::MOST_ELEMENTS_OF_ALL_MODES;
+
+/// Elements that an automatic mesh is not refined beyond.
+const MOST_ELEMENTS: usize = 8192;
+
+/// The model of a link on a mesh: the recursion; modal superposition for damping through modes, and
+/// where only the first modes are kept.
+///
+/// # Errors
+/// [`ModelError`]: damping that cannot be, more modes than there are, or a mesh too large for all its
+/// modes where damping needs them.
+pub fn model_of(link: &Link, mesh: Mesh, kept: KeptModes) -> Result<Arc<dyn Model>, ModelError> {
+    check_size(link, mesh.elements().len(), 1)?;
+    model_on(LinkOnMesh::new(link, mesh)?, kept)
+}
+
+fn model_on(link: LinkOnMesh, kept: KeptModes) -> Result<Arc<dyn Model>, ModelError> {
+    Ok(match kept {
+        KeptModes::All if !link.law().is_modal() => Arc::new(Recursion::new(link)),
+        kept => Arc::new(Superposition::new(link, kept)?),
+    })
+}
+
+/// Refuses a mesh too large for damping that needs all its modes, before any is computed; `elements` is
+/// the number of the finest mesh, which has `times` those of the one asked for.
+///
+/// # Errors
+/// [`ModelError::TooManyElements`].
+pub(crate) fn check_size(link: &Link, elements: usize, times: usize) -> Result<(), ModelError> {
+    let needs_all = matches!(link.damping(), Damping::Modal { .. } | Damping::Caughey { .. });
+    if needs_all && elements > MOST_ELEMENTS_OF_ALL_MODES {
+        let (elements, limit) = (elements / times, MOST_ELEMENTS_OF_ALL_MODES / times);
+        return Err(ModelError::TooManyElements { elements, limit });
+    }
+    Ok(())
+}
+
+impl dyn Model + '_ {
+    /// The model of the same link on elements of half the length.
+    ///
+    /// # Errors
+    /// [`ModelError::TooManyElements`] where damping needs all modes of the finer mesh.
+    pub fn refined(&self) -> Result<Arc<dyn Model>, ModelError> {
+        model_on(self.on_mesh().refined()?, self.kept_modes())
+    }
+
+    /// The model of the same link with all modes of the mesh.
+    ///
+    /// # Errors
+    /// As [`model_of`].
+    pub fn unreduced(&self) -> Result<Arc<dyn Model>, ModelError> {
+        model_on(self.on_mesh().clone(), KeptModes::All)
+    }
+
+    /// Elements that the mesh may be refined to.
+    pub(crate) fn most_elements(&self) -> usize {
+        if self.law().is_modal() { MOST_ELEMENTS_OF_ALL_MODES } else { MOST_ELEMENTS }
+    }
+}
 
 /// A link with a local damping law, condensed to its hub element by element: exact, and linear in the
 /// number of elements.
@@ -56,5 +121,23 @@ impl Model for Recursion {
     ) {
         let lambdas = self.lambdas(omegas_rad_s);
         nodal_transfers(self.mesh(), &lambdas, nodes, quantity, rows, checkpoints);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::{LinkParts, uniform};
+
+    #[test]
+    fn damping_of_modes_allows_as_many_elements_as_all_modes_are_computed_of_and_no_more() {
+        let limit = MOST_ELEMENTS_OF_ALL_MODES;
+        let link = |damping| Link::new(LinkParts { damping, ..uniform() }).unwrap();
+        let modal = link(Damping::Modal { ratios: vec![0.02] });
+        assert_eq!(check_size(&modal, limit, 2), Ok(()));
+        let (elements, limit) = (limit / 2 + 1, limit / 2);
+        let error = ModelError::TooManyElements { elements, limit };
+        assert_eq!(check_size(&modal, 2 * elements, 2), Err(error));
+        assert_eq!(check_size(&link(Damping::None), 9 * elements, 2), Ok(()));
     }
 }

@@ -1,7 +1,6 @@
 use num_complex::Complex64;
 
-use super::error::ModelError;
-use super::link_on_mesh::{KeptModes, LinkOnMesh, Model};
+use super::link_on_mesh::{KeptModes, LinkOnMesh, Model, ModelError};
 use crate::beam::{Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer};
 use crate::modal::{ModalBasis, Shape};
 
@@ -64,11 +63,11 @@ impl Superposition {
                 let residual = share(&basis.static_residual(mesh));
                 (basis, Some(residual))
             }
-            KeptModes::First(asked) => {
-                let basis = ModalBasis::lowest(mesh, asked);
+            KeptModes::First(count) => {
+                let basis = ModalBasis::lowest(mesh, count);
                 let found = basis.modes.len();
-                if found < asked {
-                    return Err(ModelError::NotSoManyModes { asked, found });
+                if found < count {
+                    return Err(ModelError::NotSoManyModes { asked: count, found });
                 }
                 (basis, None)
             }

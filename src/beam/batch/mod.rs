@@ -11,8 +11,10 @@
 
 mod complex_lanes;
 mod lanes;
+mod nodal;
 mod search;
 mod transfers;
 
+pub use nodal::{Checkpoints, nodal_transfers};
 pub use search::{Pivots, pivots, tip_displacements_m};
-pub use transfers::{Checkpoints, TipTransfers, nodal_transfers, tip_transfers};
+pub use transfers::{TipTransfers, tip_transfers};

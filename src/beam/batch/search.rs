@@ -10,8 +10,8 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::lanes::RealLanes;
-use crate::beam::inward::{condense, tip_displacement_m};
 use crate::beam::mesh::Mesh;
+use crate::beam::recursion::{condense, tip_displacement_m};
 use crate::numeric::{SECTIONS, Scalar};
 
 /// Negative pivots of the dynamic stiffness, at one λ > 0.
