@@ -161,7 +161,7 @@ fn tell(rows: &[FrequencyResponse], changes: Option<&[f64]>) -> usize {
     };
     let pairs = rows.iter().map(|row| row.frequency_hz).zip(changes.iter().copied());
     let Some(error) = BandMeshError::of_changes(pairs) else { return 0 };
-    if let Some(warning) = error.warning() {
+    if let Some(warning) = error.warning {
         console::warning(warning, warning.hint());
         return 1;
     }

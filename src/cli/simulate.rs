@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::csv::{Digits, InputFile, read_hub_reference, read_motion_table, read_torque_table};
-use flexlink::link::Link;
+use flexlink::link::{Link, ParameterError};
 use flexlink::motion::TipTarget;
 use flexlink::numeric::plain;
 use flexlink::response::{
-    Feedback, FeedbackError, HubReference, Interpolation, Play, PlayError, Simulation,
-    SimulationError, Torque, simulate,
+    Feedback, HubReference, Interpolation, Play, PlayError, Simulation, SimulationError, Torque,
+    simulate,
 };
 use flexlink::result::{PlayedMetrics, TargetError, TipError};
 use flexlink::spec::Specification;
@@ -261,8 +261,8 @@ impl PlayArgs {
 
     fn feedback(&self, reference: HubReference) -> Result<Option<Feedback>, Failure> {
         let Some((kp, kd)) = self.feedback else { return Ok(None) };
-        let refused = |error: FeedbackError| {
-            Failure::new(Exit::Usage, &format!("--feedback: {error}"), error.hint())
+        let refused = |error: ParameterError| {
+            Failure::new(Exit::Usage, &format!("--feedback: {error}"), None)
         };
         Feedback::new(kp, kd, reference).map(Some).map_err(refused)
     }
@@ -285,7 +285,7 @@ impl PlayArgs {
     pub(crate) fn refused(&self, error: &SimulationError, inputs: &Inputs) -> Failure {
         let (exit, place) = match error {
             SimulationError::NoTorque => (Exit::InputRefused, shown(Some(&inputs.torque_file))),
-            SimulationError::Feedback(_) => {
+            SimulationError::OtherTimes { .. } => {
                 (Exit::InputRefused, shown(inputs.reference_file.as_ref()))
             }
             // Longer than the torque for the target's sake.

@@ -6,7 +6,7 @@ use flexlink::csv::{Digits, InputFile};
 use flexlink::inverse::{Resources, Solution, invert_with};
 use flexlink::spec::Specification;
 use flexlink::store::verification_json;
-use flexlink::verify::{Answer, Check, Verification, VerificationError, verify};
+use flexlink::verify::{Answer, Verification, VerificationError, verify};
 
 use super::inputs::remarks;
 use super::inputs::{LinkArgs, MotionArgs, ScaleArgs};
@@ -101,11 +101,11 @@ pub(crate) fn measured(
 
 /// Ends the program if a check is out of its bound.
 pub(crate) fn refuse_failed(verification: &Verification) -> Result<(), Failure> {
-    let failed: Vec<&str> = verification.failed().map(|check| check.what).collect();
+    let failed: Vec<&str> = verification.failed().map(|check| check.what.as_str()).collect();
     if failed.is_empty() {
         return Ok(());
     }
     let message = format!("out of bounds: {}", failed.join("; "));
-    let hint = verification.failed().next().map(Check::hint);
+    let hint = verification.failed().next().map(|check| check.hint);
     Err(Failure::new(Exit::NotSolvable, &message, hint))
 }

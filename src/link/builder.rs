@@ -1,67 +1,44 @@
-use super::error::ParameterError;
-use super::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload, Segment};
+//! A link put together from numbers.
 
-/// A link put together from numbers; everything that is not named is left out.
-///
-/// ```
-/// use flexlink::link::{Link, Segment};
-/// let link = Link::builder()
-///     .segment(Segment::uniform(0.9, 12.0, 1.1))
-///     .segment(Segment::uniform(0.6, 5.0, 0.8))
-///     .hub_inertia_kg_m2(0.1)
-///     .payload_kg(0.25)
-///     .damping_ratio(0.02)
-///     .build()?;
-/// assert_eq!(link.length_m(), 1.5);
-/// # Ok::<(), flexlink::link::ParameterError>(())
-/// ```
-#[derive(Debug, Clone, PartialEq, Default)]
-#[must_use]
-pub struct LinkBuilder {
-    parts: LinkParts,
-}
+use super::damping::Damping;
+use super::link::{Link, LinkParts};
+use super::parts::{Drive, Hub, LumpedMass, ParameterError, Payload};
+use super::segment::Segment;
 
-impl Link {
-    /// A link without segments, mass at its ends or damping, to be put together.
-    pub fn builder() -> LinkBuilder {
-        LinkBuilder::default()
-    }
-}
-
-impl LinkBuilder {
+impl LinkParts {
     /// The title that people read.
     pub fn title(mut self, title: &str) -> Self {
-        title.clone_into(&mut self.parts.title);
+        title.clone_into(&mut self.title);
         self
     }
 
     /// The next segment outward.
     pub fn segment(mut self, segment: Segment) -> Self {
-        self.parts.segments.push(segment);
+        self.segments.push(segment);
         self
     }
 
     /// The hub: inertia, radius and friction.
     pub fn hub(mut self, hub: Hub) -> Self {
-        self.parts.hub = hub;
+        self.hub = hub;
         self
     }
 
     /// Rotary inertia of the hub about the axis in kg m².
     pub fn hub_inertia_kg_m2(mut self, inertia_kg_m2: f64) -> Self {
-        self.parts.hub.inertia_kg_m2 = inertia_kg_m2;
+        self.hub.inertia_kg_m2 = inertia_kg_m2;
         self
     }
 
     /// A lumped mass on the link.
     pub fn mass(mut self, mass: LumpedMass) -> Self {
-        self.parts.masses.push(mass);
+        self.masses.push(mass);
         self
     }
 
     /// What the tip carries: mass, inertia and offset.
     pub fn payload(mut self, payload: Payload) -> Self {
-        self.parts.payload = payload;
+        self.payload = payload;
         self
     }
 
@@ -72,7 +49,7 @@ impl LinkBuilder {
 
     /// The damping law.
     pub fn damping(mut self, damping: Damping) -> Self {
-        self.parts.damping = damping;
+        self.damping = damping;
         self
     }
 
@@ -83,7 +60,7 @@ impl LinkBuilder {
 
     /// Gear and elastic joint between motor and hub.
     pub fn drive(mut self, drive: Drive) -> Self {
-        self.parts.drive = Some(drive);
+        self.drive = Some(drive);
         self
     }
 
@@ -92,13 +69,14 @@ impl LinkBuilder {
     /// # Errors
     /// [`ParameterError`] names the first parameter out of its range, by its path in a link file.
     pub fn build(self) -> Result<Link, ParameterError> {
-        Link::new(self.parts)
+        Link::new(self)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::{CrossSection, Section};
 
     #[test]
     fn a_link_is_what_was_named_and_nothing_else() {
@@ -122,9 +100,42 @@ mod tests {
 
     #[test]
     fn what_cannot_be_is_refused_by_its_path() {
-        let refused = |builder: LinkBuilder| builder.build().unwrap_err().to_string();
+        let refused = |builder: LinkParts| builder.build().unwrap_err().to_string();
         assert_eq!(refused(Link::builder()), "segments = [], but must hold at least one segment");
         let flat = Link::builder().segment(Segment::uniform(1.5, 0.0, 0.8));
         assert!(refused(flat).starts_with("segments.0.EI = 0 N m^2, but must "));
+    }
+
+    #[test]
+    fn a_stored_link_is_read_back_whole_and_refused_where_it_is_invalid() {
+        let strip = Section::Rectangle { width_m: 0.02, thickness_m: 0.001 };
+        let segment = Segment {
+            name: Some("beam".into()),
+            cross_section: Some(CrossSection::of(&strip)),
+            ..Segment::uniform(1.5, 5.0, 0.8)
+        };
+        let link = Link::builder()
+            .title("strip")
+            .segment(segment)
+            .hub(Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad: 0.2 })
+            .mass(LumpedMass { at_m: 0.7, mass_kg: 0.1, inertia_kg_m2: 1e-3 })
+            .payload(Payload { mass_kg: 0.2, inertia_kg_m2: 1e-3, offset_m: 0.02 })
+            .damping(Damping::RayleighThroughModes { modes: [1, 3], ratios: [0.01, 0.02] })
+            .drive(Drive {
+                joint_stiffness_n_m_rad: f64::INFINITY,
+                rotor_inertia_kg_m2: 1e-4,
+                gear_ratio: 80.0,
+            })
+            .build()
+            .unwrap();
+        let text = serde_json::to_string(&link).unwrap();
+        assert_eq!(serde_json::from_str::<Link>(&text).unwrap(), link);
+        let refusal = |from: &str, to: &str| {
+            assert!(text.contains(from), "{text}");
+            serde_json::from_str::<Link>(&text.replace(from, to)).unwrap_err().to_string()
+        };
+        let flat = refusal("\"length_m\":1.5", "\"length_m\":0.0");
+        assert_eq!(flat, "segments.0.length = 0 m, but must be finite and above 0");
+        assert!(refusal("\"payload\"", "\"load\"").starts_with("unknown field `load`"));
     }
 }

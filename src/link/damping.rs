@@ -1,8 +1,10 @@
+//! Damping of the link itself.
+
 use std::fmt::Debug;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::{ParameterError, not_negative};
+use super::parts::{ParameterError, not_negative};
 
 /// The link's own damping law (Bayo 1987, eqs 12, 15 and 16).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -23,9 +25,8 @@ pub enum Damping {
         /// β in s, at least 0.
         beta_s: f64,
     },
-    /// C = αM + βK with α and β such that two flexible modes get the given ratios; stored as
-    /// [`Self::Rayleigh`].
-    #[serde(skip)]
+    /// C = αM + βK with α and β such that two flexible modes get the given ratios.
+    #[serde(rename = "rayleigh through modes")]
     RayleighThroughModes {
         /// Numbers of the two flexible modes, from 1, ascending.
         modes: [usize; 2],

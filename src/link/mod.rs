@@ -5,21 +5,17 @@
 
 mod builder;
 mod damping;
-mod error;
-mod joint;
-mod large_deflection;
-mod section;
+#[expect(clippy::module_inception, reason = "the whole link")]
+mod link;
+mod parts;
 mod segment;
-mod whole;
 
-pub use builder::LinkBuilder;
 pub use damping::Damping;
 pub(crate) use damping::in_unit_interval;
-pub use error::ParameterError;
-pub use joint::{Drive, Hub, Joint};
-pub use section::Section;
-pub use segment::{CrossSection, Segment, Taper};
-pub(crate) use whole::POSITION_TOLERANCE;
-pub use whole::{Link, LinkParts, LumpedMass, Payload};
+pub(crate) use link::POSITION_TOLERANCE;
+pub use link::{Link, LinkParts};
 #[cfg(test)]
-pub(crate) use whole::{uniform, uniform_segment};
+pub(crate) use link::{uniform, uniform_segment};
+pub(crate) use parts::not_negative;
+pub use parts::{Drive, Hub, Joint, LumpedMass, ParameterError, Payload};
+pub use segment::{CrossSection, Section, Segment, Taper};

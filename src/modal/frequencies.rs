@@ -1,12 +1,11 @@
+//! Natural frequencies with a free, a sprung and a clamped hub: modes below a frequency are counted.
+
 use std::cmp::Ordering;
 
-use nalgebra::{Matrix2, Vector2};
-
-use super::hub_spring::{HubSpring, counted};
 use super::inertia::{hub_moves_mass, outboard_degrees_of_freedom};
 use super::shape::Shape;
-use crate::beam::{Mesh, Pivots, driven_motion};
-use crate::numeric::{SECTIONS, root};
+use crate::beam::{Mesh, Pivots, driven_motion, pivots};
+use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
 
 /// Natural frequencies that a solution or a simulation reports.
 pub const REPORTED_MODES: usize = 5;
@@ -17,7 +16,74 @@ const LOST_DIGITS: f64 = 1e-8;
 /// Relative step of a frequency that is round-off.
 const SETTLED: f64 = 1e-13;
 
+/// Highest angular frequency that is searched, in rad/s, far above any link's.
+const SEARCH_LIMIT_RAD_S: f64 = 1e15;
+
+/// A torsional spring between hub and ground, its stiffness k in N m/rad.
+///
+/// k = 0 is a free hub, k = ∞ a clamped one, so that one count and one search serve all three.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub(super) struct HubSpring(pub(super) f64);
+
 impl HubSpring {
+    /// No spring: the hub is free to turn.
+    pub(super) const FREE: Self = Self(0.0);
+    /// A spring that does not yield.
+    pub(super) const CLAMPED: Self = Self(f64::INFINITY);
+
+    /// Number of modes below each ω > 0, the rigid rotation of a free hub included.
+    ///
+    /// By Sylvester's law of inertia it is the number of negative pivots of the dynamic stiffness
+    /// (Wittrick and Williams), here of the blocks `K_d − λ(M_dd + A)`, over λ, and of the hub's
+    /// `k − λ(A_0[φφ] + I_H)`; so none is missed, however close two of them lie. For k = ∞ the
+    /// hub's pivot is never negative, which leaves the modes of the clamped link.
+    pub(super) fn modes_below(
+        self,
+        mesh: &Mesh,
+        omegas_rad_s: &[f64; SECTIONS],
+    ) -> [usize; SECTIONS] {
+        counted(mesh, omegas_rad_s)
+            .map(|Pivots { negative, hub_n_m }| negative + usize::from(hub_n_m > self.0))
+    }
+
+    /// Two frequencies in rad/s around mode number `sought`: fewer modes lie below the first, as many or
+    /// more below the second, which is `from_rad_s` times a power of two. None where the search passes
+    /// its limit.
+    pub(super) fn bracket(self, mesh: &Mesh, sought: usize, from_rad_s: f64) -> Option<(f64, f64)> {
+        let is_above = |modes: &usize| *modes >= sought;
+        let mut before = None;
+        let mut upwards = geometric_scan(from_rad_s, 2.0);
+        let (low, high) = loop {
+            let places = next_places(&mut upwards);
+            match self.modes_below(mesh, &places).iter().position(is_above) {
+                Some(first) => {
+                    let low = if first > 0 { Some(places[first - 1]) } else { before };
+                    break (low, places[first]);
+                }
+                None => before = places.last().copied(),
+            }
+            if places[0] > SEARCH_LIMIT_RAD_S {
+                return None;
+            }
+        };
+        if let Some(low) = low {
+            return Some((low, high)).filter(|_| high <= SEARCH_LIMIT_RAD_S);
+        }
+        let (mut low, mut high) = (None, high);
+        let mut downwards = geometric_scan(0.5 * from_rad_s, 0.5);
+        while low.is_none() {
+            let places = next_places(&mut downwards);
+            for (place, modes) in places.iter().zip(self.modes_below(mesh, &places)) {
+                if !is_above(&modes) {
+                    low = Some(*place);
+                    break;
+                }
+                high = *place;
+            }
+        }
+        low.map(|low| (low, high))
+    }
+
     /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.
     fn natural_frequencies(self, mesh: &Mesh, count: usize) -> Vec<f64> {
         // The rigid rotation of a free hub is always below.
@@ -45,13 +111,13 @@ impl HubSpring {
         sought: usize,
     ) -> [f64; SECTIONS] {
         counted(mesh, omegas_rad_s).map(|Pivots { negative, hub_n_m }| {
-            let surplus = match (negative + 1).cmp(&sought) {
-                Ordering::Less => None,
+            let surplus_n_m = -(self.0 - hub_n_m);
+            match (negative + 1).cmp(&sought) {
+                Ordering::Greater => f64::INFINITY,
                 // Zero counts as below, and so does NaN.
-                Ordering::Equal => Some(-(self.0 - hub_n_m)).filter(|n_m| !n_m.is_nan()),
-                Ordering::Greater => Some(f64::INFINITY),
-            };
-            surplus.unwrap_or(f64::NEG_INFINITY)
+                Ordering::Equal if !surplus_n_m.is_nan() => surplus_n_m,
+                _ => f64::NEG_INFINITY,
+            }
         })
     }
 
@@ -77,7 +143,7 @@ impl HubSpring {
     fn rayleigh_quotient(self, mesh: &Mesh, omega_rad_s: f64) -> f64 {
         let motion = driven_motion(mesh, omega_rad_s * omega_rad_s);
         let elements = mesh.relative_elements().iter().zip(&motion.deformations);
-        let bent: f64 = elements.map(|(element, d)| quadratic(&element.k_d, d)).sum();
+        let bent: f64 = elements.map(|(element, d)| d.dot(&(element.k_d * d))).sum();
         let shape = Shape::of(&motion);
         let sprung = if self == Self::CLAMPED { 0.0 } else { self.0 * shape.hub_angle.powi(2) };
         ((bent + sprung) / shape.mass_product(mesh, &shape)).sqrt()
@@ -91,9 +157,27 @@ impl HubSpring {
     }
 }
 
-/// `dᵀ K d` of a deformation.
-fn quadratic(stiffness: &Matrix2<f64>, deformation: &Vector2<f64>) -> f64 {
-    deformation.dot(&(stiffness * deformation))
+/// Negative pivots at each ω > 0.
+pub(super) fn counted(mesh: &Mesh, omegas_rad_s: &[f64; SECTIONS]) -> [Pivots; SECTIONS] {
+    // Exactly on a pole of the apparent inertia no number is finite, and a hair beside it all are;
+    // numbers beyond double precision stay infinite, so the hairs are few.
+    let mut found = [Pivots { negative: 0, hub_n_m: f64::NAN }; SECTIONS];
+    for hairs in 0..4 {
+        let beside = 1.0 + 4.0 * f64::from(hairs) * f64::EPSILON;
+        let counted = pivots(mesh, &omegas_rad_s.map(|omega| (omega * beside).powi(2)));
+        let open = found.iter_mut().zip(counted).filter(|(found, _)| found.hub_n_m.is_nan());
+        open.filter(|(_, counted)| counted.hub_n_m.is_finite()).for_each(|(f, c)| *f = c);
+        if found.iter().all(|found| found.hub_n_m.is_finite()) {
+            break;
+        }
+    }
+    found
+}
+
+/// Number of modes below `omega_rad_s` > 0 of the link on its free hub, the rigid rotation
+/// included.
+pub fn modes_below(mesh: &Mesh, omega_rad_s: f64) -> usize {
+    HubSpring::FREE.modes_below(mesh, &[omega_rad_s; SECTIONS])[0]
 }
 
 /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.
@@ -106,17 +190,12 @@ pub fn natural_frequencies(mesh: &Mesh, count: usize) -> Vec<f64> {
 
 /// The first `count` natural frequencies in rad/s, ascending, of the link behind a held rotor.
 ///
-/// The joint of a drive is then a spring of `joint_stiffness_n_m_rad` > 0 between hub and ground;
-/// an infinite one clamps the hub. Undamped. The k-th lies below the k-th of
+/// The joint of a drive is then a spring of `joint_stiffness_n_m_rad` between hub and ground; an
+/// infinite one clamps the hub, and one of 0 or below leaves it free. Undamped. The k-th lies below the k-th of
 /// [`natural_frequencies`] and above the one before it. Fewer than `count` where the mesh has
 /// fewer.
-///
-/// # Panics
-/// If the stiffness is not above 0.
 pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize) -> Vec<f64> {
-    let spring = HubSpring(joint_stiffness_n_m_rad);
-    assert!(spring > HubSpring::FREE, "{joint_stiffness_n_m_rad} N m/rad hold no hub");
-    spring.natural_frequencies(mesh, count)
+    HubSpring(joint_stiffness_n_m_rad.max(0.0)).natural_frequencies(mesh, count)
 }
 
 /// First natural frequency in rad/s of the link clamped at its hub, where it lies below
@@ -227,9 +306,11 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "0 N m/rad hold no hub")]
     fn a_joint_without_stiffness_holds_no_hub() {
-        held_frequencies(&massless(0.1, 0.4), 0.0, 1);
+        let mesh = massless(0.1, 0.4);
+        for stiffness in [0.0, -1.0, f64::NAN] {
+            assert_eq!(held_frequencies(&mesh, stiffness, 2), natural_frequencies(&mesh, 2));
+        }
     }
 
     #[test]

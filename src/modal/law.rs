@@ -1,8 +1,9 @@
+//! Damping laws over frequency and mode by mode.
+
 use num_complex::Complex64;
 use thiserror::Error;
 
-use super::caughey::CaugheySeries;
-use super::complete::MOST_ELEMENTS_OF_ALL_MODES;
+use super::basis::MOST_ELEMENTS_OF_ALL_MODES;
 use super::frequencies::natural_frequencies;
 use crate::beam::Mesh;
 use crate::link::Damping;
@@ -136,24 +137,22 @@ impl DampingLaw {
     fn check(&self, mesh: &Mesh) -> Result<(), DampingError> {
         match *self {
             Self::Rayleigh { alpha_per_s, beta_s } if alpha_per_s < 0.0 || beta_s < 0.0 => {
-                Err(DampingError::NegativeDamping { alpha_per_s, beta_s })
+                return Err(DampingError::NegativeDamping { alpha_per_s, beta_s });
             }
-            Self::Caughey(_) => self.check_modes(mesh),
-            _ => Ok(()),
+            Self::Caughey(_) => {}
+            _ => return Ok(()),
         }
-    }
-
-    fn check_modes(&self, mesh: &Mesh) -> Result<(), DampingError> {
         let all = natural_frequencies(mesh, MOST_CHECKED);
-        for (k, omega) in all.iter().enumerate() {
-            let ratio = self.modal_ratio(k + 1, *omega);
-            if ratio < 0.0 {
-                let frequency_hz = omega / std::f64::consts::TAU;
-                let (mode, modes) = (k + 1, all.len());
-                return Err(DampingError::NegativeRatio { mode, frequency_hz, ratio, modes });
-            }
+        let ratios = self.modal_ratios(&all);
+        match ratios.iter().position(|ratio| *ratio < 0.0) {
+            Some(k) => Err(DampingError::NegativeRatio {
+                mode: k + 1,
+                frequency_hz: all[k] / std::f64::consts::TAU,
+                ratio: ratios[k],
+                modes: all.len(),
+            }),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Whether the law is diagonal in the modes only, so that responses need all of them.
@@ -254,3 +253,78 @@ fn rayleigh(frequencies_rad_s: &[f64], ratios: [f64; 2]) -> DampingLaw {
 
 /// Modes at which a Caughey series is checked: those of the largest mesh that it is summed on.
 const MOST_CHECKED: usize = 2 * MOST_ELEMENTS_OF_ALL_MODES;
+
+/// A Caughey series through chosen modes (Bayo 1987, eq 12).
+///
+/// ```text
+/// C = M Σ a_b (M⁻¹K)ᵇ,   2ζω = Σ a_b ω²ᵇ,   b = 0 … p − 1
+/// ```
+///
+/// Kept in Newton's form over ω², in which neighbouring modes cost no digits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaugheySeries {
+    /// ω² of the chosen modes in rad²/s².
+    squares: Vec<f64>,
+    /// Divided differences of 2ζω over ω².
+    differences: Vec<f64>,
+}
+
+impl CaugheySeries {
+    /// The series that gives modes of these ascending frequencies in rad/s these ratios.
+    pub(super) fn through(frequencies: &[f64], ratios: &[f64]) -> Self {
+        let squares: Vec<f64> = frequencies.iter().map(|omega| omega * omega).collect();
+        let mut differences: Vec<f64> =
+            frequencies.iter().zip(ratios).map(|(omega, ratio)| 2.0 * ratio * omega).collect();
+        for order in 1..squares.len() {
+            for k in (order..squares.len()).rev() {
+                let rise = differences[k] - differences[k - 1];
+                differences[k] = rise / (squares[k] - squares[k - order]);
+            }
+        }
+        Self { squares, differences }
+    }
+
+    /// 2ζω in 1/s at a natural frequency in rad/s.
+    pub(super) fn rate_per_s(&self, omega_rad_s: f64) -> f64 {
+        let square = omega_rad_s * omega_rad_s;
+        let terms = self.squares.iter().zip(&self.differences).rev();
+        terms.fold(0.0, |sum, (known, difference)| sum * (square - known) + difference)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_modes_give_the_law_of_rayleigh() {
+        let series = CaugheySeries::through(&[12.0, 80.0], &[0.02, 0.05]);
+        let beta = 2.0 * (0.05 * 80.0 - 0.02 * 12.0) / (80.0_f64.powi(2) - 12.0_f64.powi(2));
+        let alpha = 2.0 * 0.02 * 12.0 - beta * 144.0;
+        for omega in [1.0, 12.0, 30.0, 80.0, 500.0] {
+            let expected = alpha + beta * omega * omega;
+            assert!((series.rate_per_s(omega) / expected - 1.0).abs() < 1e-13, "{omega} rad/s");
+        }
+    }
+
+    #[test]
+    fn every_chosen_mode_gets_its_ratio() {
+        let (frequencies, ratios) = ([11.9, 34.2, 83.8, 159.0], [0.01, 0.03, 0.02, 0.04]);
+        let series = CaugheySeries::through(&frequencies, &ratios);
+        for (omega, ratio) in frequencies.iter().zip(ratios) {
+            assert!((series.rate_per_s(*omega) / (2.0 * omega) - ratio).abs() < 1e-15);
+        }
+        // Between them the cubic in ω² through the four points, here by Lagrange's formula.
+        let omega: f64 = 50.0;
+        let lagrange: f64 = (0..4)
+            .map(|i| {
+                let others = (0..4).filter(|j| *j != i).map(|j| {
+                    let square = |k: usize| frequencies[k] * frequencies[k];
+                    (omega * omega - square(j)) / (square(i) - square(j))
+                });
+                2.0 * ratios[i] * frequencies[i] * others.product::<f64>()
+            })
+            .sum();
+        assert!((series.rate_per_s(omega) / lagrange - 1.0).abs() < 1e-13);
+    }
+}

@@ -23,16 +23,6 @@ pub struct Mode {
     pub shape: Shape,
 }
 
-/// Force and moment that an element carries.
-struct Resultants {
-    /// At its outer end.
-    outer: Vector2<f64>,
-    /// At its inner end.
-    inner: Vector2<f64>,
-    /// At its inner end, with the inertia lumped there.
-    with_lump: Vector2<f64>,
-}
-
 /// Shape at a natural frequency `omega_rad_s` > 0, from the recursion at λ = ω².
 pub fn mode(mesh: &Mesh, omega_rad_s: f64) -> Mode {
     let motion = driven_motion(mesh, omega_rad_s * omega_rad_s);
@@ -107,7 +97,7 @@ impl Shape {
         let last = self.deflections.len() - 1;
         let mut moments = vec![0.0; last + 1];
         moments[last] = (mesh.tip_inertia().matrix() * self.total(mesh, last))[1];
-        self.inward(mesh, |node, at| moments[node] = at.with_lump[1]);
+        self.inward(mesh, |node, _, inner| moments[node] = self.with_lump(mesh, node, inner)[1]);
         moments
     }
 
@@ -115,30 +105,31 @@ impl Shape {
     /// shape as its acceleration: `∫ m̄ v dx + …`.
     pub(super) fn shear_forces(&self, mesh: &Mesh) -> Vec<[f64; 2]> {
         let mut forces = vec![[0.0; 2]; self.deflections.len() - 1];
-        self.inward(mesh, |node, at| forces[node] = [at.inner[0], at.outer[0]]);
+        self.inward(mesh, |node, outer, inner| forces[node] = [inner[0], outer[0]]);
         forces
     }
 
-    /// Force and moment from the tip inward, element by element.
-    fn inward(&self, mesh: &Mesh, mut each: impl FnMut(usize, &Resultants)) {
+    /// Force and moment at the outer and the inner end of each element, from the tip inward.
+    fn inward(&self, mesh: &Mesh, mut each: impl FnMut(usize, Vector2<f64>, Vector2<f64>)) {
         let last = self.deflections.len() - 1;
         let mut outer = mesh.tip_inertia().matrix() * self.total(mesh, last);
         for (node, element) in mesh.relative_elements().iter().enumerate().rev() {
             let (u, d) = (self.total(mesh, node), self.deformation(mesh, node));
             let carried = Vector2::new(outer[0], outer[1] + element.length_m * outer[0]);
             let inner = element.m_uu * u + element.m_ud * d + carried;
-            let lump = mesh.lumped_inertia(node).map(|lumped| lumped.matrix() * u);
-            let with_lump = lump.map_or(inner, |lump| inner + lump);
-            each(node, &Resultants { outer, inner, with_lump });
-            outer = with_lump;
+            each(node, outer, inner);
+            outer = self.with_lump(mesh, node, inner);
         }
     }
 
+    /// Force and moment with those of the inertia lumped at a node.
+    fn with_lump(&self, mesh: &Mesh, node: usize, inner: Vector2<f64>) -> Vector2<f64> {
+        let lump = mesh.lumped_inertia(node).map(|own| own.matrix() * self.total(mesh, node));
+        lump.map_or(inner, |lump| inner + lump)
+    }
+
     /// `Σ factor · shape`, at least one of them.
-    ///
-    /// # Panics
-    /// Without shapes.
-    pub fn sum(factors: &[f64], shapes: &[Self]) -> Self {
+    pub(crate) fn sum(factors: &[f64], shapes: &[Self]) -> Self {
         let nothing = shapes[0].clone().scaled(0.0);
         let terms = factors.iter().zip(shapes);
         terms.fold(nothing, |sum, (factor, shape)| sum.less(-factor, shape))

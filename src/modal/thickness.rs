@@ -1,4 +1,5 @@
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::basis::ModalBasis;
@@ -40,7 +41,7 @@ pub struct ThickLink {
 }
 
 /// A mode and how much lower its frequency is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LoweredMode {
     /// Number of the flexible mode, from 1.
     pub number: usize,
@@ -232,10 +233,7 @@ fn guess(segment: &Segment) -> Option<CrossSection> {
     // Stiffness without end is how a rigid piece is written: no section is as long as its segment.
     let radius_m = |ei: f64, m: f64| ((ei / m).sqrt() / USUAL_SPEED_M_S).min(segment.length_m);
     (mass.inner > 0.0 && mass.outer > 0.0).then(|| CrossSection {
-        radius_of_gyration_m: Taper {
-            inner: radius_m(stiffness.inner, mass.inner),
-            outer: radius_m(stiffness.outer, mass.outer),
-        },
+        radius_of_gyration_m: Taper::of_ends(stiffness, mass, radius_m),
         shear_coefficient: LEAST_SHEAR_COEFFICIENT,
     })
 }

@@ -1,4 +1,4 @@
-use super::hub_spring::HubSpring;
+use super::frequencies::HubSpring;
 use super::inertia::{carries_rotary_inertia, outboard_degrees_of_freedom};
 use crate::beam::{Mesh, hub_response, tip_displacement_m, tip_displacements_m};
 use crate::numeric::{SECTIONS, geometric_scan, next_places, root};

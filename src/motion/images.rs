@@ -12,13 +12,14 @@
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
+use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::chebyshev::{Cosines, POINTS, SIDE_BY_SIDE, Span, clenshaw, trimmed};
 use super::spectrum::TipSpectrum;
+use crate::numeric::largest;
 
 /// Number of terms: 1/s, 1/s³ and 1/s⁵.
 pub const TAIL_TERMS: usize = 3;
@@ -28,6 +29,10 @@ pub type TailTerms = [f64; TAIL_TERMS];
 
 /// Images up to this many periods away are summed one by one; those beyond by a power series.
 const NEAR_PERIODS: i32 = 2;
+
+/// These images, and these with the motion's own period among them.
+const NEAR: [i32; 4] = [-2, -1, 1, 2];
+const NEAR_AND_OWN: [i32; 5] = [-2, -1, 0, 1, 2];
 
 /// Number of odd powers of that series.
 const POWERS: usize = 8;
@@ -40,6 +45,8 @@ pub struct Images {
     step_s: f64,
     samples: usize,
     seam: usize,
+    /// Times of the period, whose samples from the seam on stand before the others.
+    span: Span,
     /// Samples around the seam, and there the terms of the motion in all periods, its own included.
     around_seam: Vec<(usize, TailTerms)>,
     /// Chebyshev series of each `Q_m` over the period.
@@ -64,17 +71,19 @@ impl Images {
         let motion = Source::new(spectrum, forcing_m_s2);
         let (step_s, samples, seam) = (spectrum.step_s, spectrum.pair.len(), spectrum.seam);
         let places = spectrum.around_seam().0.into_iter();
-        let around_seam = places.map(|(k, time_s)| (k, motion.terms(time_s, Own::In))).collect();
-        let span = period(step_s, samples, seam);
+        let around_seam =
+            places.map(|(k, time_s)| (k, motion.terms(time_s, &NEAR_AND_OWN))).collect();
+        let until_s = seam as f64 * step_s;
+        let span = Span { from_s: until_s - samples as f64 * step_s, until_s };
         let cosines = Cosines::new();
-        let at = |point: usize| motion.terms(span.at(cosines.of(1, point)), Own::Out);
+        let at = |point: usize| motion.terms(span.at(cosines.of(1, point)), &NEAR);
         let values: Vec<TailTerms> = (0..POINTS).map(at).collect();
         let series = std::array::from_fn(|m| {
             let values: Vec<f64> = values.iter().map(|terms| terms[m]).collect();
             trimmed(cosines.series(&values))
         });
         let histories = [(); 3].map(|()| OnceLock::new());
-        Self { step_s, samples, seam, around_seam, series, histories }
+        Self { step_s, samples, seam, span, around_seam, series, histories }
     }
 
     /// `Q_m`, differentiated `order` times, at every sample of the period.
@@ -83,20 +92,14 @@ impl Images {
     /// Beyond the second derivative.
     pub fn history(&self, order: usize) -> &[TailTerms] {
         self.histories[order].get_or_init(|| {
-            let span = period(self.step_s, self.samples, self.seam);
             let series = self.series.each_ref().map(|series| {
-                (0..order).fold(series.clone(), |series, _| span.derivative(&series))
+                (0..order).fold(series.clone(), |series, _| self.span.derivative(&series))
             });
             let mut history = vec![[0.0; TAIL_TERMS]; self.samples];
             history.par_chunks_mut(BLOCK).enumerate().for_each(|(block, terms)| {
                 let first = block * BLOCK;
-                Arch::new().dispatch(Evaluation {
-                    images: self,
-                    series: &series,
-                    span,
-                    first,
-                    terms,
-                });
+                let series = &series;
+                Arch::new().dispatch(Evaluation { images: self, series, first, terms });
             });
             history
         })
@@ -118,7 +121,6 @@ impl Images {
 struct Evaluation<'a> {
     images: &'a Images,
     series: &'a [Vec<f64>; TAIL_TERMS],
-    span: Span,
     first: usize,
     terms: &'a mut [TailTerms],
 }
@@ -128,7 +130,7 @@ impl WithSimd for Evaluation<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { images, series, span, first, terms } = self;
+        let Self { images, series, first, terms } = self;
         for (m, series) in series.iter().enumerate() {
             for (group, terms) in terms.chunks_mut(SIDE_BY_SIDE).enumerate() {
                 let from = first + group * SIDE_BY_SIDE;
@@ -136,7 +138,7 @@ impl WithSimd for Evaluation<'_> {
                     let k = from + k;
                     let steps =
                         k as f64 - if k < images.seam { 0.0 } else { images.samples as f64 };
-                    span.scaled(steps * images.step_s)
+                    images.span.scaled(steps * images.step_s)
                 });
                 for (terms, value) in terms.iter_mut().zip(clenshaw(series, places)) {
                     terms[m] = value;
@@ -146,22 +148,9 @@ impl WithSimd for Evaluation<'_> {
     }
 }
 
-/// Times of a period whose samples from `seam` on stand before the others.
-fn period(step_s: f64, samples: usize, seam: usize) -> Span {
-    let until_s = seam as f64 * step_s;
-    Span { from_s: until_s - samples as f64 * step_s, until_s }
-}
-
 /// `Σ_m S_m Q_m`.
 pub fn tail_sum(tail: &TailTerms, terms: &TailTerms) -> f64 {
     tail[0] * terms[0] + tail[1] * terms[1] + tail[2] * terms[2]
-}
-
-/// The motion's own period among the images.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Own {
-    In,
-    Out,
 }
 
 impl Source {
@@ -200,11 +189,11 @@ impl Source {
         Self { period_s, points_s, gains_m_s, beyond }
     }
 
-    /// `Q_m` at a time in s.
-    fn terms(&self, time_s: f64, own: Own) -> TailTerms {
+    /// `Q_m` at a time in s, of these near images and all beyond them.
+    fn terms(&self, time_s: f64, near: &[i32]) -> TailTerms {
         let mut terms = [0.0; TAIL_TERMS];
         for (at_s, gain) in self.points_s.iter().zip(&self.gains_m_s) {
-            let kernel = self.kernel(time_s - at_s, own);
+            let kernel = self.kernel(time_s - at_s, near);
             for (term, kernel) in terms.iter_mut().zip(kernel) {
                 *term += gain * kernel;
             }
@@ -213,16 +202,14 @@ impl Source {
     }
 
     /// `K_m(s)` in `1/s^{2m+1}`.
-    fn kernel(&self, away_s: f64, own: Own) -> TailTerms {
+    fn kernel(&self, away_s: f64, near: &[i32]) -> TailTerms {
         let mut kernel = [0.0; TAIL_TERMS];
-        for image in -NEAR_PERIODS..=NEAR_PERIODS {
-            if image != 0 || own == Own::In {
-                let inverse = (away_s + f64::from(image) * self.period_s).recip();
-                let mut power = inverse;
-                for term in &mut kernel {
-                    *term += power;
-                    power *= inverse * inverse;
-                }
+        for image in near {
+            let inverse = (away_s + f64::from(*image) * self.period_s).recip();
+            let mut power = inverse;
+            for term in &mut kernel {
+                *term += power;
+                power *= inverse * inverse;
             }
         }
         // The images beyond, two by two:
@@ -253,11 +240,95 @@ fn beyond_near(n: i32) -> f64 {
     sum + rest.powi(1 - n) / f64::from(n - 1)
 }
 
+/// Number of Chebyshev points.
+const POINTS: usize = 48;
+
+/// Coefficients below this share of the largest are cut off: the images are a small part of a signal.
+const ROUNDING: f64 = 1e-11;
+
+/// Number of times at which a series is evaluated at once.
+const SIDE_BY_SIDE: usize = 16;
+
+/// A span of time, in s.
+#[derive(Clone, Copy)]
+struct Span {
+    from_s: f64,
+    until_s: f64,
+}
+
+impl Span {
+    /// The time at x in −1 … 1.
+    fn at(&self, x: f64) -> f64 {
+        0.5 * (self.from_s + self.until_s) + 0.5 * (self.until_s - self.from_s) * x
+    }
+
+    /// x of a time, in −1 … 1.
+    #[inline(always)]
+    fn scaled(&self, time_s: f64) -> f64 {
+        (2.0 * time_s - self.from_s - self.until_s) / (self.until_s - self.from_s)
+    }
+
+    /// Series of the derivative by time of a Chebyshev series.
+    fn derivative(&self, series: &[f64]) -> Vec<f64> {
+        let mut derived = vec![0.0; series.len() + 1];
+        for j in (0..series.len() - 1).rev() {
+            derived[j] = derived[j + 2] + 2.0 * (j + 1) as f64 * series[j + 1];
+        }
+        derived[0] *= 0.5;
+        derived.truncate(series.len());
+        let per_second = 2.0 / (self.until_s - self.from_s);
+        derived.iter().map(|value| value * per_second).collect()
+    }
+}
+
+/// Values of all Chebyshev polynomials below [`POINTS`] at the points of the last of them.
+struct Cosines([f64; 4 * POINTS]);
+
+impl Cosines {
+    fn new() -> Self {
+        Self(std::array::from_fn(|k| libm::cos(PI * k as f64 / (2 * POINTS) as f64)))
+    }
+
+    /// `T_j` at point `point`.
+    fn of(&self, j: usize, point: usize) -> f64 {
+        self.0[j * (2 * point + 1) % (4 * POINTS)]
+    }
+
+    /// The series through values at the points.
+    fn series(&self, values: &[f64]) -> Vec<f64> {
+        let coefficient = |j: usize| {
+            let sum: f64 =
+                values.iter().enumerate().map(|(point, value)| value * self.of(j, point)).sum();
+            (if j == 0 { 1.0 } else { 2.0 }) / POINTS as f64 * sum
+        };
+        (0..POINTS).map(coefficient).collect()
+    }
+}
+
+/// A series without the negligible coefficients at its end.
+fn trimmed(mut series: Vec<f64>) -> Vec<f64> {
+    let least = ROUNDING * largest(&series);
+    let counts = |c: &f64| c.abs() > least;
+    series.truncate(series.iter().rposition(counts).map_or(1, |last| last + 1));
+    series
+}
+
+/// Values of a Chebyshev series at x in −1 … 1, by Clenshaw's recurrence.
+#[inline(always)]
+fn clenshaw(series: &[f64], x: [f64; SIDE_BY_SIDE]) -> [f64; SIDE_BY_SIDE] {
+    let (mut above, mut this) = ([0.0; SIDE_BY_SIDE], [0.0; SIDE_BY_SIDE]);
+    for coefficient in series[1..].iter().rev() {
+        for k in 0..SIDE_BY_SIDE {
+            (above[k], this[k]) = (this[k], 2.0 * x[k] * this[k] - above[k] + coefficient);
+        }
+    }
+    std::array::from_fn(|k| x[k] * this[k] - above[k] + series[0])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::motion::{Cutoff, Profile, TipMotion};
-    use crate::numeric::largest;
 
     #[test]
     fn images_add_up_to_a_direct_sum_over_many_periods() {

@@ -1,11 +1,12 @@
+//! Motion of the tip over a period.
+
 use std::sync::OnceLock;
 
 use num_complex::Complex64;
 
-use super::cutoff::Cutoff;
 use super::images::Images;
 use super::samples::{Samples, Source};
-use super::spectrum::TipSpectrum;
+use super::spectrum::{Cutoff, TipSpectrum};
 
 /// A motion on a period, up to a cut-off: all that depends on no link.
 pub struct TipPeriod {
@@ -98,9 +99,33 @@ impl TipHistories {
 
     /// Largest displacement in m from the start.
     pub fn largest_travel_m(&self) -> f64 {
-        let start_m = self.start_m();
-        self.displacement_m.iter().fold(0.0, |most, at_m| most.max((at_m - start_m).abs()))
+        farthest_m(self.start_m(), &self.displacement_m)
     }
+}
+
+/// Motion of the tip over the grid of a result.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TipMotionHistories {
+    /// Displacement along the arc in m.
+    pub displacement_m: Vec<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vec<f64>,
+    /// Acceleration in m/s².
+    pub acceleration_m_s2: Vec<f64>,
+}
+
+impl TipMotionHistories {
+    /// Largest displacement in m from the first sample.
+    pub fn largest_travel_m(&self) -> f64 {
+        self.displacement_m
+            .first()
+            .map_or(0.0, |start_m| farthest_m(*start_m, &self.displacement_m))
+    }
+}
+
+/// Largest distance in m from a start.
+pub(super) fn farthest_m(start_m: f64, displacement_m: &[f64]) -> f64 {
+    displacement_m.iter().fold(0.0, |most, at_m| most.max((at_m - start_m).abs()))
 }
 
 /// The displacement in m over the period of a spectrum: the integral of its velocity.

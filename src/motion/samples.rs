@@ -1,9 +1,11 @@
-//! Samples of a tip motion, and what they must satisfy.
+//! Samples of a tip motion, what they must satisfy, and why they are refused.
 
 use std::sync::Arc;
 
-use super::error::{MotionColumn, MotionError};
-use crate::numeric::{TimeGrid, largest};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::numeric::{NotUniform, TimeGrid, largest};
 
 /// Share of the peak acceleration below which the tip counts as at rest.
 const MOTION_THRESHOLD: f64 = 1e-6;
@@ -23,7 +25,8 @@ const AGREEMENT_TOLERANCE: f64 = 1e-3;
 /// Sampled columns of a tip motion, in SI, all of one length.
 ///
 /// At least one of `acceleration_m_s2` and `displacement_m` is present.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct MotionColumns {
     /// Time in s.
     pub time_s: Vec<f64>,
@@ -65,12 +68,28 @@ impl Samples {
     }
 }
 
-/// Refuses a column with a sample that is not a finite number.
-pub(super) fn finite(column: &'static str, samples: Option<&Vec<f64>>) -> Result<(), MotionError> {
-    let samples = samples.map(Vec::as_slice).unwrap_or_default();
-    match samples.iter().position(|x| !x.is_finite()) {
-        Some(sample) => Err(MotionError::NotFinite { sample, column, found: samples[sample] }),
-        None => Ok(()),
+impl MotionColumns {
+    /// Refuses columns of different lengths, too few samples, and samples that are not finite.
+    pub(super) fn check(&self) -> Result<(), MotionError> {
+        let columns = [
+            ("time", Some(&self.time_s)),
+            ("acceleration", self.acceleration_m_s2.as_ref()),
+            ("velocity", self.velocity_m_s.as_ref()),
+            ("displacement", self.displacement_m.as_ref()),
+        ];
+        let samples = self.time_s.len();
+        let is_ragged = columns.iter().any(|(_, own)| own.is_some_and(|own| own.len() != samples));
+        let has_motion = self.acceleration_m_s2.is_some() || self.displacement_m.is_some();
+        if is_ragged || samples < 4 || !has_motion {
+            return Err(MotionError::Shape { samples });
+        }
+        for (column, samples) in columns {
+            let bad = samples.and_then(|own| Some((own, own.iter().position(|x| !x.is_finite())?)));
+            if let Some((own, sample)) = bad {
+                return Err(MotionError::NotFinite { sample, column, found: own[sample] });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -97,31 +116,34 @@ pub(super) fn at_rest(displacement_m: &[f64], step_s: f64) -> Result<(), MotionE
     Ok(())
 }
 
-/// Refuses a column that differs from what follows from another column.
-///
-/// It may differ by a share of the peak plus `jump`, the change of the quantity in one step: the time of a
-/// jump of its derivative is known to one step only.
-pub(super) fn agree(
-    column: MotionColumn,
-    found: &[f64],
-    expected: &[f64],
-    jump: f64,
-    from_acceleration: bool,
-) -> Result<(), MotionError> {
-    let peak = expected.iter().fold(0.0_f64, |m, x| m.max((x - expected[0]).abs()));
-    let allowed = AGREEMENT_TOLERANCE * peak + jump;
-    let distance = |k: &usize| (found[*k] - expected[*k]).abs();
-    let worst = (0..found.len()).max_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
-    if distance(&worst) <= allowed {
-        return Ok(());
+/// A column of a name and a unit that is held against what follows from the column `other`.
+pub(super) struct Agreement<'a> {
+    pub(super) column: &'static str,
+    pub(super) unit: &'static str,
+    pub(super) found: &'a [f64],
+    pub(super) expected: &'a [f64],
+    /// Expected values of the derivative by time.
+    pub(super) derivative: &'a [f64],
+    pub(super) other: &'static str,
+}
+
+impl Agreement<'_> {
+    /// Refuses a column that differs by more than a share of the peak and the change of the quantity in one
+    /// step: the time of a jump of its derivative is known to one step only.
+    pub(super) fn check(&self, step_s: f64) -> Result<(), MotionError> {
+        let Self { column, unit, found, other, .. } = *self;
+        let expected = &self.expected[..found.len()];
+        let peak = expected.iter().fold(0.0_f64, |m, x| m.max((x - expected[0]).abs()));
+        let jump = largest(&self.derivative[..found.len()]) * step_s;
+        let distance = |k: &usize| (found[*k] - expected[*k]).abs();
+        let nearer = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
+        let sample = (0..found.len()).max_by(nearer).unwrap_or(0);
+        if distance(&sample) <= AGREEMENT_TOLERANCE * peak + jump {
+            return Ok(());
+        }
+        let (found, expected) = (found[sample], expected[sample]);
+        Err(MotionError::Disagree { sample, column, unit, found, expected, other })
     }
-    Err(MotionError::Disagree {
-        sample: worst,
-        column,
-        found: found[worst],
-        expected: expected[worst],
-        from_acceleration,
-    })
 }
 
 /// True if a Fourier transform over [`PERIODS`] times the motion does not overflow.
@@ -140,6 +162,137 @@ pub(super) fn moving_samples(forcing: &[f64]) -> Result<(usize, usize), MotionEr
         return Err(MotionError::TooSmall { peak_m_s2, least_m_s2: LEAST_M_S2 });
     }
     Ok((first.saturating_sub(1), (last + 1).min(forcing.len() - 1)))
+}
+
+/// Why sampled columns are no tip motion that can be inverted.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MotionError {
+    /// Columns of different lengths, fewer than 4 samples, or neither acceleration nor
+    /// displacement.
+    #[error(
+        "the motion has {samples} samples, but must have at least 4 of time and of acceleration or \
+         displacement, all columns equally long"
+    )]
+    Shape {
+        /// Samples of the time column.
+        samples: usize,
+    },
+    /// A sample that is no number, or is infinite.
+    #[error("{column} = {found}, but must be a finite number")]
+    NotFinite {
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// Name of the column.
+        column: &'static str,
+        /// What was found.
+        found: f64,
+    },
+    /// Samples whose integrals or differences leave the range of numbers.
+    #[error("the motion reaches beyond double precision, but must stay far below 1e308 in SI")]
+    TooLarge,
+    /// Samples so small that their sums and squares are no numbers.
+    #[error(
+        "the motion's acceleration peaks at {peak_m_s2:e} m/s^2, but must reach {least_m_s2:e} m/s^2: \
+         what is smaller cannot be squared"
+    )]
+    TooSmall {
+        /// Largest acceleration in m/s².
+        peak_m_s2: f64,
+        /// The least that it must reach, in m/s².
+        least_m_s2: f64,
+    },
+    /// A time that does not stand on the uniform grid.
+    #[error(transparent)]
+    NotUniform(#[from] NotUniform),
+    /// Factors that leave no motion, or none that ends.
+    #[error(
+        "the motion's distance times {distance} and duration times {duration}, but these must be \
+         finite factors, that of the duration above 0 and that of the distance not 0"
+    )]
+    Scale {
+        /// Factor on the distance.
+        distance: f64,
+        /// Factor on the duration.
+        duration: f64,
+    },
+    /// The tip stands still.
+    #[error("the tip stands still in all samples, but must move")]
+    NoMotion,
+    /// The acceleration leaves the tip moving after the last sample.
+    #[error(
+        "the motion ends with a velocity of {velocity_m_s:.3e} m/s, {:.2} % of its peak, but must \
+         end at rest: the acceleration must integrate to 0",
+        100.0 * share
+    )]
+    AcceleratesAway {
+        /// Velocity after the last sample, ∫a dt.
+        velocity_m_s: f64,
+        /// The same over the peak velocity.
+        share: f64,
+    },
+    /// The displacement jumps into or out of motion.
+    #[error(
+        "the motion {} with a velocity of {velocity_m_s:.3e} m/s, {:.2} % of its peak, but must be \
+         at rest there",
+        if *sample == 0 { "starts" } else { "ends" },
+        100.0 * share
+    )]
+    MovingAtEnd {
+        /// Number of the sample, the first or the last.
+        sample: usize,
+        /// Velocity there.
+        velocity_m_s: f64,
+        /// The same over the peak velocity.
+        share: f64,
+    },
+    /// Two columns that contradict each other.
+    #[error(
+        "{column} = {found} {unit}, but must be {expected:.6e} {unit} to agree with the {other}"
+    )]
+    Disagree {
+        /// Number of the sample, from 0: the one that is farthest off.
+        sample: usize,
+        /// The column that is checked.
+        column: &'static str,
+        /// Its unit.
+        unit: &'static str,
+        /// What it holds.
+        found: f64,
+        /// The value that follows from the other column.
+        expected: f64,
+        /// The column that the motion is computed from.
+        other: &'static str,
+    },
+}
+
+impl MotionError {
+    /// Number of the sample, from 0, that is to blame, where one is.
+    pub fn sample(&self) -> Option<usize> {
+        match self {
+            Self::NotFinite { sample, .. }
+            | Self::NotUniform(NotUniform { sample, .. })
+            | Self::MovingAtEnd { sample, .. }
+            | Self::Disagree { sample, .. } => Some(*sample),
+            _ => None,
+        }
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::NotUniform(_) => Some(
+                "write times with more decimals, or let --resample STEP make uneven samples uniform",
+            ),
+            Self::AcceleratesAway { .. } | Self::MovingAtEnd { .. } => {
+                Some("a motion goes from rest to rest; add the samples that bring the tip to rest")
+            }
+            Self::Disagree { .. } => {
+                Some("check the units in the header, or leave one of the columns out")
+            }
+            Self::TooSmall { .. } => Some("check the units of the motion, and their powers of ten"),
+            _ => None,
+        }
+    }
 }
 
 #[cfg(test)]

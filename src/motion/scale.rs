@@ -1,9 +1,10 @@
-//! The same motion over another distance, duration or step.
+//! What is made of a motion: the same over another distance, duration or step, and a target to compare with.
 
-use super::error::MotionError;
-use super::samples::{MotionColumns, Source};
+use super::period::farthest_m;
+use super::samples::{MotionColumns, MotionError, Source};
+use super::spectrum::Cutoff;
 use super::tip_motion::{EndVelocity, TipMotion};
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length};
 
 /// Factors on a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,28 +37,20 @@ impl TipMotion {
         if !possible || distance == 0.0 || duration <= 0.0 {
             return Err(MotionError::Scale { distance, duration });
         }
-        let mut grid = self.grid();
-        grid.step_s *= duration;
+        let own = self.grid();
+        let grid = TimeGrid { step_s: duration * own.step_s, ..own };
         let times = |samples: &[f64], factor: f64| samples.iter().map(|x| factor * x).collect();
-        let mut columns = MotionColumns {
-            time_s: (0..grid.len).map(|k| grid.time_s(k)).collect(),
-            ..MotionColumns::default()
-        };
-        match &*self.samples().source {
-            Source::Acceleration(samples) => {
-                let factor = distance / duration.powi(2);
-                columns.acceleration_m_s2 = Some(times(samples, factor));
-            }
-            Source::Displacement { samples, .. } => {
-                columns.displacement_m = Some(times(samples, distance));
-            }
-        }
+        let scaled = self.on_grid(
+            grid,
+            |accelerations| times(accelerations, distance / duration.powi(2)),
+            |displacements| times(displacements, distance),
+        )?;
         let velocity = distance / duration;
         let corrected = self
             .corrected()
             .map(|end| EndVelocity { velocity_m_s: velocity * end.velocity_m_s, share: end.share });
         let start_m = distance * self.initial_displacement_m();
-        Ok(Self::new(columns)?.with_start(start_m, corrected))
+        Ok(scaled.with_start(start_m, corrected))
     }
 
     /// The same motion sampled twice as often, by a cubic spline through its samples.
@@ -71,17 +64,86 @@ impl TipMotion {
             (0..2 * grid.len - 1).map(|k| spline.value(0.5 * k as f64)).collect()
         };
         let half = TimeGrid { step_s: 0.5 * grid.step_s, len: 2 * grid.len - 1, ..grid };
-        let time_s = (0..half.len).map(|k| half.time_s(k)).collect();
+        self.on_grid(
+            half,
+            |accelerations| finer(accelerations, SplineEnds::NotAKnot),
+            |displacements| finer(displacements, SplineEnds::Clamped),
+        )
+    }
+
+    /// The motion of the samples on another grid that follow from its own.
+    fn on_grid(
+        &self,
+        grid: TimeGrid,
+        of_accelerations: impl FnOnce(&[f64]) -> Vec<f64>,
+        of_displacements: impl FnOnce(&[f64]) -> Vec<f64>,
+    ) -> Result<Self, MotionError> {
+        let time_s = (0..grid.len).map(|k| grid.time_s(k)).collect();
         let mut columns = MotionColumns { time_s, ..MotionColumns::default() };
         match &*self.samples().source {
-            Source::Acceleration(samples) => {
-                columns.acceleration_m_s2 = Some(finer(samples, SplineEnds::NotAKnot));
-            }
+            Source::Acceleration(own) => columns.acceleration_m_s2 = Some(of_accelerations(own)),
             Source::Displacement { samples, .. } => {
-                columns.displacement_m = Some(finer(samples, SplineEnds::Clamped));
+                columns.displacement_m = Some(of_displacements(samples));
             }
         }
         Self::new(columns)
+    }
+}
+
+/// A tip displacement to compare with. It need not be at rest at its ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TipTarget {
+    grid: TimeGrid,
+    displacement_m: Vec<f64>,
+}
+
+impl TipTarget {
+    /// Displacements in m at the times of `grid`, which ends with the last of them.
+    pub fn new(grid: TimeGrid, displacement_m: Vec<f64>) -> Self {
+        Self { grid: TimeGrid { len: displacement_m.len(), ..grid }, displacement_m }
+    }
+
+    /// Times of the samples.
+    pub fn grid(&self) -> TimeGrid {
+        self.grid
+    }
+
+    /// Displacement along the arc in m.
+    pub fn displacement_m(&self) -> &[f64] {
+        &self.displacement_m
+    }
+
+    /// Displacement at the first sample in m; 0 without samples.
+    pub fn start_m(&self) -> f64 {
+        self.displacement_m.first().copied().unwrap_or(0.0)
+    }
+
+    /// Largest displacement from the first sample in m.
+    pub fn largest_travel_m(&self) -> f64 {
+        farthest_m(self.start_m(), &self.displacement_m)
+    }
+}
+
+impl TipMotion {
+    /// The motion as a target, with as much of the rest around it, in whole steps, as lies between
+    /// two times in s.
+    pub fn target(&self, from_s: f64, until_s: f64) -> TipTarget {
+        let own = self.grid();
+        // A time within a millionth of a step of a sample is that sample.
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of steps, at least 0"
+        )]
+        let steps = |time_s: f64| (time_s / own.step_s + 1e-6).floor().max(0.0) as usize;
+        let (before, after) = (steps(own.time_s(0) - from_s), steps(until_s - own.end_s()));
+        let len = fast_length(2 * own.len + before + after);
+        let seam = own.len + after + own.len / 2;
+        let period_m = self.over_period(len, seam, Cutoff::ALL).histories.displacement_m;
+        let displacement_m = period_m[len - before..].iter().chain(&period_m[..own.len + after]);
+        let first = own.first.saturating_sub_unsigned(before as u64);
+        let grid = TimeGrid { first, len: before + own.len + after, ..own };
+        TipTarget::new(grid, displacement_m.copied().collect())
     }
 }
 
@@ -136,5 +198,17 @@ mod tests {
         }
         let refused = septic().scaled(MotionScale { distance: 1e300, duration: 1e-10 });
         assert!(refused.is_err());
+    }
+
+    #[test]
+    fn a_target_rests_before_and_after_its_motion() {
+        let motion = TipMotion::new(Profile::Septic.sampled(0.5, 0.01, 100, [0, 0])).unwrap();
+        let target = motion.target(-0.25, 1.5);
+        let (grid, at) = (target.grid(), target.displacement_m());
+        assert_eq!((grid.len, grid.time_s(25)), (176, 0.0));
+        assert!(at[..26].iter().all(|d| d.abs() < 1e-8));
+        assert!(at[125..].iter().all(|d| (d - 0.5).abs() < 1e-8));
+        assert!((at[75] - 0.25).abs() < 1e-12, "half the way after half the time");
+        assert_eq!(motion.target(0.3, 0.6).grid(), motion.grid(), "no sample is cut off");
     }
 }

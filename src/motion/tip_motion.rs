@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
-use super::cutoff::Cutoff;
-use super::error::{MotionColumn, MotionError};
 use super::period::TipPeriod;
 use super::samples::{
-    MotionColumns, Samples, Source, agree, at_rest, can_be_transformed, finite, moving_samples,
+    Agreement, MotionColumns, MotionError, Samples, Source, at_rest, can_be_transformed,
+    moving_samples,
 };
-use crate::numeric::{TimeGrid, fast_length, largest};
+use super::spectrum::Cutoff;
+use crate::numeric::{TimeGrid, fast_length};
 
 /// End velocity over peak velocity that is round-off.
 const ROUND_OFF: f64 = 1e-9;
@@ -42,35 +42,18 @@ impl TipMotion {
     /// [`MotionError`]: times off a uniform grid, a motion that is not at rest at both ends,
     /// columns that contradict each other, or no motion at all.
     pub fn new(columns: MotionColumns) -> Result<Self, MotionError> {
-        let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } = columns;
-        let len = time_s.len();
-        let given = [&acceleration_m_s2, &velocity_m_s, &displacement_m];
-        let ragged = given.into_iter().flatten().any(|column| column.len() != len);
-        if ragged || len < 4 || (acceleration_m_s2.is_none() && displacement_m.is_none()) {
-            return Err(MotionError::Shape { samples: len });
-        }
-        let named = [
-            ("time", Some(&time_s)),
-            ("acceleration", acceleration_m_s2.as_ref()),
-            ("velocity", velocity_m_s.as_ref()),
-            ("displacement", displacement_m.as_ref()),
-        ];
-        named.into_iter().try_for_each(|(name, samples)| finite(name, samples))?;
-        let grid = TimeGrid::through(&time_s)?;
-        let from_acceleration = acceleration_m_s2.is_some();
-        let motion = match (acceleration_m_s2, &displacement_m) {
-            (Some(samples), given) => {
-                let initial_displacement_m = given.as_ref().map_or(0.0, |d| d[0]);
-                Self::from_acceleration(grid, samples, initial_displacement_m)?
-            }
-            (None, Some(samples)) => Self::from_displacement(grid, samples.clone())?,
-            (None, None) => return Err(MotionError::Shape { samples: len }),
+        columns.check()?;
+        let grid = TimeGrid::through(&columns.time_s)?;
+        let MotionColumns { acceleration_m_s2, velocity_m_s, displacement_m, .. } = columns;
+        let (motion, other, displacement_m) = if let Some(samples) = acceleration_m_s2 {
+            let initial_displacement_m = displacement_m.as_ref().map_or(0.0, |d| d[0]);
+            let motion = Self::from_acceleration(grid, samples, initial_displacement_m)?;
+            (motion, "acceleration", displacement_m)
+        } else {
+            let samples = displacement_m.unwrap_or_default();
+            (Self::from_displacement(grid, samples)?, "displacement", None)
         };
-        motion.check_agreement(
-            velocity_m_s.as_deref(),
-            displacement_m.as_deref(),
-            from_acceleration,
-        )?;
+        motion.check_agreement(velocity_m_s.as_deref(), displacement_m.as_deref(), other)?;
         Ok(motion)
     }
 
@@ -132,29 +115,27 @@ impl TipMotion {
         Ok(Self { samples, moving, corrected: None })
     }
 
+    /// Refuses columns that contradict the one that the motion is computed from.
     fn check_agreement(
         &self,
-        velocity_m_s: Option<&[f64]>,
-        displacement_m: Option<&[f64]>,
-        from_acceleration: bool,
+        velocity: Option<&[f64]>,
+        displacement: Option<&[f64]>,
+        other: &'static str,
     ) -> Result<(), MotionError> {
-        let displacement_m = displacement_m.filter(|_| from_acceleration);
-        if velocity_m_s.is_none() && displacement_m.is_none() {
+        if velocity.is_none() && displacement.is_none() {
             return Ok(());
         }
-        let TimeGrid { len: given, step_s, .. } = self.grid();
+        let given = self.grid().len;
         let len = fast_length(2 * given);
-        let expected = self.over_period(len, len - given / 2, Cutoff::ALL).histories;
-        let peak = |samples: &[f64]| largest(&samples[..given]) * step_s;
-        if let Some(found) = velocity_m_s {
-            let jump = peak(&expected.acceleration_m_s2);
-            let expected = &expected.velocity_m_s[..given];
-            agree(MotionColumn::Velocity, found, expected, jump, from_acceleration)?;
-        }
-        if let Some(found) = displacement_m {
-            let jump = peak(&expected.velocity_m_s);
-            let expected = &expected.displacement_m[..given];
-            agree(MotionColumn::Displacement, found, expected, jump, true)?;
+        let tip = self.over_period(len, len - given / 2, Cutoff::ALL).histories;
+        let [a, v, d] = [&tip.acceleration_m_s2, &tip.velocity_m_s, &tip.displacement_m];
+        for (column, unit, found, expected, derivative) in
+            [("velocity", "m/s", velocity, v, a), ("displacement", "m", displacement, d, v)]
+        {
+            if let Some(found) = found {
+                let agreement = Agreement { column, unit, found, expected, derivative, other };
+                agreement.check(self.grid().step_s)?;
+            }
         }
         Ok(())
     }
@@ -297,14 +278,13 @@ mod tests {
             *d *= 100.0;
         }
         let error = TipMotion::new(centimetres).unwrap_err();
-        assert!(matches!(
-            error,
-            MotionError::Disagree { column: MotionColumn::Displacement, sample: 100, .. }
-        ));
+        let is_displacement =
+            matches!(error, MotionError::Disagree { column: "displacement", sample: 100, .. });
+        assert!(is_displacement, "{error}");
         let mut late = both;
         late.velocity_m_s.as_mut().unwrap().rotate_right(5);
         let error = TipMotion::new(late).unwrap_err();
-        assert!(matches!(error, MotionError::Disagree { column: MotionColumn::Velocity, .. }));
+        assert!(matches!(error, MotionError::Disagree { column: "velocity", .. }));
     }
 
     #[test]

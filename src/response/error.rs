@@ -1,8 +1,11 @@
+//! Why a torque is not played, and what the user must know of one that is.
+
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::feedback::FeedbackError;
+use crate::link::Link;
 use crate::modal::DampingError;
-use crate::numeric::{gigabytes, plain, rounded};
+use crate::numeric::{TimeGrid, gigabytes, largest, plain, rounded};
 
 /// Why a torque is not played.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -16,9 +19,23 @@ pub enum SimulationError {
     /// Damping that the mesh does not allow.
     #[error(transparent)]
     Damping(#[from] DampingError),
-    /// Feedback that does not fit the torque.
-    #[error(transparent)]
-    Feedback(#[from] FeedbackError),
+    /// A reference of the feedback at other times than the torque.
+    #[error(
+        "the reference = {} samples from {} s at {} s, but must stand at the torque's times: \
+         {} samples from {} s at {} s",
+        found.len,
+        rounded(found.time_s(0), 12),
+        rounded(found.step_s, 12),
+        torque.len,
+        rounded(torque.time_s(0), 12),
+        rounded(torque.step_s, 12)
+    )]
+    OtherTimes {
+        /// Times of the reference.
+        found: TimeGrid,
+        /// Times of the torque.
+        torque: TimeGrid,
+    },
     /// An end before the torque's.
     #[error(
         "until = {until_s} s, but must not be before the torque's last sample, {} s",
@@ -73,7 +90,9 @@ impl SimulationError {
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Damping(error) => Some(error.hint()),
-            Self::Feedback(error) => error.hint(),
+            Self::OtherTimes { .. } => {
+                Some("take hub_angle.csv and torque.csv of one run of solve")
+            }
             Self::TooLong { .. } | Self::TooMuchMemory { .. } => {
                 Some("an earlier end, or a torque with a longer step")
             }
@@ -82,5 +101,135 @@ impl SimulationError {
             Self::MasslessHub => Some("give the hub an inertia, however small"),
             Self::NoTorque => None,
         }
+    }
+}
+
+/// Torque at its first or last sample over its peak, above which a warning is given.
+const STEP_SHARE: f64 = 1e-3;
+
+/// Steps in a period of the first mode below which a warning is given.
+const STEPS_IN_A_PERIOD: f64 = 8.0;
+
+/// Vibration over the tip's travel below which the rows need not show it.
+const VIBRATES: f64 = 1e-6;
+
+/// What the user must know to judge a simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum SimulationWarning {
+    /// A torque that does not begin at zero.
+    #[error(
+        "the torque begins with {:?} N m, {:.1} % of its peak: it acts on the resting link as a jump",
+        rounded(*torque_n_m, 4),
+        100.0 * share
+    )]
+    BeginsWithJump {
+        /// First sample in N m.
+        torque_n_m: f64,
+        /// The same over the peak.
+        share: f64,
+    },
+    /// A torque that does not end at zero.
+    #[error(
+        "the torque ends with {:?} N m, {:.1} % of its peak: it drops to zero there",
+        rounded(*torque_n_m, 4),
+        100.0 * share
+    )]
+    EndsWithJump {
+        /// Last sample in N m.
+        torque_n_m: f64,
+        /// The same over the peak.
+        share: f64,
+    },
+    /// A step too long to show the vibration.
+    #[error(
+        "the step = {:?} s leaves {:?} steps to a period of the first mode, {:?} s: the rows do not \
+         show its vibration",
+        rounded(*step_s, 12),
+        rounded(*steps, 2),
+        rounded(*period_s, 4)
+    )]
+    CoarseStep {
+        /// Step in s.
+        step_s: f64,
+        /// Period of the first mode in s.
+        period_s: f64,
+        /// Period over step.
+        steps: f64,
+    },
+    /// A deflection beyond the linear theory.
+    #[error("{}", Link::large_deflection_words(*share))]
+    LargeDeflection {
+        /// Largest deflection of the tip from the hub's tangent line over the length.
+        share: f64,
+    },
+    /// Too few elements or modes for the torque.
+    #[error(
+        "mesh and modes make the tip wrong by {tip:.1e} of its way, the hub angle by \
+         {hub_angle:.1e} of its peak (elements halved)"
+    )]
+    CoarseMesh {
+        /// Error of the tip over its travel.
+        tip: f64,
+        /// Error of the hub angle over its peak.
+        hub_angle: f64,
+    },
+}
+
+impl SimulationWarning {
+    /// Name of the kind in summary.json.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::BeginsWithJump { .. } => "begins_with_jump",
+            Self::EndsWithJump { .. } => "ends_with_jump",
+            Self::CoarseStep { .. } => "coarse_step",
+            Self::LargeDeflection { .. } => "large_deflection",
+            Self::CoarseMesh { .. } => "coarse_mesh",
+        }
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::BeginsWithJump { .. } | Self::EndsWithJump { .. } => {
+                "a torque of solve begins and ends at zero unless analysis.lead or analysis.lag cut it"
+            }
+            Self::CoarseStep { .. } => "a torque with a shorter step",
+            Self::LargeDeflection { .. } => "a smaller torque or a stiffer link",
+            Self::CoarseMesh { .. } => {
+                "more elements, mesh.elements = \"auto\", or a torque without jumps and corners"
+            }
+        }
+    }
+}
+
+impl SimulationWarning {
+    /// All warnings of a torque at these steps, on a link whose first flexible mode has this period in s.
+    /// Its residual vibration is relative to the tip's travel, its largest deflection to the length.
+    pub(super) fn all(
+        torque_n_m: &[f64],
+        (step_s, first_period_s): (f64, Option<f64>),
+        (vibration, deflection): (f64, f64),
+    ) -> Vec<Self> {
+        let peak = largest(torque_n_m);
+        let share = |torque_n_m: f64| torque_n_m.abs() / peak;
+        let (first, last) = (torque_n_m[0], torque_n_m[torque_n_m.len() - 1]);
+        let begins = Self::BeginsWithJump { torque_n_m: first, share: share(first) };
+        let ends = Self::EndsWithJump { torque_n_m: last, share: share(last) };
+        let coarse = first_period_s.and_then(|period_s| {
+            let steps = period_s / step_s;
+            let is_coarse = steps < STEPS_IN_A_PERIOD && vibration > VIBRATES;
+            is_coarse.then_some(Self::CoarseStep { step_s, period_s, steps })
+        });
+        [
+            (share(first) > STEP_SHARE).then_some(begins),
+            (share(last) > STEP_SHARE).then_some(ends),
+            coarse,
+            (deflection > Link::LARGE_DEFLECTION)
+                .then_some(Self::LargeDeflection { share: deflection }),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
     }
 }

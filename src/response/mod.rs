@@ -7,28 +7,19 @@
     reason = "counts of samples are computed as numbers that are checked to be small and positive"
 )]
 
-mod energy;
-mod equations;
+mod checks;
 mod error;
-mod feedback;
 mod history;
+mod modes;
 mod play;
-mod play_error;
-mod record;
-mod replay;
 mod residual;
-mod selection;
 mod simulation;
 mod stepper;
-mod warning;
 
-pub use energy::{EnergyAccount, EnergyBalance};
-pub use error::SimulationError;
-pub use feedback::{Feedback, FeedbackError};
+pub use checks::{EnergyAccount, EnergyBalance};
+pub use error::{SimulationError, SimulationWarning};
 pub use history::{HistoryError, HubReference, Torque};
-pub use play::{Interpolation, Play};
-pub use play_error::PlayError;
+pub use modes::ModeSelection;
+pub use play::{Feedback, Interpolation, Play};
 pub use residual::ResidualVibration;
-pub use selection::ModeSelection;
-pub use simulation::{Simulation, simulate, simulate_on};
-pub use warning::SimulationWarning;
+pub use simulation::{PlayError, Simulation, simulate, simulate_on};

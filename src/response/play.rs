@@ -1,7 +1,9 @@
+//! What a simulation plays: a torque, and feedback around a reference.
+
 use super::error::SimulationError;
-use super::feedback::Feedback;
-use super::history::Torque;
-use super::selection::torque_band_rad_s;
+use super::history::{HubReference, Torque};
+use super::modes::{HubReaction, torque_band_rad_s};
+use crate::link::{Link, ParameterError, not_negative};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
 
 /// Most samples that are simulated.
@@ -60,15 +62,27 @@ impl<'a> Play<'a> {
         let grid = self.torque.grid();
         let torque = torque_band_rad_s(&grid, self.torque.torque_n_m());
         // The reference's rate, unlike its angle, is zero at both ends.
-        let wanted = self.feedback.and_then(Feedback::driving_rate_rad_s);
-        let wanted = wanted.and_then(|rate| torque_band_rad_s(&grid, &rate));
+        let drives = |of: &&Feedback| of.stiffness_n_m_rad > 0.0 || of.damping_n_m_s_rad > 0.0;
+        let feedback = self.feedback.filter(drives);
+        let wanted = feedback.and_then(|of| torque_band_rad_s(&grid, &of.rate_rad_s()));
         torque.into_iter().chain(wanted).reduce(f64::max)
+    }
+
+    /// Friction and feedback at the hub.
+    pub(super) fn reaction(&self, link: &Link) -> HubReaction {
+        let friction_n_m_s_rad = link.hub().viscous_friction_n_m_s_rad;
+        let gain = |of: fn(&Feedback) -> f64| self.feedback.map_or(0.0, of);
+        HubReaction {
+            stiffness_n_m_rad: gain(Feedback::stiffness_n_m_rad),
+            damping_n_m_s_rad: friction_n_m_s_rad + gain(Feedback::damping_n_m_s_rad),
+            friction_n_m_s_rad,
+        }
     }
 
     /// The input of the modal equations at all samples and between them.
     ///
     /// # Errors
-    /// [`SimulationError::Feedback`] if the reference stands at other times than the torque.
+    /// [`SimulationError::OtherTimes`] of a reference.
     pub(super) fn driving(&self) -> Result<Driving, SimulationError> {
         let torque = self.torque.torque_n_m();
         let (samples, hold) = match self.feedback {
@@ -76,12 +90,91 @@ impl<'a> Play<'a> {
             Some(feedback) => {
                 let wanted = feedback.wanted_torque_n_m(self.torque)?;
                 let samples = torque.iter().zip(wanted).map(|(t, wanted)| t + wanted).collect();
-                (samples, feedback.stiffness_n_m_rad() * feedback.turn_rad())
+                (samples, feedback.stiffness_n_m_rad * feedback.turn_rad())
             }
         };
         let pieces = pieces(&samples, self.interpolation);
         Ok(Driving { samples, pieces, hold })
     }
+}
+
+/// Collocated feedback at the hub around a computed motion (Bayo 1987, section 6).
+///
+/// ```text
+/// u = T + k_p (θ_ref − θ) + k_d (θ̇_ref − θ̇)
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Feedback {
+    stiffness_n_m_rad: f64,
+    damping_n_m_s_rad: f64,
+    reference: HubReference,
+}
+
+impl Feedback {
+    /// Gains `k_p` in N m/rad and `k_d` in N m s/rad around a reference.
+    ///
+    /// # Errors
+    /// [`ParameterError`] names the first gain that is negative or not finite.
+    pub fn new(
+        stiffness_n_m_rad: f64,
+        damping_n_m_s_rad: f64,
+        reference: HubReference,
+    ) -> Result<Self, ParameterError> {
+        not_negative("KP", stiffness_n_m_rad, "N m/rad")?;
+        not_negative("KD", damping_n_m_s_rad, "N m s/rad")?;
+        Ok(Self { stiffness_n_m_rad, damping_n_m_s_rad, reference })
+    }
+
+    /// `k_p` in N m/rad.
+    pub fn stiffness_n_m_rad(&self) -> f64 {
+        self.stiffness_n_m_rad
+    }
+
+    /// `k_d` in N m s/rad.
+    pub fn damping_n_m_s_rad(&self) -> f64 {
+        self.damping_n_m_s_rad
+    }
+
+    /// Turn of the reference from its start to its end in rad.
+    pub(super) fn turn_rad(&self) -> f64 {
+        let angle = self.reference.angle_rad();
+        angle[angle.len() - 1] - angle[0]
+    }
+
+    /// What the reference adds to the torque at each sample, `k_p (θ_ref − θ_ref(0)) + k_d θ̇_ref`;
+    /// the link starts at the reference's first angle.
+    ///
+    /// # Errors
+    /// [`SimulationError::OtherTimes`].
+    fn wanted_torque_n_m(&self, torque: &Torque) -> Result<Vec<f64>, SimulationError> {
+        let (found, torque) = (self.reference.grid(), torque.grid());
+        if !same_times(&found, &torque) {
+            return Err(SimulationError::OtherTimes { found, torque });
+        }
+        let angle = self.reference.angle_rad();
+        let wanted = angle.iter().zip(self.rate_rad_s()).map(|(angle_rad, rate)| {
+            self.stiffness_n_m_rad * (angle_rad - angle[0]) + self.damping_n_m_s_rad * rate
+        });
+        Ok(wanted.collect())
+    }
+
+    /// Rate of the reference: as given, or that of a spline through its angles.
+    fn rate_rad_s(&self) -> Vec<f64> {
+        let given = self.reference.rate_rad_s().map(<[f64]>::to_vec);
+        given.unwrap_or_else(|| {
+            let angle = self.reference.angle_rad();
+            let spline = CubicSpline::uniform(angle, SplineEnds::NotAKnot);
+            spline.slopes().iter().map(|slope| slope / self.reference.grid().step_s).collect()
+        })
+    }
+}
+
+/// Whether two grids have the same samples, times within a thousandth of a step.
+fn same_times(a: &TimeGrid, b: &TimeGrid) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= 1e-3 * a.step_s;
+    a.len == b.len
+        && near(a.time_s(0), b.time_s(0))
+        && near(a.time_s(a.len - 1), b.time_s(b.len - 1))
 }
 
 /// Input u of the modal equations: the torque, and the part of the feedback that depends on its reference.
@@ -100,9 +193,9 @@ impl Driving {
         self.samples.get(sample).copied().unwrap_or(self.hold)
     }
 
-    /// Over the step that follows a sample.
-    pub(super) fn after(&self, sample: usize) -> Cubic {
-        self.pieces.get(sample).copied().unwrap_or(self.held())
+    /// Over each step between so many samples.
+    pub(super) fn steps(&self, samples: usize) -> impl Iterator<Item = Cubic> {
+        (1..samples).map(|k| self.pieces.get(k - 1).copied().unwrap_or(self.held()))
     }
 
     /// Over any step after the last sample.

@@ -1,8 +1,8 @@
-use super::equations::Equations;
-use super::feedback::Feedback;
-use super::play::Cubic;
+use serde::{Deserialize, Serialize};
+
+use super::modes::Equations;
+use super::play::{Cubic, Feedback};
 use super::stepper::Stepper;
-use crate::beam::Mesh;
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 
 /// A vibration has decayed when it stays below this share of its amplitude.
@@ -24,7 +24,7 @@ const ZEROS: usize = 3;
 
 /// Motion of the tip after the torque's last sample, less the rotation of the rigid link; with feedback,
 /// less the final position of the reference.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ResidualVibration {
     /// Largest excursion in m.
     pub amplitude_m: f64,
@@ -37,35 +37,28 @@ pub struct ResidualVibration {
     pub decay_s: Option<f64>,
 }
 
-/// State of a link at the torque's last sample.
-pub(super) struct AfterTorque<'a> {
-    pub(super) equations: &'a Equations,
-    pub(super) mesh: &'a Mesh,
-    pub(super) feedback: Option<&'a Feedback>,
-    /// Input of the modal equations over each step.
-    pub(super) input: Cubic,
-    pub(super) coordinates: &'a [f64],
-    pub(super) rates: &'a [f64],
-    /// Largest displacement of the tip from its start in m.
-    pub(super) travel_m: f64,
-}
-
 impl ResidualVibration {
-    /// Continues from the torque's last sample until the vibration has decayed.
-    pub(super) fn of(after: &AfterTorque) -> Self {
-        let AfterTorque { equations, input, coordinates, rates, travel_m, .. } = *after;
+    /// Continues from the coordinates and rates at the torque's last sample, under the input `held`, until
+    /// the vibration has decayed; the tip's largest displacement from its start is `travel_m`.
+    pub(super) fn of(
+        equations: &Equations,
+        (coordinates, rates): (&[f64], &[f64]),
+        held: &Cubic,
+        reading: &Reading,
+        travel_m: f64,
+    ) -> Self {
         let Some(period_s) = equations.first_period_s() else {
             return Self { decay_s: Some(0.0), ..Self::default() };
         };
         let step_s = period_s / STEPS as f64;
         let mut stepper = Stepper::new(equations, step_s).starting_at(coordinates, rates);
-        let reading = Reading::new(after);
-        let mut vibration = vec![reading.of(coordinates, rates)];
+        let read = |q: &[f64], rate: &[f64]| reading.of(equations, q, rate);
+        let mut vibration = vec![read(coordinates, rates)];
         let watch = PERIODS * STEPS;
         for _ in 0..WATCHES {
             for _ in 0..watch {
-                stepper.advance(&input);
-                vibration.push(reading.of(&stepper.coordinates(), &stepper.rates()));
+                stepper.advance(held);
+                vibration.push(read(&stepper.coordinates(), &stepper.rates()));
             }
             let recent = &vibration[vibration.len() - watch..];
             if largest(recent) <= DECAYED * largest(&vibration) {
@@ -93,35 +86,38 @@ impl ResidualVibration {
     }
 }
 
-/// Computes the vibration of the tip from modal coordinates.
-struct Reading {
-    tips: Vec<f64>,
-    /// Final position of the tip in m.
-    goal_m: f64,
-    /// Deflection of the tip by friction per rate of the rigid rotation: it is no vibration.
-    dragged_m_s: f64,
+/// What of the tip's displacement is no vibration.
+pub(super) enum Reading {
+    /// A reference holds the hub: the tip's final displacement in m.
+    Held(f64),
+    /// The hub turns freely: the tip's deflection by friction in m per rate of the rigid rotation. The
+    /// rotation itself is no vibration either.
+    Free(f64),
 }
 
 impl Reading {
-    fn new(after: &AfterTorque) -> Self {
-        let AfterTorque { equations, mesh, feedback, .. } = *after;
-        let mut tips = equations.tips(mesh);
-        let held = feedback.filter(|feedback| feedback.stiffness_n_m_rad() > 0.0);
-        if let Some(feedback) = held {
-            let goal_m = feedback.turn_rad() * mesh.length_m();
-            return Self { tips, goal_m, dragged_m_s: 0.0 };
+    /// Of a link of this length, with feedback or without.
+    pub(super) fn new(equations: &Equations, length_m: f64, feedback: Option<&Feedback>) -> Self {
+        if let Some(feedback) = feedback.filter(|feedback| feedback.stiffness_n_m_rad() > 0.0) {
+            return Self::Held(feedback.turn_rad() * length_m);
         }
-        // Turning with the rigid link is no vibration.
-        tips[0] = 0.0;
-        let modes = equations.coordinates.iter().zip(&tips).skip(1);
-        let per_torque: f64 = modes.map(|(mode, tip)| tip * mode.hub_angle / mode.square).sum();
+        let modes = &equations.coordinates[1..];
+        let per_torque: f64 =
+            modes.iter().map(|mode| mode.tip * mode.hub_angle / mode.square).sum();
         let drag = equations.reaction.damping_n_m_s_rad * equations.coordinates[0].hub_angle;
-        Self { tips, goal_m: 0.0, dragged_m_s: -drag * per_torque }
+        Self::Free(-drag * per_torque)
     }
 
-    fn of(&self, coordinates: &[f64], rates: &[f64]) -> f64 {
-        let tip: f64 = coordinates.iter().zip(&self.tips).map(|(q, tip)| q * tip).sum();
-        tip - self.goal_m - self.dragged_m_s * rates[0]
+    /// Displacement of the tip by vibration in m.
+    fn of(&self, equations: &Equations, coordinates: &[f64], rates: &[f64]) -> f64 {
+        match self {
+            Self::Held(goal_m) => equations.tip(coordinates) - goal_m,
+            Self::Free(dragged_m_s) => {
+                let modes = coordinates.iter().zip(&equations.coordinates).skip(1);
+                let bent_m: f64 = modes.map(|(q, mode)| q * mode.tip).sum();
+                bent_m - dragged_m_s * rates[0]
+            }
+        }
     }
 }
 

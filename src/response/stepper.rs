@@ -1,7 +1,10 @@
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 
-use super::equations::Equations;
-use super::play::Cubic;
+use super::modes::{Equations, HubReaction};
+use super::play::{Cubic, Driving};
+use crate::numeric::TimeGrid;
 
 /// Terms of the cubic that drives a step.
 const TERMS: usize = 4;
@@ -38,7 +41,10 @@ impl Stepper {
         let count = equations.coordinates.len();
         let scale = |square: f64| square.sqrt().max(step_s.recip());
         let scales: Vec<f64> = equations.coordinates.iter().map(|c| scale(c.square)).collect();
-        let size = if equations.reaction.is_none() { 1 } else { count };
+        // Without a reaction at the hub the modes are not coupled.
+        let HubReaction { stiffness_n_m_rad, damping_n_m_s_rad, .. } = equations.reaction;
+        let is_coupled = stiffness_n_m_rad != 0.0 || damping_n_m_s_rad != 0.0;
+        let size = if is_coupled { count } else { 1 };
         let block = |first: usize| Block::new(equations, &scales, first, size, step_s);
         let blocks = (0..count).step_by(size).map(block).collect();
         Self { blocks, scales, state: vec![0.0; 2 * count], next: vec![0.0; 2 * count] }
@@ -46,11 +52,12 @@ impl Stepper {
 
     /// Continues from these coordinates and rates.
     pub(super) fn starting_at(mut self, coordinates: &[f64], rates: &[f64]) -> Self {
-        for Block { first, count, .. } in &self.blocks {
-            for k in 0..*count {
-                let own = first + k;
-                self.state[2 * first + k] = self.scales[own] * coordinates[own];
-                self.state[2 * first + count + k] = rates[own];
+        for block in &self.blocks {
+            let own = block.first..block.first + block.count;
+            let (scaled, rate) = self.state[block.states()].split_at_mut(block.count);
+            rate.copy_from_slice(&rates[own.clone()]);
+            for (k, scaled) in own.zip(scaled) {
+                *scaled = self.scales[k] * coordinates[k];
             }
         }
         self
@@ -59,8 +66,7 @@ impl Stepper {
     /// Advances by one step.
     pub(super) fn advance(&mut self, cubic: &Cubic) {
         for block in &self.blocks {
-            let range = 2 * block.first..2 * (block.first + block.count);
-            let (state, next) = (&self.state[range.clone()], &mut self.next[range]);
+            let (state, next) = (&self.state[block.states()], &mut self.next[block.states()]);
             for (row, next) in block.rows.chunks_exact(state.len() + TERMS).zip(next) {
                 let (transition, answers) = row.split_at(state.len());
                 let free: f64 = transition.iter().zip(state).map(|(a, x)| a * x).sum();
@@ -71,38 +77,67 @@ impl Stepper {
         std::mem::swap(&mut self.state, &mut self.next);
     }
 
-    /// Steps through all pieces; returns `of` the coordinates before the first and after each.
-    pub(super) fn through(mut self, pieces: &[Cubic], of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
-        let mut values = vec![of(&self.coordinates())];
-        for piece in pieces {
-            self.advance(piece);
-            values.push(of(&self.coordinates()));
+    /// Advances by all `steps`; calls `each` before the first and after each of them.
+    pub(super) fn run(
+        mut self,
+        steps: impl IntoIterator<Item = Cubic>,
+        mut each: impl FnMut(&Self),
+    ) {
+        each(&self);
+        for cubic in steps {
+            self.advance(&cubic);
+            each(&self);
         }
-        values
     }
 
     /// The coordinates q.
     pub(super) fn coordinates(&self) -> Vec<f64> {
-        let scaled = self.read(|_, k| k);
-        scaled.iter().zip(&self.scales).map(|(x, scale)| x / scale).collect()
+        let scaled =
+            self.blocks.iter().flat_map(|block| &self.state[block.states()][..block.count]);
+        scaled.zip(&self.scales).map(|(x, scale)| x / scale).collect()
     }
 
     /// Their rates q̇.
     pub(super) fn rates(&self) -> Vec<f64> {
-        self.read(|count, k| count + k)
+        let rates = self.blocks.iter().flat_map(|block| &self.state[block.states()][block.count..]);
+        rates.copied().collect()
+    }
+}
+
+/// Modal coordinates and their rates at every sample, one row a sample.
+#[derive(Debug, Clone)]
+pub(super) struct Record {
+    pub(super) coordinates: Vec<f64>,
+    rates: Vec<f64>,
+    modes: usize,
+}
+
+impl Record {
+    /// Steps from rest through all samples.
+    pub(super) fn of(equations: &Equations, driving: &Driving, grid: &TimeGrid) -> Self {
+        let modes = equations.coordinates.len();
+        let mut coordinates = Vec::with_capacity(grid.len * modes);
+        let mut rates = Vec::with_capacity(grid.len * modes);
+        Stepper::new(equations, grid.step_s).run(driving.steps(grid.len), |stepper| {
+            coordinates.extend(stepper.coordinates());
+            rates.extend(stepper.rates());
+        });
+        Self { coordinates, rates, modes }
     }
 
-    /// One value for each coordinate, from its `place` among those of its block.
-    fn read(&self, place: impl Fn(usize, usize) -> usize) -> Vec<f64> {
-        let mut values = Vec::with_capacity(self.scales.len());
-        for Block { first, count, .. } in &self.blocks {
-            values.extend((0..*count).map(|k| self.state[2 * first + place(*count, k)]));
-        }
-        values
+    /// Coordinates and rates at a sample.
+    pub(super) fn at(&self, sample: usize) -> (&[f64], &[f64]) {
+        let row = sample * self.modes..(sample + 1) * self.modes;
+        (&self.coordinates[row.clone()], &self.rates[row])
     }
 }
 
 impl Block {
+    /// Places of its scaled coordinates and, after them, of their rates.
+    fn states(&self) -> Range<usize> {
+        2 * self.first..2 * (self.first + self.count)
+    }
+
     fn new(equations: &Equations, scales: &[f64], first: usize, count: usize, step_s: f64) -> Self {
         let coordinates = &equations.coordinates[first..first + count];
         let scales = &scales[first..first + count];
@@ -160,7 +195,6 @@ fn exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::equations::HubReaction;
     use super::*;
     use crate::beam::Mesh;
     use crate::link::{Link, uniform};

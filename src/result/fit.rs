@@ -158,13 +158,6 @@ fn grid(end: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(FEWEST_STEPS).filter(|first| *first < end), next)
 }
 
-/// The result of one duration.
-enum Trial {
-    Fits(Box<Fit>),
-    Exceeds,
-    Fails(FitError),
-}
-
 impl FitProblem<'_> {
     /// The first of doubled durations that fits, and those before it.
     fn doubled(&self) -> Result<(Vec<usize>, Fit), FitError> {
@@ -172,9 +165,9 @@ impl FitProblem<'_> {
         let mut steps = FEWEST_STEPS;
         while steps <= MOST_STEPS {
             match self.tried(steps) {
-                Trial::Fits(fit) => return Ok((refused, *fit)),
-                Trial::Exceeds => {}
-                Trial::Fails(error) => {
+                Ok(Some(fit)) => return Ok((refused, fit)),
+                Ok(None) => {}
+                Err(error) => {
                     let count = failed.map_or(0, |(count, _)| count);
                     failed = Some((count + 1, Box::new(error)));
                 }
@@ -199,64 +192,43 @@ impl FitProblem<'_> {
         if refused.contains(&steps) {
             return None;
         }
-        match self.tried(steps) {
-            Trial::Fits(fit) => Some(*fit),
-            Trial::Exceeds | Trial::Fails(_) => {
-                refused.push(steps);
-                None
-            }
+        let fit = self.tried(steps).ok().flatten();
+        if fit.is_none() {
+            refused.push(steps);
         }
+        fit
     }
 
-    fn tried(&self, steps: usize) -> Trial {
+    /// The motion of so many steps with its torque; none where it exceeds a limit.
+    fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
         let OpenMotion { profile, distance_m, step_s } = self.motion;
-        let motion = match TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0])) {
-            Ok(motion) => motion,
-            Err(error) => return Trial::Fails(error.into()),
-        };
+        let motion = TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0]))?;
         if self.plan.is_automatic() && self.exceeds_on_a_coarse_mesh(&motion) {
-            return Trial::Exceeds;
+            return Ok(None);
         }
-        match self.inverted(self.plan, &motion) {
-            Ok(solution) => {
-                let binding = self.closest(&solution);
-                // A value with a larger error is not known to be within any limit.
-                let fits = |reached: Reached| reached.share() <= 1.0 && reached.error <= TELLING;
-                if !binding.is_none_or(fits) {
-                    return Trial::Exceeds;
-                }
-                Trial::Fits(Box::new(Fit { steps, solution, binding, shorter_tried: 0 }))
-            }
-            Err(error) => Trial::Fails(error.into()),
-        }
+        let solution = self.inverted(self.plan, &motion)?;
+        let reached = self.limits.reached(&solution).into_iter();
+        let binding = reached.max_by(|a, b| a.share().total_cmp(&b.share()));
+        // A value with a larger error is not known to be within any limit.
+        let fits = |reached: Reached| reached.share() <= 1.0 && reached.error <= TELLING;
+        Ok(binding.is_none_or(fits).then(|| Fit { steps, solution, binding, shorter_tried: 0 }))
     }
 
     /// True if a value exceeds its limit by more than four times its error on a coarser mesh: then the
     /// plan's mesh is not needed.
     fn exceeds_on_a_coarse_mesh(&self, motion: &TipMotion) -> bool {
-        for halvings in 0..HALVINGS {
-            let plan = self.plan.halved(halvings);
-            let Ok(solution) = self.inverted(&plan, motion) else { continue };
-            let reached = self.limits.reached(&solution);
-            let exceeds = |reached: &Reached| {
-                let Reached { value, error } = reached;
-                *error <= TELLING && value.found > value.limit * (1.0 + 4.0 * error)
-            };
-            if reached.iter().any(exceeds) {
-                return true;
-            }
-        }
-        false
+        let exceeds = |Reached { value, error }: &Reached| {
+            *error <= TELLING && value.found > value.limit * (1.0 + 4.0 * error)
+        };
+        (0..HALVINGS).any(|halvings| {
+            let solution = self.inverted(&self.plan.halved(halvings), motion);
+            solution.is_ok_and(|solution| self.limits.reached(&solution).iter().any(exceeds))
+        })
     }
 
     fn inverted(&self, plan: &MeshPlan, motion: &TipMotion) -> Result<Solution, InversionError> {
         let resources = Resources { memory_bytes: self.memory_bytes, ..Resources::default() };
         invert_with(self.link, plan, motion, self.analysis, &resources)
-    }
-
-    fn closest(&self, solution: &Solution) -> Option<Reached> {
-        let reached = self.limits.reached(solution).into_iter();
-        reached.max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 }
 

@@ -1,7 +1,10 @@
+//! Limits of a link and its motor, and how near a solution comes to them.
+
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::metrics::{Metrics, MotorMetrics};
-use crate::inverse::{Accuracy, QuantityErrors, Solution};
+use crate::inverse::{QuantityErrors, Solution};
 use crate::link::{Drive, ParameterError};
 use crate::numeric::{plain, significant};
 
@@ -9,7 +12,8 @@ use crate::numeric::{plain, significant};
 const MOTOR: &str = "motor_";
 
 /// The largest values that a link and its motor may reach; `None` is no limit.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Limits {
     /// Torque at the hub, on the link's side of a drive, in N m.
     pub torque_n_m: Option<f64>,
@@ -34,7 +38,7 @@ pub struct Limits {
 }
 
 /// The value of a solution that has a limit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LimitedValue {
     /// Key of the limit in the link file.
     pub key: &'static str,
@@ -46,18 +50,16 @@ pub struct LimitedValue {
     pub unit: &'static str,
 }
 
-impl LimitedValue {
-    /// Where the value acts, if its key does not say so.
-    fn place(&self) -> &'static str {
-        if self.key == "torque" { " at the hub" } else { "" }
-    }
-}
-
 /// A limit that a solution exceeds.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize)]
 #[error(
     "limits.{} = {} {unit} is exceeded{}: {} {unit}",
-    .0.key, plain(.0.limit), .0.place(), significant(.0.found, 5), unit = .0.unit
+    .0.key,
+    plain(.0.limit),
+    // The other keys say where the value acts.
+    if .0.key == "torque" { " at the hub" } else { "" },
+    significant(.0.found, 5),
+    unit = .0.unit
 )]
 pub struct Exceeded(pub LimitedValue);
 
@@ -99,26 +101,22 @@ impl Limits {
 
     /// The values of a solution that have a limit, in the order of the link file.
     pub fn limited_values(&self, metrics: &Metrics) -> Vec<LimitedValue> {
-        // Without a motor no value is within its limits.
-        let motor = |of: fn(&MotorMetrics) -> f64| metrics.motor.as_ref().map_or(f64::INFINITY, of);
-        let found = [
-            metrics.peak_torque_n_m.value,
-            metrics.rms_torque_n_m,
-            metrics.peak_hub_rate_rad_s.value,
-            metrics.peak_power_w.value,
-            metrics.peak_deflection_m.value,
-            metrics.peak_root_moment_n_m.value,
-            motor(|motor| motor.peak_torque_n_m.value),
-            motor(|motor| motor.rms_torque_n_m),
-            motor(|motor| motor.peak_rate_rad_s.value),
-            motor(|motor| motor.peak_power_w.value),
-        ];
-        let pairs = self.entries().into_iter().zip(found);
+        let pairs = self.entries().into_iter().zip(found(metrics));
         let value =
             |((key, limit, unit), found)| Some(LimitedValue { key, limit: limit?, found, unit });
         pairs.filter_map(value).collect()
     }
 
+    /// How near a solution comes to each limit, in the order of the link file.
+    pub fn reached(&self, solution: &Solution) -> Vec<Reached> {
+        let metrics = Metrics::of(solution);
+        let errors = self.entries().into_iter().zip(errors(solution, &metrics));
+        let errors = errors.filter(|((_, limit, _), _)| limit.is_some());
+        let values = self.limited_values(&metrics).into_iter().zip(errors);
+        values.map(|(value, (_, error))| Reached { value, error }).collect()
+    }
+
+    /// Key in the link file, limit and unit of each, in the order of the link file.
     fn entries(&self) -> [(&'static str, Option<f64>, &'static str); 10] {
         [
             ("torque", self.torque_n_m, "N m"),
@@ -136,7 +134,7 @@ impl Limits {
 }
 
 /// How near a solution comes to a limit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Reached {
     /// The value and its limit.
     pub value: LimitedValue,
@@ -151,51 +149,59 @@ impl Reached {
     }
 }
 
-impl Limits {
-    /// How near a solution comes to each limit, in the order of the link file.
-    pub fn reached(&self, solution: &Solution) -> Vec<Reached> {
-        let metrics = Metrics::of(solution);
-        let values = self.limited_values(&metrics).into_iter();
-        values.map(|value| Reached { value, error: error_of(value, solution, &metrics) }).collect()
-    }
+/// The values that can have a limit, in the order of the link file.
+fn found(metrics: &Metrics) -> [f64; 10] {
+    // Without a motor no value is within its limits.
+    let motor = |of: fn(&MotorMetrics) -> f64| metrics.motor.as_ref().map_or(f64::INFINITY, of);
+    [
+        metrics.peak_torque_n_m.value,
+        metrics.rms_torque_n_m,
+        metrics.peak_hub_rate_rad_s.value,
+        metrics.peak_power_w.value,
+        metrics.peak_deflection_m.value,
+        metrics.peak_root_moment_n_m.value,
+        motor(|motor| motor.peak_torque_n_m.value),
+        motor(|motor| motor.rms_torque_n_m),
+        motor(|motor| motor.peak_rate_rad_s.value),
+        motor(|motor| motor.peak_power_w.value),
+    ]
 }
 
-/// Measured error of a limited value, relative to it.
+/// Measured error of each of these values, relative to it.
 ///
 /// Errors are measured relative to peaks: a root mean square has the error of the peak. Power has the
 /// errors of torque and rate, deflection that of the hub angle, the root's moment that of the torque.
-fn error_of(value: LimitedValue, solution: &Solution, metrics: &Metrics) -> f64 {
-    let Accuracy { errors, .. } = solution.accuracy;
-    let torque = total(errors.torque);
-    let rate = total(errors.hub_rate);
-    let [motor_torque, motor_rate] =
-        [errors.motor_torque, errors.motor_rate].map(|errors| errors.map_or(0.0, total));
-    let peak = metrics.peak_torque_n_m.value;
-    let motor = metrics.motor.as_ref();
-    let over = |error: f64, peak: f64| (error * peak / value.found).min(f64::MAX);
-    match value.key {
-        "rms_torque" => over(torque, peak),
-        "hub_rate" => rate,
-        "power" => over(torque + rate, peak * metrics.peak_hub_rate_rad_s.value),
-        "deflection" => {
-            let turned_m = solution.mesh().length_m() * metrics.peak_hub_angle_rad.value;
-            over(total(errors.hub_angle), turned_m)
-        }
-        "bending_moment" => torque * (peak / value.found).max(1.0),
-        "motor_torque" => motor_torque,
-        "motor_rate" => motor_rate,
-        "motor_rms_torque" => {
-            motor.map_or(0.0, |motor| over(motor_torque, motor.peak_torque_n_m.value))
-        }
-        "motor_power" => motor.map_or(0.0, |motor| {
-            let peaks = motor.peak_torque_n_m.value * motor.peak_rate_rad_s.value;
-            over(motor_torque + motor_rate, peaks)
-        }),
-        _ => torque,
-    }
-}
-
-fn total(errors: QuantityErrors) -> f64 {
-    let QuantityErrors { mesh, window, step, modes } = errors;
-    mesh + window + step.unwrap_or(0.0) + modes.unwrap_or(0.0)
+fn errors(solution: &Solution, metrics: &Metrics) -> [f64; 10] {
+    let errors = solution.accuracy.of_kind(|QuantityErrors { mesh, window, step, modes }| {
+        mesh + window + step.unwrap_or(0.0) + modes.unwrap_or(0.0)
+    });
+    let (torque, rate) = (errors.torque, errors.hub_rate);
+    let motor_torque = errors.motor_torque.unwrap_or(0.0);
+    let motor_rate = errors.motor_rate.unwrap_or(0.0);
+    let [
+        peak,
+        rms,
+        peak_rate,
+        power,
+        deflection,
+        moment,
+        motor_peak,
+        motor_rms,
+        motor_peak_rate,
+        motor_power,
+    ] = found(metrics);
+    let turned_m = solution.mesh().length_m() * metrics.peak_hub_angle_rad.value;
+    let over = |error: f64, peak: f64, found: f64| (error * peak / found).min(f64::MAX);
+    [
+        torque,
+        over(torque, peak, rms),
+        rate,
+        over(torque + rate, peak * peak_rate, power),
+        over(errors.hub_angle, turned_m, deflection),
+        torque * (peak / moment).max(1.0),
+        motor_torque,
+        over(motor_torque, motor_peak, motor_rms),
+        motor_rate,
+        over(motor_torque + motor_rate, motor_peak * motor_peak_rate, motor_power),
+    ]
 }

@@ -1,4 +1,8 @@
-use super::peak::{Between, Peak, peak, peak_of_product};
+//! Numbers of a solution and of a simulation that a person reads first.
+
+use serde::{Deserialize, Serialize};
+
+use super::peak::{Peak, Peaks};
 use crate::inverse::{MotorHistories, Solution};
 use crate::numeric::{TimeGrid, dot};
 use crate::response::Simulation;
@@ -7,7 +11,7 @@ use crate::response::Simulation;
 pub const TIMING_LEVEL: f64 = 0.02;
 
 /// Numbers of a solution that a person reads first, over the written window.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
     /// Largest |T| in N m.
     pub peak_torque_n_m: Peak,
@@ -42,7 +46,7 @@ pub struct Metrics {
 }
 
 /// Numbers of the motor, on its own side of the gear.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MotorMetrics {
     /// Largest torque of the motor in N m.
     pub peak_torque_n_m: Peak,
@@ -55,21 +59,17 @@ pub struct MotorMetrics {
     pub peak_power_w: Peak,
 }
 
-/// A motion that is solved up to a cut-off is band-limited.
-fn between(solution: &Solution) -> Between {
-    let per_cycle = 1.0 / (solution.band.highest_hz * solution.grid.step_s);
-    let is_limited = solution.band.cutoff_hz.is_some();
-    if is_limited { Between::BandLimited { per_cycle } } else { Between::Unknown }
-}
-
 impl Metrics {
     /// Reads the numbers off a solution. Peaks are those of the motion, not of its samples: they do not
     /// change with the step.
     pub fn of(solution: &Solution) -> Self {
         let grid = &solution.grid;
         let torque = &solution.torque_n_m;
-        let between = between(solution);
-        let peak = |samples: &[f64]| peak(samples, grid, between);
+        // A motion that is solved up to a cut-off is band-limited.
+        let per_cycle = 1.0 / (solution.band.highest_hz * grid.step_s);
+        let per_cycle = solution.band.cutoff_hz.map(|_| per_cycle);
+        let peaks = Peaks { grid, per_cycle };
+        let peak = |samples: &[f64]| peaks.of(samples);
         let peak_torque_n_m = peak(torque);
         let peak_rigid_torque_n_m = peak(&solution.rigid_torque_n_m);
         let start = solution.hub_angle_rad[0];
@@ -77,25 +77,25 @@ impl Metrics {
         let acting = Acting::of(torque, TIMING_LEVEL * peak_torque_n_m.value);
         Self {
             peak_torque_n_m,
-            rms_torque_n_m: rms(&torque[acting.first..=acting.last]),
+            rms_torque_n_m: acting.rms(torque),
             peak_rigid_torque_n_m,
             torque_ratio: peak_torque_n_m.value / peak_rigid_torque_n_m.value,
             lead_s: grid.time_s(solution.moving.0) - acting.start_s(grid),
             lag_s: acting.end_s(grid) - grid.time_s(solution.moving.1),
             peak_hub_angle_rad: peak(&travelled),
             peak_hub_rate_rad_s: peak(&solution.hub_rate_rad_s),
-            peak_power_w: peak_of_product(torque, &solution.hub_rate_rad_s, grid, between),
+            peak_power_w: peaks.of_product(torque, &solution.hub_rate_rad_s),
             peak_root_moment_n_m: peak(&solution.root_moment_n_m),
             peak_deflection_m: peak(&solution.tip_deflection_m()),
             peak_tip_velocity_m_s: peak(&solution.tip.velocity_m_s),
             peak_tip_acceleration_m_s2: peak(&solution.tip.acceleration_m_s2),
-            motor: solution.motor.as_ref().map(|motor| MotorMetrics::of(motor, grid, between)),
+            motor: solution.motor.as_ref().map(|motor| MotorMetrics::of(motor, &peaks)),
         }
     }
 }
 
 /// Numbers of a simulation that a person reads first.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PlayedMetrics {
     /// Largest torque of the motor in N m.
     pub peak_torque_n_m: Peak,
@@ -119,20 +119,19 @@ impl PlayedMetrics {
     /// Reads the numbers off a simulation.
     pub fn of(simulation: &Simulation) -> Self {
         let Simulation { tip, torque_n_m, hub_angle_rad, hub_rate_rad_s, .. } = simulation;
-        let peak = |samples: &[f64]| peak(samples, &simulation.grid, Between::Unknown);
+        let peaks = Peaks { grid: &simulation.grid, per_cycle: None };
         let displacement = &tip.displacement_m;
         let last = displacement.len() - 1;
         let turned: Vec<f64> = hub_angle_rad.iter().map(|a| a - hub_angle_rad[0]).collect();
-        let power: Vec<f64> = torque_n_m.iter().zip(hub_rate_rad_s).map(|(t, w)| t * w).collect();
         Self {
-            peak_torque_n_m: peak(torque_n_m),
+            peak_torque_n_m: peaks.of(torque_n_m),
             farthest_m: tip.largest_travel_m(),
             travel_m: displacement[last] - displacement[0],
             final_tip_velocity_m_s: tip.velocity_m_s[last],
-            peak_hub_angle_rad: peak(&turned),
-            peak_hub_rate_rad_s: peak(hub_rate_rad_s),
-            peak_power_w: peak(&power),
-            peak_deflection_m: peak(&simulation.tip_deflection_m()),
+            peak_hub_angle_rad: peaks.of(&turned),
+            peak_hub_rate_rad_s: peaks.of(hub_rate_rad_s),
+            peak_power_w: peaks.of_product(torque_n_m, hub_rate_rad_s),
+            peak_deflection_m: peaks.of(&simulation.tip_deflection_m()),
         }
     }
 }
@@ -167,6 +166,12 @@ impl Acting {
         }
     }
 
+    /// Root mean square of the torque from the first sample to the last.
+    fn rms(&self, torque: &[f64]) -> f64 {
+        let acting = &torque[self.first..=self.last];
+        (dot(acting, acting) / acting.len() as f64).sqrt()
+    }
+
     fn start_s(&self, grid: &TimeGrid) -> f64 {
         grid.time_s(self.first) - self.before * grid.step_s
     }
@@ -177,21 +182,16 @@ impl Acting {
 }
 
 impl MotorMetrics {
-    fn of(motor: &MotorHistories, grid: &TimeGrid, between: Between) -> Self {
-        let peak_torque_n_m = peak(&motor.torque_n_m, grid, between);
-        let acting = Acting::of(&motor.torque_n_m, TIMING_LEVEL * peak_torque_n_m.value);
+    fn of(motor: &MotorHistories, peaks: &Peaks) -> Self {
+        let MotorHistories { torque_n_m: torque, rate_rad_s: rate, .. } = motor;
+        let peak_torque_n_m = peaks.of(torque);
         Self {
             peak_torque_n_m,
-            rms_torque_n_m: rms(&motor.torque_n_m[acting.first..=acting.last]),
-            peak_rate_rad_s: peak(&motor.rate_rad_s, grid, between),
-            peak_power_w: peak_of_product(&motor.torque_n_m, &motor.rate_rad_s, grid, between),
+            rms_torque_n_m: Acting::of(torque, TIMING_LEVEL * peak_torque_n_m.value).rms(torque),
+            peak_rate_rad_s: peaks.of(rate),
+            peak_power_w: peaks.of_product(torque, rate),
         }
     }
-}
-
-fn rms(samples: &[f64]) -> f64 {
-    let squares = dot(samples, samples);
-    (squares / samples.len() as f64).sqrt()
 }
 
 #[cfg(test)]
@@ -243,6 +243,7 @@ mod tests {
     fn the_root_mean_square_of_a_sine_is_its_amplitude_over_root_two() {
         let sine: Vec<f64> =
             (0..1000).map(|k| (0.01 * std::f64::consts::TAU * f64::from(k)).sin()).collect();
-        assert!((rms(&sine) - 0.5_f64.sqrt()).abs() < 1e-12);
+        let whole = Acting { first: 0, last: 999, before: 0.0, after: 0.0 };
+        assert!((whole.rms(&sine) - 0.5_f64.sqrt()).abs() < 1e-12);
     }
 }

@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
+use serde::{Deserialize, Serialize};
+
 use crate::numeric::{TimeGrid, dot, largest};
 
 /// Samples that are searched at a time.
@@ -24,24 +26,12 @@ const WINDOW: f64 = 14.0;
 const MANY: f64 = 8.0;
 
 /// A largest value and when it occurs.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     /// The value.
     pub value: f64,
     /// Its time in s.
     pub time_s: f64,
-}
-
-/// How the peak of a history is found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Between {
-    /// From the samples alone.
-    Unknown,
-    /// The history has no content above a frequency below Nyquist's, and is interpolated.
-    BandLimited {
-        /// Samples per cycle at the end of the band.
-        per_cycle: f64,
-    },
 }
 
 /// Weights of the samples from `SIDE − 1` before one to `SIDE` after it, for every part of the step after
@@ -73,20 +63,28 @@ fn between(samples: &[f64], k: usize, part: usize) -> f64 {
     taps.map(|(tap, weight)| weight * samples[(k + tap + 1).saturating_sub(SIDE).min(last)]).sum()
 }
 
-/// Largest magnitude of a history.
-pub(super) fn peak(samples: &[f64], grid: &TimeGrid, how: Between) -> Peak {
-    Tops::of(samples, grid).peak(how, |k, part| between(samples, k, part))
+/// Finds the peaks of histories on a grid.
+#[derive(Clone, Copy)]
+pub(super) struct Peaks<'a> {
+    pub(super) grid: &'a TimeGrid,
+    /// Samples per cycle at the end of the band of histories without content above a frequency below
+    /// Nyquist's, which are interpolated; `None`: from the samples alone.
+    pub(super) per_cycle: Option<f64>,
 }
 
-/// Largest magnitude of the product of two histories, as [`peak`].
-pub(super) fn peak_of_product(a: &[f64], b: &[f64], grid: &TimeGrid, how: Between) -> Peak {
-    let product: Vec<f64> = a.iter().zip(b).map(|(a, b)| a * b).collect();
-    let how = match how {
-        Between::Unknown => how,
-        // The product has twice the band.
-        Between::BandLimited { per_cycle } => Between::BandLimited { per_cycle: 0.5 * per_cycle },
-    };
-    Tops::of(&product, grid).peak(how, |k, part| between(a, k, part) * between(b, k, part))
+impl Peaks<'_> {
+    /// Largest magnitude of a history.
+    pub(super) fn of(&self, samples: &[f64]) -> Peak {
+        let at = |k: usize, part: usize| between(samples, k, part);
+        Tops::of(samples, self.grid).peak(self.per_cycle, at)
+    }
+
+    /// Largest magnitude of the product of two histories, which has twice their band.
+    pub(super) fn of_product(&self, a: &[f64], b: &[f64]) -> Peak {
+        let product: Vec<f64> = a.iter().zip(b).map(|(a, b)| a * b).collect();
+        let at = |k: usize, part: usize| between(a, k, part) * between(b, k, part);
+        Tops::of(&product, self.grid).peak(self.per_cycle.map(|own| 0.5 * own), at)
+    }
 }
 
 /// Search for the peak between samples.
@@ -100,17 +98,6 @@ struct Tops<'a> {
 impl<'a> Tops<'a> {
     fn of(samples: &'a [f64], grid: &'a TimeGrid) -> Self {
         Self { samples, largest: samples.chunks(PART).map(largest).collect(), grid }
-    }
-
-    /// The peak, `at` giving values between the samples.
-    fn peak(&self, how: Between, at: impl Fn(usize, usize) -> f64) -> Peak {
-        let of_samples = self.largest_sample();
-        match how {
-            Between::BandLimited { per_cycle } if of_samples.value > 0.0 => {
-                self.raised(of_samples, per_cycle, at)
-            }
-            _ => of_samples,
-        }
     }
 
     /// The first of the largest samples. Only the part that holds it is searched for its place.
@@ -128,15 +115,17 @@ impl<'a> Tops<'a> {
 
     /// The larger of the samples' peak and of the values `at` gives around every sample that exceeds its
     /// neighbours of the same sign and is not much smaller than the peak.
-    fn raised(&self, peak: Peak, per_cycle: f64, at: impl Fn(usize, usize) -> f64) -> Peak {
+    fn peak(&self, per_cycle: Option<f64>, at: impl Fn(usize, usize) -> f64) -> Peak {
+        let peak = self.largest_sample();
+        let Some(per_cycle) = per_cycle.filter(|_| peak.value != 0.0) else { return peak };
+        let mut found = peak;
         let last = self.samples.len() - 1;
         // Half way between two samples of a wave at the end of the band.
         let near = libm::cos(PI / per_cycle.max(4.0)).powi(2);
-        let mut found = peak;
         let level = near * peak.value;
         let reaching = (0..self.largest.len()).filter(|part| self.largest[*part] >= level);
         let places = reaching.flat_map(|part| {
-            let samples = part * PART..self.samples.len().min((part + 1) * PART);
+            let samples = part * PART..last.min(part * PART + PART - 1) + 1;
             samples.filter(|k| self.samples[*k].abs() >= level)
         });
         for k in places {
@@ -195,13 +184,17 @@ impl<'a> Tops<'a> {
 mod tests {
     use super::*;
 
+    fn peak(samples: &[f64], per_cycle: Option<f64>) -> Peak {
+        Peaks { grid: &grid(samples.len()), per_cycle }.of(samples)
+    }
+
     fn grid(len: usize) -> TimeGrid {
         TimeGrid { origin_s: 1.0, step_s: 0.5, first: -1, len }
     }
 
     #[test]
     fn the_peak_of_samples_is_the_first_of_equal_magnitudes() {
-        let found = peak(&[0.0, -2.0, 1.0, 2.0], &grid(4), Between::Unknown);
+        let found = peak(&[0.0, -2.0, 1.0, 2.0], None);
         assert_eq!(found, Peak { value: 2.0, time_s: 1.0 });
     }
 
@@ -220,11 +213,10 @@ mod tests {
             [(2.4, 1e-3), (3.0, 1e-4), (4.0, 1e-6), (8.0, 1e-6), (14.0, 1e-6), (40.0, 1e-6)]
         {
             let samples = bell(cycle_steps);
-            let how = Between::BandLimited { per_cycle: cycle_steps };
-            let found = peak(&samples, &grid(120), how);
+            let found = peak(&samples, Some(cycle_steps));
             assert!((found.value / 1.5 - 1.0).abs() < error, "{cycle_steps}: {found:?}");
             assert!((found.time_s - (1.0 + 0.5 * 59.37)).abs() < 1e-2, "{cycle_steps}: {found:?}");
-            let sampled = peak(&samples, &grid(120), Between::Unknown).value;
+            let sampled = peak(&samples, None).value;
             assert!(cycle_steps > 4.0 || sampled < 0.97 * 1.5, "{cycle_steps}: {sampled}");
         }
     }
@@ -232,20 +224,18 @@ mod tests {
     #[test]
     fn the_peak_of_a_product_is_found_from_its_factors() {
         let (a, b) = (bell(4.0), vec![2.0; 120]);
-        let found = peak_of_product(&a, &b, &grid(120), Between::BandLimited { per_cycle: 3.0 });
+        let peaks = Peaks { grid: &grid(120), per_cycle: Some(3.0) };
+        let found = peaks.of_product(&a, &b);
         assert!((found.value / 3.0 - 1.0).abs() < 1e-4, "{found:?}");
-        let square = peak_of_product(&a, &a, &grid(120), Between::BandLimited { per_cycle: 3.0 });
+        let square = peaks.of_product(&a, &a);
         assert!((square.value / 2.25 - 1.0).abs() < 1e-4, "{square:?}");
     }
 
     #[test]
     fn rest_has_no_peak_and_an_end_is_one() {
-        assert_eq!(
-            peak(&[0.0; 9], &grid(9), Between::BandLimited { per_cycle: 3.0 }).value.to_bits(),
-            0
-        );
+        assert_eq!(peak(&[0.0; 9], Some(3.0)).value.to_bits(), 0);
         let ramp: Vec<f64> = (0..40).map(|k| 1.0 - (-0.3 * f64::from(k)).exp()).collect();
-        let found = peak(&ramp, &grid(40), Between::BandLimited { per_cycle: 3.0 });
+        let found = peak(&ramp, Some(3.0));
         assert!((found.value - ramp[39]).abs() < 1e-4, "{found:?}");
     }
 }

@@ -1,6 +1,9 @@
+//! Values that are possible but rare.
+
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::beam::Mesh;
@@ -26,7 +29,8 @@ const MOST_TRAVEL: f64 = TAU;
 
 /// A value that is possible but rare, often a slip of units. It neither stops a run nor counts as a
 /// warning.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Debug, Clone, PartialEq, Error, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Remark {
     /// A density that no solid has.
     #[error(

@@ -315,13 +315,18 @@ impl LinkRecord {
         Self {
             length_m: link.length_m(),
             rigid_inertia_kg_m2: link.rigid_inertia_kg_m2(),
-            segments: link.segments().to_vec(),
+            segments: link.segments().iter().map(without_section).collect(),
             hub: *link.hub(),
             masses: link.masses().to_vec(),
             payload: *link.payload(),
             damping,
         }
     }
+}
+
+/// A segment as the summary keeps it.
+fn without_section(segment: &Segment) -> Segment {
+    Segment { cross_section: None, ..segment.clone() }
 }
 
 impl MeshRecord {
@@ -345,8 +350,8 @@ impl CheckRecord {
             Outcome::Measured { found, bound } => (Some(*found), Some(*bound), None),
             Outcome::NotMeasured { reason } => (None, None, Some(reason.clone())),
         };
-        let Check { name, what, of, .. } = *check;
-        let [name, what, of] = [name, what, of].map(Cow::Borrowed);
+        let [name, what] = [&check.name, &check.what].map(|text| Cow::Owned(text.clone()));
+        let of = Cow::Borrowed(check.of);
         Self { name, what, of, found, bound, reason, passes: !check.fails() }
     }
 

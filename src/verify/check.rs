@@ -1,13 +1,29 @@
+//! Kinds of checks, and what one has found.
+
+use serde::Serialize;
 use thiserror::Error;
 
 use crate::beam::MeshPlan;
 use crate::inverse::{InversionError, Solution};
+use crate::link::Link;
 use crate::motion::MotionError;
 use crate::response::{HistoryError, SimulationError};
 use crate::result::Limits;
 
 /// Bound on what elements, modes or a step of the user's own choice may change; no tolerance sets it.
-pub(super) const CHOSEN: f64 = 1e-2;
+const CHOSEN: f64 = 1e-2;
+
+/// Last of the ten digits of tip.csv, over the tip's travel.
+const ROUNDED: f64 = 1e-10;
+
+/// Largest error of the played tip over its travel, unless the tolerance is looser.
+const TIP: f64 = 1e-3;
+
+/// Largest imbalance of energy over the largest energy, unless the tolerance is tighter.
+const ENERGY: f64 = 1e-6;
+
+/// Largest relative difference where round-off does not spoil the dense solve.
+const AGREEMENT: f64 = 1e-9;
 
 /// A solution, the plan of its mesh and the limits set, and its torque as written.
 #[derive(Clone, Copy)]
@@ -25,20 +41,23 @@ pub struct Answer<'a> {
 }
 
 /// One measured number against its bound.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
     /// Name in summary.json: `tip_error`, `mesh_halving`, ….
-    pub name: &'static str,
+    pub name: String,
     /// What was measured, for a person to read.
-    pub what: &'static str,
+    pub what: String,
     /// What the number is a share of.
     pub of: &'static str,
     /// Its result.
     pub outcome: Outcome,
+    /// What the user can do where it fails.
+    pub hint: &'static str,
 }
 
 /// Result of a check.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// A number and the largest one that passes.
     Measured {
@@ -54,31 +73,6 @@ pub enum Outcome {
     },
 }
 
-/// The names of a check, before its number is known.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Label {
-    pub(super) name: &'static str,
-    pub(super) what: &'static str,
-    pub(super) of: &'static str,
-}
-
-impl Label {
-    /// The check with its number.
-    pub(super) fn measured(self, found: f64, bound: f64) -> Check {
-        self.with(Outcome::Measured { found, bound })
-    }
-
-    /// The check without a number.
-    pub(super) fn not_measured(self, reason: String) -> Check {
-        self.with(Outcome::NotMeasured { reason })
-    }
-
-    fn with(self, outcome: Outcome) -> Check {
-        let Self { name, what, of } = self;
-        Check { name, what, of, outcome }
-    }
-}
-
 impl Check {
     /// True if the value exceeds its bound or is NaN.
     pub fn fails(&self) -> bool {
@@ -87,26 +81,124 @@ impl Check {
             Outcome::NotMeasured { .. } => false,
         }
     }
+}
 
-    /// What the user can do where it fails.
-    pub fn hint(&self) -> &'static str {
-        match self.name {
-            "tip_error" | "tip_error_viscous" => {
-                "a tighter analysis.tolerance, no analysis.lead and analysis.lag of your own, or more --digits"
-            }
-            "wrap_around" => {
-                "a looser analysis.tolerance, or a longer analysis.lead and analysis.lag"
-            }
-            "tip_solved" => "a shorter step, a smoother motion or a looser analysis.tip_tolerance",
-            "step_halving" | "step_halving_motor" | "energy" => {
-                "a shorter step or a smoother motion"
-            }
-            "mesh_halving" => "more elements, or mesh.elements = \"auto\"",
-            "truncation" => "more modes: analysis.modes",
-            "tip_deflection" => "a slower motion or a stiffer link",
-            name if name.starts_with("limit") => "a slower motion, or another limit",
-            _ => "please report this as an error of the program",
-        }
+/// A kind of check: all that is known before a number is.
+#[derive(Clone, Copy)]
+pub(super) struct Kind {
+    name: &'static str,
+    what: &'static str,
+    of: &'static str,
+    /// The largest number that passes; two checks measure how much more or less they allow.
+    pub(super) bound: fn(&Answer) -> f64,
+    hint: &'static str,
+}
+
+impl Kind {
+    pub(super) const TIP_ERROR: Self = Self {
+        name: "tip_error",
+        what: "tip, the link's own damping",
+        of: "the tip's way",
+        bound: |answer| {
+            let analysis = &answer.solution.analysis;
+            analysis.tip_tolerance() + TIP.max(analysis.tolerance())
+        },
+        hint: "a tighter analysis.tolerance, no analysis.lead and analysis.lag of your own, or more --digits",
+    };
+    pub(super) const TIP_ERROR_VISCOUS: Self = Self {
+        name: "tip_error_viscous",
+        what: "tip, viscous damping, as predicted",
+        ..Self::TIP_ERROR
+    };
+    pub(super) const TIP_SOLVED: Self = Self {
+        name: "tip_solved",
+        what: "tip that is solved",
+        of: "the tip's way",
+        bound: |answer| answer.solution.analysis.tip_tolerance() + ROUNDED,
+        hint: "a shorter step, a smoother motion or a looser analysis.tip_tolerance",
+    };
+    pub(super) const MESH: Self = Self {
+        name: "mesh_halving",
+        what: "with elements halved",
+        of: "its peak",
+        bound: |Answer { plan, .. }| if plan.is_automatic() { plan.tolerance() } else { CHOSEN },
+        hint: "more elements, or mesh.elements = \"auto\"",
+    };
+    pub(super) const WINDOW: Self = Self {
+        name: "wrap_around",
+        what: "at the window's edge",
+        of: "its peak",
+        bound: |answer| answer.solution.analysis.tolerance(),
+        hint: "a looser analysis.tolerance, or a longer analysis.lead and analysis.lag",
+    };
+    pub(super) const MODES: Self = Self {
+        name: "truncation",
+        what: "with all modes",
+        of: "its peak",
+        bound: |_| CHOSEN,
+        hint: "more modes: analysis.modes",
+    };
+    pub(super) const STEP: Self = Self {
+        name: "step_halving",
+        what: "torque with the step halved",
+        of: "the torque, rms",
+        bound: |_| CHOSEN,
+        hint: "a shorter step or a smoother motion",
+    };
+    pub(super) const STEP_OF_MOTOR: Self = Self {
+        name: "step_halving_motor",
+        what: "motor torque with the step halved",
+        of: "its peak",
+        ..Self::STEP
+    };
+    pub(super) const DENSE: Self = Self {
+        name: "dense_transfer",
+        what: "T/a_tip of the paper's dense H",
+        of: "T/a_tip",
+        bound: |_| AGREEMENT,
+        hint: "please report this as an error of the program",
+    };
+    pub(super) const ENERGY: Self = Self {
+        name: "energy",
+        what: "work less energy held and lost",
+        of: "the largest energy",
+        bound: |answer| ENERGY.min(answer.solution.analysis.tolerance()),
+        hint: "a shorter step or a smoother motion",
+    };
+    pub(super) const DEFLECTION: Self = Self {
+        name: "tip_deflection",
+        what: "tip deflection",
+        of: "the link's length",
+        bound: |_| Link::LARGEST_DEFLECTION,
+        hint: "a slower motion or a stiffer link",
+    };
+    /// Of a limit by its key in the link file.
+    pub(super) const LIMIT: Self = Self {
+        name: "limit",
+        what: "limits",
+        of: "the limit",
+        bound: |_| 1.0,
+        hint: "a slower motion, or another limit",
+    };
+
+    /// The check with its number.
+    pub(super) fn measured(&self, answer: &Answer, found: f64) -> Check {
+        self.measured_to(found, (self.bound)(answer))
+    }
+
+    /// The check with its number and a bound that was measured, too.
+    pub(super) fn measured_to(&self, found: f64, bound: f64) -> Check {
+        self.with(Outcome::Measured { found, bound })
+    }
+
+    /// The check without a number.
+    pub(super) fn not_measured(&self, reason: impl Into<String>) -> Check {
+        self.with(Outcome::NotMeasured { reason: reason.into() })
+    }
+
+    fn with(&self, outcome: Outcome) -> Check {
+        let Self { name, what, of, hint, .. } = *self;
+        Check { name: name.to_owned(), what: what.to_owned(), of, outcome, hint }
     }
 }
 
@@ -145,9 +237,8 @@ mod tests {
 
     #[test]
     fn a_value_that_is_nan_fails() {
-        let label = Label { name: "x", what: "", of: "" };
-        let fails = |found| label.measured(found, 1.0).fails();
+        let fails = |found| Kind::MESH.measured_to(found, 1.0).fails();
         assert!(!fails(1.0) && fails(1.1) && fails(f64::NAN));
-        assert!(!label.not_measured("too large".into()).fails());
+        assert!(!Kind::MESH.not_measured("too large").fails());
     }
 }

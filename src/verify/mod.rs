@@ -1,9 +1,7 @@
 //! Checks every approximation of a solution by other means.
 
 mod check;
-mod estimates;
 mod playback;
-mod recomputed;
 mod verification;
 
 pub use check::{Answer, Check, Outcome, VerificationError};

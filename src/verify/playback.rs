@@ -1,4 +1,6 @@
-use super::check::{Answer, Check, Label, VerificationError};
+//! The written torque, played on the link.
+
+use super::check::{Answer, Check, Kind, VerificationError};
 use crate::link::Damping;
 use crate::motion::TipTarget;
 use crate::numeric::{largest, largest_difference};
@@ -6,17 +8,8 @@ use crate::response::{
     EnergyAccount, EnergyBalance, Play, Simulation, SimulationError, Torque, simulate_on,
 };
 
-/// Largest allowed error of the played tip over its travel, unless the tolerance is looser.
-const TIP: f64 = 1e-3;
-
-/// Largest allowed imbalance of energy over the largest energy, unless the tolerance is tighter.
-const ENERGY: f64 = 1e-6;
-
 /// Error of the integrals of work above which a balance of energy says nothing.
 const QUADRATURE: f64 = 1e-3;
-
-/// Last of the ten digits of tip.csv, over the tip's travel.
-const ROUNDED: f64 = 1e-10;
 
 /// Number of times at which the energies are summed.
 const BALANCES: usize = 64;
@@ -25,20 +18,6 @@ const BALANCES: usize = 64;
 pub(super) struct Played {
     pub(super) tip: Vec<Check>,
     pub(super) energy: Check,
-}
-
-const OWN_LAW: Label =
-    Label { name: "tip_error", what: "tip, the link's own damping", of: "the tip's way" };
-
-const BALANCE: Label =
-    Label { name: "energy", what: "work less energy held and lost", of: "the largest energy" };
-
-impl Played {
-    /// The checks of a link on which no torque can be played.
-    fn not(reason: &str) -> Self {
-        let tip = vec![OWN_LAW.not_measured(reason.to_owned())];
-        Self { tip, energy: BALANCE.not_measured(reason.to_owned()) }
-    }
 }
 
 /// Plays the written torque on the link: tip error and balance of energy.
@@ -51,7 +30,11 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
     let initial_tip_m = solution.tip.displacement_m[0];
     let play = Play { initial_tip_m, memory_bytes, ..Play::of(&torque) };
     let simulation = match simulate_on(link, solution.mesh().clone(), &play) {
-        Err(SimulationError::MasslessHub) => return Ok(Played::not("the hub moves no mass")),
+        Err(SimulationError::MasslessHub) => {
+            let reason = "the hub moves no mass";
+            let tip = vec![Kind::TIP_ERROR.not_measured(reason)];
+            return Ok(Played { tip, energy: Kind::ENERGY.not_measured(reason) });
+        }
         played => played?,
     };
     let straight_m = simulation.straight_tip_m(answer.written_torque_n_m);
@@ -61,26 +44,24 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
     let tip = match link.damping() {
         Damping::Hysteretic { ratio } if *ratio > 0.0 => {
             let tip_m = simulation.hysteretic_tip_m(*ratio, &net_torque(answer));
-            let other_law = Label {
-                name: "tip_error_viscous",
-                what: "tip, viscous damping, as predicted",
-                ..OWN_LAW
-            };
             // Under the viscous law the tip misses the wanted motion by far more than any useful bound,
             // but by a computable amount; the tip less this amount must be the wanted motion.
             let apart_m = simulation.apart_m(*ratio, &solution.tip.acceleration_m_s2);
             let viscous_m = &simulation.tip.displacement_m;
             let less: Vec<f64> =
                 viscous_m.iter().zip(apart_m).map(|(v, apart)| v - apart).collect();
-            vec![OWN_LAW.measured(error(&tip_m), bound), other_law.measured(error(&less), bound)]
+            vec![
+                Kind::TIP_ERROR.measured_to(error(&tip_m), bound),
+                Kind::TIP_ERROR_VISCOUS.measured_to(error(&less), bound),
+            ]
         }
-        _ => vec![OWN_LAW.measured(error(&simulation.tip.displacement_m), bound)],
+        _ => vec![Kind::TIP_ERROR.measured_to(error(&simulation.tip.displacement_m), bound)],
     };
     let (imbalance, quadrature) = imbalance(&simulation);
     let energy = if quadrature > QUADRATURE {
-        BALANCE.not_measured("the step is too long to add up work".to_owned())
+        Kind::ENERGY.not_measured("the step is too long to add up work")
     } else {
-        BALANCE.measured(imbalance, ENERGY.min(solution.analysis.tolerance()).max(quadrature))
+        Kind::ENERGY.measured_to(imbalance, (Kind::ENERGY.bound)(answer).max(quadrature))
     };
     Ok(Played { tip, energy })
 }
@@ -96,16 +77,15 @@ fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
     let peak = largest(&solution.torque_n_m);
     let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
-    let played = TIP.max(analysis.tolerance());
-    analysis.tip_tolerance() + played.min((driven_m + between_m) / solution.tip.largest_travel_m())
+    let played = (driven_m + between_m) / solution.tip.largest_travel_m();
+    (Kind::TIP_ERROR.bound)(answer).min(analysis.tip_tolerance() + played)
 }
 
 /// The solved tip against the wanted motion; none where all frequencies of the samples are solved for.
 pub(super) fn tip_solved(answer: &Answer, wanted: &TipTarget) -> Option<Check> {
-    let label = Label { name: "tip_solved", what: "tip that is solved", of: "the tip's way" };
-    let tolerance = answer.solution.analysis.tip_tolerance();
     let found = || tip_error(answer, wanted, &answer.solution.tip.displacement_m);
-    (tolerance > 0.0).then(|| label.measured(found(), tolerance + ROUNDED))
+    let is_cut = answer.solution.analysis.tip_tolerance() > 0.0;
+    is_cut.then(|| Kind::TIP_SOLVED.measured(answer, found()))
 }
 
 /// The written torque less the hub's friction.
@@ -149,11 +129,11 @@ mod tests {
         let torque = Torque::new(&time_s, sine).unwrap();
         let mut simulation = simulate(&link, &plan, &Play::of(&torque)).unwrap();
         let (missing, quadrature) = imbalance(&simulation);
-        assert!(missing < 1e-7 && quadrature < ENERGY, "{missing:e}, {quadrature:e}");
+        assert!(missing < 1e-7 && quadrature < 1e-6, "{missing:e}, {quadrature:e}");
         for torque in &mut simulation.torque_n_m {
             *torque *= 1.001;
         }
         let (missing, quadrature) = imbalance(&simulation);
-        assert!(missing > 1e-4 && quadrature < ENERGY, "{missing:e}, {quadrature:e}");
+        assert!(missing > 1e-4 && quadrature < 1e-6, "{missing:e}, {quadrature:e}");
     }
 }

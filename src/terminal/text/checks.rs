@@ -20,7 +20,7 @@ pub(crate) fn verify_text(verification: &Verification) -> String {
 }
 
 fn line(check: &Check) -> String {
-    let what = check.what;
+    let what = &check.what;
     match &check.outcome {
         Outcome::Measured { found, bound } => {
             let verdict = if check.fails() { "  FAILS" } else { "" };

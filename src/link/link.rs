@@ -1,38 +1,32 @@
+//! The whole link.
+
 use serde::{Deserialize, Serialize};
 
 use super::damping::Damping;
-use super::error::{ParameterError, not_negative};
-use super::joint::{Drive, Hub, Joint};
+use super::parts::{Drive, Hub, Joint, LumpedMass, ParameterError, Payload, not_negative};
 use super::segment::Segment;
 
 /// Positions closer than this share of the link's length are one: a sum of segment lengths is
 /// not always the decimal number that a user writes for `at`.
 pub(crate) const POSITION_TOLERANCE: f64 = 1e-9;
 
-/// A point mass fixed to the link.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct LumpedMass {
-    /// Distance from the axis in m, hub radius included.
-    pub at_m: f64,
-    /// Mass in kg.
-    pub mass_kg: f64,
-    /// Rotary inertia about its own centre in kg m².
-    pub inertia_kg_m2: f64,
-}
-
-/// What the tip carries.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Payload {
-    /// Mass m_t in kg.
-    pub mass_kg: f64,
-    /// Rotary inertia J_t about its own centre of mass in kg m².
-    pub inertia_kg_m2: f64,
-    /// Offset c of that centre beyond the tip in m; negative towards the hub.
-    pub offset_m: f64,
-}
-
-/// All that makes a link, before it is checked.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// All that makes a link, before it is checked. What is not named is left out.
+///
+/// ```
+/// use flexlink::link::{Link, Segment};
+/// let link = Link::builder()
+///     .segment(Segment::uniform(0.9, 12.0, 1.1))
+///     .segment(Segment::uniform(0.6, 5.0, 0.8))
+///     .hub_inertia_kg_m2(0.1)
+///     .payload_kg(0.25)
+///     .damping_ratio(0.02)
+///     .build()?;
+/// assert_eq!(link.length_m(), 1.5);
+/// # Ok::<(), flexlink::link::ParameterError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+#[must_use]
 pub struct LinkParts {
     /// Title for people.
     pub title: String,
@@ -52,44 +46,41 @@ pub struct LinkParts {
 
 /// A valid link.
 ///
-/// ```
-/// use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
-/// let bayo = Link::new(LinkParts {
-///     title: String::new(),
-///     segments: vec![Segment {
-///         name: None,
-///         length_m: 1.5,
-///         bending_stiffness_n_m2: Taper::constant(5.0),
-///         mass_per_length_kg_m: Taper::constant(0.8),
-///         cross_section: None,
-///     }],
-///     hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
-///     masses: vec![],
-///     payload: Payload::default(),
-///     damping: Damping::Hysteretic { ratio: 0.02 },
-///     drive: None,
-/// })?;
-/// assert!((bayo.rigid_inertia_kg_m2() - 1.0).abs() < 1e-15);
-/// # Ok::<(), flexlink::link::ParameterError>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
+/// Stored, it is its [`LinkParts`]; what is read is checked.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "LinkParts", into = "LinkParts")]
 pub struct Link {
     parts: LinkParts,
 }
 
+impl TryFrom<LinkParts> for Link {
+    type Error = ParameterError;
+
+    fn try_from(parts: LinkParts) -> Result<Self, ParameterError> {
+        Self::new(parts)
+    }
+}
+
+impl From<Link> for LinkParts {
+    fn from(link: Link) -> Self {
+        link.parts
+    }
+}
+
 impl Link {
+    /// A link without segments, mass at its ends or damping, to be put together.
+    pub fn builder() -> LinkParts {
+        LinkParts::default()
+    }
+
     /// Checks every range and puts the lumped masses in order from the hub outward.
     ///
     /// # Errors
     /// [`ParameterError`] names the first parameter out of its range.
     pub fn new(mut parts: LinkParts) -> Result<Self, ParameterError> {
         if parts.segments.is_empty() {
-            return Err(ParameterError::new(
-                "segments",
-                "[]",
-                "",
-                "must hold at least one segment",
-            ));
+            let must = "must hold at least one segment";
+            return Err(ParameterError::new("segments", "[]", "", must));
         }
         for (index, segment) in parts.segments.iter().enumerate() {
             segment.check(index)?;
@@ -213,31 +204,58 @@ impl Link {
     }
 }
 
+/// Largest deflection of the tip over the length, and how far a geometrically exact link's tip then
+/// strays along its arc, over its way: torques of this program played in a code of finite rotations.
+const PLAYED: [(f64, f64); 4] = [(0.2, 0.004), (0.3, 0.013), (0.45, 0.04), (0.65, 0.16)];
+
+impl Link {
+    /// Tip deflection over length beyond which deflections are no longer small: the tip of a link
+    /// that bends by a fifth of its length strays by 0.4 % of its way.
+    pub const LARGE_DEFLECTION: f64 = 0.2;
+
+    /// Tip deflection over length beyond which the answer is that of another link: the tip strays by
+    /// more than 1.3 % of its way.
+    pub const LARGEST_DEFLECTION: f64 = 0.3;
+
+    /// How far the tip strays, over its way, where it deflects by this `share` of the length; none
+    /// beyond what was played.
+    pub fn large_deflection_error(share: f64) -> Option<f64> {
+        let last = PLAYED.len() - 1;
+        if share > PLAYED[last].0 {
+            return None;
+        }
+        // The error grows as a power of the deflection: straight lines through logarithms.
+        let next = PLAYED.iter().position(|(played, _)| share <= *played).unwrap_or(last).max(1);
+        let ((x0, y0), (x1, y1)) = (PLAYED[next - 1], PLAYED[next]);
+        let power = libm::log(y1 / y0) / libm::log(x1 / x0);
+        Some(y0 * libm::pow(share / x0, power))
+    }
+
+    /// The same in words, for warnings.
+    pub(crate) fn large_deflection_words(share: f64) -> String {
+        let error = match Self::large_deflection_error(share) {
+            Some(error) => format!("about {:.1} %", 100.0 * error),
+            None => format!("more than {:.0} %", 100.0 * PLAYED[PLAYED.len() - 1].1),
+        };
+        format!(
+            "the tip deflects by {:.0} % of the link's length, beyond the small deflections that the \
+             method holds for: it strays by {error} of its way",
+            100.0 * share
+        )
+    }
+}
+
 /// The link of many unit tests: Bayo's link without its stiff root, undamped: 1.5 m, 5 N m² and 0.8 kg/m on a hub of 0.1 kg m²,
 /// so that its rigid inertia is 1 kg m².
 #[cfg(test)]
 pub(crate) fn uniform() -> LinkParts {
-    LinkParts {
-        title: String::new(),
-        segments: vec![uniform_segment()],
-        hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
-        masses: vec![],
-        payload: Payload::default(),
-        damping: Damping::None,
-        drive: None,
-    }
+    Link::builder().segment(uniform_segment()).hub_inertia_kg_m2(0.1)
 }
 
 /// Its one segment.
 #[cfg(test)]
 pub(crate) fn uniform_segment() -> Segment {
-    Segment {
-        name: None,
-        length_m: 1.5,
-        bending_stiffness_n_m2: super::segment::Taper::constant(5.0),
-        mass_per_length_kg_m: super::segment::Taper::constant(0.8),
-        cross_section: None,
-    }
+    Segment::uniform(1.5, 5.0, 0.8)
 }
 
 #[cfg(test)]
@@ -248,20 +266,9 @@ mod tests {
     fn parts() -> LinkParts {
         let segment = |name: &str, length_m| Segment {
             name: Some(name.into()),
-            length_m,
-            bending_stiffness_n_m2: Taper::constant(5.0),
-            mass_per_length_kg_m: Taper::constant(0.8),
-            cross_section: None,
+            ..Segment::uniform(length_m, 5.0, 0.8)
         };
-        LinkParts {
-            title: String::new(),
-            segments: vec![segment("root", 0.5), segment("beam", 1.0)],
-            hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.0, viscous_friction_n_m_s_rad: 0.0 },
-            masses: vec![],
-            payload: Payload::default(),
-            damping: Damping::None,
-            drive: None,
-        }
+        LinkParts { segments: vec![segment("root", 0.5), segment("beam", 1.0)], ..uniform() }
     }
 
     fn refusal(change: impl FnOnce(&mut LinkParts)) -> String {
@@ -340,5 +347,27 @@ mod tests {
         for (found, expected) in cases {
             assert_eq!(found, expected);
         }
+    }
+
+    #[test]
+    fn the_error_is_that_of_the_links_played_and_grows_in_between() {
+        for (share, expected) in PLAYED {
+            let found = Link::large_deflection_error(share).unwrap();
+            assert!((found / expected - 1.0).abs() < 1e-12, "{found} at {share}");
+        }
+        let shares: Vec<f64> = (1..=65).map(|k| 0.01 * f64::from(k)).collect();
+        let errors = shares.iter().map(|share| Link::large_deflection_error(*share).unwrap());
+        assert!(errors.collect::<Vec<_>>().is_sorted());
+        assert_eq!(Link::large_deflection_error(0.66), None);
+    }
+
+    #[test]
+    fn the_words_tell_a_number_as_far_as_links_were_played() {
+        let end = |share: f64| {
+            let words = Link::large_deflection_words(share);
+            words.split_once(": ").unwrap().1.to_owned()
+        };
+        assert_eq!(end(0.36), "it strays by about 2.2 % of its way");
+        assert_eq!(end(4.86), "it strays by more than 16 % of its way");
     }
 }

@@ -1,7 +1,9 @@
+//! Periods and cut-off of a motion that the cases of a sweep share.
+
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::cutoff::Cutoff;
 use super::period::TipPeriod;
+use super::spectrum::Cutoff;
 use super::tip_motion::TipMotion;
 
 /// Number of periods kept: that of one case, and the longer one that the case may need.

@@ -1,8 +1,105 @@
+//! The modes that a torque moves, and their equations of motion.
+
 use std::f64::consts::TAU;
 
 use crate::beam::Mesh;
-use crate::modal::{ModalBasis, flexible_modes, modes_below, natural_frequencies};
+use crate::modal::{
+    DampingLaw, ModalBasis, Mode, Shape, flexible_modes, modes_below, natural_frequencies,
+};
 use crate::numeric::{FourierPair, TimeGrid, angular_frequency, fast_length, magnitude};
+
+/// One modal coordinate: `q̈ + c q̇ + ω² q = p u`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Coordinate {
+    /// ω² in rad²/s²; 0 for the rigid rotation.
+    pub(super) square: f64,
+    /// c = 2ζω in 1/s.
+    pub(super) rate_per_s: f64,
+    /// p, the shape's hub angle.
+    pub(super) hub_angle: f64,
+    /// The shape's displacement of the tip.
+    pub(super) tip: f64,
+}
+
+/// Friction and feedback, which act at the hub in proportion to its motion.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[expect(clippy::struct_field_names, reason = "units")]
+pub(super) struct HubReaction {
+    /// Torque per hub angle in N m/rad.
+    pub(super) stiffness_n_m_rad: f64,
+    /// Torque per hub rate in N m s/rad, friction included.
+    pub(super) damping_n_m_s_rad: f64,
+    /// Torque of the hub's friction per hub rate in N m s/rad.
+    pub(super) friction_n_m_s_rad: f64,
+}
+
+/// The link in modal coordinates (Bayo 1987, eqs 11 and 12): rigid rotation first.
+///
+/// ```text
+/// q̈ + diag(2ζω) q̇ + diag(ω²) q + p (k pᵀq + d pᵀq̇) = p u
+/// ```
+#[derive(Debug, Clone)]
+pub(super) struct Equations {
+    pub(super) coordinates: Vec<Coordinate>,
+    pub(super) shapes: Vec<Shape>,
+    pub(super) reaction: HubReaction,
+}
+
+impl HubReaction {
+    /// Torque in N m that opposes a motion.
+    pub(super) fn torque_n_m(&self, hub_angle: f64, hub_rate: f64) -> f64 {
+        self.stiffness_n_m_rad * hub_angle + self.damping_n_m_s_rad * hub_rate
+    }
+}
+
+impl Equations {
+    /// The rigid rotation, the modes of a basis, and the residual mode of those left out.
+    pub(super) fn new(
+        mesh: &Mesh,
+        law: &DampingLaw,
+        basis: ModalBasis,
+        reaction: HubReaction,
+    ) -> Self {
+        let rest = basis.residual_mode(mesh);
+        let coordinate = |square: f64, rate_per_s: f64, shape: &Shape| {
+            let (hub_angle, tip) = (shape.hub_angle, shape.tip_displacement(mesh));
+            Coordinate { square, rate_per_s, hub_angle, tip }
+        };
+        let mut coordinates = vec![coordinate(0.0, law.mass_rate_per_s(), &basis.rigid)];
+        let mut shapes = vec![basis.rigid];
+        for (k, Mode { omega_rad_s, shape }) in basis.modes.into_iter().chain(rest).enumerate() {
+            let rate_per_s = 2.0 * law.modal_ratio(k + 1, omega_rad_s) * omega_rad_s;
+            coordinates.push(coordinate(omega_rad_s * omega_rad_s, rate_per_s, &shape));
+            shapes.push(shape);
+        }
+        Self { coordinates, shapes, reaction }
+    }
+
+    /// Period of the first flexible mode in s.
+    pub(super) fn first_period_s(&self) -> Option<f64> {
+        self.coordinates.get(1).map(|mode| TAU / mode.square.sqrt())
+    }
+
+    /// Hub angle of coordinates, or hub rate of their rates.
+    pub(super) fn hub(&self, q: &[f64]) -> f64 {
+        q.iter().zip(&self.coordinates).map(|(q, c)| q * c.hub_angle).sum()
+    }
+
+    /// Displacement of the tip of coordinates, or velocity of their rates.
+    pub(super) fn tip(&self, q: &[f64]) -> f64 {
+        q.iter().zip(&self.coordinates).map(|(q, c)| q * c.tip).sum()
+    }
+
+    /// Accelerations of the coordinates under the torque `u`.
+    pub(super) fn accelerations(&self, q: &[f64], rate: &[f64], u: f64) -> Vec<f64> {
+        let net = u - self.reaction.torque_n_m(self.hub(q), self.hub(rate));
+        let own = |k: usize| {
+            let Coordinate { square, rate_per_s, hub_angle, .. } = self.coordinates[k];
+            hub_angle * net - rate_per_s * rate[k] - square * q[k]
+        };
+        (0..q.len()).map(own).collect()
+    }
+}
 
 /// Share of the motion above the torque's band.
 const NEGLIGIBLE: f64 = 1e-12;

@@ -1,0 +1,261 @@
+//! Errors of a mesh in frequencies, zeros and transfers, and of a simulated tip against a target.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::motion::TipTarget;
+use crate::numeric::{CubicSpline, SplineEnds, rounded, significant};
+use crate::response::Simulation;
+
+/// Relative error above which the user is warned.
+const COARSE: f64 = 1e-2;
+
+/// Relative errors of values `found` on a mesh, measured on elements of half the length; NaN if these
+/// have no such value.
+///
+/// Errors fall with the fourth power of the element length: the halves have a sixteenth of the error,
+/// and the change is 15/16 of it.
+pub fn mesh_errors(found: &[f64], on_halves: &[f64]) -> Vec<f64> {
+    let halves = on_halves.iter().copied().chain(std::iter::repeat(f64::NAN));
+    found.iter().zip(halves).map(|(found, half)| mesh_error((found / half - 1.0).abs())).collect()
+}
+
+/// The relative error that follows from a relative change on halved elements.
+pub fn mesh_error(change: f64) -> f64 {
+    16.0 / 15.0 * change
+}
+
+/// Warning of a mesh that is too coarse for some values.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum CoarseMesh {
+    /// Natural frequencies or zeros.
+    #[error(
+        "from {what} {first} on the mesh is wrong by more than 1 %, at the worst by {worst:.1e} \
+         (elements halved)"
+    )]
+    Numbered {
+        /// Name of the values.
+        what: &'static str,
+        /// Number of the first that is, from 1.
+        first: usize,
+        /// Largest relative error of all.
+        worst: f64,
+    },
+    /// Transfers over frequency.
+    #[error(
+        "{}, at the worst by {worst:.1e} at {} Hz (elements halved)",
+        match below_hz {
+            Some(below_hz) => format!(
+                "above {} Hz the mesh is wrong by more than 1 %",
+                significant(*below_hz, 4)
+            ),
+            None => "at all frequencies the mesh is wrong by more than 1 %".into(),
+        },
+        significant(*at_hz, 4)
+    )]
+    Band {
+        /// Highest frequency in Hz up to which all errors are small; none if the first is not.
+        below_hz: Option<f64>,
+        /// Largest relative error.
+        worst: f64,
+        /// Its frequency in Hz.
+        at_hz: f64,
+    },
+}
+
+impl CoarseMesh {
+    /// A warning, if one of the `errors` of a numbered list is large.
+    pub fn of(what: &'static str, errors: &[f64]) -> Option<Self> {
+        let first = 1 + errors.iter().position(|error| *error > COARSE)?;
+        let worst = errors.iter().copied().fold(0.0, f64::max);
+        Some(Self::Numbered { what, first, worst })
+    }
+
+    /// Name of the kind, for machines.
+    pub fn kind(&self) -> &'static str {
+        "coarse_mesh"
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        "more elements, or mesh.elements = \"auto\""
+    }
+}
+
+/// The mesh error of transfers over a band of frequencies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BandMeshError {
+    /// Largest relative error of a transfer.
+    pub worst: f64,
+    /// Its frequency in Hz.
+    pub at_hz: f64,
+    /// A warning, if the error is large.
+    pub warning: Option<CoarseMesh>,
+}
+
+impl BandMeshError {
+    /// From pairs of a frequency in Hz, ascending, and the relative change there on halved elements; none
+    /// without frequencies.
+    pub fn of_changes(changes: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
+        let errors: Vec<_> =
+            changes.into_iter().map(|(hz, change)| (hz, mesh_error(change))).collect();
+        let larger = |known: (f64, f64), own: (f64, f64)| if own.1 > known.1 { own } else { known };
+        let (at_hz, worst) = errors.iter().copied().reduce(larger)?;
+        let warning = errors.iter().position(|(_, error)| *error > COARSE).map(|first| {
+            let below_hz = first.checked_sub(1).map(|last| errors[last].0);
+            CoarseMesh::Band { below_hz, worst, at_hz }
+        });
+        Some(Self { worst, at_hz, warning })
+    }
+}
+
+/// Largest travel of the tip before the target's first sample, relative to the target's travel.
+const MOVED_BEFORE: f64 = 1e-2;
+
+/// Distance of a simulated tip from the wanted motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TipError {
+    /// Largest distance in m.
+    pub worst_m: f64,
+    /// The same, relative to the largest distance of the wanted motion from its start.
+    pub share: f64,
+    /// Time of the largest distance in s.
+    pub time_s: f64,
+    /// Root mean square of the distance over the target's samples in m.
+    pub rms_m: f64,
+    /// Distance at the target's last sample in m, simulated less wanted.
+    pub final_m: f64,
+    /// Set if the tip moves before the target begins.
+    pub late: Option<LateTarget>,
+}
+
+/// A target that begins after the tip has moved: its first displacement is taken as that of the link at
+/// rest.
+#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
+#[error(
+    "the target begins at {} s, when the tip has moved by {:?} m: its first displacement is taken as \
+     that of the link at rest",
+    rounded(*start_s, 12),
+    rounded(*moved_m, 4)
+)]
+pub struct LateTarget {
+    /// First time of the target in s.
+    pub start_s: f64,
+    /// Travel of the simulated tip until then in m.
+    pub moved_m: f64,
+}
+
+impl LateTarget {
+    /// Name of the warning, for machines.
+    pub fn kind(&self) -> &'static str {
+        "late_target"
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        "a target that begins before the tip moves"
+    }
+}
+
+/// Why a simulation is not compared with a target.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum TargetError {
+    /// The target ends after the simulation.
+    #[error(
+        "the target ends at {} s, but must not go on after the simulation, which ends at {} s",
+        rounded(*end_s, 12),
+        rounded(*simulated_s, 12)
+    )]
+    EndsLate {
+        /// Last time of the target in s.
+        end_s: f64,
+        /// Last time of the simulation in s.
+        simulated_s: f64,
+    },
+    /// The target does not move.
+    #[error("the target stands still in all samples, but must move")]
+    NoMotion,
+}
+
+impl TargetError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::EndsLate { .. } => Some("simulate longer, or cut the target"),
+            Self::NoMotion => None,
+        }
+    }
+}
+
+impl TipError {
+    /// Compares a simulation with a wanted displacement at the target's own times.
+    ///
+    /// The tip rests before the simulation's first sample; between samples a cubic spline interpolates.
+    ///
+    /// # Errors
+    /// [`TargetError`].
+    pub fn of(simulation: &Simulation, target: &TipTarget) -> Result<Self, TargetError> {
+        let (own, grid, wanted_m) = (&simulation.grid, target.grid(), target.displacement_m());
+        let spline = CubicSpline::uniform(&simulation.tip.displacement_m, SplineEnds::NotAKnot);
+        let travel_m = target.largest_travel_m();
+        if travel_m == 0.0 {
+            return Err(TargetError::NoMotion);
+        }
+        let last = (own.len - 1) as f64;
+        let at = |k: usize| (grid.time_s(k) - own.time_s(0)) / own.step_s;
+        if at(grid.len - 1) > last + 1e-6 {
+            let (end_s, simulated_s) = (target.grid().end_s(), own.time_s(own.len - 1));
+            return Err(TargetError::EndsLate { end_s, simulated_s });
+        }
+        let tip_m = |k: usize| spline.value(at(k).clamp(0.0, last));
+        let strays = |(k, wanted): (usize, &f64)| tip_m(k) - wanted;
+        let errors: Vec<f64> = wanted_m.iter().enumerate().map(strays).collect();
+        let larger = |a: &usize, b: &usize| errors[*a].abs().total_cmp(&errors[*b].abs());
+        let worst = (0..errors.len()).max_by(larger).unwrap_or(0);
+        let squares: f64 = errors.iter().map(|e| e * e).sum();
+        let moved_m = (tip_m(0) - simulation.tip.displacement_m[0]).abs();
+        let late = LateTarget { start_s: grid.time_s(0), moved_m };
+        Ok(Self {
+            worst_m: errors[worst].abs(),
+            share: errors[worst].abs() / travel_m,
+            time_s: grid.time_s(worst),
+            rms_m: (squares / errors.len() as f64).sqrt(),
+            final_m: errors[errors.len() - 1],
+            late: (moved_m > MOVED_BEFORE * travel_m).then_some(late),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_halves_do_not_have_has_no_error() {
+        let errors = mesh_errors(&[1.015, 2.0], &[1.0]);
+        assert!((errors[0] - 0.016).abs() < 1e-15 && errors[1].is_nan());
+        assert_eq!(CoarseMesh::of("mode", &[0.01, f64::NAN]), None);
+        let found = CoarseMesh::of("mode", &[1e-3, 0.02, f64::NAN, 0.05, 0.04]).unwrap();
+        let expected = "from mode 2 on the mesh is wrong by more than 1 %, at the worst by 5.0e-2 (elements halved)";
+        assert_eq!(found.to_string(), expected);
+    }
+
+    #[test]
+    fn a_band_is_right_up_to_the_last_frequency_before_the_first_that_is_wrong() {
+        let told = |changes: &[(f64, f64)]| {
+            let error = BandMeshError::of_changes(changes.iter().copied()).unwrap();
+            error.warning.map(|warning| warning.to_string())
+        };
+        assert_eq!(BandMeshError::of_changes([]), None);
+        assert_eq!(told(&[(1.0, 1e-3), (2.0, 9e-3)]), None);
+        let wrong = "the mesh is wrong by more than 1 %, at the worst by";
+        assert_eq!(
+            told(&[(1.0, 1e-3), (2.0, 2e-3), (3.0, 0.03), (4.0, 1e-3), (5.0, 0.015)]),
+            Some(format!("above 2.000 Hz {wrong} 3.2e-2 at 3.000 Hz (elements halved)"))
+        );
+        assert_eq!(
+            told(&[(1.0, 0.03), (2.0, 1e-3)]),
+            Some(format!("at all frequencies {wrong} 3.2e-2 at 1.000 Hz (elements halved)"))
+        );
+    }
+}
