@@ -104,7 +104,7 @@ fn check_series(modes: &[usize], ratios: &[f64]) -> Result<(), ParameterError> {
     all_in_unit_interval(ratios)
 }
 
-/// Refuses modes unless each stands above the one before it and the first above 0.
+/// Refuses modes unless each number is above the one before it and the first above 0.
 fn ascending(modes: &[usize], must: &str) -> Result<(), ParameterError> {
     if modes.first() != Some(&0) && modes.is_sorted_by(|lower, higher| lower < higher) {
         Ok(())
@@ -117,7 +117,7 @@ fn all_in_unit_interval(ratios: &[f64]) -> Result<(), ParameterError> {
     ratios.iter().try_for_each(|&ratio| in_unit_interval("damping.ratios", ratio))
 }
 
-/// Refuses a damping ratio that is none.
+/// Refuses a damping ratio below 0 or from 1 on.
 pub(crate) fn in_unit_interval(parameter: &str, ratio: f64) -> Result<(), ParameterError> {
     if (0.0..1.0).contains(&ratio) {
         Ok(())

@@ -205,19 +205,19 @@ impl Link {
 }
 
 /// Largest deflection of the tip over the length, and how far a geometrically exact link's tip then
-/// strays along its arc, over its way: torques of this program played in a code of finite rotations.
+/// strays along its arc, over its travel: torques of this program played in a code of finite rotations.
 const PLAYED: [(f64, f64); 4] = [(0.2, 0.004), (0.3, 0.013), (0.45, 0.04), (0.65, 0.16)];
 
 impl Link {
     /// Tip deflection over length beyond which deflections are no longer small: the tip of a link
-    /// that bends by a fifth of its length strays by 0.4 % of its way.
+    /// that bends by a fifth of its length strays by 0.4 % of its travel.
     pub const LARGE_DEFLECTION: f64 = 0.2;
 
     /// Tip deflection over length beyond which the answer is that of another link: the tip strays by
-    /// more than 1.3 % of its way.
+    /// more than 1.3 % of its travel.
     pub const LARGEST_DEFLECTION: f64 = 0.3;
 
-    /// How far the tip strays, over its way, where it deflects by this `share` of the length; none
+    /// How far the tip strays, over its travel, where it deflects by this `share` of the length; none
     /// beyond what was played.
     pub fn large_deflection_error(share: f64) -> Option<f64> {
         let last = PLAYED.len() - 1;

@@ -82,9 +82,9 @@ impl Taper {
     }
 }
 
-/// What shear and rotary inertia of a segment depend on, beside its stiffness and its mass.
+/// The numbers of a segment that shear and rotary inertia depend on, besides stiffness and mass.
 ///
-/// The model leaves both out; with these numbers it says how much that matters.
+/// The model leaves both out; these numbers give the error of that.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CrossSection {
     /// Radius of gyration r = √(I/A) in the plane of motion in m, above 0 at both ends.
@@ -171,7 +171,7 @@ impl Segment {
     }
 }
 
-/// A name must be tellable from a number, a wildcard and a path.
+/// Refuses a name that reads as a number, a wildcard or a path.
 fn check_name(name: &str, parameter: &str) -> Result<(), ParameterError> {
     let number = name.chars().all(|c| c.is_ascii_digit());
     if number || name.contains(['.', '*', '=']) || name.trim() != name {

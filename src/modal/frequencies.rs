@@ -17,7 +17,7 @@ const LOST_DIGITS: f64 = 1e-8;
 const SETTLED: f64 = 1e-13;
 
 /// Highest angular frequency that is searched, in rad/s, far above any link's.
-const SEARCH_LIMIT_RAD_S: f64 = 1e15;
+pub(super) const SEARCH_LIMIT_RAD_S: f64 = 1e15;
 
 /// A torsional spring between hub and ground, its stiffness k in N m/rad.
 ///

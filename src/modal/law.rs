@@ -207,7 +207,10 @@ impl DampingLaw {
             Self::Rayleigh { alpha_per_s, beta_s } => {
                 0.5 * (alpha_per_s / omega_rad_s + beta_s * omega_rad_s)
             }
-            Self::Modal { ratios } => ratios[(number - 1).min(ratios.len() - 1)],
+            Self::Modal { ratios } => {
+                let own = ratios.get(number.saturating_sub(1)).or(ratios.last());
+                own.copied().unwrap_or(0.0)
+            }
             Self::Caughey(series) => 0.5 * series.rate_per_s(omega_rad_s) / omega_rad_s,
         }
     }

@@ -50,11 +50,11 @@ pub struct LoweredMode {
 }
 
 fn range(lowest: &LoweredMode, highest: &LoweredMode) -> String {
-    let told = |mode: &LoweredMode| format!("{:.0} % (mode {})", 100.0 * mode.share, mode.number);
+    let one = |mode: &LoweredMode| format!("{:.0} % (mode {})", 100.0 * mode.share, mode.number);
     if lowest.number == highest.number {
-        told(lowest)
+        one(lowest)
     } else {
-        format!("{} to {}", told(lowest), told(highest))
+        format!("{} to {}", one(lowest), one(highest))
     }
 }
 
@@ -78,7 +78,7 @@ impl Thickness {
 
     /// With a guess in place of sections that are unknown; none where all are known.
     ///
-    /// Stiffness and mass tell the radius of gyration but for the speed of sound:
+    /// Stiffness and mass give the radius of gyration but for the speed of sound:
     /// `EI/m̄ = r² E/ρ`.
     pub fn guessed(link: &Link) -> Option<Self> {
         let segments = link.segments();
@@ -88,11 +88,6 @@ impl Thickness {
         }
         let section = |segment: &Segment| segment.cross_section.or_else(|| guess(segment));
         Some(Self { sections: segments.iter().map(section).collect() })
-    }
-
-    /// Whether no section is known, so that every share is zero.
-    pub fn is_unknown(&self) -> bool {
-        self.sections.iter().all(Option::is_none)
     }
 
     /// Whether the first `modes` modes cannot be lowered noticeably: judged quickly by the radii alone.
@@ -114,17 +109,13 @@ impl Thickness {
     /// The modes of these natural frequencies, the first ones of the link, that are lowered by more
     /// than 1 %.
     pub fn noticeable(&self, mesh: &Mesh, omegas_rad_s: &[f64]) -> Option<ThickLink> {
-        let lowered = |(k, omega): (usize, &f64)| LoweredMode {
-            number: k + 1,
-            share: self.share(mesh, &mode(mesh, *omega)),
-        };
-        if self.is_unknown() {
+        if self.sections.iter().all(Option::is_none) {
             return None;
         }
-        let modes = omegas_rad_s.iter().enumerate().map(lowered);
-        let mut modes = modes.filter(|mode| mode.share > NOTICEABLE);
-        let lowest = modes.next()?;
-        Some(ThickLink { lowest, highest: modes.next_back().unwrap_or(lowest) })
+        let shares = omegas_rad_s.iter().map(|omega| self.share(mesh, &mode(mesh, *omega)));
+        let modes = (1..).zip(shares).map(|(number, share)| LoweredMode { number, share });
+        let modes: Vec<_> = modes.filter(|mode| mode.share > NOTICEABLE).collect();
+        Some(ThickLink { lowest: *modes.first()?, highest: *modes.last()? })
     }
 
     /// Share by which shear and rotary inertia lower a natural frequency, about.

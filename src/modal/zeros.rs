@@ -1,4 +1,4 @@
-use super::frequencies::HubSpring;
+use super::frequencies::{HubSpring, SEARCH_LIMIT_RAD_S};
 use super::inertia::{carries_rotary_inertia, outboard_degrees_of_freedom};
 use crate::beam::{Mesh, hub_response, tip_displacement_m, tip_displacements_m};
 use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
@@ -57,6 +57,7 @@ pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
         return Vec::new();
     }
     let Some(start) = scan_start(mesh) else { return Vec::new() };
+    let limit_rad_s = limit_rad_s.min(SEARCH_LIMIT_RAD_S);
     let unflipped = |places: &[f64; SECTIONS]| {
         let displacements = tip_displacements_m(mesh, &places.map(|omega| omega * omega));
         let modes = HubSpring::CLAMPED.modes_below(mesh, places);
@@ -95,7 +96,7 @@ fn changes(
 }
 
 /// Where the scan for zeros of torque → tip may begin, in 1/s, if points of mass leave them all real:
-/// they and the modes of the clamped link tell what inertia bends the tip by at rest.
+/// they and the modes of the clamped link determine how far inertia bends the tip at rest.
 ///
 /// ```text
 /// L + e_tip = L ∏ (1 + λ/z_k²)/(1 − λ/ω_k²),   at rest  e_tip/(λL) = Σ 1/z_k² + Σ 1/ω_k² > 1/z₁²

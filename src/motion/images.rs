@@ -45,7 +45,7 @@ pub struct Images {
     step_s: f64,
     samples: usize,
     seam: usize,
-    /// Times of the period, whose samples from the seam on stand before the others.
+    /// Times of the period, whose samples from the seam on come before the others.
     span: Span,
     /// Samples around the seam, and there the terms of the motion in all periods, its own included.
     around_seam: Vec<(usize, TailTerms)>,

@@ -51,9 +51,9 @@ pub struct TipHistories {
     pub acceleration_m_s2: Vec<f64>,
     /// Velocity in m/s.
     pub velocity_m_s: Vec<f64>,
-    /// Displacement in m. Samples from `before` on stand for times before the trajectory.
+    /// Displacement in m. Samples from `before` on are of times before the trajectory.
     pub displacement_m: Vec<f64>,
-    /// The first sample that stands one period earlier.
+    /// The first sample whose time is one period earlier.
     pub before: usize,
 }
 

@@ -116,7 +116,7 @@ pub(super) fn at_rest(displacement_m: &[f64], step_s: f64) -> Result<(), MotionE
     Ok(())
 }
 
-/// A column of a name and a unit that is held against what follows from the column `other`.
+/// A given column and the values that follow from the column `other`.
 pub(super) struct Agreement<'a> {
     pub(super) column: &'static str,
     pub(super) unit: &'static str,
@@ -201,7 +201,7 @@ pub enum MotionError {
         /// The least that it must reach, in m/s².
         least_m_s2: f64,
     },
-    /// A time that does not stand on the uniform grid.
+    /// A time off the uniform grid.
     #[error(transparent)]
     NotUniform(#[from] NotUniform),
     /// Factors that leave no motion, or none that ends.

@@ -87,7 +87,7 @@ const SEAM_PLACES: usize = 8;
 
 /// Spectrum of the tip motion on a period of N samples; sample 0 is the trajectory's first.
 ///
-/// Samples after the trajectory continue its rest; those from the seam on stand for the rest
+/// Samples after the trajectory continue its rest; those from the seam on are the rest
 /// before it.
 #[derive(Clone)]
 pub struct TipSpectrum {
@@ -106,7 +106,7 @@ pub struct TipSpectrum {
     pub magnitudes_m_s2: Vec<f64>,
     /// The largest of them.
     pub largest_m_s2: f64,
-    /// The sample from which on samples stand for times before the trajectory; N where none do.
+    /// The first sample of a time before the trajectory; N without one.
     pub seam: usize,
     /// Frequency up to which the motion is solved for.
     pub cutoff: Cutoff,
@@ -114,7 +114,7 @@ pub struct TipSpectrum {
 
 impl TipSpectrum {
     /// Spectrum of a motion on a period of `len` samples, an even number not below its own, rolled off at a
-    /// cut-off. Of the samples beyond its own those from `seam` on stand for times before the trajectory.
+    /// cut-off. Of the samples beyond its own those from `seam` on are of times before the trajectory.
     ///
     /// Acceleration samples are transformed as they are. Displacement samples are differenced
     /// twice first, which is zero outside the motion whatever its travel, and the difference is

@@ -150,7 +150,7 @@ impl TipMotion {
     }
 
     /// The motion on a period of `len` samples, an even number not below its own, up to a cut-off. Of the
-    /// samples beyond its own those from `seam` on stand for times before the motion.
+    /// samples beyond its own those from `seam` on are of times before the motion.
     ///
     /// # Panics
     /// If `len` is odd or below the number of samples, or `seam` does not lie in the padding.

@@ -57,14 +57,11 @@ impl Simulation {
                 total
             })
             .collect();
-        let place = |k: usize| match k {
-            k if k == count => last,
-            k => worked.partition_point(|sum| *sum < total * k as f64 / count as f64),
-        };
         let balance = |k: usize| {
-            let sample = place(k);
+            let reached = |sum: &f64| *sum < total * k as f64 / count as f64;
+            let sample = if k == count { last } else { worked.partition_point(reached) };
             let (q, rate) = self.record.at(sample);
-            let (shape, velocity) = (self.shape(q), self.shape(rate));
+            let [shape, velocity] = [q, rate].map(|own| Shape::sum(own, &self.equations.shapes));
             EnergyBalance {
                 time_s: self.grid.time_s(sample),
                 work_j: work[sample],
@@ -93,10 +90,6 @@ impl Simulation {
         let modes = rate.iter().zip(&self.equations.coordinates);
         let damped: f64 = modes.map(|(rate, mode)| mode.rate_per_s * rate * rate).sum();
         damped + self.equations.reaction.friction_n_m_s_rad * self.hub_rate_rad_s[sample].powi(2)
-    }
-
-    fn shape(&self, coordinates: &[f64]) -> Shape {
-        Shape::sum(coordinates, &self.equations.shapes)
     }
 
     /// ∫ dt from the first to each `every`-th of the samples, by these alone.

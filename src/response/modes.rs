@@ -128,13 +128,6 @@ pub struct ModeSelection {
     pub highest_hz: f64,
 }
 
-impl ModeSelection {
-    /// The most modes to keep when the error of these is measured: twice as many where some were cut.
-    pub(super) fn most_modes_beyond(&self) -> usize {
-        if self.modes < MOST_MODES { MOST_MODES } else { 2 * MOST_MODES }
-    }
-}
-
 /// Frequency in rad/s above which a torque of these samples hardly moves a link.
 ///
 /// An amplitude T̂ moves a rigid link by T̂/(Iω²): these are summed from the Nyquist frequency down until the

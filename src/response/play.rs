@@ -225,19 +225,14 @@ pub(super) fn pieces(samples: &[f64], interpolation: Interpolation) -> Vec<Cubic
         }
         Interpolation::Cubic => {
             let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
-            spline.slopes().windows(2).zip(samples.windows(2)).map(hermite).collect()
+            let ends = samples.windows(2).zip(spline.slopes().windows(2));
+            ends.map(|(values, slopes)| {
+                let (rise, [from, to]) = (values[1] - values[0], [slopes[0], slopes[1]]);
+                [values[0], from, 3.0 * rise - 2.0 * from - to, from + to - 2.0 * rise]
+            })
+            .collect()
         }
     }
-}
-
-fn hermite((slopes, ends): (&[f64], &[f64])) -> Cubic {
-    let rise = ends[1] - ends[0];
-    [
-        ends[0],
-        slopes[0],
-        3.0 * rise - 2.0 * slopes[0] - slopes[1],
-        slopes[0] + slopes[1] - 2.0 * rise,
-    ]
 }
 
 #[cfg(test)]

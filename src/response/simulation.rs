@@ -16,7 +16,7 @@ use crate::numeric::{TimeGrid, largest};
 /// rate of each mode.
 const BYTES_PER_SAMPLE: usize = 190;
 
-/// The motion of a link under a torque. All histories stand on [`Simulation::grid`].
+/// The motion of a link under a torque. The times of all histories are [`Simulation::grid`].
 #[derive(Debug, Clone)]
 pub struct Simulation {
     /// Times of all histories: those of the torque, continued to the given end.
@@ -94,21 +94,17 @@ fn play_on(
     let (basis, selection) = kept_modes(&mesh, band_rad_s, MOST_MODES);
     let equations = Equations::new(&mesh, &law, basis, play.reaction(link));
     let modes = equations.coordinates.len();
-    check_memory(grid.len, modes, play)?;
+    let samples = grid.len;
+    let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE);
+    if let Some(allowed) = play.memory_bytes.filter(|allowed| bytes > *allowed) {
+        return Err(SimulationError::TooMuchMemory { samples, modes, bytes, allowed });
+    }
     let record = Record::of(&equations, &driving, &grid);
     let start = [play.initial_tip_m / mesh.length_m(), play.initial_tip_m];
-    let observed = observed(&record, &equations, &driving, start, grid.len);
+    let observed = observed(&record, &equations, &driving, start, &grid)?;
     let [torque_n_m, hub_angle_rad, hub_rate_rad_s, hub_acceleration_rad_s2, tip @ ..] = observed;
     let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
     let tip = TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 };
-    let is_finite = |k: &usize| {
-        let power = torque_n_m[*k] * hub_rate_rad_s[*k];
-        let accelerations = tip.acceleration_m_s2[*k] + hub_acceleration_rad_s2[*k];
-        power.is_finite() && accelerations.is_finite()
-    };
-    if let Some(sample) = (0..grid.len).find(|k| !is_finite(k)) {
-        return Err(SimulationError::NotFinite { time_s: grid.time_s(sample) });
-    }
     let driven = play.torque.grid().len;
     let reading = Reading::new(&equations, mesh.length_m(), play.feedback);
     let (last, held) = (record.at(driven - 1), driving.held());
@@ -148,11 +144,11 @@ fn observed(
     equations: &Equations,
     driving: &Driving,
     [start_rad, start_m]: [f64; 2],
-    samples: usize,
-) -> [Vec<f64>; 7] {
-    let mut columns = [(); 7].map(|()| Vec::with_capacity(samples));
+    grid: &TimeGrid,
+) -> Result<[Vec<f64>; 7], SimulationError> {
+    let mut columns = [(); 7].map(|()| Vec::with_capacity(grid.len));
     let reaction = equations.reaction;
-    for sample in 0..samples {
+    for sample in 0..grid.len {
         let (q, rate) = record.at(sample);
         let input = driving.at(sample);
         let acceleration = equations.accelerations(q, rate, input);
@@ -169,20 +165,15 @@ fn observed(
             equations.tip(rate),
             equations.tip(&acceleration),
         ];
+        let (power, accelerations) = (row[0] * row[2], row[3] + row[6]);
+        if !power.is_finite() || !accelerations.is_finite() {
+            return Err(SimulationError::NotFinite { time_s: grid.time_s(sample) });
+        }
         for (column, value) in columns.iter_mut().zip(row) {
             column.push(value);
         }
     }
-    columns
-}
-
-/// Refuses a simulation that needs more memory than the play allows.
-fn check_memory(samples: usize, modes: usize, play: &Play) -> Result<(), SimulationError> {
-    let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE);
-    match play.memory_bytes.filter(|allowed| bytes > *allowed) {
-        Some(allowed) => Err(SimulationError::TooMuchMemory { samples, modes, bytes, allowed }),
-        None => Ok(()),
-    }
+    Ok(columns)
 }
 
 fn tip_deflection_m(mesh: &Mesh, tip_m: &[f64], hub_angle_rad: &[f64]) -> Vec<f64> {
@@ -242,7 +233,8 @@ impl PlayError {
     ) -> Result<Option<Self>, SimulationError> {
         let mesh = simulation.mesh.refined();
         let Ok(law) = DampingLaw::of(link.damping(), &mesh) else { return Ok(None) };
-        let most_modes = simulation.selection.most_modes_beyond();
+        let were_cut = simulation.selection.modes >= MOST_MODES;
+        let most_modes = if were_cut { 2 * MOST_MODES } else { MOST_MODES };
         let (basis, _) = kept_modes(&mesh, simulation.band_rad_s, most_modes);
         let equations = Equations::new(&mesh, &law, basis, play.reaction(link));
         let driving = play.driving()?;

@@ -96,7 +96,7 @@ impl Fit {
 
     /// How many motions of fewer steps there are.
     pub fn shorter(&self) -> usize {
-        self.steps - FEWEST_STEPS
+        self.steps.saturating_sub(FEWEST_STEPS)
     }
 }
 
@@ -120,7 +120,7 @@ pub struct FitProblem<'a> {
 /// The fewest steps of a motion within limits: the answer to how fast a link may move its tip.
 ///
 /// The torque does not simply fall as the duration grows: it jumps with the number of steps, and rises
-/// again where the link resonates. So no duration tells of another. The search doubles the duration until
+/// again where the link resonates. So one duration says nothing about another. The search doubles the duration until
 /// one fits; then it tries all shorter ones upward, or, of more than a thousand, a thousand of them, as
 /// many in each doubling, and all between the first of these that fits and the one before it. A motion
 /// fits if every value with its measured error is within its limit, and the error of the value nearest

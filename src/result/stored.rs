@@ -120,7 +120,7 @@ impl StoredNodes {
 /// One line of the table of checks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredCheck {
-    /// What was held against what.
+    /// What was compared with what.
     pub what: String,
     /// What the numbers are relative to.
     pub of: String,
@@ -152,7 +152,7 @@ impl StoredWarning {
 pub struct StoredSweep {
     /// Name of the file.
     pub name: String,
-    /// What the sweep was made of; none where no record lies beside the table.
+    /// What the sweep was made of; none without a record of the table.
     pub origin: Option<Origin>,
     /// Columns that head the values varied, the first ones of the table.
     pub varied: usize,
