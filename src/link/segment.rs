@@ -282,32 +282,26 @@ impl Section {
     /// # Errors
     /// A dimension that is not above zero, or a wall thicker than half the section.
     pub fn check(&self, parameter: &str) -> Result<(), ParameterError> {
-        let dimension =
-            |name: &str, value: f64| positive(&format!("{parameter}.{name}"), value, "m");
-        let wall = |value: f64, least_m: f64| {
-            dimension("wall", value)?;
-            if 2.0 * value < least_m {
-                return Ok(());
-            }
-            let must = format!("must be below half the outer size {least_m} m");
-            Err(ParameterError::new(format!("{parameter}.wall"), value, "m", must))
-        };
-        match *self {
+        let (sizes, wall_m) = match *self {
             Self::Rectangle { width_m, thickness_m } => {
-                dimension("width", width_m)?;
-                dimension("thickness", thickness_m)
+                ([("width", width_m), ("thickness", thickness_m)], None)
             }
-            Self::Circle { diameter_m } => dimension("diameter", diameter_m),
-            Self::Tube { diameter_m, wall_m } => {
-                dimension("diameter", diameter_m)?;
-                wall(wall_m, diameter_m)
-            }
+            Self::Circle { diameter_m } => ([("diameter", diameter_m); 2], None),
+            Self::Tube { diameter_m, wall_m } => ([("diameter", diameter_m); 2], Some(wall_m)),
             Self::Box { width_m, height_m, wall_m } => {
-                dimension("width", width_m)?;
-                dimension("height", height_m)?;
-                wall(wall_m, width_m.min(height_m))
+                ([("width", width_m), ("height", height_m)], Some(wall_m))
             }
+        };
+        let path = |name: &str| format!("{parameter}.{name}");
+        sizes.iter().try_for_each(|(name, size_m)| positive(&path(name), *size_m, "m"))?;
+        let Some(wall_m) = wall_m else { return Ok(()) };
+        positive(&path("wall"), wall_m, "m")?;
+        let least_m = sizes[0].1.min(sizes[1].1);
+        if 2.0 * wall_m < least_m {
+            return Ok(());
         }
+        let must = format!("must be below half the outer size {least_m} m");
+        Err(ParameterError::new(path("wall"), wall_m, "m", must))
     }
 }
 

@@ -111,10 +111,6 @@ fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
 /// is a matter of seconds here.
 pub const MOST_ELEMENTS_OF_ALL_MODES: usize = 500;
 
-/// Eigenvalues below this share of the largest, times their number, are those of motions without
-/// mass.
-const ROUND_OFF: f64 = f64::EPSILON;
-
 /// Why not all modes of a mesh are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum AllModesError {
@@ -160,7 +156,8 @@ impl ModalBasis {
             SymmetricEigen::new(2 * elements, flexibility).ok_or(AllModesError::NotFinite)?;
         let values = &eigen.values;
         let largest = values.iter().fold(0.0_f64, |m, value| m.max(*value));
-        let massless = ROUND_OFF * values.len() as f64 * largest;
+        // Eigenvalues of motions without mass are round-off.
+        let massless = f64::EPSILON * values.len() as f64 * largest;
         let modes = (0..values.len()).rev().filter(|k| values[*k] > massless).map(|k| Mode {
             omega_rad_s: values[k].sqrt().recip(),
             shape: link.shape(mesh, eigen.vector(k)),

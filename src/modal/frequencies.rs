@@ -50,38 +50,35 @@ impl HubSpring {
     /// more below the second, which is `from_rad_s` times a power of two. None where the search passes
     /// its limit.
     pub(super) fn bracket(self, mesh: &Mesh, sought: usize, from_rad_s: f64) -> Option<(f64, f64)> {
-        let is_above = |modes: &usize| *modes >= sought;
+        let (below, above) = self.crossed(mesh, sought, geometric_scan(from_rad_s, 2.0), true)?;
+        if below.is_some() {
+            return below.zip(Some(above));
+        }
+        let (above, below) = self.crossed(mesh, sought, geometric_scan(from_rad_s, 0.5), false)?;
+        Some(below).zip(above)
+    }
+
+    /// The first place of a scan that lies above mode number `sought`, or below it, and the place before.
+    fn crossed(
+        self,
+        mesh: &Mesh,
+        sought: usize,
+        mut scan: impl Iterator<Item = f64>,
+        is_above: bool,
+    ) -> Option<(Option<f64>, f64)> {
         let mut before = None;
-        let mut upwards = geometric_scan(from_rad_s, 2.0);
-        let (low, high) = loop {
-            let places = next_places(&mut upwards);
-            match self.modes_below(mesh, &places).iter().position(is_above) {
-                Some(first) => {
-                    let low = if first > 0 { Some(places[first - 1]) } else { before };
-                    break (low, places[first]);
+        loop {
+            let places = next_places(&mut scan);
+            for (place, modes) in places.into_iter().zip(self.modes_below(mesh, &places)) {
+                if (modes >= sought) == is_above {
+                    return Some((before, place)).filter(|_| place <= SEARCH_LIMIT_RAD_S);
                 }
-                None => before = places.last().copied(),
+                before = Some(place);
             }
             if places[0] > SEARCH_LIMIT_RAD_S {
                 return None;
             }
-        };
-        if let Some(low) = low {
-            return Some((low, high)).filter(|_| high <= SEARCH_LIMIT_RAD_S);
         }
-        let (mut low, mut high) = (None, high);
-        let mut downwards = geometric_scan(0.5 * from_rad_s, 0.5);
-        while low.is_none() {
-            let places = next_places(&mut downwards);
-            for (place, modes) in places.iter().zip(self.modes_below(mesh, &places)) {
-                if !is_above(&modes) {
-                    low = Some(*place);
-                    break;
-                }
-                high = *place;
-            }
-        }
-        low.map(|low| (low, high))
     }
 
     /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.

@@ -19,9 +19,6 @@ const LEAST_M_S2: f64 = 1e-120;
 /// End velocity over peak velocity up to which displacement samples count as at rest.
 const REST_TOLERANCE: f64 = 1e-2;
 
-/// Largest difference of two columns over the peak of one.
-const AGREEMENT_TOLERANCE: f64 = 1e-3;
-
 /// Sampled columns of a tip motion, in SI, all of one length.
 ///
 /// At least one of `acceleration_m_s2` and `displacement_m` is present.
@@ -114,36 +111,6 @@ pub(super) fn at_rest(displacement_m: &[f64], step_s: f64) -> Result<(), MotionE
         }
     }
     Ok(())
-}
-
-/// A given column and the values that follow from the column `other`.
-pub(super) struct Agreement<'a> {
-    pub(super) column: &'static str,
-    pub(super) unit: &'static str,
-    pub(super) found: &'a [f64],
-    pub(super) expected: &'a [f64],
-    /// Expected values of the derivative by time.
-    pub(super) derivative: &'a [f64],
-    pub(super) other: &'static str,
-}
-
-impl Agreement<'_> {
-    /// Refuses a column that differs by more than a share of the peak and the change of the quantity in one
-    /// step: the time of a jump of its derivative is known to one step only.
-    pub(super) fn check(&self, step_s: f64) -> Result<(), MotionError> {
-        let Self { column, unit, found, other, .. } = *self;
-        let expected = &self.expected[..found.len()];
-        let peak = expected.iter().fold(0.0_f64, |m, x| m.max((x - expected[0]).abs()));
-        let jump = largest(&self.derivative[..found.len()]) * step_s;
-        let distance = |k: &usize| (found[*k] - expected[*k]).abs();
-        let nearer = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
-        let sample = (0..found.len()).max_by(nearer).unwrap_or(0);
-        if distance(&sample) <= AGREEMENT_TOLERANCE * peak + jump {
-            return Ok(());
-        }
-        let (found, expected) = (found[sample], expected[sample]);
-        Err(MotionError::Disagree { sample, column, unit, found, expected, other })
-    }
 }
 
 /// True if a Fourier transform over [`PERIODS`] times the motion does not overflow.
