@@ -6,6 +6,9 @@ use super::spectrum::{Cutoff, LOOSER, ROLL_OFF, Shortfall, TipSpectrum, weight};
 use super::tip_motion::TipMotion;
 use crate::numeric::{FourierPair, fast_length, largest};
 
+/// Largest tolerance that is searched for.
+const LARGEST_TOLERANCE: f64 = 0.1;
+
 /// Relative precision of the cut-off, and of that for the looser tolerance.
 const PRECISION: f64 = 1e-3;
 const LOOSER_PRECISION: f64 = 2e-2;
@@ -44,14 +47,16 @@ struct Residual {
 
 impl TipMotion {
     /// The lowest cut-off whose tip error is at most `tolerance` times the travel at all times; all
-    /// frequencies for a tolerance of 0. It depends on the motion alone, on no link.
+    /// frequencies for a tolerance of 0 or below, and no fewer than for 0.1. It depends on the motion alone,
+    /// on no link.
     ///
     /// If even the highest cut-off, whose roll-off ends at the Nyquist frequency, has a larger error, it is
     /// returned with the reason.
     pub fn cutoff(&self, tolerance: f64) -> Cutoff {
-        if tolerance == 0.0 {
+        if tolerance <= 0.0 {
             return Cutoff::ALL;
         }
+        let tolerance = tolerance.min(LARGEST_TOLERANCE);
         // Four times as long as it moves: a shorter rest would change a low cut-off.
         let moves = |a: &f64| *a != 0.0;
         let forcing = self.samples().forcing_m_s2();
@@ -62,7 +67,7 @@ impl TipMotion {
         let allowed_m = tolerance * period.histories.largest_travel_m();
         let (residual, low, high) = Residual::bracketed(&period.spectrum, allowed_m);
         let high = residual.left_by(high);
-        if high.error_m > allowed_m {
+        let (found, looser, shortfall) = if high.error_m > allowed_m {
             let fall = libm::log2(residual.left_by(0.5 * high.omega_rad_s).error_m / high.error_m);
             let finer = libm::pow(allowed_m / high.error_m, 1.0 / SURE_FALL);
             let shortfall = if fall > LEAST_FALL {
@@ -70,26 +75,22 @@ impl TipMotion {
             } else {
                 Shortfall::Noise
             };
-            return Cutoff {
-                omega_rad_s: high.omega_rad_s,
-                looser_rad_s: high.omega_rad_s,
-                tip_error_m: high.error_m,
-                shortfall: Some(shortfall),
-            };
-        }
-        let found = residual.lowest(residual.left_by(low), high, allowed_m, PRECISION);
-        let allowed_m = LOOSER * allowed_m;
-        let mut low = residual.left_by(0.5 * found.omega_rad_s);
-        // This ends: a cut-off near zero leaves the whole motion, far more than any tolerance.
-        while low.error_m <= allowed_m {
-            low = residual.left_by(0.5 * low.omega_rad_s);
-        }
-        let looser = residual.lowest(low, found, allowed_m, LOOSER_PRECISION);
+            (high, high, Some(shortfall))
+        } else {
+            let found = residual.lowest(residual.left_by(low), high, allowed_m, PRECISION);
+            let allowed_m = LOOSER * allowed_m;
+            let mut low = residual.left_by(0.5 * found.omega_rad_s);
+            // This ends: a cut-off near zero leaves the whole motion, far more than any tolerance.
+            while low.error_m <= allowed_m {
+                low = residual.left_by(0.5 * low.omega_rad_s);
+            }
+            (found, residual.lowest(low, found, allowed_m, LOOSER_PRECISION), None)
+        };
         Cutoff {
             omega_rad_s: found.omega_rad_s,
             looser_rad_s: looser.omega_rad_s,
             tip_error_m: found.error_m,
-            shortfall: None,
+            shortfall,
         }
     }
 }

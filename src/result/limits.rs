@@ -191,7 +191,9 @@ fn errors(solution: &Solution, metrics: &Metrics) -> [f64; 10] {
         motor_power,
     ] = found(metrics);
     let turned_m = solution.mesh().length_m() * metrics.peak_hub_angle_rad.value;
-    let over = |error: f64, peak: f64, found: f64| (error * peak / found).min(f64::MAX);
+    let over = |error: f64, peak: f64, found: f64| {
+        if error == 0.0 { 0.0 } else { (error * peak / found).min(f64::MAX) }
+    };
     [
         torque,
         over(torque, peak, rms),

@@ -86,6 +86,7 @@ pub enum Remark {
         significant(travel_m / (TAU * length_m), 3),
         significant(*length_m, 4)
     )]
+    #[serde(rename = "way")]
     Travel {
         /// Largest distance from where the tip starts, in m.
         travel_m: f64,
