@@ -14,7 +14,7 @@ use flexlink::response::{
 };
 use flexlink::result::{PlayedMetrics, TargetError, TipError};
 use flexlink::spec::Specification;
-use flexlink::store::{SimulateOutputs, SimulationInputs, Summary};
+use flexlink::store::{RunInputs, SimulateOutputs, Summary};
 
 use super::args::{NodeArgs, SyncArgs, digits_arguments, finite, option};
 use super::inputs::LinkArgs;
@@ -88,17 +88,13 @@ impl Simulate {
         let read = self.play.read(link)?;
         let play = self.play.play(&read);
         let played = self.played(&specification, &read, &play)?;
-        let inputs = SimulationInputs {
-            link_file: &link_file,
-            torque_file: &read.torque_file,
-            target_file: read.target_file.as_ref(),
-            reference_file: read.reference_file.as_ref(),
-            link,
-            play: &play,
-            arguments: &self.arguments(),
-        };
-        let summary = self.write(&inputs, &played)?;
-        let warnings = self.tell(&inputs, &played, &summary)?;
+        let inputs = RunInputs::of_simulate(
+            [&link_file, &read.torque_file],
+            [read.target_file.as_ref(), read.reference_file.as_ref()],
+            self.arguments(),
+        );
+        let summary = self.write(inputs, (link, &play), &played)?;
+        let warnings = self.tell((link, &play), &played, &summary)?;
         self.warnings.refuse(warnings)
     }
 
@@ -123,23 +119,24 @@ impl Simulate {
     }
 
     /// Writes all tables and summary.json.
-    fn write(&self, inputs: &SimulationInputs, played: &Played) -> Result<Summary, Failure> {
+    fn write(
+        &self,
+        inputs: RunInputs,
+        (link, play): (&Link, &Play),
+        played: &Played,
+    ) -> Result<Summary, Failure> {
         let Played { simulation, metrics, .. } = played;
-        let (errors, names) = (played.errors(), SimulateOutputs::file_names());
-        let summary = Summary::of_simulation(inputs, simulation, metrics, errors, &names);
-        self.nodes.of_simulation(self.digits).write(
-            self.sync.stage(&self.output)?,
-            inputs.link,
-            simulation,
-            &summary,
-        )?;
+        let errors = played.errors();
+        let summary = Summary::of_simulation(inputs, (link, play), simulation, metrics, errors);
+        let folder = self.sync.stage(&self.output)?;
+        self.nodes.of_simulation(self.digits).write(folder, link, simulation, &summary)?;
         Ok(summary)
     }
 
     /// Prints warnings and the summary; returns the number of warnings.
     fn tell(
         &self,
-        inputs: &SimulationInputs,
+        (link, play): (&Link, &Play),
         played: &Played,
         summary: &Summary,
     ) -> Result<usize, Failure> {
@@ -156,7 +153,6 @@ impl Simulate {
         let text = || {
             let files = SimulateOutputs::file_names().len();
             let written = format!("{files} files in {}", self.output.display());
-            let (link, play) = (inputs.link, inputs.play);
             simulate_text(link, play, simulation, metrics, played.errors(), &written)
         };
         self.print.print(|| summary.to_json(), text)?;

@@ -88,7 +88,8 @@ impl Section {
 /// Program, command and files.
 pub(super) fn made_by(origin: &Origin) -> Markup {
     let files: Vec<&str> = origin.inputs.iter().map(|input| input.name.as_str()).collect();
-    html! { "flexlink " (origin.version) " " (origin.command) " · " (files.join(", ")) }
+    let files = if files.is_empty() { "no input files".to_owned() } else { files.join(", ") };
+    html! { "flexlink " (origin.version) " " (origin.command) " · " (files) }
 }
 
 /// A table that scrolls sideways where the page is narrow.
@@ -134,7 +135,9 @@ pub(super) fn inputs(origin: &Origin) -> Section {
         }
     };
     let content = html! {
-        (table(&["input", "file", "SHA-256"], &files))
+        @if origin.inputs.is_empty() {
+            p { "No input files: a program made link and motion from numbers." }
+        } @else { (table(&["input", "file", "SHA-256"], &files)) }
         @if !origin.arguments.is_empty() {
             p { "Arguments " code { (command_line(&origin.arguments)) } }
         }
@@ -331,9 +334,11 @@ fn checks(checks: &[StoredCheck]) -> Markup {
     let rows = html! {
         @for check in checks { tr {
             th scope="row" { (check.what) }
-            @match &check.outcome {
-                Ok((found, bound)) => { td { (significant(*found, 2)) } td { (significant(*bound, 2)) } }
-                Err(reason) => td colspan="2" { "not measured: " (reason) },
+            @match check.found.zip(check.bound) {
+                Some((found, bound)) => { td { (significant(found, 2)) } td { (significant(bound, 2)) } }
+                None => td colspan="2" {
+                    "not measured: " (check.reason.as_deref().unwrap_or("no finite number was found"))
+                },
             }
             td { (check.of) }
             @if check.passes { td class="pass" { "holds" } } @else { td class="fail" { "fails" } }

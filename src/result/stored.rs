@@ -118,14 +118,20 @@ impl StoredNodes {
 }
 
 /// One line of the table of checks.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StoredCheck {
+    /// Its key: `tip_error`.
+    pub name: String,
     /// What was compared with what.
     pub what: String,
     /// What the numbers are relative to.
     pub of: String,
-    /// What was found and what it may be at most, or why nothing was measured.
-    pub outcome: Result<(f64, f64), String>,
+    /// What was found; none if it was not measured.
+    pub found: Option<f64>,
+    /// What it may be at most.
+    pub bound: Option<f64>,
+    /// Why it was not measured.
+    pub reason: Option<String>,
     /// Whether it holds.
     pub passes: bool,
 }

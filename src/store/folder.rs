@@ -1,23 +1,28 @@
-//! A run's folder: its files appear all together or not at all, whatever ends the program.
+//! Results on the disk: a run's folder, whose files appear all together, or one file; whole or not at all,
+//! whatever ends the program.
 //!
-//! Files are written into a folder of their own inside it, and renamed when all are whole. A lock makes
-//! runs into one folder take turns.
+//! The files of a folder are written into a folder of their own inside it, and renamed when all are whole. A
+//! lock makes runs into one folder take turns. A single file is written beside the one that it replaces.
 
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
-use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
 
-use super::lock::{FolderLock, STAGING};
-use super::unfinished::{Removal, Unfinished, hold_off_the_end};
+use thiserror::Error;
+
+use super::lock::{Lock, PATIENCE, Unfinished, hold_off_the_end};
 use crate::csv::system_words;
 
 #[cfg(test)]
 mod tests;
+
+const LOCK: &str = ".flexlink.lock";
+
+/// How the folder begins in which a run writes its files. It sorts after [`LOCK`], so that a program that
+/// is ended removes the lock last.
+pub(super) const STAGING: &str = ".flexlink.run-";
 
 /// Whether a run waits until its files are on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -31,107 +36,108 @@ pub enum Durability {
     OnDisk,
 }
 
-/// What could not be done with an output folder.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum FolderAction {
-    /// Creating the folder itself.
-    Create,
-    /// Writing into the folder at all.
-    Enter,
-    /// Writing the file of this name.
-    Write(String),
-    /// Removing the file of this name, left by an earlier run.
-    Remove(String),
+impl Durability {
+    /// Writes all of a file.
+    fn write(
+        self,
+        file: File,
+        write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut buffered = BufWriter::with_capacity(1 << 16, file);
+        write(&mut buffered)?;
+        let file = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
+        self.sync(|| Ok(file))
+    }
+
+    /// Waits until a file, or the names in a folder, are on the disk. Accepts the refusal of a network file
+    /// system that cannot wait, and of a folder that may be written but not read.
+    fn sync(self, open: impl FnOnce() -> io::Result<File>) -> io::Result<()> {
+        use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
+        if self == Self::InMemory {
+            return Ok(());
+        }
+        match open().and_then(|file| file.sync_all()) {
+            Err(cause) if matches!(cause.kind(), InvalidInput | PermissionDenied | Unsupported) => {
+                Ok(())
+            }
+            synced => synced,
+        }
+    }
+
+    /// Waits for the names in a folder and in those above it, which may be new. Only Unix opens folders;
+    /// Windows keeps their names in order.
+    fn sync_folder(self, dir: &Path) -> io::Result<()> {
+        let dir = std::path::absolute(dir)?;
+        let mut folders = dir.ancestors().filter(|_| cfg!(unix));
+        folders.try_for_each(|folder| self.sync(|| File::open(folder)))
+    }
 }
 
 /// An output folder or a file in it that cannot be written.
-#[derive(Debug)]
+// Without `source`: the text already holds the cause.
+#[derive(Debug, Error)]
+#[error("{}: cannot {action}: {}", folder.display(), system_words(cause))]
 pub struct FolderError {
     /// The folder, as the caller named it.
     pub folder: PathBuf,
-    /// What could not be done.
-    pub action: FolderAction,
+    /// What could not be done: `write torque.csv`.
+    pub action: String,
     /// The error of the system.
     pub cause: io::Error,
 }
 
 impl FolderError {
+    pub(super) fn new(folder: &Path, action: impl Into<String>, cause: io::Error) -> Self {
+        Self { folder: folder.to_owned(), action: action.into(), cause }
+    }
+
+    /// The error of a folder that nothing can be written into.
+    pub(super) fn of_folder(folder: &Path, cause: io::Error) -> Self {
+        Self::new(folder, "write into the folder", cause)
+    }
+
     /// The error of a file that cannot be written.
     pub(super) fn of_file(path: &Path, cause: io::Error) -> Self {
         let name = path.file_name().unwrap_or(path.as_os_str());
-        Self { folder: folder_of(path).to_owned(), action: FolderAction::Write(lossy(name)), cause }
+        Self::new(folder_of(path), format!("write {}", name.display()), cause)
     }
 }
-
-impl fmt::Display for FolderError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: cannot ", self.folder.display())?;
-        match &self.action {
-            FolderAction::Create => write!(f, "create the folder")?,
-            FolderAction::Enter => write!(f, "write into the folder")?,
-            FolderAction::Write(name) => write!(f, "write {name}")?,
-            FolderAction::Remove(name) => write!(f, "remove {name}")?,
-        }
-        write!(f, ": {}", system_words(&self.cause))
-    }
-}
-
-// Without `source`: the text already holds the cause.
-impl std::error::Error for FolderError {}
 
 /// A folder that receives all files of a run, or none.
 ///
 /// [`commit`](Self::commit) or [`replace`](Self::replace) gives the files their names. Dropped without
-/// either, the folder is left as it was found.
+/// either, no file in the folder has changed.
 #[derive(Debug)]
 pub struct OutputFolder {
     dir: PathBuf,
     durability: Durability,
-    /// Names of the files that are written. Threads write several at the same time.
-    names: Mutex<BTreeSet<OsString>>,
-    // Dropped in this order: a folder is removed only if it is empty.
+    // Removed before the lock.
     staging: Unfinished,
-    _lock: FolderLock,
-    /// Folders that were not there before, the innermost first.
-    created: Vec<Unfinished>,
+    _lock: Lock,
 }
 
 impl OutputFolder {
-    /// Opens `dir` for a run's files, creating it and the folders above it where they are missing. Another
-    /// run that writes into it is waited for; if that takes more than a second, `on_wait` is called once.
+    /// Opens `dir` for a run's files, creating it and the folders above it where they are missing. Waits for
+    /// another run that writes into it; if that takes more than a second, calls `on_wait` once.
     ///
     /// # Errors
     /// [`FolderError`] if the folder cannot be created, or another run keeps writing into it.
     pub fn stage(dir: &Path, on_wait: &dyn Fn(&Path)) -> Result<Self, FolderError> {
-        let error = |action| move |cause| FolderError { folder: dir.to_owned(), action, cause };
-        let begun = Instant::now();
-        loop {
-            let created = create(dir).map_err(error(FolderAction::Create))?;
-            let lock = match FolderLock::take(dir, on_wait) {
-                Ok(lock) => lock,
-                // A run that failed has just removed the folder that it had created.
-                Err(cause)
-                    if cause.kind() == io::ErrorKind::NotFound
-                        && begun.elapsed() < Duration::from_secs(1) =>
-                {
-                    continue;
-                }
-                Err(cause) => return Err(error(FolderAction::Enter)(cause)),
-            };
-            let staging = Unfinished::make(Removal::FolderWithFiles, || {
-                Ok((tempfile::Builder::new().prefix(STAGING).tempdir_in(dir)?.keep(), ()))
-            });
-            let (staging, ()) = staging.map_err(error(FolderAction::Enter))?;
-            let (durability, names) = (Durability::default(), Mutex::default());
-            return Ok(Self {
-                dir: dir.to_owned(),
-                durability,
-                names,
-                staging,
-                _lock: lock,
-                created,
-            });
-        }
+        create(dir)?;
+        let lock = Lock::take(&dir.join(LOCK), PATIENCE, &|| on_wait(dir));
+        let lock = lock.map_err(|cause| FolderError::of_folder(dir, cause))?;
+        let staging = || {
+            if lock.is_exclusive {
+                remove_left(dir)?;
+            }
+            Unfinished::make(
+                |path| fs::remove_dir_all(path),
+                || Ok((tempfile::Builder::new().prefix(STAGING).tempdir_in(dir)?.keep(), ())),
+            )
+        };
+        let (staging, ()) = staging().map_err(|cause| FolderError::of_folder(dir, cause))?;
+        let durability = Durability::default();
+        Ok(Self { dir: dir.to_owned(), durability, staging, _lock: lock })
     }
 
     /// Sets whether the run waits for the disk; it does not by default.
@@ -152,27 +158,12 @@ impl OutputFolder {
         write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<(), FolderError> {
         let name = name.as_ref();
-        self.stage_file(name, write)
-            .map_err(|cause| self.error(FolderAction::Write(lossy(name)), cause))?;
-        self.names.lock().unwrap_or_else(PoisonError::into_inner).insert(name.to_owned());
-        Ok(())
-    }
-
-    fn stage_file(
-        &self,
-        name: &OsStr,
-        write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
-    ) -> io::Result<()> {
-        let held = hold_off_the_end();
-        let file = File::create(self.staged(name))?;
-        drop(held);
-        let mut buffered = BufWriter::with_capacity(1 << 16, file);
-        write(&mut buffered)?;
-        let file = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
-        match self.durability {
-            Durability::InMemory => Ok(()),
-            Durability::OnDisk => as_far_as_supported(file.sync_all()),
-        }
+        let create = || {
+            let _held = hold_off_the_end();
+            File::create(self.staged(name))
+        };
+        let written = create().and_then(|file| self.durability.write(file, write));
+        written.map_err(|cause| self.unwritten(name, cause))
     }
 
     /// Gives all files their names, the file `last` after all others.
@@ -184,30 +175,25 @@ impl OutputFolder {
     /// # Errors
     /// [`FolderError`] names the first file that cannot be removed or written; no file `last` is
     /// there then. If a folder has the name of a file, nothing is changed.
-    pub fn commit(mut self, last: impl AsRef<OsStr>, owned: &[&str]) -> Result<(), FolderError> {
+    pub fn commit(self, last: impl AsRef<OsStr>, owned: &[&str]) -> Result<(), FolderError> {
         let last = last.as_ref();
-        let mut names = self.take_names()?;
-        let held = hold_off_the_end();
+        let _held = hold_off_the_end();
+        let mut names = self.names()?;
         if self.dir.join(last).exists() {
             self.remove(last)?;
             self.sync()?;
         }
-        owned
-            .iter()
-            .map(OsStr::new)
-            .chain(names.iter().map(|name| &**name))
-            .try_for_each(|name| self.remove(name))?;
+        let own = names.iter().map(OsString::as_os_str);
+        owned.iter().map(OsStr::new).chain(own).try_for_each(|name| self.remove(name))?;
         let end = names.take(last);
         self.rename(&names)?;
         self.rename(&end)?;
         // Someone who removes the folder meanwhile may have removed some of them, and not the last.
         if let Some(name) = names.iter().find(|name| !self.dir.join(name).exists()) {
             self.remove(last)?;
-            let cause = io::Error::other("it was removed meanwhile");
-            return Err(self.error(FolderAction::Write(lossy(name)), cause));
+            return Err(self.unwritten(name, io::Error::other("it was removed meanwhile")));
         }
-        drop(held);
-        self.keep()
+        Ok(())
     }
 
     /// Gives all files their names in the place of those that have them: at no moment is a name
@@ -216,28 +202,25 @@ impl OutputFolder {
     /// # Errors
     /// [`FolderError`] names the first file that cannot be written; if a folder has its name, no file is
     /// changed.
-    pub fn replace(mut self) -> Result<(), FolderError> {
-        let names = self.take_names()?;
-        let held = hold_off_the_end();
+    pub fn replace(self) -> Result<(), FolderError> {
+        let _held = hold_off_the_end();
+        let names = self.names()?;
         for name in &names {
-            // A file system without permissions has none to keep.
-            let _ = fs::metadata(self.dir.join(name))
-                .map(|old| fs::set_permissions(self.staged(name), old.permissions()));
+            keep_permissions(&self.dir.join(name), &self.staged(name));
         }
-        self.rename(&names)?;
-        drop(held);
-        self.keep()
+        self.rename(&names)
     }
 
     /// Names of all files; refuses one that a folder has.
-    fn take_names(&mut self) -> Result<BTreeSet<OsString>, FolderError> {
-        let names = std::mem::take(self.names.get_mut().unwrap_or_else(PoisonError::into_inner));
+    fn names(&self) -> Result<BTreeSet<OsString>, FolderError> {
+        let entries = fs::read_dir(self.staging.path());
+        let names =
+            entries.and_then(|entries| entries.map(|entry| Ok(entry?.file_name())).collect());
+        let names: BTreeSet<OsString> =
+            names.map_err(|cause| FolderError::of_folder(&self.dir, cause))?;
         match names.iter().find(|name| self.dir.join(name).is_dir()) {
             None => Ok(names),
-            Some(name) => {
-                let cause = io::Error::other("a folder has this name");
-                Err(self.error(FolderAction::Write(lossy(name)), cause))
-            }
+            Some(name) => Err(self.unwritten(name, io::Error::other(TAKEN))),
         }
     }
 
@@ -249,7 +232,7 @@ impl OutputFolder {
     fn rename<'a>(&self, names: impl IntoIterator<Item = &'a OsString>) -> Result<(), FolderError> {
         for name in names {
             let renamed = fs::rename(self.staged(name), self.dir.join(name));
-            renamed.map_err(|cause| self.error(FolderAction::Write(lossy(name)), cause))?;
+            renamed.map_err(|cause| self.unwritten(name, cause))?;
         }
         self.sync()
     }
@@ -257,7 +240,7 @@ impl OutputFolder {
     fn remove(&self, name: &OsStr) -> Result<(), FolderError> {
         match fs::remove_file(self.dir.join(name)) {
             Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
-                Err(self.error(FolderAction::Remove(lossy(name)), cause))
+                Err(FolderError::new(&self.dir, format!("remove {}", name.display()), cause))
             }
             _ => Ok(()),
         }
@@ -265,47 +248,43 @@ impl OutputFolder {
 
     /// Waits until the names in the folder are on the disk, if the run waits for it.
     fn sync(&self) -> Result<(), FolderError> {
-        match self.durability {
-            Durability::InMemory => Ok(()),
-            Durability::OnDisk => {
-                sync_folder(&self.dir).map_err(|cause| self.error(FolderAction::Enter, cause))
-            }
-        }
+        let synced = self.durability.sync_folder(&self.dir);
+        synced.map_err(|cause| FolderError::of_folder(&self.dir, cause))
     }
 
-    /// Keeps the folders that were created.
-    fn keep(mut self) -> Result<(), FolderError> {
-        for folder in std::mem::take(&mut self.created) {
-            let above = folder_of(folder.path()).to_owned();
-            folder.keep();
-            if self.durability == Durability::OnDisk {
-                sync_folder(&above).map_err(|cause| self.error(FolderAction::Create, cause))?;
-            }
-        }
-        Ok(())
-    }
-
-    fn error(&self, action: FolderAction, cause: io::Error) -> FolderError {
-        FolderError { folder: self.dir.clone(), action, cause }
+    fn unwritten(&self, name: &OsStr, cause: io::Error) -> FolderError {
+        FolderError::of_file(&self.dir.join(name), cause)
     }
 }
 
-/// Creates a folder; returns those that were not there before, the innermost first.
-fn create(dir: &Path) -> io::Result<Vec<Unfinished>> {
-    let is_missing = |dir: &&Path| !dir.as_os_str().is_empty() && !dir.exists();
-    let missing: Vec<&Path> = dir.ancestors().take_while(is_missing).collect();
-    let mut created = Vec::new();
-    for folder in missing.into_iter().rev() {
-        let make = || fs::create_dir(folder).map(|()| (folder.to_owned(), ()));
-        match Unfinished::make(Removal::EmptyFolder, make) {
-            Ok((folder, ())) => created.insert(0, folder),
-            // Another run is as fast.
-            Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => {}
-            Err(cause) => return Err(cause),
+/// Why a file cannot take its name.
+const TAKEN: &str = "a folder has this name";
+
+/// Removes what killed runs left in a folder whose lock this run holds.
+fn remove_left(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        if is_staging(&entry.file_name()) && entry.file_type()?.is_dir() {
+            // One of another user may have to stay.
+            let _ = fs::remove_dir_all(entry.path());
         }
     }
-    fs::create_dir_all(dir)?;
-    Ok(created)
+    Ok(())
+}
+
+/// Whether a folder of this name holds files that a run has not finished.
+pub(super) fn is_staging(name: &OsStr) -> bool {
+    name.as_encoded_bytes().starts_with(STAGING.as_bytes())
+}
+
+/// Gives a file the permissions of the one that it replaces; a file system without permissions has none.
+fn keep_permissions(old: &Path, new: &Path) {
+    let _ = fs::metadata(old).map(|old| fs::set_permissions(new, old.permissions()));
+}
+
+/// Creates a folder, and those above it, where they are missing.
+pub(super) fn create(dir: &Path) -> Result<(), FolderError> {
+    fs::create_dir_all(dir).map_err(|cause| FolderError::new(dir, "create the folder", cause))
 }
 
 /// The folder that a file lies in.
@@ -314,28 +293,76 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     folder.unwrap_or(Path::new("."))
 }
 
-/// A name as messages show it.
-fn lossy(name: &OsStr) -> String {
-    name.to_string_lossy().into_owned()
-}
-
-/// Waits until the names in a folder are on the disk. Only Unix opens folders; Windows keeps their names
-/// in order.
-fn sync_folder(dir: &Path) -> io::Result<()> {
-    if !cfg!(unix) {
-        return Ok(());
+/// Writes one file, whole or not at all; creates the folder it lies in where it is missing. `write` receives
+/// a buffered writer.
+///
+/// A link is followed. A device or a named pipe is written to as it is, because renaming would put a file
+/// in its place; it is no error if its reader goes away.
+///
+/// # Errors
+/// [`FolderError`] if `path` names no file, or the file cannot be written.
+pub fn write_file(
+    path: &Path,
+    durability: Durability,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+) -> Result<(), FolderError> {
+    let path = &followed(path);
+    let refused = |cause| FolderError::of_file(path, cause);
+    // A path may end in a separator, or in a dot after it, which its last name does not show.
+    let is_last =
+        |name: &&OsStr| path.as_os_str().as_encoded_bytes().ends_with(name.as_encoded_bytes());
+    let Some(name) = path.file_name().filter(is_last) else {
+        return Err(refused(io::Error::other("the path names no file")));
+    };
+    if is_stream(path) {
+        return write_through(path, write).map_err(refused);
     }
-    as_far_as_supported(File::open(dir).and_then(|folder| folder.sync_all()))
+    create(folder_of(path))?;
+    write_aside(path, name, durability, write).map_err(refused)
 }
 
-/// Accepts the refusal of a network file system that cannot wait for the disk, and of a folder that may
-/// be written but not read.
-fn as_far_as_supported(synced: io::Result<()>) -> io::Result<()> {
-    use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
-    match synced {
-        Err(cause) if matches!(cause.kind(), InvalidInput | PermissionDenied | Unsupported) => {
-            Ok(())
-        }
-        synced => synced,
+/// Writes a file beside the one whose name it gets. Its own lock makes runs that write it take turns; what a
+/// killed run left is written over.
+fn write_aside(
+    path: &Path,
+    name: &OsStr,
+    durability: Durability,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+) -> io::Result<()> {
+    if path.is_dir() {
+        return Err(io::Error::other(TAKEN));
+    }
+    let aside = [OsStr::new("."), name, OsStr::new(".flexlink")].into_iter().collect::<OsString>();
+    let aside = folder_of(path).join(aside);
+    let lock = Lock::take(&aside, PATIENCE, &|| {})?;
+    lock.file.set_len(0)?;
+    durability.write(lock.file.try_clone()?, write)?;
+    keep_permissions(path, &aside);
+    lock.path.rename(path)?;
+    durability.sync_folder(folder_of(path))
+}
+
+/// Target of a symbolic link, if it exists; else the path itself.
+fn followed(path: &Path) -> PathBuf {
+    let target =
+        if path.is_symlink() && !is_stream(path) { path.canonicalize().ok() } else { None };
+    target.unwrap_or_else(|| path.to_owned())
+}
+
+/// Whether a path names a device, a pipe or a file that this process has open.
+pub(super) fn is_stream(path: &Path) -> bool {
+    let open = ["/dev/fd", "/dev/stdout", "/dev/stderr", "/proc/self/fd"];
+    let is_open = open.iter().any(|name| path.starts_with(name));
+    is_open || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
+}
+
+fn write_through(
+    path: &Path,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut file = File::options().append(true).open(path)?;
+    match write(&mut file).and_then(|()| file.flush()) {
+        Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => written,
     }
 }

@@ -1,4 +1,4 @@
-//! Folders of golden files: how they are listed, and how `compare --bless` changes them.
+//! Golden files: how their folders are listed, how `compare --bless` changes them, and a comparison as JSON.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
@@ -6,10 +6,13 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use walkdir::{DirEntry, WalkDir};
+use walkdir::WalkDir;
 
-use super::folder::{FolderAction, FolderError, OutputFolder, folder_of};
-use super::lock::STAGING;
+use super::folder::{FolderError, OutputFolder, folder_of, is_staging};
+use super::json::{Values, json};
+use crate::compare::{
+    ColumnComparison, Comparison, FileComparison, FileOutcome, RowPlace, TableComparison, Unmatched,
+};
 use crate::csv::InputError;
 
 /// The files of a folder and of the folders in it.
@@ -32,8 +35,7 @@ impl CsvFolder {
         let mut found = Self::default();
         let entries = WalkDir::new(folder).min_depth(1).follow_links(true).into_iter();
         // Another run may be writing into the folder.
-        let is_staging = |e: &DirEntry| e.file_name().to_string_lossy().starts_with(STAGING);
-        for entry in entries.filter_entry(|entry| !is_staging(entry)) {
+        for entry in entries.filter_entry(|entry| !is_staging(entry.file_name())) {
             let entry = match entry {
                 Ok(entry) => entry,
                 Err(error) => match stray_link(&error) {
@@ -118,17 +120,13 @@ pub fn change_golden_files(
 ) -> Result<(), FolderError> {
     let mut staged: BTreeMap<PathBuf, OutputFolder> = BTreeMap::new();
     for (name, source) in &changes.written {
-        let refused = |cause| {
-            let action = FolderAction::Write(name.clone());
-            FolderError { folder: folder.to_owned(), action, cause }
-        };
+        let refused = |cause| FolderError::new(folder, format!("write {name}"), cause);
         let path = real(folder, name).map_err(refused)?;
         let inner = folder_of(&path).to_owned();
         let own = path.file_name().unwrap_or(OsStr::new(name)).to_owned();
         if path.exists() && !path.is_file() {
             let cause = io::Error::other("it is there, and no file");
-            let action = FolderAction::Write(own.to_string_lossy().into());
-            return Err(FolderError { folder: inner, action, cause });
+            return Err(FolderError::of_file(&path, cause));
         }
         let aside = match staged.remove(&inner) {
             Some(aside) => aside,
@@ -140,11 +138,7 @@ pub fn change_golden_files(
     staged.into_values().try_for_each(OutputFolder::replace)?;
     for name in &changes.removed {
         let removed = real(folder, name).and_then(|_| fs::remove_file(folder.join(name)));
-        removed.map_err(|cause| FolderError {
-            folder: folder.to_owned(),
-            action: FolderAction::Remove(name.clone()),
-            cause,
-        })?;
+        removed.map_err(|cause| FolderError::new(folder, format!("remove {name}"), cause))?;
     }
     Ok(())
 }
@@ -166,6 +160,83 @@ fn resolved(path: &Path) -> io::Result<PathBuf> {
     let there = path.ancestors().find_map(|outer| Some((outer, outer.canonicalize().ok()?)));
     let Some((outer, real)) = there else { return Ok(path) };
     Ok(path.strip_prefix(outer).map_or(real.clone(), |rest| real.join(rest)))
+}
+
+/// The JSON text of a comparison, and of what was changed after it.
+///
+/// Differences are in the columns' own units; those that are no finite numbers are null.
+pub fn comparison_json(comparison: &Comparison, blessed: Option<&GoldenChanges>) -> String {
+    let changes = |changes: &GoldenChanges| {
+        let written: Vec<_> = changes.written.keys().map(String::as_str).collect();
+        Values::default().with("written", written).with("removed", changes.removed.clone())
+    };
+    let files: Vec<_> = comparison.files.iter().map(file_values).collect();
+    json(
+        &Values::default()
+            .with("equal", comparison.is_equal())
+            .with("files", files)
+            .with("not_compared", comparison.not_compared)
+            .with("blessed", blessed.map(changes)),
+    )
+}
+
+fn file_values(file: &FileComparison) -> Values {
+    let (outcome, table) = match &file.outcome {
+        FileOutcome::Compared(table) if table.is_equal() => ("equal", Some(table)),
+        FileOutcome::Compared(table) => ("different", Some(table)),
+        FileOutcome::OnlyExpected(_) => ("only in expected", None),
+        FileOutcome::OnlyActual(_) => ("only in actual", None),
+    };
+    Values::default()
+        .with("file", &*file.name)
+        .with("outcome", outcome)
+        .with("table", table.map(table_values))
+}
+
+fn table_values(table: &TableComparison) -> Values {
+    let columns: Vec<_> = table.columns.iter().map(column_values).collect();
+    let rows = |rows: Unmatched| {
+        Values::default().with("count", rows.count).with("first", place_values(rows.first))
+    };
+    Values::default()
+        .with("matched_by", table.matched_by.as_deref())
+        .with("rows", table.rows)
+        .with("columns", columns)
+        .with("columns_only_in_expected", table.columns_expected.clone())
+        .with("columns_only_in_actual", table.columns_actual.clone())
+        .with("rows_only_in_expected", table.rows_expected.map(rows))
+        .with("rows_only_in_actual", table.rows_actual.map(rows))
+}
+
+fn column_values(column: &ColumnComparison) -> Values {
+    let outcome = match column.tolerance {
+        None => "ignored",
+        Some(_) if column.fails() => "beyond",
+        Some(_) => "within",
+    };
+    let worst = column.worst.as_ref().map(|worst| {
+        Values::default()
+            .with("difference", worst.difference)
+            .with("relative_to_peak", column.relative())
+            .with("expected", place_values(worst.expected))
+            .with("actual", place_values(worst.actual))
+            .with("expected_field", &*worst.expected_field)
+            .with("actual_field", &*worst.actual_field)
+    });
+    Values::default()
+        .with("column", &*column.name)
+        .with("outcome", outcome)
+        .with("peak", column.peak)
+        .with("rtol", column.tolerance.map(|tolerance| tolerance.rtol))
+        .with("atol", column.tolerance.map(|tolerance| tolerance.atol))
+        .with("allowed", column.allowed())
+        .with("rows_beyond", column.rows_beyond)
+        .with("worst", worst)
+}
+
+fn place_values(place: RowPlace) -> Values {
+    let line = usize::try_from(place.line).unwrap_or(usize::MAX);
+    Values::default().with("line", line).with("key", place.key)
 }
 
 #[cfg(test)]
@@ -248,7 +319,7 @@ mod tests {
         change(&golden, &changes).unwrap();
         assert!(!golden.join("b/f.csv").exists() && golden.join("b/c d/e.csv").exists());
         let error = change(&golden, &changes).unwrap_err();
-        assert_eq!(error.action, FolderAction::Remove("b/f.csv".into()));
+        assert_eq!(error.action, "remove b/f.csv");
     }
 
     #[cfg(unix)]

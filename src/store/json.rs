@@ -1,9 +1,13 @@
-//! Records as JSON: their text, their format, and messages on damaged ones and those of other versions.
+//! Records as JSON: their text, their format, messages on damaged ones and those of other versions; and
+//! values by name.
 
-use serde::de::DeserializeOwned;
+use std::fmt;
+
+use serde::de::{DeserializeOwned, Deserializer, MapAccess, Visitor};
+use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
 
-use crate::csv::{InputFile, Place, TableError};
+use crate::csv::{InputError, InputFile, Place, TableError};
 use crate::numeric::{excerpt, is_hidden, visible};
 use crate::result::StoredInput;
 
@@ -161,15 +165,18 @@ fn without_controls(text: String) -> String {
     text.chars().map(escaped).collect()
 }
 
-/// An input file of a run: its name without folders, and its SHA-256 in hexadecimal digits.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Fingerprint {
-    pub(super) name: String,
-    pub(super) sha256: String,
+/// An input file of a run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fingerprint {
+    /// Its name without folders.
+    pub name: String,
+    /// Its SHA-256 in hexadecimal digits.
+    pub sha256: String,
 }
 
 impl Fingerprint {
-    pub(super) fn of(file: &InputFile) -> Self {
+    /// Name and SHA-256 of a file.
+    pub fn of(file: &InputFile) -> Self {
         Self { name: file.name.clone(), sha256: file.sha256() }
     }
 
@@ -177,5 +184,160 @@ impl Fingerprint {
     pub(super) fn input(&self, role: &str) -> StoredInput {
         let Self { name, sha256 } = self.clone();
         StoredInput { role: role.to_owned(), name, sha256 }
+    }
+}
+
+/// The error of a file that cannot be read, as that of one that is refused.
+pub(super) fn unreadable(error: &InputError) -> TableError {
+    let text = error.to_string();
+    let (file, message) = text.split_once(": ").unwrap_or(("", &text));
+    Place { file, line: None }
+        .refuse_whole(message.to_owned())
+        .with_hint(error.hint().map(str::to_owned))
+}
+
+/// Values of a JSON object by name, in their order there; some are such objects themselves.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Values(Vec<(String, Value)>);
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub(super) enum Value {
+    Flag(bool),
+    Whole(usize),
+    /// JSON has null for one that is not finite.
+    Number(f64),
+    Text(String),
+    List(Vec<Value>),
+    Inner(Values),
+    Null,
+}
+
+impl Values {
+    pub(super) fn of<const N: usize>(numbers: [(&str, f64); N]) -> Self {
+        numbers.into_iter().fold(Self::default(), |all, (name, number)| all.with(name, number))
+    }
+
+    /// Adds a value; nothing becomes null.
+    pub(super) fn with(mut self, name: &str, value: impl Into<Value>) -> Self {
+        self.0.push((name.to_owned(), value.into()));
+        self
+    }
+
+    /// Adds a value if there is one.
+    pub(super) fn with_some(self, name: &str, value: Option<impl Into<Value>>) -> Self {
+        match value {
+            Some(value) => self.with(name, value),
+            None => self,
+        }
+    }
+
+    /// The number of this name.
+    pub(super) fn number(&self, name: &str) -> Option<f64> {
+        match self.0.iter().find(|(own, _)| own == name)?.1 {
+            Value::Number(number) => Some(number),
+            Value::Whole(number) => Some(number as f64),
+            _ => None,
+        }
+    }
+
+    /// The whole number of this name.
+    pub(super) fn whole(&self, name: &str) -> Option<usize> {
+        match self.0.iter().find(|(own, _)| own == name)?.1 {
+            Value::Whole(number) => Some(number),
+            _ => None,
+        }
+    }
+
+    /// All finite numbers with names that begin so; one of an inner object has the names of both,
+    /// `torque_mesh`.
+    pub(super) fn prefixed(&self, prefix: &str) -> Vec<(String, f64)> {
+        let mut found = Vec::new();
+        for (name, value) in &self.0 {
+            if let Value::Inner(inner) = value {
+                found.extend(inner.prefixed(&format!("{prefix}{name}_")));
+            }
+            let number = self.number(name).filter(|number| number.is_finite());
+            found.extend(number.map(|number| (format!("{prefix}{name}"), number)));
+        }
+        found
+    }
+}
+
+impl From<bool> for Value {
+    fn from(flag: bool) -> Self {
+        Self::Flag(flag)
+    }
+}
+
+impl From<usize> for Value {
+    fn from(number: usize) -> Self {
+        Self::Whole(number)
+    }
+}
+
+impl From<f64> for Value {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Value {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl<T: Into<Value>> From<Vec<T>> for Value {
+    fn from(list: Vec<T>) -> Self {
+        Self::List(list.into_iter().map(Into::into).collect())
+    }
+}
+
+impl From<Values> for Value {
+    fn from(values: Values) -> Self {
+        Self::Inner(values)
+    }
+}
+
+impl<T: Into<Value>> From<Option<T>> for Value {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Null, Into::into)
+    }
+}
+
+impl Serialize for Values {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+impl<'de> Deserialize<'de> for Values {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(ByName)
+    }
+}
+
+struct ByName;
+
+impl<'de> Visitor<'de> for ByName {
+    type Value = Values;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("values by name")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Values, A::Error> {
+        let mut values = Values::default();
+        while let Some(entry) = map.next_entry()? {
+            values.0.push(entry);
+        }
+        Ok(values)
     }
 }

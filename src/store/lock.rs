@@ -1,59 +1,117 @@
-//! The lock that makes runs into one folder take turns, and removes what a killed run left there.
+//! What a run makes before it is done, and the locks that make runs take turns.
+//!
+//! Every path that a run may have to take back is noted here, so that a program that is ended removes it.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::io;
-use std::path::Path;
+use std::mem;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use same_file::Handle;
 
-use super::unfinished::{Removal, Unfinished};
-
-pub(super) const LOCK: &str = ".flexlink.lock";
-
-/// How the folder begins in which a run writes its files. It sorts after [`LOCK`], so that a program that
-/// is ended removes the lock last: a lock that is found tells the next run of files that were left.
-pub(super) const STAGING: &str = ".flexlink.run-";
-
-/// How long a run waits for another that writes into the same folder.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// How long a run waits for another that holds a lock.
+pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 
 /// How long it waits before it says so.
 const SHORT: Duration = Duration::from_secs(1);
 
-/// The right to write into a folder, of one run at a time.
-#[derive(Debug)]
-pub(super) struct FolderLock {
-    // Removed before the file is closed: a run that has opened it meanwhile sees that it is gone.
-    _path: Unfinished,
-    // The system releases the lock with the process, however that ends.
-    _file: File,
-}
+/// What removes a file, or a folder with its files.
+type Removal = fn(&Path) -> io::Result<()>;
 
-impl FolderLock {
-    /// Waits for a run that writes into `folder`, then removes what a killed run left there. `on_wait` is
-    /// called once if the wait is long.
-    pub(super) fn take(folder: &Path, on_wait: &dyn Fn(&Path)) -> io::Result<Self> {
-        Self::take_within(folder, PATIENCE, on_wait)
+type Paths = BTreeMap<PathBuf, Removal>;
+
+static UNFINISHED: Mutex<Paths> = Mutex::new(BTreeMap::new());
+
+/// A file or folder that is removed when this is dropped, or when the program is ended.
+#[derive(Debug)]
+pub(super) struct Unfinished(PathBuf);
+
+impl Unfinished {
+    /// Makes a file or folder and notes it. `make` returns its path and something more; a path that it
+    /// makes and then refuses with an error is not noted.
+    pub(super) fn make<T>(
+        removal: Removal,
+        make: impl FnOnce() -> io::Result<(PathBuf, T)>,
+    ) -> io::Result<(Self, T)> {
+        let mut paths = hold_off_the_end();
+        let (path, made) = make()?;
+        paths.insert(path.clone(), removal);
+        Ok((Self(path), made))
     }
 
-    pub(super) fn take_within(
-        folder: &Path,
-        patience: Duration,
-        on_wait: &dyn Fn(&Path),
-    ) -> io::Result<Self> {
+    pub(super) fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// Gives the file its name, for good.
+    pub(super) fn rename(self, name: &Path) -> io::Result<()> {
+        let mut paths = hold_off_the_end();
+        fs::rename(&self.0, name)?;
+        paths.remove(&self.0);
+        Ok(())
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        let mut paths = hold_off_the_end();
+        if let Some(remove) = paths.remove(&self.0) {
+            // The next run removes what this one cannot.
+            let _ = remove(&self.0);
+        }
+    }
+}
+
+/// Delays [`abandon_unfinished`] until the guard is dropped. Meanwhile the same thread must neither call
+/// this again nor make or drop an [`Unfinished`].
+pub(super) fn hold_off_the_end() -> MutexGuard<'static, Paths> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Returns if the program is not being ended, and never if it is: a file that is missing then was
+/// removed by the end, which is no error to report.
+pub fn wait_if_ending() {
+    drop(hold_off_the_end());
+}
+
+/// Removes everything unfinished of a program that is about to exit. A run that is just renaming its
+/// files finishes that first; afterwards no thread creates or renames a file of a run.
+pub fn abandon_unfinished() {
+    let paths = hold_off_the_end();
+    // In reverse order, so that files go before their folder.
+    for (path, remove) in paths.iter().rev() {
+        let _ = remove(path);
+    }
+    mem::forget(paths);
+}
+
+/// A lock file, which one run at a time holds and removes at its end.
+#[derive(Debug)]
+pub(super) struct Lock {
+    // Removed before the file is closed: a run that has opened it meanwhile sees that it is gone.
+    pub(super) path: Unfinished,
+    /// The system releases its lock with the process, however that ends.
+    pub(super) file: File,
+    /// False on a file system without locks, where runs do not wait for each other.
+    pub(super) is_exclusive: bool,
+}
+
+impl Lock {
+    /// Waits for a run that holds the lock, as long as `patience`; calls `on_wait` once if the wait is long.
+    pub(super) fn take(path: &Path, patience: Duration, on_wait: &dyn Fn()) -> io::Result<Self> {
         let begun = Instant::now();
-        let mut on_wait = Some(on_wait);
+        let mut has_called = false;
         loop {
-            match Self::attempt(folder) {
+            match Self::attempt(path) {
                 Err(cause) if cause.kind() == io::ErrorKind::WouldBlock => {}
                 attempted => return attempted,
             }
-            if begun.elapsed() > SHORT
-                && let Some(tell) = on_wait.take()
-            {
-                tell(folder);
+            if begun.elapsed() > SHORT && !mem::replace(&mut has_called, true) {
+                on_wait();
             }
             if begun.elapsed() > patience {
                 let message = format!("another run has been writing into it for {patience:?}");
@@ -64,24 +122,20 @@ impl FolderLock {
     }
 
     /// [`io::ErrorKind::WouldBlock`] if another run holds the lock, or has just removed it.
-    fn attempt(folder: &Path) -> io::Result<Self> {
-        let path = folder.join(LOCK);
-        let taken = || -> io::Result<_> {
-            let (file, was_there) = open(&path)?;
-            let is_locked = lock(&file, &path)?;
-            Ok((path.clone(), (file, was_there && is_locked)))
-        };
-        let (noted, (file, is_left)) = Unfinished::make(Removal::File, taken)?;
-        let lock = Self { _path: noted, _file: file };
-        if is_left {
-            remove_left(folder)?;
-        }
-        Ok(lock)
+    fn attempt(path: &Path) -> io::Result<Self> {
+        let (path, (file, is_exclusive)) = Unfinished::make(
+            |path| fs::remove_file(path),
+            || {
+                let file = open(path)?;
+                let is_exclusive = lock(&file, path)?;
+                Ok((path.to_owned(), (file, is_exclusive)))
+            },
+        )?;
+        Ok(Self { path, file, is_exclusive })
     }
 }
 
-/// Locks a file that was opened at `path`, for this run alone; false on a file system without locks, where
-/// runs do not wait for each other.
+/// Locks a file that was opened at `path`, for this run alone; false on a file system without locks.
 ///
 /// # Errors
 /// [`io::ErrorKind::WouldBlock`] if another run holds the lock, or has removed the file since.
@@ -97,35 +151,20 @@ pub(super) fn lock(file: &File, path: &Path) -> io::Result<bool> {
     Ok(is_locked)
 }
 
-/// Creates or opens the lock file; also returns whether it was there.
-fn open(path: &Path) -> io::Result<(File, bool)> {
+/// Creates or opens a lock file; never creates one where a link leads.
+fn open(path: &Path) -> io::Result<File> {
     match File::create_new(path) {
         Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => {}
-        created => return Ok((created?, false)),
+        created => return created,
     }
     // A lock of another user may be read-only; most systems lock it all the same.
     let opened = File::options().read(true).write(true).open(path);
-    match opened.or_else(|_| File::open(path)) {
-        Ok(file) => Ok((file, true)),
-        Err(_) if path.is_symlink() => {
-            let message = format!("{LOCK} in it is a link that leads nowhere");
-            Err(io::Error::other(message))
+    opened.or_else(|_| File::open(path)).map_err(|cause| match cause.kind() {
+        _ if path.is_symlink() => {
+            let name = path.file_name().unwrap_or_default().display();
+            io::Error::other(format!("{name} in it is a link that leads nowhere"))
         }
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
-            Err(io::ErrorKind::WouldBlock.into())
-        }
-        Err(cause) => Err(cause),
-    }
-}
-
-fn remove_left(folder: &Path) -> io::Result<()> {
-    for entry in fs::read_dir(folder)? {
-        let entry = entry?;
-        let is_staging = entry.file_name().to_string_lossy().starts_with(STAGING);
-        if is_staging && entry.file_type()?.is_dir() {
-            // One of another user may have to stay.
-            let _ = fs::remove_dir_all(entry.path());
-        }
-    }
-    Ok(())
+        io::ErrorKind::NotFound => io::ErrorKind::WouldBlock.into(),
+        _ => cause,
+    })
 }

@@ -1,36 +1,30 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
 
-mod comparison_json;
-mod file_names;
 mod folder;
 mod frequency_tables;
 mod golden;
 mod json;
 mod lock;
-mod numbers;
+mod read_result;
+mod read_tables;
+mod repetition;
+mod run_summary;
 mod run_tables;
-mod simulation_summary;
-mod single_file;
-mod solve_summary;
-mod stored;
 mod summary;
 mod sweep;
-mod unfinished;
 
-pub use comparison_json::comparison_json;
-pub use file_names::{REPORT, SUMMARY, is_result_file};
-pub use folder::{Durability, FolderAction, FolderError, OutputFolder};
+pub use folder::{Durability, FolderError, OutputFolder, write_file};
 pub use frequency_tables::{HeldModes, ModesResult, write_frequency_response};
-pub use golden::{CsvFolder, GoldenChanges, change_golden_files};
-pub use run_tables::{OptionalTable, SimulateOutputs, SolveOutputs};
-pub use simulation_summary::SimulationInputs;
-pub use single_file::write_file;
-pub use solve_summary::RunInputs;
-pub use stored::{FoundInput, InputRole, RunRecord, TemporaryFolder, read_result};
-pub use summary::{Summary, is_run, verification_json};
+pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
+pub use json::Fingerprint;
+pub use lock::{abandon_unfinished, wait_if_ending};
+pub use read_result::{is_run, read_result};
+pub use repetition::{RunRecord, TemporaryFolder};
+pub use run_summary::{Findings, write_solution};
+pub use run_tables::{REPORT, SUMMARY, SimulateOutputs, SolveOutputs, is_result_file};
+pub use summary::{RunInputs, Summary, verification_json};
 pub use sweep::{
-    ForeignRecord, LeftRows, Resumed, SweepColumn, SweepFile, SweepIdentity, SweepInputs,
-    SweepRecord, SweepRows, SweptCase, check_record, merge_shards, sweep_columns, sweep_files,
+    CaseNumbers, ForeignRecord, LeftRows, PlayedCase, Resumed, SolvedCase, SweepFile,
+    SweepIdentity, SweepInputs, SweepKind, SweepRows, SweptCase, merge_shards, sweep_files,
     sweep_header, sweep_row, write_sweep,
 };
-pub use unfinished::{abandon_unfinished, wait_if_ending};

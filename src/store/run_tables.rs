@@ -1,18 +1,80 @@
-//! The files of `solve` and `simulate`: every column's name and unit, once.
+//! The CSV files of all commands: every file's name, every column's name and unit, once, for writing and
+//! reading.
 
+use std::ffi::OsStr;
 use std::io::{self, Write};
 
 use rayon::prelude::*;
 
-use super::file_names::{MOTOR, REPORT, RESULT_FILES, SUMMARY};
 use super::folder::{FolderError, OutputFolder};
 use super::summary::Summary;
 use crate::beam::Mesh;
 use crate::csv::{Column, ColumnGroup, Digits, group, write_csv, write_nodal};
-use crate::inverse::{MotorHistories, NodalTable, Solution, Watch};
+use crate::inverse::{NodalTable, Solution, Watch};
 use crate::link::Link;
-use crate::motion::TipMotionHistories;
 use crate::response::Simulation;
+
+/// Written last: where it exists, the run is whole.
+pub const SUMMARY: &str = "summary.json";
+
+/// The page that `flexlink report` makes of a run; a later run removes it with the other files.
+pub const REPORT: &str = "report.html";
+
+/// Files that a run may leave in its folder besides summary.json. A run removes those of an earlier run
+/// that it does not write itself, so that a folder holds one run.
+pub(super) const RESULT_FILES: [&str; 10] = [
+    TORQUE.0,
+    RIGID_TORQUE.0,
+    HUB_ANGLE,
+    TIP.0,
+    MOTOR.0,
+    NODES.0,
+    DISPLACEMENTS.file,
+    DEFLECTIONS.file,
+    MOMENTS.file,
+    REPORT,
+];
+
+/// A file over time and its columns beside the time.
+type Histories<const N: usize> = (&'static str, [&'static str; N]);
+
+pub(super) const TORQUE: Histories<1> = ("torque.csv", ["torque_n_m"]);
+pub(super) const RIGID_TORQUE: Histories<1> = ("rigid_torque.csv", ["rigid_torque_n_m"]);
+pub(super) const TIP: Histories<3> =
+    ("tip.csv", ["tip_displacement_m", "tip_velocity_m_s", "tip_acceleration_m_s2"]);
+/// The motor of a link with a drive.
+pub(super) const MOTOR: Histories<4> =
+    ("motor.csv", ["motor_torque_n_m", "motor_angle_rad", "motor_rate_rad_s", "motor_power_w"]);
+pub(super) const HUB_ANGLE: &str = "hub_angle.csv";
+/// Columns of the hub, of a simulation and of a solution.
+pub(super) const PLAYED_HUB: [&str; 3] =
+    ["hub_angle_rad", "hub_rate_rad_s", "hub_acceleration_rad_s2"];
+pub(super) const SOLVED_HUB: [&str; 4] =
+    [PLAYED_HUB[0], PLAYED_HUB[1], PLAYED_HUB[2], "rigid_hub_angle_rad"];
+pub(super) const NODES: Histories<3> = ("nodes.csv", ["node", "x_m", "segment"]);
+
+/// A table over time with a column for every node: `v7_m`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NodalFile {
+    pub(super) file: &'static str,
+    pub(super) letter: &'static str,
+    pub(super) unit: &'static str,
+}
+
+impl NodalFile {
+    const fn new(file: &'static str, letter: &'static str, unit: &'static str) -> Self {
+        Self { file, letter, unit }
+    }
+}
+
+pub(super) const DISPLACEMENTS: NodalFile = NodalFile::new("nodal_displacements.csv", "v", "m");
+pub(super) const DEFLECTIONS: NodalFile = NodalFile::new("nodal_deflections.csv", "w", "m");
+pub(super) const MOMENTS: NodalFile = NodalFile::new("bending_moments.csv", "m", "n_m");
+
+/// True if a run may write, or remove, a file of this name in its folder.
+pub fn is_result_file(name: &OsStr) -> bool {
+    RESULT_FILES.iter().chain([&SUMMARY]).any(|file| name == *file)
+}
 
 /// Which results of an inversion to write, and with which digits.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,40 +83,33 @@ pub struct SolveOutputs {
     pub nodes: Option<Vec<usize>>,
     /// The nodal tables have a row for every so many samples, at least 1.
     pub every: usize,
-    /// Tables that are written on demand.
-    pub optional: Vec<OptionalTable>,
+    /// Whether to write `nodal_deflections.csv`: deflection w from the hub's tangent line.
+    pub deflections: bool,
+    /// Whether to write `bending_moments.csv`.
+    pub moments: bool,
     /// Digits of all numbers.
     pub digits: Digits,
 }
 
-/// A table that is written on demand.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OptionalTable {
-    /// `nodal_deflections.csv`: deflection w from the hub's tangent line.
-    NodalDeflections,
-    /// `bending_moments.csv`.
-    BendingMoments,
-}
-
-impl OptionalTable {
-    fn file_name(self) -> &'static str {
-        match self {
-            Self::NodalDeflections => "nodal_deflections.csv",
-            Self::BendingMoments => "bending_moments.csv",
-        }
+impl Default for SolveOutputs {
+    /// Every node, every sample, no table on demand.
+    fn default() -> Self {
+        let digits = Digits::default();
+        Self { nodes: None, every: 1, deflections: false, moments: false, digits }
     }
 }
 
 impl SolveOutputs {
     /// Names of the files of a link, summary.json last.
     pub fn file_names(&self, link: &Link) -> Vec<&'static str> {
-        let optional = [OptionalTable::NodalDeflections, OptionalTable::BendingMoments];
-        let wanted = |name: &&str| {
-            let table = optional.into_iter().find(|table| table.file_name() == *name);
-            let is_driven = *name != MOTOR || link.drive().is_some();
-            is_driven && *name != REPORT && table.is_none_or(|table| self.optional.contains(&table))
+        let is_written = |name: &&str| match *name {
+            REPORT => false,
+            name if name == MOTOR.0 => link.drive().is_some(),
+            name if name == DEFLECTIONS.file => self.deflections,
+            name if name == MOMENTS.file => self.moments,
+            _ => true,
         };
-        RESULT_FILES.into_iter().filter(wanted).chain([SUMMARY]).collect()
+        RESULT_FILES.into_iter().filter(is_written).chain([SUMMARY]).collect()
     }
 
     /// Writes the files of a solution, and the `page` of the run if there is one, into `folder`: all or
@@ -70,17 +125,13 @@ impl SolveOutputs {
         (summary, page): (&Summary, Option<&str>),
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
-        if let Some(motor) = &solution.motor {
-            let (time, groups) = (solution.grid.thinned(1), motor_groups(motor));
-            folder.file(MOTOR, |out| write_csv(out, &time, &groups, self.digits))?;
-        }
         // The nodal tables take longest; threads that they leave idle write the others.
         let (nodal, others) = rayon::join(
             || self.write_nodal(&folder, (solution, deflections), watch),
             || self.write_histories(&folder, solution),
         );
         others.and(nodal)?;
-        folder.file("nodes.csv", |out| write_nodes(out, solution.link(), solution.mesh()))?;
+        folder.file(NODES.0, |out| write_nodes(out, solution.link(), solution.mesh()))?;
         if let Some(page) = page {
             folder.file(REPORT, |out| out.write_all(page.as_bytes()))?;
         }
@@ -93,8 +144,7 @@ impl SolveOutputs {
     /// # Panics
     /// If a node is not one of the mesh.
     pub fn deflections<'a>(&self, solution: &'a Solution) -> NodalTable<'a> {
-        let every_node = || (0..solution.mesh().nodes_m().len()).collect();
-        solution.deflections(&self.nodes.clone().unwrap_or_else(every_node), self.every)
+        solution.deflections(&nodes_of(self.nodes.as_ref(), solution.mesh()), self.every)
     }
 
     /// Tables over the whole grid, several at a time.
@@ -104,8 +154,21 @@ impl SolveOutputs {
         solution: &Solution,
     ) -> Result<(), FolderError> {
         let time = solution.grid.thinned(1);
+        let Solution { tip, hub_angle_rad, hub_rate_rad_s, rigid_hub_angle_rad, .. } = solution;
         let hub_acceleration_rad_s2 = solution.hub_acceleration_rad_s2();
-        let tables = histories(solution, &hub_acceleration_rad_s2);
+        let hub = [hub_angle_rad, hub_rate_rad_s, &hub_acceleration_rad_s2, rigid_hub_angle_rad];
+        let tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2];
+        let motor = solution
+            .motor
+            .as_ref()
+            .map(|motor| [&motor.torque_n_m, &motor.angle_rad, &motor.rate_rad_s, &motor.power_w]);
+        let mut tables = vec![
+            (TORQUE.0, groups(TORQUE.1, [&solution.torque_n_m])),
+            (RIGID_TORQUE.0, groups(RIGID_TORQUE.1, [&solution.rigid_torque_n_m])),
+            (HUB_ANGLE, groups(SOLVED_HUB, hub)),
+            (TIP.0, groups(TIP.1, tip)),
+        ];
+        tables.extend(motor.map(|motor| (MOTOR.0, groups(MOTOR.1, motor))));
         let write = |(name, groups): &(_, Vec<_>)| {
             folder.file(name, |out| write_csv(out, &time, groups, self.digits))
         };
@@ -121,55 +184,19 @@ impl SolveOutputs {
         (solution, deflections): (&Solution, NodalTable),
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
-        let nodes = deflections.nodes().to_vec();
-        let file = |name: &str, heading, table: &NodalTable| {
-            folder.file(name, |out| write_nodal(out, table, heading, self.digits, watch))
+        let write = |NodalFile { file, letter, unit }, table: &NodalTable| {
+            folder.file(file, |out| write_nodal(out, table, (letter, unit), self.digits, watch))
         };
-        if self.optional.contains(&OptionalTable::NodalDeflections) {
-            file(OptionalTable::NodalDeflections.file_name(), ("w", "m"), &deflections)?;
+        if self.deflections {
+            write(DEFLECTIONS, &deflections)?;
         }
-        file("nodal_displacements.csv", ("v", "m"), &deflections.with_rotation())?;
-        if self.optional.contains(&OptionalTable::BendingMoments) {
-            let moments = solution.moments(&nodes, self.every);
-            file(OptionalTable::BendingMoments.file_name(), ("m", "n_m"), &moments)?;
+        let nodes = deflections.nodes().to_vec();
+        write(DISPLACEMENTS, &deflections.with_rotation())?;
+        if self.moments {
+            write(MOMENTS, &solution.moments(&nodes, self.every))?;
         }
         Ok(())
     }
-}
-
-/// Tables over the whole grid; columns of one unit share a group.
-fn histories<'a>(
-    solution: &'a Solution,
-    hub_acceleration_rad_s2: &'a Vec<f64>,
-) -> [(&'static str, Vec<ColumnGroup<'a>>); 4] {
-    let Solution { tip, .. } = solution;
-    [
-        ("torque.csv", vec![group([("torque_n_m", &solution.torque_n_m)])]),
-        ("rigid_torque.csv", vec![group([("rigid_torque_n_m", &solution.rigid_torque_n_m)])]),
-        ("hub_angle.csv", hub_groups(solution, hub_acceleration_rad_s2)),
-        ("tip.csv", tip_groups(tip)),
-    ]
-}
-
-fn hub_groups<'a>(
-    solution: &'a Solution,
-    acceleration_rad_s2: &'a Vec<f64>,
-) -> Vec<ColumnGroup<'a>> {
-    vec![
-        group([("hub_angle_rad", &solution.hub_angle_rad)]),
-        group([("hub_rate_rad_s", &solution.hub_rate_rad_s)]),
-        group([("hub_acceleration_rad_s2", acceleration_rad_s2)]),
-        group([("rigid_hub_angle_rad", &solution.rigid_hub_angle_rad)]),
-    ]
-}
-
-fn motor_groups(motor: &MotorHistories) -> Vec<ColumnGroup<'_>> {
-    vec![
-        group([("motor_torque_n_m", &motor.torque_n_m)]),
-        group([("motor_angle_rad", &motor.angle_rad)]),
-        group([("motor_rate_rad_s", &motor.rate_rad_s)]),
-        group([("motor_power_w", &motor.power_w)]),
-    ]
 }
 
 /// Which results of a simulation to write, and with which digits.
@@ -185,15 +212,8 @@ pub struct SimulateOutputs {
 
 impl SimulateOutputs {
     /// Names of the files, summary.json last.
-    pub fn file_names() -> Vec<&'static str> {
-        vec![
-            "torque.csv",
-            "tip.csv",
-            "hub_angle.csv",
-            "nodal_displacements.csv",
-            "nodes.csv",
-            SUMMARY,
-        ]
+    pub fn file_names() -> [&'static str; 6] {
+        [TORQUE.0, TIP.0, HUB_ANGLE, DISPLACEMENTS.file, NODES.0, SUMMARY]
     }
 
     /// Memory in bytes of the nodal table.
@@ -216,38 +236,41 @@ impl SimulateOutputs {
         simulation: &Simulation,
         summary: &Summary,
     ) -> Result<(), FolderError> {
+        let Simulation { tip, hub_angle_rad, hub_rate_rad_s, .. } = simulation;
+        let hub = [hub_angle_rad, hub_rate_rad_s, &simulation.hub_acceleration_rad_s2];
+        let tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2];
+        let nodes = nodes_of(self.nodes.as_ref(), &simulation.mesh);
+        let nodal = simulation.displacements_m(&nodes, self.every);
+        let NodalFile { file, letter, unit } = DISPLACEMENTS;
+        let named = nodal.nodes.iter().map(|node| format!("{letter}{node}_{unit}"));
+        let columns = named.zip(&nodal.samples).map(|(name, values)| Column { name, values });
+        let displacements = vec![ColumnGroup { columns: columns.collect() }];
         let all = simulation.grid.thinned(1);
-        let hub = vec![
-            group([("hub_angle_rad", &simulation.hub_angle_rad)]),
-            group([("hub_rate_rad_s", &simulation.hub_rate_rad_s)]),
-            group([("hub_acceleration_rad_s2", &simulation.hub_acceleration_rad_s2)]),
-        ];
-        let tip = tip_groups(&simulation.tip);
-        let torque = [group([("torque_n_m", &simulation.torque_n_m)])];
-        folder.file("torque.csv", |out| write_csv(out, &all, &torque, self.digits))?;
-        folder.file("tip.csv", |out| write_csv(out, &all, &tip, self.digits))?;
-        folder.file("hub_angle.csv", |out| write_csv(out, &all, &hub, self.digits))?;
-        folder.file("nodes.csv", |out| write_nodes(out, link, &simulation.mesh))?;
-        let every_node = || (0..simulation.mesh.nodes_m().len()).collect();
-        let nodes: Vec<usize> = self.nodes.clone().unwrap_or_else(every_node);
-        let histories = simulation.displacements_m(&nodes, self.every);
-        let named = histories.nodes.iter().zip(&histories.samples);
-        let columns = named.map(|(node, values)| Column { name: format!("v{node}_m"), values });
-        let groups = [ColumnGroup { columns: columns.collect() }];
-        let name = "nodal_displacements.csv";
-        folder.file(name, |out| write_csv(out, &histories.grid, &groups, self.digits))?;
+        for (name, time, groups) in [
+            (TORQUE.0, &all, groups(TORQUE.1, [&simulation.torque_n_m])),
+            (TIP.0, &all, groups(TIP.1, tip)),
+            (HUB_ANGLE, &all, groups(PLAYED_HUB, hub)),
+            (file, &nodal.grid, displacements),
+        ] {
+            folder.file(name, |out| write_csv(out, time, &groups, self.digits))?;
+        }
+        folder.file(NODES.0, |out| write_nodes(out, link, &simulation.mesh))?;
         folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
         folder.commit(SUMMARY, &RESULT_FILES)
     }
 }
 
-/// Columns of tip.csv.
-fn tip_groups(tip: &TipMotionHistories) -> Vec<ColumnGroup<'_>> {
-    vec![
-        group([("tip_displacement_m", &tip.displacement_m)]),
-        group([("tip_velocity_m_s", &tip.velocity_m_s)]),
-        group([("tip_acceleration_m_s2", &tip.acceleration_m_s2)]),
-    ]
+/// Columns that each have decimals for their own peak.
+fn groups<'a, const N: usize>(
+    names: [&str; N],
+    columns: [&'a Vec<f64>; N],
+) -> Vec<ColumnGroup<'a>> {
+    names.into_iter().zip(columns).map(|(name, values)| group([(name, &values[..])])).collect()
+}
+
+/// The nodes to write, or all nodes.
+fn nodes_of(nodes: Option<&Vec<usize>>, mesh: &Mesh) -> Vec<usize> {
+    nodes.cloned().unwrap_or_else(|| (0..mesh.nodes_m().len()).collect())
 }
 
 /// `nodes.csv`: every node of the mesh with the segment that ends there (node 0: begins there), by name,
@@ -256,7 +279,7 @@ fn tip_groups(tip: &TipMotionHistories) -> Vec<ColumnGroup<'_>> {
 fn write_nodes(out: &mut (dyn Write + Send), link: &Link, mesh: &Mesh) -> io::Result<()> {
     let format = Digits::Full.for_peak(mesh.length_m());
     let mut table = csv::Writer::from_writer(out);
-    table.write_record(["node", "x_m", "segment"])?;
+    table.write_record(NODES.1)?;
     for (node, x_m) in mesh.nodes_m().iter().enumerate() {
         let index = mesh.element_segments()[node.saturating_sub(1)];
         let name = link.segments()[index].name.clone().unwrap_or_else(|| index.to_string());

@@ -1,14 +1,11 @@
 //! summary.json: what a run of `solve` or `simulate` was given, its numbers, and how far to trust them.
 //! One record is written and read back.
 
-use std::borrow::Cow;
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
-use super::file_names::SUMMARY;
-use super::json::{FORMAT, Fingerprint, Head, as_written, check_format, json, newer, parsed};
-use super::numbers::Numbers;
+use super::json::{
+    FORMAT, Fingerprint, Head, Values, as_written, check_format, json, newer, parsed,
+};
 use crate::beam::Mesh;
 use crate::csv::{InputFile, Place, TableError, quoted};
 use crate::link::{
@@ -27,26 +24,26 @@ type Nullable<T> = Option<Option<T>>;
 
 /// The content of summary.json, in the order of its keys. Keys of one command alone are optional; keys that
 /// nothing reads back are skipped, and unknown ones too, so that a later version may have more.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Summary {
     pub(super) format: u32,
     pub(super) flexlink: String,
     pub(super) command: String,
     pub(super) title: String,
-    pub(super) inputs: Inputs,
+    pub(super) inputs: RunInputs,
     pub(super) link: LinkRecord,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) drive: Nullable<Drive>,
     #[serde(skip_deserializing)]
-    pub(super) mesh: MeshRecord,
+    pub(super) mesh: Values,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) motion: Option<MotionRecord>,
+    pub(super) motion: Option<Values>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) torque: Option<TorqueRecord>,
+    pub(super) torque: Option<Values>,
     #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
-    pub(super) feedback: Nullable<Numbers>,
+    pub(super) feedback: Nullable<Values>,
     #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
-    pub(super) modes: Option<ModesRecord>,
+    pub(super) modes: Option<Values>,
     #[serde(skip_deserializing)]
     pub(super) periods_s: Vec<f64>,
     #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
@@ -58,37 +55,62 @@ pub struct Summary {
     #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
     pub(super) zeros_per_s: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) analysis: Option<AnalysisRecord>,
-    pub(super) results: Numbers,
-    pub(super) errors: Option<Numbers>,
+    pub(super) analysis: Option<Values>,
+    pub(super) results: Values,
+    pub(super) errors: Option<Values>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) verification: Nullable<Vec<CheckRecord>>,
+    pub(super) verification: Nullable<Vec<StoredCheck>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) residual: Option<Numbers>,
+    pub(super) residual: Option<Values>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) tip_error: Nullable<Numbers>,
+    pub(super) tip_error: Nullable<Values>,
     pub(super) warnings: Vec<StoredWarning>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) remarks: Option<Vec<StoredWarning>>,
     pub(super) files: Vec<String>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Inputs {
-    pub(super) link: Fingerprint,
+/// What a run was given: its input files, and its arguments in order, as the program takes them: `--set`,
+/// `payload.mass=0`.
+///
+/// A program that has link and motion from numbers has no files, [`RunInputs::default`]: its run cannot be
+/// repeated from summary.json.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct RunInputs {
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) motion: Option<Fingerprint>,
+    link: Option<Fingerprint>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) torque: Option<Fingerprint>,
+    motion: Option<Fingerprint>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) target: Nullable<Fingerprint>,
+    torque: Option<Fingerprint>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) reference: Nullable<Fingerprint>,
-    pub(super) arguments: Vec<String>,
+    target: Nullable<Fingerprint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reference: Nullable<Fingerprint>,
+    arguments: Vec<String>,
+}
+
+impl RunInputs {
+    /// The inputs of `solve`.
+    pub fn of_solve(link: &InputFile, motion: &InputFile, arguments: Vec<String>) -> Self {
+        let [link, motion] = [link, motion].map(|file| Some(Fingerprint::of(file)));
+        Self { link, motion, arguments, ..Self::default() }
+    }
+
+    /// The inputs of `simulate`; target and reference where there are any.
+    pub fn of_simulate(
+        [link, torque]: [&InputFile; 2],
+        [target, reference]: [Option<&InputFile>; 2],
+        arguments: Vec<String>,
+    ) -> Self {
+        let [link, torque] = [link, torque].map(|file| Some(Fingerprint::of(file)));
+        let [target, reference] = [target, reference].map(|file| Some(file.map(Fingerprint::of)));
+        Self { link, torque, target, reference, arguments, ..Self::default() }
+    }
 }
 
 /// The link in SI, keyed as in its file, but for its title and its drive.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct LinkRecord {
     length_m: f64,
     rigid_inertia_kg_m2: f64,
@@ -99,90 +121,12 @@ pub(super) struct LinkRecord {
     damping: Damping,
 }
 
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub(super) struct MeshRecord {
-    elements: usize,
-    degrees_of_freedom: usize,
-    resolved_hz: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct MotionRecord {
-    pub(super) given: Cow<'static, str>,
-    pub(super) samples: usize,
-    pub(super) step_s: f64,
-    pub(super) start_s: f64,
-    pub(super) moves_from_s: f64,
-    pub(super) moves_until_s: f64,
-    pub(super) travel_m: f64,
-    pub(super) peak_velocity_m_s: f64,
-    pub(super) peak_acceleration_m_s2: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct TorqueRecord {
-    pub(super) samples: usize,
-    pub(super) step_s: f64,
-    pub(super) start_s: f64,
-    pub(super) end_s: f64,
-    pub(super) simulated_until_s: f64,
-    pub(super) interpolation: Cow<'static, str>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct ModesRecord {
-    pub(super) kept: usize,
-    pub(super) of_mesh: usize,
-    pub(super) torque_band_hz: f64,
-    pub(super) highest_hz: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct AnalysisRecord {
-    pub(super) tolerance: f64,
-    pub(super) tip_tolerance: f64,
-    /// Null if every frequency of the samples is solved for.
-    pub(super) band_hz: Option<f64>,
-    /// Null if all modes are kept.
-    pub(super) modes: Option<usize>,
-    pub(super) period_s: f64,
-    pub(super) fft_length: usize,
-    pub(super) frequencies: usize,
-    pub(super) highest_frequency_hz: f64,
-    pub(super) nyquist_hz: f64,
-    pub(super) window_start_s: f64,
-    pub(super) window_end_s: f64,
-    pub(super) rows: usize,
-}
-
-/// One check of an answer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct CheckRecord {
-    name: Cow<'static, str>,
-    what: Cow<'static, str>,
-    of: Cow<'static, str>,
-    /// Null if it was not measured.
-    found: Option<f64>,
-    bound: Option<f64>,
-    /// Why it was not measured.
-    reason: Option<String>,
-    passes: bool,
-}
-
-/// Whether a folder has the summary of a run, of any version.
-pub fn is_run(folder: &Path) -> bool {
-    let file = InputFile::read(&folder.join(SUMMARY));
-    let head = file.ok().and_then(|file| serde_json::from_slice::<Head>(&file.bytes).ok());
-    head.is_some_and(|head| head.flexlink.is_some())
-}
-
 impl Summary {
-    /// A summary with the keys of both commands.
-    pub(super) fn begun(
+    /// A summary with the keys that both commands have.
+    pub(super) fn of(
         command: &str,
-        inputs: Inputs,
+        inputs: RunInputs,
         (link, law, mesh): (&Link, &DampingLaw, &Mesh),
-        results: Numbers,
     ) -> Self {
         Self {
             format: FORMAT,
@@ -191,26 +135,8 @@ impl Summary {
             title: link.title().to_owned(),
             inputs,
             link: LinkRecord::of(link, law),
-            drive: None,
-            mesh: MeshRecord::of(mesh),
-            motion: None,
-            torque: None,
-            feedback: None,
-            modes: None,
-            periods_s: Vec::new(),
-            natural_frequencies_hz: None,
-            modal_damping_ratios: None,
-            viscous_damping_ratios: None,
-            zeros_per_s: None,
-            analysis: None,
-            results,
-            errors: None,
-            verification: None,
-            residual: None,
-            tip_error: None,
-            warnings: Vec::new(),
-            remarks: None,
-            files: Vec::new(),
+            mesh: mesh_values(mesh),
+            ..Self::default()
         }
     }
 
@@ -239,9 +165,9 @@ impl Summary {
     }
 
     pub(super) fn origin(&self) -> Origin {
-        let Inputs { link, motion, torque, target, reference, arguments } = &self.inputs;
+        let RunInputs { link, motion, torque, target, reference, arguments } = &self.inputs;
         let files = [
-            ("link", Some(link)),
+            ("link", link.as_ref()),
             ("motion", motion.as_ref()),
             ("torque", torque.as_ref()),
             ("target", target.as_ref().and_then(Option::as_ref)),
@@ -278,13 +204,21 @@ impl Summary {
 
     /// First and last time in s of the histories.
     pub(super) fn window_s(&self) -> Option<(f64, f64)> {
-        let solved = self.analysis.as_ref().map(|w| (w.window_start_s, w.window_end_s));
-        solved.or(self.torque.as_ref().map(|torque| (torque.start_s, torque.simulated_until_s)))
+        let (values, start, end) = match (&self.analysis, &self.torque) {
+            (Some(analysis), _) => (analysis, "window_start_s", "window_end_s"),
+            (None, torque) => (torque.as_ref()?, "start_s", "simulated_until_s"),
+        };
+        values.number(start).zip(values.number(end))
+    }
+
+    /// How many modes a solution keeps; none if it keeps all.
+    pub(super) fn kept_modes(&self) -> Option<usize> {
+        self.analysis.as_ref()?.whole("modes")
     }
 
     /// All numbers by name: results, those of residual and tip error, errors.
     pub(super) fn readings(&self) -> Vec<(String, f64)> {
-        let prefixed = |numbers: Option<&Numbers>, prefix| {
+        let prefixed = |numbers: Option<&Values>, prefix| {
             numbers.map(|numbers| numbers.prefixed(prefix)).unwrap_or_default()
         };
         let errors = prefixed(self.errors.as_ref(), "").into_iter();
@@ -295,10 +229,6 @@ impl Summary {
             errors.map(|(name, error)| (format!("{name}_error"), error)).collect(),
         ]
         .concat()
-    }
-
-    pub(super) fn checks(&self) -> Vec<StoredCheck> {
-        self.verification.iter().flatten().flatten().map(CheckRecord::stored).collect()
     }
 }
 
@@ -329,45 +259,28 @@ fn without_section(segment: &Segment) -> Segment {
     Segment { cross_section: None, ..segment.clone() }
 }
 
-impl MeshRecord {
-    fn of(mesh: &Mesh) -> Self {
-        let elements = mesh.elements().len();
-        Self {
-            elements,
-            degrees_of_freedom: 2 * elements + 1,
-            resolved_hz: mesh.resolved_frequency_rad_s() / std::f64::consts::TAU,
-        }
-    }
+fn mesh_values(mesh: &Mesh) -> Values {
+    let elements = mesh.elements().len();
+    Values::default()
+        .with("elements", elements)
+        .with("degrees_of_freedom", 2 * elements + 1)
+        .with("resolved_hz", mesh.resolved_frequency_rad_s() / std::f64::consts::TAU)
 }
 
-impl CheckRecord {
-    pub(super) fn all(verification: &Verification) -> Vec<Self> {
-        verification.checks.iter().map(Self::of).collect()
-    }
-
-    fn of(check: &Check) -> Self {
+/// The checks of a verification as they are stored.
+pub(super) fn checks(verification: &Verification) -> Vec<StoredCheck> {
+    let stored = |check: &Check| {
         let (found, bound, reason) = match &check.outcome {
             Outcome::Measured { found, bound } => (Some(*found), Some(*bound), None),
             Outcome::NotMeasured { reason } => (None, None, Some(reason.clone())),
         };
-        let [name, what] = [&check.name, &check.what].map(|text| Cow::Owned(text.clone()));
-        let of = Cow::Borrowed(check.of);
-        Self { name, what, of, found, bound, reason, passes: !check.fails() }
-    }
-
-    fn stored(&self) -> StoredCheck {
-        let reason =
-            || self.reason.clone().unwrap_or_else(|| "no finite number was found".to_owned());
-        StoredCheck {
-            what: self.what.to_string(),
-            of: self.of.to_string(),
-            outcome: self.found.zip(self.bound).ok_or_else(reason),
-            passes: self.passes,
-        }
-    }
+        let [name, what, of] = [&*check.name, &*check.what, check.of].map(str::to_owned);
+        StoredCheck { name, what, of, found, bound, reason, passes: !check.fails() }
+    };
+    verification.checks.iter().map(stored).collect()
 }
 
 /// The JSON text of a verification: a list of its checks.
 pub fn verification_json(verification: &Verification) -> String {
-    json(&CheckRecord::all(verification))
+    json(&checks(verification))
 }

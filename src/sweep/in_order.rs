@@ -1,3 +1,5 @@
+//! Work on many cases in parallel, with their results in order.
+
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::panic::resume_unwind;

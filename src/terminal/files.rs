@@ -146,7 +146,7 @@ pub(crate) fn keep_record(output: &Path) -> Result<(), Failure> {
         "--output = {}, but its record {} would replace {}",
         output.display(),
         foreign.path.display(),
-        foreign.what()
+        foreign.what
     );
     let hint = "another name for the table, or for that file";
     Err(Failure::new(Exit::Usage, &message, Some(hint)))

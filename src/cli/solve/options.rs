@@ -10,7 +10,7 @@ use flexlink::inverse::Analysis;
 use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
-use flexlink::store::{OptionalTable, SolveOutputs};
+use flexlink::store::SolveOutputs;
 
 /// The arguments that a run records.
 #[derive(Debug, Args)]
@@ -70,14 +70,11 @@ impl SolveOptions {
 
     /// Which tables to write.
     pub(crate) fn outputs(&self) -> SolveOutputs {
-        let optional = [
-            (self.deflections, OptionalTable::NodalDeflections),
-            (self.moments, OptionalTable::BendingMoments),
-        ];
         SolveOutputs {
             nodes: self.nodes.list.clone(),
             every: self.nodes.every,
-            optional: optional.into_iter().filter(|(on, _)| *on).map(|(_, table)| table).collect(),
+            deflections: self.deflections,
+            moments: self.moments,
             digits: self.digits,
         }
     }

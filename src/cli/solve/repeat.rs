@@ -4,7 +4,7 @@ use std::path::Path;
 
 use flexlink::numeric::excerpt;
 use flexlink::result::{Repeated, RepeatedFile};
-use flexlink::store::{Durability, InputRole, RunRecord, TemporaryFolder, wait_if_ending};
+use flexlink::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
 
 use super::options::SolveOptions;
 use super::run::{Destination, Problem, WithPage};
@@ -33,13 +33,13 @@ impl Repetition<'_> {
         read_once(&given)?;
         let record = RunRecord::read(self.run)?;
         let options = recorded_options(&record)?;
-        let link = record.input(InputRole::Link, self.link)?;
-        let motion = record.input(InputRole::Motion, self.motion)?;
+        let (link_path, link_file) = record.link(self.link)?;
+        let (motion_path, motion_file) = record.motion(self.motion)?;
         if let Some(output) = self.output {
-            keep(output, &[&record.path(), &link.path, &motion.path])?;
+            keep(output, &[&record.path(), &link_path, &motion_path])?;
         }
         let warnings = warn_of_version(&record);
-        let problem = Problem::read(&options, link.file, || Ok(motion.file));
+        let problem = Problem::read(&options, link_file, || Ok(motion_file));
         let problem = problem.map_err(|failure| of_record(failure, &record))?;
         let files = if let Some(output) = self.output {
             self.compared(&record, &problem, &options, output)?

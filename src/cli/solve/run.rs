@@ -8,7 +8,7 @@ use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
 use flexlink::result::{Exceeded, Metrics, Remark};
 use flexlink::spec::Specification;
-use flexlink::store::{Durability, OutputFolder, RunInputs, Summary};
+use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, Summary};
 use flexlink::verify::Verification;
 
 use super::options::SolveOptions;
@@ -91,18 +91,16 @@ impl Problem {
 
         let remarks = remarks(&specification.remarks, &solution);
         let outputs = options.outputs();
-        let inputs = RunInputs {
-            link_file,
-            motion_file,
-            arguments: &options.arguments(),
+        let inputs = RunInputs::of_solve(link_file, motion_file, options.arguments());
+        let metrics = Metrics::of(&solution);
+        let exceeded = limits.exceeded(&metrics);
+        let findings = Findings {
+            exceeded: &exceeded,
             verification: verification.as_ref(),
             remarks: &remarks,
         };
-        let metrics = Metrics::of(&solution);
-        let exceeded = limits.exceeded(&metrics);
-        let names = outputs.file_names(link);
-        let files = names.len();
-        let summary = Summary::of_solution(&inputs, &solution, &metrics, &exceeded, &names);
+        let summary = Summary::of_solution(inputs, &solution, &metrics, &findings, &outputs);
+        let files = outputs.file_names(link).len();
         let deflections = outputs.deflections(&solution);
         memory::check_nodes(deflections.bytes(), memory_bytes)?;
         if deflections.bytes() >= LARGE {

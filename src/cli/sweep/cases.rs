@@ -6,7 +6,7 @@ use std::sync::{PoisonError, RwLock};
 use clap::Args;
 
 use flexlink::beam::Mesh;
-use flexlink::csv::{InputFile, read_torque_table};
+use flexlink::csv::{Digits, InputFile, read_torque_table};
 use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
 use flexlink::motion::{MotionScale, Periods, TipMotion};
@@ -14,11 +14,10 @@ use flexlink::numeric::{excerpt, visible};
 use flexlink::response::Torque;
 use flexlink::result::Remark;
 use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
-use flexlink::store::{SweepIdentity, SweepInputs};
+use flexlink::store::{Fingerprint, SweepIdentity, SweepInputs, SweepKind};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 
-use super::outputs::OutputsArgs;
-use crate::cli::args::option;
+use crate::cli::args::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::inputs::{ChangeArgs, ResampleArgs, scale_arguments};
 use crate::terminal::{Exit, Failure, memory};
 
@@ -51,6 +50,25 @@ pub(crate) struct TorqueArgs {
     column: Option<String>,
 }
 
+/// Which files every case is to write.
+#[derive(Debug, Args)]
+pub(crate) struct OutputsArgs {
+    /// Also write the results of every case, as solve or simulate do, into folders DIR/1, DIR/2,
+    /// …, numbered as the rows are.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) outputs: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) nodes: NodeArgs,
+
+    /// Digits of the tables in --outputs, as in solve.
+    #[arg(long, value_name = "N", default_value = "10", requires = "outputs")]
+    pub(crate) digits: Digits,
+
+    #[command(flatten)]
+    pub(crate) sync: SyncArgs,
+}
+
 /// All that the cases of a sweep have in common.
 pub(crate) struct Cases<'a> {
     pub(crate) plan: SweepPlan,
@@ -60,6 +78,8 @@ pub(crate) struct Cases<'a> {
     pub(crate) link_file: InputFile,
     pub(crate) motion_file: InputFile,
     pub(crate) torque_file: Option<(InputFile, Torque)>,
+    /// Which numbers of a case are in the table.
+    pub(crate) kind: SweepKind,
     /// The link of the first case, and the motion that was read for it.
     pub(crate) first: (Link, TipMotion),
     /// Periods of that motion, which most cases have.
@@ -101,9 +121,15 @@ impl<'a> Cases<'a> {
         // From here on errors are for the table, which is the same wherever the files lie.
         link_file.shown.clone_from(&link_file.name);
         motion_file.shown.clone_from(&motion_file.name);
+        let kind = match (&torque_file, first.0.drive()) {
+            (Some(_), _) => SweepKind::Played,
+            (None, Some(_)) => SweepKind::Driven,
+            (None, None) => SweepKind::Solved,
+        };
         Ok(Self {
             plan,
             shared,
+            kind,
             overrides,
             document,
             link_file,
@@ -125,14 +151,13 @@ impl<'a> Cases<'a> {
             self.shared.outputs.identity(),
         ];
         let inputs = SweepInputs {
-            link_file: &self.link_file,
-            motion_file: &self.motion_file,
-            torque_file: self.torque_file.as_ref().map(|(file, _)| file),
-            title: self.first.0.title(),
-            vary,
-            arguments: &arguments.concat(),
+            link: Fingerprint::of(&self.link_file),
+            motion: Fingerprint::of(&self.motion_file),
+            torque: self.torque_file.as_ref().map(|(file, _)| Fingerprint::of(file)),
+            vary: vary.to_vec(),
+            arguments: arguments.concat(),
         };
-        SweepIdentity::new(&inputs, self.plan.clone(), shard)
+        SweepIdentity::new(self.first.0.title(), inputs, self.plan.clone(), shard)
     }
 
     /// Does the work of a case within its share of the memory; where that is too little, with all that
@@ -216,6 +241,26 @@ impl TorqueArgs {
         let file = InputFile::read(path)?;
         let torque = read_torque_table(&file.shown, &file.bytes, self.column.as_deref())?;
         Ok(Some((file, torque)))
+    }
+}
+
+impl OutputsArgs {
+    /// The arguments that shape the files of a case, for its record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        [self.nodes.arguments(), digits_arguments(self.digits)].concat()
+    }
+
+    /// What makes the files of the cases, for the identity of a sweep: rows that are there already
+    /// have these files.
+    pub(crate) fn identity(&self) -> Vec<String> {
+        let folder = self.outputs.iter().flat_map(|folder| option("--outputs", folder.display()));
+        folder.chain(self.arguments()).collect()
+    }
+
+    /// Folder of a case, from 0, among so many.
+    pub(crate) fn folder_of(&self, case: usize, cases: usize) -> Option<PathBuf> {
+        let width = cases.to_string().len();
+        self.outputs.as_ref().map(|folder| folder.join(format!("{:0width$}", case + 1)))
     }
 }
 

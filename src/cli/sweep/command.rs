@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::numeric::{excerpt, visible};
-use flexlink::store::{SweepRecord, SweepRows, sweep_columns, sweep_header, sweep_row};
+use flexlink::store::{SweepRows, sweep_header, sweep_row};
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
 
 use super::cases::{CaseArgs, Cases};
@@ -111,11 +111,7 @@ impl Sweep {
         };
         self.check_files()?;
         let cases = Cases::read(self.plan()?, link, motion, &self.shared)?;
-        if cases.torque_file.is_some() {
-            self.sweep(&cases, |case| cases.outcome(case, Cases::play))
-        } else {
-            self.sweep(&cases, |case| cases.outcome(case, Cases::solve))
-        }
+        self.sweep(&cases)
     }
 
     fn merge(&self) -> Result<(), Failure> {
@@ -139,13 +135,8 @@ impl Sweep {
     }
 
     /// Works through the cases of this run's shard and writes every row as it comes.
-    fn sweep<C: SweepRecord + Send>(
-        &self,
-        cases: &Cases,
-        work: impl Fn(usize) -> Outcome<C> + Sync,
-    ) -> Result<(), Failure> {
-        let columns = sweep_columns::<C>(&cases.first.0);
-        let header = sweep_header(&cases.plan, &columns);
+    fn sweep(&self, cases: &Cases) -> Result<(), Failure> {
+        let header = sweep_header(&cases.plan, cases.kind);
         let identity = cases.identity(&self.vary, self.shard);
         let begun = Rows::begin(&self.output_path(), identity, &header, self.resume)?;
         let (mut rows, there, warnings) = match begun {
@@ -156,15 +147,16 @@ impl Sweep {
         let (done, all) = (tally.rows(), self.shard.len(cases.plan.cases()));
         let is_silent = self.quiet || rows.are_printed();
         let progress = if is_silent { CaseBar::hidden() } else { CaseBar::new(done, all) };
-        let take = |k: usize, Outcome { row, warnings, remarks }: Outcome<C>| {
+        let take = |k: usize, Outcome { row, warnings, remarks }| {
             let (case, row) = (self.shard.case(k), row?);
             let kinds: Vec<&str> = warnings.iter().map(|warning| &*warning.kind).collect();
-            let line = sweep_row(&cases.plan.case(case), &row, &columns, &kinds);
+            let line = sweep_row(&cases.plan.case(case), &row, cases.kind, &kinds);
             tally.add(case + 1, row.as_ref().err(), warnings, &remarks);
             progress.advance();
             rows.append(&line)
         };
-        let ended = in_order(done..all, interrupt::watch(), |k| work(self.shard.case(k)), take);
+        let work = |k| cases.outcome(self.shard.case(k));
+        let ended = in_order(done..all, interrupt::watch(), work, take);
         drop(progress);
         match ended {
             Ok(()) => {}

@@ -2,7 +2,6 @@
 
 mod cases;
 mod command;
-mod outputs;
 mod table;
 mod tally;
 mod work;

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use flexlink::csv::{InputFile, checked_header, checked_rows};
+use flexlink::csv::{checked_header, checked_rows};
 use flexlink::store::{
-    Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows, SweptCase, check_record,
-    merge_shards, write_sweep,
+    Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows, SweptCase, merge_shards,
+    write_sweep,
 };
 
 use super::tally::Tally;
@@ -74,8 +74,7 @@ impl Rows {
                 Resumed::Complete(rows) => Begun::Complete(rows),
             });
         }
-        let left = SweepFile::left(path, &identity, header);
-        let file = SweepFile::begin(path, identity, header)?;
+        let (file, left) = SweepFile::begin(path, identity, header)?;
         let warnings = left.map_or(0, |left| warn_of_left(&left, file.part()));
         Ok(in_file(file, None, warnings))
     }
@@ -99,7 +98,7 @@ impl Rows {
 
     pub(crate) fn finish(self, durability: Durability) -> Result<(), Failure> {
         match self {
-            Self::InFile(file) => Ok(file.finish(durability, &console::waiting)?),
+            Self::InFile(file) => Ok(file.finish(durability)?),
             Self::Printed | Self::PrintedShard => Ok(()),
         }
     }
@@ -134,19 +133,14 @@ pub(crate) fn merge(shards: &[PathBuf], output: &Path) -> Result<Tally, Failure>
     read_once(&inputs)?;
     keep_files(output, &inputs)?;
     keep_record(output)?;
-    let read = |path: &&Path| -> Result<SweepRows, Failure> {
-        let file = InputFile::read(path)?;
-        let rows = SweepRows::read(&file.shown, &file.bytes)?;
-        check_record(path, &file)?;
-        Ok(rows)
-    };
-    let shards: Vec<SweepRows> = inputs.iter().map(read).collect::<Result<_, _>>()?;
+    let read = inputs.iter().map(|path| SweepRows::of_shard(path));
+    let shards: Vec<SweepRows> = read.collect::<Result<_, _>>()?;
     let table = merge_shards(&shards)?;
     if is_standard_output(output) {
         console::print_bytes(table.as_bytes())?;
     } else {
         let whole = shards[0].identity().whole();
-        write_sweep(output, table.as_bytes(), &whole, Durability::default(), &console::waiting)?;
+        write_sweep(output, table.as_bytes(), &whole, Durability::default())?;
     }
     let mut cases: Vec<SweptCase> = shards.iter().flat_map(SweepRows::cases).collect();
     cases.sort_by_key(|case| case.number);

@@ -10,14 +10,14 @@ use crate::terminal::{Exit, Failure, console};
 const NAMED: &str = "the columns warnings and error name them";
 
 /// A warning or remark of one case.
-pub(crate) struct Told {
+pub(crate) struct Notice {
     /// The kind, as the table has it.
     pub(crate) kind: String,
     words: String,
     hint: &'static str,
 }
 
-impl Told {
+impl Notice {
     pub(crate) fn new(kind: &str, words: &impl Display, hint: &'static str) -> Self {
         Self { kind: kind.to_owned(), words: words.to_string(), hint }
     }
@@ -53,24 +53,24 @@ struct Counted {
     first: usize,
     last: usize,
     /// That of the first case.
-    told: Told,
+    notice: Notice,
 }
 
 /// Counts the warnings or remarks of a case, numbered from 1: each kind once.
-fn count(counted: &mut Vec<Counted>, case: usize, told: impl IntoIterator<Item = Told>) {
-    for told in told {
-        match counted.iter_mut().find(|of| of.told.kind == told.kind) {
+fn count(counted: &mut Vec<Counted>, case: usize, notices: impl IntoIterator<Item = Notice>) {
+    for notice in notices {
+        match counted.iter_mut().find(|of| of.notice.kind == notice.kind) {
             Some(of) => {
                 of.cases += usize::from(of.last != case);
                 of.last = case;
             }
-            None => counted.push(Counted { cases: 1, first: case, last: case, told }),
+            None => counted.push(Counted { cases: 1, first: case, last: case, notice }),
         }
     }
 }
 
 impl Tally {
-    /// Counts cases whose rows are there already; `remarks` tells those of a case, numbered from 0.
+    /// Counts cases whose rows are there already; `remarks` returns those of a case, numbered from 0.
     pub(crate) fn of_cases(
         cases: impl Iterator<Item = SweptCase>,
         remarks: impl Fn(usize) -> Vec<Remark>,
@@ -79,8 +79,8 @@ impl Tally {
         for SweptCase { number, warnings, error } in cases {
             // The row has the kind alone.
             let hint = "flexlink solve tells more of a single case";
-            let told = warnings.iter().map(|kind| Told::new(kind, kind, hint));
-            tally.add(number + 1, error.as_ref(), told.collect(), &remarks(number));
+            let notices = warnings.iter().map(|kind| Notice::new(kind, kind, hint));
+            tally.add(number + 1, error.as_ref(), notices.collect(), &remarks(number));
         }
         tally
     }
@@ -90,7 +90,7 @@ impl Tally {
         &mut self,
         case: usize,
         failure: Option<&String>,
-        warnings: Vec<Told>,
+        warnings: Vec<Notice>,
         remarks: &[Remark],
     ) {
         self.rows += 1;
@@ -98,10 +98,11 @@ impl Tally {
             self.failed += 1;
             self.failure.get_or_insert_with(|| (case, message.clone()));
         }
-        self.exceeding += usize::from(warnings.iter().any(Told::is_of_limit));
+        self.exceeding += usize::from(warnings.iter().any(Notice::is_of_limit));
         self.warned += usize::from(!warnings.is_empty());
         count(&mut self.warnings, case, warnings);
-        let remarks = remarks.iter().map(|remark| Told::new(remark.kind(), remark, remark.hint()));
+        let remarks =
+            remarks.iter().map(|remark| Notice::new(remark.kind(), remark, remark.hint()));
         count(&mut self.remarks, case, remarks);
     }
 
@@ -142,11 +143,11 @@ impl Tally {
     pub(crate) fn warn(&self) {
         let rows = self.rows;
         let line = |of: &Counted| {
-            let Counted { cases, first, told: Told { words, .. }, .. } = of;
+            let Counted { cases, first, notice: Notice { words, .. }, .. } = of;
             format!("{cases} of {rows} cases, the first is case {first}: {words}")
         };
         for of in &self.remarks {
-            console::remark(&line(of), of.told.hint);
+            console::remark(&line(of), of.notice.hint);
         }
         if let Some((first, message)) = &self.failure {
             let failed = format!("{} of {rows} cases failed", self.failed);
@@ -154,7 +155,7 @@ impl Tally {
             console::warning(text, "the column error says why");
         }
         for of in &self.warnings {
-            console::warning(line(of), of.told.hint);
+            console::warning(line(of), of.notice.hint);
         }
     }
 }

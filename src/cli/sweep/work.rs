@@ -1,34 +1,37 @@
 //! The work of one case of a sweep, and what comes of it.
 
-use std::f64::consts::TAU;
+use std::path::Path;
 
-use flexlink::inverse::{Resources, invert_with};
-use flexlink::response::{Play, PlayError, simulate};
-use flexlink::result::{Remark, TipError};
+use flexlink::csv::InputFile;
+use flexlink::inverse::{Resources, Unwatched, invert_with};
+use flexlink::response::{Play, PlayError, Torque, simulate};
+use flexlink::result::{Metrics, PlayedMetrics, Remark, TipError};
 use flexlink::spec::Specification;
-use flexlink::store::{RunInputs, SimulationInputs};
-use flexlink::sweep::{PlayedCase, SolvedCase};
+use flexlink::store::{
+    CaseNumbers, Findings, OutputFolder, PlayedCase, RunInputs, SolveOutputs, SolvedCase, Summary,
+    SweepKind,
+};
 
-use super::cases::Cases;
-use super::tally::Told;
+use super::cases::{Cases, OutputsArgs};
+use super::tally::Notice;
 use crate::cli::inputs::remarks;
-use crate::terminal::{Exit, Failure};
+use crate::terminal::{Exit, Failure, memory};
 
 /// What came of a case.
-pub(crate) struct Outcome<C> {
+pub(crate) struct Outcome {
     /// Its numbers, or why it has none; or why the sweep ends.
-    pub(crate) row: Result<Result<C, String>, Failure>,
+    pub(crate) row: Result<Result<CaseNumbers, String>, Failure>,
     /// Its warnings.
-    pub(crate) warnings: Vec<Told>,
+    pub(crate) warnings: Vec<Notice>,
     /// What is possible but rare in it.
     pub(crate) remarks: Vec<Remark>,
 }
 
 /// The numbers of a case, its warnings and its remarks.
-pub(crate) type Found<C> = (C, Vec<Told>, Vec<Remark>);
+pub(crate) type Found = (CaseNumbers, Vec<Notice>, Vec<Remark>);
 
-impl<C> Outcome<C> {
-    fn of(result: Result<Found<C>, Failure>, remarks: impl FnOnce() -> Vec<Remark>) -> Self {
+impl Outcome {
+    fn of(result: Result<Found, Failure>, remarks: impl FnOnce() -> Vec<Remark>) -> Self {
         let failure = match result {
             Ok((row, warnings, remarks)) => return Self { row: Ok(Ok(row)), warnings, remarks },
             Err(failure) => failure,
@@ -44,21 +47,16 @@ impl<C> Outcome<C> {
 
 impl Cases<'_> {
     /// Works on a case, numbered from 0, within its share of the memory.
-    pub(crate) fn outcome<C>(
-        &self,
-        case: usize,
-        work: impl Fn(&Self, usize, Option<usize>) -> Result<Found<C>, Failure>,
-    ) -> Outcome<C> {
-        let found = self.within_memory(|bytes| work(self, case, bytes));
+    pub(crate) fn outcome(&self, case: usize) -> Outcome {
+        let found = self.within_memory(|bytes| match &self.torque_file {
+            Some((file, torque)) => self.play(case, (file, torque), bytes),
+            None => self.solve(case, bytes),
+        });
         Outcome::of(found, || self.remarks(case))
     }
 
     /// Solves a case, numbered from 0.
-    pub(crate) fn solve(
-        &self,
-        case: usize,
-        memory_bytes: Option<usize>,
-    ) -> Result<Found<SolvedCase>, Failure> {
+    fn solve(&self, case: usize, memory_bytes: Option<usize>) -> Result<Found, Failure> {
         let values = self.plan.case(case);
         let specification = self.specification(&values)?;
         let Specification { link, mesh, analysis, limits, .. } = &specification;
@@ -66,40 +64,52 @@ impl Cases<'_> {
         let resources =
             Resources { memory_bytes, periods: Some(&self.periods), ..Resources::default() };
         let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
-        let found = SolvedCase::of(&solution);
-        let exceeded = limits.exceeded(&found.metrics);
+        let metrics = Metrics::of(&solution);
+        let first_rad_s = solution.natural_frequencies_rad_s(1);
+        let found = SolvedCase {
+            solution: &solution,
+            metrics: &metrics,
+            first_rad_s: first_rad_s.first().copied(),
+        };
+        let numbers = self.kind.solved(&found);
+        let exceeded = limits.exceeded(&metrics);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
-            let inputs = RunInputs {
-                link_file: &self.link_file,
-                motion_file: &self.motion_file,
-                arguments: &self.arguments(&values),
-                verification: None,
-                remarks: &remarks(&specification.remarks, &solution),
+            let arguments = self.arguments(&values);
+            let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
+            let remarks = remarks(&specification.remarks, &solution);
+            let findings = Findings { exceeded: &exceeded, verification: None, remarks: &remarks };
+            let OutputsArgs { nodes, digits, .. } = &self.shared.outputs;
+            nodes.check(solution.mesh())?;
+            let outputs = SolveOutputs {
+                nodes: nodes.list.clone(),
+                every: nodes.every,
+                digits: *digits,
+                ..SolveOutputs::default()
             };
-            let solved = (&solution, &found, &exceeded[..]);
-            self.shared.outputs.write_solution(&folder, &inputs, solved, memory_bytes)?;
+            let summary = Summary::of_solution(inputs, &solution, &metrics, &findings, &outputs);
+            let deflections = outputs.deflections(&solution);
+            memory::check_nodes(deflections.bytes(), memory_bytes)?;
+            let folder = self.stage(&folder)?;
+            outputs.write(folder, (&solution, deflections), (&summary, None), &Unwatched)?;
         }
-        let own = solution.warnings.iter().map(|w| Told::new(w.kind(), w, w.hint()));
-        let limits = exceeded.iter().map(Told::of_limit);
-        let first: Vec<f64> = found.period_s.iter().map(|period_s| TAU / period_s).collect();
-        let of_modes = Remark::on_modes(link, solution.mesh(), &first);
+        let own = solution.warnings.iter().map(|w| Notice::new(w.kind(), w, w.hint()));
+        let limits = exceeded.iter().map(Notice::of_limit);
+        let of_modes = Remark::on_modes(link, solution.mesh(), &first_rad_s);
         let of_motion = Remark::on_motion(link, &motion, solution.tip.largest_travel_m());
         let remarks = specification.remarks.iter().cloned().chain(of_modes).chain(of_motion);
-        Ok((found, own.chain(limits).collect(), remarks.collect()))
+        Ok((numbers, own.chain(limits).collect(), remarks.collect()))
     }
 
     /// Plays the torque on a case, numbered from 0.
-    pub(crate) fn play(
+    fn play(
         &self,
         case: usize,
+        (torque_file, torque): (&InputFile, &Torque),
         memory_bytes: Option<usize>,
-    ) -> Result<Found<PlayedCase>, Failure> {
+    ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
         let Specification { link, mesh, remarks, .. } = &self.specification(&values)?;
         let motion = self.motion_of(link, values.motion)?;
-        let Some((torque_file, torque)) = &self.torque_file else {
-            return Err(Failure::new(Exit::Usage, &"no torque to play", None));
-        };
         let grid = torque.grid();
         let target = motion.target(grid.time_s(0), grid.end_s());
         let play = Play {
@@ -111,24 +121,37 @@ impl Cases<'_> {
         let simulation = simulate(link, mesh, &play)?;
         let tip_error = TipError::of(&simulation, &target)?;
         let error = PlayError::of(&simulation, link, &play)?;
-        let found = PlayedCase::of(&simulation, tip_error);
+        let metrics = PlayedMetrics::of(&simulation);
+        let found =
+            PlayedCase { simulation: &simulation, metrics: &metrics, tip_error: &tip_error };
+        let numbers = SweepKind::played(&found);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
-            let inputs = SimulationInputs {
-                link_file: &self.link_file,
-                torque_file,
-                target_file: Some(&self.motion_file),
-                reference_file: None,
-                link,
-                play: &play,
-                arguments: &self.arguments(&values),
-            };
-            let error = error.as_ref();
-            self.shared.outputs.write_simulation(&folder, &inputs, &simulation, &found, error)?;
+            let arguments = self.arguments(&values);
+            let files = [&self.link_file, torque_file];
+            let inputs = RunInputs::of_simulate(files, [Some(&self.motion_file), None], arguments);
+            let OutputsArgs { nodes, digits, .. } = &self.shared.outputs;
+            nodes.check(&simulation.mesh)?;
+            let outputs = nodes.of_simulation(*digits);
+            memory::check_nodes(outputs.nodal_bytes(&simulation), memory_bytes)?;
+            let errors = (error.as_ref(), Some(&tip_error));
+            let played = (link, &play);
+            let summary = Summary::of_simulation(inputs, played, &simulation, &metrics, errors);
+            outputs.write(self.stage(&folder)?, link, &simulation, &summary)?;
         }
         let coarse = error.and_then(|error| error.warning());
         let own = simulation.warnings.iter().copied().chain(coarse);
-        let own = own.map(|w| Told::new(w.kind(), &w, w.hint()));
-        let late = tip_error.late.map(|late| Told::new(late.kind(), &late, late.hint()));
-        Ok((found, own.chain(late).collect(), remarks.clone()))
+        let own = own.map(|w| Notice::new(w.kind(), &w, w.hint()));
+        let late = tip_error.late.map(|late| Notice::new(late.kind(), &late, late.hint()));
+        Ok((numbers, own.chain(late).collect(), remarks.clone()))
+    }
+
+    /// Opens the folder of a case, which the command line does not name: it must lead nowhere else.
+    fn stage(&self, folder: &Path) -> Result<OutputFolder, Failure> {
+        if folder.is_symlink() {
+            let shown = folder.display();
+            let message = format!("{shown}: is a symbolic link, but must be a folder of its own");
+            return Err(Failure::new(Exit::CannotWrite, &message, None));
+        }
+        self.shared.outputs.sync.stage(folder)
     }
 }

@@ -1,12 +1,12 @@
+use std::cell::Cell;
 use std::fs;
 use std::io;
 use std::path::Path;
-use std::sync::{Mutex, mpsc};
+use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-use super::super::lock::{FolderLock, LOCK};
-use super::{FolderAction, OutputFolder};
+use super::{Durability, LOCK, Lock, OutputFolder, write_file};
 
 fn in_silence(_: &Path) {}
 
@@ -96,10 +96,10 @@ fn a_failing_writer_leaves_the_folder_as_it_was() {
 }
 
 #[test]
-fn a_dropped_run_takes_the_folders_it_created_with_it() {
+fn a_dropped_run_leaves_no_file() {
     let base = tempfile::tempdir().unwrap();
     drop(stage_files(&base.path().join("a/b"), &[("torque.csv", "1")]));
-    assert_eq!(listing(base.path()), []);
+    assert_eq!(listing(&base.path().join("a/b")), []);
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn a_file_that_cannot_take_its_name_changes_nothing() {
     fs::write(dir.join("summary.json"), "old").unwrap();
     let folder = stage_files(dir, &[("summary.json", "2"), ("torque.csv", "2")]);
     let error = folder.commit("summary.json", &OWNED).unwrap_err();
-    assert_eq!(error.action, FolderAction::Write("torque.csv".to_owned()));
+    assert_eq!(error.action, "write torque.csv");
     assert_eq!(listing(dir), files(&[("summary.json", "old"), ("torque.csv", "")]));
 }
 
@@ -122,7 +122,7 @@ fn replaced_files_are_there_at_every_moment() {
     fs::write(dir.join("z.csv"), "old").unwrap();
     let folder = stage_files(dir, &[("z.csv", "new"), ("b.csv", "new")]);
     let error = folder.replace().unwrap_err();
-    assert_eq!(error.action, FolderAction::Write("b.csv".to_owned()));
+    assert_eq!(error.action, "write b.csv");
     assert_eq!(listing(dir), files(&[("b.csv", ""), ("z.csv", "old")]));
     stage_files(dir, &[("z.csv", "new")]).replace().unwrap();
     assert_eq!(listing(dir), files(&[("b.csv", ""), ("z.csv", "new")]));
@@ -146,7 +146,7 @@ fn a_file_in_the_place_of_the_folder_is_refused() {
     let dir = base.path().join("out");
     fs::write(&dir, "a file").unwrap();
     let error = OutputFolder::stage(&dir, &in_silence).unwrap_err();
-    assert_eq!(error.action, FolderAction::Create);
+    assert_eq!(error.action, "create the folder");
     assert_eq!(fs::read_to_string(&dir).unwrap(), "a file");
 }
 
@@ -181,7 +181,7 @@ fn a_run_waits_for_another_in_its_folder_and_says_so_when_it_gives_up() {
     let base = tempfile::tempdir().unwrap();
     let dir = base.path();
     let first = stage_files(dir, &[("torque.csv", "1"), ("summary.json", "1")]);
-    let error = FolderLock::take_within(dir, Duration::from_millis(20), &in_silence).unwrap_err();
+    let error = Lock::take(&dir.join(LOCK), Duration::from_millis(20), &|| {}).unwrap_err();
     assert_eq!(error.to_string(), "another run has been writing into it for 20ms");
     assert_eq!(fs::read_dir(dir).unwrap().count(), 2, "the first run's files are left alone");
     thread::scope(|scope| {
@@ -199,11 +199,32 @@ fn a_run_waits_for_another_in_its_folder_and_says_so_when_it_gives_up() {
 fn a_wait_that_is_no_short_one_is_told_once() {
     let base = tempfile::tempdir().unwrap();
     let held = stage_files(base.path(), &[]);
-    let told = Mutex::new(Vec::new());
-    let tell = |dir: &Path| told.lock().unwrap().push(dir.to_owned());
-    FolderLock::take_within(base.path(), Duration::from_millis(50), &tell).unwrap_err();
-    assert!(told.lock().unwrap().is_empty(), "a short one is not");
-    FolderLock::take_within(base.path(), Duration::from_millis(1300), &tell).unwrap_err();
-    assert_eq!(*told.lock().unwrap(), [base.path()]);
+    let told = Cell::new(0);
+    let wait = |millis| {
+        let tell = || told.set(told.get() + 1);
+        Lock::take(&base.path().join(LOCK), Duration::from_millis(millis), &tell).unwrap_err();
+        told.get()
+    };
+    assert_eq!(wait(50), 0, "a short one is not");
+    assert_eq!(wait(1300), 1);
     drop(held);
+}
+
+#[test]
+fn a_single_file_is_whole_or_not_there_and_takes_the_place_of_what_a_killed_run_left() {
+    let base = tempfile::tempdir().unwrap();
+    let path = base.path().join("new/frf.csv");
+    let write = |text: &'static str, ended: fn() -> io::Result<()>| {
+        write_file(&path, Durability::InMemory, |w| {
+            w.write_all(text.as_bytes())?;
+            ended()
+        })
+    };
+    let error = write("half", || Err(io::Error::other("full"))).unwrap_err();
+    assert_eq!(error.action, "write frf.csv");
+    assert_eq!(listing(path.parent().unwrap()), []);
+    write("whole", || Ok(())).unwrap();
+    fs::write(path.with_file_name(".frf.csv.flexlink"), "longer, of a killed run").unwrap();
+    write("again", || Ok(())).unwrap();
+    assert_eq!(listing(path.parent().unwrap()), files(&[("frf.csv", "again")]));
 }

@@ -7,32 +7,31 @@ use super::super::json::{
     FORMAT, Fingerprint, Head, as_written, check_format, json, json_line, newer, parsed,
     without_format,
 };
-use crate::csv::{InputFile, Place, TableError, quoted};
+use crate::csv::{Place, TableError, quoted};
 use crate::result::Origin;
 use crate::sweep::{Shard, SweepPlan, Variation, VariationError};
 
 /// Start of the first line of a shard or an unfinished sweep.
-const PREFIX: &str = "# flexlink ";
+pub(super) const PREFIX: &str = "# flexlink ";
 
 const COMMAND: &str = "sweep";
 
 const VARY: &str = "inputs.vary";
 
-/// What a sweep was given.
-#[derive(Debug, Clone, Copy)]
-pub struct SweepInputs<'a> {
+/// What a sweep was given: its files, what is varied, each as the program takes it, `payload.mass=0,0.05`,
+/// and the other arguments that shape the rows or the files of the cases, in order.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SweepInputs {
     /// The link file.
-    pub link_file: &'a InputFile,
+    pub link: Fingerprint,
     /// The trajectory file.
-    pub motion_file: &'a InputFile,
+    pub motion: Fingerprint,
     /// The torque that is played on every case, if one is.
-    pub torque_file: Option<&'a InputFile>,
-    /// Title of the link.
-    pub title: &'a str,
-    /// What is varied, each as the program takes it: `payload.mass=0,0.05`.
-    pub vary: &'a [String],
-    /// The other arguments that shape the rows or the files of the cases, in order.
-    pub arguments: &'a [String],
+    pub torque: Option<Fingerprint>,
+    /// What is varied.
+    pub vary: Vec<String>,
+    /// The other arguments.
+    pub arguments: Vec<String>,
 }
 
 /// A sweep, and which of its cases a file holds.
@@ -52,7 +51,7 @@ struct Record {
     flexlink: String,
     command: String,
     title: String,
-    inputs: Inputs,
+    inputs: SweepInputs,
     shard: String,
     cases: usize,
     /// The table beside which the record lies; not in the first line of a table.
@@ -60,30 +59,15 @@ struct Record {
     table: Option<Fingerprint>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Inputs {
-    link: Fingerprint,
-    motion: Fingerprint,
-    torque: Option<Fingerprint>,
-    vary: Vec<String>,
-    arguments: Vec<String>,
-}
-
 impl SweepIdentity {
-    /// The identity of a sweep with this plan, which its `vary` describes, and of a share of it.
-    pub fn new(inputs: &SweepInputs, plan: SweepPlan, shard: Shard) -> Self {
+    /// A share of the sweep of a link with this title; `plan` is what the `vary` of its inputs describes.
+    pub fn new(title: &str, inputs: SweepInputs, plan: SweepPlan, shard: Shard) -> Self {
         let record = Record {
             format: FORMAT,
             flexlink: env!("CARGO_PKG_VERSION").to_owned(),
             command: COMMAND.to_owned(),
-            title: inputs.title.to_owned(),
-            inputs: Inputs {
-                link: Fingerprint::of(inputs.link_file),
-                motion: Fingerprint::of(inputs.motion_file),
-                torque: inputs.torque_file.map(Fingerprint::of),
-                vary: inputs.vary.to_vec(),
-                arguments: inputs.arguments.to_vec(),
-            },
+            title: title.to_owned(),
+            inputs,
             shard: shard.to_string(),
             cases: plan.cases(),
             table: None,
@@ -184,7 +168,7 @@ impl SweepIdentity {
 
     /// Keys whose values decide the rows.
     fn keys(&self) -> [(&'static str, String); 6] {
-        let Inputs { link, motion, torque, vary, arguments } = &self.record.inputs;
+        let SweepInputs { link, motion, torque, vary, arguments } = &self.record.inputs;
         let torque = torque.as_ref().map(|file| file.sha256.clone());
         [
             ("flexlink", self.record.flexlink.clone()),
@@ -203,7 +187,7 @@ impl SweepIdentity {
 
     /// Program, inputs and arguments of the sweep.
     pub(in crate::store) fn origin(&self) -> Origin {
-        let Inputs { link, motion, torque, vary, arguments } = &self.record.inputs;
+        let SweepInputs { link, motion, torque, vary, arguments } = &self.record.inputs;
         let files = [("link", Some(link)), ("motion", Some(motion)), ("torque", torque.as_ref())];
         let vary = vary.iter().flat_map(|text| ["--vary".to_owned(), text.clone()]);
         Origin {
@@ -231,17 +215,16 @@ pub(super) fn identity_of(
     shard: &str,
 ) -> SweepIdentity {
     let (shown, name, bytes) = ("x".to_owned(), "x".to_owned(), link.as_bytes().to_vec());
-    let file = InputFile { shown, name, bytes };
+    let file = crate::csv::InputFile { shown, name, bytes };
     let inputs = SweepInputs {
-        link_file: &file,
-        motion_file: &file,
-        torque_file: None,
-        title: "a link",
-        vary: &[vary.to_owned()],
-        arguments: &arguments.iter().map(|a| (*a).to_owned()).collect::<Vec<_>>(),
+        link: Fingerprint::of(&file),
+        motion: Fingerprint::of(&file),
+        torque: None,
+        vary: vec![vary.to_owned()],
+        arguments: arguments.iter().map(|a| (*a).to_owned()).collect(),
     };
     let plan = SweepPlan::new(vec![vary.parse().unwrap()]).unwrap();
-    SweepIdentity::new(&inputs, plan, shard.parse().unwrap())
+    SweepIdentity::new("a link", inputs, plan, shard.parse().unwrap())
 }
 
 #[cfg(test)]

@@ -1,13 +1,25 @@
-//! The record beside the table of a sweep: stiffness.json beside stiffness.csv.
+//! The table of a sweep and the record beside it, stiffness.json beside stiffness.csv: written and read.
 
-use std::io;
+use std::fs::File;
+use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
-use super::super::folder::{Durability, FolderError};
-use super::super::json::Fingerprint;
-use super::super::single_file::{is_stream, write_file};
+use super::super::folder::{Durability, FolderError, is_stream, write_file};
+use super::super::json::{Fingerprint, unreadable};
 use super::identity::{SweepIdentity, is_record};
-use crate::csv::{InputFile, Place, TableError, quoted, sha256};
+use super::table::{ERROR, SweepKind, WARNINGS};
+use crate::compare::{Cell, Table};
+use crate::csv::{CHECK, InputFile, Place, TableError, quoted, read_table, sha256};
+use crate::result::StoredSweep;
+
+/// The first column after those of the values varied.
+const FIRST: &str = "period_1_s";
+
+/// Hint for a file that is no table of a sweep.
+const THE_FOLDER: &str = "of a run of solve or simulate, give the folder";
+
+/// Bytes of the longest row of names that is read.
+const LONGEST_HEADER: u64 = 1 << 20;
 
 /// Where the record of a table lies.
 pub(super) fn record_of(table: &Path) -> PathBuf {
@@ -37,8 +49,8 @@ pub fn sweep_files(table: &Path) -> [PathBuf; 3] {
 pub struct ForeignRecord {
     /// Where it lies.
     pub path: PathBuf,
-    /// The table of which it is the record; none for a file that no sweep has written.
-    pub table: Option<String>,
+    /// What it is, for messages.
+    pub what: String,
 }
 
 impl ForeignRecord {
@@ -46,9 +58,8 @@ impl ForeignRecord {
     pub fn beside(table: &Path) -> Option<Self> {
         let path = record_of(table);
         path.symlink_metadata().ok()?;
-        let file = if path.is_file() { InputFile::read(&path).ok() } else { None };
-        let Some(file) = file.filter(|file| is_record(&file.bytes)) else {
-            return Some(Self { path, table: None });
+        let Some(file) = record_file(&path) else {
+            return Some(Self { path, what: "a file that no sweep has written".to_owned() });
         };
         let place = Place { file: &file.shown, line: None };
         let record = SweepIdentity::read(&file.bytes, place).ok()?;
@@ -56,15 +67,7 @@ impl ForeignRecord {
         let other = table.with_file_name(own);
         // A table that was renamed with its record is no other one.
         let is_other = other.file_name() != table.file_name() && record_of(&other) == path;
-        (is_other && other.exists()).then(|| Self { path, table: Some(own.clone()) })
-    }
-
-    /// A description for messages.
-    pub fn what(&self) -> String {
-        match &self.table {
-            Some(table) => format!("the record of {table}"),
-            None => "a file that no sweep has written".to_owned(),
-        }
+        (is_other && other.exists()).then(|| Self { path, what: format!("the record of {own}") })
     }
 }
 
@@ -78,46 +81,35 @@ pub fn write_sweep(
     table: &[u8],
     identity: &SweepIdentity,
     durability: Durability,
-    on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
     if is_stream(path) {
-        return write_file(path, durability, |out| out.write_all(table), on_wait);
+        return write_file(path, durability, |out| out.write_all(table));
     }
     if let Some(foreign) = ForeignRecord::beside(path) {
-        let cause = io::Error::other(format!("it would replace {}", foreign.what()));
+        let cause = io::Error::other(format!("it would replace {}", foreign.what));
         return Err(FolderError::of_file(&foreign.path, cause));
     }
-    write_file(path, durability, |out| out.write_all(table), on_wait)?;
+    write_file(path, durability, |out| out.write_all(table))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let json = identity.json(Fingerprint { name, sha256: sha256(table) });
-    write_file(&record_of(path), durability, |out| out.write_all(json.as_bytes()), on_wait)
+    write_file(&record_of(path), durability, |out| out.write_all(json.as_bytes()))
 }
 
-/// Refuses a shard that has changed since its record was written beside it; one that was copied
-/// without its record is taken.
-///
-/// # Errors
-/// [`TableError`] for such a shard, and for a record that is damaged or of another format.
-pub fn check_record(path: &Path, shard: &InputFile) -> Result<(), TableError> {
-    read_record(path, shard).map(drop)
+/// The file at `path`, if it is the record of a sweep.
+fn record_file(path: &Path) -> Option<InputFile> {
+    let file = if path.is_file() { InputFile::read(path).ok() } else { None };
+    file.filter(|file| is_record(&file.bytes))
 }
 
 /// The record beside a table that was read; none where there is none.
 ///
 /// # Errors
 /// [`TableError`] for a record that is damaged, of another version's format, or of another table.
-pub(in crate::store) fn read_record(
+pub(super) fn read_record(
     path: &Path,
     table: &InputFile,
 ) -> Result<Option<SweepIdentity>, TableError> {
-    let path = record_of(path);
-    if !path.is_file() {
-        return Ok(None);
-    }
-    let Ok(file) = InputFile::read(&path) else { return Ok(None) };
-    if !is_record(&file.bytes) {
-        return Ok(None);
-    }
+    let Some(file) = record_file(&record_of(path)) else { return Ok(None) };
     let place = Place { file: &file.shown, line: None };
     let identity = SweepIdentity::read(&file.bytes, place)?;
     let found = identity.table().map_or("", |table| &table.sha256);
@@ -129,6 +121,93 @@ pub(in crate::store) fn read_record(
         return Err(place.refuse("table.sha256", quoted(found), must).with_hint(hint));
     }
     Ok(Some(identity))
+}
+
+/// Reads the table of a sweep at `path`, and the record beside it.
+///
+/// # Errors
+/// [`TableError`] names what is missing in the table, damaged, or not that of its record.
+pub(in crate::store) fn read_sweep(path: &Path) -> Result<StoredSweep, TableError> {
+    let file = &InputFile::read(path).map_err(|error| unreadable(&error))?;
+    let table = read_table(&file.shown, &file.bytes);
+    let is_table = file.name.to_lowercase().ends_with(".csv") || file.name == "-";
+    let mut table = table
+        .map_err(|error| if is_table { error } else { error.or_hint(THE_FOLDER.to_owned()) })?;
+    // That of a shard.
+    table.columns.pop_if(|column| column.name() == CHECK);
+    let place = Place { file: &file.shown, line: None };
+    let names: Vec<&str> = table.names().collect();
+    let varied = check_columns(&names, place)?;
+    if table.lines.is_empty() {
+        return Err(place.refuse("rows", "none", "must be one or more cases"));
+    }
+    check_cells(&table, varied, place)?;
+    let origin = read_record(path, file)?.map(|record| record.origin());
+    Ok(StoredSweep { name: file.name.clone(), origin, varied, table })
+}
+
+/// Number of the columns of values varied.
+fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
+    let varied = names.iter().position(|name| *name == FIRST).unwrap_or(0);
+    if varied == 0 {
+        let must = format!("must be those of a sweep: values varied, {FIRST}, …, {ERROR}");
+        let error = place.refuse("columns", quoted(&names.join(",")), must);
+        return Err(error.with_hint(THE_FOLDER.to_owned()));
+    }
+    let kinds = [SweepKind::Driven, SweepKind::Solved, SweepKind::Played];
+    let known = kinds.map(|kind| [&kind.names()[..], &[WARNINGS, ERROR]].concat());
+    let found = &names[varied..];
+    if known.iter().any(|known| known == found) {
+        return Ok(varied);
+    }
+    // Of the kinds of sweep the one that shares more names is meant.
+    let shared = |known: &&Vec<&str>| known.iter().filter(|name| found.contains(name)).count();
+    let known = known.iter().max_by_key(shared).map_or(&[][..], |known| known);
+    let must = format!("must be {}", quoted_all(known));
+    if !found.contains(&WARNINGS) {
+        let error = place.refuse(format!("column {WARNINGS}"), "nothing", "must be there");
+        let hint = "an older flexlink wrote it: run the sweep again";
+        return Err(error.with_hint(hint.to_owned()));
+    }
+    match found.iter().position(|name| !known.contains(name)) {
+        Some(stray) => {
+            let subject = format!("column {}", varied + stray + 1);
+            Err(place.refuse(subject, quoted(found[stray]), must))
+        }
+        None => Err(place.refuse(format!("columns from {FIRST} on"), quoted_all(found), must)),
+    }
+}
+
+fn quoted_all(names: &[&str]) -> String {
+    format!("\"{}\"", names.join(","))
+}
+
+/// Refuses a field behind the values varied that is neither empty nor a finite number.
+fn check_cells(table: &Table, varied: usize, place: Place) -> Result<(), TableError> {
+    for column in &table.columns[varied..table.columns.len() - 2] {
+        for (row, line) in table.lines.iter().enumerate() {
+            let found = match column.cell(row) {
+                Cell::Word("") => continue,
+                Cell::Number(number) if number.is_finite() => continue,
+                Cell::Number(number) => number.to_string(),
+                Cell::Word(word) => quoted(word),
+            };
+            let place = Place { line: Some(*line), ..place };
+            return Err(place.refuse(column.name(), found, "must be a finite number or nothing"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a file begins with the row of names of a sweep.
+pub(in crate::store) fn is_sweep(path: &Path) -> bool {
+    let Ok(file) = File::open(path) else { return false };
+    let lines = BufReader::new(file.take(LONGEST_HEADER)).lines();
+    let header = lines.map_while(Result::ok).find(|line| !line.starts_with('#'));
+    header.is_some_and(|header| {
+        let header = header.trim_end();
+        header.contains(&format!(",{FIRST},")) && header.ends_with(&format!(",{ERROR}"))
+    })
 }
 
 #[cfg(test)]
@@ -156,7 +235,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("s.csv");
         let identity = identity_of("link", &[], "x=1,2", "1/1");
-        write_sweep(&path, b"x\n1\n2\n", &identity, Durability::InMemory, &|_| {}).unwrap();
+        write_sweep(&path, b"x\n1\n2\n", &identity, Durability::InMemory).unwrap();
         let read = || read_record(&path, &InputFile::read(&path).unwrap());
         assert!(
             read()
@@ -182,8 +261,7 @@ mod tests {
             fs::write(&mine, content).unwrap();
             let found = ForeignRecord::beside(&path).map(|foreign| foreign.path);
             assert_eq!(found.as_ref(), Some(&mine));
-            let error =
-                write_sweep(&path, b"x\n", &identity, Durability::InMemory, &|_| {}).unwrap_err();
+            let error = write_sweep(&path, b"x\n", &identity, Durability::InMemory).unwrap_err();
             assert!(
                 error.to_string().ends_with("it would replace a file that no sweep has written"),
                 "{error}"
@@ -202,7 +280,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let identity = identity_of("link", &[], "x=1,2", "1/1");
-        let write = |name| write_sweep(&at(name), b"x\n", &identity, Durability::InMemory, &|_| {});
+        let write = |name| write_sweep(&at(name), b"x\n", &identity, Durability::InMemory);
         write("two").unwrap();
         write("two").unwrap();
         let error = write("two.csv").unwrap_err();

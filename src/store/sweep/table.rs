@@ -1,106 +1,153 @@
 //! The table of a sweep: a row for every case, as it is written and as it is checked when it is read.
 
+use std::f64::consts::TAU;
+
 use csv::ReaderBuilder;
 
 use super::identity::SweepIdentity;
 use crate::csv::{NumberFormat, Place, TableError, quoted};
-use crate::link::Link;
+use crate::inverse::Solution;
+use crate::modal::torque_zeros;
 use crate::numeric::rounded;
-use crate::result::MotorMetrics;
-use crate::sweep::{CaseValues, PlayedCase, SolvedCase, SweepPlan, Variation};
+use crate::response::Simulation;
+use crate::result::{Metrics, MotorMetrics, PlayedMetrics, TipError};
+use crate::sweep::{CaseValues, SweepPlan, Variation};
 
 /// Significant digits of a number in the table. Rows are written as they come, before the peak of
 /// their column is known.
 const DIGITS: usize = 12;
 
 /// The column of the kinds of a case's warnings, with `;` between them.
-pub(in crate::store) const WARNINGS: &str = "warnings";
+pub(super) const WARNINGS: &str = "warnings";
 
 /// The last column: why a case has no numbers.
-pub(in crate::store) const ERROR: &str = "error";
+pub(super) const ERROR: &str = "error";
 
-/// Heading of a column and the number that it shows of a case, where it has one.
-pub type SweepColumn<C> = (&'static str, fn(&C) -> Option<f64>);
-
-/// A case with the columns of its numbers.
-pub trait SweepRecord: Sized + 'static {
-    /// The columns between those of the variations and the last two, `warnings` and `error`.
-    const COLUMNS: &'static [SweepColumn<Self>];
-
-    /// The columns that follow them where the link has a drive.
-    const MOTOR_COLUMNS: &'static [SweepColumn<Self>] = &[];
+/// A case whose torque was computed.
+#[derive(Clone, Copy)]
+pub struct SolvedCase<'a> {
+    /// The solution.
+    pub solution: &'a Solution,
+    /// Its metrics.
+    pub metrics: &'a Metrics,
+    /// Its first natural frequency in rad/s; none if nothing vibrates.
+    pub first_rad_s: Option<f64>,
 }
 
-/// The columns that a sweep of a link has between those of the variations and the last one.
-pub fn sweep_columns<C: SweepRecord>(link: &Link) -> Vec<SweepColumn<C>> {
-    let motor = if link.drive().is_some() { C::MOTOR_COLUMNS } else { &[] };
-    [C::COLUMNS, motor].concat()
+/// A case on which a torque was played.
+#[derive(Debug, Clone, Copy)]
+pub struct PlayedCase<'a> {
+    /// The simulation.
+    pub simulation: &'a Simulation,
+    /// Its metrics.
+    pub metrics: &'a PlayedMetrics,
+    /// The error of the tip against its target.
+    pub tip_error: &'a TipError,
 }
 
-impl SweepRecord for SolvedCase {
-    const COLUMNS: &'static [SweepColumn<Self>] = &[
-        ("period_1_s", |case| case.period_s),
-        ("zero_1_per_s", |case| case.zero_per_s),
-        ("peak_torque_n_m", |case| Some(case.metrics.peak_torque_n_m.value)),
-        ("rms_torque_n_m", |case| Some(case.metrics.rms_torque_n_m)),
-        ("peak_rigid_torque_n_m", |case| Some(case.metrics.peak_rigid_torque_n_m.value)),
-        ("torque_ratio", |case| Some(case.metrics.torque_ratio)),
-        ("lead_s", |case| Some(case.metrics.lead_s)),
-        ("lag_s", |case| Some(case.metrics.lag_s)),
-        ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
-        ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
-        ("peak_root_moment_n_m", |case| Some(case.metrics.peak_root_moment_n_m.value)),
-        ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
-        ("band_hz", |case| Some(case.band_hz)),
-        ("tip_error", |case| Some(case.accuracy.tip)),
-        ("torque_mesh_error", |case| Some(case.accuracy.errors.torque.mesh)),
-        ("torque_window_error", |case| Some(case.accuracy.errors.torque.window)),
-    ];
+/// A column and the number that it shows of a case, where it has one.
+type Solved = (&'static str, fn(&SolvedCase<'_>) -> Option<f64>);
+type Played = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
 
-    const MOTOR_COLUMNS: &'static [SweepColumn<Self>] = &[
-        ("peak_motor_torque_n_m", |case| of_motor(case, |motor| motor.peak_torque_n_m.value)),
-        ("rms_motor_torque_n_m", |case| of_motor(case, |motor| motor.rms_torque_n_m)),
-        ("peak_motor_rate_rad_s", |case| of_motor(case, |motor| motor.peak_rate_rad_s.value)),
-        ("peak_motor_power_w", |case| of_motor(case, |motor| motor.peak_power_w.value)),
-    ];
-}
+const SOLVED: [Solved; 16] = [
+    ("period_1_s", |case| case.first_rad_s.map(|omega| TAU / omega)),
+    ("zero_1_per_s", |case| case.solution.first_zero_per_s),
+    ("peak_torque_n_m", |case| Some(case.metrics.peak_torque_n_m.value)),
+    ("rms_torque_n_m", |case| Some(case.metrics.rms_torque_n_m)),
+    ("peak_rigid_torque_n_m", |case| Some(case.metrics.peak_rigid_torque_n_m.value)),
+    ("torque_ratio", |case| Some(case.metrics.torque_ratio)),
+    ("lead_s", |case| Some(case.metrics.lead_s)),
+    ("lag_s", |case| Some(case.metrics.lag_s)),
+    ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
+    ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
+    ("peak_root_moment_n_m", |case| Some(case.metrics.peak_root_moment_n_m.value)),
+    ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
+    ("band_hz", |case| Some(case.solution.band.cutoff_hz.unwrap_or(case.solution.band.highest_hz))),
+    ("tip_error", |case| Some(case.solution.accuracy.tip)),
+    ("torque_mesh_error", |case| Some(case.solution.accuracy.errors.torque.mesh)),
+    ("torque_window_error", |case| Some(case.solution.accuracy.errors.torque.window)),
+];
+
+const DRIVEN: [Solved; 4] = [
+    ("peak_motor_torque_n_m", |case| of_motor(case, |motor| motor.peak_torque_n_m.value)),
+    ("rms_motor_torque_n_m", |case| of_motor(case, |motor| motor.rms_torque_n_m)),
+    ("peak_motor_rate_rad_s", |case| of_motor(case, |motor| motor.peak_rate_rad_s.value)),
+    ("peak_motor_power_w", |case| of_motor(case, |motor| motor.peak_power_w.value)),
+];
+
+const PLAYED: [Played; 14] = [
+    ("period_1_s", |case| {
+        case.simulation.natural_frequencies_rad_s.first().map(|omega| TAU / omega)
+    }),
+    ("zero_1_per_s", |case| torque_zeros(&case.simulation.mesh, 1).first().copied()),
+    ("tip_error_m", |case| Some(case.tip_error.worst_m)),
+    ("tip_error_share", |case| Some(case.tip_error.share)),
+    ("tip_error_time_s", |case| Some(case.tip_error.time_s)),
+    ("rms_tip_error_m", |case| Some(case.tip_error.rms_m)),
+    ("final_tip_error_m", |case| Some(case.tip_error.final_m)),
+    ("residual_m", |case| Some(case.simulation.residual.amplitude_m)),
+    ("residual_share", |case| Some(case.simulation.residual.share)),
+    ("residual_frequency_hz", |case| case.simulation.residual.frequency_hz),
+    ("residual_decay_s", |case| case.simulation.residual.decay_s),
+    ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
+    ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
+    ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
+];
 
 fn of_motor(case: &SolvedCase, number: fn(&MotorMetrics) -> f64) -> Option<f64> {
     case.metrics.motor.as_ref().map(number)
 }
 
-impl SweepRecord for PlayedCase {
-    const COLUMNS: &'static [SweepColumn<Self>] = &[
-        ("period_1_s", |case| case.period_s),
-        ("zero_1_per_s", |case| case.zero_per_s),
-        ("tip_error_m", |case| Some(case.tip_error.worst_m)),
-        ("tip_error_share", |case| Some(case.tip_error.share)),
-        ("tip_error_time_s", |case| Some(case.tip_error.time_s)),
-        ("rms_tip_error_m", |case| Some(case.tip_error.rms_m)),
-        ("final_tip_error_m", |case| Some(case.tip_error.final_m)),
-        ("residual_m", |case| Some(case.residual.amplitude_m)),
-        ("residual_share", |case| Some(case.residual.share)),
-        ("residual_frequency_hz", |case| case.residual.frequency_hz),
-        ("residual_decay_s", |case| case.residual.decay_s),
-        ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
-        ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
-        ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
-    ];
+/// Which numbers a sweep has of its cases: the columns between those of the variations and the last two,
+/// `warnings` and `error`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SweepKind {
+    /// Of the torque for the motion.
+    Solved,
+    /// Of that of a link with a drive, with those of its motor.
+    Driven,
+    /// Of one torque played on every case.
+    Played,
+}
+
+/// The numbers of a case, in the order of the columns; none where a case has no such number.
+pub type CaseNumbers = Vec<Option<f64>>;
+
+impl SweepKind {
+    /// Names of the columns.
+    pub(super) fn names(self) -> Vec<&'static str> {
+        match self {
+            Self::Solved => SOLVED.map(|(name, _)| name).into(),
+            Self::Driven => [&SOLVED[..], &DRIVEN].concat().iter().map(|(name, _)| *name).collect(),
+            Self::Played => PLAYED.map(|(name, _)| name).into(),
+        }
+    }
+
+    /// The numbers of a solved case.
+    pub fn solved(self, case: &SolvedCase) -> CaseNumbers {
+        let driven = DRIVEN.iter().filter(|_| self == Self::Driven);
+        SOLVED.iter().chain(driven).map(|(_, of)| of(case)).collect()
+    }
+
+    /// The numbers of a case on which a torque was played.
+    pub fn played(case: &PlayedCase) -> CaseNumbers {
+        PLAYED.iter().map(|(_, of)| of(case)).collect()
+    }
 }
 
 /// The row that names the columns, with its line end.
-pub fn sweep_header<C>(plan: &SweepPlan, columns: &[SweepColumn<C>]) -> String {
+pub fn sweep_header(plan: &SweepPlan, kind: SweepKind) -> String {
     let varied = plan.variations().iter().map(|variation| field(&variation.heading()));
-    let told = columns.iter().map(|(name, _)| (*name).to_owned());
-    line(varied.chain(told).chain([WARNINGS, ERROR].map(str::to_owned)))
+    let numbers = kind.names().into_iter().map(str::to_owned);
+    line(varied.chain(numbers).chain([WARNINGS, ERROR].map(str::to_owned)))
 }
 
 /// The row of a case, with its line end: its values, its numbers or why it has none, and the kinds of
 /// its warnings.
-pub fn sweep_row<C>(
+pub fn sweep_row(
     case: &CaseValues,
-    outcome: &Result<C, String>,
-    columns: &[SweepColumn<C>],
+    outcome: &Result<CaseNumbers, String>,
+    kind: SweepKind,
     warnings: &[&str],
 ) -> String {
     let number = |value: Option<f64>| {
@@ -110,10 +157,14 @@ pub fn sweep_row<C>(
         }
         String::from_utf8_lossy(&text).into_owned()
     };
-    let told = columns.iter().map(|(_, of)| number(outcome.as_ref().ok().and_then(of)));
+    let numbers = match outcome {
+        Ok(numbers) => numbers.clone(),
+        Err(_) => vec![None; kind.names().len()],
+    };
+    let numbers = numbers.into_iter().map(number);
     let error = outcome.as_ref().err().map_or_else(String::new, |error| field(error));
     let values = case.values.iter().map(|value| field(value));
-    line(values.chain(told).chain([field(&warnings.join(";")), error]))
+    line(values.chain(numbers).chain([field(&warnings.join(";")), error]))
 }
 
 fn line(fields: impl Iterator<Item = String>) -> String {
@@ -221,10 +272,10 @@ mod tests {
             motion: MotionScale::default(),
         };
         let row =
-            sweep_row(&case, &Err("damping.ratio = 2, too much".into()), SolvedCase::COLUMNS, &[]);
+            sweep_row(&case, &Err("damping.ratio = 2, too much".into()), SweepKind::Solved, &[]);
         assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(18)));
         let plan = SweepPlan::new(vec!["damping.ratio=2".parse().unwrap()]).unwrap();
-        let header = sweep_header(&plan, SolvedCase::COLUMNS);
+        let header = sweep_header(&plan, SweepKind::Solved);
         assert_eq!(header.matches(',').count(), 18);
         assert!(header.starts_with("damping.ratio,period_1_s,zero_1_per_s,peak_torque_n_m,"));
         assert!(header.ends_with(

@@ -1,5 +1,6 @@
 //! Tables of a run, read back: histories, quantities at nodes, and the mesh.
 
+use super::run_tables::{NODES, NodalFile, TORQUE};
 use crate::beam::{Mesh, MeshPlan};
 use crate::csv::{
     InputFile, Place, TableError, check_separator, quoted, read_rows, refuse_missing,
@@ -8,7 +9,7 @@ use crate::link::Link;
 use crate::numeric::TimeGrid;
 use crate::result::StoredNodes;
 
-pub(super) const TIME: &str = "time_s";
+const TIME: &str = "time_s";
 
 /// End of a message on tables of two runs.
 pub(super) const ONE_RUN: &str = "a folder holds one run";
@@ -20,11 +21,11 @@ const TIME_TOLERANCE: f64 = 1e-6;
 #[derive(Debug, Clone)]
 pub(super) struct Table {
     /// The file, for messages.
-    pub(super) shown: String,
+    shown: String,
     /// Names of the columns, `time_s` first.
-    pub(super) names: Vec<String>,
+    names: Vec<String>,
     /// One column a name.
-    pub(super) columns: Vec<Vec<f64>>,
+    columns: Vec<Vec<f64>>,
     lines: Vec<u64>,
 }
 
@@ -47,7 +48,7 @@ impl Table {
     }
 
     /// Reads a table whose names, `time_s` first, `check` accepts.
-    pub(super) fn read(
+    fn read(
         file: &InputFile,
         check: impl Fn(&[&str], Place) -> Result<(), TableError>,
     ) -> Result<Self, TableError> {
@@ -94,6 +95,11 @@ impl Table {
         &self.columns[0]
     }
 
+    /// Takes the times in s.
+    pub(super) fn take_times(&mut self) -> Vec<f64> {
+        std::mem::take(&mut self.columns[0])
+    }
+
     /// Takes the column of this name; empty if there is none.
     pub(super) fn take(&mut self, name: &str) -> Vec<f64> {
         let place = self.names.iter().position(|own| own == name);
@@ -112,22 +118,18 @@ impl Table {
         })
     }
 
-    /// Refuses times that are other than every `every`-th of `times_s`, those of the file `of`.
-    pub(super) fn check_times(
-        &self,
-        times_s: &[f64],
-        every: usize,
-        of: &str,
-    ) -> Result<(), TableError> {
+    /// Refuses times that are other than every `every`-th of `times_s`, those of torque.csv.
+    pub(super) fn check_times(&self, times_s: &[f64], every: usize) -> Result<(), TableError> {
+        const OF: &str = TORQUE.0;
         let (found, expected) = (self.lines.len(), times_s.len().div_ceil(every));
         if found != expected {
-            let must = format!("must be {expected}, as {of} has it: {ONE_RUN}");
+            let must = format!("must be {expected}, as {OF} has it: {ONE_RUN}");
             return Err(self.refuse(None, "rows", &found.to_string(), &must));
         }
         let pairs = self.times_s().iter().zip(times_s.iter().step_by(every));
         for (row, (found_s, expected_s)) in pairs.enumerate() {
             if !is_same_time(*found_s, *expected_s, times_s) {
-                let must = format!("must be {expected_s} s as in {of}: {ONE_RUN}");
+                let must = format!("must be {expected_s} s as in {OF}: {ONE_RUN}");
                 return Err(self.refuse(Some(row), TIME, &format!("{found_s} s"), &must));
             }
         }
@@ -190,36 +192,29 @@ pub(super) fn read_number(name: &str, field: &str, place: Place) -> Result<f64, 
     }
 }
 
-/// Name of a column of a nodal table: `v7_m`.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Heading {
-    pub(super) letter: &'static str,
-    pub(super) unit: &'static str,
-}
-
-impl Heading {
-    fn name(self, node: usize) -> String {
+impl NodalFile {
+    fn column(self, node: usize) -> String {
         format!("{}{node}_{}", self.letter, self.unit)
     }
 
     /// The node of a column, if it is headed so.
     fn node(self, field: &str) -> Option<usize> {
         let rest = field.strip_prefix(self.letter)?.strip_suffix(self.unit)?.strip_suffix('_')?;
-        rest.parse().ok().filter(|node| self.name(*node) == field)
+        rest.parse().ok().filter(|node| self.column(*node) == field)
     }
 }
 
 /// Reads a table whose times are all or every k-th of `times_s`, those of torque.csv.
 pub(super) fn read_nodal(
     file: &InputFile,
-    heading: Heading,
+    nodal: NodalFile,
     mesh: &Mesh,
     times_s: &[f64],
 ) -> Result<StoredNodes, TableError> {
     let last = mesh.nodes_m().len() - 1;
-    let node_of = |field: &str| heading.node(field).filter(|node| *node <= last);
+    let node_of = |field: &str| nodal.node(field).filter(|node| *node <= last);
     let check = |fields: &[&str], place: Place| {
-        let must = format!("must be of a node, {} to {}", heading.name(0), heading.name(last));
+        let must = format!("must be of a node, {} to {}", nodal.column(0), nodal.column(last));
         if fields.len() < 2 {
             return Err(place.refuse("columns", "the time alone", must));
         }
@@ -227,14 +222,14 @@ pub(super) fn read_nodal(
         stray.map_or(Ok(()), |index| Err(refuse_column(fields, index, &must, place)))
     };
     let mut table = Table::read(file, check)?;
-    table.check_times(times_s, stride(table.times_s(), times_s), "torque.csv")?;
+    table.check_times(times_s, stride(table.times_s(), times_s))?;
     let columns = table.names.iter().zip(&mut table.columns);
     let mut histories: Vec<(usize, Vec<f64>)> = columns
         .filter_map(|(name, values)| Some((node_of(name)?, std::mem::take(values))))
         .collect();
     histories.sort_by_key(|(node, _)| *node);
     let (nodes, histories) = histories.into_iter().unzip();
-    Ok(StoredNodes { nodes, times_s: table.take(TIME), histories })
+    Ok(StoredNodes { nodes, times_s: table.take_times(), histories })
 }
 
 /// Every how many of the times of a run a table has a row.
@@ -266,17 +261,15 @@ pub(super) fn deflections(
     displacements
 }
 
-const NODE_COLUMNS: [&str; 3] = ["node", "x_m", "segment"];
-
 /// The mesh of `link` whose nodes the file lists.
 pub(super) fn read_mesh(file: &InputFile, link: &Link) -> Result<Mesh, TableError> {
     let whole = Place { file: &file.shown, line: None };
     let at = |line| Place { line: Some(line), ..whole };
     let begin = |line, fields: &[&str]| {
-        if fields == NODE_COLUMNS {
+        if fields == NODES.1 {
             return Ok(Vec::new());
         }
-        let must = format!("must be {}", quoted(&NODE_COLUMNS.join(",")));
+        let must = format!("must be {}", quoted(&NODES.1.join(",")));
         Err(at(line).refuse("columns", quoted(&fields.join(",")), must))
     };
     let push = |nodes_m: &mut Vec<f64>, line, fields: &[&str]| {
@@ -288,7 +281,7 @@ pub(super) fn read_mesh(file: &InputFile, link: &Link) -> Result<Mesh, TableErro
         if node != number {
             return Err(at(line).refuse("node", quoted(node), format!("must be {number}")));
         }
-        nodes_m.push(read_number("x_m", x_m, at(line))?);
+        nodes_m.push(read_number(NODES.1[1], x_m, at(line))?);
         Ok(())
     };
     let nodes_m = read_rows(&file.shown, &file.bytes, begin, push)?.unwrap_or_default();

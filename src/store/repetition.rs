@@ -8,11 +8,12 @@ use std::path::{Component, Path, PathBuf};
 
 use tempfile::Builder;
 
-use super::super::file_names::{REPORT, RESULT_FILES, SUMMARY};
-use super::super::folder::{FolderAction, FolderError};
-use super::super::summary::Summary;
-use super::super::unfinished::{Removal, Unfinished};
-use super::folder::{RunFolder, check_names, unreadable};
+use super::folder::FolderError;
+use super::json::unreadable;
+use super::lock::Unfinished;
+use super::read_result::{RunFolder, check_names};
+use super::run_tables::{REPORT, RESULT_FILES, SUMMARY};
+use super::summary::Summary;
 use crate::csv::{InputError, InputFile, Place, TableError, quoted};
 use crate::numeric::excerpt;
 use crate::result::{Origin, Repeated, RepeatedFile, StoredInput, line_difference};
@@ -32,24 +33,6 @@ pub struct RunRecord {
     files: Vec<String>,
 }
 
-/// What a run read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InputRole {
-    /// The link file.
-    Link,
-    /// The trajectory file.
-    Motion,
-}
-
-/// An input of a run that is found again.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FoundInput {
-    /// Where it was found.
-    pub path: PathBuf,
-    /// The file, called as the run called it: it is the same to the byte.
-    pub file: InputFile,
-}
-
 impl RunRecord {
     /// Reads the record in a folder.
     ///
@@ -58,7 +41,7 @@ impl RunRecord {
     pub fn read(folder: &Path) -> Result<Self, TableError> {
         let hint =
             "--repeat takes the folder of a run of `solve`, or of a case of `sweep --outputs`";
-        let file = RunFolder::new(folder).file(SUMMARY);
+        let file = RunFolder(folder).file(SUMMARY);
         let file = file.map_err(|error| error.or_hint(hint.to_owned()))?;
         let place = Place { file: &file.shown, line: None };
         let summary = Summary::read(&file)?;
@@ -74,12 +57,24 @@ impl RunRecord {
         Ok(Self { origin, shown: file.shown.clone(), folder, files })
     }
 
-    /// Finds the input of the run: the file `given`, or one of the recorded name in the current
-    /// folder, in that of the run or in the one above it.
+    /// Finds the link file of the run and its path: the file `given`, or one of the recorded name in the
+    /// current folder, in that of the run or in the one above it. It has the bytes and the name of the run's.
     ///
     /// # Errors
     /// [`TableError`] if there is none, or none with the recorded bytes.
-    pub fn input(&self, role: InputRole, given: Option<&Path>) -> Result<FoundInput, TableError> {
+    pub fn link(&self, given: Option<&Path>) -> Result<(PathBuf, InputFile), TableError> {
+        self.input("link", given)
+    }
+
+    /// The same of the trajectory file.
+    ///
+    /// # Errors
+    /// As [`Self::link`].
+    pub fn motion(&self, given: Option<&Path>) -> Result<(PathBuf, InputFile), TableError> {
+        self.input("motion", given)
+    }
+
+    fn input(&self, role: &str, given: Option<&Path>) -> Result<(PathBuf, InputFile), TableError> {
         let input = self.recorded(role)?;
         let candidates = match given {
             Some(path) => vec![path.to_owned()],
@@ -99,7 +94,7 @@ impl RunRecord {
             let sha256 = file.sha256();
             if sha256 == input.sha256 {
                 file.name.clone_from(&input.name);
-                return Ok(FoundInput { path, file });
+                return Ok((path, file));
             }
             others.push(format!("{} has SHA-256 {sha256}", file.shown));
         }
@@ -132,17 +127,18 @@ impl RunRecord {
         self.folder.join(SUMMARY)
     }
 
-    fn recorded(&self, role: InputRole) -> Result<&StoredInput, TableError> {
-        let name = role.name();
-        let found = self.origin.inputs.iter().find(|input| input.role == name);
+    fn recorded(&self, role: &str) -> Result<&StoredInput, TableError> {
+        let found = self.origin.inputs.iter().find(|input| input.role == role);
         found.ok_or_else(|| {
-            self.place().refuse(format!("inputs.{name}"), "nothing", "must be there")
+            let hint = "a program wrote this run without input files: it must run it again itself";
+            let error = self.place().refuse(format!("inputs.{role}"), "nothing", "must be there");
+            error.with_hint(hint.to_owned())
         })
     }
 
     /// Where a file of this name is, of the places where it may be.
-    fn candidates(&self, role: InputRole, name: &str) -> Result<Vec<PathBuf>, TableError> {
-        let what = format!("inputs.{}", role.name());
+    fn candidates(&self, role: &str, name: &str) -> Result<Vec<PathBuf>, TableError> {
+        let what = format!("inputs.{role}");
         if name == "-" {
             let must = "must be given again";
             return Err(self.place().refuse(what, "standard input", must).with_hint(self.give()));
@@ -163,11 +159,11 @@ impl RunRecord {
         Ok(found)
     }
 
-    fn refuse_others(&self, others: &[String], role: InputRole, expected: &str) -> TableError {
+    fn refuse_others(&self, others: &[String], role: &str, expected: &str) -> TableError {
         // 64 digits, unless someone has changed the record.
         let expected = if expected.len() == 64 { expected.into() } else { excerpt(expected) };
         let message = format!("{}, but must have SHA-256 {expected}", others.join(", "));
-        let name = role.name().to_uppercase();
+        let name = role.to_uppercase();
         let hint = format!("{name} has changed since the run, or is another file; {}", self.give());
         self.place().refuse_whole(message).with_hint(hint)
     }
@@ -180,15 +176,6 @@ impl RunRecord {
     fn give(&self) -> String {
         let folder = self.folder.display();
         format!("name both: flexlink solve --repeat {folder} LINK MOTION, one of them may be `-`")
-    }
-}
-
-impl InputRole {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Link => "link",
-            Self::Motion => "motion",
-        }
     }
 }
 
@@ -227,11 +214,12 @@ impl TemporaryFolder {
         builder.prefix("flexlink-");
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
-        let folder = Unfinished::make(Removal::FolderWithFiles, || {
-            Ok((builder.tempdir_in(&base)?.keep(), ()))
-        });
-        let enter = |cause| FolderError { folder: base, action: FolderAction::Enter, cause };
-        folder.map(|(folder, ())| Self(folder)).map_err(enter)
+        let folder = Unfinished::make(
+            |path| std::fs::remove_dir_all(path),
+            || Ok((builder.tempdir_in(&base)?.keep(), ())),
+        );
+        let refused = |cause| FolderError::of_folder(&base, cause);
+        folder.map(|(folder, ())| Self(folder)).map_err(refused)
     }
 
     /// Where it is.

@@ -1,0 +1,269 @@
+//! The summaries of `solve` and `simulate`: gathered from what was computed.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use super::folder::{FolderError, OutputFolder};
+use super::json::Values;
+use super::run_tables::{SimulateOutputs, SolveOutputs};
+use super::summary::{RunInputs, Summary, checks};
+use crate::inverse::{Accuracy, QuantityErrors, Solution, Unwatched, Warning};
+use crate::link::Link;
+use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
+use crate::motion::TipMotion;
+use crate::response::{Interpolation, Play, PlayError, Simulation};
+use crate::result::{Exceeded, Metrics, PlayedMetrics, Remark, StoredWarning, TipError};
+use crate::verify::Verification;
+
+/// What is known of a solution beside its numbers.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Findings<'a> {
+    /// Limits that it exceeds.
+    pub exceeded: &'a [Exceeded],
+    /// Checks of the answer, if it was verified.
+    pub verification: Option<&'a Verification>,
+    /// Remarks on link and motion.
+    pub remarks: &'a [Remark],
+}
+
+/// Writes the folder of a solution whose link and motion a program has from numbers, with all files that
+/// `flexlink solve` writes; [`read_result`](super::read_result) reads it back.
+///
+/// ```
+/// # use flexlink::{beam::MeshPlan, inverse::*, link::*, motion::Profile, result::StoredResult};
+/// use flexlink::store::{read_result, write_solution};
+/// # let strip = Segment::uniform(1.5, 5.0, 0.8);
+/// # let link = Link::builder().segment(strip).hub_inertia_kg_m2(0.1).damping_ratio(0.02).build()?;
+/// # let motion = Profile::Sine.motion(0.5, 0.88, 100)?;
+/// let solution = invert(&link, &MeshPlan::automatic(&link), &motion, &Analysis::default())?;
+/// # let folder = tempfile::tempdir()?;
+/// # let folder = folder.path().join("out");
+/// write_solution(&folder, &solution)?;
+/// let StoredResult::Run(run) = read_result(&folder)? else { unreachable!() };
+/// assert_eq!(run.torque_n_m.len(), solution.torque_n_m.len());
+/// assert!(run.origin.inputs.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`FolderError`] names the file that cannot be written.
+pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderError> {
+    let (outputs, metrics) = (SolveOutputs::default(), Metrics::of(solution));
+    let (inputs, findings) = (RunInputs::default(), Findings::default());
+    let summary = Summary::of_solution(inputs, solution, &metrics, &findings, &outputs);
+    let folder = OutputFolder::stage(folder, &|_| {})?;
+    let nodal = (solution, outputs.deflections(solution));
+    outputs.write(folder, nodal, (&summary, None), &Unwatched)
+}
+
+impl Summary {
+    /// The summary of a solution of which `outputs` are written.
+    pub fn of_solution(
+        inputs: RunInputs,
+        solution: &Solution,
+        metrics: &Metrics,
+        findings: &Findings,
+        outputs: &SolveOutputs,
+    ) -> Self {
+        let hertz = |omega: &f64| omega / TAU;
+        let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
+        let (link, law) = (solution.link(), solution.law());
+        let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
+        Self {
+            drive: Some(link.drive().copied()),
+            motion: Some(motion_values(&solution.motion, metrics)),
+            periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
+            natural_frequencies_hz: Some(frequencies.iter().map(hertz).collect()),
+            modal_damping_ratios: Some(law.modal_ratios(&frequencies)),
+            zeros_per_s: Some(solution.zeros_per_s(REPORTED_ZEROS)),
+            analysis: Some(analysis_values(solution)),
+            results: solve_results(metrics),
+            errors: Some(solve_errors(&solution.accuracy)),
+            verification: Some(findings.verification.map(checks)),
+            warnings: solve_warnings(solution, findings.exceeded),
+            remarks: Some(findings.remarks.iter().map(remark).collect()),
+            files: outputs.file_names(link).into_iter().map(str::to_owned).collect(),
+            ..Self::of("solve", inputs, (link, law, solution.mesh()))
+        }
+    }
+
+    /// The summary of a torque played on a link, with the errors of its mesh and modes and the tip's error
+    /// against its target.
+    pub fn of_simulation(
+        inputs: RunInputs,
+        (link, play): (&Link, &Play),
+        simulation: &Simulation,
+        metrics: &PlayedMetrics,
+        (error, tip_error): (Option<&PlayError>, Option<&TipError>),
+    ) -> Self {
+        let Simulation { law, mesh, residual, selection, .. } = simulation;
+        let frequencies = &simulation.natural_frequencies_rad_s;
+        Self {
+            torque: Some(torque_values(play, simulation)),
+            feedback: Some(play.feedback.map(|feedback| {
+                Values::of([
+                    ("stiffness_n_m_rad", feedback.stiffness_n_m_rad()),
+                    ("damping_n_m_s_rad", feedback.damping_n_m_s_rad()),
+                ])
+            })),
+            modes: Some(
+                Values::default()
+                    .with("kept", selection.modes)
+                    .with("of_mesh", selection.of)
+                    .with("torque_band_hz", selection.torque_band_hz)
+                    .with("highest_hz", selection.highest_hz),
+            ),
+            periods_s: frequencies.iter().map(|omega| TAU / omega).collect(),
+            viscous_damping_ratios: Some(law.modal_ratios(frequencies)),
+            results: played_results(metrics),
+            errors: error.map(play_errors),
+            residual: Some(
+                Values::of([("amplitude_m", residual.amplitude_m), ("share", residual.share)])
+                    .with("frequency_hz", residual.frequency_hz)
+                    .with("decay_s", residual.decay_s),
+            ),
+            tip_error: Some(tip_error.map(tip_numbers)),
+            warnings: play_warnings(simulation, error, tip_error),
+            files: SimulateOutputs::file_names().map(str::to_owned).into(),
+            ..Self::of("simulate", inputs, (link, law, mesh))
+        }
+    }
+}
+
+fn motion_values(motion: &TipMotion, metrics: &Metrics) -> Values {
+    let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
+    Values::default()
+        .with("given", if motion.is_from_displacement() { "displacement" } else { "acceleration" })
+        .with("samples", grid.len)
+        .with("step_s", grid.step_s)
+        .with("start_s", grid.origin_s)
+        .with("moves_from_s", grid.time_s(from))
+        .with("moves_until_s", grid.time_s(until))
+        .with("travel_m", motion.travel_m())
+        .with("peak_velocity_m_s", metrics.peak_tip_velocity_m_s.value)
+        .with("peak_acceleration_m_s2", metrics.peak_tip_acceleration_m_s2.value)
+}
+
+fn torque_values(play: &Play, simulation: &Simulation) -> Values {
+    let grid = play.torque.grid();
+    let interpolation = match play.interpolation {
+        Interpolation::Cubic => "cubic",
+        Interpolation::Linear => "linear",
+    };
+    Values::default()
+        .with("samples", grid.len)
+        .with("step_s", grid.step_s)
+        .with("start_s", grid.time_s(0))
+        .with("end_s", grid.end_s())
+        .with("simulated_until_s", simulation.grid.end_s())
+        .with("interpolation", interpolation)
+}
+
+/// The band is null if every frequency of the samples is solved for, the modes are if all are kept.
+fn analysis_values(solution: &Solution) -> Values {
+    let Solution { analysis, band, grid, .. } = solution;
+    Values::default()
+        .with("tolerance", analysis.tolerance())
+        .with("tip_tolerance", analysis.tip_tolerance())
+        .with("band_hz", band.cutoff_hz)
+        .with("modes", analysis.modes())
+        .with("period_s", band.period_s)
+        .with("fft_length", band.fft_length)
+        .with("frequencies", band.frequencies)
+        .with("highest_frequency_hz", band.highest_hz)
+        .with("nyquist_hz", band.nyquist_hz)
+        .with("window_start_s", grid.time_s(0))
+        .with("window_end_s", grid.end_s())
+        .with("rows", grid.len)
+}
+
+fn solve_results(metrics: &Metrics) -> Values {
+    let results = Values::of([
+        ("peak_torque_n_m", metrics.peak_torque_n_m.value),
+        ("peak_torque_time_s", metrics.peak_torque_n_m.time_s),
+        ("rms_torque_n_m", metrics.rms_torque_n_m),
+        ("peak_rigid_torque_n_m", metrics.peak_rigid_torque_n_m.value),
+        ("torque_ratio", metrics.torque_ratio),
+        ("lead_s", metrics.lead_s),
+        ("lag_s", metrics.lag_s),
+        ("peak_hub_angle_rad", metrics.peak_hub_angle_rad.value),
+        ("peak_hub_rate_rad_s", metrics.peak_hub_rate_rad_s.value),
+        ("peak_power_w", metrics.peak_power_w.value),
+        ("peak_root_moment_n_m", metrics.peak_root_moment_n_m.value),
+        ("peak_deflection_m", metrics.peak_deflection_m.value),
+    ]);
+    let Some(motor) = &metrics.motor else { return results };
+    results
+        .with("peak_motor_torque_n_m", motor.peak_torque_n_m.value)
+        .with("peak_motor_torque_time_s", motor.peak_torque_n_m.time_s)
+        .with("rms_motor_torque_n_m", motor.rms_torque_n_m)
+        .with("peak_motor_rate_rad_s", motor.peak_rate_rad_s.value)
+        .with("peak_motor_power_w", motor.peak_power_w.value)
+}
+
+fn solve_errors(accuracy: &Accuracy) -> Values {
+    let of = |errors: QuantityErrors| {
+        Values::of([("mesh", errors.mesh), ("window", errors.window)])
+            .with_some("step", errors.step)
+            .with_some("modes", errors.modes)
+    };
+    let errors = &accuracy.errors;
+    Values::of([("tip", accuracy.tip)])
+        .with("torque", of(errors.torque))
+        .with("hub_angle", of(errors.hub_angle))
+        .with("hub_rate", of(errors.hub_rate))
+        .with("hub_acceleration", errors.hub_acceleration.map(of))
+        .with("displacement", errors.displacement.map(of))
+        .with_some("bending_moment", errors.bending_moment.map(of))
+        .with("motor_torque", errors.motor_torque.map(of))
+        .with("motor_rate", errors.motor_rate.map(of))
+}
+
+fn solve_warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<StoredWarning> {
+    let warning = |w: &Warning| StoredWarning::new(w.kind(), w, w.hint());
+    let limit = |e: &Exceeded| StoredWarning::new(Exceeded::KIND, e, e.hint());
+    solution.warnings.iter().map(warning).chain(exceeded.iter().map(limit)).collect()
+}
+
+fn played_results(metrics: &PlayedMetrics) -> Values {
+    Values::of([
+        ("peak_torque_n_m", metrics.peak_torque_n_m.value),
+        ("farthest_m", metrics.farthest_m),
+        ("travel_m", metrics.travel_m),
+        ("final_tip_velocity_m_s", metrics.final_tip_velocity_m_s),
+        ("peak_hub_angle_rad", metrics.peak_hub_angle_rad.value),
+        ("peak_hub_rate_rad_s", metrics.peak_hub_rate_rad_s.value),
+        ("peak_power_w", metrics.peak_power_w.value),
+        ("peak_deflection_m", metrics.peak_deflection_m.value),
+    ])
+}
+
+/// Shares of each quantity's own peak, of the tip's travel: of the mesh, and of the modes left out.
+fn play_errors(error: &PlayError) -> Values {
+    Values::default()
+        .with("tip", Values::of([("mesh", error.tip)]))
+        .with("hub_angle", Values::of([("mesh", error.hub_angle)]))
+}
+
+fn tip_numbers(error: &TipError) -> Values {
+    Values::of([
+        ("worst_m", error.worst_m),
+        ("share", error.share),
+        ("time_s", error.time_s),
+        ("rms_m", error.rms_m),
+        ("final_m", error.final_m),
+    ])
+}
+
+fn play_warnings(
+    simulation: &Simulation,
+    error: Option<&PlayError>,
+    tip_error: Option<&TipError>,
+) -> Vec<StoredWarning> {
+    let coarse = error.and_then(PlayError::warning);
+    let played = simulation.warnings.iter().copied().chain(coarse);
+    let played = played.map(|w| StoredWarning::new(w.kind(), &w, w.hint()));
+    let late = tip_error.and_then(|error| error.late);
+    let late = late.map(|late| StoredWarning::new(late.kind(), &late, late.hint()));
+    played.chain(late).collect()
+}
