@@ -50,16 +50,15 @@ impl Durability {
     }
 
     /// Waits until a file, or the names in a folder, are on the disk. Accepts the refusal of a network file
-    /// system that cannot wait, and of a folder that may be written but not read.
+    /// system that cannot wait, of one that is read-only, and of a folder that may not be read.
     fn sync(self, open: impl FnOnce() -> io::Result<File>) -> io::Result<()> {
-        use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
+        use io::ErrorKind::{InvalidInput, PermissionDenied, ReadOnlyFilesystem, Unsupported};
         if self == Self::InMemory {
             return Ok(());
         }
+        let refusals = [InvalidInput, PermissionDenied, ReadOnlyFilesystem, Unsupported];
         match open().and_then(|file| file.sync_all()) {
-            Err(cause) if matches!(cause.kind(), InvalidInput | PermissionDenied | Unsupported) => {
-                Ok(())
-            }
+            Err(cause) if refusals.contains(&cause.kind()) => Ok(()),
             synced => synced,
         }
     }

@@ -174,9 +174,9 @@ pub fn comparison_json(comparison: &Comparison, blessed: Option<&GoldenChanges>)
     json(
         &Values::default()
             .with("equal", comparison.is_equal())
-            .with("files", files)
+            .list("files", files)
             .with("not_compared", comparison.not_compared)
-            .with("blessed", blessed.map(changes)),
+            .inner("blessed", blessed.map(changes)),
     )
 }
 
@@ -190,22 +190,22 @@ fn file_values(file: &FileComparison) -> Values {
     Values::default()
         .with("file", &*file.name)
         .with("outcome", outcome)
-        .with("table", table.map(table_values))
+        .inner("table", table.map(table_values))
 }
 
 fn table_values(table: &TableComparison) -> Values {
     let columns: Vec<_> = table.columns.iter().map(column_values).collect();
     let rows = |rows: Unmatched| {
-        Values::default().with("count", rows.count).with("first", place_values(rows.first))
+        Values::default().with("count", rows.count).inner("first", Some(place_values(rows.first)))
     };
     Values::default()
         .with("matched_by", table.matched_by.as_deref())
         .with("rows", table.rows)
-        .with("columns", columns)
+        .list("columns", columns)
         .with("columns_only_in_expected", table.columns_expected.clone())
         .with("columns_only_in_actual", table.columns_actual.clone())
-        .with("rows_only_in_expected", table.rows_expected.map(rows))
-        .with("rows_only_in_actual", table.rows_actual.map(rows))
+        .inner("rows_only_in_expected", table.rows_expected.map(rows))
+        .inner("rows_only_in_actual", table.rows_actual.map(rows))
 }
 
 fn column_values(column: &ColumnComparison) -> Values {
@@ -218,8 +218,8 @@ fn column_values(column: &ColumnComparison) -> Values {
         Values::default()
             .with("difference", worst.difference)
             .with("relative_to_peak", column.relative())
-            .with("expected", place_values(worst.expected))
-            .with("actual", place_values(worst.actual))
+            .inner("expected", Some(place_values(worst.expected)))
+            .inner("actual", Some(place_values(worst.actual)))
             .with("expected_field", &*worst.expected_field)
             .with("actual_field", &*worst.actual_field)
     });
@@ -231,12 +231,11 @@ fn column_values(column: &ColumnComparison) -> Values {
         .with("atol", column.tolerance.map(|tolerance| tolerance.atol))
         .with("allowed", column.allowed())
         .with("rows_beyond", column.rows_beyond)
-        .with("worst", worst)
+        .inner("worst", worst)
 }
 
 fn place_values(place: RowPlace) -> Values {
-    let line = usize::try_from(place.line).unwrap_or(usize::MAX);
-    Values::default().with("line", line).with("key", place.key)
+    Values::default().with("line", place.line).with("key", place.key)
 }
 
 #[cfg(test)]

@@ -202,15 +202,10 @@ pub(super) struct Values(Vec<(String, Value)>);
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub(super) enum Value {
-    Flag(bool),
-    Whole(usize),
-    /// JSON has null for one that is not finite.
-    Number(f64),
-    Text(String),
-    List(Vec<Value>),
+enum Value {
     Inner(Values),
-    Null,
+    List(Vec<Values>),
+    Plain(serde_json::Value),
 }
 
 impl Values {
@@ -218,38 +213,50 @@ impl Values {
         numbers.into_iter().fold(Self::default(), |all, (name, number)| all.with(name, number))
     }
 
-    /// Adds a value; nothing becomes null.
-    pub(super) fn with(mut self, name: &str, value: impl Into<Value>) -> Self {
-        self.0.push((name.to_owned(), value.into()));
+    /// Adds a value. Nothing becomes null, and so does a number that is not finite.
+    pub(super) fn with(self, name: &str, value: impl Into<serde_json::Value>) -> Self {
+        self.add(name, Value::Plain(value.into()))
+    }
+
+    /// Adds a number if there is one.
+    pub(super) fn with_some(self, name: &str, number: Option<f64>) -> Self {
+        if number.is_some() { self.with(name, number) } else { self }
+    }
+
+    /// Adds an object, or null.
+    pub(super) fn inner(self, name: &str, values: Option<Self>) -> Self {
+        let null = Value::Plain(serde_json::Value::Null);
+        self.add(name, values.map_or(null, Value::Inner))
+    }
+
+    /// Adds a list of objects.
+    pub(super) fn list(self, name: &str, list: Vec<Self>) -> Self {
+        self.add(name, Value::List(list))
+    }
+
+    fn add(mut self, name: &str, value: Value) -> Self {
+        self.0.push((name.to_owned(), value));
         self
     }
 
-    /// Adds a value if there is one.
-    pub(super) fn with_some(self, name: &str, value: Option<impl Into<Value>>) -> Self {
-        match value {
-            Some(value) => self.with(name, value),
-            None => self,
-        }
+    fn plain(&self, name: &str) -> Option<&serde_json::Value> {
+        self.0.iter().find_map(|(own, value)| match value {
+            Value::Plain(value) if own == name => Some(value),
+            _ => None,
+        })
     }
 
     /// The number of this name.
     pub(super) fn number(&self, name: &str) -> Option<f64> {
-        match self.0.iter().find(|(own, _)| own == name)?.1 {
-            Value::Number(number) => Some(number),
-            Value::Whole(number) => Some(number as f64),
-            _ => None,
-        }
+        self.plain(name)?.as_f64()
     }
 
     /// The whole number of this name.
     pub(super) fn whole(&self, name: &str) -> Option<usize> {
-        match self.0.iter().find(|(own, _)| own == name)?.1 {
-            Value::Whole(number) => Some(number),
-            _ => None,
-        }
+        self.plain(name)?.as_u64()?.try_into().ok()
     }
 
-    /// All finite numbers with names that begin so; one of an inner object has the names of both,
+    /// All numbers with names that begin so; one of an inner object has the names of both,
     /// `torque_mesh`.
     pub(super) fn prefixed(&self, prefix: &str) -> Vec<(String, f64)> {
         let mut found = Vec::new();
@@ -257,58 +264,10 @@ impl Values {
             if let Value::Inner(inner) = value {
                 found.extend(inner.prefixed(&format!("{prefix}{name}_")));
             }
-            let number = self.number(name).filter(|number| number.is_finite());
+            let number = self.number(name);
             found.extend(number.map(|number| (format!("{prefix}{name}"), number)));
         }
         found
-    }
-}
-
-impl From<bool> for Value {
-    fn from(flag: bool) -> Self {
-        Self::Flag(flag)
-    }
-}
-
-impl From<usize> for Value {
-    fn from(number: usize) -> Self {
-        Self::Whole(number)
-    }
-}
-
-impl From<f64> for Value {
-    fn from(number: f64) -> Self {
-        Self::Number(number)
-    }
-}
-
-impl From<&str> for Value {
-    fn from(text: &str) -> Self {
-        Self::Text(text.to_owned())
-    }
-}
-
-impl From<String> for Value {
-    fn from(text: String) -> Self {
-        Self::Text(text)
-    }
-}
-
-impl<T: Into<Value>> From<Vec<T>> for Value {
-    fn from(list: Vec<T>) -> Self {
-        Self::List(list.into_iter().map(Into::into).collect())
-    }
-}
-
-impl From<Values> for Value {
-    fn from(values: Values) -> Self {
-        Self::Inner(values)
-    }
-}
-
-impl<T: Into<Value>> From<Option<T>> for Value {
-    fn from(value: Option<T>) -> Self {
-        value.map_or(Self::Null, Into::into)
     }
 }
 

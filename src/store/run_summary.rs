@@ -208,15 +208,19 @@ fn solve_errors(accuracy: &Accuracy) -> Values {
             .with_some("modes", errors.modes)
     };
     let errors = &accuracy.errors;
-    Values::of([("tip", accuracy.tip)])
-        .with("torque", of(errors.torque))
-        .with("hub_angle", of(errors.hub_angle))
-        .with("hub_rate", of(errors.hub_rate))
-        .with("hub_acceleration", errors.hub_acceleration.map(of))
-        .with("displacement", errors.displacement.map(of))
-        .with_some("bending_moment", errors.bending_moment.map(of))
-        .with("motor_torque", errors.motor_torque.map(of))
-        .with("motor_rate", errors.motor_rate.map(of))
+    let values = Values::of([("tip", accuracy.tip)])
+        .inner("torque", Some(of(errors.torque)))
+        .inner("hub_angle", Some(of(errors.hub_angle)))
+        .inner("hub_rate", Some(of(errors.hub_rate)))
+        .inner("hub_acceleration", errors.hub_acceleration.map(of))
+        .inner("displacement", errors.displacement.map(of));
+    let values = match errors.bending_moment.map(of) {
+        Some(moment) => values.inner("bending_moment", Some(moment)),
+        None => values,
+    };
+    values
+        .inner("motor_torque", errors.motor_torque.map(of))
+        .inner("motor_rate", errors.motor_rate.map(of))
 }
 
 fn solve_warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<StoredWarning> {
@@ -241,8 +245,8 @@ fn played_results(metrics: &PlayedMetrics) -> Values {
 /// Shares of each quantity's own peak, of the tip's travel: of the mesh, and of the modes left out.
 fn play_errors(error: &PlayError) -> Values {
     Values::default()
-        .with("tip", Values::of([("mesh", error.tip)]))
-        .with("hub_angle", Values::of([("mesh", error.hub_angle)]))
+        .inner("tip", Some(Values::of([("mesh", error.tip)])))
+        .inner("hub_angle", Some(Values::of([("mesh", error.hub_angle)])))
 }
 
 fn tip_numbers(error: &TipError) -> Values {

@@ -230,16 +230,13 @@ pub(super) fn check_row(
     let failed = fields.last().is_some_and(|error| !error.is_empty());
     for (name, found) in names[numbers.clone()].iter().zip(&fields[numbers]) {
         let is_number = found.parse().is_ok_and(f64::is_finite);
-        if failed && !found.is_empty() {
-            return Err(place.refuse(
-                name,
-                quoted(found),
-                "must be nothing: the case has an error",
-            ));
-        }
-        if !found.is_empty() && !is_number && name != WARNINGS {
-            return Err(place.refuse(name, quoted(found), "must be a finite number or nothing"));
-        }
+        let must = match found.as_str() {
+            "" => continue,
+            _ if failed => "must be nothing: the case has an error",
+            _ if !is_number && name != WARNINGS => "must be a finite number or nothing",
+            _ => continue,
+        };
+        return Err(place.refuse(name, quoted(found), must));
     }
     Ok(())
 }
