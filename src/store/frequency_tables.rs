@@ -49,7 +49,6 @@ pub struct HeldModes {
 
 /// Names of all files that `modes` may write.
 const OWNED: [&str; 4] = [MODES, SHAPES, HELD, ZEROS];
-
 const MODES: &str = "modes.csv";
 const SHAPES: &str = "mode_shapes.csv";
 const HELD: &str = "held_modes.csv";
@@ -80,14 +79,14 @@ impl ModesResult {
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
     pub fn write(&self, folder: OutputFolder, digits: Digits) -> Result<(), FolderError> {
-        let own = [("damping_ratio", &self.damping_ratios), ("mesh_error", &self.mesh_errors)];
+        let own = [("damping_ratio", &self.damping_ratios[..]), ("mesh_error", &self.mesh_errors)];
         folder.file(MODES, |out| write_modes(out, &self.omega_rad_s, &own, digits))?;
         let names: Vec<String> = (1..=self.shapes.len()).map(|k| format!("mode_{k}")).collect();
         let shapes = names.iter().zip(&self.shapes).map(|(name, shape)| (&name[..], &shape[..]));
         let shapes: Vec<_> = [("x_m", &self.nodes_m[..])].into_iter().chain(shapes).collect();
         folder.file(SHAPES, |out| write_columns(out, None, &shapes, digits))?;
         if let Some(held) = &self.held {
-            let own = [("mesh_error", &held.mesh_errors)];
+            let own = [("mesh_error", &held.mesh_errors[..])];
             folder.file(HELD, |out| write_modes(out, &held.omega_rad_s, &own, digits))?;
         }
         let zeros = [
@@ -106,15 +105,14 @@ impl ModesResult {
 fn write_modes(
     out: &mut (dyn Write + Send),
     omega_rad_s: &[f64],
-    own: &[(&str, &Vec<f64>)],
+    own: &[(&str, &[f64])],
     digits: Digits,
 ) -> io::Result<()> {
     let hertz: Vec<f64> = omega_rad_s.iter().map(|omega| omega / TAU).collect();
     let periods: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
-    let common = [("omega_rad_s", omega_rad_s), ("frequency_hz", &hertz), ("period_s", &periods)];
-    let own = own.iter().map(|(name, values)| (*name, &values[..]));
-    let columns: Vec<_> = common.into_iter().chain(own).collect();
-    write_columns(out, Some("mode"), &columns, digits)
+    let common =
+        [("omega_rad_s", omega_rad_s), ("frequency_hz", &hertz[..]), ("period_s", &periods[..])];
+    write_columns(out, Some("mode"), &[&common[..], own].concat(), digits)
 }
 
 /// One of the transfers of a row.

@@ -239,6 +239,14 @@ impl Values {
         self
     }
 
+    /// The object of this name.
+    pub(super) fn object(&self, name: &str) -> Option<&Self> {
+        self.0.iter().find_map(|(own, value)| match value {
+            Value::Inner(values) if own == name => Some(values),
+            _ => None,
+        })
+    }
+
     fn plain(&self, name: &str) -> Option<&serde_json::Value> {
         self.0.iter().find_map(|(own, value)| match value {
             Value::Plain(value) if own == name => Some(value),

@@ -106,9 +106,19 @@ impl Lock {
         let begun = Instant::now();
         let mut has_called = false;
         loop {
-            match Self::attempt(path) {
+            let locked = Unfinished::make(
+                |path| fs::remove_file(path),
+                || {
+                    let file = open(path)?;
+                    let is_exclusive = lock(&file, path)?;
+                    Ok((path.to_owned(), (file, is_exclusive)))
+                },
+            );
+            match locked {
+                Ok((path, (file, is_exclusive))) => return Ok(Self { path, file, is_exclusive }),
+                // Another run holds the lock, or has just removed it.
                 Err(cause) if cause.kind() == io::ErrorKind::WouldBlock => {}
-                attempted => return attempted,
+                Err(cause) => return Err(cause),
             }
             if begun.elapsed() > SHORT && !mem::replace(&mut has_called, true) {
                 on_wait();
@@ -119,19 +129,6 @@ impl Lock {
             }
             thread::sleep(Duration::from_millis(5));
         }
-    }
-
-    /// [`io::ErrorKind::WouldBlock`] if another run holds the lock, or has just removed it.
-    fn attempt(path: &Path) -> io::Result<Self> {
-        let (path, (file, is_exclusive)) = Unfinished::make(
-            |path| fs::remove_file(path),
-            || {
-                let file = open(path)?;
-                let is_exclusive = lock(&file, path)?;
-                Ok((path.to_owned(), (file, is_exclusive)))
-            },
-        )?;
-        Ok(Self { path, file, is_exclusive })
     }
 }
 

@@ -4,8 +4,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::json::{Head, Values, newer, unreadable};
-use super::read_tables::{ONE_RUN, Table, deflections, is_same_time, read_mesh, read_nodal};
+use super::json::{Head, newer, unreadable};
+use super::read_tables::{ONE_RUN, TIME, Table, deflections, is_same_time, read_mesh, read_nodal};
 use super::run_tables::{
     DEFLECTIONS, DISPLACEMENTS, HUB_ANGLE, MOMENTS, MOTOR, NODES, NodalFile, PLAYED_HUB,
     RIGID_TORQUE, SOLVED_HUB, SUMMARY, SolveOutputs, TIP, TORQUE,
@@ -87,11 +87,6 @@ impl RunFolder<'_> {
         InputFile::read(&path).map_err(|error| unreadable(&error))
     }
 
-    /// Reads a file that some runs have.
-    fn optional(&self, name: &str) -> Result<Option<InputFile>, TableError> {
-        self.has(name).then(|| self.file(name)).transpose()
-    }
-
     /// Refuses a folder in which one of the files is missing that its summary names.
     fn check_named(&self, names: &[String]) -> Result<(), TableError> {
         let shown = self.0.display().to_string();
@@ -148,7 +143,7 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
     let mut torque = Table::of(&folder.file(TORQUE.0)?, &TORQUE.1)?;
     torque.check_even()?;
     check_window(&torque, summary)?;
-    let times_s = torque.take_times();
+    let times_s = torque.take(TIME);
     let read = |file: &str, columns: &[&str]| {
         let table = Table::of(&folder.file(file)?, columns)?;
         table.check_times(&times_s, 1)?;
@@ -173,8 +168,8 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
     let solved = is_solved.then(solved).transpose()?;
     let hub_angle_rad = hub.take(SOLVED_HUB[0]);
     let nodal = |table: NodalFile| {
-        let file = folder.optional(table.file)?;
-        file.map(|file| read_nodal(&file, table, &mesh, &times_s)).transpose()
+        let read = || read_nodal(&folder.file(table.file)?, table, &mesh, &times_s);
+        folder.has(table.file).then(read).transpose()
     };
     let (written, displacements) = (nodal(DEFLECTIONS)?, nodal(DISPLACEMENTS)?);
     let computed =
@@ -210,7 +205,7 @@ fn check_window(torque: &Table, summary: &Summary) -> Result<(), TableError> {
         if !is_same_time(times_s[row], expected_s, times_s) {
             let must = format!("must be {expected_s} s as in summary.json: {ONE_RUN}");
             let found = format!("{} s", times_s[row]);
-            return Err(torque.refuse(Some(row), "time_s", &found, &must));
+            return Err(torque.refuse(Some(row), TIME, &found, &must));
         }
     }
     Ok(())
@@ -219,14 +214,12 @@ fn check_window(torque: &Table, summary: &Summary) -> Result<(), TableError> {
 /// From a summary of `solve`, in s: start and end of the tip's motion, lead and lag of the torque.
 fn timing(summary: &Summary, place: Place) -> Result<((f64, f64), f64, f64), TableError> {
     let missing = |key: &str| place.refuse(key, "nothing", "must be there");
-    let motion = summary.motion.as_ref().ok_or_else(|| missing("motion"))?;
-    let number = |values: &Values, of: &str, key: &str| {
-        values.number(key).ok_or_else(|| missing(&format!("{of}.{key}")))
+    let object = |of: &str| summary.values.object(of).ok_or_else(|| missing(of));
+    let number = |of: &str, key: &str| {
+        object(of)?.number(key).ok_or_else(|| missing(&format!("{of}.{key}")))
     };
-    let moving = |key| number(motion, "motion", key);
-    let result = |key| number(&summary.results, "results", key);
-    let moving_s = (moving("moves_from_s")?, moving("moves_until_s")?);
-    Ok((moving_s, result("lead_s")?, result("lag_s")?))
+    let moving_s = (number("motion", "moves_from_s")?, number("motion", "moves_until_s")?);
+    Ok((moving_s, number("results", "lead_s")?, number("results", "lag_s")?))
 }
 
 /// Copies of the nodes' histories that making a page holds at a time.

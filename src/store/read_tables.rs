@@ -9,7 +9,7 @@ use crate::link::Link;
 use crate::numeric::TimeGrid;
 use crate::result::StoredNodes;
 
-const TIME: &str = "time_s";
+pub(super) const TIME: &str = "time_s";
 
 /// End of a message on tables of two runs.
 pub(super) const ONE_RUN: &str = "a folder holds one run";
@@ -93,11 +93,6 @@ impl Table {
     /// The times in s.
     pub(super) fn times_s(&self) -> &[f64] {
         &self.columns[0]
-    }
-
-    /// Takes the times in s.
-    pub(super) fn take_times(&mut self) -> Vec<f64> {
-        std::mem::take(&mut self.columns[0])
     }
 
     /// Takes the column of this name; empty if there is none.
@@ -229,7 +224,7 @@ pub(super) fn read_nodal(
         .collect();
     histories.sort_by_key(|(node, _)| *node);
     let (nodes, histories) = histories.into_iter().unzip();
-    Ok(StoredNodes { nodes, times_s: table.take_times(), histories })
+    Ok(StoredNodes { nodes, times_s: table.take(TIME), histories })
 }
 
 /// Every how many of the times of a run a table has a row.

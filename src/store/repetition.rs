@@ -16,7 +16,7 @@ use super::run_tables::{REPORT, RESULT_FILES, SUMMARY};
 use super::summary::Summary;
 use crate::csv::{InputError, InputFile, Place, TableError, quoted};
 use crate::numeric::excerpt;
-use crate::result::{Origin, Repeated, RepeatedFile, StoredInput, line_difference};
+use crate::result::{Origin, Repeated, RepeatedFile, line_difference};
 
 /// Bytes that are read at a time.
 const CHUNK: usize = 1 << 16;
@@ -75,7 +75,11 @@ impl RunRecord {
     }
 
     fn input(&self, role: &str, given: Option<&Path>) -> Result<(PathBuf, InputFile), TableError> {
-        let input = self.recorded(role)?;
+        let Some(input) = self.origin.inputs.iter().find(|input| input.role == role) else {
+            let hint = "a program wrote this run without input files: it must run it again itself";
+            let error = self.place().refuse(format!("inputs.{role}"), "nothing", "must be there");
+            return Err(error.with_hint(hint.to_owned()));
+        };
         let candidates = match given {
             Some(path) => vec![path.to_owned()],
             None => self.candidates(role, &input.name)?,
@@ -98,7 +102,13 @@ impl RunRecord {
             }
             others.push(format!("{} has SHA-256 {sha256}", file.shown));
         }
-        Err(self.refuse_others(&others, role, &input.sha256))
+        // 64 digits, unless someone has changed the record.
+        let sha256 = input.sha256.as_str();
+        let expected = if sha256.len() == 64 { sha256.into() } else { excerpt(sha256) };
+        let message = format!("{}, but must have SHA-256 {expected}", others.join(", "));
+        let (role, give) = (role.to_uppercase(), self.give());
+        let hint = format!("{role} has changed since the run, or is another file; {give}");
+        Err(self.place().refuse_whole(message).with_hint(hint))
     }
 
     /// Compares the files of the run with those of its repetition in another folder, but for its page and
@@ -127,15 +137,6 @@ impl RunRecord {
         self.folder.join(SUMMARY)
     }
 
-    fn recorded(&self, role: &str) -> Result<&StoredInput, TableError> {
-        let found = self.origin.inputs.iter().find(|input| input.role == role);
-        found.ok_or_else(|| {
-            let hint = "a program wrote this run without input files: it must run it again itself";
-            let error = self.place().refuse(format!("inputs.{role}"), "nothing", "must be there");
-            error.with_hint(hint.to_owned())
-        })
-    }
-
     /// Where a file of this name is, of the places where it may be.
     fn candidates(&self, role: &str, name: &str) -> Result<Vec<PathBuf>, TableError> {
         let what = format!("inputs.{role}");
@@ -143,29 +144,27 @@ impl RunRecord {
             let must = "must be given again";
             return Err(self.place().refuse(what, "standard input", must).with_hint(self.give()));
         }
+        // The current folder has no name.
+        let real = |folder: &Path| Path::new(".").join(folder).canonicalize().ok();
         let mut folders: Vec<PathBuf> = Vec::new();
         for folder in [PathBuf::new(), self.folder.clone(), above(&self.folder)] {
-            if !folders.iter().any(|other| is_same(other, &folder)) {
+            let own = real(&folder);
+            if own.is_none() || !folders.iter().any(|other| real(other) == own) {
                 folders.push(folder);
             }
         }
         let found = folders.iter().map(|folder| folder.join(name)).filter(|path| path.is_file());
         let found: Vec<PathBuf> = found.collect();
         if found.is_empty() {
-            let shown: Vec<String> = folders.iter().map(|folder| shown(folder)).collect();
-            let must = format!("must be in one of the folders {}", shown.join(", "));
+            let shown = folders.iter().map(|folder| match folder.display().to_string() {
+                unnamed if unnamed.is_empty() => ".".to_owned(),
+                shown => shown,
+            });
+            let shown = shown.collect::<Vec<_>>().join(", ");
+            let must = format!("must be in one of the folders {shown}");
             return Err(self.place().refuse(what, quoted(name), must).with_hint(self.give()));
         }
         Ok(found)
-    }
-
-    fn refuse_others(&self, others: &[String], role: &str, expected: &str) -> TableError {
-        // 64 digits, unless someone has changed the record.
-        let expected = if expected.len() == 64 { expected.into() } else { excerpt(expected) };
-        let message = format!("{}, but must have SHA-256 {expected}", others.join(", "));
-        let name = role.to_uppercase();
-        let hint = format!("{name} has changed since the run, or is another file; {}", self.give());
-        self.place().refuse_whole(message).with_hint(hint)
     }
 
     fn place(&self) -> Place<'_> {
@@ -185,17 +184,6 @@ fn above(folder: &Path) -> PathBuf {
         Some(Component::Normal(_)) => folder.parent().map(Path::to_owned).unwrap_or_default(),
         _ => folder.join(".."),
     }
-}
-
-/// Whether two folders, the current one if there is no name, are one.
-fn is_same(a: &Path, b: &Path) -> bool {
-    let real = |folder: &Path| Path::new(".").join(folder).canonicalize();
-    matches!((real(a), real(b)), (Ok(a), Ok(b)) if a == b)
-}
-
-/// A folder as messages name it.
-fn shown(folder: &Path) -> String {
-    if folder.as_os_str().is_empty() { ".".to_owned() } else { folder.display().to_string() }
 }
 
 /// A folder for a run whose files nobody keeps, readable by nobody else. It is removed when it is dropped

@@ -7,6 +7,7 @@ use super::folder::{FolderError, OutputFolder};
 use super::json::Values;
 use super::run_tables::{SimulateOutputs, SolveOutputs};
 use super::summary::{RunInputs, Summary, checks};
+use crate::beam::Mesh;
 use crate::inverse::{Accuracy, QuantityErrors, Solution, Unwatched, Warning};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
@@ -65,25 +66,29 @@ impl Summary {
         findings: &Findings,
         outputs: &SolveOutputs,
     ) -> Self {
-        let hertz = |omega: &f64| omega / TAU;
         let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         let (link, law) = (solution.link(), solution.law());
         let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
+        let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
+        let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
+        let values = Values::default()
+            .inner("mesh", Some(mesh_values(solution.mesh())))
+            .inner("motion", Some(motion_values(&solution.motion, metrics)))
+            .with("periods_s", periods_s)
+            .with("natural_frequencies_hz", hertz)
+            .with("modal_damping_ratios", law.modal_ratios(&frequencies))
+            .with("zeros_per_s", solution.zeros_per_s(REPORTED_ZEROS))
+            .inner("analysis", Some(analysis_values(solution)))
+            .inner("results", Some(solve_results(metrics)))
+            .inner("errors", Some(solve_errors(&solution.accuracy)));
         Self {
             drive: Some(link.drive().copied()),
-            motion: Some(motion_values(&solution.motion, metrics)),
-            periods_s: frequencies.iter().map(|omega| hertz(omega).recip()).collect(),
-            natural_frequencies_hz: Some(frequencies.iter().map(hertz).collect()),
-            modal_damping_ratios: Some(law.modal_ratios(&frequencies)),
-            zeros_per_s: Some(solution.zeros_per_s(REPORTED_ZEROS)),
-            analysis: Some(analysis_values(solution)),
-            results: solve_results(metrics),
-            errors: Some(solve_errors(&solution.accuracy)),
+            values,
             verification: Some(findings.verification.map(checks)),
             warnings: solve_warnings(solution, findings.exceeded),
             remarks: Some(findings.remarks.iter().map(remark).collect()),
             files: outputs.file_names(link).into_iter().map(str::to_owned).collect(),
-            ..Self::of("solve", inputs, (link, law, solution.mesh()))
+            ..Self::of("solve", inputs, link, law)
         }
     }
 
@@ -98,36 +103,49 @@ impl Summary {
     ) -> Self {
         let Simulation { law, mesh, residual, selection, .. } = simulation;
         let frequencies = &simulation.natural_frequencies_rad_s;
+        let periods_s: Vec<f64> = frequencies.iter().map(|omega| TAU / omega).collect();
+        let gains = play.feedback.map(|feedback| {
+            Values::of([
+                ("stiffness_n_m_rad", feedback.stiffness_n_m_rad()),
+                ("damping_n_m_s_rad", feedback.damping_n_m_s_rad()),
+            ])
+        });
+        let modes = Values::default()
+            .with("kept", selection.modes)
+            .with("of_mesh", selection.of)
+            .with("torque_band_hz", selection.torque_band_hz)
+            .with("highest_hz", selection.highest_hz);
+        let residual = Values::default()
+            .with("amplitude_m", residual.amplitude_m)
+            .with("share", residual.share)
+            .with("frequency_hz", residual.frequency_hz)
+            .with("decay_s", residual.decay_s);
+        let values = Values::default()
+            .inner("mesh", Some(mesh_values(mesh)))
+            .inner("torque", Some(torque_values(play, simulation)))
+            .inner("feedback", gains)
+            .inner("modes", Some(modes))
+            .with("periods_s", periods_s)
+            .with("viscous_damping_ratios", law.modal_ratios(frequencies))
+            .inner("results", Some(played_results(metrics)))
+            .inner("errors", error.map(play_errors))
+            .inner("residual", Some(residual))
+            .inner("tip_error", tip_error.map(tip_numbers));
         Self {
-            torque: Some(torque_values(play, simulation)),
-            feedback: Some(play.feedback.map(|feedback| {
-                Values::of([
-                    ("stiffness_n_m_rad", feedback.stiffness_n_m_rad()),
-                    ("damping_n_m_s_rad", feedback.damping_n_m_s_rad()),
-                ])
-            })),
-            modes: Some(
-                Values::default()
-                    .with("kept", selection.modes)
-                    .with("of_mesh", selection.of)
-                    .with("torque_band_hz", selection.torque_band_hz)
-                    .with("highest_hz", selection.highest_hz),
-            ),
-            periods_s: frequencies.iter().map(|omega| TAU / omega).collect(),
-            viscous_damping_ratios: Some(law.modal_ratios(frequencies)),
-            results: played_results(metrics),
-            errors: error.map(play_errors),
-            residual: Some(
-                Values::of([("amplitude_m", residual.amplitude_m), ("share", residual.share)])
-                    .with("frequency_hz", residual.frequency_hz)
-                    .with("decay_s", residual.decay_s),
-            ),
-            tip_error: Some(tip_error.map(tip_numbers)),
+            values,
             warnings: play_warnings(simulation, error, tip_error),
             files: SimulateOutputs::file_names().map(str::to_owned).into(),
-            ..Self::of("simulate", inputs, (link, law, mesh))
+            ..Self::of("simulate", inputs, link, law)
         }
     }
+}
+
+fn mesh_values(mesh: &Mesh) -> Values {
+    let elements = mesh.elements().len();
+    Values::default()
+        .with("elements", elements)
+        .with("degrees_of_freedom", 2 * elements + 1)
+        .with("resolved_hz", mesh.resolved_frequency_rad_s() / TAU)
 }
 
 fn motion_values(motion: &TipMotion, metrics: &Metrics) -> Values {

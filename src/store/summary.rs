@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 use super::json::{
     FORMAT, Fingerprint, Head, Values, as_written, check_format, json, newer, parsed,
 };
-use crate::beam::Mesh;
 use crate::csv::{InputFile, Place, TableError, quoted};
 use crate::link::{
     Damping, Drive, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
@@ -22,8 +21,8 @@ pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve` or `simu
 /// is read back as a key that is not there.
 type Nullable<T> = Option<Option<T>>;
 
-/// The content of summary.json, in the order of its keys. Keys of one command alone are optional; keys that
-/// nothing reads back are skipped, and unknown ones too, so that a later version may have more.
+/// The content of summary.json, in the order of its keys. Keys of one command alone are optional; unknown
+/// ones are read with the values, so that a later version may have more.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Summary {
     pub(super) format: u32,
@@ -34,36 +33,11 @@ pub struct Summary {
     pub(super) link: LinkRecord,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) drive: Nullable<Drive>,
-    #[serde(skip_deserializing)]
-    pub(super) mesh: Values,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) motion: Option<Values>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) torque: Option<Values>,
-    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
-    pub(super) feedback: Nullable<Values>,
-    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
-    pub(super) modes: Option<Values>,
-    #[serde(skip_deserializing)]
-    pub(super) periods_s: Vec<f64>,
-    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
-    pub(super) natural_frequencies_hz: Option<Vec<f64>>,
-    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
-    pub(super) modal_damping_ratios: Option<Vec<f64>>,
-    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
-    pub(super) viscous_damping_ratios: Option<Vec<f64>>,
-    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
-    pub(super) zeros_per_s: Option<Vec<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) analysis: Option<Values>,
-    pub(super) results: Values,
-    pub(super) errors: Option<Values>,
+    /// What was computed, from `mesh` on: `motion`, `torque`, `analysis`, `results`, `errors`, ….
+    #[serde(flatten)]
+    pub(super) values: Values,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) verification: Nullable<Vec<StoredCheck>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) residual: Option<Values>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) tip_error: Nullable<Values>,
     pub(super) warnings: Vec<StoredWarning>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) remarks: Option<Vec<StoredWarning>>,
@@ -123,11 +97,7 @@ pub(super) struct LinkRecord {
 
 impl Summary {
     /// A summary with the keys that both commands have.
-    pub(super) fn of(
-        command: &str,
-        inputs: RunInputs,
-        (link, law, mesh): (&Link, &DampingLaw, &Mesh),
-    ) -> Self {
+    pub(super) fn of(command: &str, inputs: RunInputs, link: &Link, law: &DampingLaw) -> Self {
         Self {
             format: FORMAT,
             flexlink: env!("CARGO_PKG_VERSION").to_owned(),
@@ -135,7 +105,6 @@ impl Summary {
             title: link.title().to_owned(),
             inputs,
             link: LinkRecord::of(link, law),
-            mesh: mesh_values(mesh),
             ..Self::default()
         }
     }
@@ -204,31 +173,27 @@ impl Summary {
 
     /// First and last time in s of the histories.
     pub(super) fn window_s(&self) -> Option<(f64, f64)> {
-        let (values, start, end) = match (&self.analysis, &self.torque) {
-            (Some(analysis), _) => (analysis, "window_start_s", "window_end_s"),
-            (None, torque) => (torque.as_ref()?, "start_s", "simulated_until_s"),
-        };
+        let solved =
+            self.values.object("analysis").map(|of| (of, "window_start_s", "window_end_s"));
+        let played = || Some((self.values.object("torque")?, "start_s", "simulated_until_s"));
+        let (values, start, end) = solved.or_else(played)?;
         values.number(start).zip(values.number(end))
     }
 
     /// How many modes a solution keeps; none if it keeps all.
     pub(super) fn kept_modes(&self) -> Option<usize> {
-        self.analysis.as_ref()?.whole("modes")
+        self.values.object("analysis")?.whole("modes")
     }
 
     /// All numbers by name: results, those of residual and tip error, errors.
     pub(super) fn readings(&self) -> Vec<(String, f64)> {
-        let prefixed = |numbers: Option<&Values>, prefix| {
-            numbers.map(|numbers| numbers.prefixed(prefix)).unwrap_or_default()
+        let of = |name: &str, prefix: &str| {
+            self.values.object(name).map(|numbers| numbers.prefixed(prefix)).unwrap_or_default()
         };
-        let errors = prefixed(self.errors.as_ref(), "").into_iter();
-        [
-            self.results.prefixed(""),
-            prefixed(self.residual.as_ref(), "residual_"),
-            prefixed(self.tip_error.as_ref().and_then(Option::as_ref), "tip_error_"),
-            errors.map(|(name, error)| (format!("{name}_error"), error)).collect(),
-        ]
-        .concat()
+        let errors = of("errors", "").into_iter().map(|(name, error)| (name + "_error", error));
+        let numbers =
+            [of("results", ""), of("residual", "residual_"), of("tip_error", "tip_error_")];
+        numbers.into_iter().flatten().chain(errors).collect()
     }
 }
 
@@ -257,14 +222,6 @@ impl LinkRecord {
 /// A segment as the summary keeps it.
 fn without_section(segment: &Segment) -> Segment {
     Segment { cross_section: None, ..segment.clone() }
-}
-
-fn mesh_values(mesh: &Mesh) -> Values {
-    let elements = mesh.elements().len();
-    Values::default()
-        .with("elements", elements)
-        .with("degrees_of_freedom", 2 * elements + 1)
-        .with("resolved_hz", mesh.resolved_frequency_rad_s() / std::f64::consts::TAU)
 }
 
 /// The checks of a verification as they are stored.

@@ -139,12 +139,12 @@ impl SweepIdentity {
     fn checked(record: Record, place: Place) -> Result<Self, TableError> {
         let shard = record.shard.parse::<Shard>();
         let shard = shard.map_err(|error| place.refuse_whole(error.to_string()))?;
-        let vary =
-            |error: &dyn std::fmt::Display| place.refuse_whole(format!("inputs.vary: {error}"));
-        let variations: Result<Vec<Variation>, VariationError> =
+        let variations: Result<Vec<Variation>, _> =
             record.inputs.vary.iter().map(|text| text.parse()).collect();
-        let plan = SweepPlan::new(variations.map_err(|error| vary(&error))?);
-        let plan = plan.map_err(|error| vary(&error))?;
+        let plan = variations
+            .map_err(|error: VariationError| error.to_string())
+            .and_then(|variations| SweepPlan::new(variations).map_err(|error| error.to_string()))
+            .map_err(|error| place.refuse_whole(format!("{VARY}: {error}")))?;
         if plan.cases() != record.cases {
             let must = format!("must be {}, as inputs.vary has it", plan.cases());
             return Err(place.refuse("cases", record.cases.to_string(), must));
