@@ -1,5 +1,6 @@
-//! Options that several commands share, and options as a run records them.
+//! Options of several commands, and the arguments that a run records.
 
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::path::Path;
 
@@ -39,26 +40,22 @@ impl NodeArgs {
         SimulateOutputs { nodes: self.list.clone(), every: self.every, digits }
     }
 
-    /// Refuses nodes that the mesh does not have, and those named twice.
+    /// Returns an error if a node is not one of the mesh, or named twice.
     pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Failure> {
         let last = mesh.nodes_m().len() - 1;
         let nodes = self.list.as_deref().unwrap_or_default();
-        let refuse = |message: &str, hint| Err(Failure::new(Exit::Usage, &message, hint));
         if let Some(node) = nodes.iter().find(|node| **node > last) {
             let message = format!("--nodes = {node}, but must name nodes of the mesh, 0 to {last}");
-            return refuse(&message, Some("nodes.csv lists them"));
+            return Err(Failure::new(Exit::Usage, &message, Some("nodes.csv lists them")));
         }
-        let twice = nodes.iter().enumerate().find(|(k, node)| nodes[..*k].contains(node));
-        match twice {
-            Some((_, node)) => {
-                refuse(&format!("--nodes = {node} twice, but must name it once"), None)
-            }
-            None => Ok(()),
-        }
+        let mut seen = BTreeSet::new();
+        let Some(node) = nodes.iter().find(|node| !seen.insert(**node)) else { return Ok(()) };
+        let message = format!("--nodes = {node} twice, but must name it once");
+        Err(Failure::new(Exit::Usage, &message, None))
     }
 }
 
-/// Whether a run waits for the disk.
+/// If a run waits for the disk.
 #[derive(Debug, Args)]
 pub(crate) struct SyncArgs {
     /// Wait until the results are on the disk: they survive a power failure right after the run.
@@ -92,13 +89,13 @@ pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "must be a finite number, 0 or above".into())
 }
 
-/// A number that is neither infinite nor none.
+/// A finite number.
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|x: &f64| x.is_finite());
     number.ok_or_else(|| "must be a finite number".into())
 }
 
-/// An option and its value, one text where the value alone would be taken for an option.
+/// An option and its value, in one text if the value alone would be read as an option.
 pub(crate) fn option(name: &str, value: impl Display) -> Vec<String> {
     let value = value.to_string();
     if value.starts_with('-') {
@@ -108,7 +105,7 @@ pub(crate) fn option(name: &str, value: impl Display) -> Vec<String> {
     }
 }
 
-/// The digits of a run, where they are not the usual ones.
+/// The argument for digits other than the default.
 pub(crate) fn digits_arguments(digits: Digits) -> Vec<String> {
     if digits == Digits::default() { Vec::new() } else { option("--digits", digits) }
 }

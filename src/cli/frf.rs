@@ -23,24 +23,21 @@ const EXAMPLE: &str = "\
 Example:
   flexlink frf link.toml --from 0.1 --to 50 -o frf.csv";
 
-const LONG_ABOUT: &str = "\
-Frequency response of a link: torque per tip acceleration, hub angle per tip displacement, tip \
-displacement per torque.
-
-Writes a CSV with real and imaginary part, magnitude and phase of each, to standard output or a \
-file, and the mesh error of each row: what elements of half the length change, over the magnitude \
-there. The largest is printed, above 1 % as a warning. An automatic mesh is refined until it follows \
-the highest frequency to mesh.tolerance.";
-
 /// Bytes that a row takes besides itself while its fourteen columns are written, as measured.
 const ROW_BYTES: usize = 160;
 
 /// Bytes that a run takes besides its rows.
 const OWN_BYTES: usize = 16 << 20;
 
-/// Frequency response of a link.
+/// Frequency response of a link: torque per tip acceleration, hub angle per tip displacement, tip
+/// displacement per torque.
+///
+/// Writes a CSV with real and imaginary part, magnitude and phase of each, to standard output or a file,
+/// and the mesh error of each row: what elements of half the length change, over the magnitude there. The
+/// largest is printed, above 1 % as a warning. An automatic mesh is refined until it follows the highest
+/// frequency to mesh.tolerance.
 #[derive(Debug, Args)]
-#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(about = "Frequency response of a link", after_help = EXAMPLE)]
 pub(crate) struct Frf {
     #[command(flatten)]
     link: LinkArgs,
@@ -83,34 +80,32 @@ impl Frf {
             keep_files(output, &[&self.link.link])?;
         }
         let (_, specification) = self.link.load()?;
-        let (rows, changes) = self.computed(&specification)?;
-        let errors = changes.as_ref().map(|changes| changes.iter().copied().map(mesh_error));
-        let errors: Option<Vec<f64>> = errors.map(Iterator::collect);
+        let (rows, changes) = self.compute(&specification)?;
+        let errors: Option<Vec<f64>> =
+            changes.as_ref().map(|changes| changes.iter().copied().map(mesh_error).collect());
         console::deliver_by(self.output.as_deref(), |out| {
             write_frequency_response(out, &rows, errors.as_deref(), self.digits)
         })?;
         self.warnings.refuse(tell(&rows, changes.as_deref()))
     }
 
-    /// The response at each frequency, and what halved elements change of it; `None` where damping
+    /// The response at each frequency, and its changes when every element is halved; `None` where damping
     /// allows no halved elements.
-    fn computed(
+    fn compute(
         &self,
         specification: &Specification,
     ) -> Result<(Vec<FrequencyResponse>, Option<Vec<f64>>), Failure> {
         let (link, plan) = (&specification.link, &specification.mesh);
-        let coarsest = Mesh::new(link, plan);
-        let (from_hz, to_hz) = self.limits(&coarsest)?;
-        let mesh = if plan.is_automatic() {
-            coarsest.resolving(to_hz * TAU, plan.tolerance())
-        } else {
-            coarsest
-        };
+        let mut mesh = Mesh::new(link, plan);
+        let (from_hz, to_hz) = self.range_hz(&mesh)?;
+        if plan.is_automatic() {
+            mesh = mesh.resolving(to_hz * TAU, plan.tolerance());
+        }
         let bytes = self.points.saturating_mul(size_of::<FrequencyResponse>() + ROW_BYTES);
         let bytes = bytes.saturating_add(OWN_BYTES);
         memory::check("the frequency response", bytes, None, "use fewer --points")?;
         let model = model_of(link, mesh, specification.analysis.kept_modes())?;
-        let frequencies_hz: Vec<f64> = self.grid(from_hz, to_hz).collect();
+        let frequencies_hz = self.frequencies_hz(from_hz, to_hz);
         let rows = FrequencyResponse::at_all(&*model, &frequencies_hz);
         match changes_on_halves(&*model, &rows) {
             Ok(changes) => Ok((rows, Some(changes))),
@@ -119,8 +114,8 @@ impl Frf {
         }
     }
 
-    /// The frequencies to go through, as asked for or as the link suggests.
-    fn limits(&self, mesh: &Mesh) -> Result<(f64, f64), Failure> {
+    /// The lowest and the highest frequency: by default those that suit the link.
+    fn range_hz(&self, mesh: &Mesh) -> Result<(f64, f64), Failure> {
         let modes = natural_frequencies(mesh, 5);
         let hertz = |mode: Option<&f64>| mode.map_or(1.0, |omega| omega / TAU);
         let from_hz = self.from.unwrap_or(0.1 * hertz(modes.first()));
@@ -129,31 +124,30 @@ impl Frf {
         if are_possible && (from_hz < to_hz || self.points == 1) {
             return Ok((from_hz, to_hz));
         }
+        let [from, to] = [from_hz, to_hz].map(plain);
         let (least, most) = (FREQUENCIES_HZ.start(), FREQUENCIES_HZ.end());
-        let message = format!(
-            "--from {} --to {} = no range, but must rise within {least:e} … {most:e} Hz",
-            plain(from_hz),
-            plain(to_hz)
-        );
+        let must = format!("but must rise within {least:e} … {most:e} Hz");
+        let message = format!("--from {from} --to {to} = no range, {must}");
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
-    fn grid(&self, from_hz: f64, to_hz: f64) -> impl Iterator<Item = f64> {
-        let (points, linear) = (self.points, self.linear);
-        (0..points).map(move |k| {
-            // Both ends exactly.
-            let share = k as f64 / (points.max(2) - 1) as f64;
-            match (k, linear) {
-                (0, _) => from_hz,
-                (k, _) if k + 1 == points => to_hz,
-                (_, true) => from_hz + share * (to_hz - from_hz),
-                (_, false) => from_hz * libm::pow(to_hz / from_hz, share),
+    /// All frequencies, both ends exactly.
+    fn frequencies_hz(&self, from_hz: f64, to_hz: f64) -> Vec<f64> {
+        let last = self.points.max(2) - 1;
+        let frequency_hz = |k| {
+            let share = k as f64 / last as f64;
+            match k {
+                0 => from_hz,
+                _ if k == last => to_hz,
+                _ if self.linear => from_hz + share * (to_hz - from_hz),
+                _ => from_hz * libm::pow(to_hz / from_hz, share),
             }
-        })
+        };
+        (0..self.points).map(frequency_hz).collect()
     }
 }
 
-/// Says what the mesh makes the response wrong by at the worst; returns how many warnings it gave.
+/// Prints the largest mesh error; returns the number of warnings.
 fn tell(rows: &[FrequencyResponse], changes: Option<&[f64]>) -> usize {
     let Some(changes) = changes else {
         console::note("the mesh error is not known: modal damping allows no halved elements here");
@@ -165,10 +159,8 @@ fn tell(rows: &[FrequencyResponse], changes: Option<&[f64]>) -> usize {
         console::warning(warning, warning.hint());
         return 1;
     }
-    console::note(&format!(
-        "the mesh error is {:.1e} of the magnitude at the worst, at {} Hz (elements halved)",
-        error.worst,
-        significant(error.at_hz, 4)
-    ));
+    let (worst, at_hz) = (error.worst, significant(error.at_hz, 4));
+    let at = format!("{worst:.1e} of the magnitude at the worst, at {at_hz} Hz");
+    console::note(&format!("the mesh error is {at} (elements halved)"));
     0
 }

@@ -56,20 +56,20 @@ impl ChangeArgs {
         self.changes.iter().flat_map(|change| option("--set", change)).collect()
     }
 
-    /// The changes, read.
+    /// The parsed changes.
     pub(crate) fn overrides(&self) -> Result<Vec<Override>, Failure> {
         let overrides: Result<_, SpecError> =
             self.changes.iter().map(|change| change.parse()).collect();
         overrides.map_err(|error| Failure::new(Exit::Usage, &error, error.hint()))
     }
 
-    /// What a link file describes with the changes.
+    /// Reads a link file with the changes.
     pub(crate) fn specification(&self, file: &InputFile) -> Result<Specification, Failure> {
         specification(file, &self.overrides()?)
     }
 }
 
-/// What a link file describes with some changes.
+/// Reads a link file with some changes.
 pub(crate) fn specification(
     file: &InputFile,
     changes: &[Override],
@@ -83,17 +83,7 @@ pub(crate) fn specification(
     })
 }
 
-/// A tip trajectory.
-#[derive(Debug, Args)]
-pub(crate) struct MotionArgs {
-    #[arg(value_name = "MOTION", help = MOTION)]
-    pub(crate) motion: PathBuf,
-
-    #[command(flatten)]
-    pub(crate) resample: ResampleArgs,
-}
-
-/// How the samples of a trajectory are taken.
+/// The step of a trajectory.
 #[derive(Debug, Args)]
 pub(crate) struct ResampleArgs {
     /// Make the trajectory uniform by a cubic spline, at this step in s.
@@ -102,7 +92,7 @@ pub(crate) struct ResampleArgs {
 }
 
 impl ResampleArgs {
-    /// The trajectory that a file holds for the tip of a link.
+    /// Reads the motion of a link's tip.
     pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
         let table = read_motion_table(&file.shown, &file.bytes, link.length_m())?;
         let table = match self.resample {
@@ -118,15 +108,12 @@ impl ResampleArgs {
     }
 }
 
-/// Factors on a motion, as a sweep has them.
+/// Factors on a motion, as those of a sweep.
 #[derive(Debug, Args)]
 pub(crate) struct ScaleArgs {
+    /// Multiply the motion's distance.
     #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
-    #[arg(
-        default_value_t = 1.0,
-        hide_default_value = true,
-        help = "Multiply the motion's distance"
-    )]
+    #[arg(default_value_t = 1.0, hide_default_value = true)]
     scale_distance: f64,
 
     /// Multiply the motion's duration, from its first sample on.
@@ -166,8 +153,7 @@ pub(crate) fn scale_arguments(scale: MotionScale) -> Vec<String> {
     others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
 }
 
-/// Remarks on a link file, and on the link and the motion of its solution: values that are possible but
-/// rare.
+/// Remarks on a link file, and on the link and the motion of its solution.
 pub(crate) fn remarks(of_file: &[Remark], solution: &Solution) -> Vec<Remark> {
     let link = solution.link();
     let highest = TAU * solution.band.highest_hz;

@@ -1,12 +1,13 @@
-//! The command line: arguments in, exit code out.
+//! The command line: arguments in, exit code out. `run` of each command reads as load, compute, write, tell.
+#![allow(clippy::doc_markdown, reason = "docs of commands and arguments are help on a terminal")]
 
 mod args;
 mod compare;
 mod frf;
-mod init;
 mod inputs;
 mod modes;
 mod report;
+mod setup;
 mod simulate;
 mod solve;
 mod sweep;
@@ -15,25 +16,22 @@ mod verify;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 
-use crate::terminal::{Ending, Failure, ThreadArgs, console, interrupt, memory, shell};
+use crate::terminal::{Ending, Failure, ThreadArgs, console, interrupt, memory};
 
 /// Hub torque that makes the tip of a flexible link follow a wanted motion.
+///
+/// The link turns about its hub in the horizontal plane and bends a little; the motion goes from rest to
+/// rest. The torque starts before the tip moves and outlasts its motion, because bending waves travel at
+/// finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).
 #[derive(Debug, Parser)]
-#[command(version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES, max_term_width = 100)]
+#[command(version, about, after_help = EXIT_CODES, max_term_width = 100)]
 #[command(bin_name = "flexlink")] // on Windows too, where the file is flexlink.exe
 struct Cli {
     #[command(subcommand)]
     command: Command,
 }
-
-const LONG_ABOUT: &str = "\
-Hub torque that makes the tip of a flexible link follow a wanted motion.
-
-The link turns about its hub in the horizontal plane and bends a little; the motion goes from \
-rest to rest. The torque starts before the tip moves and outlasts its motion, because bending \
-waves travel at finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).";
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 compared and different, 2 wrong usage,
@@ -41,7 +39,7 @@ Exit codes: 0 done, 1 compared and different, 2 wrong usage,
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    // The help of each stands with its arguments.
+    // The doc of each struct is its help.
     Solve(Box<solve::Solve>),
     Simulate(Box<simulate::Simulate>),
     Verify(Box<verify::Verify>),
@@ -51,20 +49,20 @@ enum Command {
     Trajectory(trajectory::Trajectory),
     Compare(compare::Compare),
     Report(report::Report),
-    Init(init::Init),
-    Schema(init::Schema),
-    Completions(shell::Completions),
+    Init(setup::Init),
+    Schema(setup::Schema),
+    Completions(setup::Completions),
     #[command(name = "man")]
-    Manual(shell::Manual),
+    Manual(setup::Manual),
 }
 
-/// Runs the program: the one place that prints an error and its hint.
+/// Reads the command line and runs its command: the one place that prints an error and its hint.
 pub(crate) fn run() -> ExitCode {
-    let outcome = match Cli::try_parse() {
+    let ended = match Cli::try_parse() {
         Ok(cli) => cli.command.run().map(ExitCode::from),
-        Err(words) => console::told_by_parser(&words),
+        Err(error) => console::parser_text(&error),
     };
-    outcome.unwrap_or_else(|Failure { exit, message, hint, .. }| {
+    ended.unwrap_or_else(|Failure { exit, message, hint, .. }| {
         console::error(&message, hint.as_deref());
         exit.into()
     })
@@ -73,6 +71,7 @@ pub(crate) fn run() -> ExitCode {
 impl Command {
     fn run(self) -> Result<Ending, Failure> {
         memory::check_program()?;
+        interrupt::end_aborts();
         // A sweep ends between two cases.
         if !matches!(self, Self::Sweep(_)) {
             interrupt::end_in_order();

@@ -25,24 +25,21 @@ const EXAMPLE: &str = "\
 Example:
   flexlink modes link.toml --count 5 -o out";
 
-const LONG_ABOUT: &str = "\
-Natural frequencies, mode shapes and zeros of a link.
-
-Prints a table; with -o, writes modes.csv, mode_shapes.csv and zeros.csv into a folder. Modes are \
-those of the link on its hub, free to turn; shapes are mass-normalised, the tip positive. Zeros \
-are those of the transfer from hub torque to tip: they set how long before the tip the torque must \
-start. An automatic mesh is refined until the frequencies are exact to mesh.tolerance. The mesh \
-error of each number is measured on elements of half the length; above 1 % it is warned of.
-
-A link file with a [drive] also gets the frequencies with the rotor held, the hub on the spring of \
-the joint or, behind a stiff joint, clamped; with -o, in held_modes.csv.";
-
 /// Memory in bytes that a node takes in a shape: as computed, and as it is written.
 const BYTES_PER_DISPLACEMENT: usize = 16;
 
 /// Natural frequencies, mode shapes and zeros of a link.
+///
+/// Prints a table; with -o, writes modes.csv, mode_shapes.csv and zeros.csv into a folder. Modes are those
+/// of the link on its hub, free to turn; shapes are mass-normalised, the tip positive. Zeros are those of
+/// the transfer from hub torque to tip: they set how long before the tip the torque must start. An
+/// automatic mesh is refined until the frequencies are exact to mesh.tolerance. The mesh error of each
+/// number is measured on elements of half the length; above 1 % it is warned of.
+///
+/// A link file with a [drive] also gets the frequencies with the rotor held, the hub on the spring of the
+/// joint or, behind a stiff joint, clamped; with -o, in held_modes.csv.
 #[derive(Debug, Args)]
-#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(after_help = EXAMPLE)]
 pub(crate) struct Modes {
     #[command(flatten)]
     link: LinkArgs,
@@ -90,25 +87,31 @@ fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesR
     memory::check("the mode shapes", bytes, None, "ask for fewer modes: --count")?;
     let finer = mesh.refined();
     let highest = omega_rad_s.last().copied().unwrap_or_default();
-    let blocked = real_frequency_zeros(&mesh, highest);
-    let zeros_per_s = torque_zeros(&mesh, count);
+    // On a mesh, and what it is wrong by.
+    let with_errors = |of: &dyn Fn(&Mesh) -> Vec<f64>| {
+        let values = of(&mesh);
+        let errors = mesh_errors(&values, &of(&finer));
+        (values, errors)
+    };
+    let (zeros_per_s, zero_mesh_errors) = with_errors(&|mesh| torque_zeros(mesh, count));
+    let (blocked, blocked_mesh_errors) = with_errors(&|mesh| real_frequency_zeros(mesh, highest));
+    let held = link.drive().map(|drive| {
+        let joint_stiffness_n_m_rad = drive.joint_stiffness_n_m_rad;
+        let (omega_rad_s, mesh_errors) =
+            with_errors(&|mesh| held_frequencies(mesh, joint_stiffness_n_m_rad, count));
+        HeldModes { joint_stiffness_n_m_rad, omega_rad_s, mesh_errors }
+    });
     let result = ModesResult {
         damping_ratios: law.modal_ratios(&omega_rad_s),
         mesh_errors: mesh_errors(&omega_rad_s, &natural_frequencies(&finer, count)),
-        zero_mesh_errors: mesh_errors(&zeros_per_s, &torque_zeros(&finer, count)),
         zeros_per_s,
+        zero_mesh_errors,
         blocked_hz: blocked.iter().map(|omega| omega / TAU).collect(),
-        blocked_mesh_errors: mesh_errors(&blocked, &real_frequency_zeros(&finer, highest)),
+        blocked_mesh_errors,
         nodes_m: mesh.nodes_m().to_vec(),
         shapes: omega_rad_s.iter().map(|omega| shape(&mesh, *omega)).collect(),
         omega_rad_s,
-        held: link.drive().map(|drive| {
-            let spring_n_m_rad = drive.joint_stiffness_n_m_rad;
-            let omega_rad_s = held_frequencies(&mesh, spring_n_m_rad, count);
-            let finer_rad_s = held_frequencies(&finer, spring_n_m_rad, count);
-            let mesh_errors = mesh_errors(&omega_rad_s, &finer_rad_s);
-            HeldModes { joint_stiffness_n_m_rad: spring_n_m_rad, omega_rad_s, mesh_errors }
-        }),
+        held,
     };
     Ok((mesh, result))
 }
@@ -127,9 +130,7 @@ fn tell(
         console::warning(thick, thick.hint());
     }
     let coarse = result.warnings();
-    for warning in &coarse {
-        console::warning(warning, warning.hint());
-    }
+    console::warnings(coarse.iter().map(|warning| (warning, warning.hint())));
     console::print(&modes_text(link, mesh, result))?;
     Ok(usize::from(thick.is_some()) + coarse.len())
 }
@@ -158,7 +159,7 @@ fn resolved(specification: &Specification, count: usize) -> (Mesh, Vec<f64>) {
         (mesh, frequencies) = (finer, more);
     }
     let highest = frequencies.last().copied().unwrap_or_default();
-    mesh = mesh.resolving(highest, plan.tolerance());
-    frequencies = natural_frequencies(&mesh, count);
+    let mesh = mesh.resolving(highest, plan.tolerance());
+    let frequencies = natural_frequencies(&mesh, count);
     (mesh, frequencies)
 }

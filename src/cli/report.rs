@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::report::{Figure, Figures, page};
-use flexlink::result::StoredResult;
 use flexlink::store::{OutputFolder, REPORT, read_result};
 
 use crate::terminal::console::is_standard_output;
@@ -21,15 +20,12 @@ Example:
 
 RESULT is a folder of `solve` or `simulate`, or the table of `sweep`.";
 
-const LONG_ABOUT: &str = "\
-Turn a result into a page to look at.
-
-The page is one HTML file that needs nothing else, neither network nor server: figures, waves, an \
-animation, all warnings and numbers. Where figures are asked for alone, no page is written.";
-
 /// Turn a result into a page to look at.
+///
+/// The page is one HTML file that needs nothing else, neither network nor server: figures, waves, an
+/// animation, all warnings and numbers. Where figures are asked for alone, no page is written.
 #[derive(Debug, Args)]
-#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(after_help = EXAMPLE)]
 pub(crate) struct Report {
     /// Folder of a run, or table of a sweep.
     #[arg(value_name = "RESULT")]
@@ -56,43 +52,41 @@ pub(crate) struct Report {
 
 impl Report {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        if let Some(output) = &self.output {
-            keep_files(output, &[&self.result])?;
-            keep_page(output, &self.result)?;
-        }
+        let file = self.page_file()?;
         memory::check_tables(bytes_of(&self.result), PAGE_TIMES)?;
-        let is_alone = self.svg.is_none() && self.png.is_none();
-        let file = self.output.clone().or_else(|| is_alone.then(|| beside(&self.result)));
-        // No other run may come between the files that are read and the page beside them.
+        // A page beside the files that are read: no other run may replace them meanwhile.
         let is_within = file.as_ref().is_some_and(|file| lies_in(file, &self.result));
         let run = is_within.then(|| OutputFolder::stage(&self.result, &console::waiting));
         let run = run.transpose()?;
         let result = read_result(&self.result)?;
         let figures = Figures::of(&result);
-        let page = file.map(|file| deliver_page(&result, &figures, &file, run)).transpose()?;
-        let mut told = Vec::new();
+        let page = file.map(|file| write_page(&page(&result, &figures), &file, run)).transpose()?;
+        let mut written = String::new();
         if let Some(folder) = &self.svg {
-            told.push(write_figures(folder, &figures, "svg", |figure| {
-                Ok(figure.svg_file().into_bytes())
-            })?);
+            let svg = |figure: &Figure| Ok(figure.svg_file().into_bytes());
+            written += &write_figures(folder, &figures, "svg", svg)?;
         }
         if let Some(folder) = &self.png {
-            told.push(write_figures(folder, &figures, "png", Figure::png_file)?);
+            written += &write_figures(folder, &figures, "png", Figure::png_file)?;
         }
-        told.extend(page);
-        if self.quiet { Ok(()) } else { console::print(&told.concat()) }
+        written += &page.unwrap_or_default();
+        if self.quiet { Ok(()) } else { console::print(&written) }
+    }
+
+    /// The file of the page; none if figures alone are written.
+    fn page_file(&self) -> Result<Option<PathBuf>, Failure> {
+        if let Some(output) = &self.output {
+            keep_files(output, &[&self.result])?;
+            keep_page(output, &self.result)?;
+        }
+        let is_alone = self.svg.is_none() && self.png.is_none();
+        Ok(self.output.clone().or_else(|| is_alone.then(|| beside(&self.result))))
     }
 }
 
-/// Writes a page to a file, in the folder of the `run` where it lies there, and says so; to standard
-/// output, and says nothing.
-fn deliver_page(
-    result: &StoredResult,
-    figures: &Figures,
-    file: &Path,
-    run: Option<OutputFolder>,
-) -> Result<String, Failure> {
-    let page = page(result, figures);
+/// Writes a page to a file, in the folder of the `run` if it is there, and returns the line that says so;
+/// none for standard output.
+fn write_page(page: &str, file: &Path, run: Option<OutputFolder>) -> Result<String, Failure> {
     match run {
         Some(run) => {
             let name = file.file_name().unwrap_or(OsStr::new(REPORT));
@@ -101,8 +95,8 @@ fn deliver_page(
         }
         None => console::deliver(Some(file), page.as_bytes())?,
     }
-    let told = || format!("written  {}\n", file.display());
-    Ok(if is_standard_output(file) { String::new() } else { told() })
+    let line = || format!("written  {}\n", file.display());
+    Ok(if is_standard_output(file) { String::new() } else { line() })
 }
 
 /// Memory that reading a result and making its page takes, over the size of its files, as measured.
@@ -121,7 +115,7 @@ fn bytes_of(result: &Path) -> usize {
     usize::try_from(bytes).unwrap_or(usize::MAX)
 }
 
-/// Whether a path names a file, there or not, in this folder; a link may lead out of it.
+/// True if a path names a file, present or not, in this folder; a link may lead out of it.
 fn lies_in(file: &Path, folder: &Path) -> bool {
     let is_plain = file.is_file() || !file.exists();
     let outer = file.parent().map(|outer| Path::new(".").join(outer).canonicalize());
@@ -129,7 +123,7 @@ fn lies_in(file: &Path, folder: &Path) -> bool {
     is_plain && !file.is_symlink() && folder.is_dir() && outer == folder
 }
 
-/// Where the page of a result goes.
+/// The default file of a result's page.
 fn beside(result: &Path) -> PathBuf {
     match result.extension() {
         Some(extension) if extension == "csv" && !result.is_dir() => result.with_extension("html"),
@@ -137,6 +131,7 @@ fn beside(result: &Path) -> PathBuf {
     }
 }
 
+/// Writes the figures into a folder, and returns the line that says so.
 fn write_figures(
     folder: &Path,
     figures: &Figures,

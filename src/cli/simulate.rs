@@ -1,11 +1,10 @@
 //! `simulate`: a torque played on a link.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
 use flexlink::csv::{Digits, InputFile, read_hub_reference, read_motion_table, read_torque_table};
-use flexlink::link::{Link, ParameterError};
 use flexlink::motion::TipTarget;
 use flexlink::numeric::plain;
 use flexlink::response::{
@@ -33,142 +32,20 @@ Example:
 
 One of the files may be `-`, standard input.";
 
-const LONG_ABOUT: &str = "\
-Play a torque on a link: direct dynamics.
-
-Writes torque.csv (the torque as played, feedback included), tip.csv, hub_angle.csv, \
-nodal_displacements.csv, nodes.csv and summary.json into a folder, all or none of them, and prints \
-a short summary. The link is at rest before the torque's first sample; after the last one it is \
-free. Each mode is integrated exactly in time, so that the answer does not depend on the Fourier \
-transform of solve. A hysteretic link has no equation in time: its ratio is taken as the viscous \
-ratio of every mode. The torque acts at the hub, on the whole link: [drive] and analysis.modes have \
-no part in it.";
-
 /// Play a torque on a link: direct dynamics.
+///
+/// Writes torque.csv (the torque as played, feedback included), tip.csv, hub_angle.csv,
+/// nodal_displacements.csv, nodes.csv and summary.json into a folder, all or none of them, and prints a
+/// short summary. The link is at rest before the torque's first sample; after the last one it is free. Each
+/// mode is integrated exactly in time, so that the answer does not depend on the Fourier transform of
+/// solve. A hysteretic link has no equation in time: its ratio is taken as the viscous ratio of every mode.
+/// The torque acts at the hub, on the whole link: [drive] and analysis.modes have no part in it.
 #[derive(Debug, Args)]
-#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(after_help = EXAMPLE)]
 pub(crate) struct Simulate {
     #[command(flatten)]
     link: LinkArgs,
 
-    #[command(flatten)]
-    play: PlayArgs,
-
-    /// Folder for the results.
-    #[arg(short, long, value_name = "DIR", default_value = "simulated")]
-    output: PathBuf,
-
-    #[command(flatten)]
-    nodes: NodeArgs,
-
-    /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
-    /// reads back to the same number.
-    #[arg(long, value_name = "N", default_value = "10")]
-    digits: Digits,
-
-    #[command(flatten)]
-    warnings: WarningArgs,
-
-    #[command(flatten)]
-    sync: SyncArgs,
-
-    #[command(flatten)]
-    print: PrintArgs,
-
-    #[command(flatten)]
-    threads: ThreadArgs,
-}
-
-impl Simulate {
-    pub(crate) fn run(self) -> Result<(), Failure> {
-        self.threads.start()?;
-        keep(&self.output, &[&[&*self.link.link], &self.play.paths()[..]].concat())?;
-        let (link_file, specification) = self.link.load()?;
-        let link = &specification.link;
-        let read = self.play.read(link)?;
-        let play = self.play.play(&read);
-        let played = self.played(&specification, &read, &play)?;
-        let inputs = RunInputs::of_simulate(
-            [&link_file, &read.torque_file],
-            [read.target_file.as_ref(), read.reference_file.as_ref()],
-            self.arguments(),
-        );
-        let summary = self.write(inputs, (link, &play), &played)?;
-        let warnings = self.tell((link, &play), &played, &summary)?;
-        self.warnings.refuse(warnings)
-    }
-
-    /// Plays the torque, and measures the error of the tip and of the simulation itself.
-    fn played(
-        &self,
-        specification: &Specification,
-        read: &Inputs,
-        play: &Play,
-    ) -> Result<Played, Failure> {
-        let Specification { link, mesh, .. } = specification;
-        let refused = |error| self.play.refused(&error, read);
-        let simulation = simulate(link, mesh, play).map_err(refused)?;
-        self.nodes.check(&simulation.mesh)?;
-        let tip_error = self.play.tip_error(&simulation, read)?;
-        memory::check_nodes(
-            self.nodes.of_simulation(self.digits).nodal_bytes(&simulation),
-            play.memory_bytes,
-        )?;
-        let error = PlayError::of(&simulation, link, play).map_err(refused)?;
-        Ok(Played { metrics: PlayedMetrics::of(&simulation), simulation, error, tip_error })
-    }
-
-    /// Writes all tables and summary.json.
-    fn write(
-        &self,
-        inputs: RunInputs,
-        (link, play): (&Link, &Play),
-        played: &Played,
-    ) -> Result<Summary, Failure> {
-        let Played { simulation, metrics, .. } = played;
-        let errors = played.errors();
-        let summary = Summary::of_simulation(inputs, (link, play), simulation, metrics, errors);
-        let folder = self.sync.stage(&self.output)?;
-        self.nodes.of_simulation(self.digits).write(folder, link, simulation, &summary)?;
-        Ok(summary)
-    }
-
-    /// Prints warnings and the summary; returns the number of warnings.
-    fn tell(
-        &self,
-        (link, play): (&Link, &Play),
-        played: &Played,
-        summary: &Summary,
-    ) -> Result<usize, Failure> {
-        let Played { simulation, metrics, error, tip_error } = played;
-        let coarse = error.as_ref().and_then(PlayError::warning);
-        let warnings: Vec<_> = simulation.warnings.iter().copied().chain(coarse).collect();
-        for warning in &warnings {
-            console::warning(warning, warning.hint());
-        }
-        let late = tip_error.and_then(|error| error.late);
-        if let Some(late) = late {
-            console::warning(late, late.hint());
-        }
-        let text = || {
-            let files = SimulateOutputs::file_names().len();
-            let written = format!("{files} files in {}", self.output.display());
-            simulate_text(link, play, simulation, metrics, played.errors(), &written)
-        };
-        self.print.print(|| summary.to_json(), text)?;
-        Ok(warnings.len() + usize::from(late.is_some()))
-    }
-
-    /// The arguments that shape the results, for the record.
-    fn arguments(&self) -> Vec<String> {
-        let (nodes, digits) = (self.nodes.arguments(), digits_arguments(self.digits));
-        [self.link.changes.arguments(), self.play.arguments(), nodes, digits].concat()
-    }
-}
-
-/// What to play on the link, and what to compare with.
-#[derive(Debug, Args)]
-pub(crate) struct PlayArgs {
     /// Torque at the hub (CSV): `time` and `torque`.
     #[arg(value_name = "TORQUE")]
     torque: PathBuf,
@@ -200,93 +77,139 @@ pub(crate) struct PlayArgs {
     /// The link starts at its first angle.
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,
+
+    /// Folder for the results.
+    #[arg(short, long, value_name = "DIR", default_value = "simulated")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    nodes: NodeArgs,
+
+    /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
+    /// reads back to the same number.
+    #[arg(long, value_name = "N", default_value = "10")]
+    digits: Digits,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
+    sync: SyncArgs,
+
+    #[command(flatten)]
+    print: PrintArgs,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
 }
 
-/// What came of a torque that was played.
-struct Played {
+/// The inputs, read.
+struct Inputs {
+    link_file: InputFile,
+    specification: Specification,
+    torque_file: InputFile,
+    torque: Torque,
+    target: Option<(InputFile, TipTarget)>,
+    reference_file: Option<InputFile>,
+    feedback: Option<Feedback>,
+    initial_tip_m: f64,
+}
+
+/// The simulation, and its errors.
+struct Played<'a> {
+    play: Play<'a>,
     simulation: Simulation,
     metrics: PlayedMetrics,
     error: Option<PlayError>,
     tip_error: Option<TipError>,
 }
 
-impl Played {
-    fn errors(&self) -> (Option<&PlayError>, Option<&TipError>) {
-        (self.error.as_ref(), self.tip_error.as_ref())
+impl Simulate {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        self.threads.start()?;
+        let inputs = self.load()?;
+        let played = self.compute(&inputs)?;
+        let summary = self.write(&inputs, &played)?;
+        let warnings = self.tell(&inputs, &played, &summary)?;
+        self.warnings.refuse(warnings)
     }
-}
 
-/// The inputs beside the link, read.
-pub(crate) struct Inputs {
-    pub(crate) torque_file: InputFile,
-    pub(crate) target_file: Option<InputFile>,
-    pub(crate) reference_file: Option<InputFile>,
-    torque: Torque,
-    target: Option<TipTarget>,
-    feedback: Option<Feedback>,
-    initial_tip_m: f64,
-}
-
-impl PlayArgs {
-    /// Reads all files; every refusal names its file.
-    pub(crate) fn read(&self, link: &Link) -> Result<Inputs, Failure> {
+    /// Reads all files; every error names its file.
+    fn load(&self) -> Result<Inputs, Failure> {
+        let others = [&self.target, &self.reference].into_iter().flatten();
+        let files = [&self.link.link, &self.torque].into_iter().chain(others);
+        keep(&self.output, &files.map(PathBuf::as_path).collect::<Vec<_>>())?;
+        let (link_file, specification) = self.link.load()?;
+        let length_m = specification.link.length_m();
         let torque_file = InputFile::read(&self.torque)?;
-        let target_file = self.target.as_deref().map(InputFile::read).transpose()?;
-        let reference_file = self.reference.as_deref().map(InputFile::read).transpose()?;
-        let torque =
-            read_torque_table(&torque_file.shown, &torque_file.bytes, self.column.as_deref())?;
-        let target = target_file.as_ref().map(|file| read_target(file, link)).transpose()?;
-        let reference = reference_file
-            .as_ref()
-            .map(|file| read_hub_reference(&file.shown, &file.bytes))
-            .transpose()?;
-        // A link at rest is straight: its tip stands where the hub points.
-        let pointed = |reference: &HubReference| reference.angle_rad()[0] * link.length_m();
-        let initial_tip_m =
-            target.as_ref().map(TipTarget::start_m).or(reference.as_ref().map(pointed));
+        let read = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
+        let (target_file, reference_file) = (read(&self.target)?, read(&self.reference)?);
+        let column = self.column.as_deref();
+        let torque = read_torque_table(&torque_file.shown, &torque_file.bytes, column)?;
+        let target = |file: InputFile| -> Result<_, Failure> {
+            let table = read_motion_table(&file.shown, &file.bytes, length_m)?;
+            Ok((file, table.into_target()?))
+        };
+        let target = target_file.map(target).transpose()?;
+        let reference = |file: &InputFile| read_hub_reference(&file.shown, &file.bytes);
+        let reference = reference_file.as_ref().map(reference).transpose()?;
+        // A link at rest is straight: the hub points to its tip.
+        let pointed = |reference: &HubReference| reference.angle_rad()[0] * length_m;
+        let initial_tip_m = match &target {
+            Some((_, target)) => target.start_m(),
+            None => reference.as_ref().map(pointed).unwrap_or_default(),
+        };
+        let feedback = self.feedback.zip(reference);
+        let feedback = feedback.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
+        let feedback = feedback
+            .transpose()
+            .map_err(|error| Failure::new(Exit::Usage, &format!("--feedback: {error}"), None))?;
         Ok(Inputs {
+            link_file,
+            specification,
             torque_file,
-            target_file,
-            reference_file,
             torque,
             target,
-            feedback: reference.map(|reference| self.feedback(reference)).transpose()?.flatten(),
-            initial_tip_m: initial_tip_m.unwrap_or_default(),
+            reference_file,
+            feedback,
+            initial_tip_m,
         })
     }
 
-    fn feedback(&self, reference: HubReference) -> Result<Option<Feedback>, Failure> {
-        let Some((kp, kd)) = self.feedback else { return Ok(None) };
-        let refused = |error: ParameterError| {
-            Failure::new(Exit::Usage, &format!("--feedback: {error}"), None)
-        };
-        Feedback::new(kp, kd, reference).map(Some).map_err(refused)
-    }
-
-    /// What is played, until asked for, else as long as torque and target last.
-    pub(crate) fn play<'a>(&self, inputs: &'a Inputs) -> Play<'a> {
+    /// Plays the torque until the time of the command line, else as long as torque and target last.
+    /// Computes the errors of the tip and of the simulation itself.
+    fn compute<'a>(&self, inputs: &'a Inputs) -> Result<Played<'a>, Failure> {
+        let Specification { link, mesh, .. } = &inputs.specification;
         let torque_s = inputs.torque.grid().end_s();
-        let both_s = inputs.target.as_ref().map(|target| target.grid().end_s().max(torque_s));
-        Play {
+        let both_s = inputs.target.as_ref().map(|(_, target)| target.grid().end_s().max(torque_s));
+        let play = Play {
             torque: &inputs.torque,
             interpolation: if self.linear { Interpolation::Linear } else { Interpolation::Cubic },
             until_s: self.until.or(both_s),
             feedback: inputs.feedback.as_ref(),
             initial_tip_m: inputs.initial_tip_m,
             memory_bytes: memory::available(),
-        }
+        };
+        let refused = |error| self.refused(&error, inputs);
+        let simulation = simulate(link, mesh, &play).map_err(refused)?;
+        self.nodes.check(&simulation.mesh)?;
+        let tip_error = self.tip_error(&simulation, inputs)?;
+        let bytes = self.nodes.of_simulation(self.digits).nodal_bytes(&simulation);
+        memory::check_nodes(bytes, play.memory_bytes)?;
+        let error = PlayError::of(&simulation, link, &play).map_err(refused)?;
+        Ok(Played { metrics: PlayedMetrics::of(&simulation), play, simulation, error, tip_error })
     }
 
-    /// Why these inputs are not played, in words of the command line.
-    pub(crate) fn refused(&self, error: &SimulationError, inputs: &Inputs) -> Failure {
+    /// The failure of a simulation, with the file or option that causes it.
+    fn refused(&self, error: &SimulationError, inputs: &Inputs) -> Failure {
         let (exit, place) = match error {
-            SimulationError::NoTorque => (Exit::InputRefused, shown(Some(&inputs.torque_file))),
+            SimulationError::NoTorque => (Exit::InputRefused, shown(&inputs.torque_file)),
             SimulationError::OtherTimes { .. } => {
-                (Exit::InputRefused, shown(inputs.reference_file.as_ref()))
+                (Exit::InputRefused, inputs.reference_file.as_ref().map(shown).unwrap_or_default())
             }
-            // Longer than the torque for the target's sake.
+            // The target is longer than the torque.
             SimulationError::TooLong { until_s, samples, limit } if self.until.is_none() => {
-                let place = shown(inputs.target_file.as_ref());
+                let place = inputs.target_shown();
                 let found =
                     format!("the end = {} s, {samples:.3e} steps of the torque", plain(*until_s));
                 let message = format!("{place}{found}, but must be at most {limit} steps");
@@ -304,49 +227,87 @@ impl PlayArgs {
         Failure::new(exit, &format!("{place}{error}"), error.hint())
     }
 
-    /// How far the tip strays from the target, if there is one.
-    pub(crate) fn tip_error(
+    /// The largest distance of the tip from the target, if there is one.
+    fn tip_error(
         &self,
         simulation: &Simulation,
         inputs: &Inputs,
     ) -> Result<Option<TipError>, Failure> {
-        let Some(target) = &inputs.target else { return Ok(None) };
-        let error = TipError::of(simulation, target);
-        error.map(Some).map_err(|error| {
+        let Some((_, target)) = &inputs.target else { return Ok(None) };
+        TipError::of(simulation, target).map(Some).map_err(|error| {
             let (exit, place) = match (error, self.until) {
                 (TargetError::EndsLate { .. }, Some(until)) => {
                     (Exit::Usage, format!("--until {}: ", plain(until)))
                 }
-                _ => (Exit::InputRefused, shown(inputs.target_file.as_ref())),
+                _ => (Exit::InputRefused, inputs.target_shown()),
             };
             Failure::new(exit, &format!("{place}{error}"), error.hint())
         })
     }
 
-    /// The files that are read.
-    pub(crate) fn paths(&self) -> Vec<&Path> {
-        let others = [&self.target, &self.reference].into_iter().flatten();
-        std::iter::once(&self.torque).chain(others).map(PathBuf::as_path).collect()
+    /// Writes all tables and summary.json.
+    fn write(&self, inputs: &Inputs, played: &Played) -> Result<Summary, Failure> {
+        let link = &inputs.specification.link;
+        let target_file = inputs.target.as_ref().map(|(file, _)| file);
+        let record = RunInputs::of_simulate(
+            [&inputs.link_file, &inputs.torque_file],
+            [target_file, inputs.reference_file.as_ref()],
+            self.arguments(),
+        );
+        let Played { play, simulation, metrics, .. } = played;
+        let errors = played.errors();
+        let summary = Summary::of_simulation(record, (link, play), simulation, metrics, errors);
+        let folder = self.sync.stage(&self.output)?;
+        self.nodes.of_simulation(self.digits).write(folder, link, simulation, &summary)?;
+        Ok(summary)
     }
 
-    /// The arguments that name no file, for the record.
-    pub(crate) fn arguments(&self) -> Vec<String> {
+    /// The arguments that shape the results, for the record.
+    fn arguments(&self) -> Vec<String> {
         let column = self.column.iter().map(|column| option("--column", column));
         let until = self.until.map(|until| option("--until", until));
         let linear = self.linear.then(|| vec!["--linear".to_owned()]);
         let feedback = self.feedback.map(|(kp, kd)| option("--feedback", format!("{kp},{kd}")));
-        column.chain(until).chain(linear).chain(feedback).flatten().collect()
+        let played = column.chain(until).chain(linear).chain(feedback).flatten().collect();
+        let (nodes, digits) = (self.nodes.arguments(), digits_arguments(self.digits));
+        [self.link.changes.arguments(), played, nodes, digits].concat()
+    }
+
+    /// Prints warnings and the summary; returns the number of warnings.
+    fn tell(&self, inputs: &Inputs, played: &Played, summary: &Summary) -> Result<usize, Failure> {
+        let Played { play, simulation, metrics, error, tip_error } = played;
+        let coarse = error.as_ref().and_then(PlayError::warning);
+        let warnings: Vec<_> = simulation.warnings.iter().copied().chain(coarse).collect();
+        console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
+        let late = tip_error.and_then(|error| error.late);
+        console::warnings(late.map(|late| (late, late.hint())));
+        let text = || {
+            let files = SimulateOutputs::file_names().len();
+            let written = format!("{files} files in {}", self.output.display());
+            let link = &inputs.specification.link;
+            simulate_text(link, play, simulation, metrics, played.errors(), written)
+        };
+        self.print.print(|| summary.to_json(), text)?;
+        Ok(warnings.len() + usize::from(late.is_some()))
     }
 }
 
-fn read_target(file: &InputFile, link: &Link) -> Result<TipTarget, Failure> {
-    let table = read_motion_table(&file.shown, &file.bytes, link.length_m())?;
-    Ok(table.into_target()?)
+impl Inputs {
+    /// The name of the target's file, as a message begins with it.
+    fn target_shown(&self) -> String {
+        self.target.as_ref().map(|(file, _)| shown(file)).unwrap_or_default()
+    }
+}
+
+impl Played<'_> {
+    fn errors(&self) -> (Option<&PlayError>, Option<&TipError>) {
+        (self.error.as_ref(), self.tip_error.as_ref())
+    }
 }
 
 /// The file's name, as a message begins with it.
-fn shown(file: Option<&InputFile>) -> String {
-    file.map_or(String::new(), |file| format!("{}: ", file.shown))
+fn shown(file: &InputFile) -> String {
+    format!("{}: ", file.shown)
 }
 
 /// Two gains, separated by a comma.

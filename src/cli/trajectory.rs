@@ -7,6 +7,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, builder::TypedValueParser};
 
 use super::inputs::specification;
+use super::verify::warn;
 use crate::terminal::text::{binding_text, found_text};
 use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 use flexlink::csv::{Digits, InputFile, write_trajectory};
@@ -34,20 +35,17 @@ Example:
   flexlink trajectory septic --distance 0.5 --step 0.001 \\
       --link link.toml --fit-limit torque=2";
 
-const LONG_ABOUT: &str = "\
-Make a tip motion from rest to rest.
-
-Writes a CSV of time and acceleration, to standard output or a file. The samples themselves end at \
-rest and add up to the distance.
-
-Profiles: sine (one period of a sine acceleration), versine (harmonic, with jumps of the \
-acceleration at both ends), min-jerk (fifth degree), septic (seventh degree, the smoothest of the \
-polynomials), trapezoid (a third of the time accelerating, a third at speed), s-curve (the same \
-with limited jerk), bang-bang, gaussian (bell of velocity).";
-
 /// Make a tip motion from rest to rest.
+///
+/// Writes a CSV of time and acceleration, to standard output or a file. The samples themselves end at rest
+/// and add up to the distance.
+///
+/// Profiles: sine (one period of a sine acceleration), versine (harmonic, with jumps of the acceleration at
+/// both ends), min-jerk (fifth degree), septic (seventh degree, the smoothest of the polynomials),
+/// trapezoid (a third of the time accelerating, a third at speed), s-curve (the same with limited jerk),
+/// bang-bang, gaussian (bell of velocity).
 #[derive(Debug, Args)]
-#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(after_help = EXAMPLE)]
 pub(crate) struct Trajectory {
     /// Shape of the motion.
     #[arg(value_name = "PROFILE", value_parser = profiles())]
@@ -97,13 +95,13 @@ pub(crate) struct Trajectory {
     warnings: WarningArgs,
 }
 
-/// A duration, and what to say about it.
+/// The duration of a motion.
 #[derive(Default)]
 struct Duration {
     steps: usize,
     /// Comment for the first line of the file.
     comment: String,
-    /// How many warnings were printed.
+    /// Number of warnings that were printed.
     warnings: usize,
 }
 
@@ -115,8 +113,24 @@ fn profiles() -> impl TypedValueParser<Value = Profile> {
 
 impl Trajectory {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let refuse = |message: String| Err(Failure::new(Exit::Usage, &message, None));
+        self.check()?;
+        let Duration { steps, comment, warnings } = self.duration()?;
+        let before = self.steps("--rest-before", self.rest_before, 0.0)?;
+        let after = self.steps("--rest-after", self.rest_after, 0.0)?;
+        let bytes = (steps + before + after) * BYTES_PER_SAMPLE;
+        memory::check("the trajectory", bytes, None, "use a longer step")?;
+        let columns = self.profile.sampled(self.distance, self.step, steps, [before, after]);
+        console::deliver_by(self.output.as_deref(), |mut out| {
+            out.write_all(comment.as_bytes())?;
+            write_trajectory(&mut out, &columns, self.digits)
+        })?;
+        self.warnings.refuse(warnings)
+    }
+
+    /// Returns an error if step or distance is out of range.
+    fn check(&self) -> Result<(), Failure> {
         let (step_s, distance_m) = (self.step, self.distance);
+        let refuse = |message: String| Err(Failure::new(Exit::Usage, &message, None));
         if !STEPS_S.contains(&step_s) {
             return refuse(format!("--step = {step_s:?} s, but must lie from 1e-90 to 1e90 s"));
         }
@@ -124,17 +138,7 @@ impl Trajectory {
             let must = "must lie from 1e-100 to 1e100 m, in either direction";
             return refuse(format!("--distance = {distance_m:?} m, but {must}"));
         }
-        let Duration { steps, comment, warnings } = self.duration()?;
-        let before = self.steps("--rest-before", self.rest_before, 0.0)?;
-        let after = self.steps("--rest-after", self.rest_after, 0.0)?;
-        let samples = steps + before + after;
-        memory::check("the trajectory", samples * BYTES_PER_SAMPLE, None, "use a longer step")?;
-        let columns = self.profile.sampled(distance_m, step_s, steps, [before, after]);
-        console::deliver_by(self.output.as_deref(), |mut out| {
-            out.write_all(comment.as_bytes())?;
-            write_trajectory(&mut out, &columns, self.digits)
-        })?;
-        self.warnings.refuse(warnings)
+        Ok(())
     }
 
     /// The duration of the command line, or the shortest one within the limits.
@@ -144,28 +148,31 @@ impl Trajectory {
             return Ok(Duration { steps, ..Duration::default() });
         }
         let changes = self.limits()?;
-        let link = self.link.as_deref().unwrap_or(Path::new("-"));
-        let file = InputFile::read_toml(link)?;
+        let file = InputFile::read_toml(self.link.as_deref().unwrap_or(Path::new("-")))?;
         let Specification { link, mesh, analysis, limits, .. } = specification(&file, &changes)?;
-        let motion =
-            OpenMotion { profile: self.profile, distance_m: self.distance, step_s: self.step };
-        let (link, plan, analysis, limits) = (&link, &mesh, &analysis, &limits);
         let stages = StageBar::new();
         stages.at("trying durations");
-        let memory_bytes = memory::available();
-        let fit = shortest_fit(&FitProblem { link, plan, analysis, memory_bytes, limits, motion })?;
+        let fit = shortest_fit(&FitProblem {
+            link: &link,
+            plan: &mesh,
+            analysis: &analysis,
+            memory_bytes: memory::available(),
+            limits: &limits,
+            motion: OpenMotion {
+                profile: self.profile,
+                distance_m: self.distance,
+                step_s: self.step,
+            },
+        })?;
         drop(stages);
         let product = fit.steps as f64 * self.step;
         // Without the last digits of the product.
         let duration_s: f64 = format!("{product:.14e}").parse().unwrap_or(product);
-        let found = format!("{} s, {}", plain(duration_s), found_text(&fit, limits));
+        let found = format!("{} s, {}", plain(duration_s), found_text(&fit, &limits));
         console::note(&format!("{found}{}", binding_text(&fit)));
-        let warnings = &fit.solution.warnings;
-        for warning in warnings {
-            console::warning(warning, warning.hint());
-        }
+        warn(&fit.solution);
         let comment = format!("# {}: {found}\n", self.profile);
-        Ok(Duration { steps: fit.steps, comment, warnings: warnings.len() })
+        Ok(Duration { steps: fit.steps, comment, warnings: fit.solution.warnings.len() })
     }
 
     /// The limits of the command line, as changes to the link file.
@@ -196,12 +203,9 @@ impl Trajectory {
         if is_whole && (least..=MOST_SAMPLES).contains(&whole) {
             return Ok(whole as usize);
         }
-        let message = format!(
-            "{option} = {} s, but must be a whole number of steps of {} s, {least} to \
-             {MOST_SAMPLES}",
-            plain(time_s),
-            plain(self.step)
-        );
+        let [time, step] = [time_s, self.step].map(plain);
+        let must = format!("a whole number of steps of {step} s, {least} to {MOST_SAMPLES}");
+        let message = format!("{option} = {time} s, but must be {must}");
         Err(Failure::new(Exit::Usage, &message, None))
     }
 }

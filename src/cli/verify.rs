@@ -1,15 +1,17 @@
 //! `verify`: the answer of `solve` measured by other means.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use flexlink::csv::{Digits, InputFile};
 use flexlink::inverse::{Resources, Solution, invert_with};
+use flexlink::motion::TipMotion;
 use flexlink::spec::Specification;
 use flexlink::store::verification_json;
 use flexlink::verify::{Answer, Verification, VerificationError, verify};
 
-use super::inputs::remarks;
-use super::inputs::{LinkArgs, MotionArgs, ScaleArgs};
+use super::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, remarks};
 use crate::terminal::files::read_once;
 use crate::terminal::text::verify_text;
 use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
@@ -20,26 +22,26 @@ Example:
 
 One of LINK and MOTION may be `-`, standard input.";
 
-const LONG_ABOUT: &str = "\
-Measure the torque of `solve` by other means: is the answer right?
-
-Prints a table, each line a number against what it may be: the tip under the torque as it is \
-written, with the link's own damping law and, against what is predicted of it, with viscous damping \
-in its place; the tip that is solved; the torque with the step halved, the motor's too; the quantity \
-that halved elements change most, and the one that the window's edge does; the transfer of the paper's \
-dense system; the balance of energy; the deflection of the tip, which must be small; every limit of \
-the link file. Exit code 4 if one is out of its bound.";
-
-/// Measure the torque of `solve` by other means.
+/// Measure the torque of `solve` by other means: is the answer right?
+///
+/// Prints a table, each line a number against what it may be: the tip under the torque as it is written,
+/// with the link's own damping law and, against what is predicted of it, with viscous damping in its place;
+/// the tip that is solved; the torque with the step halved, the motor's too; the quantity that halved
+/// elements change most, and the one that the window's edge does; the transfer of the paper's dense system;
+/// the balance of energy; the deflection of the tip, which must be small; every limit of the link file.
+/// Exit code 4 if one is out of its bound.
 #[derive(Debug, Args)]
-#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(about = "Measure the torque of `solve` by other means", after_help = EXAMPLE)]
 #[command(mut_arg("json", |json| json.help("Print the checks as JSON instead of the table")))]
 pub(crate) struct Verify {
     #[command(flatten)]
     link: LinkArgs,
 
+    #[arg(value_name = "MOTION", help = MOTION)]
+    motion: PathBuf,
+
     #[command(flatten)]
-    motion: MotionArgs,
+    resample: ResampleArgs,
 
     #[command(flatten)]
     scale: ScaleArgs,
@@ -61,30 +63,46 @@ pub(crate) struct Verify {
 impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.start()?;
-        read_once(&[&self.link.link, &self.motion.motion])?;
-        let (_, specification) = self.link.load()?;
-        let Specification { link, mesh, analysis, .. } = &specification;
-        let motion_file = InputFile::read(&self.motion.motion)?;
-        let motion = self.scale.scaled(self.motion.resample.motion_of(&motion_file, link)?)?;
-        let stages = self.print.stages();
-        let resources =
-            Resources { memory_bytes: memory::available(), watch: &stages, ..Resources::default() };
-        let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
-        stages.at("verifying");
-        let verification = measured(&specification, &solution, self.digits)?;
-        drop(stages);
+        let (specification, motion) = self.load()?;
+        let (solution, verification) = self.compute(&specification, &motion)?;
         console::remarks(&remarks(&specification.remarks, &solution));
-        for warning in &solution.warnings {
-            console::warning(warning, warning.hint());
-        }
+        warn(&solution);
         self.print.print(|| verification_json(&verification), || verify_text(&verification))?;
         refuse_failed(&verification)?;
         self.warnings.refuse(solution.warnings.len())
     }
+
+    fn load(&self) -> Result<(Specification, TipMotion), Failure> {
+        read_once(&[&self.link.link, &self.motion])?;
+        let (_, specification) = self.link.load()?;
+        let file = InputFile::read(&self.motion)?;
+        let motion = self.resample.motion_of(&file, &specification.link)?;
+        Ok((specification, self.scale.scaled(motion)?))
+    }
+
+    fn compute(
+        &self,
+        specification: &Specification,
+        motion: &TipMotion,
+    ) -> Result<(Solution, Verification), Failure> {
+        let Specification { link, mesh, analysis, .. } = specification;
+        let stages = self.print.stages();
+        let memory_bytes = memory::available();
+        let resources = Resources { memory_bytes, watch: &stages, ..Resources::default() };
+        let solution = invert_with(link, mesh, motion, analysis, &resources)?;
+        stages.at("verifying");
+        let verification = verified(specification, &solution, self.digits)?;
+        Ok((solution, verification))
+    }
 }
 
-/// Measures a solution whose torque is written with so many digits.
-pub(crate) fn measured(
+/// Prints the warnings of a solution.
+pub(crate) fn warn(solution: &Solution) {
+    console::warnings(solution.warnings.iter().map(|warning| (warning, warning.hint())));
+}
+
+/// Checks a solution whose torque is written with so many digits.
+pub(crate) fn verified(
     specification: &Specification,
     solution: &Solution,
     digits: Digits,
@@ -99,7 +117,7 @@ pub(crate) fn measured(
     })
 }
 
-/// Ends the program if a check is out of its bound.
+/// Returns an error if a check is out of its bound.
 pub(crate) fn refuse_failed(verification: &Verification) -> Result<(), Failure> {
     let failed: Vec<&str> = verification.failed().map(|check| check.what.as_str()).collect();
     if failed.is_empty() {

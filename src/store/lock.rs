@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::mem;
-use std::path::{Path, PathBuf};
+use std::path::{self, Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -39,6 +39,8 @@ impl Unfinished {
     ) -> io::Result<(Self, T)> {
         let mut paths = hold_off_the_end();
         let (path, made) = make()?;
+        // Paths of one kind, so that their order tells which lies in which.
+        let path = path::absolute(path)?;
         paths.insert(path.clone(), removal);
         Ok((Self(path), made))
     }
@@ -81,7 +83,18 @@ pub fn wait_if_ending() {
 /// Removes everything unfinished of a program that is about to exit. A run that is just renaming its
 /// files finishes that first; afterwards no thread creates or renames a file of a run.
 pub fn abandon_unfinished() {
-    let paths = hold_off_the_end();
+    abandon(hold_off_the_end());
+}
+
+/// The same in a thread that may itself be creating or renaming files: it removes nothing while any
+/// thread does.
+pub fn try_abandon_unfinished() {
+    if let Ok(paths) = UNFINISHED.try_lock() {
+        abandon(paths);
+    }
+}
+
+fn abandon(paths: MutexGuard<Paths>) {
     // In reverse order, so that files go before their folder.
     for (path, remove) in paths.iter().rev() {
         let _ = remove(path);

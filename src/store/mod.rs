@@ -17,7 +17,7 @@ pub use folder::{Durability, FolderError, OutputFolder, write_file};
 pub use frequency_tables::{HeldModes, ModesResult, write_frequency_response};
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
 pub use json::Fingerprint;
-pub use lock::{abandon_unfinished, wait_if_ending};
+pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use read_result::{is_run, read_result};
 pub use repetition::{RunRecord, TemporaryFolder};
 pub use run_summary::{Findings, write_solution};

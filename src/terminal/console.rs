@@ -24,15 +24,22 @@ const HINT: Style = AnsiColor::Green.on_default();
 
 /// Prints an error and its hint to standard error.
 pub(crate) fn error(message: &str, hint: Option<&str>) {
-    told("error", ERROR, message, hint);
+    labelled("error", ERROR, message, hint);
 }
 
 /// Prints a warning and its hint to standard error.
 pub(crate) fn warning(message: impl Display, hint: &str) {
-    told("warning", WARNING, &message.to_string(), Some(hint));
+    labelled("warning", WARNING, &message.to_string(), Some(hint));
 }
 
-/// Prints what is possible but rare, and what the user can do, to standard error.
+/// Prints warnings and their hints to standard error.
+pub(crate) fn warnings<W: Display>(warnings: impl IntoIterator<Item = (W, &'static str)>) {
+    for (message, hint) in warnings {
+        warning(message, hint);
+    }
+}
+
+/// Prints remarks and their hints to standard error.
 pub(crate) fn remarks(remarks: &[Remark]) {
     for found in remarks {
         remark(&found.to_string(), found.hint());
@@ -41,64 +48,65 @@ pub(crate) fn remarks(remarks: &[Remark]) {
 
 /// Prints one remark and its hint to standard error.
 pub(crate) fn remark(message: &str, hint: &str) {
-    told("remark", WARNING, message, Some(hint));
+    labelled("remark", WARNING, message, Some(hint));
 }
 
-/// Prints a line without a label to standard error, below what stands on a terminal's line.
+/// Prints a line without a label to standard error, below the current line of the terminal.
 pub(crate) fn line_below(message: &str) {
     let _ = anstream::stderr().lock().write_all(format!("\n{message}\n").as_bytes());
 }
 
-/// Prints a note, what is good to know, to standard error.
+/// Prints a note to standard error.
 pub(crate) fn note(message: &str) {
-    told("note", HINT, message, None);
+    labelled("note", HINT, message, None);
 }
 
-/// Prints to standard error why nothing goes on: another run holds the folder.
+/// Prints to standard error that the run waits for another one, which holds the folder.
 pub(crate) fn waiting(folder: &Path) {
     let folder = folder.display();
     note(&format!("{folder}: another run is writing into the folder; waiting until it is done"));
 }
 
-/// Prints what the user can do to standard error.
+/// Prints a hint to standard error.
 pub(crate) fn hint(message: &str) {
-    told("hint", HINT, message, None);
+    labelled("hint", HINT, message, None);
 }
 
-fn told(kind: &str, style: Style, message: &str, hint: Option<&str>) {
-    let line = |kind: &str, style: Style, message: &str| {
+fn labelled(label: &str, style: Style, message: &str, hint: Option<&str>) {
+    let line = |label: &str, style: Style, message: &str| {
         let message: String = message.chars().map(visible).collect();
-        format!("{style}{kind}:{style:#} {message}\n")
+        format!("{style}{label}:{style:#} {message}\n")
     };
     let hint = hint.map_or(String::new(), |hint| line("hint", HINT, hint));
-    let text = line(kind, style, message) + &hint;
-    // There is nowhere left to tell that standard error is closed.
+    let text = line(label, style, message) + &hint;
+    // If standard error is closed, there is no other place to print to.
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 
-/// A letter, or the mark of one that is not seen but obeyed, which a file's name may hold.
+/// A character, or the replacement character for one that a terminal does not show but obeys. The name of
+/// a file may hold such characters.
 fn visible(letter: char) -> char {
     if is_hidden(letter) { char::REPLACEMENT_CHARACTER } else { letter }
 }
 
-/// Prints what the command line's parser has to say, help or a wrong usage.
-pub(crate) fn told_by_parser(words: &clap::Error) -> Result<ExitCode, Failure> {
+/// Prints the text of the command line's parser, help or a wrong usage.
+pub(crate) fn parser_text(error: &clap::Error) -> Result<ExitCode, Failure> {
     // Its colours are control characters, too.
-    let told = |c: char| if is_hidden(c) && !c.is_control() { visible(c) } else { c };
+    let shown = |c: char| if c.is_control() { c } else { visible(c) };
     let text: String =
-        shortened(words, words.render().ansi().to_string()).chars().map(told).collect();
-    if words.use_stderr() {
+        shortened(error, error.render().ansi().to_string()).chars().map(shown).collect();
+    if error.use_stderr() {
         let _ = anstream::stderr().lock().write_all(text.as_bytes());
     } else {
         let mut out = anstream::stdout().lock();
         delivered(out.write_all(text.as_bytes()).and_then(|()| out.flush()))?;
     }
-    Ok(ExitCode::from(u8::try_from(words.exit_code()).unwrap_or(Exit::Usage as u8)))
+    Ok(ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8)))
 }
 
-/// What the parser has to say, with no more of an argument than other messages quote.
-pub(crate) fn shortened(words: &clap::Error, text: String) -> String {
-    let pieces = words.context().flat_map(|(_, piece)| match piece {
+/// The text of a parser's error, with no more of an argument than other messages quote.
+pub(crate) fn shortened(error: &clap::Error, text: String) -> String {
+    let pieces = error.context().flat_map(|(_, piece)| match piece {
         ContextValue::String(piece) => std::slice::from_ref(piece),
         ContextValue::Strings(pieces) => &pieces[..],
         _ => &[],
@@ -115,7 +123,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     print_bytes(text.as_bytes())
 }
 
-/// Whether a path means standard output. It must not be opened a second time: that would write from
+/// True if a path means standard output. It must not be opened a second time: that would write from
 /// its start.
 pub(crate) fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
@@ -123,7 +131,7 @@ pub(crate) fn is_standard_output(path: &Path) -> bool {
         .any(|name| path.as_os_str() == *name)
 }
 
-/// Whether there is still someone who reads standard output.
+/// The reader of standard output.
 pub(crate) enum Reader {
     There,
     Gone,
@@ -134,19 +142,18 @@ pub(crate) fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
     print_part(bytes).map(drop)
 }
 
-/// Writes a part of a file to standard output, and tells whether to go on.
+/// Writes a part of a file to standard output, and returns whether its reader is still there.
 pub(crate) fn print_part(bytes: &[u8]) -> Result<Reader, Failure> {
     let mut out = io::stdout().lock();
     delivered(out.write_all(bytes).and_then(|()| out.flush()))
 }
 
-/// Writes what a command makes to the file `output`, or to standard output where there is none or it
-/// is `-`.
+/// Writes bytes to the file `output`, or to standard output if it is none or `-`.
 pub(crate) fn deliver(output: Option<&Path>, bytes: &[u8]) -> Result<(), Failure> {
     deliver_by(output, |out| out.write_all(bytes))
 }
 
-/// The same of what is made while it is written.
+/// The same for bytes that `write` makes while they are written.
 pub(crate) fn deliver_by(
     output: Option<&Path>,
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,

@@ -1,4 +1,8 @@
+//! How the program ends: exit codes, and errors of the library with theirs.
+
 use std::process::ExitCode;
+
+use clap::Args;
 
 use flexlink::csv::{InputError, TableError};
 use flexlink::inverse::InversionError;
@@ -10,12 +14,11 @@ use flexlink::spec::SpecError;
 use flexlink::store::FolderError;
 use flexlink::verify::VerificationError;
 
-/// How a program that has done its work ends.
+/// The exit code of a program that has done its work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending {
-    /// As it should.
     Done = 0,
-    /// What was compared is different.
+    /// The compared results differ.
     Different = 1,
 }
 
@@ -25,10 +28,10 @@ impl From<Ending> for ExitCode {
     }
 }
 
-/// How the program ends when it is not done.
+/// The exit code of a program that has failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Exit {
-    /// The command line asks for what there is not.
+    /// The command line is wrong.
     Usage = 2,
     /// An input file is refused.
     InputRefused = 3,
@@ -36,7 +39,7 @@ pub(crate) enum Exit {
     NotSolvable = 4,
     /// The results cannot be written.
     CannotWrite = 5,
-    /// Stopped in order by Ctrl-C or the system's request to end: the number that shells give Ctrl-C.
+    /// Stopped in order by Ctrl-C or by the system: the number that shells give Ctrl-C.
     Interrupted = 130,
 }
 
@@ -52,7 +55,7 @@ pub(crate) struct Failure {
     pub(crate) exit: Exit,
     pub(crate) message: String,
     pub(crate) hint: Option<String>,
-    /// Whether it takes more memory than is allowed.
+    /// True if the work takes more memory than it may.
     pub(crate) is_of_memory: bool,
 }
 
@@ -60,6 +63,30 @@ impl Failure {
     pub(crate) fn new(exit: Exit, message: &impl ToString, hint: Option<&str>) -> Self {
         let hint = hint.map(str::to_owned);
         Self { exit, message: message.to_string(), hint, is_of_memory: false }
+    }
+}
+
+/// How a run with warnings ends.
+#[derive(Debug, Args)]
+pub(crate) struct WarningArgs {
+    #[arg(long, help = "Fail with exit code 4 if there is a warning; all output is written")]
+    deny_warnings: bool,
+}
+
+impl WarningArgs {
+    /// True if no warning is allowed.
+    pub(crate) fn are_denied(&self) -> bool {
+        self.deny_warnings
+    }
+
+    /// Returns an error if warnings were printed and none is allowed. Call it after all output.
+    pub(crate) fn refuse(&self, warnings: usize) -> Result<(), Failure> {
+        if warnings == 0 || !self.deny_warnings {
+            return Ok(());
+        }
+        let must = "but must be none; all output is written";
+        let message = format!("--deny-warnings: warnings = {warnings}, {must}");
+        Err(Failure::new(Exit::NotSolvable, &message, None))
     }
 }
 

@@ -1,4 +1,4 @@
-//! What is asked of the paths on the command line before any work begins.
+//! Checks of the paths on the command line before any work begins.
 
 use std::path::{Path, PathBuf};
 
@@ -7,14 +7,12 @@ use flexlink::store::{ForeignRecord, REPORT, is_result_file, sweep_files};
 use super::console::is_standard_output;
 use super::exit::{Exit, Failure};
 
-const ONE_RUN: &str = "a folder holds one run: the results would replace those read";
-
-/// Whether a path means standard input.
+/// True if a path means standard input.
 pub(crate) fn is_standard_input(path: &Path) -> bool {
     ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"].iter().any(|name| path.as_os_str() == *name)
 }
 
-/// Refuses to read standard input twice.
+/// Returns an error if standard input would be read twice.
 pub(crate) fn read_once(inputs: &[&Path]) -> Result<(), Failure> {
     if inputs.iter().filter(|path| is_standard_input(path)).count() < 2 {
         return Ok(());
@@ -23,75 +21,75 @@ pub(crate) fn read_once(inputs: &[&Path]) -> Result<(), Failure> {
     Err(Failure::new(Exit::Usage, &message, None))
 }
 
-/// Refuses standard output for a folder; `argument` is what names the folder.
+/// The error that the path of an argument is not as it must be.
+fn refuse(argument: &str, path: &Path, must: &str, hint: Option<&str>) -> Result<(), Failure> {
+    let message = format!("{argument} = {}, but {must}", path.display());
+    Err(Failure::new(Exit::Usage, &message, hint))
+}
+
+/// Returns an error if a folder is standard output; `argument` names the folder.
 pub(crate) fn check_folder(argument: &str, folder: &Path) -> Result<(), Failure> {
     if !is_standard_output(folder) {
         return Ok(());
     }
-    let message = format!("{argument} = {}, but must be a folder", folder.display());
     let hint = "standard output takes one file, and these are several";
-    Err(Failure::new(Exit::Usage, &message, Some(hint)))
+    refuse(argument, folder, "must be a folder", Some(hint))
 }
 
-/// Refuses to read standard input twice, and to write results over a file that is read, or over the
-/// run that it belongs to.
+/// Returns an error if standard input would be read twice, or if the results would replace a file that is
+/// read, or the run that it belongs to.
 pub(crate) fn keep(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     read_once(inputs)?;
     check_folder("--output", output)?;
     let Ok(folder) = output.canonicalize() else { return Ok(()) };
-    let is_of_a_run = |file: &&&Path| {
-        file.canonicalize().is_ok_and(|file| {
-            file.parent() == Some(&folder) && file.file_name().is_some_and(is_result_file)
-        })
-    };
-    let Some(file) = inputs.iter().find(is_of_a_run) else { return Ok(()) };
-    let message = format!(
-        "--output = {}, but must be another folder than that of {}",
-        output.display(),
-        file.display()
-    );
-    Err(Failure::new(Exit::Usage, &message, Some(ONE_RUN)))
+    keep_runs("--output", output, inputs, |run| run == folder)
 }
 
-/// Refuses to write the results of many cases, each into a numbered folder of `outputs`, over a file
-/// that is read, or over the run that it belongs to.
+/// Returns an error if the results of many cases, each in a numbered folder of `outputs`, would replace a
+/// file that is read, or the run that it belongs to.
 pub(crate) fn keep_cases(outputs: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     check_folder("--outputs", outputs)?;
     let Ok(outer) = outputs.canonicalize() else { return Ok(()) };
     if !outer.is_dir() {
-        let message = format!("--outputs = {}, but must be a folder", outputs.display());
-        return Err(Failure::new(Exit::Usage, &message, None));
+        return refuse("--outputs", outputs, "must be a folder", None);
     }
-    let is_of_a_case = |file: &&&Path| {
-        let Ok(file) = file.canonicalize() else { return false };
-        let Some(folder) = file.parent().filter(|folder| folder.parent() == Some(&outer)) else {
-            return false;
-        };
-        let name = folder.file_name().unwrap_or_default().as_encoded_bytes();
-        name.iter().all(u8::is_ascii_digit) && file.file_name().is_some_and(is_result_file)
+    let is_case = |run: &Path| {
+        let number = run.file_name().unwrap_or_default().as_encoded_bytes();
+        run.parent() == Some(&outer) && number.iter().all(u8::is_ascii_digit)
     };
-    let Some(file) = inputs.iter().find(is_of_a_case) else { return Ok(()) };
-    let message = format!(
-        "--outputs = {}, but must be another folder than that of {}",
-        outputs.display(),
-        file.display()
-    );
-    Err(Failure::new(Exit::Usage, &message, Some(ONE_RUN)))
+    keep_runs("--outputs", outputs, inputs, is_case)
 }
 
-/// Refuses to write a file over one that is read.
+/// Returns an error if an input is a result in a folder that is written.
+fn keep_runs(
+    argument: &str,
+    output: &Path,
+    inputs: &[&Path],
+    is_written: impl Fn(&Path) -> bool,
+) -> Result<(), Failure> {
+    let is_replaced = |file: &&&Path| {
+        let Ok(file) = file.canonicalize() else { return false };
+        file.parent().is_some_and(&is_written) && file.file_name().is_some_and(is_result_file)
+    };
+    let Some(file) = inputs.iter().find(is_replaced) else { return Ok(()) };
+    let must = format!("must be another folder than that of {}", file.display());
+    let hint = "a folder holds one run: the results would replace those read";
+    refuse(argument, output, &must, Some(hint))
+}
+
+/// Returns an error if a file would replace one that is read.
 pub(crate) fn keep_files(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
-    let Ok(there) = output.canonicalize() else { return Ok(()) };
-    let is_output = |file: &&&Path| file.canonicalize().is_ok_and(|file| file == there);
+    let Ok(file) = output.canonicalize() else { return Ok(()) };
+    let is_output = |input: &&Path| input.canonicalize().is_ok_and(|input| input == file);
     // A device is written through, not over.
-    if !there.is_file() || !inputs.iter().any(|file| is_output(&file)) {
+    if !file.is_file() || !inputs.iter().any(is_output) {
         return Ok(());
     }
-    let message = format!("--output = {}, but must not be a file that is read", output.display());
-    Err(Failure::new(Exit::Usage, &message, None))
+    refuse("--output", output, "must not be a file that is read", None)
 }
 
-/// Refuses a table of a sweep in or in the place of the folders of its cases, OUTPUTS/1, OUTPUTS/2, …
+/// Returns an error if a sweep's table would be in, or in the place of, a folder of its cases, OUTPUTS/1,
+/// OUTPUTS/2, …
 pub(crate) fn keep_from_cases(output: &Path, outputs: &Path) -> Result<(), Failure> {
     let folder = resolved(outputs);
     let is_case = |path: &Path| {
@@ -100,35 +98,25 @@ pub(crate) fn keep_from_cases(output: &Path, outputs: &Path) -> Result<(), Failu
     };
     let meets = |file: &PathBuf| {
         // A link is written through, and its record beside it.
-        let followed = resolved(file);
-        let beside = file.file_name().map(|name| resolved(&with_folder(file)).join(name));
-        [Some(followed), beside]
-            .into_iter()
-            .flatten()
-            .any(|file| is_case(&file) || folder.starts_with(&file))
+        let outer = Path::new(".").join(file.parent().unwrap_or(file));
+        let beside = file.file_name().map(|name| resolved(&outer).join(name));
+        let mut files = std::iter::once(resolved(file)).chain(beside);
+        files.any(|file| is_case(&file) || folder.starts_with(&file))
     };
     if is_standard_output(output) || !sweep_files(output).iter().any(meets) {
         return Ok(());
     }
-    let message = format!(
-        "--output = {}, but must not be, or lie in, a folder that --outputs {} writes",
-        output.display(),
-        outputs.display()
-    );
+    let written = outputs.display();
+    let must = format!("must not be, or lie in, a folder that --outputs {written} writes");
     let hint = "another name for the table: the folders of the cases are numbered";
-    Err(Failure::new(Exit::Usage, &message, Some(hint)))
+    refuse("--output", output, &must, Some(hint))
 }
 
-/// The folder of a file, as a path that leads there from here.
-fn with_folder(file: &Path) -> PathBuf {
-    Path::new(".").join(file.parent().unwrap_or(file))
-}
-
-/// A path without symbolic links, as far as it is there.
+/// A path without symbolic links, as far as it exists.
 fn resolved(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let there = path.ancestors().find_map(|outer| Some((outer, outer.canonicalize().ok()?)));
-    let Some((outer, real)) = there else { return path };
+    let found = path.ancestors().find_map(|outer| Some((outer, outer.canonicalize().ok()?)));
+    let Some((outer, real)) = found else { return path };
     match path.strip_prefix(outer) {
         Ok(rest) if rest.as_os_str().is_empty() => real,
         Ok(rest) => real.join(rest),
@@ -136,31 +124,25 @@ fn resolved(path: &Path) -> PathBuf {
     }
 }
 
-/// Refuses to write the record of a sweep's table over any other kind of file.
+/// Returns an error if the record of a sweep's table would replace any other kind of file.
 pub(crate) fn keep_record(output: &Path) -> Result<(), Failure> {
     if is_standard_output(output) {
         return Ok(());
     }
     let Some(foreign) = ForeignRecord::beside(output) else { return Ok(()) };
-    let message = format!(
-        "--output = {}, but its record {} would replace {}",
-        output.display(),
-        foreign.path.display(),
-        foreign.what
-    );
-    let hint = "another name for the table, or for that file";
-    Err(Failure::new(Exit::Usage, &message, Some(hint)))
+    let (record, what) = (foreign.path.display(), foreign.what);
+    let but = format!("its record {record} would replace {what}");
+    refuse("--output", output, &but, Some("another name for the table, or for that file"))
 }
 
-/// Refuses to write the page of a run over a file of the run.
+/// Returns an error if the page of a run would replace a file of the run.
 pub(crate) fn keep_page(output: &Path, run: &Path) -> Result<(), Failure> {
-    let (Ok(there), Ok(folder)) = (output.canonicalize(), run.canonicalize()) else {
+    let (Ok(file), Ok(folder)) = (output.canonicalize(), run.canonicalize()) else {
         return Ok(());
     };
-    let name = there.file_name().unwrap_or_default();
-    if there.parent() != Some(&folder) || !is_result_file(name) || name == REPORT {
+    let name = file.file_name().unwrap_or_default();
+    if file.parent() != Some(&folder) || !is_result_file(name) || name == REPORT {
         return Ok(());
     }
-    let message = format!("--output = {}, but must not be a file of the run", output.display());
-    Err(Failure::new(Exit::Usage, &message, None))
+    refuse("--output", output, "must not be a file of the run", None)
 }

@@ -1,4 +1,4 @@
-//! Ctrl-C, and the system's request to end.
+//! Signals: Ctrl-C, the system's request to end, and the abort where it refuses memory.
 
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,6 +15,18 @@ pub(crate) fn end_in_order() {
     listen(end);
 }
 
+/// From now on an abort ends the program with exit code 4: the C library aborts where it finds no memory
+/// for itself, after a message.
+pub(crate) fn end_aborts() {
+    #[cfg(unix)]
+    {
+        use signal_hook::{consts::SIGABRT, flag::register_conditional_shutdown};
+
+        let always = std::sync::Arc::new(AtomicBool::new(true));
+        let _ = register_conditional_shutdown(SIGABRT, Exit::NotSolvable as i32, always);
+    }
+}
+
 /// From now on the first request to end sets the returned flag, and the work ends in order; the second
 /// ends the program at once.
 pub(crate) fn watch() -> &'static AtomicBool {
@@ -27,11 +39,11 @@ pub(crate) fn watch() -> &'static AtomicBool {
     &STOPPED
 }
 
-/// From now on a thread calls `asked` with each signal that asks to end, except those that the program
+/// From now on a thread calls `on_signal` with each signal that asks to end, except those that the program
 /// was started to ignore. Without memory for a thread such a signal ends the program as it ends any
 /// other, and the next run removes what is left.
 #[cfg(unix)]
-fn listen(asked: impl Fn(i32) + Send + 'static) {
+fn listen(on_signal: impl Fn(i32) + Send + 'static) {
     use std::sync::mpsc;
     use std::thread;
 
@@ -39,7 +51,7 @@ fn listen(asked: impl Fn(i32) + Send + 'static) {
     use signal_hook::iterator::Signals;
 
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    // Where the system does not tell, SIGHUP is left alone: `nohup` has it ignored.
+    // If the system gives no mask, SIGHUP is left alone: `nohup` has it ignored.
     let ignored = ignored_mask(&status).unwrap_or(bit(SIGHUP));
     let heard =
         [SIGINT, SIGTERM, SIGHUP].into_iter().filter(move |signal| ignored & bit(*signal) == 0);
@@ -48,7 +60,7 @@ fn listen(asked: impl Fn(i32) + Send + 'static) {
         let signals = Signals::new(heard);
         drop(ready);
         if let Ok(mut signals) = signals {
-            signals.forever().for_each(asked);
+            signals.forever().for_each(on_signal);
         }
     });
     // Ends with an error when the listener has dropped its side: then it hears.
@@ -56,13 +68,13 @@ fn listen(asked: impl Fn(i32) + Send + 'static) {
 }
 
 #[cfg(not(unix))]
-fn listen(asked: impl Fn(i32) + Send + 'static) {
+fn listen(on_signal: impl Fn(i32) + Send + 'static) {
     const CTRL_C: i32 = 2;
-    let _ = ctrlc::try_set_handler(move || asked(CTRL_C));
+    let _ = ctrlc::try_set_handler(move || on_signal(CTRL_C));
 }
 
-/// Signals that whoever started this program had it ignore, as `nohup` does with SIGHUP and a shell with
-/// the SIGINT of a script's background: the hexadecimal `SigIgn` of the system's status of the process.
+/// Signals that the program was started to ignore, as `nohup` does with SIGHUP and a shell with the SIGINT
+/// of a script's background: the hexadecimal `SigIgn` of the system's status of the process.
 #[cfg(unix)]
 fn ignored_mask(status: &str) -> Option<u64> {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
@@ -75,7 +87,7 @@ fn bit(signal: i32) -> u64 {
     1 << (signal - 1)
 }
 
-#[expect(clippy::exit, reason = "whoever asks to end does not want to wait")]
+#[expect(clippy::exit, reason = "the user does not want to wait")]
 #[cfg_attr(not(unix), expect(unused_variables, reason = "there is no signal to end by"))]
 fn end(signal: i32) {
     abandon_unfinished();

@@ -1,4 +1,4 @@
-//! How far long work has come: on a terminal, and nothing in a pipe.
+//! How far long work has come, on a terminal alone, and what is printed at its end.
 
 use std::fmt;
 use std::io::{IsTerminal as _, stderr};
@@ -7,26 +7,44 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use flexlink::inverse::{Stage, Watch};
 
 use super::console;
+use super::exit::Failure;
 
-/// Work that is done before is not worth a bar.
-const SHORT: Duration = Duration::from_millis(500);
+/// What to print on standard output.
+#[derive(Debug, Args)]
+pub(crate) struct PrintArgs {
+    #[arg(long, conflicts_with = "quiet", help = "Print summary.json instead of the summary")]
+    json: bool,
 
-/// How often a bar is drawn while nothing moves.
-const TICK: Duration = Duration::from_millis(100);
+    /// Print nothing but warnings and errors.
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
 
-/// What is shown before the first stage, between two, and after the last row is written.
-const FIRST: &str = "finding the band";
-const BETWEEN: &str = "measuring errors";
-const WRITTEN: &str = "waiting for the disk";
+impl PrintArgs {
+    /// A bar that shows how far the work is.
+    pub(crate) fn stages(&self) -> StageBar {
+        if self.quiet { StageBar::hidden() } else { StageBar::new() }
+    }
 
-const UNKNOWN: &str = "{spinner} {msg} {elapsed}";
-
-const KNOWN: &str = "{spinner} {msg} [{bar:30}] {percent:>3} % {elapsed}";
+    /// Prints the result as JSON or as text, or not at all.
+    pub(crate) fn print(
+        &self,
+        json: impl FnOnce() -> String,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        match (self.quiet, self.json) {
+            (true, _) => Ok(()),
+            (_, true) => console::print_bytes(json().as_bytes()),
+            _ => console::print(&text()),
+        }
+    }
+}
 
 /// The cases of a sweep, with rate and time left.
 pub(crate) struct CaseBar(ProgressBar);
@@ -35,16 +53,13 @@ impl CaseBar {
     /// Shows `done` of `all`.
     pub(crate) fn new(done: usize, all: usize) -> Self {
         let bar = ProgressBar::with_draw_target(Some(all as u64), ProgressDrawTarget::hidden());
-        let style = ProgressStyle::with_template("[{bar:30}] {pos}/{len}, {rate}, {eta} left");
-        // The template is a constant that the library reads.
-        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ");
         let rate = |state: &ProgressState, out: &mut dyn fmt::Write| {
             // A line that is not drawn is no loss.
             let _ = write!(out, "{:.1}/s", state.per_sec());
         };
-        bar.set_style(style.with_key("rate", rate));
-        // What an earlier run has done says nothing about the rate of this one: the estimate begins
-        // after it has been told of it, and nothing is drawn before that.
+        bar.set_style(style("[{bar:30}] {pos}/{len}, {rate}, {eta} left").with_key("rate", rate));
+        // The rate of an earlier run is not that of this one: the estimate begins after the cases that
+        // are done, and nothing is drawn before that.
         bar.set_position(done as u64);
         bar.tick();
         bar.reset_eta();
@@ -69,28 +84,45 @@ impl Drop for CaseBar {
     }
 }
 
+/// A run that ends earlier shows no bar.
+const SHORT: Duration = Duration::from_millis(500);
+
+/// Time between two drawings of a bar that does not move.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Stages of unknown length: the first, those between two others, and the one after the last row is
+/// written.
+const FIRST: &str = "finding the band";
+const BETWEEN: &str = "measuring errors";
+const WRITTEN: &str = "waiting for the disk";
+
+const UNKNOWN: &str = "{spinner} {msg} {elapsed}";
+const KNOWN: &str = "{spinner} {msg} [{bar:30}] {percent:>3} % {elapsed}";
+
+fn style(template: &str) -> ProgressStyle {
+    // The templates are constants that the library reads.
+    let style = ProgressStyle::with_template(template);
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    style.progress_chars("=> ").tick_chars("-\\|/ ")
+}
+
 /// The stages of one run.
 pub(crate) struct StageBar {
     bar: ProgressBar,
-    /// Whether nothing is told above it either.
+    /// True if nothing is printed above the bar either.
     is_hidden: bool,
-    /// Whether rows are being written, the last stage.
+    /// True while rows are written, the last stage.
     is_writing: AtomicBool,
-    /// Dropped when the run is over.
-    over: Option<Sender<()>>,
-    waiting: Option<JoinHandle<()>>,
+    /// The thread that shows the bar after a while, and what ends it when dropped.
+    delay: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl StageBar {
-    /// Shows what a run is at as soon as it is no short one; nothing where standard error is no
-    /// terminal.
+    /// Shows the stage of a run that is not short; nothing where standard error is no terminal.
     pub(crate) fn new() -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        bar.set_style(stage_style(UNKNOWN));
+        bar.set_style(style(UNKNOWN));
         bar.set_message(FIRST);
-        if !stderr().is_terminal() {
-            return Self::of(bar);
-        }
         let (over, runs) = mpsc::channel();
         let shown = bar.clone();
         let show = move || {
@@ -99,58 +131,40 @@ impl StageBar {
                 shown.enable_steady_tick(TICK);
             }
         };
-        let waiting = thread::Builder::new().spawn(show).ok();
-        let mut stages = Self::of(bar);
-        (stages.over, stages.waiting) = (Some(over), waiting);
-        stages
+        let begin = || thread::Builder::new().spawn(show).ok();
+        let waiting = stderr().is_terminal().then(begin).flatten();
+        let delay = waiting.map(|waiting| (over, waiting));
+        Self { bar, is_hidden: false, is_writing: AtomicBool::new(false), delay }
     }
 
     /// Shows nothing.
     pub(crate) fn hidden() -> Self {
-        let mut stages = Self::of(ProgressBar::hidden());
-        stages.is_hidden = true;
-        stages
+        let (bar, is_writing) = (ProgressBar::hidden(), AtomicBool::new(false));
+        Self { bar, is_hidden: true, is_writing, delay: None }
     }
 
-    fn of(bar: ProgressBar) -> Self {
-        Self {
-            bar,
-            is_hidden: false,
-            is_writing: AtomicBool::new(false),
-            over: None,
-            waiting: None,
-        }
-    }
-
-    /// Tells something above the bar, if that is no hidden one.
+    /// Prints a line above the bar, unless the bar is hidden.
     pub(crate) fn say(&self, message: &str) {
         if !self.is_hidden {
             self.above(|| console::line_below(message));
         }
     }
 
-    /// Prints something above the bar, hidden or not.
+    /// Prints above the bar, hidden or not.
     pub(crate) fn above(&self, print: impl FnOnce()) {
         self.bar.suspend(print);
     }
 
-    /// Shows what goes on, and for how long the run has, where nobody knows how much of it is left.
-    pub(crate) fn at(&self, what: &'static str) {
-        self.bar.set_style(stage_style(UNKNOWN));
-        self.bar.set_message(what);
+    /// Shows a stage of unknown length.
+    pub(crate) fn at(&self, stage: &'static str) {
+        self.bar.set_style(style(UNKNOWN));
+        self.bar.set_message(stage);
     }
-}
-
-fn stage_style(template: &str) -> ProgressStyle {
-    // The templates are constants that the library reads.
-    let style = ProgressStyle::with_template(template);
-    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
-    style.progress_chars("=> ").tick_chars("-\\|/ ")
 }
 
 impl Watch for StageBar {
     fn begin(&self, stage: Stage, parts: usize) {
-        let what = match stage {
+        let message = match stage {
             Stage::Solve { elements } => format!("solving, {elements} elements"),
             Stage::Transform => "transforming".to_owned(),
             Stage::Write => "writing".to_owned(),
@@ -159,8 +173,8 @@ impl Watch for StageBar {
         // Before the style: each of these may draw.
         self.bar.set_position(0);
         self.bar.set_length(parts as u64);
-        self.bar.set_message(what);
-        self.bar.set_style(stage_style(KNOWN));
+        self.bar.set_message(message);
+        self.bar.set_style(style(KNOWN));
     }
 
     fn advance(&self, parts: usize) {
@@ -174,8 +188,8 @@ impl Watch for StageBar {
 
 impl Drop for StageBar {
     fn drop(&mut self) {
-        drop(self.over.take());
-        if let Some(waiting) = self.waiting.take() {
+        if let Some((over, waiting)) = self.delay.take() {
+            drop(over);
             // A thread that has failed has shown nothing.
             let _ = waiting.join();
         }

@@ -33,21 +33,17 @@ tolerances.toml, of which all is optional:
 A first row of nothing but numbers is data; the columns are then called `column 1` and so on.
 `-` as EXPECTED or ACTUAL reads standard input. Exit code 1 if the two differ.";
 
-const LONG_ABOUT: &str = "\
-Compare tables column by column, within a tolerance of the column's peak.
-
-EXPECTED and ACTUAL are two CSV files, or two folders whose CSV files are compared by name, those in \
-folders within them too. A number may differ by atol + rtol x the largest absolute value that its \
-column has in EXPECTED; words and empty fields may not differ. Columns are matched by name, rows by \
-the first column where it increases on both sides (time_s, frequency_hz), otherwise by number. \
-Columns, rows and files of one side alone are differences too. Any CSV will do: a row of names, \
-commas, # before comments.";
-
 const QUIET: &str = "Print nothing but warnings and errors: the exit code tells";
 
-/// Compare tables column by column.
+/// Compare tables column by column, within a tolerance of the column's peak.
+///
+/// EXPECTED and ACTUAL are two CSV files, or two folders whose CSV files are compared by name, those in
+/// folders within them too. A number may differ by atol + rtol x the largest absolute value that its column
+/// has in EXPECTED; words and empty fields may not differ. Columns are matched by name, rows by the first
+/// column where it increases on both sides (time_s, frequency_hz), otherwise by number. Columns, rows and
+/// files of one side alone are differences too. Any CSV will do: a row of names, commas, # before comments.
 #[derive(Debug, Args)]
-#[command(long_about = LONG_ABOUT, after_help = EXAMPLE)]
+#[command(about = "Compare tables column by column", after_help = EXAMPLE)]
 #[command(mut_arg("json", |json| json.help("Print everything as JSON instead of the table")))]
 #[command(mut_arg("quiet", |quiet| quiet.help(QUIET)))]
 pub(crate) struct Compare {
@@ -96,12 +92,10 @@ impl Compare {
             self.accept(&sides, changes)?;
             warnings += self.warn_of_run(&sides, changes);
         }
+        let blessed = || changes.as_ref().map(blessed_text).unwrap_or_default();
         self.print.print(
             || comparison_json(&comparison, changes.as_ref()),
-            || {
-                comparison_text(&comparison)
-                    + &changes.as_ref().map_or_else(String::new, blessed_text)
-            },
+            || comparison_text(&comparison) + &blessed(),
         )?;
         self.warnings.refuse(warnings)?;
         Ok(if self.bless || comparison.is_equal() { Ending::Done } else { Ending::Different })
@@ -109,17 +103,33 @@ impl Compare {
 
     /// Finds the files of both sides.
     fn sides(&self) -> Result<Sides, Failure> {
-        let tolerances = self.tolerances.as_deref();
-        let inputs = [&*self.expected, &*self.actual].into_iter().chain(tolerances);
-        read_once(&inputs.collect::<Vec<_>>())?;
+        let inputs = [&self.expected, &self.actual].into_iter().chain(&self.tolerances);
+        read_once(&inputs.map(PathBuf::as_path).collect::<Vec<_>>())?;
         let purpose = if self.bless { Purpose::Bless } else { Purpose::Compare };
         Sides::find(&self.expected, &self.actual, purpose)
+    }
+
+    /// The file of tolerances, if there is one, with those of the command line.
+    fn read_tolerances(&self, sides: &Sides) -> Result<Tolerances, Failure> {
+        let beside = || sides.golden.as_ref().map(|folder| folder.join(TOLERANCES));
+        let path = self.tolerances.clone().or_else(|| beside().filter(|path| path.exists()));
+        let mut tolerances = match path {
+            None => Tolerances::default(),
+            Some(path) => {
+                let file = InputFile::read_toml(&path)?;
+                read_tolerances(&file.shown, file.text()?)?
+            }
+        };
+        let general = &mut tolerances.general;
+        general.rtol = self.rtol.unwrap_or(general.rtol);
+        general.atol = self.atol.unwrap_or(general.atol);
+        Ok(tolerances)
     }
 
     /// Makes EXPECTED like ACTUAL.
     fn accept(&self, sides: &Sides, changes: &GoldenChanges) -> Result<(), Failure> {
         match &sides.golden {
-            Some(folder) if !sides.are_single => {
+            Some(folder) if !sides.are_single() => {
                 Ok(change_golden_files(folder, changes, &console::waiting)?)
             }
             // A file that is named itself may be a link to anywhere.
@@ -130,30 +140,12 @@ impl Compare {
         }
     }
 
-    /// The file of tolerances, if there is one, with those of the command line.
-    fn read_tolerances(&self, sides: &Sides) -> Result<Tolerances, Failure> {
-        let beside = || {
-            let path = sides.golden.as_ref()?.join(TOLERANCES);
-            path.exists().then_some(path)
-        };
-        let mut tolerances = match self.tolerances.clone().or_else(beside) {
-            None => Tolerances::default(),
-            Some(path) => {
-                let file = InputFile::read_toml(&path)?;
-                read_tolerances(&file.shown, file.text()?)?
-            }
-        };
-        tolerances.general.rtol = self.rtol.unwrap_or(tolerances.general.rtol);
-        tolerances.general.atol = self.atol.unwrap_or(tolerances.general.atol);
-        Ok(tolerances)
-    }
-
-    /// Warns where one table of a run was replaced; returns how many warnings it printed.
+    /// Warns if one table of a run was replaced; returns the number of warnings.
     fn warn_of_run(&self, sides: &Sides, changes: &GoldenChanges) -> usize {
-        let run = Path::new(".").join(&self.expected);
-        let is_of_run = run.parent().is_some_and(is_run)
-            && self.expected.file_name().is_some_and(is_result_file);
-        if !sides.are_single || changes.written.is_empty() || !is_of_run {
+        let file = Path::new(".").join(&self.expected);
+        let is_of_run =
+            file.parent().is_some_and(is_run) && file.file_name().is_some_and(is_result_file);
+        if !sides.are_single() || changes.written.is_empty() || !is_of_run {
             return 0;
         }
         let message = format!(
@@ -168,17 +160,16 @@ impl Compare {
         1
     }
 
-    /// Warns of tolerances that have no effect; returns how many warnings it printed.
+    /// Warns of tolerances that have no effect; returns the number of warnings.
     fn warn(&self, sides: &Sides, comparison: &Comparison, tolerances: &Tolerances) -> usize {
         let is_meant = |entry: &&ColumnRule| {
-            let names = || comparison.files.iter().map(|file| file.name.as_str());
-            !sides.are_single || names().any(|name| entry.is_of(name))
+            let mut files = comparison.files.iter();
+            !sides.are_single() || files.any(|file| entry.is_of(&file.name))
         };
-        let idle: Vec<&ColumnRule> =
-            comparison.idle(tolerances).into_iter().filter(is_meant).collect();
-        for entry in &idle {
-            let file = entry.file.as_ref().map(|file| format!(" of a file {:?}", excerpt(file)));
-            let (place, column) = (&entry.place, &entry.column);
+        let idle = comparison.idle(tolerances);
+        let idle: Vec<&ColumnRule> = idle.into_iter().filter(is_meant).collect();
+        for ColumnRule { place, column, file, .. } in &idle {
+            let file = file.as_ref().map(|file| format!(" of a file {:?}", excerpt(file)));
             let named = format!("{:?}{}", excerpt(column), file.unwrap_or_default());
             let message = format!("{place}: column = {named}, but no column is called that");
             console::warning(message, "`*` stands for any text, `?` for one character");

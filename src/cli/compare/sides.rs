@@ -13,7 +13,7 @@ use crate::terminal::files::is_standard_input;
 use crate::terminal::{Exit, Failure, memory};
 
 /// Name of the file of tolerances beside the golden files.
-pub(crate) const TOLERANCES: &str = "tolerances.toml";
+pub(super) const TOLERANCES: &str = "tolerances.toml";
 
 /// Memory that reading and comparing two tables takes besides their files, over the size of these, as
 /// measured.
@@ -21,30 +21,28 @@ const TABLE_TIMES: usize = 3;
 
 /// What becomes of EXPECTED.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Purpose {
+pub(super) enum Purpose {
     /// It stays as it is.
     Compare,
-    /// It becomes like ACTUAL, and need not be there yet.
+    /// It becomes like ACTUAL, and may be missing.
     Bless,
 }
 
 /// The files of both sides.
-#[derive(Debug, Default)]
-pub(crate) struct Sides {
+#[derive(Debug)]
+pub(super) struct Sides {
     /// The folder of the golden files; `None`: EXPECTED is standard input.
-    pub(crate) golden: Option<PathBuf>,
+    pub(super) golden: Option<PathBuf>,
     /// The folder ACTUAL; `None`: it is a file.
     actual: Option<PathBuf>,
     pairs: Vec<Pair>,
-    /// Whether they are single files, of which the file of tolerances may have others, too.
-    pub(crate) are_single: bool,
     /// Number of files that are no tables.
     not_compared: usize,
     /// Files of tolerances in folders of the folder EXPECTED, by their paths from there.
-    pub(crate) unread_tolerances: Vec<String>,
+    pub(super) unread_tolerances: Vec<String>,
 }
 
-/// A file that one side has, or both.
+/// A file of one side or both.
 #[derive(Debug)]
 struct Pair {
     /// Its path from the folders that are compared, with slashes.
@@ -55,73 +53,59 @@ struct Pair {
 
 impl Sides {
     /// Finds the files of both sides.
-    pub(crate) fn find(expected: &Path, actual: &Path, purpose: Purpose) -> Result<Self, Failure> {
-        let [expected_piped, actual_piped] = [expected, actual].map(is_standard_input);
-        if purpose == Purpose::Bless && (expected_piped || actual_piped) {
-            return Err(usage("--bless = standard input, but must be a file or a folder"));
-        }
-        if purpose == Purpose::Bless && lie_in_each_other(expected, actual) {
-            let must = "but must not be blessed where one lies in the other";
-            let paths = format!("{}, {}", expected.display(), actual.display());
-            return Err(usage(&format!("{paths}: EXPECTED and ACTUAL = folders, {must}")));
+    pub(super) fn find(expected: &Path, actual: &Path, purpose: Purpose) -> Result<Self, Failure> {
+        if purpose == Purpose::Bless {
+            check_blessing(expected, actual)?;
         }
         if let Some(failure) = absence(actual) {
             return Err(failure);
         }
-        let new = match (absence(expected), purpose) {
-            (None, _) => false,
-            (Some(_), Purpose::Bless) => true,
-            (Some(failure), Purpose::Compare) => {
-                let hint = "flexlink compare --bless makes it from ACTUAL".to_owned();
-                return Err(Failure { hint: Some(hint), ..failure });
-            }
-        };
+        let absence = absence(expected);
         // What is new becomes what ACTUAL is.
-        let actual_is_folder = actual.is_dir();
-        let expected_is_folder = if new { actual_is_folder } else { expected.is_dir() };
-        match (expected_is_folder, actual_is_folder) {
+        let is_folder = if absence.is_some() { actual.is_dir() } else { expected.is_dir() };
+        if let (Some(failure), Purpose::Compare) = (absence, purpose) {
+            let hint = "flexlink compare --bless makes it from ACTUAL".to_owned();
+            return Err(Failure { hint: Some(hint), ..failure });
+        }
+        match (is_folder, actual.is_dir()) {
             (true, true) => Self::of_folders(expected, actual, purpose),
-            (false, false) => Self::of_files(expected, actual, purpose),
-            (folder, _) => {
-                let kinds = if folder { "a folder and a file" } else { "a file and a folder" };
-                let paths = format!("{}, {}", expected.display(), actual.display());
+            (false, false) => Ok(Self::of_files(expected, actual)),
+            (is_folder, _) => {
+                let kinds = if is_folder { "a folder and a file" } else { "a file and a folder" };
                 let must = "but must be two files or two folders";
-                Err(usage(&format!("{paths}: EXPECTED and ACTUAL = {kinds}, {must}")))
+                Err(both(expected, actual, kinds, must))
             }
         }
     }
 
-    fn of_files(expected: &Path, actual: &Path, purpose: Purpose) -> Result<Self, Failure> {
-        // A pipe can be read once only, but is read again where it takes the place of EXPECTED.
-        let is_pipe = |path: &Path| path.exists() && !path.is_file();
-        if purpose == Purpose::Bless && (is_pipe(actual) || is_pipe(expected)) {
-            return Err(usage("--bless = a pipe, but must be a file or a folder"));
-        }
-        let expected_piped = is_standard_input(expected);
-        let named = if expected_piped { actual } else { expected };
-        let name = named.file_name().map_or_else(String::new, |name| name.to_string_lossy().into());
-        let there = absence(expected).is_none();
+    fn of_files(expected: &Path, actual: &Path) -> Self {
+        let is_piped = is_standard_input(expected);
+        let name = if is_piped { actual } else { expected }.file_name();
         let pair = Pair {
-            name,
-            expected: there.then(|| expected.to_owned()),
+            name: name.map_or_else(String::new, |name| name.to_string_lossy().into()),
+            expected: absence(expected).is_none().then(|| expected.to_owned()),
             actual: Some(actual.to_owned()),
         };
-        let golden = expected.parent().filter(|_| !expected_piped).map(Path::to_owned);
-        Ok(Self { golden, pairs: vec![pair], are_single: true, ..Self::default() })
+        Self {
+            golden: expected.parent().filter(|_| !is_piped).map(Path::to_owned),
+            actual: None,
+            pairs: vec![pair],
+            not_compared: 0,
+            unread_tolerances: Vec::new(),
+        }
     }
 
     fn of_folders(expected: &Path, actual: &Path, purpose: Purpose) -> Result<Self, Failure> {
         let golden =
             if expected.is_dir() { CsvFolder::list(expected)? } else { CsvFolder::default() };
         let found = CsvFolder::list(actual)?;
-        let refuse = |path: &Path| {
-            let message = format!("{}: CSV files = none, but must be one or more", path.display());
-            Err(Failure::new(Exit::InputRefused, &message, None))
+        let (source, path) = match purpose {
+            Purpose::Compare => (&golden, expected),
+            Purpose::Bless => (&found, actual),
         };
-        match purpose {
-            Purpose::Compare if golden.tables.is_empty() => return refuse(expected),
-            Purpose::Bless if found.tables.is_empty() => return refuse(actual),
-            _ => {}
+        if source.tables.is_empty() {
+            let message = format!("{}: CSV files = none, but must be one or more", path.display());
+            return Err(Failure::new(Exit::InputRefused, &message, None));
         }
         let names: BTreeSet<&String> = golden.tables.keys().chain(found.tables.keys()).collect();
         let pairs = names.into_iter().map(|name| Pair {
@@ -129,22 +113,25 @@ impl Sides {
             expected: golden.tables.get(name).cloned(),
             actual: found.tables.get(name).cloned(),
         });
-        let mut others: BTreeSet<&String> = golden.others.union(&found.others).collect();
-        others.retain(|name| *name != TOLERANCES);
+        let others = golden.others.union(&found.others).filter(|name| *name != TOLERANCES);
         let inner = format!("/{TOLERANCES}");
         let unread = golden.others.iter().filter(|name| name.ends_with(&inner));
         Ok(Self {
             golden: Some(expected.to_owned()),
             actual: Some(actual.to_owned()),
             pairs: pairs.collect(),
-            are_single: false,
-            not_compared: others.len(),
+            not_compared: others.count(),
             unread_tolerances: unread.cloned().collect(),
         })
     }
 
+    /// True if both are single files. The file of tolerances may then name other files, too.
+    pub(super) fn are_single(&self) -> bool {
+        self.actual.is_none()
+    }
+
     /// Reads and compares them, one pair at a time.
-    pub(crate) fn compare(&self, tolerances: &Tolerances) -> Result<Comparison, Failure> {
+    pub(super) fn compare(&self, tolerances: &Tolerances) -> Result<Comparison, Failure> {
         let compared = self.pairs.iter().map(|pair| {
             let outcome = pair.compare(tolerances)?;
             Ok(FileComparison { name: pair.name.clone(), outcome })
@@ -154,7 +141,7 @@ impl Sides {
     }
 
     /// What makes EXPECTED like ACTUAL.
-    pub(crate) fn changes(&self, comparison: &Comparison) -> Result<GoldenChanges, Failure> {
+    pub(super) fn changes(&self, comparison: &Comparison) -> Result<GoldenChanges, Failure> {
         let mut changes = GoldenChanges::default();
         let pairs = self.pairs.iter().zip(&comparison.files);
         for (pair, _) in pairs.filter(|(_, file)| !file.is_equal()) {
@@ -172,41 +159,34 @@ impl Sides {
 
 impl Pair {
     fn compare(&self, tolerances: &Tolerances) -> Result<FileOutcome, Failure> {
-        let only: fn(Vec<String>) -> FileOutcome = match &self.expected {
-            Some(_) => FileOutcome::OnlyExpected,
-            None => FileOutcome::OnlyActual,
+        let compared = |expected: &Table, actual: &Table| {
+            FileOutcome::Compared(compare_tables(&self.name, expected, actual, tolerances))
         };
-        let table = match (&self.expected, &self.actual) {
+        let (path, only): (_, fn(Vec<String>) -> FileOutcome) = match (&self.expected, &self.actual)
+        {
             (Some(expected), Some(actual)) => {
                 let (expected, actual) = read_both(expected, actual)?;
                 // Of equal bytes one table was read.
-                let actual = actual.as_ref().unwrap_or(&expected);
-                let compared = compare_tables(&self.name, &expected, actual, tolerances);
-                return Ok(FileOutcome::Compared(compared));
+                return Ok(compared(&expected, actual.as_ref().unwrap_or(&expected)));
             }
-            (Some(path), None) | (None, Some(path)) => read(path)?,
-            (None, None) => return Ok(only(Vec::new())),
+            (Some(path), None) => (path, FileOutcome::OnlyExpected),
+            (None, Some(path)) => (path, FileOutcome::OnlyActual),
+            (None, None) => return Ok(FileOutcome::OnlyActual(Vec::new())),
         };
-        let names = || only(table.names().map(str::to_owned).collect());
-        Ok(self.ignored(&table, tolerances).unwrap_or_else(names))
-    }
-
-    /// A file of one side is no difference where all its columns are ignored.
-    fn ignored(&self, table: &Table, tolerances: &Tolerances) -> Option<FileOutcome> {
-        let is_ignored = |column: &str| tolerances.rule(&self.name, column) == Rule::Ignore;
-        let none_counts = table.names().next().is_some() && table.names().all(is_ignored);
-        let alike = || compare_tables(&self.name, table, table, tolerances);
-        none_counts.then(|| FileOutcome::Compared(alike()))
+        let file = InputFile::read(path)?;
+        memory::check_tables(file.bytes.len(), TABLE_TIMES)?;
+        let table = read_table(&file.shown, &file.bytes)?;
+        let names: Vec<String> = table.names().map(str::to_owned).collect();
+        // A file of one side is no difference if all its columns are ignored.
+        let is_ignored = |column: &String| tolerances.rule(&self.name, column) == Rule::Ignore;
+        if !names.is_empty() && names.iter().all(is_ignored) {
+            return Ok(compared(&table, &table));
+        }
+        Ok(only(names))
     }
 }
 
-fn read(path: &Path) -> Result<Table, Failure> {
-    let file = InputFile::read(path)?;
-    memory::check_tables(file.bytes.len(), TABLE_TIMES)?;
-    Ok(read_table(&file.shown, &file.bytes)?)
-}
-
-/// Reads both tables at once, or one where their bytes are the same.
+/// Reads both tables at once, or one if their bytes are the same.
 fn read_both(expected: &Path, actual: &Path) -> Result<(Table, Option<Table>), Failure> {
     let (expected, actual) = (InputFile::read(expected)?, InputFile::read(actual)?);
     memory::check_tables(expected.bytes.len() + actual.bytes.len(), TABLE_TIMES)?;
@@ -218,26 +198,44 @@ fn read_both(expected: &Path, actual: &Path) -> Result<(Table, Option<Table>), F
     Ok((expected?, Some(actual?)))
 }
 
-/// Why a file or folder cannot be read that is not there.
+/// The error of reading a file or folder that does not exist.
 fn absence(path: &Path) -> Option<Failure> {
-    let absent = !is_standard_input(path) && !path.exists();
-    absent.then(|| InputFile::read(path).err()).flatten().map(Failure::from)
+    let is_absent = !is_standard_input(path) && !path.exists();
+    is_absent.then(|| InputFile::read(path).err()).flatten().map(Failure::from)
 }
 
-/// Whether one of two folders holds the other, or both are one.
-fn lie_in_each_other(a: &Path, b: &Path) -> bool {
-    let pair = a.canonicalize().ok().zip(b.canonicalize().ok());
-    let folders = pair.filter(|(a, b)| a.is_dir() && b.is_dir());
-    folders.is_some_and(|(a, b)| a.starts_with(&b) || b.starts_with(&a))
+/// Returns an error if EXPECTED cannot become like ACTUAL.
+fn check_blessing(expected: &Path, actual: &Path) -> Result<(), Failure> {
+    let paths = [expected, actual];
+    if paths.into_iter().any(is_standard_input) {
+        let message = "--bless = standard input, but must be a file or a folder";
+        return Err(Failure::new(Exit::Usage, &message, None));
+    }
+    // A pipe can be read once only, but is read again where it takes the place of EXPECTED.
+    if paths.into_iter().any(|path| path.exists() && !path.is_file() && !path.is_dir()) {
+        let message = "--bless = a pipe, but must be a file or a folder";
+        return Err(Failure::new(Exit::Usage, &message, None));
+    }
+    let real = paths.map(|path| path.canonicalize().ok().filter(|path| path.is_dir()));
+    match real {
+        [Some(a), Some(b)] if a.starts_with(&b) || b.starts_with(&a) => {
+            let must = "but must not be blessed where one lies in the other";
+            Err(both(expected, actual, "folders", must))
+        }
+        _ => Ok(()),
+    }
 }
 
-fn usage(message: &str) -> Failure {
+/// The error that EXPECTED and ACTUAL do not go together.
+fn both(expected: &Path, actual: &Path, kinds: &str, must: &str) -> Failure {
+    let (expected, actual) = (expected.display(), actual.display());
+    let message = format!("{expected}, {actual}: EXPECTED and ACTUAL = {kinds}, {must}");
     Failure::new(Exit::Usage, &message, None)
 }
 
 /// Adds to `changes` what keeps each changed folder of EXPECTED that holds a run the folder of one:
 /// its tables within tolerance, and summary.json and page, of ACTUAL, or none where it has none.
-pub(crate) fn take_whole_runs(
+fn take_whole_runs(
     changes: &mut GoldenChanges,
     expected: &Path,
     actual: &Path,

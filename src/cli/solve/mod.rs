@@ -1,7 +1,6 @@
 //! `solve`: link and motion in, torque out; with `--repeat`, a run done again.
 
 mod command;
-mod options;
 mod repeat;
 mod run;
 

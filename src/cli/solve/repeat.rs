@@ -1,109 +1,104 @@
-//! A run of `solve` done again, and held against what it has left.
+//! `solve --repeat`: a run done again, and compared with the files that it left.
 
 use std::path::Path;
 
+use flexlink::csv::InputFile;
 use flexlink::numeric::excerpt;
 use flexlink::result::{Repeated, RepeatedFile};
 use flexlink::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
 
-use super::options::SolveOptions;
-use super::run::{Destination, Problem, WithPage};
+use super::command::Solve;
+use super::run::{Page, Problem, SolveOptions};
 use crate::terminal::files::{keep, read_once};
 use crate::terminal::text::repetition_text;
-use crate::terminal::{Ending, Exit, Failure, PrintArgs, WarningArgs, console};
+use crate::terminal::{Ending, Exit, Failure, console};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What to do again.
-pub(crate) struct Repetition<'a> {
-    /// The folder of the run.
-    pub(crate) run: &'a Path,
-    pub(crate) link: Option<&'a Path>,
-    pub(crate) motion: Option<&'a Path>,
-    /// Where the new results are kept, if they are.
-    pub(crate) output: Option<&'a Path>,
-    pub(crate) durability: Durability,
-    pub(crate) print: &'a PrintArgs,
-    pub(crate) warnings: &'a WarningArgs,
-}
-
-impl Repetition<'_> {
-    pub(crate) fn run(&self) -> Result<Ending, Failure> {
-        let given: Vec<&Path> = self.link.into_iter().chain(self.motion).collect();
-        read_once(&given)?;
-        let record = RunRecord::read(self.run)?;
-        let options = recorded_options(&record)?;
-        let (link_path, link_file) = record.link(self.link)?;
-        let (motion_path, motion_file) = record.motion(self.motion)?;
-        if let Some(output) = self.output {
-            keep(output, &[&record.path(), &link_path, &motion_path])?;
-        }
+impl Solve {
+    /// Repeats the run in a folder.
+    pub(super) fn repeat(&self, run: &Path) -> Result<Ending, Failure> {
+        let (record, options, [link, motion]) = self.recorded(run)?;
         let warnings = warn_of_version(&record);
-        let problem = Problem::read(&options, link_file, || Ok(motion_file));
+        let problem = Problem::read(&options, link, || Ok(motion));
         let problem = problem.map_err(|failure| of_record(failure, &record))?;
-        let files = if let Some(output) = self.output {
-            self.compared(&record, &problem, &options, output)?
-        } else {
-            let folder = TemporaryFolder::new().map_err(|error| elsewhere(error.into()))?;
-            self.compared(&record, &problem, &options, folder.path()).map_err(elsewhere)?
-        };
-        let ending = self.tell(&files)?;
+        let files = self.repeated(&record, &problem)?;
+        let ending = self.tell_repeated(run, &files)?;
         self.warnings.refuse(warnings)?;
         Ok(ending)
     }
 
-    fn compared(
+    /// Reads the record of a run and its options, and finds its inputs.
+    fn recorded(&self, run: &Path) -> Result<(RunRecord, SolveOptions, [InputFile; 2]), Failure> {
+        let [link, motion] = [&self.link, &self.motion].map(|path| path.as_deref());
+        read_once(&[link, motion].into_iter().flatten().collect::<Vec<_>>())?;
+        let record = RunRecord::read(run)?;
+        let options = recorded_options(&record)?;
+        let (link_path, link) = record.link(link)?;
+        let (motion_path, motion) = record.motion(motion)?;
+        if let Some(output) = &self.output {
+            keep(output, &[&record.path(), &link_path, &motion_path])?;
+        }
+        Ok((record, options, [link, motion]))
+    }
+
+    /// Solves the problem again, and compares its files with those of the run.
+    fn repeated(
         &self,
         record: &RunRecord,
         problem: &Problem,
-        options: &SolveOptions,
-        folder: &Path,
     ) -> Result<Vec<RepeatedFile>, Failure> {
-        // No one keeps files without a folder of their own.
-        let durability = self.output.map_or(Durability::InMemory, |_| self.durability);
-        let stages = self.print.stages();
-        let to = Destination { folder, durability, page: WithPage::No, stages: &stages };
-        let solved = problem.solve(options, &to);
-        drop(stages);
-        solved.map_err(|failure| of_record(failure, record))?;
-        let files = record.compare(folder);
-        // A request to end takes the temporary folder away.
-        wait_if_ending();
-        Ok(files?)
+        let compared = |folder: &Path, durability| {
+            let stages = self.print.stages();
+            let solved = problem.solve(&stages).and_then(|solved| {
+                problem.write(&solved, (folder, durability), Page::Left, &stages)
+            });
+            drop(stages);
+            solved.map_err(|failure| of_record(failure, record))?;
+            let files = record.compare(folder);
+            // A request to end removes the temporary folder.
+            wait_if_ending();
+            Ok(files?)
+        };
+        match &self.output {
+            Some(output) => compared(output, self.sync.durability()),
+            None => TemporaryFolder::new()
+                .map_err(Failure::from)
+                .and_then(|folder| compared(folder.path(), Durability::InMemory))
+                .map_err(elsewhere),
+        }
     }
 
-    fn tell(&self, files: &[RepeatedFile]) -> Result<Ending, Failure> {
+    /// Prints which files differ.
+    fn tell_repeated(&self, run: &Path, files: &[RepeatedFile]) -> Result<Ending, Failure> {
         let is_same = files.iter().all(|file| file.outcome == Repeated::Same);
         if !self.print.quiet {
-            console::print(&repetition_text(files, self.run, self.output))?;
-            if let Some(hint) = self.hint(files) {
-                console::hint(&hint);
+            console::print(&repetition_text(files, run, self.output.as_deref()))?;
+            if files.iter().any(is_other_table) {
+                console::hint(&match &self.output {
+                    Some(output) => {
+                        let (run, output) = (run.display(), output.display());
+                        format!("flexlink compare {run} {output} says by how much")
+                    }
+                    None => "-o DIR keeps the new results, for flexlink compare".to_owned(),
+                });
             }
         }
         Ok(if is_same { Ending::Done } else { Ending::Different })
     }
+}
 
-    /// How to find out by how much tables differ, if any does.
-    fn hint(&self, files: &[RepeatedFile]) -> Option<String> {
-        let is_other_table = |file: &RepeatedFile| {
-            let is_table = Path::new(&file.name).extension().is_some_and(|end| end == "csv");
-            is_table && matches!(file.outcome, Repeated::Differs(_))
-        };
-        files.iter().any(is_other_table).then(|| match self.output {
-            Some(output) => {
-                let (run, output) = (self.run.display(), output.display());
-                format!("flexlink compare {run} {output} says by how much")
-            }
-            None => "-o DIR keeps the new results, for flexlink compare".to_owned(),
-        })
-    }
+/// True if a table has other numbers than that of the run.
+fn is_other_table(file: &RepeatedFile) -> bool {
+    let is_table = Path::new(&file.name).extension().is_some_and(|end| end == "csv");
+    is_table && matches!(file.outcome, Repeated::Differs(_))
 }
 
 /// The recorded arguments, read as those of the command line are.
 fn recorded_options(record: &RunRecord) -> Result<SolveOptions, Failure> {
-    SolveOptions::recorded(&record.origin.arguments).map_err(|words| {
-        let words = console::shortened(&words, words.to_string());
-        let first = words.lines().next().unwrap_or_default();
+    SolveOptions::recorded(&record.origin.arguments).map_err(|error| {
+        let text = console::shortened(&error, error.to_string());
+        let first = text.lines().next().unwrap_or_default();
         let why = first.strip_prefix("error: ").unwrap_or(first);
         let shown = &record.shown;
         let message =
@@ -114,7 +109,7 @@ fn recorded_options(record: &RunRecord) -> Result<SolveOptions, Failure> {
     })
 }
 
-/// A wrong argument is one of the record.
+/// The failure of a recorded argument, which names the record.
 fn of_record(failure: Failure, record: &RunRecord) -> Failure {
     let is_argument = match failure.exit {
         Exit::Usage => true,
@@ -128,11 +123,11 @@ fn of_record(failure: Failure, record: &RunRecord) -> Failure {
     Failure { exit: Exit::InputRefused, message, ..failure }
 }
 
-/// What cannot be written to where nobody keeps it may be written elsewhere.
+/// Adds the hint that the temporary files may go to another folder.
 fn elsewhere(failure: Failure) -> Failure {
     match failure.exit {
         Exit::CannotWrite => {
-            Failure { hint: Some("-o DIR takes another folder".to_owned()), ..failure }
+            Failure { hint: Some("-o DIR takes another folder".into()), ..failure }
         }
         _ => failure,
     }
@@ -153,7 +148,7 @@ fn warn_of_version(record: &RunRecord) -> usize {
 mod tests {
     use clap::{CommandFactory as _, Parser as _};
 
-    use super::super::options::{Recorded, SolveOptions};
+    use super::super::run::{Recorded, SolveOptions};
     use crate::cli::Cli;
 
     /// Arguments that shape no result.

@@ -1,127 +1,210 @@
-//! One run of `solve`: computes and writes, prints nothing.
+//! One run of `solve`: options, load, compute, write.
 
 use std::path::Path;
 
-use flexlink::csv::InputFile;
-use flexlink::inverse::{Resources, Solution, invert_with};
+use clap::{Args, Parser};
+
+use flexlink::csv::{Digits, InputFile};
+use flexlink::inverse::{Analysis, Resources, Solution, invert_with};
+use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
 use flexlink::result::{Exceeded, Metrics, Remark};
 use flexlink::spec::Specification;
-use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, Summary};
+use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, SolveOutputs, Summary};
 use flexlink::verify::Verification;
 
-use super::options::SolveOptions;
-use crate::cli::inputs::remarks;
-use crate::cli::verify::measured;
+use crate::cli::args::{NodeArgs, digits_arguments};
+use crate::cli::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, remarks};
+use crate::cli::verify::verified;
 use crate::terminal::text::memory_text;
 use crate::terminal::{Failure, StageBar, console, memory};
+
+/// The arguments that shape the results beside the files; a run records them.
+#[derive(Debug, Args)]
+pub(super) struct SolveOptions {
+    #[command(flatten)]
+    changes: ChangeArgs,
+
+    #[command(flatten)]
+    resample: ResampleArgs,
+
+    #[command(flatten)]
+    scale: ScaleArgs,
+
+    #[command(flatten)]
+    nodes: NodeArgs,
+
+    #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
+    deflections: bool,
+
+    #[arg(long, help = "Also write bending_moments.csv")]
+    moments: bool,
+
+    /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
+    /// reads back to the same number.
+    #[arg(long, value_name = "N", default_value = "10")]
+    digits: Digits,
+
+    /// Measure the answer by other means, as `flexlink verify` does, and keep the table in
+    /// summary.json; exit code 4 if a number is out of its bound, the results are written.
+    #[arg(long)]
+    verify: bool,
+}
+
+/// The arguments of a record, read as those of the command line are.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+pub(super) struct Recorded {
+    #[command(flatten)]
+    options: SolveOptions,
+}
+
+impl SolveOptions {
+    /// The link of a link file, with the changes.
+    fn specification(&self, file: &InputFile) -> Result<Specification, Failure> {
+        self.changes.specification(file)
+    }
+
+    /// The motion of a link's tip in a file, scaled.
+    fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
+        self.scale.scaled(self.resample.motion_of(file, link)?)
+    }
+
+    /// The analysis of a link file, for all tables.
+    fn analysis(&self, analysis: &Analysis) -> Analysis {
+        if self.moments { analysis.with_moments() } else { *analysis }
+    }
+
+    /// The tables to write.
+    pub(super) fn outputs(&self) -> SolveOutputs {
+        SolveOutputs {
+            nodes: self.nodes.list.clone(),
+            every: self.nodes.every,
+            deflections: self.deflections,
+            moments: self.moments,
+            digits: self.digits,
+        }
+    }
+
+    /// Parses the arguments of a record.
+    pub(super) fn recorded(arguments: &[String]) -> Result<Self, clap::Error> {
+        Recorded::try_parse_from(arguments).map(|recorded| recorded.options)
+    }
+
+    /// The arguments, for the record.
+    pub(super) fn arguments(&self) -> Vec<String> {
+        let flag = |on: bool, name: &str| on.then(|| name.to_owned());
+        [
+            self.changes.arguments(),
+            self.resample.arguments(),
+            self.scale.arguments(),
+            self.nodes.arguments(),
+            Vec::from_iter(flag(self.deflections, "--deflections")),
+            Vec::from_iter(flag(self.moments, "--moments")),
+            digits_arguments(self.digits),
+            Vec::from_iter(flag(self.verify, "--verify")),
+        ]
+        .concat()
+    }
+}
 
 /// From so many bytes of memory on, a run says how much it takes.
 const LARGE: usize = 1 << 29;
 
-/// What is solved.
-pub(crate) struct Problem {
+/// The inputs of a run.
+pub(super) struct Problem<'a> {
+    options: &'a SolveOptions,
     link_file: InputFile,
     motion_file: InputFile,
     specification: Specification,
     motion: TipMotion,
 }
 
-/// What came of it.
-pub(crate) struct Solved {
-    pub(crate) solution: Solution,
-    pub(crate) metrics: Metrics,
-    pub(crate) exceeded: Vec<Exceeded>,
-    pub(crate) verification: Option<Verification>,
-    pub(crate) remarks: Vec<Remark>,
-    pub(crate) summary: Summary,
-    /// How many files were written.
-    pub(crate) files: usize,
-}
-
-/// Where the results go.
-pub(crate) struct Destination<'a> {
-    pub(crate) folder: &'a Path,
-    pub(crate) durability: Durability,
-    /// Whether a page is written with them.
-    pub(crate) page: WithPage,
-    /// Told of how far the work is.
-    pub(crate) stages: &'a StageBar,
+/// The solution, and what follows from it.
+pub(super) struct Solved {
+    pub(super) solution: Solution,
+    pub(super) metrics: Metrics,
+    pub(super) exceeded: Vec<Exceeded>,
+    pub(super) verification: Option<Verification>,
+    pub(super) remarks: Vec<Remark>,
+    /// Memory in bytes that was free before.
+    memory_bytes: Option<usize>,
 }
 
 /// Whether a run's page is written with its results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum WithPage {
-    Yes,
-    No,
+pub(super) enum Page {
+    Written,
+    Left,
 }
 
-impl Problem {
+impl<'a> Problem<'a> {
     /// Reads the link from its file, and then the motion.
-    pub(crate) fn read(
-        options: &SolveOptions,
+    pub(super) fn read(
+        options: &'a SolveOptions,
         link_file: InputFile,
         motion_file: impl FnOnce() -> Result<InputFile, Failure>,
     ) -> Result<Self, Failure> {
         let specification = options.specification(&link_file)?;
         let motion_file = motion_file()?;
         let motion = options.motion_of(&motion_file, &specification.link)?;
-        Ok(Self { link_file, motion_file, specification, motion })
+        Ok(Self { options, link_file, motion_file, specification, motion })
     }
 
-    /// Solves it, and writes the results.
-    pub(crate) fn solve(
-        &self,
-        options: &SolveOptions,
-        to: &Destination,
-    ) -> Result<Solved, Failure> {
-        let Self { link_file, motion_file, specification, motion } = self;
-        let Specification { link, mesh, analysis, limits, .. } = specification;
-        let analysis = &options.analysis(analysis);
+    /// Computes the solution, and verifies it if the options ask for that.
+    pub(super) fn solve(&self, stages: &StageBar) -> Result<Solved, Failure> {
+        let Specification { link, mesh, analysis, limits, .. } = &self.specification;
         let memory_bytes = memory::available();
-        let resources = Resources { memory_bytes, watch: to.stages, ..Resources::default() };
-        let solution = invert_with(link, mesh, motion, analysis, &resources)?;
-        options.nodes.check(solution.mesh())?;
-        let measure = || measured(specification, &solution, options.digits);
-        if options.verify {
-            to.stages.at("verifying");
-        }
-        let verification = options.verify.then(measure).transpose()?;
-
-        let remarks = remarks(&specification.remarks, &solution);
-        let outputs = options.outputs();
-        let inputs = RunInputs::of_solve(link_file, motion_file, options.arguments());
+        let resources = Resources { memory_bytes, watch: stages, ..Resources::default() };
+        let analysis = self.options.analysis(analysis);
+        let solution = invert_with(link, mesh, &self.motion, &analysis, &resources)?;
+        self.options.nodes.check(solution.mesh())?;
+        let verify = || {
+            stages.at("verifying");
+            verified(&self.specification, &solution, self.options.digits)
+        };
+        let verification = self.options.verify.then(verify).transpose()?;
         let metrics = Metrics::of(&solution);
         let exceeded = limits.exceeded(&metrics);
-        let findings = Findings {
-            exceeded: &exceeded,
-            verification: verification.as_ref(),
-            remarks: &remarks,
-        };
-        let summary = Summary::of_solution(inputs, &solution, &metrics, &findings, &outputs);
-        let files = outputs.file_names(link).len();
-        let deflections = outputs.deflections(&solution);
-        memory::check_nodes(deflections.bytes(), memory_bytes)?;
+        let remarks = remarks(&self.specification.remarks, &solution);
+        Ok(Solved { solution, metrics, exceeded, verification, remarks, memory_bytes })
+    }
+
+    /// Writes the results into a folder.
+    pub(super) fn write(
+        &self,
+        solved: &Solved,
+        (folder, durability): (&Path, Durability),
+        page: Page,
+        stages: &StageBar,
+    ) -> Result<Summary, Failure> {
+        let Solved { solution, metrics, exceeded, memory_bytes, .. } = solved;
+        let outputs = self.options.outputs();
+        let deflections = outputs.deflections(solution);
+        memory::check_nodes(deflections.bytes(), *memory_bytes)?;
         if deflections.bytes() >= LARGE {
-            to.stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
+            stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }
-        // Made of what is in memory, before the folder is locked: with the results it is one run.
-        let page = match to.page {
-            WithPage::No => None,
-            WithPage::Yes => {
-                to.stages.at("drawing");
-                let bytes = outputs.page_bytes(&deflections);
-                let hint = "leave --report out, or use --nodes or --every";
-                memory::check("the page", bytes, memory_bytes, hint)?;
-                let run = outputs.stored((&solution, &deflections), &summary)?;
-                Some(page(&run, &Figures::of(&run)))
-            }
-        };
-        let on_wait = |folder: &Path| to.stages.above(|| console::waiting(folder));
-        let folder = OutputFolder::stage(to.folder, &on_wait)?.with(to.durability);
-        let told = (&summary, page.as_deref());
-        outputs.write(folder, (&solution, deflections), told, to.stages)?;
-        Ok(Solved { solution, metrics, exceeded, verification, remarks, summary, files })
+        let Self { link_file, motion_file, .. } = self;
+        let inputs = RunInputs::of_solve(link_file, motion_file, self.options.arguments());
+        let verification = solved.verification.as_ref();
+        let findings = Findings { exceeded, verification, remarks: &solved.remarks };
+        let summary = Summary::of_solution(inputs, solution, metrics, &findings, &outputs);
+        // Drawn from memory before the folder is locked: the page belongs to the same run.
+        let drawn = (page == Page::Written).then(|| -> Result<String, Failure> {
+            stages.at("drawing");
+            let bytes = outputs.page_bytes(&deflections);
+            let hint = "leave --report out, or use --nodes or --every";
+            memory::check("the page", bytes, *memory_bytes, hint)?;
+            let run = outputs.stored((solution, &deflections), &summary)?;
+            Ok(self::page(&run, &Figures::of(&run)))
+        });
+        let drawn = drawn.transpose()?;
+        let on_wait = |folder: &Path| stages.above(|| console::waiting(folder));
+        let folder = OutputFolder::stage(folder, &on_wait)?.with(durability);
+        let texts = (&summary, drawn.as_deref());
+        outputs.write(folder, (solution, deflections), texts, stages)?;
+        Ok(summary)
     }
 }

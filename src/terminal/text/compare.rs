@@ -1,22 +1,28 @@
-//! The tables that `compare` prints.
+//! What `compare` and `solve --repeat` print.
+
+use std::path::Path;
 
 use flexlink::compare::{
     ColumnComparison, Comparison, FileComparison, FileOutcome, RowPlace, TableComparison,
     Unmatched, Worst,
 };
 use flexlink::numeric::significant;
+use flexlink::result::{LineDifference, Repeated, RepeatedFile};
 use flexlink::store::GoldenChanges;
 
-use super::lines::counted;
+/// A number of things, in singular or plural.
+pub(crate) fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
 
-/// Columns told of one file; `--json` tells all.
+/// Columns listed for one file; `--json` lists all.
 const MOST_COLUMNS: usize = 20;
-/// Characters of a word that is told.
+/// Characters of a word that are shown.
 const LONGEST_WORD: usize = 20;
-/// Characters of a key that is told as it is.
+/// Characters of a key that is shown exactly.
 const LONGEST_KEY: usize = 10;
 
-/// A line a file, for one that differs a line a column more, the worst first.
+/// A line for each file, and for one that differs a line for each column, the worst first.
 pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     let files = comparison.files.iter().map(file_text);
     files.chain([result_line(comparison)]).collect()
@@ -83,8 +89,8 @@ fn unmatched(side: &str, rows: Unmatched, key: Option<&str>) -> String {
 }
 
 fn columns_text(table: &TableComparison, failing: &[&ColumnComparison]) -> String {
-    let told = &failing[..failing.len().min(MOST_COLUMNS)];
-    let Some(longest) = told.iter().map(|column| column.name.chars().count()).max() else {
+    let shown = &failing[..failing.len().min(MOST_COLUMNS)];
+    let Some(longest) = shown.iter().map(|column| column.name.chars().count()).max() else {
         return String::new();
     };
     let key = table.matched_by.as_deref().unwrap_or_default();
@@ -94,18 +100,18 @@ fn columns_text(table: &TableComparison, failing: &[&ColumnComparison]) -> Strin
         format!("  {name:<width$}{amounts:>27} {places}").trim_end().to_owned() + "\n"
     };
     let head = line("column", "    worst  of peak  allowed", "rows", "line", key);
-    let columns = told.iter().filter_map(|column| {
+    let columns = shown.iter().filter_map(|column| {
         let worst = column.worst.as_ref()?;
         let key = worst.expected.key.map_or_else(String::new, key_text);
         let (rows, number) = (column.rows_beyond.to_string(), worst.expected.line.to_string());
         Some(line(&column.name, &amounts(column, worst), &rows, &number, &key))
     });
-    let more = failing.len() - told.len();
+    let more = failing.len() - shown.len();
     let rest = (more > 0).then(|| format!("  and {}, see --json\n", counted(more, "column")));
     [head].into_iter().chain(columns).chain(rest).collect()
 }
 
-/// The worst difference in numbers, or what stands where it has none.
+/// The worst difference in numbers, or the two fields where one is no number.
 fn amounts(column: &ColumnComparison, worst: &Worst) -> String {
     if worst.difference.is_infinite() {
         let [expected, actual] = [&worst.expected_field, &worst.actual_field].map(|f| word(f));
@@ -120,10 +126,12 @@ fn word(field: &str) -> String {
     if field.is_empty() {
         return "empty".to_owned();
     }
-    let number = field.parse::<f64>().is_ok();
+    if field.parse::<f64>().is_ok() {
+        return field.to_owned();
+    }
     let shown: String = field.chars().take(LONGEST_WORD).collect();
     let more = if shown.len() < field.len() { ".." } else { "" };
-    if number { field.to_owned() } else { format!("\"{}{more}\"", shown.escape_debug()) }
+    format!("\"{}{more}\"", shown.escape_debug())
 }
 
 fn key_text(key: f64) -> String {
@@ -132,21 +140,90 @@ fn key_text(key: f64) -> String {
 }
 
 fn result_line(comparison: &Comparison) -> String {
-    let number =
-        |is: fn(&FileComparison) -> bool| comparison.files.iter().filter(|f| is(f)).count();
-    let only_expected = |f: &FileComparison| matches!(f.outcome, FileOutcome::OnlyExpected(_));
-    let only_actual = |f: &FileComparison| matches!(f.outcome, FileOutcome::OnlyActual(_));
     let counts = [
-        (number(FileComparison::is_equal), "equal"),
-        (number(|f| matches!(f.outcome, FileOutcome::Compared(_)) && !f.is_equal()), "different"),
-        (number(only_expected), "missing"),
-        (number(only_actual), "new"),
+        ("equal", (|file| file.is_equal()) as fn(&FileComparison) -> bool),
+        ("different", |f| matches!(f.outcome, FileOutcome::Compared(_)) && !f.is_equal()),
+        ("missing", |f| matches!(f.outcome, FileOutcome::OnlyExpected(_))),
+        ("new", |f| matches!(f.outcome, FileOutcome::OnlyActual(_))),
     ];
-    let told = counts.iter().filter(|(number, _)| *number > 0);
-    let told: Vec<String> = told.map(|(number, what)| format!("{number} {what}")).collect();
-    let passed_over = match comparison.not_compared {
+    let counts = counts.map(|(what, is)| (comparison.files.iter().filter(|f| is(f)).count(), what));
+    let counts = counts.iter().filter(|(number, _)| *number > 0);
+    let counts: Vec<String> = counts.map(|(number, what)| format!("{number} {what}")).collect();
+    let not_compared = match comparison.not_compared {
         0 => String::new(),
         files => format!("; not compared: {}, no CSV", counted(files, "file")),
     };
-    format!("result   {}{passed_over}\n", told.join(", "))
+    format!("result   {}{not_compared}\n", counts.join(", "))
+}
+
+/// Characters of a line that are shown before the first one that differs, and in all.
+const BEFORE: usize = 20;
+const IN_ALL: usize = 48;
+
+/// A line for each file that differs from that of the run, and the result for all.
+pub(crate) fn repetition_text(files: &[RepeatedFile], run: &Path, kept: Option<&Path>) -> String {
+    let (all, run) = (files.len(), run.display());
+    let lines: Vec<String> = files.iter().filter_map(file_line).collect();
+    let result = match lines.len() {
+        0 => format!("same     {all} files of {run}, byte for byte\n"),
+        differ => format!("result   {differ} of {all} files of {run} not the same\n"),
+    };
+    let kept = kept.map(|folder| format!("written  {}\n", folder.display()));
+    lines.into_iter().chain([result]).chain(kept).collect()
+}
+
+fn file_line(file: &RepeatedFile) -> Option<String> {
+    let name = &file.name;
+    match &file.outcome {
+        Repeated::Same => None,
+        Repeated::Missing => Some(format!("missing  {name}: the run wrote it\n")),
+        Repeated::Extra => Some(format!("extra    {name}: the run does not write it\n")),
+        Repeated::Differs(found) => {
+            let LineDifference { line, differing, lines, run, repetition } = found;
+            let shown = |own: &Option<Vec<u8>>, other: &Option<Vec<u8>>| match own {
+                Some(text) => excerpt(text, other.as_deref().unwrap_or_default()),
+                None => "nothing".to_owned(),
+            };
+            let (was, now) = (shown(run, repetition), shown(repetition, run));
+            let place = format!("line {line}, {differing} of {lines} in all");
+            Some(format!("differs  {name}: {place}: was {was}, now {now}\n"))
+        }
+    }
+}
+
+/// The part of a line around the first character in which it differs from another one.
+fn excerpt(line: &[u8], other: &[u8]) -> String {
+    let [text, other] = [line, other].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+    let same = text.chars().zip(other.chars()).take_while(|(a, b)| a == b).count();
+    // The line end is shown if it is what differs.
+    let content = text.trim_end_matches(['\r', '\n']);
+    let is_content = same < content.chars().count();
+    let text = if is_content { content } else { text.as_str() };
+    let start = same.saturating_sub(BEFORE);
+    let shown: String = text.chars().skip(start).take(IN_ALL).collect();
+    let before = if start > 0 { "…" } else { "" };
+    let after = if text.chars().nth(start + IN_ALL).is_some() { "…" } else { "" };
+    format!("\"{before}{}{after}\"", shown.escape_debug())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_line_is_told_where_it_differs() {
+        let line = |number: &str| format!("{}{number}{}\n", "0,".repeat(100), ",1".repeat(100));
+        let (a, b) = (line("7"), line("8"));
+        let expected = format!("\"…{}7{},…\"", "0,".repeat(10), ",1".repeat(13));
+        assert_eq!(excerpt(a.as_bytes(), b.as_bytes()), expected);
+        assert_eq!(excerpt(b"1,2\n", b"1,3\n"), "\"1,2\"");
+    }
+
+    #[test]
+    fn a_line_end_is_told_where_nothing_else_differs() {
+        assert_eq!(excerpt(b"1\r\n", b"1\n"), "\"1\\r\\n\"");
+        assert_eq!(excerpt(b"1\n", b"1"), "\"1\\n\"");
+        assert_eq!(excerpt(b"1", b"1\n"), "\"1\"");
+        assert_eq!(excerpt(b"1,\xff\n", b"1,2\n"), "\"1,\u{fffd}\"");
+    }
 }

@@ -1,15 +1,9 @@
 //! Results in words, as the commands print them: lines of at most 80 columns.
 
-mod checks;
 mod compare;
-mod lines;
-mod modes;
-mod simulate;
-mod solve;
+mod runs;
+mod tables;
 
-pub(crate) use checks::{binding_text, found_text, repetition_text, verify_text};
-pub(crate) use compare::{blessed_text, comparison_text};
-pub(crate) use lines::counted;
-pub(crate) use modes::modes_text;
-pub(crate) use simulate::simulate_text;
-pub(crate) use solve::{memory_text, solve_text};
+pub(crate) use compare::{blessed_text, comparison_text, counted, repetition_text};
+pub(crate) use runs::{memory_text, simulate_text, solve_text};
+pub(crate) use tables::{binding_text, found_text, modes_text, verify_text};

@@ -1,0 +1,177 @@
+//! `init`, `schema`, `completions` and `man`: files that a user begins with.
+
+use std::io;
+use std::path::PathBuf;
+
+use clap::{Args, Command};
+use clap_complete::Shell;
+use clap_mangen::Man;
+
+use flexlink::csv::{Digits, write_trajectory};
+use flexlink::motion::Profile;
+use flexlink::spec::link_file_schema;
+use flexlink::store::OutputFolder;
+
+use crate::terminal::files::check_folder;
+use crate::terminal::{Exit, Failure, console};
+
+const INIT_EXAMPLE: &str = "\
+Example:
+  flexlink init arm
+  flexlink solve arm/link.toml arm/motion.csv -o arm/out";
+
+/// Write files to start from: link.toml with its JSON Schema, and motion.csv.
+#[derive(Debug, Args)]
+#[command(after_help = INIT_EXAMPLE)]
+pub(crate) struct Init {
+    /// Folder for the three files; none of them may be there.
+    #[arg(value_name = "DIR", default_value = ".")]
+    folder: PathBuf,
+}
+
+impl Init {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        check_folder("DIR", &self.folder)?;
+        let names = ["link.toml", "motion.csv", "link.schema.json"];
+        let paths = names.map(|name| self.folder.join(name));
+        if let Some(path) = paths.iter().find(|path| path.exists()) {
+            let message = format!("{} = a file, but must not be there yet", path.display());
+            let hint = "name another folder: flexlink init DIR";
+            return Err(Failure::new(Exit::CannotWrite, &message, Some(hint)));
+        }
+        let folder = OutputFolder::stage(&self.folder, &console::waiting)?;
+        folder.file(names[0], |out| out.write_all(LINK.as_bytes()))?;
+        folder.file(names[1], |out| out.write_all(&motion()?))?;
+        folder.file(names[2], |out| out.write_all(link_file_schema().as_bytes()))?;
+        folder.commit(names[0], &[])?;
+        let [link, motion, schema] = paths.map(|path| path.display().to_string());
+        console::print(&format!("written  {link}, {motion} and {schema}\n"))
+    }
+}
+
+/// A commented link file.
+const LINK: &str = include_str!("templates/link.toml");
+
+/// A tip motion: smooth enough for a torque that needs few frequencies.
+fn motion() -> io::Result<Vec<u8>> {
+    let mut text = b"# Tip travels 0.5 m in 1 s, seventh degree (s, m/s^2)\n".to_vec();
+    let columns = Profile::Septic.sampled(0.5, 1e-3, 1000, [0, 0]);
+    write_trajectory(&mut text, &columns, Digits::default())?;
+    Ok(text)
+}
+
+const SCHEMA_EXAMPLE: &str = "\
+Example:
+  flexlink schema -o link.schema.json
+
+With the first line `#:schema ./link.schema.json` in link.toml, editors that use Taplo, such as \
+VS Code with Even Better TOML, complete and check it.";
+
+/// Print the JSON Schema of the link file, for editors.
+#[derive(Debug, Args)]
+#[command(after_help = SCHEMA_EXAMPLE)]
+pub(crate) struct Schema {
+    /// File to write [default: standard output].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl Schema {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        console::deliver(self.output.as_deref(), link_file_schema().as_bytes())
+    }
+}
+
+const COMPLETIONS_EXAMPLE: &str = "\
+Example:
+  d=~/.local/share/bash-completion/completions
+  flexlink completions bash > $d/flexlink
+  flexlink completions zsh > ~/.zfunc/_flexlink";
+
+/// Print completions for a shell.
+#[derive(Debug, Args)]
+#[command(after_help = COMPLETIONS_EXAMPLE)]
+pub(crate) struct Completions {
+    /// Shell to complete for.
+    #[arg(value_name = "SHELL")]
+    shell: Shell,
+}
+
+impl Completions {
+    pub(crate) fn run(&self, mut program: Command) -> Result<(), Failure> {
+        let mut script = Vec::new();
+        clap_complete::generate(self.shell, &mut program, "flexlink", &mut script);
+        console::print_bytes(&script)
+    }
+}
+
+const MAN_EXAMPLE: &str = "\
+Example:
+  flexlink man | man -l -
+  flexlink man -o ~/.local/share/man/man1";
+
+/// Print the manual page, or write one for every command.
+#[derive(Debug, Args)]
+#[command(after_help = MAN_EXAMPLE)]
+pub(crate) struct Manual {
+    /// Folder for the pages of all commands, flexlink.1, flexlink-solve.1, …
+    /// [default: the first is printed].
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+impl Manual {
+    pub(crate) fn run(&self, mut program: Command) -> Result<(), Failure> {
+        program.build();
+        let Some(folder) = &self.output else {
+            return console::print_bytes(&page(program)?);
+        };
+        check_folder("--output", folder)?;
+        let pages = OutputFolder::stage(folder, &console::waiting)?;
+        for command in program.get_subcommands().filter(|command| command.get_name() != "help") {
+            let (name, page) = (command.get_name(), page(command.clone())?);
+            pages.file(format!("flexlink-{name}.1"), |out| out.write_all(&page))?;
+        }
+        let page = page(program)?;
+        pages.file("flexlink.1", |out| out.write_all(&page))?;
+        Ok(pages.commit("flexlink.1", &[])?)
+    }
+}
+
+fn page(command: Command) -> Result<Vec<u8>, Failure> {
+    let mut text = Vec::new();
+    let written = Man::new(command).render(&mut text);
+    written.map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flexlink::csv::read_motion_table;
+    use flexlink::spec::read_specification;
+
+    #[test]
+    fn what_it_writes_is_read() {
+        let read = read_specification("link.toml", LINK, &[]).expect("a link file");
+        assert!(read.mesh.is_automatic());
+        let table =
+            read_motion_table("motion.csv", &motion().expect("a motion"), read.link.length_m());
+        let motion = table.and_then(flexlink::csv::MotionTable::into_motion);
+        assert!((motion.expect("a motion").travel_m() - 0.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn what_is_commented_out_is_read_too() {
+        let uncommented: String = LINK
+            .lines()
+            .map(|line| match line.strip_prefix("# ") {
+                Some(rest) if rest.starts_with('[') || rest.contains(" = ") => rest,
+                _ => line,
+            })
+            .fold(String::new(), |text, line| text + line + "\n");
+        let read = read_specification("link.toml", &uncommented, &[]).expect("a link file");
+        assert_eq!(read.link.masses().len(), 1);
+        assert!(read.link.drive().is_some() && read.limits.torque_n_m.is_some());
+    }
+}

@@ -1,0 +1,85 @@
+//! The allocator: where the system refuses memory, the program ends with a message and exit code 4.
+//!
+//! Here is all the unsafe code of the program. An allocator cannot be written without.
+#![expect(unsafe_code, reason = "the trait of allocators and the C library are unsafe")]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::{Write as _, stderr};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use flexlink::store::try_abandon_unfinished;
+
+use super::exit::Exit;
+
+#[global_allocator]
+static ALLOCATOR: SystemOrEnd = SystemOrEnd;
+
+/// The system's allocator; where that gives nothing, the program ends.
+struct SystemOrEnd;
+
+// SAFETY: every call goes to the system's allocator as it came, and what that gives is returned.
+unsafe impl GlobalAlloc for SystemOrEnd {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        given(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        given(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        given(unsafe { System.realloc(block, layout, size) }, size)
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[inline]
+fn given(block: *mut u8, bytes: usize) -> *mut u8 {
+    if block.is_null() {
+        end(bytes);
+    }
+    block
+}
+
+/// Ends the program. The thread may hold any lock, so this waits for none without end, and takes no
+/// memory before it has printed the message.
+#[cold]
+fn end(bytes: usize) -> ! {
+    static HAS_BEGUN: AtomicBool = AtomicBool::new(false);
+    if HAS_BEGUN.swap(true, Ordering::AcqRel) {
+        // Another thread ends the program; or the removal below has found no memory.
+        thread::sleep(Duration::from_secs(1));
+    } else {
+        let hint =
+            "`ulimit` may limit it; fewer --threads need less; a sweep goes on with --resume";
+        let message = "error: out of memory: the system refuses another";
+        let _ = stderr().write_fmt(format_args!("{message} {bytes} bytes\nhint: {hint}\n"));
+        try_abandon_unfinished();
+    }
+    // What a usual exit does may take memory.
+    #[cfg(unix)]
+    signal_hook::low_level::exit(Exit::NotSolvable as i32);
+    #[cfg(not(unix))]
+    #[expect(clippy::exit, reason = "there is no memory to return with")]
+    std::process::exit(Exit::NotSolvable as i32)
+}
+
+/// Limits the arenas of glibc, of which every thread has its own by default: each of these stocks of memory
+/// reserves 64 MB of address space, 128 MB at first. Call it before the program starts threads.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub(super) fn limit_arenas(most: usize) {
+    const M_ARENA_MAX: i32 = -8;
+    unsafe extern "C" {
+        safe fn mallopt(parameter: i32, value: i32) -> i32;
+    }
+    mallopt(M_ARENA_MAX, i32::try_from(most).unwrap_or(i32::MAX));
+}
+
+/// Other C libraries reserve none.
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+pub(super) fn limit_arenas(_: usize) {}

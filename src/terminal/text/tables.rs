@@ -1,0 +1,151 @@
+//! What `modes`, `verify` and `trajectory --fit-limit` print.
+
+use std::f64::consts::TAU;
+
+use flexlink::beam::Mesh;
+use flexlink::link::Link;
+use flexlink::numeric::{plain, significant};
+use flexlink::result::{Fit, Limits, Metrics, Reached};
+use flexlink::store::ModesResult;
+use flexlink::verify::{Check, Outcome, Verification};
+
+use super::runs::{link_line, title};
+
+/// Modes, zeros and the modes with the rotor held.
+pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> String {
+    let mut lines = vec![link_line(link, mesh)];
+    let ratios = Some(&result.damping_ratios[..]);
+    lines.extend(mode_rows(&result.omega_rad_s, ratios, &result.mesh_errors));
+    lines.push(row(["zero", "±[1/s]", "lead to 1 % [s]", "", "", MESH_ERROR]));
+    let zeros = result.zeros_per_s.iter().zip(result.leads_s()).zip(&result.zero_mesh_errors);
+    for (number, ((zero, lead), error)) in (1..).zip(zeros) {
+        let [zero, lead] = [significant(*zero, 8), significant(lead, 4)];
+        lines.push(row([&format!("{number}"), &zero, &lead, "", "", &share(*error)]));
+    }
+    for (hertz, error) in result.blocked_hz.iter().zip(&result.blocked_mesh_errors) {
+        let hertz = significant(*hertz, 8);
+        let error = share(*error);
+        let error = if error.is_empty() { error } else { format!(" (mesh error {error})") };
+        lines.push(format!("at {hertz} Hz no torque moves the tip{error}"));
+    }
+    if let Some(held) = &result.held {
+        let stiffness_n_m_rad = held.joint_stiffness_n_m_rad;
+        let joint = if stiffness_n_m_rad.is_finite() {
+            format!("joint spring {} N m/rad", significant(stiffness_n_m_rad, 4))
+        } else {
+            "stiff joint".into()
+        };
+        lines.push(format!("rotor held, {joint}"));
+        lines.extend(mode_rows(&held.omega_rad_s, None, &held.mesh_errors));
+    }
+    title(link) + &lines.join("\n") + "\n"
+}
+
+const MESH_ERROR: &str = "mesh error";
+
+/// A heading, then a row a mode, with its damping ratio where these are given.
+fn mode_rows(
+    omega_rad_s: &[f64],
+    damping_ratios: Option<&[f64]>,
+    mesh_errors: &[f64],
+) -> Vec<String> {
+    let damping = damping_ratios.map_or("", |_| "damping");
+    let heading = ["mode", "omega [rad/s]", "frequency [Hz]", "period [s]", damping, MESH_ERROR];
+    let modes = omega_rad_s.iter().zip(mesh_errors).enumerate().map(|(mode, (omega, error))| {
+        let [omega, hertz, period] = [*omega, omega / TAU, TAU / omega].map(|x| significant(x, 8));
+        let ratio = damping_ratios.map_or(String::new(), |ratios| significant(ratios[mode], 4));
+        row([&format!("{}", mode + 1), &omega, &hertz, &period, &ratio, &share(*error)])
+    });
+    std::iter::once(row(heading)).chain(modes).collect()
+}
+
+/// A relative error; below what the iterations leave open, a bound. Empty where it is not known.
+fn share(error: f64) -> String {
+    const KNOWN_TO: f64 = 1e-12;
+    match error {
+        _ if error.is_nan() => String::new(),
+        _ if error < KNOWN_TO => format!("< {KNOWN_TO:e}"),
+        _ => format!("{error:.1e}"),
+    }
+}
+
+fn row([number, a, b, c, d, e]: [&str; 6]) -> String {
+    format!("{number:<6} {a:>13} {b:>15} {c:>13} {d:>10} {e:>11}").trim_end().to_owned()
+}
+
+/// A line for each check.
+pub(crate) fn verify_text(verification: &Verification) -> String {
+    let header = format!("{:<34} {:>9}   {:>9}   of", "check", "found", "at most");
+    let lines = verification.checks.iter().map(check_line);
+    std::iter::once(header).chain(lines).map(|line| line.trim_end().to_owned() + "\n").collect()
+}
+
+/// Numbers below it are round-off, another one on every machine.
+const ROUND_OFF: f64 = 1e-9;
+
+fn check_line(check: &Check) -> String {
+    let what = &check.what;
+    match &check.outcome {
+        Outcome::Measured { found, bound } => {
+            let verdict = if check.fails() { "  FAILS" } else { "" };
+            let found = if *found <= ROUND_OFF {
+                format!("< {ROUND_OFF:.0e}")
+            } else if found >= bound && !check.fails() {
+                format!("< {bound:.1e}")
+            } else {
+                beyond(*found, *bound)
+            };
+            format!("{what:<34} {found:>9}   {bound:>9.1e}   {}{verdict}", check.of)
+        }
+        Outcome::NotMeasured { reason } => format!("{what:<34} not made: {reason}"),
+    }
+}
+
+/// A number in two digits, in more where its bound has the same two and it exceeds it.
+fn beyond(found: f64, bound: f64) -> String {
+    // The column has no place for more decimals.
+    let differs = |n: &usize| format!("{found:.n$e}") != format!("{bound:.n$e}");
+    let decimals = (1..5).find(|n| found <= bound || differs(n)).unwrap_or(5);
+    format!("{found:.decimals$e}")
+}
+
+/// How a duration was found among those that were tried, with all limits that it is within.
+pub(crate) fn found_text(fit: &Fit, limits: &Limits) -> String {
+    let values = limits.limited_values(&Metrics::of(&fit.solution));
+    let each = values.iter().map(|v| format!("{}={} {}", v.key, plain(v.limit), v.unit));
+    let within = each.collect::<Vec<_>>().join(", ");
+    if fit.is_shortest() {
+        return format!("the shortest within {within}");
+    }
+    let (tried, shorter) = (fit.shorter_tried, fit.shorter());
+    format!("within {within}; {tried} of the {shorter} shorter durations were tried, none fits")
+}
+
+/// Which limit a motion comes closest to, and by how much.
+pub(crate) fn binding_text(fit: &Fit) -> String {
+    if fit.has_fewest_steps() {
+        return "; no limit binds: the profile has no fewer steps".to_owned();
+    }
+    let Some(binding) = fit.binding else { return String::new() };
+    let below = 100.0 * (1.0 - binding.share());
+    let below = if below < 0.01 { "less than 0.01".to_owned() } else { format!("{below:.2}") };
+    let Reached { value, error } = binding;
+    let (key, unit) = (value.key, value.unit);
+    let (found, limit) = (significant(value.found, 5), plain(value.limit));
+    let error = format!("{below} % below it with the error of {error:.1e}");
+    format!("; limits.{key} binds: {found} of {limit} {unit}, {error}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_just_beyond_its_bound_looks_larger() {
+        assert_eq!(beyond(1.0004, 1.0), "1.0004e0");
+        assert_eq!(beyond(1.03e-6, 1e-6), "1.03e-6");
+        assert_eq!(beyond(0.9996, 1.0), "1.0e0");
+        assert_eq!(beyond(5.4e-1, 1e-2), "5.4e-1");
+        assert_eq!(beyond(1.0 + 1e-12, 1.0), "1.00000e0");
+    }
+}
