@@ -5,21 +5,6 @@ use super::{Bench, LINK, column, repository, stderr, stdout};
 const MODAL: &str = "damping.model=modal";
 const CAUGHEY: &str = "damping={model=\"caughey\", modes=[1, 2], ratios=[0.02, 0.03]}";
 
-/// The first example with its elements left to `--set mesh.elements=N`.
-fn unmeshed(bench: &Bench) {
-    let text = std::fs::read_to_string(repository(LINK)).unwrap();
-    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with("elements")).collect();
-    bench.write("link.toml", &lines.join("\n"));
-}
-
-#[track_caller]
-fn refused(bench: &Bench, arguments: &[&str], code: i32) -> String {
-    let output = bench.run(arguments);
-    assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
-    assert_eq!(stdout(&output), "");
-    stderr(&output)
-}
-
 /// The line of a printed summary with this label, without it.
 fn line(text: &str, label: &str) -> Option<String> {
     let found = text.lines().find(|line| line.split(' ').next() == Some(label))?;
@@ -108,56 +93,6 @@ fn the_truncation_error_is_the_difference_of_the_two_torques() {
     let share = difference / largest(&mut all.iter().copied());
     let told = bench.json("few/summary.json")["errors"]["torque"]["modes"].as_f64().unwrap();
     assert!((told / share - 1.0).abs() < 0.02, "{told} is not {share}");
-}
-
-#[test]
-fn more_modes_than_the_mesh_has_are_refused() {
-    let bench = Bench::new();
-    let link = repository(LINK);
-    let expected = "error: analysis.modes = 25, but must be at most 20: the mesh has no more \
-                    modes\nhint: keep fewer modes, or give the mesh more elements\n";
-    let setting = ["--set", "analysis.modes=25"];
-    let motion = repository(super::MOTION);
-    for command in [&["solve", &link, &motion][..], &["frf", &link]] {
-        assert_eq!(refused(&bench, &[command, &setting].concat(), 4), expected);
-    }
-}
-
-#[test]
-fn a_mesh_too_large_for_all_its_modes_is_refused() {
-    let bench = Bench::new();
-    unmeshed(&bench);
-    let motion = repository(super::MOTION);
-    for (command, elements, limit) in
-        [(&["solve", "link.toml", &motion][..], 251, 250), (&["frf", "link.toml"], 501, 500)]
-    {
-        let mesh = format!("mesh.elements={elements}");
-        let error = refused(&bench, &[command, &["--set", MODAL, "--set", &mesh]].concat(), 4);
-        let expected = format!(
-            "error: the mesh = {elements} elements, but must be at most {limit} for modal damping: \
-             it needs all modes, and dense algebra grows with the cube of their number\n\
-             hint: fewer elements, or hysteretic or rayleigh damping, which have no such limit\n"
-        );
-        assert_eq!(error, expected);
-    }
-}
-
-#[test]
-fn a_series_that_feeds_energy_in_is_refused_by_every_command() {
-    let bench = Bench::new();
-    let link = repository(LINK);
-    let falling = ["--set", "damping={model=\"caughey\", modes=[1, 2], ratios=[0.2, 0.03]}"];
-    let expected = "error: damping.ratios give mode 3 (13.3435 Hz) a ratio of -8.016e-2, but it \
-                    must be at least 0 in modes 1 to 20\nhint: a series through an even \
-                    number of modes with like ratios rises above them; or give the ratios to the \
-                    modes themselves with model \"modal\"\n";
-    let motion = repository(super::MOTION);
-    for command in [&["solve", &link, &motion][..], &["frf", &link], &["modes", &link]] {
-        assert_eq!(refused(&bench, &[command, &falling].concat(), 4), expected);
-    }
-    let negative = ["--set", "damping={model=\"caughey\", ratios=[-0.2, 0.03]}"];
-    let error = refused(&bench, &[&["modes", &link][..], &negative].concat(), 3);
-    assert!(error.ends_with(": damping.ratios = -0.2, but must lie in [0, 1)\n"), "{error}");
 }
 
 /// Responses at 400 frequencies under a law.

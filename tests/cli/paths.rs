@@ -86,28 +86,6 @@ fn a_dash_is_standard_output_where_one_file_is_written() {
 }
 
 #[test]
-fn a_dash_is_no_folder() {
-    let bench = Bench::new();
-    let (link, motion) = (repository(LINK), repository(MOTION));
-    for (arguments, name) in [
-        (&["solve", &link, &motion, "-o", "-"][..], "--output"),
-        (&["simulate", &link, &motion, "-o", "-"], "--output"),
-        (&["modes", &link, "-o", "-"], "--output"),
-        (&["man", "-o", "-"], "--output"),
-        (&["init", "-"], "DIR"),
-    ] {
-        let output = bench.run(arguments);
-        assert_eq!(output.status.code(), Some(2));
-        let message = format!(
-            "error: {name} = -, but must be a folder\n\
-             hint: standard output takes one file, and these are several\n"
-        );
-        assert_eq!(stderr(&output), message);
-        assert_eq!(bench.names("."), [""; 0]);
-    }
-}
-
-#[test]
 fn results_do_not_replace_what_they_are_made_from() {
     let bench = Bench::new();
     let (link, motion) = (repository(LINK), repository(MOTION));

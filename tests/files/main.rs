@@ -2,9 +2,10 @@
 
 mod link_file;
 mod reference_files;
+mod refused_tables;
+mod snapshot;
 mod stored_results;
 mod table_laws;
 mod torque_file;
 mod trajectory_file;
-mod trajectory_motion;
 mod trajectory_resampling;

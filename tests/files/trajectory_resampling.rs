@@ -1,4 +1,4 @@
-//! Resampling of trajectories: what it keeps, and the full text of every refusal.
+//! Resampling of trajectories: what it keeps and refuses.
 
 use flexlink::csv::{MotionTable, read_motion_table};
 

@@ -108,21 +108,6 @@ fn a_compressed_file_or_a_spreadsheet_is_told_to_be_one() {
 }
 
 #[test]
-fn a_mark_of_utf_8_and_the_line_ends_of_windows_change_nothing() {
-    let bench = Bench::new();
-    let solved = |bench: &Bench| {
-        bench.solves(&["--json"]);
-        fs::read(bench.path("out/torque.csv")).unwrap()
-    };
-    let plain = solved(&bench);
-    for file in ["link.toml", "motion.csv"] {
-        let text = fs::read_to_string(bench.path(file)).unwrap();
-        bench.write(file, format!("\u{feff}{}", text.replace('\n', "\r\n")));
-    }
-    assert!(solved(&bench) == plain);
-}
-
-#[test]
 fn quoted_fields_are_read_and_one_that_never_ends_is_told() {
     let bench = Bench::new();
     bench.solves(&[]);

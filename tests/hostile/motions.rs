@@ -91,13 +91,6 @@ fn a_step_that_drifts_by_1e_9_is_uniform_and_by_1e_6_is_not() {
 }
 
 #[test]
-fn a_column_twice_is_refused() {
-    let table = motion(seconds, |a| format!("{a},{a}"));
-    let message = "motion.csv:1: column 3 = \"acceleration\", but must not repeat column 2";
-    refused(&table.replacen("acceleration", "acceleration,acceleration", 1), REFUSED, message);
-}
-
-#[test]
 fn motions_beyond_what_can_be_squared_are_refused_and_smaller_ones_solved() {
     let scaled = |by: f64| motion(seconds, |a| (a * by).to_string());
     let range = "N m, but must lie from 1e-100 to 1e100 N m\nhint: check the units";

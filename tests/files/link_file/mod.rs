@@ -6,7 +6,6 @@
     reason = "decimal units cost no digit, and a test may fail where it stands"
 )]
 
-mod contradictions;
 mod damping;
 mod overrides;
 mod refusals;
@@ -99,15 +98,6 @@ fn shown(error: &SpecError) -> String {
         Some(hint) => format!("{error}\nhint: {hint}"),
         None => error.to_string(),
     }
-}
-
-fn refusal(text: &str) -> String {
-    shown(&read(text).expect_err(text))
-}
-
-/// Refusal of one segment with these keys, which begin in line 2.
-fn segment_refusal(keys: &str) -> String {
-    refusal(&format!("[[segments]]\n{keys}\n"))
 }
 
 #[test]

