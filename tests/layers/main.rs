@@ -1,10 +1,10 @@
 //! The import law: a module imports only from levels below its own, siblings never from each other, and
-//! no files of a module import each other in a circle.
+//! no files of a module import each other in a circle. Files are few and short.
 
 mod circles;
 mod source;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use source::{identifier, names, sources, without_text};
 
@@ -150,6 +150,15 @@ fn every_module_imports_only_from_levels_below_its_own() {
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
     assert!(checked > 40, "only {checked} files were found");
+}
+
+#[test]
+fn the_sources_are_at_most_260_files_of_at_most_400_lines() {
+    let sources = sources();
+    assert!(sources.len() <= 260, "{} files", sources.len());
+    let lines = |(path, source): &(PathBuf, String)| (path.clone(), source.lines().count());
+    let long: Vec<_> = sources.iter().map(lines).filter(|(_, lines)| *lines > 400).collect();
+    assert!(long.is_empty(), "{long:?}");
 }
 
 #[test]
