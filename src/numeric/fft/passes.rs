@@ -6,7 +6,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::iter::repeat_n;
 
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 
 use super::vector::{Eight, Vector};
 
@@ -106,18 +106,38 @@ pub(super) fn transform<S: Simd>(
     out: &mut [Eight],
     spare: &mut [Eight],
 ) {
-    let (mut out, mut spare) = (&mut out[..stages.len], &mut spare[..stages.len]);
-    let Some((first, rest)) = stages.passes.split_first() else {
-        out[0] = points.eights[0];
-        return;
-    };
-    if rest.len() % 2 == 1 {
-        std::mem::swap(&mut out, &mut spare);
-    }
-    one_pass(simd, first, points, out);
-    for pass in rest {
-        one_pass(simd, pass, Points { eights: out, step: 1 }, spare);
-        std::mem::swap(&mut out, &mut spare);
+    simd.vectorize(Transform { stages, points, out, spare });
+}
+
+/// A function of its own for each width of vectors: rows and columns, forward and inverse transforms
+/// call the same one, and the butterflies of all radices are compiled once.
+struct Transform<'a> {
+    stages: &'a Stages,
+    points: Points<'a>,
+    out: &'a mut [Eight],
+    spare: &'a mut [Eight],
+}
+
+impl WithSimd for Transform<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { stages, points, out, spare } = self;
+        let (mut out, mut spare) = (&mut out[..stages.len], &mut spare[..stages.len]);
+        if stages.passes.is_empty() {
+            out[0] = points.eights[0];
+            return;
+        }
+        // Each pass writes into the other half of the memory, the last one into `out`.
+        if stages.passes.len() % 2 == 1 {
+            std::mem::swap(&mut out, &mut spare);
+        }
+        for (number, pass) in stages.passes.iter().enumerate() {
+            let points = if number == 0 { points } else { Points { eights: out, step: 1 } };
+            one_pass(simd, pass, points, spare);
+            std::mem::swap(&mut out, &mut spare);
+        }
     }
 }
 
