@@ -185,7 +185,7 @@ fn modes_that_are_too_few_are_told_with_the_error_that_was_measured() {
     let solution = few(1);
     let warning = of_kind(&solution, "few_modes");
     let Warning::FewModes { error, .. } = *warning else { panic!("{warning}") };
-    let (quantity, worst) = solution.accuracy.of_kind(|errors| errors.modes.unwrap_or(0.0)).worst();
+    let (_, worst) = solution.accuracy.of_kind(|errors| errors.modes.unwrap_or(0.0)).worst();
     assert!((error - worst).abs() < 1e-15 && error > 0.01, "{error}");
     assert!(few(8).warnings.is_empty(), "{:?}", few(8).warnings);
 }
@@ -208,7 +208,7 @@ fn a_torque_that_the_tip_does_not_settle_is_told_with_the_peak_at_twice_the_tole
     // Half a digit is 2.5e-6 of the way.
     let solution = solve(&motion, 2e-6);
     let warning = of_kind(&solution, "unsettled_torque");
-    let Warning::UnsettledTorque { quantity, peak_n_m, looser_n_m } = *warning else {
+    let Warning::UnsettledTorque { peak_n_m, looser_n_m, .. } = *warning else {
         panic!("{warning}")
     };
     let peak = |solution: &Solution| largest(&solution.torque_n_m);
