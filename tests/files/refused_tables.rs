@@ -1,7 +1,5 @@
 //! Tables that are refused, each with its line and what to do.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
-
 use flexlink::csv::{
     MotionTable, TableError, read_hub_reference, read_motion_table, read_torque_table,
 };

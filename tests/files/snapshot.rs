@@ -25,14 +25,14 @@ pub(crate) fn compare(name: &str, refusal: impl Fn(&str, &str, &str) -> String) 
             (words, input) = (rest.trim(), Some(String::new()));
         } else if is_told {
             let input = input.take().unwrap();
-            found += &format!(">>> {}\n", refusal(section, words, &input));
+            found.extend([">>> ", &refusal(section, words, &input), "\n"]);
         } else if let Some(input) = &mut input {
-            *input += &format!("{line}\n");
+            input.extend([line, "\n"]);
         } else if !section.is_empty() {
             continue; // a hint, or the empty line above a section
         }
         if !is_told {
-            found += &format!("{line}\n");
+            found.extend([line, "\n"]);
         }
     }
     if std::env::var_os("TRYCMD").is_some_and(|action| action == "overwrite") {
