@@ -19,6 +19,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`text`] | numbers and pieces of an input as messages show them |
 //! | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units: mathematics that knows no beam |
 //! | [`link`] | the physical link, checked at construction |
 //! | [`motion`] | the tip motion, checked at construction, its spectrum, analytic profiles |
@@ -124,4 +125,5 @@ pub mod result;
 pub mod spec;
 pub mod store;
 pub mod sweep;
+pub mod text;
 pub mod verify;

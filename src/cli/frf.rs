@@ -10,10 +10,10 @@ use flexlink::beam::Mesh;
 use flexlink::csv::Digits;
 use flexlink::modal::natural_frequencies;
 use flexlink::model::{FrequencyResponse, ModelError, changes_on_halves, model_of};
-use flexlink::numeric::{plain, significant};
 use flexlink::result::{BandMeshError, mesh_error};
 use flexlink::spec::Specification;
 use flexlink::store::write_frequency_response;
+use flexlink::text::{plain, significant};
 
 use super::inputs::LinkArgs;
 use crate::terminal::files::keep_files;

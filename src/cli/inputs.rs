@@ -10,9 +10,9 @@ use flexlink::inverse::Solution;
 use flexlink::link::Link;
 use flexlink::modal::REPORTED_MODES;
 use flexlink::motion::{MotionScale, TipMotion};
-use flexlink::numeric::plain;
 use flexlink::result::Remark;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
+use flexlink::text::plain;
 
 use super::args::{finite, option};
 use crate::terminal::{Exit, Failure};

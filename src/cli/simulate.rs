@@ -6,7 +6,6 @@ use clap::Args;
 
 use flexlink::csv::{Digits, InputFile, read_hub_reference, read_motion_table, read_torque_table};
 use flexlink::motion::TipTarget;
-use flexlink::numeric::plain;
 use flexlink::response::{
     Feedback, HubReference, Interpolation, Play, PlayError, Simulation, SimulationError, Torque,
     simulate,
@@ -14,6 +13,7 @@ use flexlink::response::{
 use flexlink::result::{PlayedMetrics, TargetError, TipError};
 use flexlink::spec::Specification;
 use flexlink::store::{RunInputs, SimulateOutputs, Summary};
+use flexlink::text::plain;
 
 use super::args::{NodeArgs, SyncArgs, digits_arguments, finite, option};
 use super::inputs::LinkArgs;

@@ -12,9 +12,9 @@ use crate::terminal::text::{binding_text, found_text};
 use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 use flexlink::csv::{Digits, InputFile, write_trajectory};
 use flexlink::motion::Profile;
-use flexlink::numeric::{excerpt, plain, visible};
 use flexlink::result::{FitProblem, OpenMotion, shortest_fit};
 use flexlink::spec::{Override, SpecError, Specification};
+use flexlink::text::{excerpt, plain, visible};
 
 /// Distances in m and steps in s, within which all samples are numbers and none vanishes.
 const DISTANCES_M: RangeInclusive<f64> = 1e-100..=1e100;

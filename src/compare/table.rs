@@ -30,7 +30,7 @@ impl Table {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableColumn {
     name: String,
-    /// One per row; NaN where a word stands.
+    /// One per row; NaN for a word.
     numbers: Vec<f64>,
     /// Row and text, in the order of the rows; an empty field is an empty word.
     words: Vec<(usize, String)>,
@@ -88,7 +88,7 @@ impl TableColumn {
         }
     }
 
-    /// The number in a row; NaN where a word stands.
+    /// The number in a row; NaN for a word.
     pub fn number(&self, row: usize) -> f64 {
         self.numbers[row]
     }

@@ -48,7 +48,7 @@ pub enum Change {
 /// Columns by pattern, and what changes for them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnRule {
-    /// Where it was written, for messages.
+    /// The place of the rule, for messages.
     pub place: String,
     /// Pattern of the file's name, or of its path where the pattern has a slash; `None`: any.
     pub file: Option<String>,
@@ -61,7 +61,7 @@ pub struct ColumnRule {
 impl ColumnRule {
     /// True if it names this column of the file with this path, whose folders end in slashes.
     ///
-    /// In patterns `*` stands for any text and `?` for one character.
+    /// In patterns `*` matches any text and `?` one character.
     pub fn names(&self, file: &str, column: &str) -> bool {
         self.is_of(file) && WildMatch::new(&self.column).matches(column)
     }

@@ -87,7 +87,7 @@ impl Vocabulary {
             if let Some(earlier) = find(&headings, quantity) {
                 let must = format!("must not repeat {}", earlier.named());
                 let choice = self.choice.map(str::to_owned);
-                return Err(heading.refuse(&must, place).with_hint(choice));
+                return Err(place.refuse_column(index, &heading.name, must).with_hint(choice));
             }
             headings.push(heading);
         }
@@ -172,11 +172,6 @@ impl Heading {
     /// The column in a message: `column 2, "torque"`.
     pub(super) fn named(&self) -> String {
         format!("column {}, {}", self.index + 1, quoted(&self.name))
-    }
-
-    /// Refuses this column.
-    pub(super) fn refuse(&self, must: &str, place: Place) -> TableError {
-        place.refuse(format!("column {}", self.index + 1), quoted(&self.name), must)
     }
 }
 

@@ -128,8 +128,7 @@ fn chosen_torque(
     let field = fields[index];
     if let Some(word) = unread_unit(field) {
         let must = format!("must tell its unit in brackets: {} reads like one", quoted(word));
-        let subject = format!("column {}", index + 1);
-        return Err(place.refuse(subject, quoted(field), must).with_hint(IN_BRACKETS.to_owned()));
+        return Err(place.refuse_column(index, field, must).with_hint(IN_BRACKETS.to_owned()));
     }
     let suffixed = TORQUE.is_suffixed(split_unit(field).0);
     Heading::of(index, field, TORQUE, suffixed, place)
@@ -141,12 +140,13 @@ fn chosen_index(fields: &[&str], column: &str, place: Place) -> Result<usize, Ta
     if column.is_empty() {
         return Err(place.refuse("--column", "nothing", "must name a column"));
     }
-    let whole = indices(fields, |field| field == column);
-    let found = if whole.is_empty() {
-        indices(fields, |field| split_unit(field).0 == column)
-    } else {
-        whole
+    let all = |is_meant: &dyn Fn(&str) -> bool| -> Vec<usize> {
+        (0..fields.len()).filter(|index| is_meant(fields[*index])).collect()
     };
+    let mut found = all(&|field| field == column);
+    if found.is_empty() {
+        found = all(&|field| split_unit(field).0 == column);
+    }
     match found[..] {
         [] => Err(unknown_column(fields, column, place)),
         [index] => Ok(index),
@@ -157,14 +157,9 @@ fn chosen_index(fields: &[&str], column: &str, place: Place) -> Result<usize, Ta
             } else {
                 format!("choose one with its unit: --column {}", quoted(fields[first]))
             };
-            let subject = format!("column {}", second + 1);
-            Err(place.refuse(subject, quoted(fields[second]), must).with_hint(hint))
+            Err(place.refuse_column(second, fields[second], must).with_hint(hint))
         }
     }
-}
-
-fn indices(fields: &[&str], is_meant: impl Fn(&str) -> bool) -> Vec<usize> {
-    (0..fields.len()).filter(|&index| is_meant(fields[index])).collect()
 }
 
 fn unknown_column(fields: &[&str], column: &str, place: Place) -> TableError {

@@ -5,7 +5,7 @@ use super::heading::{
     nearest, refuse_missing, require, split_unit,
 };
 use super::number::Digits;
-use super::rows::{Place, TableError, quoted};
+use super::rows::{Place, TableError};
 use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
 use super::table::{group, write_over_time};
 use crate::motion::{MotionColumns, TipMotion, TipTarget};
@@ -160,7 +160,9 @@ pub fn read_motion_table(
 ) -> Result<MotionTable, TableError> {
     let mut samples = Samples::read(name, bytes, trajectory_headings)?;
     let arc = samples.take(ANGLE).map(|mut angle| {
-        angle.iter_mut().for_each(|value| *value *= link_length_m);
+        for value in &mut angle {
+            *value *= link_length_m;
+        }
         angle
     });
     let columns = MotionColumns {
@@ -186,7 +188,8 @@ fn trajectory_headings(fields: &[&str], place: Place) -> Result<Vec<Heading>, Ta
         let first = first.named();
         let must = format!("must not stand beside {first}: they are two names of one thing");
         let hint = "displacement = angle * link length; keep one of them";
-        return Err(second.refuse(&must, place).with_hint(hint.to_owned()));
+        let error = place.refuse_column(second.index, &second.name, must);
+        return Err(error.with_hint(hint.to_owned()));
     }
     require(&headings, TIME, fields, place)?;
     if [ACCELERATION, DISPLACEMENT, ANGLE].iter().all(|known| find(&headings, *known).is_none()) {
@@ -197,11 +200,10 @@ fn trajectory_headings(fields: &[&str], place: Place) -> Result<Vec<Heading>, Ta
 }
 
 fn unknown_column(index: usize, field: &str, place: Place) -> TableError {
-    let subject = format!("column {}", index + 1);
     let words: Vec<&str> = TRAJECTORY.quantities.iter().map(|quantity| quantity.word).collect();
     let must = format!("must be one of {}", words.join(", "));
     let (name, _) = split_unit(field);
-    place.refuse(subject, quoted(field), must).with_hint(hint_for(&TRAJECTORY.plain(name)))
+    place.refuse_column(index, field, must).with_hint(hint_for(&TRAJECTORY.plain(name)))
 }
 
 /// What the user may have meant by an unknown name.

@@ -6,7 +6,8 @@ use std::str::FromStr;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::numeric::{excerpt, largest};
+use crate::numeric::largest;
+use crate::text::excerpt;
 
 /// Digits of the numbers of a column group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

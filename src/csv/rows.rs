@@ -4,7 +4,7 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use thiserror::Error;
 
 use super::input::{disguise, remedy, sha256};
-use crate::numeric::excerpt;
+use crate::text::excerpt;
 
 /// Why a CSV file is refused.
 ///
@@ -55,6 +55,16 @@ impl Place<'_> {
     ) -> TableError {
         let message = format!("{} = {}, but {}", subject.into(), found.into(), must.into());
         self.refuse_whole(message)
+    }
+
+    /// *place: column N = "name", but must*, the first column being number 0.
+    pub(super) fn refuse_column(
+        &self,
+        number: usize,
+        name: &str,
+        must: impl Into<String>,
+    ) -> TableError {
+        self.refuse(format!("column {}", number + 1), quoted(name), must)
     }
 
     /// *place: message*.

@@ -1,7 +1,7 @@
 use thiserror::Error;
 
 use crate::model::ModelError;
-use crate::numeric::{gigabytes, significant};
+use crate::text::{gigabytes, significant};
 
 /// Why a valid link and a valid motion have no torque here.
 #[derive(Debug, Clone, PartialEq, Error)]

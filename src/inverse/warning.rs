@@ -3,7 +3,7 @@ use thiserror::Error;
 use super::accuracy::Quantity;
 use crate::link::Link;
 use crate::motion::Shortfall;
-use crate::numeric::significant;
+use crate::text::significant;
 
 /// Largest hub rate over the first natural frequency of the clamped link from which on the user is
 /// warned.

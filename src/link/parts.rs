@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
-use crate::numeric::plain;
+use crate::text::plain;
 
 /// Characters of a number that is written with all its digits.
 const LONGEST_NUMBER: usize = 24;

@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::beam::{Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers};
 use crate::link::Link;
 use crate::modal::{AllModesError, DampingError, DampingLaw, MOST_ELEMENTS_OF_ALL_MODES};
-use crate::numeric::significant;
+use crate::text::significant;
 
 /// A link on a mesh, and its damping law with all its numbers. A clone shares the link.
 #[derive(Debug, Clone)]

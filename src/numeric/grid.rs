@@ -1,8 +1,8 @@
 use thiserror::Error;
 
-use super::text::rounded;
+use super::reductions::rounded;
 
-/// Uniform time grid: sample k stands at `origin + (first + k)·step`.
+/// Uniform time grid: sample k is at `origin + (first + k)·step`.
 ///
 /// The grid of a result extends the one of its trajectory, so both keep the same origin and their
 /// common samples the same times to the last bit.
@@ -73,7 +73,7 @@ impl ThinnedGrid {
         self.grid.len.div_ceil(self.every)
     }
 
-    /// Whether there is no sample.
+    /// True if there is no sample.
     pub fn is_empty(&self) -> bool {
         self.grid.len == 0
     }
@@ -91,7 +91,7 @@ const TIME_TOLERANCE: f64 = 1e-3;
 /// of 60 Hz written in whole milliseconds.
 const DECIMAL_SHARE: f64 = 0.1;
 
-/// A time that does not stand on the uniform grid of the others.
+/// A time that is not on the uniform grid of the others.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
     "time = {} s, but must be {} s: the samples before and after stand {} s apart",
@@ -118,7 +118,7 @@ impl NotUniform {
 }
 
 impl TimeGrid {
-    /// The uniform grid that times in s stand on, from the first to the last.
+    /// The uniform grid through times in s, from the first to the last.
     ///
     /// A time may be off by a thousandth of a step, or by the rounding of its last decimal.
     ///
@@ -130,7 +130,7 @@ impl TimeGrid {
     /// ```
     ///
     /// # Errors
-    /// [`NotUniform`] names the first time that is off, and where it should stand.
+    /// [`NotUniform`] names the first time that is off, and the time that the grid has there.
     ///
     /// # Panics
     /// If there are fewer than two times.
@@ -159,7 +159,7 @@ impl TimeGrid {
     }
 }
 
-/// How far a time may stand from the grid, in s.
+/// Largest distance of a time from the grid, in s.
 fn slack(time_s: &[f64], step_s: f64) -> f64 {
     let decimal_s = last_decimal(time_s);
     // Half a decimal for the time itself, and half for the ends that the grid is drawn through.
@@ -181,7 +181,7 @@ fn last_decimal(time_s: &[f64]) -> f64 {
         .map_or(0.0, f64::recip)
 }
 
-/// Whether a distance is above its limit; one that is not a number is, too.
+/// True if a distance exceeds its limit or is NaN.
 fn exceeds(distance: f64, limit: f64) -> bool {
     distance > limit || distance.is_nan()
 }

@@ -1,4 +1,4 @@
-//! Sums and largest values over many numbers.
+//! Sums, largest values and rounding.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -72,6 +72,11 @@ pub fn magnitude(z: Complex64) -> f64 {
     libm::hypot(z.re, z.im)
 }
 
+/// The value rounded to `digits` ≥ 1 significant digits; 12 hide the round-off of arithmetic.
+pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -82,6 +87,20 @@ mod tests {
             let values: Vec<f64> = (1..=len).map(f64::from).collect();
             let squares = f64::from(len * (len + 1) * (2 * len + 1)) / 6.0;
             assert_eq!(dot(&values, &values).to_bits(), squares.to_bits());
+        }
+    }
+
+    #[test]
+    fn the_last_digits_of_arithmetic_are_gone() {
+        for (value, digits, expected) in [
+            (4.671_999_999_999_999, 12, "4.672"),
+            (0.1 + 0.2, 12, "0.3"),
+            (-0.553_210_7, 4, "-0.5532"),
+            (1234.0, 2, "1200"),
+            (0.0, 3, "0"),
+            (f64::NAN, 3, "NaN"),
+        ] {
+            assert_eq!(rounded(value, digits).to_string(), expected);
         }
     }
 }

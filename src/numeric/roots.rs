@@ -5,7 +5,7 @@ pub const SECTIONS: usize = 16;
 ///
 /// The ends are (place, value) with positive places and values of opposite signs. `values` evaluates
 /// the function at sixteen places between them; it need be neither smooth nor finite. Where it is, the
-/// places stand around the root of the straight line from end to end. Elsewhere they divide the bracket
+/// places lie around the root of the straight line from end to end. Elsewhere they divide the bracket
 /// evenly, a wide one in the logarithm, so that the width does not matter.
 pub fn root(
     mut low: (f64, f64),
@@ -46,7 +46,7 @@ fn is_open(low: f64, high: f64) -> bool {
     low < middle && middle < high
 }
 
-/// Sixteen places on both sides of a guess, each pair a sixteenth as far from it as the one before.
+/// Eight places on either side of a guess, each pair a sixteenth as far from it as the one before.
 fn around(guess: f64, width: f64) -> [f64; SECTIONS] {
     let mut places = [guess; SECTIONS];
     let mut distance = width;

@@ -112,9 +112,12 @@ impl Scalar for Complex64 {
 
 #[cfg(test)]
 pub(crate) mod wide {
-    use super::{Complex64, Scalar};
     use std::ops::{Add, Mul, Sub};
+
+    use num_complex::Complex64;
     use twofloat::TwoFloat;
+
+    use super::Scalar as _;
 
     /// A complex number of twice 106 bits, to measure how many digits the same recursion loses in
     /// 53.
@@ -179,7 +182,7 @@ pub(crate) mod wide {
         }
     }
 
-    impl Scalar for Wide {
+    impl super::Scalar for Wide {
         type Size = f64;
 
         fn lift(self, x: f64) -> Self {

@@ -34,8 +34,7 @@ impl CubicSpline {
     /// ```
     ///
     /// # Panics
-    /// Without as many values as abscissae, with fewer than 4 points or with x not ascending:
-    /// whoever read the points has checked them.
+    /// Without as many values as abscissae, with fewer than 4 points or with x not ascending.
     pub fn new(x: &[f64], y: &[f64], ends: SplineEnds) -> Self {
         assert!(x.len() == y.len(), "every abscissa has a value");
         assert!(x.len() >= Self::MIN_POINTS, "a spline goes through 4 points");

@@ -5,8 +5,9 @@ use super::colour_map::{ColourMap, Colours};
 use super::figure::{Figure, Stroke};
 use super::view::{View, inside, nearest};
 use crate::beam::Mesh;
-use crate::numeric::{largest, significant};
+use crate::numeric::largest;
 use crate::result::{StoredNodes, StoredRun};
+use crate::text::significant;
 
 /// Columns of the map, one for each pixel; the step of accelerations is at most one column.
 pub(super) const COLUMNS: usize = 680;

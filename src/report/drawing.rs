@@ -8,7 +8,7 @@ use maud::{Markup, html};
 use super::axis::{Axis, TIME};
 use super::colour_map::ColourMap;
 use super::figure::{Curve, Figure, Mark, Stroke};
-use crate::numeric::significant;
+use crate::text::significant;
 
 /// Approximate width of a letter.
 const LETTER: f64 = 6.6;

@@ -8,7 +8,7 @@ use resvg::{tiny_skia, usvg};
 
 use super::axis::{Axis, in_unit};
 use super::colour_map::ColourMap;
-use crate::numeric::{significant, visible_document};
+use crate::text::{significant, visible_document};
 
 /// The content of a figure in numbers; [`Figure::svg_file`] and [`Figure::png_file`] draw it.
 #[derive(Debug, Clone, Default)]

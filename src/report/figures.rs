@@ -10,9 +10,10 @@ use super::page::run_page;
 use super::sweep::{sweep_figures, sweep_page};
 use super::view::{View, inside};
 use crate::link::Damping;
-use crate::numeric::{largest, significant, visible_document};
+use crate::numeric::largest;
 use crate::response::{Play, Torque, simulate_on};
 use crate::result::{StoredResult, StoredRun, StoredSolution};
+use crate::text::{significant, visible_document};
 
 impl Figures {
     /// All figures of a result.

@@ -7,10 +7,9 @@ use super::figure::{Curve, Figure, Mark, Stroke};
 use crate::beam::Mesh;
 use crate::modal::{Shape, mode, natural_frequencies, real_frequency_zeros, torque_zeros};
 use crate::model::{FrequencyResponse, KeptModes, model_of};
-use crate::numeric::{
-    FourierPair, angular_frequency, fast_length, largest, magnitude, significant,
-};
+use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 use crate::result::StoredRun;
+use crate::text::significant;
 
 /// Frequencies that are drawn.
 const POINTS: usize = 900;

@@ -8,8 +8,9 @@ use super::bending::bending_moments;
 use super::figure::evenly;
 use super::view::{View, inside, nearest};
 use crate::link::{Link, Segment};
-use crate::numeric::{largest, rounded, significant};
+use crate::numeric::{largest, rounded};
 use crate::result::StoredNodes;
+use crate::text::significant;
 
 /// Width and height of the drawing, position of the axis, x of the farthest body, all in pixels.
 const WIDTH: f64 = 760.0;

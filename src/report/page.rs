@@ -6,8 +6,8 @@ use super::figure::{Figure, Figures};
 use super::link::{given, link_drawing, motion_data};
 use super::view::View;
 use crate::link::{Link, Segment};
-use crate::numeric::significant;
 use crate::result::{Origin, StoredCheck, StoredRun, StoredWarning};
+use crate::text::significant;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");

@@ -7,8 +7,8 @@ use super::colour_map::{ColourMap, Colours};
 use super::figure::{Curve, Figure, Figures, Stroke};
 use super::page::{Section, document, figures_section, inputs, made_by, table};
 use crate::compare::{Cell, TableColumn};
-use crate::numeric::significant;
 use crate::result::StoredSweep;
+use crate::text::significant;
 
 /// Most lines of a figure; more cannot be distinguished.
 const MOST_LINES: usize = 6;

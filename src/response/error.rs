@@ -5,7 +5,8 @@ use thiserror::Error;
 
 use crate::link::Link;
 use crate::modal::DampingError;
-use crate::numeric::{TimeGrid, gigabytes, largest, plain, rounded};
+use crate::numeric::{TimeGrid, largest, rounded};
+use crate::text::{gigabytes, plain};
 
 /// Why a torque is not played.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::motion::TipTarget;
-use crate::numeric::{CubicSpline, SplineEnds, rounded, significant};
+use crate::numeric::{CubicSpline, SplineEnds, rounded};
 use crate::response::Simulation;
+use crate::text::significant;
 
 /// Relative error above which the user is warned.
 const COARSE: f64 = 1e-2;

@@ -7,7 +7,7 @@ use crate::beam::MeshPlan;
 use crate::inverse::{Analysis, InversionError, Resources, Solution, invert_with};
 use crate::link::Link;
 use crate::motion::{MotionError, Profile, TipMotion};
-use crate::numeric::plain;
+use crate::text::plain;
 
 /// Fewest steps of a motion.
 const FEWEST_STEPS: usize = 4;

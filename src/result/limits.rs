@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::metrics::{Metrics, MotorMetrics};
 use crate::inverse::{QuantityErrors, Solution};
 use crate::link::{Drive, ParameterError};
-use crate::numeric::{plain, significant};
+use crate::text::{plain, significant};
 
 /// How the keys of the motor's limits begin.
 const MOTOR: &str = "motor_";

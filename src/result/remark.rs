@@ -10,7 +10,7 @@ use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::{LoweredMode, Thickness};
 use crate::motion::TipMotion;
-use crate::numeric::significant;
+use crate::text::significant;
 
 /// Densities of solids in kg/m³: the lightest foams and osmium, with little beside.
 const DENSITIES_KG_M3: RangeInclusive<f64> = 25.0..=25_000.0;

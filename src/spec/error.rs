@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::value::Count;
 use crate::link::ParameterError;
-use crate::numeric::{excerpt, visible};
+use crate::text::{excerpt, visible};
 
 /// Hint for a missing or wrong damping ratio.
 pub(super) const USUAL_RATIO: &str = "0.02 is usual for metal links";

@@ -3,7 +3,8 @@ use std::str::FromStr;
 use super::choices::PROPERTIES;
 use super::error::{Fault, SpecError, did_you_mean};
 use super::tree::{Kind, Node, Place};
-use crate::numeric::{excerpt, split_number, visible};
+use crate::numeric::split_number;
+use crate::text::{excerpt, visible};
 
 /// Most steps of a path; link files are less deep.
 const MOST_STEPS: usize = 16;

@@ -12,7 +12,7 @@ use serde::forward_to_deserialize_any;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{Fault, Misfit, SpecError};
-use crate::numeric::excerpt;
+use crate::text::excerpt;
 
 /// Where a value was written; later places are greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -8,7 +8,8 @@ use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor
 use serde_json::{Value, json};
 
 use crate::link::Taper;
-use crate::numeric::{Dimension, UnitError, parse_quantity, quantity_pattern, visible};
+use crate::numeric::{Dimension, UnitError, parse_quantity, quantity_pattern};
+use crate::text::visible;
 
 /// A quantity in SI, which the file gives as a number or as text with its unit. The parameters are the
 /// exponents of mass, length and time.

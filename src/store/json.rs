@@ -8,8 +8,8 @@ use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
 
 use crate::csv::{InputError, InputFile, Place, TableError};
-use crate::numeric::{excerpt, is_hidden, visible};
 use crate::result::StoredInput;
+use crate::text::{excerpt, is_hidden, visible};
 
 /// Format of all records. It grows with each change that breaks readers of the one before.
 pub(super) const FORMAT: u32 = 2;

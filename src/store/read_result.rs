@@ -16,8 +16,9 @@ use crate::beam::NodalHistories;
 use crate::csv::{InputError, InputFile, Place, TableError, quoted, time_format};
 use crate::inverse::{NodalTable, Solution};
 use crate::motion::TipMotionHistories;
-use crate::numeric::{ThinnedGrid, is_hidden};
+use crate::numeric::ThinnedGrid;
 use crate::result::{StoredNodes, StoredResult, StoredRun, StoredSolution};
+use crate::text::is_hidden;
 
 /// Reads a result back: the folder of a run of `solve` or `simulate`, the table of a sweep, or a
 /// folder with one such table.

@@ -15,8 +15,8 @@ use super::read_result::{RunFolder, check_names};
 use super::run_tables::{REPORT, RESULT_FILES, SUMMARY};
 use super::summary::Summary;
 use crate::csv::{InputError, InputFile, Place, TableError, quoted};
-use crate::numeric::excerpt;
 use crate::result::{Origin, Repeated, RepeatedFile, line_difference};
+use crate::text::excerpt;
 
 /// Bytes that are read at a time.
 const CHUNK: usize = 1 << 16;

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::variation::{Operation, Variation};
 use crate::motion::MotionScale;
-use crate::numeric::excerpt;
+use crate::text::excerpt;
 
 /// All cases of a sweep: the product of its variations, the last one running fastest.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,8 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use crate::numeric::{excerpt, rounded, split_number};
+use crate::numeric::{rounded, split_number};
+use crate::text::excerpt;
 
 /// Significant digits of the values between the ends of a range.
 const DIGITS: usize = 15;

@@ -12,9 +12,9 @@ use clap::builder::styling::{AnsiColor, Style};
 use clap::error::ContextValue;
 
 use flexlink::csv::system_words;
-use flexlink::numeric::{excerpt, is_hidden};
 use flexlink::result::Remark;
 use flexlink::store::{Durability, write_file};
+use flexlink::text::{excerpt, is_hidden};
 
 use super::exit::{Exit, Failure};
 

@@ -6,7 +6,7 @@ use clap::Args;
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
 use flexlink::csv::{available_addresses, available_memory};
-use flexlink::numeric::gigabytes;
+use flexlink::text::gigabytes;
 
 use super::allocator::limit_arenas;
 use super::exit::{Exit, Failure};

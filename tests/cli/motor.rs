@@ -1,6 +1,6 @@
 //! The motor's side of the drive: its numbers in every result, and its limits.
 
-use flexlink::numeric::significant;
+use flexlink::text::significant;
 
 use super::{Bench, LINK, MOTION, column, keys, repository, stderr, stdout};
 

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 use source::{identifier, names, sources, without_text};
 
 /// Modules by level. What stands on a level knows those above it in this list, and nothing else.
-const LEVELS: [&[&str]; 13] = [
+const LEVELS: [&[&str]; 14] = [
+    &["text"],
     &["numeric"],
     &["link"],
     &["motion", "beam"],

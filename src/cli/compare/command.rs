@@ -4,11 +4,11 @@ use clap::Args;
 
 use flexlink::compare::{ColumnRule, Comparison, Tolerances};
 use flexlink::csv::InputFile;
-use flexlink::numeric::excerpt;
 use flexlink::spec::read_tolerances;
 use flexlink::store::{
     GoldenChanges, change_golden_files, comparison_json, is_result_file, is_run,
 };
+use flexlink::text::excerpt;
 
 use super::sides::{Purpose, Sides, TOLERANCES};
 use crate::cli::args::not_negative;

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use flexlink::csv::InputFile;
-use flexlink::numeric::excerpt;
 use flexlink::result::{Repeated, RepeatedFile};
 use flexlink::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
+use flexlink::text::excerpt;
 
 use super::command::Solve;
 use super::run::{Page, Problem, SolveOptions};

@@ -10,12 +10,12 @@ use flexlink::csv::{Digits, InputFile, read_torque_table};
 use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
 use flexlink::motion::{MotionScale, Periods, TipMotion};
-use flexlink::numeric::{excerpt, visible};
 use flexlink::response::Torque;
 use flexlink::result::Remark;
 use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
 use flexlink::store::{Fingerprint, SweepIdentity, SweepInputs, SweepKind};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
+use flexlink::text::{excerpt, visible};
 
 use crate::cli::args::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::inputs::{ChangeArgs, ResampleArgs, scale_arguments};

@@ -2,9 +2,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::numeric::{excerpt, visible};
 use flexlink::store::{SweepRows, sweep_header, sweep_row};
 use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
+use flexlink::text::{excerpt, visible};
 
 use super::cases::{CaseArgs, Cases};
 use super::table::{Begun, NoMore, Rows, merge};

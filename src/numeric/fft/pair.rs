@@ -19,8 +19,8 @@ use super::transform::{Forward, Inverse, Plan, Scratch};
 pub struct FourierPair(Arc<Plan>);
 
 impl FourierPair {
-    /// Plans the pair for `len` samples, an even number above 0. Lengths such as [`fast_length`]
-    /// gives are fast; any other takes time in proportion to its largest prime factor too.
+    /// Plans the pair for `len` samples, an even number above 0. Lengths from [`fast_length`] are
+    /// fast; the time of others grows with their largest prime factor.
     ///
     /// # Panics
     /// If `len` is odd or zero.
@@ -34,7 +34,7 @@ impl FourierPair {
         2 * self.0.points
     }
 
-    /// Never: a pair has at least two samples.
+    /// False: a pair has at least two samples.
     pub fn is_empty(&self) -> bool {
         false
     }
@@ -65,7 +65,7 @@ impl FourierPair {
         samples
     }
 
-    /// Writes what [`Self::samples`] returns, by means of memory that serves again and again.
+    /// Writes what [`Self::samples`] returns into `samples`; `scratch` is memory for any number of calls.
     ///
     /// # Panics
     /// If there are more than N/2 + 1 amplitudes or not room for N samples.
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn amplitudes_are_those_of_a_direct_sum_with_a_negative_exponent() {
         let x = [0.3, -1.0, 2.0, 0.7, 0.1, -0.4];
-        let found = FourierPair::new(6).amplitudes(x.to_vec());
+        let found = FourierPair::new(6).amplitudes(x);
         for (k, found) in found.iter().enumerate() {
             let direct: Complex64 = x
                 .iter()

@@ -10,8 +10,8 @@ use pulp::{Simd, WithSimd};
 use super::passes::{Points, Stages, cis, transform};
 use super::vector::{Eight, Vector, transposed};
 
-/// Of a real transform of 2M samples by a complex one of M = rows · columns points, which stand row
-/// by row, each row filled up to whole eights.
+/// Lengths and factors of a real transform of 2M samples by a complex one of M = rows · columns points,
+/// row by row, each row padded to whole eights.
 #[derive(Debug)]
 pub(super) struct Plan {
     pub(super) points: usize,
@@ -210,7 +210,7 @@ fn some_of_sixteen(numbers: &[f64], end: usize, own: &mut [f64; 16]) {
     }
 }
 
-/// Memory that transforms of any length use one after another.
+/// Memory that one transform after the other may use, of any length.
 #[derive(Debug, Default)]
 pub struct Scratch {
     rows: Vec<Eight>,
@@ -220,7 +220,7 @@ pub struct Scratch {
     numbers: Vec<f64>,
 }
 
-/// The first `len` of `memory`, whatever they hold.
+/// The first `len` items of `memory`; their content is arbitrary.
 fn room<T: Clone>(memory: &mut Vec<T>, len: usize, new: T) -> &mut [T] {
     if memory.len() < len {
         memory.resize(len, new);
@@ -228,8 +228,8 @@ fn room<T: Clone>(memory: &mut Vec<T>, len: usize, new: T) -> &mut [T] {
     &mut memory[..len]
 }
 
-/// `Z_k = Σ_j z_j e^{+2πi jk/M}` of the points in `scratch.rows`, real and imaginary parts in turn
-/// into `numbers`.
+/// Writes `Z_k = Σ_j z_j e^{+2πi jk/M}` of the points in `scratch.rows` into `numbers`, real and
+/// imaginary parts alternating.
 ///
 /// The index is split, j = C·r + c and k = s + R·t for R rows and C columns, and the sum with it:
 ///

@@ -203,7 +203,7 @@ pub(super) fn nearest(word: &str) -> Option<&'static str> {
     best.filter(|(_, score)| *score > 0.66).map(|(symbol, _)| symbol)
 }
 
-/// Whether a word is a unit's symbol, capitals aside and with or without a power, such as `rad` or
+/// True if a word is a unit's symbol, capitals aside and with or without a power, such as `rad` or
 /// `s2`, or two that run together, such as `Nm`.
 pub(crate) fn reads_as_unit(word: &str) -> bool {
     let lower = word.to_lowercase();
@@ -239,14 +239,14 @@ const NUMBER: &str = r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?";
 const POWER: &str = r"((\^|\*\*)[+-]?[0-9]{1,2}|⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?";
 
 /// Regular expression (ECMA 262) of a quantity: what `sign` matches, a number and a product of known
-/// units. It checks neither the dimension nor that one unit alone stands below the stroke.
+/// units. It checks neither the dimension nor that only one unit follows the stroke.
 ///
 /// It matches all that [`parse_quantity`](super::parse_quantity) reads, except signs that `sign` does
 /// not match and powers of more than two digits.
 pub(crate) fn quantity_pattern(sign: &str) -> String {
     let symbols: Vec<&str> = KNOWN.iter().map(|unit| unit.symbol).collect();
     let factor = format!("({}){POWER}", symbols.join("|"));
-    // The units stand in it once, because editors show the whole expression.
+    // It holds the units only once, because editors show the whole expression.
     format!(r"^\s*{sign}{NUMBER}\s*(/\s*)?({factor}(\s*[*/·⋅]\s*(?=\S)|\s+|$))+$")
 }
 

@@ -3,12 +3,12 @@
 use thiserror::Error;
 
 use super::known::{Dimension, known, nearest, run_together};
-use crate::numeric::{excerpt, visible};
+use crate::text::{excerpt, visible};
 
 /// A unit, such as `N m^2` or `kg/m`: a factor to SI and a dimension.
 ///
 /// Factors are separated by blanks, `*`, `·` or `⋅`; a power is written `^2`, `^-1`, `**2` or
-/// `²`; one `/` may stand before the last factor.
+/// `²`; one `/` may precede the last factor.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Unit {
     /// Kept apart from the power of ten, so that 135 cm is 1.35 m to the last bit.

@@ -6,9 +6,9 @@ use flexlink::compare::{
     ColumnComparison, Comparison, FileComparison, FileOutcome, RowPlace, TableComparison,
     Unmatched, Worst,
 };
-use flexlink::numeric::significant;
 use flexlink::result::{LineDifference, Repeated, RepeatedFile};
 use flexlink::store::GoldenChanges;
+use flexlink::text::significant;
 
 /// A number of things, in singular or plural.
 pub(crate) fn counted(number: usize, thing: &str) -> String {

@@ -7,9 +7,9 @@ use flexlink::beam::Mesh;
 use flexlink::inverse::{Quantity, QuantityErrors, Solution};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
-use flexlink::numeric::{gigabytes, significant, visible};
 use flexlink::response::{Interpolation, Play, PlayError, Simulation};
 use flexlink::result::{Metrics, MotorMetrics, Peak, PlayedMetrics, TipError};
+use flexlink::text::{gigabytes, significant, visible};
 
 /// The note about memory before it is taken.
 pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
-use flexlink::numeric::{plain, significant};
 use flexlink::result::{Fit, Limits, Metrics, Reached};
 use flexlink::store::ModesResult;
+use flexlink::text::{plain, significant};
 use flexlink::verify::{Check, Outcome, Verification};
 
 use super::runs::{link_line, title};

@@ -8,7 +8,7 @@ use flexlink::inverse::{Analysis, InversionError, Resources, Warning, invert, in
 use flexlink::link::{Damping, Link, Taper};
 use flexlink::modal::{DampingError, real_frequency_zeros};
 use flexlink::model::ModelError;
-use flexlink::numeric::significant;
+use flexlink::text::significant;
 
 fn through_modes(modes: [usize; 2], ratios: [f64; 2]) -> Link {
     link(|parts| parts.damping = Damping::RayleighThroughModes { modes, ratios })

@@ -3,8 +3,8 @@
 use super::{Smooth, link, mesh_of, solved};
 use flexlink::inverse::{Analysis, InversionError, Solution, invert};
 use flexlink::link::Drive;
-use flexlink::numeric::significant;
 use flexlink::result::{Limits, Metrics, Peak};
+use flexlink::text::significant;
 
 const STIFF: Drive =
     Drive { joint_stiffness_n_m_rad: f64::INFINITY, rotor_inertia_kg_m2: 0.0, gear_ratio: 1.0 };

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 /// on.
 ///
 /// ```
-/// use flexlink::numeric::significant;
+/// use flexlink::text::significant;
 /// assert_eq!(significant(0.526_425_1, 4), "0.5264");
 /// assert_eq!(significant(1.5e-4, 2), "1.5e-4");
 /// ```
@@ -26,7 +26,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 /// A number with all its digits, for people; in powers of ten where it is far from 1.
 ///
 /// ```
-/// use flexlink::numeric::plain;
+/// use flexlink::text::plain;
 /// assert_eq!([2.0, 0.25, 1e300].map(plain), ["2", "0.25", "1e300"]);
 /// ```
 pub fn plain(value: f64) -> String {
@@ -37,7 +37,7 @@ pub fn plain(value: f64) -> String {
 /// Memory in GB, for people; in MB where it is less than a tenth of that.
 ///
 /// ```
-/// use flexlink::numeric::gigabytes;
+/// use flexlink::text::gigabytes;
 /// assert_eq!(gigabytes(1_530_000_000), "1.5 GB");
 /// assert_eq!(gigabytes(24_300_000), "24 MB");
 /// ```
@@ -48,16 +48,11 @@ pub fn gigabytes(bytes: usize) -> String {
     format!("{} GB", significant(bytes as f64 / 1e9, 2))
 }
 
-/// The value rounded to `digits` ≥ 1 significant digits; 12 hide the round-off of arithmetic.
-pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
-    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
-}
-
 /// Most characters of an input that a message quotes.
 const LONGEST: usize = 60;
 
 /// A piece of an input for a message: control characters, and those that change the direction of
-/// writing, are escaped, so that the text stays on its line and no terminal obeys it.
+/// writing, are escaped, so that the text stays on its line and no terminal executes it.
 pub fn visible(text: &str) -> Cow<'_, str> {
     if !text.contains(is_hidden) {
         return text.into();
@@ -112,20 +107,6 @@ mod tests {
         assert_eq!(significant(9.9996, 4), "10.00");
         assert_eq!(significant(1.5e7, 2), "1.5e7");
         assert_eq!(significant(0.0, 3), "0.00");
-    }
-
-    #[test]
-    fn the_last_digits_of_arithmetic_are_gone() {
-        for (value, digits, expected) in [
-            (4.671_999_999_999_999, 12, "4.672"),
-            (0.1 + 0.2, 12, "0.3"),
-            (-0.553_210_7, 4, "-0.5532"),
-            (1234.0, 2, "1200"),
-            (0.0, 3, "0"),
-            (f64::NAN, 3, "NaN"),
-        ] {
-            assert_eq!(rounded(value, digits).to_string(), expected);
-        }
     }
 
     #[test]
