@@ -12,8 +12,8 @@ impl MeshPlan {
     /// Every piece between segment borders and lumped masses gets as many elements as nodes end in it.
     ///
     /// # Errors
-    /// [`ParameterError`] names the first node that stands elsewhere than in any mesh of this link,
-    /// by more than 1e-6 of its length.
+    /// [`ParameterError`] names the first node that is more than 1e-6 of the link's length away from
+    /// that of every mesh.
     pub fn through(link: &Link, nodes_m: &[f64]) -> Result<Self, ParameterError> {
         let mut inner = 0;
         let mut shares = Vec::new();

@@ -91,10 +91,10 @@ pub(super) fn eliminate<S: Scalar>(
     ([first, second], Eliminated { order, multiplier, reduced: [v, phi], scaled })
 }
 
-/// `P G = Bᵀ` after `P = L D Lᵀ`, without the last step: few callers need G itself.
+/// `P G = Bᵀ` after `P = L D Lᵀ`, without the last step, which few callers need.
 ///
-/// Rows are those of B, the motion (v, φ) of the inner end; in each stands the unknown that was
-/// eliminated first, then the other.
+/// Rows are those of B, the motion (v, φ) of the inner end; each has the unknown that was eliminated first,
+/// then the other.
 #[derive(Clone, Copy)]
 pub(super) struct Eliminated<S: Scalar> {
     order: Order<S>,
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_asked_of_a_gain_is_the_same_with_its_last_step_and_without() {
+    fn products_of_a_gain_are_the_same_with_its_last_step_and_without() {
         for p in [[4.0, 0.5, 0.1], [1.0, 0.5, 7.0]] {
             let p = Inertia { vv: p[0], vp: p[1], pp: p[2] };
             let b = [[1.0, 0.2], [0.3, -0.4]];

@@ -39,7 +39,7 @@ struct Bodies {
 impl Mesh {
     /// Divides the link as `plan` says; an automatic plan gives its coarsest mesh.
     ///
-    /// A node stands at every segment border and at every lumped mass.
+    /// Every segment border and every lumped mass has a node.
     pub fn new(link: &Link, plan: &MeshPlan) -> Self {
         let (mut elements, mut segments) = (Vec::new(), Vec::new());
         for (piece, count) in plan.shares() {
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn nodes_stand_at_borders_and_masses_and_carry_what_is_there() {
+    fn borders_and_masses_have_nodes_and_these_their_inertia() {
         let mesh = mesh();
         let expected = [0.1, 0.4, 0.7, 1.0, 1.3, 1.6];
         for (x_m, expected) in mesh.nodes_m().iter().zip(expected) {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::accuracy::{Accuracy, Quantity};
+use super::accuracy::{Accuracy, Quantity, QuantityErrors};
 use super::analysis::{Analysis, Unwatched};
 use super::histories::{Histories, tip_deflection_m};
 use super::period::Window;
@@ -72,7 +72,15 @@ impl Diagnostics<'_> {
         let (rows, given) = (self.histories.grid.len, motion.grid().len);
         let times = rows as f64 / given as f64;
         let is_long = seam > tolerance && rows > LONG_ROWS && times > LONG_TIMES;
-        let (quantity, error) = accuracy.of_kind(|errors| errors.mesh).worst();
+        let coarse = |kind: fn(QuantityErrors) -> f64| {
+            Some(accuracy.of_kind(kind).worst()).filter(|(_, error)| *error > COARSE)
+        };
+        let coarse_mesh = coarse(|errors| errors.mesh)
+            .map(|(quantity, error)| Warning::CoarseMesh { quantity, error });
+        let few_modes = coarse(|errors| errors.modes.unwrap_or(0.0))
+            .map(|(quantity, error)| Warning::FewModes { quantity, error });
+        let coarse_step = coarse(|errors| errors.step.unwrap_or(0.0))
+            .map(|(quantity, share)| Warning::CoarseStep { quantity, share });
         corrected
             .into_iter()
             .chain(tip_missed)
@@ -83,10 +91,10 @@ impl Diagnostics<'_> {
             .chain(blocked_tip(mesh, spectrum, tolerance))
             .chain(near_nyquist(spectrum))
             .chain(above_mesh(mesh, spectrum, &answer.hub.torque_n_m))
-            .chain((error > COARSE).then_some(Warning::CoarseMesh { quantity, error }))
-            .chain(self.few_modes())
+            .chain(coarse_mesh)
+            .chain(few_modes)
             .chain(self.unsettled_torque())
-            .chain(self.coarse_step())
+            .chain(coarse_step)
             .chain(self.large_deflection())
             .chain(self.thick_link())
             .chain(self.fast_hub())
@@ -146,18 +154,6 @@ impl Diagnostics<'_> {
             .max_by(|a, b| change(a).total_cmp(&change(b)))
             .filter(|measured| change(measured) > UNSETTLED)?;
         Some(Warning::UnsettledTorque { quantity, peak_n_m, looser_n_m })
-    }
-
-    fn few_modes(&self) -> Option<Warning> {
-        let modes = self.accuracy.of_kind(|errors| errors.modes.unwrap_or(0.0));
-        let (quantity, error) = modes.worst();
-        (error > COARSE).then_some(Warning::FewModes { quantity, error })
-    }
-
-    fn coarse_step(&self) -> Option<Warning> {
-        let steps = self.accuracy.of_kind(|errors| errors.step.unwrap_or(0.0));
-        let (quantity, share) = steps.worst();
-        (share > COARSE).then_some(Warning::CoarseStep { quantity, share })
     }
 
     fn large_deflection(&self) -> Option<Warning> {

@@ -5,7 +5,7 @@ use super::analysis::{Analysis, Resources};
 use super::diagnostics::Diagnostics;
 use super::error::InversionError;
 use super::histories::{Histories, SlowTails};
-use super::mesh_error::{MeshAnswer, Probes};
+use super::mesh_error::MeshAnswer;
 use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::{AnsweringModel, Problem};
@@ -53,11 +53,8 @@ pub fn invert_with(
     let mut first_zero_per_s = first_zero(coarsest.mesh());
     let problem = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
     let period = problem.shortest_period()?;
-    // An automatic mesh is the same whatever is measured on it.
-    let tables = analysis.measures_tables() || plan.is_automatic();
-    let probes = Probes::new(coarsest.mesh(), tables, analysis.measures_moments());
     let MeshAnswer { model, amplitudes, peaks, mesh_errors, mode_errors } =
-        MeshAnswer::of(coarsest, plan, &period, probes, resources.watch)?;
+        MeshAnswer::of(coarsest, plan, &period, analysis, resources.watch)?;
     if model.mesh().elements().len() > elements {
         first_zero_per_s = first_zero(model.mesh());
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::accuracy::PerQuantity;
-use super::analysis::{Unwatched, Watch};
+use super::analysis::{Analysis, Unwatched, Watch};
 use super::error::InversionError;
 use super::spectra::{DrivenModel, HubSpectra, MotorSpectra};
 use crate::beam::{Mesh, MeshPlan, NodalQuantity};
@@ -26,8 +26,7 @@ const TORQUES_N_M: RangeInclusive<f64> = 1e-100..=1e100;
 const ERROR_PER_CHANGE: f64 = 16.0 / 15.0;
 
 /// What is measured besides torques and the hub's angle and rate.
-#[derive(Debug, Clone)]
-pub(super) struct Probes {
+struct Probes {
     /// Nodes at which displacements and moments are measured.
     nodes: Vec<usize>,
     /// True for what tables over time hold: displacements of the nodes, the hub's acceleration.
@@ -38,12 +37,14 @@ pub(super) struct Probes {
 
 impl Probes {
     /// Evenly spread nodes of a mesh, the tip left out: it moves as wanted on every mesh.
-    pub(super) fn new(mesh: &Mesh, tables: bool, moments: bool) -> Self {
+    fn of(mesh: &Mesh, plan: &MeshPlan, analysis: &Analysis) -> Self {
+        // An automatic mesh is the same whatever is measured on it.
+        let tables = analysis.measures_tables() || plan.is_automatic();
         let inner = mesh.nodes_m().len() - 1;
         let count = inner.min(MOST_NODES);
         // The root as well: moments are largest there, and it moves where the hub has a radius.
         let nodes = (0..count).map(|k| k * inner / count).collect();
-        Self { nodes, tables, moments }
+        Self { nodes, tables, moments: analysis.measures_moments() }
     }
 
     /// The same places on the mesh whose elements are half as long.
@@ -204,9 +205,10 @@ impl MeshAnswer {
         coarsest: Arc<dyn Model>,
         plan: &MeshPlan,
         period: &TipPeriod,
-        mut probes: Probes,
+        analysis: &Analysis,
         watch: &dyn Watch,
     ) -> Result<Self, InversionError> {
+        let mut probes = Probes::of(coarsest.mesh(), plan, analysis);
         let solved = |model: &Arc<dyn Model>, probes: &Probes| {
             Amplitudes::of(DrivenModel { model: &**model, period, watch }, probes)
         };

@@ -15,7 +15,6 @@ mod error;
 mod histories;
 mod inversion;
 mod mesh_error;
-mod nodal_peak;
 mod nodal_rows;
 mod nodal_table;
 mod period;

@@ -1,16 +1,29 @@
+//! Rows of a nodal table: computed from samples, and bounded from above. The peak decides the decimals before
+//! the first row is written; computing every row twice would take a fifth longer.
+
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 
 use super::solution::Solution;
 use crate::motion::{TAIL_TERMS, TailTerms};
-use crate::numeric::{PANEL, Sampling};
+use crate::numeric::{PANEL, Sampling, largest};
 
 /// Bytes of a cache line of the processor, and of the widest vectors.
 const LINE: usize = 64;
+
+/// Rows of a part, which has one bound.
+const PART_ROWS: usize = 512;
+
+/// Rows of a part that one thread computes at a time.
+const ROWS_AT_ONCE: usize = 64;
+
+/// Factor of all bounds, far above the rounding of a sum.
+const ROUNDING: f64 = 1.0 + 1e-12;
 
 /// The samples that rows are computed from, panel by panel of [`PANEL`] nodes.
 pub(super) struct PanelSamples {
@@ -68,6 +81,21 @@ impl RowPlan<'_> {
     pub(super) fn panels(&self) -> usize {
         self.nodes.len().div_ceil(PANEL)
     }
+
+    /// Upper bound of what the images of the motion in other periods subtract from a value.
+    fn largest_images(&self) -> f64 {
+        let Some(tails) = &self.tails else { return 0.0 };
+        let history = self.solution.period.images().history(0);
+        let most =
+            |all: &[TailTerms], m: usize| all.iter().fold(0.0, |most: f64, t| most.max(t[m].abs()));
+        (0..TAIL_TERMS).map(|m| most(tails, m) * most(history, m)).sum()
+    }
+}
+
+/// Some rows and an upper bound of their absolute values.
+pub(super) struct Part {
+    pub(super) rows: Range<usize>,
+    pub(super) bound: f64,
 }
 
 impl NodalBlock<'_> {
@@ -85,6 +113,49 @@ impl NodalBlock<'_> {
         assert_eq!(values.len(), rows.len() * width, "{rows:?} of {width} nodes");
         assert!(self.rows.start <= rows.start && rows.end <= self.rows.end, "{rows:?}");
         Arch::new().dispatch(WriteRows { block: self, range: rows, values });
+    }
+
+    /// Largest absolute value of some rows.
+    pub(super) fn peak_of(&self, rows: &Range<usize>) -> f64 {
+        let width = self.plan.nodes.len();
+        let starts = rows.clone().into_par_iter().step_by(ROWS_AT_ONCE);
+        let peaks = starts.map(|start| {
+            let rows = start..rows.end.min(start + ROWS_AT_ONCE);
+            let mut values = vec![0.0; rows.len() * width];
+            self.write_rows(rows, &mut values);
+            largest(&values)
+        });
+        peaks.reduce(|| 0.0, f64::max)
+    }
+
+    /// All rows in parts. A row is a weighted sum of samples, less the images, and the rigid rotation
+    /// times an arm.
+    pub(super) fn parts(&self) -> Vec<Part> {
+        let RowPlan { solution, sampling, every, arms_m, .. } = self.plan;
+        let farthest_m = arms_m.as_deref().map(largest);
+        let images = self.plan.largest_images();
+        let bound = |rows: &Range<usize>| {
+            let bending = sampling.gain() * self.largest_sample(rows) + images;
+            let rotation = farthest_m.map_or(0.0, |arm_m| {
+                let angles = &solution.hub_angle_rad[rows.start * every..];
+                let samples = (rows.len() - 1) * every + 1;
+                arm_m * largest(&angles[..samples])
+            });
+            (bending + rotation) * ROUNDING
+        };
+        let parts = self.rows.clone().into_par_iter().step_by(PART_ROWS).map(|start| {
+            let rows = start..self.rows.end.min(start + PART_ROWS);
+            Part { bound: bound(&rows), rows }
+        });
+        parts.collect()
+    }
+
+    /// The largest of all nodes' samples that these rows are computed from.
+    fn largest_sample(&self, rows: &Range<usize>) -> f64 {
+        let taken = self.plan.sampling.taken(&self.rows, rows);
+        let panels = self.samples.samples().chunks(self.samples.len.max(1));
+        let of_panel = |panel: &[[f64; PANEL]]| largest(panel[taken.clone()].as_flattened());
+        panels.map(of_panel).fold(0.0, f64::max)
     }
 
     /// Writes the columns from `column` on.
@@ -154,6 +225,78 @@ impl WithSimd for WriteRows<'_> {
         for panel in 0..self.block.plan.panels() {
             let samples = &samples[panel * len..][..len];
             self.block.write_panel(&self.range, samples, panel * PANEL, self.values);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inverse::Unwatched;
+    use crate::inverse::tests::solution;
+
+    #[test]
+    fn no_value_exceeds_the_bound_of_its_part_and_no_bound_is_far_above() {
+        for (steps, every) in [(100, 1), (4000, 1), (4000, 7)] {
+            let solution = solution(steps);
+            let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
+            for table in [
+                solution.deflections(&nodes, every),
+                solution.displacements(&nodes, every),
+                solution.displacements(&nodes, every).in_blocks_of(333),
+                solution.moments(&nodes[3..9], every),
+            ] {
+                let (mut peak, mut highest) = (0.0_f64, 0.0_f64);
+                for number in 0..table.blocks() {
+                    let block = table.block(number, &Unwatched);
+                    let mut next = block.rows.start;
+                    for Part { rows, bound } in block.parts() {
+                        let found = block.peak_of(&rows);
+                        assert!(found <= bound, "{found} in {rows:?} above {bound}");
+                        assert_eq!(rows.start, next);
+                        next = rows.end;
+                        (peak, highest) = (peak.max(found), highest.max(bound));
+                    }
+                    assert_eq!(next, block.rows.end);
+                }
+                assert!(highest < 3.0 * peak, "{highest} above {peak}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_peak_is_that_of_all_rows_unless_less_will_do() {
+        let solution = solution(4000);
+        let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
+        for table in [
+            solution.displacements(&nodes, 1),
+            solution.deflections(&nodes, 3).in_blocks_of(200),
+            solution.moments(&[], 1),
+        ] {
+            let all = table.histories().samples.iter().fold(0.0, |m, x| f64::max(m, largest(x)));
+            let exact = table.peak(&Unwatched, |found, bound| found >= bound);
+            assert_eq!(exact.to_bits(), f64::to_bits(all));
+            let near = table.peak(&Unwatched, |found, bound| 4.0 * found >= bound);
+            assert!((0.25 * all..=all).contains(&near), "{near} of {all}");
+        }
+    }
+
+    #[test]
+    fn a_bound_takes_the_very_first_and_last_row_of_its_part_in() {
+        let mut spiked = solution(4000);
+        let nodes: Vec<usize> = (0..spiked.mesh().nodes_m().len()).collect();
+        for (row, every) in [(0, 1), (511, 1), (512, 1), (511, 7), (512, 7)] {
+            spiked.hub_angle_rad.fill(0.0);
+            spiked.hub_angle_rad[row * every] = -1e6;
+            let table = spiked.displacements(&nodes, every);
+            let block = table.block(0, &Unwatched);
+            let mut above = 0;
+            for Part { rows, bound } in block.parts() {
+                let found = block.peak_of(&rows);
+                assert!(found <= bound, "row {row}, every {every}: {found} above {bound}");
+                above += usize::from(found > 1e5);
+            }
+            assert_eq!(above, 1, "row {row}, every {every}");
         }
     }
 }

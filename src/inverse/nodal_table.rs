@@ -152,6 +152,25 @@ impl<'a> NodalTable<'a> {
         NodalBlock { plan: &self.plan, rows, samples }
     }
 
+    /// Largest absolute value of all rows, NaN left out, or a smaller value of them that is enough.
+    ///
+    /// `is_enough` gets the largest value found and a bound of the rows not computed, infinite or NaN
+    /// if there is none; if it returns true, these rows of the block are left out.
+    pub fn peak(&self, watch: &dyn Watch, is_enough: impl Fn(f64, f64) -> bool) -> f64 {
+        (0..self.blocks()).fold(0.0, |mut found, number| {
+            let block = self.block(number, watch);
+            let mut parts = block.parts();
+            parts.sort_by(|a, b| b.bound.total_cmp(&a.bound));
+            for part in parts {
+                if is_enough(found, part.bound) {
+                    break;
+                }
+                found = f64::max(found, block.peak_of(&part.rows));
+            }
+            found
+        })
+    }
+
     fn spectrum_bytes(&self) -> usize {
         size_of::<Complex64>() * self.plan.solution.band.frequencies
     }
