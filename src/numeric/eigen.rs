@@ -4,7 +4,7 @@
 //! Libraries of dense algebra choose fused multiply-add and the order of their sums by the
 //! processor, which changes last digits. Here each product and sum is rounded by itself and the
 //! order is fixed; only the width of the vectors depends on the processor. nalgebra's solver, whose bits
-//! are fixed too, takes 2.0 to 2.5 times as long on the matrices of 100 to 500 elements; faer's takes 0.6
+//! are fixed too, takes 2.1 to 2.9 times as long on the matrices of 100 to 500 elements; faer's takes 0.6
 //! to 0.85 of the time, but other bits on other processors.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
