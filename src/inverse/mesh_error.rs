@@ -12,7 +12,7 @@ use super::spectra::{DrivenModel, HubSpectra, MotorSpectra};
 use crate::beam::{Mesh, MeshPlan, NodalQuantity};
 use crate::model::{KeptModes, Model, ModelError};
 use crate::motion::TipPeriod;
-use crate::numeric::{FourierPair, fast_length, largest};
+use crate::numeric::{FourierPair, largest};
 
 /// Most nodes at which displacements and moments are measured: waves between two of them are shorter
 /// than those that the mesh follows.
@@ -66,8 +66,6 @@ pub(super) struct Amplitudes {
     displacement_m: Option<Vec<Vec<Complex64>>>,
     /// Bending moment at the probes in N m, where it is measured.
     moment_n_m: Option<Vec<Vec<Complex64>>>,
-    /// A transform with twice the samples that the band needs: a peak at the cut-off is found to within a
-    /// seventh of itself, at the end of the roll-off to within three tenths.
     pair: FourierPair,
 }
 
@@ -101,9 +99,6 @@ impl Amplitudes {
         let displacement_m = tables.then(displacements);
         let moments_n_m = || driven.nodal_spectra(&probes.nodes, NodalQuantity::Moment);
         let moment_n_m = moments.then(moments_n_m);
-        let coarse = fast_length(4 * hub.torque_n_m.len());
-        let whole = &driven.period.spectrum.pair;
-        let pair = if coarse < whole.len() { FourierPair::new(coarse) } else { whole.clone() };
         Ok(Self {
             hub,
             hub_rate_rad_s,
@@ -111,7 +106,7 @@ impl Amplitudes {
             motor,
             displacement_m,
             moment_n_m,
-            pair,
+            pair: driven.period.spectrum.band_pair.clone(),
         })
     }
 

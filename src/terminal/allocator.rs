@@ -69,17 +69,30 @@ fn end(bytes: usize) -> ! {
     std::process::exit(Exit::NotSolvable as i32)
 }
 
+/// Makes glibc keep what the program frees, up to 64 MB, and give blocks of up to 32 MB out of it. A sweep
+/// allocates the same blocks for every case: it takes a third longer where the system hands out fresh pages
+/// each time. Call it before the program starts threads.
+pub(super) fn keep_freed_memory() {
+    const M_TRIM_THRESHOLD: i32 = -1;
+    const M_MMAP_THRESHOLD: i32 = -3;
+    mallopt(M_TRIM_THRESHOLD, 1 << 26);
+    mallopt(M_MMAP_THRESHOLD, 1 << 25);
+}
+
 /// Limits the arenas of glibc, of which every thread has its own by default: each of these stocks of memory
 /// reserves 64 MB of address space, 128 MB at first. Call it before the program starts threads.
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub(super) fn limit_arenas(most: usize) {
     const M_ARENA_MAX: i32 = -8;
-    unsafe extern "C" {
-        safe fn mallopt(parameter: i32, value: i32) -> i32;
-    }
     mallopt(M_ARENA_MAX, i32::try_from(most).unwrap_or(i32::MAX));
 }
 
-/// Other C libraries reserve none.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+unsafe extern "C" {
+    safe fn mallopt(parameter: i32, value: i32) -> i32;
+}
+
+/// Other C libraries have no such settings.
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-pub(super) fn limit_arenas(_: usize) {}
+fn mallopt(_: i32, _: i32) -> i32 {
+    0
+}

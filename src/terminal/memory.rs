@@ -8,7 +8,7 @@ use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 use flexlink::csv::{available_addresses, available_memory};
 use flexlink::text::gigabytes;
 
-use super::allocator::limit_arenas;
+use super::allocator::{keep_freed_memory, limit_arenas};
 use super::exit::{Exit, Failure};
 
 /// Address space in bytes that the program takes besides what grows with its inputs: buffers, and the
@@ -36,9 +36,13 @@ fn size(bytes: u64) -> usize {
 }
 
 /// Returns an error if the address space is limited to less than the program itself takes. If it is limited
-/// to more, threads share arenas. Call it before the program starts threads.
+/// to more, threads share arenas; without a limit, they keep the memory that they free. Call it before the
+/// program starts threads.
 pub(crate) fn check_program() -> Result<(), Failure> {
-    let Some(left) = address_space() else { return Ok(()) };
+    let Some(left) = address_space() else {
+        keep_freed_memory();
+        return Ok(());
+    };
     if left < OWN_BYTES {
         return Err(too_much("the program", OWN_BYTES, left, "the system limits it (`ulimit -v`)"));
     }
