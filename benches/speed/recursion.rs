@@ -53,7 +53,7 @@ pub(crate) fn bench(criterion: &mut Criterion) {
 }
 
 fn torque(mesh: &Mesh, lambdas: &[Complex64]) -> Complex64 {
-    lambdas.chunks(BLOCK).map(|lambdas| tip_transfers(mesh, lambdas).inertia_kg_m[0]).sum()
+    lambdas.chunks(BLOCK).map(|lambdas| tip_transfers(mesh, lambdas)[0].inertia_kg_m).sum()
 }
 
 fn nodal(

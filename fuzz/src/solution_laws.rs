@@ -146,7 +146,7 @@ fn transfers(solution: &Solution, bins: usize) -> Vec<f64> {
         let drag = 1.0 + law.mass_rate_per_s() / omega;
         (tip.inertia_kg_m.norm() + bent) * drag + friction_n_m_s_rad / (length_m * omega)
     };
-    let mut sizes: Vec<f64> = omegas.iter().zip(found.iter()).map(size).collect();
+    let mut sizes: Vec<f64> = omegas.iter().zip(found).map(size).collect();
     // The travel sums up what the samples are off by, over up to the whole period.
     sizes[0] *= solution.band.fft_length as f64;
     sizes

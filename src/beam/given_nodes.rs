@@ -9,7 +9,8 @@ impl MeshPlan {
     /// The plan whose mesh has nodes at these distances from the axis in m, as tables give them with
     /// a limited number of decimals.
     ///
-    /// Every piece between segment borders and lumped masses gets as many elements as nodes end in it.
+    /// Every piece between segment borders and lumped masses gets one element between each two neighbouring
+    /// nodes.
     ///
     /// # Errors
     /// [`ParameterError`] names the first node that is more than 1e-6 of the link's length away from

@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `element` | K and M of one element, and in relative coordinates |
-//! | `plan`, `given_nodes` | how many elements each piece of the link gets |
+//! | `plan`, `given_nodes` | number of elements of each piece of the link; from given nodes |
 //! | `inertia` | apparent inertia A, and the 2×2 system of one element |
 //! | `mesh`, `rigid_limit` | all elements and bodies; λ up to which the link is rigid |
 //! | `recursion` | from tip to hub: torque, hub angle, tip; back from hub to tip: deflections and moments at the nodes |
@@ -20,13 +20,9 @@ mod pivoted;
 mod plan;
 mod recursion;
 mod rigid_limit;
-#[cfg(test)]
-mod test_links;
 mod transfer;
 
-pub use batch::{
-    Checkpoints, Pivots, TipTransfers, nodal_transfers, pivots, tip_displacements_m, tip_transfers,
-};
+pub use batch::{Checkpoints, Pivots, nodal_transfers, pivots, tip_displacements_m, tip_transfers};
 pub use element::{Element, RelativeElement};
 pub use inertia::{Gain, Inertia};
 pub use mesh::Mesh;
@@ -36,3 +32,66 @@ pub use recursion::{
     HubResponse, NodalHistories, NodalQuantity, Step, condense, hub_response, tip_displacement_m,
 };
 pub use transfer::{NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};
+
+/// A link for the tests of the recursion: with everything that a mesh can carry, and undamped, so that
+/// it resonates.
+#[cfg(test)]
+mod test_links {
+    use super::{ElementCount, Mesh, MeshPlan};
+    use crate::link::{
+        Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, uniform, uniform_segment,
+    };
+
+    impl Mesh {
+        /// A link of one segment on this many elements, as unit tests mesh theirs.
+        pub(crate) fn on(link: &Link, elements: usize) -> Self {
+            let plan = MeshPlan::new(link, &[None], Some(ElementCount::Total(elements)), 1e-6);
+            Self::new(link, &plan.unwrap())
+        }
+    }
+
+    const SI: Units = Units { length: 1.0, mass: 1.0 };
+
+    /// The link on this many elements.
+    pub(super) fn mesh(elements: usize) -> Mesh {
+        mesh_in(elements, SI)
+    }
+
+    /// How many of other units a metre and a kilogram are, the second kept: powers of two, which cost no
+    /// digit.
+    #[derive(Debug, Clone, Copy)]
+    pub(super) struct Units {
+        pub(super) length: f64,
+        pub(super) mass: f64,
+    }
+
+    /// The link on this many elements, measured in these units.
+    pub(super) fn mesh_in(elements: usize, units: Units) -> Mesh {
+        let (ei, per_length) = (Taper { inner: 6.0, outer: 4.0 }, Taper { inner: 0.9, outer: 0.7 });
+        let Units { length, mass } = units;
+        let inertia = mass * length * length;
+        let (stiffness, density) = (inertia * length, mass / length);
+        let link = Link::new(LinkParts {
+            segments: vec![Segment {
+                length_m: 1.5 * length,
+                bending_stiffness_n_m2: ei.scaled(stiffness),
+                mass_per_length_kg_m: per_length.scaled(density),
+                ..uniform_segment()
+            }],
+            hub: Hub {
+                inertia_kg_m2: 0.1 * inertia,
+                radius_m: 0.05 * length,
+                viscous_friction_n_m_s_rad: 0.0,
+            },
+            masses: vec![LumpedMass {
+                at_m: 0.8 * length,
+                mass_kg: 0.1 * mass,
+                inertia_kg_m2: 1e-3 * inertia,
+            }],
+            payload: Payload { mass_kg: 0.05 * mass, inertia_kg_m2: 0.0, offset_m: 0.0 },
+            ..uniform()
+        });
+        let link = link.unwrap();
+        Mesh::on(&link, elements)
+    }
+}

@@ -1,10 +1,10 @@
 //! The recursion with row pivoting, for frequencies at which the outboard part resonates.
 //!
-//! There the apparent inertia A has a pole and the plain recursion no digits. What stays finite is
-//! the set of pairs (motion u, reaction q = A u) that the outboard part admits: a plane in four
-//! dimensions. It is carried inward as u = U c, q = Q c with two free coefficients c, and after
-//! every element the two rows of U and Q that span the plane best are made the new coefficients.
-//! A resonance is then nothing special: u is small beside q.
+//! There the apparent inertia A has a pole, and the plain recursion loses all digits. What stays finite
+//! is the set of pairs (motion u, reaction q = A u) that the outboard part allows: a plane in four
+//! dimensions. The recursion carries it inward as u = U c, q = Q c with two free coefficients c. After
+//! every element it takes as new coefficients those two rows of U and Q whose determinant is largest.
+//! At a resonance u is then small beside q, and no number is singular.
 
 use nalgebra::{ComplexField, Matrix2, Vector2};
 use num_complex::Complex64;
@@ -20,14 +20,14 @@ impl PivotedScalar for Complex64 {}
 
 type Block<S> = Matrix2<S>;
 
-/// Motions `U c` and reactions `Q c` that the part outboard of a node admits.
+/// Motions `U c` and reactions `Q c` that the part outboard of a node allows, for any c.
 #[derive(Clone, Copy)]
 struct Admitted<S> {
     motion: Block<S>,
     reaction: Block<S>,
 }
 
-/// One element as the recursion from hub to tip needs it.
+/// What the pass from hub to tip needs of one element.
 struct ElementMotion<S> {
     /// Inner coefficients per outer ones: `c_i = change · c_j`.
     change: Block<S>,
@@ -46,14 +46,14 @@ pub struct DrivenMotion<S> {
     pub torque: S,
     /// Deflection and slope (e, e') of nodes 0 … n from the hub's tangent line.
     pub deflections: Vec<Vector2<S>>,
-    /// Deformation of every element: motion of its outer end seen from its inner end's tangent.
-    /// Not found from the deflections, of which it is a tiny difference on fine meshes.
+    /// Deformation of every element: motion of its outer end seen from its inner end's tangent. On fine
+    /// meshes it is a tiny difference of the deflections, which would lose its digits.
     pub deformations: Vec<Vector2<S>>,
     /// Reaction (force, moment) over −ω² of what lies outboard of nodes 0 … n.
     pub reactions: Vec<Vector2<S>>,
 }
 
-/// The motion that a torque at the hub drives at λ, also where the link or a part of it resonates.
+/// The motion that a torque at the hub causes at λ, also where the link or a part of it resonates.
 pub fn driven_motion<S: PivotedScalar>(mesh: &Mesh, lambda: S) -> DrivenMotion<S> {
     let mut outer = Admitted {
         motion: Block::<S>::identity(),
@@ -122,7 +122,7 @@ fn pass<S: PivotedScalar>(
     (deformation, Admitted { motion, reaction })
 }
 
-/// Makes the two rows that span the admitted plane best its new coefficients.
+/// Takes the two rows of U and Q with the largest determinant as the new coefficients.
 fn renew<S: PivotedScalar>(
     admitted: &Admitted<S>,
     length_m: f64,
@@ -158,8 +158,8 @@ fn lifted<S: PivotedScalar>(real: &Matrix2<f64>) -> Block<S> {
     real.map(S::from_real)
 }
 
-/// Gaussian elimination of a 2×2 matrix with partial pivoting; where the matrix is singular its
-/// solutions are not finite, which the caller's check of the result finds.
+/// Gaussian elimination of a 2×2 matrix with partial pivoting. The solutions of a singular matrix are not
+/// finite; the caller checks its result for that.
 struct Elimination<S> {
     /// Row that the first unknown is eliminated with.
     first: usize,

@@ -5,7 +5,7 @@ use crate::link::{Link, POSITION_TOLERANCE, ParameterError, Segment};
 pub enum ElementCount {
     /// Refined until the torque's discretisation error is below the tolerance.
     Auto,
-    /// A total, at least 1.
+    /// This many in all, at least 1.
     Total(usize),
 }
 
@@ -20,7 +20,7 @@ pub struct Piece {
     pub to: f64,
 }
 
-/// How many elements each part of a link gets, checked against the link.
+/// The number of elements of each part of a link, checked against the link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshPlan {
     shares: Vec<(Piece, usize)>,
@@ -32,10 +32,10 @@ impl MeshPlan {
     /// Discretisation error of the torque, relative to its peak, that `auto` refines to.
     pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 
-    /// Most elements of a link: more than any motion needs, few enough for the memory.
+    /// Largest number of elements of a link: more than any motion needs, and they fit in memory.
     pub const MOST_ELEMENTS: usize = 100_000;
 
-    /// Elements that an automatic mesh starts from, at the least.
+    /// Smallest number of elements that an automatic mesh starts from.
     const COARSEST: usize = 8;
 
     /// As many elements as the torque needs for an error below [`MeshPlan::DEFAULT_TOLERANCE`].
@@ -45,16 +45,15 @@ impl MeshPlan {
         Self { shares, automatic: true, tolerance: Self::DEFAULT_TOLERANCE }
     }
 
-    /// Checks the plan against `link` and shares the elements out.
+    /// Checks the numbers against `link` and distributes the elements over its pieces.
     ///
-    /// `own[k]` is segment k's own number of elements, `count` the one of the whole link; without
-    /// `count` the segments' own numbers apply if all have one, else the mesh is automatic. What
-    /// the segments leave open is shared so that every element spans about the same part of a
-    /// bending wave: by length · (m̄/EI)^¼, at least one element between neighbouring nodes that
-    /// must be there.
+    /// `own[k]` is the number of elements given for segment k, `count` the number for the whole link.
+    /// Without `count` the mesh is automatic, unless every segment has its own number. Segments without
+    /// one share the remaining elements by length · (m̄/EI)^¼, so that every element spans about the same
+    /// part of a bending wave; every piece gets at least one.
     ///
     /// # Errors
-    /// [`ParameterError`] names the first number that cannot hold.
+    /// [`ParameterError`] names the first number that is not possible.
     pub fn new(
         link: &Link,
         own: &[Option<usize>],
@@ -112,7 +111,7 @@ impl MeshPlan {
         Ok(Self { shares, automatic, tolerance })
     }
 
-    /// A plan of these pieces, not to be refined.
+    /// A plan with these numbers of elements, not to be refined.
     pub(super) fn shared(shares: Vec<(Piece, usize)>) -> Self {
         Self { shares, automatic: false, tolerance: Self::DEFAULT_TOLERANCE }
     }
@@ -180,10 +179,10 @@ pub(super) fn pieces(link: &Link) -> Vec<Piece> {
     pieces
 }
 
-/// Shares `total` elements, at least one each, by the bending wavelengths that a piece holds.
+/// Distributes `total` elements over the pieces, at least one each, by their length in bending wavelengths.
 ///
-/// The next element goes where elements are longest, measured in wavelengths: so the longest of all
-/// is as short as it can be.
+/// Each next element goes to the piece whose elements are longest in wavelengths; this makes the longest
+/// element as short as possible.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -193,13 +192,14 @@ fn divide(link: &Link, pieces: &[Piece], total: usize) -> Vec<(Piece, usize)> {
     let mut weights: Vec<f64> =
         pieces.iter().map(|p| wavelengths(&link.segments()[p.segment], p)).collect();
     if weights.iter().sum::<f64>() == 0.0 {
-        // Without mass there are no waves; then length decides.
+        // Without mass there are no waves: then by length alone.
         weights =
             pieces.iter().map(|p| link.segments()[p.segment].length_m * (p.to - p.from)).collect();
     }
     let sum: f64 = weights.iter().sum();
     let spare = total - pieces.len();
-    // The bulk at once, never more than the rule gives: it leaves no element longer than sum/spare.
+    // Most elements at once; the rule gives each piece at least as many, until no element is longer than
+    // sum/spare.
     let bulk = |weight: &f64| ((weight / sum * spare as f64).floor() as usize).max(1);
     let mut counts: Vec<usize> = weights.iter().map(bulk).collect();
     for _ in counts.iter().sum::<usize>()..total {
@@ -220,7 +220,7 @@ fn wavelengths(segment: &Segment, piece: &Piece) -> f64 {
     let middle = 0.5 * (piece.from + piece.to);
     let density =
         segment.mass_per_length_kg_m.at(middle) / segment.bending_stiffness_n_m2.at(middle);
-    // A square root is rounded alike everywhere, a power is not: equal shares stay equal.
+    // Square roots are rounded alike on every processor, powers are not; equal shares stay equal.
     segment.length_m * (piece.to - piece.from) * density.sqrt().sqrt()
 }
 

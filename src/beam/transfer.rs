@@ -56,6 +56,15 @@ impl<S: Scalar> TipTransfer<S> {
     }
 }
 
+impl TipTransfer {
+    /// True if the tip moves by rounding alone: `|L + e_tip|` is below `(64 + 2n) ε L` on n elements,
+    /// somewhat more than measured at blocked frequencies. The transfers are then meaningless.
+    pub fn is_blocked(&self, mesh: &Mesh) -> bool {
+        let rounding = (64.0 + 2.0 * mesh.elements().len() as f64) * f64::EPSILON;
+        self.angle_rad_m.norm_sqr() * (rounding * mesh.length_m()).powi(2) > 1.0
+    }
+}
+
 impl NodalTransfer {
     /// One quantity at nodes 0 … n.
     pub fn values(&self, quantity: NodalQuantity) -> &[Complex64] {
@@ -293,5 +302,19 @@ mod tests {
         assert!((transfer.tip.angle_rad_m.re - 1.0 / 1.55).abs() < 1e-15);
         let hub_moment = transfer.moments_kg_m[0].re + 0.1 / 1.55;
         assert!(hub_moment < transfer.tip.inertia_kg_m.re, "the root lies outboard of the axis");
+    }
+
+    #[test]
+    fn a_tip_is_blocked_within_rounding_of_its_length_in_any_units() {
+        for exponent in [-20, 0, 20] {
+            let mesh = mesh_in(10, Units { length: 2.0_f64.powi(exponent), mass: 1.0 });
+            let at_rest = tip_transfer(&mesh, Complex64::ZERO);
+            let moved = |epsilons: f64| {
+                let moved_m = Complex64::from(epsilons * f64::EPSILON * mesh.length_m());
+                TipTransfer { angle_rad_m: moved_m.inv(), ..at_rest }
+            };
+            let is_blocked = [1e9, 85.0, 83.0, 0.1].map(|all| moved(all).is_blocked(&mesh));
+            assert_eq!(is_blocked, [false, false, true, true], "length 2^{exponent}");
+        }
     }
 }

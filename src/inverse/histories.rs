@@ -243,7 +243,8 @@ impl SlowTails {
 
     /// `S_m` of the hub angle less that of a rigid link.
     pub(super) fn hub_tail(&self, model: &dyn Model) -> TailTerms {
-        let lags = model.tip_transfers(&self.omegas_rad_s).deflection_s2;
+        let tips = model.tip_transfers(&self.omegas_rad_s);
+        let lags: Vec<Complex64> = tips.iter().map(|tip| tip.deflection_s2).collect();
         self.tail(&lags).map(|s| s / model.mesh().length_m())
     }
 

@@ -77,7 +77,8 @@ impl DrivenModel<'_> {
             [zeros(), zeros(), zeros()];
         let law = self.model.law();
         let (drag, compliance_factor) = (law.mass_rate_per_s(), law.compliance_factor());
-        let length_m = self.model.mesh().length_m();
+        let mesh = self.model.mesh();
+        let length_m = mesh.length_m();
         let friction = self.model.link().joint().friction_n_m_s_rad;
         let (per_length, rigid_friction) = (1.0 / length_m, friction / length_m);
         let spectrum = &self.period.spectrum;
@@ -87,20 +88,20 @@ impl DrivenModel<'_> {
             .zip(root_moment_n_m.par_chunks_mut(HUB_BLOCK));
         let blocks = omegas.par_chunks(HUB_BLOCK).zip(rows).enumerate();
         let lowest_blocked = blocks.filter_map(|(block, (omegas, ((torque, excess), root)))| {
-            let tip = self.model.tip_transfers(omegas);
+            let transfers = self.model.tip_transfers(omegas);
             let first = block * HUB_BLOCK;
-            for (k, omega) in omegas.iter().enumerate() {
+            for (k, (omega, tip)) in omegas.iter().zip(&transfers).enumerate() {
                 let velocity = spectrum.velocity_m_s[first + k];
                 let damped = spectrum.acceleration_m_s2[first + k] + velocity * drag;
-                let excess_rad_s2_m = tip.deflection_s2[k] * compliance_factor(*omega) * per_length;
+                let excess_rad_s2_m = tip.deflection_s2 * compliance_factor(*omega) * per_length;
                 let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);
-                let inertia_kg_m = tip.inertia_kg_m[k] + rate * friction;
+                let inertia_kg_m = tip.inertia_kg_m + rate * friction;
                 torque[k] = inertia_kg_m * damped + velocity * rigid_friction;
                 excess[k] = excess_rad_s2_m * damped;
-                root[k] = tip.root_inertia_kg_m[k] * damped;
+                root[k] = tip.root_inertia_kg_m * damped;
             }
             self.watch.advance(omegas.len());
-            tip.first_blocked(self.model.mesh()).map(|k| first + k)
+            transfers.iter().position(|tip| tip.is_blocked(mesh)).map(|k| first + k)
         });
         let lowest_blocked = lowest_blocked.min();
         let frequency_hz = |bin: usize| omegas[bin] / TAU;

@@ -38,7 +38,7 @@ impl FrequencyResponse {
     pub fn at_all(model: &dyn Model, frequencies_hz: &[f64]) -> Vec<Self> {
         let omegas: Vec<f64> = frequencies_hz.iter().map(|hz| hz * TAU).collect();
         let transfers = model.tip_transfers(&omegas);
-        transfers.iter().zip(frequencies_hz).map(|(of, hz)| Self::of(of, model, *hz)).collect()
+        transfers.iter().zip(frequencies_hz).map(|(of, hz)| Self::of(*of, model, *hz)).collect()
     }
 
     fn of(transfer: TipTransfer, model: &dyn Model, frequency_hz: f64) -> Self {

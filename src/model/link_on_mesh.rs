@@ -4,7 +4,7 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use thiserror::Error;
 
-use crate::beam::{Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers};
+use crate::beam::{Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer};
 use crate::link::Link;
 use crate::modal::{AllModesError, DampingError, DampingLaw, MOST_ELEMENTS_OF_ALL_MODES};
 use crate::text::significant;
@@ -82,7 +82,7 @@ pub trait Model: Debug + Send + Sync {
     fn nodal_transfer(&self, omega_rad_s: f64) -> NodalTransfer;
 
     /// [`Model::tip_transfer`] at many ω.
-    fn tip_transfers(&self, omegas_rad_s: &[f64]) -> TipTransfers {
+    fn tip_transfers(&self, omegas_rad_s: &[f64]) -> Vec<TipTransfer> {
         omegas_rad_s.iter().map(|omega| self.tip_transfer(*omega)).collect()
     }
 

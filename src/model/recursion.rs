@@ -7,8 +7,8 @@ use num_complex::Complex64;
 use super::link_on_mesh::{KeptModes, LinkOnMesh, Model, ModelError};
 use super::superposition::Superposition;
 use crate::beam::{
-    Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer, TipTransfers, nodal_transfer,
-    nodal_transfers, tip_transfer, tip_transfers,
+    Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer, nodal_transfer, nodal_transfers,
+    tip_transfer, tip_transfers,
 };
 use crate::link::{Damping, Link};
 use crate::modal::MOST_ELEMENTS_OF_ALL_MODES;
@@ -107,7 +107,7 @@ impl Model for Recursion {
         nodal_transfer(self.mesh(), self.law().lambda(omega_rad_s))
     }
 
-    fn tip_transfers(&self, omegas_rad_s: &[f64]) -> TipTransfers {
+    fn tip_transfers(&self, omegas_rad_s: &[f64]) -> Vec<TipTransfer> {
         tip_transfers(self.mesh(), &self.lambdas(omegas_rad_s))
     }
 

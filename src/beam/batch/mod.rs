@@ -10,11 +10,9 @@
 //! [`tip_displacement_m`]: super::tip_displacement_m
 
 mod complex_lanes;
+mod hub;
 mod lanes;
 mod nodal;
-mod search;
-mod transfers;
 
+pub use hub::{Pivots, pivots, tip_displacements_m, tip_transfers};
 pub use nodal::{Checkpoints, nodal_transfers};
-pub use search::{Pivots, pivots, tip_displacements_m};
-pub use transfers::{TipTransfers, tip_transfers};

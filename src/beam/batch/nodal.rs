@@ -14,8 +14,8 @@ use crate::beam::mesh::Mesh;
 use crate::beam::recursion::{Checkpoint, NodalQuantity, NodalRecursion};
 use crate::beam::transfer::{is_real, is_trusted, nodal_transfer, per_tip, response_between};
 
-/// Where the recursion at many λ is taken up again, so that nodes can be solved for after others
-/// without a pass through the whole mesh.
+/// State of the recursion at some nodes and at many λ, from which it continues: a further group of nodes
+/// then takes no pass through the whole mesh.
 #[derive(Debug, Clone)]
 pub struct Checkpoints {
     /// Numbers of the nodes, ascending: the root, those between, and the tip.
@@ -25,7 +25,8 @@ pub struct Checkpoints {
     rows: Vec<Complex64>,
     /// Factors from values per hub angle to values per tip motion; none before the first pass.
     per_tip: Vec<Complex64>,
-    /// Columns in which the recursion loses its digits, or whose λ is real among complex ones.
+    /// Columns that are solved one by one: there the recursion loses its digits, or λ is real among complex
+    /// ones.
     alone: Vec<usize>,
     /// True if there are further groups of nodes.
     keeps: bool,
@@ -35,7 +36,7 @@ pub struct Checkpoints {
 const ROWS: usize = 5;
 
 impl Checkpoints {
-    /// Those for a first group of nodes and these further ones.
+    /// Checkpoints for a first group of nodes and these further groups.
     pub fn of<'a>(mesh: &Mesh, further: impl IntoIterator<Item = &'a [usize]>) -> Self {
         let mut nodes: Vec<usize> = further.into_iter().filter_map(ends_of).flatten().collect();
         let keeps = !nodes.is_empty();
@@ -45,7 +46,7 @@ impl Checkpoints {
         Self { nodes, rows: vec![], per_tip: vec![], alone: vec![], keeps }
     }
 
-    /// Memory in bytes that so many further groups take at each λ, at most.
+    /// Largest memory in bytes that this many further groups take for each λ.
     pub const fn bytes(further: usize) -> usize {
         if further == 0 { 0 } else { 2 * (further + 1) * ROWS * size_of::<Complex64>() }
     }
@@ -192,7 +193,7 @@ fn recursed_nodes<S: Simd, L: LambdaLanes<S>>(simd: S, nodal: Nodal) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::transfers::tests::{bits, lambdas};
+    use super::super::hub::tests::{bits, lambdas};
     use super::*;
     use crate::beam::NodalTransfer;
     use crate::beam::test_links::mesh;
