@@ -198,8 +198,8 @@ fn divide(link: &Link, pieces: &[Piece], total: usize) -> Vec<(Piece, usize)> {
     }
     let sum: f64 = weights.iter().sum();
     let spare = total - pieces.len();
-    // Most elements at once; the rule gives each piece at least as many, until no element is longer than
-    // sum/spare.
+    // Most elements at once. Each is at least sum/spare long, unless it is the only one of its piece, so no
+    // piece gets more than by the rule.
     let bulk = |weight: &f64| ((weight / sum * spare as f64).floor() as usize).max(1);
     let mut counts: Vec<usize> = weights.iter().map(bulk).collect();
     for _ in counts.iter().sum::<usize>()..total {

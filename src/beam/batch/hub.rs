@@ -207,7 +207,7 @@ pub(in crate::beam::batch) mod tests {
             for ((lambda, wide), (narrow, gain)) in lambdas.iter().zip(wide).zip(narrow) {
                 let alone = tip_bits(&tip_transfer(&mesh, *lambda));
                 assert_eq!(tip_bits(&wide), alone, "λ = {lambda} in blocks of {block}");
-                assert!(!is_trusted(*gain) || tip_bits(&narrow) == alone, "λ = {lambda}");
+                assert!(!is_trusted(*gain) || tip_bits(narrow) == alone, "λ = {lambda}");
             }
         }
     }
