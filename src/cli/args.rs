@@ -8,7 +8,7 @@ use clap::Args;
 
 use flexlink::beam::Mesh;
 use flexlink::csv::Digits;
-use flexlink::store::{Durability, OutputFolder, SimulateOutputs};
+use flexlink::store::{Durability, OutputFolder, RunOutputs};
 
 use crate::terminal::{Exit, Failure, console};
 
@@ -35,9 +35,10 @@ impl NodeArgs {
         list.into_iter().chain(every).flatten().collect()
     }
 
-    /// The tables of `simulate` with these nodes and rows.
-    pub(crate) fn of_simulation(&self, digits: Digits) -> SimulateOutputs {
-        SimulateOutputs { nodes: self.list.clone(), every: self.every, digits }
+    /// The tables of a run with these nodes and rows, without those on demand.
+    pub(crate) fn outputs(&self, digits: Digits) -> RunOutputs {
+        let (nodes, every) = (self.list.clone(), self.every);
+        RunOutputs { nodes, every, digits, ..RunOutputs::default() }
     }
 
     /// Returns an error if a node is not one of the mesh, or named twice.

@@ -12,7 +12,7 @@ use flexlink::response::{
 };
 use flexlink::result::{PlayedMetrics, TargetError, TipError};
 use flexlink::spec::Specification;
-use flexlink::store::{RunInputs, SimulateOutputs, Summary};
+use flexlink::store::{RunInputs, RunOutputs, Summary};
 use flexlink::text::plain;
 
 use super::args::{NodeArgs, SyncArgs, digits_arguments, finite, option};
@@ -194,7 +194,7 @@ impl Simulate {
         let simulation = simulate(link, mesh, &play).map_err(refused)?;
         self.nodes.check(&simulation.mesh)?;
         let tip_error = self.tip_error(&simulation, inputs)?;
-        let bytes = self.nodes.of_simulation(self.digits).nodal_bytes(&simulation);
+        let bytes = self.nodes.outputs(self.digits).simulation_bytes(&simulation);
         memory::check_nodes(bytes, play.memory_bytes)?;
         let error = PlayError::of(&simulation, link, &play).map_err(refused)?;
         Ok(Played { metrics: PlayedMetrics::of(&simulation), play, simulation, error, tip_error })
@@ -258,7 +258,7 @@ impl Simulate {
         let errors = played.errors();
         let summary = Summary::of_simulation(record, (link, play), simulation, metrics, errors);
         let folder = self.sync.stage(&self.output)?;
-        self.nodes.of_simulation(self.digits).write(folder, link, simulation, &summary)?;
+        self.nodes.outputs(self.digits).write_simulation(folder, link, simulation, &summary)?;
         Ok(summary)
     }
 
@@ -282,7 +282,7 @@ impl Simulate {
         let late = tip_error.and_then(|error| error.late);
         console::warnings(late.map(|late| (late, late.hint())));
         let text = || {
-            let files = SimulateOutputs::file_names().len();
+            let files = RunOutputs::simulation_file_names().len();
             let written = format!("{files} files in {}", self.output.display());
             let link = &inputs.specification.link;
             simulate_text(link, play, simulation, metrics, played.errors(), written)

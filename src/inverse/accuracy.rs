@@ -1,5 +1,7 @@
 //! How exact a solution is: for every quantity that is written, what each approximation costs.
 
+use serde::Serialize;
+
 /// A quantity of a solution over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
@@ -38,7 +40,7 @@ impl Quantity {
 }
 
 /// One value for each quantity that a solution gives.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct PerQuantity<T> {
     /// Torque at the hub.
     pub torque: T,
@@ -51,6 +53,7 @@ pub struct PerQuantity<T> {
     /// Total displacement at the nodes, unless tables are left out.
     pub displacement: Option<T>,
     /// Bending moment at the nodes, where it is measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bending_moment: Option<T>,
     /// Torque of the motor, where the link has a drive.
     pub motor_torque: Option<T>,
@@ -117,24 +120,27 @@ impl PerQuantity<f64> {
 }
 
 /// Errors of one quantity, each a share of its own peak.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct QuantityErrors {
     /// Discretisation of the link, measured on halved elements.
     pub mesh: f64,
     /// The finite period and the written window.
     pub window: f64,
     /// Change when the step is halved; where every frequency of the samples is solved for.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
     /// What a reduction to few modes changes; none where all are kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub modes: Option<f64>,
 }
 
 /// How exact a solution is.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Accuracy {
     /// Largest distance of the tip that is solved from the wanted one, over its travel.
     pub tip: f64,
     /// What each quantity may be off by, over its own peak.
+    #[serde(flatten)]
     pub errors: PerQuantity<QuantityErrors>,
 }
 

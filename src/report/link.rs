@@ -184,21 +184,21 @@ pub(super) fn motion_data(view: &View) -> Option<String> {
     let link = &run.link;
     let body = |at: f64, kg: f64| json!({ "at_m": at, "mass_kg": kg });
     let data = json!({
-        "times_s": frames.iter().map(|k| rounded(nodes.times_s[*k], 9)).collect::<Vec<_>>(),
-        "hub_angle_rad": of(&run.hub_angle_rad),
-        "rigid_hub_angle_rad": solved.map(|solved| of(&solved.rigid_hub_angle_rad)),
-        "torque_n_m": of(&run.torque_n_m),
-        "tip_m": of(&run.tip.displacement_m),
-        "nodes_m": kept.iter().map(|k| short(run.mesh.nodes_m()[nodes.nodes[*k]])).collect::<Vec<_>>(),
         "deflection_m": frames.iter().map(|k| of_nodes(nodes, k)).collect::<Vec<_>>(),
-        "moment_n_m": moments.as_ref().map(|moments| frames.iter().map(|k| of_nodes(moments, k)).collect::<Vec<_>>()),
-        "length_m": link.length_m(),
+        "hub_angle_rad": of(&run.hub_angle_rad),
         "hub_radius_m": link.hub().radius_m,
-        "payload": { "mass_kg": link.payload().mass_kg, "offset_m": link.payload().offset_m },
+        "length_m": link.length_m(),
         "masses": link.masses().iter().map(|m| body(m.at_m, m.mass_kg)).collect::<Vec<_>>(),
-        "peak_torque_n_m": largest(&run.torque_n_m),
+        "moment_n_m": moments.as_ref().map(|moments| frames.iter().map(|k| of_nodes(moments, k)).collect::<Vec<_>>()),
+        "nodes_m": kept.iter().map(|k| short(run.mesh.nodes_m()[nodes.nodes[*k]])).collect::<Vec<_>>(),
+        "payload": { "mass_kg": link.payload().mass_kg, "offset_m": link.payload().offset_m },
         "peak_deflection_m": nodes.peak(),
+        "peak_torque_n_m": largest(&run.torque_n_m),
+        "rigid_hub_angle_rad": solved.map(|solved| of(&solved.rigid_hub_angle_rad)),
         "thickness": thickness(link),
+        "times_s": frames.iter().map(|k| rounded(nodes.times_s[*k], 9)).collect::<Vec<_>>(),
+        "tip_m": of(&run.tip.displacement_m),
+        "torque_n_m": of(&run.torque_n_m),
     });
     // A `<` in a title could end the script element.
     Some(data.to_string().replace('<', "\\u003c"))

@@ -287,7 +287,9 @@ pub fn link_file_schema() -> String {
     let mut schema = generator.into_root_schema_for::<RawSpecification>();
     schema.insert("title".into(), "flexlink link file".into());
     schema.insert("required".into(), Value::from(vec!["segments"]));
-    format!("{:#}\n", Value::from(schema))
+    let mut schema = Value::from(schema);
+    schema.sort_all_objects();
+    format!("{schema:#}\n")
 }
 
 /// Removes the `null` of optional keys, which TOML does not have, and the line ends that wrap a

@@ -6,10 +6,11 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use serde_json::{Value, json as object};
 use walkdir::WalkDir;
 
 use super::folder::{FolderError, OutputFolder, folder_of, is_staging};
-use super::json::{Values, json};
+use super::json::json;
 use crate::compare::{
     ColumnComparison, Comparison, FileComparison, FileOutcome, RowPlace, TableComparison, Unmatched,
 };
@@ -167,75 +168,73 @@ fn resolved(path: &Path) -> io::Result<PathBuf> {
 /// Differences are in the columns' own units; those that are no finite numbers are null.
 pub fn comparison_json(comparison: &Comparison, blessed: Option<&GoldenChanges>) -> String {
     let changes = |changes: &GoldenChanges| {
-        let written: Vec<_> = changes.written.keys().map(String::as_str).collect();
-        Values::default().with("written", written).with("removed", changes.removed.clone())
+        let written: Vec<_> = changes.written.keys().collect();
+        object!({ "written": written, "removed": changes.removed })
     };
-    let files: Vec<_> = comparison.files.iter().map(file_values).collect();
-    json(
-        &Values::default()
-            .with("equal", comparison.is_equal())
-            .list("files", files)
-            .with("not_compared", comparison.not_compared)
-            .inner("blessed", blessed.map(changes)),
-    )
+    let files: Vec<Value> = comparison.files.iter().map(file_values).collect();
+    json(&object!({
+        "equal": comparison.is_equal(),
+        "files": files,
+        "not_compared": comparison.not_compared,
+        "blessed": blessed.map(changes),
+    }))
 }
 
-fn file_values(file: &FileComparison) -> Values {
+fn file_values(file: &FileComparison) -> Value {
     let (outcome, table) = match &file.outcome {
         FileOutcome::Compared(table) if table.is_equal() => ("equal", Some(table)),
         FileOutcome::Compared(table) => ("different", Some(table)),
         FileOutcome::OnlyExpected(_) => ("only in expected", None),
         FileOutcome::OnlyActual(_) => ("only in actual", None),
     };
-    Values::default()
-        .with("file", &*file.name)
-        .with("outcome", outcome)
-        .inner("table", table.map(table_values))
+    object!({ "file": file.name, "outcome": outcome, "table": table.map(table_values) })
 }
 
-fn table_values(table: &TableComparison) -> Values {
-    let columns: Vec<_> = table.columns.iter().map(column_values).collect();
-    let rows = |rows: Unmatched| {
-        Values::default().with("count", rows.count).inner("first", Some(place_values(rows.first)))
-    };
-    Values::default()
-        .with("matched_by", table.matched_by.as_deref())
-        .with("rows", table.rows)
-        .list("columns", columns)
-        .with("columns_only_in_expected", table.columns_expected.clone())
-        .with("columns_only_in_actual", table.columns_actual.clone())
-        .inner("rows_only_in_expected", table.rows_expected.map(rows))
-        .inner("rows_only_in_actual", table.rows_actual.map(rows))
+fn table_values(table: &TableComparison) -> Value {
+    let columns: Vec<Value> = table.columns.iter().map(column_values).collect();
+    let rows =
+        |rows: Unmatched| object!({ "count": rows.count, "first": place_values(rows.first) });
+    object!({
+        "matched_by": table.matched_by,
+        "rows": table.rows,
+        "columns": columns,
+        "columns_only_in_expected": table.columns_expected,
+        "columns_only_in_actual": table.columns_actual,
+        "rows_only_in_expected": table.rows_expected.map(rows),
+        "rows_only_in_actual": table.rows_actual.map(rows),
+    })
 }
 
-fn column_values(column: &ColumnComparison) -> Values {
+fn column_values(column: &ColumnComparison) -> Value {
     let outcome = match column.tolerance {
         None => "ignored",
         Some(_) if column.fails() => "beyond",
         Some(_) => "within",
     };
     let worst = column.worst.as_ref().map(|worst| {
-        Values::default()
-            .with("difference", worst.difference)
-            .with("relative_to_peak", column.relative())
-            .inner("expected", Some(place_values(worst.expected)))
-            .inner("actual", Some(place_values(worst.actual)))
-            .with("expected_field", &*worst.expected_field)
-            .with("actual_field", &*worst.actual_field)
+        object!({
+            "difference": worst.difference,
+            "relative_to_peak": column.relative(),
+            "expected": place_values(worst.expected),
+            "actual": place_values(worst.actual),
+            "expected_field": worst.expected_field,
+            "actual_field": worst.actual_field,
+        })
     });
-    Values::default()
-        .with("column", &*column.name)
-        .with("outcome", outcome)
-        .with("peak", column.peak)
-        .with("rtol", column.tolerance.map(|tolerance| tolerance.rtol))
-        .with("atol", column.tolerance.map(|tolerance| tolerance.atol))
-        .with("allowed", column.allowed())
-        .with("rows_beyond", column.rows_beyond)
-        .inner("worst", worst)
+    object!({
+        "column": column.name,
+        "outcome": outcome,
+        "peak": column.peak,
+        "rtol": column.tolerance.map(|tolerance| tolerance.rtol),
+        "atol": column.tolerance.map(|tolerance| tolerance.atol),
+        "allowed": column.allowed(),
+        "rows_beyond": column.rows_beyond,
+        "worst": worst,
+    })
 }
 
-fn place_values(place: RowPlace) -> Values {
-    Values::default().with("line", place.line).with("key", place.key)
+fn place_values(place: RowPlace) -> Value {
+    object!({ "line": place.line, "key": place.key })
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use read_result::{is_run, read_result};
 pub use repetition::{RunRecord, TemporaryFolder};
 pub use run_summary::{Findings, write_solution};
-pub use run_tables::{REPORT, SUMMARY, SimulateOutputs, SolveOutputs, is_result_file};
+pub use run_tables::{REPORT, RunOutputs, SUMMARY, is_result_file};
 pub use summary::{RunInputs, Summary, verification_json};
 pub use sweep::{
     CaseNumbers, ForeignRecord, LeftRows, PlayedCase, Resumed, SolvedCase, SweepFile,

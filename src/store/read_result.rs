@@ -8,7 +8,7 @@ use super::json::{Head, newer, unreadable};
 use super::read_tables::{ONE_RUN, TIME, Table, deflections, is_same_time, read_mesh, read_nodal};
 use super::run_tables::{
     DEFLECTIONS, DISPLACEMENTS, HUB_ANGLE, MOMENTS, MOTOR, NODES, NodalFile, PLAYED_HUB,
-    RIGID_TORQUE, SOLVED_HUB, SUMMARY, SolveOutputs, TIP, TORQUE,
+    RIGID_TORQUE, RunOutputs, SOLVED_HUB, SUMMARY, TIP, TORQUE,
 };
 use super::summary::{A_RUN, Summary};
 use super::sweep::{is_sweep, read_sweep};
@@ -214,10 +214,10 @@ fn check_window(torque: &Table, summary: &Summary) -> Result<(), TableError> {
 
 /// From a summary of `solve`, in s: start and end of the tip's motion, lead and lag of the torque.
 fn timing(summary: &Summary, place: Place) -> Result<((f64, f64), f64, f64), TableError> {
-    let missing = |key: &str| place.refuse(key, "nothing", "must be there");
-    let object = |of: &str| summary.values.object(of).ok_or_else(|| missing(of));
     let number = |of: &str, key: &str| {
-        object(of)?.number(key).ok_or_else(|| missing(&format!("{of}.{key}")))
+        let object = &summary.values[of];
+        let missing = if object.is_object() { format!("{of}.{key}") } else { of.to_owned() };
+        object[key].as_f64().ok_or_else(|| place.refuse(missing, "nothing", "must be there"))
     };
     let moving_s = (number("motion", "moves_from_s")?, number("motion", "moves_until_s")?);
     Ok((moving_s, number("results", "lead_s")?, number("results", "lag_s")?))
@@ -226,7 +226,7 @@ fn timing(summary: &Summary, place: Place) -> Result<((f64, f64), f64, f64), Tab
 /// Copies of the nodes' histories that making a page holds at a time.
 const COPIES: usize = 4;
 
-impl SolveOutputs {
+impl RunOutputs {
     /// Approximate memory in bytes that making a page of the run takes.
     pub fn page_bytes(&self, deflections: &NodalTable) -> usize {
         size_of::<f64>() * COPIES * deflections.nodes().len() * deflections.grid().len()

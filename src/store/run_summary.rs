@@ -3,12 +3,13 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use serde_json::{Value, json};
+
 use super::folder::{FolderError, OutputFolder};
-use super::json::Values;
-use super::run_tables::{SimulateOutputs, SolveOutputs};
+use super::run_tables::RunOutputs;
 use super::summary::{RunInputs, Summary, checks};
 use crate::beam::Mesh;
-use crate::inverse::{Accuracy, QuantityErrors, Solution, Unwatched, Warning};
+use crate::inverse::{Solution, Unwatched, Warning};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
@@ -49,7 +50,7 @@ pub struct Findings<'a> {
 /// # Errors
 /// [`FolderError`] names the file that cannot be written.
 pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderError> {
-    let (outputs, metrics) = (SolveOutputs::default(), Metrics::of(solution));
+    let (outputs, metrics) = (RunOutputs::default(), Metrics::of(solution));
     let (inputs, findings) = (RunInputs::default(), Findings::default());
     let summary = Summary::of_solution(inputs, solution, &metrics, &findings, &outputs);
     let folder = OutputFolder::stage(folder, &|_| {})?;
@@ -64,23 +65,24 @@ impl Summary {
         solution: &Solution,
         metrics: &Metrics,
         findings: &Findings,
-        outputs: &SolveOutputs,
+        outputs: &RunOutputs,
     ) -> Self {
         let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         let (link, law) = (solution.link(), solution.law());
         let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
         let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
         let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
-        let values = Values::default()
-            .inner("mesh", Some(mesh_values(solution.mesh())))
-            .inner("motion", Some(motion_values(&solution.motion, metrics)))
-            .with("periods_s", periods_s)
-            .with("natural_frequencies_hz", hertz)
-            .with("modal_damping_ratios", law.modal_ratios(&frequencies))
-            .with("zeros_per_s", solution.zeros_per_s(REPORTED_ZEROS))
-            .inner("analysis", Some(analysis_values(solution)))
-            .inner("results", Some(solve_results(metrics)))
-            .inner("errors", Some(solve_errors(&solution.accuracy)));
+        let values = json!({
+            "mesh": mesh_values(solution.mesh()),
+            "motion": motion_values(&solution.motion, metrics),
+            "periods_s": periods_s,
+            "natural_frequencies_hz": hertz,
+            "modal_damping_ratios": law.modal_ratios(&frequencies),
+            "zeros_per_s": solution.zeros_per_s(REPORTED_ZEROS),
+            "analysis": analysis_values(solution),
+            "results": solve_results(metrics),
+            "errors": solution.accuracy,
+        });
         Self {
             drive: Some(link.drive().copied()),
             values,
@@ -105,140 +107,119 @@ impl Summary {
         let frequencies = &simulation.natural_frequencies_rad_s;
         let periods_s: Vec<f64> = frequencies.iter().map(|omega| TAU / omega).collect();
         let gains = play.feedback.map(|feedback| {
-            Values::of([
-                ("stiffness_n_m_rad", feedback.stiffness_n_m_rad()),
-                ("damping_n_m_s_rad", feedback.damping_n_m_s_rad()),
-            ])
+            json!({
+                "stiffness_n_m_rad": feedback.stiffness_n_m_rad(),
+                "damping_n_m_s_rad": feedback.damping_n_m_s_rad(),
+            })
         });
-        let modes = Values::default()
-            .with("kept", selection.modes)
-            .with("of_mesh", selection.of)
-            .with("torque_band_hz", selection.torque_band_hz)
-            .with("highest_hz", selection.highest_hz);
-        let residual = Values::default()
-            .with("amplitude_m", residual.amplitude_m)
-            .with("share", residual.share)
-            .with("frequency_hz", residual.frequency_hz)
-            .with("decay_s", residual.decay_s);
-        let values = Values::default()
-            .inner("mesh", Some(mesh_values(mesh)))
-            .inner("torque", Some(torque_values(play, simulation)))
-            .inner("feedback", gains)
-            .inner("modes", Some(modes))
-            .with("periods_s", periods_s)
-            .with("viscous_damping_ratios", law.modal_ratios(frequencies))
-            .inner("results", Some(played_results(metrics)))
-            .inner("errors", error.map(play_errors))
-            .inner("residual", Some(residual))
-            .inner("tip_error", tip_error.map(tip_numbers));
+        let values = json!({
+            "mesh": mesh_values(mesh),
+            "torque": torque_values(play, simulation),
+            "feedback": gains,
+            "modes": {
+                "kept": selection.modes,
+                "of_mesh": selection.of,
+                "torque_band_hz": selection.torque_band_hz,
+                "highest_hz": selection.highest_hz,
+            },
+            "periods_s": periods_s,
+            "viscous_damping_ratios": law.modal_ratios(frequencies),
+            "results": played_results(metrics),
+            "errors": error.map(play_errors),
+            "residual": residual,
+            "tip_error": tip_error.map(tip_numbers),
+        });
         Self {
             values,
             warnings: play_warnings(simulation, error, tip_error),
-            files: SimulateOutputs::file_names().map(str::to_owned).into(),
+            files: RunOutputs::simulation_file_names().map(str::to_owned).into(),
             ..Self::of("simulate", inputs, link, law)
         }
     }
 }
 
-fn mesh_values(mesh: &Mesh) -> Values {
+fn mesh_values(mesh: &Mesh) -> Value {
     let elements = mesh.elements().len();
-    Values::default()
-        .with("elements", elements)
-        .with("degrees_of_freedom", 2 * elements + 1)
-        .with("resolved_hz", mesh.resolved_frequency_rad_s() / TAU)
+    json!({
+        "elements": elements,
+        "degrees_of_freedom": 2 * elements + 1,
+        "resolved_hz": mesh.resolved_frequency_rad_s() / TAU,
+    })
 }
 
-fn motion_values(motion: &TipMotion, metrics: &Metrics) -> Values {
+fn motion_values(motion: &TipMotion, metrics: &Metrics) -> Value {
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
-    Values::default()
-        .with("given", if motion.is_from_displacement() { "displacement" } else { "acceleration" })
-        .with("samples", grid.len)
-        .with("step_s", grid.step_s)
-        .with("start_s", grid.origin_s)
-        .with("moves_from_s", grid.time_s(from))
-        .with("moves_until_s", grid.time_s(until))
-        .with("travel_m", motion.travel_m())
-        .with("peak_velocity_m_s", metrics.peak_tip_velocity_m_s.value)
-        .with("peak_acceleration_m_s2", metrics.peak_tip_acceleration_m_s2.value)
+    json!({
+        "given": if motion.is_from_displacement() { "displacement" } else { "acceleration" },
+        "samples": grid.len,
+        "step_s": grid.step_s,
+        "start_s": grid.origin_s,
+        "moves_from_s": grid.time_s(from),
+        "moves_until_s": grid.time_s(until),
+        "travel_m": motion.travel_m(),
+        "peak_velocity_m_s": metrics.peak_tip_velocity_m_s.value,
+        "peak_acceleration_m_s2": metrics.peak_tip_acceleration_m_s2.value,
+    })
 }
 
-fn torque_values(play: &Play, simulation: &Simulation) -> Values {
+fn torque_values(play: &Play, simulation: &Simulation) -> Value {
     let grid = play.torque.grid();
     let interpolation = match play.interpolation {
         Interpolation::Cubic => "cubic",
         Interpolation::Linear => "linear",
     };
-    Values::default()
-        .with("samples", grid.len)
-        .with("step_s", grid.step_s)
-        .with("start_s", grid.time_s(0))
-        .with("end_s", grid.end_s())
-        .with("simulated_until_s", simulation.grid.end_s())
-        .with("interpolation", interpolation)
+    json!({
+        "samples": grid.len,
+        "step_s": grid.step_s,
+        "start_s": grid.time_s(0),
+        "end_s": grid.end_s(),
+        "simulated_until_s": simulation.grid.end_s(),
+        "interpolation": interpolation,
+    })
 }
 
 /// The band is null if every frequency of the samples is solved for, the modes are if all are kept.
-fn analysis_values(solution: &Solution) -> Values {
+fn analysis_values(solution: &Solution) -> Value {
     let Solution { analysis, band, grid, .. } = solution;
-    Values::default()
-        .with("tolerance", analysis.tolerance())
-        .with("tip_tolerance", analysis.tip_tolerance())
-        .with("band_hz", band.cutoff_hz)
-        .with("modes", analysis.modes())
-        .with("period_s", band.period_s)
-        .with("fft_length", band.fft_length)
-        .with("frequencies", band.frequencies)
-        .with("highest_frequency_hz", band.highest_hz)
-        .with("nyquist_hz", band.nyquist_hz)
-        .with("window_start_s", grid.time_s(0))
-        .with("window_end_s", grid.end_s())
-        .with("rows", grid.len)
+    json!({
+        "tolerance": analysis.tolerance(),
+        "tip_tolerance": analysis.tip_tolerance(),
+        "band_hz": band.cutoff_hz,
+        "modes": analysis.modes(),
+        "period_s": band.period_s,
+        "fft_length": band.fft_length,
+        "frequencies": band.frequencies,
+        "highest_frequency_hz": band.highest_hz,
+        "nyquist_hz": band.nyquist_hz,
+        "window_start_s": grid.time_s(0),
+        "window_end_s": grid.end_s(),
+        "rows": grid.len,
+    })
 }
 
-fn solve_results(metrics: &Metrics) -> Values {
-    let results = Values::of([
-        ("peak_torque_n_m", metrics.peak_torque_n_m.value),
-        ("peak_torque_time_s", metrics.peak_torque_n_m.time_s),
-        ("rms_torque_n_m", metrics.rms_torque_n_m),
-        ("peak_rigid_torque_n_m", metrics.peak_rigid_torque_n_m.value),
-        ("torque_ratio", metrics.torque_ratio),
-        ("lead_s", metrics.lead_s),
-        ("lag_s", metrics.lag_s),
-        ("peak_hub_angle_rad", metrics.peak_hub_angle_rad.value),
-        ("peak_hub_rate_rad_s", metrics.peak_hub_rate_rad_s.value),
-        ("peak_power_w", metrics.peak_power_w.value),
-        ("peak_root_moment_n_m", metrics.peak_root_moment_n_m.value),
-        ("peak_deflection_m", metrics.peak_deflection_m.value),
-    ]);
-    let Some(motor) = &metrics.motor else { return results };
+fn solve_results(metrics: &Metrics) -> Value {
+    let mut results = json!({
+        "peak_torque_n_m": metrics.peak_torque_n_m.value,
+        "peak_torque_time_s": metrics.peak_torque_n_m.time_s,
+        "rms_torque_n_m": metrics.rms_torque_n_m,
+        "peak_rigid_torque_n_m": metrics.peak_rigid_torque_n_m.value,
+        "torque_ratio": metrics.torque_ratio,
+        "lead_s": metrics.lead_s,
+        "lag_s": metrics.lag_s,
+        "peak_hub_angle_rad": metrics.peak_hub_angle_rad.value,
+        "peak_hub_rate_rad_s": metrics.peak_hub_rate_rad_s.value,
+        "peak_power_w": metrics.peak_power_w.value,
+        "peak_root_moment_n_m": metrics.peak_root_moment_n_m.value,
+        "peak_deflection_m": metrics.peak_deflection_m.value,
+    });
+    if let Some(motor) = &metrics.motor {
+        results["peak_motor_torque_n_m"] = motor.peak_torque_n_m.value.into();
+        results["peak_motor_torque_time_s"] = motor.peak_torque_n_m.time_s.into();
+        results["rms_motor_torque_n_m"] = motor.rms_torque_n_m.into();
+        results["peak_motor_rate_rad_s"] = motor.peak_rate_rad_s.value.into();
+        results["peak_motor_power_w"] = motor.peak_power_w.value.into();
+    }
     results
-        .with("peak_motor_torque_n_m", motor.peak_torque_n_m.value)
-        .with("peak_motor_torque_time_s", motor.peak_torque_n_m.time_s)
-        .with("rms_motor_torque_n_m", motor.rms_torque_n_m)
-        .with("peak_motor_rate_rad_s", motor.peak_rate_rad_s.value)
-        .with("peak_motor_power_w", motor.peak_power_w.value)
-}
-
-fn solve_errors(accuracy: &Accuracy) -> Values {
-    let of = |errors: QuantityErrors| {
-        Values::of([("mesh", errors.mesh), ("window", errors.window)])
-            .with_some("step", errors.step)
-            .with_some("modes", errors.modes)
-    };
-    let errors = &accuracy.errors;
-    let values = Values::of([("tip", accuracy.tip)])
-        .inner("torque", Some(of(errors.torque)))
-        .inner("hub_angle", Some(of(errors.hub_angle)))
-        .inner("hub_rate", Some(of(errors.hub_rate)))
-        .inner("hub_acceleration", errors.hub_acceleration.map(of))
-        .inner("displacement", errors.displacement.map(of));
-    let values = match errors.bending_moment.map(of) {
-        Some(moment) => values.inner("bending_moment", Some(moment)),
-        None => values,
-    };
-    values
-        .inner("motor_torque", errors.motor_torque.map(of))
-        .inner("motor_rate", errors.motor_rate.map(of))
 }
 
 fn solve_warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<StoredWarning> {
@@ -247,34 +228,35 @@ fn solve_warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<StoredWarni
     solution.warnings.iter().map(warning).chain(exceeded.iter().map(limit)).collect()
 }
 
-fn played_results(metrics: &PlayedMetrics) -> Values {
-    Values::of([
-        ("peak_torque_n_m", metrics.peak_torque_n_m.value),
-        ("farthest_m", metrics.farthest_m),
-        ("travel_m", metrics.travel_m),
-        ("final_tip_velocity_m_s", metrics.final_tip_velocity_m_s),
-        ("peak_hub_angle_rad", metrics.peak_hub_angle_rad.value),
-        ("peak_hub_rate_rad_s", metrics.peak_hub_rate_rad_s.value),
-        ("peak_power_w", metrics.peak_power_w.value),
-        ("peak_deflection_m", metrics.peak_deflection_m.value),
-    ])
+fn played_results(metrics: &PlayedMetrics) -> Value {
+    json!({
+        "peak_torque_n_m": metrics.peak_torque_n_m.value,
+        "farthest_m": metrics.farthest_m,
+        "travel_m": metrics.travel_m,
+        "final_tip_velocity_m_s": metrics.final_tip_velocity_m_s,
+        "peak_hub_angle_rad": metrics.peak_hub_angle_rad.value,
+        "peak_hub_rate_rad_s": metrics.peak_hub_rate_rad_s.value,
+        "peak_power_w": metrics.peak_power_w.value,
+        "peak_deflection_m": metrics.peak_deflection_m.value,
+    })
 }
 
 /// Shares of each quantity's own peak, of the tip's travel: of the mesh, and of the modes left out.
-fn play_errors(error: &PlayError) -> Values {
-    Values::default()
-        .inner("tip", Some(Values::of([("mesh", error.tip)])))
-        .inner("hub_angle", Some(Values::of([("mesh", error.hub_angle)])))
+fn play_errors(error: &PlayError) -> Value {
+    json!({
+        "tip": { "mesh": error.tip },
+        "hub_angle": { "mesh": error.hub_angle },
+    })
 }
 
-fn tip_numbers(error: &TipError) -> Values {
-    Values::of([
-        ("worst_m", error.worst_m),
-        ("share", error.share),
-        ("time_s", error.time_s),
-        ("rms_m", error.rms_m),
-        ("final_m", error.final_m),
-    ])
+fn tip_numbers(error: &TipError) -> Value {
+    json!({
+        "worst_m": error.worst_m,
+        "share": error.share,
+        "time_s": error.time_s,
+        "rms_m": error.rms_m,
+        "final_m": error.final_m,
+    })
 }
 
 fn play_warnings(

@@ -76,22 +76,22 @@ pub fn is_result_file(name: &OsStr) -> bool {
     RESULT_FILES.iter().chain([&SUMMARY]).any(|file| name == *file)
 }
 
-/// Which results of an inversion to write, and with which digits.
+/// Which results of a solution or a simulation to write, and with which digits.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SolveOutputs {
+pub struct RunOutputs {
     /// Nodes of the nodal tables; `None`: all.
     pub nodes: Option<Vec<usize>>,
     /// The nodal tables have a row for every so many samples, at least 1.
     pub every: usize,
-    /// Whether to write `nodal_deflections.csv`: deflection w from the hub's tangent line.
+    /// Whether a solution has `nodal_deflections.csv`: deflection w from the hub's tangent line.
     pub deflections: bool,
-    /// Whether to write `bending_moments.csv`.
+    /// Whether a solution has `bending_moments.csv`.
     pub moments: bool,
     /// Digits of all numbers.
     pub digits: Digits,
 }
 
-impl Default for SolveOutputs {
+impl Default for RunOutputs {
     /// Every node, every sample, no table on demand.
     fn default() -> Self {
         let digits = Digits::default();
@@ -99,7 +99,7 @@ impl Default for SolveOutputs {
     }
 }
 
-impl SolveOutputs {
+impl RunOutputs {
     /// Names of the files of a link, summary.json last.
     pub fn file_names(&self, link: &Link) -> Vec<&'static str> {
         let is_written = |name: &&str| match *name {
@@ -131,12 +131,10 @@ impl SolveOutputs {
             || self.write_histories(&folder, solution),
         );
         others.and(nodal)?;
-        folder.file(NODES.0, |out| write_nodes(out, solution.link(), solution.mesh()))?;
         if let Some(page) = page {
             folder.file(REPORT, |out| out.write_all(page.as_bytes()))?;
         }
-        folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
-        folder.commit(SUMMARY, &RESULT_FILES)
+        finish(folder, (solution.link(), solution.mesh()), summary)
     }
 
     /// The deflections of the nodal tables, computed when their rows are asked for.
@@ -144,7 +142,7 @@ impl SolveOutputs {
     /// # Panics
     /// If a node is not one of the mesh.
     pub fn deflections<'a>(&self, solution: &'a Solution) -> NodalTable<'a> {
-        solution.deflections(&nodes_of(self.nodes.as_ref(), solution.mesh()), self.every)
+        solution.deflections(&self.nodes_of(solution.mesh()), self.every)
     }
 
     /// Tables over the whole grid, several at a time.
@@ -197,29 +195,17 @@ impl SolveOutputs {
         }
         Ok(())
     }
-}
 
-/// Which results of a simulation to write, and with which digits.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SimulateOutputs {
-    /// Nodes of the nodal table; `None`: all.
-    pub nodes: Option<Vec<usize>>,
-    /// The nodal table has a row for every so many samples, at least 1.
-    pub every: usize,
-    /// Digits of all numbers.
-    pub digits: Digits,
-}
-
-impl SimulateOutputs {
-    /// Names of the files, summary.json last.
-    pub fn file_names() -> [&'static str; 6] {
+    /// Names of the files of a simulation, summary.json last.
+    pub fn simulation_file_names() -> [&'static str; 6] {
         [TORQUE.0, TIP.0, HUB_ANGLE, DISPLACEMENTS.file, NODES.0, SUMMARY]
     }
 
-    /// Memory in bytes of the nodal table.
-    pub fn nodal_bytes(&self, simulation: &Simulation) -> usize {
-        let nodes = self.nodes.as_ref().map_or(simulation.mesh.nodes_m().len(), Vec::len);
-        size_of::<f64>() * nodes * simulation.grid.len.div_ceil(self.every)
+    /// Memory in bytes of the nodal table of a simulation.
+    pub fn simulation_bytes(&self, simulation: &Simulation) -> usize {
+        size_of::<f64>()
+            * self.nodes_of(&simulation.mesh).len()
+            * simulation.grid.len.div_ceil(self.every)
     }
 
     /// Writes the files of a simulation into `folder`: all or none.
@@ -229,7 +215,7 @@ impl SimulateOutputs {
     ///
     /// # Panics
     /// If a node is not one of the mesh.
-    pub fn write(
+    pub fn write_simulation(
         &self,
         folder: OutputFolder,
         link: &Link,
@@ -239,8 +225,7 @@ impl SimulateOutputs {
         let Simulation { tip, hub_angle_rad, hub_rate_rad_s, .. } = simulation;
         let hub = [hub_angle_rad, hub_rate_rad_s, &simulation.hub_acceleration_rad_s2];
         let tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2];
-        let nodes = nodes_of(self.nodes.as_ref(), &simulation.mesh);
-        let nodal = simulation.displacements_m(&nodes, self.every);
+        let nodal = simulation.displacements_m(&self.nodes_of(&simulation.mesh), self.every);
         let NodalFile { file, letter, unit } = DISPLACEMENTS;
         let named = nodal.nodes.iter().map(|node| format!("{letter}{node}_{unit}"));
         let columns = named.zip(&nodal.samples).map(|(name, values)| Column { name, values });
@@ -254,10 +239,24 @@ impl SimulateOutputs {
         ] {
             folder.file(name, |out| write_csv(out, time, &groups, self.digits))?;
         }
-        folder.file(NODES.0, |out| write_nodes(out, link, &simulation.mesh))?;
-        folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
-        folder.commit(SUMMARY, &RESULT_FILES)
+        finish(folder, (link, &simulation.mesh), summary)
     }
+
+    /// The nodes to write, or all nodes.
+    fn nodes_of(&self, mesh: &Mesh) -> Vec<usize> {
+        self.nodes.clone().unwrap_or_else(|| (0..mesh.nodes_m().len()).collect())
+    }
+}
+
+/// Writes the files that every run has, and gives all files their names.
+fn finish(
+    folder: OutputFolder,
+    (link, mesh): (&Link, &Mesh),
+    summary: &Summary,
+) -> Result<(), FolderError> {
+    folder.file(NODES.0, |out| write_nodes(out, link, mesh))?;
+    folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
+    folder.commit(SUMMARY, &RESULT_FILES)
 }
 
 /// Columns that each have decimals for their own peak.
@@ -266,11 +265,6 @@ fn groups<'a, const N: usize>(
     columns: [&'a Vec<f64>; N],
 ) -> Vec<ColumnGroup<'a>> {
     names.into_iter().zip(columns).map(|(name, values)| group([(name, &values[..])])).collect()
-}
-
-/// The nodes to write, or all nodes.
-fn nodes_of(nodes: Option<&Vec<usize>>, mesh: &Mesh) -> Vec<usize> {
-    nodes.cloned().unwrap_or_else(|| (0..mesh.nodes_m().len()).collect())
 }
 
 /// `nodes.csv`: every node of the mesh with the segment that ends there (node 0: begins there), by name,

@@ -2,10 +2,9 @@
 //! One record is written and read back.
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use super::json::{
-    FORMAT, Fingerprint, Head, Values, as_written, check_format, json, newer, parsed,
-};
+use super::json::{FORMAT, Fingerprint, Head, as_written, check_format, json, newer, parsed};
 use crate::csv::{InputFile, Place, TableError, quoted};
 use crate::link::{
     Damping, Drive, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
@@ -35,7 +34,7 @@ pub struct Summary {
     pub(super) drive: Nullable<Drive>,
     /// What was computed, from `mesh` on: `motion`, `torque`, `analysis`, `results`, `errors`, ….
     #[serde(flatten)]
-    pub(super) values: Values,
+    pub(super) values: Value,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) verification: Nullable<Vec<StoredCheck>>,
     pub(super) warnings: Vec<StoredWarning>,
@@ -173,28 +172,39 @@ impl Summary {
 
     /// First and last time in s of the histories.
     pub(super) fn window_s(&self) -> Option<(f64, f64)> {
-        let solved =
-            self.values.object("analysis").map(|of| (of, "window_start_s", "window_end_s"));
-        let played = || Some((self.values.object("torque")?, "start_s", "simulated_until_s"));
-        let (values, start, end) = solved.or_else(played)?;
-        values.number(start).zip(values.number(end))
+        let (analysis, torque) = (&self.values["analysis"], &self.values["torque"]);
+        let (start, end) = match analysis.is_object() {
+            true => (&analysis["window_start_s"], &analysis["window_end_s"]),
+            false => (&torque["start_s"], &torque["simulated_until_s"]),
+        };
+        start.as_f64().zip(end.as_f64())
     }
 
     /// How many modes a solution keeps; none if it keeps all.
     pub(super) fn kept_modes(&self) -> Option<usize> {
-        self.values.object("analysis")?.whole("modes")
+        self.values["analysis"]["modes"].as_u64()?.try_into().ok()
     }
 
     /// All numbers by name: results, those of residual and tip error, errors.
     pub(super) fn readings(&self) -> Vec<(String, f64)> {
-        let of = |name: &str, prefix: &str| {
-            self.values.object(name).map(|numbers| numbers.prefixed(prefix)).unwrap_or_default()
-        };
+        let of = |key: &str, prefix: &str| numbers_in(&self.values[key], prefix);
         let errors = of("errors", "").into_iter().map(|(name, error)| (name + "_error", error));
         let numbers =
             [of("results", ""), of("residual", "residual_"), of("tip_error", "tip_error_")];
         numbers.into_iter().flatten().chain(errors).collect()
     }
+}
+
+/// All numbers of an object, their names behind a prefix; one of an inner object has the names of both,
+/// `torque_mesh`.
+fn numbers_in(object: &Value, prefix: &str) -> Vec<(String, f64)> {
+    let mut found = Vec::new();
+    for (name, value) in object.as_object().into_iter().flatten() {
+        let name = format!("{prefix}{name}");
+        found.extend(numbers_in(value, &format!("{name}_")));
+        found.extend(value.as_f64().map(|number| (name, number)));
+    }
+    found
 }
 
 impl LinkRecord {

@@ -11,7 +11,7 @@ use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
 use flexlink::result::{Exceeded, Metrics, Remark};
 use flexlink::spec::Specification;
-use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, SolveOutputs, Summary};
+use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 use flexlink::verify::Verification;
 
 use crate::cli::args::{NodeArgs, digits_arguments};
@@ -77,14 +77,9 @@ impl SolveOptions {
     }
 
     /// The tables to write.
-    pub(super) fn outputs(&self) -> SolveOutputs {
-        SolveOutputs {
-            nodes: self.nodes.list.clone(),
-            every: self.nodes.every,
-            deflections: self.deflections,
-            moments: self.moments,
-            digits: self.digits,
-        }
+    pub(super) fn outputs(&self) -> RunOutputs {
+        let (deflections, moments) = (self.deflections, self.moments);
+        RunOutputs { deflections, moments, ..self.nodes.outputs(self.digits) }
     }
 
     /// Parses the arguments of a record.

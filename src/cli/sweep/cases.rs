@@ -13,7 +13,7 @@ use flexlink::motion::{MotionScale, Periods, TipMotion};
 use flexlink::response::Torque;
 use flexlink::result::Remark;
 use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
-use flexlink::store::{Fingerprint, SweepIdentity, SweepInputs, SweepKind};
+use flexlink::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs, SweepKind};
 use flexlink::sweep::{CaseValues, Shard, SweepPlan};
 use flexlink::text::{excerpt, visible};
 
@@ -255,6 +255,12 @@ impl OutputsArgs {
     pub(crate) fn identity(&self) -> Vec<String> {
         let folder = self.outputs.iter().flat_map(|folder| option("--outputs", folder.display()));
         folder.chain(self.arguments()).collect()
+    }
+
+    /// The tables of a case with this mesh; refuses nodes that it does not have.
+    pub(crate) fn of_case(&self, mesh: &Mesh) -> Result<RunOutputs, Failure> {
+        self.nodes.check(mesh)?;
+        Ok(self.nodes.outputs(self.digits))
     }
 
     /// Folder of a case, from 0, among so many.

@@ -8,11 +8,10 @@ use flexlink::response::{Play, PlayError, Torque, simulate};
 use flexlink::result::{Metrics, PlayedMetrics, Remark, TipError};
 use flexlink::spec::Specification;
 use flexlink::store::{
-    CaseNumbers, Findings, OutputFolder, PlayedCase, RunInputs, SolveOutputs, SolvedCase, Summary,
-    SweepKind,
+    CaseNumbers, Findings, OutputFolder, PlayedCase, RunInputs, SolvedCase, Summary, SweepKind,
 };
 
-use super::cases::{Cases, OutputsArgs};
+use super::cases::Cases;
 use super::tally::Notice;
 use crate::cli::inputs::remarks;
 use crate::terminal::{Exit, Failure, memory};
@@ -78,14 +77,7 @@ impl Cases<'_> {
             let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
             let remarks = remarks(&specification.remarks, &solution);
             let findings = Findings { exceeded: &exceeded, verification: None, remarks: &remarks };
-            let OutputsArgs { nodes, digits, .. } = &self.shared.outputs;
-            nodes.check(solution.mesh())?;
-            let outputs = SolveOutputs {
-                nodes: nodes.list.clone(),
-                every: nodes.every,
-                digits: *digits,
-                ..SolveOutputs::default()
-            };
+            let outputs = self.shared.outputs.of_case(solution.mesh())?;
             let summary = Summary::of_solution(inputs, &solution, &metrics, &findings, &outputs);
             let deflections = outputs.deflections(&solution);
             memory::check_nodes(deflections.bytes(), memory_bytes)?;
@@ -129,14 +121,12 @@ impl Cases<'_> {
             let arguments = self.arguments(&values);
             let files = [&self.link_file, torque_file];
             let inputs = RunInputs::of_simulate(files, [Some(&self.motion_file), None], arguments);
-            let OutputsArgs { nodes, digits, .. } = &self.shared.outputs;
-            nodes.check(&simulation.mesh)?;
-            let outputs = nodes.of_simulation(*digits);
-            memory::check_nodes(outputs.nodal_bytes(&simulation), memory_bytes)?;
+            let outputs = self.shared.outputs.of_case(&simulation.mesh)?;
+            memory::check_nodes(outputs.simulation_bytes(&simulation), memory_bytes)?;
             let errors = (error.as_ref(), Some(&tip_error));
             let played = (link, &play);
             let summary = Summary::of_simulation(inputs, played, &simulation, &metrics, errors);
-            outputs.write(self.stage(&folder)?, link, &simulation, &summary)?;
+            outputs.write_simulation(self.stage(&folder)?, link, &simulation, &summary)?;
         }
         let coarse = error.and_then(|error| error.warning());
         let own = simulation.warnings.iter().copied().chain(coarse);
