@@ -11,9 +11,8 @@ use flexlink::modal::{
     DampingLaw, Thickness, held_frequencies, mode, natural_frequencies, real_frequency_zeros,
     torque_zeros,
 };
-use flexlink::result::{Remark, mesh_errors};
+use flexlink::result::{HeldModes, ModesResult, Remark, mesh_errors};
 use flexlink::spec::Specification;
-use flexlink::store::{HeldModes, ModesResult};
 
 use super::args::SyncArgs;
 use super::inputs::LinkArgs;

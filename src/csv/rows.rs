@@ -58,13 +58,22 @@ impl Place<'_> {
     }
 
     /// *place: column N = "name", but must*, the first column being number 0.
-    pub(super) fn refuse_column(
+    pub(crate) fn refuse_column(
         &self,
         number: usize,
         name: &str,
         must: impl Into<String>,
     ) -> TableError {
         self.refuse(format!("column {}", number + 1), quoted(name), must)
+    }
+
+    /// Refuses a row that has not as many fields as there are columns.
+    pub(crate) fn check_width(self, fields: usize, columns: usize) -> Result<(), TableError> {
+        if fields == columns {
+            return Ok(());
+        }
+        let must = format!("must be {columns}, as many as there are columns");
+        Err(self.refuse("fields", fields.to_string(), must))
     }
 
     /// *place: message*.

@@ -63,11 +63,11 @@ impl Samples {
     }
 
     fn push(&mut self, fields: &[&str], place: Place) -> Result<(), TableError> {
-        if fields.len() != self.width {
+        place.check_width(fields.len(), self.width).map_err(|error| {
             let hint = (fields.len() > self.width && fields.iter().all(|field| is_digits(field)))
                 .then(|| format!("{NUMBERS}, and one comma divides two fields"));
-            return Err(refuse_width(fields, self.width, place).with_hint(hint));
-        }
+            error.with_hint(hint)
+        })?;
         for (heading, values) in self.headings.iter().zip(&mut self.values) {
             let value = read_number(fields[heading.index], heading, place)?;
             if heading.quantity == TIME {
@@ -99,12 +99,6 @@ pub(super) fn refuse_samples(
 ) -> TableError {
     let place = Place { file, line: sample.map(|sample| lines[sample]) };
     place.refuse_whole(why.to_string()).with_hint(hint.map(str::to_owned))
-}
-
-/// Refuses a row that has not as many fields as the first.
-fn refuse_width(fields: &[&str], width: usize, place: Place) -> TableError {
-    let must = format!("must be {width}, as many as there are columns");
-    place.refuse("fields", fields.len().to_string(), must)
 }
 
 /// One field of a column, in SI.
@@ -195,9 +189,7 @@ fn columns(names: &[&str], place: Place) -> Result<Table, TableError> {
 }
 
 fn push(table: &mut Table, fields: &[&str], line: u64, place: Place) -> Result<(), TableError> {
-    if fields.len() != table.columns.len() {
-        return Err(refuse_width(fields, table.columns.len(), place));
-    }
+    place.check_width(fields.len(), table.columns.len())?;
     for (column, field) in table.columns.iter_mut().zip(fields) {
         column.push(field.parse().map_or(Cell::Word(field), Cell::Number));
     }

@@ -5,6 +5,7 @@ mod errors;
 mod fit;
 mod limits;
 mod metrics;
+mod modes;
 mod peak;
 mod remark;
 mod stored;
@@ -15,6 +16,7 @@ pub use errors::{
 pub use fit::{Fit, FitError, FitProblem, OpenMotion, shortest_fit};
 pub use limits::{Exceeded, LimitedValue, Limits, Reached};
 pub use metrics::{Metrics, MotorMetrics, PlayedMetrics, TIMING_LEVEL};
+pub use modes::{HeldModes, ModesResult};
 pub use peak::Peak;
 pub use remark::Remark;
 pub use stored::{

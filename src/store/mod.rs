@@ -14,7 +14,7 @@ mod summary;
 mod sweep;
 
 pub use folder::{Durability, FolderError, OutputFolder, write_file};
-pub use frequency_tables::{HeldModes, ModesResult, write_frequency_response};
+pub use frequency_tables::write_frequency_response;
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
 pub use json::Fingerprint;
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
@@ -24,7 +24,6 @@ pub use run_summary::{Findings, write_solution};
 pub use run_tables::{REPORT, RunOutputs, SUMMARY, is_result_file};
 pub use summary::{RunInputs, Summary, verification_json};
 pub use sweep::{
-    CaseNumbers, ForeignRecord, LeftRows, PlayedCase, Resumed, SolvedCase, SweepFile,
-    SweepIdentity, SweepInputs, SweepKind, SweepRows, SweptCase, merge_shards, sweep_files,
-    sweep_header, sweep_row, write_sweep,
+    ForeignRecord, LeftRows, Resumed, SweepFile, SweepIdentity, SweepInputs, SweepRows, SweptCase,
+    merge_shards, sweep_files, sweep_header, sweep_row, write_sweep,
 };

@@ -41,7 +41,7 @@ impl Table {
             let must = || format!("must be one of {TIME}, {}", columns.join(", "));
             let unknown = |field: &&str| *field != TIME && !columns.contains(field);
             match fields.iter().position(unknown) {
-                Some(index) => Err(refuse_column(fields, index, &must(), place)),
+                Some(index) => Err(place.refuse_column(index, fields[index], must())),
                 None => Ok(()),
             }
         })
@@ -72,11 +72,7 @@ impl Table {
     }
 
     fn push(&mut self, fields: &[&str], line: u64, place: Place) -> Result<(), TableError> {
-        let width = self.names.len();
-        if fields.len() != width {
-            let must = format!("must be {width}, as many as there are columns");
-            return Err(place.refuse("fields", fields.len().to_string(), must));
-        }
+        place.check_width(fields.len(), self.names.len())?;
         for ((name, field), column) in self.names.iter().zip(fields).zip(&mut self.columns) {
             column.push(read_number(name, field, place)?);
         }
@@ -151,11 +147,6 @@ pub(super) fn is_same_time(a_s: f64, b_s: f64, grid_s: &[f64]) -> bool {
     (a_s - b_s).abs() <= (TIME_TOLERANCE * step_s).max(ROUNDING_S)
 }
 
-/// Refuses a column for its name.
-pub(super) fn refuse_column(fields: &[&str], index: usize, must: &str, place: Place) -> TableError {
-    place.refuse(format!("column {}", index + 1), quoted(fields[index]), must)
-}
-
 /// Refuses names that do not begin with the time, or of which two are the same.
 fn check_names(fields: &[&str], place: Place) -> Result<(), TableError> {
     check_separator(fields, place)?;
@@ -163,12 +154,12 @@ fn check_names(fields: &[&str], place: Place) -> Result<(), TableError> {
         return Err(refuse_missing(fields, TIME, place));
     }
     if fields[0] != TIME {
-        return Err(refuse_column(fields, 0, &format!("must be {TIME}"), place));
+        return Err(place.refuse_column(0, fields[0], format!("must be {TIME}")));
     }
     for (index, field) in fields.iter().enumerate() {
         if let Some(earlier) = fields[..index].iter().position(|earlier| earlier == field) {
             let must = format!("must not repeat column {}", earlier + 1);
-            return Err(refuse_column(fields, index, &must, place));
+            return Err(place.refuse_column(index, fields[index], must));
         }
     }
     Ok(())
@@ -214,7 +205,7 @@ pub(super) fn read_nodal(
             return Err(place.refuse("columns", "the time alone", must));
         }
         let stray = (1..fields.len()).find(|index| node_of(fields[*index]).is_none());
-        stray.map_or(Ok(()), |index| Err(refuse_column(fields, index, &must, place)))
+        stray.map_or(Ok(()), |index| Err(place.refuse_column(index, fields[index], must)))
     };
     let mut table = Table::read(file, check)?;
     table.check_times(times_s, stride(table.times_s(), times_s))?;
@@ -268,10 +259,8 @@ pub(super) fn read_mesh(file: &InputFile, link: &Link) -> Result<Mesh, TableErro
         Err(at(line).refuse("columns", quoted(&fields.join(",")), must))
     };
     let push = |nodes_m: &mut Vec<f64>, line, fields: &[&str]| {
-        let &[node, x_m, _] = fields else {
-            let must = "must be 3, as many as there are columns";
-            return Err(at(line).refuse("fields", fields.len().to_string(), must));
-        };
+        at(line).check_width(fields.len(), NODES.1.len())?;
+        let (node, x_m) = (fields[0], fields[1]);
         let number = nodes_m.len().to_string();
         if node != number {
             return Err(at(line).refuse("node", quoted(node), format!("must be {number}")));

@@ -1,10 +1,12 @@
-//! Many cases of one link and motion: which values they take, the share of one machine, and their
-//! work in parallel with the order kept.
+//! Many cases of one link and motion: which values they take, the share of one machine, their numbers,
+//! and their work in parallel with the order kept.
 
+mod columns;
 mod in_order;
 mod plan;
 mod variation;
 
+pub use columns::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 pub use in_order::in_order;
 pub use plan::{CaseValues, Shard, SweepPlan};
 pub use variation::{Operation, Variation, VariationError};

@@ -117,9 +117,10 @@ fn results_that_cannot_be_written_end_the_sweep_and_keep_its_rows() {
         "{}",
         stderr(&output)
     );
-    assert!(!bench.path("sweep.csv").exists());
+    assert_eq!(bench.names("."), ["cases"], "no file without a row is left");
     let output = sweep(&bench, &[&vary[..], &["--outputs", "all", "--nodes", "11"]].concat());
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert_eq!(bench.names("."), ["cases"]);
     let output = sweep(&bench, &[&vary[..], &["-o", "."]].concat());
     assert_eq!(output.status.code(), Some(5));
     assert!(stderr(&output).ends_with("a folder is no file\n"), "{}", stderr(&output));

@@ -13,8 +13,8 @@ use flexlink::motion::{MotionScale, Periods, TipMotion};
 use flexlink::response::Torque;
 use flexlink::result::Remark;
 use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
-use flexlink::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs, SweepKind};
-use flexlink::sweep::{CaseValues, Shard, SweepPlan};
+use flexlink::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs};
+use flexlink::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use flexlink::text::{excerpt, visible};
 
 use crate::cli::args::{NodeArgs, SyncArgs, digits_arguments, option};

@@ -7,7 +7,7 @@ use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
 use flexlink::text::{excerpt, visible};
 
 use super::cases::{CaseArgs, Cases};
-use super::table::{Begun, NoMore, Rows, merge};
+use super::table::{EarlyEnd, OpenedTable, TableOutput, merge};
 use super::tally::Tally;
 use super::work::Outcome;
 use crate::cli::inputs::{LINK, MOTION};
@@ -109,9 +109,81 @@ impl Sweep {
         let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
             return self.merge();
         };
+        let cases = self.load(link, motion)?;
+        let (mut table, mut tally, warnings) = match self.open(&cases)? {
+            OpenedTable::Unfinished(table, earlier, warnings) => {
+                (table, earlier.map(|rows| tally_of(&cases, &rows)).unwrap_or_default(), warnings)
+            }
+            OpenedTable::Complete(rows) => return self.tell_complete(&tally_of(&cases, &rows)),
+        };
+        match self.compute(&cases, &mut table, &mut tally) {
+            Ok(()) => {}
+            Err(EarlyEnd::ReaderGone) => return Ok(()),
+            Err(EarlyEnd::Failed(failure)) => {
+                if tally.rows() == 0 {
+                    table.discard();
+                }
+                return Err(failure);
+            }
+        }
+        tally.warn();
+        self.write(table, &tally, &cases)?;
+        self.report(&format!("cases    {}", tally.rows()))?;
+        self.judge(&tally, warnings)
+    }
+
+    /// Reads what all cases share.
+    fn load(&self, link: &Path, motion: &Path) -> Result<Cases<'_>, Failure> {
         self.check_files()?;
-        let cases = Cases::read(self.plan()?, link, motion, &self.shared)?;
-        self.sweep(&cases)
+        Cases::read(self.plan()?, link, motion, &self.shared)
+    }
+
+    /// Opens the table for the rows of this run's shard.
+    fn open(&self, cases: &Cases) -> Result<OpenedTable, Failure> {
+        let header = sweep_header(&cases.plan, cases.kind);
+        let identity = cases.identity(&self.vary, self.shard);
+        TableOutput::open(&self.output_path(), identity, &header, self.resume)
+    }
+
+    /// Computes the cases whose rows are not in the table yet, and appends each row as it comes.
+    fn compute(
+        &self,
+        cases: &Cases,
+        table: &mut TableOutput,
+        tally: &mut Tally,
+    ) -> Result<(), EarlyEnd> {
+        let (done, all) = (tally.rows(), self.shard.len(cases.plan.cases()));
+        let is_silent = self.quiet || table.is_printed();
+        let progress = if is_silent { CaseBar::hidden() } else { CaseBar::new(done, all) };
+        let take = |k: usize, Outcome { row, warnings, remarks }| {
+            let (case, row) = (self.shard.case(k), row?);
+            let kinds: Vec<&str> = warnings.iter().map(|warning| &*warning.kind).collect();
+            let line = sweep_row(&cases.plan.case(case), &row, cases.kind, &kinds);
+            tally.add(case + 1, row.as_ref().err(), warnings, &remarks);
+            progress.advance();
+            table.append(&line)
+        };
+        let work = |k| cases.outcome(self.shard.case(k));
+        in_order(done..all, interrupt::watch(), work, take)
+    }
+
+    /// Gives the table its name; returns an error if it is not complete.
+    fn write(&self, table: TableOutput, tally: &Tally, cases: &Cases) -> Result<(), Failure> {
+        let all = self.shard.len(cases.plan.cases());
+        if tally.rows() < all {
+            return Err(table.interrupted(tally.rows(), all));
+        }
+        table.finish(self.shared.outputs.sync.durability())
+    }
+
+    /// Returns an error for cases that are not as the options want them, and for `warnings` of the run.
+    fn judge(&self, tally: &Tally, warnings: usize) -> Result<(), Failure> {
+        // A shard is only a part: others may have numbers.
+        if self.shard.of() == 1 {
+            tally.refuse_all_failed()?;
+        }
+        self.refuse(tally)?;
+        self.warnings.refuse(warnings)
     }
 
     fn merge(&self) -> Result<(), Failure> {
@@ -134,58 +206,15 @@ impl Sweep {
         SweepPlan::new(variations).map_err(refused)
     }
 
-    /// Works through the cases of this run's shard and writes every row as it comes.
-    fn sweep(&self, cases: &Cases) -> Result<(), Failure> {
-        let header = sweep_header(&cases.plan, cases.kind);
-        let identity = cases.identity(&self.vary, self.shard);
-        let begun = Rows::begin(&self.output_path(), identity, &header, self.resume)?;
-        let (mut rows, there, warnings) = match begun {
-            Begun::To(rows, there, warnings) => (rows, there, warnings),
-            Begun::Complete(rows) => return self.complete(&tally_of(cases, &rows)),
-        };
-        let mut tally = there.map(|there| tally_of(cases, &there)).unwrap_or_default();
-        let (done, all) = (tally.rows(), self.shard.len(cases.plan.cases()));
-        let is_silent = self.quiet || rows.are_printed();
-        let progress = if is_silent { CaseBar::hidden() } else { CaseBar::new(done, all) };
-        let take = |k: usize, Outcome { row, warnings, remarks }| {
-            let (case, row) = (self.shard.case(k), row?);
-            let kinds: Vec<&str> = warnings.iter().map(|warning| &*warning.kind).collect();
-            let line = sweep_row(&cases.plan.case(case), &row, cases.kind, &kinds);
-            tally.add(case + 1, row.as_ref().err(), warnings, &remarks);
-            progress.advance();
-            rows.append(&line)
-        };
-        let work = |k| cases.outcome(self.shard.case(k));
-        let ended = in_order(done..all, interrupt::watch(), work, take);
-        drop(progress);
-        match ended {
-            Ok(()) => {}
-            Err(NoMore::ReaderGone) => return Ok(()),
-            Err(NoMore::Failed(failure)) => return Err(failure),
-        }
-        tally.warn();
-        if tally.rows() < all {
-            return Err(rows.interrupted(tally.rows(), all));
-        }
-        rows.finish(self.shared.outputs.sync.durability())?;
-        self.report(&format!("cases    {all}"))?;
-        // A shard is only a part: others may have numbers.
-        if self.shard.of() == 1 {
-            tally.refuse_all_failed()?;
-        }
-        self.refuse(&tally)?;
-        self.warnings.refuse(warnings)
-    }
-
-    /// Ends a sweep that an earlier run has completed.
-    fn complete(&self, tally: &Tally) -> Result<(), Failure> {
+    /// Prints that an earlier run has completed the sweep.
+    fn tell_complete(&self, tally: &Tally) -> Result<(), Failure> {
         tally.warn();
         let (output, cases) = (self.output_path(), counted(tally.rows(), "case"));
         self.say(&format!("complete {}, {cases}\n", output.display()))?;
         self.refuse(tally)
     }
 
-    /// Ends a program whose cases are not as they were asked to be.
+    /// Returns an error for cases that --strict or --deny-warnings refuse.
     fn refuse(&self, tally: &Tally) -> Result<(), Failure> {
         if self.strict {
             tally.refuse_exceeding()?;

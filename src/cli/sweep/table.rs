@@ -15,7 +15,7 @@ use crate::terminal::text::counted;
 use crate::terminal::{Exit, Failure};
 
 /// Where the rows of a sweep go.
-pub(crate) enum Rows {
+pub(crate) enum TableOutput {
     /// A file that is whole at the end.
     InFile(Box<SweepFile>),
     /// Standard output.
@@ -24,36 +24,36 @@ pub(crate) enum Rows {
     PrintedShard,
 }
 
-/// A table that was begun.
-pub(crate) enum Begun {
+/// A table that is opened for its rows.
+pub(crate) enum OpenedTable {
     /// Where its rows go, those that an earlier run has left, and the number of warnings printed.
-    To(Rows, Option<SweepRows>, usize),
-    /// All its rows are there.
+    Unfinished(TableOutput, Option<SweepRows>, usize),
+    /// An earlier run has written all its rows.
     Complete(SweepRows),
 }
 
-/// Why no more rows are taken.
-pub(crate) enum NoMore {
-    /// The reader of standard output has gone away, and needs no more.
+/// Why a sweep ends before its last row.
+pub(crate) enum EarlyEnd {
+    /// The reader of standard output has gone away, and needs no more rows.
     ReaderGone,
-    /// The rows cannot be written.
+    /// A case or its row cannot be written, or its options are wrong.
     Failed(Failure),
 }
 
-impl From<Failure> for NoMore {
+impl From<Failure> for EarlyEnd {
     fn from(failure: Failure) -> Self {
         Self::Failed(failure)
     }
 }
 
-impl Rows {
+impl TableOutput {
     /// Begins a table, or goes on with what an interrupted run left of it.
-    pub(crate) fn begin(
+    pub(crate) fn open(
         path: &Path,
         identity: SweepIdentity,
         header: &str,
         resume: bool,
-    ) -> Result<Begun, Failure> {
+    ) -> Result<OpenedTable, Failure> {
         if is_standard_output(path) {
             if resume {
                 let message = "--resume = standard output, but must have a file to go on with";
@@ -63,15 +63,16 @@ impl Rows {
             let first = identity.line() + &checked_header(header);
             console::print_bytes(if is_shard { &first } else { header }.as_bytes())?;
             let rows = if is_shard { Self::PrintedShard } else { Self::Printed };
-            return Ok(Begun::To(rows, None, 0));
+            return Ok(OpenedTable::Unfinished(rows, None, 0));
         }
-        let in_file =
-            |file, rows, warnings| Begun::To(Self::InFile(Box::new(file)), rows, warnings);
+        let in_file = |file, rows, warnings| {
+            OpenedTable::Unfinished(Self::InFile(Box::new(file)), rows, warnings)
+        };
         if resume {
             return Ok(match SweepFile::resume(path, identity, header)?? {
                 Resumed::Anew(file) => in_file(file, None, 0),
                 Resumed::At(file, rows) => in_file(file, Some(rows), 0),
-                Resumed::Complete(rows) => Begun::Complete(rows),
+                Resumed::Complete(rows) => OpenedTable::Complete(rows),
             });
         }
         let (file, left) = SweepFile::begin(path, identity, header)?;
@@ -79,12 +80,12 @@ impl Rows {
         Ok(in_file(file, None, warnings))
     }
 
-    /// Whether they are printed, so that nothing else may be.
-    pub(crate) fn are_printed(&self) -> bool {
+    /// Whether the rows are printed, so that nothing else may be.
+    pub(crate) fn is_printed(&self) -> bool {
         !matches!(self, Self::InFile(_))
     }
 
-    pub(crate) fn append(&mut self, row: &str) -> Result<(), NoMore> {
+    pub(crate) fn append(&mut self, row: &str) -> Result<(), EarlyEnd> {
         let printed = match self {
             Self::InFile(file) => return Ok(file.append(row).map_err(Failure::from)?),
             Self::Printed => console::print_part(row.as_bytes())?,
@@ -92,7 +93,7 @@ impl Rows {
         };
         match printed {
             Reader::There => Ok(()),
-            Reader::Gone => Err(NoMore::ReaderGone),
+            Reader::Gone => Err(EarlyEnd::ReaderGone),
         }
     }
 
@@ -100,6 +101,13 @@ impl Rows {
         match self {
             Self::InFile(file) => Ok(file.finish(durability)?),
             Self::Printed | Self::PrintedShard => Ok(()),
+        }
+    }
+
+    /// Removes the file of a sweep that failed before its first row.
+    pub(crate) fn discard(self) {
+        if let Self::InFile(file) = self {
+            file.discard();
         }
     }
 

@@ -7,9 +7,8 @@ use flexlink::inverse::{Resources, Unwatched, invert_with};
 use flexlink::response::{Play, PlayError, Torque, simulate};
 use flexlink::result::{Metrics, PlayedMetrics, Remark, TipError};
 use flexlink::spec::Specification;
-use flexlink::store::{
-    CaseNumbers, Findings, OutputFolder, PlayedCase, RunInputs, SolvedCase, Summary, SweepKind,
-};
+use flexlink::store::{Findings, OutputFolder, RunInputs, Summary};
+use flexlink::sweep::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 
 use super::cases::Cases;
 use super::tally::Notice;

@@ -121,6 +121,12 @@ impl SweepFile {
         fs::remove_file(&self.part).map_err(|cause| self.error(cause))
     }
 
+    /// Removes the file of a sweep that was refused before its first row.
+    pub fn discard(self) {
+        // A file that cannot be removed holds no row: the next run writes over it.
+        let _ = fs::remove_file(&self.part);
+    }
+
     /// The file that holds the rows until they are complete.
     pub fn part(&self) -> &Path {
         &self.part

@@ -11,4 +11,4 @@ pub use identity::{SweepIdentity, SweepInputs};
 pub use record::{ForeignRecord, sweep_files, write_sweep};
 pub(super) use record::{is_sweep, read_sweep};
 pub use rows::{SweepRows, SweptCase, merge_shards};
-pub use table::{CaseNumbers, PlayedCase, SolvedCase, SweepKind, sweep_header, sweep_row};
+pub use table::{sweep_header, sweep_row};

@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use super::super::folder::{Durability, FolderError, is_stream, write_file};
 use super::super::json::{Fingerprint, unreadable};
 use super::identity::{SweepIdentity, is_record};
-use super::table::{ERROR, SweepKind, WARNINGS};
+use super::table::{ERROR, WARNINGS};
 use crate::compare::{Cell, Table};
 use crate::csv::{CHECK, InputFile, Place, TableError, quoted, read_table, sha256};
 use crate::result::StoredSweep;
+use crate::sweep::SweepKind;
 
 /// The first column after those of the values varied.
 const FIRST: &str = "period_1_s";
@@ -170,10 +171,7 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
         return Err(error.with_hint(hint.to_owned()));
     }
     match found.iter().position(|name| !known.contains(name)) {
-        Some(stray) => {
-            let subject = format!("column {}", varied + stray + 1);
-            Err(place.refuse(subject, quoted(found[stray]), must))
-        }
+        Some(stray) => Err(place.refuse_column(varied + stray, found[stray], must)),
         None => Err(place.refuse(format!("columns from {FIRST} on"), quoted_all(found), must)),
     }
 }

@@ -203,7 +203,7 @@ mod tests {
     use super::*;
     use crate::csv::{checked_header, checked_rows};
 
-    const HEADER: &str = "x,told,warnings,error\n";
+    const HEADER: &str = "x,peak,warnings,error\n";
 
     /// A file with these rows of the shard of a sweep over x = 1, 2, 3, …
     fn file(shard: &str, cases: usize, rows: &str) -> String {
@@ -235,12 +235,12 @@ mod tests {
             (
                 "no number",
                 "2,nan,,\n",
-                "s:3: told = \"nan\", but must be a finite number or nothing".into(),
+                "s:3: peak = \"nan\", but must be a finite number or nothing".into(),
             ),
             (
                 "a number of a failed case",
                 "2,1,,no\n",
-                "s:3: told = \"1\", but must be nothing: the case has an error".into(),
+                "s:3: peak = \"1\", but must be nothing: the case has an error".into(),
             ),
         ] {
             let (found, hint) = row_refusal(rows);
@@ -253,8 +253,8 @@ mod tests {
     fn a_number_that_was_changed_is_refused_with_its_line() {
         let text = file("2/3", 10, "2,0.5,,\n5,0.25,,\n").replace("0.25", "0.26");
         let error = SweepRows::read("s", text.as_bytes()).unwrap_err();
-        let told = error.to_string();
-        assert!(told.starts_with("s:4: check = \"") && told.ends_with("\" for this row"), "{told}");
+        let text = error.to_string();
+        assert!(text.starts_with("s:4: check = \"") && text.ends_with("\" for this row"), "{text}");
         assert_eq!(error.hint(), Some(NOT_AS_WRITTEN));
     }
 
@@ -268,9 +268,9 @@ mod tests {
     #[test]
     fn columns_of_another_sweep_are_refused() {
         for (header, message) in [
-            ("y,told,warnings,error", "s:2: column 1 = \"y\", but must be \"x\""),
+            ("y,peak,warnings,error", "s:2: column 1 = \"y\", but must be \"x\""),
             ("", "s:2: column 1 = \"\", but must be \"x\""),
-            ("x,told,error", "s:2: columns = \"x,told,error\", but must end with warnings, error"),
+            ("x,peak,error", "s:2: columns = \"x,peak,error\", but must end with warnings, error"),
         ] {
             let text = file("2/3", 10, "").replace(HEADER.trim_end(), header);
             let text = if header.is_empty() { text.replace(",check", "") } else { text };
@@ -347,10 +347,10 @@ mod tests {
         let mut cut = b.clone();
         cut.rows.pop();
         assert_eq!(refusal(&[a.clone(), cut, c.clone()]), "s2.csv: rows = 2, but must be 3");
-        let mut told = b.clone();
-        told.header = HEADER.trim_end().replace("told", "other");
+        let mut renamed = b.clone();
+        renamed.header = HEADER.trim_end().replace("peak", "other");
         assert!(
-            refusal(&[a.clone(), told, c.clone()]).starts_with("s2.csv:2: columns = \"x,other")
+            refusal(&[a.clone(), renamed, c.clone()]).starts_with("s2.csv:2: columns = \"x,other")
         );
         let other = shard(2, 4, 10);
         let words = "s2.csv:1: shard = 2/4, but must be one of 3 as in s1.csv";

@@ -4,8 +4,7 @@ use std::f64::consts::TAU;
 
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
-use flexlink::result::{Fit, Limits, Metrics, Reached};
-use flexlink::store::ModesResult;
+use flexlink::result::{Fit, Limits, Metrics, ModesResult, Reached};
 use flexlink::text::{plain, significant};
 use flexlink::verify::{Check, Outcome, Verification};
 
