@@ -30,7 +30,7 @@
 //! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
 //! | [`compare`] | tables against tables, column by column; tolerances |
 //! | [`result`] | the numbers that a person reads first; a result read back |
-//! | [`sweep`] | many cases in parallel, their order kept; shards |
+//! | [`sweep`] | many cases in parallel, their order kept; their numbers; shards |
 //! | [`verify`] | every approximation of a solution measured by other means |
 //! | [`spec`] | link file and `--set` → [`link::Link`]; file of tolerances |
 //! | [`csv`] | CSV → motion, torque, hub reference, any table; numbers as text |

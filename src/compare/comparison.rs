@@ -1,5 +1,7 @@
 //! Comparison of columns, tables and sets of files.
 
+use serde::Serialize;
+
 use super::table::{Cell, Pairing, RowPlace, Table, TableColumn, key};
 use super::tolerance::{ColumnRule, Rule, Tolerance, Tolerances};
 
@@ -112,7 +114,7 @@ fn field(cell: Cell) -> String {
 }
 
 /// Rows that only one side has.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Unmatched {
     /// Their number, above 0.
     pub count: usize,

@@ -1,5 +1,7 @@
 //! Tables as files hold them, and which row of one belongs to which row of another.
 
+use serde::Serialize;
+
 /// A table of named columns, as a file holds it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
@@ -46,7 +48,7 @@ pub enum Cell<'a> {
 }
 
 /// The place of a row in its file.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RowPlace {
     /// Line of the file, from 1.
     pub line: u64,

@@ -200,7 +200,7 @@ fn read_whole(
 const HEAD: usize = 32;
 
 /// What to do about bytes that are not UTF-8.
-pub(crate) fn remedy(bytes: &[u8]) -> &'static str {
+pub(super) fn remedy(bytes: &[u8]) -> &'static str {
     disguise(bytes).unwrap_or("save the file as text in UTF-8")
 }
 

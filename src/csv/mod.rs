@@ -12,11 +12,11 @@ mod table;
 
 pub(crate) use heading::{check_separator, refuse_missing};
 pub use hub::{read_hub_reference, read_torque_table};
+pub(crate) use input::sha256;
 pub use input::{InputError, InputFile, available_addresses, available_memory, system_words};
-pub(crate) use input::{remedy, sha256};
 pub use motion::{MotionTable, read_motion_table, write_trajectory};
 pub use number::{Digits, DigitsError, NumberFormat, time_format};
-pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, without_checks};
+pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, without_checks};
 pub use rows::{TableError, checked_header, checked_rows};
 pub use samples::read_table;
 pub use table::{Column, ColumnGroup, write_csv};

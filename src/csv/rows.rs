@@ -120,18 +120,26 @@ pub(crate) fn read_rows<T>(
     Ok(table)
 }
 
-fn each_row(
-    file: &str,
-    bytes: &[u8],
-    take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
-) -> Result<(), TableError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| {
+/// The text of a file.
+///
+/// # Errors
+/// [`TableError`] names the line of the first byte that is not UTF-8.
+pub(crate) fn utf8<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, TableError> {
+    std::str::from_utf8(bytes).map_err(|error| {
         let good = error.valid_up_to();
         let line = Some(1 + line_ends(bytes, 0, good));
         Place { file, line }
             .refuse("text", format!("byte 0x{:02x}", bytes[good]), "must be UTF-8")
             .with_hint(remedy(bytes).to_owned())
-    })?;
+    })
+}
+
+fn each_row(
+    file: &str,
+    bytes: &[u8],
+    take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
+) -> Result<(), TableError> {
+    let text = utf8(file, bytes)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     check_line_ends(file, text)?;
     if is_plain(text) { each_plain_row(text, take) } else { each_quoted_row(file, text, take) }

@@ -1,5 +1,7 @@
 //! What a simulation plays: a torque, and feedback around a reference.
 
+use serde::Serialize;
+
 use super::error::SimulationError;
 use super::history::{HubReference, Torque};
 use super::modes::{HubReaction, torque_band_rad_s};
@@ -205,7 +207,8 @@ impl Driving {
 }
 
 /// The torque between its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Interpolation {
     /// A cubic spline through all samples.
     #[default]

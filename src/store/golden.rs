@@ -11,9 +11,7 @@ use walkdir::WalkDir;
 
 use super::folder::{FolderError, OutputFolder, folder_of, is_staging};
 use super::json::json;
-use crate::compare::{
-    ColumnComparison, Comparison, FileComparison, FileOutcome, RowPlace, TableComparison, Unmatched,
-};
+use crate::compare::{ColumnComparison, Comparison, FileComparison, FileOutcome, TableComparison};
 use crate::csv::InputError;
 
 /// The files of a folder and of the folders in it.
@@ -192,16 +190,14 @@ fn file_values(file: &FileComparison) -> Value {
 
 fn table_values(table: &TableComparison) -> Value {
     let columns: Vec<Value> = table.columns.iter().map(column_values).collect();
-    let rows =
-        |rows: Unmatched| object!({ "count": rows.count, "first": place_values(rows.first) });
     object!({
         "matched_by": table.matched_by,
         "rows": table.rows,
         "columns": columns,
         "columns_only_in_expected": table.columns_expected,
         "columns_only_in_actual": table.columns_actual,
-        "rows_only_in_expected": table.rows_expected.map(rows),
-        "rows_only_in_actual": table.rows_actual.map(rows),
+        "rows_only_in_expected": table.rows_expected,
+        "rows_only_in_actual": table.rows_actual,
     })
 }
 
@@ -215,8 +211,8 @@ fn column_values(column: &ColumnComparison) -> Value {
         object!({
             "difference": worst.difference,
             "relative_to_peak": column.relative(),
-            "expected": place_values(worst.expected),
-            "actual": place_values(worst.actual),
+            "expected": worst.expected,
+            "actual": worst.actual,
             "expected_field": worst.expected_field,
             "actual_field": worst.actual_field,
         })
@@ -231,10 +227,6 @@ fn column_values(column: &ColumnComparison) -> Value {
         "rows_beyond": column.rows_beyond,
         "worst": worst,
     })
-}
-
-fn place_values(place: RowPlace) -> Value {
-    object!({ "line": place.line, "key": place.key })
 }
 
 #[cfg(test)]

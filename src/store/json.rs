@@ -24,26 +24,18 @@ pub(super) fn check_format(
     version: &str,
     place: Place,
 ) -> Result<(), TableError> {
-    match found {
-        Some(FORMAT) => Ok(()),
-        Some(later) if later > FORMAT => Err(newer(refused(&later.to_string(), place), version)),
-        Some(earlier) => Err(older(&earlier.to_string(), version, place)),
-        None => Err(without_format(version, place)),
+    if found == Some(FORMAT) { Ok(()) } else { Err(other_format(found, version, place)) }
+}
+
+/// The error of a record of another format; early versions wrote none.
+pub(super) fn other_format(found: Option<u32>, version: &str, place: Place) -> TableError {
+    let shown = found.map_or("nothing".to_owned(), |format| format.to_string());
+    let error = place.refuse("format", shown, format!("must be {FORMAT}"));
+    if found.is_some_and(|format| format > FORMAT) {
+        return newer(error, version);
     }
-}
-
-/// Refuses a record without a format, as early versions wrote it.
-pub(super) fn without_format(version: &str, place: Place) -> TableError {
-    older("nothing", version, place)
-}
-
-fn older(found: &str, version: &str, place: Place) -> TableError {
-    let hint = format!("flexlink {} wrote it in an older format: run it again", excerpt(version));
-    refused(found, place).with_hint(hint)
-}
-
-fn refused(found: &str, place: Place) -> TableError {
-    place.refuse("format", found, format!("must be {FORMAT}"))
+    let version = excerpt(version);
+    error.with_hint(format!("flexlink {version} wrote it in an older format: run it again"))
 }
 
 /// Reads a record. An error tells the line if `place` has none, and what the record `must` be if it is no

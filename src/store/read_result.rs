@@ -1,6 +1,7 @@
 //! Results read back: the folder of a run, or the table of a sweep; and a run taken from memory before it
 //! is written.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -46,17 +47,16 @@ fn only_sweep(folder: &Path) -> Result<PathBuf, TableError> {
         entries.filter_map(Result::ok).map(|entry| entry.path()).filter(is_table).collect();
     sweeps.sort();
     let place = Place { file: &shown, line: None };
-    match sweeps.len() {
-        0 => {
+    match &sweeps[..] {
+        [] => {
             let hint = "the table of a sweep will do, too";
             let error = place.refuse(SUMMARY, "nothing", format!("must be there: {A_RUN}"));
             Err(error.with_hint(hint.to_owned()))
         }
-        1 => Ok(sweeps.swap_remove(0)),
-        _ => {
-            let name =
-                |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
-            let names: Vec<String> = sweeps.iter().filter_map(name).collect();
+        [only] => Ok(only.clone()),
+        several => {
+            let names = several.iter().filter_map(|path| path.file_name());
+            let names: Vec<_> = names.map(OsStr::to_string_lossy).collect();
             let error = place.refuse("tables of sweeps", names.join(", "), "must be one");
             Err(error.with_hint("give the file of one of them".to_owned()))
         }
@@ -92,12 +92,10 @@ impl RunFolder<'_> {
     fn check_named(&self, names: &[String]) -> Result<(), TableError> {
         let shown = self.0.display().to_string();
         check_names("files", names, Place { file: &shown, line: None })?;
-        for name in names {
-            if !self.has(name) {
-                return Err(self.refuse(name, "nothing", "must be there: summary.json names it"));
-            }
+        match names.iter().find(|name| !self.has(name)) {
+            Some(name) => Err(self.refuse(name, "nothing", "must be there: summary.json names it")),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     fn has(&self, name: &str) -> bool {
@@ -115,10 +113,11 @@ const LONGEST_NAME: usize = 255;
 
 /// Refuses names that lead into a folder.
 pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Result<(), TableError> {
-    let leads = |name: &String| Path::new(name).file_name().is_none_or(|own| own != name.as_str());
-    let is_short = |name: &String| name.len() <= LONGEST_NAME;
-    let is_visible = |name: &String| !name.contains(is_hidden);
-    match names.iter().find(|name| leads(name) || !is_visible(name) || !is_short(name)) {
+    let is_name = |name: &&String| {
+        let is_last = Path::new(name).file_name().is_some_and(|own| own == name.as_str());
+        is_last && name.len() <= LONGEST_NAME && !name.contains(is_hidden)
+    };
+    match names.iter().find(|name| !is_name(name)) {
         Some(name) => {
             let must = "must be names, without folders or control characters";
             Err(place.refuse(subject, quoted(name), must))

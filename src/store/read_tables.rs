@@ -179,10 +179,6 @@ pub(super) fn read_number(name: &str, field: &str, place: Place) -> Result<f64, 
 }
 
 impl NodalFile {
-    fn column(self, node: usize) -> String {
-        format!("{}{node}_{}", self.letter, self.unit)
-    }
-
     /// The node of a column, if it is headed so.
     fn node(self, field: &str) -> Option<usize> {
         let rest = field.strip_prefix(self.letter)?.strip_suffix(self.unit)?.strip_suffix('_')?;

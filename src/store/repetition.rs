@@ -57,24 +57,17 @@ impl RunRecord {
         Ok(Self { origin, shown: file.shown.clone(), folder, files })
     }
 
-    /// Finds the link file of the run and its path: the file `given`, or one of the recorded name in the
-    /// current folder, in that of the run or in the one above it. It has the bytes and the name of the run's.
+    /// Finds an input file of the run, its `link` or `motion`, and its path: the file `given`, or one of the
+    /// recorded name in the current folder, in that of the run or in the one above it. It has the bytes and
+    /// the name of the run's.
     ///
     /// # Errors
     /// [`TableError`] if there is none, or none with the recorded bytes.
-    pub fn link(&self, given: Option<&Path>) -> Result<(PathBuf, InputFile), TableError> {
-        self.input("link", given)
-    }
-
-    /// The same of the trajectory file.
-    ///
-    /// # Errors
-    /// As [`Self::link`].
-    pub fn motion(&self, given: Option<&Path>) -> Result<(PathBuf, InputFile), TableError> {
-        self.input("motion", given)
-    }
-
-    fn input(&self, role: &str, given: Option<&Path>) -> Result<(PathBuf, InputFile), TableError> {
+    pub fn input(
+        &self,
+        role: &str,
+        given: Option<&Path>,
+    ) -> Result<(PathBuf, InputFile), TableError> {
         let Some(input) = self.origin.inputs.iter().find(|input| input.role == role) else {
             let hint = "a program wrote this run without input files: it must run it again itself";
             let error = self.place().refuse(format!("inputs.{role}"), "nothing", "must be there");

@@ -13,7 +13,7 @@ use crate::inverse::{Solution, Unwatched, Warning};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
-use crate::response::{Interpolation, Play, PlayError, Simulation};
+use crate::response::{Play, PlayError, Simulation};
 use crate::result::{Exceeded, Metrics, PlayedMetrics, Remark, StoredWarning, TipError};
 use crate::verify::Verification;
 
@@ -69,6 +69,9 @@ impl Summary {
     ) -> Self {
         let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         let (link, law) = (solution.link(), solution.law());
+        let warning = |w: &Warning| StoredWarning::new(w.kind(), w, w.hint());
+        let limit = |e: &Exceeded| StoredWarning::new(Exceeded::KIND, e, e.hint());
+        let limits = findings.exceeded.iter().map(limit);
         let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
         let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
         let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
@@ -87,7 +90,7 @@ impl Summary {
             drive: Some(link.drive().copied()),
             values,
             verification: Some(findings.verification.map(checks)),
-            warnings: solve_warnings(solution, findings.exceeded),
+            warnings: solution.warnings.iter().map(warning).chain(limits).collect(),
             remarks: Some(findings.remarks.iter().map(remark).collect()),
             files: outputs.file_names(link).into_iter().map(str::to_owned).collect(),
             ..Self::of("solve", inputs, link, law)
@@ -112,6 +115,15 @@ impl Summary {
                 "damping_n_m_s_rad": feedback.damping_n_m_s_rad(),
             })
         });
+        // Shares of each quantity's own peak, of the tip's travel: of the mesh, and of the modes left out.
+        let errors = error.map(|error| {
+            json!({ "tip": { "mesh": error.tip }, "hub_angle": { "mesh": error.hub_angle } })
+        });
+        let coarse = error.and_then(PlayError::warning);
+        let played = simulation.warnings.iter().copied().chain(coarse);
+        let played = played.map(|w| StoredWarning::new(w.kind(), &w, w.hint()));
+        let late = tip_error.and_then(|error| error.late);
+        let late = late.map(|late| StoredWarning::new(late.kind(), &late, late.hint()));
         let values = json!({
             "mesh": mesh_values(mesh),
             "torque": torque_values(play, simulation),
@@ -125,13 +137,13 @@ impl Summary {
             "periods_s": periods_s,
             "viscous_damping_ratios": law.modal_ratios(frequencies),
             "results": played_results(metrics),
-            "errors": error.map(play_errors),
+            "errors": errors,
             "residual": residual,
             "tip_error": tip_error.map(tip_numbers),
         });
         Self {
             values,
-            warnings: play_warnings(simulation, error, tip_error),
+            warnings: played.chain(late).collect(),
             files: RunOutputs::simulation_file_names().map(str::to_owned).into(),
             ..Self::of("simulate", inputs, link, law)
         }
@@ -164,17 +176,13 @@ fn motion_values(motion: &TipMotion, metrics: &Metrics) -> Value {
 
 fn torque_values(play: &Play, simulation: &Simulation) -> Value {
     let grid = play.torque.grid();
-    let interpolation = match play.interpolation {
-        Interpolation::Cubic => "cubic",
-        Interpolation::Linear => "linear",
-    };
     json!({
         "samples": grid.len,
         "step_s": grid.step_s,
         "start_s": grid.time_s(0),
         "end_s": grid.end_s(),
         "simulated_until_s": simulation.grid.end_s(),
-        "interpolation": interpolation,
+        "interpolation": play.interpolation,
     })
 }
 
@@ -222,12 +230,6 @@ fn solve_results(metrics: &Metrics) -> Value {
     results
 }
 
-fn solve_warnings(solution: &Solution, exceeded: &[Exceeded]) -> Vec<StoredWarning> {
-    let warning = |w: &Warning| StoredWarning::new(w.kind(), w, w.hint());
-    let limit = |e: &Exceeded| StoredWarning::new(Exceeded::KIND, e, e.hint());
-    solution.warnings.iter().map(warning).chain(exceeded.iter().map(limit)).collect()
-}
-
 fn played_results(metrics: &PlayedMetrics) -> Value {
     json!({
         "peak_torque_n_m": metrics.peak_torque_n_m.value,
@@ -241,14 +243,6 @@ fn played_results(metrics: &PlayedMetrics) -> Value {
     })
 }
 
-/// Shares of each quantity's own peak, of the tip's travel: of the mesh, and of the modes left out.
-fn play_errors(error: &PlayError) -> Value {
-    json!({
-        "tip": { "mesh": error.tip },
-        "hub_angle": { "mesh": error.hub_angle },
-    })
-}
-
 fn tip_numbers(error: &TipError) -> Value {
     json!({
         "worst_m": error.worst_m,
@@ -257,17 +251,4 @@ fn tip_numbers(error: &TipError) -> Value {
         "rms_m": error.rms_m,
         "final_m": error.final_m,
     })
-}
-
-fn play_warnings(
-    simulation: &Simulation,
-    error: Option<&PlayError>,
-    tip_error: Option<&TipError>,
-) -> Vec<StoredWarning> {
-    let coarse = error.and_then(PlayError::warning);
-    let played = simulation.warnings.iter().copied().chain(coarse);
-    let played = played.map(|w| StoredWarning::new(w.kind(), &w, w.hint()));
-    let late = tip_error.and_then(|error| error.late);
-    let late = late.map(|late| StoredWarning::new(late.kind(), &late, late.hint()));
-    played.chain(late).collect()
 }

@@ -65,6 +65,11 @@ impl NodalFile {
     const fn new(file: &'static str, letter: &'static str, unit: &'static str) -> Self {
         Self { file, letter, unit }
     }
+
+    /// Name of the column of a node.
+    pub(super) fn column(self, node: usize) -> String {
+        format!("{}{node}_{}", self.letter, self.unit)
+    }
 }
 
 pub(super) const DISPLACEMENTS: NodalFile = NodalFile::new("nodal_displacements.csv", "v", "m");
@@ -226,16 +231,15 @@ impl RunOutputs {
         let hub = [hub_angle_rad, hub_rate_rad_s, &simulation.hub_acceleration_rad_s2];
         let tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2];
         let nodal = simulation.displacements_m(&self.nodes_of(&simulation.mesh), self.every);
-        let NodalFile { file, letter, unit } = DISPLACEMENTS;
-        let named = nodal.nodes.iter().map(|node| format!("{letter}{node}_{unit}"));
-        let columns = named.zip(&nodal.samples).map(|(name, values)| Column { name, values });
+        let named = nodal.nodes.iter().map(|node| DISPLACEMENTS.column(*node)).zip(&nodal.samples);
+        let columns = named.map(|(name, values)| Column { name, values });
         let displacements = vec![ColumnGroup { columns: columns.collect() }];
         let all = simulation.grid.thinned(1);
         for (name, time, groups) in [
             (TORQUE.0, &all, groups(TORQUE.1, [&simulation.torque_n_m])),
             (TIP.0, &all, groups(TIP.1, tip)),
             (HUB_ANGLE, &all, groups(PLAYED_HUB, hub)),
-            (file, &nodal.grid, displacements),
+            (DISPLACEMENTS.file, &nodal.grid, displacements),
         ] {
             folder.file(name, |out| write_csv(out, time, &groups, self.digits))?;
         }

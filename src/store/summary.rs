@@ -217,6 +217,8 @@ impl LinkRecord {
             (damping @ (Damping::Modal { .. } | Damping::Hysteretic { .. }), _) => damping.clone(),
             _ => Damping::None,
         };
+        let without_section =
+            |segment: &Segment| Segment { cross_section: None, ..segment.clone() };
         Self {
             length_m: link.length_m(),
             rigid_inertia_kg_m2: link.rigid_inertia_kg_m2(),
@@ -227,11 +229,6 @@ impl LinkRecord {
             damping,
         }
     }
-}
-
-/// A segment as the summary keeps it.
-fn without_section(segment: &Segment) -> Segment {
-    Segment { cross_section: None, ..segment.clone() }
 }
 
 /// The checks of a verification as they are stored.

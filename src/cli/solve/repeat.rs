@@ -34,8 +34,8 @@ impl Solve {
         read_once(&[link, motion].into_iter().flatten().collect::<Vec<_>>())?;
         let record = RunRecord::read(run)?;
         let options = recorded_options(&record)?;
-        let (link_path, link) = record.link(link)?;
-        let (motion_path, motion) = record.motion(motion)?;
+        let (link_path, link) = record.input("link", link)?;
+        let (motion_path, motion) = record.input("motion", motion)?;
         if let Some(output) = &self.output {
             keep(output, &[&record.path(), &link_path, &motion_path])?;
         }

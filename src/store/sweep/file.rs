@@ -156,8 +156,7 @@ impl SweepFile {
     /// The file with its first two lines and no row.
     fn begun(mut self, header: &str) -> Result<Self, FolderError> {
         self.file.set_len(0).map_err(|cause| self.error(cause))?;
-        let first = self.identity.line() + &checked_header(header);
-        self.write(&first)?;
+        self.write(&(self.identity.line() + &checked_header(header)))?;
         Ok(self)
     }
 

@@ -4,8 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::super::json::{
-    FORMAT, Fingerprint, Head, as_written, check_format, json, json_line, newer, parsed,
-    without_format,
+    FORMAT, Fingerprint, Head, as_written, check_format, json, json_line, newer, other_format,
+    parsed,
 };
 use crate::csv::{Place, TableError, quoted};
 use crate::result::Origin;
@@ -117,7 +117,7 @@ impl SweepIdentity {
             return Err(error.with_hint(hint.to_owned()));
         };
         match rest.split_once(" sweep ") {
-            Some((version, _)) if !rest.starts_with('{') => Err(without_format(version, place)),
+            Some((version, _)) if !rest.starts_with('{') => Err(other_format(None, version, place)),
             _ => Self::read(rest.as_bytes(), place),
         }
     }

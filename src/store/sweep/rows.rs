@@ -6,7 +6,7 @@ use super::super::json::unreadable;
 use super::identity::SweepIdentity;
 use super::record::read_record;
 use super::table::{check_names, check_row, fields};
-use crate::csv::{CHECK, InputFile, Place, TableError, check_content, quoted, remedy};
+use crate::csv::{CHECK, InputFile, Place, TableError, check_content, quoted, utf8};
 
 /// Hint for a row that does not fit its case.
 const NOT_AS_WRITTEN: &str = "a row was removed, doubled, moved or changed since it was written";
@@ -56,14 +56,7 @@ impl SweepRows {
         let place = |line| Place { file: name, line: Some(line) };
         // The last line may have been cut off in writing, even within a letter.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-        let text = std::str::from_utf8(&bytes[..whole])
-            .map_err(|error| {
-                let good = &bytes[..error.valid_up_to()];
-                let line = good.split(|byte| *byte == b'\n').count() as u64;
-                let found = format!("byte 0x{:02x}", bytes[good.len()]);
-                place(line).refuse("text", found, "must be UTF-8")
-            })
-            .map_err(|error| error.with_hint(remedy(bytes).to_owned()))?;
+        let text = utf8(name, &bytes[..whole])?;
         let mut lines = text.lines();
         let identity = SweepIdentity::read_line(lines.next().unwrap_or_default(), place(1))?;
         let header = lines.next().unwrap_or_default();

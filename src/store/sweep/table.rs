@@ -39,14 +39,13 @@ pub fn sweep_row(
         }
         String::from_utf8_lossy(&text).into_owned()
     };
-    let numbers = match outcome {
-        Ok(numbers) => numbers.clone(),
-        Err(_) => vec![None; kind.names().len()],
+    let (numbers, error) = match outcome {
+        Ok(numbers) => (numbers.clone(), ""),
+        Err(error) => (vec![None; kind.names().len()], error.as_str()),
     };
-    let numbers = numbers.into_iter().map(number);
-    let error = outcome.as_ref().err().map_or_else(String::new, |error| field(error));
     let values = case.values.iter().map(|value| field(value));
-    line(values.chain(numbers).chain([field(&warnings.join(";")), error]))
+    let last = [field(&warnings.join(";")), field(error)];
+    line(values.chain(numbers.into_iter().map(number)).chain(last))
 }
 
 fn line(fields: impl Iterator<Item = String>) -> String {
