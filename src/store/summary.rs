@@ -172,12 +172,10 @@ impl Summary {
 
     /// First and last time in s of the histories.
     pub(super) fn window_s(&self) -> Option<(f64, f64)> {
-        let (analysis, torque) = (&self.values["analysis"], &self.values["torque"]);
-        let (start, end) = match analysis.is_object() {
-            true => (&analysis["window_start_s"], &analysis["window_end_s"]),
-            false => (&torque["start_s"], &torque["simulated_until_s"]),
-        };
-        start.as_f64().zip(end.as_f64())
+        let number = |of: &str, key: &str| self.values[of][key].as_f64();
+        let solved = number("analysis", "window_start_s").zip(number("analysis", "window_end_s"));
+        let played = || number("torque", "start_s").zip(number("torque", "simulated_until_s"));
+        solved.or_else(played)
     }
 
     /// How many modes a solution keeps; none if it keeps all.
