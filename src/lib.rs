@@ -10,7 +10,7 @@
 //! # From a tip motion to a torque
 //!
 //! ```text
-//! link.toml ─spec─► Link ─► Mesh ─► condensation ─► modes, zeros
+//! link.toml ─spec─► Link ─► Mesh ─► recursion ─► modes, zeros
 //! motion.csv ─csv─► TipMotion ─► inverse ─► Solution + warnings ─► result, store
 //! torque.csv ─csv─► Torque ─► response ─► Simulation ─► result, store
 //!                                   Solution, Simulation ─► verify

@@ -71,7 +71,6 @@ pub(crate) fn run() -> ExitCode {
 impl Command {
     fn run(self) -> Result<Ending, Failure> {
         memory::check_program()?;
-        interrupt::end_aborts();
         // A sweep ends between two cases.
         if !matches!(self, Self::Sweep(_)) {
             interrupt::end_in_order();

@@ -61,6 +61,7 @@ pub(crate) fn not_negative(parameter: &str, value: f64, unit: &str) -> Result<()
 
 /// The rigid hub that the motor turns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Hub {
     /// Rotary inertia I_H about the axis in kg m².
     pub inertia_kg_m2: f64,
@@ -92,6 +93,7 @@ pub struct Joint {
 /// The rotor turns on the motor side of the gear; the joint's spring on the link's side carries
 /// the torque that the hub receives.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Drive {
     /// Torque of the joint per twist in N m/rad, from 1e-30 to 1e30; infinite for a stiff joint.
     #[serde(deserialize_with = "null_is_stiff")]
@@ -135,6 +137,7 @@ impl Drive {
 
 /// A point mass fixed to the link.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LumpedMass {
     /// Distance from the axis in m, hub radius included.
     pub at_m: f64,
@@ -146,6 +149,7 @@ pub struct LumpedMass {
 
 /// What the tip carries.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Payload {
     /// Mass m_t in kg.
     pub mass_kg: f64,

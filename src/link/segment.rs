@@ -86,6 +86,7 @@ impl Taper {
 ///
 /// The model leaves both out; these numbers give the error of that.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CrossSection {
     /// Radius of gyration r = √(I/A) in the plane of motion in m, above 0 at both ends.
     pub radius_of_gyration_m: Taper,
@@ -132,6 +133,7 @@ impl CrossSection {
 
 /// One piece of the link with its own stiffness and mass, from the hub outward.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Segment {
     /// Name that addresses the segment, unique in its link.
     pub name: Option<String>,

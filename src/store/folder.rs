@@ -2,13 +2,14 @@
 //! whatever ends the program.
 //!
 //! The files of a folder are written into a folder of their own inside it, and renamed when all are whole. A
-//! lock makes runs into one folder take turns. A single file is written beside the one that it replaces.
+//! lock makes runs into one folder take turns.
 
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use thiserror::Error;
 
@@ -110,6 +111,8 @@ impl FolderError {
 pub struct OutputFolder {
     dir: PathBuf,
     durability: Durability,
+    /// Names of the files that are written. Threads write several at the same time.
+    names: Mutex<BTreeSet<OsString>>,
     // Removed before the lock.
     staging: Unfinished,
     _lock: Lock,
@@ -135,8 +138,8 @@ impl OutputFolder {
             )
         };
         let (staging, ()) = staging().map_err(|cause| FolderError::of_folder(dir, cause))?;
-        let durability = Durability::default();
-        Ok(Self { dir: dir.to_owned(), durability, staging, _lock: lock })
+        let (durability, names) = (Durability::default(), Mutex::default());
+        Ok(Self { dir: dir.to_owned(), durability, names, staging, _lock: lock })
     }
 
     /// Sets whether the run waits for the disk; it does not by default.
@@ -162,7 +165,9 @@ impl OutputFolder {
             File::create(self.staged(name))
         };
         let written = create().and_then(|file| self.durability.write(file, write));
-        written.map_err(|cause| self.unwritten(name, cause))
+        written.map_err(|cause| self.unwritten(name, cause))?;
+        self.names.lock().unwrap_or_else(PoisonError::into_inner).insert(name.to_owned());
+        Ok(())
     }
 
     /// Gives all files their names, the file `last` after all others.
@@ -212,11 +217,7 @@ impl OutputFolder {
 
     /// Names of all files; refuses one that a folder has.
     fn names(&self) -> Result<BTreeSet<OsString>, FolderError> {
-        let entries = fs::read_dir(self.staging.path());
-        let names =
-            entries.and_then(|entries| entries.map(|entry| Ok(entry?.file_name())).collect());
-        let names: BTreeSet<OsString> =
-            names.map_err(|cause| FolderError::of_folder(&self.dir, cause))?;
+        let names = self.names.lock().unwrap_or_else(PoisonError::into_inner).clone();
         match names.iter().find(|name| self.dir.join(name).is_dir()) {
             None => Ok(names),
             Some(name) => Err(self.unwritten(name, io::Error::other(TAKEN))),
@@ -296,7 +297,8 @@ pub(super) fn folder_of(path: &Path) -> &Path {
 /// a buffered writer.
 ///
 /// A link is followed. A device or a named pipe is written to as it is, because renaming would put a file
-/// in its place; it is no error if its reader goes away.
+/// in its place; it is no error if its reader goes away. If another run writes into the folder for more
+/// than a second, calls `on_wait` once.
 ///
 /// # Errors
 /// [`FolderError`] if `path` names no file, or the file cannot be written.
@@ -304,6 +306,7 @@ pub fn write_file(
     path: &Path,
     durability: Durability,
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+    on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
     let path = &followed(path);
     let refused = |cause| FolderError::of_file(path, cause);
@@ -316,29 +319,9 @@ pub fn write_file(
     if is_stream(path) {
         return write_through(path, write).map_err(refused);
     }
-    create(folder_of(path))?;
-    write_aside(path, name, durability, write).map_err(refused)
-}
-
-/// Writes a file beside the one whose name it gets. Its own lock makes runs that write it take turns; what a
-/// killed run left is written over.
-fn write_aside(
-    path: &Path,
-    name: &OsStr,
-    durability: Durability,
-    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
-) -> io::Result<()> {
-    if path.is_dir() {
-        return Err(io::Error::other(TAKEN));
-    }
-    let aside = [OsStr::new("."), name, OsStr::new(".flexlink")].into_iter().collect::<OsString>();
-    let aside = folder_of(path).join(aside);
-    let lock = Lock::take(&aside, PATIENCE, &|| {})?;
-    lock.file.set_len(0)?;
-    durability.write(lock.file.try_clone()?, write)?;
-    keep_permissions(path, &aside);
-    lock.path.rename(path)?;
-    durability.sync_folder(folder_of(path))
+    let staged = OutputFolder::stage(folder_of(path), on_wait)?.with(durability);
+    staged.file(name, write)?;
+    staged.replace()
 }
 
 /// Target of a symbolic link, if it exists; else the path itself.

@@ -7,7 +7,7 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::mem;
 use std::path::{self, Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{self, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -48,14 +48,6 @@ impl Unfinished {
     pub(super) fn path(&self) -> &Path {
         &self.0
     }
-
-    /// Gives the file its name, for good.
-    pub(super) fn rename(self, name: &Path) -> io::Result<()> {
-        let mut paths = hold_off_the_end();
-        fs::rename(&self.0, name)?;
-        paths.remove(&self.0);
-        Ok(())
-    }
 }
 
 impl Drop for Unfinished {
@@ -89,8 +81,10 @@ pub fn abandon_unfinished() {
 /// The same in a thread that may itself be creating or renaming files: it removes nothing while any
 /// thread does.
 pub fn try_abandon_unfinished() {
-    if let Ok(paths) = UNFINISHED.try_lock() {
-        abandon(paths);
+    match UNFINISHED.try_lock() {
+        Ok(paths) => abandon(paths),
+        Err(sync::TryLockError::Poisoned(poisoned)) => abandon(poisoned.into_inner()),
+        Err(sync::TryLockError::WouldBlock) => {}
     }
 }
 
@@ -106,9 +100,9 @@ fn abandon(paths: MutexGuard<Paths>) {
 #[derive(Debug)]
 pub(super) struct Lock {
     // Removed before the file is closed: a run that has opened it meanwhile sees that it is gone.
-    pub(super) path: Unfinished,
+    _path: Unfinished,
     /// The system releases its lock with the process, however that ends.
-    pub(super) file: File,
+    _file: File,
     /// False on a file system without locks, where runs do not wait for each other.
     pub(super) is_exclusive: bool,
 }
@@ -128,7 +122,9 @@ impl Lock {
                 },
             );
             match locked {
-                Ok((path, (file, is_exclusive))) => return Ok(Self { path, file, is_exclusive }),
+                Ok((path, (file, is_exclusive))) => {
+                    return Ok(Self { _path: path, _file: file, is_exclusive });
+                }
                 // Another run holds the lock, or has just removed it.
                 Err(cause) if cause.kind() == io::ErrorKind::WouldBlock => {}
                 Err(cause) => return Err(cause),

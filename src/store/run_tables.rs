@@ -142,7 +142,7 @@ impl RunOutputs {
         finish(folder, (solution.link(), solution.mesh()), summary)
     }
 
-    /// The deflections of the nodal tables, computed when their rows are asked for.
+    /// The deflections of the nodal tables, computed on request.
     ///
     /// # Panics
     /// If a node is not one of the mesh.

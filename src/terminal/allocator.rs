@@ -69,7 +69,7 @@ fn end(bytes: usize) -> ! {
     std::process::exit(Exit::NotSolvable as i32)
 }
 
-/// Makes glibc keep what the program frees, up to 64 MB, and give blocks of up to 32 MB out of it. A sweep
+/// Makes glibc keep what the program frees, up to 64 MB an arena, and give blocks of up to 32 MB out of it. A sweep
 /// allocates the same blocks for every case: it takes a third longer where the system hands out fresh pages
 /// each time. Call it before the program starts threads.
 pub(super) fn keep_freed_memory() {

@@ -159,7 +159,7 @@ pub(crate) fn deliver_by(
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> Result<(), Failure> {
     if let Some(path) = output.filter(|path| !is_standard_output(path)) {
-        return Ok(write_file(path, Durability::default(), write)?);
+        return Ok(write_file(path, Durability::default(), write, &waiting)?);
     }
     let mut out = io::stdout();
     delivered(write(&mut out).and_then(|()| out.flush())).map(drop)

@@ -15,8 +15,8 @@ pub(crate) fn end_in_order() {
     listen(end);
 }
 
-/// From now on an abort ends the program with exit code 4: the C library aborts where it finds no memory
-/// for itself, after a message.
+/// From now on an abort ends the program with exit code 4: under a limit of the address space the C library
+/// aborts where it finds no memory for itself, after a message.
 pub(crate) fn end_aborts() {
     #[cfg(unix)]
     {

@@ -10,6 +10,7 @@ use flexlink::text::gigabytes;
 
 use super::allocator::{keep_freed_memory, limit_arenas};
 use super::exit::{Exit, Failure};
+use super::interrupt::end_aborts;
 
 /// Address space in bytes that the program takes besides what grows with its inputs: buffers, and the
 /// stacks of a few threads.
@@ -46,6 +47,7 @@ pub(crate) fn check_program() -> Result<(), Failure> {
     if left < OWN_BYTES {
         return Err(too_much("the program", OWN_BYTES, left, "the system limits it (`ulimit -v`)"));
     }
+    end_aborts();
     limit_arenas((left / ARENA_SHARE).max(1));
     Ok(())
 }

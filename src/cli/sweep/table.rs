@@ -99,7 +99,7 @@ impl TableOutput {
 
     pub(crate) fn finish(self, durability: Durability) -> Result<(), Failure> {
         match self {
-            Self::InFile(file) => Ok(file.finish(durability)?),
+            Self::InFile(file) => Ok(file.finish(durability, &console::waiting)?),
             Self::Printed | Self::PrintedShard => Ok(()),
         }
     }
@@ -148,7 +148,7 @@ pub(crate) fn merge(shards: &[PathBuf], output: &Path) -> Result<Tally, Failure>
         console::print_bytes(table.as_bytes())?;
     } else {
         let whole = shards[0].identity().whole();
-        write_sweep(output, table.as_bytes(), &whole, Durability::default())?;
+        write_sweep(output, table.as_bytes(), &whole, Durability::default(), &console::waiting)?;
     }
     let mut cases: Vec<SweptCase> = shards.iter().flat_map(SweepRows::cases).collect();
     cases.sort_by_key(|case| case.number);

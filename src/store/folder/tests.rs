@@ -1,12 +1,12 @@
 use std::cell::Cell;
 use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-use super::{Durability, LOCK, Lock, OutputFolder, write_file};
+use super::{Durability, LOCK, Lock, OutputFolder, STAGING, write_file};
 
 fn in_silence(_: &Path) {}
 
@@ -215,16 +215,19 @@ fn a_single_file_is_whole_or_not_there_and_takes_the_place_of_what_a_killed_run_
     let base = tempfile::tempdir().unwrap();
     let path = base.path().join("new/frf.csv");
     let write = |text: &'static str, ended: fn() -> io::Result<()>| {
-        write_file(&path, Durability::InMemory, |w| {
+        let write = |w: &mut (dyn Write + Send)| {
             w.write_all(text.as_bytes())?;
             ended()
-        })
+        };
+        write_file(&path, Durability::InMemory, write, &|_| {})
     };
     let error = write("half", || Err(io::Error::other("full"))).unwrap_err();
     assert_eq!(error.action, "write frf.csv");
     assert_eq!(listing(path.parent().unwrap()), []);
     write("whole", || Ok(())).unwrap();
-    fs::write(path.with_file_name(".frf.csv.flexlink"), "longer, of a killed run").unwrap();
+    let left = path.with_file_name(format!("{STAGING}killed"));
+    fs::create_dir(&left).unwrap();
+    fs::write(left.join("frf.csv"), "longer, of a killed run").unwrap();
     write("again", || Ok(())).unwrap();
     assert_eq!(listing(path.parent().unwrap()), files(&[("frf.csv", "again")]));
 }

@@ -110,13 +110,17 @@ impl SweepFile {
     ///
     /// # Errors
     /// [`FolderError`] if it cannot be written.
-    pub fn finish(mut self, durability: Durability) -> Result<(), FolderError> {
+    pub fn finish(
+        mut self,
+        durability: Durability,
+        on_wait: &dyn Fn(&Path),
+    ) -> Result<(), FolderError> {
         let mut table = self.read()?;
         if self.identity.shard().of() == 1 {
             let first = table.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
             table = without_checks(&String::from_utf8_lossy(&table[first..])).into_bytes();
         }
-        write_sweep(&self.path, &table, &self.identity, durability)?;
+        write_sweep(&self.path, &table, &self.identity, durability, on_wait)?;
         // The lock is held until the part is gone, so that no other run goes on with it.
         fs::remove_file(&self.part).map_err(|cause| self.error(cause))
     }
@@ -249,7 +253,7 @@ mod tests {
         let (mut file, rows) = resumed(&path, identity("1,2,3", "1/1"));
         assert_eq!(rows, 1, "the second row was cut off in writing");
         file.append("2,,\n3,,\n").unwrap();
-        file.finish(Durability::InMemory).unwrap();
+        file.finish(Durability::InMemory, &|_| {}).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "x,warnings,error\n1,,\n2,,\n3,,\n");
         assert!(!part_of(&path).exists() && path.with_extension("json").exists());
     }
@@ -261,7 +265,7 @@ mod tests {
         let own = identity("1,2,3", "2/2");
         let (mut file, _) = SweepFile::begin(&path, own.clone(), HEADER).unwrap();
         file.append("2,,\n").unwrap();
-        file.finish(Durability::InMemory).unwrap();
+        file.finish(Durability::InMemory, &|_| {}).unwrap();
         let text = fs::read_to_string(&path).unwrap();
         let (header, rows) = (checked_header(HEADER), checked_rows("2,,\n"));
         assert_eq!(text, format!("{}{header}{rows}", own.line()));

@@ -75,25 +75,26 @@ impl ForeignRecord {
 /// Writes the table of a sweep, and its record beside it; a device or a pipe has none.
 ///
 /// # Errors
-/// [`FolderError`] if one of them cannot be written, or another file has the place of the record;
-/// then neither is.
+/// [`FolderError`] if one of them cannot be written. Neither is if another file has the place of the
+/// record.
 pub fn write_sweep(
     path: &Path,
     table: &[u8],
     identity: &SweepIdentity,
     durability: Durability,
+    on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
     if is_stream(path) {
-        return write_file(path, durability, |out| out.write_all(table));
+        return write_file(path, durability, |out| out.write_all(table), on_wait);
     }
     if let Some(foreign) = ForeignRecord::beside(path) {
         let cause = io::Error::other(format!("it would replace {}", foreign.what));
         return Err(FolderError::of_file(&foreign.path, cause));
     }
-    write_file(path, durability, |out| out.write_all(table))?;
+    write_file(path, durability, |out| out.write_all(table), on_wait)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let json = identity.json(Fingerprint { name, sha256: sha256(table) });
-    write_file(&record_of(path), durability, |out| out.write_all(json.as_bytes()))
+    write_file(&record_of(path), durability, |out| out.write_all(json.as_bytes()), on_wait)
 }
 
 /// The file at `path`, if it is the record of a sweep.
@@ -233,7 +234,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("s.csv");
         let identity = identity_of("link", &[], "x=1,2", "1/1");
-        write_sweep(&path, b"x\n1\n2\n", &identity, Durability::InMemory).unwrap();
+        write_sweep(&path, b"x\n1\n2\n", &identity, Durability::InMemory, &|_| {}).unwrap();
         let read = || read_record(&path, &InputFile::read(&path).unwrap());
         assert!(
             read()
@@ -259,7 +260,8 @@ mod tests {
             fs::write(&mine, content).unwrap();
             let found = ForeignRecord::beside(&path).map(|foreign| foreign.path);
             assert_eq!(found.as_ref(), Some(&mine));
-            let error = write_sweep(&path, b"x\n", &identity, Durability::InMemory).unwrap_err();
+            let error =
+                write_sweep(&path, b"x\n", &identity, Durability::InMemory, &|_| {}).unwrap_err();
             assert!(
                 error.to_string().ends_with("it would replace a file that no sweep has written"),
                 "{error}"
@@ -278,7 +280,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let identity = identity_of("link", &[], "x=1,2", "1/1");
-        let write = |name| write_sweep(&at(name), b"x\n", &identity, Durability::InMemory);
+        let write = |name| write_sweep(&at(name), b"x\n", &identity, Durability::InMemory, &|_| {});
         write("two").unwrap();
         write("two").unwrap();
         let error = write("two.csv").unwrap_err();
