@@ -37,7 +37,7 @@
 //! | [`report`] | a result as figures, and as a page to look at |
 //! | [`store`] | a run's folder with its CSV and summary.json, and back; the file of a sweep; golden files |
 //!
-//! A module imports only from those above it (`tests/layers.rs` holds it to that); the program in
+//! A module imports only from those above it (`tests/layers` holds it to that); the program in
 //! `main.rs`, `cli/` and `terminal/` stands on top of all.
 //!
 //! ```
@@ -97,7 +97,8 @@
 //! * Everything inside is SI.
 //! * Same input, same bytes, on any number of threads and on every processor: no sum depends on how
 //!   work is shared or on the width of vectors, no product is fused with a sum, and all functions
-//!   beyond the square root come from `libm`.
+//!   beyond the square root come from `libm`. [`model::Dense`] alone, with which `verify` compares, has
+//!   other last digits on each processor; what is written of it is its bound.
 //!
 //! # References
 //!

@@ -24,7 +24,7 @@ const RUNS: [Run; 15] = [
     ),
     (
         "default_digits",
-        "solve specs/bayo1987_example2.toml trajectories/min_jerk_1s.csv --resample 0.005",
+        "solve specs/bayo1987_example2.toml trajectories/min_jerk_1s.csv --resample 0.005 --verify",
     ),
     (
         "undamped",

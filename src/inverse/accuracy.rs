@@ -150,3 +150,22 @@ impl Accuracy {
         self.errors.zip(&self.errors, |errors, _| kind(errors))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worst_is_the_largest_the_torque_of_equal_ones_and_nan_above_all() {
+        let of = |torque, hub_angle, motor: Option<f64>| {
+            let errors =
+                PerQuantity { torque, hub_angle, motor_torque: motor, ..Default::default() };
+            errors.worst().0
+        };
+        assert_eq!(of(1.0, 2.0, None), Quantity::HubAngle);
+        assert_eq!(of(2.0, 2.0, Some(2.0)), Quantity::Torque);
+        assert_eq!(of(1.0, 2.0, Some(3.0)), Quantity::MotorTorque);
+        assert_eq!(of(f64::NAN, 1.0, None), Quantity::Torque);
+        assert_eq!(of(1.0, f64::NAN, Some(9.0)), Quantity::HubAngle);
+    }
+}

@@ -64,10 +64,9 @@ impl Verification {
     }
 }
 
-/// The check of the quantity with the largest error; NaN is larger than any number.
+/// The check of the quantity with the largest error.
 fn worst(kind: &Kind, answer: &Answer, errors: &PerQuantity<f64>) -> Check {
-    let nan = errors.iter().find(|(_, error)| error.is_nan());
-    let (quantity, error) = nan.unwrap_or_else(|| errors.worst());
+    let (quantity, error) = errors.worst();
     of_quantity(quantity, kind.measured(answer, error))
 }
 

@@ -375,6 +375,7 @@ fn other_arguments_contradict_a_repetition() {
     for argument in others.split(' ') {
         let output = repeat(&bench, &["out", argument]);
         assert_eq!(output.status.code(), Some(2), "{argument}: {}", stderr(&output));
+        assert!(stderr(&output).contains("--repeat <DIR>"), "{argument}: {}", stderr(&output));
     }
 }
 

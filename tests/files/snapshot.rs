@@ -12,7 +12,7 @@ use std::path::Path;
 pub(crate) fn compare(name: &str, refusal: impl Fn(&str, &str, &str) -> String) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/refusals").join(name);
     let expected = fs::read_to_string(&path).unwrap();
-    let mut found = String::new();
+    let (mut found, mut cases) = (String::new(), 0);
     let (mut section, mut words, mut input) = ("", "", None::<String>);
     for line in expected.lines() {
         let is_told = line.starts_with(">>>");
@@ -20,12 +20,15 @@ pub(crate) fn compare(name: &str, refusal: impl Fn(&str, &str, &str) -> String) 
             if !section.is_empty() {
                 found.push('\n');
             }
+            assert!(input.is_none(), "{name}: an input above \"== {rest}\" has no line of >>>");
             section = rest;
         } else if let Some(rest) = line.strip_prefix("---") {
+            assert!(input.is_none(), "{name}: the input above \"{line}\" has no line of >>>");
             (words, input) = (rest.trim(), Some(String::new()));
         } else if is_told {
             let input = input.take().unwrap();
             found.extend([">>> ", &refusal(section, words, &input), "\n"]);
+            cases += 1;
         } else if let Some(input) = &mut input {
             input.extend([line, "\n"]);
         } else if !section.is_empty() {
@@ -35,6 +38,8 @@ pub(crate) fn compare(name: &str, refusal: impl Fn(&str, &str, &str) -> String) 
             found.extend([line, "\n"]);
         }
     }
+    assert!(input.is_none(), "{name}: the last input has no line of >>>");
+    assert!(cases > 50, "{name}: only {cases} cases");
     if std::env::var_os("TRYCMD").is_some_and(|action| action == "overwrite") {
         fs::write(&path, found).unwrap();
     } else if let Some((old, new)) = expected.lines().zip(found.lines()).find(|(a, b)| a != b) {

@@ -117,7 +117,8 @@ fn a_right_answer_passes_under_every_law() {
         {
             assert!(names.contains(&name), "{damping:?} lacks {name}");
         }
-        assert!(found(&verification, "dense_transfer") < 1e-8, "{damping:?}");
+        // Within the bound the check shows the bound.
+        assert!(found(&verification, "dense_transfer") <= 1e-8, "{damping:?}");
         assert!(found(&verification, "energy") < 1e-7, "{damping:?}");
     }
 }
