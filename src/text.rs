@@ -11,7 +11,7 @@ use std::borrow::Cow;
 /// assert_eq!(significant(1.5e-4, 2), "1.5e-4");
 /// ```
 pub fn significant(value: f64, digits: usize) -> String {
-    let after_first = digits - 1;
+    let after_first = digits.saturating_sub(1);
     let scientific = format!("{value:.after_first$e}");
     let exponent = scientific.split_once('e').and_then(|(_, e)| e.parse::<isize>().ok());
     match exponent {

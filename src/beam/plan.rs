@@ -64,6 +64,10 @@ impl MeshPlan {
             let must = "must lie in [1e-12, 0.1]";
             return Err(ParameterError::new("mesh.tolerance", tolerance, "", must));
         }
+        if own.len() != link.segments().len() {
+            let must = format!("must be {}, one for each segment", link.segments().len());
+            return Err(ParameterError::new("numbers of elements", own.len(), "", must));
+        }
         let pieces = pieces(link);
         let needed = |segment| pieces.iter().filter(|p: &&Piece| p.segment == segment).count();
         for (segment, count) in own.iter().enumerate() {
@@ -76,7 +80,7 @@ impl MeshPlan {
                 return Err(ParameterError::new(parameter, count, "", must));
             }
         }
-        let fixed: usize = own.iter().flatten().sum();
+        let fixed = own.iter().flatten().fold(0, |sum: usize, count| sum.saturating_add(*count));
         if fixed > Self::MOST_ELEMENTS {
             let must = format!("must be at most {}", Self::MOST_ELEMENTS);
             let found = format!("{fixed} elements in all");
@@ -142,6 +146,9 @@ impl MeshPlan {
 /// Elements of a total that remain for the open pieces.
 fn share_of_total(total: usize, fixed: usize, open: usize) -> Result<usize, ParameterError> {
     let refuse = |must: String| Err(ParameterError::new("mesh.elements", total, "", must));
+    if total > MeshPlan::MOST_ELEMENTS {
+        return refuse(format!("must be at most {}", MeshPlan::MOST_ELEMENTS));
+    }
     if open == 0 && total != fixed {
         return refuse(format!("must be {fixed}, the sum of the segments' own elements"));
     }
@@ -244,6 +251,19 @@ mod tests {
     fn counts(link: &Link, own: &[Option<usize>], count: Option<ElementCount>) -> Vec<usize> {
         let plan = MeshPlan::new(link, own, count, 1e-6).unwrap();
         plan.shares().iter().map(|(_, count)| *count).collect()
+    }
+
+    #[test]
+    fn a_number_for_a_segment_that_is_not_there_and_too_many_in_all_are_refused() {
+        let link = link(&[1.0, 1.0], &[]);
+        for own in [&[][..], &[None], &[None, None, Some(3)]] {
+            let message = refusal(&link, own, 20);
+            let must = format!("= {}, but must be 2, one for each segment", own.len());
+            assert!(message.contains(&must), "{message}");
+        }
+        let most = "must be at most 100000";
+        assert!(refusal(&link, &[None, None], usize::MAX).contains(most));
+        assert!(refusal(&link, &[Some(usize::MAX), Some(2)], 20).contains(most));
     }
 
     fn refusal(link: &Link, own: &[Option<usize>], total: usize) -> String {

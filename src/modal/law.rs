@@ -104,6 +104,9 @@ impl DampingLaw {
     ///
     /// # Errors
     /// [`DampingError`]: modes that the mesh does not have, or damping that feeds energy in.
+    ///
+    /// # Panics
+    /// If no [`Link`](crate::link::Link) could have the damping: modes count from 1, each with a ratio.
     pub fn of(damping: &Damping, mesh: &Mesh) -> Result<Self, DampingError> {
         let law = Self::on_finer(damping, mesh)?;
         law.check(mesh)?;
@@ -115,6 +118,9 @@ impl DampingLaw {
     ///
     /// # Errors
     /// [`DampingError::NoSuchMode`].
+    ///
+    /// # Panics
+    /// As [`Self::of`].
     pub fn on_finer(damping: &Damping, mesh: &Mesh) -> Result<Self, DampingError> {
         match damping {
             Damping::None => Ok(Self::Hysteretic { ratio: 0.0 }),

@@ -54,8 +54,12 @@ impl TimeGrid {
     }
 
     /// Every `every`-th sample, beginning with the first.
+    ///
+    /// # Panics
+    /// If `every` is 0.
     #[must_use]
     pub fn thinned(&self, every: usize) -> ThinnedGrid {
+        assert!(every > 0, "every 0th sample");
         ThinnedGrid { grid: *self, every }
     }
 }

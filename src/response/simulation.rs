@@ -165,8 +165,8 @@ fn observed(
             equations.tip(rate),
             equations.tip(&acceleration),
         ];
-        let (power, accelerations) = (row[0] * row[2], row[3] + row[6]);
-        if !power.is_finite() || !accelerations.is_finite() {
+        let (power, all) = (row[0] * row[2], row.iter().sum::<f64>());
+        if !power.is_finite() || !all.is_finite() {
             return Err(SimulationError::NotFinite { time_s: grid.time_s(sample) });
         }
         for (column, value) in columns.iter_mut().zip(row) {
