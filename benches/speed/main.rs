@@ -1,4 +1,5 @@
-//! Times of the parts behind the commands: `cargo bench`, or `cargo bench -- transform` for one.
+//! Times of the parts behind the commands: `cargo bench --package flexlink-speed`, with
+//! `-- transform` for one.
 //!
 //! One program of all subjects, so that the slow optimised link is made once. Criterion prints the
 //! throughput of each row; its reciprocal is the time of one element, number, sample or byte.

@@ -9,7 +9,6 @@
 mod damping;
 mod overrides;
 mod refusals;
-mod schema;
 mod specs;
 
 use flexlink::beam::{ElementCount, MeshPlan};
