@@ -89,7 +89,7 @@ mod tests {
         }
     }
 
-    /// As slow as that, no node bends by any digit of its way, wherever the inertia is.
+    /// As slow as that, no node bends by any digit of its travel, wherever the inertia is.
     #[test]
     fn a_link_at_its_rigid_limit_bends_by_no_digit() {
         let light = Payload::default();

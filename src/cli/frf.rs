@@ -33,8 +33,8 @@ const OWN_BYTES: usize = 16 << 20;
 /// displacement per torque.
 ///
 /// Writes a CSV with real and imaginary part, magnitude and phase of each, to standard output or a file,
-/// and the mesh error of each row: what elements of half the length change, over the magnitude there. The
-/// largest is printed, above 1 % as a warning. An automatic mesh is refined until it follows the highest
+/// and the mesh error of each row: by how much elements of half the length change it, over its magnitude.
+/// The largest mesh error is printed, above 1 % as a warning. An automatic mesh is refined until it follows the highest
 /// frequency to mesh.tolerance.
 #[derive(Debug, Args)]
 #[command(about = "Frequency response of a link", after_help = EXAMPLE)]

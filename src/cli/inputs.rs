@@ -44,8 +44,9 @@ impl LinkArgs {
 /// Changes to a link file.
 #[derive(Debug, Args)]
 pub(crate) struct ChangeArgs {
-    /// Replace a value of the link file, or multiply it with `*=`; repeatable, in order. A segment
-    /// is named, numbered from 0, or `*` for all: 'segments.*.EI*=4', 'payload.mass="50 g"'.
+    /// Replace a value of the link file, or multiply it with `*=`; repeatable, applied in order. A
+    /// segment is given by its name, its number from 0, or `*` for all: 'segments.*.EI*=4',
+    /// 'payload.mass="50 g"'.
     #[arg(long = "set", value_name = "PATH=VALUE")]
     changes: Vec<String>,
 }

@@ -30,13 +30,13 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 /// Natural frequencies, mode shapes and zeros of a link.
 ///
 /// Prints a table; with -o, writes modes.csv, mode_shapes.csv and zeros.csv into a folder. Modes are those
-/// of the link on its hub, free to turn; shapes are mass-normalised, the tip positive. Zeros are those of
+/// of a hub that is free to turn; shapes are mass-normalised and positive at the tip. Zeros are those of
 /// the transfer from hub torque to tip: they set how long before the tip the torque must start. An
 /// automatic mesh is refined until the frequencies are exact to mesh.tolerance. The mesh error of each
-/// number is measured on elements of half the length; above 1 % it is warned of.
+/// number is measured on elements of half the length; above 1 % there is a warning.
 ///
-/// A link file with a [drive] also gets the frequencies with the rotor held, the hub on the spring of the
-/// joint or, behind a stiff joint, clamped; with -o, in held_modes.csv.
+/// For a link file with a [drive] the frequencies with the rotor held are printed, too: the hub is then on
+/// the joint's spring or, if the joint is stiff, clamped. With -o they are in held_modes.csv.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Modes {
@@ -48,7 +48,7 @@ pub(crate) struct Modes {
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1000))]
     count: u16,
 
-    /// Folder for the tables [default: none are written].
+    /// Folder for the tables [default: none is written].
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 

@@ -23,7 +23,8 @@ RESULT is a folder of `solve` or `simulate`, or the table of `sweep`.";
 /// Turn a result into a page to look at.
 ///
 /// The page is one HTML file that needs nothing else, neither network nor server: figures, waves, an
-/// animation, all warnings and numbers. Where figures are asked for alone, no page is written.
+/// animation, all warnings and numbers. With --svg or --png the figures are written instead; add -o to
+/// write the page, too.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Report {
@@ -31,17 +32,17 @@ pub(crate) struct Report {
     #[arg(value_name = "RESULT")]
     result: PathBuf,
 
-    /// The page; without it report.html in the folder of the run, or NAME.html beside the table
-    /// NAME.csv of a sweep.
+    /// Page to write [default: report.html in the folder of a run, NAME.html beside the table
+    /// NAME.csv of a sweep].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Write the figures alone into this folder, as SVG.
+    /// Write the figures into this folder, as SVG.
     #[arg(long, value_name = "DIR")]
     svg: Option<PathBuf>,
 
-    /// Write the figures alone into this folder, as PNG; in their font there are Latin, Greek and
-    /// Cyrillic letters.
+    /// Write the figures into this folder, as PNG; their font has Latin, Greek and Cyrillic
+    /// letters.
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
 

@@ -24,7 +24,7 @@ Example:
 #[derive(Debug, Args)]
 #[command(after_help = INIT_EXAMPLE)]
 pub(crate) struct Init {
-    /// Folder for the three files; none of them may be there.
+    /// Folder for the three files; none of them may exist yet.
     #[arg(value_name = "DIR", default_value = ".")]
     folder: PathBuf,
 }
@@ -115,7 +115,7 @@ Example:
 #[command(after_help = MAN_EXAMPLE)]
 pub(crate) struct Manual {
     /// Folder for the pages of all commands, flexlink.1, flexlink-solve.1, …
-    /// [default: the first is printed].
+    /// [default: flexlink.1 is printed].
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }

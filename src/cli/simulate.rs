@@ -37,9 +37,9 @@ One of the files may be `-`, standard input.";
 /// Writes torque.csv (the torque as played, feedback included), tip.csv, hub_angle.csv,
 /// nodal_displacements.csv, nodes.csv and summary.json into a folder, all or none of them, and prints a
 /// short summary. The link is at rest before the torque's first sample; after the last one it is free. Each
-/// mode is integrated exactly in time, so that the answer does not depend on the Fourier transform of
+/// mode is integrated exactly in time, so the answer does not depend on the Fourier transform of
 /// solve. A hysteretic link has no equation in time: its ratio is taken as the viscous ratio of every mode.
-/// The torque acts at the hub, on the whole link: [drive] and analysis.modes have no part in it.
+/// The torque acts at the hub, on the whole link: [drive] and analysis.modes are not used.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Simulate {
@@ -54,17 +54,17 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "NAME")]
     column: Option<String>,
 
-    /// Go on until this time in s, free of torque [default: to the end of TORQUE, and of the
-    /// target].
+    /// Time in s at which the simulation ends; after the last sample of TORQUE no torque acts
+    /// [default: the end of TORQUE or of the target, whichever is later].
     #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
     until: Option<f64>,
 
-    /// Take the torque as straight between its samples, not as a cubic spline.
+    /// Join the samples of TORQUE by straight lines, not by a cubic spline.
     #[arg(long)]
     linear: bool,
 
     /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
-    /// link starts where it does.
+    /// link starts at its first displacement.
     #[arg(long, value_name = "FILE")]
     target: Option<PathBuf>,
 
@@ -73,7 +73,7 @@ pub(crate) struct Simulate {
     #[arg(value_parser = gains, allow_hyphen_values = true)]
     feedback: Option<(f64, f64)>,
 
-    /// Hub angle that feedback holds to (CSV), as `hub_angle.csv` of solve, at the times of TORQUE.
+    /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, at the times of TORQUE.
     /// The link starts at its first angle.
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,

@@ -51,7 +51,7 @@ pub(crate) struct Trajectory {
     #[arg(value_name = "PROFILE", value_parser = profiles())]
     profile: Profile,
 
-    /// Way of the tip along its arc, in m.
+    /// Travel of the tip along its arc, in m.
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     distance: f64,
 
@@ -60,13 +60,13 @@ pub(crate) struct Trajectory {
     #[arg(required_unless_present = "fit_limit")]
     duration: Option<f64>,
 
-    /// Find the shortest duration within a limit, torque=5 or 'power="20 W"', and those of the link
-    /// file; repeatable. Keys as in [limits]. All shorter ones are tried; of very many, about a
-    /// thousand at most, and the message says how many.
+    /// Find the shortest duration that keeps this limit, torque=5 or 'power="20 W"', and those of the
+    /// link file; repeatable. Keys as in [limits]. Every shorter duration is tried; if there are very
+    /// many, about a thousand of them, and the message says how many.
     #[arg(long, value_name = "KEY=VALUE", requires = "link", conflicts_with = "duration")]
     fit_limit: Vec<String>,
 
-    /// Link file (TOML) that the limits are fitted with.
+    /// Link file (TOML) for --fit-limit.
     #[arg(long, value_name = "LINK", requires = "fit_limit")]
     link: Option<PathBuf>,
 

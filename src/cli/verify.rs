@@ -24,12 +24,12 @@ One of LINK and MOTION may be `-`, standard input.";
 
 /// Measure the torque of `solve` by other means: is the answer right?
 ///
-/// Prints a table, each line a number against what it may be: the tip under the torque as it is written,
-/// with the link's own damping law and, against what is predicted of it, with viscous damping in its place;
-/// the tip that is solved; the torque with the step halved, the motor's too; the quantity that halved
-/// elements change most, and the one that the window's edge does; the transfer of the paper's dense system;
-/// the balance of energy; the deflection of the tip, which must be small; every limit of the link file.
-/// Exit code 4 if one is out of its bound.
+/// Prints a table. Each line holds an error against its bound: the tip when the torque is played as it is
+/// written, with the link's own damping law; the same with viscous damping, less what is predicted for it;
+/// the tip that is solved; the torque of hub and motor with the step halved; the quantity that halved
+/// elements change most; the quantity that is largest at the window's edge; the transfer of the paper's
+/// dense system; the balance of energy. Two more kinds of lines: the deflection of the tip, which must be
+/// small, and every limit of the link file. Exit code 4 if a number is out of its bound.
 #[derive(Debug, Args)]
 #[command(about = "Measure the torque of `solve` by other means", after_help = EXAMPLE)]
 #[command(mut_arg("json", |json| json.help("Print the checks as JSON instead of the table")))]

@@ -34,7 +34,7 @@ pub enum Warning {
     },
     /// The samples do not bring the tip within its tolerance.
     #[error(
-        "the tip strays by {share:.1e} of its way from the motion asked for, above \
+        "the tip strays by {share:.1e} of its travel from the wanted motion, above \
          analysis.tip_tolerance = {tolerance:e}: {}",
         cause(shortfall)
     )]
@@ -63,7 +63,7 @@ pub enum Warning {
     /// A quantity that depends on the step of the motion.
     #[error(
         "half the step changes the {} by {share:.1e} of its peak: with analysis.tip_tolerance = 0 \
-         every frequency of the samples is solved for, and the step limits it",
+         every frequency of the samples is solved, and the step sets the highest one",
         quantity.name()
     )]
     CoarseStep {
@@ -102,8 +102,8 @@ pub enum Warning {
     },
     /// One period's torque reaches into the next.
     #[error(
-        "the torque has decayed to no less than {share:.1e} of its peak half a period \
-         ({period_s:.4} s in all) away from the motion, above the tolerance {tolerance:e}"
+        "half a period from the motion the torque is still {share:.1e} of its peak, above the tolerance \
+         {tolerance:e} (period {period_s:.4} s)"
     )]
     WrapAround {
         /// Torque at the seam of two periods over the peak.
@@ -176,7 +176,7 @@ pub enum Warning {
     /// A hub that turns about as fast as the link vibrates.
     #[error(
         "the hub turns at up to {} rad/s, {share:.2} of the clamped link's first natural frequency: \
-         centrifugal stiffening, which the model leaves out, moves the tip by {} of its way",
+         centrifugal stiffening, which the model leaves out, moves the tip by {} of its travel",
         significant(*rate_rad_s, 3),
         stiffening(*share)
     )]
@@ -246,13 +246,13 @@ impl Warning {
                 "a smoother motion, a motion written with more digits, or a larger \
                  analysis.tip_tolerance"
             }
-            Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or none of them",
+            Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or neither of them",
             Self::WrapAround { .. } => "a longer analysis.lag, more damping or a looser tolerance",
             Self::LongWindow { .. } => {
-                "damping lets it decay; analysis.lead and analysis.lag bound the window, --every the \
-                 tables of the nodes"
+                "damping makes it decay; analysis.lead and analysis.lag limit the window, --every the \
+                 rows of the nodal tables"
             }
-            Self::FewModes { .. } => "more analysis.modes, or none given: then all of them answer",
+            Self::FewModes { .. } => "a larger analysis.modes; without it all modes are kept",
             Self::LargeDeflection { .. } | Self::FastHub { .. } => {
                 "a slower motion or a stiffer link"
             }
@@ -269,9 +269,9 @@ impl Warning {
 fn cause(shortfall: &Shortfall) -> String {
     match shortfall {
         Shortfall::Step(step_s) => {
-            format!("its step is too long, {} s would do", significant(*step_s, 2))
+            format!("the motion's step is too long, {} s would do", significant(*step_s, 2))
         }
-        Shortfall::Noise => "its samples hold noise or rounding of that size".into(),
+        Shortfall::Noise => "the motion's samples hold noise or rounding of that size".into(),
     }
 }
 

@@ -239,7 +239,7 @@ impl Link {
         };
         format!(
             "the tip deflects by {:.0} % of the link's length, beyond the small deflections that the \
-             method holds for: it strays by {error} of its way",
+             method holds for: it strays by {error} of its travel",
             100.0 * share
         )
     }
@@ -367,7 +367,7 @@ mod tests {
             let words = Link::large_deflection_words(share);
             words.split_once(": ").unwrap().1.to_owned()
         };
-        assert_eq!(end(0.36), "it strays by about 2.2 % of its way");
-        assert_eq!(end(4.86), "it strays by more than 16 % of its way");
+        assert_eq!(end(0.36), "it strays by about 2.2 % of its travel");
+        assert_eq!(end(4.86), "it strays by more than 16 % of its travel");
     }
 }

@@ -55,7 +55,7 @@ fn run_figures(run: &StoredRun) -> Figures {
 fn motion(view: &View) -> [Figure; 2] {
     let tip = &view.run.tip;
     let wanted = view.run.solved.is_some();
-    let what = if wanted { "The motion asked for" } else { "The motion that the torque makes" };
+    let what = if wanted { "The wanted motion" } else { "The motion that the torque makes" };
     let peak = significant(largest(&tip.acceleration_m_s2), 3);
     let acceleration = view.figure(
         "tip-acceleration",
@@ -153,10 +153,10 @@ fn tip_under_rigid_torque(view: &View, solved: &StoredSolution) -> Result<Figure
         return Err("it strays by more or less than can be drawn".to_owned());
     }
     let share = 100.0 * strays_m / run.tip.largest_travel_m();
-    let of_way = if is_extreme(share) {
+    let of_travel = if is_extreme(share) {
         String::new()
     } else {
-        format!(", {} % of its way", significant(share, 2))
+        format!(", {} % of its travel", significant(share, 2))
     };
     let damping = match run.link.damping() {
         Damping::Hysteretic { .. } => ", its damping ratio as viscous in every mode",
@@ -169,7 +169,7 @@ fn tip_under_rigid_torque(view: &View, solved: &StoredSolution) -> Result<Figure
         format!(
             "What a controller gets that takes the link for rigid: its torque, played on the flexible \
              link{damping} (figures 8 and 9). After the motion the tip still strays by up to \
-             {strays_m} m{of_way}."
+             {strays_m} m{of_travel}."
         ),
         ("displacement", "m"),
         vec![

@@ -368,7 +368,7 @@ function animate(stage, controls, caption) {
 		choice("Deflection", [...new Set([1, 2, 5, 10, factor])], (v) => (v > 1 ? `×${v}` : "to scale"), factor,
 			(v) => { factor = v; fit(); }));
 	const looks = {
-		link: "flexible link", ...(rigidAngles && { rigid: "rigid link" }), trail: "way of the tip",
+		link: "flexible link", ...(rigidAngles && { rigid: "rigid link" }), trail: "path of the tip",
 		tangent: "tangent at the hub", "arc plus": "torque, counter-clockwise", "arc minus": "torque, clockwise",
 	};
 	stage.after(div("key", ...Object.entries(looks).map((entry) => keyEntry(...entry))));

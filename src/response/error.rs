@@ -22,7 +22,7 @@ pub enum SimulationError {
     Damping(#[from] DampingError),
     /// A reference of the feedback at other times than the torque.
     #[error(
-        "the reference = {} samples from {} s at {} s, but must stand at the torque's times: \
+        "the reference = {} samples from {} s at {} s, but must be at the torque's times: \
          {} samples from {} s at {} s",
         found.len,
         rounded(found.time_s(0), 12),
@@ -166,7 +166,7 @@ pub enum SimulationWarning {
     },
     /// Too few elements or modes for the torque.
     #[error(
-        "mesh and modes make the tip wrong by {tip:.1e} of its way, the hub angle by \
+        "mesh and modes make the tip wrong by {tip:.1e} of its travel, the hub angle by \
          {hub_angle:.1e} of its peak (elements halved)"
     )]
     CoarseMesh {

@@ -95,8 +95,8 @@ pub enum Remark {
     },
     /// A link so short and stiff that shear, which needs its section, may matter.
     #[error(
-        "the link's section is not known everywhere: were it of metal, shear and rotary inertia, which the \
-         model leaves out, would lower mode {} by about {:.0} %",
+        "the link's section is not known everywhere: if it is of metal, shear and rotary inertia, which the \
+         model leaves out, lower mode {} by about {:.0} %",
         mode.number,
         100.0 * mode.share
     )]
@@ -166,7 +166,7 @@ impl Remark {
                 "name the unit in the column's heading, as in \"displacement [mm]\""
             }
             Self::UnknownSection { .. } => {
-                "give E and density with section, or with I and area, and it is estimated"
+                "give E and density with section, or with I and area: the share is then estimated"
             }
         }
     }

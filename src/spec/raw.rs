@@ -248,7 +248,7 @@ pub(super) struct RawAnalysis {
     /// Share of its peak that padding and wrap-around may cost every quantity, 1e-12 to 1e-2.
     #[schemars(range(min = 1e-12, max = 1e-2), extend("default" = 1e-6))]
     pub(super) tolerance: Option<f64>,
-    /// Share of its way that the tip may stray from the wanted motion, 1e-12 to 0.1: no frequency is
+    /// Share of its travel that the tip may stray from the wanted motion, 1e-12 to 0.1: no frequency is
     /// solved that this does not need. 0: every frequency of the samples.
     #[schemars(range(min = 0.0, max = 0.1), extend("default" = 1e-6))]
     pub(super) tip_tolerance: Option<f64>,

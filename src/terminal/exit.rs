@@ -143,7 +143,7 @@ impl From<VerificationError> for Failure {
 impl From<FitError> for Failure {
     fn from(error: FitError) -> Self {
         let hint = match &error {
-            FitError::TooSlow { .. } => Some("a higher limit, a shorter way or a longer step"),
+            FitError::TooSlow { .. } => Some("a higher limit, a shorter travel or a longer step"),
             FitError::Inversion(error) => error.hint(),
             FitError::Motion(_) => None,
         };

@@ -98,7 +98,7 @@ impl Kind {
     pub(super) const TIP_ERROR: Self = Self {
         name: "tip_error",
         what: "tip, the link's own damping",
-        of: "the tip's way",
+        of: "the tip's travel",
         bound: |answer| {
             let analysis = &answer.solution.analysis;
             analysis.tip_tolerance() + TIP.max(analysis.tolerance())
@@ -113,7 +113,7 @@ impl Kind {
     pub(super) const TIP_SOLVED: Self = Self {
         name: "tip_solved",
         what: "tip that is solved",
-        of: "the tip's way",
+        of: "the tip's travel",
         bound: |answer| answer.solution.analysis.tip_tolerance() + ROUNDED,
         hint: "a shorter step, a smoother motion or a looser analysis.tip_tolerance",
     };

@@ -133,7 +133,7 @@ fn a_step_too_coarse_for_the_first_mode_is_told_where_the_motion_reaches_its_end
     // The first period is about 0.5 s.
     let coarse = "time,acceleration\n0,0\n1,1\n2,0\n3,-1\n4,0\n";
     let told = warnings(coarse);
-    assert!(told.contains("its step is too long, 0.0077 s would do"), "{told}");
+    assert!(told.contains("the motion's step is too long, 0.0077 s would do"), "{told}");
     let smooth = motion(|k| k.to_string(), |a| (1e-3 * a).to_string());
     assert_eq!(warnings(&smooth), "", "slow enough to need no mode");
 }

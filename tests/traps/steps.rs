@@ -65,7 +65,7 @@ pub(crate) fn compared(case: &Case) -> Steps {
                 let part = run.part;
                 steps
                     .wrong
-                    .push(format!("tip off by {tips:.1e} of its way at 1/{part} of the step"));
+                    .push(format!("tip off by {tips:.1e} of its travel at 1/{part} of the step"));
             }
             if files <= case.tip_share() + ROUNDED {
                 same.push(*run);

@@ -22,45 +22,45 @@ Example:
   flexlink compare golden/torque.csv out/torque.csv
   flexlink compare golden out --bless
 
-tolerances.toml, of which all is optional:
+tolerances.toml; every key is optional:
   rtol = 1e-9                  # of the column's peak
   atol = 0.0                   # in the column's unit
-  [[columns]]                  # the last entry that names a column holds
-  file = \"torque.csv\"          # its name, or with a slash its path; * any text, ? one character
+  [[columns]]                  # the last entry that matches a column counts
+  file = \"torque.csv\"          # a name, or a path with slashes; * any text, ? one character
   column = \"torque_*\"
   rtol = 1e-6                  # and/or atol; or ignore = true
 
 A first row of nothing but numbers is data; the columns are then called `column 1` and so on.
 `-` as EXPECTED or ACTUAL reads standard input. Exit code 1 if the two differ.";
 
-const QUIET: &str = "Print nothing but warnings and errors: the exit code tells";
+const QUIET: &str = "Print nothing but warnings and errors; the exit code says if they differ";
 
 /// Compare tables column by column, within a tolerance of the column's peak.
 ///
 /// EXPECTED and ACTUAL are two CSV files, or two folders whose CSV files are compared by name, those in
-/// folders within them too. A number may differ by atol + rtol x the largest absolute value that its column
+/// their subfolders, too. A number may differ by atol + rtol x the largest absolute value that its column
 /// has in EXPECTED; words and empty fields may not differ. Columns are matched by name, rows by the first
 /// column where it increases on both sides (time_s, frequency_hz), otherwise by number. Columns, rows and
-/// files of one side alone are differences too. Any CSV will do: a row of names, commas, # before comments.
+/// files that only one side has are differences, too. Any CSV will do: a row of names, commas, # before comments.
 #[derive(Debug, Args)]
 #[command(about = "Compare tables column by column", after_help = EXAMPLE)]
 #[command(mut_arg("json", |json| json.help("Print everything as JSON instead of the table")))]
 #[command(mut_arg("quiet", |quiet| quiet.help(QUIET)))]
 pub(crate) struct Compare {
-    /// File or folder that is right: the golden files.
+    /// Golden file or folder: what is expected.
     #[arg(value_name = "EXPECTED")]
     expected: PathBuf,
 
-    /// File or folder in question.
+    /// File or folder to check.
     #[arg(value_name = "ACTUAL")]
     actual: PathBuf,
 
-    /// Difference allowed, as a share of the column's peak [default: that of the file of tolerances,
-    /// or 1e-9].
+    /// Difference allowed, as a share of the column's peak [default: from the file of tolerances,
+    /// else 1e-9].
     #[arg(long, value_name = "R", value_parser = not_negative, allow_negative_numbers = true)]
     rtol: Option<f64>,
 
-    /// Difference allowed, in the column's unit [default: that of the file of tolerances, or 0].
+    /// Difference allowed, in the column's unit [default: from the file of tolerances, else 0].
     #[arg(long, value_name = "A", value_parser = not_negative, allow_negative_numbers = true)]
     atol: Option<f64>,
 
@@ -69,8 +69,9 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "FILE")]
     tolerances: Option<PathBuf>,
 
-    /// Accept: make the CSV files of EXPECTED those of ACTUAL. Files within tolerance stay as they
-    /// are, and so does what is no CSV, but the run of a folder with its summary.json is taken whole.
+    /// Accept ACTUAL: copy its CSV files over those of EXPECTED. Files within tolerance and files that
+    /// are not CSV stay as they are. Where EXPECTED holds the summary.json of a run, all files of the run
+    /// are copied.
     #[arg(long)]
     bless: bool,
 

@@ -45,9 +45,9 @@ pub(crate) struct Solve {
     #[arg(default_value_if("repeat", ArgPredicate::IsPresent, None))]
     pub(super) output: Option<PathBuf>,
 
-    /// Run again what left its results in this folder, and compare every file byte for byte; exit
-    /// code 1 if one differs. LINK and MOTION, where they are not given, are looked for here, in the
-    /// folder and above it; the new results are kept where -o names another folder.
+    /// Repeat the run whose results are in this folder, and compare every file byte for byte; exit
+    /// code 1 if one differs. LINK and MOTION that are not given are searched for in the working
+    /// folder, in DIR and in the folders above it. The new results are kept only with -o.
     #[arg(long, value_name = "DIR")]
     #[arg(conflicts_with_all = ["ChangeArgs", "ResampleArgs", "ScaleArgs", "NodeArgs"])]
     #[arg(conflicts_with_all = ["deflections", "moments", "digits", "verify"])]

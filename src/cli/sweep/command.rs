@@ -28,8 +28,8 @@ Example:
       --vary 'segments.*.EI*=0.5:8:1000:log'
   flexlink sweep --merge sweep-*-of-8.csv -o sweep.csv
 
-LINK and MOTION as for solve. Exit codes as `flexlink --help` lists them: 0 also where single cases
-fail, 4 where all do or, with --strict or --deny-warnings, where one does.";
+LINK and MOTION as for solve. Exit codes as `flexlink --help` lists them: 0 even if some
+cases fail; 4 if all fail, or if one fails and --strict or --deny-warnings is given.";
 
 const USAGE: &str = "\
 flexlink sweep [OPTIONS] <LINK> <MOTION> --vary <PATH=VALUES>...
@@ -40,10 +40,11 @@ Solve many cases: vary values of link and motion.
 
 Writes one table with a row for every case, in order whatever the number of threads: the values, \
 first period and zero, peaks, lead and lag, errors, kinds of warnings. A case that fails says why in \
-the last column and does not stop the rest. Beside the table NAME.csv lies NAME.json: link, motion, \
+the column `error` and does not stop the rest. Beside the table NAME.csv lies NAME.json: link, motion, \
 arguments and SHA-256. While it runs, the finished rows are in a file of the same name that \
 ends in .part; after an interruption (exit code 130) the same command with --resume goes on from \
-there, without it begins anew. A finished table is made anew, a finished shard is left as it is.
+there; without --resume it starts from the beginning. With --resume a finished shard is kept; a \
+finished table is always computed anew.
 
 PATH is that of --set, with = for values and *= for factors; distance*= and duration*= scale the \
 motion. VALUES are START:STOP:COUNT, START:STOP:COUNT:log, or a list a,b,c; both ends of a range may \
@@ -66,7 +67,7 @@ pub(crate) struct Sweep {
     #[arg(long, value_name = "PATH=VALUES", required_unless_present = "merge")]
     vary: Vec<String>,
 
-    /// Table to write, `-` for standard output [default: sweep.csv, of a shard sweep-I-of-N.csv].
+    /// Table to write, `-` for standard output [default: sweep.csv, for a shard sweep-I-of-N.csv].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -77,7 +78,7 @@ pub(crate) struct Sweep {
     #[arg(long, value_name = "I/N", default_value_t, hide_default_value = true)]
     shard: Shard,
 
-    /// Go on where an interrupted run of the same sweep ended.
+    /// Continue an interrupted run of the same sweep.
     #[arg(long)]
     resume: bool,
 

@@ -214,7 +214,7 @@ fn band_line(solution: &Solution) -> String {
         return "every frequency of the samples".into();
     };
     let (cutoff, error) = (significant(cutoff_hz, 3), solution.accuracy.tip);
-    format!("to {cutoff} Hz; the tip within {error:.1e} of its way of the motion asked for")
+    format!("to {cutoff} Hz; largest tip error {error:.1e} of the tip's travel")
 }
 
 /// One kind of error of a quantity, where it was measured.
@@ -307,7 +307,7 @@ fn residual_line(simulation: &Simulation) -> String {
     let residual = &simulation.residual;
     let vibration = format!("vibrates by {} m", significant(residual.amplitude_m, 3));
     let share = (residual.share < 1.0).then(|| significant(residual.share, 2));
-    let share = share.map(|share| format!(", {share} of the way"));
+    let share = share.map(|share| format!(", {share} of its travel"));
     let frequency = residual.frequency_hz.map(|hertz| significant(hertz, 4));
     let frequency = frequency.map(|hertz| format!(", at {hertz} Hz"));
     vibration + &share.unwrap_or_default() + &frequency.unwrap_or_default()
@@ -329,13 +329,13 @@ fn simulation_errors(error: Option<&PlayError>) -> String {
     let Some(PlayError { tip, hub_angle }) = error else {
         return "mesh not known: the damping cannot be on halved elements".into();
     };
-    format!("mesh {tip:.1e} (of the tip's way), {hub_angle:.1e} (of the hub's peak angle)")
+    format!("mesh {tip:.1e} (of the tip's travel), {hub_angle:.1e} (of the hub's peak angle)")
 }
 
 fn tip_error_line(error: &TipError) -> String {
     let worst = significant(error.worst_m, 4);
     let [time, share] = [error.time_s, error.share].map(|number| significant(number, 3));
-    format!("tip strays by up to {worst} m at {time} s, {share} of the way")
+    format!("tip strays by up to {worst} m at {time} s, {share} of its travel")
 }
 
 #[cfg(test)]

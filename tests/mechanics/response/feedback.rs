@@ -64,7 +64,7 @@ fn a_reference_without_rates_has_those_of_a_spline_through_it() {
     assert!(error < 1e-9, "{error:e}");
 }
 
-/// What the link does with a wrong payload, to 12 s: largest tip error over the way, and the tip's
+/// What the link does with a wrong payload, to 12 s: largest tip error over the travel, and the tip's
 /// distance from its goal at the end in m.
 fn astray(payload_kg: f64, gains: Option<Gains>) -> (f64, f64) {
     let nominal = damped(|_| ());
@@ -81,7 +81,7 @@ fn astray(payload_kg: f64, gains: Option<Gains>) -> (f64, f64) {
     (error.share, error.final_m.abs())
 }
 
-/// Measured in % of the way, and in mm 12 s after the motion began:
+/// Measured in % of the travel, and in mm 12 s after the motion began:
 ///
 /// | payload | no feedback | 5 N m/rad, 1 N m s/rad | 10, 5 |
 /// |---|---|---|---|

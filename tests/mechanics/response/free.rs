@@ -154,7 +154,7 @@ fn a_knock_leaves_its_impulse_in_the_rigid_link_and_in_its_mode() {
 }
 
 /// The torque for a deflection w = sin⁶ cos, which leaves neither vibration nor rate. Measured: 6e-13
-/// of the way swings on, the way itself is 5e-10 off.
+/// of the travel swings on, the travel itself is 5e-10 off.
 #[test]
 fn a_torque_from_rest_to_rest_leaves_nothing_swinging() {
     let (bodies, step_s, steps) = (TwoBodies::new(), TwoBodies::step_s(200), 400_u32);

@@ -166,7 +166,7 @@ fn a_link_bent_beyond_the_theory_is_warned_about() {
     assert_eq!(
         beyond.iter().map(ToString::to_string).collect::<Vec<_>>(),
         ["the tip deflects by 20 % of the link's length, beyond the small deflections that the \
-          method holds for: it strays by about 0.4 % of its way"]
+          method holds for: it strays by about 0.4 % of its travel"]
     );
 }
 

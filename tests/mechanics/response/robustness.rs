@@ -3,7 +3,7 @@
 //!
 //! The paper prints no such numbers. Those called "expected" below come from a study of the example
 //! that was made before this program and rounded to one or two digits; where the program differs by
-//! more than the rounding, the deviation is stated. Errors are in % of the way.
+//! more than the rounding, the deviation is stated. Errors are in % of the travel.
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -53,13 +53,13 @@ fn solution(file: &str, settings: &[&str], analysis: &Analysis) -> Solution {
     invert(&link, &plan, &motion(&link), analysis).unwrap()
 }
 
-/// Largest tip error of a simulation in % of the way, until a time in s.
+/// Largest tip error of a simulation in % of the travel, until a time in s.
 fn worst_percent(found: &Simulation, wanted: &Solution, until_s: f64) -> f64 {
     let all = 0..wanted.grid.len;
     let len = all.filter(|k| wanted.grid.time_s(*k) < until_s + 1e-9).count();
     let displacement_m = wanted.tip.displacement_m[..len].to_vec();
     let target = TipTarget::new(TimeGrid { len, ..wanted.grid }, displacement_m);
-    // Of the whole way, though the target may end before it does.
+    // Of the whole travel, though the target may end before it does.
     100.0 * TipError::of(found, &target).unwrap().worst_m / 0.5
 }
 
@@ -107,7 +107,7 @@ fn rigid_torque(file: &str) -> (Solution, Simulation) {
     (wanted, found)
 }
 
-/// Largest distance of the tip from its goal in % of the way, over one period of the first mode
+/// Largest distance of the tip from its goal in % of the travel, over one period of the first mode
 /// that begins at a time in s after the motion did.
 fn oscillating_percent(found: &Simulation, from_s: f64) -> f64 {
     let period_s = TAU / natural_frequencies(&found.mesh, 1)[0];

@@ -205,7 +205,7 @@ fn a_torque_that_the_tip_does_not_settle_is_told_with_the_peak_at_twice_the_tole
         invert(&link, &mesh_of(&link, 20), motion, &analysis).unwrap()
     };
     let motion = rounded_displacements(1024);
-    // Half a digit is 2.5e-6 of the way.
+    // Half a digit is 2.5e-6 of the travel.
     let solution = solve(&motion, 2e-6);
     let warning = of_kind(&solution, "unsettled_torque");
     let Warning::UnsettledTorque { peak_n_m, looser_n_m, .. } = *warning else {
