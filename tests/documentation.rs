@@ -1,15 +1,66 @@
 //! The README's commands print what it says, its link file is read, and help texts and refusals are as
-//! they were read last.
+//! they were read last. A refusal writes nothing.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use std::collections::BTreeMap;
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use flexlink::spec::read_specification;
+use walkdir::WalkDir;
 
-#[test]
-fn commands_of_the_readme_help_texts_and_refusals_print_what_is_shown() {
+/// Folders of the repository that the commands read.
+const INPUTS: [&str; 2] = ["specs", "trajectories"];
+
+/// Runs the commands of these files of the repository and compares what they print.
+fn run(files: &[&str]) {
     // In what it compares and writes, trycmd shows the backslash that continues a line as a slash.
     let cases = trycmd::TestCases::new();
     // On any machine: letters in UTF-8, lines as wide as this program makes them.
     cases.env("LC_ALL", "C.UTF-8").env("COLUMNS", "100").env("NO_COLOR", "1");
-    cases.case("README.md").case("tests/help/*.trycmd").case("tests/refusals/*.trycmd");
+    for file in files {
+        cases.case(repository(file));
+    }
+}
+
+fn repository(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+/// All files and folders below a folder; of a file its content.
+fn content(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
+    let entries = WalkDir::new(folder).into_iter().map(|entry| entry.unwrap().into_path());
+    entries.map(|path| (path.clone(), fs::read(path).ok())).collect()
+}
+
+/// The commands run in a folder that holds the inputs alone, or in the folder of their own inputs.
+#[test]
+fn commands_of_the_readme_help_texts_and_refusals_print_what_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in INPUTS {
+        fs::create_dir(folder.path().join(name)).unwrap();
+        for entry in fs::read_dir(repository(name)).unwrap() {
+            let file = entry.unwrap();
+            fs::copy(file.path(), folder.path().join(name).join(file.file_name())).unwrap();
+        }
+    }
+    env::set_current_dir(folder.path()).unwrap();
+
+    let inputs = ["compare.in", "tables.in"].map(|name| repository("tests/refusals").join(name));
+    let watched = || [content(folder.path()), content(&inputs[0]), content(&inputs[1])];
+    let before = watched();
+    run(&["tests/help/*.trycmd", "tests/refusals/*.trycmd"]);
+    for (before, after) in before.iter().zip(watched()) {
+        let changed = |(path, content)| (before.get(&path) != Some(&content)).then_some(path);
+        let changed: Vec<PathBuf> = after.into_iter().filter_map(changed).collect();
+        assert!(changed.is_empty(), "a refusal has written {changed:?}");
+    }
+
+    run(&["README.md"]);
+    // Windows removes no folder that a process is in.
+    env::set_current_dir(repository("")).unwrap();
 }
 
 #[test]

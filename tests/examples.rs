@@ -1,5 +1,5 @@
-//! The scripts of examples/, run as they stand. They need programs that a Rust toolchain does not
-//! bring; `.ci/run` installs these and runs the ignored tests too.
+//! The scripts and programs of examples/, run as they stand. Most scripts need programs that a Rust
+//! toolchain does not bring; `.ci/run` installs these and runs the ignored tests, too.
 
 #![cfg(unix)]
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
@@ -179,4 +179,71 @@ fn the_workflow_for_golden_files_accepts_what_is_right_and_nothing_else() {
     let compared = step("Compare");
     assert_eq!(compared.status.code(), Some(1));
     assert!(text(&compared.stdout).contains("torque.csv"), "{}", text(&compared.stdout));
+}
+
+/// A program of examples/, which `cargo test` builds beside this test.
+fn example(name: &str) -> PathBuf {
+    let this = env::current_exe().unwrap();
+    let path = this.parent().unwrap().with_file_name("examples").join(name);
+    let path = path.with_extension(env::consts::EXE_EXTENSION);
+    assert!(path.exists(), "{} is not built: cargo test --examples", path.display());
+    path
+}
+
+/// Times and numbers of the first two columns of a table.
+fn two_columns(table: &str) -> (Vec<f64>, Vec<f64>) {
+    let row = |line: &str| {
+        let mut fields = line.split(',').map(|field| field.parse::<f64>().unwrap());
+        (fields.next().unwrap(), fields.next().unwrap())
+    };
+    table.lines().skip(1).map(row).unzip()
+}
+
+/// The torque of both programs: without friction it is all that changes the angular momentum, so the
+/// link rests at the end, turned by the tip's 0.5 m over its length, with its rigid inertia of 1 kg m².
+#[track_caller]
+fn assert_turns_the_strip(time_s: &[f64], torque_n_m: &[f64]) {
+    let step_s = time_s[1] - time_s[0];
+    let (mut momentum, mut turned, mut largest) = (0.0, 0.0, 0.0_f64);
+    for torque_n_m in torque_n_m {
+        momentum += torque_n_m * step_s;
+        turned += momentum * step_s;
+        largest = largest.max(torque_n_m.abs());
+    }
+    assert!(momentum.abs() < 1e-5, "{momentum:e} N m s");
+    assert!((turned - 0.5 / 1.5).abs() < 1e-4, "{turned} kg m² rad");
+    let begins = torque_n_m.iter().position(|torque| torque.abs() > 0.02 * largest).unwrap();
+    let ends = torque_n_m.iter().rposition(|torque| torque.abs() > 0.02 * largest).unwrap();
+    assert!(time_s[begins] < -0.2, "it begins at {} s, before the tip does", time_s[begins]);
+    assert!(time_s[ends] > 0.88 + 0.2, "it ends at {} s, after the tip has", time_s[ends]);
+    // The tip's largest acceleration, 2π·0.5 m/(0.88 s)², turns a rigid strip.
+    let rigid = std::f64::consts::TAU * 0.5 / 0.88_f64.powi(2) / 1.5;
+    assert!(largest < 0.6 * rigid, "{largest} N m of {rigid} N m");
+}
+
+#[test]
+fn the_torque_from_numbers_turns_the_link_and_leaves_it_at_rest() {
+    let output = Desk::new().run(example("torque_from_numbers"), &[]);
+    assert_eq!(text(&output.stderr), "", "it warns of nothing");
+    let table = text(&output.stdout);
+    assert!(table.starts_with("time_s,torque_N_m\n"));
+    let (time_s, torque_n_m) = two_columns(&table);
+    assert_turns_the_strip(&time_s, &torque_n_m);
+}
+
+#[test]
+fn the_result_folder_from_numbers_holds_the_torque_and_is_made_into_a_page() {
+    let desk = Desk::new();
+    let output = desk.run(example("result_folder"), &["strip"]);
+    let (time_s, torque_n_m) = two_columns(&desk.read("strip/torque.csv"));
+    assert_turns_the_strip(&time_s, &torque_n_m);
+    let rows = time_s.len();
+    assert_eq!(text(&output.stdout), format!("{rows} rows of torque in strip\n"));
+    let (_, hub_rad) = two_columns(&desk.read("strip/hub_angle.csv"));
+    let (_, tip_m) = two_columns(&desk.read("strip/tip.csv"));
+    assert!((tip_m[rows - 1] - 0.5).abs() < 1e-6, "{} m", tip_m[rows - 1]);
+    // Hysteretic damping leaves a slow tail, 2e-5 rad at the window's edge.
+    assert!((hub_rad[rows - 1] - 0.5 / 1.5).abs() < 1e-4, "{} rad", hub_rad[rows - 1]);
+    desk.run("flexlink", &["report", "strip", "--quiet"]);
+    assert!(desk.read("strip/report.html").contains("</html>"));
 }

@@ -171,6 +171,19 @@ fn the_library_does_not_know_the_command_line() {
 }
 
 #[test]
+fn unsafe_code_is_in_the_allocator_alone() {
+    let is_unsafe = |source: &str| {
+        let code = without_text(source).replace("forbid(unsafe_code)", "");
+        names(&code, "unsafe").next().is_some()
+    };
+    assert!(is_unsafe("unsafe { f() }") && is_unsafe("#![allow(unsafe_code)]"));
+    assert!(!is_unsafe("#![forbid(unsafe_code)]\n// unsafe"));
+    let found = sources().into_iter().filter(|(_, source)| is_unsafe(source));
+    let paths: Vec<PathBuf> = found.map(|(path, _)| path).collect();
+    assert_eq!(paths, [Path::new("terminal/allocator.rs")]);
+}
+
+#[test]
 fn a_planted_violation_is_found() {
     let planted = [
         ("beam", "use crate::motion::TipMotion;", "beam imports motion"),

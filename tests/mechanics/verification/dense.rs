@@ -56,6 +56,7 @@ fn dense(model: &dyn Model) -> Option<Dense> {
     Dense::assemble(model.on_mesh().clone())
 }
 
+/// `verify` shows no difference below its bound; this one is held to what round-off leaves.
 #[test]
 fn the_dense_solve_gives_the_transfer_of_bodies_and_offsets_under_every_law() {
     for damping in [
@@ -63,6 +64,7 @@ fn the_dense_solve_gives_the_transfer_of_bodies_and_offsets_under_every_law() {
         Damping::Hysteretic { ratio: 0.02 },
         Damping::Rayleigh { alpha_per_s: 0.1, beta_s: 2e-4 },
         Damping::Modal { ratios: vec![0.01, 0.03] },
+        Damping::Caughey { modes: vec![1, 2, 4], ratios: vec![0.01, 0.02, 0.2] },
     ] {
         let model = model(8, 0.7, damping.clone(), SI);
         let dense = dense(&*model).unwrap();
@@ -70,7 +72,9 @@ fn the_dense_solve_gives_the_transfer_of_bodies_and_offsets_under_every_law() {
             let found = dense.tip_transfer(omega).inertia_kg_m;
             let expected = model.tip_transfer(omega).inertia_kg_m;
             let off = (found / expected - 1.0).norm();
-            assert!(off < 1e-9, "{damping:?} at {omega} rad/s: {found} is not {expected}");
+            // Round-off in K/ω² costs the slowest one a digit more.
+            let allowed = if omega < 1.0 { 1e-9 } else { 1e-10 };
+            assert!(off < allowed, "{damping:?} at {omega} rad/s: {off:e}");
         }
     }
 }
