@@ -258,7 +258,7 @@ impl OutputFolder {
 }
 
 /// Why a file cannot take its name.
-const TAKEN: &str = "a folder has this name";
+pub(super) const TAKEN: &str = "a folder has this name";
 
 /// Removes what killed runs left in a folder whose lock this run holds.
 fn remove_left(folder: &Path) -> io::Result<()> {

@@ -123,7 +123,7 @@ fn results_that_cannot_be_written_end_the_sweep_and_keep_its_rows() {
     assert_eq!(bench.names("."), ["cases"]);
     let output = sweep(&bench, &[&vary[..], &["-o", "."]].concat());
     assert_eq!(output.status.code(), Some(5));
-    assert!(stderr(&output).ends_with("a folder is no file\n"), "{}", stderr(&output));
+    assert!(stderr(&output).ends_with("a folder has this name\n"), "{}", stderr(&output));
 }
 
 #[cfg(unix)]

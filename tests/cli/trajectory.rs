@@ -77,17 +77,17 @@ fn the_shortest_duration_within_a_limit_is_found_to_the_step() {
     let remark = text.lines().next().unwrap();
     let duration: f64 = remark
         .strip_prefix("# septic: ")
-        .and_then(|rest| rest.strip_suffix(" s, the shortest within torque=1 N m"))
+        .and_then(|rest| rest.strip_suffix(" s, the shortest duration within torque=1 N m"))
         .unwrap()
         .parse()
         .unwrap();
     // The same is told beside the file, with the limit that binds and by how much.
     let told = stderr(&output);
-    let note =
-        format!("note: {duration} s, the shortest within torque=1 N m; limits.torque binds: ");
+    let within = "the shortest duration within torque=1 N m";
+    let note = format!("note: {duration} s, {within}; limits.torque binds: ");
     let rest = told.strip_prefix(&note).unwrap_or_else(|| panic!("{told}"));
-    let (found, rest) = rest.split_once(" of 1 N m, ").unwrap();
-    let (below, _) = rest.split_once(" % below it with the error of ").unwrap();
+    let (found, rest) = rest.split_once(" N m of 1 N m, ").unwrap();
+    let (below, _) = rest.split_once(" % below it with its error of ").unwrap();
     let (found, below): (f64, f64) = (found.parse().unwrap(), below.parse().unwrap());
     assert!((100.0 * (1.0 - found) - below).abs() < 0.02, "{told}");
     let peak = |duration_s: f64| -> f64 {
@@ -117,7 +117,7 @@ fn all_limits_that_hold_are_named_and_the_one_that_binds() {
     bench.write("limited.toml", &format!("{text}\n[limits]\nhub_rate = 2.0\n"));
     let (code, told) = fitted(&bench, "limited.toml", "0.01", &["--fit-limit", "torque=5"]);
     assert_eq!(code, Some(0), "{told}");
-    let within = " s, the shortest within torque=5 N m, hub_rate=2 rad/s";
+    let within = " s, the shortest duration within torque=5 N m, hub_rate=2 rad/s";
     assert!(told.contains(&format!("{within}; limits.hub_rate binds: ")), "{told}");
     assert!(bench.read("fit.csv").lines().next().unwrap().ends_with(within));
 }
@@ -126,8 +126,8 @@ fn all_limits_that_hold_are_named_and_the_one_that_binds() {
 fn no_limit_binds_where_the_profile_has_no_fewer_steps() {
     let bench = Bench::new();
     let (_, told) = fitted(&bench, &repository(LINK), "0.1", &["--fit-limit", "torque=1e300"]);
-    let note = "note: 0.4 s, the shortest within torque=1e300 N m; no limit binds: the profile has \
-                no fewer steps\n";
+    let note = "note: 0.4 s, the shortest duration within torque=1e300 N m; no limit binds: the \
+                profile has no fewer steps\n";
     assert!(told.starts_with(note), "{told}");
 }
 
@@ -165,7 +165,10 @@ fn warnings_of_the_motion_that_fits_are_told_and_do_not_lengthen_it() {
     let fit = bench.run(&[&fixed[..], &["--fit-limit", "torque=4", "-o", "fit.csv"]].concat());
     assert_eq!(fit.status.code(), Some(0), "{}", stderr(&fit));
     let told = stderr(&fit);
-    assert!(told.starts_with("note: 0.42 s, the shortest within torque=4 N m; "), "{told}");
+    assert!(
+        told.starts_with("note: 0.42 s, the shortest duration within torque=4 N m; "),
+        "{told}"
+    );
     assert!(told.contains("\nwarning: the tip deflects by 27 % of the link's length"), "{told}");
     // Every step from the profile's own fewest was tried: a shorter one needs more.
     let shorter = ["trajectory", "septic", "--distance", "0.5", "--step", "0.01"];

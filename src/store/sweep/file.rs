@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::super::folder::{Durability, FolderError, create, folder_of};
+use super::super::folder::{Durability, FolderError, TAKEN, create, folder_of};
 use super::super::lock::lock;
 use super::identity::{PREFIX, SweepIdentity};
 use super::record::{part_of, write_sweep};
@@ -141,7 +141,7 @@ impl SweepFile {
         let part = part_of(table);
         create(folder_of(table))?;
         if table.is_dir() || table.file_name().is_none() {
-            return Err(FolderError::of_file(table, io::Error::other("a folder is no file")));
+            return Err(FolderError::of_file(table, io::Error::other(TAKEN)));
         }
         let refused = |cause| FolderError::of_file(&part, cause);
         // Who may write beside the table must not have another file cut off by this.
@@ -312,7 +312,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for path in [folder.path().to_owned(), folder.path().join("..")] {
             let error = SweepFile::open(&path, identity("1,2", "1/1")).unwrap_err();
-            assert!(error.to_string().ends_with("a folder is no file"), "{error}");
+            assert!(error.to_string().ends_with(TAKEN), "{error}");
         }
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }

@@ -114,7 +114,7 @@ pub(crate) fn found_text(fit: &Fit, limits: &Limits) -> String {
     let each = values.iter().map(|v| format!("{}={} {}", v.key, plain(v.limit), v.unit));
     let within = each.collect::<Vec<_>>().join(", ");
     if fit.is_shortest() {
-        return format!("the shortest within {within}");
+        return format!("the shortest duration within {within}");
     }
     let (tried, shorter) = (fit.shorter_tried, fit.shorter());
     format!("within {within}; {tried} of the {shorter} shorter durations were tried, none fits")
@@ -131,8 +131,8 @@ pub(crate) fn binding_text(fit: &Fit) -> String {
     let Reached { value, error } = binding;
     let (key, unit) = (value.key, value.unit);
     let (found, limit) = (significant(value.found, 5), plain(value.limit));
-    let error = format!("{below} % below it with the error of {error:.1e}");
-    format!("; limits.{key} binds: {found} of {limit} {unit}, {error}")
+    let error = format!("{below} % below it with its error of {error:.1e} added");
+    format!("; limits.{key} binds: {found} {unit} of {limit} {unit}, {error}")
 }
 
 #[cfg(test)]
