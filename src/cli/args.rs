@@ -16,7 +16,7 @@ use crate::terminal::{Exit, Failure, console};
 #[derive(Debug, Args)]
 pub(crate) struct NodeArgs {
     /// Nodes to write, numbered from 0 at the root [default: all].
-    #[arg(long = "nodes", value_name = "LIST", value_delimiter = ',')]
+    #[arg(long = "nodes", value_name = "LIST", value_delimiter = ',', value_parser = node)]
     pub(crate) list: Option<Vec<usize>>,
 
     /// Write every K-th row of the nodal tables.
@@ -82,6 +82,11 @@ impl SyncArgs {
 /// A whole number above 0.
 pub(crate) fn positive(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|k| *k > 0).ok_or_else(|| "must be a whole number above 0".into())
+}
+
+/// The number of a node.
+fn node(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "must be whole numbers from 0 on, separated by commas".into())
 }
 
 /// A finite number, 0 or above.

@@ -79,7 +79,7 @@ pub(crate) fn specification(
     read.map_err(|error| {
         let extension = Path::new(&file.name).extension();
         let is_table = extension.is_some_and(|extension| extension == "csv");
-        let order = is_table.then_some("LINK, a TOML file, stands before MOTION or TORQUE");
+        let order = is_table.then_some("LINK, a TOML file, comes before MOTION or TORQUE");
         Failure::new(Exit::InputRefused, &error, file.disguise().or(error.hint()).or(order))
     })
 }

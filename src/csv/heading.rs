@@ -151,7 +151,7 @@ impl Heading {
     ) -> Result<Self, TableError> {
         let (name, unit_text) = split_unit(field);
         if let (true, Some(unit)) = (suffixed, unit_text) {
-            let must = format!("must not stand beside the unit that {name} names itself");
+            let must = format!("must be left out: the name {name} has its unit");
             return Err(place.refuse(format!("unit of {name}"), quoted(unit), must));
         }
         let unit = unit_text.map(|text| read_unit(text, name, quantity, place)).transpose()?;

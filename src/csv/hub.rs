@@ -11,7 +11,7 @@ const RECORDING: Vocabulary = Vocabulary {
     quantities: &[TIME, TORQUE],
     prefix: "hub_",
     example: "time,torque",
-    choice: Some("rename one of them; among torques --column chooses"),
+    choice: Some("rename one of them, or choose a torque with --column"),
 };
 
 /// The hub's motion.
@@ -127,7 +127,7 @@ fn chosen_torque(
     }
     let field = fields[index];
     if let Some(word) = unread_unit(field) {
-        let must = format!("must tell its unit in brackets: {} reads like one", quoted(word));
+        let must = format!("must have its unit in brackets: {} reads like one", quoted(word));
         return Err(place.refuse_column(index, field, must).with_hint(IN_BRACKETS.to_owned()));
     }
     let suffixed = TORQUE.is_suffixed(split_unit(field).0);

@@ -73,7 +73,7 @@ impl MotionTable {
     pub fn into_target(self) -> Result<TipTarget, TableError> {
         let Self { columns, name, lines } = self;
         let Some(displacement_m) = columns.displacement_m else {
-            let must = "must be given of a target, as displacement or angle";
+            let must = "must be given for a target, as displacement or angle";
             let hint = "an acceleration leaves open where the tip is; tip.csv of `flexlink solve` \
                         holds the displacement";
             let place = Place { file: &name, line: None };
@@ -186,7 +186,7 @@ fn trajectory_headings(fields: &[&str], place: Place) -> Result<Vec<Heading>, Ta
     if let (Some(arc), Some(angle)) = (find(&headings, DISPLACEMENT), find(&headings, ANGLE)) {
         let (first, second) = if arc.index < angle.index { (arc, angle) } else { (angle, arc) };
         let first = first.named();
-        let must = format!("must not stand beside {first}: they are two names of one thing");
+        let must = format!("must not be given with {first}: they are two names of one thing");
         let hint = "displacement = angle * link length; keep one of them";
         let error = place.refuse_column(second.index, &second.name, must);
         return Err(error.with_hint(hint.to_owned()));

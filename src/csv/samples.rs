@@ -11,7 +11,7 @@ pub(super) const MIN_SAMPLES: usize = 4;
 const LONGEST_SHOWN: usize = 60;
 
 /// The notation of numbers, for hints.
-const NUMBERS: &str = "decimals follow a point, and nothing divides thousands";
+const NUMBERS: &str = "write a point before decimals, and nothing between thousands";
 
 /// The columns of a table over time that the program reads, in SI, with the line of each sample.
 pub(super) struct Samples {

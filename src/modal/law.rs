@@ -48,7 +48,7 @@ pub enum DampingLaw {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DampingError {
     /// A law through modes that the mesh does not have.
-    #[error("damping.modes asks for mode {asked}, but the mesh must have it and has {found} modes")]
+    #[error("damping.modes asks for mode {asked}, but the mesh has only {found} modes")]
     NoSuchMode {
         /// Number of the mode.
         asked: usize,

@@ -98,7 +98,7 @@ const DECIMAL_SHARE: f64 = 0.1;
 /// A time that is not on the uniform grid of the others.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "time = {} s, but must be {} s: the samples before and after stand {} s apart",
+    "time = {} s, but must be {} s: the samples before and after are {} s apart",
     rounded(*found_s, 12),
     rounded(*expected_s, 12),
     rounded(*step_s, 12)
@@ -230,7 +230,7 @@ mod tests {
         times.remove(7);
         assert_eq!(
             refusal(&times),
-            "time = 4 s, but must be 3.5 s: the samples before and after stand 0.5 s apart"
+            "time = 4 s, but must be 3.5 s: the samples before and after are 0.5 s apart"
         );
         let times = [0.0, 1.0, 2.25, 3.0, 4.0, 5.0];
         assert!(refusal(&times).starts_with("time = 2.25 s, but must be 2 s"));

@@ -217,7 +217,7 @@ mod tests {
         let error = Torque::new(&[0.0, 0.1, 0.2, 0.4, 0.5], vec![0.0; 5]).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "time = 0.4 s, but must be 0.3 s: the samples before and after stand 0.1 s apart"
+            "time = 0.4 s, but must be 0.3 s: the samples before and after are 0.1 s apart"
         );
         assert_eq!(error.sample(), Some(3));
         let hint = "write times with more decimals, or resample the file to a uniform step";

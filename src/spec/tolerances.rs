@@ -70,7 +70,7 @@ fn entry(path: &str, place: String, raw: RawColumnRule) -> Result<ColumnRule, Fa
         (Some(true), None) => Change::Ignore,
         (Some(true), Some(_)) => {
             let at = format!("{path}.ignore");
-            let message = format!("{at} = true, but must not stand beside rtol or atol");
+            let message = format!("{at} = true, but must not be given with rtol or atol");
             return Err(Fault::new(at, message));
         }
         (None, None) => {
@@ -135,7 +135,7 @@ mod tests {
             ),
             (
                 "[[columns]]\ncolumn = 'a'\natol = 1\nignore = true",
-                "4: columns.0.ignore = true, but must not stand beside rtol or atol",
+                "4: columns.0.ignore = true, but must not be given with rtol or atol",
             ),
         ] {
             assert_eq!(refused(text).0, format!("t.toml:{expected}"));

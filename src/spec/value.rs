@@ -289,7 +289,7 @@ mod tests {
         };
         assert_eq!(inertia("0.1"), Ok(0.1));
         assert_eq!(inertia("'1000 kg cm^2'"), Ok(0.1));
-        let message = "inertia = \"heavy\" does not begin with a decimal number";
+        let message = "inertia = \"heavy\" does not begin with a number such as 1.5 or 2e-3";
         let hint = "a rotary inertia is wanted, such as \"1 kg m^2\"".to_owned();
         assert_eq!(inertia("'heavy'"), Err(Fault::new("inertia", message).hinting(hint)));
     }

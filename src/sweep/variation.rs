@@ -153,7 +153,7 @@ fn read_values(text: &str) -> Result<Values, VariationError> {
 fn list(values: &[&str]) -> Result<Values, VariationError> {
     if values.contains(&"") {
         let found = values.join(",");
-        let what = format!("values = {:?}, but none of them must be empty", excerpt(&found));
+        let what = format!("values = {:?}, but none may be empty", excerpt(&found));
         return Err(VariationError(what));
     }
     let quantity = |value: &&str| {
@@ -307,8 +307,8 @@ mod tests {
         assert!(refusal("payload.mass").contains("no `=`"));
         assert!(refusal("=1,2").contains("no path"));
         assert!(refusal("*=1,2").contains("no path"));
-        assert!(refusal("hub.inertia=1,,2").contains("none of them must be empty"));
-        assert!(refusal("hub.inertia=").contains("none of them must be empty"));
+        assert!(refusal("hub.inertia=1,,2").contains("none may be empty"));
+        assert!(refusal("hub.inertia=").contains("none may be empty"));
         assert!(refusal("hub.inertia=1,2,1").contains("value = 1 twice"));
         assert!(refusal("hub.inertia=1:1:2").contains("value = 1 twice"));
         assert!(refusal("title=Bob's,Al").contains("quotes and brackets must be closed"));

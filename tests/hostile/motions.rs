@@ -22,7 +22,7 @@ fn warnings(table: &str) -> String {
 
 #[test]
 fn numbers_of_other_countries_are_refused_with_how_they_are_written() {
-    let hint = "hint: decimals follow a point, and nothing divides thousands";
+    let hint = "hint: write a point before decimals, and nothing between thousands";
     let number = |shown: &str| {
         format!("motion.csv:2: acceleration = {shown}, but must be a number\n{hint}\n")
     };

@@ -186,7 +186,7 @@ pub(crate) fn split_number(text: &str) -> Option<(f64, &str)> {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum UnitError {
     /// It does not begin with a decimal number.
-    #[error("does not begin with a decimal number")]
+    #[error("does not begin with a number such as 1.5 or 2e-3")]
     NotANumber,
     /// The number, or its value in SI, is too large.
     #[error("is too large, but must be finite")]
