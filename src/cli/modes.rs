@@ -81,7 +81,7 @@ impl Modes {
 fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesResult), Failure> {
     let link = &specification.link;
     let (mesh, omega_rad_s) = resolved(specification, count);
-    let law = DampingLaw::of(link.damping(), &mesh)?;
+    let law = DampingLaw::of(link, &mesh)?;
     let bytes = omega_rad_s.len() * mesh.nodes_m().len() * BYTES_PER_DISPLACEMENT;
     memory::check("the mode shapes", bytes, None, "ask for fewer modes: --count")?;
     let finer = mesh.refined();

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::basis::MOST_ELEMENTS_OF_ALL_MODES;
 use super::frequencies::natural_frequencies;
 use crate::beam::Mesh;
-use crate::link::Damping;
+use crate::link::{Damping, Link};
 use crate::numeric::Scalar;
 
 /// A damping law with all its numbers.
@@ -104,11 +104,8 @@ impl DampingLaw {
     ///
     /// # Errors
     /// [`DampingError`]: modes that the mesh does not have, or damping that feeds energy in.
-    ///
-    /// # Panics
-    /// If no [`Link`](crate::link::Link) could have the damping: modes count from 1, each with a ratio.
-    pub fn of(damping: &Damping, mesh: &Mesh) -> Result<Self, DampingError> {
-        let law = Self::on_finer(damping, mesh)?;
+    pub fn of(link: &Link, mesh: &Mesh) -> Result<Self, DampingError> {
+        let law = Self::on_finer(link, mesh)?;
         law.check(mesh)?;
         Ok(law)
     }
@@ -118,11 +115,8 @@ impl DampingLaw {
     ///
     /// # Errors
     /// [`DampingError::NoSuchMode`].
-    ///
-    /// # Panics
-    /// As [`Self::of`].
-    pub fn on_finer(damping: &Damping, mesh: &Mesh) -> Result<Self, DampingError> {
-        match damping {
+    pub(crate) fn on_finer(link: &Link, mesh: &Mesh) -> Result<Self, DampingError> {
+        match link.damping() {
             Damping::None => Ok(Self::Hysteretic { ratio: 0.0 }),
             Damping::Hysteretic { ratio } => Ok(Self::Hysteretic { ratio: *ratio }),
             Damping::Rayleigh { alpha_per_s, beta_s } => {

@@ -23,7 +23,7 @@ impl LinkOnMesh {
     /// # Errors
     /// [`ModelError::Damping`].
     pub fn new(link: &Link, mesh: Mesh) -> Result<Self, ModelError> {
-        let law = DampingLaw::of(link.damping(), &mesh)?;
+        let law = DampingLaw::of(link, &mesh)?;
         Ok(Self { link: Arc::new(link.clone()), mesh, law })
     }
 
@@ -34,7 +34,7 @@ impl LinkOnMesh {
     /// [`ModelError::Damping`].
     pub(super) fn refined(&self) -> Result<Self, ModelError> {
         let mesh = self.mesh.refined();
-        let law = DampingLaw::on_finer(self.link.damping(), &mesh)?;
+        let law = DampingLaw::on_finer(&self.link, &mesh)?;
         Ok(Self { link: Arc::clone(&self.link), mesh, law })
     }
 

@@ -90,7 +90,7 @@ fn play_on(
     }
     let grid = play.grid()?;
     let driving = play.driving()?;
-    let law = DampingLaw::of(link.damping(), &mesh)?;
+    let law = DampingLaw::of(link, &mesh)?;
     let (basis, selection) = kept_modes(&mesh, band_rad_s, MOST_MODES);
     let equations = Equations::new(&mesh, &law, basis, play.reaction(link));
     let modes = equations.coordinates.len();
@@ -232,7 +232,7 @@ impl PlayError {
         play: &Play,
     ) -> Result<Option<Self>, SimulationError> {
         let mesh = simulation.mesh.refined();
-        let Ok(law) = DampingLaw::of(link.damping(), &mesh) else { return Ok(None) };
+        let Ok(law) = DampingLaw::of(link, &mesh) else { return Ok(None) };
         let were_cut = simulation.selection.modes >= MOST_MODES;
         let most_modes = if were_cut { 2 * MOST_MODES } else { MOST_MODES };
         let (basis, _) = kept_modes(&mesh, simulation.band_rad_s, most_modes);

@@ -205,7 +205,7 @@ mod tests {
         let link = Link::new(uniform()).unwrap();
         let mesh = Mesh::on(&link, 4);
         for damping_n_m_s_rad in [0.0, 0.3] {
-            let law = DampingLaw::of(link.damping(), &mesh).unwrap();
+            let law = DampingLaw::of(&link, &mesh).unwrap();
             let reaction = HubReaction { damping_n_m_s_rad, ..HubReaction::default() };
             let basis = ModalBasis::lowest(&mesh, 3);
             let equations = Equations::new(&mesh, &law, basis, reaction);
