@@ -40,7 +40,7 @@ pub(crate) fn plan(link: &Link, elements: usize) -> MeshPlan {
 
 pub(crate) fn mesh(elements: usize) -> Mesh {
     let link = damped_link();
-    Mesh::new(&link, &plan(&link, elements))
+    Mesh::new(&link, &plan(&link, elements)).unwrap()
 }
 
 /// `count` frequencies up to 130 Hz, of a link with hysteretic damping of this ratio.

@@ -31,7 +31,7 @@ impl MeshPlan {
             inner = outer;
         }
         let plan = Self::shared(shares);
-        check(nodes_m, &Mesh::new(link, &plan))?;
+        check(nodes_m, &Mesh::planned(link, &plan))?;
         Ok(plan)
     }
 }
@@ -111,10 +111,10 @@ mod tests {
             for count in [None, Some(ElementCount::Total(41)), Some(ElementCount::Auto)] {
                 let own = vec![None; link.segments().len()];
                 let plan = MeshPlan::new(&link, &own, count, 1e-6).unwrap();
-                let mut mesh = Mesh::new(&link, &plan);
+                let mut mesh = Mesh::new(&link, &plan).unwrap();
                 for refinement in 0..4 {
                     let through = MeshPlan::through(&link, &written(&mesh)).unwrap();
-                    let again = Mesh::new(&link, &through);
+                    let again = Mesh::new(&link, &through).unwrap();
                     assert_eq!(again.element_segments(), mesh.element_segments());
                     for (k, (a, b)) in again.nodes_m().iter().zip(mesh.nodes_m()).enumerate() {
                         assert!((a - b).abs() < 1e-14, "node {k}, refined {refinement} times");

@@ -4,7 +4,7 @@ use super::element::{Element, RelativeElement};
 use super::inertia::Inertia;
 use super::plan::MeshPlan;
 use super::rigid_limit::{limit_stiffness, rigid_lambda};
-use crate::link::Link;
+use crate::link::{Link, ParameterError};
 use crate::numeric::Scalar;
 
 /// Most elements of a mesh refined for a frequency instead of a torque.
@@ -40,7 +40,16 @@ impl Mesh {
     /// Divides the link as `plan` says; an automatic plan gives its coarsest mesh.
     ///
     /// Every segment border and every lumped mass has a node.
-    pub fn new(link: &Link, plan: &MeshPlan) -> Self {
+    ///
+    /// # Errors
+    /// [`ParameterError`] if the plan was made for a link with other segments or masses elsewhere.
+    pub fn new(link: &Link, plan: &MeshPlan) -> Result<Self, ParameterError> {
+        plan.check(link)?;
+        Ok(Self::planned(link, plan))
+    }
+
+    /// The same with a plan that was made for the link.
+    pub(super) fn planned(link: &Link, plan: &MeshPlan) -> Self {
         let (mut elements, mut segments) = (Vec::new(), Vec::new());
         for (piece, count) in plan.shares() {
             let segment = &link.segments()[piece.segment];
@@ -124,9 +133,22 @@ impl Mesh {
         self.nodes_m[self.nodes_m.len() - 1]
     }
 
-    /// Inertia lumped at a node, the payload and masses on the tip left out.
+    /// Refuses numbers of nodes that the mesh does not have.
+    pub(crate) fn check_nodes(&self, nodes: &[usize]) -> Result<(), ParameterError> {
+        let last = self.elements.len();
+        let Some(node) = nodes.iter().find(|node| **node > last) else { return Ok(()) };
+        Err(ParameterError::new(
+            "nodes",
+            node,
+            "",
+            format!("must be nodes of the mesh, 0 to {last}"),
+        ))
+    }
+
+    /// Inertia lumped at a node, the payload and masses on the tip left out; none where there is no such
+    /// node.
     pub fn lumped_inertia(&self, node: usize) -> Option<Inertia<f64>> {
-        self.bodies.lumped[node]
+        self.bodies.lumped.get(node).copied().flatten()
     }
 
     /// Payload and masses on the tip: the apparent inertia that the recursion starts from.
@@ -231,7 +253,7 @@ mod tests {
             ..uniform()
         })
         .unwrap();
-        Mesh::new(&link, &MeshPlan::new(&link, &[Some(1), Some(4)], None, 1e-6).unwrap())
+        Mesh::new(&link, &MeshPlan::new(&link, &[Some(1), Some(4)], None, 1e-6).unwrap()).unwrap()
     }
 
     #[test]
@@ -258,7 +280,8 @@ mod tests {
             let mass = LumpedMass { at_m: 0.7 + hair, mass_kg: 0.1, inertia_kg_m2: 0.0 };
             let (segments, masses) = (vec![segment(0.7), segment(1.2)], vec![mass]);
             let link = Link::new(LinkParts { segments, masses, ..uniform() }).unwrap();
-            let mesh = Mesh::new(&link, &MeshPlan::new(&link, &[None; 2], None, 1e-6).unwrap());
+            let mesh =
+                Mesh::new(&link, &MeshPlan::new(&link, &[None; 2], None, 1e-6).unwrap()).unwrap();
             let node = (0..mesh.nodes_m().len()).find(|k| mesh.lumped_inertia(*k).is_some());
             assert!((mesh.nodes_m()[node.unwrap()] - 0.7).abs() < 2e-8, "hair {hair:e}");
         }

@@ -46,7 +46,7 @@ mod test_links {
         /// A link of one segment on this many elements, as unit tests mesh theirs.
         pub(crate) fn on(link: &Link, elements: usize) -> Self {
             let plan = MeshPlan::new(link, &[None], Some(ElementCount::Total(elements)), 1e-6);
-            Self::new(link, &plan.unwrap())
+            Self::planned(link, &plan.unwrap())
         }
     }
 

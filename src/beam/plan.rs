@@ -122,9 +122,19 @@ impl MeshPlan {
 
     /// The plan's first mesh with its elements halved so many times, not to be refined.
     #[must_use]
-    pub fn halved(&self, times: u32) -> Self {
+    pub(crate) fn halved(&self, times: u32) -> Self {
         let halved = |(piece, count): &(Piece, usize)| (*piece, count << times);
         Self { shares: self.shares.iter().map(halved).collect(), automatic: false, ..*self }
+    }
+
+    /// Refuses a link whose pieces are not those that the plan divides.
+    pub(super) fn check(&self, link: &Link) -> Result<(), ParameterError> {
+        let own = self.shares.iter().map(|(piece, _)| piece);
+        if own.eq(&pieces(link)) {
+            return Ok(());
+        }
+        let must = "must be that of this link: another has other segments, or masses elsewhere";
+        Err(ParameterError::new("mesh plan", "that of another link", "", must))
     }
 
     /// Pieces of the link from the hub outward, each with its number of elements.

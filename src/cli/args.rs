@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Display;
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use clap::Args;
@@ -20,8 +21,8 @@ pub(crate) struct NodeArgs {
     pub(crate) list: Option<Vec<usize>>,
 
     /// Write every K-th row of the nodal tables.
-    #[arg(long, value_name = "K", default_value_t = 1, value_parser = positive)]
-    pub(crate) every: usize,
+    #[arg(long, value_name = "K", default_value_t = NonZeroUsize::MIN, value_parser = every)]
+    pub(crate) every: NonZeroUsize,
 }
 
 impl NodeArgs {
@@ -31,7 +32,7 @@ impl NodeArgs {
             let nodes: Vec<String> = nodes.iter().map(usize::to_string).collect();
             option("--nodes", nodes.join(","))
         });
-        let every = (self.every != 1).then(|| option("--every", self.every));
+        let every = (self.every.get() != 1).then(|| option("--every", self.every));
         list.into_iter().chain(every).flatten().collect()
     }
 
@@ -87,6 +88,11 @@ pub(crate) fn positive(text: &str) -> Result<usize, String> {
 /// The number of a node.
 fn node(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| "must be whole numbers from 0 on, separated by commas".into())
+}
+
+/// A whole number above 0, as a step.
+fn every(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "must be a whole number above 0".into())
 }
 
 /// A finite number, 0 or above.

@@ -96,7 +96,7 @@ impl Frf {
         specification: &Specification,
     ) -> Result<(Vec<FrequencyResponse>, Option<Vec<f64>>), Failure> {
         let (link, plan) = (&specification.link, &specification.mesh);
-        let mut mesh = Mesh::new(link, plan);
+        let mut mesh = Mesh::new(link, plan)?;
         let (from_hz, to_hz) = self.range_hz(&mesh)?;
         if plan.is_automatic() {
             mesh = mesh.resolving(to_hz * TAU, plan.tolerance());

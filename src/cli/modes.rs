@@ -80,7 +80,7 @@ impl Modes {
 /// The mesh, and its modes and zeros with their mesh errors.
 fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesResult), Failure> {
     let link = &specification.link;
-    let (mesh, omega_rad_s) = resolved(specification, count);
+    let (mesh, omega_rad_s) = resolved(specification, count)?;
     let law = DampingLaw::of(link, &mesh)?;
     let bytes = omega_rad_s.len() * mesh.nodes_m().len() * BYTES_PER_DISPLACEMENT;
     memory::check("the mode shapes", bytes, None, "ask for fewer modes: --count")?;
@@ -142,12 +142,12 @@ fn shape(mesh: &Mesh, omega_rad_s: f64) -> Vec<f64> {
 
 /// The mesh on which the modes are exact to the plan's tolerance, and their frequencies in rad/s:
 /// fewer than `count` where the link has fewer, as massless ones may.
-fn resolved(specification: &Specification, count: usize) -> (Mesh, Vec<f64>) {
+fn resolved(specification: &Specification, count: usize) -> Result<(Mesh, Vec<f64>), Failure> {
     let plan = &specification.mesh;
-    let mut mesh = Mesh::new(&specification.link, plan);
+    let mut mesh = Mesh::new(&specification.link, plan)?;
     let mut frequencies = natural_frequencies(&mesh, count);
     if !plan.is_automatic() {
-        return (mesh, frequencies);
+        return Ok((mesh, frequencies));
     }
     while frequencies.len() < count {
         let finer = mesh.refined();
@@ -160,5 +160,5 @@ fn resolved(specification: &Specification, count: usize) -> (Mesh, Vec<f64>) {
     let highest = frequencies.last().copied().unwrap_or_default();
     let mesh = mesh.resolving(highest, plan.tolerance());
     let frequencies = natural_frequencies(&mesh, count);
-    (mesh, frequencies)
+    Ok((mesh, frequencies))
 }

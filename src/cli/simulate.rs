@@ -219,7 +219,8 @@ impl Simulate {
             SimulationError::TooLong { .. } | SimulationError::EndsEarly { .. } => {
                 (Exit::Usage, "--".to_owned())
             }
-            SimulationError::Damping(_)
+            SimulationError::Plan(_)
+            | SimulationError::Damping(_)
             | SimulationError::MasslessHub
             | SimulationError::TooMuchMemory { .. }
             | SimulationError::NotFinite { .. } => (Exit::NotSolvable, String::new()),

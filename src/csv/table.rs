@@ -51,10 +51,7 @@ pub(crate) fn group<'a, const N: usize>(columns: [(&str, &'a [f64]); N]) -> Colu
 /// Rows are formatted in parallel; the bytes do not depend on the number of threads.
 ///
 /// # Errors
-/// Those of `out`.
-///
-/// # Panics
-/// If a column has not as many values as there are times.
+/// Those of `out`, and one of invalid input if a column has not as many values as there are times.
 pub fn write_csv(
     out: &mut (dyn Write + Send),
     time: &ThinnedGrid,
@@ -73,8 +70,10 @@ pub(super) fn write_over_time(
     digits: Digits,
 ) -> io::Result<()> {
     let rows = time_s.len();
-    for column in groups.iter().flat_map(|group| &group.columns) {
-        assert_eq!(column.values.len(), rows, "{}", column.name);
+    let mut columns = groups.iter().flat_map(|group| &group.columns);
+    if let Some(Column { name, values }) = columns.find(|column| column.values.len() != rows) {
+        let text = format!("{name} = {} values, but must be {rows}, one a time", values.len());
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
     }
     let format = CellFormat::new(time_format(|k| time_s[k], rows));
     write_table(out, Some((heading, time_s, format)), rows, groups, digits)
@@ -242,12 +241,12 @@ fn write_in_order(
 
 #[cfg(test)]
 mod tests {
+    use std::num::NonZeroUsize;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
     use crate::inverse::Unwatched;
     use crate::numeric::TimeGrid;
-
     fn column<'a>(name: &str, values: &'a [f64]) -> Column<'a> {
         Column { name: name.to_owned(), values }
     }
@@ -272,12 +271,15 @@ mod tests {
                         -0.25,0.000,0.500,100.0\n\
                         0.25,-0.001,1.000,-12.3\n\
                         0.75,2.000,0.000,0.0\n";
-        assert_eq!(written(&GRID.thinned(2), &groups, Digits::BelowPeak(3)), expected);
+        assert_eq!(
+            written(&GRID.thinned(NonZeroUsize::new(2).unwrap()), &groups, Digits::BelowPeak(3)),
+            expected
+        );
     }
 
     #[test]
     fn a_table_of_no_columns_still_has_its_times() {
-        let text = written(&GRID.thinned(4), &[], Digits::Full);
+        let text = written(&GRID.thinned(NonZeroUsize::new(4).unwrap()), &[], Digits::Full);
         assert_eq!(text, "time_s\n-0.25\n0.75\n");
     }
 
@@ -289,7 +291,7 @@ mod tests {
         let table = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             let groups = [ColumnGroup { columns: vec![column("v_m", &values)] }];
-            let write = || written(&grid.thinned(1), &groups, Digits::default());
+            let write = || written(&grid.thinned(NonZeroUsize::MIN), &groups, Digits::default());
             pool.build().unwrap().install(write)
         };
         let alone = table(1);
@@ -310,7 +312,7 @@ mod tests {
             write_nodal(&mut out, &table, ("v", "m"), Digits::default(), &Unwatched).unwrap();
             (blocks, out)
         };
-        let table = || solution.displacements(&[3, 0, 40], 1);
+        let table = || solution.displacements(&[3, 0, 40], NonZeroUsize::MIN).unwrap();
         let ((one, whole), (many, blocked)) = (bytes(table()), bytes(table().in_blocks_of(97)));
         assert!(one == 1 && many > 5 && whole == blocked, "{one} and {many} blocks");
         let text = String::from_utf8(whole).unwrap();
@@ -319,10 +321,11 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "torque_n_m")]
-    fn a_column_of_another_length_is_a_mistake_of_the_caller() {
-        let groups = [ColumnGroup { columns: vec![column("torque_n_m", &[1.0])] }];
-        written(&GRID.thinned(1), &groups, Digits::Full);
+    fn a_column_of_another_length_is_refused() {
+        let groups = [group([("torque_n_m", &[1.0])])];
+        let times = &GRID.thinned(NonZeroUsize::MIN);
+        let error = write_csv(&mut vec![], times, &groups, Digits::Full).unwrap_err().to_string();
+        assert_eq!(error, "torque_n_m = 1 values, but must be 5, one a time");
     }
 
     #[test]

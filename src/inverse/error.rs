@@ -1,11 +1,15 @@
 use thiserror::Error;
 
+use crate::link::ParameterError;
 use crate::model::ModelError;
 use crate::text::{gigabytes, significant};
 
 /// Why a valid link and a valid motion have no torque here.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum InversionError {
+    /// A plan of the mesh that was made for another link.
+    #[error(transparent)]
+    Plan(#[from] ParameterError),
     /// No model of the link on its mesh, or no finite torque at a frequency.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -78,6 +82,7 @@ impl InversionError {
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
+            Self::Plan(_) => "make the plan of the mesh from the link that it is for",
             Self::Model(error) => error.hint(),
             Self::BlockedTip { .. } => {
                 "a payload's inertia without damping does that, damping that no wave survives, or a \

@@ -46,7 +46,7 @@ pub fn invert_with(
     analysis: &Analysis,
     resources: &Resources<'_>,
 ) -> Result<Solution, InversionError> {
-    let mesh = Mesh::new(link, plan);
+    let mesh = Mesh::new(link, plan)?;
     let elements = mesh.elements().len();
     check_size(link, 2 * elements, 2)?;
     let coarsest = model_of(link, mesh, analysis.kept_modes())?;

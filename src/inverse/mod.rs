@@ -31,7 +31,6 @@ pub use histories::MotorHistories;
 #[cfg(test)]
 pub(crate) use inversion::tests;
 pub use inversion::{invert, invert_with};
-pub use nodal_rows::NodalBlock;
 pub use nodal_table::NodalTable;
 pub use problem::{WindowTorques, torques_over_window};
 pub use solution::{Band, Solution};

@@ -3,6 +3,7 @@
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
+use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -61,7 +62,7 @@ pub(super) struct RowPlan<'a> {
     /// Numbers of the nodes, one a column.
     pub(super) nodes: Vec<usize>,
     /// Every how many samples there is a row.
-    pub(super) every: usize,
+    pub(super) every: NonZeroUsize,
     pub(super) sampling: Sampling,
     /// Distances x in m from the axis where the rigid rotation xθ is added.
     pub(super) arms_m: Option<Vec<f64>>,
@@ -70,7 +71,7 @@ pub(super) struct RowPlan<'a> {
 }
 
 /// Some rows of a [`NodalTable`](super::NodalTable).
-pub struct NodalBlock<'a> {
+pub(crate) struct NodalBlock<'a> {
     pub(super) plan: &'a RowPlan<'a>,
     pub(super) rows: Range<usize>,
     pub(super) samples: Arc<PanelSamples>,
@@ -100,7 +101,7 @@ pub(super) struct Part {
 
 impl NodalBlock<'_> {
     /// Numbers of these rows in the table.
-    pub fn rows(&self) -> Range<usize> {
+    pub(crate) fn rows(&self) -> Range<usize> {
         self.rows.clone()
     }
 
@@ -108,7 +109,7 @@ impl NodalBlock<'_> {
     ///
     /// # Panics
     /// If the block does not hold the rows, or `values` has not their size.
-    pub fn write_rows(&self, rows: Range<usize>, values: &mut [f64]) {
+    pub(crate) fn write_rows(&self, rows: Range<usize>, values: &mut [f64]) {
         let width = self.plan.nodes.len();
         assert_eq!(values.len(), rows.len() * width, "{rows:?} of {width} nodes");
         assert!(self.rows.start <= rows.start && rows.end <= self.rows.end, "{rows:?}");
@@ -137,8 +138,8 @@ impl NodalBlock<'_> {
         let bound = |rows: &Range<usize>| {
             let bending = sampling.gain() * self.largest_sample(rows) + images;
             let rotation = farthest_m.map_or(0.0, |arm_m| {
-                let angles = &solution.hub_angle_rad[rows.start * every..];
-                let samples = (rows.len() - 1) * every + 1;
+                let angles = &solution.hub_angle_rad[rows.start * every.get()..];
+                let samples = (rows.len() - 1) * every.get() + 1;
                 arm_m * largest(&angles[..samples])
             });
             (bending + rotation) * ROUNDING
@@ -186,7 +187,7 @@ impl NodalBlock<'_> {
         for row in rows.start..rows.end {
             let mut sum = plan.sampling.row(&self.rows, samples, row);
             if let Some(images) = images {
-                let sample = plan.solution.grid.in_period(row * plan.every, images.len());
+                let sample = plan.solution.grid.in_period(row * plan.every.get(), images.len());
                 for (tail, image) in tails.iter().zip(&images[sample]) {
                     for channel in 0..PANEL {
                         sum[channel] -= tail[channel] * image;
@@ -194,7 +195,7 @@ impl NodalBlock<'_> {
                 }
             }
             if plan.arms_m.is_some() {
-                let angle_rad = plan.solution.hub_angle_rad[row * plan.every];
+                let angle_rad = plan.solution.hub_angle_rad[row * plan.every.get()];
                 for channel in 0..PANEL {
                     sum[channel] += arms_m[channel] * angle_rad;
                 }
@@ -241,10 +242,13 @@ mod tests {
             let solution = solution(steps);
             let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
             for table in [
-                solution.deflections(&nodes, every),
-                solution.displacements(&nodes, every),
-                solution.displacements(&nodes, every).in_blocks_of(333),
-                solution.moments(&nodes[3..9], every),
+                solution.deflections(&nodes, NonZeroUsize::new(every).unwrap()).unwrap(),
+                solution.displacements(&nodes, NonZeroUsize::new(every).unwrap()).unwrap(),
+                solution
+                    .displacements(&nodes, NonZeroUsize::new(every).unwrap())
+                    .unwrap()
+                    .in_blocks_of(333),
+                solution.moments(&nodes[3..9], NonZeroUsize::new(every).unwrap()).unwrap(),
             ] {
                 let (mut peak, mut highest) = (0.0_f64, 0.0_f64);
                 for number in 0..table.blocks() {
@@ -269,9 +273,9 @@ mod tests {
         let solution = solution(4000);
         let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
         for table in [
-            solution.displacements(&nodes, 1),
-            solution.deflections(&nodes, 3).in_blocks_of(200),
-            solution.moments(&[], 1),
+            solution.displacements(&nodes, NonZeroUsize::MIN).unwrap(),
+            solution.deflections(&nodes, NonZeroUsize::new(3).unwrap()).unwrap().in_blocks_of(200),
+            solution.moments(&[], NonZeroUsize::MIN).unwrap(),
         ] {
             let all = table.histories().samples.iter().fold(0.0, |m, x| f64::max(m, largest(x)));
             let exact = table.peak(&Unwatched, |found, bound| found >= bound);
@@ -288,7 +292,7 @@ mod tests {
         for (row, every) in [(0, 1), (511, 1), (512, 1), (511, 7), (512, 7)] {
             spiked.hub_angle_rad.fill(0.0);
             spiked.hub_angle_rad[row * every] = -1e6;
-            let table = spiked.displacements(&nodes, every);
+            let table = spiked.displacements(&nodes, NonZeroUsize::new(every).unwrap()).unwrap();
             let block = table.block(0, &Unwatched);
             let mut above = 0;
             for Part { rows, bound } in block.parts() {

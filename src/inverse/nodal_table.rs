@@ -1,3 +1,4 @@
+use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -10,6 +11,7 @@ use super::nodal_rows::{NodalBlock, PanelSamples, RowPlan};
 use super::solution::Solution;
 use super::spectra::DrivenModel;
 use crate::beam::{Checkpoints, NodalHistories, NodalQuantity};
+use crate::link::ParameterError;
 use crate::numeric::{PANEL, Sampling, ThinnedGrid, Transforms};
 
 /// Amplitudes in memory at a time, unless that would be more than [`MOST_NODE_BLOCKS`].
@@ -40,38 +42,55 @@ pub struct NodalTable<'a> {
 impl Solution {
     /// Deflection w in m from the hub's tangent line at `nodes`, every `every`-th sample.
     ///
-    /// # Panics
-    /// If a node is not one of the mesh, or `every` is 0.
-    pub fn deflections(&self, nodes: &[usize], every: usize) -> NodalTable<'_> {
-        NodalTable::new(self, nodes, every, NodalQuantity::Deflection)
+    /// # Errors
+    /// [`ParameterError`] if a node is not one of the mesh.
+    pub fn deflections(
+        &self,
+        nodes: &[usize],
+        every: NonZeroUsize,
+    ) -> Result<NodalTable<'_>, ParameterError> {
+        self.mesh().check_nodes(nodes)?;
+        Ok(NodalTable::new(self, nodes, every, NodalQuantity::Deflection))
     }
 
     /// Total displacement `v = xθ + w` in m (Bayo 1987, eq 1) at `nodes`, every `every`-th sample.
     ///
-    /// # Panics
-    /// If a node is not one of the mesh, or `every` is 0.
-    pub fn displacements(&self, nodes: &[usize], every: usize) -> NodalTable<'_> {
-        self.deflections(nodes, every).with_rotation()
+    /// # Errors
+    /// [`ParameterError`] if a node is not one of the mesh.
+    pub fn displacements(
+        &self,
+        nodes: &[usize],
+        every: NonZeroUsize,
+    ) -> Result<NodalTable<'_>, ParameterError> {
+        Ok(self.deflections(nodes, every)?.with_rotation())
     }
 
     /// Bending moment in N m at `nodes`, every `every`-th sample: what the part of the link towards
     /// the hub exerts on the part towards the tip, positive as the torque is, so that
     /// `EI w'' = −m`. A lumped inertia at a node counts as outer.
     ///
-    /// # Panics
-    /// If a node is not one of the mesh, or `every` is 0.
-    pub fn moments(&self, nodes: &[usize], every: usize) -> NodalTable<'_> {
-        NodalTable::new(self, nodes, every, NodalQuantity::Moment)
+    /// # Errors
+    /// [`ParameterError`] if a node is not one of the mesh.
+    pub fn moments(
+        &self,
+        nodes: &[usize],
+        every: NonZeroUsize,
+    ) -> Result<NodalTable<'_>, ParameterError> {
+        self.mesh().check_nodes(nodes)?;
+        Ok(NodalTable::new(self, nodes, every, NodalQuantity::Moment))
     }
 }
 
 impl<'a> NodalTable<'a> {
-    fn new(solution: &'a Solution, nodes: &[usize], every: usize, quantity: NodalQuantity) -> Self {
-        let last = solution.mesh().nodes_m().len() - 1;
-        assert!(nodes.iter().all(|node| *node <= last), "nodes {nodes:?} of 0 … {last}");
+    fn new(
+        solution: &'a Solution,
+        nodes: &[usize],
+        every: NonZeroUsize,
+        quantity: NodalQuantity,
+    ) -> Self {
         let pair = &solution.period.spectrum.pair;
         let first = solution.grid.first.rem_euclid(pair.len() as i64) as usize;
-        let sampling = Sampling::new(pair, solution.band.frequencies, first, every);
+        let sampling = Sampling::new(pair, solution.band.frequencies, first, every.get());
         let tails = match quantity {
             NodalQuantity::Deflection => SlowTails::of(&*solution.model, solution.first_zero_per_s),
             NodalQuantity::Moment => None,
@@ -90,10 +109,16 @@ impl<'a> NodalTable<'a> {
 
     /// The total displacements where these are deflections: adds the rigid rotation.
     #[must_use]
-    pub fn with_rotation(self) -> Self {
+    pub(crate) fn with_rotation(self) -> Self {
         let nodes_m = self.plan.solution.mesh().nodes_m();
         let arms_m = self.nodes().iter().map(|node| nodes_m[*node]).collect();
         Self { plan: RowPlan { arms_m: Some(arms_m), ..self.plan }, ..self }
+    }
+
+    /// The bending moments at the same nodes and times.
+    pub(crate) fn moments(&self) -> Self {
+        let RowPlan { solution, nodes, every, .. } = &self.plan;
+        Self::new(solution, nodes, *every, NodalQuantity::Moment)
     }
 
     /// The same table in blocks of so many rows.
@@ -142,7 +167,7 @@ impl<'a> NodalTable<'a> {
     ///
     /// # Panics
     /// If there is no such block.
-    pub fn block(&self, number: usize, watch: &dyn Watch) -> NodalBlock<'_> {
+    pub(crate) fn block(&self, number: usize, watch: &dyn Watch) -> NodalBlock<'_> {
         assert!(number < self.blocks(), "block {number} of {}", self.blocks());
         let start = number * self.block;
         let rows = start..self.len().min(start + self.block);
@@ -243,11 +268,13 @@ mod tests {
             let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).rev().collect();
             assert_eq!(nodes.len(), 2 * PANEL + 9, "two full panels and another");
             for every in [1, 7] {
-                let whole = solution.displacements(&nodes, every);
+                let whole =
+                    solution.displacements(&nodes, NonZeroUsize::new(every).unwrap()).unwrap();
                 assert_eq!(whole.blocks(), 1);
                 let samples = whole.plan.sampling.samples_for(&(0..whole.len()));
                 assert_eq!(is_narrow, samples != whole.len(), "{samples} samples");
-                let blocked = solution.displacements(&nodes, every);
+                let blocked =
+                    solution.displacements(&nodes, NonZeroUsize::new(every).unwrap()).unwrap();
                 let rows = blocked.len() / 3 + 1;
                 let blocked = blocked.in_blocks_of(rows);
                 assert_eq!(blocked.blocks(), 3);
@@ -260,7 +287,10 @@ mod tests {
     fn nodes_solved_for_in_groups_have_the_bits_of_all_at_once() {
         let solution = solution(100);
         let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
-        for table in [solution.deflections(&nodes, 1), solution.moments(&nodes, 1)] {
+        for table in [
+            solution.deflections(&nodes, NonZeroUsize::MIN).unwrap(),
+            solution.moments(&nodes, NonZeroUsize::MIN).unwrap(),
+        ] {
             let rows = 0..table.len();
             let samples = |at_once| table.samples(&rows, at_once, &Unwatched);
             assert!(samples(PANEL).samples() == samples(3 * PANEL).samples());
@@ -273,7 +303,10 @@ mod tests {
             let solution = solution(steps);
             for nodes in [&[3][..], &[0, 1, 2, 3, 4, 5, 6, 7, 8], &[5; 40]] {
                 for (every, rows) in [(1, 80), (1, 13), (7, 13)] {
-                    let table = solution.moments(nodes, every).in_blocks_of(rows);
+                    let table = solution
+                        .moments(nodes, NonZeroUsize::new(every).unwrap())
+                        .unwrap()
+                        .in_blocks_of(rows);
                     let samples = table.block(0, &Unwatched).samples;
                     let bytes = size_of_val(samples.samples());
                     assert_eq!(table.sample_bytes(), bytes, "{nodes:?}, {rows} rows, {every}");
@@ -292,12 +325,12 @@ mod tests {
     #[test]
     fn as_many_whole_panels_are_solved_for_at_once_as_their_memory_allows() {
         let solution = solution(4000);
-        let table = solution.deflections(&[1], 1);
+        let table = solution.deflections(&[1], NonZeroUsize::MIN).unwrap();
         let panel = PANEL * table.spectrum_bytes();
         assert_eq!(table.nodes_at_once() % PANEL, 0);
         let bytes = table.nodes_at_once() * table.spectrum_bytes();
         assert!(bytes <= SPECTRA_BYTES && bytes + panel > SPECTRA_BYTES, "{bytes} and {panel}");
-        let many = solution.moments(&vec![1; 4_000_000], 1);
+        let many = solution.moments(&vec![1; 4_000_000], NonZeroUsize::MIN).unwrap();
         assert_eq!(many.nodes().len().div_ceil(many.nodes_at_once()), MOST_NODE_BLOCKS);
         assert!(many.blocks() == MOST_ROW_BLOCKS && many.sample_bytes() > SAMPLE_BYTES);
     }
@@ -305,7 +338,7 @@ mod tests {
     #[test]
     fn each_thread_has_transforms_of_its_own_as_long_as_there_are_panels_for_it() {
         let solution = solution(100);
-        let table = solution.deflections(&[1; 3 * PANEL], 1);
+        let table = solution.deflections(&[1; 3 * PANEL], NonZeroUsize::MIN).unwrap();
         let of_one = table.plan.sampling.transform_bytes();
         let bytes = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

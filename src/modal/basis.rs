@@ -328,7 +328,7 @@ mod tests {
         })
         .unwrap();
         let plan = MeshPlan::new(&link, &[None; 2], Some(ElementCount::Total(elements)), 1e-6);
-        Mesh::new(&link, &plan.unwrap())
+        Mesh::new(&link, &plan.unwrap()).unwrap()
     }
 
     #[test]

@@ -290,7 +290,8 @@ mod tests {
         .unwrap();
         for elements in [2, 10, 100, 1000, 4000] {
             let count = Some(ElementCount::Total(elements));
-            let mesh = Mesh::new(&link, &MeshPlan::new(&link, &[None], count, 1e-6).unwrap());
+            let mesh =
+                Mesh::new(&link, &MeshPlan::new(&link, &[None], count, 1e-6).unwrap()).unwrap();
             for (k, omega) in natural_frequencies(&mesh, 10).into_iter().enumerate() {
                 let beside = |share: f64| {
                     let omega = Wide::from(omega) * (Wide::from(1.0) + share);

@@ -82,7 +82,7 @@ mod tests {
         .unwrap();
         let plan =
             MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6).unwrap();
-        Mesh::new(&link, &plan)
+        Mesh::new(&link, &plan).unwrap()
     }
 
     const NOTHING: Taper = Taper { inner: 0.0, outer: 0.0 };

@@ -190,7 +190,8 @@ mod tests {
                 for elements in [5, 7, 10, 40] {
                     let own = vec![None; segments.len()];
                     let total = Some(ElementCount::Total(elements));
-                    let mesh = Mesh::new(&link, &MeshPlan::new(&link, &own, total, 1e-6).unwrap());
+                    let mesh = Mesh::new(&link, &MeshPlan::new(&link, &own, total, 1e-6).unwrap())
+                        .unwrap();
                     let start = start_near_real_zeros(&mesh).unwrap();
                     let far = scan_start(&mesh).unwrap();
                     let displacements = |exponents: &_| displacements_m(&mesh, exponents);

@@ -1,3 +1,5 @@
+use std::num::NonZeroUsize;
+
 use thiserror::Error;
 
 use super::reductions::rounded;
@@ -54,12 +56,8 @@ impl TimeGrid {
     }
 
     /// Every `every`-th sample, beginning with the first.
-    ///
-    /// # Panics
-    /// If `every` is 0.
     #[must_use]
-    pub fn thinned(&self, every: usize) -> ThinnedGrid {
-        assert!(every > 0, "every 0th sample");
+    pub fn thinned(&self, every: NonZeroUsize) -> ThinnedGrid {
         ThinnedGrid { grid: *self, every }
     }
 }
@@ -68,13 +66,13 @@ impl TimeGrid {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThinnedGrid {
     grid: TimeGrid,
-    every: usize,
+    every: NonZeroUsize,
 }
 
 impl ThinnedGrid {
     /// Number of samples.
     pub fn len(&self) -> usize {
-        self.grid.len.div_ceil(self.every)
+        self.grid.len.div_ceil(self.every.get())
     }
 
     /// True if there is no sample.
@@ -84,7 +82,7 @@ impl ThinnedGrid {
 
     /// Time of sample `k` in s.
     pub fn time_s(&self, k: usize) -> f64 {
-        self.grid.time_s(k * self.every)
+        self.grid.time_s(k * self.every.get())
     }
 }
 

@@ -1,5 +1,7 @@
 //! A run and a sweep as they are read back, and what is drawn of their bending and their cases.
 
+use std::num::NonZeroUsize;
+
 use super::bending::{COLUMNS, Moments, ROWS, bending_moments, waves};
 use super::sweep::{FINE, sweep_figures};
 use super::view::View;
@@ -81,7 +83,7 @@ pub(super) fn run() -> StoredRun {
         deflections_m: Some(StoredNodes {
             nodes: all.clone(),
             times_s: times_s.clone(),
-            histories: solution.deflections(&all, 1).histories().samples,
+            histories: solution.deflections(&all, NonZeroUsize::MIN).unwrap().histories().samples,
         }),
         moments_n_m: None,
         readings: vec![("peak_torque_n_m".to_owned(), metrics.peak_torque_n_m.value)],
@@ -108,7 +110,7 @@ fn moments_made_from_displacements_are_those_of_the_solution() {
     let view = View::of(&run);
     let Moments { nodes: found, is_written } = bending_moments(&view).unwrap();
     assert!(!is_written);
-    let exact = solution().moments(&found.nodes, 1).histories().samples;
+    let exact = solution().moments(&found.nodes, NonZeroUsize::MIN).unwrap().histories().samples;
     let peak = exact[0].iter().fold(0.0_f64, |peak, m| peak.max(m.abs()));
     for (node, (found, exact)) in found.histories.iter().zip(&exact).enumerate() {
         for k in view.samples.clone() {

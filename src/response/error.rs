@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::link::Link;
+use crate::link::{Link, ParameterError};
 use crate::modal::DampingError;
 use crate::numeric::{TimeGrid, largest, rounded};
 use crate::text::{gigabytes, plain};
@@ -11,6 +11,9 @@ use crate::text::{gigabytes, plain};
 /// Why a torque is not played.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SimulationError {
+    /// A plan of the mesh that was made for another link.
+    #[error(transparent)]
+    Plan(#[from] ParameterError),
     /// A torque of zero.
     #[error("the torque is zero in all samples, but must move the link")]
     NoTorque,
@@ -90,6 +93,7 @@ impl SimulationError {
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
+            Self::Plan(_) => Some("make the plan of the mesh from the link that it is for"),
             Self::Damping(error) => Some(error.hint()),
             Self::OtherTimes { .. } => {
                 Some("take hub_angle.csv and torque.csv of one run of solve")

@@ -1,3 +1,5 @@
+use std::num::NonZeroUsize;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +9,7 @@ use super::play::{Driving, Play};
 use super::residual::{Reading, ResidualVibration};
 use super::stepper::{Record, Stepper};
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
-use crate::link::Link;
+use crate::link::{Link, ParameterError};
 use crate::modal::{DampingLaw, REPORTED_MODES, Shape, hub_moves_mass, natural_frequencies};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, largest};
@@ -64,7 +66,7 @@ pub struct Simulation {
 /// [`SimulationError`].
 pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation, SimulationError> {
     let band_rad_s = play.band_rad_s().ok_or(SimulationError::NoTorque)?;
-    let mesh = Mesh::new(link, plan);
+    let mesh = Mesh::new(link, plan)?;
     let mesh =
         if plan.is_automatic() { mesh.resolving(band_rad_s, plan.tolerance()) } else { mesh };
     play_on(link, mesh, play, band_rad_s)
@@ -188,19 +190,24 @@ impl Simulation {
 
     /// Total displacement `v = xθ + w` in m at `nodes`, every `every`-th sample.
     ///
-    /// # Panics
-    /// If a node is not one of the mesh, or `every` is 0.
-    pub fn displacements_m(&self, nodes: &[usize], every: usize) -> NodalHistories {
+    /// # Errors
+    /// [`ParameterError`] if a node is not one of the mesh.
+    pub fn displacements_m(
+        &self,
+        nodes: &[usize],
+        every: NonZeroUsize,
+    ) -> Result<NodalHistories, ParameterError> {
+        self.mesh.check_nodes(nodes)?;
         let initial_angle = self.initial_tip_m / self.mesh.length_m();
         let history = |node: &usize| -> Vec<f64> {
             let at_node = |shape: &Shape| shape.displacement(&self.mesh, *node);
             let shapes: Vec<f64> = self.equations.shapes.iter().map(at_node).collect();
             let rest = initial_angle * self.mesh.nodes_m()[*node];
-            let rows = self.record.coordinates.chunks_exact(shapes.len()).step_by(every);
+            let rows = self.record.coordinates.chunks_exact(shapes.len()).step_by(every.get());
             rows.map(|q| rest + q.iter().zip(&shapes).map(|(q, v)| q * v).sum::<f64>()).collect()
         };
         let samples = nodes.par_iter().map(history).collect();
-        NodalHistories { nodes: nodes.to_vec(), grid: self.grid.thinned(every), samples }
+        Ok(NodalHistories { nodes: nodes.to_vec(), grid: self.grid.thinned(every), samples })
     }
 }
 

@@ -252,6 +252,15 @@ impl OutputFolder {
         synced.map_err(|cause| FolderError::of_folder(&self.dir, cause))
     }
 
+    /// The error of a file of which something is refused before it is written.
+    pub(super) fn refused(
+        &self,
+        name: &str,
+        error: impl std::error::Error + Send + Sync + 'static,
+    ) -> FolderError {
+        self.unwritten(name.as_ref(), io::Error::new(io::ErrorKind::InvalidInput, error))
+    }
+
     fn unwritten(&self, name: &OsStr, cause: io::Error) -> FolderError {
         FolderError::of_file(&self.dir.join(name), cause)
     }

@@ -3,6 +3,7 @@
 
 use std::ffi::OsStr;
 use std::fs;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use super::json::{Head, newer, unreadable};
@@ -249,19 +250,18 @@ impl RunOutputs {
             lead_s,
             lag_s,
         };
-        let moments = || solution.moments(deflections.nodes(), self.every).histories();
         Ok(StoredResult::Run(Box::new(StoredRun {
             origin: summary.origin(),
             link: solution.link().clone(),
             mesh: solution.mesh().clone(),
             kept_modes: summary.kept_modes(),
-            times_s: times_s(&solution.grid.thinned(1)),
+            times_s: times_s(&solution.grid.thinned(NonZeroUsize::MIN)),
             torque_n_m: solution.torque_n_m.clone(),
             hub_angle_rad: solution.hub_angle_rad.clone(),
             tip: solution.tip.clone(),
             solved: Some(solved),
             deflections_m: Some(in_order(deflections.histories())),
-            moments_n_m: self.moments.then(|| in_order(moments())),
+            moments_n_m: self.moments.then(|| in_order(deflections.moments().histories())),
             readings: summary.readings(),
             checks: summary.verification.iter().flatten().flatten().cloned().collect(),
             warnings: summary.warnings.clone(),

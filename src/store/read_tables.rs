@@ -266,6 +266,6 @@ pub(super) fn read_mesh(file: &InputFile, link: &Link) -> Result<Mesh, TableErro
     };
     let nodes_m = read_rows(&file.shown, &file.bytes, begin, push)?.unwrap_or_default();
     let plan = MeshPlan::through(link, &nodes_m);
-    let plan = plan.map_err(|error| whole.refuse_whole(error.to_string()))?;
-    Ok(Mesh::new(link, &plan))
+    let mesh = plan.and_then(|plan| Mesh::new(link, &plan));
+    mesh.map_err(|error| whole.refuse_whole(error.to_string()))
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::folder::{FolderError, OutputFolder};
-use super::run_tables::RunOutputs;
+use super::run_tables::{DEFLECTIONS, RunOutputs};
 use super::summary::{RunInputs, Summary, checks};
 use crate::beam::Mesh;
 use crate::inverse::{Solution, Unwatched, Warning};
@@ -54,7 +54,9 @@ pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderEr
     let (inputs, findings) = (RunInputs::default(), Findings::default());
     let summary = Summary::of_solution(inputs, solution, &metrics, &findings, &outputs);
     let folder = OutputFolder::stage(folder, &|_| {})?;
-    let nodal = (solution, outputs.deflections(solution));
+    let deflections = outputs.deflections(solution);
+    let deflections = deflections.map_err(|error| folder.refused(DEFLECTIONS.file, error))?;
+    let nodal = (solution, deflections);
     outputs.write(folder, nodal, (&summary, None), &Unwatched)
 }
 

@@ -3,6 +3,7 @@
 
 use std::ffi::OsStr;
 use std::io::{self, Write};
+use std::num::NonZeroUsize;
 
 use rayon::prelude::*;
 
@@ -11,7 +12,7 @@ use super::summary::Summary;
 use crate::beam::Mesh;
 use crate::csv::{Column, ColumnGroup, Digits, group, write_csv, write_nodal};
 use crate::inverse::{NodalTable, Solution, Watch};
-use crate::link::Link;
+use crate::link::{Link, ParameterError};
 use crate::response::Simulation;
 
 /// Written last: where it exists, the run is whole.
@@ -86,8 +87,8 @@ pub fn is_result_file(name: &OsStr) -> bool {
 pub struct RunOutputs {
     /// Nodes of the nodal tables; `None`: all.
     pub nodes: Option<Vec<usize>>,
-    /// The nodal tables have a row for every so many samples, at least 1.
-    pub every: usize,
+    /// The nodal tables have a row for every so many samples.
+    pub every: NonZeroUsize,
     /// Whether a solution has `nodal_deflections.csv`: deflection w from the hub's tangent line.
     pub deflections: bool,
     /// Whether a solution has `bending_moments.csv`.
@@ -100,7 +101,7 @@ impl Default for RunOutputs {
     /// Every node, every sample, no table on demand.
     fn default() -> Self {
         let digits = Digits::default();
-        Self { nodes: None, every: 1, deflections: false, moments: false, digits }
+        Self { nodes: None, every: NonZeroUsize::MIN, deflections: false, moments: false, digits }
     }
 }
 
@@ -132,7 +133,7 @@ impl RunOutputs {
     ) -> Result<(), FolderError> {
         // The nodal tables take longest; threads that they leave idle write the others.
         let (nodal, others) = rayon::join(
-            || self.write_nodal(&folder, (solution, deflections), watch),
+            || self.write_nodal(&folder, deflections, watch),
             || self.write_histories(&folder, solution),
         );
         others.and(nodal)?;
@@ -144,9 +145,12 @@ impl RunOutputs {
 
     /// The deflections of the nodal tables, computed on request.
     ///
-    /// # Panics
-    /// If a node is not one of the mesh.
-    pub fn deflections<'a>(&self, solution: &'a Solution) -> NodalTable<'a> {
+    /// # Errors
+    /// [`ParameterError`] if a node is not one of the mesh.
+    pub fn deflections<'a>(
+        &self,
+        solution: &'a Solution,
+    ) -> Result<NodalTable<'a>, ParameterError> {
         solution.deflections(&self.nodes_of(solution.mesh()), self.every)
     }
 
@@ -156,7 +160,7 @@ impl RunOutputs {
         folder: &OutputFolder,
         solution: &Solution,
     ) -> Result<(), FolderError> {
-        let time = solution.grid.thinned(1);
+        let time = solution.grid.thinned(NonZeroUsize::MIN);
         let Solution { tip, hub_angle_rad, hub_rate_rad_s, rigid_hub_angle_rad, .. } = solution;
         let hub_acceleration_rad_s2 = solution.hub_acceleration_rad_s2();
         let hub = [hub_angle_rad, hub_rate_rad_s, &hub_acceleration_rad_s2, rigid_hub_angle_rad];
@@ -184,7 +188,7 @@ impl RunOutputs {
     fn write_nodal(
         &self,
         folder: &OutputFolder,
-        (solution, deflections): (&Solution, NodalTable),
+        deflections: NodalTable,
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
         let write = |NodalFile { file, letter, unit }, table: &NodalTable| {
@@ -193,12 +197,9 @@ impl RunOutputs {
         if self.deflections {
             write(DEFLECTIONS, &deflections)?;
         }
-        let nodes = deflections.nodes().to_vec();
+        let moments = self.moments.then(|| deflections.moments());
         write(DISPLACEMENTS, &deflections.with_rotation())?;
-        if self.moments {
-            write(MOMENTS, &solution.moments(&nodes, self.every))?;
-        }
-        Ok(())
+        moments.map_or(Ok(()), |moments| write(MOMENTS, &moments))
     }
 
     /// Names of the files of a simulation, summary.json last.
@@ -210,16 +211,14 @@ impl RunOutputs {
     pub fn simulation_bytes(&self, simulation: &Simulation) -> usize {
         size_of::<f64>()
             * self.nodes_of(&simulation.mesh).len()
-            * simulation.grid.len.div_ceil(self.every)
+            * simulation.grid.len.div_ceil(self.every.get())
     }
 
     /// Writes the files of a simulation into `folder`: all or none.
     ///
     /// # Errors
-    /// [`FolderError`] names the file that cannot be written.
-    ///
-    /// # Panics
-    /// If a node is not one of the mesh.
+    /// [`FolderError`] names the file that cannot be written: the nodal table, if the mesh has not all
+    /// of its nodes.
     pub fn write_simulation(
         &self,
         folder: OutputFolder,
@@ -231,10 +230,11 @@ impl RunOutputs {
         let hub = [hub_angle_rad, hub_rate_rad_s, &simulation.hub_acceleration_rad_s2];
         let tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2];
         let nodal = simulation.displacements_m(&self.nodes_of(&simulation.mesh), self.every);
+        let nodal = nodal.map_err(|error| folder.refused(DISPLACEMENTS.file, error))?;
         let named = nodal.nodes.iter().map(|node| DISPLACEMENTS.column(*node)).zip(&nodal.samples);
         let columns = named.map(|(name, values)| Column { name, values });
         let displacements = vec![ColumnGroup { columns: columns.collect() }];
-        let all = simulation.grid.thinned(1);
+        let all = simulation.grid.thinned(NonZeroUsize::MIN);
         for (name, time, groups) in [
             (TORQUE.0, &all, groups(TORQUE.1, [&simulation.torque_n_m])),
             (TIP.0, &all, groups(TIP.1, tip)),

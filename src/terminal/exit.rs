@@ -6,6 +6,7 @@ use clap::Args;
 
 use flexlink::csv::{InputError, TableError};
 use flexlink::inverse::InversionError;
+use flexlink::link::ParameterError;
 use flexlink::modal::DampingError;
 use flexlink::model::ModelError;
 use flexlink::response::SimulationError;
@@ -154,6 +155,12 @@ impl From<FitError> for Failure {
 impl From<DampingError> for Failure {
     fn from(error: DampingError) -> Self {
         Self::new(Exit::NotSolvable, &error, Some(error.hint()))
+    }
+}
+
+impl From<ParameterError> for Failure {
+    fn from(error: ParameterError) -> Self {
+        Self::new(Exit::Usage, &error, None)
     }
 }
 

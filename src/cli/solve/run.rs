@@ -176,7 +176,7 @@ impl<'a> Problem<'a> {
     ) -> Result<Summary, Failure> {
         let Solved { solution, metrics, exceeded, memory_bytes, .. } = solved;
         let outputs = self.options.outputs();
-        let deflections = outputs.deflections(solution);
+        let deflections = outputs.deflections(solution)?;
         memory::check_nodes(deflections.bytes(), *memory_bytes)?;
         if deflections.bytes() >= LARGE {
             stages.say(&memory_text(deflections.bytes(), deflections.blocks()));

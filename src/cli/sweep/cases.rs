@@ -195,7 +195,7 @@ impl<'a> Cases<'a> {
         let Ok(Specification { link, mesh, remarks, .. }) = self.specification(&values) else {
             return Vec::new();
         };
-        let mesh = Mesh::new(&link, &mesh);
+        let Ok(mesh) = Mesh::new(&link, &mesh) else { return remarks };
         let of_modes = Remark::on_modes(&link, &mesh, &natural_frequencies(&mesh, 1));
         let of_motion = self.motion_of(&link, values.motion).map(|motion| {
             let target = motion.target(motion.grid().time_s(0), motion.grid().end_s());

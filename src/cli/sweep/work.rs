@@ -78,7 +78,7 @@ impl Cases<'_> {
             let findings = Findings { exceeded: &exceeded, verification: None, remarks: &remarks };
             let outputs = self.shared.outputs.of_case(solution.mesh())?;
             let summary = Summary::of_solution(inputs, &solution, &metrics, &findings, &outputs);
-            let deflections = outputs.deflections(&solution);
+            let deflections = outputs.deflections(&solution)?;
             memory::check_nodes(deflections.bytes(), memory_bytes)?;
             let folder = self.stage(&folder)?;
             outputs.write(folder, (&solution, deflections), (&summary, None), &Unwatched)?;

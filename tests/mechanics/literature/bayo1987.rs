@@ -37,7 +37,7 @@ fn periods(file: &str, settings: &[&str]) -> Vec<f64> {
 
 fn zeros(file: &str) -> Vec<f64> {
     let specification = specification(file, &[]);
-    torque_zeros(&Mesh::new(&specification.link, &specification.mesh), 3)
+    torque_zeros(&Mesh::new(&specification.link, &specification.mesh).unwrap(), 3)
 }
 
 fn solution(file: &str) -> Solution {

@@ -51,13 +51,13 @@ fn motion(name: &str, link: &Link) -> TipMotion {
 /// The first natural frequencies of a link in rad/s, its hub free of torque.
 fn frequencies(name: &str, settings: &[&str], count: usize) -> Vec<f64> {
     let Specification { link, mesh, .. } = specification(name, settings);
-    natural_frequencies(&Mesh::new(&link, &mesh), count)
+    natural_frequencies(&Mesh::new(&link, &mesh).unwrap(), count)
 }
 
 /// The first natural frequencies of a link in rad/s, its hub clamped.
 fn clamped_frequencies(name: &str, settings: &[&str], count: usize) -> Vec<f64> {
     let Specification { link, mesh, .. } = specification(name, settings);
-    held_frequencies(&Mesh::new(&link, &mesh), f64::INFINITY, count)
+    held_frequencies(&Mesh::new(&link, &mesh).unwrap(), f64::INFINITY, count)
 }
 
 fn hertz(frequencies_rad_s: &[f64]) -> Vec<f64> {

@@ -40,7 +40,7 @@ fn frequencies_of_the_free_hub_are_those_of_the_closed_form() {
 fn held_squares(elements: usize) -> Vec<f64> {
     let mesh = format!("mesh.elements={elements}");
     let Specification { link, mesh, .. } = specification(FILE, &[&mesh]);
-    let mesh = Mesh::new(&link, &mesh);
+    let mesh = Mesh::new(&link, &mesh).unwrap();
     let found = held_frequencies(&mesh, link.drive().unwrap().joint_stiffness_n_m_rad, 3);
     found.iter().map(|omega| omega * omega).collect()
 }

@@ -129,8 +129,8 @@ fn holding((kp, kd): Gains, torque: &Torque) -> Feedback {
 fn a_stiffly_held_hub_vibrates_as_a_clamped_one() {
     let link = link(|_| ());
     let plan = mesh_of(&link, 10);
-    let mesh = Mesh::new(&link, &plan);
-    let clamped = Mesh::new(&super::link(|parts| parts.hub.inertia_kg_m2 = 1e12), &plan);
+    let mesh = Mesh::new(&link, &plan).unwrap();
+    let clamped = Mesh::new(&super::link(|parts| parts.hub.inertia_kg_m2 = 1e12), &plan).unwrap();
     let clamped_rad_s = natural_frequencies(&clamped, 2)[0];
     let held_rad_s = |kp: f64| {
         let surplus = |omega: f64| {

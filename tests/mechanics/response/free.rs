@@ -218,7 +218,7 @@ fn a_constant_torque_turns_the_rigid_link_and_swings_every_mode() {
         let torque = Torque::new(&times(1e-3, 1500), vec![0.8; 1501]).unwrap();
         let found = played(&link, &plan, &Play::of(&torque));
         assert_eq!(found.selection.modes, found.selection.of, "all modes");
-        let mesh = Mesh::new(&link, &plan);
+        let mesh = Mesh::new(&link, &plan).unwrap();
         let [mass, stiffness] = Assembly::of_link(&link, mesh.nodes_m()).mass_and_stiffness();
         let (frequencies, shapes) = damping::modes(&mass, &stiffness);
         let tip = mass.nrows() - 2;

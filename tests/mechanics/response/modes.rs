@@ -1,6 +1,7 @@
 //! Which modes answer, what stands for the others, and what all of them together weigh and store.
 
 use std::f64::consts::{PI, TAU};
+use std::num::NonZeroUsize;
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -55,7 +56,7 @@ fn eight_of_eight_thousand_modes_answer_as_those_of_coarser_meshes_tend_to() {
 /// Deflections of all nodes over time, one row a node.
 fn deflections(found: &Simulation) -> Vec<Vec<f64>> {
     let nodes: Vec<usize> = (0..found.mesh.nodes_m().len()).collect();
-    let displaced = found.displacements_m(&nodes, 1).samples;
+    let displaced = found.displacements_m(&nodes, NonZeroUsize::MIN).unwrap().samples;
     let bent = |(v, x_m): (&Vec<f64>, &f64)| -> Vec<f64> {
         v.iter().zip(&found.hub_angle_rad).map(|(v, theta)| v - x_m * theta).collect()
     };
@@ -99,14 +100,14 @@ fn nodes_move_between_hub_and_tip() {
     let play = Play { initial_tip_m: 0.31, ..Play::of(&torque) };
     let found = played(&link, &mesh_of(&link, 9), &play);
     let last = found.mesh.nodes_m().len() - 1;
-    let every = found.displacements_m(&[last, 0, 4], 1);
+    let every = found.displacements_m(&[last, 0, 4], NonZeroUsize::MIN).unwrap();
     let root: Vec<f64> = found.hub_angle_rad.iter().map(|theta| 0.05 * theta).collect();
     assert!(difference(&every.samples[0], &found.tip.displacement_m) < 2e-15);
     assert!(difference(&every.samples[1], &root) < 2e-15);
     // At rest on a straight line through the axis.
     assert!((found.tip.displacement_m[0] - 0.31).abs() < 1e-16);
     assert!((every.samples[2][0] - 0.31 * found.mesh.nodes_m()[4] / 1.55).abs() < 1e-16);
-    let thinned = found.displacements_m(&[4], 7);
+    let thinned = found.displacements_m(&[4], NonZeroUsize::new(7).unwrap()).unwrap();
     assert_eq!(thinned.samples[0].len(), thinned.grid.len());
     let picked: Vec<f64> = every.samples[2].iter().step_by(7).copied().collect();
     assert_eq!(thinned.samples[0], picked);
@@ -175,7 +176,7 @@ fn the_work_of_the_torque_is_the_energy_of_an_undamped_link() {
 
     let nodes: Vec<usize> = (1..nodes_m.len()).collect();
     let mut motion = vec![found.hub_angle_rad.clone()];
-    motion.extend(found.displacements_m(&nodes, 1).samples);
+    motion.extend(found.displacements_m(&nodes, NonZeroUsize::MIN).unwrap().samples);
     let rate: Vec<Vec<f64>> =
         motion.iter().map(|samples| rates(samples, found.grid.step_s)).collect();
     let energy = |matrix: &Mat<f64>, of: &[Vec<f64>], k: usize| {

@@ -1,6 +1,7 @@
 //! A second integrator, which knows no modes: assembled matrices and Newmark's average acceleration.
 
 use std::f64::consts::PI;
+use std::num::NonZeroUsize;
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -130,7 +131,8 @@ impl Comparison {
         let play = Play { interpolation, until_s, feedback, ..Play::of(torque) };
         let simulation = played(link, plan, &play);
         let node = simulation.mesh.nodes_m().len() / 2;
-        let middle = simulation.displacements_m(&[node], 1).samples.concat();
+        let middle =
+            simulation.displacements_m(&[node], NonZeroUsize::MIN).unwrap().samples.concat();
         let expected =
             [simulation.hub_angle_rad.clone(), middle, simulation.tip.displacement_m.clone()];
         let system = System::of(link, &simulation, feedback);

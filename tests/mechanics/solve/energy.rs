@@ -1,6 +1,8 @@
 //! Work of the torque against what the link dissipates, by formulas that the inversion has no
 //! part in.
 
+use std::num::NonZeroUsize;
+
 use super::{Smooth, link, peak, sine, solved};
 use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Payload, Taper};
@@ -16,7 +18,7 @@ fn work_j(solution: &Solution) -> f64 {
 /// Simpson over an even number of elements.
 fn velocity_squared_n_m(solution: &Solution, mass_per_length_kg_m: f64) -> Vec<f64> {
     let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
-    let histories = solution.displacements(&nodes, 1).histories().samples;
+    let histories = solution.displacements(&nodes, NonZeroUsize::MIN).unwrap().histories().samples;
     let last = nodes.len() - 1;
     let spacing = solution.mesh().length_m() / last as f64;
     let weight = |node: usize| match node {

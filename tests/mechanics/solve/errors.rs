@@ -1,6 +1,7 @@
 //! Every refusal of a valid link and a valid motion.
 
 use std::f64::consts::TAU;
+use std::num::NonZeroUsize;
 
 use super::{Smooth, accelerated, link, mesh_of, refused, sine, whole_band};
 use flexlink::beam::{ElementCount, Mesh, MeshPlan, tip_transfer};
@@ -17,6 +18,25 @@ fn through_modes(modes: [usize; 2], ratios: [f64; 2]) -> Link {
 /// The refusal on a mesh of two elements, which has four flexible modes.
 fn refused_on_two_elements(link: &Link, analysis: &Analysis) -> InversionError {
     refused(link, &mesh_of(link, 2), &Smooth::MOVE.motion(), analysis)
+}
+
+#[test]
+fn a_plan_of_another_link_and_nodes_of_another_mesh() {
+    let link = link(|_| ());
+    let two_segments = super::link(|parts| parts.segments.push(parts.segments[0].clone()));
+    let plan = mesh_of(&two_segments, 10);
+    let motion = Smooth::MOVE.motion();
+    let error = refused(&link, &plan, &motion, &Analysis::default());
+    assert_eq!(
+        error.to_string(),
+        "mesh plan = that of another link, but must be that of this link: another has other \
+         segments, or masses elsewhere"
+    );
+    assert!(error.hint().is_some());
+    assert!(Mesh::new(&link, &plan).is_err());
+    let solution = invert(&link, &mesh_of(&link, 10), &motion, &Analysis::default()).unwrap();
+    let refused = solution.deflections(&[3, 11], NonZeroUsize::MIN).err().unwrap();
+    assert_eq!(refused.to_string(), "nodes = 11, but must be nodes of the mesh, 0 to 10");
 }
 
 #[test]
@@ -87,7 +107,7 @@ fn blocked() -> Link {
 fn a_frequency_at_which_no_torque_moves_the_tip() {
     let link = blocked();
     let plan = mesh_of(&link, 6);
-    let blocked_rad_s = real_frequency_zeros(&Mesh::new(&link, &plan), 1e3)[0];
+    let blocked_rad_s = real_frequency_zeros(&Mesh::new(&link, &plan).unwrap(), 1e3)[0];
     let analysis = whole_band(Analysis::new(1e-6, Some(0.1), Some(0.1)).unwrap());
     let found = |step_s: f64| {
         let motion = Smooth { duration_s: 256.0 * step_s, ..Smooth::MOVE }.motion();
@@ -117,7 +137,7 @@ fn a_frequency_at_which_no_torque_moves_the_tip() {
 fn a_blocked_tip_is_known_from_a_moving_one_on_any_mesh() {
     let link = blocked();
     for elements in [1, 6, 32, 400, 4000] {
-        let mesh = Mesh::new(&link, &mesh_of(&link, elements));
+        let mesh = Mesh::new(&link, &mesh_of(&link, elements)).unwrap();
         let blocked_rad_s = real_frequency_zeros(&mesh, 1e3)[0];
         let is_blocked = |beside: f64| {
             let lambda = (blocked_rad_s * (1.0 + beside)).powi(2);

@@ -1,5 +1,7 @@
 //! Deflections, displacements and bending moments at the nodes.
 
+use std::num::NonZeroUsize;
+
 use super::{Smooth, link, peak, solved};
 use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Link, Payload};
@@ -27,9 +29,11 @@ fn the_root_does_not_deflect_and_the_last_node_is_the_tip() {
     });
     for link in [undamped(), loaded] {
         let solution = solved(&link, 10, &Smooth::MOVE.motion());
-        let deflections = solution.deflections(&all_nodes(&solution), 1).histories();
+        let deflections =
+            solution.deflections(&all_nodes(&solution), NonZeroUsize::MIN).unwrap().histories();
         assert!(deflections.samples[0].iter().all(|w| *w == 0.0));
-        let displacements = solution.displacements(&all_nodes(&solution), 1).histories();
+        let displacements =
+            solution.displacements(&all_nodes(&solution), NonZeroUsize::MIN).unwrap().histories();
         let tip = displacements.samples.last().unwrap();
         let wanted = solution.tip.displacement_m.iter().copied();
         assert!(largest_difference(tip, wanted) < 1e-9 * 0.5);
@@ -44,8 +48,8 @@ fn the_root_does_not_deflect_and_the_last_node_is_the_tip() {
 #[test]
 fn chosen_nodes_and_rows_are_those_of_the_whole_table() {
     let solution = solved(&link(|_| ()), 10, &Smooth::MOVE.motion());
-    let whole = solution.deflections(&all_nodes(&solution), 1).histories();
-    let few = solution.deflections(&[7, 2], 5).histories();
+    let whole = solution.deflections(&all_nodes(&solution), NonZeroUsize::MIN).unwrap().histories();
+    let few = solution.deflections(&[7, 2], NonZeroUsize::new(5).unwrap()).unwrap().histories();
     assert_eq!(few.nodes, [7, 2]);
     assert_eq!(few.grid.len(), solution.grid.len.div_ceil(5));
     for (node, samples) in few.nodes.iter().zip(&few.samples) {
@@ -67,7 +71,7 @@ fn the_moment_at_the_root_is_what_hub_and_friction_leave_of_the_torque() {
         .zip(hub)
         .map(|(torque, (acceleration, rate))| torque - 0.1 * acceleration - 0.1 * rate);
     assert!(largest_difference(&solution.root_moment_n_m, left) < 1e-9 * peak_n_m);
-    let at_node = solution.moments(&[0], 1).histories();
+    let at_node = solution.moments(&[0], NonZeroUsize::MIN).unwrap().histories();
     let difference =
         largest_difference(&at_node.samples[0], solution.root_moment_n_m.iter().copied());
     assert!(difference < 1e-12 * peak_n_m);
@@ -77,12 +81,18 @@ fn the_moment_at_the_root_is_what_hub_and_friction_leave_of_the_torque() {
 fn a_tip_without_payload_is_free_of_moment_and_one_with_inertia_is_not() {
     let solution = solved(&undamped(), 10, &Smooth::MOVE.motion());
     let tip = solution.mesh().nodes_m().len() - 1;
-    assert!(solution.moments(&[tip], 1).histories().samples[0].iter().all(|m| *m == 0.0));
+    assert!(
+        solution.moments(&[tip], NonZeroUsize::MIN).unwrap().histories().samples[0]
+            .iter()
+            .all(|m| *m == 0.0)
+    );
     let heavy = link(|parts| {
         parts.payload = Payload { mass_kg: 0.1, inertia_kg_m2: 0.001, offset_m: 0.02 };
     });
     let solution = solved(&heavy, 10, &Smooth::MOVE.motion());
-    assert!(peak(&solution.moments(&[tip], 1).histories().samples[0]) > 1e-3);
+    assert!(
+        peak(&solution.moments(&[tip], NonZeroUsize::MIN).unwrap().histories().samples[0]) > 1e-3
+    );
 }
 
 /// EI w″ = −m, the curvature from second differences of the deflections.
@@ -90,8 +100,10 @@ fn a_tip_without_payload_is_free_of_moment_and_one_with_inertia_is_not() {
 fn the_moment_bends_the_link_against_its_sign() {
     let solution = solved(&undamped(), 60, &Smooth::MOVE.motion());
     let nodes = all_nodes(&solution);
-    let w = solution.deflections(&nodes, 4).histories().samples;
-    let moments = solution.moments(&nodes, 4).histories().samples;
+    let w =
+        solution.deflections(&nodes, NonZeroUsize::new(4).unwrap()).unwrap().histories().samples;
+    let moments =
+        solution.moments(&nodes, NonZeroUsize::new(4).unwrap()).unwrap().histories().samples;
     let spacing: f64 = 1.5 / 60.0;
     for node in [1, 20, 40, 55] {
         let bending = (0..w[node].len())
@@ -106,7 +118,7 @@ fn the_moment_bends_the_link_against_its_sign() {
 fn the_torque_balances_the_angular_momentum_of_the_moving_link() {
     let solution = solved(&undamped(), 24, &Smooth { steps: 1024, ..Smooth::MOVE }.motion());
     let nodes = all_nodes(&solution);
-    let v = solution.displacements(&nodes, 1).histories().samples;
+    let v = solution.displacements(&nodes, NonZeroUsize::MIN).unwrap().histories().samples;
     let (step_s, spacing) = (solution.grid.step_s, 1.5 / 24.0);
     let weight = |node: usize| match node {
         0 | 24 => 1.0,
@@ -130,7 +142,12 @@ fn a_thinned_table_of_displacements_ends_with_the_tip_at_the_same_times() {
     let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
     let last = solution.mesh().nodes_m().len() - 1;
     for every in [1, 3, 7] {
-        let rows = solution.displacements(&[last], every).histories().samples.concat();
+        let rows = solution
+            .displacements(&[last], NonZeroUsize::new(every).unwrap())
+            .unwrap()
+            .histories()
+            .samples
+            .concat();
         assert_eq!(rows.len(), solution.grid.len.div_ceil(every));
         for (row, v) in rows.iter().enumerate() {
             let tip = solution.tip.displacement_m[row * every];

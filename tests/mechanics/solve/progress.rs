@@ -1,5 +1,6 @@
 //! How far the work is, as its watcher is told.
 
+use std::num::NonZeroUsize;
 use std::sync::Mutex;
 
 use flexlink::beam::{ElementCount, MeshPlan};
@@ -65,7 +66,7 @@ fn the_nodes_of_a_table_are_solved_for_and_transformed_to_the_last() {
     let solution = invert(&link, &plan, &motion, &Analysis::default()).unwrap();
     let nodes: Vec<usize> = (0..=20).collect();
     let notes = Notes::default();
-    solution.displacements(&nodes, 1).block(0, &notes);
+    solution.displacements(&nodes, NonZeroUsize::MIN).unwrap().peak(&notes, |_, _| true);
     let notes = notes.0.into_inner().unwrap();
     let band = solution.band.frequencies;
     let expected = [(Stage::Solve { elements: 20 }, band, band), (Stage::Transform, 21, 21)];

@@ -1,5 +1,7 @@
 //! The same bits on any number of threads.
 
+use std::num::NonZeroUsize;
+
 use super::{Smooth, link, solved};
 
 fn bits(histories: &[Vec<f64>]) -> Vec<Vec<u64>> {
@@ -14,8 +16,9 @@ fn torque_and_nodes_have_the_same_bits_on_one_two_and_seven_threads() {
         pool.install(|| {
             let solution = solved(&link, 12, &Smooth::MOVE.motion());
             let torque = vec![solution.torque_n_m.clone(), solution.hub_angle_rad.clone()];
-            let deflections = solution.deflections(&[12, 5], 1).histories().samples;
-            let moments = solution.moments(&[0, 7], 1).histories().samples;
+            let deflections =
+                solution.deflections(&[12, 5], NonZeroUsize::MIN).unwrap().histories().samples;
+            let moments = solution.moments(&[0, 7], NonZeroUsize::MIN).unwrap().histories().samples;
             [torque, deflections, moments].map(|histories| bits(&histories))
         })
     };

@@ -88,7 +88,7 @@ impl UniformLink {
         })
         .expect("a valid link");
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);
-        Mesh::new(&link, &plan.expect("a valid plan"))
+        Mesh::new(&link, &plan.expect("a valid plan")).unwrap()
     }
 
     /// |β|h of an element: how finely a mesh resolves the bending wave of λ.

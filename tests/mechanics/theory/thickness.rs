@@ -108,6 +108,7 @@ fn thick_frequencies(link: &Link, flexibility: Option<f64>, from: f64, count: us
 pub(crate) fn mesh(link: &Link) -> Mesh {
     let own = vec![None; link.segments().len()];
     Mesh::new(link, &MeshPlan::new(link, &own, Some(ElementCount::Total(60)), 1e-6).unwrap())
+        .unwrap()
 }
 
 /// True and estimated shares of the first modes.

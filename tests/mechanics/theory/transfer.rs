@@ -144,7 +144,7 @@ fn the_frequency_response_of_a_stiff_link_is_that_of_the_rigid_one_with_drag_and
     })
     .expect("a valid link");
     let plan = MeshPlan::new(&link, &[Some(4)], None, 1e-6).expect("a valid plan");
-    let model = model_of(&link, Mesh::new(&link, &plan), KeptModes::All);
+    let model = model_of(&link, Mesh::new(&link, &plan).unwrap(), KeptModes::All);
     let model = model.expect("damping that can be");
     for frequency_hz in [0.05, 0.3, 2.0] {
         let found = FrequencyResponse::at(&*model, frequency_hz);

@@ -48,7 +48,7 @@ fn model(elements: usize, taper: f64, damping: Damping, units: Units) -> Arc<dyn
     })
     .unwrap();
     let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6).unwrap();
-    let mesh = Mesh::new(&link, &plan);
+    let mesh = Mesh::new(&link, &plan).unwrap();
     model_of(&link, mesh, KeptModes::All).unwrap()
 }
 

@@ -291,7 +291,7 @@ fn the_dense_system_of_another_link_is_told_from_this_one() {
     let model = |stiffness| {
         let link = link(stiffness, Damping::Modal { ratios: vec![0.02] });
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6).unwrap();
-        let mesh = flexlink::beam::Mesh::new(&link, &plan);
+        let mesh = flexlink::beam::Mesh::new(&link, &plan).unwrap();
         model_of(&link, mesh, KeptModes::All).unwrap()
     };
     let (own, other) = (model(6.0), model(6.001));
