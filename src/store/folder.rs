@@ -87,6 +87,19 @@ pub struct FolderError {
 }
 
 impl FolderError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self.cause.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                Some("free some space, or write to another disk")
+            }
+            io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+                Some("write into a folder of your own")
+            }
+            _ => None,
+        }
+    }
+
     pub(super) fn new(folder: &Path, action: impl Into<String>, cause: io::Error) -> Self {
         Self { folder: folder.to_owned(), action: action.into(), cause }
     }

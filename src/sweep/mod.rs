@@ -8,5 +8,5 @@ mod variation;
 
 pub use columns::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 pub use in_order::in_order;
-pub use plan::{CaseValues, Shard, SweepPlan};
+pub use plan::{CaseValues, PlanError, Shard, ShardError, SweepPlan};
 pub use variation::{Operation, Variation, VariationError};

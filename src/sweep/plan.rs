@@ -49,6 +49,17 @@ pub enum PlanError {
     },
 }
 
+impl PlanError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::Twice { .. } => "give all of its values at once: PATH=1,2,3",
+            Self::TooMany => "fewer values, or several sweeps",
+            Self::NoFactor { .. } => "factors are numbers without a unit",
+        }
+    }
+}
+
 /// Values of the motion that can be varied.
 const DISTANCE: &str = "distance";
 const DURATION: &str = "duration";
@@ -168,12 +179,12 @@ impl Shard {
 
     /// How many of `cases` it has.
     pub fn len(&self, cases: usize) -> usize {
-        (cases + self.of - self.number) / self.of
+        cases.saturating_add(self.of - self.number) / self.of
     }
 
     /// Number of its `k`-th case, both from 0.
     pub fn case(&self, k: usize) -> usize {
-        k * self.of + self.number - 1
+        k.saturating_mul(self.of).saturating_add(self.number - 1)
     }
 }
 

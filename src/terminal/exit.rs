@@ -146,7 +146,7 @@ impl From<FitError> for Failure {
         let hint = match &error {
             FitError::TooSlow { .. } => Some("a higher limit, a shorter travel or a longer step"),
             FitError::Inversion(error) => error.hint(),
-            FitError::Motion(_) => None,
+            FitError::Motion(error) => error.hint(),
         };
         Self::new(Exit::NotSolvable, &error, hint)
     }
@@ -166,6 +166,6 @@ impl From<ParameterError> for Failure {
 
 impl From<FolderError> for Failure {
     fn from(error: FolderError) -> Self {
-        Self::new(Exit::CannotWrite, &error, None)
+        Self::new(Exit::CannotWrite, &error, error.hint())
     }
 }

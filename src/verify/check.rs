@@ -225,7 +225,7 @@ impl VerificationError {
         match self {
             Self::Torque(error) => error.hint(),
             Self::Simulation(error) => error.hint(),
-            Self::Motion(_) => None,
+            Self::Motion(error) => error.hint(),
             Self::Inversion(error) => error.hint(),
         }
     }

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::store::{SweepRows, sweep_header, sweep_row};
-use flexlink::sweep::{Shard, SweepPlan, Variation, in_order};
+use flexlink::sweep::{PlanError, Shard, SweepPlan, Variation, in_order};
 use flexlink::text::{excerpt, visible};
 
 use super::cases::{CaseArgs, Cases};
@@ -203,7 +203,9 @@ impl Sweep {
             })
         };
         let variations: Vec<Variation> = self.vary.iter().map(read).collect::<Result<_, _>>()?;
-        let refused = |error| Failure::new(Exit::Usage, &format!("--vary: {error}"), None);
+        let refused = |error: PlanError| {
+            Failure::new(Exit::Usage, &format!("--vary: {error}"), Some(error.hint()))
+        };
         SweepPlan::new(variations).map_err(refused)
     }
 
