@@ -2,16 +2,17 @@
 
 use std::fmt::Debug;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::parts::{ParameterError, not_negative};
 
 /// The link's own damping law (Bayo 1987, eqs 12, 15 and 16).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(tag = "model", rename_all = "lowercase")]
+#[serde(tag = "model", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Damping {
     /// An undamped link.
     #[default]
+    #[serde(deserialize_with = "no_more_keys")]
     None,
     /// Complex stiffness K(1 + 2iξ) (eq 16), the paper's law.
     Hysteretic {
@@ -50,6 +51,14 @@ pub enum Damping {
         /// Viscous ratio of each, in [0, 1).
         ratios: Vec<f64>,
     },
+}
+
+/// Reads a law without numbers: a unit variant alone would take any further key.
+fn no_more_keys<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(), D::Error> {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct NoKeys {}
+    NoKeys::deserialize(deserializer).map(|NoKeys {}| ())
 }
 
 impl Damping {
@@ -136,6 +145,21 @@ mod tests {
 
     fn refusal(law: &Damping) -> String {
         law.check().unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_stored_law_is_read_back_and_another_key_is_refused() {
+        let modal = Damping::Modal { ratios: vec![0.1] };
+        let series = Damping::Caughey { modes: vec![2], ratios: vec![0.1] };
+        let two = Damping::RayleighThroughModes { modes: [1, 2], ratios: [0.1; 2] };
+        let rayleigh = Damping::Rayleigh { alpha_per_s: 0.1, beta_s: 0.0 };
+        let hysteretic = Damping::Hysteretic { ratio: 0.1 };
+        for law in [Damping::None, hysteretic, rayleigh, two, modal, series] {
+            let stored = serde_json::to_string(&law).unwrap();
+            assert_eq!(serde_json::from_str::<Damping>(&stored).unwrap(), law);
+            let further = stored.replace('}', r#","more":1}"#);
+            assert!(serde_json::from_str::<Damping>(&further).is_err(), "{further}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@ use faer::{Col, Mat};
 use num_complex::Complex64;
 
 use super::link_on_mesh::{LinkOnMesh, Model};
-use crate::beam::{Inertia, Mesh, NodalTransfer, TipTransfer};
+use crate::beam::{Inertia, Mesh, NodalTransfer, TipTransfer, nodal_transfer};
 use crate::modal::{ModalBasis, Shape};
 
 /// Most elements that are assembled and factorised: the work grows with the cube of their number.
@@ -140,8 +140,11 @@ impl Model for Dense {
         self.nodal_transfer(omega_rad_s).tip
     }
 
-    /// At ω > 0; [`Dense::round_off`] is what round-off may cost.
+    /// [`Dense::round_off`] is what round-off may cost. At ω = 0, where K/ω² is no number, the link is rigid.
     fn nodal_transfer(&self, omega_rad_s: f64) -> NodalTransfer {
+        if omega_rad_s == 0.0 {
+            return nodal_transfer(self.mesh(), Complex64::ZERO);
+        }
         let (nodes_m, lambda) = (self.mesh().nodes_m(), self.law().lambda(omega_rad_s));
         let accelerations = self.accelerations(omega_rad_s);
         // The tip's displacement is the last unknown but one.
@@ -234,7 +237,7 @@ mod tests {
             let mesh = Mesh::on(&link, 6);
             let model = model_of(&link, mesh, KeptModes::All).unwrap();
             let dense = Dense::assemble(model.on_mesh().clone()).unwrap();
-            for omega in [3.0, 17.0, 90.0] {
+            for omega in [0.0, 3.0, 17.0, 90.0] {
                 let [found, expected] =
                     [&*model, &dense as &dyn Model].map(|model| model.nodal_transfer(omega));
                 let tip = |of: &NodalTransfer| {

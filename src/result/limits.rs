@@ -1,6 +1,7 @@
 //! Limits of a link and its motor, and how near a solution comes to them.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use thiserror::Error;
 
 use super::metrics::{Metrics, MotorMetrics};
@@ -13,7 +14,7 @@ const MOTOR: &str = "motor_";
 
 /// The largest values that a link and its motor may reach; `None` is no limit.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(remote = "Self", default, deny_unknown_fields)]
 pub struct Limits {
     /// Torque at the hub, on the link's side of a drive, in N m.
     pub torque_n_m: Option<f64>,
@@ -35,6 +36,21 @@ pub struct Limits {
     pub motor_rate_rad_s: Option<f64>,
     /// Mechanical power of the motor in W.
     pub motor_power_w: Option<f64>,
+}
+
+impl Serialize for Limits {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Limits {
+    /// Refuses a limit that is not finite and above 0.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let limits = Self::deserialize(deserializer)?;
+        limits.check_numbers().map_err(D::Error::custom)?;
+        Ok(limits)
+    }
 }
 
 /// The value of a solution that has a limit.
@@ -79,18 +95,30 @@ impl Limits {
     /// # Errors
     /// [`ParameterError`] names the first that is not.
     pub fn check(self, drive: Option<&Drive>) -> Result<Self, ParameterError> {
-        for (key, limit, unit) in self.entries() {
-            let Some(limit) = limit else { continue };
-            let must = if !limit.is_finite() || limit <= 0.0 {
-                "must be finite and above 0"
-            } else if key.starts_with(MOTOR) && drive.is_none() {
-                "must come with a [drive], the motor's side of the hub"
-            } else {
-                continue;
-            };
-            return Err(ParameterError::new(format!("limits.{key}"), limit, unit, must));
+        self.check_numbers()?;
+        if drive.is_none() {
+            let must = "must come with a [drive], the motor's side of the hub";
+            self.refuse(must, |key, _| key.starts_with(MOTOR))?;
         }
         Ok(self)
+    }
+
+    fn check_numbers(&self) -> Result<(), ParameterError> {
+        self.refuse("must be finite and above 0", |_, limit| !limit.is_finite() || limit <= 0.0)
+    }
+
+    /// Refuses the first limit of which `is_wrong`.
+    fn refuse(
+        &self,
+        must: &str,
+        is_wrong: impl Fn(&str, f64) -> bool,
+    ) -> Result<(), ParameterError> {
+        for (key, limit, unit) in self.entries() {
+            if let Some(limit) = limit.filter(|limit| is_wrong(key, *limit)) {
+                return Err(ParameterError::new(format!("limits.{key}"), limit, unit, must));
+            }
+        }
+        Ok(())
     }
 
     /// The limits that a solution exceeds, in the order of the link file.
@@ -206,4 +234,20 @@ fn errors(solution: &Solution, metrics: &Metrics) -> [f64; 10] {
         motor_rate,
         over(motor_torque + motor_rate, motor_peak * motor_peak_rate, motor_power),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stored_limits_are_those_written_and_checked() {
+        let limits = Limits { torque_n_m: Some(3.5), ..Limits::default() };
+        let stored = serde_json::to_string(&limits).unwrap();
+        assert_eq!(serde_json::from_str::<Limits>(&stored).unwrap(), limits);
+        assert_eq!(serde_json::from_str::<Limits>("{}").unwrap(), Limits::default());
+        for wrong in [r#"{"power_w": -2.0}"#, r#"{"power_w": 0}"#, r#"{"power": 2.0}"#] {
+            assert!(serde_json::from_str::<Limits>(wrong).is_err(), "{wrong}");
+        }
+    }
 }
