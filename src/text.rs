@@ -2,6 +2,9 @@
 
 use std::borrow::Cow;
 
+/// Decimals that no number exceeds; the formatter of the standard library takes a few more.
+const MOST_DECIMALS: usize = 1100;
+
 /// A number with `digits` significant digits, for people; scientific below 0.001 and from a million
 /// on.
 ///
@@ -11,7 +14,7 @@ use std::borrow::Cow;
 /// assert_eq!(significant(1.5e-4, 2), "1.5e-4");
 /// ```
 pub fn significant(value: f64, digits: usize) -> String {
-    let after_first = digits.saturating_sub(1);
+    let after_first = digits.saturating_sub(1).min(MOST_DECIMALS);
     let scientific = format!("{value:.after_first$e}");
     let exponent = scientific.split_once('e').and_then(|(_, e)| e.parse::<isize>().ok());
     match exponent {
@@ -107,6 +110,7 @@ mod tests {
         assert_eq!(significant(9.9996, 4), "10.00");
         assert_eq!(significant(1.5e7, 2), "1.5e7");
         assert_eq!(significant(0.0, 3), "0.00");
+        assert_eq!(significant(1.0, usize::MAX).len(), 1102);
     }
 
     #[test]

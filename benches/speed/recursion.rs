@@ -2,9 +2,7 @@
 //! degree of freedom at one frequency.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use flexlink::beam::{
-    Checkpoints, Mesh, NodalQuantity, nodal_transfer, nodal_transfers, tip_transfers,
-};
+use flexlink::beam::{Mesh, NodalQuantity, nodal_transfer, nodal_transfers, tip_transfers};
 use num_complex::Complex64;
 
 use super::inputs::{lambdas, mesh};
@@ -65,8 +63,7 @@ fn nodal(
     let mut table = vec![vec![Complex64::ZERO; BLOCK]; nodes.len()];
     for lambdas in lambdas.chunks(BLOCK) {
         let mut rows: Vec<_> = table.iter_mut().map(Vec::as_mut_slice).collect();
-        let checkpoints = &mut Checkpoints::of(mesh, []);
-        nodal_transfers(mesh, lambdas, nodes, quantity, &mut rows, checkpoints);
+        nodal_transfers(mesh, lambdas, nodes, quantity, &mut rows).unwrap();
     }
     table
 }

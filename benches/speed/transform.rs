@@ -13,7 +13,7 @@ const BAND: usize = 2172;
 pub(crate) fn bench(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("transform");
     for len in LENGTHS {
-        let pair = FourierPair::new(len);
+        let pair = FourierPair::fast(len);
         let samples = waves(len);
         let amplitudes = pair.amplitudes(samples.clone());
         group.throughput(Throughput::Elements(len as u64));

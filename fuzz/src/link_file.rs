@@ -27,7 +27,7 @@ fn check(specification: &Specification) {
     let elements: usize = plan.shares().iter().map(|(_, count)| count).sum();
     assert!(elements <= MeshPlan::MOST_ELEMENTS, "{elements} elements");
     if elements <= WORTH_THE_TIME {
-        let mesh = Mesh::new(link, plan).unwrap();
+        let mesh = Mesh::new(link, plan).expect("a plan of the link");
         assert_eq!(mesh.elements().len(), elements);
         let off = (mesh.length_m() / link.length_m() - 1.0).abs();
         assert!(off < 1e-12, "{} m are meshed of {} m", mesh.length_m(), link.length_m());

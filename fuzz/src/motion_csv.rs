@@ -2,7 +2,7 @@ use super::finite;
 use super::wording::check_words;
 use flexlink::csv::{Digits, MotionTable, read_motion_table, write_trajectory};
 use flexlink::motion::{Cutoff, MotionColumns, TipMotion};
-use flexlink::numeric::TimeGrid;
+use flexlink::response::Torque;
 
 const FILE: &str = "motion.csv";
 
@@ -18,9 +18,10 @@ pub fn motion_csv(bytes: &[u8]) {
         Err(error) => return check_words(FILE, &error, error.hint()),
         Ok(table) => table,
     };
-    check_columns(&table.columns);
-    check_written(&table.columns);
-    let (first, last) = (table.columns.time_s[0], *table.columns.time_s.last().expect("times"));
+    check_columns(table.columns());
+    check_written(table.columns());
+    let times_s = &table.columns().time_s;
+    let (first, last) = (times_s[0], *times_s.last().expect("times"));
     // Steps that divide the duration, and one that mostly does not.
     for step_s in [(last - first) / 7.0, (last - first) / 100.0, 0.01] {
         if (last - first) / step_s < MOST_SAMPLES as f64 {
@@ -44,14 +45,16 @@ fn check_columns(columns: &MotionColumns) {
 // Law: what is written with all digits is read to the same bits, and times to 1e-12 s and far less than
 // a step.
 fn check_written(columns: &MotionColumns) {
-    let Ok(grid) = TimeGrid::through(&columns.time_s) else { return };
+    let still = vec![0.0; columns.time_s.len()];
+    let Ok(torque) = Torque::new(&columns.time_s, still) else { return };
     let mut written = Vec::new();
     write_trajectory(&mut written, columns, Digits::Full).expect("a vector");
-    let again = read_motion_table("again.csv", &written, 1.5).expect("what was written").columns;
-    let allowed_s = 1e-12_f64.min(1e-3 * grid.step_s);
+    let again = read_motion_table("again.csv", &written, 1.5).expect("what was written");
+    let again = again.columns();
+    let allowed_s = 1e-12_f64.min(1e-3 * torque.grid().step_s);
     let times = again.time_s.iter().zip(&columns.time_s);
     assert!(times.into_iter().all(|(a, b)| (a - b).abs() <= allowed_s));
-    assert_eq!(again, MotionColumns { time_s: again.time_s.clone(), ..columns.clone() });
+    assert_eq!(*again, MotionColumns { time_s: again.time_s.clone(), ..columns.clone() });
 }
 
 fn check_motion(table: MotionTable) {
@@ -71,8 +74,7 @@ fn check_rest(motion: &TipMotion) {
     }
     // The middle of the rest between two repetitions.
     let (len, seam) = (4 * grid.len, grid.len + 3 * grid.len / 2);
-    let period = motion.over_period(len, seam, Cutoff::ALL);
-    let histories = &period.histories;
+    let histories = motion.histories_over(len, seam, Cutoff::ALL).expect("a seam in the padding");
     let speeds = &histories.velocity_m_s;
     let accelerations = &histories.acceleration_m_s2;
     for samples in [&histories.displacement_m, speeds, accelerations] {

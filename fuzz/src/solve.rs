@@ -35,7 +35,7 @@ pub fn solve(bytes: &[u8]) {
 fn run(u: &mut Unstructured) -> Result<()> {
     let parts = any_link(u)?;
     let Some((link, plan)) = meshed(parts.clone(), u.int_in_range(1..=8)?) else { return Ok(()) };
-    let mesh = Mesh::new(&link, &plan).unwrap();
+    let mesh = Mesh::new(&link, &plan).expect("a plan of the link");
     let (omegas, zeros) = (natural_frequencies(&mesh, 8), torque_zeros(&mesh, 4));
     // Law: natural frequencies and zeros are numbers above 0, in order.
     for found in [&omegas, &zeros] {
@@ -118,7 +118,7 @@ fn check_sum(problem: Problem, motions: &TwoMotions, first_zero: Option<f64>) {
 
 // Law: a link so stiff that bending changes its torque by 2⁻⁶⁰ at most needs the rigid torque.
 fn check_stiff(problem: &Problem, mut parts: LinkParts, columns: &MotionColumns) {
-    let mesh = Mesh::new(&problem.link, &problem.plan).unwrap();
+    let mesh = Mesh::new(&problem.link, &problem.plan).expect("a plan of the link");
     let Ok(model) = model_of(&problem.link, mesh, KeptModes::All) else { return };
     let Some(bending) = bending(&*model) else { return };
     let nyquist_rad_s = PI / (columns.time_s[1] - columns.time_s[0]);

@@ -22,11 +22,12 @@ mod recursion;
 mod rigid_limit;
 mod transfer;
 
-pub use batch::{Checkpoints, Pivots, nodal_transfers, pivots, tip_displacements_m, tip_transfers};
+pub(crate) use batch::{Checkpoints, Pivots, nodal_transfers_from, pivots, tip_displacements_m};
+pub use batch::{nodal_transfers, tip_transfers};
 pub use element::{Element, RelativeElement};
 pub use inertia::{Gain, Inertia};
 pub use mesh::Mesh;
-pub use pivoted::{DrivenMotion, PivotedScalar, driven_motion};
+pub(crate) use pivoted::{DrivenMotion, driven_motion};
 pub use plan::{ElementCount, MeshPlan, Piece};
 pub use recursion::{
     HubResponse, NodalHistories, NodalQuantity, Step, condense, hub_response, tip_displacement_m,

@@ -13,7 +13,7 @@ use super::element::RelativeElement;
 use super::mesh::Mesh;
 
 /// Numbers that the recursion with pivoting runs over: complex ones, and real ones for modes.
-pub trait PivotedScalar: ComplexField<RealField = f64> + Copy {}
+pub(crate) trait PivotedScalar: ComplexField<RealField = f64> + Copy {}
 
 impl PivotedScalar for f64 {}
 impl PivotedScalar for Complex64 {}
@@ -39,7 +39,7 @@ struct ElementMotion<S> {
 
 /// A motion of the whole link at one λ under a torque at the hub alone, its size arbitrary.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DrivenMotion<S> {
+pub(crate) struct DrivenMotion<S> {
     /// Hub angle θ.
     pub theta: S,
     /// Torque at the hub over −ω².
@@ -54,7 +54,7 @@ pub struct DrivenMotion<S> {
 }
 
 /// The motion that a torque at the hub causes at λ, also where the link or a part of it resonates.
-pub fn driven_motion<S: PivotedScalar>(mesh: &Mesh, lambda: S) -> DrivenMotion<S> {
+pub(crate) fn driven_motion<S: PivotedScalar>(mesh: &Mesh, lambda: S) -> DrivenMotion<S> {
     let mut outer = Admitted {
         motion: Block::<S>::identity(),
         reaction: lifted::<S>(&mesh.tip_inertia().matrix()),

@@ -136,8 +136,7 @@ fn tell(
 
 /// Displacements of all nodes in a mode.
 fn shape(mesh: &Mesh, omega_rad_s: f64) -> Vec<f64> {
-    let shape = mode(mesh, omega_rad_s).shape;
-    (0..mesh.nodes_m().len()).map(|node| shape.displacement(mesh, node)).collect()
+    mode(mesh, omega_rad_s).shape.displacements(mesh)
 }
 
 /// The mesh on which the modes are exact to the plan's tolerance, and their frequencies in rad/s:

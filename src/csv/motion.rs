@@ -28,20 +28,21 @@ const WHOLE_STEPS: f64 = 1e-6;
 /// A tip motion read from a file, in SI, with the line of each sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionTable {
-    /// The samples.
-    pub columns: MotionColumns,
+    columns: MotionColumns,
     name: String,
     lines: Vec<u64>,
 }
 
 impl MotionTable {
     /// Line of a sample in the file, from 1; in a resampled motion, the line of the last sample of the
-    /// file that is not later.
-    ///
-    /// # Panics
-    /// If there is no such sample.
-    pub fn line_of(&self, sample: usize) -> u64 {
-        self.lines[sample]
+    /// file that is not later. None if there is no such sample.
+    pub fn line_of(&self, sample: usize) -> Option<u64> {
+        self.lines.get(sample).copied()
+    }
+
+    /// The samples.
+    pub fn columns(&self) -> &MotionColumns {
+        &self.columns
     }
 
     /// Checks the samples and makes a motion of them.
@@ -95,7 +96,7 @@ impl MotionTable {
     /// use flexlink::csv::read_motion_table;
     /// let file = b"time,displacement\n0,0\n0.1,0.2\n0.3,0.8\n0.4,1\n";
     /// let motion = read_motion_table("move.csv", file, 1.5)?.resampled(0.05)?;
-    /// assert_eq!(motion.columns.time_s.len(), 9);
+    /// assert_eq!(motion.columns().time_s.len(), 9);
     /// # Ok::<(), flexlink::csv::TableError>(())
     /// ```
     ///
@@ -146,7 +147,7 @@ impl MotionTable {
 /// use flexlink::csv::read_motion_table;
 /// let file = b"time [ms],displacement [cm]\n0,0\n1,0.5\n2,1.5\n3,2\n";
 /// let motion = read_motion_table("move.csv", file, 1.5)?;
-/// let displacement_m = motion.columns.displacement_m.as_deref();
+/// let displacement_m = motion.columns().displacement_m.as_deref();
 /// assert!((displacement_m.unwrap()[3] - 0.02).abs() < 1e-15);
 /// # Ok::<(), flexlink::csv::TableError>(())
 /// ```
@@ -341,7 +342,7 @@ mod tests {
     #[test]
     fn a_line_is_that_of_the_last_sample_not_later() {
         let resampled = table(&[0.0, 0.1, 0.3, 0.6], versine).resampled(0.1).unwrap();
-        let lines: Vec<u64> = (0..7).map(|k| resampled.line_of(k)).collect();
+        let lines: Vec<u64> = (0..7).filter_map(|k| resampled.line_of(k)).collect();
         assert_eq!(lines, [0, 2, 2, 4, 4, 4, 6]);
     }
 

@@ -84,9 +84,7 @@ pub enum Warning {
         quantity: Quantity,
         /// Its peak in N m.
         peak_n_m: f64,
-        /// Its peak in N m at [`LOOSER`] times the tip's tolerance.
-        ///
-        /// [`LOOSER`]: crate::motion::LOOSER
+        /// Its peak in N m at twice the tip's tolerance.
         looser_n_m: f64,
     },
     /// The written window cuts torque off.

@@ -59,7 +59,7 @@ impl ModalBasis {
     /// ```text
     /// Σ φ_k p_k/ω_k²  over the modes left out
     /// ```
-    pub fn static_residual(&self, mesh: &Mesh) -> Shape {
+    pub(crate) fn static_residual(&self, mesh: &Mesh) -> Shape {
         self.left_over(static_shape(mesh, &self.rigid))
     }
 
@@ -73,7 +73,7 @@ impl ModalBasis {
     /// The static residual made a mode of its own, at the frequency that its stiffness and mass
     /// give it: with it a truncated basis answers slow torques as the whole link does, and stays
     /// orthogonal. None where the residual is round-off or moves no mass.
-    pub fn residual_mode(&self, mesh: &Mesh) -> Option<Mode> {
+    pub(crate) fn residual_mode(&self, mesh: &Mesh) -> Option<Mode> {
         let all = static_shape(mesh, &self.rigid);
         let rest = self.left_over(all.clone());
         let (whole, mass) = (all.mass_product(mesh, &all), rest.mass_product(mesh, &rest));

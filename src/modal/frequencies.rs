@@ -197,7 +197,7 @@ pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize)
 
 /// First natural frequency in rad/s of the link clamped at its hub, where it lies below
 /// `limit_rad_s` > 0; one count is enough where it does not.
-pub fn clamped_frequency_below(mesh: &Mesh, limit_rad_s: f64) -> Option<f64> {
+pub(crate) fn clamped_frequency_below(mesh: &Mesh, limit_rad_s: f64) -> Option<f64> {
     if HubSpring::CLAMPED.modes_below(mesh, &[limit_rad_s; SECTIONS])[0] == 0 {
         return None;
     }

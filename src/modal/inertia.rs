@@ -6,13 +6,13 @@ const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
 /// Whether anything but the beam itself resists rotation outboard of the hub: a lumped rotary
 /// inertia or an offset payload.
-pub fn carries_rotary_inertia(mesh: &Mesh) -> bool {
+pub(super) fn carries_rotary_inertia(mesh: &Mesh) -> bool {
     let lumped = (0..mesh.elements().len()).filter_map(|node| mesh.lumped_inertia(node));
     mesh.tip_inertia().pp > 0.0 || lumped.into_iter().any(|body| body.pp > 0.0)
 }
 
 /// Number of flexible modes of the link on its free hub.
-pub fn flexible_modes(mesh: &Mesh) -> usize {
+pub(crate) fn flexible_modes(mesh: &Mesh) -> usize {
     (outboard_degrees_of_freedom(mesh) + usize::from(hub_moves_mass(mesh))).saturating_sub(1)
 }
 
@@ -30,7 +30,7 @@ pub(super) fn outboard_degrees_of_freedom(mesh: &Mesh) -> usize {
 }
 
 /// Whether the hub's rotation moves any mass of its own: one mode more where it is not clamped.
-pub fn hub_moves_mass(mesh: &Mesh) -> bool {
+pub(crate) fn hub_moves_mass(mesh: &Mesh) -> bool {
     // The root only turns: its mass counts if the hub's radius gives it an arm.
     let root = mesh.lumped_inertia(0).is_some_and(|body| body.about(mesh.nodes_m()[0]) > 0.0);
     mesh.hub_inertia_kg_m2() > 0.0 || root || has_mass(&mesh.elements()[0])

@@ -178,7 +178,7 @@ impl DampingLaw {
     }
 
     /// 1/κ at ω ≥ 0, found once where it is the same at all of them.
-    pub fn compliance_factor(&self) -> impl Fn(f64) -> Complex64 {
+    pub(crate) fn compliance_factor(&self) -> impl Fn(f64) -> Complex64 {
         let at = |omega_rad_s| self.stiffness_factor(omega_rad_s).reciprocal();
         let at_all = if matches!(self, Self::Rayleigh { .. }) { None } else { Some(at(0.0)) };
         #[inline(always)]
@@ -223,7 +223,12 @@ impl DampingLaw {
 
     /// What divides the torque's share in flexible mode `number` of natural frequency `mode_rad_s`
     /// at ω: `ω_k² − λ`, or `ω_k² − ω² + 2iζω_kω`, in 1/s².
-    pub fn modal_denominator(&self, number: usize, mode_rad_s: f64, omega_rad_s: f64) -> Complex64 {
+    pub(crate) fn modal_denominator(
+        &self,
+        number: usize,
+        mode_rad_s: f64,
+        omega_rad_s: f64,
+    ) -> Complex64 {
         let square = mode_rad_s * mode_rad_s;
         if self.is_modal() {
             let rate = 2.0 * self.modal_ratio(number, mode_rad_s) * mode_rad_s;

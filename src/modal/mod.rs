@@ -10,10 +10,9 @@ mod thickness;
 mod zeros;
 
 pub use basis::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES, ModalBasis};
-pub use frequencies::{
-    REPORTED_MODES, clamped_frequency_below, held_frequencies, modes_below, natural_frequencies,
-};
-pub use inertia::{carries_rotary_inertia, flexible_modes, hub_moves_mass};
+pub(crate) use frequencies::clamped_frequency_below;
+pub use frequencies::{REPORTED_MODES, held_frequencies, modes_below, natural_frequencies};
+pub(crate) use inertia::{flexible_modes, hub_moves_mass};
 pub use law::{CaugheySeries, DampingError, DampingLaw};
 pub use shape::{Mode, Shape, mode};
 pub use thickness::{LoweredMode, NOTICEABLE, ThickLink, Thickness};

@@ -40,13 +40,19 @@ impl Shape {
         Self { hub_angle: 1.0, deflections: vec![Vector2::zeros(); mesh.nodes_m().len()] }
     }
 
+    /// Total displacements `v = w + xθ` of all nodes (Bayo 1987, eq 1).
+    pub fn displacements(&self, mesh: &Mesh) -> Vec<f64> {
+        let nodes = self.deflections.iter().zip(mesh.nodes_m());
+        nodes.map(|(deflection, x_m)| deflection[0] + x_m * self.hub_angle).collect()
+    }
+
     /// Total displacement `v = w + xθ` of a node (Bayo 1987, eq 1).
-    pub fn displacement(&self, mesh: &Mesh, node: usize) -> f64 {
+    pub(crate) fn displacement(&self, mesh: &Mesh, node: usize) -> f64 {
         self.total(mesh, node)[0]
     }
 
     /// Total displacement of the tip.
-    pub fn tip_displacement(&self, mesh: &Mesh) -> f64 {
+    pub(crate) fn tip_displacement(&self, mesh: &Mesh) -> f64 {
         self.displacement(mesh, self.deflections.len() - 1)
     }
 
@@ -64,7 +70,7 @@ impl Shape {
     }
 
     /// `∫ m̄ v v' dx + Σ (m v v' + J φ φ') + I_H θ θ'`, element by element in relative coordinates.
-    pub fn mass_product(&self, mesh: &Mesh, other: &Self) -> f64 {
+    pub(crate) fn mass_product(&self, mesh: &Mesh, other: &Self) -> f64 {
         let elements = mesh.relative_elements().iter().enumerate().map(|(k, element)| {
             let (u, d) = (self.total(mesh, k), self.deformation(mesh, k));
             let (v, e) = (other.total(mesh, k), other.deformation(mesh, k));
@@ -83,7 +89,7 @@ impl Shape {
     }
 
     /// `∫ EI w₁'' w₂'' dx` of two shapes: twice the strain energy of a shape with itself.
-    pub fn stiffness_product(&self, mesh: &Mesh, other: &Self) -> f64 {
+    pub(crate) fn stiffness_product(&self, mesh: &Mesh, other: &Self) -> f64 {
         let elements = mesh.relative_elements().iter().enumerate();
         let products = elements.map(|(k, element)| {
             self.deformation(mesh, k).dot(&(element.k_d * other.deformation(mesh, k)))
@@ -93,7 +99,7 @@ impl Shape {
 
     /// Moment at nodes 0 … n that gives what lies outboard, the node's own lump included, this
     /// shape as its acceleration: `∫ m̄ v (x − x_i) dx + …`.
-    pub fn moments(&self, mesh: &Mesh) -> Vec<f64> {
+    pub(crate) fn moments(&self, mesh: &Mesh) -> Vec<f64> {
         let last = self.deflections.len() - 1;
         let mut moments = vec![0.0; last + 1];
         moments[last] = (mesh.tip_inertia().matrix() * self.total(mesh, last))[1];

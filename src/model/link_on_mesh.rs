@@ -90,7 +90,8 @@ pub trait Model: Debug + Send + Sync {
     /// With the same checkpoints, further calls at the same ω pass through a part of the mesh alone.
     ///
     /// # Panics
-    /// As [`nodal_transfers`](crate::beam::nodal_transfers).
+    /// If a node is not one of the mesh, a row is shorter than `omegas_rad_s`, or the checkpoints do not
+    /// know the nodes of a further call. Only this crate makes checkpoints, so that no other calls it.
     fn nodal_transfers(
         &self,
         omegas_rad_s: &[f64],

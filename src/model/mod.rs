@@ -1,7 +1,7 @@
 //! A link on a mesh under a motion of its tip, at one frequency.
 //!
 //! [`Model`] is the one door: torque, hub angle and nodes per unit of tip motion. Behind it stand the
-//! recursion ([`Recursion`]), modal superposition ([`Superposition`]) and the paper's assembled matrices
+//! recursion, modal superposition and the paper's assembled matrices
 //! ([`Dense`]), which check the other two. [`model_of`] chooses the one that a link's damping law and
 //! the modes kept ask for.
 
@@ -15,5 +15,4 @@ pub use dense::{Dense, MOST_ELEMENTS_OF_DENSE_SOLVE};
 pub use frequency_response::{FrequencyResponse, changes_on_halves};
 pub use link_on_mesh::{KeptModes, LinkOnMesh, Model, ModelError};
 pub(crate) use recursion::check_size;
-pub use recursion::{Recursion, model_of};
-pub use superposition::Superposition;
+pub use recursion::model_of;

@@ -7,8 +7,8 @@ use num_complex::Complex64;
 use super::link_on_mesh::{KeptModes, LinkOnMesh, Model, ModelError};
 use super::superposition::Superposition;
 use crate::beam::{
-    Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer, nodal_transfer, nodal_transfers,
-    tip_transfer, tip_transfers,
+    Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer, nodal_transfer,
+    nodal_transfers_from, tip_transfer, tip_transfers,
 };
 use crate::link::{Damping, Link};
 use crate::modal::MOST_ELEMENTS_OF_ALL_MODES;
@@ -61,7 +61,7 @@ impl dyn Model + '_ {
     ///
     /// # Errors
     /// As [`model_of`].
-    pub fn unreduced(&self) -> Result<Arc<dyn Model>, ModelError> {
+    pub(crate) fn unreduced(&self) -> Result<Arc<dyn Model>, ModelError> {
         model_on(self.on_mesh().clone(), KeptModes::All)
     }
 
@@ -74,7 +74,7 @@ impl dyn Model + '_ {
 /// A link with a local damping law, condensed to its hub element by element: exact, and linear in the
 /// number of elements.
 #[derive(Debug, Clone)]
-pub struct Recursion {
+struct Recursion {
     link: LinkOnMesh,
 }
 
@@ -83,7 +83,7 @@ impl Recursion {
     ///
     /// # Panics
     /// If the damping law is modal: the recursion knows no modes.
-    pub fn new(link: LinkOnMesh) -> Self {
+    fn new(link: LinkOnMesh) -> Self {
         assert!(!link.law().is_modal(), "a modal law needs modal superposition");
         Self { link }
     }
@@ -120,7 +120,7 @@ impl Model for Recursion {
         checkpoints: &mut Checkpoints,
     ) {
         let lambdas = self.lambdas(omegas_rad_s);
-        nodal_transfers(self.mesh(), &lambdas, nodes, quantity, rows, checkpoints);
+        nodal_transfers_from(self.mesh(), &lambdas, nodes, quantity, rows, checkpoints);
     }
 }
 

@@ -11,7 +11,7 @@ use crate::modal::{ModalBasis, Shape};
 /// x/T = φ₀p₀/(−ω²) + Σ φ_k p_k/(ω_k² − ω² + 2iζ_kω_kω)            (Bayo 1987, eqs 11 and 12)
 /// ```
 #[derive(Debug, Clone)]
-pub struct Superposition {
+pub(super) struct Superposition {
     link: LinkOnMesh,
     kept: KeptModes,
     rigid: Share,
@@ -54,7 +54,7 @@ impl Superposition {
     ///
     /// # Errors
     /// [`ModelError`]: more modes than there are, or a mesh too large for all of them.
-    pub fn new(link: LinkOnMesh, kept: KeptModes) -> Result<Self, ModelError> {
+    pub(super) fn new(link: LinkOnMesh, kept: KeptModes) -> Result<Self, ModelError> {
         let mesh = link.mesh();
         let share = |shape: &Shape| Share::of(mesh, shape);
         let (basis, residual) = match kept {

@@ -22,10 +22,10 @@ use super::spectrum::TipSpectrum;
 use crate::numeric::largest;
 
 /// Number of terms: 1/s, 1/s³ and 1/s⁵.
-pub const TAIL_TERMS: usize = 3;
+pub(crate) const TAIL_TERMS: usize = 3;
 
 /// A number for each term: `S_m` of a signal, or `Q_m` at a time.
-pub type TailTerms = [f64; TAIL_TERMS];
+pub(crate) type TailTerms = [f64; TAIL_TERMS];
 
 /// Images up to this many periods away are summed one by one; those beyond by a power series.
 const NEAR_PERIODS: i32 = 2;
@@ -41,7 +41,7 @@ const POWERS: usize = 8;
 const BLOCK: usize = 4096;
 
 /// The images of a motion in all periods but its own.
-pub struct Images {
+pub(crate) struct Images {
     step_s: f64,
     samples: usize,
     seam: usize,
@@ -90,7 +90,7 @@ impl Images {
     ///
     /// # Panics
     /// Beyond the second derivative.
-    pub fn history(&self, order: usize) -> &[TailTerms] {
+    pub(crate) fn history(&self, order: usize) -> &[TailTerms] {
         self.histories[order].get_or_init(|| {
             let series = self.series.each_ref().map(|series| {
                 (0..order).fold(series.clone(), |series, _| self.span.derivative(&series))
@@ -110,7 +110,7 @@ impl Images {
     ///
     /// # Panics
     /// Without a sample for each of the period.
-    pub fn residuals_at_seam(&self, signal: &[f64], tail: &TailTerms) -> Vec<f64> {
+    pub(crate) fn residuals_at_seam(&self, signal: &[f64], tail: &TailTerms) -> Vec<f64> {
         assert_eq!(signal.len(), self.samples, "samples of the period");
         let around = self.around_seam.iter();
         around.map(|(k, terms)| signal[*k] - tail_sum(tail, terms)).collect()
@@ -149,7 +149,7 @@ impl WithSimd for Evaluation<'_> {
 }
 
 /// `Σ_m S_m Q_m`.
-pub fn tail_sum(tail: &TailTerms, terms: &TailTerms) -> f64 {
+pub(crate) fn tail_sum(tail: &TailTerms, terms: &TailTerms) -> f64 {
     tail[0] * terms[0] + tail[1] * terms[1] + tail[2] * terms[2]
 }
 

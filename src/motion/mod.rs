@@ -10,11 +10,13 @@ mod scale;
 mod spectrum;
 mod tip_motion;
 
-pub use images::{Images, TAIL_TERMS, TailTerms, tail_sum};
-pub use period::{TipHistories, TipMotionHistories, TipPeriod};
+pub(crate) use images::{TAIL_TERMS, TailTerms, tail_sum};
+pub(crate) use period::TipPeriod;
+pub use period::{TipHistories, TipMotionHistories};
 pub use periods::Periods;
 pub use profile::Profile;
 pub use samples::{MotionColumns, MotionError};
 pub use scale::{MotionScale, TipTarget};
-pub use spectrum::{Cutoff, LOOSER, Shortfall, TipSpectrum};
+pub(crate) use spectrum::TipSpectrum;
+pub use spectrum::{Cutoff, Shortfall};
 pub use tip_motion::{EndVelocity, TipMotion};

@@ -9,7 +9,7 @@ use super::samples::{Samples, Source};
 use super::spectrum::{Cutoff, TipSpectrum};
 
 /// A motion on a period, up to a cut-off: all that depends on no link.
-pub struct TipPeriod {
+pub(crate) struct TipPeriod {
     /// Its spectrum.
     pub spectrum: TipSpectrum,
     /// Its histories.
@@ -32,13 +32,13 @@ impl TipPeriod {
     }
 
     /// What the motion in all other periods adds to signals with a slow tail.
-    pub fn images(&self) -> &Images {
+    pub(crate) fn images(&self) -> &Images {
         self.images.get_or_init(|| Images::new(&self.spectrum, self.samples.forcing_m_s2()))
     }
 
     /// Error of the solved tip in m: what the cut-off leaves out or, where all frequencies are kept, the
     /// ringing at the Nyquist frequency.
-    pub fn tip_error_m(&self) -> f64 {
+    pub(crate) fn tip_error_m(&self) -> f64 {
         let cutoff = &self.spectrum.cutoff;
         if cutoff.keeps_all() { self.histories.ringing_m() } else { cutoff.tip_error_m }
     }

@@ -44,7 +44,7 @@ impl Periods {
     ///
     /// # Panics
     /// As [`TipMotion::over_period`].
-    pub fn over_period(
+    pub(crate) fn over_period(
         &self,
         motion: &TipMotion,
         len: usize,

@@ -11,7 +11,7 @@ use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magni
 pub(super) const ROLL_OFF: f64 = 1.5;
 
 /// Factor on the tolerance for which a second cut-off is found: the torque must not depend on it much.
-pub const LOOSER: f64 = 2.0;
+pub(super) const LOOSER: f64 = 2.0;
 
 /// The frequency up to which a motion is solved for, and the error of the tip that follows.
 ///
@@ -23,7 +23,7 @@ pub const LOOSER: f64 = 2.0;
 pub struct Cutoff {
     /// Frequency in rad/s up to which amplitudes are kept unchanged; infinite where all are.
     pub omega_rad_s: f64,
-    /// The same in rad/s for [`LOOSER`] times the tolerance.
+    /// The same in rad/s for twice the tolerance.
     pub looser_rad_s: f64,
     /// Largest error in m of the solved tip against the wanted one, at any time.
     pub tip_error_m: f64,
@@ -60,7 +60,7 @@ impl Cutoff {
     }
 
     /// Weight for the looser tolerance over [`Self::weight`]: the factor that turns one into the other.
-    pub fn weight_of_looser(&self, omega_rad_s: f64) -> f64 {
+    pub(crate) fn weight_of_looser(&self, omega_rad_s: f64) -> f64 {
         let own = self.weight(omega_rad_s);
         if own > 0.0 { weight(omega_rad_s, self.looser_rad_s) / own } else { 0.0 }
     }
@@ -90,7 +90,7 @@ const SEAM_PLACES: usize = 8;
 /// Samples after the trajectory continue its rest; those from the seam on are the rest
 /// before it.
 #[derive(Clone)]
-pub struct TipSpectrum {
+pub(crate) struct TipSpectrum {
     /// The Fourier pair of the period.
     pub pair: FourierPair,
     /// The pair with twice the samples that the band needs: a peak at the cut-off is found to within a
@@ -174,13 +174,13 @@ impl TipSpectrum {
     }
 
     /// Period P in s.
-    pub fn period_s(&self) -> f64 {
+    pub(crate) fn period_s(&self) -> f64 {
         self.pair.len() as f64 * self.step_s
     }
 
     /// Places around the seam at which the end of a decay is measured: samples of the period with their
     /// times in s, and the time between two in s.
-    pub fn around_seam(&self) -> (Vec<(usize, f64)>, f64) {
+    pub(crate) fn around_seam(&self) -> (Vec<(usize, f64)>, f64) {
         let len = self.pair.len();
         let stride = (self.seam_reach() / SEAM_PLACES).max(1);
         let first = len + self.seam - SEAM_PLACES * stride;
@@ -196,19 +196,19 @@ impl TipSpectrum {
     /// tail of t⁻⁴ is left. At least one cycle of the cut-off, since the ringing of a roll-off is zero twice
     /// a cycle.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "samples, bounded")]
-    pub fn seam_reach(&self) -> usize {
+    pub(crate) fn seam_reach(&self) -> usize {
         let len = self.pair.len();
         let cycle = TAU / (self.cutoff.omega_rad_s * self.step_s);
         (len / 32).max(2).max((cycle.ceil() as usize).min(len / 4))
     }
 
     /// Number of bins from zero frequency on up to the last one above round-off.
-    pub fn band_len(&self) -> usize {
+    pub(crate) fn band_len(&self) -> usize {
         self.band_len
     }
 
     /// Amplitudes of the `order`-th time derivative of a quantity with `amplitudes`.
-    pub fn derivative(&self, amplitudes: &[Complex64], order: usize) -> Vec<Complex64> {
+    pub(crate) fn derivative(&self, amplitudes: &[Complex64], order: usize) -> Vec<Complex64> {
         let mut derived = amplitudes.to_vec();
         for _ in 0..order {
             for (x, omega) in derived.iter_mut().zip(&self.omegas_rad_s) {

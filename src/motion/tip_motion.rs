@@ -1,10 +1,11 @@
 use std::sync::Arc;
 
-use super::period::TipPeriod;
+use super::period::{TipHistories, TipPeriod};
 use super::samples::{
     MotionColumns, MotionError, Samples, Source, at_rest, can_be_transformed, moving_samples,
 };
 use super::spectrum::Cutoff;
+use crate::link::ParameterError;
 use crate::numeric::{TimeGrid, fast_length, largest};
 
 /// End velocity over peak velocity that is round-off.
@@ -164,8 +165,31 @@ impl TipMotion {
     ///
     /// # Panics
     /// If `len` is odd or below the number of samples, or `seam` does not lie in the padding.
-    pub fn over_period(&self, len: usize, seam: usize, cutoff: Cutoff) -> TipPeriod {
+    pub(crate) fn over_period(&self, len: usize, seam: usize, cutoff: Cutoff) -> TipPeriod {
         TipPeriod::of(&self.samples, len, seam, cutoff)
+    }
+
+    /// The histories on such a period.
+    ///
+    /// # Errors
+    /// [`ParameterError`] if `len` is odd or below the number of samples, or `seam` does not lie in the
+    /// padding.
+    pub fn histories_over(
+        &self,
+        len: usize,
+        seam: usize,
+        cutoff: Cutoff,
+    ) -> Result<TipHistories, ParameterError> {
+        let given = self.grid().len;
+        if len < given || !len.is_multiple_of(2) {
+            let must = format!("must be even and at least {given}");
+            return Err(ParameterError::new("the period", len, "samples", must));
+        }
+        if !(given..=len).contains(&seam) {
+            let must = format!("must lie from {given} to {len}");
+            return Err(ParameterError::new("the seam", seam, "", must));
+        }
+        Ok(self.over_period(len, seam, cutoff).histories)
     }
 
     /// True if both have the same start and share their samples.

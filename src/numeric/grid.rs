@@ -124,19 +124,12 @@ impl TimeGrid {
     ///
     /// A time may be off by a thousandth of a step, or by the rounding of its last decimal.
     ///
-    /// ```
-    /// use flexlink::numeric::TimeGrid;
-    /// let grid = TimeGrid::through(&[0.000, 0.017, 0.033, 0.050])?;
-    /// assert!((1.0 / grid.step_s - 60.0).abs() < 1e-9);
-    /// # Ok::<(), flexlink::numeric::NotUniform>(())
-    /// ```
-    ///
     /// # Errors
     /// [`NotUniform`] names the first time that is off, and the time that the grid has there.
     ///
     /// # Panics
     /// If there are fewer than two times.
-    pub fn through(time_s: &[f64]) -> Result<Self, NotUniform> {
+    pub(crate) fn through(time_s: &[f64]) -> Result<Self, NotUniform> {
         let (origin_s, last) = (time_s[0], time_s.len() - 1);
         let step_s = (time_s[last] - origin_s) / last as f64;
         let slack_s = slack(time_s, step_s);

@@ -11,15 +11,17 @@ mod spline;
 mod units;
 
 pub(crate) use eigen::SymmetricEigen;
-pub use fft::{FourierPair, Scratch, angular_frequency, fast_length};
+pub use fft::FourierPair;
+pub(crate) use fft::{angular_frequency, fast_length};
 pub use grid::{NotUniform, ThinnedGrid, TimeGrid};
 pub(crate) use reductions::{dot, rounded};
 pub use reductions::{largest, largest_difference, magnitude};
-pub use roots::{SECTIONS, geometric_scan, next_places, root};
+pub use roots::root;
+pub(crate) use roots::{SECTIONS, geometric_scan, next_places};
 pub(crate) use sampling::{PANEL, Sampling, Transforms};
 #[cfg(test)]
 pub(crate) use scalar::wide::Wide;
 pub use scalar::{Scalar, Size};
-pub use spline::{CubicSpline, SplineEnds};
+pub(crate) use spline::{CubicSpline, SplineEnds};
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
 pub(crate) use units::{quantity_pattern, reads_as_unit, split_number};

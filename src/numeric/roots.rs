@@ -1,5 +1,5 @@
 /// Places at which a function is evaluated in one step of a search: two of the widest vectors.
-pub const SECTIONS: usize = 16;
+pub(crate) const SECTIONS: usize = 16;
 
 /// Narrows the bracket of a root until no number lies between its ends; returns the lower end.
 ///
@@ -80,12 +80,12 @@ fn places(low: f64, high: f64) -> [f64; SECTIONS] {
 }
 
 /// The grid points of a geometric scan from `low`, neighbours `ratio` apart.
-pub fn geometric_scan(low: f64, ratio: f64) -> impl Iterator<Item = f64> {
+pub(crate) fn geometric_scan(low: f64, ratio: f64) -> impl Iterator<Item = f64> {
     std::iter::successors(Some(low), move |x| Some(x * ratio))
 }
 
 /// The next sixteen values of an endless sequence.
-pub fn next_places(scan: &mut impl Iterator<Item = f64>) -> [f64; SECTIONS] {
+pub(crate) fn next_places(scan: &mut impl Iterator<Item = f64>) -> [f64; SECTIONS] {
     std::array::from_fn(|_| scan.next().unwrap_or(f64::INFINITY))
 }
 

@@ -1,6 +1,6 @@
 /// What a [`CubicSpline`] does at its two ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SplineEnds {
+pub(crate) enum SplineEnds {
     /// The two outermost pieces at each end are one cubic: no assumption on the curve.
     NotAKnot,
     /// The slope vanishes at both ends: the curve comes from rest and goes to rest.
@@ -15,7 +15,7 @@ pub enum SplineEnds {
 /// ```
 /// A given point is met to the last bit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CubicSpline {
+pub(crate) struct CubicSpline {
     x: Vec<f64>,
     y: Vec<f64>,
     slope: Vec<f64>,
@@ -23,7 +23,7 @@ pub struct CubicSpline {
 
 impl CubicSpline {
     /// Fewest points a spline goes through.
-    pub const MIN_POINTS: usize = 4;
+    pub(crate) const MIN_POINTS: usize = 4;
 
     /// Draws the spline through the points (x, y), x ascending; O(n).
     ///
@@ -35,7 +35,7 @@ impl CubicSpline {
     ///
     /// # Panics
     /// Without as many values as abscissae, with fewer than 4 points or with x not ascending.
-    pub fn new(x: &[f64], y: &[f64], ends: SplineEnds) -> Self {
+    pub(crate) fn new(x: &[f64], y: &[f64], ends: SplineEnds) -> Self {
         assert!(x.len() == y.len(), "every abscissa has a value");
         assert!(x.len() >= Self::MIN_POINTS, "a spline goes through 4 points");
         assert!(x.is_sorted_by(|a, b| a < b), "the abscissae ascend");
@@ -46,18 +46,18 @@ impl CubicSpline {
     ///
     /// # Panics
     /// With fewer than 4 samples.
-    pub fn uniform(samples: &[f64], ends: SplineEnds) -> Self {
+    pub(crate) fn uniform(samples: &[f64], ends: SplineEnds) -> Self {
         let steps: Vec<f64> = (0..samples.len()).map(|k| k as f64).collect();
         Self::new(&steps, samples, ends)
     }
 
     /// Slopes at the points.
-    pub fn slopes(&self) -> &[f64] {
+    pub(crate) fn slopes(&self) -> &[f64] {
         &self.slope
     }
 
     /// Value at `x`; beyond the ends the outermost cubic goes on.
-    pub fn value(&self, x: f64) -> f64 {
+    pub(crate) fn value(&self, x: f64) -> f64 {
         let right = self.x.partition_point(|&known| known <= x);
         let i = right.clamp(1, self.x.len() - 1) - 1;
         let h = self.x[i + 1] - self.x[i];

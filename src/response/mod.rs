@@ -22,4 +22,5 @@ pub use history::{HistoryError, HubReference, Torque};
 pub use modes::ModeSelection;
 pub use play::{Feedback, Interpolation, Play};
 pub use residual::ResidualVibration;
-pub use simulation::{PlayError, Simulation, simulate, simulate_on};
+pub(crate) use simulation::simulate_on;
+pub use simulation::{PlayError, Simulation, simulate};

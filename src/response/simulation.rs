@@ -76,7 +76,11 @@ pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation,
 ///
 /// # Errors
 /// [`SimulationError`].
-pub fn simulate_on(link: &Link, mesh: Mesh, play: &Play) -> Result<Simulation, SimulationError> {
+pub(crate) fn simulate_on(
+    link: &Link,
+    mesh: Mesh,
+    play: &Play,
+) -> Result<Simulation, SimulationError> {
     play_on(link, mesh, play, play.band_rad_s().ok_or(SimulationError::NoTorque)?)
 }
 

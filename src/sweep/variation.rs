@@ -23,7 +23,7 @@ const MOST: usize = 1_000_000;
 /// use flexlink::sweep::Variation;
 /// let stiffer: Variation = "segments.*.EI*=1:8:4:log".parse()?;
 /// assert_eq!(stiffer.values(), ["1", "2", "4", "8"]);
-/// assert_eq!(stiffer.change(1), "segments.*.EI*=2");
+/// assert_eq!(stiffer.changes()[1], "segments.*.EI*=2");
 /// # Ok::<(), flexlink::sweep::VariationError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -72,7 +72,7 @@ impl Variation {
     ///
     /// # Panics
     /// If there is no such value.
-    pub fn shown(&self, number: usize) -> &str {
+    pub(super) fn shown(&self, number: usize) -> &str {
         unquoted(&self.values[number])
     }
 
@@ -89,11 +89,16 @@ impl Variation {
         !self.unit.is_empty()
     }
 
-    /// The change of the link file by the value of this number, as `--set` reads it.
+    /// The changes of the link file by all values, as `--set` reads them.
+    pub fn changes(&self) -> Vec<String> {
+        (0..self.values.len()).map(|number| self.change(number)).collect()
+    }
+
+    /// The change by the value of this number.
     ///
     /// # Panics
     /// If there is no such value.
-    pub fn change(&self, number: usize) -> String {
+    pub(super) fn change(&self, number: usize) -> String {
         let blank = if self.unit.is_empty() { "" } else { " " };
         let Self { path, operation, unit, values } = self;
         format!("{path}{operation}{}{blank}{unit}", values[number])

@@ -88,7 +88,7 @@ impl Recursed {
 
 /// Negative pivots of the dynamic stiffness, at one λ > 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Pivots {
+pub(crate) struct Pivots {
     /// Their number outboard of the hub: modes below √λ of the link clamped at its hub.
     pub negative: usize,
     /// `λ (A_0[φφ] + I_H)` of the hub in N m: minus its own pivot, where it is free.
@@ -96,12 +96,12 @@ pub struct Pivots {
 }
 
 /// Negative pivots at each λ.
-pub fn pivots(mesh: &Mesh, lambdas: &[f64; SECTIONS]) -> [Pivots; SECTIONS] {
+pub(crate) fn pivots(mesh: &Mesh, lambdas: &[f64; SECTIONS]) -> [Pivots; SECTIONS] {
     Arch::new().dispatch(Counted { mesh, lambdas })
 }
 
 /// Tip displacement per hub angle, `L + e_tip`, in m at each λ, however small.
-pub fn tip_displacements_m(mesh: &Mesh, lambdas: &[f64; SECTIONS]) -> [f64; SECTIONS] {
+pub(crate) fn tip_displacements_m(mesh: &Mesh, lambdas: &[f64; SECTIONS]) -> [f64; SECTIONS] {
     Arch::new().dispatch(Displaced { mesh, lambdas })
 }
 

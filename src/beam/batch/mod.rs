@@ -14,5 +14,7 @@ mod hub;
 mod lanes;
 mod nodal;
 
-pub use hub::{Pivots, pivots, tip_displacements_m, tip_transfers};
-pub use nodal::{Checkpoints, nodal_transfers};
+pub use hub::tip_transfers;
+pub(crate) use hub::{Pivots, pivots, tip_displacements_m};
+pub use nodal::nodal_transfers;
+pub(crate) use nodal::{Checkpoints, nodal_transfers_from};

@@ -13,9 +13,12 @@ use crate::beam::inertia::Inertia;
 use crate::beam::mesh::Mesh;
 use crate::beam::recursion::{Checkpoint, NodalQuantity, NodalRecursion};
 use crate::beam::transfer::{is_real, is_trusted, nodal_transfer, per_tip, response_between};
+use crate::link::ParameterError;
 
 /// State of the recursion at some nodes and at many λ, from which it continues: a further group of nodes
 /// then takes no pass through the whole mesh.
+///
+/// Only this crate makes one.
 #[derive(Debug, Clone)]
 pub struct Checkpoints {
     /// Numbers of the nodes, ascending: the root, those between, and the tip.
@@ -97,14 +100,34 @@ fn ends_of(nodes: &[usize]) -> Option<[usize; 2]> {
 /// Transfers from the tip to some nodes, `e_i/(λ (L + e_tip))` in s² or moments in kg m: a row for each
 /// of `nodes`, in it a value for each λ, with the bits of [`nodal_transfer`].
 ///
-/// Columns of `rows` beyond the last λ are left alone. The first call with `checkpoints` passes through
-/// the whole mesh; each further one, for the same λ and quantity and for a further group of nodes, from
-/// the first to the last of them.
+/// Columns of `rows` beyond the last λ are left alone.
+///
+/// # Errors
+/// [`ParameterError`] if a node is not one of the mesh, or a row is shorter than `lambdas`.
+pub fn nodal_transfers(
+    mesh: &Mesh,
+    lambdas: &[Complex64],
+    nodes: &[usize],
+    quantity: NodalQuantity,
+    rows: &mut [&mut [Complex64]],
+) -> Result<(), ParameterError> {
+    mesh.check_nodes(nodes)?;
+    if let Some(row) = rows.iter().find(|row| row.len() < lambdas.len()) {
+        let must = format!("must have a place for each of {}", lambdas.len());
+        return Err(ParameterError::new("a row", row.len(), "values", must));
+    }
+    nodal_transfers_from(mesh, lambdas, nodes, quantity, rows, &mut Checkpoints::of(mesh, []));
+    Ok(())
+}
+
+/// [`nodal_transfers`] for nodes in groups. The first call with `checkpoints` passes through the whole mesh;
+/// each further one, for the same λ and quantity and for a further group of nodes, from the first to the
+/// last of them.
 ///
 /// # Panics
 /// If a node is not one of the mesh, a row is shorter than `lambdas`, or the checkpoints do not know the
 /// group of a further call.
-pub fn nodal_transfers(
+pub(crate) fn nodal_transfers_from(
     mesh: &Mesh,
     lambdas: &[Complex64],
     nodes: &[usize],
@@ -213,7 +236,7 @@ mod tests {
                     let mut table = vec![vec![Complex64::ZERO; lambdas.len()]; nodes.len()];
                     let mut rows: Vec<_> = table.iter_mut().map(Vec::as_mut_slice).collect();
                     let checkpoints = &mut Checkpoints::of(&mesh, []);
-                    nodal_transfers(&mesh, lambdas, &nodes, quantity, &mut rows, checkpoints);
+                    nodal_transfers_from(&mesh, lambdas, &nodes, quantity, &mut rows, checkpoints);
                     for (node, row) in nodes.iter().zip(&table) {
                         for (found, alone) in row.iter().zip(alone) {
                             assert_eq!(bits(*found), bits(value(alone, *node)), "node {node}");
@@ -245,7 +268,7 @@ mod tests {
                     for (nodes, table) in groups.into_iter().zip(table.chunks_mut(group)) {
                         let rows: &mut Vec<_> =
                             &mut table.iter_mut().map(Vec::as_mut_slice).collect();
-                        nodal_transfers(&mesh, lambdas, nodes, quantity, rows, checkpoints);
+                        nodal_transfers_from(&mesh, lambdas, nodes, quantity, rows, checkpoints);
                     }
                     table.concat().into_iter().map(bits).collect::<Vec<_>>()
                 };

@@ -285,8 +285,9 @@ fn refuse_without_effect(
             continue;
         }
         if read(case).is_some_and(|second| second == first) {
-            let [a, b] = [0, 1].map(|k| excerpt(&variation.change(k)).into_owned());
-            let message = format!("--vary: {a} and {b} give the same link");
+            let changes = variation.changes();
+            let shown: Vec<_> = changes[..2].iter().map(|change| excerpt(change)).collect();
+            let message = format!("--vary: {} give the same link", shown.join(" and "));
             let hint = "a later --vary may set the same value under another name";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         }

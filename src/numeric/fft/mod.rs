@@ -16,5 +16,6 @@ mod tests;
 mod transform;
 mod vector;
 
-pub use pair::{FourierPair, angular_frequency, fast_length};
-pub use transform::Scratch;
+pub use pair::FourierPair;
+pub(crate) use pair::{angular_frequency, fast_length};
+pub(crate) use transform::Scratch;

@@ -1,5 +1,6 @@
 //! The Fourier pair on real samples.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -19,12 +20,17 @@ use super::transform::{Forward, Inverse, Plan, Scratch};
 pub struct FourierPair(Arc<Plan>);
 
 impl FourierPair {
+    /// Plans the pair for `len` samples or a few more: the least number that is fast to transform.
+    pub fn fast(len: usize) -> Self {
+        Self::new(fast_length(len))
+    }
+
     /// Plans the pair for `len` samples, an even number above 0. Lengths from [`fast_length`] are
     /// fast; the time of others grows with their largest prime factor.
     ///
     /// # Panics
     /// If `len` is odd or zero.
-    pub fn new(len: usize) -> Self {
+    pub(crate) fn new(len: usize) -> Self {
         assert!(len > 0 && len.is_multiple_of(2), "a Fourier pair needs an even length, not {len}");
         Self(Arc::new(Plan::new(len / 2)))
     }
@@ -39,29 +45,30 @@ impl FourierPair {
         false
     }
 
-    /// Amplitudes `X_0 … X_{N/2}` of N samples.
-    ///
-    /// # Panics
-    /// If there are not N samples.
+    /// Amplitudes `X_0 … X_{N/2}` of N samples; those not given are zero, further ones are left out.
     pub fn amplitudes(&self, samples: impl AsRef<[f64]>) -> Vec<Complex64> {
-        let (plan, samples, scale) = (&*self.0, samples.as_ref(), 1.0 / self.len() as f64);
-        assert_eq!(samples.len(), self.len(), "samples of a Fourier pair");
+        let (plan, scale) = (&*self.0, 1.0 / self.len() as f64);
+        let mut samples = Cow::Borrowed(samples.as_ref());
+        if samples.len() != self.len() {
+            samples.to_mut().resize(self.len(), 0.0);
+        }
+        let samples = &*samples;
         let mut found = vec![Complex64::ZERO; self.len() / 2 + 1];
         let (scratch, amplitudes) = (&mut Scratch::default(), &mut found[..]);
         Arch::new().dispatch(Forward { plan, samples, scale, scratch, amplitudes });
         found
     }
 
-    /// The N samples of the amplitudes `X_0 …`; those not given are zero.
+    /// The N samples of the amplitudes `X_0 …`; those not given are zero, and those beyond `X_{N/2}` are
+    /// left out.
     ///
     /// Of the amplitudes at zero and at the Nyquist frequency only the real parts count: the rest
     /// of them has no real signal.
-    ///
-    /// # Panics
-    /// If there are more than N/2 + 1 amplitudes.
     pub fn samples(&self, amplitudes: impl AsRef<[Complex64]>) -> Vec<f64> {
         let mut samples = vec![0.0; self.len()];
-        self.write_samples(amplitudes.as_ref(), &mut Scratch::default(), &mut samples);
+        let amplitudes = amplitudes.as_ref();
+        let amplitudes = &amplitudes[..amplitudes.len().min(self.len() / 2 + 1)];
+        self.write_samples(amplitudes, &mut Scratch::default(), &mut samples);
         samples
     }
 
@@ -69,7 +76,7 @@ impl FourierPair {
     ///
     /// # Panics
     /// If there are more than N/2 + 1 amplitudes or not room for N samples.
-    pub fn write_samples(
+    pub(crate) fn write_samples(
         &self,
         amplitudes: &[Complex64],
         scratch: &mut Scratch,
@@ -83,12 +90,12 @@ impl FourierPair {
 }
 
 /// Angular frequency of bin `k` in rad/s for N samples at `step_s`.
-pub fn angular_frequency(k: usize, len: usize, step_s: f64) -> f64 {
+pub(crate) fn angular_frequency(k: usize, len: usize, step_s: f64) -> f64 {
     TAU * k as f64 / (len as f64 * step_s)
 }
 
 /// The least even number of the form 2ᵃ 3ᵇ 5ᶜ that is at least `len`: fast to transform.
-pub fn fast_length(len: usize) -> usize {
+pub(crate) fn fast_length(len: usize) -> usize {
     let mut best = len.max(2).next_power_of_two();
     let mut fives = 1;
     while fives < best {
@@ -128,6 +135,10 @@ mod tests {
         let x: Vec<f64> = (0..60).map(|j| (0.1 * f64::from(j)).sin()).collect();
         let back = pair.samples(pair.amplitudes(x.clone()));
         assert!(x.iter().zip(&back).all(|(x, y)| (x - y).abs() < 1e-15));
+        let few = pair.amplitudes(&x[..40]);
+        assert_eq!(few, pair.amplitudes([&x[..40], &[0.0; 20]].concat()));
+        assert_eq!(pair.amplitudes([&x[..], &[3.0]].concat()), pair.amplitudes(&x));
+        assert_eq!(pair.samples([&few[..], &[Complex64::ONE]].concat()), pair.samples(&few));
         let mean = pair.samples(vec![Complex64::new(2.5, 7.0)]);
         assert!(mean.iter().all(|x| (x - 2.5).abs() < 1e-15));
     }

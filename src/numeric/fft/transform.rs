@@ -212,7 +212,7 @@ fn some_of_sixteen(numbers: &[f64], end: usize, own: &mut [f64; 16]) {
 
 /// Memory that one transform after the other may use, of any length.
 #[derive(Debug, Default)]
-pub struct Scratch {
+pub(crate) struct Scratch {
     rows: Vec<Eight>,
     columns: Vec<Eight>,
     line: Vec<Eight>,

@@ -130,11 +130,11 @@ impl SweepRows {
 /// # Errors
 /// [`TableError`] names a shard that is of another sweep, that is there twice, that is not finished,
 /// or those that are missing.
-///
-/// # Panics
-/// Without a shard.
 pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
-    let first = &shards[0];
+    let Some(first) = shards.first() else {
+        let place = Place { file: "shards", line: None };
+        return Err(place.refuse_whole("must be one file or more".to_owned()));
+    };
     let of = first.identity.shard().of();
     let mut ordered: Vec<Option<&SweepRows>> = vec![None; of];
     for shard in shards {

@@ -37,7 +37,7 @@ fn arm(damping: Damping) -> LinkParts {
 
 fn mesh(link: &Link, elements: usize) -> Mesh {
     let plan = MeshPlan::new(link, &[None; 2], Some(ElementCount::Total(elements)), 1e-6);
-    Mesh::new(link, &plan.expect("a valid plan")).unwrap()
+    Mesh::new(link, &plan.expect("a valid plan")).expect("a plan of the link")
 }
 
 /// The polynomial `2ζω = Σ a_b ω²ᵇ` through the ratios of the modes, in Lagrange's form.

@@ -26,7 +26,7 @@ fn bayo(elements: usize) -> Mesh {
     })
     .expect("a valid link");
     let plan = MeshPlan::new(&link, &[Some(1), Some(elements - 1)], None, 1e-6);
-    Mesh::new(&link, &plan.expect("a valid plan")).unwrap()
+    Mesh::new(&link, &plan.expect("a valid plan")).expect("a plan of the link")
 }
 
 #[test]

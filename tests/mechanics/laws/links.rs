@@ -99,5 +99,5 @@ pub(crate) fn mesh(parts: &LinkParts, elements: usize) -> Mesh {
     let link = Link::new(parts.clone()).expect("a valid link");
     let own = vec![None; parts.segments.len()];
     let plan = MeshPlan::new(&link, &own, Some(ElementCount::Total(elements)), 1e-6);
-    Mesh::new(&link, &plan.expect("a valid plan")).unwrap()
+    Mesh::new(&link, &plan.expect("a valid plan")).expect("a plan of the link")
 }

@@ -11,7 +11,8 @@ use super::links::{any_excitation, any_parts, mesh};
 fn mesh_of(parts: &LinkParts, own: &[usize]) -> Mesh {
     let link = Link::new(parts.clone()).expect("a valid link");
     let own: Vec<Option<usize>> = own.iter().copied().map(Some).collect();
-    Mesh::new(&link, &MeshPlan::new(&link, &own, None, 1e-6).expect("a valid plan")).unwrap()
+    Mesh::new(&link, &MeshPlan::new(&link, &own, None, 1e-6).expect("a valid plan"))
+        .expect("a plan of the link")
 }
 
 /// Cuts segment `index` in two behind a fraction of its length.
