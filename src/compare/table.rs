@@ -78,9 +78,9 @@ impl TableColumn {
         &self.name
     }
 
-    /// The content of a row, counted from 0.
+    /// The content of a row, counted from 0; an empty word beyond the last.
     pub fn cell(&self, row: usize) -> Cell<'_> {
-        let number = self.numbers[row];
+        let Some(number) = self.numbers.get(row).copied() else { return Cell::Word("") };
         if !number.is_nan() {
             return Cell::Number(number);
         }
@@ -90,9 +90,9 @@ impl TableColumn {
         }
     }
 
-    /// The number in a row; NaN for a word.
+    /// The number in a row; NaN for a word and beyond the last row.
     pub fn number(&self, row: usize) -> f64 {
-        self.numbers[row]
+        self.numbers.get(row).copied().unwrap_or(f64::NAN)
     }
 
     /// The content of a row as text.

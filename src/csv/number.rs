@@ -130,7 +130,8 @@ impl NumberFormat {
 
 fn write_fixed(out: &mut Vec<u8>, value: f64, decimals: usize) {
     let start = out.len();
-    // Memory takes every number.
+    // The formatter takes no more decimals; memory takes every number.
+    let decimals = decimals.min(usize::from(u16::MAX));
     let _ = write!(out, "{value:.decimals$}");
     if let [b'-', digits @ ..] = &out[start..]
         && digits.iter().all(|digit| matches!(digit, b'0' | b'.'))
@@ -171,7 +172,7 @@ const TIMES_AT_ONCE: usize = 1 << 14;
 /// use flexlink::csv::{NumberFormat, time_format};
 /// assert_eq!(time_format(|k| 0.002 * k as f64, 1000), NumberFormat::Fixed(3));
 /// ```
-pub fn time_format(time: impl Fn(usize) -> f64 + Sync, len: usize) -> NumberFormat {
+pub(crate) fn time_format(time: impl Fn(usize) -> f64 + Sync, len: usize) -> NumberFormat {
     let steps = len.saturating_sub(1);
     let mut tolerance_s = TOLERANCE_S;
     if steps > 0 {

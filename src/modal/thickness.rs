@@ -112,7 +112,7 @@ impl Thickness {
         if self.sections.iter().all(Option::is_none) {
             return None;
         }
-        let shares = omegas_rad_s.iter().map(|omega| self.share(mesh, &mode(mesh, *omega)));
+        let shares = omegas_rad_s.iter().map(|omega| self.share(mesh, *omega));
         let modes = (1..).zip(shares).map(|(number, share)| LoweredMode { number, share });
         let modes: Vec<_> = modes.filter(|mode| mode.share > NOTICEABLE).collect();
         Some(ThickLink { lowest: *modes.first()?, highest: *modes.last()? })
@@ -127,8 +127,8 @@ impl Thickness {
     /// ```
     ///
     /// with φ the slope, Q the shear force per unit acceleration of the mode and g = E/(κG).
-    pub fn share(&self, mesh: &Mesh, mode: &Mode) -> f64 {
-        1.0 - (1.0 + self.slowing(mesh, mode)).sqrt().recip()
+    pub fn share(&self, mesh: &Mesh, omega_rad_s: f64) -> f64 {
+        1.0 - (1.0 + self.slowing(mesh, &mode(mesh, omega_rad_s))).sqrt().recip()
     }
 
     /// R + S, by which 1/ω² of a mode grows; of the rigid rotation, at ω = 0, the share of the inertia
@@ -138,7 +138,8 @@ impl Thickness {
         let forces = shape.shear_forces(mesh);
         let (mut rotary, mut shear) = (0.0, 0.0);
         for (k, element) in mesh.elements().iter().enumerate() {
-            let Some(section) = self.sections[mesh.element_segments()[k]] else { continue };
+            let segment = mesh.element_segments()[k];
+            let Some(section) = self.sections.get(segment).copied().flatten() else { continue };
             let square_m2 = section.radius_of_gyration_m.mean().powi(2);
             let Element { length_m, bending_stiffness_n_m2, mass_per_length_kg_m } = element;
             let (inner, outer) = (shape.total(mesh, k), shape.total(mesh, k + 1));

@@ -6,7 +6,7 @@ use flexlink::beam::{ElementCount, Mesh, MeshPlan};
 use flexlink::link::{
     CrossSection, Damping, Hub, Link, LinkParts, Payload, Section, Segment, Taper,
 };
-use flexlink::modal::{Thickness, mode, natural_frequencies};
+use flexlink::modal::{Thickness, natural_frequencies};
 
 /// Steps of the integration along each segment.
 const STEPS: usize = 400;
@@ -116,7 +116,7 @@ fn shares(link: &Link, count: usize) -> Vec<(f64, f64)> {
     let mesh = mesh(link);
     let slender = natural_frequencies(&mesh, count);
     let thick = thick_frequencies(link, None, 0.1 * slender[0], count);
-    let estimate = |omega: &f64| Thickness::known(link).share(&mesh, &mode(&mesh, *omega));
+    let estimate = |omega: &f64| Thickness::known(link).share(&mesh, *omega);
     let pairs = slender.iter().zip(thick);
     pairs.map(|(slender, thick)| (1.0 - thick / slender, estimate(slender))).collect()
 }
