@@ -219,7 +219,11 @@ fn a_device_or_a_pipe_is_written_to_and_not_replaced() {
     done(&shell(&bench, &format!("{make} -o /dev/null && test -c /dev/null")));
     let full = shell(&bench, &format!("{make} -o /dev/full"));
     assert_eq!(full.status.code(), Some(5));
-    assert_eq!(stderr(&full), "error: /dev: cannot write full: No space left on device\n");
+    assert_eq!(
+        stderr(&full),
+        "error: /dev: cannot write full: No space left on device\n\
+         hint: free some space, or write to another disk\n"
+    );
 }
 
 #[cfg(unix)]
