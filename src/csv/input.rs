@@ -242,7 +242,7 @@ pub fn available_memory() -> Option<u64> {
 /// a limit.
 pub fn available_addresses() -> Option<u64> {
     let limits = read("/proc/self/limits")?;
-    let limit = address_space(&limits)?;
+    let limit = soft_limit(&limits, "Max address space")?;
     let used = read("/proc/self/status").and_then(|text| kilobytes(&text, "VmSize:"))?;
     Some(limit.saturating_sub(used))
 }
@@ -275,9 +275,14 @@ fn kilobytes(text: &str, name: &str) -> Option<u64> {
     whole(rest.strip_suffix("kB")?).map(|kilobytes| kilobytes.saturating_mul(1024))
 }
 
-/// The soft limit of the address space in bytes; none where it is unlimited.
-fn address_space(limits: &str) -> Option<u64> {
-    let rest = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+/// True if this process's data is limited (`ulimit -d`), whatever the limit.
+pub fn is_data_limited() -> bool {
+    read("/proc/self/limits").is_some_and(|limits| soft_limit(&limits, "Max data size").is_some())
+}
+
+/// A soft limit in bytes; none where it is unlimited.
+fn soft_limit(limits: &str, name: &str) -> Option<u64> {
+    let rest = limits.lines().find_map(|line| line.strip_prefix(name))?;
     whole(rest.split_whitespace().next()?)
 }
 
@@ -357,8 +362,9 @@ mod tests {
         assert_eq!(kilobytes(told, "SwapFree:"), None);
         let limits = "Limit             Soft Limit  Hard Limit  Units\n\
                       Max address space 2048000000  unlimited   bytes\n";
-        assert_eq!(address_space(limits), Some(2_048_000_000));
-        assert_eq!(address_space(&limits.replace("2048000000", "unlimited ")), None);
+        let space = |limits: &str| soft_limit(limits, "Max address space");
+        assert_eq!(space(limits), Some(2_048_000_000));
+        assert_eq!(space(&limits.replace("2048000000", "unlimited ")), None);
     }
 
     /// A folder like the system's own, with these files.

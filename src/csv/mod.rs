@@ -13,7 +13,9 @@ mod table;
 pub(crate) use heading::{check_separator, refuse_missing};
 pub use hub::{read_hub_reference, read_torque_table};
 pub(crate) use input::sha256;
-pub use input::{InputError, InputFile, available_addresses, available_memory, system_words};
+pub use input::{
+    InputError, InputFile, available_addresses, available_memory, is_data_limited, system_words,
+};
 pub use motion::{MotionTable, read_motion_table, write_trajectory};
 pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};

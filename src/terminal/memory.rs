@@ -5,7 +5,7 @@ use std::num::NonZero;
 use clap::Args;
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
-use flexlink::csv::{available_addresses, available_memory};
+use flexlink::csv::{available_addresses, available_memory, is_data_limited};
 use flexlink::text::gigabytes;
 
 use super::allocator::{keep_freed_memory, limit_arenas};
@@ -137,8 +137,9 @@ impl ThreadArgs {
         Ok(())
     }
 
-    /// A pool of so many threads, at most as many as a limited address space holds; and whether it is
-    /// limited: then every thread takes its memory before the work begins.
+    /// A pool of so many threads, at most as many as a limited address space holds; and whether addresses or
+    /// data are limited: then every thread takes its memory before the work begins. glibc aborts the program
+    /// without one of our words where a thread's first own value finds no memory.
     fn builder(&self) -> (ThreadPoolBuilder, bool) {
         let threads = self.threads.map(usize::from);
         let most = address_space().map(|left| left.saturating_sub(OWN_BYTES) / THREAD_BYTES);
@@ -146,7 +147,7 @@ impl ThreadArgs {
             Some(most) => threads.unwrap_or_else(default_number).min(most.max(1)),
             None => threads.unwrap_or(0),
         };
-        (ThreadPoolBuilder::new().num_threads(threads), most.is_some())
+        (ThreadPoolBuilder::new().num_threads(threads), most.is_some() || is_data_limited())
     }
 }
 
