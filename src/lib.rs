@@ -15,6 +15,7 @@
 //! torque.csv ─csv─► Torque ─► response ─► Simulation ─► result, store
 //!                                   Solution, Simulation ─► verify
 //! result folder ─store─► StoredResult ─► report
+//! link.toml, measured.toml ─spec─► Measurements ─► fit ─► factors ─spec─► fitted.toml
 //! ```
 //!
 //! | module | holds |
@@ -32,7 +33,8 @@
 //! | [`result`] | the numbers that a person reads first; a result read back |
 //! | [`sweep`] | many cases in parallel, their order kept; their numbers; shards |
 //! | [`verify`] | every approximation of a solution measured by other means |
-//! | [`spec`] | link file and `--set` → [`link::Link`]; file of tolerances |
+//! | [`fit`] | a link from measured frequencies, zeros and damping ratios; what these do not determine |
+//! | [`spec`] | link file and `--set` → [`link::Link`]; files of tolerances and of measured values |
 //! | [`csv`] | CSV → motion, torque, hub reference, any table; numbers as text |
 //! | [`report`] | a result as figures, and as a page to look at |
 //! | [`store`] | a run's folder with its CSV and summary.json, and back; the file of a sweep; golden files |
@@ -113,6 +115,7 @@
 pub mod beam;
 pub mod compare;
 pub mod csv;
+pub mod fit;
 pub mod inverse;
 pub mod link;
 pub mod modal;

@@ -12,7 +12,7 @@ use flexlink::spec::read_specification;
 use walkdir::WalkDir;
 
 /// Folders of the repository that the commands read.
-const INPUTS: [&str; 2] = ["specs", "trajectories"];
+const INPUTS: [&str; 3] = ["specs", "trajectories", "measurements"];
 
 /// Runs the commands of these files of the repository and compares what they print.
 fn run(files: &[&str]) {
@@ -58,7 +58,7 @@ fn commands_of_the_readme_help_texts_and_refusals_print_what_is_shown() {
         assert!(changed.is_empty(), "a refusal has changed {changed:?}");
     }
 
-    run(&["README.md"]);
+    run(&["README.md", "docs/*.md"]);
     // Windows removes no folder that a process is in.
     env::set_current_dir(repository("")).unwrap();
 }

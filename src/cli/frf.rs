@@ -12,7 +12,7 @@ use flexlink::modal::natural_frequencies;
 use flexlink::model::{FrequencyResponse, ModelError, changes_on_halves, model_of};
 use flexlink::result::{BandMeshError, mesh_error};
 use flexlink::spec::Specification;
-use flexlink::store::write_frequency_response;
+use flexlink::store::{frequency_response_json, write_frequency_response};
 use flexlink::text::{plain, significant};
 
 use super::inputs::LinkArgs;
@@ -67,6 +67,10 @@ pub(crate) struct Frf {
     #[arg(long, value_name = "N", default_value = "full")]
     digits: Digits,
 
+    /// Write JSON instead of CSV, a list for each column, with all digits.
+    #[arg(long, conflicts_with = "digits")]
+    json: bool,
+
     #[command(flatten)]
     warnings: WarningArgs,
 }
@@ -83,9 +87,15 @@ impl Frf {
         let (rows, changes) = self.compute(&specification)?;
         let errors: Option<Vec<f64>> =
             changes.as_ref().map(|changes| changes.iter().copied().map(mesh_error).collect());
-        console::deliver_by(self.output.as_deref(), |out| {
-            write_frequency_response(out, &rows, errors.as_deref(), self.digits)
-        })?;
+        let output = self.output.as_deref();
+        if self.json {
+            let text = frequency_response_json(&rows, errors.as_deref());
+            console::deliver(output, text.as_bytes())?;
+        } else {
+            console::deliver_by(output, |out| {
+                write_frequency_response(out, &rows, errors.as_deref(), self.digits)
+            })?;
+        }
         self.warnings.refuse(tell(&rows, changes.as_deref()))
     }
 

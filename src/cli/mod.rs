@@ -3,6 +3,7 @@
 
 mod args;
 mod compare;
+mod fit;
 mod frf;
 mod inputs;
 mod modes;
@@ -45,6 +46,7 @@ enum Command {
     Verify(Box<verify::Verify>),
     Modes(modes::Modes),
     Frf(frf::Frf),
+    Fit(fit::Fit),
     Sweep(Box<sweep::Sweep>),
     Trajectory(trajectory::Trajectory),
     Compare(compare::Compare),
@@ -86,6 +88,7 @@ impl Command {
             Self::Verify(verify) => verify.run(),
             Self::Modes(modes) => modes.run(),
             Self::Frf(frf) => frf.run(),
+            Self::Fit(fit) => fit.run(),
             Self::Sweep(sweep) => sweep.run(),
             Self::Trajectory(trajectory) => trajectory.run(),
             Self::Report(report) => report.run(),

@@ -13,6 +13,7 @@ use flexlink::modal::{
 };
 use flexlink::result::{HeldModes, ModesResult, Remark, mesh_errors};
 use flexlink::spec::Specification;
+use flexlink::store::modes_json;
 
 use super::args::SyncArgs;
 use super::inputs::LinkArgs;
@@ -57,6 +58,10 @@ pub(crate) struct Modes {
     #[arg(long, value_name = "N", default_value = "12")]
     digits: Digits,
 
+    /// Print modes and zeros as JSON instead of the table.
+    #[arg(long)]
+    json: bool,
+
     #[command(flatten)]
     warnings: WarningArgs,
 
@@ -72,7 +77,13 @@ impl Modes {
         if let Some(folder) = &self.output {
             result.write(self.sync.stage(folder)?, self.digits)?;
         }
-        let warnings = tell(&specification, &mesh, &result)?;
+        let warnings = tell(&specification, &mesh, &result);
+        let text = if self.json {
+            modes_json(&result)
+        } else {
+            modes_text(&specification.link, &mesh, &result)
+        };
+        console::print(&text)?;
         self.warnings.refuse(warnings)
     }
 }
@@ -115,12 +126,8 @@ fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesR
     Ok((mesh, result))
 }
 
-/// Prints remarks, warnings and the table; returns the number of warnings.
-fn tell(
-    specification: &Specification,
-    mesh: &Mesh,
-    result: &ModesResult,
-) -> Result<usize, Failure> {
+/// Prints remarks and warnings; returns the number of warnings.
+fn tell(specification: &Specification, mesh: &Mesh, result: &ModesResult) -> usize {
     let link = &specification.link;
     console::remarks(&specification.remarks);
     console::remarks(&Remark::on_modes(link, mesh, &result.omega_rad_s));
@@ -130,8 +137,7 @@ fn tell(
     }
     let coarse = result.warnings();
     console::warnings(coarse.iter().map(|warning| (warning, warning.hint())));
-    console::print(&modes_text(link, mesh, result))?;
-    Ok(usize::from(thick.is_some()) + coarse.len())
+    usize::from(thick.is_some()) + coarse.len()
 }
 
 /// Displacements of all nodes in a mode.

@@ -6,6 +6,7 @@ mod hub;
 mod input;
 mod motion;
 mod number;
+mod response;
 mod rows;
 mod samples;
 mod table;
@@ -19,6 +20,7 @@ pub use input::{
 pub use motion::{MotionTable, read_motion_table, write_trajectory};
 pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};
+pub use response::read_frequency_response;
 pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, without_checks};
 pub use rows::{TableError, checked_header, checked_rows};
 pub use samples::read_table;

@@ -65,15 +65,28 @@ impl LinkDocument {
         name: &str,
         overrides: &[Override],
     ) -> Result<Specification, SpecError> {
-        let mut tree = self.tree.clone();
-        for (number, change) in overrides.iter().enumerate() {
-            apply(&mut tree, number, change)?;
-        }
+        let tree = self.changed(overrides)?;
         let raw = RawSpecification::deserialize(&tree).map_err(Fault::from);
         raw.and_then(convert).map_err(|fault| {
             let place = tree.last_place(&fault);
             fault.at(shown(place, name, overrides))
         })
+    }
+}
+
+impl LinkDocument {
+    /// The file as a tree.
+    pub(super) fn tree(&self) -> &Node {
+        &self.tree
+    }
+
+    /// The file as a tree, with the changes applied in their order.
+    pub(super) fn changed(&self, overrides: &[Override]) -> Result<Node, SpecError> {
+        let mut tree = self.tree.clone();
+        for (number, change) in overrides.iter().enumerate() {
+            apply(&mut tree, number, change)?;
+        }
+        Ok(tree)
     }
 }
 

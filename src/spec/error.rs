@@ -28,6 +28,13 @@ impl SpecError {
     }
 }
 
+impl SpecError {
+    /// The same refusal with another hint.
+    pub(super) fn hinting(self, hint: String) -> Self {
+        Self { hint: Some(hint), ..self }
+    }
+}
+
 /// A refusal with a dotted path, before its line is looked up.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Fault {

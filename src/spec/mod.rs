@@ -17,6 +17,8 @@ mod choices;
 mod convert;
 mod damping;
 mod error;
+mod free;
+mod measured;
 mod overrides;
 mod raw;
 mod segment;
@@ -26,6 +28,8 @@ mod value;
 
 pub use convert::{LinkDocument, Specification, read_specification};
 pub use error::SpecError;
+pub use free::{FreeValue, Replaced, rewrite};
+pub use measured::{MeasuredFile, ResponseFile, read_measurements};
 pub use overrides::Override;
 pub use raw::link_file_schema;
 pub use tolerances::read_tolerances;

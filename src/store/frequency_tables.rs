@@ -4,8 +4,10 @@ use std::f64::consts::TAU;
 use std::io::{self, Write};
 
 use num_complex::Complex64;
+use serde_json::{Map, json};
 
 use super::folder::{FolderError, OutputFolder};
+use super::json::json as as_text;
 use crate::csv::{Digits, write_columns};
 use crate::model::FrequencyResponse;
 use crate::numeric::magnitude;
@@ -67,18 +69,10 @@ type Transfer = fn(&FrequencyResponse) -> Complex64;
 /// One of the numbers that a transfer is written as.
 type Part = fn(Complex64) -> f64;
 
-/// Writes the frequency response of a link: frequency, then real and imaginary part, magnitude and
-/// phase of each transfer, and the relative error that the mesh causes in them. Fields of an infinite
-/// transfer, at a pole of an undamped link, are empty.
-///
-/// # Errors
-/// Those of `out`.
-pub fn write_frequency_response(
-    out: &mut (dyn Write + Send),
-    rows: &[FrequencyResponse],
-    mesh_errors: Option<&[f64]>,
-    digits: Digits,
-) -> io::Result<()> {
+/// The columns of a frequency response: frequency, then real and imaginary part, magnitude and phase of
+/// each transfer, and the relative error that the mesh causes in them. An infinite transfer, at a pole of
+/// an undamped link, is NaN.
+fn columns(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) -> Vec<(String, Vec<f64>)> {
     let frequencies = rows.iter().map(|row| row.frequency_hz).collect();
     let mut columns: Vec<(String, Vec<f64>)> = vec![("frequency_hz".to_owned(), frequencies)];
     let transfers: [(&str, Transfer); 3] = [
@@ -100,8 +94,52 @@ pub fn write_frequency_response(
             columns.push((format!("{name}_{part}"), cells));
         }
     }
-    let transfers = columns.iter().map(|(name, values)| (&name[..], &values[..]));
-    let error = ("mesh_error", mesh_errors.unwrap_or_default());
-    let columns: Vec<_> = transfers.chain([error]).collect();
+    columns.push(("mesh_error".to_owned(), mesh_errors.unwrap_or_default().to_vec()));
+    columns
+}
+
+/// Writes the frequency response of a link as CSV; fields of what is not known are empty.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_frequency_response(
+    out: &mut (dyn Write + Send),
+    rows: &[FrequencyResponse],
+    mesh_errors: Option<&[f64]>,
+    digits: Digits,
+) -> io::Result<()> {
+    let columns = columns(rows, mesh_errors);
+    let columns: Vec<_> = columns.iter().map(|(name, values)| (&name[..], &values[..])).collect();
     write_columns(out, None, &columns, digits)
+}
+
+/// The frequency response of a link as JSON: a list for each column of the CSV, all digits; what is not
+/// known is null.
+pub fn frequency_response_json(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) -> String {
+    let lists = columns(rows, mesh_errors).into_iter().map(|(name, list)| (name, json!(list)));
+    as_text(&lists.collect::<Map<_, _>>())
+}
+
+/// Modes and zeros as JSON; what is not known is null, as is the stiffness of a stiff joint.
+pub fn modes_json(result: &ModesResult) -> String {
+    let hertz = |omegas: &[f64]| omegas.iter().map(|omega| omega / TAU).collect::<Vec<f64>>();
+    let held = result.held.as_ref().map(|held| {
+        json!({
+            "joint_stiffness_n_m_rad": held.joint_stiffness_n_m_rad,
+            "frequency_hz": hertz(&held.omega_rad_s),
+            "mesh_error": held.mesh_errors,
+        })
+    });
+    as_text(&json!({
+        "frequency_hz": hertz(&result.omega_rad_s),
+        "damping_ratio": result.damping_ratios,
+        "mesh_error": result.mesh_errors,
+        "zero_per_s": result.zeros_per_s,
+        "zero_mesh_error": result.zero_mesh_errors,
+        "blocked_hz": result.blocked_hz,
+        "blocked_mesh_error": result.blocked_mesh_errors,
+        "x_m": result.nodes_m,
+        "shapes": result.shapes,
+        "held": held,
+    }))
 }

@@ -1,5 +1,6 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
 
+mod fit_record;
 mod folder;
 mod frequency_tables;
 mod golden;
@@ -13,8 +14,9 @@ mod run_tables;
 mod summary;
 mod sweep;
 
+pub use fit_record::fit_json;
 pub use folder::{Durability, FolderError, OutputFolder, write_file};
-pub use frequency_tables::write_frequency_response;
+pub use frequency_tables::{frequency_response_json, modes_json, write_frequency_response};
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
 pub use json::Fingerprint;
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};

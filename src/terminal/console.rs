@@ -56,6 +56,12 @@ pub(crate) fn line_below(message: &str) {
     let _ = anstream::stderr().lock().write_all(format!("\n{message}\n").as_bytes());
 }
 
+/// Prints a sentence without a label to standard error.
+pub(crate) fn plain(message: &str) {
+    let message: String = message.chars().map(visible).collect();
+    let _ = anstream::stderr().lock().write_all(format!("{message}\n").as_bytes());
+}
+
 /// Prints a note to standard error.
 pub(crate) fn note(message: &str) {
     labelled("note", HINT, message, None);

@@ -19,7 +19,7 @@ const LEVELS: [&[&str]; 14] = [
     &["inverse", "response"],
     &["compare"],
     &["result"],
-    &["sweep", "verify"],
+    &["sweep", "verify", "fit"],
     &["spec", "csv", "report"],
     &["store"],
     &["terminal"],

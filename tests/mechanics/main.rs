@@ -3,6 +3,7 @@
 
 mod dense;
 mod fit;
+mod identification;
 mod laws;
 mod literature;
 mod response;

@@ -1,9 +1,11 @@
 //! Results in words, as the commands print them: lines of at most 80 columns.
 
 mod compare;
+mod fit;
 mod runs;
 mod tables;
 
 pub(crate) use compare::{blessed_text, comparison_text, counted, repetition_text};
+pub(crate) use fit::fit_text;
 pub(crate) use runs::{memory_text, simulate_text, solve_text};
 pub(crate) use tables::{binding_text, found_text, modes_text, verify_text};

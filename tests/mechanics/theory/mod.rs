@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-mod closed_form;
+pub(crate) mod closed_form;
 mod frequencies;
 mod published;
 mod thick_torque;

@@ -1,0 +1,244 @@
+//! `fit`: the link that was measured.
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use flexlink::csv::{InputFile, read_frequency_response};
+use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Misfit, Response, fit};
+use flexlink::spec::{
+    FreeValue, LinkDocument, MeasuredFile, Override, Replaced, ResponseFile, SpecError,
+    read_measurements, rewrite,
+};
+use flexlink::store::{Fingerprint, fit_json};
+use flexlink::text::significant;
+
+use super::inputs::LinkArgs;
+use crate::terminal::files::{keep_files, read_once};
+use crate::terminal::text::fit_text;
+use crate::terminal::{Exit, Failure, console};
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink fit link.toml measured.toml --free 'segments.*.EI' --free payload.mass -o fitted.toml
+
+measured.toml holds any of
+  [[frequency]]              # a natural frequency
+  mode = 1
+  value = \"2.52 Hz\"
+  uncertainty = \"0.02 Hz\"    # optional: for all or for none
+  hub = \"held\"               # or \"free\", the default
+  [[frequency]]              # a zero of torque → hub angle
+  zero = 1
+  value = \"4.126 Hz\"
+  [[damping]]
+  mode = 1
+  ratio = 0.013              # or peaks = [1.0, 0.92, 0.85]
+  [[response]]               # CSV: frequency, real and imaginary or gain and phase
+  file = \"frf.csv\"           # beside measured.toml
+  transfer = \"hub_angle\"     # per torque; or \"hub_rate\", \"tip_acceleration\"
+  gain = \"free\"              # one unknown factor; \"known\", the default: SI
+  uncertainty = 0.05         # of each value, over its magnitude";
+
+/// The link that was measured: values of a link file from frequencies, damping ratios and responses.
+///
+/// Changes the free values until the link's natural frequencies, zeros, damping ratios and frequency
+/// responses fit the measured ones best: least squares of the relative differences, over their uncertainties. Prints each value with
+/// its standard error, each measurement beside the fitted link's value, and what the data do not determine;
+/// -o writes the link file with the values replaced, comments and all else kept, and fit.json beside it.
+///
+/// Without uncertainties the standard errors follow from the differences that remain. Where the data do not
+/// determine all free values, or do not fit the link, no link file is written, and the exit code is 4.
+#[derive(Debug, Args)]
+#[command(about = "The link that was measured", after_help = EXAMPLE)]
+pub(crate) struct Fit {
+    #[command(flatten)]
+    link: LinkArgs,
+
+    /// Measured values (TOML).
+    #[arg(value_name = "MEASURED")]
+    measured: PathBuf,
+
+    /// Free a value; PATH as for --set, a `*` frees one common factor. LOW:HIGH bounds the value, with a `*`
+    /// the factor [default: a factor of 1000 either way]; repeatable.
+    #[arg(long, value_name = "PATH[=LOW:HIGH]", required = true)]
+    free: Vec<String>,
+
+    /// Link file to write; fit.json goes beside it [default: none is written].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// Name of the record.
+const RECORD: &str = "fit.json";
+
+/// What is fitted, and to what.
+struct Problem {
+    link: InputFile,
+    document: LinkDocument,
+    changes: Vec<Override>,
+    free: Vec<(FreeValue, Free)>,
+    measured_file: InputFile,
+    measured: Measurements,
+}
+
+impl Fit {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let inputs = [&*self.link.link, &*self.measured];
+        read_once(&inputs)?;
+        if let Some(output) = &self.output {
+            check_output(output)?;
+            keep_files(output, &inputs)?;
+            keep_files(&record_beside(output), &inputs)?;
+        }
+        let problem = self.load()?;
+        let outcome = problem.fit()?;
+        let replaced = self.write(&problem, &outcome)?;
+        tell(&outcome, &replaced)
+    }
+
+    fn load(&self) -> Result<Problem, Failure> {
+        let (link, _) = self.link.load()?;
+        let changes = self.link.changes.overrides()?;
+        let document = LinkDocument::read(&link.shown, link.text()?)?;
+        let usage = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
+        let mut free = Vec::new();
+        for text in &self.free {
+            let value: FreeValue = text.parse().map_err(usage)?;
+            let bounds = document.free(&value, &changes).map_err(usage)?;
+            free.push((value, bounds));
+        }
+        let measured_file = InputFile::read_toml(&self.measured)?;
+        let measured = self.measurements(&measured_file)?;
+        Ok(Problem { link, document, changes, free, measured_file, measured })
+    }
+
+    /// The measured values, and the responses that their file names.
+    fn measurements(&self, file: &InputFile) -> Result<Measurements, Failure> {
+        let MeasuredFile { values, responses } = read_measurements(&file.shown, file.text()?)?;
+        let mut read = Vec::new();
+        for ResponseFile { file: name, transfer, gain, uncertainty } in responses {
+            let path = self.measured.with_file_name(&name);
+            if let Some(output) = &self.output {
+                keep_files(output, &[&path])?;
+                keep_files(&record_beside(output), &[&path])?;
+            }
+            let of = InputFile::read(&path)?;
+            let rows = read_frequency_response(&of.shown, &of.bytes)?;
+            let response = Response::new(name, (transfer, gain), uncertainty, rows)
+                .map_err(|error| refused(&of.shown, &error))?;
+            read.push(response);
+        }
+        Measurements::new(values, read).map_err(|error| refused(&file.shown, &error))
+    }
+
+    /// Writes the link file, if the fit is one to believe, and fit.json; returns what was replaced.
+    fn write(&self, problem: &Problem, outcome: &FitOutcome) -> Result<Vec<Replaced>, Failure> {
+        let Some(output) = &self.output else { return Ok(Vec::new()) };
+        let (text, replaced) = problem.fitted(outcome)?;
+        let is_believed = outcome.misfit.is_none();
+        if is_believed {
+            console::deliver(Some(output), text.as_bytes())?;
+        } else if output.exists() {
+            console::note(&format!("{} is not of this fit", output.display()));
+        }
+        let [link, measured] = [&problem.link, &problem.measured_file].map(Fingerprint::of);
+        let record = fit_json(&link, &measured, &replaced, outcome);
+        console::deliver(Some(&record_beside(output)), record.as_bytes())?;
+        Ok(if is_believed { replaced } else { Vec::new() })
+    }
+}
+
+/// Refuses an output that is no file beside which fit.json can be.
+fn check_output(output: &Path) -> Result<(), Failure> {
+    let is_record = output.file_name().is_some_and(|name| name == RECORD);
+    if !is_record && !console::is_standard_output(output) {
+        return Ok(());
+    }
+    let message =
+        format!("--output = {}, but must be a file other than {RECORD}", output.display());
+    Err(Failure::new(Exit::Usage, &message, Some("fit.json is written beside it")))
+}
+
+fn refused(file: &str, error: &impl Display) -> Failure {
+    Failure::new(Exit::InputRefused, &format!("{file}: {error}"), None)
+}
+
+/// Where the record of a fit goes.
+fn record_beside(output: &Path) -> PathBuf {
+    output.with_file_name(RECORD)
+}
+
+impl Problem {
+    fn fit(&self) -> Result<FitOutcome, Failure> {
+        let free: Vec<Free> = self.free.iter().map(|(_, free)| free.clone()).collect();
+        let link_at = |factors: &[f64]| {
+            let changes = self.changed(factors)?;
+            let specification = self.document.specification(&self.link.shown, &changes)?;
+            Ok((specification.link, specification.mesh))
+        };
+        fit(&self.measured, &free, link_at).map_err(|error: LinkFitError<SpecError>| {
+            let hint = match &error {
+                LinkFitError::Link(error) => error.hint(),
+                LinkFitError::Plan(_) | LinkFitError::NoModel => None,
+                LinkFitError::NoMode(_) => {
+                    Some("number the modes from 1, the rigid rotation left out")
+                }
+                LinkFitError::NoDamping(_) => Some("[damping] with ratio = 0.02 is a start"),
+            };
+            Failure::new(Exit::InputRefused, &error, hint)
+        })
+    }
+
+    /// The changes of the command line, then the factors on the free values.
+    fn changed(&self, factors: &[f64]) -> Result<Vec<Override>, SpecError> {
+        let free = self.free.iter().zip(factors).map(|((value, _), factor)| value.times(*factor));
+        let free: Vec<Override> = free.collect::<Result<_, _>>()?;
+        Ok(self.changes.iter().cloned().chain(free).collect())
+    }
+
+    /// The link file with the fitted values, and what was replaced.
+    fn fitted(&self, outcome: &FitOutcome) -> Result<(String, Vec<Replaced>), Failure> {
+        let factors: Vec<f64> = outcome.values.iter().map(|value| value.factor).collect();
+        let changes = self.changed(&factors)?;
+        Ok(rewrite(&self.link.shown, self.link.text()?, &changes)?)
+    }
+}
+
+/// Prints values, residuals, and what is to be known to believe them.
+fn tell(outcome: &FitOutcome, replaced: &[Replaced]) -> Result<(), Failure> {
+    for undetermined in &outcome.undetermined {
+        console::plain(&undetermined.to_string());
+    }
+    for residual in outcome.residuals.iter().filter(|residual| residual.is_outlier) {
+        let message = format!(
+            "{} is {} uncertainties away from the fitted link's",
+            residual.measured.observable,
+            significant(residual.uncertainties.unwrap_or_default().abs(), 2)
+        );
+        console::warning(message, "measure it again, or give it its true uncertainty");
+    }
+    if outcome.degrees_of_freedom == 0 {
+        let message = "there are no more measurements than free values: nothing checks the fit";
+        console::warning(message, "measure more, or free less");
+    }
+    if outcome.is_from_other_start {
+        console::note("a better fit was found from another start than the file's own values");
+    }
+    console::print(&fit_text(outcome, replaced))?;
+    match &outcome.misfit {
+        None => Ok(()),
+        Some(misfit) => {
+            let hint = match misfit {
+                Misfit::Undetermined => {
+                    "fix one of the values, or measure more: a mass or a stiffness"
+                }
+                _ => {
+                    "see the differences above: another hub, another mode, or a value that is not free"
+                }
+            };
+            Err(Failure::new(Exit::NotSolvable, &misfit.to_string(), Some(hint)))
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! Levenberg and Marquardt's iteration on the logarithms of the free values, within bounds.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::measurement::{COARSE, FINE, Measurements, Observable, Prediction};
+use super::outcome::{Course, FitOutcome, Free};
+use crate::beam::MeshPlan;
+use crate::link::{Link, ParameterError};
+
+/// Step of a logarithm for a derivative: at a resonance of damping ratio 0.02 the fourth order leaves
+/// (h/0.02)⁴ of it, and a frequency has 13 digits.
+const STEP: f64 = 2e-4;
+
+/// How far an iteration goes.
+#[derive(Clone, Copy)]
+struct Depth {
+    /// Relative error of the frequencies on its mesh.
+    mesh_tolerance: f64,
+    /// Change of the logarithms that ends it.
+    settled: f64,
+    most_iterations: usize,
+}
+
+/// To tell which start leads to the best fit.
+const SURVEY: Depth = Depth { mesh_tolerance: COARSE, settled: 1e-4, most_iterations: 30 };
+
+/// To the last digits.
+const POLISH: Depth = Depth { mesh_tolerance: FINE, settled: 1e-9, most_iterations: 60 };
+
+/// Square of a column of the Jacobian over the largest that counts as none.
+const NO_WEIGHT: f64 = 1e-14;
+
+/// Starts beside that of the file.
+const OTHER_STARTS: usize = 3;
+
+/// Largest factor between the file's value and another start.
+const FARTHEST_START: f64 = 5.0;
+
+/// Sum of squares over the best start's below which another start is a better one.
+const BETTER: f64 = 0.99;
+
+/// Sums of squares that differ by less are equal: the survey's mesh knows no more.
+const TIE: f64 = 1e-8;
+
+/// Why no link can be fitted.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LinkFitError<E> {
+    /// The file's own values make no link.
+    #[error("{0}")]
+    Link(E),
+    /// The plan of the mesh is not the link's.
+    #[error("{0}")]
+    Plan(#[from] ParameterError),
+    /// The link has not as many modes as were measured.
+    #[error("{0} was measured, but the link has no such mode")]
+    NoMode(Observable),
+    /// The link has damping that allows no frequency response on a fine mesh.
+    #[error("the link's damping allows no frequency response")]
+    NoModel,
+    /// The damping of the link is zero or has another law.
+    #[error("{0} was measured, but the link has no damping: [damping] must give one")]
+    NoDamping(Observable),
+}
+
+/// Finds the factors on the free values of a link with which it fits the measurements best.
+///
+/// `link_at` makes the link, and the plan of its mesh, of factors on the free values. The sum of the squared
+/// residuals is minimised from the file's own values and from three other starts, up to five times larger or
+/// smaller.
+///
+/// # Errors
+/// [`LinkFitError`]: the file's own values make no link, or one without the measured modes.
+pub fn fit<E: Send>(
+    measurements: &Measurements,
+    free: &[Free],
+    link_at: impl Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync,
+) -> Result<FitOutcome, LinkFitError<E>> {
+    let problem = Problem { measurements, free, link_at };
+    let own = vec![0.0; free.len()];
+    problem.check(&own)?;
+    let starts: Vec<Vec<f64>> = (0..=OTHER_STARTS).map(|number| problem.start(number)).collect();
+    let ends: Vec<Option<End>> =
+        starts.into_par_iter().map(|x| problem.descend(x, SURVEY)).collect();
+    let mut ends = ends.into_iter();
+    let first =
+        ends.next().flatten().unwrap_or(End { x: own, cost: f64::INFINITY, has_settled: false });
+    let best = ends.flatten().reduce(|a, b| if b.cost < a.cost { b } else { a });
+    let better =
+        best.filter(|best| best.cost < BETTER * first.cost && best.cost < first.cost - TIE);
+    let is_from_other_start = better.is_some();
+    let survey = better.unwrap_or(first).x;
+    let end = problem.descend(survey.clone(), POLISH);
+    let has_settled = end.as_ref().is_some_and(|end| end.has_settled);
+    let x = end.map_or(survey, |end| end.x);
+    let halvings = problem.halvings(&x, FINE).unwrap_or(0);
+    let jacobian = problem.jacobian(&x, halvings, true);
+    let predicted = problem.predicted(&x, halvings);
+    let course = Course { is_from_other_start, has_settled };
+    Ok(FitOutcome::of(measurements, free, &x, predicted.as_ref(), jacobian, course))
+}
+
+/// Where an iteration ended: logarithms of the factors, the sum of squares there, and whether no step led
+/// further down.
+struct End {
+    x: Vec<f64>,
+    cost: f64,
+    has_settled: bool,
+}
+
+struct Problem<'a, F> {
+    measurements: &'a Measurements,
+    free: &'a [Free],
+    link_at: F,
+}
+
+impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
+    fn link(&self, x: &[f64]) -> Result<(Link, MeshPlan), E> {
+        let factors: Vec<f64> = x.iter().map(|x| libm::exp(*x)).collect();
+        (self.link_at)(&factors)
+    }
+
+    /// Refuses a link without the measured modes.
+    fn check(&self, x: &[f64]) -> Result<(), LinkFitError<E>> {
+        let (link, plan) = self.link(x).map_err(LinkFitError::Link)?;
+        let halvings = self.measurements.halvings(&link, &plan, COARSE)?;
+        let predicted = self.measurements.predicted(&link, &plan, halvings);
+        let predicted = predicted.ok_or(LinkFitError::NoModel)?;
+        for (measured, predicted) in self.measurements.values().iter().zip(predicted.values) {
+            let observable = measured.observable;
+            match (observable, predicted) {
+                (Observable::Damping { .. }, None | Some(0.0)) => {
+                    return Err(LinkFitError::NoDamping(observable));
+                }
+                (_, None) => return Err(LinkFitError::NoMode(observable)),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn halvings(&self, x: &[f64], tolerance: f64) -> Option<u32> {
+        let (link, plan) = self.link(x).ok()?;
+        self.measurements.halvings(&link, &plan, tolerance).ok()
+    }
+
+    /// Predictions at logarithms of the factors, on a mesh halved so many times.
+    fn predicted(&self, x: &[f64], halvings: u32) -> Option<Prediction> {
+        let (link, plan) = self.link(x).ok()?;
+        self.measurements.predicted(&link, &plan, halvings)
+    }
+
+    fn residuals(&self, x: &[f64], halvings: u32) -> Option<DVector<f64>> {
+        let residuals = self.measurements.residuals(&self.predicted(x, halvings)?)?;
+        Some(DVector::from_vec(residuals))
+    }
+
+    /// Derivatives of the residuals, on one mesh: of second order, or of fourth.
+    fn jacobian(&self, x: &[f64], halvings: u32, is_exact: bool) -> DMatrix<f64> {
+        let [rows, _] = self.measurements.rows();
+        let at = |k: usize, step: f64| {
+            let mut beside = x.to_vec();
+            beside[k] += step;
+            self.residuals(&beside, halvings)
+        };
+        let slope = |k: usize, step: f64| match (at(k, step), at(k, -step)) {
+            (Some(above), Some(below)) => Some((above - below) / (2.0 * step)),
+            // The link ends here, as where a segment becomes shorter than the place of a mass.
+            (above, below) => {
+                let here = self.residuals(x, halvings)?;
+                above
+                    .map(|above| (above - &here) / step)
+                    .or(below.map(|below| (here - below) / step))
+            }
+        };
+        let columns = (0..x.len()).map(|k| {
+            let near = slope(k, STEP);
+            let column = if is_exact {
+                near.zip(slope(k, 2.0 * STEP)).map(|(near, far)| (near * 4.0 - far) / 3.0)
+            } else {
+                near
+            };
+            column.unwrap_or_else(|| DVector::zeros(rows))
+        });
+        let columns: Vec<DVector<f64>> = columns.collect();
+        DMatrix::from_fn(rows, x.len(), |row, column| columns[column][row])
+    }
+
+    /// The bounds of a logarithm.
+    fn bounds(&self, k: usize) -> [f64; 2] {
+        self.free[k].factors.map(libm::log)
+    }
+
+    /// Number 0 is the file's own; the others are Halton's points in the logarithms.
+    fn start(&self, number: usize) -> Vec<f64> {
+        const BASES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
+        let reach = libm::log(FARTHEST_START);
+        let place = |k: usize| {
+            let [low, high] = self.bounds(k);
+            let (low, high) = (low.max(-reach), high.min(reach));
+            low + (high - low) * halton(number, BASES[k % BASES.len()])
+        };
+        (0..self.free.len()).map(|k| if number == 0 { 0.0 } else { place(k) }).collect()
+    }
+
+    /// Iterates from a start to the least sum of squares near it; none where the start makes no link with
+    /// the measured modes.
+    fn descend(&self, mut x: Vec<f64>, depth: Depth) -> Option<End> {
+        let mut damping = 1e-3;
+        let mut halvings = self.halvings(&x, depth.mesh_tolerance)?;
+        let mut residuals = self.residuals(&x, halvings)?;
+        let mut has_settled = false;
+        for _ in 0..depth.most_iterations {
+            let jacobian = self.jacobian(&x, halvings, false);
+            let mut moved = None;
+            while moved.is_none() && damping < 1e12 {
+                let next = self.stepped(&x, &jacobian, &residuals, damping);
+                match self.residuals(&next, halvings) {
+                    Some(found) if found.norm_squared() <= residuals.norm_squared() => {
+                        moved = Some((next, found));
+                        damping = (damping * 0.1).max(1e-12);
+                    }
+                    _ => damping *= 10.0,
+                }
+            }
+            let Some((next, found)) = moved else {
+                has_settled = true;
+                break;
+            };
+            let steps = next.iter().zip(&x).map(|(next, x)| (next - x).abs());
+            let largest = steps.fold(0.0, f64::max);
+            (x, residuals) = (next, found);
+            // A short step under strong damping is no end.
+            if largest < depth.settled && damping < 1.0 {
+                has_settled = true;
+                break;
+            }
+            let finer = self.halvings(&x, depth.mesh_tolerance)?;
+            if finer != halvings {
+                halvings = finer;
+                residuals = self.residuals(&x, halvings)?;
+            }
+        }
+        Some(End { cost: residuals.norm_squared(), x, has_settled })
+    }
+
+    /// One step: along all logarithms that do not lie at a bound and want to pass it.
+    fn stepped(
+        &self,
+        x: &[f64],
+        jacobian: &DMatrix<f64>,
+        residuals: &DVector<f64>,
+        damping: f64,
+    ) -> Vec<f64> {
+        let gradient = jacobian.transpose() * residuals;
+        let is_open = |k: &usize| {
+            let [low, high] = self.bounds(*k);
+            !(x[*k] <= low && gradient[*k] > 0.0 || x[*k] >= high && gradient[*k] < 0.0)
+        };
+        let open: Vec<usize> = (0..x.len()).filter(is_open).collect();
+        let columns = DMatrix::from_fn(residuals.len(), open.len(), |row, column| {
+            jacobian[(row, open[column])]
+        });
+        let normal = columns.transpose() * &columns;
+        let largest = normal.diagonal().iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let mut damped = normal;
+        for k in 0..open.len() {
+            // Marquardt's scaling: a value that the residuals weigh little moves as well.
+            damped[(k, k)] += damping * damped[(k, k)].max(NO_WEIGHT * largest);
+        }
+        let right = -(columns.transpose() * residuals);
+        let step =
+            damped.cholesky().map_or_else(|| DVector::zeros(open.len()), |l| l.solve(&right));
+        let mut next = x.to_vec();
+        for (k, step) in open.iter().zip(step.iter()) {
+            let [low, high] = self.bounds(*k);
+            next[*k] = (x[*k] + step).clamp(low, high);
+        }
+        next
+    }
+}
+
+/// The `number`-th point of Halton's sequence in (0, 1), from 1.
+fn halton(number: usize, base: usize) -> f64 {
+    let (mut rest, mut share, mut sum) = (number, 1.0, 0.0);
+    while rest > 0 {
+        share /= base as f64;
+        sum += share * (rest % base) as f64;
+        rest /= base;
+    }
+    sum
+}

@@ -1,0 +1,22 @@
+//! A link from what was measured on it: natural frequencies, zeros, damping ratios and frequency responses.
+//!
+//! ```text
+//! link.toml + free values ─► Link ─► predictions ─► residuals ─► least squares ─► factors
+//!                                                                 Jacobian ─► standard errors,
+//!                                                                             what is not determined
+//! ```
+//!
+//! The unknowns are the logarithms of factors on values of the link file. For a link with n free values the
+//! residual of each measurement is the logarithm of prediction over measured value, over the relative
+//! uncertainty of the measurement.
+
+mod least_squares;
+mod measurement;
+mod outcome;
+mod response;
+mod spread;
+
+pub use least_squares::{LinkFitError, fit};
+pub use measurement::{HubEnd, Measured, Measurements, MeasurementsError, Observable};
+pub use outcome::{FitOutcome, FittedValue, Free, Misfit, Residual, Undetermined};
+pub use response::{Gain, Response, ResponseError, ResponseMisfit, Transfer};

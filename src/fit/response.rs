@@ -1,0 +1,170 @@
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::model::{FrequencyResponse, Model};
+use crate::numeric::magnitude;
+
+/// Uncertainty over the value that no measurement has.
+pub(super) const MOST_UNCERTAIN: f64 = 0.5;
+
+/// Fewest frequencies of a response.
+const FEWEST: usize = 2;
+
+/// What was measured per torque at the hub.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Transfer {
+    /// Hub angle per torque in rad/(N m).
+    HubAngle,
+    /// Hub rate per torque in 1/(N m s).
+    HubRate,
+    /// Tip acceleration per torque in 1/(kg m).
+    TipAcceleration,
+}
+
+impl Transfer {
+    /// The transfer of a link at one frequency.
+    fn of(self, row: &FrequencyResponse) -> Complex64 {
+        let angle = row.hub_angle_per_tip_displacement_rad_m * row.tip_displacement_per_torque_1_n;
+        match self {
+            Self::HubAngle => angle,
+            Self::HubRate => Complex64::new(0.0, TAU * row.frequency_hz) * angle,
+            Self::TipAcceleration => row.torque_per_tip_acceleration_kg_m.inv(),
+        }
+    }
+}
+
+/// Whether the scale of a response is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gain {
+    /// The values are in SI.
+    Known,
+    /// All values have one unknown factor above 0, as of a sensor or an amplifier.
+    Free,
+}
+
+/// Why values are no frequency response.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum ResponseError {
+    /// Too few rows.
+    #[error("frequencies = {0}, but must be {FEWEST} or more")]
+    Few(usize),
+    /// Columns of different lengths.
+    #[error("frequencies and values must be as many")]
+    Uneven,
+    /// A frequency or a value without logarithm.
+    #[error("row {0}: the frequency must be finite and above 0, the value finite and not 0")]
+    Row(usize),
+    /// An uncertainty that is none.
+    #[error("uncertainty = {0}, but must be above 0 and below {MOST_UNCERTAIN}: 0.05 is 5 %")]
+    Uncertainty(f64),
+}
+
+/// A measured frequency response of the link on its free hub.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    name: String,
+    transfer: Transfer,
+    gain: Gain,
+    uncertainty: Option<f64>,
+    frequencies_hz: Vec<f64>,
+    values: Vec<Complex64>,
+}
+
+impl Response {
+    /// A response that messages call `name`; `uncertainty` is that of its real and of its
+    /// imaginary part, over its magnitude.
+    ///
+    /// # Errors
+    /// [`ResponseError`]: fewer than two frequencies, a number that is not finite, a value of 0.
+    pub fn new(
+        name: String,
+        (transfer, gain): (Transfer, Gain),
+        uncertainty: Option<f64>,
+        (frequencies_hz, values): (Vec<f64>, Vec<Complex64>),
+    ) -> Result<Self, ResponseError> {
+        if frequencies_hz.len() < FEWEST {
+            return Err(ResponseError::Few(frequencies_hz.len()));
+        }
+        if frequencies_hz.len() != values.len() {
+            return Err(ResponseError::Uneven);
+        }
+        let is_good = |(hertz, value): (&f64, &Complex64)| {
+            let size = magnitude(*value);
+            hertz.is_finite() && *hertz > 0.0 && size.is_finite() && size > 0.0
+        };
+        if let Some(row) = frequencies_hz.iter().zip(&values).position(|row| !is_good(row)) {
+            return Err(ResponseError::Row(row));
+        }
+        if let Some(wrong) = uncertainty.filter(|u| !(*u > 0.0 && *u < MOST_UNCERTAIN)) {
+            return Err(ResponseError::Uncertainty(wrong));
+        }
+        Ok(Self { name, transfer, gain, uncertainty, frequencies_hz, values })
+    }
+
+    /// What messages call it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Relative uncertainty of each value, if it is known.
+    pub fn uncertainty(&self) -> Option<f64> {
+        self.uncertainty
+    }
+
+    /// The highest frequency in rad/s.
+    pub(super) fn highest_rad_s(&self) -> f64 {
+        TAU * self.frequencies_hz.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Numbers that it adds to the residuals: two a frequency.
+    pub(super) fn rows(&self) -> usize {
+        2 * self.values.len()
+    }
+
+    /// Free values that it adds: the gain.
+    pub(super) fn own_free_values(&self) -> usize {
+        usize::from(self.gain == Gain::Free)
+    }
+
+    /// Real and imaginary part of `ln(computed/measured)` at each frequency, a free gain taken out.
+    pub(super) fn misfits(&self, model: &dyn Model) -> Vec<f64> {
+        let rows = FrequencyResponse::at_all(model, &self.frequencies_hz);
+        let ratios =
+            rows.iter().zip(&self.values).map(|(row, value)| self.transfer.of(row) / value);
+        let mut misfits: Vec<f64> = ratios
+            .flat_map(|ratio| [libm::log(magnitude(ratio)), libm::atan2(ratio.im, ratio.re)])
+            .collect();
+        if self.gain == Gain::Free {
+            let mean = misfits.iter().step_by(2).sum::<f64>() / self.values.len() as f64;
+            misfits.iter_mut().step_by(2).for_each(|misfit| *misfit -= mean);
+        }
+        misfits
+    }
+}
+
+/// How far a fitted link's response is from a measured one.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResponseMisfit {
+    /// File of the response.
+    pub name: String,
+    /// What was measured.
+    pub transfer: Transfer,
+    /// Number of frequencies.
+    pub frequencies: usize,
+    /// Root mean square of the relative differences of real and imaginary parts.
+    pub rms: f64,
+}
+
+impl ResponseMisfit {
+    pub(super) fn of(response: &Response, misfits: &[f64]) -> Self {
+        let frequencies = response.values.len();
+        let sum: f64 = misfits.iter().map(|misfit| misfit * misfit).sum();
+        let rms = (sum / misfits.len() as f64).sqrt();
+        Self { name: response.name.clone(), transfer: response.transfer, frequencies, rms }
+    }
+}

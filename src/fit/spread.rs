@@ -1,0 +1,89 @@
+//! What the derivatives of the residuals say of the free values: directions and their standard errors.
+
+use nalgebra::DMatrix;
+
+/// Singular value over the size of the Jacobian below which a direction is not determined: the derivatives
+/// are exact to about 1e-9.
+const UNDETERMINED: f64 = 1e-7;
+
+/// Standard error, in the logarithm, beyond which a direction is not determined either: a factor of ten.
+const UNKNOWN: f64 = std::f64::consts::LN_10;
+
+/// Singular values and directions of the Jacobian.
+pub(super) struct Spread {
+    /// One for each direction; 0 of those that no row sees.
+    values: Vec<f64>,
+    /// Directions in the free values, row by row.
+    directions: DMatrix<f64>,
+    /// The singular values from which on a direction changes the measured values at all, and by more than
+    /// their uncertainty.
+    least: [f64; 2],
+}
+
+impl Spread {
+    /// `weight` is the size that the Jacobian would have if each residual's value followed one free value;
+    /// `scale` the standard deviation of the residuals, 0 where it is not known.
+    pub(super) fn of(jacobian: DMatrix<f64>, weight: f64, scale: f64) -> Self {
+        // As many rows as columns, so that every direction has a singular value.
+        let rows = jacobian.nrows().max(jacobian.ncols());
+        let columns = jacobian.ncols();
+        let square = jacobian.resize(rows, columns, 0.0);
+        let svd = square.svd(false, true);
+        let directions = svd.v_t.unwrap_or_else(|| DMatrix::identity(columns, columns));
+        let values: Vec<f64> = svd.singular_values.iter().copied().collect();
+        let largest = values.iter().copied().fold(weight, f64::max);
+        Self { values, directions, least: [UNDETERMINED * largest, scale / UNKNOWN] }
+    }
+
+    /// A basis of the directions that change no measured value, where `is_exact`, or else of those that change
+    /// them by less than their uncertainty: in each vector the largest part of one value, which the
+    /// other vectors have not, is 1.
+    pub(super) fn open(&self, is_exact: bool) -> Vec<Vec<f64>> {
+        let [nothing, little] = self.least;
+        let is_open = |value: f64| if is_exact { value < nothing } else { value < little };
+        let is_left = |value: f64| is_exact || value >= nothing;
+        let open =
+            (0..self.values.len()).filter(|k| is_open(self.values[*k]) && is_left(self.values[*k]));
+        let mut rows: Vec<Vec<f64>> =
+            open.map(|k| self.directions.row(k).iter().copied().collect()).collect();
+        for pivot in 0..rows.len() {
+            let sizes = rows[pivot].iter().map(|part| part.abs()).enumerate();
+            // The first of equals, so that round-off does not choose.
+            let largest =
+                sizes.fold(
+                    (0, 0.0),
+                    |best, (k, size)| {
+                        if size > 1.000_001 * best.1 { (k, size) } else { best }
+                    },
+                );
+            let part = rows[pivot][largest.0];
+            rows[pivot].iter_mut().for_each(|value| *value /= part);
+            let own = rows[pivot].clone();
+            for (k, row) in rows.iter_mut().enumerate() {
+                if k != pivot {
+                    let share = row[largest.0];
+                    row.iter_mut().zip(&own).for_each(|(value, own)| *value -= share * own);
+                }
+            }
+        }
+        rows
+    }
+
+    /// (JᵀJ)⁻¹.
+    pub(super) fn covariance(&self) -> DMatrix<f64> {
+        let mut sum = DMatrix::zeros(self.values.len(), self.values.len());
+        for (k, value) in self.values.iter().enumerate() {
+            let direction = self.directions.row(k);
+            sum += direction.transpose() * direction / (value * value);
+        }
+        sum
+    }
+}
+
+/// The correlation of each pair of values.
+pub(super) fn correlation(covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let sizes: Vec<f64> = covariance.diagonal().iter().map(|v| v.sqrt()).collect();
+    let share = |k: usize, j: usize| covariance[(k, j)] / (sizes[k] * sizes[j]);
+    let numbers = 0..sizes.len();
+    numbers.clone().map(|k| numbers.clone().map(|j| share(k, j)).collect()).collect()
+}

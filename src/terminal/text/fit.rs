@@ -1,0 +1,60 @@
+//! What `fit` prints.
+
+use flexlink::fit::FitOutcome;
+use flexlink::spec::Replaced;
+use flexlink::text::significant;
+
+/// Correlation from which on two values are said to go together.
+const CORRELATED: f64 = 0.9;
+
+/// The free values, what they replace, the measurements beside the fitted link's values, and correlations.
+pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
+    let mut lines = vec![row(["free value", "factor", "change", "standard error"])];
+    for value in &outcome.values {
+        let error = value.relative_standard_error.map_or("not known".to_owned(), percent);
+        let change = format!("{:+.2} %", 100.0 * (value.factor - 1.0));
+        lines.push(row([&value.path, &significant(value.factor, 5), &change, &error]));
+    }
+    for Replaced { path, before, after } in replaced {
+        lines.push(format!("{path} = {after}, was {before}"));
+    }
+    lines.push(row(["measured", "value", "fitted", "difference"]));
+    for residual in &outcome.residuals {
+        let unit = residual.measured.observable.unit();
+        let shown =
+            |number: f64| format!("{} {unit}", significant(number, 5)).trim_end().to_owned();
+        let difference = format!("{:+.2} %", 100.0 * residual.relative);
+        let uncertainties = residual.uncertainties;
+        let more = uncertainties.map_or(String::new(), |u| format!(" {u:+.1} u"));
+        let name = residual.measured.observable.to_string();
+        let [value, fitted] = [residual.measured.value, residual.fitted].map(shown);
+        lines.push(row([&name, &value, &fitted, &(difference + &more)]));
+    }
+    if let Some(chi_squared) = outcome.chi_squared {
+        let number = outcome.degrees_of_freedom;
+        let chi_squared = significant(chi_squared, 3);
+        lines.push(format!("chi² {chi_squared} with {number} degrees of freedom"));
+    }
+    for response in &outcome.responses {
+        let name = format!("response {}", response.name);
+        let count = format!("{} points", response.frequencies);
+        lines.push(row([&name, &count, "", &format!("{} rms", percent(response.rms))]));
+    }
+    for (k, correlations) in outcome.correlation.iter().enumerate() {
+        for (j, correlation) in correlations.iter().enumerate().take(k) {
+            if correlation.abs() > CORRELATED {
+                let [first, second] = [j, k].map(|k| &outcome.values[k].path);
+                lines.push(format!("correlation of {first} and {second}: {correlation:+.3}"));
+            }
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", significant(100.0 * share, 2))
+}
+
+fn row([name, a, b, c]: [&str; 4]) -> String {
+    format!("{name:<30} {a:>13} {b:>13} {c:>18}").trim_end().to_owned()
+}
