@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::csv::{InputFile, read_motion_table};
+use flexlink::csv::{InputFile, Reading, read_motion_table_as};
 use flexlink::inverse::Solution;
 use flexlink::link::Link;
 use flexlink::modal::REPORTED_MODES;
@@ -15,12 +15,13 @@ use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::text::plain;
 
 use super::args::{finite, option};
+use super::read::ReadArgs;
 use crate::terminal::{Exit, Failure};
 
 pub(crate) const LINK: &str = "Link file (TOML)";
 
 pub(crate) const MOTION: &str =
-    "Tip trajectory (CSV): `time` and `acceleration`, `displacement` or `angle`";
+    "Tip trajectory (CSV): `time` and `acceleration`, `displacement`, `angle` or `velocity`";
 
 /// A link file and the changes to it.
 #[derive(Debug, Args)]
@@ -93,14 +94,21 @@ pub(crate) struct ResampleArgs {
 }
 
 impl ResampleArgs {
-    /// Reads the motion of a link's tip.
-    pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
-        let table = read_motion_table(&file.shown, &file.bytes, link.length_m())?;
+    /// Reads the motion of a link's tip; returns it with what was found beyond the standard form.
+    pub(crate) fn motion_of(
+        &self,
+        file: &InputFile,
+        link: &Link,
+        read: &ReadArgs,
+    ) -> Result<(TipMotion, Reading), Failure> {
+        let length_m = link.length_m();
+        let table = read_motion_table_as(&file.shown, &file.bytes, length_m, &read.format())?;
+        let reading = table.reading().clone();
         let table = match self.resample {
             Some(step_s) => table.resampled(step_s)?,
             None => table,
         };
-        Ok(table.into_motion()?)
+        Ok((table.into_motion()?, reading))
     }
 
     /// The arguments, for the record.

@@ -7,6 +7,7 @@ mod fit;
 mod frf;
 mod inputs;
 mod modes;
+mod read;
 mod report;
 mod setup;
 mod simulate;

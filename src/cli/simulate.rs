@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::csv::{Digits, InputFile, read_hub_reference, read_motion_table, read_torque_table};
+use flexlink::csv::{
+    Digits, InputFile, TableFormat, read_hub_reference_as, read_motion_table_as,
+    read_torque_table_as,
+};
 use flexlink::motion::TipTarget;
 use flexlink::response::{
     Feedback, HubReference, Interpolation, Play, PlayError, Simulation, SimulationError, Torque,
@@ -17,6 +20,7 @@ use flexlink::text::plain;
 
 use super::args::{NodeArgs, SyncArgs, digits_arguments, finite, option};
 use super::inputs::LinkArgs;
+use super::read::{ReadArgs, tell};
 use crate::terminal::files::keep;
 use crate::terminal::text::simulate_text;
 use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
@@ -29,6 +33,8 @@ Example:
       --column rigid_torque_n_m --until 10
   flexlink simulate link.toml out/torque.csv \\
       --feedback 20,2 --reference out/hub_angle.csv
+  flexlink simulate link.toml lab.csv \\
+      --columns time=1,torque=3 --unit 'N cm' --skip 5
 
 One of the files may be `-`, standard input.";
 
@@ -101,6 +107,9 @@ pub(crate) struct Simulate {
 
     #[command(flatten)]
     threads: ThreadArgs,
+
+    #[command(flatten)]
+    read: ReadArgs,
 }
 
 /// The inputs, read.
@@ -145,13 +154,24 @@ impl Simulate {
         let read = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
         let (target_file, reference_file) = (read(&self.target)?, read(&self.reference)?);
         let column = self.column.as_deref();
-        let torque = read_torque_table(&torque_file.shown, &torque_file.bytes, column)?;
+        let InputFile { shown, bytes, .. } = &torque_file;
+        let (torque, reading) = read_torque_table_as(shown, bytes, column, &self.read.format())?;
+        tell(shown, &reading);
+        // The options are those of TORQUE.
+        let form = TableFormat::default();
         let target = |file: InputFile| -> Result<_, Failure> {
-            let table = read_motion_table(&file.shown, &file.bytes, length_m)?;
-            Ok((file, table.into_target()?))
+            let table = read_motion_table_as(&file.shown, &file.bytes, length_m, &form)?;
+            let reading = table.reading().clone();
+            let target = table.into_target()?;
+            tell(&file.shown, &reading);
+            Ok((file, target))
         };
         let target = target_file.map(target).transpose()?;
-        let reference = |file: &InputFile| read_hub_reference(&file.shown, &file.bytes);
+        let reference = |file: &InputFile| -> Result<HubReference, Failure> {
+            let (reference, reading) = read_hub_reference_as(&file.shown, &file.bytes, &form)?;
+            tell(&file.shown, &reading);
+            Ok(reference)
+        };
         let reference = reference_file.as_ref().map(reference).transpose()?;
         // A link at rest is straight: the hub points to its tip.
         let pointed = |reference: &HubReference| reference.angle_rad()[0] * length_m;
@@ -271,7 +291,7 @@ impl Simulate {
         let feedback = self.feedback.map(|(kp, kd)| option("--feedback", format!("{kp},{kd}")));
         let played = column.chain(until).chain(linear).chain(feedback).flatten().collect();
         let (nodes, digits) = (self.nodes.arguments(), digits_arguments(self.digits));
-        [self.link.changes.arguments(), played, nodes, digits].concat()
+        [self.link.changes.arguments(), played, nodes, digits, self.read.arguments()].concat()
     }
 
     /// Prints warnings and the summary; returns the number of warnings.

@@ -12,6 +12,7 @@ use flexlink::store::verification_json;
 use flexlink::verify::{Answer, Verification, VerificationError, verify};
 
 use super::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, remarks};
+use super::read::{ReadArgs, tell};
 use crate::terminal::files::read_once;
 use crate::terminal::text::verify_text;
 use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
@@ -58,6 +59,9 @@ pub(crate) struct Verify {
 
     #[command(flatten)]
     threads: ThreadArgs,
+
+    #[command(flatten)]
+    read: ReadArgs,
 }
 
 impl Verify {
@@ -76,7 +80,9 @@ impl Verify {
         read_once(&[&self.link.link, &self.motion])?;
         let (_, specification) = self.link.load()?;
         let file = InputFile::read(&self.motion)?;
-        let motion = self.resample.motion_of(&file, &specification.link)?;
+        let link = &specification.link;
+        let (motion, reading) = self.resample.motion_of(&file, link, &self.read)?;
+        tell(&file.shown, &reading);
         Ok((specification, self.scale.scaled(motion)?))
     }
 

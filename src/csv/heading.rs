@@ -1,5 +1,8 @@
-use super::rows::{Place, TableError, quoted};
-use crate::numeric::{Dimension, Unit};
+//! Headings of columns: the quantity and its unit.
+
+use super::place::{Place, TableError, quoted};
+use super::unit_name::{UnitName, parse_unit, split_any_unit, split_unit};
+use crate::numeric::{Dimension, Unit, reads_as_unit};
 
 /// A quantity that a column may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -8,9 +11,11 @@ pub(super) struct Quantity {
     pub(super) word: &'static str,
     /// Ending of a name that states the SI unit, as this program writes it.
     suffix: &'static str,
-    dimension: Dimension,
+    pub(super) dimension: Dimension,
     /// The SI unit, and another common one.
     pub(super) units: [&'static str; 2],
+    /// Other names that instruments and people give it, in lower case.
+    aliases: &'static [&'static str],
 }
 
 const fn quantity(
@@ -19,25 +24,60 @@ const fn quantity(
     dimension: Dimension,
     units: [&'static str; 2],
 ) -> Quantity {
-    Quantity { word, suffix, dimension, units }
+    Quantity { word, suffix, dimension, units, aliases: &[] }
 }
 
-pub(super) const TIME: Quantity = quantity("time", "_s", Dimension::TIME, ["s", "ms"]);
+pub(super) const TIME: Quantity = quantity("time", "_s", Dimension::TIME, ["s", "ms"]).or(&[
+    "t",
+    "zeit",
+    "temps",
+    "timestamp",
+    "elapsed_time",
+]);
 pub(super) const ACCELERATION: Quantity =
-    quantity("acceleration", "_m_s2", Dimension::ACCELERATION, ["m/s^2", "cm/s^2"]);
+    quantity("acceleration", "_m_s2", Dimension::ACCELERATION, ["m/s^2", "cm/s^2"]).or(&[
+        "a",
+        "acc",
+        "accel",
+        "beschleunigung",
+        "accélération",
+    ]);
 pub(super) const VELOCITY: Quantity =
-    quantity("velocity", "_m_s", Dimension::VELOCITY, ["m/s", "cm/s"]);
+    quantity("velocity", "_m_s", Dimension::VELOCITY, ["m/s", "cm/s"]).or(&[
+        "v",
+        "vel",
+        "speed",
+        "geschwindigkeit",
+        "vitesse",
+    ]);
 pub(super) const DISPLACEMENT: Quantity =
-    quantity("displacement", "_m", Dimension::LENGTH, ["m", "cm"]);
+    quantity("displacement", "_m", Dimension::LENGTH, ["m", "cm"]).or(&[
+        "x",
+        "disp",
+        "pos",
+        "position",
+        "weg",
+        "déplacement",
+    ]);
 /// Displacement divided by the length of the link.
-pub(super) const ANGLE: Quantity = quantity("angle", "_rad", Dimension::NONE, ["rad", "deg"]);
-pub(super) const TORQUE: Quantity = quantity("torque", "_n_m", Dimension::TORQUE, ["N m", "N cm"]);
+pub(super) const ANGLE: Quantity =
+    quantity("angle", "_rad", Dimension::NONE, ["rad", "deg"]).or(&["winkel"]);
+pub(super) const TORQUE: Quantity = quantity("torque", "_n_m", Dimension::TORQUE, ["N m", "N cm"])
+    .or(&["tau", "trq", "drehmoment", "couple"]);
 pub(super) const HUB_ANGLE: Quantity =
     quantity("hub_angle", "_rad", Dimension::NONE, ["rad", "deg"]);
 pub(super) const HUB_RATE: Quantity =
     quantity("hub_rate", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]);
 
+/// Every quantity that a column may hold.
+pub(super) const QUANTITIES: [Quantity; 8] =
+    [TIME, ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE, TORQUE, HUB_ANGLE, HUB_RATE];
+
 impl Quantity {
+    const fn or(self, aliases: &'static [&'static str]) -> Self {
+        Self { aliases, ..self }
+    }
+
     /// True if the name ends with the suffix of the SI unit.
     pub(super) fn is_suffixed(self, name: &str) -> bool {
         name.to_lowercase().ends_with(self.suffix)
@@ -54,6 +94,8 @@ pub(super) struct Vocabulary {
     pub(super) example: &'static str,
     /// What to do about two columns of one quantity.
     pub(super) choice: Option<&'static str>,
+    /// The option that says which column is what.
+    pub(super) by_option: &'static str,
 }
 
 impl Vocabulary {
@@ -63,49 +105,80 @@ impl Vocabulary {
         lower.strip_prefix(self.prefix).map_or_else(|| lower.clone(), str::to_owned)
     }
 
-    /// The quantity of a name, and true if the name states its unit.
-    fn quantity(&self, name: &str) -> Option<(Quantity, bool)> {
-        let plain = self.plain(name);
-        self.quantities.iter().find_map(|quantity| {
-            let ending = plain.strip_prefix(quantity.word)?;
-            let suffixed = ending == quantity.suffix;
-            (ending.is_empty() || suffixed).then_some((*quantity, suffixed))
+    /// How a heading names a quantity, if it does.
+    pub(super) fn spelling(&self, field: &str, quantity: Quantity) -> Option<Spelling> {
+        let plain = self.plain(split_unit(field).0);
+        if let Some(ending) = plain.strip_prefix(quantity.word) {
+            if ending.is_empty() {
+                return Some(Spelling::Exact);
+            } else if ending == quantity.suffix {
+                return Some(Spelling::Suffixed);
+            }
+        }
+        let words = split_any_unit(field).0.replace([' ', '-'], "_");
+        let plain = self.plain(&words);
+        let is_word = plain == quantity.word;
+        (is_word || quantity.aliases.contains(&plain.as_str())).then_some(if is_word {
+            Spelling::Free
+        } else {
+            Spelling::Alias
         })
     }
 
-    /// Reads the first row of a table: the headings that this vocabulary knows, from the left.
+    /// The one column that names a quantity in one of these ways, with its spelling.
     ///
     /// # Errors
-    /// [`TableError`] for a row without names, a unit of another quantity, and two columns of one
-    /// quantity.
-    pub(super) fn read(&self, fields: &[&str], place: Place) -> Result<Vec<Heading>, TableError> {
-        self.check_names(fields, place)?;
-        let mut headings: Vec<Heading> = Vec::new();
-        for (index, field) in fields.iter().enumerate() {
-            let Some((quantity, suffixed)) = self.quantity(split_unit(field).0) else { continue };
-            let heading = Heading::of(index, field, quantity, suffixed, place)?;
-            if let Some(earlier) = find(&headings, quantity) {
-                let must = format!("must not repeat {}", earlier.named());
-                let choice = self.choice.map(str::to_owned);
-                return Err(place.refuse_column(index, &heading.name, must).with_hint(choice));
-            }
-            headings.push(heading);
-        }
-        Ok(headings)
+    /// [`TableError`] if there are two.
+    pub(super) fn column(
+        &self,
+        fields: &[&str],
+        quantity: Quantity,
+        ways: &[Spelling],
+        place: Place,
+    ) -> Result<Option<(usize, Spelling)>, TableError> {
+        let spelt = |(index, field): (usize, &&str)| {
+            let way = self.spelling(field, quantity).filter(|way| ways.contains(way))?;
+            Some((index, way))
+        };
+        let mut found = fields.iter().enumerate().filter_map(spelt);
+        let first = found.next();
+        let (Some((earlier, _)), Some((index, _))) = (first, found.next()) else {
+            return Ok(first);
+        };
+        let name = split_unit(fields[index]).0;
+        let must = format!("must not repeat {}", named(earlier, split_unit(fields[earlier]).0));
+        let word = quantity.word;
+        let by_number = format!("--columns {word}={} reads the first of them", earlier + 1);
+        let by_option = quantity == TIME && !self.by_option.is_empty();
+        let choice = self.choice.filter(|_| !by_option);
+        let hint = choice.map_or(by_number, str::to_owned);
+        Err(place.refuse_column(index, name, must).with_hint(hint))
     }
 
-    /// Refuses a first row of numbers only, or with other separators than commas.
-    fn check_names(&self, fields: &[&str], place: Place) -> Result<(), TableError> {
-        if fields.iter().all(|field| field.parse::<f64>().is_ok()) {
-            let hint = format!(
-                "begin with a row like {}; a line that starts with # is a comment",
-                self.example
-            );
-            let found = quoted(&fields.join(","));
-            return Err(place.refuse("first row", found, "must name the columns").with_hint(hint));
+    /// Refuses a first row of numbers only.
+    pub(super) fn check_names(&self, fields: &[&str], place: Place) -> Result<(), TableError> {
+        if !fields.iter().all(|field| field.parse::<f64>().is_ok()) {
+            return Ok(());
         }
-        check_separator(fields, place)
+        let begin = format!("begin with a row like {}", self.example);
+        let hint = format!("{begin}; a line that starts with # is a comment; {}", self.by_option);
+        let hint = hint.trim_end_matches("; ").to_owned();
+        let found = quoted(&fields.join(","));
+        Err(place.refuse("first row", found, "must name the columns").with_hint(hint))
     }
+}
+
+/// How a heading names a quantity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Spelling {
+    /// The word itself, with or without a unit in square brackets.
+    Exact,
+    /// The word with the suffix of the SI unit, `torque_n_m`.
+    Suffixed,
+    /// The word with a unit in parentheses, or of words, `Hub angle (deg)`.
+    Free,
+    /// Another name for it, `pos [mm]`.
+    Alias,
 }
 
 /// The heading of a quantity, if the table has one.
@@ -126,6 +199,14 @@ pub(super) fn require(
     }
 }
 
+/// What the user says of the numbers of a column.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Measure<'a> {
+    pub(super) unit: Option<&'a UnitName>,
+    /// Factor on the numbers of the file, before their unit.
+    pub(super) factor: Option<f64>,
+}
+
 /// The heading of one column.
 #[derive(Debug, Clone)]
 pub(super) struct Heading {
@@ -138,6 +219,7 @@ pub(super) struct Heading {
     pub(super) unit_text: String,
     /// `None`: SI.
     unit: Option<Unit>,
+    factor: Option<f64>,
 }
 
 impl Heading {
@@ -147,40 +229,54 @@ impl Heading {
         field: &str,
         quantity: Quantity,
         suffixed: bool,
+        measure: Measure,
         place: Place,
     ) -> Result<Self, TableError> {
-        let (name, unit_text) = split_unit(field);
+        let (name, unit_text) = if suffixed { split_unit(field) } else { split_any_unit(field) };
         if let (true, Some(unit)) = (suffixed, unit_text) {
             let must = format!("must be left out: the name {name} has its unit");
             return Err(place.refuse(format!("unit of {name}"), quoted(unit), must));
         }
-        let unit = unit_text.map(|text| read_unit(text, name, quantity, place)).transpose()?;
+        let unit_text = if suffixed { Some(quantity.units[0]) } else { unit_text };
+        let own = unit_text.map(|text| read_unit(text, name, quantity, place)).transpose();
+        let own = match own {
+            // Counts, which the user converts.
+            Err(_) if measure.unit.is_some() || measure.factor.is_some() => None,
+            own => own?,
+        };
+        if let (Some(own), Some(given), Some(text)) = (own, measure.unit, unit_text)
+            && own != given.unit
+        {
+            let must = format!("must be {}, as the options say", quoted(&given.text));
+            let error = place.refuse(format!("unit of {name}"), quoted(text), must);
+            return Err(error.with_hint("leave the option out, or correct the heading".to_owned()));
+        }
+        let own_text = unit_text.filter(|_| own.is_some());
+        let text = own_text.or(measure.unit.map(|given| given.text.as_str()));
         Ok(Self {
             index,
             quantity,
             name: name.to_owned(),
-            unit_text: unit_text.unwrap_or(quantity.units[0]).to_owned(),
-            unit,
+            unit_text: text.unwrap_or(quantity.units[0]).to_owned(),
+            unit: own.filter(|_| !suffixed).or(measure.unit.map(|given| given.unit)),
+            factor: measure.factor,
         })
     }
 
     /// A value of this column in SI.
     pub(super) fn to_si(&self, value: f64) -> f64 {
+        let value = self.factor.map_or(value, |factor| factor * value);
         self.unit.as_ref().map_or(value, |unit| unit.to_si(value))
     }
 
     /// The column in a message: `column 2, "torque"`.
     pub(super) fn named(&self) -> String {
-        format!("column {}, {}", self.index + 1, quoted(&self.name))
+        named(self.index, &self.name)
     }
 }
 
-/// The name in front of a unit in brackets, and that unit.
-pub(super) fn split_unit(field: &str) -> (&str, Option<&str>) {
-    match field.strip_suffix(']').and_then(|f| f.split_once('[')) {
-        Some((name, unit)) => (name.trim(), Some(unit.trim())),
-        None => (field, None),
-    }
+fn named(index: usize, name: &str) -> String {
+    format!("column {}, {}", index + 1, quoted(name))
 }
 
 fn read_unit(text: &str, name: &str, quantity: Quantity, place: Place) -> Result<Unit, TableError> {
@@ -191,8 +287,20 @@ fn read_unit(text: &str, name: &str, quantity: Quantity, place: Place) -> Result
     if text.is_empty() {
         return Err(refuse(None));
     }
-    let unit = Unit::parse(text).map_err(|error| refuse(error.hint()))?;
+    let unit = parse_unit(text).map_err(|error| refuse(error.hint()))?;
     if unit.dimension() == quantity.dimension { Ok(unit) } else { Err(refuse(None)) }
+}
+
+/// The last word of a name without a unit in brackets, if that word reads like a unit other than the
+/// suffix of the SI unit: `torque_n_cm`, `pos_mm`. Such a column may not be in SI.
+pub(super) fn unread_unit(field: &str, quantity: Quantity) -> Option<&str> {
+    let (name, unit) = split_unit(field);
+    if unit.is_some() || quantity.is_suffixed(name) {
+        return None;
+    }
+    let mut words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    words.next()?;
+    words.next_back().filter(|word| reads_as_unit(word))
 }
 
 /// Refuses a first row with other separators than commas.
@@ -206,7 +314,7 @@ pub(crate) fn check_separator(fields: &[&str], place: Place) -> Result<(), Table
     Ok(())
 }
 
-/// The names of all columns, without their units.
+/// The names of all columns, without their units in square brackets.
 pub(super) fn names<'a>(fields: &[&'a str]) -> Vec<&'a str> {
     fields.iter().map(|field| split_unit(field).0).collect()
 }

@@ -1,9 +1,12 @@
+use super::columns::{Columns, Header};
+use super::format::{Reading, TableFormat};
 use super::heading::{
-    HUB_ANGLE, HUB_RATE, Heading, TIME, TORQUE, Vocabulary, names, nearest, require, split_unit,
+    HUB_ANGLE, HUB_RATE, Heading, Spelling, TIME, TORQUE, Vocabulary, names, nearest, require,
+    unread_unit,
 };
 use super::rows::{Place, TableError, quoted};
 use super::samples::{Samples, refuse_samples};
-use crate::numeric::reads_as_unit;
+use super::unit_name::{parse_unit, split_any_unit, split_unit};
 use crate::response::{HubReference, Torque};
 
 /// A torque at the hub.
@@ -12,6 +15,7 @@ const RECORDING: Vocabulary = Vocabulary {
     prefix: "hub_",
     example: "time,torque",
     choice: Some("rename one of them, or choose a torque with --column"),
+    by_option: "--columns time=1,torque=2 says which column is what",
 };
 
 /// The hub's motion.
@@ -20,6 +24,7 @@ const HUB_MOTION: Vocabulary = Vocabulary {
     prefix: "",
     example: "time,hub_angle",
     choice: Some("rename one of them"),
+    by_option: "",
 };
 
 /// Reads a torque over time: a row of names, then a row for each sample.
@@ -44,12 +49,28 @@ pub fn read_torque_table(
     bytes: &[u8],
     column: Option<&str>,
 ) -> Result<Torque, TableError> {
-    let mut samples =
-        Samples::read(name, bytes, |fields, place| torque_headings(fields, column, place))?;
+    let read = read_torque_table_as(name, bytes, column, &TableFormat::default());
+    read.map(|(torque, _)| torque)
+}
+
+/// Reads a torque from a table in a form of which the user says something; returns what was found beyond
+/// the standard form, too.
+///
+/// # Errors
+/// As [`read_torque_table`], and for options that do not fit the table.
+pub fn read_torque_table_as(
+    name: &str,
+    bytes: &[u8],
+    column: Option<&str>,
+    format: &TableFormat,
+) -> Result<(Torque, Reading), TableError> {
+    let mut samples = Samples::read(name, bytes, format, |header| torque_columns(header, column))?;
     let time_s = samples.take(TIME).unwrap_or_default();
     let torque_n_m = samples.take(TORQUE).unwrap_or_default();
-    Torque::new(&time_s, torque_n_m)
-        .map_err(|error| refuse_samples(name, &samples.lines, error.sample(), &error, error.hint()))
+    let Samples { lines, reading, .. } = samples;
+    let torque = Torque::new(&time_s, torque_n_m)
+        .map_err(|error| refuse_samples(name, &lines, error.sample(), &error, error.hint()))?;
+    Ok((torque, reading))
 }
 
 /// Reads the hub motion that a feedback follows: `hub_angle`, and `hub_rate` if it is given, as in the
@@ -67,71 +88,92 @@ pub fn read_torque_table(
 /// # Errors
 /// [`TableError`] names the file, and line and column where they are at fault.
 pub fn read_hub_reference(name: &str, bytes: &[u8]) -> Result<HubReference, TableError> {
-    let mut samples = Samples::read(name, bytes, hub_headings)?;
+    read_hub_reference_as(name, bytes, &TableFormat::default()).map(|(reference, _)| reference)
+}
+
+/// Reads a hub reference from a table in a form of which the user says something; returns what was found
+/// beyond the standard form, too.
+///
+/// # Errors
+/// As [`read_hub_reference`], and for options that do not fit the table.
+pub fn read_hub_reference_as(
+    name: &str,
+    bytes: &[u8],
+    format: &TableFormat,
+) -> Result<(HubReference, Reading), TableError> {
+    let mut samples = Samples::read(name, bytes, format, hub_columns)?;
     let time_s = samples.take(TIME).unwrap_or_default();
     let angle_rad = samples.take(HUB_ANGLE).unwrap_or_default();
     let rate_rad_s = samples.take(HUB_RATE);
-    HubReference::new(&time_s, angle_rad, rate_rad_s)
-        .map_err(|error| refuse_samples(name, &samples.lines, error.sample(), &error, error.hint()))
+    let Samples { lines, reading, .. } = samples;
+    let reference = HubReference::new(&time_s, angle_rad, rate_rad_s)
+        .map_err(|error| refuse_samples(name, &lines, error.sample(), &error, error.hint()))?;
+    Ok((reference, reading))
 }
 
-fn hub_headings(fields: &[&str], place: Place) -> Result<Vec<Heading>, TableError> {
-    let headings = HUB_MOTION.read(fields, place)?;
-    require(&headings, TIME, fields, place)?;
-    require(&headings, HUB_ANGLE, fields, place)
+fn hub_columns(header: Header) -> Result<(Columns, Reading), TableError> {
+    let Header { fields, place, .. } = header;
+    let columns = Columns::find(&HUB_MOTION, header)?;
+    require(&columns.headings, TIME, fields, place)?;
+    require(&columns.headings, HUB_ANGLE, fields, place)
         .map_err(|error| error.or_hint("hub_angle.csv of `flexlink solve` holds it".to_owned()))?;
-    Ok(headings)
+    Ok((columns, Reading::default()))
 }
 
 const IN_BRACKETS: &str = "a unit follows in brackets: torque [N cm]";
 
 /// Reads the time and the torque that is named `column` or, without it, `torque`.
-fn torque_headings(
-    fields: &[&str],
-    column: Option<&str>,
-    place: Place,
-) -> Result<Vec<Heading>, TableError> {
+fn torque_columns(header: Header, column: Option<&str>) -> Result<(Columns, Reading), TableError> {
+    let Header { fields, place, .. } = header;
     let Some(column) = column else {
-        let headings = RECORDING.read(fields, place)?;
-        require(&headings, TIME, fields, place)?;
-        require(&headings, TORQUE, fields, place)
+        let columns = Columns::find(&RECORDING, header)?;
+        let by_option = || RECORDING.by_option.to_owned();
+        require(&columns.headings, TIME, fields, place)
+            .map_err(|error| error.or_hint(by_option()))?;
+        require(&columns.headings, TORQUE, fields, place)
             .map_err(|error| error.or_hint(where_torque_is(fields)))?;
-        return Ok(headings);
+        return Ok((columns, Reading::default()));
     };
-    let mut headings = Vocabulary { quantities: &[TIME], ..RECORDING }.read(fields, place)?;
-    require(&headings, TIME, fields, place)?;
-    let torque = chosen_torque(fields, column, &headings[0], place)?;
-    headings.push(torque);
-    Ok(headings)
+    RECORDING.check_names(fields, place)?;
+    let torque = chosen_torque(header, column)?;
+    let columns = Columns::find_beside(&RECORDING, header, Some(torque))?;
+    require(&columns.headings, TIME, fields, place)?;
+    Ok((columns, Reading::default()))
 }
 
 /// How to choose the torque of a table without a column of that name.
 fn where_torque_is(fields: &[&str]) -> String {
     match fields.iter().find(|field| field.to_lowercase().contains(TORQUE.word)) {
-        Some(field) if unread_unit(field).is_some() => IN_BRACKETS.to_owned(),
+        Some(field) if unread_unit(field, TORQUE).is_some() => IN_BRACKETS.to_owned(),
         Some(field) => format!("choose the torque with --column {}", quoted(split_unit(field).0)),
         None => "choose the torque with --column NAME".to_owned(),
     }
 }
 
 /// The heading of the torque named `column`.
-fn chosen_torque(
-    fields: &[&str],
-    column: &str,
-    time: &Heading,
-    place: Place,
-) -> Result<Heading, TableError> {
-    let index = chosen_index(fields, column, place)?;
-    if index == time.index {
-        return Err(place.refuse("--column", quoted(column), "must be a torque, not the time"));
+fn chosen_torque(header: Header, column: &str) -> Result<Heading, TableError> {
+    let Header { fields, format, place } = header;
+    let refuse = |found: String, must| Err(place.refuse("--column", found, must));
+    if format.columns.iter().any(|choice| choice.quantity == TORQUE) {
+        return refuse(quoted(column), "must not be given with --columns torque");
     }
+    let index = chosen_index(fields, column, place)?;
     let field = fields[index];
-    if let Some(word) = unread_unit(field) {
+    if matches!(RECORDING.spelling(field, TIME), Some(Spelling::Exact | Spelling::Suffixed)) {
+        return refuse(quoted(column), "must be a torque, not the time");
+    }
+    let measure = format.measure(TORQUE);
+    let unread = unread_unit(field, TORQUE).filter(|_| measure.unit.is_none());
+    let round = split_any_unit(field).1.filter(|_| split_unit(field).1.is_none());
+    let is_unit = round.is_some_and(|unit| parse_unit(unit).is_ok());
+    if let (Some(word), false) = (unread, is_unit) {
         let must = format!("must have its unit in brackets: {} reads like one", quoted(word));
         return Err(place.refuse_column(index, field, must).with_hint(IN_BRACKETS.to_owned()));
     }
+    // Parentheses may hold a remark, too.
+    let field = if round.is_some() && !is_unit { split_any_unit(field).0 } else { field };
     let suffixed = TORQUE.is_suffixed(split_unit(field).0);
-    Heading::of(index, field, TORQUE, suffixed, place)
+    Heading::of(index, field, TORQUE, suffixed, measure, place)
 }
 
 /// Index of the one column whose heading is `column`, with or without its unit.
@@ -169,16 +211,4 @@ fn unknown_column(fields: &[&str], column: &str, place: Place) -> TableError {
     let hint = meant.map(|name| format!("did you mean {}?", quoted(name)));
     let must = format!("must be one of the columns {}", quoted(&names.join(",")));
     place.refuse("--column", quoted(column), must).with_hint(hint)
-}
-
-/// The last word of a name without a unit in brackets, if that word reads like a unit other than the
-/// suffix `_n_m`: `torque_n_cm`, `Torque (Nm)`, `hub_angle_rad`. Such a column may not be in SI.
-fn unread_unit(field: &str) -> Option<&str> {
-    let (name, unit) = split_unit(field);
-    if unit.is_some() || TORQUE.is_suffixed(name) {
-        return None;
-    }
-    let mut words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-    words.next()?;
-    words.next_back().filter(|word| reads_as_unit(word))
 }

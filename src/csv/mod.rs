@@ -1,23 +1,31 @@
 //! CSV: reading, writing, and numbers as text; the name and the unit of every column once.
 
 mod cells;
+mod columns;
+mod dialect;
+mod format;
 mod heading;
 mod hub;
 mod input;
 mod motion;
+mod motion_columns;
 mod number;
+mod place;
 mod response;
 mod rows;
 mod samples;
 mod table;
+mod unit_name;
 
+pub use dialect::{Decimal, Delimiter};
+pub use format::{ColumnChoice, ColumnScale, Reading, TableFormat};
 pub(crate) use heading::{check_separator, refuse_missing};
-pub use hub::{read_hub_reference, read_torque_table};
+pub use hub::{read_hub_reference, read_hub_reference_as, read_torque_table, read_torque_table_as};
 pub(crate) use input::sha256;
 pub use input::{
     InputError, InputFile, available_addresses, available_memory, is_data_limited, system_words,
 };
-pub use motion::{MotionTable, read_motion_table, write_trajectory};
+pub use motion::{MotionTable, read_motion_table, read_motion_table_as, write_trajectory};
 pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};
 pub use response::read_frequency_response;
@@ -26,3 +34,4 @@ pub use rows::{TableError, checked_header, checked_rows};
 pub use samples::read_table;
 pub use table::{Column, ColumnGroup, write_csv};
 pub(crate) use table::{group, write_columns, write_nodal};
+pub use unit_name::UnitName;

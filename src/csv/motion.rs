@@ -1,23 +1,14 @@
 use std::io::{self, Write};
 
-use super::heading::{
-    ACCELERATION, ANGLE, DISPLACEMENT, Heading, Quantity, TIME, VELOCITY, Vocabulary, find, names,
-    nearest, refuse_missing, require, split_unit,
-};
+use super::format::{Reading, TableFormat};
+use super::heading::{ACCELERATION, ANGLE, DISPLACEMENT, TIME, VELOCITY};
+use super::motion_columns::motion_columns;
 use super::number::Digits;
 use super::rows::{Place, TableError};
 use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
 use super::table::{group, write_over_time};
 use crate::motion::{MotionColumns, TipMotion, TipTarget};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
-
-/// The tip's motion.
-const TRAJECTORY: Vocabulary = Vocabulary {
-    quantities: &[TIME, ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE],
-    prefix: "tip_",
-    example: "time,acceleration",
-    choice: None,
-};
 
 /// Most samples that a resampled motion may have.
 const MAX_SAMPLES: f64 = 1e7;
@@ -31,9 +22,15 @@ pub struct MotionTable {
     columns: MotionColumns,
     name: String,
     lines: Vec<u64>,
+    reading: Reading,
 }
 
 impl MotionTable {
+    /// What was found in the file beyond the standard form.
+    pub fn reading(&self) -> &Reading {
+        &self.reading
+    }
+
     /// Line of a sample in the file, from 1; in a resampled motion, the line of the last sample of the
     /// file that is not later. None if there is no such sample.
     pub fn line_of(&self, sample: usize) -> Option<u64> {
@@ -47,10 +44,12 @@ impl MotionTable {
 
     /// Checks the samples and makes a motion of them.
     ///
+    /// A velocity alone is integrated: the displacement is the integral of its not-a-knot cubic spline.
+    ///
     /// # Errors
     /// What [`TipMotion::new`] refuses, with file and line.
     pub fn into_motion(self) -> Result<TipMotion, TableError> {
-        let Self { columns, name, lines } = self;
+        let Self { columns, name, lines, .. } = self.with_integral();
         TipMotion::new(columns)
             .map_err(|error| refuse_samples(&name, &lines, error.sample(), &error, error.hint()))
     }
@@ -72,7 +71,7 @@ impl MotionTable {
     /// # Errors
     /// [`TableError`] if there is no displacement, or a time is off the uniform grid.
     pub fn into_target(self) -> Result<TipTarget, TableError> {
-        let Self { columns, name, lines } = self;
+        let Self { columns, name, lines, .. } = self;
         let Some(displacement_m) = columns.displacement_m else {
             let must = "must be given for a target, as displacement or angle";
             let hint = "an acceleration leaves open where the tip is; tip.csv of `flexlink solve` \
@@ -90,7 +89,7 @@ impl MotionTable {
     /// The motion on a uniform grid from its first time to its last, by cubic splines.
     ///
     /// The spline of the displacement is at rest at both ends; those of velocity and acceleration are
-    /// not-a-knot.
+    /// not-a-knot. A velocity alone is integrated first.
     ///
     /// ```
     /// use flexlink::csv::read_motion_table;
@@ -104,6 +103,10 @@ impl MotionTable {
     /// [`TableError`] unless the step is above 0, divides the motion's duration within 1e-6
     /// of a step, and gives from 4 to 1e7 samples.
     pub fn resampled(self, step_s: f64) -> Result<Self, TableError> {
+        self.with_integral().on_grid(step_s)
+    }
+
+    fn on_grid(self, step_s: f64) -> Result<Self, TableError> {
         let known = &self.columns.time_s;
         let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
             return Ok(self);
@@ -129,7 +132,22 @@ impl MotionTable {
                 time_s,
             },
             name: self.name,
+            reading: self.reading,
         })
+    }
+
+    /// The same with the displacement in place of a velocity that is alone.
+    fn with_integral(self) -> Self {
+        let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } =
+            self.columns;
+        let (velocity_m_s, displacement_m) = match (velocity_m_s, displacement_m) {
+            (Some(velocity), None) if acceleration_m_s2.is_none() => {
+                (None, Some(CubicSpline::new(&time_s, &velocity, SplineEnds::NotAKnot).integral()))
+            }
+            given => given,
+        };
+        let columns = MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m };
+        Self { columns, ..self }
     }
 
     /// The file as the user named it.
@@ -159,7 +177,20 @@ pub fn read_motion_table(
     bytes: &[u8],
     link_length_m: f64,
 ) -> Result<MotionTable, TableError> {
-    let mut samples = Samples::read(name, bytes, trajectory_headings)?;
+    read_motion_table_as(name, bytes, link_length_m, &TableFormat::default())
+}
+
+/// Reads a tip trajectory in a form of which the user says something.
+///
+/// # Errors
+/// As [`read_motion_table`], and for options that do not fit the table.
+pub fn read_motion_table_as(
+    name: &str,
+    bytes: &[u8],
+    link_length_m: f64,
+    format: &TableFormat,
+) -> Result<MotionTable, TableError> {
+    let mut samples = Samples::read(name, bytes, format, motion_columns)?;
     let arc = samples.take(ANGLE).map(|mut angle| {
         for value in &mut angle {
             *value *= link_length_m;
@@ -172,60 +203,8 @@ pub fn read_motion_table(
         velocity_m_s: samples.take(VELOCITY),
         displacement_m: samples.take(DISPLACEMENT).or(arc),
     };
-    Ok(MotionTable { columns, name: name.to_owned(), lines: samples.lines })
-}
-
-/// Reads the first row, and checks that the columns describe a motion.
-///
-/// An unknown column is refused: it may be a known one misspelt.
-fn trajectory_headings(fields: &[&str], place: Place) -> Result<Vec<Heading>, TableError> {
-    let headings = TRAJECTORY.read(fields, place)?;
-    let is_read = |index: usize| headings.iter().any(|heading| heading.index == index);
-    if let Some(index) = (0..fields.len()).find(|index| !is_read(*index)) {
-        return Err(unknown_column(index, fields[index], place));
-    }
-    if let (Some(arc), Some(angle)) = (find(&headings, DISPLACEMENT), find(&headings, ANGLE)) {
-        let (first, second) = if arc.index < angle.index { (arc, angle) } else { (angle, arc) };
-        let first = first.named();
-        let must = format!("must not be given with {first}: they are two names of one thing");
-        let hint = "displacement = angle * link length; keep one of them";
-        let error = place.refuse_column(second.index, &second.name, must);
-        return Err(error.with_hint(hint.to_owned()));
-    }
-    require(&headings, TIME, fields, place)?;
-    if [ACCELERATION, DISPLACEMENT, ANGLE].iter().all(|known| find(&headings, *known).is_none()) {
-        let wanted = "acceleration, displacement or angle";
-        return Err(refuse_missing(&names(fields), wanted, place));
-    }
-    Ok(headings)
-}
-
-fn unknown_column(index: usize, field: &str, place: Place) -> TableError {
-    let words: Vec<&str> = TRAJECTORY.quantities.iter().map(|quantity| quantity.word).collect();
-    let must = format!("must be one of {}", words.join(", "));
-    let (name, _) = split_unit(field);
-    place.refuse_column(index, field, must).with_hint(hint_for(&TRAJECTORY.plain(name)))
-}
-
-/// What the user may have meant by an unknown name.
-fn hint_for(name: &str) -> Option<String> {
-    if name.is_empty() {
-        return Some("a comma at the end of the row begins a column of its own".to_owned());
-    }
-    if name.starts_with("hub_") {
-        return Some("a trajectory holds the tip's motion; the hub's follows from it".to_owned());
-    }
-    let begins = |quantity: &&Quantity| {
-        let rest = name.strip_prefix(quantity.word);
-        rest.is_some_and(|rest| rest.starts_with(['_', '(', '[', ' ']))
-    };
-    if let Some(quantity) = TRAJECTORY.quantities.iter().find(begins) {
-        let [_, unit] = quantity.units;
-        let word = quantity.word;
-        return Some(format!("a unit follows in brackets: {word} [{unit}]"));
-    }
-    let words = TRAJECTORY.quantities.iter().map(|quantity| quantity.word);
-    nearest(name, words).map(|word| format!("did you mean {word}?"))
+    let Samples { lines, reading, .. } = samples;
+    Ok(MotionTable { columns, name: name.to_owned(), lines, reading })
 }
 
 /// Number of steps in the duration; an error unless it is whole.
@@ -298,6 +277,7 @@ mod tests {
                 time_s: time_s.to_vec(),
             },
             name: "t.csv".to_owned(),
+            reading: Reading::default(),
             lines: (0..time_s.len() as u64).map(|k| 2 * k).collect(),
         }
     }

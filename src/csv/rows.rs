@@ -1,101 +1,19 @@
-//! Rows of CSV text with their lines, and the errors that name a line.
+//! Rows of CSV text with their lines.
+
+use std::borrow::Cow;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use thiserror::Error;
 
+use super::dialect::{Decimal, Dialect, in_brackets};
 use super::input::{disguise, remedy, sha256};
-use crate::text::excerpt;
-
-/// Why a CSV file is refused.
-///
-/// The text reads `traj.csv:17: displacement = nan, but must be a finite number`.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("{place}: {message}")]
-pub struct TableError {
-    /// The file, and the line if one is at fault.
-    place: String,
-    message: String,
-    hint: Option<String>,
-}
-
-impl TableError {
-    /// What the user may do.
-    pub fn hint(&self) -> Option<&str> {
-        self.hint.as_deref()
-    }
-
-    /// Adds what the user may do.
-    pub(crate) fn with_hint(self, hint: impl Into<Option<String>>) -> Self {
-        Self { hint: hint.into(), ..self }
-    }
-
-    /// Adds what the user may do, unless there is a hint.
-    pub(crate) fn or_hint(self, hint: String) -> Self {
-        let hint = self.hint.clone().or(Some(hint));
-        self.with_hint(hint)
-    }
-}
-
-/// Where in a file something was found.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Place<'a> {
-    /// The file, as the user named it.
-    pub(crate) file: &'a str,
-    /// Line from 1; `None`: the file as a whole.
-    pub(crate) line: Option<u64>,
-}
-
-impl Place<'_> {
-    /// *place: subject = found, but must*.
-    pub(crate) fn refuse(
-        &self,
-        subject: impl Into<String>,
-        found: impl Into<String>,
-        must: impl Into<String>,
-    ) -> TableError {
-        let message = format!("{} = {}, but {}", subject.into(), found.into(), must.into());
-        self.refuse_whole(message)
-    }
-
-    /// *place: column N = "name", but must*, the first column being number 0.
-    pub(crate) fn refuse_column(
-        &self,
-        number: usize,
-        name: &str,
-        must: impl Into<String>,
-    ) -> TableError {
-        self.refuse(format!("column {}", number + 1), quoted(name), must)
-    }
-
-    /// Refuses a row that has not as many fields as there are columns.
-    pub(crate) fn check_width(self, fields: usize, columns: usize) -> Result<(), TableError> {
-        if fields == columns {
-            return Ok(());
-        }
-        let must = format!("must be {columns}, as many as there are columns");
-        Err(self.refuse("fields", fields.to_string(), must))
-    }
-
-    /// *place: message*.
-    pub(crate) fn refuse_whole(&self, message: String) -> TableError {
-        let place = match self.line {
-            Some(line) => format!("{}:{line}", self.file),
-            None => self.file.to_owned(),
-        };
-        TableError { place, message, hint: None }
-    }
-}
-
-/// An excerpt of the file in quotes, for a message, with its control characters escaped.
-pub(crate) fn quoted(text: &str) -> String {
-    format!("\"{}\"", excerpt(text).escape_debug())
-}
+pub use super::place::TableError;
+pub(crate) use super::place::{Place, quoted};
 
 /// Reads the CSV text `bytes` of `file`: `first` returns a value for the first row, `next` changes it for
 /// each further row. None for a text without rows.
 ///
 /// Both get the line of the row and its trimmed fields; comments, blank lines and a byte order mark are
-/// skipped.
+/// skipped. Commas divide the fields.
 ///
 /// # Errors
 /// Those of `first` and `next`, and [`TableError`] for text that is not UTF-8 or not CSV.
@@ -105,15 +23,36 @@ pub(crate) fn read_rows<T>(
     first: impl Fn(u64, &[&str]) -> Result<T, TableError>,
     next: impl Fn(&mut T, u64, &[&str]) -> Result<(), TableError>,
 ) -> Result<Option<T>, TableError> {
+    let first = |_: &Dialect, line, fields: &[&str]| first(line, fields);
+    read_rows_as(file, bytes, |_| Ok(Dialect::default()), first, next)
+}
+
+/// The same for a text in the dialect that `detect` finds; decimal commas arrive as points.
+///
+/// # Errors
+/// As [`read_rows`], and those of `detect`.
+pub(super) fn read_rows_as<T>(
+    file: &str,
+    bytes: &[u8],
+    detect: impl Fn(&str) -> Result<Dialect, TableError>,
+    first: impl Fn(&Dialect, u64, &[&str]) -> Result<T, TableError>,
+    next: impl Fn(&mut T, u64, &[&str]) -> Result<(), TableError>,
+) -> Result<Option<T>, TableError> {
     let mut table = None;
-    each_row(file, bytes, |line, fields| {
-        match &mut table {
-            None => table = Some(first(line, fields)?),
-            Some(table) => next(table, line, fields)?,
-        }
-        Ok(())
-    })
-    .map_err(|error| match disguise(bytes) {
+    let mut read = || {
+        let text = utf8(file, bytes)?;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        check_line_ends(file, text)?;
+        let dialect = detect(text)?;
+        each_row(file, text, &dialect, |line, fields| {
+            match &mut table {
+                None => table = Some(first(&dialect, line, fields)?),
+                Some(table) => next(table, line, fields)?,
+            }
+            Ok(())
+        })
+    };
+    read().map_err(|error| match disguise(bytes) {
         Some(remedy) => error.with_hint(remedy.to_owned()),
         None => error,
     })?;
@@ -134,25 +73,63 @@ pub(crate) fn utf8<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, TableErro
     })
 }
 
+/// Takes every row after the lines that the dialect leaves out.
 fn each_row(
     file: &str,
-    bytes: &[u8],
-    take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
+    text: &str,
+    dialect: &Dialect,
+    mut take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
 ) -> Result<(), TableError> {
-    let text = utf8(file, bytes)?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    check_line_ends(file, text)?;
-    if is_plain(text) { each_plain_row(text, take) } else { each_quoted_row(file, text, take) }
+    let body = &text[dialect.start..];
+    let take = |line: u64, fields: &[&str]| {
+        let line = line + dialect.lines;
+        match dialect.decimal {
+            Decimal::Point => take(line, fields),
+            Decimal::Comma => {
+                let place = Place { file, line: Some(line) };
+                let points = fields.iter().map(|field| with_point(field, place));
+                let points = points.collect::<Result<Vec<_>, _>>()?;
+                take(line, &points.iter().map(AsRef::as_ref).collect::<Vec<_>>())
+            }
+        }
+    };
+    match dialect.delimiter.byte() {
+        None => each_blank_row(file, body, take),
+        Some(b',') if is_plain(body) => each_plain_row::<b','>(body, take),
+        Some(b';') if is_plain(body) => each_plain_row::<b';'>(body, take),
+        Some(b'\t') if is_plain(body) => each_plain_row::<b'\t'>(body, take),
+        Some(byte) => each_quoted_row(file, body, byte, take),
+    }
 }
 
-/// True if every line feed ends a line and every comma a field: such text is read several times faster.
+/// A number with a decimal comma, written with a point; any other field as it is.
+fn with_point<'a>(field: &'a str, place: Place) -> Result<Cow<'a, str>, TableError> {
+    if !field.contains(['.', ',']) {
+        return Ok(field.into());
+    }
+    if field.parse::<f64>().is_ok() {
+        let error = place.refuse("field", quoted(field), "must have a comma before its decimals");
+        let hint = "--decimal point reads points; nothing may stand between thousands";
+        return Err(error.with_hint(hint.to_owned()));
+    }
+    let point = field.replace(',', ".");
+    let is_number = !field.contains('.') && point.parse::<f64>().is_ok();
+    Ok(if is_number { point.into() } else { field.into() })
+}
+
+/// True if every line feed ends a line and every delimiter a field: such text is read several times
+/// faster.
 fn is_plain(text: &str) -> bool {
-    let bytes = text.as_bytes();
-    let lone = |k: usize| bytes.get(k + 1) != Some(&b'\n');
-    !bytes.contains(&b'"') && !text.match_indices('\r').any(|(k, _)| lone(k))
+    !text.as_bytes().contains(&b'"') && !has_lone_return(text)
 }
 
-fn each_plain_row(
+/// True if a carriage return is not followed by a line feed.
+fn has_lone_return(text: &str) -> bool {
+    let lone = |k: usize| text.as_bytes().get(k + 1) != Some(&b'\n');
+    text.match_indices('\r').any(|(k, _)| lone(k))
+}
+
+fn each_plain_row<const DELIMITER: u8>(
     text: &str,
     mut take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
 ) -> Result<(), TableError> {
@@ -164,7 +141,7 @@ fn each_plain_row(
         fields.clear();
         let mut start = 0;
         for (place, byte) in row.bytes().enumerate() {
-            if byte == b',' {
+            if byte == DELIMITER {
                 fields.push(row[start..place].trim());
                 start = place + 1;
             }
@@ -175,9 +152,27 @@ fn each_plain_row(
     Ok(())
 }
 
+/// Takes the rows of a text whose fields blanks divide.
+fn each_blank_row(
+    file: &str,
+    text: &str,
+    mut take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
+) -> Result<(), TableError> {
+    if has_lone_return(text) {
+        return Err(returns(file, "must be LF or CR LF where blanks divide the fields"));
+    }
+    for (line, row) in (1..).zip(text.split('\n')) {
+        if !(row.starts_with('#') || row.trim().is_empty()) {
+            take(line, &in_brackets(row))?;
+        }
+    }
+    Ok(())
+}
+
 fn each_quoted_row(
     file: &str,
     text: &str,
+    delimiter: u8,
     mut take: impl FnMut(u64, &[&str]) -> Result<(), TableError>,
 ) -> Result<(), TableError> {
     let mut reader = ReaderBuilder::new()
@@ -185,6 +180,7 @@ fn each_quoted_row(
         .flexible(true)
         .trim(Trim::All)
         .comment(Some(b'#'))
+        .delimiter(delimiter)
         .from_reader(text.as_bytes());
     let mut record = StringRecord::new();
     let (mut counted, mut line) = (0, 1);
@@ -226,9 +222,13 @@ fn check_line_ends(file: &str, text: &str) -> Result<(), TableError> {
     if text.contains('\n') || !text.contains('\r') || !comments {
         return Ok(());
     }
-    let must = "must be LF or CR LF where there are comments";
+    Err(returns(file, "must be LF or CR LF where there are comments"))
+}
+
+/// Refuses line ends of the old Macintosh.
+fn returns(file: &str, must: &str) -> TableError {
     let hint = "save the file with the line ends of Unix or Windows";
-    Err(Place { file, line: Some(1) }.refuse("line end", "CR", must).with_hint(hint.to_owned()))
+    Place { file, line: Some(1) }.refuse("line end", "CR", must).with_hint(hint.to_owned())
 }
 
 /// Number of line ends, LF, CR LF or CR, in `bytes[from..to]`.
@@ -310,7 +310,9 @@ mod tests {
     }
 
     fn rows(text: &str) -> Rows {
-        collected(|take| each_row("t.csv", text.as_bytes(), take))
+        collected(|take| {
+            each_row("t.csv", text.trim_start_matches('\u{feff}'), &Dialect::default(), take)
+        })
     }
 
     #[test]
@@ -326,8 +328,8 @@ mod tests {
             "\n",
         ] {
             assert!(is_plain(text), "{text:?}");
-            let plain = collected(|take| each_plain_row(text, take));
-            let quoted = collected(|take| each_quoted_row("t.csv", text, take));
+            let plain = collected(|take| each_plain_row::<b','>(text, take));
+            let quoted = collected(|take| each_quoted_row("t.csv", text, b',', take));
             assert_eq!(plain, quoted, "{text:?}");
         }
         assert!(!is_plain("a,b\r1,2\n") && !is_plain("a,\"b\"\n"));

@@ -1,7 +1,10 @@
 //! Named columns of a table: numbers over time in SI, or any numbers and words.
 
+use super::columns::{Columns, FirstRow, Header};
+use super::dialect::{Delimiter, Dialect};
+use super::format::{Reading, TableFormat};
 use super::heading::{Heading, Quantity, TIME, check_separator};
-use super::rows::{Place, TableError, quoted, read_rows};
+use super::rows::{Place, TableError, quoted, read_rows, read_rows_as};
 use crate::compare::{Cell, Table, TableColumn};
 
 /// Fewest samples that a table may have.
@@ -13,6 +16,13 @@ const LONGEST_SHOWN: usize = 60;
 /// The notation of numbers, for hints.
 const NUMBERS: &str = "write a point before decimals, and nothing between thousands";
 
+/// The option for numbers with decimal commas, for hints.
+const COMMAS: &str = "--decimal comma reads decimal commas";
+
+/// What to do about names that blanks divide, for hints.
+const WORDS: &str = "blanks divide names of several words, too: --skip leaves the names out, and --columns \
+                     time=1,displacement=2 says which column is what";
+
 /// The columns of a table over time that the program reads, in SI, with the line of each sample.
 pub(super) struct Samples {
     /// Number of all columns of the table.
@@ -21,31 +31,48 @@ pub(super) struct Samples {
     /// The values of each heading.
     values: Vec<Vec<f64>>,
     pub(super) lines: Vec<u64>,
+    /// True if blanks divide the fields.
+    has_blanks: bool,
     /// The last time as written.
     time_text: String,
+    /// What was found beyond the standard form.
+    pub(super) reading: Reading,
 }
 
 impl Samples {
-    /// Reads a table; `read_names` reads the headings from its first row, one of them the time.
+    /// Reads a table; `read_columns` finds the columns from its first row, one of them the time.
     pub(super) fn read(
         name: &str,
         bytes: &[u8],
-        read_names: impl Fn(&[&str], Place) -> Result<Vec<Heading>, TableError>,
+        format: &TableFormat,
+        read_columns: impl Fn(Header) -> Result<(Columns, Reading), TableError>,
     ) -> Result<Self, TableError> {
         let whole = Place { file: name, line: None };
         let at = |line| Place { line: Some(line), ..whole };
-        let begin = |line, fields: &[&str]| {
-            let headings = read_names(fields, at(line))?;
-            Ok(Self {
+        let begin = |dialect: &Dialect, line, fields: &[&str]| {
+            let place = at(line);
+            let (columns, mut reading) = read_columns(Header { fields, format, place })?;
+            if columns.is_guessed || !dialect.found.is_empty() || !reading.found.is_empty() {
+                let found = dialect.found.iter().cloned().chain(columns.told());
+                reading.found = found.chain(reading.found).collect();
+            }
+            let mut samples = Self {
                 width: fields.len(),
-                values: vec![Vec::new(); headings.len()],
-                headings,
+                has_blanks: dialect.delimiter == Delimiter::Blanks,
+                values: vec![Vec::new(); columns.headings.len()],
+                headings: columns.headings,
                 lines: Vec::new(),
                 time_text: String::new(),
-            })
+                reading,
+            };
+            if columns.first == FirstRow::Samples {
+                samples.push(fields, place)?;
+            }
+            Ok(samples)
         };
         let push = |samples: &mut Self, line, fields: &[&str]| samples.push(fields, at(line));
-        let samples = read_rows(name, bytes, begin, push)?.ok_or_else(|| {
+        let detect = |text: &str| Dialect::detect(name, text, format.given());
+        let samples = read_rows_as(name, bytes, detect, begin, push)?.ok_or_else(|| {
             let must = format!("must hold a row of names and {MIN_SAMPLES} samples or more");
             whole.refuse("content", "nothing", must)
         })?;
@@ -66,7 +93,8 @@ impl Samples {
         place.check_width(fields.len(), self.width).map_err(|error| {
             let hint = (fields.len() > self.width && fields.iter().all(|field| is_digits(field)))
                 .then(|| format!("{NUMBERS}, and one comma divides two fields"));
-            error.with_hint(hint)
+            let is_headed_by_words = self.has_blanks && self.lines.is_empty();
+            error.with_hint(hint.or(is_headed_by_words.then(|| WORDS.to_owned())))
         })?;
         for (heading, values) in self.headings.iter().zip(&mut self.values) {
             let value = read_number(fields[heading.index], heading, place)?;
@@ -131,7 +159,7 @@ fn hint_for(field: &str, heading: &Heading) -> Option<String> {
         return Some("time is a number from any start, 0.25 for a quarter of a second".to_owned());
     }
     let plain = field.replace([',', ' ', '\'', '_', '\u{a0}', '\u{202f}'], "");
-    (plain != field && plain.parse::<f64>().is_ok()).then(|| NUMBERS.to_owned())
+    (plain != field && plain.parse::<f64>().is_ok()).then(|| format!("{NUMBERS}; {COMMAS}"))
 }
 
 /// True if a field could be a part of a number that commas divide.

@@ -50,6 +50,19 @@ impl CubicSpline {
         &self.slope
     }
 
+    /// Integral from the first point to each point: with step h, `h (y₀ + y₁)/2 + h² (s₀ − s₁)/12` for
+    /// each piece.
+    pub(crate) fn integral(&self) -> Vec<f64> {
+        let mut sum = 0.0;
+        let piece = |i: usize| {
+            let h = self.x[i + 1] - self.x[i];
+            let bend = h * h * (self.slope[i] - self.slope[i + 1]) / 12.0;
+            sum += 0.5 * h * (self.y[i] + self.y[i + 1]) + bend;
+            sum
+        };
+        std::iter::once(0.0).chain((0..self.x.len() - 1).map(piece)).collect()
+    }
+
     /// Value at `x`; beyond the ends the outermost cubic goes on.
     pub(crate) fn value(&self, x: f64) -> f64 {
         let right = self.x.partition_point(|&known| known <= x);

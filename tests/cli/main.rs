@@ -17,6 +17,7 @@ mod modes;
 mod motor;
 mod options;
 mod paths;
+mod reading;
 mod repeat;
 mod report;
 mod rigs;

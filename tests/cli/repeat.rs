@@ -89,6 +89,7 @@ fn a_run_with_any_arguments_gives_the_same_bytes_again() {
         (&["--moments", "--digits", "full", "--threads", "1", "--report"], 8),
         (&["--digits=6", "--verify", "--no-sync", "--set", "drive.gear_ratio=3"], 8),
         (&["--scale-distance=-0.3", "--scale-duration", "1.7"], 7),
+        (&["--columns", "time=1,acceleration=2", "--scale", "acceleration=0.5", "--skip=0"], 7),
     ] {
         let bench = solved(arguments);
         repeats(&bench, &["out"], files);
@@ -371,7 +372,9 @@ fn a_damaged_record_is_refused_and_leads_nowhere() {
 fn other_arguments_contradict_a_repetition() {
     let bench = solved(&[]);
     let others = "--set=a=1 --resample=1 --scale-distance=1 --scale-duration=1 --nodes=1 --every=1 \
-                  --deflections --moments --digits=10 --verify --report --strict --json";
+                  --deflections --moments --digits=10 --verify --report --strict --json --skip=1 \
+                  --columns=time=1 --unit=m --time-unit=s --scale=time=2 --delimiter=; \
+                  --decimal=comma";
     for argument in others.split(' ') {
         let output = repeat(&bench, &["out", argument]);
         assert_eq!(output.status.code(), Some(2), "{argument}: {}", stderr(&output));

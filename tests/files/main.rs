@@ -1,5 +1,6 @@
 //! What is read from files and written to them: links, motions, torques, references, results.
 
+mod instruments;
 mod link_file;
 mod reference_files;
 mod refused_tables;

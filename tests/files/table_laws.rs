@@ -3,8 +3,8 @@
 use std::num::NonZeroUsize;
 
 use flexlink::csv::{
-    Column, ColumnGroup, Digits, TableError, read_hub_reference, read_motion_table,
-    read_torque_table, write_csv,
+    Column, ColumnGroup, Digits, TableError, TableFormat, read_hub_reference, read_motion_table,
+    read_motion_table_as, read_torque_table, write_csv,
 };
 use flexlink::numeric::TimeGrid;
 use proptest::prelude::*;
@@ -33,7 +33,50 @@ fn refusals(bytes: &[u8]) -> Vec<TableError> {
     columns.into_iter().filter_map(torque).chain(target.err()).chain(hub).collect()
 }
 
+/// A delimiter, and if decimal commas go with it.
+fn dialect() -> impl Strategy<Value = (&'static str, bool)> {
+    prop_oneof![
+        Just((",", false)),
+        (prop::sample::select(vec![";", "\t", " ", "   "]), any::<bool>()),
+    ]
+}
+
+/// Rows of time, a column that is not read, and displacement, in a dialect.
+fn written(rows: &[(f64, f64)], (delimiter, has_commas): (&str, bool)) -> String {
+    let number = |value: f64| {
+        let text = format!("{value:e}");
+        if has_commas { text.replace('.', ",") } else { text }
+    };
+    let row = |(k, (other, value)): (usize, &(f64, f64))| {
+        let fields = [number(k as f64), number(*other), number(*value)];
+        fields.join(delimiter) + "\n"
+    };
+    rows.iter().enumerate().map(row).collect()
+}
+
 proptest! {
+    #[test]
+    fn a_table_is_read_alike_in_every_dialect(
+        rows in prop::collection::vec((number(), number()), 4..30),
+        dialect in dialect(),
+        line_end in prop::sample::select(vec!["\n", "\r\n"]),
+        start in prop::sample::select(vec!["", "\u{feff}", "# made up\n", "\n"]),
+    ) {
+        let values: Vec<f64> = rows.iter().map(|(_, value)| *value).collect();
+        let body = written(&rows, dialect);
+        let names = ["time", "other", "displacement"].join(dialect.0);
+        let headed = format!("{start}{names}\n{body}").replace('\n', line_end);
+        let found = read_motion_table("t.csv", headed.as_bytes(), 1.0)?;
+        prop_assert_eq!(found.columns().displacement_m.as_ref(), Some(&values));
+        prop_assert_eq!(found.reading().note().is_some(), dialect.0 != ",");
+
+        let choices = ["time=1", "displacement=3"].map(|choice| choice.parse().unwrap());
+        let format = TableFormat { columns: choices.to_vec(), ..TableFormat::default() };
+        let bare = format!("{start}{body}").replace('\n', line_end);
+        let found = read_motion_table_as("t.csv", bare.as_bytes(), 1.0, &format)?;
+        prop_assert_eq!(found.columns().displacement_m.as_ref(), Some(&values));
+    }
+
     #[test]
     fn no_bytes_make_a_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
         refusals(&bytes);

@@ -180,6 +180,9 @@ fn a_message_quotes_sixty_characters_of_an_input() {
         ["solve", "--nodes"],
         ["solve", "--digits"],
         ["solve", "--resample"],
+        ["solve", "--columns"],
+        ["solve", "--unit"],
+        ["simulate", "--scale"],
         ["simulate", "--feedback"],
         ["modes", "--nothing"],
     ] {

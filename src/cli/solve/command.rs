@@ -19,9 +19,12 @@ Example:
   flexlink solve link.toml motion.csv -o out
   flexlink solve link.toml motion.csv \\
       --set 'segments.*.EI*=4' --nodes 0,5,10 --every 10
+  flexlink solve link.toml lab.csv \\
+      --columns time=1,displacement=3 --unit mm
   flexlink solve --repeat out
 
-LINK and MOTION are described in the README; one of them may be `-`, standard input.";
+LINK and MOTION are described in the README, measured tables in docs/files.md; one of them \
+may be `-`, standard input.";
 
 const USAGE: &str = "\
 flexlink solve [OPTIONS] <LINK> <MOTION>
@@ -49,7 +52,7 @@ pub(crate) struct Solve {
     /// code 1 if one differs. LINK and MOTION that are not given are searched for in the working
     /// folder, in DIR and in the folders above it. The new results are kept only with -o.
     #[arg(long, value_name = "DIR")]
-    #[arg(conflicts_with_all = ["ChangeArgs", "ResampleArgs", "ScaleArgs", "NodeArgs"])]
+    #[arg(conflicts_with_all = ["ChangeArgs", "ResampleArgs", "ScaleArgs", "NodeArgs", "ReadArgs"])]
     #[arg(conflicts_with_all = ["deflections", "moments", "digits", "verify"])]
     #[arg(conflicts_with_all = ["report", "strict", "json"])]
     repeat: Option<PathBuf>,

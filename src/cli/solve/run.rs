@@ -16,6 +16,7 @@ use flexlink::verify::Verification;
 
 use crate::cli::args::{NodeArgs, digits_arguments};
 use crate::cli::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, remarks};
+use crate::cli::read::{ReadArgs, tell};
 use crate::cli::verify::verified;
 use crate::terminal::text::memory_text;
 use crate::terminal::{Failure, StageBar, console, memory};
@@ -50,6 +51,9 @@ pub(super) struct SolveOptions {
     /// summary.json; exit code 4 if a number is out of its bound, the results are written.
     #[arg(long)]
     verify: bool,
+
+    #[command(flatten)]
+    read: ReadArgs,
 }
 
 /// The arguments of a record, read as those of the command line are.
@@ -66,9 +70,11 @@ impl SolveOptions {
         self.changes.specification(file)
     }
 
-    /// The motion of a link's tip in a file, scaled.
+    /// The motion of a link's tip in a file, scaled. Tells what was guessed of the file.
     fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
-        self.scale.scaled(self.resample.motion_of(file, link)?)
+        let (motion, reading) = self.resample.motion_of(file, link, &self.read)?;
+        tell(&file.shown, &reading);
+        self.scale.scaled(motion)
     }
 
     /// The analysis of a link file, for all tables.
@@ -99,6 +105,7 @@ impl SolveOptions {
             Vec::from_iter(flag(self.moments, "--moments")),
             digits_arguments(self.digits),
             Vec::from_iter(flag(self.verify, "--verify")),
+            self.read.arguments(),
         ]
         .concat()
     }

@@ -6,7 +6,7 @@ use std::sync::{PoisonError, RwLock};
 use clap::Args;
 
 use flexlink::beam::Mesh;
-use flexlink::csv::{Digits, InputFile, read_torque_table};
+use flexlink::csv::{Digits, InputFile, Reading, TableFormat, read_torque_table_as};
 use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
 use flexlink::motion::{MotionScale, Periods, TipMotion};
@@ -19,6 +19,7 @@ use flexlink::text::{excerpt, visible};
 
 use crate::cli::args::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::inputs::{ChangeArgs, ResampleArgs, scale_arguments};
+use crate::cli::read::{ReadArgs, tell};
 use crate::terminal::{Exit, Failure, memory};
 
 /// What all cases of a sweep share beside LINK and MOTION.
@@ -35,6 +36,9 @@ pub(crate) struct CaseArgs {
 
     #[command(flatten)]
     pub(crate) outputs: OutputsArgs,
+
+    #[command(flatten)]
+    read: ReadArgs,
 }
 
 /// A torque to play on every case.
@@ -108,15 +112,17 @@ impl<'a> Cases<'a> {
             let overrides = with_case(&overrides, &plan.case(case))?;
             document.specification(&link_file.shown, &overrides)
         };
-        let read = |case| -> Result<(Link, TipMotion), Failure> {
+        let read = |case| -> Result<(Link, (TipMotion, Reading)), Failure> {
             let found = specification(case)?;
-            let tip_motion = shared.resample.motion_of(&motion_file, &found.link)?;
-            Ok((found.link, tip_motion))
+            let motion = shared.resample.motion_of(&motion_file, &found.link, &shared.read)?;
+            Ok((found.link, motion))
         };
         // A path that is nowhere in the file fails every case: that is no result, but a slip.
-        let first = read(0).or_else(|failure| {
+        let (link, (motion, reading)) = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
+        tell(&motion_file.shown, &reading);
+        let first = (link, motion);
         refuse_without_effect(|case| specification(case).ok(), &plan)?;
         // From here on errors are for the table, which is the same wherever the files lie.
         link_file.shown.clone_from(&link_file.name);
@@ -149,6 +155,7 @@ impl<'a> Cases<'a> {
             self.shared.resample.arguments(),
             self.shared.torque.arguments(),
             self.shared.outputs.identity(),
+            self.shared.read.arguments(),
         ];
         let inputs = SweepInputs {
             link: Fingerprint::of(&self.link_file),
@@ -210,7 +217,9 @@ impl<'a> Cases<'a> {
         let scaled = if link.length_m().total_cmp(&first.length_m()).is_eq() {
             motion.scaled(scale)
         } else {
-            self.shared.resample.motion_of(&self.motion_file, link)?.scaled(scale)
+            let Self { shared, motion_file, .. } = self;
+            let (motion, _) = shared.resample.motion_of(motion_file, link, &shared.read)?;
+            motion.scaled(scale)
         };
         scaled.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))
     }
@@ -225,6 +234,7 @@ impl<'a> Cases<'a> {
             scale_arguments(values.motion),
             self.shared.torque.arguments(),
             self.shared.outputs.arguments(),
+            self.shared.read.arguments(),
         ]
         .concat()
     }
@@ -239,7 +249,9 @@ impl TorqueArgs {
     fn read(&self) -> Result<Option<(InputFile, Torque)>, Failure> {
         let Some(path) = &self.torque else { return Ok(None) };
         let file = InputFile::read(path)?;
-        let torque = read_torque_table(&file.shown, &file.bytes, self.column.as_deref())?;
+        let (column, format) = (self.column.as_deref(), TableFormat::default());
+        let (torque, reading) = read_torque_table_as(&file.shown, &file.bytes, column, &format)?;
+        tell(&file.shown, &reading);
         Ok(Some((file, torque)))
     }
 }

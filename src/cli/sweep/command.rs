@@ -85,7 +85,7 @@ pub(crate) struct Sweep {
     /// Join the shards of a sweep to one table, if none is missing.
     #[arg(long, value_name = "SHARD", num_args = 1..)]
     #[arg(conflicts_with_all = ["link", "motion", "changes", "resample", "vary", "torque"])]
-    #[arg(conflicts_with_all = ["column", "outputs", "shard", "resume"])]
+    #[arg(conflicts_with_all = ["column", "outputs", "shard", "resume", "ReadArgs"])]
     merge: Vec<PathBuf>,
 
     /// Fail with exit code 4 if a case failed or exceeds a limit of the link file; the table is

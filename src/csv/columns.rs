@@ -1,0 +1,290 @@
+//! Which column holds which quantity.
+
+use super::format::{ColumnName, TableFormat};
+use super::heading::{
+    HUB_ANGLE, HUB_RATE, Heading, Quantity, Spelling, TIME, Vocabulary, find, names, nearest,
+    unread_unit,
+};
+use super::place::{Place, TableError, quoted};
+use super::unit_name::{split_any_unit, split_unit};
+
+/// The columns that a reader takes from a table, found in its first row.
+pub(super) struct Columns {
+    /// From the left.
+    pub(super) headings: Vec<Heading>,
+    pub(super) first: FirstRow,
+    /// True if a heading is neither a standard one nor chosen.
+    pub(super) is_guessed: bool,
+    /// Columns that hold no quantity, from 0; none if the user chose the columns.
+    pub(super) unread: Vec<usize>,
+}
+
+/// What the first row of a table holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum FirstRow {
+    Names,
+    Samples,
+}
+
+/// The first row of a table, where it is, and what the user says of the table.
+#[derive(Clone, Copy)]
+pub(super) struct Header<'a> {
+    pub(super) fields: &'a [&'a str],
+    pub(super) format: &'a TableFormat,
+    pub(super) place: Place<'a>,
+}
+
+/// Spellings in the order in which they are looked for.
+const WAYS: [&[Spelling]; 3] =
+    [&[Spelling::Exact, Spelling::Suffixed], &[Spelling::Free], &[Spelling::Alias]];
+
+impl Columns {
+    /// Finds the quantities of a vocabulary: first those that the user chose, then standard headings, then
+    /// other spellings and common names.
+    ///
+    /// If a quantity other than the time is chosen, the others are not looked for.
+    ///
+    /// # Errors
+    /// [`TableError`] for a first row without names unless columns are chosen by number, a choice that
+    /// fits no column or two, a unit of another quantity, and two columns of one quantity.
+    pub(super) fn find(vocabulary: &Vocabulary, header: Header) -> Result<Self, TableError> {
+        Self::find_beside(vocabulary, header, None)
+    }
+
+    /// The same beside a column that is found already.
+    pub(super) fn find_beside(
+        vocabulary: &Vocabulary,
+        header: Header,
+        own: Option<Heading>,
+    ) -> Result<Self, TableError> {
+        let chosen = header.chosen(vocabulary)?;
+        let is_number = |(_, index): &(Quantity, usize)| is_number(header.fields[*index]);
+        let first = if !chosen.is_empty() && own.is_none() && chosen.iter().all(is_number) {
+            FirstRow::Samples
+        } else {
+            vocabulary.check_names(header.fields, header.place)?;
+            header.check_gaps(&chosen)?;
+            FirstRow::Names
+        };
+        let heading = |&(quantity, index)| header.chosen_heading(quantity, index, first);
+        let headings = own.into_iter().map(Ok).chain(chosen.iter().map(heading));
+        let headings = headings.collect::<Result<_, _>>()?;
+        let columns = Self { headings, first, is_guessed: false, unread: Vec::new() };
+        let mut columns = match first {
+            FirstRow::Samples => columns,
+            FirstRow::Names => columns.with_named(vocabulary, header)?,
+        };
+        columns.headings.sort_by_key(|heading| heading.index);
+        header.check_measures(&columns.headings)?;
+        Ok(columns)
+    }
+
+    /// Adds the quantities that the first row names.
+    fn with_named(mut self, vocabulary: &Vocabulary, header: Header) -> Result<Self, TableError> {
+        let is_chosen = self.headings.iter().any(|heading| heading.quantity != TIME);
+        let free = |(index, field): (usize, &&'_ str)| {
+            let is_taken = self.headings.iter().any(|heading| heading.index == index);
+            if is_taken { String::new() } else { (*field).to_owned() }
+        };
+        let free: Vec<String> = header.fields.iter().enumerate().map(free).collect();
+        let free: Vec<&str> = free.iter().map(String::as_str).collect();
+        for ways in WAYS {
+            let has_motion = self.headings.iter().any(|heading| heading.quantity != TIME);
+            // A common name is no second motion beside one that has the word itself.
+            let is_time_alone = is_chosen || (has_motion && ways == [Spelling::Alias]);
+            for &quantity in vocabulary.quantities {
+                let is_moot = is_time_alone && quantity != TIME;
+                if is_moot || find(&self.headings, quantity).is_some() {
+                    continue;
+                }
+                let found = vocabulary.column(&free, quantity, ways, header.place)?;
+                let Some((index, way)) = found else { continue };
+                self.headings.push(header.heading(quantity, index, way)?);
+                self.is_guessed |= matches!(way, Spelling::Free | Spelling::Alias);
+            }
+        }
+        let is_read = |index: &usize| self.headings.iter().any(|heading| heading.index == *index);
+        let unread = (0..header.fields.len()).filter(|index| !is_chosen && !is_read(index));
+        self.unread = unread.collect();
+        Ok(self)
+    }
+
+    /// The columns that are read, for the user.
+    pub(super) fn told(&self) -> impl Iterator<Item = String> {
+        self.headings.iter().map(|heading| {
+            let Heading { index, quantity, name, unit_text, .. } = heading;
+            let from = format!("{} from column {}", quantity.word, index + 1);
+            let name = if name.is_empty() || name.eq_ignore_ascii_case(quantity.word) {
+                String::new()
+            } else {
+                format!(" {}", quoted(name))
+            };
+            let unit = if *quantity == TIME && unit_text == "s" {
+                String::new()
+            } else {
+                format!(" in {unit_text}")
+            };
+            from + &name + &unit
+        })
+    }
+}
+
+/// Names the options that say what the numbers of a column are.
+fn with_options(error: TableError, quantity: Quantity) -> TableError {
+    let unit = match quantity {
+        TIME => "--time-unit",
+        HUB_ANGLE | HUB_RATE => return error,
+        _ => "--unit",
+    };
+    let word = quantity.word;
+    error.or_hint(format!("{unit} UNIT or --scale {word}=FACTOR says what its numbers are"))
+}
+
+/// True for a field that is a number.
+fn is_number(field: &str) -> bool {
+    field.parse::<f64>().is_ok()
+}
+
+impl Header<'_> {
+    /// The quantities that the user chose, and the index of the column of each.
+    fn chosen(&self, vocabulary: &Vocabulary) -> Result<Vec<(Quantity, usize)>, TableError> {
+        let mut chosen: Vec<(Quantity, usize)> = Vec::new();
+        for choice in &self.format.columns {
+            let quantity = choice.quantity;
+            self.check_quantity(vocabulary, quantity, "--columns")?;
+            let index = self.index_of(quantity, &choice.column)?;
+            if let Some((other, _)) = chosen.iter().find(|(q, i)| *q == quantity || *i == index) {
+                let must = format!("must not be given with {}: a column holds one", other.word);
+                return Err(self.place.refuse("--columns", quoted(&choice.to_string()), must));
+            }
+            chosen.push((quantity, index));
+        }
+        Ok(chosen)
+    }
+
+    fn check_quantity(
+        &self,
+        vocabulary: &Vocabulary,
+        quantity: Quantity,
+        option: &str,
+    ) -> Result<(), TableError> {
+        if vocabulary.quantities.contains(&quantity) {
+            return Ok(());
+        }
+        let words: Vec<&str> = vocabulary.quantities.iter().map(|known| known.word).collect();
+        let must = format!("must be one of {}", words.join(", "));
+        Err(self.place.refuse(option, quantity.word, must))
+    }
+
+    /// Index of the column with this number or heading.
+    fn index_of(&self, quantity: Quantity, column: &ColumnName) -> Result<usize, TableError> {
+        let fields = self.fields;
+        let heading = match column {
+            ColumnName::Number(number) if *number <= fields.len() => return Ok(number - 1),
+            ColumnName::Number(number) => {
+                let must = format!("must be at most {}, the number of columns", fields.len());
+                let found = format!("{}={number}", quantity.word);
+                return Err(self.place.refuse("--columns", found, must));
+            }
+            ColumnName::Heading(heading) => heading,
+        };
+        let lower = heading.to_lowercase();
+        let ways: [&dyn Fn(&str) -> bool; 4] = [
+            &|field| field == heading,
+            &|field| split_any_unit(field).0 == heading,
+            &|field| field.to_lowercase() == lower,
+            &|field| split_any_unit(field).0.to_lowercase() == lower,
+        ];
+        for is_meant in ways {
+            let found: Vec<usize> = (0..fields.len()).filter(|i| is_meant(fields[*i])).collect();
+            match found[..] {
+                [] => {}
+                [index] => return Ok(index),
+                [first, second, ..] => {
+                    let must = format!("must not repeat column {}", first + 1);
+                    let error = self.place.refuse_column(second, fields[second], must);
+                    let (word, number) = (quantity.word, first + 1);
+                    let hint = format!("choose one by its number: --columns {word}={number}");
+                    return Err(error.with_hint(hint));
+                }
+            }
+        }
+        let names = names(fields);
+        let must = format!("must be one of the columns {}", quoted(&names.join(",")));
+        let hint = nearest(heading, names).map(|near| format!("did you mean {}?", quoted(near)));
+        let found = format!("{}={}", quantity.word, quoted(heading));
+        Err(self.place.refuse("--columns", found, must).with_hint(hint))
+    }
+
+    /// The heading of a column that the user chose.
+    fn chosen_heading(
+        &self,
+        quantity: Quantity,
+        index: usize,
+        first: FirstRow,
+    ) -> Result<Heading, TableError> {
+        let measure = self.format.measure(quantity);
+        let field = match first {
+            FirstRow::Names => self.fields[index],
+            FirstRow::Samples => quantity.word,
+        };
+        let suffixed = quantity.is_suffixed(split_unit(field).0);
+        if measure.unit.is_none()
+            && measure.factor.is_none()
+            && split_any_unit(field).1.is_none()
+            && let Some(word) = unread_unit(field, quantity)
+        {
+            let must = format!("must have its unit in brackets: {} reads like one", quoted(word));
+            let option = if quantity == TIME { "--time-unit" } else { "--unit" };
+            let error = self.place.refuse_column(index, field, must);
+            return Err(error.with_hint(format!("{option} UNIT says which it is")));
+        }
+        let heading = Heading::of(index, field, quantity, suffixed, measure, self.place);
+        heading.map_err(|error| if suffixed { error } else { with_options(error, quantity) })
+    }
+
+    /// Refuses names in some of the chosen columns and numbers in others: a first sample with a gap would be
+    /// taken for names.
+    fn check_gaps(&self, chosen: &[(Quantity, usize)]) -> Result<(), TableError> {
+        let is_number = |(_, index): &&(Quantity, usize)| is_number(self.fields[*index]);
+        if !chosen.iter().any(|pair| is_number(&pair)) {
+            return Ok(());
+        }
+        let must = "must have a name in every column of --columns, or a number in every one";
+        let error = self.place.refuse("first row", quoted(&self.fields.join(",")), must);
+        Err(error.with_hint("--skip N leaves out lines at the beginning".to_owned()))
+    }
+
+    /// The heading of a column that the first row names in this way.
+    fn heading(
+        &self,
+        quantity: Quantity,
+        index: usize,
+        way: Spelling,
+    ) -> Result<Heading, TableError> {
+        let (field, measure) = (self.fields[index], self.format.measure(quantity));
+        let suffixed = way == Spelling::Suffixed;
+        let heading = Heading::of(index, field, quantity, suffixed, measure, self.place);
+        heading.map_err(|error| if suffixed { error } else { with_options(error, quantity) })
+    }
+
+    /// Refuses a unit or a factor for a column that is not read.
+    fn check_measures(&self, headings: &[Heading]) -> Result<(), TableError> {
+        let words = || headings.iter().map(|heading| heading.quantity.word).collect::<Vec<_>>();
+        for scale in &self.format.scales {
+            if find(headings, scale.quantity).is_none() {
+                let must = format!("must be one of those read, {}", words().join(", "));
+                return Err(self.place.refuse("--scale", scale.quantity.word, must));
+            }
+        }
+        let Some(unit) = &self.format.unit else { return Ok(()) };
+        let fits = |heading: &Heading| {
+            heading.quantity != TIME && heading.quantity.dimension == unit.unit.dimension()
+        };
+        if headings.iter().any(fits) {
+            return Ok(());
+        }
+        let must = format!("must be a unit of one of those read, {}", words().join(", "));
+        Err(self.place.refuse("--unit", quoted(&unit.to_string()), must))
+    }
+}

@@ -1,0 +1,389 @@
+//! The dialect of a table: what divides its fields, and what stands before decimals.
+//!
+//! The standard form has commas and points. Its first row shows it, and the rest is not looked at.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::place::{Place, TableError, quoted};
+
+/// What divides the fields of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Delimiter {
+    /// `,`
+    #[default]
+    Comma,
+    /// `;`
+    Semicolon,
+    /// A tabulator.
+    Tab,
+    /// One blank or several; a tabulator is one, too.
+    Blanks,
+}
+
+/// What stands before the decimals of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Decimal {
+    /// `.`
+    #[default]
+    Point,
+    /// `,`
+    Comma,
+}
+
+impl Delimiter {
+    const ALL: [Self; 4] = [Self::Comma, Self::Semicolon, Self::Tab, Self::Blanks];
+
+    /// The byte between two fields; none for blanks, of which there may be several.
+    pub(super) fn byte(self) -> Option<u8> {
+        match self {
+            Self::Comma => Some(b','),
+            Self::Semicolon => Some(b';'),
+            Self::Tab => Some(b'\t'),
+            Self::Blanks => None,
+        }
+    }
+
+    /// The delimiter that a line `sep=;` names.
+    fn of_sign(sign: &str) -> Option<Self> {
+        let byte = |known: &Self| known.byte().unwrap_or(b' ');
+        Self::ALL.into_iter().find(|known| sign.as_bytes() == [byte(known)])
+    }
+
+    /// The fields of a line, quotes ignored: enough to see numbers.
+    fn split(self, line: &str) -> Vec<&str> {
+        match self.byte() {
+            Some(byte) => line.split(char::from(byte)).map(str::trim).collect(),
+            None => in_brackets(line),
+        }
+    }
+}
+
+/// As `--delimiter` takes it.
+impl fmt::Display for Delimiter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Comma => ",",
+            Self::Semicolon => ";",
+            Self::Tab => "tab",
+            Self::Blanks => "blanks",
+        })
+    }
+}
+
+impl FromStr for Delimiter {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let named = Self::ALL.into_iter().find(|known| known.to_string() == text);
+        named.or_else(|| Self::of_sign(text)).ok_or("must be `,`, `;`, tab or blanks")
+    }
+}
+
+/// As `--decimal` takes it.
+impl fmt::Display for Decimal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Point => "point",
+            Self::Comma => "comma",
+        })
+    }
+}
+
+impl FromStr for Decimal {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "point" | "." => Ok(Self::Point),
+            "comma" | "," => Ok(Self::Comma),
+            _ => Err("must be point or comma"),
+        }
+    }
+}
+
+/// What the user says of a dialect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Given {
+    /// Lines to leave out at the beginning.
+    pub(super) skip: usize,
+    pub(super) delimiter: Option<Delimiter>,
+    pub(super) decimal: Option<Decimal>,
+}
+
+/// The dialect of a text.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Dialect {
+    /// Index of the first byte that belongs to the table.
+    pub(super) start: usize,
+    /// Number of lines before it.
+    pub(super) lines: u64,
+    pub(super) delimiter: Delimiter,
+    pub(super) decimal: Decimal,
+    /// What was found in the text and is not the standard form, for the user.
+    pub(super) found: Vec<String>,
+}
+
+impl Dialect {
+    /// Finds the dialect of a text without a byte order mark.
+    ///
+    /// # Errors
+    /// [`TableError`] where the text can be read in two ways, with the option that decides.
+    pub(super) fn detect(file: &str, text: &str, given: Given) -> Result<Self, TableError> {
+        let mut dialect = Self::after(text, given.skip);
+        let named = dialect.take_sep_line(file, text)?;
+        let body = &text[dialect.start..];
+        let Some((_, first)) = rows(body).next() else { return Ok(dialect) };
+        let shown = || delimiter_of(first);
+        dialect.delimiter = given.delimiter.or(named).unwrap_or_else(shown);
+        if given.delimiter.is_none() && dialect.delimiter != Delimiter::Comma {
+            dialect.found.push(format!("{} as delimiter", dialect.delimiter));
+        }
+        let place = |line| Place { file, line: Some(line + dialect.lines) };
+        dialect.decimal = match given.decimal {
+            Some(decimal) => decimal,
+            None if dialect.delimiter != Delimiter::Comma => {
+                let decimal = decimal_of(body, dialect.delimiter, place)?;
+                if decimal == Decimal::Comma {
+                    dialect.found.push("decimal comma".to_owned());
+                }
+                decimal
+            }
+            None => {
+                refuse_doubtful_commas(body, first, place)?;
+                Decimal::Point
+            }
+        };
+        Ok(dialect)
+    }
+
+    /// The standard dialect of what follows after some lines.
+    fn after(text: &str, skip: usize) -> Self {
+        let mut dialect = Self::default();
+        for _ in 0..skip {
+            dialect.pass_line(text);
+        }
+        dialect
+    }
+
+    fn pass_line(&mut self, text: &str) {
+        let rest = &text[self.start..];
+        self.start += rest.find(line_end(text)).map_or(rest.len(), |end| end + 1);
+        self.lines += 1;
+    }
+
+    /// Leaves out a first line such as `sep=;`, which spreadsheets write and read, and returns what it
+    /// says.
+    fn take_sep_line(&mut self, file: &str, text: &str) -> Result<Option<Delimiter>, TableError> {
+        let line = text[self.start..].split(line_end(text)).next().unwrap_or_default();
+        let line = line.trim_end_matches('\r').trim_matches('"');
+        let Some(sign) = line.strip_prefix("sep=") else { return Ok(None) };
+        let delimiter = Delimiter::of_sign(sign).ok_or_else(|| {
+            let place = Place { file, line: Some(self.lines + 1) };
+            let error = place.refuse("sep", quoted(sign), "must be a comma, `;`, a tab or a blank");
+            error.with_hint("--skip 1 leaves the line out, --delimiter says more".to_owned())
+        })?;
+        self.pass_line(text);
+        Ok(Some(delimiter))
+    }
+}
+
+/// The sign at the end of every line: CR only where there is no LF.
+fn line_end(text: &str) -> char {
+    if text.contains('\n') || !text.contains('\r') { '\n' } else { '\r' }
+}
+
+/// The rows of a text, neither comments nor blank lines, with their numbers from 1.
+fn rows(text: &str) -> impl Iterator<Item = (u64, &str)> {
+    let lines = (1..).zip(text.split(line_end(text)));
+    lines.filter(|(_, line)| !(line.starts_with('#') || line.trim().is_empty()))
+}
+
+/// The delimiter that the first row of a table shows.
+fn delimiter_of(row: &str) -> Delimiter {
+    // What is in quotes is one field; the field may go on in the next line.
+    let parts: Vec<&str> = row.split('"').collect();
+    if parts.len().is_multiple_of(2) {
+        return Delimiter::Comma;
+    }
+    let bare: String = parts.into_iter().step_by(2).collect::<Vec<_>>().join("x");
+    let fields = Delimiter::Comma.split(&bare);
+    if fields.iter().any(|field| field.contains(';')) {
+        Delimiter::Semicolon
+    } else if fields.iter().any(|field| field.contains('\t')) {
+        Delimiter::Tab
+    } else if fields.len() < 2 || has_decimal_commas(&bare) {
+        Delimiter::Blanks
+    } else {
+        Delimiter::Comma
+    }
+}
+
+/// True for a row such as `0,1 0,2`: numbers if blanks divide it, but not if commas do.
+fn has_decimal_commas(row: &str) -> bool {
+    let words: Vec<&str> = row.split_whitespace().collect();
+    let is_number = |word: &&str| word.replace(',', ".").parse::<f64>().is_ok();
+    words.len() > 1 && words.iter().all(is_number) && !row.split(',').all(is_plain_number)
+}
+
+fn is_plain_number(field: &str) -> bool {
+    field.trim().parse::<f64>().is_ok()
+}
+
+/// What stands before decimals in a table whose delimiter is not the comma.
+fn decimal_of<'a>(
+    body: &str,
+    delimiter: Delimiter,
+    place: impl Fn(u64) -> Place<'a>,
+) -> Result<Decimal, TableError> {
+    let mut seen: Option<(Decimal, &str)> = None;
+    for (line, row) in rows(body) {
+        for field in delimiter.split(row) {
+            let field = field.trim_matches('"');
+            let Some(decimal) = decimal_in(field) else { continue };
+            match seen {
+                None => seen = Some((decimal, field)),
+                Some((other, earlier)) if other != decimal => {
+                    let must = format!("must have the decimal sign of {}", quoted(earlier));
+                    let error = place(line).refuse("field", quoted(field), must);
+                    let hint = "--decimal comma or --decimal point says which is meant; nothing may \
+                                stand between thousands";
+                    return Err(error.with_hint(hint.to_owned()));
+                }
+                Some(_) => {}
+            }
+        }
+    }
+    Ok(seen.map_or(Decimal::Point, |(decimal, _)| decimal))
+}
+
+/// The decimal sign of a number that has one.
+fn decimal_in(field: &str) -> Option<Decimal> {
+    let (decimal, other) = match field.find([',', '.']).map(|at| field.as_bytes()[at])? {
+        b',' => (Decimal::Comma, field.replacen(',', ".", 1)),
+        _ => (Decimal::Point, field.to_owned()),
+    };
+    other.parse::<f64>().is_ok().then_some(decimal)
+}
+
+/// Refuses rows such as `0,1,0,5` below no names: four whole numbers, or two with decimal commas.
+fn refuse_doubtful_commas<'a>(
+    body: &str,
+    first: &str,
+    place: impl Fn(u64) -> Place<'a>,
+) -> Result<(), TableError> {
+    let fields = Delimiter::Comma.split(first);
+    if fields.len() < 4
+        || !fields.len().is_multiple_of(2)
+        || !fields.iter().all(|f| is_plain_number(f))
+    {
+        return Ok(());
+    }
+    let is_whole = |(at, field): (usize, &str)| {
+        let digits =
+            if at.is_multiple_of(2) { field.trim_start_matches(['-', '+']) } else { field };
+        !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
+    };
+    let is_doubtful = |row: &str| Delimiter::Comma.split(row).into_iter().enumerate().all(is_whole);
+    if !rows(body).all(|(_, row)| is_doubtful(row)) {
+        return Ok(());
+    }
+    let (line, _) = rows(body).next().unwrap_or_default();
+    let must = "must not leave open if a comma divides fields or stands before decimals";
+    let error = place(line).refuse("row", quoted(first.trim()), must);
+    Err(error.with_hint(
+        "--decimal point says that these are whole numbers; else write ; between fields".to_owned(),
+    ))
+}
+
+/// The fields of a row that blanks divide. What is in quotes or in brackets is not divided, and a unit in
+/// brackets belongs to the name before it: `Time (s)`.
+pub(super) fn in_brackets(row: &str) -> Vec<&str> {
+    let mut spans: Vec<(usize, usize)> = Vec::new();
+    let (mut open, mut depth, mut in_quotes) = (None, 0_usize, false);
+    for (at, letter) in row.char_indices() {
+        if letter.is_whitespace() && depth == 0 && !in_quotes {
+            spans.extend(open.take().map(|start| (start, at)));
+            continue;
+        }
+        match letter {
+            '"' => in_quotes = !in_quotes,
+            '(' | '[' if !in_quotes => {
+                if open.is_none() && depth == 0 {
+                    open = spans.pop().map(|(start, _)| start);
+                }
+                depth += 1;
+            }
+            ')' | ']' if !in_quotes => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        open = open.or(Some(at));
+    }
+    spans.extend(open.map(|start| (start, row.len())));
+    let field = |(start, end): (usize, usize)| {
+        let field = row[start..end].trim();
+        field.strip_prefix('"').and_then(|f| f.strip_suffix('"')).unwrap_or(field)
+    };
+    spans.into_iter().map(field).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(text: &str) -> (Delimiter, Decimal) {
+        let dialect = Dialect::detect("t.csv", text, Given::default()).unwrap();
+        (dialect.delimiter, dialect.decimal)
+    }
+
+    #[test]
+    fn the_first_row_shows_the_delimiter() {
+        for (text, delimiter) in [
+            ("time,a\n0;0\n", Delimiter::Comma),
+            ("\"a\nb\",time\n", Delimiter::Comma),
+            ("\"a;b\",time\n", Delimiter::Comma),
+            ("time,\ta\n", Delimiter::Comma),
+            ("0, 1\n", Delimiter::Comma),
+            ("# a;b\n\ntime;a,b\n", Delimiter::Semicolon),
+            ("time\ta, b\n", Delimiter::Tab),
+            ("  time   a\n", Delimiter::Blanks),
+            ("0,1 0,2\n", Delimiter::Blanks),
+        ] {
+            assert_eq!(found(text).0, delimiter, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn any_row_may_show_the_decimal_comma() {
+        for (text, decimal) in [
+            ("a;b\n0;0\n", Decimal::Point),
+            ("a;b\n0;0\n1;0,5\n", Decimal::Comma),
+            ("a;b\n0;\"-0,5e-3\"\n", Decimal::Comma),
+            ("a;b\n0;1.2.2024\n1;x,5\n", Decimal::Point),
+            ("a b\n0 0.5\n", Decimal::Point),
+        ] {
+            assert_eq!(found(text).1, decimal, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn lines_are_left_out_and_counted() {
+        for (text, skip, start, lines) in [
+            ("x\r\ny\nsep=;\na;b\n", 2, 11, 3),
+            ("x\ra,b\r0,1\r", 1, 2, 1),
+            ("sep=,\na,b\n", 0, 6, 1),
+            ("a", 3, 1, 3),
+        ] {
+            let given = Given { skip, ..Given::default() };
+            let dialect = Dialect::detect("t.csv", text, given).unwrap();
+            assert_eq!((dialect.start, dialect.lines), (start, lines), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_unit_belongs_to_the_name_before_it() {
+        let fields = in_brackets("  Time (s)\tTip position [m / s]  \"a b\" (x) 1 ");
+        assert_eq!(fields, ["Time (s)", "Tip", "position [m / s]", "\"a b\" (x)", "1"]);
+        assert_eq!(in_brackets("(s) \"a b\" )"), ["(s)", "a b", ")"]);
+    }
+}

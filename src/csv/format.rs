@@ -1,0 +1,158 @@
+//! What the user says of a table's form, and what a reader found beyond the standard form.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::dialect::{Decimal, Delimiter, Given};
+use super::heading::{Measure, QUANTITIES, Quantity, TIME, nearest};
+use super::unit_name::UnitName;
+
+/// What the user says of a table's form. What is not said is read from the table.
+///
+/// The standard form is a row of exact names, then rows of numbers with points, commas between them. A
+/// reader also finds other delimiters, decimal commas and common names, and returns in a [`Reading`] what
+/// it found.
+///
+/// ```
+/// use flexlink::csv::{TableFormat, read_motion_table_as};
+/// let format = TableFormat { columns: vec!["time=1".parse()?, "displacement=3".parse()?], ..Default::default() };
+/// let file = b"0;7;0\n0,5;7;1,25\n1;7;2\n1,5;7;3\n";
+/// let motion = read_motion_table_as("move.csv", file, 1.5, &format)?;
+/// assert_eq!(motion.columns().displacement_m.as_deref(), Some(&[0.0, 1.25, 2.0, 3.0][..]));
+/// let note = motion.reading().note();
+/// assert_eq!(note.as_deref(), Some("read ; as delimiter, decimal comma, time from column 1, \
+///     displacement from column 3 in m"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TableFormat {
+    /// Lines to leave out at the beginning of the file.
+    pub skip: usize,
+    /// What divides the fields of a row.
+    pub delimiter: Option<Delimiter>,
+    /// What stands before decimals.
+    pub decimal: Option<Decimal>,
+    /// Which column holds which quantity.
+    pub columns: Vec<ColumnChoice>,
+    /// Factors on the numbers of columns.
+    pub scales: Vec<ColumnScale>,
+    /// Unit of the times.
+    pub time_unit: Option<UnitName>,
+    /// Unit of the column of motion or torque that has its dimension.
+    pub unit: Option<UnitName>,
+}
+
+impl TableFormat {
+    pub(super) fn given(&self) -> Given {
+        let Self { skip, delimiter, decimal, .. } = *self;
+        Given { skip, delimiter, decimal }
+    }
+
+    /// What is said of the numbers of a quantity.
+    pub(super) fn measure(&self, quantity: Quantity) -> Measure<'_> {
+        let fits = |unit: &&UnitName| unit.unit.dimension() == quantity.dimension;
+        let unit = if quantity == TIME { &self.time_unit } else { &self.unit };
+        let scale = self.scales.iter().find(|scale| scale.quantity == quantity);
+        Measure { unit: unit.as_ref().filter(fits), factor: scale.map(|scale| scale.factor) }
+    }
+}
+
+/// Which column holds a quantity, as `--columns` takes it: `displacement=3` or `displacement=pos`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnChoice {
+    pub(super) quantity: Quantity,
+    pub(super) column: ColumnName,
+}
+
+/// A column by its number or its heading.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum ColumnName {
+    /// From 1.
+    Number(usize),
+    /// With or without its unit, in any case.
+    Heading(String),
+}
+
+/// The factor on the numbers of a quantity's column, as `--scale` takes it: `displacement=1.5e-6`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColumnScale {
+    pub(super) quantity: Quantity,
+    pub(super) factor: f64,
+}
+
+impl fmt::Display for ColumnChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = self.quantity.word;
+        match &self.column {
+            ColumnName::Number(number) => write!(f, "{word}={number}"),
+            ColumnName::Heading(heading) => write!(f, "{word}={heading}"),
+        }
+    }
+}
+
+impl FromStr for ColumnChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (quantity, column) = pair(text, "displacement=3 or displacement=pos")?;
+        let column = match column.parse() {
+            Ok(0) => return Err("columns are numbered from 1".to_owned()),
+            Ok(number) => ColumnName::Number(number),
+            Err(_) if column.is_empty() => return Err("names no column".to_owned()),
+            Err(_) => ColumnName::Heading(column.to_owned()),
+        };
+        Ok(Self { quantity, column })
+    }
+}
+
+impl fmt::Display for ColumnScale {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={:?}", self.quantity.word, self.factor)
+    }
+}
+
+impl FromStr for ColumnScale {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (quantity, factor) = pair(text, "displacement=1.5e-6")?;
+        let factor = factor.parse().ok().filter(|factor: &f64| factor.is_normal());
+        let factor = factor.ok_or("the factor must be a finite number other than 0")?;
+        Ok(Self { quantity, factor })
+    }
+}
+
+/// A quantity, and what follows its sign of equality.
+fn pair<'a>(text: &'a str, example: &str) -> Result<(Quantity, &'a str), String> {
+    let (word, value) = text.split_once('=').ok_or_else(|| format!("must read like {example}"))?;
+    let (word, value) = (word.trim().to_lowercase(), value.trim());
+    let found = QUANTITIES.into_iter().find(|quantity| quantity.word == word);
+    let quantity = found.ok_or_else(|| {
+        let words = QUANTITIES.map(|quantity| quantity.word);
+        match nearest(&word, words) {
+            Some(near) => format!("did you mean {near}?"),
+            None => format!("the quantity must be one of {}", words.join(", ")),
+        }
+    })?;
+    Ok((quantity, value))
+}
+
+/// What a reader found in a table that is not in the standard form.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Reading {
+    pub(super) found: Vec<String>,
+    pub(super) unread: Option<String>,
+    pub(super) hint: Option<String>,
+}
+
+impl Reading {
+    /// How the table was read, if anything in it was guessed.
+    pub fn note(&self) -> Option<String> {
+        (!self.found.is_empty()).then(|| format!("read {}", self.found.join(", ")))
+    }
+
+    /// Which columns were not read, and what to do about them.
+    pub fn remark(&self) -> Option<(&str, &str)> {
+        Some((self.unread.as_deref()?, self.hint.as_deref()?))
+    }
+}

@@ -1,0 +1,90 @@
+//! Errors that name the line of a table.
+
+use thiserror::Error;
+
+use crate::text::excerpt;
+
+/// Why a CSV file is refused.
+///
+/// The text reads `traj.csv:17: displacement = nan, but must be a finite number`.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{place}: {message}")]
+pub struct TableError {
+    /// The file, and the line if one is at fault.
+    place: String,
+    message: String,
+    hint: Option<String>,
+}
+
+impl TableError {
+    /// What the user may do.
+    pub fn hint(&self) -> Option<&str> {
+        self.hint.as_deref()
+    }
+
+    /// Adds what the user may do.
+    pub(crate) fn with_hint(self, hint: impl Into<Option<String>>) -> Self {
+        Self { hint: hint.into(), ..self }
+    }
+
+    /// Adds what the user may do, unless there is a hint.
+    pub(crate) fn or_hint(self, hint: String) -> Self {
+        let hint = self.hint.clone().or(Some(hint));
+        self.with_hint(hint)
+    }
+}
+
+/// Where in a file something was found.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place<'a> {
+    /// The file, as the user named it.
+    pub(crate) file: &'a str,
+    /// Line from 1; `None`: the file as a whole.
+    pub(crate) line: Option<u64>,
+}
+
+impl Place<'_> {
+    /// *place: subject = found, but must*.
+    pub(crate) fn refuse(
+        &self,
+        subject: impl Into<String>,
+        found: impl Into<String>,
+        must: impl Into<String>,
+    ) -> TableError {
+        let message = format!("{} = {}, but {}", subject.into(), found.into(), must.into());
+        self.refuse_whole(message)
+    }
+
+    /// *place: column N = "name", but must*, the first column being number 0.
+    pub(crate) fn refuse_column(
+        &self,
+        number: usize,
+        name: &str,
+        must: impl Into<String>,
+    ) -> TableError {
+        self.refuse(format!("column {}", number + 1), quoted(name), must)
+    }
+
+    /// Refuses a row that has not as many fields as there are columns.
+    pub(crate) fn check_width(self, fields: usize, columns: usize) -> Result<(), TableError> {
+        if fields == columns {
+            return Ok(());
+        }
+        let must = format!("must be {columns}, as many as there are columns");
+        Err(self.refuse("fields", fields.to_string(), must))
+    }
+
+    /// *place: message*.
+    pub(crate) fn refuse_whole(&self, message: String) -> TableError {
+        let place = match self.line {
+            Some(line) => format!("{}:{line}", self.file),
+            None => self.file.to_owned(),
+        };
+        TableError { place, message, hint: None }
+    }
+}
+
+/// An excerpt of the file in quotes, for a message, with its control characters escaped.
+pub(crate) fn quoted(text: &str) -> String {
+    format!("\"{}\"", excerpt(text).escape_debug())
+}
