@@ -24,6 +24,7 @@
 //! | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units: mathematics that knows no beam |
 //! | [`link`] | the physical link, checked at construction |
 //! | [`motion`] | the tip motion, checked at construction, its spectrum, analytic profiles |
+//! | [`recording`] | what the digits, times and rests of a recorded motion are worth |
 //! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
 //! | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
@@ -122,6 +123,7 @@ pub mod modal;
 pub mod model;
 pub mod motion;
 pub mod numeric;
+pub mod recording;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod response;

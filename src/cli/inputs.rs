@@ -10,6 +10,7 @@ use flexlink::inverse::Solution;
 use flexlink::link::Link;
 use flexlink::modal::REPORTED_MODES;
 use flexlink::motion::{MotionScale, TipMotion};
+use flexlink::numeric::{Dimension, parse_quantity};
 use flexlink::result::Remark;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::text::plain;
@@ -85,12 +86,47 @@ pub(crate) fn specification(
     })
 }
 
-/// The step of a trajectory.
+/// The step of a trajectory, and what its samples are worth.
 #[derive(Debug, Args)]
 pub(crate) struct ResampleArgs {
     /// Make the trajectory uniform by a cubic spline, at this step in s.
     #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
     resample: Option<f64>,
+
+    /// The displacement carries noise of this standard deviation, in m or with its unit, as in "0.1 mm":
+    /// the tip follows it no closer than it deserves. Without it the decimals of the file decide.
+    #[arg(long, value_name = "VALUE", value_parser = length, allow_negative_numbers = true)]
+    noise: Option<Length>,
+
+    /// Solve the motion up to this frequency in Hz, instead of that which the tip needs.
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
+    lowpass: Option<f64>,
+}
+
+/// A length above 0 as it was written, and in m.
+#[derive(Debug, Clone)]
+struct Length {
+    text: String,
+    metres: f64,
+}
+
+fn length(text: &str) -> Result<Length, String> {
+    let metres = match text.parse() {
+        Ok(metres) => metres,
+        Err(_) => parse_quantity(text, Dimension::LENGTH).map_err(|error| error.to_string())?,
+    };
+    if metres > 0.0 && f64::is_finite(metres) {
+        Ok(Length { text: text.to_owned(), metres })
+    } else {
+        Err("must be a length above 0".into())
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    finite(text)
+        .ok()
+        .filter(|number| *number > 0.0)
+        .ok_or_else(|| "must be a number above 0".into())
 }
 
 impl ResampleArgs {
@@ -108,12 +144,23 @@ impl ResampleArgs {
             Some(step_s) => table.resampled(step_s)?,
             None => table,
         };
+        let table = match &self.noise {
+            Some(Length { metres, .. }) => table.with_noise(*metres)?,
+            None => table,
+        };
+        let table = match self.lowpass {
+            Some(hertz) => table.with_lowpass(hertz),
+            None => table,
+        };
         Ok((table.into_motion()?, reading))
     }
 
     /// The arguments, for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
-        self.resample.map(|step_s| option("--resample", step_s)).unwrap_or_default()
+        let resample = self.resample.map(|step_s| option("--resample", step_s));
+        let noise = self.noise.as_ref().map(|noise| option("--noise", &noise.text));
+        let lowpass = self.lowpass.map(|hertz| option("--lowpass", hertz));
+        [resample, noise, lowpass].into_iter().flatten().flatten().collect()
     }
 }
 
@@ -170,6 +217,8 @@ pub(crate) fn remarks(of_file: &[Remark], solution: &Solution) -> Vec<Remark> {
     let within = modes.iter().filter(|omega| **omega <= highest).count();
     modes.truncate(within.max(1));
     let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
-    let of_motion = Remark::on_motion(link, &solution.motion, solution.tip.largest_travel_m());
+    let (travel_m, tolerance) =
+        (solution.tip.largest_travel_m(), solution.analysis.tip_tolerance());
+    let of_motion = Remark::on_motion(link, &solution.motion, travel_m, tolerance);
     of_file.iter().cloned().chain(of_modes).chain(of_motion).collect()
 }

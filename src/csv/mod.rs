@@ -11,6 +11,7 @@ mod motion;
 mod motion_columns;
 mod number;
 mod place;
+mod recorded;
 mod response;
 mod rows;
 mod samples;

@@ -7,22 +7,25 @@ use super::number::Digits;
 use super::rows::{Place, TableError};
 use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
 use super::table::{group, write_over_time};
-use crate::motion::{MotionColumns, TipMotion, TipTarget};
+use crate::motion::{MotionColumns, Recording, TipTarget, Uncertainty};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
+use crate::recording::{LARGEST_JITTER, Rounding};
 
 /// Most samples that a resampled motion may have.
 const MAX_SAMPLES: f64 = 1e7;
 
-/// Largest distance of the end of the motion from a whole number of steps, in steps.
-const WHOLE_STEPS: f64 = 1e-6;
+/// Times that differ by less, in steps, are the same.
+const SAME_TIME: f64 = 1e-6;
 
 /// A tip motion read from a file, in SI, with the line of each sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionTable {
-    columns: MotionColumns,
-    name: String,
-    lines: Vec<u64>,
-    reading: Reading,
+    pub(super) columns: MotionColumns,
+    pub(super) name: String,
+    pub(super) lines: Vec<u64>,
+    pub(super) reading: Reading,
+    /// What is known of the samples beside their values.
+    pub(super) recording: Recording,
 }
 
 impl MotionTable {
@@ -40,18 +43,6 @@ impl MotionTable {
     /// The samples.
     pub fn columns(&self) -> &MotionColumns {
         &self.columns
-    }
-
-    /// Checks the samples and makes a motion of them.
-    ///
-    /// A velocity alone is integrated: the displacement is the integral of its not-a-knot cubic spline.
-    ///
-    /// # Errors
-    /// What [`TipMotion::new`] refuses, with file and line.
-    pub fn into_motion(self) -> Result<TipMotion, TableError> {
-        let Self { columns, name, lines, .. } = self.with_integral();
-        TipMotion::new(columns)
-            .map_err(|error| refuse_samples(&name, &lines, error.sample(), &error, error.hint()))
     }
 
     /// The displacement as a target to compare with.
@@ -100,7 +91,7 @@ impl MotionTable {
     /// ```
     ///
     /// # Errors
-    /// [`TableError`] unless the step is above 0, divides the motion's duration within 1e-6
+    /// [`TableError`] unless the step is above 0, divides the motion's duration within a twentieth
     /// of a step, and gives from 4 to 1e7 samples.
     pub fn resampled(self, step_s: f64) -> Result<Self, TableError> {
         self.with_integral().on_grid(step_s)
@@ -113,17 +104,26 @@ impl MotionTable {
         };
         let place = Place { file: &self.name, line: None };
         let steps = whole_steps(last - first, step_s, place)?;
+        Ok(self.at_steps(steps, step_s))
+    }
+
+    /// The samples at so many steps from the first time on; the last one is that of the table.
+    pub(super) fn at_steps(self, steps: usize, step_s: f64) -> Self {
+        let known = &self.columns.time_s;
+        let (first, last) = (known[0], known[known.len() - 1]);
         let time_s: Vec<f64> = (0..=steps).map(|k| first + k as f64 * step_s).collect();
         let on_grid = |values: &Option<Vec<f64>>, ends| {
             let spline = CubicSpline::new(known, values.as_ref()?, ends);
-            Some(time_s.iter().map(|&t| spline.value(t.min(last))).collect())
+            // At the end the motion rests: a twentieth of a step more or less changes nothing.
+            let at = |(k, t): (usize, &f64)| if k == steps { last } else { t.min(last) };
+            Some(time_s.iter().enumerate().map(|time| spline.value(at(time))).collect())
         };
         let columns = &self.columns;
         let lines = time_s.iter().map(|time| {
-            let not_later = known.partition_point(|known| *known <= time + WHOLE_STEPS * step_s);
+            let not_later = known.partition_point(|known| *known <= time + SAME_TIME * step_s);
             self.lines[not_later.saturating_sub(1)]
         });
-        Ok(Self {
+        Self {
             lines: lines.collect(),
             columns: MotionColumns {
                 acceleration_m_s2: on_grid(&columns.acceleration_m_s2, SplineEnds::NotAKnot),
@@ -133,11 +133,12 @@ impl MotionTable {
             },
             name: self.name,
             reading: self.reading,
-        })
+            recording: self.recording,
+        }
     }
 
     /// The same with the displacement in place of a velocity that is alone.
-    fn with_integral(self) -> Self {
+    pub(super) fn with_integral(self) -> Self {
         let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } =
             self.columns;
         let (velocity_m_s, displacement_m) = match (velocity_m_s, displacement_m) {
@@ -191,11 +192,18 @@ pub fn read_motion_table_as(
     format: &TableFormat,
 ) -> Result<MotionTable, TableError> {
     let mut samples = Samples::read(name, bytes, format, motion_columns)?;
+    let rounding = samples.rounding();
+    let mut per_value = 1.0;
     let arc = samples.take(ANGLE).map(|mut angle| {
         for value in &mut angle {
             *value *= link_length_m;
         }
+        per_value = link_length_m;
         angle
+    });
+    let uncertainty = rounding.map(|Rounding { decimals, step }| Uncertainty::Rounded {
+        decimals,
+        step_m: step * per_value,
     });
     let columns = MotionColumns {
         time_s: samples.take(TIME).unwrap_or_default(),
@@ -203,8 +211,9 @@ pub fn read_motion_table_as(
         velocity_m_s: samples.take(VELOCITY),
         displacement_m: samples.take(DISPLACEMENT).or(arc),
     };
+    let recording = Recording { uncertainty, ..Recording::default() };
     let Samples { lines, reading, .. } = samples;
-    Ok(MotionTable { columns, name: name.to_owned(), lines, reading })
+    Ok(MotionTable { columns, name: name.to_owned(), lines, reading, recording })
 }
 
 /// Number of steps in the duration; an error unless it is whole.
@@ -226,7 +235,7 @@ fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, Tabl
         let must = format!("must be at least {shortest} s, which gives {MAX_SAMPLES:e} samples");
         return Err(refuse(must));
     }
-    if (ratio - steps).abs() > WHOLE_STEPS {
+    if (ratio - steps).abs() > LARGEST_JITTER {
         let below = ratio.floor().max(fewest);
         let (long, short) = (duration_s / below, duration_s / (below + 1.0));
         let must = format!("must divide the motion's {duration_s} s into whole steps");
@@ -279,6 +288,7 @@ mod tests {
             name: "t.csv".to_owned(),
             reading: Reading::default(),
             lines: (0..time_s.len() as u64).map(|k| 2 * k).collect(),
+            recording: Recording::default(),
         }
     }
 

@@ -3,9 +3,10 @@
 use super::columns::{Columns, FirstRow, Header};
 use super::dialect::{Delimiter, Dialect};
 use super::format::{Reading, TableFormat};
-use super::heading::{Heading, Quantity, TIME, check_separator};
+use super::heading::{ANGLE, DISPLACEMENT, Heading, Quantity, TIME, check_separator};
 use super::rows::{Place, TableError, quoted, read_rows, read_rows_as};
 use crate::compare::{Cell, Table, TableColumn};
+use crate::recording::{Digits, Rounding};
 
 /// Fewest samples that a table may have.
 pub(super) const MIN_SAMPLES: usize = 4;
@@ -35,6 +36,8 @@ pub(super) struct Samples {
     has_blanks: bool,
     /// The last time as written.
     time_text: String,
+    /// Those of the displacement or angle.
+    digits: Digits,
     /// What was found beyond the standard form.
     pub(super) reading: Reading,
 }
@@ -63,6 +66,7 @@ impl Samples {
                 headings: columns.headings,
                 lines: Vec::new(),
                 time_text: String::new(),
+                digits: Digits::default(),
                 reading,
             };
             if columns.first == FirstRow::Samples {
@@ -89,6 +93,13 @@ impl Samples {
         Some(std::mem::take(&mut self.values[index]))
     }
 
+    /// To which decimal the displacement or angle is rounded, the step in SI.
+    pub(super) fn rounding(&self) -> Option<Rounding> {
+        let is_counted = |heading: &&Heading| [DISPLACEMENT, ANGLE].contains(&heading.quantity);
+        let heading = self.headings.iter().find(is_counted)?;
+        self.digits.rounding().map(|own| Rounding { step: heading.to_si(own.step), ..own })
+    }
+
     fn push(&mut self, fields: &[&str], place: Place) -> Result<(), TableError> {
         place.check_width(fields.len(), self.width).map_err(|error| {
             let hint = (fields.len() > self.width && fields.iter().all(|field| is_digits(field)))
@@ -109,6 +120,9 @@ impl Samples {
                     return Err(place.refuse(name, format!("{text} {unit_text}"), must));
                 }
                 text.clone_into(&mut self.time_text);
+            }
+            if [DISPLACEMENT, ANGLE].contains(&heading.quantity) {
+                self.digits.count(fields[heading.index], value);
             }
             values.push(value);
         }

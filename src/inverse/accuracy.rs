@@ -132,6 +132,9 @@ pub struct QuantityErrors {
     /// What a reduction to few modes changes; none where all are kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub modes: Option<f64>,
+    /// What the uncertainty of the samples does; none where they are exact to the tip's tolerance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub input: Option<f64>,
 }
 
 /// How exact a solution is.

@@ -34,6 +34,9 @@ const COARSE: f64 = 1e-2;
 const LONG_ROWS: usize = 50_000;
 const LONG_TIMES: f64 = 10.0;
 
+/// Error by the uncertainty of the samples from which on the user is warned.
+const UNCERTAIN: f64 = 0.1;
+
 /// Change of a peak by twice the tip's tolerance from which on the user is warned.
 const UNSETTLED: f64 = 0.03;
 
@@ -63,7 +66,7 @@ impl Diagnostics<'_> {
         });
         let tip_missed = spectrum.cutoff.shortfall.map(|shortfall| Warning::TipMissed {
             share: accuracy.tip,
-            tolerance: self.analysis.tip_tolerance(),
+            tolerance: self.followed(),
             shortfall,
         });
         let period_s = spectrum.period_s();
@@ -89,16 +92,31 @@ impl Diagnostics<'_> {
             .chain(is_long.then_some(Warning::LongWindow { rows, times }))
             .chain(self.inexact_window())
             .chain(blocked_tip(mesh, spectrum, tolerance))
-            .chain(near_nyquist(spectrum))
+            .chain(near_nyquist(spectrum).filter(|_| spectrum.cutoff.input.is_none()))
             .chain(above_mesh(mesh, spectrum, &answer.hub.torque_n_m))
             .chain(coarse_mesh)
             .chain(few_modes)
             .chain(self.unsettled_torque())
+            .chain(self.uncertain_input())
             .chain(coarse_step)
             .chain(self.large_deflection())
             .chain(self.thick_link())
             .chain(self.fast_hub())
             .collect()
+    }
+
+    /// Share of its travel that the tip is followed to: that of the analysis, or what the samples are worth.
+    fn followed(&self) -> f64 {
+        let travel_m = self.answer.period.histories.largest_travel_m();
+        let of_input = self.answer.period.spectrum.cutoff.input;
+        let of_input = of_input.map_or(0.0, |input| input.followed_m / travel_m);
+        of_input.max(self.analysis.tip_tolerance())
+    }
+
+    /// The torque that the samples do not determine.
+    fn uncertain_input(&self) -> Option<Warning> {
+        let torque = self.accuracy.errors.torque.input.filter(|share| *share > UNCERTAIN)?;
+        Some(Warning::UncertainInput { share: torque })
     }
 
     fn driven(&self) -> DrivenModel<'_> {
@@ -122,7 +140,8 @@ impl Diagnostics<'_> {
     /// determine what is below the tolerance; a torque that depends on it is not determined by the tip.
     fn unsettled_torque(&self) -> Option<Warning> {
         let cutoff = &self.answer.period.spectrum.cutoff;
-        if cutoff.looser_rad_s >= cutoff.omega_rad_s {
+        // What the digits leave open is measured as the error of the input.
+        if cutoff.input.is_some() || cutoff.looser_rad_s >= cutoff.omega_rad_s {
             return None;
         }
         let driven = self.driven();

@@ -53,7 +53,7 @@ pub fn invert_with(
     let mut first_zero_per_s = first_zero(coarsest.mesh());
     let problem = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
     let period = problem.shortest_period()?;
-    let MeshAnswer { model, amplitudes, peaks, mesh_errors, mode_errors } =
+    let MeshAnswer { model, amplitudes, peaks, mesh_errors, mode_errors, input_errors } =
         MeshAnswer::of(coarsest, plan, &period, analysis, resources.watch)?;
     if model.mesh().elements().len() > elements {
         first_zero_per_s = first_zero(model.mesh());
@@ -74,7 +74,8 @@ pub fn invert_with(
             window,
             ..QuantityErrors::default()
         })
-        .with(mode_errors, |errors, modes| QuantityErrors { modes: Some(modes), ..errors });
+        .with(mode_errors, |errors, modes| QuantityErrors { modes: Some(modes), ..errors })
+        .with(input_errors, |errors, input| QuantityErrors { input: Some(input), ..errors });
     problem.solution(answering, answer, &window, &errors)
 }
 

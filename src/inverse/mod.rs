@@ -9,10 +9,12 @@
 )]
 
 mod accuracy;
+mod amplitudes;
 mod analysis;
 mod diagnostics;
 mod error;
 mod histories;
+mod input_error;
 mod inversion;
 mod mesh_error;
 mod nodal_rows;

@@ -87,6 +87,15 @@ pub enum Warning {
         /// Its peak in N m at twice the tip's tolerance.
         looser_n_m: f64,
     },
+    /// A torque that the samples of the motion do not determine.
+    #[error(
+        "the digits or the noise of the motion's samples leave the torque uncertain by {} of its peak",
+        percent(*share)
+    )]
+    UncertainInput {
+        /// Error over the peak.
+        share: f64,
+    },
     /// The written window cuts torque off.
     #[error(
         "the torque outside the written window reaches {share:.1e} of its peak, above the \
@@ -214,6 +223,7 @@ impl Warning {
             Self::InexactWindow { .. } => "inexact_window",
             Self::CoarseStep { .. } => "coarse_step",
             Self::UnsettledTorque { .. } => "unsettled_torque",
+            Self::UncertainInput { .. } => "uncertain_input",
             Self::TorqueCut { .. } => "torque_cut",
             Self::WrapAround { .. } => "wrap_around",
             Self::LongWindow { .. } => "long_window",
@@ -244,6 +254,10 @@ impl Warning {
                 "a smoother motion, a motion written with more digits, or a larger \
                  analysis.tip_tolerance"
             }
+            Self::UncertainInput { .. } => {
+                "a displacement with more digits or less noise, its acceleration in its place, or a slower or \
+                 smoother motion"
+            }
             Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or neither of them",
             Self::WrapAround { .. } => "a longer analysis.lag, more damping or a looser tolerance",
             Self::LongWindow { .. } => {
@@ -262,6 +276,11 @@ impl Warning {
             }
         }
     }
+}
+
+/// A share in words.
+fn percent(share: f64) -> String {
+    if share < 1.0 { format!("about {:.0} %", 100.0 * share) } else { "100 % and more".into() }
 }
 
 fn cause(shortfall: &Shortfall) -> String {

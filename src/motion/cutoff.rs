@@ -2,12 +2,31 @@
 
 use num_complex::Complex64;
 
-use super::spectrum::{Cutoff, LOOSER, ROLL_OFF, Shortfall, TipSpectrum, weight};
+use super::period::farthest_m;
+use super::samples::Source;
+use super::spectrum::{Cutoff, InputBand, LOOSER, ROLL_OFF, Shortfall, TipSpectrum, weight};
 use super::tip_motion::TipMotion;
 use crate::numeric::{FourierPair, fast_length, largest};
 
 /// Largest tolerance that is searched for.
 const LARGEST_TOLERANCE: f64 = 0.1;
+
+/// Uncertainty of the samples, over the travel, that is told where every frequency is solved.
+const UNCERTAIN: f64 = 1e-6;
+
+/// Least and largest exponent with which the tip's error is taken to fall beyond the band of uncertain samples:
+/// an acceleration that jumps has 2, and the smoothest motions fall faster than any power.
+const FALLS: (f64, f64) = (2.0, 6.0);
+const USUAL_FALL: f64 = 3.0;
+
+/// Factor on the distance within which uncertain samples are followed, and that by which it must lower the
+/// cut-off to be used: the error of a motion falls with the square of the frequency or faster, that of noise
+/// hardly.
+const EASED: f64 = 1.5;
+const LOWERED: f64 = 1.5;
+
+/// Error of the tip, over its travel, from which on it falls so.
+const COARSE: f64 = 0.1;
 
 /// Relative precision of the cut-off, and of that for the looser tolerance.
 const PRECISION: f64 = 1e-3;
@@ -48,13 +67,16 @@ struct Residual {
 impl TipMotion {
     /// The lowest cut-off whose tip error is at most `tolerance` times the travel at all times; all
     /// frequencies for a tolerance of 0 or below, and no fewer than for 0.1. It depends on the motion alone,
-    /// on no link.
+    /// on no link. Samples that are more uncertain than that are followed as closely as they deserve, see
+    /// [`Uncertainty::tolerance_m`](super::Uncertainty::tolerance_m); a cut-off that the recording prescribes
+    /// is taken as it is.
     ///
     /// If even the highest cut-off, whose roll-off ends at the Nyquist frequency, has a larger error, it is
     /// returned with the reason.
     pub fn cutoff(&self, tolerance: f64) -> Cutoff {
-        if tolerance <= 0.0 {
-            return Cutoff::ALL;
+        let chosen_rad_s = self.recording().lowpass_rad_s;
+        if tolerance <= 0.0 && chosen_rad_s.is_none() {
+            return self.all_frequencies();
         }
         let tolerance = tolerance.min(LARGEST_TOLERANCE);
         // Four times as long as it moves: a shorter rest would change a low cut-off.
@@ -64,8 +86,66 @@ impl TipMotion {
         let last = forcing.iter().rposition(moves).unwrap_or(0);
         let len = fast_length(self.grid().len.max(4 * (last + 1 - first)));
         let period = self.over_period(len, self.grid().len.midpoint(len), Cutoff::ALL);
-        let allowed_m = tolerance * period.histories.largest_travel_m();
-        let (residual, low, high) = Residual::bracketed(&period.spectrum, allowed_m);
+        let travel_m = period.histories.largest_travel_m();
+        let wanted_m = tolerance.max(0.0) * travel_m;
+        let uncertain_m = self.uncertain_m(tolerance, travel_m);
+        let allowed_m = uncertain_m.map_or(wanted_m, |m| m.min(LARGEST_TOLERANCE * travel_m));
+        let found = match chosen_rad_s {
+            Some(omega_rad_s) => chosen(&period.spectrum, omega_rad_s),
+            None if uncertain_m.is_some() => self.above_noise(&period.spectrum, allowed_m),
+            None => self.lowest(&period.spectrum, allowed_m),
+        };
+        let input = uncertain_m.and(self.recording().uncertainty).map(|uncertainty| {
+            let (residual, ..) = Residual::bracketed(&period.spectrum, found.tip_error_m);
+            let coarse = residual.looser(residual.left_by(found.omega_rad_s), COARSE * travel_m);
+            let octaves = libm::log2(found.omega_rad_s / coarse.omega_rad_s);
+            let fall = libm::log2(coarse.error_m / found.tip_error_m) / octaves;
+            // Over less than an octave it is not known: that of a motion whose jerk jumps.
+            let fall = if octaves > 1.0 { fall.clamp(FALLS.0, FALLS.1) } else { USUAL_FALL };
+            InputBand {
+                deviation_m: uncertainty.deviation_m(),
+                followed_m: allowed_m,
+                wanted_m: wanted_m.max(UNCERTAIN * travel_m),
+                fall,
+            }
+        });
+        Cutoff { input, ..found }
+    }
+
+    /// All frequencies of the samples, with what uncertainty they have.
+    fn all_frequencies(&self) -> Cutoff {
+        let farthest_m = match &*self.samples().source {
+            Source::Displacement { samples, .. } => farthest_m(samples[0], samples),
+            Source::Acceleration(_) => 0.0,
+        };
+        let uncertain_m = self.uncertain_m(0.0, farthest_m);
+        let input = uncertain_m.and(self.recording().uncertainty).map(|uncertainty| InputBand {
+            deviation_m: uncertainty.deviation_m(),
+            followed_m: 0.0,
+            wanted_m: 0.0,
+            fall: FALLS.0,
+        });
+        Cutoff { input, ..Cutoff::ALL }
+    }
+
+    /// Distance in m within which the samples can be followed, where that is more than the tolerance.
+    fn uncertain_m(&self, tolerance: f64, travel_m: f64) -> Option<f64> {
+        let matters_m = if tolerance > 0.0 { tolerance } else { UNCERTAIN } * travel_m;
+        let own = self.recording().uncertainty?;
+        Some(own.tolerance_m(self.grid().len)).filter(|m| *m > matters_m)
+    }
+
+    /// The lowest cut-off that leaves at most `allowed_m`; a much lower one that leaves little more, if there
+    /// is one: what lies between them is noise.
+    fn above_noise(&self, spectrum: &TipSpectrum, allowed_m: f64) -> Cutoff {
+        let [found, eased] = [1.0, EASED].map(|factor| self.lowest(spectrum, factor * allowed_m));
+        if LOWERED * eased.omega_rad_s < found.omega_rad_s { eased } else { found }
+    }
+
+    /// The lowest cut-off that leaves at most `allowed_m`, or the highest one with the reason why it leaves
+    /// more.
+    fn lowest(&self, spectrum: &TipSpectrum, allowed_m: f64) -> Cutoff {
+        let (residual, low, high) = Residual::bracketed(spectrum, allowed_m);
         let high = residual.left_by(high);
         let (found, looser, shortfall) = if high.error_m > allowed_m {
             let fall = libm::log2(residual.left_by(0.5 * high.omega_rad_s).error_m / high.error_m);
@@ -78,20 +158,32 @@ impl TipMotion {
             (high, high, Some(shortfall))
         } else {
             let found = residual.lowest(residual.left_by(low), high, allowed_m, PRECISION);
-            let allowed_m = LOOSER * allowed_m;
-            let mut low = residual.left_by(0.5 * found.omega_rad_s);
-            // This ends: a cut-off near zero leaves the whole motion, far more than any tolerance.
-            while low.error_m <= allowed_m {
-                low = residual.left_by(0.5 * low.omega_rad_s);
-            }
-            (found, residual.lowest(low, found, allowed_m, LOOSER_PRECISION), None)
+            (found, residual.looser(found, LOOSER * allowed_m), None)
         };
         Cutoff {
             omega_rad_s: found.omega_rad_s,
             looser_rad_s: looser.omega_rad_s,
             tip_error_m: found.error_m,
             shortfall,
+            input: None,
         }
+    }
+}
+
+/// A cut-off as it was chosen, as far as the samples have frequencies.
+fn chosen(spectrum: &TipSpectrum, omega_rad_s: f64) -> Cutoff {
+    let omegas = &spectrum.omegas_rad_s;
+    let omega_rad_s = omega_rad_s.clamp(omegas[1], omegas[omegas.len() - 1] / ROLL_OFF);
+    // Nothing is left out of the transform: what the cut-off leaves is not known yet.
+    let (residual, ..) = Residual::bracketed(spectrum, f64::MIN_POSITIVE);
+    let found = residual.left_by(omega_rad_s);
+    let looser = residual.looser(found, LOOSER * found.error_m);
+    Cutoff {
+        omega_rad_s,
+        looser_rad_s: looser.omega_rad_s,
+        tip_error_m: found.error_m,
+        shortfall: None,
+        input: None,
     }
 }
 
@@ -141,6 +233,16 @@ impl Residual {
         let left: Vec<_> = bins.map(|(d, omega)| d * (1.0 - weight(*omega, omega_rad_s))).collect();
         let error_m = largest(&self.pair.samples(left)) + self.left_out_m;
         Left { omega_rad_s, error_m }
+    }
+
+    /// The lowest cut-off that leaves at most `allowed_m`; `from` leaves no more.
+    fn looser(&self, from: Left, allowed_m: f64) -> Left {
+        let mut low = self.left_by(0.5 * from.omega_rad_s);
+        // This ends: a cut-off near zero leaves the whole motion, far more than any tolerance.
+        while low.error_m <= allowed_m && low.omega_rad_s > 0.0 {
+            low = self.left_by(0.5 * low.omega_rad_s);
+        }
+        self.lowest(low, from, allowed_m, LOOSER_PRECISION)
     }
 
     /// The lowest cut-off in a bracket that leaves at most `allowed_m`, to the relative precision `precision`;

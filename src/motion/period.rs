@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use super::images::Images;
 use super::samples::{Samples, Source};
-use super::spectrum::{Cutoff, TipSpectrum};
+use super::spectrum::{Cutoff, InputBand, TipSpectrum};
 
 /// A motion on a period, up to a cut-off: all that depends on no link.
 pub(crate) struct TipPeriod {
@@ -27,6 +27,28 @@ impl TipPeriod {
             histories: TipHistories::of(motion, &spectrum),
             spectrum,
             samples: motion.clone(),
+            images: OnceLock::new(),
+        }
+    }
+
+    /// A period whose tip moves by noise alone, of this standard deviation in m, up to the same cut-off: each
+    /// frequency has its expected amplitude.
+    pub(crate) fn of_noise(&self, deviation_m: f64) -> Self {
+        let spectrum = self.spectrum.of_noise(deviation_m);
+        Self {
+            histories: TipHistories::of(&self.samples, &spectrum),
+            spectrum,
+            samples: self.samples.clone(),
+            images: OnceLock::new(),
+        }
+    }
+
+    /// The parts of the tip's motion beyond the band of uncertain samples, see [`TipSpectrum::beyond`].
+    pub(crate) fn beyond(&self, input: &InputBand) -> Self {
+        Self {
+            histories: self.histories.clone(),
+            spectrum: self.spectrum.beyond(input),
+            samples: self.samples.clone(),
             images: OnceLock::new(),
         }
     }

@@ -50,7 +50,8 @@ impl TipMotion {
             .corrected()
             .map(|end| EndVelocity { velocity_m_s: velocity * end.velocity_m_s, share: end.share });
         let start_m = distance * self.initial_displacement_m();
-        Ok(scaled.with_start(start_m, corrected))
+        let recording = self.recording().scaled(distance, duration);
+        Ok(scaled.with_start(start_m, corrected).recorded(recording))
     }
 
     /// The same motion sampled twice as often, by a cubic spline through its samples.
@@ -64,11 +65,12 @@ impl TipMotion {
             (0..2 * grid.len - 1).map(|k| spline.value(0.5 * k as f64)).collect()
         };
         let half = TimeGrid { step_s: 0.5 * grid.step_s, len: 2 * grid.len - 1, ..grid };
-        self.on_grid(
+        let finer = self.on_grid(
             half,
             |accelerations| finer(accelerations, SplineEnds::NotAKnot),
             |displacements| finer(displacements, SplineEnds::Clamped),
-        )
+        )?;
+        Ok(finer.recorded(*self.recording()))
     }
 
     /// The motion of the samples on another grid that follow from its own.

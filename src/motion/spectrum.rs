@@ -29,6 +29,21 @@ pub struct Cutoff {
     pub tip_error_m: f64,
     /// Why the tip is not within the tolerance; `None` where it is.
     pub shortfall: Option<Shortfall>,
+    /// What the samples are uncertain by; `None` where that is less than the tolerance.
+    pub input: Option<InputBand>,
+}
+
+/// Uncertain samples, and how far the torque that follows depends on the cut-off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InputBand {
+    /// Standard deviation of a sample in m.
+    pub deviation_m: f64,
+    /// Distance in m within which the samples are followed.
+    pub followed_m: f64,
+    /// Largest error in m of the solved tip that exact samples would be solved to.
+    pub wanted_m: f64,
+    /// Exponent with which the tip's error falls with the cut-off: 3 for a motion whose jerk jumps.
+    pub fall: f64,
 }
 
 /// Why the samples of a motion do not bring the tip within its tolerance.
@@ -47,6 +62,7 @@ impl Cutoff {
         looser_rad_s: f64::INFINITY,
         tip_error_m: 0.0,
         shortfall: None,
+        input: None,
     };
 
     /// True if every frequency is kept.
@@ -78,6 +94,9 @@ pub(super) fn weight(omega_rad_s: f64, cutoff_rad_s: f64) -> f64 {
     let beyond = (omega_rad_s / cutoff_rad_s - 1.0) / (ROLL_OFF - 1.0);
     if beyond >= 1.0 { 0.0 } else { 0.5 * (1.0 + libm::cos(PI * beyond)) }
 }
+
+/// Number of frequencies at which what lies beyond the band of uncertain samples is solved.
+const BEYOND: usize = 64;
 
 /// Amplitudes of the acceleration below this share of the largest are round-off of the transform.
 const BAND_TOLERANCE: f64 = 1e-15;
@@ -171,6 +190,46 @@ impl TipSpectrum {
             seam,
             cutoff,
         }
+    }
+
+    /// The spectrum of noise of this standard deviation in m: σ/√N at each frequency of the band.
+    pub(super) fn of_noise(&self, deviation_m: f64) -> Self {
+        let amplitude_m = deviation_m / (self.pair.len() as f64).sqrt();
+        let mut noise = self.clone();
+        for (k, omega) in self.omegas_rad_s.iter().enumerate() {
+            let amplitude_m = if k == 0 { 0.0 } else { amplitude_m * self.cutoff.weight(*omega) };
+            noise.acceleration_m_s2[k] = (-omega * omega * amplitude_m).into();
+            noise.velocity_m_s[k] = Complex64::new(0.0, omega * amplitude_m);
+            noise.magnitudes_m_s2[k] = omega * omega * amplitude_m;
+        }
+        noise.largest_m_s2 = largest(&noise.magnitudes_m_s2);
+        noise
+    }
+
+    /// The parts of the tip's motion beyond the band of uncertain samples, at frequencies that are spread evenly
+    /// over its logarithm: from one to the next, the tip's error falls by the displacement's amplitude.
+    pub(super) fn beyond(&self, input: &InputBand) -> Self {
+        let (mut beyond, error_m) = (self.clone(), self.cutoff.tip_error_m);
+        let end = libm::pow((error_m / input.wanted_m).max(1.0), 1.0 / input.fall);
+        let step = libm::log(end) / BEYOND as f64;
+        let left_m = |place: f64| error_m * libm::exp(-input.fall * step * place);
+        let parts = (0..BEYOND).map(|place| {
+            let place = place as f64;
+            let omega = self.cutoff.omega_rad_s * libm::exp(step * (place + 0.5));
+            (omega, left_m(place) - left_m(place + 1.0))
+        });
+        // No part of it is at rest; a spectrum begins there.
+        let parts: Vec<(f64, f64)> =
+            std::iter::once((0.0, 0.0)).chain(parts.filter(|_| step > 0.0)).collect();
+        beyond.omegas_rad_s = parts.iter().map(|(omega, _)| *omega).collect();
+        beyond.acceleration_m_s2 =
+            parts.iter().map(|(omega, m)| (-omega * omega * m).into()).collect();
+        beyond.velocity_m_s =
+            parts.iter().map(|(omega, m)| Complex64::new(0.0, omega * m)).collect();
+        beyond.magnitudes_m_s2 = parts.iter().map(|(omega, m)| omega * omega * m).collect();
+        beyond.largest_m_s2 = largest(&beyond.magnitudes_m_s2);
+        beyond.band_len = parts.len();
+        beyond
     }
 
     /// Period P in s.

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use super::period::{TipHistories, TipPeriod};
+use super::recording::Recording;
 use super::samples::{
     MotionColumns, MotionError, Samples, Source, at_rest, can_be_transformed, moving_samples,
 };
@@ -32,6 +33,7 @@ pub struct TipMotion {
     samples: Samples,
     moving: (usize, usize),
     corrected: Option<EndVelocity>,
+    recording: Recording,
 }
 
 impl TipMotion {
@@ -95,7 +97,7 @@ impl TipMotion {
         }
         let source = Arc::new(Source::Acceleration(samples));
         let samples = Samples { grid, source, initial_displacement_m, travel_m };
-        Ok(Self { samples, moving, corrected })
+        Ok(Self { samples, moving, corrected, recording: Recording::default() })
     }
 
     fn from_displacement(grid: TimeGrid, samples: Vec<f64>) -> Result<Self, MotionError> {
@@ -115,7 +117,7 @@ impl TipMotion {
         let (initial_displacement_m, travel_m) = (samples[0], samples[last] - samples[0]);
         let source = Arc::new(Source::Displacement { samples, second_differences });
         let samples = Samples { grid, source, initial_displacement_m, travel_m };
-        Ok(Self { samples, moving, corrected: None })
+        Ok(Self { samples, moving, corrected: None, recording: Recording::default() })
     }
 
     /// Refuses columns that contradict the one that the motion is computed from.
@@ -160,6 +162,17 @@ impl TipMotion {
         Self { samples: Samples { initial_displacement_m, ..self.samples }, corrected, ..self }
     }
 
+    /// The same motion with what is known of its samples.
+    #[must_use]
+    pub fn recorded(self, recording: Recording) -> Self {
+        Self { recording, ..self }
+    }
+
+    /// What is known of the samples beside their values.
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
     /// The motion on a period of `len` samples, an even number not below its own, up to a cut-off. Of the
     /// samples beyond its own those from `seam` on are of times before the motion.
     ///
@@ -192,10 +205,12 @@ impl TipMotion {
         Ok(self.over_period(len, seam, cutoff).histories)
     }
 
-    /// True if both have the same start and share their samples.
+    /// True if both have the same start and recording, and share their samples.
     pub(super) fn is_clone_of(&self, other: &Self) -> bool {
         let start = |motion: &Self| motion.initial_displacement_m().to_bits();
-        Arc::ptr_eq(&self.samples.source, &other.samples.source) && start(self) == start(other)
+        Arc::ptr_eq(&self.samples.source, &other.samples.source)
+            && start(self) == start(other)
+            && self.recording == other.recording
     }
 
     pub(super) fn samples(&self) -> &Samples {

@@ -152,14 +152,42 @@ impl TimeGrid {
             step_s: usual,
         })
     }
+
+    /// Largest distance of times in s from the grid through the first and the last of them, 0 where the
+    /// rounding of their last decimal explains it, and from the grid that fits all best; in steps.
+    ///
+    /// # Panics
+    /// If there are fewer than two times.
+    pub(crate) fn jitter(time_s: &[f64]) -> [f64; 2] {
+        let (origin_s, last) = (time_s[0], time_s.len() - 1);
+        let step_s = (time_s[last] - origin_s) / last as f64;
+        let off_s = |k: usize| time_s[k] - (origin_s + k as f64 * step_s);
+        let farthest =
+            |off_s: &dyn Fn(usize) -> f64| (0..=last).map(|k| off_s(k).abs()).fold(0.0, f64::max);
+        let from_ends_s = farthest(&off_s);
+        if from_ends_s <= rounding(time_s, step_s) {
+            return [0.0; 2];
+        }
+        let place = |k: usize| k as f64 - 0.5 * last as f64;
+        let mean_s = (0..=last).map(off_s).sum::<f64>() / (last + 1) as f64;
+        let squares: f64 = (0..=last).map(|k| place(k).powi(2)).sum();
+        let slope_s = (0..=last).map(|k| place(k) * off_s(k)).sum::<f64>() / squares;
+        let from_best_s = farthest(&|k| off_s(k) - mean_s - slope_s * place(k));
+        [from_ends_s / step_s, from_best_s / step_s]
+    }
 }
 
 /// Largest distance of a time from the grid, in s.
 fn slack(time_s: &[f64], step_s: f64) -> f64 {
+    (TIME_TOLERANCE * step_s).max(rounding(time_s, step_s))
+}
+
+/// Largest distance of a time from the grid, in s, that the rounding of its last decimal explains.
+fn rounding(time_s: &[f64], step_s: f64) -> f64 {
     let decimal_s = last_decimal(time_s);
     // Half a decimal for the time itself, and half for the ends that the grid is drawn through.
     let rounding_s = if decimal_s <= DECIMAL_SHARE * step_s { decimal_s } else { 0.0 };
-    (TIME_TOLERANCE * step_s).max(1.001 * rounding_s)
+    1.001 * rounding_s
 }
 
 /// The decimal unit that all times are whole multiples of, 1 s or below.

@@ -200,8 +200,9 @@ fn found(metrics: &Metrics) -> [f64; 10] {
 /// Errors are measured relative to peaks: a root mean square has the error of the peak. Power has the
 /// errors of torque and rate, deflection that of the hub angle, the root's moment that of the torque.
 fn errors(solution: &Solution, metrics: &Metrics) -> [f64; 10] {
-    let errors = solution.accuracy.of_kind(|QuantityErrors { mesh, window, step, modes }| {
-        mesh + window + step.unwrap_or(0.0) + modes.unwrap_or(0.0)
+    let errors = solution.accuracy.of_kind(|errors| {
+        let QuantityErrors { mesh, window, step, modes, input } = errors;
+        [step, modes, input].into_iter().flatten().fold(mesh + window, |sum, error| sum + error)
     });
     let (torque, rate) = (errors.torque, errors.hub_rate);
     let motor_torque = errors.motor_torque.unwrap_or(0.0);

@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::{LoweredMode, Thickness};
-use crate::motion::TipMotion;
+use crate::motion::{TipMotion, Uncertainty};
 use crate::text::significant;
 
 /// Densities of solids in kg/m³: the lightest foams and osmium, with little beside.
@@ -93,6 +93,49 @@ pub enum Remark {
         /// Length of the link in m.
         length_m: f64,
     },
+    /// Times between those of a uniform grid.
+    #[error(
+        "the times are off a uniform grid of {} s by up to {} % of a step: the motion is interpolated at \
+         uniform times by a cubic spline",
+        significant(*step_s, 6),
+        significant(100.0 * steps, 2)
+    )]
+    Jitter {
+        /// Largest distance of a time from the grid, in steps.
+        steps: f64,
+        /// The step in s.
+        step_s: f64,
+    },
+    /// A displacement with few digits.
+    #[error(
+        "the displacement has {decimals} decimals, ±{half_step_m:.1e} m: the tip is followed to \
+         {followed:.1e} of its travel instead of {tolerance:e}"
+    )]
+    FewDigits {
+        /// Number of decimals in the unit of the file.
+        decimals: i32,
+        /// Half of the last decimal in m.
+        half_step_m: f64,
+        /// Share of its travel that the tip is followed to.
+        followed: f64,
+        /// The same for exact samples.
+        tolerance: f64,
+    },
+    /// A displacement with noise.
+    #[error(
+        "noise of {deviation_m:.1e} m: the tip is followed to {followed:.1e} of its travel instead of \
+         {tolerance:e}, and the rests at the ends are their means, up to {moved_m:.1e} m from the data"
+    )]
+    Noise {
+        /// Standard deviation in m.
+        deviation_m: f64,
+        /// Largest distance of a rest from the data in m.
+        moved_m: f64,
+        /// Share of its travel that the tip is followed to.
+        followed: f64,
+        /// The same for exact samples.
+        tolerance: f64,
+    },
     /// A link so short and stiff that shear, which needs its section, may matter.
     #[error(
         "the link's section is not known everywhere: if it is of metal, shear and rotary inertia, which the \
@@ -131,8 +174,8 @@ impl Remark {
             .collect()
     }
 
-    /// Remarks on a motion that moves the tip by `travel_m`.
-    pub fn on_motion(link: &Link, motion: &TipMotion, travel_m: f64) -> Vec<Self> {
+    /// Remarks on a motion that moves the tip by `travel_m`, of which it may stray by `tolerance`.
+    pub fn on_motion(link: &Link, motion: &TipMotion, travel_m: f64, tolerance: f64) -> Vec<Self> {
         let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
         let duration_s = grid.time_s(until) - grid.time_s(from);
         let is_usual = DURATIONS_S.contains(&duration_s);
@@ -140,7 +183,28 @@ impl Remark {
         let duration = (!is_usual).then_some(Self::Duration { duration_s });
         let travel =
             (travel_m > MOST_TRAVEL * length_m).then_some(Self::Travel { travel_m, length_m });
-        duration.into_iter().chain(travel).collect()
+        let of_samples = Self::on_samples(motion, travel_m, tolerance);
+        duration.into_iter().chain(travel).chain(of_samples).collect()
+    }
+
+    /// Remarks on what the samples of a motion are worth.
+    fn on_samples(motion: &TipMotion, travel_m: f64, tolerance: f64) -> impl Iterator<Item = Self> {
+        let (grid, recording) = (motion.grid(), motion.recording());
+        let jitter = recording.jitter.map(|steps| Self::Jitter { steps, step_s: grid.step_s });
+        let uncertain = recording.uncertainty.and_then(|uncertainty| {
+            let followed = uncertainty.tolerance_m(grid.len) / travel_m;
+            // At 0 all frequencies are solved, whatever the samples are worth.
+            let is_raised = tolerance > 0.0 && followed > tolerance;
+            (is_raised && recording.lowpass_rad_s.is_none()).then_some(match uncertainty {
+                Uncertainty::Rounded { decimals, step_m } => {
+                    Self::FewDigits { decimals, half_step_m: 0.5 * step_m, followed, tolerance }
+                }
+                Uncertainty::Noisy { deviation_m, moved_m } => {
+                    Self::Noise { deviation_m, moved_m, followed, tolerance }
+                }
+            })
+        });
+        jitter.into_iter().chain(uncertain)
     }
 
     /// Name of the kind, for machines.
@@ -151,6 +215,9 @@ impl Remark {
             Self::FirstFrequency { .. } => "first_frequency",
             Self::Duration { .. } => "duration",
             Self::Travel { .. } => "way",
+            Self::Jitter { .. } => "jitter",
+            Self::FewDigits { .. } => "few_digits",
+            Self::Noise { .. } => "noise",
             Self::UnknownSection { .. } => "unknown_section",
         }
     }
@@ -165,6 +232,11 @@ impl Remark {
             Self::Travel { .. } => {
                 "name the unit in the column's heading, as in \"displacement [mm]\""
             }
+            Self::Jitter { .. } => "--resample STEP interpolates at another step",
+            Self::FewDigits { .. } => {
+                "write the displacement with more decimals, or give --noise if these are exact"
+            }
+            Self::Noise { .. } => "the errors of the input say what that does to the torque",
             Self::UnknownSection { .. } => {
                 "give E and density with section, or with I and area: the share is then estimated"
             }

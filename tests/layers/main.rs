@@ -9,11 +9,12 @@ use std::path::{Path, PathBuf};
 use source::{identifier, names, sources, without_text};
 
 /// Modules by level. What stands on a level knows those above it in this list, and nothing else.
-const LEVELS: [&[&str]; 14] = [
+const LEVELS: [&[&str]; 15] = [
     &["text"],
     &["numeric"],
     &["link"],
     &["motion", "beam"],
+    &["recording"],
     &["modal"],
     &["model"],
     &["inverse", "response"],

@@ -6,6 +6,7 @@ mod fit;
 mod identification;
 mod laws;
 mod literature;
+mod recordings;
 mod response;
 mod solve;
 mod theory;

@@ -199,14 +199,16 @@ impl<'a> Cases<'a> {
     /// What is possible but rare in a case that need not be solved.
     pub(crate) fn remarks(&self, case: usize) -> Vec<Remark> {
         let values = self.plan.case(case);
-        let Ok(Specification { link, mesh, remarks, .. }) = self.specification(&values) else {
+        let Ok(Specification { link, mesh, analysis, remarks, .. }) = self.specification(&values)
+        else {
             return Vec::new();
         };
         let Ok(mesh) = Mesh::new(&link, &mesh) else { return remarks };
         let of_modes = Remark::on_modes(&link, &mesh, &natural_frequencies(&mesh, 1));
         let of_motion = self.motion_of(&link, values.motion).map(|motion| {
             let target = motion.target(motion.grid().time_s(0), motion.grid().end_s());
-            Remark::on_motion(&link, &motion, target.largest_travel_m())
+            let travel_m = target.largest_travel_m();
+            Remark::on_motion(&link, &motion, travel_m, analysis.tip_tolerance())
         });
         [remarks, of_modes, of_motion.unwrap_or_default()].concat()
     }

@@ -220,14 +220,18 @@ fn band_line(solution: &Solution) -> String {
 /// One kind of error of a quantity, where it was measured.
 type Kind = fn(QuantityErrors) -> Option<f64>;
 
+/// The kind that is told for the torque as well.
+const INPUT: &str = "input";
+
 /// The worst error of each kind, and of which quantity it is, where that is not the torque.
 fn solution_errors(solution: &Solution) -> String {
     let errors = &solution.accuracy;
-    let kinds: [(&str, Kind); 4] = [
+    let kinds: [(&str, Kind); 5] = [
         ("mesh", |errors| Some(errors.mesh)),
         ("window", |errors| Some(errors.window)),
         ("step", |errors| errors.step),
         ("modes left out", |errors| errors.modes),
+        (INPUT, |errors| errors.input),
     ];
     let worst = kinds.iter().filter_map(|(name, kind)| {
         kind(errors.errors.torque)?;
@@ -236,7 +240,11 @@ fn solution_errors(solution: &Solution) -> String {
             Quantity::Torque => String::new(),
             other => format!(" ({})", other.name()),
         };
-        Some(format!("{name} {error:.1e}{of}"))
+        // The input moves derivatives most; of the torque it must be known as well.
+        let torque = errors.errors.torque.input;
+        let torque = torque.filter(|_| *name == INPUT && quantity != Quantity::Torque);
+        let torque = torque.map(|share| format!("{share:.1e} and ")).unwrap_or_default();
+        Some(format!("{name} {torque}{error:.1e}{of}"))
     });
     wrapped(worst, " of the peak")
 }

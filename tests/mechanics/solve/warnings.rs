@@ -43,6 +43,7 @@ fn every_warning_reads_as_in_the_snapshot() {
         Warning::InexactWindow { quantity, share, tolerance },
         Warning::CoarseStep { quantity, share },
         Warning::UnsettledTorque { quantity, peak_n_m: 1.234_567, looser_n_m: 1.2 },
+        Warning::UncertainInput { share: 0.123 },
         Warning::TorqueCut { share, tolerance },
         Warning::WrapAround { share, tolerance, period_s: 12.5 },
         Warning::LongWindow { rows: 12_345, times: 12.3 },

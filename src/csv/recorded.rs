@@ -1,0 +1,101 @@
+//! What a table of a motion is worth: its noise, its times, its digits.
+
+use std::f64::consts::TAU;
+
+use super::motion::MotionTable;
+use super::rows::{Place, TableError};
+use super::samples::refuse_samples;
+use crate::motion::{MotionColumns, Recording, TipMotion, Uncertainty};
+use crate::recording::{jitter, rested};
+use crate::text::significant;
+
+/// Largest uncertainty of a displacement over its travel.
+const LEAST_WORTH: f64 = 0.1;
+
+impl MotionTable {
+    /// Checks the samples and makes a motion of them.
+    ///
+    /// A velocity alone is integrated: the displacement is the integral of its not-a-knot cubic spline.
+    ///
+    /// # Errors
+    /// What [`TipMotion::new`] refuses, with file and line.
+    pub fn into_motion(self) -> Result<TipMotion, TableError> {
+        let Self { columns, name, lines, recording, .. } = self.with_integral().made_uniform();
+        let motion = TipMotion::new(columns)
+            .map_err(|error| refuse_samples(&name, &lines, error.sample(), &error, error.hint()))?;
+        // The digits of a displacement that is only compared with an acceleration do not matter.
+        let uncertainty = recording.uncertainty.filter(|_| motion.is_from_displacement());
+        let recording = Recording { uncertainty, ..recording };
+        if let Some(uncertainty) = uncertainty {
+            check_worth(&motion, &uncertainty, &name)?;
+        }
+        Ok(motion.recorded(recording))
+    }
+
+    /// The same samples with normal noise of this standard deviation in m on the displacement: the rests at
+    /// the ends become their means.
+    ///
+    /// # Errors
+    /// [`TableError`] if there is no displacement that the motion is made of, or no rest at an end.
+    pub fn with_noise(mut self, deviation_m: f64) -> Result<Self, TableError> {
+        let place = Place { file: &self.name, line: None };
+        let displacement_m = self.columns.displacement_m.as_deref();
+        let Some(given_m) = displacement_m.filter(|_| self.columns.acceleration_m_s2.is_none())
+        else {
+            let must = "must be given for --noise, as displacement or angle without acceleration";
+            return Err(place.refuse("displacement", "nothing", must));
+        };
+        let (rested_m, moved_m) = rested(given_m, deviation_m).map_err(|error| {
+            let hint =
+                "record the tip at rest before and after the motion, or give the noise as it is";
+            place.refuse_whole(error.to_string()).with_hint(Some(hint.to_owned()))
+        })?;
+        self.columns.displacement_m = Some(rested_m);
+        self.recording.uncertainty = Some(Uncertainty::Noisy { deviation_m, moved_m });
+        Ok(self)
+    }
+
+    /// The same samples with a cut-off in Hz that is not searched for.
+    #[must_use]
+    pub fn with_lowpass(mut self, hertz: f64) -> Self {
+        self.recording.lowpass_rad_s = Some(TAU * hertz);
+        self
+    }
+
+    /// The samples on the uniform grid from the first time to the last, interpolated where the times are
+    /// off it by more than their digits explain and by no more than [`LARGEST_JITTER`] steps.
+    fn made_uniform(self) -> Self {
+        let MotionColumns { time_s, acceleration_m_s2, displacement_m, .. } = &self.columns;
+        let decides = displacement_m.as_deref().filter(|_| acceleration_m_s2.is_none());
+        let Some(jitter) = jitter(time_s, decides) else { return self };
+        let steps = time_s.len() - 1;
+        let step_s = (time_s[steps] - time_s[0]) / steps as f64;
+        let lines = self.lines.clone();
+        let uniform = self.at_steps(steps, step_s);
+        let recording = Recording { jitter: Some(jitter), ..uniform.recording };
+        Self { lines, recording, ..uniform }
+    }
+}
+
+/// Refuses a displacement that is hardly more than its uncertainty.
+fn check_worth(
+    motion: &TipMotion,
+    uncertainty: &Uncertainty,
+    name: &str,
+) -> Result<(), TableError> {
+    let grid = motion.grid();
+    let travel_m = motion.target(grid.time_s(0), grid.end_s()).largest_travel_m();
+    let tolerance_m = uncertainty.tolerance_m(grid.len);
+    if tolerance_m <= LEAST_WORTH * travel_m {
+        return Ok(());
+    }
+    let found = format!("{} m of travel", significant(travel_m, 3));
+    let must = format!(
+        "must be at least {} m: it is known to {} m only",
+        significant(tolerance_m / LEAST_WORTH, 3),
+        significant(tolerance_m, 3)
+    );
+    let hint = "write the displacement with more decimals, or record it with less noise";
+    let place = Place { file: name, line: None };
+    Err(place.refuse("displacement", found, must).with_hint(Some(hint.to_owned())))
+}

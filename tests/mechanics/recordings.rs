@@ -1,0 +1,231 @@
+//! Recorded motions: few decimals, noise, times that are not quite uniform.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "numbers of samples and of decimals, not negative and small"
+)]
+
+use std::fmt::Write as _;
+
+use flexlink::beam::MeshPlan;
+use flexlink::csv::{TableError, read_motion_table};
+use flexlink::inverse::{Analysis, Solution, invert};
+use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
+use flexlink::motion::{MotionColumns, TipMotion};
+use flexlink::numeric::largest;
+use flexlink::spec::read_specification;
+
+/// Numbers between 0 and 1 that are the same in every run.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+
+    /// Normal with deviation 1, nearly: the sum of twelve.
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.next()).sum::<f64>() - 6.0
+    }
+}
+
+/// Displacement over the time from 0 to 1, from 0 to 1.
+type Shape = fn(f64) -> f64;
+
+/// A motion from rest to rest with half its duration of rest on either side.
+#[derive(Clone, Copy)]
+struct Move {
+    shape: Shape,
+    travel_m: f64,
+    duration_s: f64,
+    steps: u32,
+}
+
+impl Move {
+    const PAPER: Self = Self { shape: septic, travel_m: 0.5, duration_s: 1.0, steps: 500 };
+
+    fn step_s(&self) -> f64 {
+        self.duration_s / f64::from(self.steps)
+    }
+
+    /// Displacement in m at a time in s from the first sample.
+    fn at(&self, time_s: f64) -> f64 {
+        self.travel_m * (self.shape)((time_s / self.duration_s - 0.5).clamp(0.0, 1.0))
+    }
+
+    /// The exact motion with so many samples for each.
+    fn exact(&self, finer: u32) -> TipMotion {
+        let step_s = self.step_s() / f64::from(finer);
+        let time_s: Vec<f64> =
+            (0..=2 * finer * self.steps).map(|k| f64::from(k) * step_s).collect();
+        let displacement_m = Some(time_s.iter().map(|time| self.at(*time)).collect());
+        TipMotion::new(MotionColumns { time_s, displacement_m, ..Default::default() }).unwrap()
+    }
+
+    /// A file of it: displacements in so many decimals, times off by up to `jitter` steps, noise in m.
+    fn file(&self, decimals: usize, jitter: f64, noise_m: f64, random: &mut Random) -> String {
+        let mut text = "time,displacement\n".to_owned();
+        for k in 0..=2 * self.steps {
+            let off = jitter * random.between(-1.0, 1.0);
+            let time_s = (f64::from(k) + off) * self.step_s();
+            let displacement_m = self.at(time_s) + noise_m * random.normal();
+            writeln!(text, "{time_s:.12},{displacement_m:.decimals$}").unwrap();
+        }
+        text
+    }
+}
+
+fn septic(s: f64) -> f64 {
+    s.powi(4) * (35.0 - 84.0 * s + 70.0 * s * s - 20.0 * s.powi(3))
+}
+
+fn min_jerk(s: f64) -> f64 {
+    s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
+}
+
+fn sine(s: f64) -> f64 {
+    s - (std::f64::consts::TAU * s).sin() / std::f64::consts::TAU
+}
+
+fn paper() -> Link {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/specs/bayo1987_example1.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    read_specification("link.toml", &text, &[]).unwrap().link
+}
+
+/// A link with a hub and perhaps a payload, and its first natural frequency with the hub free, about, in Hz.
+fn random_link(random: &mut Random) -> (Link, f64) {
+    let length_m = random.between(0.4, 2.5);
+    let mass_kg_m = random.between(0.2, 2.0);
+    let stiffness = 0.5 * length_m.powi(3) * 10.0_f64.powf(random.between(0.0, 2.0));
+    let payload = [0.0, 0.1, 0.5][(3.0 * random.next()) as usize] * mass_kg_m * length_m;
+    let inertia_kg_m2 = mass_kg_m * length_m.powi(3) * 10.0_f64.powf(random.between(-2.0, 0.0));
+    let link = Link::new(LinkParts {
+        segments: vec![Segment::uniform(length_m, stiffness, mass_kg_m)],
+        hub: Hub { inertia_kg_m2, ..Hub::default() },
+        payload: Payload { mass_kg: payload, ..Payload::default() },
+        damping: Damping::Hysteretic { ratio: 0.02 },
+        ..LinkParts::default()
+    })
+    .unwrap();
+    // Clamped, without payload: 3.516/2π √(EI/mL⁴).
+    let hertz = 0.56 * (stiffness / (mass_kg_m * length_m.powi(4))).sqrt();
+    (link, hertz)
+}
+
+fn solved(link: &Link, motion: &TipMotion) -> Solution {
+    invert(link, &MeshPlan::automatic(link), motion, &Analysis::default()).unwrap()
+}
+
+fn recorded(link: &Link, text: &str) -> Result<Solution, TableError> {
+    let table = read_motion_table("move.csv", text.as_bytes(), link.length_m())?;
+    Ok(solved(link, &table.into_motion()?))
+}
+
+/// Largest difference of the torques at any time, over the peak of the first.
+fn apart(found: &Solution, exact: &Solution) -> f64 {
+    let at = |time_s: f64| {
+        let place = (time_s - exact.grid.time_s(0)) / exact.grid.step_s;
+        let before = place.floor();
+        let sample = |k: f64| {
+            let inside = k >= 0.0 && k < exact.torque_n_m.len() as f64;
+            if inside { exact.torque_n_m[k as usize] } else { 0.0 }
+        };
+        let share = place - before;
+        (1.0 - share) * sample(before) + share * sample(before + 1.0)
+    };
+    let off = found.torque_n_m.iter().enumerate();
+    let off: Vec<f64> = off.map(|(k, torque)| torque - at(found.grid.time_s(k))).collect();
+    largest(&off) / largest(&found.torque_n_m)
+}
+
+#[test]
+fn the_papers_motion_keeps_its_torque_with_jitter_and_few_decimals() {
+    let link = paper();
+    let exact = solved(&link, &Move::PAPER.exact(1));
+    let peak_n_m = largest(&exact.torque_n_m);
+    assert!((peak_n_m - 1.313).abs() < 1e-3, "{peak_n_m}");
+    let mut random = Random(1);
+    // A microsecond of two milliseconds.
+    for (decimals, jitter, most) in
+        [(12, 5e-4, 1e-3), (12, 0.04, 1e-3), (4, 0.0, 0.02), (4, 0.04, 0.02), (3, 0.0, 0.1)]
+    {
+        let found = recorded(&link, &Move::PAPER.file(decimals, jitter, 0.0, &mut random)).unwrap();
+        let apart = apart(&found, &exact);
+        let input = found.accuracy.errors.torque.input;
+        println!("{decimals} decimals, jitter {jitter}: {apart:.2e}, stated {input:?}");
+        assert!(apart < most, "{decimals} decimals, jitter {jitter}: {apart}");
+        assert_eq!(input.is_some(), decimals < 12);
+        assert_eq!(found.motion.recording().jitter.is_some(), jitter > 0.0);
+    }
+    let stray = Move::PAPER.file(12, 0.2, 0.0, &mut random);
+    let Err(error) = recorded(&link, &stray) else { panic!("jitter of a fifth of a step") };
+    assert!(error.hint().unwrap().contains("--resample"), "{error}");
+}
+
+#[test]
+fn noise_on_the_papers_motion_is_followed_as_closely_as_it_deserves() {
+    let link = paper();
+    let exact = solved(&link, &Move::PAPER.exact(1));
+    for (seed, deviation_m) in [(1, 1e-5), (2, 1e-4), (3, 1e-4), (4, 1e-3)] {
+        let text = Move::PAPER.file(9, 0.0, deviation_m, &mut Random(seed));
+        let table = read_motion_table("move.csv", text.as_bytes(), 1.5).unwrap();
+        let motion = table.with_noise(deviation_m).unwrap().into_motion().unwrap();
+        let found = solved(&link, &motion);
+        let (apart, input) = (apart(&found, &exact), found.accuracy.errors.torque.input.unwrap());
+        println!("noise {deviation_m}: {apart:.2e}, stated {input:.2e}");
+        assert!(apart < input, "{deviation_m}: {apart} {input}");
+    }
+}
+
+#[test]
+fn the_stated_input_error_holds_for_random_links_and_motions() {
+    let mut random = Random(7);
+    let shapes: [(&str, Shape); 3] = [("septic", septic), ("min-jerk", min_jerk), ("sine", sine)];
+    let (mut least, mut refused) = (f64::INFINITY, 0);
+    println!("motion    steps decimals jitter  step/travel  true error  stated");
+    for case in 0..30 {
+        let (link, hertz) = random_link(&mut random);
+        let (name, shape) = shapes[case % 3];
+        let wanted = Move {
+            shape,
+            travel_m: link.length_m() * random.between(0.05, 0.3),
+            duration_s: random.between(1.0, 5.0) / hertz,
+            steps: random.between(100.0, 1000.0) as u32,
+        };
+        let exact = solved(&link, &wanted.exact(8));
+        for decimals in 2..=6 {
+            let jitter = if (case + decimals) % 2 == 0 { 0.04 } else { 0.0 };
+            let text = wanted.file(decimals, jitter, 0.0, &mut random);
+            let rounding = 0.1_f64.powi(decimals as i32) / wanted.travel_m;
+            let Ok(found) = recorded(&link, &text) else {
+                // The travel as it is read is rounded, too.
+                assert!(rounding > 0.07, "{rounding}");
+                refused += 1;
+                continue;
+            };
+            let errors = found.accuracy.errors.torque;
+            let others = errors.mesh + errors.window + exact.accuracy.errors.torque.mesh;
+            let stated = errors.input.unwrap() + others;
+            let apart = apart(&found, &exact);
+            println!(
+                "{name:9} {:5} {decimals:8} {jitter:6} {rounding:12.1e} {apart:11.2e} {stated:7.1e}",
+                wanted.steps
+            );
+            assert!(apart <= stated, "case {case}: {apart} {stated}");
+            least = least.min(stated / apart);
+        }
+    }
+    println!("stated over true error at least {least:.2}; {refused} refused");
+}
