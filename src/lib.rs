@@ -41,7 +41,7 @@
 //! | [`store`] | a run's folder with its CSV and summary.json, and back; the file of a sweep; golden files |
 //!
 //! A module imports only from those above it (`tests/layers` holds it to that); the program in
-//! `main.rs`, `cli/` and `terminal/` stands on top of all.
+//! `main.rs`, `cli/`, `options/` and `terminal/` stands on top of all.
 //!
 //! ```
 //! use flexlink::beam::MeshPlan;

@@ -1,6 +1,7 @@
 //! The program `flexlink`.
 
 mod cli;
+mod options;
 mod terminal;
 
 use std::process::ExitCode;

@@ -14,32 +14,32 @@ use flexlink::spec::{
 use flexlink::store::{Fingerprint, fit_json};
 use flexlink::text::significant;
 
-use super::inputs::LinkArgs;
+use crate::options::inputs::LinkArgs;
 use crate::terminal::files::{keep_files, read_once};
 use crate::terminal::text::fit_text;
 use crate::terminal::{Exit, Failure, console};
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink fit link.toml measured.toml --free 'segments.*.EI' --free payload.mass -o fitted.toml
+  flexlink fit link.toml measured.toml --free hub.inertia
 
 measured.toml holds any of
-  [[frequency]]              # a natural frequency
+  [[frequency]]            # a natural frequency
   mode = 1
   value = \"2.52 Hz\"
-  uncertainty = \"0.02 Hz\"    # optional: for all or for none
-  hub = \"held\"               # or \"free\", the default
-  [[frequency]]              # a zero of torque → hub angle
+  uncertainty = \"0.02 Hz\"  # optional: for all or none
+  hub = \"held\"             # or \"free\", the default
+  [[frequency]]            # a zero of the hub angle
   zero = 1
   value = \"4.126 Hz\"
   [[damping]]
   mode = 1
-  ratio = 0.013              # or peaks = [1.0, 0.92, 0.85]
-  [[response]]               # CSV: frequency, real and imaginary or gain and phase
-  file = \"frf.csv\"           # beside measured.toml
-  transfer = \"hub_angle\"     # per torque; or \"hub_rate\", \"tip_acceleration\"
-  gain = \"free\"              # one unknown factor; \"known\", the default: SI
-  uncertainty = 0.05         # of each value, over its magnitude";
+  ratio = 0.013            # or peaks = [1.0, 0.92, 0.85]
+  [[response]]             # per torque
+  file = \"frf.csv\"         # frequency, real, imaginary
+  transfer = \"hub_angle\"   # hub_rate, tip_acceleration
+  gain = \"free\"            # or \"known\", the default: SI
+  uncertainty = 0.05       # of each part, relative";
 
 /// The link that was measured: values of a link file from frequencies, damping ratios and responses.
 ///
@@ -135,9 +135,13 @@ impl Fit {
 
     /// Writes the link file, if the fit is one to believe, and fit.json; returns what was replaced.
     fn write(&self, problem: &Problem, outcome: &FitOutcome) -> Result<Vec<Replaced>, Failure> {
-        let Some(output) = &self.output else { return Ok(Vec::new()) };
-        let (text, replaced) = problem.fitted(outcome)?;
         let is_believed = outcome.misfit.is_none();
+        let fitted = problem.fitted(outcome);
+        let Some(output) = &self.output else {
+            let replaced = fitted.map(|(_, replaced)| replaced).unwrap_or_default();
+            return Ok(if is_believed { replaced } else { Vec::new() });
+        };
+        let (text, replaced) = fitted?;
         if is_believed {
             console::deliver(Some(output), text.as_bytes())?;
         } else if output.exists() {

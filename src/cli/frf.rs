@@ -15,7 +15,7 @@ use flexlink::spec::Specification;
 use flexlink::store::{frequency_response_json, write_frequency_response};
 use flexlink::text::{plain, significant};
 
-use super::inputs::LinkArgs;
+use crate::options::inputs::LinkArgs;
 use crate::terminal::files::keep_files;
 use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
 
@@ -51,7 +51,7 @@ pub(crate) struct Frf {
     to: Option<f64>,
 
     /// Number of frequencies.
-    #[arg(long, value_name = "N", default_value_t = 500, value_parser = super::args::positive)]
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = crate::options::common::positive)]
     points: usize,
 
     /// Space the frequencies evenly rather than by a constant factor.

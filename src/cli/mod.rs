@@ -1,13 +1,10 @@
 //! The command line: arguments in, exit code out. `run` of each command reads as load, compute, write, tell.
 #![allow(clippy::doc_markdown, reason = "docs of commands and arguments are help on a terminal")]
 
-mod args;
 mod compare;
 mod fit;
 mod frf;
-mod inputs;
 mod modes;
-mod read;
 mod report;
 mod setup;
 mod simulate;

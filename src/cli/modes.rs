@@ -15,8 +15,8 @@ use flexlink::result::{HeldModes, ModesResult, Remark, mesh_errors};
 use flexlink::spec::Specification;
 use flexlink::store::modes_json;
 
-use super::args::SyncArgs;
-use super::inputs::LinkArgs;
+use crate::options::common::SyncArgs;
+use crate::options::inputs::LinkArgs;
 use crate::terminal::files::check_folder;
 use crate::terminal::text::modes_text;
 use crate::terminal::{Failure, WarningArgs, console, memory};

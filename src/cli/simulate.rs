@@ -18,9 +18,9 @@ use flexlink::spec::Specification;
 use flexlink::store::{RunInputs, RunOutputs, Summary};
 use flexlink::text::plain;
 
-use super::args::{NodeArgs, SyncArgs, digits_arguments, finite, option};
-use super::inputs::LinkArgs;
-use super::read::{ReadArgs, tell};
+use crate::options::common::{NodeArgs, SyncArgs, digits_arguments, finite, option};
+use crate::options::inputs::LinkArgs;
+use crate::options::read::{ReadArgs, tell};
 use crate::terminal::files::keep;
 use crate::terminal::text::simulate_text;
 use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, builder::TypedValueParser};
 
-use super::inputs::specification;
 use super::verify::warn;
+use crate::options::inputs::specification;
 use crate::terminal::text::{binding_text, found_text};
 use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 use flexlink::csv::{Digits, InputFile, write_trajectory};

@@ -11,8 +11,8 @@ use flexlink::spec::Specification;
 use flexlink::store::verification_json;
 use flexlink::verify::{Answer, Verification, VerificationError, verify};
 
-use super::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, remarks};
-use super::read::{ReadArgs, tell};
+use crate::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, remarks};
+use crate::options::read::{ReadArgs, tell};
 use crate::terminal::files::read_once;
 use crate::terminal::text::verify_text;
 use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};

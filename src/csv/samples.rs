@@ -173,7 +173,10 @@ fn hint_for(field: &str, heading: &Heading) -> Option<String> {
         return Some("time is a number from any start, 0.25 for a quarter of a second".to_owned());
     }
     let plain = field.replace([',', ' ', '\'', '_', '\u{a0}', '\u{202f}'], "");
-    (plain != field && plain.parse::<f64>().is_ok()).then(|| format!("{NUMBERS}; {COMMAS}"))
+    (plain != field && plain.parse::<f64>().is_ok()).then(|| {
+        let is_decimal = field.matches(',').count() == 1 && !field.contains('.');
+        if is_decimal { format!("{NUMBERS}; {COMMAS}") } else { NUMBERS.to_owned() }
+    })
 }
 
 /// True if a field could be a part of a number that commas divide.

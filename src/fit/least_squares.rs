@@ -32,6 +32,9 @@ const POLISH: Depth = Depth { mesh_tolerance: FINE, settled: 1e-9, most_iteratio
 /// Square of a column of the Jacobian over the largest that counts as none.
 const NO_WEIGHT: f64 = 1e-14;
 
+/// Decrease of the sum of squares over itself that is round-off.
+const NO_GAIN: f64 = 1e-9;
+
 /// Starts beside that of the file.
 const OTHER_STARTS: usize = 3;
 
@@ -228,11 +231,13 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
                 has_settled = true;
                 break;
             };
+            let gain = residuals.norm_squared() - found.norm_squared();
+            let has_gained = gain > NO_GAIN * residuals.norm_squared();
             let steps = next.iter().zip(&x).map(|(next, x)| (next - x).abs());
             let largest = steps.fold(0.0, f64::max);
             (x, residuals) = (next, found);
-            // A short step under strong damping is no end.
-            if largest < depth.settled && damping < 1.0 {
+            // A short step under strong damping is an end only where it gains nothing.
+            if largest < depth.settled && (damping < 1.0 || !has_gained) {
                 has_settled = true;
                 break;
             }

@@ -71,12 +71,12 @@ fn every_command_has_a_manual_page() {
     let output = bench.run(&["man", "-o", "man1"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let pages = bench.names("man1");
-    let commands = "solve simulate verify modes frf sweep trajectory compare report init schema \
+    let commands = "solve simulate verify modes frf fit sweep trajectory compare report init schema \
                     completions man";
     for command in commands.split(' ') {
         let page = format!("flexlink-{command}.1");
         assert!(pages.contains(&page), "{page} is not among {pages:?}");
         assert!(bench.read(&format!("man1/{page}")).contains("Example:"), "{page}");
     }
-    assert_eq!(pages.len(), 14);
+    assert_eq!(pages.len(), 15);
 }

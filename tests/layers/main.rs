@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use source::{identifier, names, sources, without_text};
 
 /// Modules by level. What stands on a level knows those above it in this list, and nothing else.
-const LEVELS: [&[&str]; 15] = [
+const LEVELS: [&[&str]; 16] = [
     &["text"],
     &["numeric"],
     &["link"],
@@ -24,6 +24,7 @@ const LEVELS: [&[&str]; 15] = [
     &["spec", "csv", "report"],
     &["store"],
     &["terminal"],
+    &["options"],
     &["cli"],
 ];
 

@@ -41,6 +41,14 @@ impl AtStep {
     }
 }
 
+/// The share of the travel that the tip may stray by as a remark on few digits tells; 0 without one.
+fn told_share(run: &AtStep) -> f64 {
+    let remarks = run.written.summary["remarks"].as_array();
+    let is_rounded = remarks.into_iter().flatten().any(|remark| remark["kind"] == "few_digits");
+    let share = run.written.number("/errors/tip").filter(|_| is_rounded);
+    share.unwrap_or_default()
+}
+
 pub(crate) fn compared(case: &Case) -> Steps {
     let runs: Vec<Option<AtStep>> = PARTS
         .iter()
@@ -61,7 +69,8 @@ pub(crate) fn compared(case: &Case) -> Steps {
     if let Some(finest) = sure.last() {
         for run in &sure {
             let Apart { tips, files } = tips_apart(run, finest);
-            if tips > 2.0 * case.tip_share() + ROUNDED + files {
+            let share = case.tip_share().max(told_share(run)).max(told_share(finest));
+            if tips > 2.0 * share + ROUNDED + files {
                 let part = run.part;
                 steps
                     .wrong
@@ -86,8 +95,13 @@ pub(crate) fn compared(case: &Case) -> Steps {
         let sure: Vec<f64> = sure.collect();
         if let Some(finest) = sure.last() {
             let worst = sure.iter().fold(0.0_f64, |m, p| m.max((p / finest - 1.0).abs()));
-            let claims = same.iter().filter_map(|run| claimed(&run.written, quantity));
-            let claims = claims.map(|claim| claim.iter().map(|(_, error)| error).sum());
+            let claims = same.iter().filter_map(|run| {
+                let own: f64 =
+                    claimed(&run.written, quantity)?.iter().map(|(_, error)| error).sum();
+                // Few digits are others at another step.
+                let input = run.written.number(&format!("/errors/{quantity}/input"));
+                Some(own + input.unwrap_or_default())
+            });
             let within = SAME_PEAK + claims.fold(0.0, f64::max);
             if worst > within {
                 steps.wrong.push(format!("{key} changes by {worst:.1e} with the step"));

@@ -11,7 +11,7 @@ use flexlink::store::{
 use flexlink::text::excerpt;
 
 use super::sides::{Purpose, Sides, TOLERANCES};
-use crate::cli::args::not_negative;
+use crate::options::common::not_negative;
 use crate::terminal::files::read_once;
 use crate::terminal::text::{blessed_text, comparison_text};
 use crate::terminal::{Ending, Failure, PrintArgs, WarningArgs, console};

@@ -7,9 +7,9 @@ use flexlink::csv::InputFile;
 use flexlink::store::{REPORT, Summary};
 
 use super::run::{Page, Problem, SolveOptions, Solved};
-use crate::cli::args::SyncArgs;
-use crate::cli::inputs::{LINK, MOTION};
 use crate::cli::verify::{refuse_failed, warn};
+use crate::options::common::SyncArgs;
+use crate::options::inputs::{LINK, MOTION};
 use crate::terminal::files::keep;
 use crate::terminal::text::{solve_text, verify_text};
 use crate::terminal::{Ending, Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console};

@@ -168,12 +168,25 @@ mod tests {
         "help",
     ];
 
+    /// A value that an argument takes.
+    fn value_of(name: &str) -> &'static str {
+        match name {
+            "--columns" => "displacement=2",
+            "--scale" => "displacement=2.0",
+            "--time-unit" => "ms",
+            "--unit" => "mm",
+            "--delimiter" => ";",
+            "--decimal" => "comma",
+            _ => "2",
+        }
+    }
+
     /// Every argument that shapes the results, with a value where it takes one.
     fn shaping() -> Vec<Vec<String>> {
         let command = Recorded::command();
         let arguments = command.get_arguments().map(|argument| {
             let name = format!("--{}", argument.get_long().unwrap());
-            let value = argument.get_action().takes_values().then(|| "2".to_owned());
+            let value = argument.get_action().takes_values().then(|| value_of(&name).to_owned());
             std::iter::once(name).chain(value).collect()
         });
         arguments.collect()

@@ -14,10 +14,10 @@ use flexlink::spec::Specification;
 use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 use flexlink::verify::Verification;
 
-use crate::cli::args::{NodeArgs, digits_arguments};
-use crate::cli::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, remarks};
-use crate::cli::read::{ReadArgs, tell};
 use crate::cli::verify::verified;
+use crate::options::common::{NodeArgs, digits_arguments};
+use crate::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, remarks};
+use crate::options::read::{ReadArgs, tell};
 use crate::terminal::text::memory_text;
 use crate::terminal::{Failure, StageBar, console, memory};
 

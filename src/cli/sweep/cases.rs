@@ -17,9 +17,9 @@ use flexlink::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs};
 use flexlink::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use flexlink::text::{excerpt, visible};
 
-use crate::cli::args::{NodeArgs, SyncArgs, digits_arguments, option};
-use crate::cli::inputs::{ChangeArgs, ResampleArgs, scale_arguments};
-use crate::cli::read::{ReadArgs, tell};
+use crate::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
+use crate::options::inputs::{ChangeArgs, ResampleArgs, scale_arguments};
+use crate::options::read::{ReadArgs, tell};
 use crate::terminal::{Exit, Failure, memory};
 
 /// What all cases of a sweep share beside LINK and MOTION.

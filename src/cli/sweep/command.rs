@@ -10,7 +10,7 @@ use super::cases::{CaseArgs, Cases};
 use super::table::{EarlyEnd, OpenedTable, TableOutput, merge};
 use super::tally::Tally;
 use super::work::Outcome;
-use crate::cli::inputs::{LINK, MOTION};
+use crate::options::inputs::{LINK, MOTION};
 use crate::terminal::console::is_standard_output;
 use crate::terminal::files::{keep_cases, keep_files, keep_from_cases, keep_record, read_once};
 use crate::terminal::text::counted;
@@ -85,7 +85,8 @@ pub(crate) struct Sweep {
     /// Join the shards of a sweep to one table, if none is missing.
     #[arg(long, value_name = "SHARD", num_args = 1..)]
     #[arg(conflicts_with_all = ["link", "motion", "changes", "resample", "vary", "torque"])]
-    #[arg(conflicts_with_all = ["column", "outputs", "shard", "resume", "ReadArgs"])]
+    #[arg(conflicts_with_all = ["column", "outputs", "shard", "resume", "columns", "time_unit"])]
+    #[arg(conflicts_with_all = ["unit", "scale", "skip", "delimiter", "decimal"])]
     merge: Vec<PathBuf>,
 
     /// Fail with exit code 4 if a case failed or exceeds a limit of the link file; the table is

@@ -12,7 +12,7 @@ use flexlink::sweep::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 
 use super::cases::Cases;
 use super::tally::Notice;
-use crate::cli::inputs::remarks;
+use crate::options::inputs::remarks;
 use crate::terminal::{Exit, Failure, memory};
 
 /// What came of a case.

@@ -15,7 +15,7 @@ use flexlink::result::Remark;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
 use flexlink::text::plain;
 
-use super::args::{finite, option};
+use super::common::{finite, option};
 use super::read::ReadArgs;
 use crate::terminal::{Exit, Failure};
 

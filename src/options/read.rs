@@ -6,7 +6,7 @@ use flexlink::csv::{
     ColumnChoice, ColumnScale, Decimal, Delimiter, Reading, TableFormat, UnitName,
 };
 
-use super::args::option;
+use super::common::option;
 use crate::terminal::console;
 
 const READING: &str = "Reading a measured MOTION or TORQUE";
