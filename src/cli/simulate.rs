@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use flexlink::csv::{
     Digits, InputFile, TableFormat, read_hub_reference_as, read_motion_table_as,
@@ -38,6 +38,14 @@ Example:
 
 One of the files may be `-`, standard input.";
 
+/// The torque between its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Hold {
+    Zero,
+    Linear,
+    Cubic,
+}
+
 /// Play a torque on a link: direct dynamics.
 ///
 /// Writes torque.csv (the torque as played, feedback included), tip.csv, hub_angle.csv,
@@ -65,8 +73,13 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
     until: Option<f64>,
 
-    /// Join the samples of TORQUE by straight lines, not by a cubic spline.
-    #[arg(long)]
+    /// The torque between the samples of TORQUE: a cubic spline, straight lines, or each sample held until
+    /// the next one, as a converter plays a table.
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = Hold::Cubic)]
+    hold: Hold,
+
+    /// The same as --hold linear.
+    #[arg(long, conflicts_with = "hold")]
     linear: bool,
 
     /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
@@ -204,7 +217,12 @@ impl Simulate {
         let both_s = inputs.target.as_ref().map(|(_, target)| target.grid().end_s().max(torque_s));
         let play = Play {
             torque: &inputs.torque,
-            interpolation: if self.linear { Interpolation::Linear } else { Interpolation::Cubic },
+            interpolation: match self.hold {
+                Hold::Cubic if self.linear => Interpolation::Linear,
+                Hold::Cubic => Interpolation::Cubic,
+                Hold::Linear => Interpolation::Linear,
+                Hold::Zero => Interpolation::Zero,
+            },
             until_s: self.until.or(both_s),
             feedback: inputs.feedback.as_ref(),
             initial_tip_m: inputs.initial_tip_m,
@@ -288,8 +306,11 @@ impl Simulate {
         let column = self.column.iter().map(|column| option("--column", column));
         let until = self.until.map(|until| option("--until", until));
         let linear = self.linear.then(|| vec!["--linear".to_owned()]);
+        let hold = self.hold.to_possible_value().filter(|_| self.hold != Hold::Cubic);
+        let hold = hold.map(|hold| option("--hold", hold.get_name()));
         let feedback = self.feedback.map(|(kp, kd)| option("--feedback", format!("{kp},{kd}")));
-        let played = column.chain(until).chain(linear).chain(feedback).flatten().collect();
+        let played =
+            column.chain(until).chain(hold).chain(linear).chain(feedback).flatten().collect();
         let (nodes, digits) = (self.nodes.arguments(), digits_arguments(self.digits));
         [self.link.changes.arguments(), played, nodes, digits, self.read.arguments()].concat()
     }

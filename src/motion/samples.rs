@@ -250,9 +250,13 @@ impl MotionError {
             Self::NotUniform(_) => Some(
                 "write times with more decimals, or let --resample STEP make uneven samples uniform",
             ),
-            Self::AcceleratesAway { .. } | Self::MovingAtEnd { .. } => {
+            Self::AcceleratesAway { .. } => {
                 Some("a motion goes from rest to rest; add the samples that bring the tip to rest")
             }
+            Self::MovingAtEnd { .. } => Some(
+                "a motion goes from rest to rest; add the samples that bring the tip to rest, or give a \
+                 recording's noise: --noise",
+            ),
             Self::Disagree { .. } => {
                 Some("check the units in the header, or leave one of the columns out")
             }

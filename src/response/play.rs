@@ -215,6 +215,8 @@ pub enum Interpolation {
     Cubic,
     /// Straight lines.
     Linear,
+    /// Each sample until the next one, as a converter plays a table.
+    Zero,
 }
 
 /// Coefficients of a cubic over one step: `u(s) = Σ c_j (s/Δt)ʲ`.
@@ -225,6 +227,9 @@ pub(super) fn pieces(samples: &[f64], interpolation: Interpolation) -> Vec<Cubic
     match interpolation {
         Interpolation::Linear => {
             samples.windows(2).map(|ends| [ends[0], ends[1] - ends[0], 0.0, 0.0]).collect()
+        }
+        Interpolation::Zero => {
+            samples[..samples.len().saturating_sub(1)].iter().map(|u| [*u, 0.0, 0.0, 0.0]).collect()
         }
         Interpolation::Cubic => {
             let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
@@ -255,6 +260,9 @@ mod tests {
         for (k, piece) in pieces(&samples, Interpolation::Linear).iter().enumerate() {
             let middle = 0.5 * (samples[k] + samples[k + 1]);
             assert!((evaluated(piece, 0.5) - middle).abs() < 1e-15);
+        }
+        for (k, piece) in pieces(&samples, Interpolation::Zero).iter().enumerate() {
+            assert!((evaluated(piece, 0.99) - samples[k]).abs() < 1e-15);
         }
     }
 }

@@ -285,6 +285,7 @@ fn played_torque(play: &Play, metrics: &PlayedMetrics) -> String {
     let between = match play.interpolation {
         Interpolation::Cubic => "cubic spline",
         Interpolation::Linear => "straight lines",
+        Interpolation::Zero => "held from sample to sample",
     };
     let [start, end, peak] = four([grid.time_s(0), grid.end_s(), metrics.peak_torque_n_m.value]);
     let step = significant(grid.step_s, 3);

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::{link, mesh_of, played, times};
 use flexlink::link::{Damping, Taper};
-use flexlink::response::{Feedback, HubReference, Play, Torque};
+use flexlink::response::{Feedback, HubReference, Interpolation, Play, Torque};
 
 /// A link that only friction slows down is bent by `b θ̇`, as slowly as that falls, and still.
 #[test]
@@ -39,6 +39,27 @@ fn a_link_without_modes_turns_and_has_no_vibration() {
     let residual = found.residual;
     assert_eq!((residual.frequency_hz, residual.decay_s), (None, Some(0.0)));
     assert_eq!(residual.amplitude_m.to_bits(), 0.0_f64.to_bits());
+}
+
+/// The same hub under a torque that a converter holds from sample to sample: `θ̇ = Δt Σ T_k/I_H`.
+#[test]
+fn a_held_torque_turns_a_hub_by_the_sum_of_its_samples() {
+    let link = link(|parts| {
+        for segment in &mut parts.segments {
+            segment.mass_per_length_kg_m = Taper::constant(0.0);
+        }
+    });
+    let samples: Vec<f64> = (0..=50).map(|k| (0.7 * f64::from(k)).sin() + 0.3).collect();
+    let torque = Torque::new(&times(0.01, 50), samples.clone()).unwrap();
+    let play = Play { interpolation: Interpolation::Zero, ..Play::of(&torque) };
+    let found = played(&link, &mesh_of(&link, 4), &play);
+    let (mut rate, mut angle) = (0.0, 0.0);
+    for (k, sample) in samples.iter().enumerate() {
+        assert!((found.hub_rate_rad_s[k] - rate).abs() < 1e-12, "sample {k}");
+        assert!((found.hub_angle_rad[k] - angle).abs() < 1e-12, "sample {k}");
+        angle += 0.01 * rate + 0.5 * 0.01 * 0.01 * sample / 0.1;
+        rate += 0.01 * sample / 0.1;
+    }
 }
 
 /// Feedback brings a link to where its reference ends, slowly: there is nothing to vibrate about.
