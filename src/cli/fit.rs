@@ -44,9 +44,10 @@ measured.toml holds any of
 /// The link that was measured: values of a link file from frequencies, damping ratios and responses.
 ///
 /// Changes the free values until the link's natural frequencies, zeros, damping ratios and frequency
-/// responses fit the measured ones best: least squares of the relative differences, over their uncertainties. Prints each value with
-/// its standard error, each measurement beside the fitted link's value, and what the data do not determine;
-/// -o writes the link file with the values replaced, comments and all else kept, and fit.json beside it.
+/// responses fit the measured ones best: least squares of the relative differences, over their uncertainties.
+/// Prints each value with its standard error, each measurement beside the fitted link's value, and what the
+/// data do not determine; -o writes the link file with the values replaced, comments and all else kept, and
+/// fit.json beside it.
 ///
 /// Without uncertainties the standard errors follow from the differences that remain. Where the data do not
 /// determine all free values, or do not fit the link, no link file is written, and the exit code is 4.

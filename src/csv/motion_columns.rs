@@ -66,7 +66,7 @@ fn absent_by(headings: &[Heading], field: &str) -> Option<&'static str> {
     nearest(&name, absent.map(|quantity| quantity.word))
 }
 
-/// What the user is told of a motion's columns.
+/// The reading of a motion's columns: columns that are not read, and a velocity that is integrated.
 fn reading_of(columns: &Columns, fields: &[&str]) -> Reading {
     let has = |quantity: Quantity| find(&columns.headings, quantity).is_some();
     let is_velocity_alone = !(has(ACCELERATION) || has(DISPLACEMENT) || has(ANGLE));

@@ -1,8 +1,10 @@
-use num_complex::Complex64;
 use std::f64::consts::PI;
+
+use num_complex::Complex64;
 
 use super::rows::{Place, TableError, quoted};
 use super::samples::read_table;
+use super::unit_name::split_any_unit;
 use crate::compare::{Cell, Table, TableColumn};
 
 /// Factor of decibels to powers of ten.
@@ -116,10 +118,8 @@ fn found<'a>(
 ) -> Result<Option<Found<'a>>, TableError> {
     for column in &table.columns {
         let lower = column.name().to_lowercase();
-        let (name, unit) = match lower.split_once(['[', '(']) {
-            Some((name, unit)) => (name.trim(), unit.trim_end_matches([']', ')']).trim()),
-            None => (lower.as_str(), ""),
-        };
+        let (name, unit) = split_any_unit(&lower);
+        let unit = unit.unwrap_or_default();
         if names.contains(&name) {
             let must = "must be one that the column may have: Hz, kHz, rad/s; dB or SI; deg or rad";
             let unknown = || place.refuse(format!("unit of {name}"), quoted(unit), must);

@@ -59,7 +59,7 @@ pub enum ResponseError {
     /// A frequency or a value without logarithm.
     #[error("row {0}: the frequency must be finite and above 0, the value finite and not 0")]
     Row(usize),
-    /// An uncertainty that is none.
+    /// The uncertainty is not above 0, or is too large for a measurement.
     #[error("uncertainty = {0}, but must be above 0 and below {MOST_UNCERTAIN}: 0.05 is 5 %")]
     Uncertainty(f64),
 }

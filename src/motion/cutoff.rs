@@ -11,7 +11,7 @@ use crate::numeric::{FourierPair, fast_length, largest};
 /// Largest tolerance that is searched for.
 const LARGEST_TOLERANCE: f64 = 0.1;
 
-/// Uncertainty of the samples, over the travel, that is told where every frequency is solved.
+/// Uncertainty of the samples, over the travel, from which on it is reported if every frequency is solved.
 const UNCERTAIN: f64 = 1e-6;
 
 /// Least and largest exponent with which the tip's error is taken to fall beyond the band of uncertain samples:

@@ -75,11 +75,6 @@ impl LinkDocument {
 }
 
 impl LinkDocument {
-    /// The file as a tree.
-    pub(super) fn tree(&self) -> &Node {
-        &self.tree
-    }
-
     /// The file as a tree, with the changes applied in their order.
     pub(super) fn changed(&self, overrides: &[Override]) -> Result<Node, SpecError> {
         let mut tree = self.tree.clone();

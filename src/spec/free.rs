@@ -211,7 +211,7 @@ pub fn rewrite(
         replaced.push(Replaced { path, before: text[span].to_owned(), after });
     }
     out.push_str(&text[end..]);
-    let written = LinkDocument::read(name, &out)?.tree().clone();
+    let written = LinkDocument::read(name, &out)?.changed(&[])?;
     if !is_close(&written, &tree) {
         let hint = "write the change into the link file first";
         let message = "a change removes or adds a key, which is not rewritten";
@@ -226,8 +226,8 @@ fn is_close(a: &Node, b: &Node) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs();
     match (&a.kind, &b.kind) {
         (Kind::Table(a), Kind::Table(b)) => {
-            let pairs = a.iter().zip(b);
-            a.len() == b.len() && pairs.into_iter().all(|((k, a), (l, b))| k == l && is_close(a, b))
+            let mut pairs = a.iter().zip(b);
+            a.len() == b.len() && pairs.all(|((k, a), (l, b))| k == l && is_close(a, b))
         }
         (Kind::List(a), Kind::List(b)) => {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_close(a, b))

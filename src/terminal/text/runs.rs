@@ -220,7 +220,7 @@ fn band_line(solution: &Solution) -> String {
 /// One kind of error of a quantity, where it was measured.
 type Kind = fn(QuantityErrors) -> Option<f64>;
 
-/// The kind that is told for the torque as well.
+/// The kind of error that is printed for the torque, too, if another quantity is worse.
 const INPUT: &str = "input";
 
 /// The worst error of each kind, and of which quantity it is, where that is not the torque.
