@@ -37,6 +37,7 @@
 //! | [`fit`] | a link from measured frequencies, zeros and damping ratios; what these do not determine |
 //! | [`spec`] | link file and `--set` → [`link::Link`]; files of tolerances and of measured values |
 //! | [`csv`] | CSV → motion, torque, hub reference, any table; numbers as text |
+//! | [`measured`] | a file of measured values with the responses and records that it names |
 //! | [`report`] | a result as figures, and as a page to look at |
 //! | [`store`] | a run's folder with its CSV and summary.json, and back; the file of a sweep; golden files |
 //!
@@ -119,6 +120,7 @@ pub mod csv;
 pub mod fit;
 pub mod inverse;
 pub mod link;
+pub mod measured;
 pub mod modal;
 pub mod model;
 pub mod motion;

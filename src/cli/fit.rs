@@ -1,20 +1,18 @@
 //! `fit`: the link that was measured.
 
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::csv::{InputFile, read_frequency_response};
-use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Misfit, Response, fit};
-use flexlink::spec::{
-    FreeValue, LinkDocument, MeasuredFile, Override, Replaced, ResponseFile, SpecError,
-    read_measurements, rewrite,
-};
+use flexlink::csv::InputFile;
+use flexlink::fit::{FitOutcome, Free, LinkFitError, Misfit, fit};
+use flexlink::measured::{MeasuredSet, read_measured};
+use flexlink::spec::{FreeValue, LinkDocument, Override, Replaced, SpecError, rewrite};
 use flexlink::store::{Fingerprint, fit_json};
 use flexlink::text::significant;
 
 use crate::options::inputs::LinkArgs;
+use crate::options::read::tell as tell_reading;
 use crate::terminal::files::{keep_files, read_once};
 use crate::terminal::text::fit_text;
 use crate::terminal::{Exit, Failure, console};
@@ -37,9 +35,24 @@ measured.toml holds any of
   ratio = 0.013            # or peaks = [1.0, 0.92, 0.85]
   [[response]]             # per torque
   file = \"frf.csv\"         # frequency, real, imaginary
-  transfer = \"hub_angle\"   # hub_rate, tip_acceleration
+  transfer = \"hub_angle\"   # hub_rate, tip_deflection,
+                           # tip_acceleration, root_strain
+  per = \"torque\"           # or \"volt\", with [motor]
   gain = \"free\"            # or \"known\", the default: SI
-  uncertainty = 0.05       # of each part, relative";
+  uncertainty = 0.05       # of each part, relative
+  [[record]]               # histories from rest
+  file = \"step.csv\"        # time, torque, hub_angle
+  input = \"torque\"         # or \"voltage\", \"hub_angle\"
+  delay = \"free\"           # of the sensors; or \"known\": 0
+  [[record.channel]]
+  sensor = \"hub_angle\"     # any transfer of a response
+  gain = \"free\"            # or \"sign\", or \"known\"
+  offset = \"free\"          # or \"known\", the default: 0
+  uncertainty = 0.001      # in the column's unit
+  [motor]                  # at the hub
+  torque_constant = 0.042  # N m/A
+  resistance = 8.4         # ohm
+  gear_ratio = 70          # default 1";
 
 /// The link that was measured: values of a link file from frequencies, damping ratios and responses.
 ///
@@ -80,8 +93,7 @@ struct Problem {
     document: LinkDocument,
     changes: Vec<Override>,
     free: Vec<(FreeValue, Free)>,
-    measured_file: InputFile,
-    measured: Measurements,
+    measured: MeasuredSet,
 }
 
 impl Fit {
@@ -110,28 +122,25 @@ impl Fit {
             let bounds = document.free(&value, &changes).map_err(usage)?;
             free.push((value, bounds));
         }
-        let measured_file = InputFile::read_toml(&self.measured)?;
-        let measured = self.measurements(&measured_file)?;
-        Ok(Problem { link, document, changes, free, measured_file, measured })
-    }
-
-    /// The measured values, and the responses that their file names.
-    fn measurements(&self, file: &InputFile) -> Result<Measurements, Failure> {
-        let MeasuredFile { values, responses } = read_measurements(&file.shown, file.text()?)?;
-        let mut read = Vec::new();
-        for ResponseFile { file: name, transfer, gain, uncertainty } in responses {
-            let path = self.measured.with_file_name(&name);
-            if let Some(output) = &self.output {
-                keep_files(output, &[&path])?;
-                keep_files(&record_beside(output), &[&path])?;
-            }
-            let of = InputFile::read(&path)?;
-            let rows = read_frequency_response(&of.shown, &of.bytes)?;
-            let response = Response::new(name, (transfer, gain), uncertainty, rows)
-                .map_err(|error| refused(&of.shown, &error))?;
-            read.push(response);
+        let measured = read_measured(&self.measured)?;
+        if let Some(output) = &self.output {
+            let named: Vec<PathBuf> =
+                measured.named.iter().map(|file| PathBuf::from(&file.shown)).collect();
+            let named: Vec<&Path> = named.iter().map(PathBuf::as_path).collect();
+            keep_files(output, &named)?;
+            keep_files(&record_beside(output), &named)?;
         }
-        Measurements::new(values, read).map_err(|error| refused(&file.shown, &error))
+        for (shown, reading, jitter) in &measured.readings {
+            tell_reading(shown, reading);
+            if let Some(steps) = jitter {
+                let message = format!(
+                    "{shown}: times are off a uniform step by up to {} of it: interpolated",
+                    significant(*steps, 2)
+                );
+                console::remark(&message, "write times with more decimals");
+            }
+        }
+        Ok(Problem { link, document, changes, free, measured })
     }
 
     /// Writes the link file, if the fit is one to believe, and fit.json; returns what was replaced.
@@ -148,7 +157,7 @@ impl Fit {
         } else if output.exists() {
             console::note(&format!("{} is not of this fit", output.display()));
         }
-        let [link, measured] = [&problem.link, &problem.measured_file].map(Fingerprint::of);
+        let [link, measured] = [&problem.link, &problem.measured.file].map(Fingerprint::of);
         let record = fit_json(&link, &measured, &replaced, outcome);
         console::deliver(Some(&record_beside(output)), record.as_bytes())?;
         Ok(if is_believed { replaced } else { Vec::new() })
@@ -166,10 +175,6 @@ fn check_output(output: &Path) -> Result<(), Failure> {
     Err(Failure::new(Exit::Usage, &message, Some("fit.json is written beside it")))
 }
 
-fn refused(file: &str, error: &impl Display) -> Failure {
-    Failure::new(Exit::InputRefused, &format!("{file}: {error}"), None)
-}
-
 /// Where the record of a fit goes.
 fn record_beside(output: &Path) -> PathBuf {
     output.with_file_name(RECORD)
@@ -183,17 +188,19 @@ impl Problem {
             let specification = self.document.specification(&self.link.shown, &changes)?;
             Ok((specification.link, specification.mesh))
         };
-        fit(&self.measured, &free, link_at).map_err(|error: LinkFitError<SpecError>| {
-            let hint = match &error {
-                LinkFitError::Link(error) => error.hint(),
-                LinkFitError::Plan(_) | LinkFitError::NoModel => None,
-                LinkFitError::NoMode(_) => {
-                    Some("number the modes from 1, the rigid rotation left out")
-                }
-                LinkFitError::NoDamping(_) => Some("[damping] with ratio = 0.02 is a start"),
-            };
-            Failure::new(Exit::InputRefused, &error, hint)
-        })
+        fit(&self.measured.measurements, &free, link_at).map_err(
+            |error: LinkFitError<SpecError>| {
+                let hint = match &error {
+                    LinkFitError::Link(error) => error.hint(),
+                    LinkFitError::Plan(_) | LinkFitError::NoModel => None,
+                    LinkFitError::NoMode(_) => {
+                        Some("number the modes from 1, the rigid rotation left out")
+                    }
+                    LinkFitError::NoDamping(_) => Some("[damping] with ratio = 0.02 is a start"),
+                };
+                Failure::new(Exit::InputRefused, &error, hint)
+            },
+        )
     }
 
     /// The changes of the command line, then the factors on the free values.
@@ -223,6 +230,10 @@ fn tell(outcome: &FitOutcome, replaced: &[Replaced]) -> Result<(), Failure> {
             significant(residual.uncertainties.unwrap_or_default().abs(), 2)
         );
         console::warning(message, "measure it again, or give it its true uncertainty");
+    }
+    for record in outcome.records.iter().filter(|record| record.is_delay_at_bound) {
+        let message = format!("{}: the delay is the longest that is looked for", record.name);
+        console::warning(message, "shift its columns over each other, to within 100 samples");
     }
     if outcome.degrees_of_freedom == 0 {
         let message = "there are no more measurements than free values: nothing checks the fit";

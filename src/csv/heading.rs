@@ -69,9 +69,30 @@ pub(super) const HUB_ANGLE: Quantity =
 pub(super) const HUB_RATE: Quantity =
     quantity("hub_rate", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]);
 
+pub(super) const TIP_DEFLECTION: Quantity =
+    quantity("tip_deflection", "_m", Dimension::LENGTH, ["m", "mm"]);
+pub(super) const TIP_ACCELERATION: Quantity =
+    quantity("tip_acceleration", "_m_s2", Dimension::ACCELERATION, ["m/s^2", "cm/s^2"]);
+pub(super) const ROOT_STRAIN: Quantity =
+    quantity("root_strain", "_1", Dimension::NONE, ["1", "um/m"]);
+/// No unit of the link's mechanics: V counts as a pure number here.
+pub(super) const VOLTAGE: Quantity = quantity("voltage", "_v", Dimension::NONE, ["V", "mV"]);
+
 /// Every quantity that a column may hold.
-pub(super) const QUANTITIES: [Quantity; 8] =
-    [TIME, ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE, TORQUE, HUB_ANGLE, HUB_RATE];
+pub(super) const QUANTITIES: [Quantity; 12] = [
+    TIME,
+    ACCELERATION,
+    VELOCITY,
+    DISPLACEMENT,
+    ANGLE,
+    TORQUE,
+    HUB_ANGLE,
+    HUB_RATE,
+    TIP_DEFLECTION,
+    TIP_ACCELERATION,
+    ROOT_STRAIN,
+    VOLTAGE,
+];
 
 impl Quantity {
     const fn or(self, aliases: &'static [&'static str]) -> Self {
@@ -287,6 +308,12 @@ fn read_unit(text: &str, name: &str, quantity: Quantity, place: Place) -> Result
     if text.is_empty() {
         return Err(refuse(None));
     }
+    let text = match text {
+        _ if quantity != VOLTAGE => text,
+        "V" => "1",
+        "mV" => "mm/m",
+        _ => return Err(refuse(None)),
+    };
     let unit = parse_unit(text).map_err(|error| refuse(error.hint()))?;
     if unit.dimension() == quantity.dimension { Ok(unit) } else { Err(refuse(None)) }
 }

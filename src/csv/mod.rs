@@ -11,6 +11,7 @@ mod motion;
 mod motion_columns;
 mod number;
 mod place;
+mod record;
 mod recorded;
 mod response;
 mod rows;
@@ -29,6 +30,7 @@ pub use input::{
 pub use motion::{MotionTable, read_motion_table, read_motion_table_as, write_trajectory};
 pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};
+pub use record::{RecordTable, read_record};
 pub use response::read_frequency_response;
 pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, without_checks};
 pub use rows::{TableError, checked_header, checked_rows};

@@ -47,7 +47,10 @@ pub fn read_frequency_response(
     };
     // SI as the transfers have it; decibels are 20 lg of it.
     let si = |unit: &str| match unit {
-        "" | "rad/(n m)" | "rad/n/m" | "1/(n m s)" | "1/(kg m)" | "1" => Some(1.0),
+        "" | "rad/(n m)" | "rad/n/m" | "1/(n m s)" | "1/(kg m)" | "1" | "1/n" | "1/(n m)" => {
+            Some(1.0)
+        }
+        "rad/v" | "rad/(s v)" | "rad/s/v" | "m/v" | "m/(s^2 v)" | "m/s^2/v" | "1/v" => Some(1.0),
         _ => None,
     };
     let decibels = |unit: &str| if unit == "db" { Some(DECIBELS) } else { si(unit) };

@@ -93,6 +93,12 @@ impl Samples {
         Some(std::mem::take(&mut self.values[index]))
     }
 
+    /// The unit of a quantity's column in SI; 1 without such a column.
+    pub(super) fn unit(&self, quantity: Quantity) -> f64 {
+        let heading = self.headings.iter().find(|heading| heading.quantity == quantity);
+        heading.map_or(1.0, |heading| heading.to_si(1.0))
+    }
+
     /// To which decimal the displacement or angle is rounded, the step in SI.
     pub(super) fn rounding(&self) -> Option<Rounding> {
         let is_counted = |heading: &&Heading| [DISPLACEMENT, ANGLE].contains(&heading.quantity);

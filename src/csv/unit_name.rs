@@ -31,7 +31,7 @@ impl fmt::Display for UnitName {
 }
 
 /// Spellings of units in headings that cannot mean another unit.
-const SPELLINGS: [(&[&str], &str); 10] = [
+const SPELLINGS: [(&[&str], &str); 11] = [
     (&["sec", "secs", "second", "seconds", "Sekunden", "secondes"], "s"),
     (&["msec", "millisecond", "milliseconds"], "ms"),
     (&["meter", "meters", "metre", "metres"], "m"),
@@ -42,6 +42,7 @@ const SPELLINGS: [(&[&str], &str); 10] = [
     (&["Ncm"], "N cm"),
     (&["Nmm"], "N mm"),
     (&["°/s", "degrees/s"], "deg/s"),
+    (&["microstrain", "µε", "με"], "um/m"),
 ];
 
 /// Reads a unit as headings spell it, `Nm` and `m/s2` included.

@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::measurement::{COARSE, FINE, Measurements, Observable, Prediction};
+use super::measurement::Observable;
+use super::measurements::{COARSE, FINE, Measurements, Prediction};
 use super::outcome::{Course, FitOutcome, Free};
 use crate::beam::MeshPlan;
 use crate::link::{Link, ParameterError};

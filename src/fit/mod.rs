@@ -10,13 +10,22 @@
 //! residual of each measurement is the logarithm of prediction over measured value, over the relative
 //! uncertainty of the measurement.
 
+mod alignment;
 mod least_squares;
 mod measurement;
+mod measurements;
+mod motor;
 mod outcome;
+mod record;
 mod response;
 mod spread;
 
 pub use least_squares::{LinkFitError, fit};
-pub use measurement::{HubEnd, Measured, Measurements, MeasurementsError, Observable};
+pub use measurement::{HubEnd, Measured, MeasurementsError, Observable};
+pub use measurements::Measurements;
+pub use motor::Motor;
 pub use outcome::{FitOutcome, FittedValue, Free, Misfit, Residual, Undetermined};
-pub use response::{Gain, Response, ResponseError, ResponseMisfit, Transfer};
+pub use record::{
+    Channel, ChannelMisfit, Record, RecordError, RecordInput, RecordMisfit, RecordedInput,
+};
+pub use response::{Gain, Response, ResponseError, ResponseMisfit};

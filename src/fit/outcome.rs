@@ -6,7 +6,9 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::measurement::{Measured, Measurements, Prediction};
+use super::measurement::Measured;
+use super::measurements::{Measurements, Prediction};
+use super::record::RecordMisfit;
 use super::response::ResponseMisfit;
 use super::spread::{Spread, correlation};
 
@@ -158,6 +160,8 @@ pub struct FitOutcome {
     pub residuals: Vec<Residual>,
     /// The responses in their order.
     pub responses: Vec<ResponseMisfit>,
+    /// The records in their order.
+    pub records: Vec<RecordMisfit>,
     /// Correlation of the free values, row by row; empty where a value is not determined.
     pub correlation: Vec<Vec<f64>>,
     /// Combinations of free values that the data do not determine.
@@ -218,6 +222,7 @@ impl FitOutcome {
             misfit: misfits.judged().or(at_bound).or(open).or(unsettled),
             residuals: misfits.residuals,
             responses: misfits.responses,
+            records: misfits.records,
         }
     }
 }
@@ -226,8 +231,9 @@ impl FitOutcome {
 struct Misfits {
     residuals: Vec<Residual>,
     responses: Vec<ResponseMisfit>,
+    records: Vec<RecordMisfit>,
     has_uncertainties: bool,
-    /// Residuals less free values, gains among them.
+    /// Residuals less free values, those of files among them.
     degrees_of_freedom: usize,
     /// Sum of the squared residuals; NaN of a link that lacks a measured mode.
     sum: f64,
@@ -244,19 +250,29 @@ impl Misfits {
         let misfits = predicted.map(|predicted| &predicted.responses[..]).unwrap_or_default();
         let responses = measurements.responses().iter().zip(misfits);
         let responses = responses.map(|(response, misfits)| ResponseMisfit::of(response, misfits));
-        let [rows, gains] = measurements.rows();
+        let fits = predicted.map(|predicted| &predicted.records[..]).unwrap_or_default();
+        let records = measurements.records().iter().zip(fits);
+        let records: Vec<RecordMisfit> =
+            records.map(|(record, fit)| RecordMisfit::of(record, fit)).collect();
+        let [rows, own] = measurements.rows();
         let scaled = predicted.and_then(|predicted| measurements.residuals(predicted));
         // Damping ratios differ by more without being wrong.
         let is_damping = |residual: &&Residual| residual.measured.observable.is_damping();
         let frequencies = residuals.iter().filter(|residual| !is_damping(residual));
+        let of_records = records.iter().flat_map(|record: &RecordMisfit| {
+            record.channels.iter().map(|channel| channel.rms.powi(2))
+        });
+        // A channel of a record counts once.
         let squares: Vec<f64> = frequencies
             .map(|residual| residual.relative.powi(2))
             .chain(misfits.iter().flatten().map(|misfit| misfit * misfit))
+            .chain(of_records)
             .collect();
         Self {
             responses: responses.collect(),
+            records,
             has_uncertainties: measurements.has_uncertainties(),
-            degrees_of_freedom: rows.saturating_sub(free + gains),
+            degrees_of_freedom: rows.saturating_sub(free + own),
             sum: scaled.map_or(f64::NAN, |scaled| scaled.iter().map(|r| r * r).sum()),
             rms: (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt(),
             residuals,

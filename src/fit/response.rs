@@ -4,7 +4,8 @@ use num_complex::Complex64;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::model::{FrequencyResponse, Model};
+use super::motor::Motor;
+use crate::model::{Model, Sensor};
 use crate::numeric::magnitude;
 
 /// Uncertainty over the value that no measurement has.
@@ -13,37 +14,15 @@ pub(super) const MOST_UNCERTAIN: f64 = 0.5;
 /// Fewest frequencies of a response.
 const FEWEST: usize = 2;
 
-/// What was measured per torque at the hub.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Transfer {
-    /// Hub angle per torque in rad/(N m).
-    HubAngle,
-    /// Hub rate per torque in 1/(N m s).
-    HubRate,
-    /// Tip acceleration per torque in 1/(kg m).
-    TipAcceleration,
-}
-
-impl Transfer {
-    /// The transfer of a link at one frequency.
-    fn of(self, row: &FrequencyResponse) -> Complex64 {
-        let angle = row.hub_angle_per_tip_displacement_rad_m * row.tip_displacement_per_torque_1_n;
-        match self {
-            Self::HubAngle => angle,
-            Self::HubRate => Complex64::new(0.0, TAU * row.frequency_hz) * angle,
-            Self::TipAcceleration => row.torque_per_tip_acceleration_kg_m.inv(),
-        }
-    }
-}
-
-/// Whether the scale of a response is known.
+/// Whether the scale of measured values is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Gain {
     /// The values are in SI.
     Known,
-    /// All values have one unknown factor above 0, as of a sensor or an amplifier.
+    /// They are in SI, but their sign is not known.
+    Sign,
+    /// All values have one unknown factor, as of a sensor or an amplifier, of either sign.
     Free,
 }
 
@@ -68,8 +47,10 @@ pub enum ResponseError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     name: String,
-    transfer: Transfer,
+    sensor: Sensor,
     gain: Gain,
+    /// What the back voltage of a motor adds to the hub's friction, of values per volt.
+    motor_friction_n_m_s_rad: f64,
     uncertainty: Option<f64>,
     frequencies_hz: Vec<f64>,
     values: Vec<Complex64>,
@@ -83,7 +64,7 @@ impl Response {
     /// [`ResponseError`]: fewer than two frequencies, a number that is not finite, a value of 0.
     pub fn new(
         name: String,
-        (transfer, gain): (Transfer, Gain),
+        (sensor, gain): (Sensor, Gain),
         uncertainty: Option<f64>,
         (frequencies_hz, values): (Vec<f64>, Vec<Complex64>),
     ) -> Result<Self, ResponseError> {
@@ -103,7 +84,23 @@ impl Response {
         if let Some(wrong) = uncertainty.filter(|u| !(*u > 0.0 && *u < MOST_UNCERTAIN)) {
             return Err(ResponseError::Uncertainty(wrong));
         }
-        Ok(Self { name, transfer, gain, uncertainty, frequencies_hz, values })
+        Ok(Self {
+            name,
+            sensor,
+            gain,
+            motor_friction_n_m_s_rad: 0.0,
+            uncertainty,
+            frequencies_hz,
+            values,
+        })
+    }
+
+    /// The same values taken per volt at a motor, no longer per torque.
+    #[must_use]
+    pub fn per_volt(mut self, motor: &Motor) -> Self {
+        let torque_n_m_v = motor.torque_per_volt_n_m_v();
+        self.values.iter_mut().for_each(|value| *value /= torque_n_m_v);
+        Self { motor_friction_n_m_s_rad: motor.friction_n_m_s_rad(), ..self }
     }
 
     /// What messages call it.
@@ -114,6 +111,10 @@ impl Response {
     /// Relative uncertainty of each value, if it is known.
     pub fn uncertainty(&self) -> Option<f64> {
         self.uncertainty
+    }
+
+    pub(super) fn motor_friction_n_m_s_rad(&self) -> f64 {
+        self.motor_friction_n_m_s_rad
     }
 
     /// The highest frequency in rad/s.
@@ -133,12 +134,18 @@ impl Response {
 
     /// Real and imaginary part of `ln(computed/measured)` at each frequency, a free gain taken out.
     pub(super) fn misfits(&self, model: &dyn Model) -> Vec<f64> {
-        let rows = FrequencyResponse::at_all(model, &self.frequencies_hz);
-        let ratios =
-            rows.iter().zip(&self.values).map(|(row, value)| self.transfer.of(row) / value);
-        let mut misfits: Vec<f64> = ratios
-            .flat_map(|ratio| [libm::log(magnitude(ratio)), libm::atan2(ratio.im, ratio.re)])
-            .collect();
+        let omegas: Vec<f64> = self.frequencies_hz.iter().map(|hertz| hertz * TAU).collect();
+        let computed = self.sensor.per_torque(model, &omegas);
+        let ratios: Vec<Complex64> =
+            computed.iter().zip(&self.values).map(|(computed, value)| computed / value).collect();
+        // The sign that makes most phases small.
+        let is_turned = self.gain != Gain::Known
+            && ratios.iter().map(|ratio| ratio.re / magnitude(*ratio)).sum::<f64>() < 0.0;
+        let sign = if is_turned { -1.0 } else { 1.0 };
+        let parts = |ratio: &Complex64| {
+            [libm::log(magnitude(*ratio)), libm::atan2(sign * ratio.im, sign * ratio.re)]
+        };
+        let mut misfits: Vec<f64> = ratios.iter().flat_map(parts).collect();
         if self.gain == Gain::Free {
             let mean = misfits.iter().step_by(2).sum::<f64>() / self.values.len() as f64;
             misfits.iter_mut().step_by(2).for_each(|misfit| *misfit -= mean);
@@ -153,7 +160,7 @@ pub struct ResponseMisfit {
     /// File of the response.
     pub name: String,
     /// What was measured.
-    pub transfer: Transfer,
+    pub transfer: Sensor,
     /// Number of frequencies.
     pub frequencies: usize,
     /// Root mean square of the relative differences of real and imaginary parts.
@@ -165,6 +172,6 @@ impl ResponseMisfit {
         let frequencies = response.values.len();
         let sum: f64 = misfits.iter().map(|misfit| misfit * misfit).sum();
         let rms = (sum / misfits.len() as f64).sqrt();
-        Self { name: response.name.clone(), transfer: response.transfer, frequencies, rms }
+        Self { name: response.name.clone(), transfer: response.sensor, frequencies, rms }
     }
 }

@@ -16,6 +16,6 @@ pub(crate) use link::POSITION_TOLERANCE;
 pub use link::{Link, LinkParts};
 #[cfg(test)]
 pub(crate) use link::{uniform, uniform_segment};
-pub(crate) use parts::not_negative;
 pub use parts::{Drive, Hub, Joint, LumpedMass, ParameterError, Payload};
+pub(crate) use parts::{not_negative, positive};
 pub use segment::{CrossSection, Section, Segment, Taper};

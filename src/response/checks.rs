@@ -202,6 +202,7 @@ impl Simulation {
             coordinates: self.equations.coordinates[..1].to_vec(),
             shapes: self.equations.shapes[..1].to_vec(),
             reaction: HubReaction::default(),
+            modes: 0,
         };
         let mut q = Vec::with_capacity(torque_n_m.len());
         let cubics = pieces(torque_n_m, Interpolation::Cubic);

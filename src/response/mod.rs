@@ -13,6 +13,7 @@ mod history;
 mod modes;
 mod play;
 mod residual;
+mod sensed;
 mod simulation;
 mod stepper;
 
@@ -22,5 +23,6 @@ pub use history::{HistoryError, HubReference, Torque};
 pub use modes::ModeSelection;
 pub use play::{Feedback, Interpolation, Play};
 pub use residual::ResidualVibration;
+pub use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;
 pub use simulation::{PlayError, Simulation, simulate};

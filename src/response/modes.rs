@@ -43,6 +43,8 @@ pub(super) struct Equations {
     pub(super) coordinates: Vec<Coordinate>,
     pub(super) shapes: Vec<Shape>,
     pub(super) reaction: HubReaction,
+    /// Flexible modes among the coordinates; a residual mode follows them if it moves any mass.
+    pub(super) modes: usize,
 }
 
 impl HubReaction {
@@ -60,7 +62,7 @@ impl Equations {
         basis: ModalBasis,
         reaction: HubReaction,
     ) -> Self {
-        let rest = basis.residual_mode(mesh);
+        let (rest, modes) = (basis.residual_mode(mesh), basis.modes.len());
         let coordinate = |square: f64, rate_per_s: f64, shape: &Shape| {
             let (hub_angle, tip) = (shape.hub_angle, shape.tip_displacement(mesh));
             Coordinate { square, rate_per_s, hub_angle, tip }
@@ -72,7 +74,7 @@ impl Equations {
             coordinates.push(coordinate(omega_rad_s * omega_rad_s, rate_per_s, &shape));
             shapes.push(shape);
         }
-        Self { coordinates, shapes, reaction }
+        Self { coordinates, shapes, reaction, modes }
     }
 
     /// Period of the first flexible mode in s.

@@ -90,6 +90,21 @@ impl Stepper {
         }
     }
 
+    /// What these factors on coordinates and rates make of the state, as [`Stepper::shown`] takes them.
+    pub(super) fn factors(&self, on_coordinates: &[f64], on_rates: &[f64]) -> Vec<f64> {
+        let block = |block: &Block| {
+            let own = block.first..block.first + block.count;
+            let scaled = own.clone().map(|k| on_coordinates[k] / self.scales[k]);
+            scaled.chain(on_rates[own].iter().copied()).collect::<Vec<f64>>()
+        };
+        self.blocks.iter().flat_map(block).collect()
+    }
+
+    /// The sum of the state times these factors.
+    pub(super) fn shown(&self, factors: &[f64]) -> f64 {
+        factors.iter().zip(&self.state).map(|(factor, state)| factor * state).sum()
+    }
+
     /// The coordinates q.
     pub(super) fn coordinates(&self) -> Vec<f64> {
         let scaled =

@@ -5,9 +5,10 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
 use super::convert::shown;
 use super::error::{Fault, SpecError};
+use super::measured_files::{RawMotor, RawRecord, RawResponse, RecordFile, ResponseFile, checked};
 use super::tree::Node;
 use super::value::{Count, tables};
-use crate::fit::{Gain, HubEnd, Measured, Observable, Transfer};
+use crate::fit::{HubEnd, Measured, Motor, Observable};
 use crate::numeric::split_number;
 
 /// Fewest peaks of a decay: two give one decrement.
@@ -23,31 +24,9 @@ struct RawMeasurements {
     damping: Vec<RawDamping>,
     #[serde(default, deserialize_with = "tables")]
     response: Vec<RawResponse>,
-}
-
-/// `[[response]]`
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-struct RawResponse {
-    file: String,
-    transfer: RawTransfer,
-    gain: Option<RawGain>,
-    uncertainty: Option<f64>,
-}
-
-#[derive(Debug, Clone, Copy, serde::Deserialize)]
-#[serde(rename_all = "snake_case", expecting = "a string")]
-enum RawTransfer {
-    HubAngle,
-    HubRate,
-    TipAcceleration,
-}
-
-#[derive(Debug, Clone, Copy, serde::Deserialize)]
-#[serde(rename_all = "lowercase", expecting = "a string")]
-enum RawGain {
-    Known,
-    Free,
+    #[serde(default, deserialize_with = "tables")]
+    record: Vec<RawRecord>,
+    motor: Option<RawMotor>,
 }
 
 /// What a file of measured values names.
@@ -57,19 +36,10 @@ pub struct MeasuredFile {
     pub values: Vec<Measured>,
     /// Frequency responses in files of their own.
     pub responses: Vec<ResponseFile>,
-}
-
-/// A frequency response in a file of its own.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ResponseFile {
-    /// The file, relative to that which names it.
-    pub file: String,
-    /// What was measured.
-    pub transfer: Transfer,
-    /// Whether its scale is known.
-    pub gain: Gain,
-    /// Relative uncertainty of its values.
-    pub uncertainty: Option<f64>,
+    /// Recorded histories in files of their own.
+    pub records: Vec<RecordFile>,
+    /// The motor at the hub.
+    pub motor: Option<Motor>,
 }
 
 /// `[[frequency]]`
@@ -180,31 +150,22 @@ fn convert(raw: RawMeasurements) -> Result<MeasuredFile, Fault> {
     for (number, raw) in raw.damping.into_iter().enumerate() {
         values.push(damping(&format!("damping.{number}"), raw)?);
     }
+    let motor = raw.motor.map(RawMotor::convert).transpose()?;
     let mut responses = Vec::new();
     for (number, raw) in raw.response.into_iter().enumerate() {
-        responses.push(response(&format!("response.{number}"), raw)?);
+        responses.push(raw.convert(&format!("response.{number}"), motor.is_some())?);
     }
-    if values.is_empty() && responses.is_empty() {
+    let mut records = Vec::new();
+    for (number, raw) in raw.record.into_iter().enumerate() {
+        records.push(raw.convert(&format!("record.{number}"), motor.is_some())?);
+    }
+    if values.is_empty() && responses.is_empty() && records.is_empty() {
         let hint = "[[frequency]] with mode, value and hub, [[damping]] with mode and ratio, \
-                    [[response]] with file and transfer";
+                    [[response]] with file and transfer, [[record]] with file, input and channel";
         let message = "measurements = none, but must be at least one";
         return Err(Fault::new("", message).hinting(hint.to_owned()));
     }
-    Ok(MeasuredFile { values, responses })
-}
-
-fn response(path: &str, raw: RawResponse) -> Result<ResponseFile, Fault> {
-    raw.uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
-    let transfer = match raw.transfer {
-        RawTransfer::HubAngle => Transfer::HubAngle,
-        RawTransfer::HubRate => Transfer::HubRate,
-        RawTransfer::TipAcceleration => Transfer::TipAcceleration,
-    };
-    let gain = match raw.gain {
-        Some(RawGain::Free) => Gain::Free,
-        Some(RawGain::Known) | None => Gain::Known,
-    };
-    Ok(ResponseFile { file: raw.file, transfer, gain, uncertainty: raw.uncertainty })
+    Ok(MeasuredFile { values, responses, records, motor })
 }
 
 fn frequency(path: &str, raw: &RawFrequency) -> Result<Measured, Fault> {
@@ -243,14 +204,6 @@ fn damping(path: &str, raw: RawDamping) -> Result<Measured, Fault> {
     checked(path, "ratio", value)?;
     raw.uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
     Ok(Measured { observable, value, uncertainty: raw.uncertainty })
-}
-
-fn checked(path: &str, key: &str, number: f64) -> Result<(), Fault> {
-    if number.is_finite() && number > 0.0 {
-        return Ok(());
-    }
-    let path = format!("{path}.{key}");
-    Err(Fault::new(path.clone(), format!("{path} = {number}, but must be above 0")))
 }
 
 /// Damping ratio of peaks one period apart: with the decrement δ, the slope of their logarithms,

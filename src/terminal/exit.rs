@@ -7,6 +7,7 @@ use clap::Args;
 use flexlink::csv::{InputError, TableError};
 use flexlink::inverse::InversionError;
 use flexlink::link::ParameterError;
+use flexlink::measured::MeasuredError;
 use flexlink::modal::DampingError;
 use flexlink::model::ModelError;
 use flexlink::response::SimulationError;
@@ -99,6 +100,12 @@ impl From<InputError> for Failure {
 
 impl From<SpecError> for Failure {
     fn from(error: SpecError) -> Self {
+        Self::new(Exit::InputRefused, &error, error.hint())
+    }
+}
+
+impl From<MeasuredError> for Failure {
+    fn from(error: MeasuredError) -> Self {
         Self::new(Exit::InputRefused, &error, error.hint())
     }
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use source::{identifier, names, sources, without_text};
 
 /// Modules by level. What stands on a level knows those above it in this list, and nothing else.
-const LEVELS: [&[&str]; 16] = [
+const LEVELS: [&[&str]; 17] = [
     &["text"],
     &["numeric"],
     &["link"],
@@ -22,6 +22,7 @@ const LEVELS: [&[&str]; 16] = [
     &["result"],
     &["sweep", "verify", "fit"],
     &["spec", "csv", "report"],
+    &["measured"],
     &["store"],
     &["terminal"],
     &["options"],

@@ -1,6 +1,6 @@
 //! What `fit` prints.
 
-use flexlink::fit::FitOutcome;
+use flexlink::fit::{ChannelMisfit, FitOutcome};
 use flexlink::spec::Replaced;
 use flexlink::text::significant;
 
@@ -39,6 +39,20 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
         let name = format!("response {}", response.name);
         let count = format!("{} points", response.frequencies);
         lines.push(row([&name, &count, "", &format!("{} rms", percent(response.rms))]));
+    }
+    for record in &outcome.records {
+        let name = format!("record {}", record.name);
+        let count = format!("{} samples", record.samples);
+        let delay = record.delay_s.map(|delay| format!("delay {:.3} ms", 1e3 * delay));
+        lines.push(row([&name, &count, "", &delay.unwrap_or_default()]));
+        for ChannelMisfit { sensor, gain, offset, rms } in &record.channels {
+            let shown = |name, value: &Option<f64>| {
+                value.map_or(String::new(), |value| format!("{name} {}", significant(value, 4)))
+            };
+            let [gain, offset] = [shown("gain", gain), shown("offset", offset)];
+            let name = format!("  {}", sensor.word());
+            lines.push(row([&name, &gain, &offset, &format!("{} rms", percent(*rms))]));
+        }
     }
     for (k, correlations) in outcome.correlation.iter().enumerate() {
         for (j, correlation) in correlations.iter().enumerate().take(k) {

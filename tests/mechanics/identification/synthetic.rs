@@ -107,7 +107,7 @@ fn measured(truth: &Truth, random: &mut Random, noise: f64) -> Measurements {
         let value = hertz * (1.0 + noise * random.normal());
         Measured { observable, value, uncertainty: Some(noise * hertz) }
     });
-    Measurements::new(values.collect(), Vec::new()).unwrap()
+    Measurements::new(values.collect(), vec![], vec![]).unwrap()
 }
 
 /// Sets of free values that frequencies determine.
@@ -184,7 +184,7 @@ fn measurements_that_contradict_each_other_are_no_fit() {
         uncertainty: Some(0.01 * value),
     };
     let crossed = vec![frequency(1, first), frequency(2, 0.7 * second)];
-    let crossed = Measurements::new(crossed, Vec::new()).unwrap();
+    let crossed = Measurements::new(crossed, vec![], vec![]).unwrap();
     let found = fitted(&truth.text(), &crossed, &["segments.*.EI"]).unwrap();
     assert!(found.misfit.is_some(), "{found:?}");
 }
@@ -197,7 +197,7 @@ fn a_frequency_that_the_bounds_do_not_allow_is_no_fit() {
         value: 0.62 * truth.frequencies(HubEnd::Held, 1)[0],
         uncertainty: None,
     };
-    let low = Measurements::new(vec![low], Vec::new()).unwrap();
+    let low = Measurements::new(vec![low], vec![], vec![]).unwrap();
     let found = fitted(&truth.text(), &low, &["segments.*.EI=0.5:2"]).unwrap();
     assert!(matches!(found.misfit, Some(Misfit::Bound { .. })), "{found:?}");
 }
@@ -213,7 +213,7 @@ fn damping_ratios_are_fitted_mode_by_mode() {
         value,
         uncertainty: Some(0.1 * value),
     });
-    let measured = Measurements::new(measured.collect(), Vec::new()).unwrap();
+    let measured = Measurements::new(measured.collect(), vec![], vec![]).unwrap();
     let free = ["damping.ratios.0", "damping.ratios.1", "damping.ratios.2"];
     let found = fitted(&text, &measured, &free).unwrap();
     for (value, ratio) in found.values.iter().zip(ratios) {
@@ -230,7 +230,7 @@ fn one_measurement_for_three_values_leaves_two_combinations_open() {
         value: 1.1 * truth.frequencies(HubEnd::Free, 1)[0],
         uncertainty: None,
     };
-    let one = Measurements::new(vec![one], Vec::new()).unwrap();
+    let one = Measurements::new(vec![one], vec![], vec![]).unwrap();
     let found =
         fitted(&truth.text(), &one, &["segments.*.EI", "hub.inertia", "payload.mass"]).unwrap();
     assert_eq!(found.undetermined.len(), 2, "{found:?}");

@@ -1,0 +1,192 @@
+use super::columns::{Columns, Header};
+use super::format::{Reading, TableFormat};
+use super::heading::{
+    HUB_ANGLE, HUB_RATE, Quantity, ROOT_STRAIN, TIME, TIP_ACCELERATION, TIP_DEFLECTION, TORQUE,
+    VOLTAGE, Vocabulary, find, names, refuse_missing,
+};
+use super::rows::{Place, TableError};
+use super::samples::{Samples, refuse_samples};
+use crate::fit::RecordedInput;
+use crate::model::Sensor;
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
+use crate::recording::jitter;
+
+/// What drives a link, and what sensors show of it.
+const RECORD: Vocabulary = Vocabulary {
+    quantities: &[
+        TIME,
+        TORQUE,
+        VOLTAGE,
+        HUB_ANGLE,
+        HUB_RATE,
+        TIP_DEFLECTION,
+        TIP_ACCELERATION,
+        ROOT_STRAIN,
+    ],
+    prefix: "",
+    example: "time,torque,hub_angle",
+    choice: Some("rename one of them, or choose with columns"),
+    by_option: "columns = [\"time=1\", \"torque=2\"] says which column is what",
+};
+
+/// A recorded table, in SI at uniform times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordTable {
+    /// Step of the times in s.
+    pub step_s: f64,
+    /// Samples of what drives the link.
+    pub input: Vec<f64>,
+    /// Samples of each sensor.
+    pub channels: Vec<Vec<f64>>,
+    /// The unit of each sensor's column in SI.
+    pub units: Vec<f64>,
+    /// Largest distance of a time from the uniform grid in steps, where all columns were interpolated.
+    pub jitter: Option<f64>,
+    /// What was found beyond the standard form.
+    pub reading: Reading,
+}
+
+/// Reads recorded histories: `time`, what drives the link, and the columns of sensors, by their names or by
+/// the choice of `format`. Other columns are left.
+///
+/// Times that are off the uniform grid by up to 5 % of the step are used as given: a cubic spline through each
+/// column gives the samples of the grid.
+///
+/// ```
+/// use flexlink::csv::{TableFormat, read_record};
+/// use flexlink::fit::RecordedInput;
+/// use flexlink::model::Sensor;
+/// let file = b"time [ms],voltage [V],hub_angle [deg],note\n0,0,0,\n1,5,0,\n2,5,1,\n3,5,3,\n";
+/// let format = TableFormat::default();
+/// let record = read_record("step.csv", file, RecordedInput::Voltage, &[Sensor::HubAngle], &format)?;
+/// assert_eq!((record.step_s, &record.input[..]), (0.001, &[0.0, 5.0, 5.0, 5.0][..]));
+/// # Ok::<(), flexlink::csv::TableError>(())
+/// ```
+///
+/// # Errors
+/// [`TableError`] names the column that is missing, and the line of a field that is no finite number or of a
+/// time that is off.
+pub fn read_record(
+    name: &str,
+    bytes: &[u8],
+    input: RecordedInput,
+    sensors: &[Sensor],
+    format: &TableFormat,
+) -> Result<RecordTable, TableError> {
+    let wanted: Vec<Quantity> =
+        [TIME, driving(input)].into_iter().chain(sensors.iter().map(|s| shown(*s))).collect();
+    let mut samples = Samples::read(name, bytes, format, |header| columns(header, &wanted))?;
+    let units: Vec<f64> = wanted.iter().map(|wanted| samples.unit(*wanted)).collect();
+    let mut taken: Vec<Vec<f64>> =
+        wanted.iter().map(|wanted| samples.take(*wanted).unwrap_or_default()).collect();
+    let time_s = taken.remove(0);
+    let jitter = jitter(&time_s, None);
+    let step_s = match jitter {
+        Some(_) => {
+            taken = taken.iter().map(|column| uniform(&time_s, column)).collect();
+            (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64
+        }
+        None => TimeGrid::through(&time_s).map(|grid| grid.step_s).map_err(|error| {
+            let Samples { lines, .. } = &samples;
+            refuse_samples(name, lines, Some(error.sample), &error, Some(error.hint()))
+        })?,
+    };
+    let input = taken.remove(0);
+    let reading = samples.reading;
+    Ok(RecordTable { step_s, input, channels: taken, units: units[2..].to_vec(), jitter, reading })
+}
+
+/// A column at uniform times from the first to the last.
+fn uniform(time_s: &[f64], column: &[f64]) -> Vec<f64> {
+    let spline = CubicSpline::new(time_s, column, SplineEnds::NotAKnot);
+    let (first, last) = (time_s[0], time_s.len() - 1);
+    let step_s = (time_s[last] - first) / last as f64;
+    (0..=last).map(|k| spline.value(first + k as f64 * step_s)).collect()
+}
+
+fn driving(input: RecordedInput) -> Quantity {
+    match input {
+        RecordedInput::Torque => TORQUE,
+        RecordedInput::Voltage => VOLTAGE,
+        RecordedInput::HubAngle => HUB_ANGLE,
+    }
+}
+
+fn shown(sensor: Sensor) -> Quantity {
+    match sensor {
+        Sensor::HubAngle => HUB_ANGLE,
+        Sensor::HubRate => HUB_RATE,
+        Sensor::TipDeflection => TIP_DEFLECTION,
+        Sensor::TipAcceleration => TIP_ACCELERATION,
+        Sensor::RootStrain => ROOT_STRAIN,
+    }
+}
+
+fn columns(header: Header, wanted: &[Quantity]) -> Result<(Columns, Reading), TableError> {
+    let Header { fields, place, .. } = header;
+    let mut columns = Columns::find(&RECORD, header)?;
+    if let Some(missing) = wanted.iter().find(|wanted| find(&columns.headings, **wanted).is_none())
+    {
+        return Err(missing_column(missing.word, fields, place));
+    }
+    columns.headings.retain(|heading| wanted.contains(&heading.quantity));
+    Ok((columns, Reading::default()))
+}
+
+fn missing_column(word: &str, fields: &[&str], place: Place) -> TableError {
+    let error = refuse_missing(&names(fields), word, place);
+    error.or_hint(format!(
+        "columns = [\"time=1\", \"{word}=2\"] in [[record]] says which column is what"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SENSORS: [Sensor; 2] = [Sensor::TipAcceleration, Sensor::RootStrain];
+
+    fn read(text: &str, columns: &[&str]) -> Result<RecordTable, TableError> {
+        let columns = columns.iter().map(|choice| choice.parse().unwrap()).collect();
+        let format = TableFormat { columns, ..TableFormat::default() };
+        read_record("r.csv", text.as_bytes(), RecordedInput::Torque, &SENSORS, &format)
+    }
+
+    #[test]
+    fn columns_are_found_by_name_or_by_choice_with_their_units() {
+        let text = "time;torque [N cm];tip_acceleration [cm/s^2];root_strain [um/m];n\n\
+                    0,0;0;0;0;1\n0,1;1;2;3;1\n0,2;1;2;3;1\n0,3;1;2;3;1\n";
+        let table = read(text, &[]).unwrap();
+        assert_eq!(table.input, [0.0, 0.01, 0.01, 0.01]);
+        assert_eq!(table.channels[0], [0.0, 0.02, 0.02, 0.02]);
+        assert_eq!(table.units, [0.01, 1e-6]);
+        let chosen = ["time=1", "torque=2", "tip_acceleration=3", "root_strain=4"];
+        let table = read("0 0 0 0\n1 1 2 3\n2 1 2 3\n3 1 2 3\n", &chosen).unwrap();
+        assert_eq!((table.step_s, table.channels[1].clone()), (1.0, vec![0.0, 3.0, 3.0, 3.0]));
+    }
+
+    #[test]
+    fn times_with_jitter_are_used_as_they_are() {
+        let row = |k: i32| {
+            let t = 0.1 * f64::from(k) + if k % 3 == 1 { 0.003 } else { 0.0 };
+            format!("{t:.6},{:.9},{:.9},0\n", t * t, t.sin())
+        };
+        let rows: String = (0..50).map(row).collect();
+        let text = "time,torque,tip_acceleration,root_strain\n".to_owned() + &rows;
+        let table = read(&text, &[]).unwrap();
+        assert!(table.jitter.is_some());
+        for (k, value) in table.input.iter().enumerate() {
+            assert!((value - (table.step_s * k as f64).powi(2)).abs() < 1e-8, "{k}: {value}");
+        }
+        let error = read(&text.replace("1.003000", "1.053000"), &[]).unwrap_err();
+        assert!(error.to_string().starts_with("r.csv:3: time = 0.103 s, but must be"), "{error}");
+    }
+
+    #[test]
+    fn a_missing_column_is_named() {
+        let error = read("time,torque,root_strain\n0,0,0\n", &[]).unwrap_err();
+        let must =
+            "r.csv:1: columns = \"time,torque,root_strain\", but must include tip_acceleration";
+        assert_eq!(error.to_string(), must);
+    }
+}

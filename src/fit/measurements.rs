@@ -1,0 +1,224 @@
+use std::cell::OnceCell;
+use std::f64::consts::TAU;
+
+use super::measurement::{End, Measured, MeasurementsError, Observable};
+use super::record::{Record, RecordFit};
+use super::response::Response;
+use crate::beam::{Mesh, MeshPlan};
+use crate::link::{Hub, Link, LinkParts, ParameterError};
+use crate::modal::DampingLaw;
+use crate::model::{KeptModes, model_of};
+
+/// Largest relative error of a frequency that the mesh may have while a start is tried.
+pub(super) const COARSE: f64 = 1e-5;
+
+/// The same of the fitted link: far below any measurement's.
+pub(super) const FINE: f64 = 1e-8;
+
+/// What was measured of one link: all with an uncertainty, or nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurements {
+    values: Vec<Measured>,
+    responses: Vec<Response>,
+    records: Vec<Record>,
+}
+
+/// What a link has in place of the measurements.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Prediction {
+    /// In place of each value; none of a mode that the link has not.
+    pub(super) values: Vec<Option<f64>>,
+    /// Misfits of each response.
+    pub(super) responses: Vec<Vec<f64>>,
+    /// Misfits of each record, and how it lies over the computed histories.
+    pub(super) records: Vec<RecordFit>,
+}
+
+impl Measurements {
+    /// Checks what was measured.
+    ///
+    /// # Errors
+    /// [`MeasurementsError`]: nothing measured, a value or an uncertainty that is not above 0, a mode number
+    /// 0 or above 100, a thing measured twice, uncertainties of some only. Of values, a response and records
+    /// one kind may be without uncertainty, if it is alone: the misfits of others have other sizes.
+    pub fn new(
+        values: Vec<Measured>,
+        responses: Vec<Response>,
+        records: Vec<Record>,
+    ) -> Result<Self, MeasurementsError> {
+        let kinds =
+            usize::from(!values.is_empty()) + responses.len() + usize::from(!records.is_empty());
+        if kinds == 0 {
+            return Err(MeasurementsError::Empty);
+        }
+        let measurements = Self { values, responses, records };
+        let is_known = measurements.has_uncertainties();
+        for (k, measured) in measurements.values.iter().enumerate() {
+            let observable = measured.observable;
+            measured.check()?;
+            if is_known && measured.uncertainty.is_none() {
+                return Err(MeasurementsError::Mixed { observable });
+            }
+            if measurements.values[..k].iter().any(|earlier| earlier.observable == observable) {
+                return Err(MeasurementsError::Twice { observable });
+            }
+        }
+        let responses = measurements.responses.iter();
+        let responses = responses.filter(|response| response.uncertainty().is_none());
+        let records = measurements.records.iter().filter(|record| !record.has_uncertainties());
+        let unknown = responses.map(Response::name).chain(records.map(Record::name)).next();
+        match unknown.filter(|_| is_known || kinds > 1) {
+            Some(name) => Err(MeasurementsError::MixedFile(name.to_owned())),
+            None => Ok(measurements),
+        }
+    }
+
+    /// The values in their order.
+    pub fn values(&self) -> &[Measured] {
+        &self.values
+    }
+
+    /// The responses in their order.
+    pub fn responses(&self) -> &[Response] {
+        &self.responses
+    }
+
+    /// The records in their order.
+    pub fn records(&self) -> &[Record] {
+        &self.records
+    }
+
+    /// True if uncertainties are known.
+    pub fn has_uncertainties(&self) -> bool {
+        self.values.iter().any(|measured| measured.uncertainty.is_some())
+            || self.responses.iter().any(|response| response.uncertainty().is_some())
+            || self.records.iter().any(Record::has_uncertainties)
+    }
+
+    /// Number of residuals, and of the free values that files have of their own: gains, offsets, delays.
+    pub(super) fn rows(&self) -> [usize; 2] {
+        let responses = |of: fn(&Response) -> usize| self.responses.iter().map(of).sum::<usize>();
+        let records = |of: fn(&Record) -> usize| self.records.iter().map(of).sum::<usize>();
+        [
+            self.values.len() + responses(Response::rows) + records(Record::rows),
+            responses(Response::own_free_values) + records(Record::own_free_values),
+        ]
+    }
+
+    /// Root of the sum of the residuals' squared weights.
+    pub(super) fn weight(&self) -> f64 {
+        let values = self.values.iter().map(|measured| measured.relative().powi(-2));
+        let responses = self.responses.iter().map(|response| {
+            response.rows() as f64 * response.uncertainty().unwrap_or(1.0).powi(-2)
+        });
+        let records = self.records.iter().map(Record::weight);
+        values.chain(responses).chain(records).sum::<f64>().sqrt()
+    }
+
+    /// How often the elements of an automatic plan are halved so that the measured frequencies are exact to a
+    /// tolerance; 0 for other plans.
+    pub(super) fn halvings(
+        &self,
+        link: &Link,
+        plan: &MeshPlan,
+        tolerance: f64,
+    ) -> Result<u32, ParameterError> {
+        let first = Mesh::new(link, plan)?;
+        if !plan.is_automatic() {
+            return Ok(0);
+        }
+        let counts = End::ALL.map(|end| (end, self.most(end)));
+        let most = counts.iter().map(|(_, count)| *count).max().unwrap_or(1);
+        let mut mesh = first.clone();
+        while mesh.elements().len() <= most {
+            mesh = mesh.refined();
+        }
+        let ends = counts.map(|(end, count)| end.frequencies(link, &mesh, count).last().copied());
+        let responses = self.responses.iter().map(Response::highest_rad_s);
+        let fastest = ends.into_iter().flatten().chain(responses).fold(0.0, f64::max);
+        let mesh = mesh.resolving(fastest, tolerance);
+        let records = self.records.iter().map(|record| record.highest_rad_s(&mesh));
+        let fastest = records.fold(0.0, f64::max);
+        let mesh = mesh.resolving(fastest, COARSE);
+        Ok((mesh.elements().len() / first.elements().len()).ilog2())
+    }
+
+    /// The highest number measured with the hub at this end; 0 without one.
+    fn most(&self, end: End) -> usize {
+        let own = self.values.iter().filter(|measured| measured.observable.end() == end);
+        own.map(|measured| measured.observable.number()).max().unwrap_or(0)
+    }
+
+    /// What a link has in place of the measurements; none of a link that has no mesh or no model.
+    pub(super) fn predicted(
+        &self,
+        link: &Link,
+        plan: &MeshPlan,
+        halvings: u32,
+    ) -> Option<Prediction> {
+        let first = Mesh::new(link, plan).ok()?;
+        let halved = (0..halvings).fold(first, |mesh, _| mesh.refined());
+        let values = self.predicted_values(link, &halved);
+        let plain = OnceCell::new();
+        let response = |response: &Response| {
+            let motor = response.motor_friction_n_m_s_rad();
+            let made = || model_of(&rubbed(link, motor)?, halved.clone(), KeptModes::All).ok();
+            let own;
+            let model = if motor == 0.0 {
+                plain.get_or_init(made).as_deref()?
+            } else {
+                own = made()?;
+                &*own
+            };
+            Some(response.misfits(model))
+        };
+        let responses = self.responses.iter().map(response).collect::<Option<_>>()?;
+        let record = |record: &Record| {
+            record.fitted(&rubbed(link, record.motor_friction_n_m_s_rad())?, &halved)
+        };
+        let records = self.records.iter().map(record).collect::<Option<_>>()?;
+        Some(Prediction { values, responses, records })
+    }
+
+    fn predicted_values(&self, link: &Link, mesh: &Mesh) -> Vec<Option<f64>> {
+        let law = DampingLaw::of(link, mesh).ok();
+        let known = End::ALL.map(|end| end.frequencies(link, mesh, self.most(end)));
+        let value = |Measured { observable, .. }: &Measured| {
+            let (omegas, index) = (&known[observable.end() as usize], observable.number() - 1);
+            match observable {
+                Observable::Damping { .. } => {
+                    law.as_ref()?.modal_ratios(omegas).get(index).copied()
+                }
+                _ => omegas.get(index).map(|omega| omega / TAU),
+            }
+        };
+        self.values.iter().map(value).collect()
+    }
+
+    /// `ln(prediction/value)` over the relative uncertainty, or over 1 where none is known; the responses
+    /// after the values, then the records.
+    pub(super) fn residuals(&self, predicted: &Prediction) -> Option<Vec<f64>> {
+        let pairs = self.values.iter().zip(&predicted.values);
+        let value = |(measured, predicted): (&Measured, &Option<f64>)| {
+            Some(libm::log((*predicted)? / measured.value) / measured.relative())
+        };
+        let responses = self.responses.iter().zip(&predicted.responses);
+        let response = |(response, misfits): (&Response, &Vec<f64>)| {
+            let uncertainty = response.uncertainty().unwrap_or(1.0);
+            misfits.iter().map(move |misfit| misfit / uncertainty).collect::<Vec<f64>>()
+        };
+        let mut residuals: Vec<f64> = pairs.map(value).collect::<Option<_>>()?;
+        residuals.extend(responses.flat_map(response));
+        let records = self.records.iter().zip(&predicted.records);
+        residuals.extend(records.flat_map(|(record, fitted)| record.residuals(fitted)));
+        residuals.iter().all(|residual| residual.is_finite()).then_some(residuals)
+    }
+}
+
+/// The link with the friction that a motor's back voltage adds to its hub; none out of range.
+fn rubbed(link: &Link, friction_n_m_s_rad: f64) -> Option<Link> {
+    let parts = LinkParts::from(link.clone());
+    let viscous_friction_n_m_s_rad = parts.hub.viscous_friction_n_m_s_rad + friction_n_m_s_rad;
+    let hub = Hub { viscous_friction_n_m_s_rad, ..parts.hub };
+    Link::new(LinkParts { hub, ..parts }).ok()
+}

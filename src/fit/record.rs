@@ -1,0 +1,350 @@
+use std::f64::consts::PI;
+
+use serde::Serialize;
+use thiserror::Error;
+
+use super::alignment::{Alignment, Freedom, LONGEST_DELAY, Overlaid};
+use super::motor::Motor;
+use super::response::{Gain, MOST_UNCERTAIN};
+use crate::beam::Mesh;
+use crate::link::Link;
+use crate::modal::natural_frequencies;
+use crate::model::Sensor;
+use crate::response::{Driven, Interpolation, sensed};
+
+/// Fewest samples of a record.
+const FEWEST: usize = 4;
+
+/// Modes that the mesh of a record follows.
+const FOLLOWED_MODES: usize = 30;
+
+/// What drives the link that is recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RecordedInput {
+    /// The torque at the hub.
+    Torque,
+    /// The voltage at a motor.
+    Voltage,
+    /// The angle of the hub, however it is moved.
+    HubAngle,
+}
+
+impl RecordedInput {
+    /// Its name in files.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Torque => "torque",
+            Self::Voltage => "voltage",
+            Self::HubAngle => "hub_angle",
+        }
+    }
+}
+
+/// What was recorded of what drives the link, which is at rest before.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RecordInput {
+    /// The torque at the hub in N m.
+    Torque(Vec<f64>, Interpolation),
+    /// The voltage at a motor in V.
+    Voltage(Vec<f64>, Interpolation, Motor),
+    /// The angle of the hub in rad, however it is moved.
+    HubAngle(Vec<f64>),
+}
+
+/// What one sensor recorded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// The sensor.
+    pub sensor: Sensor,
+    /// Whether the samples are in SI.
+    pub gain: Gain,
+    /// True if a constant may be added to the samples.
+    pub has_offset: bool,
+    /// Standard uncertainty of each sample, in the unit of the samples, if it is known.
+    pub uncertainty: Option<f64>,
+    /// The samples.
+    pub samples: Vec<f64>,
+}
+
+/// Why histories are no record.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum RecordError {
+    /// No sensor.
+    #[error("channels = none, but must be at least one")]
+    NoChannel,
+    /// Too few samples, or another number than those of the input.
+    #[error("{channel} = {found} samples, but must be {must}, at least {FEWEST}, as the input")]
+    Samples {
+        /// The channel, or the input.
+        channel: String,
+        /// Samples found.
+        found: usize,
+        /// Samples of the input.
+        must: usize,
+    },
+    /// A sample that is no number.
+    #[error("{channel} = {found}, but must be a finite number")]
+    NotFinite {
+        /// The channel, or the input.
+        channel: String,
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// What was found.
+        found: f64,
+    },
+    /// Samples that are all the same.
+    #[error("{channel} = the same value in all samples, but must change")]
+    Constant {
+        /// The channel, or the input.
+        channel: String,
+    },
+    /// An uncertainty that is not above 0, or too large for a measurement.
+    #[error(
+        "uncertainty of {channel} = {found}, but must be above 0 and below {most}, half of what the \
+         samples vary by"
+    )]
+    Uncertainty {
+        /// The channel.
+        channel: String,
+        /// What was found.
+        found: f64,
+        /// What it must be below.
+        most: f64,
+    },
+    /// A step that is not above 0.
+    #[error("step = {0} s, but must be finite and above 0")]
+    Step(f64),
+}
+
+/// Recorded histories of a link that is driven from rest, at uniform times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    name: String,
+    step_s: f64,
+    driven: Driven,
+    motor_friction_n_m_s_rad: f64,
+    channels: Vec<Channel>,
+    /// Root mean square of the samples of each channel, about their mean if an offset is free.
+    sizes: Vec<f64>,
+    is_delay_free: bool,
+}
+
+/// A record and the computed histories, laid over each other.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct RecordFit(pub(super) Alignment);
+
+/// How far a fitted link's histories are from recorded ones.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordMisfit {
+    /// File of the record.
+    pub name: String,
+    /// Number of samples.
+    pub samples: usize,
+    /// Delay of the sensors in s, if it was free.
+    pub delay_s: Option<f64>,
+    /// True if the delay is the longest that is looked for.
+    pub is_delay_at_bound: bool,
+    /// The channels in their order.
+    pub channels: Vec<ChannelMisfit>,
+}
+
+/// How far a fitted link's history is from that of a sensor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelMisfit {
+    /// The sensor.
+    pub sensor: Sensor,
+    /// Factor from SI to the samples, 1 or −1 of a free sign; none where it was known.
+    pub gain: Option<f64>,
+    /// What is added to that, in the unit of the samples; none where nothing was.
+    pub offset: Option<f64>,
+    /// Root mean square of the differences over that of the samples.
+    pub rms: f64,
+}
+
+impl Record {
+    /// Checks a record that messages call `name`, of `step_s` in s.
+    ///
+    /// # Errors
+    /// [`RecordError`].
+    pub fn new(
+        name: String,
+        step_s: f64,
+        input: RecordInput,
+        channels: Vec<Channel>,
+        is_delay_free: bool,
+    ) -> Result<Self, RecordError> {
+        if !(step_s.is_finite() && step_s > 0.0) {
+            return Err(RecordError::Step(step_s));
+        }
+        if channels.is_empty() {
+            return Err(RecordError::NoChannel);
+        }
+        let (driven, motor_friction_n_m_s_rad) = input.driven();
+        let (Driven::Torque(driving, _) | Driven::Angle(driving)) = &driven;
+        check("the input", driving, driving.len())?;
+        // A torque that begins with the record and stays moves the link.
+        let is_rest = matches!(driven, Driven::Angle(_)) || driving[0] == 0.0;
+        if is_rest && is_constant(driving) {
+            return Err(RecordError::Constant { channel: "the input".to_owned() });
+        }
+        let mut sizes = Vec::new();
+        for channel in &channels {
+            let name = channel.sensor.word();
+            check(name, &channel.samples, driving.len())?;
+            if is_constant(&channel.samples) {
+                return Err(RecordError::Constant { channel: name.to_owned() });
+            }
+            let size = channel.size();
+            if let Some(found) = channel.uncertainty
+                && !(found > 0.0 && found < MOST_UNCERTAIN * size)
+            {
+                let (channel, most) = (name.to_owned(), MOST_UNCERTAIN * size);
+                return Err(RecordError::Uncertainty { channel, found, most });
+            }
+            sizes.push(size);
+        }
+        Ok(Self { name, step_s, driven, motor_friction_n_m_s_rad, channels, sizes, is_delay_free })
+    }
+
+    /// What messages call it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What each sensor recorded.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// True if the uncertainty of every channel is known.
+    pub fn has_uncertainties(&self) -> bool {
+        self.channels.iter().all(|channel| channel.uncertainty.is_some())
+    }
+
+    pub(super) fn motor_friction_n_m_s_rad(&self) -> f64 {
+        self.motor_friction_n_m_s_rad
+    }
+
+    /// Numbers that it adds to the residuals.
+    pub(super) fn rows(&self) -> usize {
+        self.channels.iter().map(|channel| channel.samples.len()).sum()
+    }
+
+    /// Free values that it adds: gains, offsets, the delay.
+    pub(super) fn own_free_values(&self) -> usize {
+        let own = |channel: &Channel| {
+            usize::from(channel.gain == Gain::Free) + usize::from(channel.has_offset)
+        };
+        self.channels.iter().map(own).sum::<usize>() + usize::from(self.is_delay_free)
+    }
+
+    /// Sum of the residuals' squared weights.
+    pub(super) fn weight(&self) -> f64 {
+        let weights = self.channels.iter().enumerate();
+        weights.map(|(k, own)| own.samples.len() as f64 * self.uncertainty(k).powi(-2)).sum()
+    }
+
+    /// Uncertainty of a channel over its size; 1 where it is not known.
+    fn uncertainty(&self, channel: usize) -> f64 {
+        self.channels[channel].uncertainty.map_or(1.0, |u| u / self.sizes[channel])
+    }
+
+    /// The highest frequency in rad/s that a mesh must follow.
+    pub(super) fn highest_rad_s(&self, mesh: &Mesh) -> f64 {
+        let modes = natural_frequencies(mesh, FOLLOWED_MODES);
+        let nyquist = PI / self.step_s;
+        modes.last().map_or(nyquist, |highest| highest.min(nyquist))
+    }
+
+    /// The record over the histories of a link, its motor's friction included; none of a link that has none.
+    pub(super) fn fitted(&self, link: &Link, mesh: &Mesh) -> Option<RecordFit> {
+        let sensors: Vec<Sensor> = self.channels.iter().map(|channel| channel.sensor).collect();
+        let computed = sensed(link, mesh, &self.driven, self.step_s, &sensors).ok()?;
+        let histories: Vec<Overlaid> = self
+            .channels
+            .iter()
+            .zip(&computed)
+            .enumerate()
+            .map(|(k, (channel, computed))| Overlaid {
+                recorded: &channel.samples,
+                computed,
+                freedom: Freedom { gain: channel.gain, has_offset: channel.has_offset },
+                weight: 1.0 / (self.sizes[k] * self.uncertainty(k)),
+            })
+            .collect();
+        Some(RecordFit(Alignment::of(&histories, self.is_delay_free)))
+    }
+
+    /// The differences over their uncertainties, or over the size of the channel where that is not known.
+    pub(super) fn residuals(&self, fitted: &RecordFit) -> Vec<f64> {
+        let channels = fitted.0.differences.iter().enumerate();
+        let residuals = channels.flat_map(|(k, differences)| {
+            let unit = self.sizes[k] * self.uncertainty(k);
+            differences.iter().map(move |difference| difference / unit)
+        });
+        residuals.collect()
+    }
+}
+
+impl RecordInput {
+    /// What it does to the link: the torque or the angle, and the friction of a motor.
+    fn driven(self) -> (Driven, f64) {
+        match self {
+            Self::Torque(samples, interpolation) => (Driven::Torque(samples, interpolation), 0.0),
+            Self::Voltage(samples, interpolation, motor) => {
+                let torque_n_m_v = motor.torque_per_volt_n_m_v();
+                let samples = samples.iter().map(|volts| torque_n_m_v * volts).collect();
+                (Driven::Torque(samples, interpolation), motor.friction_n_m_s_rad())
+            }
+            Self::HubAngle(samples) => (Driven::Angle(samples), 0.0),
+        }
+    }
+}
+
+impl Channel {
+    /// Root mean square of the samples, about their mean if an offset is free.
+    fn size(&self) -> f64 {
+        let number = self.samples.len() as f64;
+        let mean = if self.has_offset { self.samples.iter().sum::<f64>() / number } else { 0.0 };
+        let sum: f64 = self.samples.iter().map(|sample| (sample - mean).powi(2)).sum();
+        (sum / number).sqrt()
+    }
+}
+
+/// Refuses samples that cannot be fitted to.
+fn check(channel: &str, samples: &[f64], must: usize) -> Result<(), RecordError> {
+    let channel = channel.to_owned();
+    let found = samples.len();
+    if found != must || found < FEWEST {
+        return Err(RecordError::Samples { channel, found, must });
+    }
+    if let Some(sample) = samples.iter().position(|sample| !sample.is_finite()) {
+        return Err(RecordError::NotFinite { channel, sample, found: samples[sample] });
+    }
+    Ok(())
+}
+
+fn is_constant(samples: &[f64]) -> bool {
+    samples.windows(2).all(|pair| pair[0].total_cmp(&pair[1]).is_eq())
+}
+
+impl RecordMisfit {
+    pub(super) fn of(record: &Record, RecordFit(alignment): &RecordFit) -> Self {
+        let Alignment { delay, lines, differences } = alignment;
+        let channels = record.channels.iter().zip(lines).zip(differences).enumerate();
+        let channels = channels.map(|(k, ((channel, line), differences))| {
+            let sum: f64 = differences.iter().map(|difference| difference * difference).sum();
+            let rms = (sum / differences.len() as f64).sqrt() / record.sizes[k];
+            let gain = (channel.gain != Gain::Known).then_some(line.gain);
+            let offset = channel.has_offset.then_some(line.offset);
+            ChannelMisfit { sensor: channel.sensor, gain, offset, rms }
+        });
+        Self {
+            name: record.name.clone(),
+            samples: record.channels[0].samples.len(),
+            delay_s: record.is_delay_free.then_some(delay * record.step_s),
+            is_delay_at_bound: delay.abs() >= LONGEST_DELAY,
+            channels: channels.collect(),
+        }
+    }
+}

@@ -1,0 +1,273 @@
+use std::f64::consts::PI;
+
+use super::error::SimulationError;
+use super::modes::{Coordinate, Equations, HubReaction};
+use super::play::{Cubic, Interpolation, pieces};
+use super::stepper::Stepper;
+use crate::beam::Mesh;
+use crate::link::Link;
+use crate::modal::{DampingLaw, ModalBasis, hub_moves_mass, modes_below};
+use crate::model::Sensor;
+
+/// Most modes that sensors show; one residual mode stands for the others.
+const MOST_MODES: usize = 100;
+
+/// Rotary inertia of a hub that is moved as recorded, over that of the rigid link: the link turns it by
+/// less than a recording shows.
+const HEAVY: f64 = 1e8;
+
+/// Steps of rest before a hub moves, after which its spline has no slope.
+const STEPS_OF_REST: usize = 40;
+
+/// What drives a link from rest, at uniform times.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Driven {
+    /// Samples of the torque at the hub in N m, zero before the first, and how it goes on between them.
+    Torque(Vec<f64>, Interpolation),
+    /// Hub angles in rad, at rest at the first of them before; a cubic spline leads through them.
+    Angle(Vec<f64>),
+}
+
+/// What sensors show of a link, at the samples of what drives it: a history for each of them.
+///
+/// Angle and deflection begin at 0. The modes below the Nyquist frequency are integrated as by [`simulate`],
+/// the others act as one residual mode. A hub that is moved as recorded is one so heavy that the link does not
+/// turn it, under the torque `I θ̈`.
+///
+/// [`simulate`]: super::simulate
+///
+/// # Errors
+/// [`SimulationError`]: a damping law that the mesh does not allow, a hub that moves no mass, fewer than four
+/// samples.
+pub fn sensed(
+    link: &Link,
+    mesh: &Mesh,
+    driven: &Driven,
+    step_s: f64,
+    sensors: &[Sensor],
+) -> Result<Vec<Vec<f64>>, SimulationError> {
+    // Of a moving hub too, the coefficients are those of the link on its own hub.
+    let law = DampingLaw::of(link, mesh)?;
+    let rigid_kg_m2 = link.rigid_inertia_kg_m2();
+    let heavy = || mesh.clone().with_hub_inertia(HEAVY * rigid_kg_m2);
+    let (mesh, friction) = match driven {
+        Driven::Torque(..) => (mesh.clone(), link.hub().viscous_friction_n_m_s_rad),
+        Driven::Angle(_) => (heavy(), 0.0),
+    };
+    if !hub_moves_mass(&mesh) {
+        return Err(SimulationError::MasslessHub);
+    }
+    let modes = modes_below(&mesh, PI / step_s).saturating_sub(1).clamp(1, MOST_MODES);
+    let reaction = HubReaction {
+        damping_n_m_s_rad: friction,
+        friction_n_m_s_rad: friction,
+        ..HubReaction::default()
+    };
+    let equations = Equations::new(&mesh, &law, ModalBasis::lowest(&mesh, modes), reaction);
+    let root_n_m2 = link.segments()[0].bending_stiffness_n_m2.inner;
+    let rows: Vec<Row> =
+        sensors.iter().map(|sensor| Row::of(*sensor, &equations, &mesh, root_n_m2)).collect();
+    let shown = match driven {
+        Driven::Torque(samples, interpolation) => {
+            let last = samples.last().copied().unwrap_or_default();
+            shown(&equations, &rows, (&pieces(samples, *interpolation), last), step_s)
+        }
+        Driven::Angle(angle_rad) => {
+            // q̈ of the rigid rotation is p u, and its hub angle p q.
+            let inertia_kg_m2 = equations.coordinates[0].hub_angle.powi(-2);
+            let steps = accelerations(angle_rad, step_s);
+            let torque: Vec<Cubic> =
+                steps.iter().map(|cubic| cubic.map(|part| inertia_kg_m2 * part)).collect();
+            let last = torque.last().map(|cubic| cubic.iter().sum()).unwrap_or_default();
+            let histories = shown(&equations, &rows, (&torque, last), step_s).into_iter();
+            histories.map(|history| history[STEPS_OF_REST..].to_vec()).collect()
+        }
+    };
+    Ok(shown)
+}
+
+/// Acceleration in rad/s² over each step of the spline through hub angles, after steps of rest.
+fn accelerations(angle_rad: &[f64], step_s: f64) -> Vec<Cubic> {
+    let rested: Vec<f64> =
+        std::iter::repeat_n(angle_rad[0], STEPS_OF_REST).chain(angle_rad.iter().copied()).collect();
+    let square = step_s * step_s;
+    let bent = |[_, _, bend, third]: Cubic| [2.0 * bend / square, 6.0 * third / square, 0.0, 0.0];
+    pieces(&rested, Interpolation::Cubic).into_iter().map(bent).collect()
+}
+
+/// A sensor's value of coordinates, of their rates, and of the input.
+#[expect(clippy::struct_field_names, reason = "factors on each")]
+struct Row {
+    on_coordinates: Vec<f64>,
+    on_rates: Vec<f64>,
+    on_input: f64,
+}
+
+impl Row {
+    fn of(sensor: Sensor, equations: &Equations, mesh: &Mesh, root_n_m2: f64) -> Self {
+        let Equations { coordinates, reaction, .. } = equations;
+        let row = |of: &dyn Fn(&Coordinate) -> f64| coordinates.iter().map(of).collect::<Vec<_>>();
+        let nothing = || vec![0.0; coordinates.len()];
+        let (on_coordinates, on_rates, on_input) = match sensor {
+            Sensor::HubAngle => (row(&|c| c.hub_angle), nothing(), 0.0),
+            Sensor::HubRate => (nothing(), row(&|c| c.hub_angle), 0.0),
+            Sensor::TipDeflection => {
+                (row(&|c| c.tip - mesh.length_m() * c.hub_angle), nothing(), 0.0)
+            }
+            Sensor::TipAcceleration => {
+                let on_input: f64 = coordinates.iter().map(|c| c.tip * c.hub_angle).sum();
+                let friction = on_input * reaction.damping_n_m_s_rad;
+                let on_rate = |c: &Coordinate| -c.tip * c.rate_per_s - friction * c.hub_angle;
+                (row(&|c| -c.tip * c.square), row(&on_rate), on_input)
+            }
+            Sensor::RootStrain => (equations.root_curvatures(mesh, root_n_m2), nothing(), 0.0),
+        };
+        Self { on_coordinates, on_rates, on_input }
+    }
+}
+
+impl Equations {
+    /// Curvature of each coordinate's shape at the root, in 1/m.
+    ///
+    /// A mode bends the link as its inertia forces, ω² times its shape, would. The residual mode bends it as
+    /// a constant torque does, less what the modes kept do.
+    fn root_curvatures(&self, mesh: &Mesh, root_n_m2: f64) -> Vec<f64> {
+        let moments: Vec<f64> = self.shapes.iter().map(|shape| shape.moments(mesh)[0]).collect();
+        let modes = self.modes;
+        let all = self.coordinates.iter().zip(&moments);
+        let per_torque: f64 = all.take(modes + 1).map(|(c, moment)| c.hub_angle * moment).sum();
+        let bent = self.coordinates.iter().zip(&moments).enumerate().map(|(k, (c, moment))| {
+            if k <= modes { c.square * moment } else { -c.square / c.hub_angle * per_torque }
+        });
+        bent.map(|moment| moment / root_n_m2).collect()
+    }
+}
+
+/// What sensors show from rest, before the first and after each of these steps of the input, which ends with
+/// the value `last`.
+fn shown(
+    equations: &Equations,
+    rows: &[Row],
+    (steps, last): (&[Cubic], f64),
+    step_s: f64,
+) -> Vec<Vec<f64>> {
+    let stepper = Stepper::new(equations, step_s);
+    let factors: Vec<Vec<f64>> =
+        rows.iter().map(|row| stepper.factors(&row.on_coordinates, &row.on_rates)).collect();
+    let mut inputs = steps.iter().map(|cubic| cubic[0]).chain([last]);
+    let mut histories = vec![Vec::with_capacity(steps.len() + 1); rows.len()];
+    stepper.run(steps.iter().copied(), |stepper| {
+        let input = inputs.next().unwrap_or(0.0);
+        for ((row, factors), history) in rows.iter().zip(&factors).zip(&mut histories) {
+            history.push(stepper.shown(factors) + row.on_input * input);
+        }
+    });
+    histories
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::{Hub, LinkParts, LumpedMass, Payload, uniform};
+    use crate::numeric::largest;
+    use crate::response::{Play, Simulation, Torque, simulate_on};
+
+    const STEP_S: f64 = 0.005;
+
+    const ALL: [Sensor; 5] = [
+        Sensor::HubAngle,
+        Sensor::HubRate,
+        Sensor::TipDeflection,
+        Sensor::TipAcceleration,
+        Sensor::RootStrain,
+    ];
+
+    fn link(viscous_friction_n_m_s_rad: f64) -> Link {
+        Link::new(LinkParts {
+            hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad },
+            masses: vec![LumpedMass { at_m: 0.9, mass_kg: 0.2, inertia_kg_m2: 0.001 }],
+            payload: Payload { mass_kg: 0.3, inertia_kg_m2: 0.002, offset_m: 0.0 },
+            ..uniform()
+        })
+        .unwrap()
+    }
+
+    /// A torque sin³ of 0.6 s, then nothing for as long.
+    fn torque() -> Vec<f64> {
+        let at = |k: i32| {
+            let phase = std::f64::consts::TAU * f64::from(k) / 120.0;
+            if k <= 120 { 2.0 * phase.sin().powi(3) } else { 0.0 }
+        };
+        (0..=240).map(at).collect()
+    }
+
+    fn simulated(link: &Link, mesh: &Mesh) -> Simulation {
+        let time_s: Vec<f64> = (0..=240).map(|k| STEP_S * f64::from(k)).collect();
+        let torque = Torque::new(&time_s, torque()).unwrap();
+        simulate_on(link, mesh.clone(), &Play::of(&torque)).unwrap()
+    }
+
+    /// Largest difference over the largest value.
+    fn off(found: &[f64], exact: &[f64]) -> f64 {
+        assert_eq!(found.len(), exact.len());
+        let differences: Vec<f64> = found.iter().zip(exact).map(|(a, b)| a - b).collect();
+        largest(&differences) / largest(exact)
+    }
+
+    #[test]
+    fn sensors_show_what_the_simulation_computes() {
+        for friction in [0.0, 0.2] {
+            let link = link(friction);
+            let mesh = Mesh::on(&link, 20);
+            let simulation = simulated(&link, &mesh);
+            let driven = Driven::Torque(torque(), Interpolation::Cubic);
+            let found = sensed(&link, &mesh, &driven, STEP_S, &ALL).unwrap();
+            let exact = [
+                &simulation.hub_angle_rad,
+                &simulation.hub_rate_rad_s,
+                &simulation.tip_deflection_m(),
+                &simulation.tip.acceleration_m_s2,
+            ];
+            for ((sensor, found), exact) in ALL.iter().zip(&found).zip(exact) {
+                let error = off(found, exact);
+                assert!(error < 1e-5, "{sensor:?}: {error:e}");
+            }
+        }
+    }
+
+    /// The hub moved as the torque moves it: modes of the clamped link instead of those of the free one.
+    #[test]
+    fn a_hub_moved_as_recorded_bends_the_link_as_the_torque_does() {
+        let link = link(0.2);
+        let mesh = Mesh::on(&link, 20);
+        let hub_angle_rad = simulated(&link, &mesh).hub_angle_rad;
+        let torque = Driven::Torque(torque(), Interpolation::Cubic);
+        let exact = sensed(&link, &mesh, &torque, STEP_S, &ALL).unwrap();
+        let found = sensed(&link, &mesh, &Driven::Angle(hub_angle_rad), STEP_S, &ALL).unwrap();
+        for ((sensor, found), exact) in ALL.iter().zip(&found).zip(&exact) {
+            let error = off(found, exact);
+            assert!(error < 1e-3, "{sensor:?}: {error:e}");
+        }
+    }
+
+    /// A torque that grows slowly to a constant leaves the link bent as its constant acceleration bends it:
+    /// `EI w'' = −∫ m̄ x (x − r) dx θ̈`, here of the masses, too.
+    #[test]
+    fn the_strain_at_the_root_is_that_of_the_moment_there() {
+        let link = link(0.0);
+        let mesh = Mesh::on(&link, 20);
+        let at = |k: i32| {
+            let s = (f64::from(k) / 1800.0).min(1.0);
+            s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+        };
+        let torque = Driven::Torque((0..2000).map(at).collect(), Interpolation::Cubic);
+        let found = sensed(&link, &mesh, &torque, STEP_S, &[Sensor::RootStrain]).unwrap();
+        let (root, tip) = (0.05, link.length_m());
+        let beam = |x: f64| 0.8 * (x.powi(3) / 3.0 - root * x * x / 2.0);
+        let body = |mass: f64, x: f64, inertia: f64| mass * x * (x - root) + inertia;
+        let moment = beam(tip) - beam(root) + body(0.2, 0.9, 0.001) + body(0.3, tip, 0.002);
+        let exact = -moment / link.rigid_inertia_kg_m2() / 5.0;
+        let last = found[0].last().unwrap();
+        assert!((last / exact - 1.0).abs() < 1e-4, "{last} is not {exact}");
+    }
+}

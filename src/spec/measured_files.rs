@@ -1,0 +1,342 @@
+//! Measured values in files of their own: frequency responses and recorded histories.
+
+use super::error::Fault;
+use super::value::{Length, Si, tables};
+use crate::fit::{Gain, Motor, RecordedInput};
+use crate::model::Sensor;
+use crate::response::Interpolation;
+
+/// A frequency response in a file of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResponseFile {
+    /// The file, relative to that which names it.
+    pub file: String,
+    /// What was measured.
+    pub transfer: Sensor,
+    /// True if it was measured per volt at the motor, not per torque.
+    pub is_per_volt: bool,
+    /// Whether its scale is known.
+    pub gain: Gain,
+    /// Distance of a strain gauge from the neutral axis in m, or 1.
+    pub distance_m: f64,
+    /// Relative uncertainty of its values.
+    pub uncertainty: Option<f64>,
+}
+
+/// Recorded histories in a file of their own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordFile {
+    /// The file, relative to that which names it.
+    pub file: String,
+    /// What drives the link.
+    pub input: RecordedInput,
+    /// How a torque or a voltage goes on between its samples.
+    pub hold: Interpolation,
+    /// True if the sensors may be late.
+    pub is_delay_free: bool,
+    /// Lines to leave out at the beginning.
+    pub skip: usize,
+    /// Which column holds which quantity, as for `--columns`.
+    pub columns: Vec<String>,
+    /// The sensors.
+    pub channels: Vec<ChannelFile>,
+}
+
+/// A sensor's column of a record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChannelFile {
+    /// The sensor.
+    pub sensor: Sensor,
+    /// Whether its scale is known.
+    pub gain: Gain,
+    /// True if a constant may be added.
+    pub has_offset: bool,
+    /// Distance of a strain gauge from the neutral axis in m, or 1.
+    pub distance_m: f64,
+    /// Standard uncertainty of a sample in the unit of its column.
+    pub uncertainty: Option<f64>,
+}
+
+/// `[motor]`
+#[derive(Debug, Clone, Copy, serde::Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct RawMotor {
+    torque_constant: f64,
+    resistance: f64,
+    gear_ratio: Option<f64>,
+}
+
+/// `[[response]]`
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct RawResponse {
+    file: String,
+    transfer: RawSensor,
+    per: Option<RawPer>,
+    gain: Option<RawGain>,
+    distance: Option<Length>,
+    uncertainty: Option<f64>,
+}
+
+/// `[[record]]`
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct RawRecord {
+    file: String,
+    input: RawInput,
+    hold: Option<RawHold>,
+    delay: Option<RawFreedom>,
+    skip: Option<u32>,
+    #[serde(default)]
+    columns: Vec<String>,
+    #[serde(default, deserialize_with = "tables")]
+    channel: Vec<RawChannel>,
+}
+
+/// `[[record.channel]]`
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct RawChannel {
+    sensor: RawSensor,
+    gain: Option<RawGain>,
+    offset: Option<RawFreedom>,
+    distance: Option<Length>,
+    uncertainty: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "snake_case", expecting = "a string")]
+enum RawSensor {
+    HubAngle,
+    HubRate,
+    TipDeflection,
+    TipAcceleration,
+    RootStrain,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase", expecting = "a string")]
+enum RawPer {
+    Torque,
+    Volt,
+}
+
+#[derive(Debug, Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase", expecting = "a string")]
+enum RawGain {
+    Known,
+    Sign,
+    Free,
+}
+
+#[derive(Debug, Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "snake_case", expecting = "a string")]
+enum RawInput {
+    Torque,
+    Voltage,
+    HubAngle,
+}
+
+#[derive(Debug, Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase", expecting = "a string")]
+enum RawHold {
+    Zero,
+    Linear,
+    Cubic,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase", expecting = "a string")]
+enum RawFreedom {
+    Known,
+    Free,
+}
+
+impl RawSensor {
+    fn sensor(self) -> Sensor {
+        match self {
+            Self::HubAngle => Sensor::HubAngle,
+            Self::HubRate => Sensor::HubRate,
+            Self::TipDeflection => Sensor::TipDeflection,
+            Self::TipAcceleration => Sensor::TipAcceleration,
+            Self::RootStrain => Sensor::RootStrain,
+        }
+    }
+
+    /// Distance of a strain gauge from the neutral axis in m; 1 of other sensors, and where a free gain
+    /// stands for it.
+    fn distance_m(self, path: &str, gain: Gain, distance: Option<Length>) -> Result<f64, Fault> {
+        let key = || format!("{path}.distance");
+        match (self, distance.map(Si::si)) {
+            (Self::RootStrain, None) if gain != Gain::Free => {
+                let message =
+                    format!("{} is missing: that of the gauge from the neutral axis", key());
+                let hint = "half the thickness of a strip; or gain = \"free\"";
+                Err(Fault::new(path, message).hinting(hint.to_owned()))
+            }
+            (Self::RootStrain, Some(distance_m)) => {
+                checked(path, "distance", distance_m).map(|()| distance_m)
+            }
+            (_, Some(_)) => {
+                let message = format!("{} must stand beside root_strain alone", key());
+                Err(Fault::new(key(), message))
+            }
+            (_, None) => Ok(1.0),
+        }
+    }
+}
+
+impl RawGain {
+    fn gain(gain: Option<Self>) -> Gain {
+        match gain {
+            Some(Self::Free) => Gain::Free,
+            Some(Self::Sign) => Gain::Sign,
+            Some(Self::Known) | None => Gain::Known,
+        }
+    }
+}
+
+impl RawMotor {
+    pub(super) fn convert(self) -> Result<Motor, Fault> {
+        let Self { torque_constant, resistance, gear_ratio } = self;
+        Motor::new(torque_constant, resistance, gear_ratio.unwrap_or(1.0))
+            .map_err(|error| Fault::new(error.parameter.clone(), error.to_string()))
+    }
+}
+
+impl RawResponse {
+    pub(super) fn convert(self, path: &str, has_motor: bool) -> Result<ResponseFile, Fault> {
+        let Self { file, transfer, per, gain, distance, uncertainty } = self;
+        uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
+        let gain = RawGain::gain(gain);
+        let is_per_volt = per == Some(RawPer::Volt);
+        if is_per_volt {
+            check_motor(&format!("{path}.per"), "volt", has_motor)?;
+        }
+        let distance_m = transfer.distance_m(path, gain, distance)?;
+        let transfer = transfer.sensor();
+        Ok(ResponseFile { file, transfer, is_per_volt, gain, distance_m, uncertainty })
+    }
+}
+
+impl RawRecord {
+    pub(super) fn convert(self, path: &str, has_motor: bool) -> Result<RecordFile, Fault> {
+        let input = match self.input {
+            RawInput::Torque => RecordedInput::Torque,
+            RawInput::Voltage => RecordedInput::Voltage,
+            RawInput::HubAngle => RecordedInput::HubAngle,
+        };
+        if input == RecordedInput::Voltage {
+            check_motor(&format!("{path}.input"), "voltage", has_motor)?;
+        }
+        if let (RecordedInput::HubAngle, Some(_)) = (input, self.hold) {
+            let path = format!("{path}.hold");
+            let message = format!("{path} must not stand beside input = \"hub_angle\", a spline");
+            return Err(Fault::new(path, message));
+        }
+        let hold = match self.hold {
+            Some(RawHold::Zero) => Interpolation::Zero,
+            Some(RawHold::Linear) => Interpolation::Linear,
+            Some(RawHold::Cubic) | None => Interpolation::Cubic,
+        };
+        if self.channel.is_empty() {
+            let message = format!("{path}.channel is missing: at least one sensor must be named");
+            let hint = "[[record.channel]] with sensor = \"hub_angle\"";
+            return Err(Fault::new(path, message).hinting(hint.to_owned()));
+        }
+        let mut channels: Vec<ChannelFile> = Vec::new();
+        for (number, raw) in self.channel.into_iter().enumerate() {
+            let path = format!("{path}.channel.{number}");
+            let channel = raw.convert(&path)?;
+            let is_input = channel.sensor.word() == input.word();
+            if is_input || channels.iter().any(|earlier| earlier.sensor == channel.sensor) {
+                let path = format!("{path}.sensor");
+                let word = channel.sensor.word();
+                let message =
+                    format!("{path} = \"{word}\", but must be none that is there already");
+                return Err(Fault::new(path, message));
+            }
+            channels.push(channel);
+        }
+        Ok(RecordFile {
+            file: self.file,
+            input,
+            hold,
+            is_delay_free: self.delay == Some(RawFreedom::Free),
+            skip: self.skip.unwrap_or_default() as usize,
+            columns: self.columns,
+            channels,
+        })
+    }
+}
+
+impl RawChannel {
+    fn convert(&self, path: &str) -> Result<ChannelFile, Fault> {
+        let Self { sensor, gain, offset, distance, uncertainty } = *self;
+        uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
+        let gain = RawGain::gain(gain);
+        let distance_m = sensor.distance_m(path, gain, distance)?;
+        let has_offset = offset == Some(RawFreedom::Free);
+        Ok(ChannelFile { sensor: sensor.sensor(), gain, has_offset, distance_m, uncertainty })
+    }
+}
+
+fn check_motor(path: &str, found: &str, has_motor: bool) -> Result<(), Fault> {
+    if has_motor {
+        return Ok(());
+    }
+    let message = format!("{path} = \"{found}\", but must stand beside [motor]");
+    let hint = "[motor] with torque_constant in N m/A and resistance in ohm";
+    Err(Fault::new(path, message).hinting(hint.to_owned()))
+}
+
+pub(super) fn checked(path: &str, key: &str, number: f64) -> Result<(), Fault> {
+    if number.is_finite() && number > 0.0 {
+        return Ok(());
+    }
+    let path = format!("{path}.{key}");
+    Err(Fault::new(path.clone(), format!("{path} = {number}, but must be above 0")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_measurements;
+
+    const MOTOR: &str = "[motor]\ntorque_constant = 0.042\nresistance = 8.4\n";
+
+    #[test]
+    fn what_contradicts_itself_is_refused_with_its_line() {
+        let record = |rest: &str| format!("[[record]]\nfile = 'r.csv'\n{rest}");
+        for (text, expected) in [
+            (
+                record("input = 'voltage'\n[[record.channel]]\nsensor = 'hub_angle'\n"),
+                "m.toml:3: record.0.input = \"voltage\", but must stand beside [motor]",
+            ),
+            (
+                record("input = 'torque'\n"),
+                "m.toml:1: record.0.channel is missing: at least one sensor must be named",
+            ),
+            (
+                record("input = 'hub_angle'\n[[record.channel]]\nsensor = 'hub_angle'\n"),
+                "m.toml:5: record.0.channel.0.sensor = \"hub_angle\", but must be none that is there already",
+            ),
+            (
+                record("input = 'torque'\n[[record.channel]]\nsensor = 'root_strain'\n"),
+                "m.toml:4: record.0.channel.0.distance is missing: that of the gauge from the neutral axis",
+            ),
+            (
+                "[[response]]\nfile = 'f.csv'\ntransfer = 'hub_angle'\ndistance = 1\n".to_owned(),
+                "m.toml:4: response.0.distance must stand beside root_strain alone",
+            ),
+            (
+                MOTOR.replace("8.4", "0"),
+                "m.toml:3: motor.resistance = 0 ohm, but must be finite and above 0",
+            ),
+        ] {
+            assert_eq!(read_measurements("m.toml", &text).unwrap_err().to_string(), expected);
+        }
+        let text = record("input = 'voltage'\n[[record.channel]]\nsensor = 'hub_angle'\n") + MOTOR;
+        let read = read_measurements("m.toml", &text).unwrap();
+        assert!(read.motor.is_some() && read.records[0].channels[0].uncertainty.is_none());
+    }
+}

@@ -1,0 +1,182 @@
+//! Links fitted to recorded histories: Fourier sums of the closed form over a long period, with noise.
+
+use std::f64::consts::TAU;
+
+use flexlink::fit::{Channel, FitOutcome, Gain, Measurements, Misfit, Motor, Record, RecordInput};
+use flexlink::model::Sensor;
+use flexlink::response::Interpolation;
+use num_complex::Complex64;
+
+use super::synthetic::Random;
+use super::{fitted, free_text};
+
+/// Damping in proportion to stiffness: 3 % in the first mode.
+const BETA_S: f64 = 0.006;
+
+/// The period, in which every vibration decays to 1e-6, and the record at its beginning.
+const PERIOD_S: f64 = 60.0;
+const STEP_S: f64 = 0.01;
+const SAMPLES: usize = 1000;
+
+/// Harmonics up to 8 Hz.
+const HARMONICS: usize = 480;
+
+const MECHANICAL: [&str; 4] =
+    ["segments.*.EI", "segments.*.mass_per_length", "hub.inertia", "payload.mass"];
+
+/// A transfer of the closed form per torque, with viscous stiffness.
+fn per_torque(sensor: Sensor, omega: f64) -> Complex64 {
+    super::per_torque(sensor, omega, Complex64::new(1.0, omega * BETA_S))
+}
+
+/// Amplitude of the torque, the second derivative of a Gaussian 1 s after the beginning: neither its impulse
+/// nor its first moment moves the hub for good.
+fn torque(omega: f64) -> Complex64 {
+    let sigma = 0.09;
+    let width = sigma * TAU.sqrt() / PERIOD_S;
+    let size = -(omega * sigma).powi(2) * (-0.5 * (omega * sigma).powi(2)).exp();
+    Complex64::from_polar(6.0 * width * size, -omega)
+}
+
+/// The history of an amplitude from `late_s` after the beginning of the period.
+fn history(amplitude: impl Fn(f64) -> Complex64, late_s: f64) -> Vec<f64> {
+    let terms: Vec<(f64, Complex64)> = (1..=HARMONICS)
+        .map(|k| TAU * k as f64 / PERIOD_S)
+        .map(|omega| (omega, amplitude(omega)))
+        .collect();
+    let at = |time_s: f64| {
+        terms.iter().map(|(omega, a)| 2.0 * (a * Complex64::cis(omega * time_s)).re).sum()
+    };
+    (0..SAMPLES).map(|k| at(STEP_S * k as f64 - late_s)).collect()
+}
+
+/// What a sensor records with noise of a share of its size: `gain · exact + offset`.
+fn channel(
+    sensor: Sensor,
+    (gain, offset): (f64, f64),
+    late_s: f64,
+    random: &mut Random,
+) -> Channel {
+    let mut exact = history(|omega| torque(omega) * per_torque(sensor, omega), late_s);
+    // The sum leaves the mean open: it is that of a link at rest before.
+    let rest = exact[0];
+    exact.iter_mut().for_each(|x| *x -= rest);
+    let rms = (exact.iter().map(|x| x * x).sum::<f64>() / exact.len() as f64).sqrt();
+    let noise = 0.02 * gain.abs() * rms;
+    let samples = exact.iter().map(|x| gain * x + offset + noise * random.normal());
+    let is_si = gain == 1.0;
+    Channel {
+        sensor,
+        gain: if is_si { Gain::Known } else { Gain::Free },
+        has_offset: offset != 0.0,
+        uncertainty: Some(noise),
+        samples: samples.collect(),
+    }
+}
+
+fn measured(input: RecordInput, channels: Vec<Channel>, is_delay_free: bool) -> Measurements {
+    let record = Record::new("r.csv".into(), STEP_S, input, channels, is_delay_free).unwrap();
+    Measurements::new(vec![], vec![], vec![record]).unwrap()
+}
+
+fn torque_input() -> RecordInput {
+    RecordInput::Torque(history(torque, 0.0), Interpolation::Cubic)
+}
+
+/// Fits from a file whose free values are all wrong.
+fn fit(measured: &Measurements, free: &[&str]) -> FitOutcome {
+    let beta_s = if free.contains(&"damping.beta") { 0.0036 } else { BETA_S };
+    let damping = format!("model = 'rayleigh'\nbeta = {beta_s}");
+    fitted(&free_text([7.0, 0.6, 0.13, 0.2], &damping), measured, free).unwrap()
+}
+
+/// The true factors lie within three standard errors, which are below 3 %.
+fn check(found: &FitOutcome) {
+    assert_eq!((&found.misfit, found.undetermined.len()), (&None, 0), "{found:?}");
+    for value in &found.values {
+        let exact = match value.path.as_str() {
+            "segments.*.EI" => 5.0 / 7.0,
+            "segments.*.mass_per_length" => 0.8 / 0.6,
+            "hub.inertia" => 0.1 / 0.13,
+            "payload.mass" => 0.3 / 0.2,
+            _ => BETA_S / 0.0036,
+        };
+        let error = value.relative_standard_error.unwrap();
+        assert!(error < 0.03, "{value:?}");
+        assert!((value.factor / exact).ln().abs() < 3.0 * error, "{value:?}, not {exact}");
+    }
+}
+
+#[test]
+fn a_torque_and_two_sensors_in_si_determine_all_five_values() {
+    let mut random = Random(31);
+    let sensors = [Sensor::HubAngle, Sensor::TipAcceleration];
+    let channels = sensors.map(|sensor| channel(sensor, (1.0, 0.0), 0.0, &mut random));
+    let measured = measured(torque_input(), channels.to_vec(), false);
+    check(&fit(&measured, &[&MECHANICAL[..], &["damping.beta"]].concat()));
+}
+
+#[test]
+fn gain_sign_offset_and_delay_are_found_beside_the_values() {
+    let mut random = Random(32);
+    let late_s = 0.0234;
+    let channels = vec![
+        channel(Sensor::HubAngle, (1.0, 0.4), late_s, &mut random),
+        channel(Sensor::RootStrain, (-37.0, 2.0), late_s, &mut random),
+    ];
+    let found = fit(&measured(torque_input(), channels, true), &MECHANICAL);
+    check(&found);
+    let record = &found.records[0];
+    assert!((record.delay_s.unwrap() / late_s - 1.0).abs() < 0.03, "{record:?}");
+    assert!((record.channels[1].gain.unwrap() / -37.0 - 1.0).abs() < 0.02, "{record:?}");
+    assert!((record.channels[1].offset.unwrap() - 2.0).abs() < 0.02, "{record:?}");
+    assert!((record.channels[0].offset.unwrap() - 0.4).abs() < 0.02, "{record:?}");
+}
+
+/// `V = T/k + N k_t θ̇` with `k = N k_t/R`.
+#[test]
+fn a_voltage_drives_the_link_through_its_motor() {
+    let (constant, resistance, gear) = (0.042, 8.4, 30.0);
+    let motor = Motor::new(constant, resistance, gear).unwrap();
+    let voltage = |omega| {
+        let back = gear * constant * per_torque(Sensor::HubRate, omega);
+        torque(omega) * (resistance / (gear * constant) + back)
+    };
+    let input = RecordInput::Voltage(history(voltage, 0.0), Interpolation::Cubic, motor);
+    let mut random = Random(33);
+    let sensors = [Sensor::HubAngle, Sensor::TipDeflection];
+    let channels = sensors.map(|sensor| channel(sensor, (1.0, 0.0), 0.0, &mut random));
+    check(&fit(&measured(input, channels.to_vec(), false), &MECHANICAL));
+}
+
+#[test]
+fn a_recorded_hub_says_nothing_of_its_inertia() {
+    let angle = history(|omega| torque(omega) * per_torque(Sensor::HubAngle, omega), 0.0);
+    let mut random = Random(34);
+    let sensors = [Sensor::TipDeflection, Sensor::TipAcceleration];
+    let channels = sensors.map(|sensor| channel(sensor, (1.0, 0.0), 0.0, &mut random));
+    let measured = measured(RecordInput::HubAngle(angle), channels.to_vec(), false);
+    let found = fit(&measured, &["segments.*.EI", "hub.inertia", "damping.beta"]);
+    let powers: Vec<&str> = found
+        .undetermined
+        .iter()
+        .flat_map(|of| &of.powers)
+        .map(|(path, _)| path.as_str())
+        .collect();
+    assert_eq!(powers, ["hub.inertia"], "{found:?}");
+    let found = fitted(
+        &free_text([7.0, 0.8, 0.1, 0.3], "model = 'rayleigh'\nbeta = 0.0036"),
+        &measured,
+        &["segments.*.EI", "damping.beta"],
+    );
+    check(&found.unwrap());
+}
+
+#[test]
+fn a_record_of_another_sensor_is_no_fit() {
+    let mut random = Random(35);
+    let mut wrong = channel(Sensor::HubAngle, (1.0, 0.0), 0.0, &mut random);
+    wrong.sensor = Sensor::TipDeflection;
+    let found = fit(&measured(torque_input(), vec![wrong], false), &MECHANICAL);
+    assert!(matches!(found.misfit, Some(Misfit::Far { .. })), "{found:?}");
+}
