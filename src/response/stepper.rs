@@ -1,5 +1,3 @@
-use std::ops::Range;
-
 use nalgebra::DMatrix;
 
 use super::modes::{Equations, HubReaction};
@@ -19,20 +17,24 @@ const TERMS: usize = 4;
 /// term of the cubic (Van Loan 1978).
 #[derive(Debug, Clone)]
 pub(super) struct Stepper {
-    blocks: Vec<Block>,
+    count: usize,
+    transition: Transition,
+    /// Answers of the state to the terms of the cubic.
+    answers: [Vec<f64>; TERMS],
     /// Coordinates and rates are kept in one unit: s q and q̇, s = max(ω, 1/Δt).
     scales: Vec<f64>,
+    /// Scaled coordinates, then rates.
     state: Vec<f64>,
     next: Vec<f64>,
 }
 
-/// Coupled coordinates: all of them where a reaction at the hub couples them, else each alone.
+/// What a step makes of the state without a torque, column by column so that the rows are vectors.
 #[derive(Debug, Clone)]
-struct Block {
-    first: usize,
-    count: usize,
-    /// Rows of the transition, 2 × count, each with its four answers to the cubic.
-    rows: Vec<f64>,
+enum Transition {
+    /// Each coordinate by itself: the factors on it and on its rate.
+    Alone { on_coordinates: Vec<f64>, on_rates: Vec<f64> },
+    /// All coordinates, which a reaction at the hub couples: the columns one after the other.
+    Coupled(Vec<f64>),
 }
 
 impl Stepper {
@@ -44,35 +46,62 @@ impl Stepper {
         // Without a reaction at the hub the modes are not coupled.
         let HubReaction { stiffness_n_m_rad, damping_n_m_s_rad, .. } = equations.reaction;
         let is_coupled = stiffness_n_m_rad != 0.0 || damping_n_m_s_rad != 0.0;
-        let size = if is_coupled { count } else { 1 };
-        let block = |first: usize| Block::new(equations, &scales, first, size, step_s);
-        let blocks = (0..count).step_by(size).map(block).collect();
-        Self { blocks, scales, state: vec![0.0; 2 * count], next: vec![0.0; 2 * count] }
+        let step = |first, size| exponential(&generator(equations, &scales, first, size, step_s));
+        let (transition, answers) = if is_coupled {
+            let step = step(0, count);
+            let column = |column: usize| (0..2 * count).map(|row| step[(row, column)]).collect();
+            let transition = (0..2 * count).flat_map(|k| -> Vec<f64> { column(k) }).collect();
+            (Transition::Coupled(transition), [0, 1, 2, 3].map(|term| column(2 * count + term)))
+        } else {
+            let steps: Vec<DMatrix<f64>> = (0..count).map(|first| step(first, 1)).collect();
+            let column = |column: usize| {
+                let rows = [0, 1].into_iter();
+                rows.flat_map(|row| steps.iter().map(move |step| step[(row, column)])).collect()
+            };
+            let (on_coordinates, on_rates) = (column(0), column(1));
+            (Transition::Alone { on_coordinates, on_rates }, [2, 3, 4, 5].map(column))
+        };
+        let rest = || vec![0.0; 2 * count];
+        Self { count, transition, answers, scales, state: rest(), next: rest() }
     }
 
     /// Continues from these coordinates and rates.
     pub(super) fn starting_at(mut self, coordinates: &[f64], rates: &[f64]) -> Self {
-        for block in &self.blocks {
-            let own = block.first..block.first + block.count;
-            let (scaled, rate) = self.state[block.states()].split_at_mut(block.count);
-            rate.copy_from_slice(&rates[own.clone()]);
-            for (k, scaled) in own.zip(scaled) {
-                *scaled = self.scales[k] * coordinates[k];
-            }
+        let (scaled, rate) = self.state.split_at_mut(self.count);
+        rate.copy_from_slice(rates);
+        for ((scaled, scale), coordinate) in scaled.iter_mut().zip(&self.scales).zip(coordinates) {
+            *scaled = scale * coordinate;
         }
         self
     }
 
     /// Advances by one step.
     pub(super) fn advance(&mut self, cubic: &Cubic) {
-        for block in &self.blocks {
-            let (state, next) = (&self.state[block.states()], &mut self.next[block.states()]);
-            for (row, next) in block.rows.chunks_exact(state.len() + TERMS).zip(next) {
-                let (transition, answers) = row.split_at(state.len());
-                let free: f64 = transition.iter().zip(state).map(|(a, x)| a * x).sum();
-                let driven: f64 = answers.iter().zip(cubic).map(|(a, c)| a * c).sum();
-                *next = free + driven;
+        match &self.transition {
+            Transition::Alone { on_coordinates, on_rates } => {
+                let (coordinates, rates) = self.state.split_at(self.count);
+                let factors = on_coordinates.chunks_exact(self.count);
+                let factors = factors.zip(on_rates.chunks_exact(self.count));
+                for ((on_own, on_rate), next) in factors.zip(self.next.chunks_exact_mut(self.count))
+                {
+                    for (k, next) in next.iter_mut().enumerate() {
+                        *next = on_own[k] * coordinates[k] + on_rate[k] * rates[k];
+                    }
+                }
             }
+            Transition::Coupled(columns) => {
+                self.next.fill(0.0);
+                for (column, state) in columns.chunks_exact(2 * self.count).zip(&self.state) {
+                    for (next, factor) in self.next.iter_mut().zip(column) {
+                        *next += factor * state;
+                    }
+                }
+            }
+        }
+        let [first, second, third, fourth] = &self.answers;
+        for (k, next) in self.next.iter_mut().enumerate() {
+            let driven = first[k] * cubic[0] + second[k] * cubic[1];
+            *next += driven + third[k] * cubic[2] + fourth[k] * cubic[3];
         }
         std::mem::swap(&mut self.state, &mut self.next);
     }
@@ -92,30 +121,32 @@ impl Stepper {
 
     /// What these factors on coordinates and rates make of the state, as [`Stepper::shown`] takes them.
     pub(super) fn factors(&self, on_coordinates: &[f64], on_rates: &[f64]) -> Vec<f64> {
-        let block = |block: &Block| {
-            let own = block.first..block.first + block.count;
-            let scaled = own.clone().map(|k| on_coordinates[k] / self.scales[k]);
-            scaled.chain(on_rates[own].iter().copied()).collect::<Vec<f64>>()
-        };
-        self.blocks.iter().flat_map(block).collect()
+        let scaled = on_coordinates.iter().zip(&self.scales).map(|(factor, scale)| factor / scale);
+        scaled.chain(on_rates.iter().copied()).collect()
     }
 
     /// The sum of the state times these factors.
     pub(super) fn shown(&self, factors: &[f64]) -> f64 {
-        factors.iter().zip(&self.state).map(|(factor, state)| factor * state).sum()
+        let (coordinates, rates) = self.state.split_at(self.count);
+        let (on_coordinates, on_rates) = factors.split_at(self.count);
+        let own = on_coordinates.iter().zip(coordinates);
+        let mut sums = [0.0; 2];
+        for ((a, q), (b, r)) in own.zip(on_rates.iter().zip(rates)) {
+            sums[0] += a * q;
+            sums[1] += b * r;
+        }
+        sums[0] + sums[1]
     }
 
     /// The coordinates q.
     pub(super) fn coordinates(&self) -> Vec<f64> {
-        let scaled =
-            self.blocks.iter().flat_map(|block| &self.state[block.states()][..block.count]);
-        scaled.zip(&self.scales).map(|(x, scale)| x / scale).collect()
+        let scaled = self.state[..self.count].iter().zip(&self.scales);
+        scaled.map(|(x, scale)| x / scale).collect()
     }
 
     /// Their rates q̇.
     pub(super) fn rates(&self) -> Vec<f64> {
-        let rates = self.blocks.iter().flat_map(|block| &self.state[block.states()][block.count..]);
-        rates.copied().collect()
+        self.state[self.count..].to_vec()
     }
 }
 
@@ -147,36 +178,35 @@ impl Record {
     }
 }
 
-impl Block {
-    /// Places of its scaled coordinates and, after them, of their rates.
-    fn states(&self) -> Range<usize> {
-        2 * self.first..2 * (self.first + self.count)
-    }
-
-    fn new(equations: &Equations, scales: &[f64], first: usize, count: usize, step_s: f64) -> Self {
-        let coordinates = &equations.coordinates[first..first + count];
-        let scales = &scales[first..first + count];
-        let (states, size) = (2 * count, 2 * count + TERMS);
-        let mut generator = DMatrix::<f64>::zeros(size, size);
-        for (i, own) in coordinates.iter().enumerate() {
-            generator[(i, count + i)] = step_s * scales[i];
-            generator[(count + i, i)] = -step_s * own.square / scales[i];
-            generator[(count + i, count + i)] = -step_s * own.rate_per_s;
-            generator[(count + i, states)] = step_s * own.hub_angle;
-            for (j, other) in coordinates.iter().enumerate() {
-                let coupling = step_s * own.hub_angle * other.hub_angle;
-                let reaction = equations.reaction;
-                generator[(count + i, j)] -= coupling * reaction.stiffness_n_m_rad / scales[j];
-                generator[(count + i, count + j)] -= coupling * reaction.damping_n_m_s_rad;
-            }
+/// The matrix of which a step is the exponential, for some of the coordinates: scaled coordinates, rates, and the
+/// derivatives of the cubic.
+fn generator(
+    equations: &Equations,
+    scales: &[f64],
+    first: usize,
+    count: usize,
+    step_s: f64,
+) -> DMatrix<f64> {
+    let coordinates = &equations.coordinates[first..first + count];
+    let scales = &scales[first..first + count];
+    let (states, size) = (2 * count, 2 * count + TERMS);
+    let mut generator = DMatrix::<f64>::zeros(size, size);
+    for (i, own) in coordinates.iter().enumerate() {
+        generator[(i, count + i)] = step_s * scales[i];
+        generator[(count + i, i)] = -step_s * own.square / scales[i];
+        generator[(count + i, count + i)] = -step_s * own.rate_per_s;
+        generator[(count + i, states)] = step_s * own.hub_angle;
+        for (j, other) in coordinates.iter().enumerate() {
+            let coupling = step_s * own.hub_angle * other.hub_angle;
+            let reaction = equations.reaction;
+            generator[(count + i, j)] -= coupling * reaction.stiffness_n_m_rad / scales[j];
+            generator[(count + i, count + j)] -= coupling * reaction.damping_n_m_s_rad;
         }
-        for term in 1..TERMS {
-            generator[(states + term - 1, states + term)] = term as f64;
-        }
-        let exponential = exponential(&generator);
-        let rows = (0..states).flat_map(|row| (0..size).map(move |column| (row, column)));
-        Self { first, count, rows: rows.map(|place| exponential[place]).collect() }
     }
+    for term in 1..TERMS {
+        generator[(states + term - 1, states + term)] = term as f64;
+    }
+    generator
 }
 
 /// Largest norm of a matrix that the series takes.
