@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::measurement::{COARSE, FINE, Measurements, Observable, Prediction};
-use super::outcome::{Course, FitOutcome, Free};
+use super::outcome::{Course, FitOutcome, StartEnd};
+use super::value::Free;
 use crate::beam::MeshPlan;
 use crate::link::{Link, ParameterError};
 
@@ -85,22 +86,21 @@ pub fn fit<E: Send>(
     problem.check(&own)?;
     let starts: Vec<Vec<f64>> = (0..=OTHER_STARTS).map(|number| problem.start(number)).collect();
     let ends: Vec<Option<End>> =
-        starts.into_par_iter().map(|x| problem.descend(x, SURVEY)).collect();
+        starts.par_iter().map(|x| problem.descend(x.clone(), SURVEY)).collect();
+    let told = starts.iter().zip(&ends).map(|(from, end)| told(from, end.as_ref())).collect();
     let mut ends = ends.into_iter();
-    let first =
-        ends.next().flatten().unwrap_or(End { x: own, cost: f64::INFINITY, has_settled: false });
+    let first = ends.next().flatten().unwrap_or(End { x: own, ..End::NONE });
     let best = ends.flatten().reduce(|a, b| if b.cost < a.cost { b } else { a });
     let better =
         best.filter(|best| best.cost < BETTER * first.cost && best.cost < first.cost - TIE);
     let is_from_other_start = better.is_some();
     let survey = better.unwrap_or(first).x;
     let end = problem.descend(survey.clone(), POLISH);
-    let has_settled = end.as_ref().is_some_and(|end| end.has_settled);
-    let x = end.map_or(survey, |end| end.x);
+    let End { x, iterations, has_settled, .. } = end.unwrap_or(End { x: survey, ..End::NONE });
     let halvings = problem.halvings(&x, FINE).unwrap_or(0);
     let jacobian = problem.jacobian(&x, halvings, true);
     let predicted = problem.predicted(&x, halvings);
-    let course = Course { is_from_other_start, has_settled };
+    let course = Course { is_from_other_start, has_settled, iterations, starts: told };
     Ok(FitOutcome::of(measurements, free, &x, predicted.as_ref(), jacobian, course))
 }
 
@@ -109,7 +109,25 @@ pub fn fit<E: Send>(
 struct End {
     x: Vec<f64>,
     cost: f64,
+    iterations: usize,
     has_settled: bool,
+}
+
+impl End {
+    /// Where no iteration was possible.
+    const NONE: Self =
+        Self { x: Vec::new(), cost: f64::INFINITY, iterations: 0, has_settled: false };
+}
+
+/// A start and its end, for people.
+fn told(from: &[f64], end: Option<&End>) -> StartEnd {
+    let factors = |x: &[f64]| x.iter().map(|x| libm::exp(*x)).collect();
+    StartEnd {
+        from: factors(from),
+        to: end.map(|end| factors(&end.x)),
+        sum_of_squares: end.map(|end| end.cost),
+        iterations: end.map_or(0, |end| end.iterations),
+    }
 }
 
 struct Problem<'a, F> {
@@ -213,8 +231,9 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         let mut damping = 1e-3;
         let mut halvings = self.halvings(&x, depth.mesh_tolerance)?;
         let mut residuals = self.residuals(&x, halvings)?;
-        let mut has_settled = false;
-        for _ in 0..depth.most_iterations {
+        let (mut has_settled, mut iterations) = (false, 0);
+        while iterations < depth.most_iterations {
+            iterations += 1;
             let jacobian = self.jacobian(&x, halvings, false);
             let mut moved = None;
             while moved.is_none() && damping < 1e12 {
@@ -247,7 +266,7 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
                 residuals = self.residuals(&x, halvings)?;
             }
         }
-        Some(End { cost: residuals.norm_squared(), x, has_settled })
+        Some(End { cost: residuals.norm_squared(), x, iterations, has_settled })
     }
 
     /// One step: along all logarithms that do not lie at a bound and want to pass it.

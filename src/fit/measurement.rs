@@ -4,6 +4,7 @@ use std::fmt;
 use serde::Serialize;
 use thiserror::Error;
 
+use super::overlay::Overlay;
 use super::response::{MOST_UNCERTAIN, Response};
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::{Link, ParameterError};
@@ -353,6 +354,12 @@ impl Measurements {
             self.responses.iter().map(|response| response.misfits(&*model)).collect()
         };
         Some(Prediction { values, responses })
+    }
+
+    /// Measured and fitted over each other: gain and phase of each response.
+    pub(super) fn overlays(&self, predicted: &Prediction) -> Vec<Overlay> {
+        let responses = self.responses.iter().zip(&predicted.responses);
+        responses.flat_map(|(response, misfits)| response.overlays(misfits)).collect()
     }
 
     /// `ln(prediction/value)` over the relative uncertainty, or over 1 where none is known; the responses

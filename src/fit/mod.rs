@@ -10,13 +10,19 @@
 //! residual of each measurement is the logarithm of prediction over measured value, over the relative
 //! uncertainty of the measurement.
 
+mod advice;
 mod least_squares;
 mod measurement;
 mod outcome;
+mod overlay;
 mod response;
 mod spread;
+mod value;
 
+pub use advice::FitWarning;
 pub use least_squares::{LinkFitError, fit};
 pub use measurement::{HubEnd, Measured, Measurements, MeasurementsError, Observable};
-pub use outcome::{FitOutcome, FittedValue, Free, Misfit, Residual, Undetermined};
+pub use outcome::{FitOutcome, Misfit, Openness, Residual, StartEnd, Undetermined};
+pub use overlay::{Coordinate, Overlay, Spacing};
 pub use response::{Gain, Response, ResponseError, ResponseMisfit, Transfer};
+pub use value::{FittedValue, Free, FreeNumber, Replaced};

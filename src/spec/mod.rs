@@ -28,7 +28,7 @@ mod value;
 
 pub use convert::{LinkDocument, Specification, read_specification};
 pub use error::SpecError;
-pub use free::{FreeValue, Replaced, rewrite};
+pub use free::{FreeValue, rewrite};
 pub use measured::{MeasuredFile, ResponseFile, read_measurements};
 pub use overrides::Override;
 pub use raw::link_file_schema;
