@@ -23,8 +23,7 @@ use crate::terminal::{Exit, Failure, console};
 const EXAMPLE: &str = "\
 Example:
   flexlink fit link.toml measured.toml --free hub.inertia
-  flexlink fit link.toml measured.toml --free hub.inertia \
-    --free 'segments.*.EI=0.5:2' -o fitted.toml --report
+  flexlink fit link.toml m.toml --free hub.inertia --report
 
 measured.toml holds any of
   [[frequency]]            # a natural frequency

@@ -192,13 +192,14 @@ impl Response {
     }
 }
 
-/// Angles in degrees without jumps of more than half a turn, around 0.
+/// Angles in degrees without jumps of more than half a turn. The first is from −200 to 160: half a turn, as of
+/// a hub that follows its torque as a rigid body, counts as a lag.
 fn unwrapped(mut angles: Vec<f64>) -> Vec<f64> {
     for k in 1..angles.len() {
         angles[k] -= 360.0 * ((angles[k] - angles[k - 1]) / 360.0).round();
     }
-    let mean = angles.iter().sum::<f64>() / angles.len().max(1) as f64;
-    let turns = (mean / 360.0).round();
+    let first = angles.first().copied().unwrap_or_default();
+    let turns = ((first + 200.0) / 360.0).floor();
     angles.iter().map(|angle| angle - 360.0 * turns).collect()
 }
 

@@ -175,7 +175,7 @@ fn replacements(replaced: &[Replaced], written: Option<&str>) -> Markup {
 
 fn correlations(outcome: &FitOutcome) -> Markup {
     let paths: Vec<&str> = outcome.values.iter().map(|value| value.path.as_str()).collect();
-    let head: Vec<&str> = std::iter::once("").chain(paths.iter().copied()).collect();
+    let head: Vec<&str> = std::iter::once("free value").chain(paths.iter().copied()).collect();
     let rows = html! {
         @for (path, row) in paths.iter().zip(&outcome.correlation) { tr {
             th scope="row" { code { (path) } }
@@ -192,7 +192,8 @@ fn correlations(outcome: &FitOutcome) -> Markup {
 /// Every measurement beside the fitted link's value.
 fn measured(outcome: &FitOutcome) -> Markup {
     let is_known = outcome.residuals.iter().any(|residual| residual.uncertainties.is_some());
-    let head = ["", "measured", "value", "fitted", "difference", "uncertainty", "in uncertainties"];
+    let head =
+        ["figure", "measured", "value", "fitted", "difference", "uncertainty", "in uncertainties"];
     let head = if is_known { &head[..] } else { &head[..5] };
     let amount = |residual: &Residual, number: f64, digits: usize| {
         with_unit(&shown(number, digits), residual.measured.observable.unit())
@@ -232,14 +233,14 @@ fn starts(outcome: &FitOutcome) -> Markup {
     let factors = |of: &[f64]| of.iter().map(|f| shown(*f, 4)).collect::<Vec<_>>().join(", ");
     let rows = html! {
         @for (number, start) in outcome.starts.iter().enumerate() { tr {
-            th scope="row" { @if number == 0 { "the file's values" } @else { "start " (number) } }
+            th scope="row" { @if number == 0 { "the file's values" } @else { (number) } }
             td { (factors(&start.from)) }
             td { (start.to.as_deref().map_or("no link there".to_owned(), factors)) }
             td { (start.sum_of_squares.map_or(String::new(), |sum| shown(sum, 5))) }
             td { (start.iterations) }
         } }
     };
-    let head = ["", "from the factors", "to the factors", "sum of squares", "iterations"];
+    let head = ["start", "from the factors", "to the factors", "sum of squares", "iterations"];
     html! {
         (table(&head, &rows))
         p { @if outcome.is_from_other_start {
