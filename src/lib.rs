@@ -16,12 +16,13 @@
 //!                                   Solution, Simulation ─► verify
 //! result folder ─store─► StoredResult ─► report
 //! link.toml, measured.toml ─spec─► Measurements ─► fit ─► factors ─spec─► fitted.toml
+//!                                                FitOutcome ─► report, store
 //! ```
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`text`] | numbers and pieces of an input as messages show them |
-//! | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units: mathematics that knows no beam |
+//! | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units, Student's t: mathematics that knows no beam |
 //! | [`link`] | the physical link, checked at construction |
 //! | [`motion`] | the tip motion, checked at construction, its spectrum, analytic profiles |
 //! | [`recording`] | what the digits, times and rests of a recorded motion are worth |
@@ -38,7 +39,7 @@
 //! | [`spec`] | link file and `--set` → [`link::Link`]; files of tolerances and of measured values |
 //! | [`csv`] | CSV → motion, torque, hub reference, any table; numbers as text |
 //! | [`measured`] | a file of measured values with the responses and records that it names |
-//! | [`report`] | a result as figures, and as a page to look at |
+//! | [`report`] | a result or a fit as figures, and as a page to look at |
 //! | [`store`] | a run's folder with its CSV and summary.json, and back; the file of a sweep; golden files |
 //!
 //! A module imports only from those above it (`tests/layers` holds it to that); the program in

@@ -5,21 +5,24 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::csv::InputFile;
-use flexlink::fit::{FitOutcome, Free, LinkFitError, Misfit, fit};
-use flexlink::measured::{MeasuredSet, read_measured};
-use flexlink::spec::{FreeValue, LinkDocument, Override, Replaced, SpecError, rewrite};
-use flexlink::store::{Fingerprint, fit_json};
+use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, fit};
+use flexlink::measured::read_measured;
+use flexlink::report::{FitReport, fit_page};
+use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, rewrite};
+use flexlink::store::{Fingerprint, FitInputs, fit_json};
 use flexlink::text::significant;
 
+use crate::options::common::option;
 use crate::options::inputs::LinkArgs;
 use crate::options::read::tell as tell_reading;
-use crate::terminal::files::{keep_files, read_once};
+use crate::terminal::files::{keep_inputs, keep_page_apart, read_once};
 use crate::terminal::text::fit_text;
 use crate::terminal::{Exit, Failure, console};
 
 const EXAMPLE: &str = "\
 Example:
   flexlink fit link.toml measured.toml --free hub.inertia
+  flexlink fit link.toml m.toml --free hub.inertia --report
 
 measured.toml holds any of
   [[frequency]]            # a natural frequency
@@ -58,12 +61,13 @@ measured.toml holds any of
 ///
 /// Changes the free values until the link's natural frequencies, zeros, damping ratios and frequency
 /// responses fit the measured ones best: least squares of the relative differences, over their uncertainties.
-/// Prints each value with its standard error, each measurement beside the fitted link's value, and what the
-/// data do not determine; -o writes the link file with the values replaced, comments and all else kept, and
-/// fit.json beside it.
+/// Prints each value with its standard error and the factors between which 95 of 100 true ones lie, each
+/// measurement beside the fitted link's value, and what the data do not determine; -o writes the link file
+/// with the values replaced, comments and all else kept, and fit.json beside it.
 ///
-/// Without uncertainties the standard errors follow from the differences that remain. Where the data do not
-/// determine all free values, or do not fit the link, no link file is written, and the exit code is 4.
+/// Without uncertainties the standard errors follow from the differences that remain; of few differences the
+/// 95 % are wide, by Student's distribution. Where the data do not determine all free values, or do not fit
+/// the link, no link file is written, and the exit code is 4.
 #[derive(Debug, Args)]
 #[command(about = "The link that was measured", after_help = EXAMPLE)]
 pub(crate) struct Fit {
@@ -82,6 +86,12 @@ pub(crate) struct Fit {
     /// Link file to write; fit.json goes beside it [default: none is written].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+
+    /// Write a page with measured and fitted over each other, even where no link file is written
+    /// [default FILE: NAME.html beside the link file NAME.toml of -o, else fit.html].
+    #[arg(long, value_name = "FILE")]
+    #[expect(clippy::option_option, reason = "an option whose value may be left out")]
+    report: Option<Option<PathBuf>>,
 }
 
 /// Name of the record.
@@ -90,29 +100,72 @@ const RECORD: &str = "fit.json";
 /// What is fitted, and to what.
 struct Problem {
     link: InputFile,
+    title: String,
     document: LinkDocument,
     changes: Vec<Override>,
     free: Vec<(FreeValue, Free)>,
-    measured: MeasuredSet,
+    measured: Measurements,
+    inputs: FitInputs,
 }
 
 impl Fit {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let inputs = [&*self.link.link, &*self.measured];
         read_once(&inputs)?;
-        if let Some(output) = &self.output {
-            check_output(output)?;
-            keep_files(output, &inputs)?;
-            keep_files(&record_beside(output), &inputs)?;
-        }
+        self.output.as_deref().map_or(Ok(()), check_output)?;
+        self.page().map_or(Ok(()), |page| keep_page_apart(&page, &self.results()))?;
+        self.keep(&inputs)?;
         let problem = self.load()?;
         let outcome = problem.fit()?;
         let replaced = self.write(&problem, &outcome)?;
-        tell(&outcome, &replaced)
+        let page = self.page().map(|page| self.draw(&page, &problem, &outcome, &replaced));
+        tell(&outcome, &replaced, &page.transpose()?.unwrap_or_default())
+    }
+
+    /// The link file and its record.
+    fn results(&self) -> Vec<PathBuf> {
+        self.output.iter().flat_map(|output| [output.clone(), record_beside(output)]).collect()
+    }
+
+    fn page(&self) -> Option<PathBuf> {
+        let beside = || match &self.output {
+            Some(output) => output.with_extension("html"),
+            None => PathBuf::from("fit.html"),
+        };
+        self.report.as_ref().map(|file| file.clone().unwrap_or_else(beside))
+    }
+
+    /// Refuses outputs that would replace an input.
+    fn keep(&self, inputs: &[&Path]) -> Result<(), Failure> {
+        let results = self.results();
+        results.iter().try_for_each(|file| keep_inputs("--output", file, inputs))?;
+        self.page().map_or(Ok(()), |page| keep_inputs("--report", &page, inputs))
+    }
+
+    /// Writes the page and returns the line that says so.
+    fn draw(
+        &self,
+        file: &Path,
+        problem: &Problem,
+        outcome: &FitOutcome,
+        replaced: &[Replaced],
+    ) -> Result<String, Failure> {
+        let written = self.output.as_deref().filter(|_| outcome.misfit.is_none());
+        let name = written.and_then(Path::file_name).map(|name| name.to_string_lossy());
+        let origin = problem.inputs.origin(&problem.title);
+        let page = fit_page(&FitReport { origin, outcome, replaced, written: name.as_deref() });
+        console::deliver(Some(file), page.as_bytes())?;
+        Ok(format!("written  {}\n", file.display()))
+    }
+
+    fn arguments(&self) -> Vec<String> {
+        let free = self.free.iter().flat_map(|free| option("--free", free));
+        self.link.changes.arguments().into_iter().chain(free).collect()
     }
 
     fn load(&self) -> Result<Problem, Failure> {
-        let (link, _) = self.link.load()?;
+        let (link, specification) = self.link.load()?;
+        let title = specification.link.title().to_owned();
         let changes = self.link.changes.overrides()?;
         let document = LinkDocument::read(&link.shown, link.text()?)?;
         let usage = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
@@ -123,13 +176,8 @@ impl Fit {
             free.push((value, bounds));
         }
         let measured = read_measured(&self.measured)?;
-        if let Some(output) = &self.output {
-            let named: Vec<PathBuf> =
-                measured.named.iter().map(|file| PathBuf::from(&file.shown)).collect();
-            let named: Vec<&Path> = named.iter().map(PathBuf::as_path).collect();
-            keep_files(output, &named)?;
-            keep_files(&record_beside(output), &named)?;
-        }
+        let named: Vec<&Path> = measured.named.iter().map(|file| Path::new(&file.shown)).collect();
+        self.keep(&named)?;
         for (shown, reading, jitter) in &measured.readings {
             tell_reading(shown, reading);
             if let Some(steps) = jitter {
@@ -140,7 +188,12 @@ impl Fit {
                 console::remark(&message, "write times with more decimals");
             }
         }
-        Ok(Problem { link, document, changes, free, measured })
+        let [of_link, of_measured] = [&link, &measured.file].map(Fingerprint::of);
+        let named = measured.named.iter().map(Fingerprint::of).collect();
+        let arguments = self.arguments();
+        let inputs = FitInputs { link: of_link, measured: of_measured, named, arguments };
+        let measured = measured.measurements;
+        Ok(Problem { link, title, document, changes, free, measured, inputs })
     }
 
     /// Writes the link file, if the fit is one to believe, and fit.json; returns what was replaced.
@@ -157,8 +210,7 @@ impl Fit {
         } else if output.exists() {
             console::note(&format!("{} is not of this fit", output.display()));
         }
-        let [link, measured] = [&problem.link, &problem.measured.file].map(Fingerprint::of);
-        let record = fit_json(&link, &measured, &replaced, outcome);
+        let record = fit_json(&problem.inputs, &replaced, outcome);
         console::deliver(Some(&record_beside(output)), record.as_bytes())?;
         Ok(if is_believed { replaced } else { Vec::new() })
     }
@@ -188,7 +240,7 @@ impl Problem {
             let specification = self.document.specification(&self.link.shown, &changes)?;
             Ok((specification.link, specification.mesh))
         };
-        fit(&self.measured.measurements, &free, link_at).map_err(
+        fit(&self.measured, &free, link_at).map_err(
             |error: LinkFitError<SpecError>| {
                 let hint = match &error {
                     LinkFitError::Link(error) => error.hint(),
@@ -219,42 +271,18 @@ impl Problem {
 }
 
 /// Prints values, residuals, and what is to be known to believe them.
-fn tell(outcome: &FitOutcome, replaced: &[Replaced]) -> Result<(), Failure> {
+fn tell(outcome: &FitOutcome, replaced: &[Replaced], written: &str) -> Result<(), Failure> {
     for undetermined in &outcome.undetermined {
         console::plain(&undetermined.to_string());
     }
-    for residual in outcome.residuals.iter().filter(|residual| residual.is_outlier) {
-        let message = format!(
-            "{} is {} uncertainties away from the fitted link's",
-            residual.measured.observable,
-            significant(residual.uncertainties.unwrap_or_default().abs(), 2)
-        );
-        console::warning(message, "measure it again, or give it its true uncertainty");
-    }
-    for record in outcome.records.iter().filter(|record| record.is_delay_at_bound) {
-        let message = format!("{}: the delay is the longest that is looked for", record.name);
-        console::warning(message, "shift its columns over each other, to within 100 samples");
-    }
-    if outcome.degrees_of_freedom == 0 {
-        let message = "there are no more measurements than free values: nothing checks the fit";
-        console::warning(message, "measure more, or free less");
-    }
+    let warnings = outcome.warnings();
+    console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
     if outcome.is_from_other_start {
         console::note("a better fit was found from another start than the file's own values");
     }
-    console::print(&fit_text(outcome, replaced))?;
+    console::print(&(fit_text(outcome, replaced) + written))?;
     match &outcome.misfit {
         None => Ok(()),
-        Some(misfit) => {
-            let hint = match misfit {
-                Misfit::Undetermined => {
-                    "fix one of the values, or measure more: a mass or a stiffness"
-                }
-                _ => {
-                    "see the differences above: another hub, another mode, or a value that is not free"
-                }
-            };
-            Err(Failure::new(Exit::NotSolvable, &misfit.to_string(), Some(hint)))
-        }
+        Some(misfit) => Err(Failure::new(Exit::NotSolvable, misfit, Some(&misfit.hint()))),
     }
 }

@@ -7,6 +7,8 @@
     reason = "places in a history are within it, and delays are a hundred samples at most"
 )]
 
+use std::borrow::Cow;
+
 use super::response::Gain;
 use crate::numeric::{CubicSpline, SplineEnds};
 
@@ -15,12 +17,6 @@ pub(super) const LONGEST_DELAY: f64 = 100.0;
 
 /// Samples that decide where the search for a delay begins.
 const FEW_SAMPLES: usize = 4000;
-
-/// Change of a delay, in samples, that ends the search.
-const SETTLED: f64 = 1e-7;
-
-/// Most steps of the search.
-const MOST_STEPS: usize = 20;
 
 /// What is free between a computed history and a recorded one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +41,7 @@ pub(super) struct Overlaid<'a> {
     pub(super) weight: f64,
 }
 
-/// Delay in samples and the line of each history, by which they lie best over the recorded ones.
+/// Histories late by a delay in samples, with the line of each by which it lies best over the recorded one.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Alignment {
     pub(super) delay: f64,
@@ -57,39 +53,20 @@ pub(super) struct Alignment {
 impl Line {
     /// The line by which the sum of squared differences is least, for what is free.
     fn through(recorded: &[f64], computed: &[f64], freedom: Freedom) -> Self {
-        Self::with_gain(recorded, computed, freedom.has_offset, |product, square| {
-            match freedom.gain {
-                Gain::Known => 1.0,
-                Gain::Sign => 1.0_f64.copysign(product),
-                Gain::Free if square > 0.0 => product / square,
-                Gain::Free => 0.0,
-            }
-        })
-    }
-
-    /// What gain and offset could make of a change of the computed history: nothing if neither is free.
-    fn of_change(change: &[f64], computed: &[f64], freedom: Freedom) -> Self {
-        let is_free = freedom.gain == Gain::Free;
-        Self::with_gain(change, computed, freedom.has_offset, |product, square| {
-            if is_free && square > 0.0 { product / square } else { 0.0 }
-        })
-    }
-
-    /// `gain` makes the gain of the sums of products and of squares, about the means if there is an offset.
-    fn with_gain(
-        recorded: &[f64],
-        computed: &[f64],
-        has_offset: bool,
-        gain: impl Fn(f64, f64) -> f64,
-    ) -> Self {
         let mean = |samples: &[f64]| {
-            if has_offset { samples.iter().sum::<f64>() / samples.len() as f64 } else { 0.0 }
+            let number = samples.len() as f64;
+            if freedom.has_offset { samples.iter().sum::<f64>() / number } else { 0.0 }
         };
         let (recorded_mean, computed_mean) = (mean(recorded), mean(computed));
         let pairs = recorded.iter().zip(computed);
         let product: f64 = pairs.map(|(y, p)| (y - recorded_mean) * (p - computed_mean)).sum();
         let square: f64 = computed.iter().map(|p| (p - computed_mean).powi(2)).sum();
-        let gain = gain(product, square);
+        let gain = match freedom.gain {
+            Gain::Known => 1.0,
+            Gain::Sign => 1.0_f64.copysign(product),
+            Gain::Free if square > 0.0 => product / square,
+            Gain::Free => 0.0,
+        };
         Self { gain, offset: recorded_mean - gain * computed_mean }
     }
 
@@ -99,14 +76,13 @@ impl Line {
 }
 
 impl Alignment {
-    /// Lays histories over recorded ones of as many samples, with a common delay if it is free.
-    pub(super) fn of(histories: &[Overlaid], is_delay_free: bool) -> Self {
-        let delay = if is_delay_free { delay(histories) } else { 0.0 };
+    /// Lays histories, late by `delay` samples, over recorded ones of as many samples.
+    pub(super) fn of(histories: &[Overlaid], delay: f64) -> Self {
         let aligned = histories.iter().map(|history| {
-            let (computed, _) = delayed(&Curve::of(history.computed), delay);
+            let computed = delayed(history.computed, delay);
             let recorded = &history.recorded[..computed.len()];
             let line = Line::through(recorded, &computed, history.freedom);
-            let pairs = recorded.iter().zip(&computed);
+            let pairs = recorded.iter().zip(computed.iter());
             let mut differences: Vec<f64> = pairs.map(|(y, p)| line.difference(*y, *p)).collect();
             differences.resize(history.recorded.len(), 0.0);
             (line, differences)
@@ -116,75 +92,36 @@ impl Alignment {
     }
 }
 
-/// A history between its samples; nothing before the first of them.
-struct Curve<'a> {
-    samples: &'a [f64],
-    slopes: Vec<f64>,
-}
-
-impl<'a> Curve<'a> {
-    fn of(samples: &'a [f64]) -> Self {
-        let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
-        Self { samples, slopes: spline.slopes().to_vec() }
+/// A history that begins later by `delay` samples, with nothing before its first; one that begins earlier ends
+/// before the record does. A cubic spline leads through the samples.
+fn delayed(samples: &[f64], delay: f64) -> Cow<'_, [f64]> {
+    if delay == 0.0 {
+        return Cow::Borrowed(samples);
     }
-
-    /// Value and slope at a place in samples.
-    fn at(&self, place: f64) -> (f64, f64) {
+    let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
+    let slopes = spline.slopes();
+    let at = |k: usize| {
+        let place = k as f64 - delay;
         if place < 0.0 {
-            return (0.0, 0.0);
+            return 0.0;
         }
-        let left = (place as usize).min(self.samples.len() - 2);
+        let left = (place as usize).min(samples.len() - 2);
         let t = place - left as f64;
-        let (y, s) = (&self.samples[left..=left + 1], &self.slopes[left..=left + 1]);
+        let (y, s) = (&samples[left..=left + 1], &slopes[left..=left + 1]);
         let rise = y[1] - y[0];
         let (bend, third) = (3.0 * rise - 2.0 * s[0] - s[1], s[0] + s[1] - 2.0 * rise);
-        (y[0] + t * (s[0] + t * (bend + t * third)), s[0] + t * (2.0 * bend + t * 3.0 * third))
-    }
+        y[0] + t * (s[0] + t * (bend + t * third))
+    };
+    let early = (-delay).max(0.0).ceil() as usize;
+    Cow::Owned((0..samples.len() - early).map(at).collect())
 }
 
-/// Values and slopes of a history that begins later by `delay` samples; one that begins earlier ends before
-/// the record does.
-fn delayed(curve: &Curve, delay: f64) -> (Vec<f64>, Vec<f64>) {
-    let count = curve.samples.len() - (-delay).max(0.0).ceil() as usize;
-    if delay == 0.0 {
-        return (curve.samples[..count].to_vec(), curve.slopes[..count].to_vec());
-    }
-    (0..count).map(|k| curve.at(k as f64 - delay)).unzip()
-}
-
-/// The delay in samples that leaves the least sum of squares: Gauss and Newton's steps from the best of all
-/// whole numbers of samples.
-fn delay(histories: &[Overlaid]) -> f64 {
+/// The delay of whole samples that leaves the least sum of squares.
+pub(super) fn rough_delay(histories: &[Overlaid]) -> f64 {
     let shortest = histories.iter().map(|history| history.computed.len()).min().unwrap_or(0);
-    let longest = LONGEST_DELAY.min(shortest as f64 / 4.0).floor();
-    let whole = -(longest as i32)..=longest as i32;
-    let rough = whole.map(|samples| (rough_cost(histories, samples), f64::from(samples)));
-    let best = rough.reduce(|a, b| if b.0 < a.0 { b } else { a });
-    let mut delay = best.map_or(0.0, |(_, samples)| samples);
-    let curves: Vec<Curve> = histories.iter().map(|history| Curve::of(history.computed)).collect();
-    for _ in 0..MOST_STEPS {
-        let (mut product, mut square) = (0.0, 0.0);
-        for (history, curve) in histories.iter().zip(&curves) {
-            let (computed, slopes) = delayed(curve, delay);
-            let recorded = &history.recorded[..computed.len()];
-            let line = Line::through(recorded, &computed, history.freedom);
-            // Of a slope that gain and offset can make there is nothing to be gained.
-            let own = Line::of_change(&slopes, &computed, history.freedom);
-            for ((y, p), slope) in recorded.iter().zip(&computed).zip(&slopes) {
-                let slope = line.gain * history.weight * own.difference(*slope, *p);
-                product += history.weight * line.difference(*y, *p) * slope;
-                square += slope * slope;
-            }
-        }
-        let step = if square > 0.0 { -product / square } else { 0.0 };
-        let next = (delay + step.clamp(-1.0, 1.0)).clamp(-longest, longest);
-        let moved = (next - delay).abs();
-        delay = next;
-        if moved < SETTLED {
-            break;
-        }
-    }
-    delay
+    let longest = (LONGEST_DELAY as i32).min(i32::try_from(shortest / 4).unwrap_or(i32::MAX));
+    let all = (-longest..=longest).map(|delay| (rough_cost(histories, delay), f64::from(delay)));
+    all.reduce(|a, b| if b.0 < a.0 { b } else { a }).map_or(0.0, |(_, delay)| delay)
 }
 
 /// The weighted sum of squares at a delay of whole samples, of some of them.
@@ -241,8 +178,9 @@ mod tests {
                 freedom,
                 weight: 1.0,
             });
-            let found = Alignment::of(&histories, true);
-            assert!((found.delay - delay).abs() < 1e-4, "{} is not {delay}", found.delay);
+            let rough = rough_delay(&histories);
+            assert!((rough - delay).abs() < 0.51, "{rough} is not {delay}");
+            let found = Alignment::of(&histories, delay);
             for (line, exact) in found.lines.iter().zip(lines) {
                 let off = (line.gain - exact.gain).abs().max((line.offset - exact.offset).abs());
                 assert!(off < 1e-5, "{line:?} is not {exact:?}");
@@ -257,7 +195,7 @@ mod tests {
         let laid = |freedom| {
             let weight = 1.0;
             let of = [Overlaid { recorded: &recorded, computed: &computed, freedom, weight }];
-            let Alignment { delay, lines, .. } = Alignment::of(&of, false);
+            let Alignment { delay, lines, .. } = Alignment::of(&of, 0.0);
             (delay, lines[0].gain, lines[0].offset)
         };
         let same = |found: (f64, f64, f64), exact: [f64; 3]| {

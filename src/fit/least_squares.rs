@@ -4,9 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::alignment::LONGEST_DELAY;
 use super::measurement::Observable;
 use super::measurements::{COARSE, FINE, Measurements, Prediction};
-use super::outcome::{Course, FitOutcome, Free};
+use super::outcome::{Course, DELAY_UNIT, FitOutcome, StartEnd};
+use super::value::Free;
 use crate::beam::MeshPlan;
 use crate::link::{Link, ParameterError};
 
@@ -82,35 +84,53 @@ pub fn fit<E: Send>(
     link_at: impl Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync,
 ) -> Result<FitOutcome, LinkFitError<E>> {
     let problem = Problem { measurements, free, link_at };
-    let own = vec![0.0; free.len()];
+    let own = vec![0.0; free.len() + measurements.late().count()];
     problem.check(&own)?;
     let starts: Vec<Vec<f64>> = (0..=OTHER_STARTS).map(|number| problem.start(number)).collect();
     let ends: Vec<Option<End>> =
-        starts.into_par_iter().map(|x| problem.descend(x, SURVEY)).collect();
+        starts.par_iter().map(|x| problem.descend(x.clone(), SURVEY)).collect();
+    let told =
+        starts.iter().zip(&ends).map(|(from, end)| told(from, end.as_ref(), free.len())).collect();
     let mut ends = ends.into_iter();
-    let first =
-        ends.next().flatten().unwrap_or(End { x: own, cost: f64::INFINITY, has_settled: false });
+    let first = ends.next().flatten().unwrap_or(End { x: own, ..End::NONE });
     let best = ends.flatten().reduce(|a, b| if b.cost < a.cost { b } else { a });
     let better =
         best.filter(|best| best.cost < BETTER * first.cost && best.cost < first.cost - TIE);
     let is_from_other_start = better.is_some();
     let survey = better.unwrap_or(first).x;
     let end = problem.descend(survey.clone(), POLISH);
-    let has_settled = end.as_ref().is_some_and(|end| end.has_settled);
-    let x = end.map_or(survey, |end| end.x);
+    let End { x, iterations, has_settled, .. } = end.unwrap_or(End { x: survey, ..End::NONE });
     let halvings = problem.halvings(&x, FINE).unwrap_or(0);
     let jacobian = problem.jacobian(&x, halvings, true);
     let predicted = problem.predicted(&x, halvings);
-    let course = Course { is_from_other_start, has_settled };
+    let course = Course { is_from_other_start, has_settled, iterations, starts: told };
     Ok(FitOutcome::of(measurements, free, &x, predicted.as_ref(), jacobian, course))
 }
 
-/// Where an iteration ended: logarithms of the factors, the sum of squares there, and whether no step led
-/// further down.
+/// Where an iteration ended, the sum of squares there, and whether no step led further down.
 struct End {
+    /// Logarithms of the factors, then delays in units of [`DELAY_UNIT`] samples.
     x: Vec<f64>,
     cost: f64,
+    iterations: usize,
     has_settled: bool,
+}
+
+impl End {
+    /// Where no iteration was possible.
+    const NONE: Self =
+        Self { x: Vec::new(), cost: f64::INFINITY, iterations: 0, has_settled: false };
+}
+
+/// A start and its end with `free` values, for people.
+fn told(from: &[f64], end: Option<&End>, free: usize) -> StartEnd {
+    let factors = |x: &[f64]| x[..free].iter().map(|x| libm::exp(*x)).collect();
+    StartEnd {
+        from: factors(from),
+        to: end.map(|end| factors(&end.x)),
+        sum_of_squares: end.map(|end| end.cost),
+        iterations: end.map_or(0, |end| end.iterations),
+    }
 }
 
 struct Problem<'a, F> {
@@ -121,15 +141,20 @@ struct Problem<'a, F> {
 
 impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
     fn link(&self, x: &[f64]) -> Result<(Link, MeshPlan), E> {
-        let factors: Vec<f64> = x.iter().map(|x| libm::exp(*x)).collect();
+        let factors: Vec<f64> = x[..self.free.len()].iter().map(|x| libm::exp(*x)).collect();
         (self.link_at)(&factors)
+    }
+
+    /// The delays in samples.
+    fn delays(&self, x: &[f64]) -> Vec<f64> {
+        x[self.free.len()..].iter().map(|delay| DELAY_UNIT * delay).collect()
     }
 
     /// Refuses a link without the measured modes.
     fn check(&self, x: &[f64]) -> Result<(), LinkFitError<E>> {
         let (link, plan) = self.link(x).map_err(LinkFitError::Link)?;
         let halvings = self.measurements.halvings(&link, &plan, COARSE)?;
-        let predicted = self.measurements.predicted(&link, &plan, halvings);
+        let predicted = self.measurements.predicted(&link, &plan, halvings, &self.delays(x));
         let predicted = predicted.ok_or(LinkFitError::NoModel)?;
         for (measured, predicted) in self.measurements.values().iter().zip(predicted.values) {
             let observable = measured.observable;
@@ -152,7 +177,7 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
     /// Predictions at logarithms of the factors, on a mesh halved so many times.
     fn predicted(&self, x: &[f64], halvings: u32) -> Option<Prediction> {
         let (link, plan) = self.link(x).ok()?;
-        self.measurements.predicted(&link, &plan, halvings)
+        self.measurements.predicted(&link, &plan, halvings, &self.delays(x))
     }
 
     fn residuals(&self, x: &[f64], halvings: u32) -> Option<DVector<f64>> {
@@ -178,7 +203,7 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
                     .or(below.map(|below| (here - below) / step))
             }
         };
-        let columns = (0..x.len()).map(|k| {
+        let columns = (0..x.len()).into_par_iter().map(|k| {
             let near = slope(k, STEP);
             let column = if is_exact {
                 near.zip(slope(k, 2.0 * STEP)).map(|(near, far)| (near * 4.0 - far) / 3.0)
@@ -191,12 +216,13 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         DMatrix::from_fn(rows, x.len(), |row, column| columns[column][row])
     }
 
-    /// The bounds of a logarithm.
+    /// The bounds of a logarithm, or of a delay.
     fn bounds(&self, k: usize) -> [f64; 2] {
-        self.free[k].factors.map(libm::log)
+        let delay = || [-LONGEST_DELAY, LONGEST_DELAY].map(|samples| samples / DELAY_UNIT);
+        self.free.get(k).map_or_else(delay, |free| free.factors.map(libm::log))
     }
 
-    /// Number 0 is the file's own; the others are Halton's points in the logarithms.
+    /// Number 0 is the file's own; the others are Halton's points in the logarithms. Delays are those that fit.
     fn start(&self, number: usize) -> Vec<f64> {
         const BASES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
         let reach = libm::log(FARTHEST_START);
@@ -205,7 +231,19 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
             let (low, high) = (low.max(-reach), high.min(reach));
             low + (high - low) * halton(number, BASES[k % BASES.len()])
         };
-        (0..self.free.len()).map(|k| if number == 0 { 0.0 } else { place(k) }).collect()
+        let logarithm = |k: usize| if number == 0 { 0.0 } else { place(k) };
+        let logarithms: Vec<f64> = (0..self.free.len()).map(logarithm).collect();
+        let delays = self.rough_delays(&logarithms).into_iter().map(|delay| delay / DELAY_UNIT);
+        logarithms.iter().copied().chain(delays).collect()
+    }
+
+    /// Delays in samples to start from, 0 where the start makes no link.
+    fn rough_delays(&self, x: &[f64]) -> Vec<f64> {
+        let found = self.link(x).ok().and_then(|(link, plan)| {
+            let halvings = self.measurements.halvings(&link, &plan, COARSE).ok()?;
+            self.measurements.rough_delays(&link, &plan, halvings)
+        });
+        found.unwrap_or_else(|| vec![0.0; self.measurements.late().count()])
     }
 
     /// Iterates from a start to the least sum of squares near it; none where the start makes no link with
@@ -214,8 +252,9 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         let mut damping = 1e-3;
         let mut halvings = self.halvings(&x, depth.mesh_tolerance)?;
         let mut residuals = self.residuals(&x, halvings)?;
-        let mut has_settled = false;
-        for _ in 0..depth.most_iterations {
+        let (mut has_settled, mut iterations) = (false, 0);
+        while iterations < depth.most_iterations {
+            iterations += 1;
             let jacobian = self.jacobian(&x, halvings, false);
             let mut moved = None;
             while moved.is_none() && damping < 1e12 {
@@ -248,7 +287,7 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
                 residuals = self.residuals(&x, halvings)?;
             }
         }
-        Some(End { cost: residuals.norm_squared(), x, has_settled })
+        Some(End { cost: residuals.norm_squared(), x, iterations, has_settled })
     }
 
     /// One step: along all logarithms that do not lie at a bound and want to pass it.

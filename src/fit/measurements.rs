@@ -2,10 +2,12 @@ use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use super::measurement::{End, Measured, MeasurementsError, Observable};
+use super::motor::rubbed;
+use super::overlay::Overlay;
 use super::record::{Record, RecordFit};
 use super::response::Response;
 use crate::beam::{Mesh, MeshPlan};
-use crate::link::{Hub, Link, LinkParts, ParameterError};
+use crate::link::{Link, ParameterError};
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, model_of};
 
@@ -149,20 +151,39 @@ impl Measurements {
         own.map(|measured| measured.observable.number()).max().unwrap_or(0)
     }
 
-    /// What a link has in place of the measurements; none of a link that has no mesh or no model.
+    /// Files whose sensors may be late.
+    pub(super) fn late(&self) -> impl Iterator<Item = &Record> {
+        self.records.iter().filter(|record| record.is_delay_free())
+    }
+
+    /// The delays in whole samples by which the histories of a link lie best over the records whose sensors may
+    /// be late.
+    pub(super) fn rough_delays(
+        &self,
+        link: &Link,
+        plan: &MeshPlan,
+        halvings: u32,
+    ) -> Option<Vec<f64>> {
+        let mesh = halved(link, plan, halvings)?;
+        let delay = |record: &Record| record.rough_delay(&record.rubbed(link)?, &mesh);
+        self.late().map(delay).collect()
+    }
+
+    /// What a link has in place of the measurements, with the delays in samples of all records whose sensors may
+    /// be late; none of a link that has no mesh or no model.
     pub(super) fn predicted(
         &self,
         link: &Link,
         plan: &MeshPlan,
         halvings: u32,
+        delays: &[f64],
     ) -> Option<Prediction> {
-        let first = Mesh::new(link, plan).ok()?;
-        let halved = (0..halvings).fold(first, |mesh, _| mesh.refined());
-        let values = self.predicted_values(link, &halved);
+        let mesh = halved(link, plan, halvings)?;
+        let values = self.predicted_values(link, &mesh);
         let plain = OnceCell::new();
         let response = |response: &Response| {
             let motor = response.motor_friction_n_m_s_rad();
-            let made = || model_of(&rubbed(link, motor)?, halved.clone(), KeptModes::All).ok();
+            let made = || model_of(&rubbed(link, motor)?, mesh.clone(), KeptModes::All).ok();
             let own;
             let model = if motor == 0.0 {
                 plain.get_or_init(made).as_deref()?
@@ -173,8 +194,10 @@ impl Measurements {
             Some(response.misfits(model))
         };
         let responses = self.responses.iter().map(response).collect::<Option<_>>()?;
+        let mut delays = delays.iter();
         let record = |record: &Record| {
-            record.fitted(&rubbed(link, record.motor_friction_n_m_s_rad())?, &halved)
+            let own = if record.is_delay_free() { delays.next() } else { None };
+            record.fitted(&record.rubbed(link)?, &mesh, own.copied().unwrap_or(0.0))
         };
         let records = self.records.iter().map(record).collect::<Option<_>>()?;
         Some(Prediction { values, responses, records })
@@ -193,6 +216,14 @@ impl Measurements {
             }
         };
         self.values.iter().map(value).collect()
+    }
+
+    /// Measured and fitted over each other: gain and phase of each response, each channel of a record.
+    pub(super) fn overlays(&self, predicted: &Prediction) -> Vec<Overlay> {
+        let responses = self.responses.iter().zip(&predicted.responses);
+        let responses = responses.flat_map(|(response, misfits)| response.overlays(misfits));
+        let records = self.records.iter().zip(&predicted.records);
+        responses.chain(records.flat_map(|(record, fit)| record.overlays(fit))).collect()
     }
 
     /// `ln(prediction/value)` over the relative uncertainty, or over 1 where none is known; the responses
@@ -215,10 +246,8 @@ impl Measurements {
     }
 }
 
-/// The link with the friction that a motor's back voltage adds to its hub; none out of range.
-fn rubbed(link: &Link, friction_n_m_s_rad: f64) -> Option<Link> {
-    let parts = LinkParts::from(link.clone());
-    let viscous_friction_n_m_s_rad = parts.hub.viscous_friction_n_m_s_rad + friction_n_m_s_rad;
-    let hub = Hub { viscous_friction_n_m_s_rad, ..parts.hub };
-    Link::new(LinkParts { hub, ..parts }).ok()
+/// The mesh of a plan with its elements halved so many times.
+fn halved(link: &Link, plan: &MeshPlan, halvings: u32) -> Option<Mesh> {
+    let first = Mesh::new(link, plan).ok()?;
+    Some((0..halvings).fold(first, |mesh, _| mesh.refined()))
 }

@@ -10,22 +10,28 @@
 //! residual of each measurement is the logarithm of prediction over measured value, over the relative
 //! uncertainty of the measurement.
 
+mod advice;
 mod alignment;
 mod least_squares;
 mod measurement;
 mod measurements;
 mod motor;
 mod outcome;
+mod overlay;
 mod record;
 mod response;
 mod spread;
+mod value;
 
+pub use advice::FitWarning;
 pub use least_squares::{LinkFitError, fit};
 pub use measurement::{HubEnd, Measured, MeasurementsError, Observable};
 pub use measurements::Measurements;
 pub use motor::Motor;
-pub use outcome::{FitOutcome, FittedValue, Free, Misfit, Residual, Undetermined};
+pub use outcome::{FitOutcome, Misfit, Openness, Residual, StartEnd, Undetermined};
+pub use overlay::{Coordinate, Overlay, Spacing};
 pub use record::{
     Channel, ChannelMisfit, Record, RecordError, RecordInput, RecordMisfit, RecordedInput,
 };
 pub use response::{Gain, Response, ResponseError, ResponseMisfit};
+pub use value::{FittedValue, Free, FreeNumber, Replaced};

@@ -1,4 +1,4 @@
-use crate::link::{ParameterError, positive};
+use crate::link::{Hub, Link, LinkParts, ParameterError, positive};
 
 /// A direct-current motor at the hub, its inductance neglected.
 ///
@@ -39,4 +39,12 @@ impl Motor {
     pub(super) fn friction_n_m_s_rad(&self) -> f64 {
         self.gear_ratio * self.torque_constant_n_m_a * self.torque_per_volt_n_m_v()
     }
+}
+
+/// The link with the friction that a motor's back voltage adds to its hub; none out of range.
+pub(super) fn rubbed(link: &Link, friction_n_m_s_rad: f64) -> Option<Link> {
+    let parts = LinkParts::from(link.clone());
+    let viscous_friction_n_m_s_rad = parts.hub.viscous_friction_n_m_s_rad + friction_n_m_s_rad;
+    let hub = Hub { viscous_friction_n_m_s_rad, ..parts.hub };
+    Link::new(LinkParts { hub, ..parts }).ok()
 }

@@ -6,11 +6,18 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 use thiserror::Error;
 
+use super::alignment::LONGEST_DELAY;
 use super::measurement::Measured;
 use super::measurements::{Measurements, Prediction};
-use super::record::RecordMisfit;
+use super::overlay::Overlay;
+use super::record::{Record, RecordMisfit};
 use super::response::ResponseMisfit;
 use super::spread::{Spread, correlation};
+use super::value::{FittedValue, Free};
+use crate::numeric::{NORMAL_95, student_95};
+
+/// Samples of delay that weigh as a factor of e on a free value: within its bounds each may go about as far.
+pub(super) const DELAY_UNIT: f64 = 15.0;
 
 /// Share of a direction below which a value takes no part in it.
 const NO_PART: f64 = 1e-4;
@@ -26,31 +33,6 @@ const USUAL_MISFIT: f64 = 0.02;
 
 /// Standard deviations of the sum of squares beyond which it is no chance: one in ten thousand.
 const NO_CHANCE: f64 = 3.72;
-
-/// Distance from a bound, in the logarithm, at which a value lies on it.
-const AT_BOUND: f64 = 1e-9;
-
-/// A value of the link file that is free.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Free {
-    /// Its path in the link file.
-    pub path: String,
-    /// Smallest and largest factor on the file's value.
-    pub factors: [f64; 2],
-}
-
-/// A free value, fitted.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FittedValue {
-    /// Its path in the link file.
-    pub path: String,
-    /// Factor on the file's value.
-    pub factor: f64,
-    /// Standard error over the value; none where it is not known.
-    pub relative_standard_error: Option<f64>,
-    /// True if it lies on one of its bounds.
-    pub is_at_bound: bool,
-}
 
 /// A measurement beside its prediction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -125,7 +107,7 @@ pub enum Misfit {
     Undetermined,
     /// The sum of squares is larger than the uncertainties explain.
     #[error(
-        "no link is written: no values of the free keys fit the measurements within their uncertainties \
+        "no link is written: no values of the free keys bring all measurements within their uncertainties \
          (chi² = {chi_squared:.3e} with {degrees_of_freedom} degrees of freedom)"
     )]
     Contradiction {
@@ -135,16 +117,33 @@ pub enum Misfit {
         degrees_of_freedom: usize,
     },
     /// A free value wants to leave its bounds.
-    #[error("no link is written: {path} lies on its bound")]
+    #[error(
+        "no link is written: {path} lies on its bound, {} times the file's value",
+        crate::text::significant(*factor, 4)
+    )]
     Bound {
         /// Its path.
         path: String,
+        /// The bound, as a factor on the file's value.
+        factor: f64,
+    },
+    /// The delay of a record is the longest that is looked for.
+    #[error(
+        "no link is written: the delay of {name} is the longest that is looked for, {LONGEST_DELAY} samples"
+    )]
+    Late {
+        /// Its file.
+        name: String,
     },
     /// The iteration has not come to an end.
-    #[error("no link is written: the iteration has not settled")]
+    #[error("no link is written: the sum of squares still falls after the last iteration")]
     Unsettled,
     /// The relative misfits are too large for measurements of this link.
-    #[error("no link is written: the best values miss the measurements by {:.0} %", 100.0 * rms)]
+    #[error(
+        "no link is written: with the best values the link is still {:.0} % off the measurements (root mean \
+         square)",
+        100.0 * rms
+    )]
     Far {
         /// Their root mean square.
         rms: f64,
@@ -174,15 +173,37 @@ pub struct FitOutcome {
     pub degrees_of_freedom: usize,
     /// True if another start than the file's own values led to a better fit.
     pub is_from_other_start: bool,
+    /// Iterations of the final descent.
+    pub iterations: usize,
+    /// Where the iteration from each start ended, the file's own values first.
+    pub starts: Vec<StartEnd>,
+    /// Measured and fitted over frequency or time.
+    #[serde(skip)]
+    pub overlays: Vec<Overlay>,
     /// Why the link is not to be believed; none where it is.
     pub misfit: Option<Misfit>,
 }
 
-/// How an iteration went.
-#[derive(Debug, Clone, Copy)]
+/// A start, and where the iteration from it ended, on a mesh that is exact to 1e-5.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StartEnd {
+    /// Factors on the free values at the start.
+    pub from: Vec<f64>,
+    /// The same at the end; none where the start makes no link with the measured modes.
+    pub to: Option<Vec<f64>>,
+    /// Sum of the squared residuals there.
+    pub sum_of_squares: Option<f64>,
+    /// Iterations.
+    pub iterations: usize,
+}
+
+/// How the iterations went.
+#[derive(Debug, Clone)]
 pub(super) struct Course {
     pub(super) is_from_other_start: bool,
     pub(super) has_settled: bool,
+    pub(super) iterations: usize,
+    pub(super) starts: Vec<StartEnd>,
 }
 
 impl FitOutcome {
@@ -197,20 +218,33 @@ impl FitOutcome {
         let misfits = Misfits::of(measurements, free.len(), predicted);
         let scale = misfits.scale();
         let spread = Spread::of(jacobian, measurements.weight(), scale.unwrap_or(USUAL_MISFIT));
-        let undetermined = Undetermined::all(&spread, free);
+        let paths = free.iter().map(|free| free.path.clone());
+        let late: Vec<&str> = measurements.late().map(Record::name).collect();
+        let delays = late.iter().map(|name| format!("the delay of {name}"));
+        let undetermined = Undetermined::all(&spread, &paths.chain(delays).collect::<Vec<_>>());
         let covariance = undetermined.is_empty().then(|| spread.covariance());
+        let reach = misfits.reach_95();
         let values = free.iter().zip(x).enumerate().map(|(k, (free, x))| {
             let error = scale.zip(covariance.as_ref()).map(|(scale, c)| scale * c[(k, k)].sqrt());
-            let is_at_bound = free.factors.iter().any(|f| (libm::log(*f) - x).abs() < AT_BOUND);
-            let (path, factor) = (free.path.clone(), libm::exp(*x));
-            FittedValue { path, factor, relative_standard_error: error, is_at_bound }
+            FittedValue::of(free, *x, error, reach)
         });
         let values: Vec<FittedValue> = values.collect();
-        let correlation = covariance.as_ref().map(correlation).unwrap_or_default();
+        let of_values = covariance.map(|all| all.view((0, 0), (free.len(), free.len())).into());
+        let correlation = of_values.as_ref().map(correlation).unwrap_or_default();
         let at_bound = values.iter().find(|value| value.is_at_bound);
-        let at_bound = at_bound.map(|value| Misfit::Bound { path: value.path.clone() });
+        let at_bound =
+            at_bound.map(|value| Misfit::Bound { path: value.path.clone(), factor: value.factor });
+        let is_longest = |delay: &f64| delay.abs() >= LONGEST_DELAY / DELAY_UNIT;
+        let longest = x[free.len()..].iter().position(is_longest);
+        let longest = longest.map(|k| Misfit::Late { name: late[k].to_owned() });
+        let at_bound = at_bound.or(longest);
         let open = (!undetermined.is_empty()).then_some(Misfit::Undetermined);
         let unsettled = (!course.has_settled).then_some(Misfit::Unsettled);
+        let misfit = match misfits.judged() {
+            // The bound is why the rest does not fit.
+            Some(Misfit::Contradiction { .. }) if at_bound.is_some() => at_bound,
+            judged => judged.or(at_bound).or(open).or(unsettled),
+        };
         Self {
             chi_squared: misfits.has_uncertainties.then_some(misfits.sum),
             degrees_of_freedom: misfits.degrees_of_freedom,
@@ -219,7 +253,10 @@ impl FitOutcome {
             undetermined,
             rms_misfit: misfits.rms,
             is_from_other_start: course.is_from_other_start,
-            misfit: misfits.judged().or(at_bound).or(open).or(unsettled),
+            iterations: course.iterations,
+            starts: course.starts,
+            overlays: predicted.map(|found| measurements.overlays(found)).unwrap_or_default(),
+            misfit,
             residuals: misfits.residuals,
             responses: misfits.responses,
             records: misfits.records,
@@ -286,6 +323,11 @@ impl Misfits {
         if self.has_uncertainties { Some(1.0) } else { (self.degrees_of_freedom > 0).then(shown) }
     }
 
+    /// Standard errors within which 95 % of the true values lie: more where the residuals show the scale.
+    fn reach_95(&self) -> f64 {
+        if self.has_uncertainties { NORMAL_95 } else { student_95(self.degrees_of_freedom) }
+    }
+
     /// Whether the misfits are larger than chance, or than any measurement of this link could leave.
     fn judged(&self) -> Option<Misfit> {
         let Self { rms, sum: chi_squared, degrees_of_freedom, .. } = *self;
@@ -306,18 +348,18 @@ impl Misfits {
 
 impl Undetermined {
     /// All combinations that are not determined: those that nothing depends on first.
-    fn all(spread: &Spread, free: &[Free]) -> Vec<Self> {
+    fn all(spread: &Spread, names: &[String]) -> Vec<Self> {
         let along = |openness| {
             let directions = spread.open(openness == Openness::Exact).into_iter();
-            directions.map(move |direction| Self::along(&direction, free, openness))
+            directions.map(move |direction| Self::along(&direction, names, openness))
         };
         along(Openness::Exact).chain(along(Openness::Uncertain)).collect()
     }
 
     /// The values that take part in a direction.
-    fn along(direction: &[f64], free: &[Free], openness: Openness) -> Self {
-        let parts = free.iter().zip(direction).filter(|(_, power)| power.abs() > NO_PART);
-        let powers = parts.map(|(free, power)| (free.path.clone(), *power)).collect();
+    fn along(direction: &[f64], names: &[String], openness: Openness) -> Self {
+        let parts = names.iter().zip(direction).filter(|(_, power)| power.abs() > NO_PART);
+        let powers = parts.map(|(name, power)| (name.clone(), *power)).collect();
         Self { openness, powers }
     }
 }

@@ -3,8 +3,9 @@ use std::f64::consts::PI;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::alignment::{Alignment, Freedom, LONGEST_DELAY, Overlaid};
-use super::motor::Motor;
+use super::alignment::{Alignment, Freedom, Overlaid, rough_delay};
+use super::motor::{Motor, rubbed};
+use super::overlay::{Coordinate, Overlay};
 use super::response::{Gain, MOST_UNCERTAIN};
 use crate::beam::Mesh;
 use crate::link::Link;
@@ -142,8 +143,6 @@ pub struct RecordMisfit {
     pub samples: usize,
     /// Delay of the sensors in s, if it was free.
     pub delay_s: Option<f64>,
-    /// True if the delay is the longest that is looked for.
-    pub is_delay_at_bound: bool,
     /// The channels in their order.
     pub channels: Vec<ChannelMisfit>,
 }
@@ -221,8 +220,9 @@ impl Record {
         self.channels.iter().all(|channel| channel.uncertainty.is_some())
     }
 
-    pub(super) fn motor_friction_n_m_s_rad(&self) -> f64 {
-        self.motor_friction_n_m_s_rad
+    /// The link with the friction of the motor that drives it.
+    pub(super) fn rubbed(&self, link: &Link) -> Option<Link> {
+        rubbed(link, self.motor_friction_n_m_s_rad)
     }
 
     /// Numbers that it adds to the residuals.
@@ -256,23 +256,37 @@ impl Record {
         modes.last().map_or(nyquist, |highest| highest.min(nyquist))
     }
 
-    /// The record over the histories of a link, its motor's friction included; none of a link that has none.
-    pub(super) fn fitted(&self, link: &Link, mesh: &Mesh) -> Option<RecordFit> {
+    /// True if the sensors may be late.
+    pub(super) fn is_delay_free(&self) -> bool {
+        self.is_delay_free
+    }
+
+    /// The record over the histories of a link, its motor's friction included, late by `delay` samples; none of
+    /// a link that has none.
+    pub(super) fn fitted(&self, link: &Link, mesh: &Mesh, delay: f64) -> Option<RecordFit> {
+        let computed = self.computed(link, mesh)?;
+        Some(RecordFit(Alignment::of(&self.overlaid(&computed), delay)))
+    }
+
+    /// The delay of whole samples by which the histories of a link lie best over the record.
+    pub(super) fn rough_delay(&self, link: &Link, mesh: &Mesh) -> Option<f64> {
+        Some(rough_delay(&self.overlaid(&self.computed(link, mesh)?)))
+    }
+
+    fn computed(&self, link: &Link, mesh: &Mesh) -> Option<Vec<Vec<f64>>> {
         let sensors: Vec<Sensor> = self.channels.iter().map(|channel| channel.sensor).collect();
-        let computed = sensed(link, mesh, &self.driven, self.step_s, &sensors).ok()?;
-        let histories: Vec<Overlaid> = self
-            .channels
-            .iter()
-            .zip(&computed)
-            .enumerate()
-            .map(|(k, (channel, computed))| Overlaid {
-                recorded: &channel.samples,
-                computed,
-                freedom: Freedom { gain: channel.gain, has_offset: channel.has_offset },
-                weight: 1.0 / (self.sizes[k] * self.uncertainty(k)),
-            })
-            .collect();
-        Some(RecordFit(Alignment::of(&histories, self.is_delay_free)))
+        sensed(link, mesh, &self.driven, self.step_s, &sensors).ok()
+    }
+
+    fn overlaid<'a>(&'a self, computed: &'a [Vec<f64>]) -> Vec<Overlaid<'a>> {
+        let pairs = self.channels.iter().zip(computed).enumerate();
+        let overlaid = pairs.map(|(k, (channel, computed))| Overlaid {
+            recorded: &channel.samples,
+            computed,
+            freedom: Freedom { gain: channel.gain, has_offset: channel.has_offset },
+            weight: 1.0 / (self.sizes[k] * self.uncertainty(k)),
+        });
+        overlaid.collect()
     }
 
     /// The differences over their uncertainties, or over the size of the channel where that is not known.
@@ -283,6 +297,37 @@ impl Record {
             differences.iter().map(move |difference| difference / unit)
         });
         residuals.collect()
+    }
+}
+
+impl Record {
+    /// The samples of each channel, and the fitted link's over them.
+    pub(super) fn overlays(&self, RecordFit(alignment): &RecordFit) -> Vec<Overlay> {
+        let channels = self.channels.iter().zip(&alignment.differences);
+        let overlay = |(channel, differences): (&Channel, &Vec<f64>)| {
+            let [quantity, unit] = words(channel.sensor);
+            let pairs = channel.samples.iter().zip(differences);
+            Overlay {
+                name: format!("{}: {quantity}", self.name),
+                x: Coordinate::linear("time", "s"),
+                y: Coordinate::linear(quantity, if channel.gain == Gain::Free { "" } else { unit }),
+                places: (0..differences.len()).map(|k| self.step_s * k as f64).collect(),
+                measured: channel.samples.clone(),
+                fitted: pairs.map(|(recorded, difference)| recorded - difference).collect(),
+            }
+        };
+        channels.map(overlay).collect()
+    }
+}
+
+/// Name and unit of what a sensor shows.
+fn words(sensor: Sensor) -> [&'static str; 2] {
+    match sensor {
+        Sensor::HubAngle => ["hub angle", "rad"],
+        Sensor::HubRate => ["hub rate", "rad/s"],
+        Sensor::TipDeflection => ["tip deflection", "m"],
+        Sensor::TipAcceleration => ["tip acceleration", "m/s^2"],
+        Sensor::RootStrain => ["root curvature", "1/m"],
     }
 }
 
@@ -343,7 +388,6 @@ impl RecordMisfit {
             name: record.name.clone(),
             samples: record.channels[0].samples.len(),
             delay_s: record.is_delay_free.then_some(delay * record.step_s),
-            is_delay_at_bound: delay.abs() >= LONGEST_DELAY,
             channels: channels.collect(),
         }
     }

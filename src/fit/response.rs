@@ -5,6 +5,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::motor::Motor;
+use super::overlay::{Coordinate, Overlay};
 use crate::model::{Model, Sensor};
 use crate::numeric::magnitude;
 
@@ -13,6 +14,17 @@ pub(super) const MOST_UNCERTAIN: f64 = 0.5;
 
 /// Fewest frequencies of a response.
 const FEWEST: usize = 2;
+
+/// Name and unit of a sensor's response.
+fn words(sensor: Sensor) -> [&'static str; 2] {
+    match sensor {
+        Sensor::HubAngle => ["hub angle per torque", "rad/(N m)"],
+        Sensor::HubRate => ["hub rate per torque", "1/(N m s)"],
+        Sensor::TipDeflection => ["tip deflection per torque", "1/N"],
+        Sensor::TipAcceleration => ["tip acceleration per torque", "1/(kg m)"],
+        Sensor::RootStrain => ["root curvature per torque", "1/(N m^2)"],
+    }
+}
 
 /// Whether the scale of measured values is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -154,6 +166,52 @@ impl Response {
     }
 }
 
+impl Response {
+    /// Gain and phase over ascending frequencies, of the values and of a link with these misfits; of a free
+    /// gain the scale is that of the values.
+    pub(super) fn overlays(&self, misfits: &[f64]) -> [Overlay; 2] {
+        let mut order: Vec<usize> = (0..self.values.len()).collect();
+        order.sort_by(|a, b| self.frequencies_hz[*a].total_cmp(&self.frequencies_hz[*b]));
+        let of = |number: &dyn Fn(usize) -> f64| order.iter().map(|k| number(*k)).collect();
+        let places: Vec<f64> = of(&|k| self.frequencies_hz[k]);
+        let measured: Vec<f64> = of(&|k| magnitude(self.values[k]));
+        let gain: Vec<f64> = of(&|k| magnitude(self.values[k]) * libm::exp(misfits[2 * k]));
+        // The fitted phase is smooth; the measured one follows it however much noise it has.
+        let phase = of(&|k| {
+            let value = self.values[k];
+            (libm::atan2(value.im, value.re) + misfits[2 * k + 1]).to_degrees()
+        });
+        let phase = unwrapped(phase);
+        let ahead: Vec<f64> = of(&|k| misfits[2 * k + 1].to_degrees());
+        let measured_phase = phase.iter().zip(&ahead).map(|(fitted, ahead)| fitted - ahead);
+        let [quantity, unit] = words(self.sensor);
+        let unit = if self.gain == Gain::Free { "" } else { unit };
+        let overlay = |y: Coordinate, measured, fitted| Overlay {
+            name: format!("{}: {quantity}, {}", self.name, y.name),
+            x: Coordinate::logarithmic("frequency", "Hz"),
+            y,
+            places: places.clone(),
+            measured,
+            fitted,
+        };
+        [
+            overlay(Coordinate::logarithmic("gain", unit), measured, gain),
+            overlay(Coordinate::linear("phase", "°"), measured_phase.collect(), phase),
+        ]
+    }
+}
+
+/// Angles in degrees without jumps of more than half a turn. The first is from −200 to 160: half a turn, as of
+/// a hub that follows its torque as a rigid body, counts as a lag.
+fn unwrapped(mut angles: Vec<f64>) -> Vec<f64> {
+    for k in 1..angles.len() {
+        angles[k] -= 360.0 * ((angles[k] - angles[k - 1]) / 360.0).round();
+    }
+    let first = angles.first().copied().unwrap_or_default();
+    let turns = ((first + 200.0) / 360.0).floor();
+    angles.iter().map(|angle| angle - 360.0 * turns).collect()
+}
+
 /// How far a fitted link's response is from a measured one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResponseMisfit {
@@ -173,5 +231,39 @@ impl ResponseMisfit {
         let sum: f64 = misfits.iter().map(|misfit| misfit * misfit).sum();
         let rms = (sum / misfits.len() as f64).sqrt();
         Self { name: response.name.clone(), transfer: response.sensor, frequencies, rms }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A response out of order that turns through half a turn and back, with a factor of 40 that a link
+    /// explains but for 0.1 in the logarithm and 0.2 rad.
+    #[test]
+    fn overlays_are_smooth_and_differ_by_the_misfits() {
+        let phases: [f64; 5] = [-3.0, 3.1, 2.0, 3.1, -3.0];
+        let order = [4, 1, 0, 3, 2];
+        let hertz = order.map(|k| 1.0 + f64::from(k));
+        let value = |k: i32| {
+            let phase = phases[usize::try_from(k).unwrap()];
+            Complex64::new(libm::cos(phase), libm::sin(phase)) * 40.0
+        };
+        let rows = (hertz.to_vec(), order.map(value).to_vec());
+        let kind = (Sensor::HubRate, Gain::Free);
+        let response = Response::new("frf.csv".to_owned(), kind, None, rows).unwrap();
+        let misfits: Vec<f64> = (0..5).flat_map(|_| [0.1, 0.2]).collect();
+        let [gain, phase] = response.overlays(&misfits);
+        assert_eq!(gain.name, "frf.csv: hub rate per torque, gain");
+        assert_eq!((gain.y.unit, phase.y.unit), ("", "°"));
+        assert_eq!(gain.places, [1.0, 2.0, 3.0, 4.0, 5.0]);
+        for k in 0..5 {
+            assert!((gain.fitted[k] / gain.measured[k] - libm::exp(0.1)).abs() < 1e-12);
+            let ahead = phase.fitted[k] - phase.measured[k];
+            assert!((ahead - 0.2_f64.to_degrees()).abs() < 1e-9);
+        }
+        let steps = phase.measured.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        assert!(steps.fold(0.0, f64::max) < 90.0, "{:?}", phase.measured);
+        assert!(phase.measured.iter().all(|angle| angle.abs() < 260.0), "{:?}", phase.measured);
     }
 }

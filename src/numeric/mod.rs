@@ -1,4 +1,5 @@
-//! Mathematics that knows no beam: time grids, Fourier pairs, roots, eigenvalues, splines, units.
+//! Mathematics that knows no beam: time grids, Fourier pairs, roots, eigenvalues, splines, units, Student's
+//! distribution.
 
 mod eigen;
 mod fft;
@@ -8,6 +9,7 @@ mod roots;
 mod sampling;
 mod scalar;
 mod spline;
+mod student;
 mod units;
 
 pub(crate) use eigen::SymmetricEigen;
@@ -23,5 +25,6 @@ pub(crate) use sampling::{PANEL, Sampling, Transforms};
 pub(crate) use scalar::wide::Wide;
 pub use scalar::{Scalar, Size};
 pub(crate) use spline::{CubicSpline, SplineEnds};
+pub use student::{NORMAL_95, student_95};
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
 pub(crate) use units::{quantity_pattern, reads_as_unit, split_number};

@@ -22,6 +22,9 @@ const TOP: f64 = 34.0;
 const RIGHT: f64 = 16.0;
 const BOTTOM: f64 = 46.0;
 
+/// Dots of a line from which on they are small.
+const MANY_DOTS: usize = 200;
+
 /// Height of the strip above a colour map, and of the gap below it.
 const STRIP: f64 = 70.0;
 const GAP: f64 = 10.0;
@@ -134,8 +137,9 @@ impl Figure {
             path class=(curve.stroke.classes()) data-name=(curve.name)
                 data-y=[axis] data-band=[heights]
                 data-unit=[is_strip.then_some(&y.unit)] d=(path(&points)) {}
-            @if let Stroke::Dotted(colour) = curve.stroke {
-                path class=(format!("dots s{colour}")) d=(dots(&points)) {}
+            @if let Stroke::Dotted(colour) | Stroke::Points(colour) = curve.stroke {
+                @let size = if points.len() > MANY_DOTS { "dots fine" } else { "dots" };
+                path class=(format!("{size} s{colour}")) d=(dots(&points)) {}
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The content of a figure in numbers, as a table, and as a file of its own.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -14,7 +15,7 @@ use crate::text::{significant, visible_document};
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
     /// Name of its file, and its anchor in a page: `torque`.
-    pub id: &'static str,
+    pub id: Cow<'static, str>,
     /// Heading.
     pub(super) title: String,
     /// Text below the figure.
@@ -42,6 +43,10 @@ pub(super) enum Stroke {
     Dashed(usize),
     /// A line with a dot at each point.
     Dotted(usize),
+    /// A dot at each point, without a line.
+    Points(usize),
+    /// Pieces of a line that are no values: uncertainties.
+    Bars(usize),
 }
 
 impl Stroke {
@@ -50,6 +55,8 @@ impl Stroke {
         match self {
             Self::Solid(colour) | Self::Dotted(colour) => format!("line s{colour}"),
             Self::Dashed(colour) => format!("line s{colour} dashed"),
+            Self::Points(colour) => format!("line s{colour} points"),
+            Self::Bars(colour) => format!("bars s{colour}"),
         }
     }
 }
@@ -133,8 +140,14 @@ const DIGITS: usize = 4;
 
 impl Figure {
     /// A figure without content.
-    pub(super) fn new(id: &'static str, title: &str, caption: String, x: Axis, y: Axis) -> Self {
-        Self { id, title: title.to_owned(), caption, x, y, ..Self::default() }
+    pub(super) fn new(
+        id: impl Into<Cow<'static, str>>,
+        title: &str,
+        caption: String,
+        x: Axis,
+        y: Axis,
+    ) -> Self {
+        Self { id: id.into(), title: title.to_owned(), caption, x, y, ..Self::default() }
     }
 
     /// A figure of lines, with a y axis of this name and unit that holds them.
@@ -161,10 +174,11 @@ impl Figure {
     /// Headings and rows of a table: some values of x at even distances, and the value of each line
     /// there, or of some rows of the map.
     pub(super) fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
-        let (lines, unit) = match &self.map {
+        let (mut lines, unit) = match &self.map {
             Some(map) if self.curves.is_empty() => (self.map_lines(map), ""),
             _ => (self.curves.clone(), self.y.unit.as_str()),
         };
+        lines.retain(|line| !matches!(line.stroke, Stroke::Bars(_)));
         let Some(first) = lines.first() else { return (vec![], vec![]) };
         let text = |value: f64| {
             let digits = value.is_finite().then(|| significant(value, DIGITS).replace('-', "−"));

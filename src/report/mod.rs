@@ -1,4 +1,4 @@
-//! A result as figures, and as a page to look at.
+//! A result, or a fit, as figures and as a page to look at.
 
 mod axis;
 mod bending;
@@ -6,6 +6,7 @@ mod colour_map;
 mod drawing;
 mod figure;
 mod figures;
+mod fit;
 mod frequency;
 mod link;
 mod page;
@@ -16,3 +17,4 @@ mod view;
 
 pub use figure::{Figure, Figures};
 pub use figures::page;
+pub use fit::{FitReport, fit_page};

@@ -12,11 +12,15 @@ use crate::text::significant;
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// A whole page; `data` is the JSON that the animation plays.
+/// The files of a result, which hold more than its page.
+pub(super) const FILES: &str = "from the files of the result, which hold every number";
+
+/// A whole page, made from a `source`; `data` is the JSON that the animation plays.
 pub(super) fn document(
     title: &str,
     origin: &Markup,
     sections: &[Section],
+    source: &str,
     data: Option<&str>,
 ) -> Markup {
     html! {
@@ -46,8 +50,7 @@ pub(super) fn document(
                 } }
                 footer {
                     p {
-                        "Made by flexlink " (env!("CARGO_PKG_VERSION")) " from the files of the result, \
-                         which hold every number. Of each line a figure shows the lowest and the highest \
+                        "Made by flexlink " (env!("CARGO_PKG_VERSION")) " " (source) ". Of each line a figure shows the lowest and the highest \
                          point in each pixel of its width"
                         @if data.is_some() {
                             "; maps have 680 by 120 fields, and the animation shows at most 600 moments of \
@@ -187,7 +190,7 @@ pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
     );
     sections.push(figures_section(figures, &note));
     sections.push(inputs(origin));
-    document(title, &made_by(origin), &sections, data.as_deref())
+    document(title, &made_by(origin), &sections, FILES, data.as_deref())
 }
 
 fn link_section(run: &StoredRun) -> Markup {

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::axis::Axis;
 use super::colour_map::{ColourMap, Colours};
 use super::figure::{Curve, Figure, Figures, Stroke};
-use super::page::{Section, document, figures_section, inputs, made_by, table};
+use super::page::{FILES, Section, document, figures_section, inputs, made_by, table};
 use crate::compare::{Cell, TableColumn};
 use crate::result::StoredSweep;
 use crate::text::significant;
@@ -280,7 +280,7 @@ pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
     sections.push(figures_section(figures, ""));
     sections.push(Section::new("cases", "Cases", cases_table(sweep)));
     sections.extend(sweep.origin.as_ref().map(inputs));
-    document(&title, &origin, &sections, None)
+    document(&title, &origin, &sections, FILES, None)
 }
 
 /// Kinds of warnings, each with the number of its cases and the row of the first, from 1.

@@ -8,7 +8,7 @@ use super::convert::LinkDocument;
 use super::error::{Fault, SpecError};
 use super::overrides::{Override, apply};
 use super::tree::{Kind, Node, Place};
-use crate::fit::Free;
+use crate::fit::{Free, FreeNumber, Replaced};
 use crate::numeric::{Unit, split_number};
 use crate::text::{excerpt, visible};
 
@@ -127,17 +127,6 @@ impl Quantity {
     }
 }
 
-/// A value that was replaced in a link file.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-pub struct Replaced {
-    /// Its path.
-    pub path: String,
-    /// Its text before.
-    pub before: String,
-    /// Its text now.
-    pub after: String,
-}
-
 impl LinkDocument {
     /// The bounds of a free value as factors on what the file gives.
     ///
@@ -169,8 +158,21 @@ impl LinkDocument {
         }
         let is_single = quantities.len() == 1 && !value.path.split('.').any(|step| step == "*");
         let single = if is_single { quantities.pop().flatten() } else { None };
-        Ok(Free { path: value.path.clone(), factors: value.factors(single.as_ref())? })
+        let number =
+            if single.is_some() { leaves.first().and_then(|leaf| number(leaf)) } else { None };
+        Ok(Free { path: value.path.clone(), factors: value.factors(single.as_ref())?, number })
     }
+}
+
+/// A number of the file and its unit.
+fn number(node: &Node) -> Option<FreeNumber> {
+    let (value, unit) = match &node.kind {
+        Kind::Integer(number) => (*number as f64, ""),
+        Kind::Number(number) => (*number, ""),
+        Kind::Text(text) => split_number(text)?,
+        _ => return None,
+    };
+    Some(FreeNumber { value, unit: unit.trim().to_owned() })
 }
 
 /// The values below a node that a change has written.
@@ -323,6 +325,9 @@ mod tests {
         let document = LinkDocument::read("l.toml", LINK).unwrap();
         let free = |text: &str| document.free(&text.parse().unwrap(), &[]);
         let bounds = free("payload.mass='5 g':0.1").unwrap().factors;
+        let number = free("payload.mass").unwrap().number;
+        assert_eq!(number, Some(FreeNumber { value: 50.0, unit: "g".to_owned() }));
+        assert_eq!(free("segments.*.EI").unwrap().number, None);
         assert!((bounds[0] - 0.1).abs() < 1e-12 && (bounds[1] - 2.0).abs() < 1e-12);
         let usual = free("segments.*.EI").unwrap().factors;
         assert_eq!(usual.map(f64::to_bits), USUAL_FACTORS.map(f64::to_bits));

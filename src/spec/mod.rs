@@ -29,7 +29,7 @@ mod value;
 
 pub use convert::{LinkDocument, Specification, read_specification};
 pub use error::SpecError;
-pub use free::{FreeValue, Replaced, rewrite};
+pub use free::{FreeValue, rewrite};
 pub use measured::{MeasuredFile, read_measurements};
 pub use measured_files::{ChannelFile, RecordFile, ResponseFile};
 pub use overrides::Override;

@@ -14,7 +14,7 @@ mod run_tables;
 mod summary;
 mod sweep;
 
-pub use fit_record::fit_json;
+pub use fit_record::{FitInputs, fit_json};
 pub use folder::{Durability, FolderError, OutputFolder, write_file};
 pub use frequency_tables::{frequency_response_json, modes_json, write_frequency_response};
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};

@@ -79,13 +79,34 @@ fn keep_runs(
 
 /// Returns an error if a file would replace one that is read.
 pub(crate) fn keep_files(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
+    keep_inputs("--output", output, inputs)
+}
+
+/// The same for the file of any argument.
+pub(crate) fn keep_inputs(argument: &str, output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     let Ok(file) = output.canonicalize() else { return Ok(()) };
     let is_output = |input: &&Path| input.canonicalize().is_ok_and(|input| input == file);
     // A device is written through, not over.
     if !file.is_file() || !inputs.iter().any(is_output) {
         return Ok(());
     }
-    refuse("--output", output, "must not be a file that is read", None)
+    refuse(argument, output, "must not be a file that is read", None)
+}
+
+/// Returns an error if the page of a fit goes to standard output, which has the table, or would replace
+/// another file that is written.
+pub(crate) fn keep_page_apart(page: &Path, others: &[PathBuf]) -> Result<(), Failure> {
+    if is_standard_output(page) {
+        return refuse("--report", page, "must be a file", Some("standard output has the table"));
+    }
+    let is_same = |other: &PathBuf| resolved(other) == resolved(page);
+    match others.iter().find(|other| is_same(other)) {
+        Some(other) => {
+            let must = format!("must be another file than {}", other.display());
+            refuse("--report", page, &must, None)
+        }
+        None => Ok(()),
+    }
 }
 
 /// Returns an error if a sweep's table would be in, or in the place of, a folder of its cases, OUTPUTS/1,

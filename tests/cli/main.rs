@@ -10,6 +10,7 @@ mod compare_tolerances;
 mod damping;
 mod exits;
 mod files;
+mod fit;
 mod help;
 mod line_ends;
 mod model_end;

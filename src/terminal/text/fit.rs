@@ -1,7 +1,6 @@
 //! What `fit` prints.
 
-use flexlink::fit::{ChannelMisfit, FitOutcome};
-use flexlink::spec::Replaced;
+use flexlink::fit::{ChannelMisfit, FitOutcome, FittedValue, Replaced};
 use flexlink::text::significant;
 
 /// Correlation from which on two values are said to go together.
@@ -9,29 +8,28 @@ const CORRELATED: f64 = 0.9;
 
 /// The free values, what they replace, the measurements beside the fitted link's values, and correlations.
 pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
-    let mut lines = vec![row(["free value", "factor", "change", "standard error"])];
-    for value in &outcome.values {
-        let error = value.relative_standard_error.map_or("not known".to_owned(), percent);
-        let change = format!("{:+.2} %", 100.0 * (value.factor - 1.0));
-        lines.push(row([&value.path, &significant(value.factor, 5), &change, &error]));
-    }
+    let heads = ["free value", "factor", "change", "std. error", "95 % within"];
+    let mut lines = vec![value_row(heads)];
+    lines.extend(outcome.values.iter().map(value_text));
     for Replaced { path, before, after } in replaced {
         lines.push(format!("{path} = {after}, was {before}"));
     }
-    lines.push(row(["measured", "value", "fitted", "difference"]));
+    if !outcome.residuals.is_empty() {
+        lines.push(row(["measured", "value", "fitted", "difference"]));
+    }
     for residual in &outcome.residuals {
         let unit = residual.measured.observable.unit();
         let shown =
             |number: f64| format!("{} {unit}", significant(number, 5)).trim_end().to_owned();
-        let difference = format!("{:+.2} %", 100.0 * residual.relative);
+        let difference = format!("{} %", signed(100.0 * residual.relative, 2));
         let uncertainties = residual.uncertainties;
-        let more = uncertainties.map_or(String::new(), |u| format!(" {u:+.1} u"));
+        let more = uncertainties.map_or(String::new(), |u| format!(" {} u", signed(u, 1)));
         let name = residual.measured.observable.to_string();
         let [value, fitted] = [residual.measured.value, residual.fitted].map(shown);
         lines.push(row([&name, &value, &fitted, &(difference + &more)]));
     }
-    if let Some(chi_squared) = outcome.chi_squared {
-        let number = outcome.degrees_of_freedom;
+    let number = outcome.degrees_of_freedom;
+    if let Some(chi_squared) = outcome.chi_squared.filter(|_| number > 0) {
         let chi_squared = significant(chi_squared, 3);
         lines.push(format!("chi² {chi_squared} with {number} degrees of freedom"));
     }
@@ -63,6 +61,28 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
         }
     }
     lines.join("\n") + "\n"
+}
+
+/// A free value; its interval in factors on the file's value.
+fn value_text(value: &FittedValue) -> String {
+    let error = value.relative_standard_error.map_or("not known".to_owned(), percent);
+    let change = format!("{} %", signed(100.0 * (value.factor - 1.0), 2));
+    let interval = value.relative_interval_95.map_or(String::new(), |interval| {
+        let [low, high] = interval.map(|end| significant(value.factor * end, 4));
+        format!("{low} … {high}")
+    });
+    value_row([&value.path, &significant(value.factor, 5), &change, &error, &interval])
+}
+
+fn value_row([name, factor, change, error, interval]: [&str; 5]) -> String {
+    format!("{name:<27} {factor:>9} {change:>10} {error:>10} {interval:>19}").trim_end().to_owned()
+}
+
+/// A number with its sign; what rounds to 0 is not negative.
+fn signed(number: f64, decimals: usize) -> String {
+    let text = format!("{number:+.decimals$}");
+    let is_zero = text.chars().all(|letter| matches!(letter, '-' | '+' | '0' | '.'));
+    if is_zero { text.replace('-', "+") } else { text }
 }
 
 fn percent(share: f64) -> String {

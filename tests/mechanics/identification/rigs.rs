@@ -5,6 +5,8 @@
 //! | SLFR, R. Krauss, SIUE 2009 | EI, accelerometer | 94 % of the documented EI, 11.2 g, frequencies within 0.2 % | 0.5 %, 0.1 g |
 //! | EPFL, big ruler | EI, hub inertia | 0.0390 N m² ± 3 %, 3.4e-6 kg m² ± 46 %, residuals to 7 % | 1 %, 4 %; the errors 2 points |
 //! | EPFL, medium ruler | EI, hub inertia | 0.0178 N m² ± 3 %, 4.2e-6 kg m² ± 15 % | 1 %, 2 %; the errors 2 points |
+//! | EPFL, small ruler | EI, hub inertia | one degree of freedom: 95 % within 12.7 standard errors | – |
+//! | Boulder, ASEN 2003 | EI | twice the frequency's 5 % | – |
 //! | Quanser at Kyoto, 2026 | length | 0.385 m, off by 0.5 % | 1 mm, 0.1 points |
 //!
 //! The inertia of the big ruler's hub is 3.47e-6 kg m² ± 45 % here: the sum of squares is flat there, and the
@@ -100,4 +102,33 @@ fn a_shorter_strip_explains_both_zeros_of_kyoto() {
     let hub = fitted(&link, &measured, &["hub.inertia"]).unwrap();
     assert!((largest(&hub) - 0.16).abs() < 0.01, "{hub:?}");
     assert_eq!(hub.undetermined.len(), 1);
+}
+
+/// Three frequencies for two values: the standard errors are small, and 95 % lie within 12.7 of them.
+#[test]
+fn the_small_ruler_has_one_frequency_too_few_to_say() {
+    let (link, measured) = rig("epfl_ruler_small.toml");
+    let found = fitted(&link, &measured, &["segments.*.EI", "hub.inertia"]).unwrap();
+    assert_eq!((found.degrees_of_freedom, &found.misfit), (1, &None));
+    assert!(largest(&found) < 0.003, "{found:?}");
+    for value in &found.values {
+        let [low, high] = value.relative_interval_95.unwrap();
+        let error = value.relative_standard_error.unwrap();
+        assert!((high.ln() / error - 12.706).abs() < 0.001, "{value:?}");
+        assert!((low * high - 1.0).abs() < 1e-12, "{value:?}");
+    }
+    // The big ruler of the same section has 0.0390 N m².
+    assert!(error(&found, 0) < 0.005 && 0.0648 * factor(&found, 0) < 0.75 * 0.0390, "{found:?}");
+    assert!(error(&found, 1) < 0.03 && (0.7..0.76).contains(&factor(&found, 1)), "{found:?}");
+}
+
+/// 1.65 to 1.96 Hz of several units are worth a stiffness to 10 %, by f ∝ √EI.
+#[test]
+fn a_single_frequency_is_worth_its_uncertainty() {
+    let (link, measured) = rig("boulder_asen2003.toml");
+    let found = fitted(&link, &measured, &["segments.*.EI"]).unwrap();
+    assert!((error(&found, 0) - 2.0 * 0.09 / 1.805).abs() < 1e-6, "{found:?}");
+    let [low, high] = found.values[0].relative_interval_95.unwrap();
+    assert!((high.ln() / error(&found, 0) - 1.959_964).abs() < 1e-6, "{low} {high}");
+    assert_eq!(found.warnings(), [flexlink::fit::FitWarning::Unchecked]);
 }

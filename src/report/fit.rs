@@ -1,0 +1,356 @@
+//! The page of a fitted link: values, measured beside fitted, and both over each other.
+
+use maud::{Markup, html};
+
+use super::axis::Axis;
+use super::figure::{Curve, Figure, Figures, Mark, Stroke};
+use super::page::{Section, document, figures_section, inputs, made_by, table};
+use crate::fit::{
+    Coordinate, FitOutcome, FittedValue, HubEnd, Observable, Overlay, Replaced, Residual, Spacing,
+};
+use crate::result::Origin;
+use crate::text::{plain, significant, visible_document};
+
+/// Most measurements whose numbers all stand at the axis.
+const MOST_TICKS: usize = 20;
+
+/// Caption of what was measured over frequency or time.
+const DOTS: &str = "Dots: measured. Line: the fitted link, its value at each of them.";
+
+/// What the page of a fit shows.
+#[derive(Debug, Clone)]
+pub struct FitReport<'a> {
+    /// Files, arguments, title of the link.
+    pub origin: Origin,
+    /// The fit.
+    pub outcome: &'a FitOutcome,
+    /// Values of the link file before and after; empty where it is not to be believed.
+    pub replaced: &'a [Replaced],
+    /// Name of the link file that was written, if one was.
+    pub written: Option<&'a str>,
+}
+
+/// The page of a fit, with its figures: one HTML file that needs nothing else.
+pub fn fit_page(report: &FitReport) -> String {
+    let FitReport { origin, outcome, replaced, written } = report;
+    let title = match origin.title.trim() {
+        "" => "A fitted link".to_owned(),
+        title => format!("{title}, fitted"),
+    };
+    let mut sections = Vec::new();
+    if let Some(content) = warnings(outcome) {
+        sections.push(Section::warnings(content));
+    }
+    if !outcome.undetermined.is_empty() {
+        sections.push(Section::new("undetermined", "Not determined", undetermined(outcome)));
+    }
+    let values = html! { (values(outcome)) (replacements(replaced, *written)) };
+    sections.push(Section::new("values", "Values", values));
+    if !outcome.correlation.is_empty() && outcome.values.len() > 1 {
+        sections.push(Section::new("correlations", "Correlations", correlations(outcome)));
+    }
+    sections.push(Section::new("measured", "Measured and fitted", measured(outcome)));
+    sections.push(figures_section(&figures(outcome), ""));
+    sections.push(Section::new("starts", "Starts", starts(outcome)));
+    sections.push(inputs(origin));
+    let source = "from the fit itself";
+    visible_document(&document(&title, &made_by(origin), &sections, source, None).into_string())
+}
+
+/// Why no link file is written, and what else must be known.
+fn warnings(outcome: &FitOutcome) -> Option<Markup> {
+    let misfit = outcome.misfit.as_ref().map(|misfit| (misfit.to_string(), misfit.hint()));
+    let others = outcome.warnings();
+    let others = others.iter().map(|other| (other.to_string(), other.hint().to_owned()));
+    let all: Vec<(String, String)> = misfit.into_iter().chain(others).collect();
+    let content = html! {
+        ul { @for (message, hint) in &all {
+            li { strong { (sentence(message)) } " " span class="hint" { "What helps: " (hint) "." } }
+        } }
+    };
+    (!all.is_empty()).then_some(content)
+}
+
+fn undetermined(outcome: &FitOutcome) -> Markup {
+    html! { ul { @for open in &outcome.undetermined { li { (sentence(&open.to_string())) } } } }
+}
+
+/// A message with a capital letter and a full stop.
+fn sentence(message: &str) -> String {
+    let mut letters = message.chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string());
+    format!("{}{}.", first.unwrap_or_default(), letters.as_str())
+}
+
+/// Digits as a page shows them.
+fn shown(value: f64, digits: usize) -> String {
+    significant(value, digits).replace('-', "−")
+}
+
+fn percent(share: f64, digits: usize) -> String {
+    format!("{} %", shown(100.0 * share, digits))
+}
+
+/// A share with its sign, to a hundredth of a per cent.
+fn signed(share: f64) -> String {
+    // Adding 0 leaves no negative zero.
+    let rounded = (1e4 * share).round() / 100.0 + 0.0;
+    format!("{rounded:+.2} %").replace('-', "−")
+}
+
+fn with_unit(number: &str, unit: &str) -> String {
+    format!("{number} {unit}").trim_end().to_owned()
+}
+
+/// Every free value before and after.
+fn values(outcome: &FitOutcome) -> Markup {
+    let unknown = || "not known".to_owned();
+    let amount = |value: &FittedValue, number: Option<String>| {
+        let unit = value.unit.as_deref().unwrap_or_default();
+        number.map_or("–".to_owned(), |number| with_unit(&number, unit))
+    };
+    let before = |value: &FittedValue| value.before.map(|b| plain(b).replace('-', "−"));
+    let after = |value: &FittedValue| value.after.map(|after| shown(after, 5));
+    let interval = |value: &FittedValue, [low, high]: [f64; 2]| {
+        let times = value.after.unwrap_or(value.factor);
+        let ends = format!("{} … {}", shown(times * low, 4), shown(times * high, 4));
+        with_unit(&ends, value.unit.as_deref().unwrap_or("times"))
+    };
+    let head = [
+        "free value",
+        "before",
+        "after",
+        "factor",
+        "change",
+        "standard error",
+        "95 % within",
+        "bounds, as factors",
+    ];
+    let rows = html! {
+        @for value in &outcome.values { tr {
+            th scope="row" { code { (value.path) } }
+            td { (amount(value, before(value))) }
+            td { (amount(value, after(value))) }
+            td { (shown(value.factor, 5)) }
+            td { (signed(value.factor - 1.0)) }
+            td { (value.relative_standard_error.map_or_else(unknown, |error| percent(error, 2))) }
+            td { (value.relative_interval_95.map_or_else(unknown, |ends| interval(value, ends))) }
+            td { (shown(value.bounds[0], 4)) " … " (shown(value.bounds[1], 4))
+                @if value.is_at_bound { " " strong { "at its bound" } } }
+        } }
+    };
+    let number = outcome.degrees_of_freedom;
+    html! {
+        (table(&head, &rows))
+        p { "Several values that are free together have one common factor."
+            @if outcome.chi_squared.is_none() && number > 0 {
+                " The standard errors follow from the differences that remain, with " (number)
+                @if number == 1 { " degree" } @else { " degrees" } " of freedom; the 95 % are those of \
+                Student's distribution."
+            }
+            @if let Some(chi_squared) = outcome.chi_squared.filter(|_| number > 0) {
+                " chi² is " (shown(chi_squared, 3)) " with " (number)
+                @if number == 1 { " degree" } @else { " degrees" } " of freedom."
+            }
+        }
+    }
+}
+
+/// What changed in the link file.
+fn replacements(replaced: &[Replaced], written: Option<&str>) -> Markup {
+    let rows = html! {
+        @for Replaced { path, before, after } in replaced {
+            tr { th scope="row" { code { (path) } } td { (before) } td { (after) } }
+        }
+    };
+    html! {
+        @match written {
+            Some(name) => p { (name) " is the link file with these values, all else kept:" },
+            None if replaced.is_empty() => p { "No link file is written." },
+            None => p { "No link file is written. In the link file this would change:" },
+        }
+        @if !replaced.is_empty() { (table(&["value", "before", "after"], &rows)) }
+    }
+}
+
+fn correlations(outcome: &FitOutcome) -> Markup {
+    let paths: Vec<&str> = outcome.values.iter().map(|value| value.path.as_str()).collect();
+    let head: Vec<&str> = std::iter::once("free value").chain(paths.iter().copied()).collect();
+    let rows = html! {
+        @for (path, row) in paths.iter().zip(&outcome.correlation) { tr {
+            th scope="row" { code { (path) } }
+            @for one in row { td { (format!("{one:+.3}").replace('-', "−")) } }
+        } }
+    };
+    html! {
+        p { "Errors of two values with a correlation near 1 or −1 go together: the data know a product or a \
+             quotient of the two better than either." }
+        (table(&head, &rows))
+    }
+}
+
+/// Every measurement beside the fitted link's value.
+fn measured(outcome: &FitOutcome) -> Markup {
+    let is_known = outcome.residuals.iter().any(|residual| residual.uncertainties.is_some());
+    let head =
+        ["figure", "measured", "value", "fitted", "difference", "uncertainty", "in uncertainties"];
+    let head = if is_known { &head[..] } else { &head[..5] };
+    let amount = |residual: &Residual, number: f64, digits: usize| {
+        with_unit(&shown(number, digits), residual.measured.observable.unit())
+    };
+    let rows = html! {
+        @for (residual, label) in outcome.residuals.iter().zip(labels(outcome)) { tr {
+            td { (label) }
+            th scope="row" { (residual.measured.observable) }
+            td { (amount(residual, residual.measured.value, 5)) }
+            td { (amount(residual, residual.fitted, 5)) }
+            td { (signed(residual.relative)) }
+            @if let Some((u, off)) = residual.measured.uncertainty.zip(residual.uncertainties) {
+                td { (amount(residual, u, 2)) }
+                td { (format!("{off:+.1}").replace('-', "−"))
+                    @if residual.is_outlier { " " strong { "outlier" } } }
+            }
+        } }
+    };
+    let responses = html! {
+        @for response in &outcome.responses { tr {
+            th scope="row" { (response.name) }
+            td { (response.frequencies) }
+            td { (percent(response.rms, 2)) }
+        } }
+    };
+    html! {
+        @if !outcome.residuals.is_empty() { (table(head, &rows)) }
+        @if !outcome.responses.is_empty() {
+            (table(&["response", "frequencies", "difference, rms"], &responses))
+        }
+        p { "All together are " (percent(outcome.rms_misfit, 2)) " off (root mean square)." }
+    }
+}
+
+/// Where each start ended.
+fn starts(outcome: &FitOutcome) -> Markup {
+    let factors = |of: &[f64]| of.iter().map(|f| shown(*f, 4)).collect::<Vec<_>>().join(", ");
+    let rows = html! {
+        @for (number, start) in outcome.starts.iter().enumerate() { tr {
+            th scope="row" { @if number == 0 { "the file's values" } @else { (number) } }
+            td { (factors(&start.from)) }
+            td { (start.to.as_deref().map_or("no link there".to_owned(), factors)) }
+            td { (start.sum_of_squares.map_or(String::new(), |sum| shown(sum, 5))) }
+            td { (start.iterations) }
+        } }
+    };
+    let head = ["start", "from the factors", "to the factors", "sum of squares", "iterations"];
+    html! {
+        (table(&head, &rows))
+        p { @if outcome.is_from_other_start {
+            "A better fit was found from another start than the file's own values. "
+        } "From the best of them " (outcome.iterations)
+            @if outcome.iterations == 1 { " iteration leads" } @else { " iterations lead" }
+            " to the fitted values."
+        }
+    }
+}
+
+/// A letter for the kind of each measurement, and its number.
+fn labels(outcome: &FitOutcome) -> impl Iterator<Item = String> {
+    outcome.residuals.iter().map(|residual| match residual.measured.observable {
+        Observable::Frequency { mode, hub: HubEnd::Free } => format!("f{mode}"),
+        Observable::Frequency { mode, hub: HubEnd::Held } => format!("h{mode}"),
+        Observable::Zero { zero } => format!("z{zero}"),
+        Observable::Damping { mode, hub: HubEnd::Free } => format!("d{mode}"),
+        Observable::Damping { mode, hub: HubEnd::Held } => format!("dh{mode}"),
+    })
+}
+
+fn figures(outcome: &FitOutcome) -> Figures {
+    let mut figures = Figures::default();
+    if !outcome.residuals.is_empty() {
+        figures.add(Ok(differences(outcome)));
+    }
+    for (number, overlay) in outcome.overlays.iter().enumerate() {
+        figures.add(Ok(over_each_other(overlay, number + 1)));
+    }
+    figures
+}
+
+/// Fitted less measured over the measured value, each with one uncertainty.
+fn differences(outcome: &FitOutcome) -> Figure {
+    let count = outcome.residuals.len();
+    let at = |k: usize| (k + 1) as f64;
+    let shares: Vec<f64> = outcome.residuals.iter().map(|r| 100.0 * r.relative).collect();
+    let places: Vec<f64> = (0..count).map(at).collect();
+    let mut curves = vec![Curve::new("difference", Stroke::Points(1), &places, &shares)];
+    let bars: Vec<(f64, f64)> = outcome
+        .residuals
+        .iter()
+        .enumerate()
+        .filter_map(|(k, r)| Some((k, r.measured.uncertainty? / r.measured.value)))
+        .flat_map(|(k, share)| {
+            let ends = [-100.0, 100.0].map(|u| (at(k), shares[k] + u * share));
+            ends.into_iter().chain([(f64::NAN, f64::NAN)])
+        })
+        .collect();
+    let has_bars = !bars.is_empty();
+    if has_bars {
+        let name = "one uncertainty either way".to_owned();
+        curves.push(Curve { name, stroke: Stroke::Bars(1), points: bars });
+    }
+    let known = if has_bars {
+        "The bars are one uncertainty either way: they should cross 0 in two cases of three."
+    } else {
+        "The uncertainties are not known."
+    };
+    let caption = format!(
+        "The fitted link's value less the measured one, over the measured one. {known} f: natural \
+         frequencies, h: with the hub held, z: zeros of the hub angle, d: damping ratios, dh: with the hub \
+         held; each with its number."
+    );
+    let ticks = if count <= MOST_TICKS { places } else { Vec::new() };
+    let x = Axis { places: ticks, ..Axis::linear("measurement", "", 0.5..count as f64 + 0.5) };
+    let marks = labels(outcome).enumerate();
+    let marks = marks.map(|(k, label)| Mark { at: at(k), label, class: "mode" }).collect();
+    let figure = Figure::of_curves(
+        "differences",
+        "Differences",
+        caption,
+        x,
+        ("fitted less measured", "%"),
+        curves,
+    );
+    // Room for the names of the marks at the top.
+    let range = figure.y.range.clone();
+    let high = range.end + 0.15 * (range.end - range.start);
+    Figure { marks, y: Axis { range: range.start..high, ..figure.y.clone() }, ..figure }
+}
+
+/// Measured as dots, fitted as a line.
+fn over_each_other(overlay: &Overlay, number: usize) -> Figure {
+    let Overlay { name, places, measured, fitted, .. } = overlay;
+    let curves = vec![
+        Curve::new("measured", Stroke::Points(2), places, measured),
+        Curve::new("fitted", Stroke::Solid(1), places, fitted),
+    ];
+    let x = axis(&overlay.x, &[places]);
+    let y = axis(&overlay.y, &[measured, fitted]);
+    let id = format!("overlay-{number}");
+    Figure { curves, ..Figure::new(id, name, DOTS.to_owned(), x, y) }
+}
+
+/// An axis that holds these numbers.
+fn axis(of: &Coordinate, numbers: &[&Vec<f64>]) -> Axis {
+    let all = || numbers.iter().flat_map(|numbers| numbers.iter().copied());
+    let finite = || all().filter(|number| number.is_finite());
+    let low = finite().fold(f64::INFINITY, f64::min);
+    let high = finite().fold(f64::NEG_INFINITY, f64::max);
+    match of.spacing {
+        Spacing::Logarithmic => {
+            let margin = libm::pow(high / low, 0.02).max(1.01);
+            Axis::logarithmic(of.name, of.unit, low / margin..high * margin)
+        }
+        Spacing::Linear => {
+            let margin = 0.04 * (high - low).max(f64::MIN_POSITIVE);
+            Axis::linear(of.name, of.unit, low - margin..high + margin)
+        }
+    }
+}
