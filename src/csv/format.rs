@@ -143,12 +143,19 @@ pub struct Reading {
     pub(super) found: Vec<String>,
     pub(super) unread: Option<String>,
     pub(super) hint: Option<String>,
+    /// What was done about times off a uniform grid.
+    pub(super) jitter: Option<String>,
 }
 
 impl Reading {
     /// How the table was read, if anything in it was guessed.
     pub fn note(&self) -> Option<String> {
         (!self.found.is_empty()).then(|| format!("read {}", self.found.join(", ")))
+    }
+
+    /// What was done about times off a uniform grid, and what to do about them.
+    pub fn jitter(&self) -> Option<(&str, &str)> {
+        Some((self.jitter.as_deref()?, "resample the file to a uniform step"))
     }
 
     /// Which columns were not read, and what to do about them.

@@ -69,7 +69,13 @@ pub(super) const HUB_ANGLE: Quantity =
 pub(super) const HUB_RATE: Quantity =
     quantity("hub_rate", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]);
 
-/// Every quantity that a column may hold.
+/// Displacement of the tip beside other channels of a recording.
+pub(super) const TIP: Quantity = quantity("tip", "_m", Dimension::LENGTH, ["m", "cm"]);
+/// That from the hub's tangent line, behind the prefix of the tip.
+pub(super) const DEFLECTION: Quantity =
+    quantity("deflection", "_m", Dimension::LENGTH, ["m", "cm"]);
+
+/// Every quantity that an option may name.
 pub(super) const QUANTITIES: [Quantity; 8] =
     [TIME, ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE, TORQUE, HUB_ANGLE, HUB_RATE];
 
@@ -107,12 +113,13 @@ impl Vocabulary {
 
     /// How a heading names a quantity, if it does.
     pub(super) fn spelling(&self, field: &str, quantity: Quantity) -> Option<Spelling> {
-        let plain = self.plain(split_unit(field).0);
-        if let Some(ending) = plain.strip_prefix(quantity.word) {
-            if ending.is_empty() {
-                return Some(Spelling::Exact);
-            } else if ending == quantity.suffix {
-                return Some(Spelling::Suffixed);
+        let name = split_unit(field).0;
+        // The prefix may be the word itself: tip_m.
+        for plain in [self.plain(name), name.to_lowercase()] {
+            match plain.strip_prefix(quantity.word) {
+                Some("") => return Some(Spelling::Exact),
+                Some(ending) if ending == quantity.suffix => return Some(Spelling::Suffixed),
+                _ => {}
             }
         }
         let words = split_any_unit(field).0.replace([' ', '-'], "_");

@@ -7,6 +7,7 @@ mod format;
 mod heading;
 mod hub;
 mod input;
+mod measured;
 mod motion;
 mod motion_columns;
 mod number;
@@ -26,7 +27,10 @@ pub(crate) use input::sha256;
 pub use input::{
     InputError, InputFile, available_addresses, available_memory, is_data_limited, system_words,
 };
-pub use motion::{MotionTable, read_motion_table, read_motion_table_as, write_trajectory};
+pub use measured::read_measured;
+pub use motion::{
+    MotionTable, read_motion_table, read_motion_table_as, read_target, write_trajectory,
+};
 pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};
 pub use response::read_frequency_response;

@@ -7,8 +7,11 @@ use flexlink::beam::Mesh;
 use flexlink::inverse::{Quantity, QuantityErrors, Solution};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
-use flexlink::response::{Interpolation, Play, PlayError, Simulation};
-use flexlink::result::{Metrics, MotorMetrics, Peak, PlayedMetrics, TipError};
+use flexlink::response::{Input, Interpolation, Play, PlayError, Simulation};
+use flexlink::result::{
+    ChannelComparison, Comparison, Metrics, MotorMetrics, Peak, PlayedMetrics, TipError,
+};
+use flexlink::store::PlayFindings;
 use flexlink::text::{gigabytes, significant, visible};
 
 /// The note about memory before it is taken.
@@ -52,13 +55,13 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
     )
 }
 
-/// The summary of a torque that was played; `written` says where its files are.
+/// The summary of a torque or a hub motion that was played; `written` says where its files are.
 pub(crate) fn simulate_text(
     link: &Link,
     play: &Play,
     simulation: &Simulation,
     metrics: &PlayedMetrics,
-    (error, tip_error): (Option<&PlayError>, Option<&TipError>),
+    &PlayFindings { error, tip_error, comparison }: &PlayFindings,
     written: String,
 ) -> String {
     let hub = [metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w];
@@ -66,21 +69,62 @@ pub(crate) fn simulate_text(
         link,
         [
             ("link", link_line(link, &simulation.mesh)),
-            ("damping", played_damping(link, simulation)),
+            ("damping", played_damping(link, simulation, play)),
             ("ratios", ratios_line(&simulation.law, &simulation.natural_frequencies_rad_s)),
+            ("input", played_hub(play)),
             ("torque", played_torque(play, metrics)),
             ("feedback", feedback_line(play)),
-            ("modes", modes_line(simulation)),
+            ("modes", modes_line(simulation, play)),
             ("tip", tip_line(metrics)),
             ("hub", hub_line(&hub)),
             ("bending", deflection(metrics.peak_deflection_m)),
             ("after", residual_line(simulation)),
-            ("decay", decay_line(simulation)),
+            ("decay", decay_line(simulation, play)),
             ("error", tip_error.map(tip_error_line).unwrap_or_default()),
             ("errors", simulation_errors(error)),
+            ("measured", comparison.map(measured_text).unwrap_or_default()),
             ("written", written),
         ],
     )
+}
+
+/// A line for the times that are compared, then one for each channel.
+fn measured_text(comparison: &Comparison) -> String {
+    let Comparison { samples, left_out, .. } = comparison;
+    let [from, until] = four([comparison.from_s, comparison.until_s]);
+    let left_out = match left_out {
+        0 => String::new(),
+        1 => "; 1 outside the simulation is left out".to_owned(),
+        number => format!("; {number} outside the simulation are left out"),
+    };
+    let head = format!("{samples} times, {from} … {until} s{left_out}");
+    let labels = ["channel", "rms difference", "share", "delay", "gain", "left"].map(str::to_owned);
+    let rows = comparison.channels.iter().map(|channel| channel_row(channel, comparison));
+    std::iter::once(head).chain([row(labels)]).chain(rows).collect::<Vec<_>>().join("\n")
+}
+
+fn channel_row(channel: &ChannelComparison, comparison: &Comparison) -> String {
+    let name = channel.channel.name().to_owned();
+    let rms = format!("{} {}", significant(channel.rms, 3), channel.channel.unit());
+    let percent = |share: f64| format!("{} %", significant(100.0 * share, 2));
+    let share = channel.share.map_or("-".to_owned(), percent);
+    let Some(fit) = channel.fit else {
+        let why = if channel.recorded_rms == 0.0 {
+            "recorded at rest".to_owned()
+        } else if channel.simulated_rms == 0.0 {
+            "simulated at rest".to_owned()
+        } else {
+            let longest = significant(comparison.longest_delay_s, 2);
+            format!("no delay within ±{longest} s")
+        };
+        return format!("{name:<15}{rms:>16}{share:>10}  {why}");
+    };
+    let delay = format!("{} s", significant(fit.delay_s, 3));
+    row([name, rms, share, delay, format!("{:.4}", fit.gain), percent(fit.left)])
+}
+
+fn row([name, rms, share, delay, gain, left]: [String; 6]) -> String {
+    format!("{name:<15}{rms:>16}{share:>10}{delay:>14}{gain:>10}{left:>11}")
 }
 
 /// The link's title, then a line for each label that has content.
@@ -127,10 +171,14 @@ fn damping_line(link: &Link, law: &DampingLaw) -> String {
 }
 
 /// The law, and what is played in its place where it has no equation in time.
-fn played_damping(link: &Link, simulation: &Simulation) -> String {
+fn played_damping(link: &Link, simulation: &Simulation, play: &Play) -> String {
     let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
-    let as_viscous = if is_hysteretic { ", played as viscous in every mode" } else { "" };
-    damping_line(link, &simulation.law) + as_viscous
+    let modes = match play.input {
+        Input::Torque(_) => "mode",
+        Input::HubAngle(_) => "mode of the held link",
+    };
+    let as_viscous = format!(", played as viscous in every {modes}");
+    damping_line(link, &simulation.law) + if is_hysteretic { &as_viscous } else { "" }
 }
 
 /// Damping ratios of the modes, where they are not all one; empty otherwise.
@@ -281,15 +329,31 @@ fn window_line(solution: &Solution) -> String {
 }
 
 fn played_torque(play: &Play, metrics: &PlayedMetrics) -> String {
-    let grid = play.torque.grid();
+    let peak = significant(metrics.peak_torque_n_m.value, 4);
+    if let Input::HubAngle(_) = play.input {
+        return format!("peak {peak} N m, as the hub's motion takes it");
+    }
     let between = match play.interpolation {
         Interpolation::Cubic => "cubic spline",
         Interpolation::Linear => "straight lines",
         Interpolation::Zero => "held from sample to sample",
     };
-    let [start, end, peak] = four([grid.time_s(0), grid.end_s(), metrics.peak_torque_n_m.value]);
-    let step = significant(grid.step_s, 3);
-    format!("{start} … {end} s at {step} s, {between}; peak {peak} N m")
+    format!("{}, {between}; peak {peak} N m", times(play))
+}
+
+/// Times of the samples that are played.
+fn times(play: &Play) -> String {
+    let grid = play.input.grid();
+    let [start, end] = four([grid.time_s(0), grid.end_s()]);
+    format!("{start} … {end} s at {} s", significant(grid.step_s, 3))
+}
+
+/// The hub's motion, where that is played.
+fn played_hub(play: &Play) -> String {
+    match play.input {
+        Input::Torque(_) => String::new(),
+        Input::HubAngle(_) => format!("hub angle, {}, quintic spline", times(play)),
+    }
 }
 
 fn feedback_line(play: &Play) -> String {
@@ -298,11 +362,15 @@ fn feedback_line(play: &Play) -> String {
     format!("{kp} N m/rad, {kd} N m s/rad around the reference")
 }
 
-fn modes_line(simulation: &Simulation) -> String {
+fn modes_line(simulation: &Simulation, play: &Play) -> String {
     let selection = &simulation.selection;
     let [highest, band] = four([selection.highest_hz, selection.torque_band_hz]);
     let (modes, of) = (selection.modes, selection.of);
-    format!("{modes} of {of}, to {highest} Hz (torque band to {band} Hz)")
+    let input = match play.input {
+        Input::Torque(_) => "torque",
+        Input::HubAngle(_) => "hub",
+    };
+    format!("{modes} of {of}, to {highest} Hz ({input} band to {band} Hz)")
 }
 
 fn tip_line(metrics: &PlayedMetrics) -> String {
@@ -323,10 +391,14 @@ fn residual_line(simulation: &Simulation) -> String {
 }
 
 /// How long that takes to die down; empty where nothing vibrates.
-fn decay_line(simulation: &Simulation) -> String {
+fn decay_line(simulation: &Simulation, play: &Play) -> String {
+    let input = match play.input {
+        Input::Torque(_) => "torque",
+        Input::HubAngle(_) => "recording",
+    };
     match simulation.residual.decay_s {
         Some(decay_s) if decay_s > 0.0 => {
-            format!("to 1 % of that {} s after the torque's end", significant(decay_s, 3))
+            format!("to 1 % of that {} s after the {input}'s end", significant(decay_s, 3))
         }
         Some(_) => String::new(),
         None => "none to be seen".into(),
