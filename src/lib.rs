@@ -29,9 +29,9 @@
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
 //! | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
 //! | [`inverse`] | period and padding, the inversion, what it costs, warnings, motions of the nodes |
-//! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
+//! | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT |
 //! | [`compare`] | tables against tables, column by column; tolerances |
-//! | [`result`] | the numbers that a person reads first; a result read back |
+//! | [`result`] | the numbers that a person reads first; a simulation beside a recording; a result read back |
 //! | [`sweep`] | many cases in parallel, their order kept; their numbers; shards |
 //! | [`verify`] | every approximation of a solution measured by other means |
 //! | [`fit`] | a link from measured frequencies, zeros and damping ratios; what these do not determine |

@@ -11,7 +11,7 @@ use flexlink::spec::Specification;
 use flexlink::store::{PlayFindings, RunInputs, RunOutputs, SimulateFiles, Summary};
 use flexlink::text::plain;
 
-use crate::options::common::{NodeArgs, SyncArgs, digits_arguments, finite, option};
+use crate::options::common::{NodeArgs, SyncArgs, digits_arguments};
 use crate::options::inputs::LinkArgs;
 use crate::options::play::{PlayArgs, Playing};
 use crate::options::read::ReadArgs;
@@ -50,11 +50,6 @@ pub(crate) struct Simulate {
 
     #[command(flatten)]
     play: PlayArgs,
-
-    /// Time in s at which the simulation ends; after the last sample of TORQUE no torque acts
-    /// [default: the end of TORQUE or of the target, whichever is later].
-    #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
-    until: Option<f64>,
 
     /// Folder for the results.
     #[arg(short, long, value_name = "DIR", default_value = "simulated")]
@@ -124,7 +119,7 @@ impl Simulate {
     /// Computes the errors of the tip and of the simulation itself, and what a recording differs by.
     fn compute<'a>(&self, inputs: &'a Inputs) -> Result<Played<'a>, Failure> {
         let Specification { link, mesh, .. } = &inputs.specification;
-        let play = inputs.playing.play(self.until);
+        let play = inputs.playing.play(self.play.until);
         let refused = |error| self.refused(&error, inputs);
         let simulation = simulate(link, mesh, &play).map_err(refused)?;
         self.nodes.check(&simulation.mesh)?;
@@ -140,7 +135,7 @@ impl Simulate {
         memory::check_nodes(bytes, play.memory_bytes)?;
         let error = PlayError::of(&simulation, link, &play).map_err(refused)?;
         let metrics = PlayedMetrics::of(&simulation);
-        Ok(Played { metrics, play, simulation, error, tip_error, comparison })
+        Ok(Played { play, simulation, metrics, error, tip_error, comparison })
     }
 
     /// The failure of a simulation, with the file or option that causes it.
@@ -154,7 +149,7 @@ impl Simulate {
                 (Exit::InputRefused, file.map(shown).unwrap_or_default())
             }
             // The target is longer than the input.
-            SimulationError::TooLong { until_s, samples, limit } if self.until.is_none() => {
+            SimulationError::TooLong { until_s, samples, limit } if self.play.until.is_none() => {
                 let place = inputs.target_shown();
                 let found =
                     format!("the end = {} s, {samples:.3e} steps of the input", plain(*until_s));
@@ -182,7 +177,7 @@ impl Simulate {
     ) -> Result<Option<TipError>, Failure> {
         let Some((_, target)) = &inputs.playing.target else { return Ok(None) };
         TipError::of(simulation, target).map(Some).map_err(|error| {
-            let (exit, place) = match (error, self.until) {
+            let (exit, place) = match (error, self.play.until) {
                 (TargetError::EndsLate { .. }, Some(until)) => {
                     (Exit::Usage, format!("--until {}: ", plain(until)))
                 }
@@ -213,10 +208,9 @@ impl Simulate {
 
     /// The arguments that shape the results, for the record.
     fn arguments(&self) -> Vec<String> {
-        let until = self.until.iter().flat_map(|until| option("--until", until)).collect();
         let (nodes, digits) = (self.nodes.arguments(), digits_arguments(self.digits));
-        let played = [self.play.arguments(), until].concat();
-        [self.link.changes.arguments(), played, nodes, digits, self.read.arguments()].concat()
+        let (changes, played) = (self.link.changes.arguments(), self.play.arguments());
+        [changes, played, nodes, digits, self.read.arguments()].concat()
     }
 
     /// Prints warnings and the summary; returns the number of warnings.

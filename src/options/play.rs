@@ -11,7 +11,7 @@ use flexlink::motion::TipTarget;
 use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, Torque};
 use flexlink::result::Measured;
 
-use super::common::option;
+use super::common::{finite, option};
 use super::read::{ReadArgs, tell};
 use crate::terminal::{Exit, Failure, memory};
 
@@ -38,13 +38,18 @@ pub(crate) struct PlayArgs {
     pub(crate) file: PathBuf,
 
     /// What TORQUE holds: the torque, or the hub angle, as which the hub is then moved, whatever torque that
-    /// takes. The hub rests before its first and after its last sample.
+    /// takes. The hub rests before the first sample and turns on at its rate after the last.
     #[arg(long, value_name = "KIND", value_enum, default_value_t = InputKind::Torque)]
     input: InputKind,
 
     /// Column of TORQUE to play [default: `torque`].
     #[arg(long, value_name = "NAME")]
     column: Option<String>,
+
+    /// Time in s at which the simulation ends; after the last sample of TORQUE no torque acts
+    /// [default: the end of TORQUE or of the target, whichever is later].
+    #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) until: Option<f64>,
 
     /// The torque between the samples of TORQUE: a cubic spline, straight lines, or each sample held until
     /// the next one, as a converter plays a table.
@@ -197,18 +202,13 @@ impl PlayArgs {
     pub(crate) fn arguments(&self) -> Vec<String> {
         let input = (self.input == InputKind::HubAngle).then(|| option("--input", "hub-angle"));
         let column = self.column.iter().map(|column| option("--column", column));
+        let until = self.until.map(|until| option("--until", until));
         let linear = self.linear.then(|| vec!["--linear".to_owned()]);
         let hold = self.hold.to_possible_value().filter(|_| self.hold != Hold::Cubic);
         let hold = hold.map(|hold| option("--hold", hold.get_name()));
         let feedback = self.feedback.map(|(kp, kd)| option("--feedback", format!("{kp},{kd}")));
-        input
-            .into_iter()
-            .chain(column)
-            .chain(hold)
-            .chain(linear)
-            .chain(feedback)
-            .flatten()
-            .collect()
+        let input = input.into_iter().chain(column).chain(until);
+        input.chain(hold).chain(linear).chain(feedback).flatten().collect()
     }
 }
 

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::link::{Link, ParameterError};
 use crate::modal::DampingError;
-use crate::numeric::{TimeGrid, largest, rounded};
+use crate::numeric::{TimeGrid, dot, largest, rounded};
 use crate::text::{gigabytes, plain};
 
 /// Why a torque is not played.
@@ -115,8 +115,11 @@ impl SimulationError {
 /// Torque at its first or last sample over its peak, above which a warning is given.
 const STEP_SHARE: f64 = 1e-3;
 
-/// Rate of the hub at its first or last sample over its peak, above which a warning is given.
+/// Rate of the hub at its first sample over its peak, above which a warning is given.
 const MOVES: f64 = 1e-2;
+
+/// Roughness of a torque over that of noise, above which a warning is given. A sine of six samples a period has 0.4.
+const ROUGH: f64 = 0.4;
 
 /// Steps in a period of the first mode below which a warning is given.
 const STEPS_IN_A_PERIOD: f64 = 8.0;
@@ -165,17 +168,14 @@ pub enum SimulationWarning {
         /// The same over the peak.
         share: f64,
     },
-    /// A hub that moves to its last sample.
+    /// A torque that the steps or the noise of a recorded hub angle make.
     #[error(
-        "the hub angle ends with {:?} rad/s, {:.1} % of its peak rate: the hub is at rest after its last \
-         sample, and is taken to stop between the last two",
-        rounded(*rate_rad_s, 4),
+        "the torque jumps from sample to sample, {:.0} % as noise alone would: it has the steps or the noise of \
+         the recorded hub angle, differentiated twice, in it; the tip hardly has",
         100.0 * share
     )]
-    HubEndsMoving {
-        /// Rate at the last sample in rad/s.
-        rate_rad_s: f64,
-        /// The same over the peak.
+    RoughTorque {
+        /// Roughness over that of noise.
         share: f64,
     },
     /// A step too long to show the vibration.
@@ -220,7 +220,7 @@ impl SimulationWarning {
             Self::BeginsWithJump { .. } => "begins_with_jump",
             Self::EndsWithJump { .. } => "ends_with_jump",
             Self::HubBeginsMoving { .. } => "hub_begins_moving",
-            Self::HubEndsMoving { .. } => "hub_ends_moving",
+            Self::RoughTorque { .. } => "rough_torque",
             Self::CoarseStep { .. } => "coarse_step",
             Self::LargeDeflection { .. } => "large_deflection",
             Self::CoarseMesh { .. } => "coarse_mesh",
@@ -233,8 +233,9 @@ impl SimulationWarning {
             Self::BeginsWithJump { .. } | Self::EndsWithJump { .. } => {
                 "a torque of solve begins and ends at zero unless analysis.lead or analysis.lag cut it"
             }
-            Self::HubBeginsMoving { .. } | Self::HubEndsMoving { .. } => {
-                "a recording with a rest at both ends"
+            Self::HubBeginsMoving { .. } => "a recording that begins with a rest",
+            Self::RoughTorque { .. } => {
+                "compare the tip, or record the hub with more counts or at a longer step"
             }
             Self::CoarseStep { .. } => "a torque with a shorter step",
             Self::LargeDeflection { .. } => "a smaller torque or a stiffer link",
@@ -257,22 +258,27 @@ impl SimulationWarning {
         [is_jump(first).then_some(begins), is_jump(last).then_some(ends)]
     }
 
-    /// Warnings of a hub that does not rest at its first or its last sample.
-    pub(super) fn hub_moves(rate_rad_s: &[f64]) -> [Option<Self>; 2] {
-        let peak = largest(rate_rad_s);
-        let share = |rate_rad_s: f64| rate_rad_s.abs() / peak;
-        let (first, last) = (rate_rad_s[0], rate_rad_s[rate_rad_s.len() - 1]);
-        let begins = Self::HubBeginsMoving { rate_rad_s: first, share: share(first) };
-        let ends = Self::HubEndsMoving { rate_rad_s: last, share: share(last) };
-        let moves = |rate_rad_s: f64| share(rate_rad_s) > MOVES;
-        [moves(first).then_some(begins), moves(last).then_some(ends)]
+    /// A warning of a hub that does not rest at its first sample.
+    pub(super) fn hub_begins(rate_rad_s: &[f64]) -> Option<Self> {
+        let first = rate_rad_s[0];
+        let share = first.abs() / largest(rate_rad_s);
+        (share > MOVES).then_some(Self::HubBeginsMoving { rate_rad_s: first, share })
     }
 
-    /// All warnings of an input with those of its `ends`, at these steps, on a link whose first flexible mode
+    /// A warning of a torque as rough as noise.
+    ///
+    /// Second differences of independent samples are √6 times as large as these.
+    pub(super) fn rough(torque_n_m: &[f64]) -> Option<Self> {
+        let bends: Vec<f64> = torque_n_m.windows(3).map(|t| t[0] - 2.0 * t[1] + t[2]).collect();
+        let share = (dot(&bends, &bends) / (6.0 * dot(torque_n_m, torque_n_m))).sqrt();
+        (share > ROUGH).then_some(Self::RoughTorque { share })
+    }
+
+    /// All warnings of an input with its `own`, at these steps, on a link whose first flexible mode
     /// has this period in s. Its residual vibration is relative to the tip's travel, its largest deflection
     /// to the length.
     pub(super) fn all(
-        [begins, ends]: [Option<Self>; 2],
+        own: [Option<Self>; 2],
         (step_s, first_period_s): (f64, Option<f64>),
         (vibration, deflection): (f64, f64),
     ) -> Vec<Self> {
@@ -281,15 +287,8 @@ impl SimulationWarning {
             let is_coarse = steps < STEPS_IN_A_PERIOD && vibration > VIBRATES;
             is_coarse.then_some(Self::CoarseStep { step_s, period_s, steps })
         });
-        [
-            begins,
-            ends,
-            coarse,
-            (deflection > Link::LARGE_DEFLECTION)
-                .then_some(Self::LargeDeflection { share: deflection }),
-        ]
-        .into_iter()
-        .flatten()
-        .collect()
+        let large = (deflection > Link::LARGE_DEFLECTION)
+            .then_some(Self::LargeDeflection { share: deflection });
+        own.into_iter().chain([coarse, large]).flatten().collect()
     }
 }

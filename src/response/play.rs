@@ -19,10 +19,11 @@ const LONGEST: usize = 1 << 24;
 pub enum Input<'a> {
     /// The torque at the hub; zero before its first and after its last sample.
     Torque(&'a Torque),
-    /// The hub angle: the hub moves as it says, at rest before the first and after the last sample.
+    /// The hub angle: the hub moves as it says. It is at rest before the first sample, and turns on at its rate
+    /// after the last one.
     ///
-    /// The angle between the samples is a quintic spline with neither rate nor acceleration at both ends;
-    /// rates that come with it are not used.
+    /// The angle between the samples is a quintic spline with neither rate nor acceleration at the start; rates
+    /// that come with it are not used.
     HubAngle(&'a HubReference),
 }
 
@@ -35,11 +36,14 @@ impl Input<'_> {
         }
     }
 
-    /// Warnings of its first and its last sample.
-    pub(super) fn warnings(&self) -> [Option<SimulationWarning>; 2] {
+    /// Warnings of its first and its last sample, or of the torque that a hub angle takes.
+    pub(super) fn warnings(&self, torque_n_m: &[f64]) -> [Option<SimulationWarning>; 2] {
         match self {
             Self::Torque(torque) => SimulationWarning::jumps(torque.torque_n_m()),
-            Self::HubAngle(hub) => SimulationWarning::hub_moves(&hub.slopes_rad_s()),
+            Self::HubAngle(hub) => [
+                SimulationWarning::hub_begins(&hub.slopes_rad_s()),
+                SimulationWarning::rough(&torque_n_m[..hub.grid().len]),
+            ],
         }
     }
 }
@@ -131,14 +135,14 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// Turn in rad from the start to where the hub is held in the end, if it is.
+    /// Turn in rad from the start to where feedback holds the hub in the end, if it does.
     pub(super) fn goal_rad(&self) -> Option<f64> {
         match self.input {
             Input::Torque(_) => {
                 let holds = |feedback: &&Feedback| feedback.stiffness_n_m_rad > 0.0;
                 self.feedback.filter(holds).map(|feedback| feedback.reference.turn_rad())
             }
-            Input::HubAngle(hub) => Some(hub.turn_rad()),
+            Input::HubAngle(_) => None,
         }
     }
 
@@ -274,7 +278,7 @@ impl HubReference {
 
     /// Accelerations in rad/s² at the samples and between them.
     fn accelerations(&self) -> (Vec<f64>, Vec<Cubic>) {
-        let spline = QuinticSpline::at_rest(self.angle_rad());
+        let spline = QuinticSpline::from_rest(self.angle_rad());
         let per_s2 = self.grid().step_s.powi(-2);
         let samples = spline.curvatures().map(|curvature| curvature * per_s2).collect();
         let pieces = spline.curvature_pieces().map(|piece| piece.map(|c| c * per_s2)).collect();

@@ -22,8 +22,8 @@ const STEPS: usize = 256;
 /// Zeros appended to the vibration, in lengths of it: they interpolate between the bins of its spectrum.
 const ZEROS: usize = 3;
 
-/// Motion of the tip after the last sample of the input, less the rotation of the rigid link; with feedback
-/// or a prescribed hub, less the position at which the hub ends.
+/// Motion of the tip after the last sample of the input, less the rotation of the rigid link; with feedback,
+/// less the final position of the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ResidualVibration {
     /// Largest excursion in m.
@@ -88,9 +88,9 @@ impl ResidualVibration {
 
 /// What of the tip's displacement is no vibration.
 pub(super) enum Reading {
-    /// The hub is held: the tip's final displacement in m.
+    /// A reference holds the hub: the tip's final displacement in m.
     Held(f64),
-    /// The hub turns freely: the tip's deflection by friction in m per rate of the rigid rotation. The
+    /// The hub turns freely, or as prescribed: the tip's deflection by friction in m per rate of the rigid rotation. The
     /// rotation itself is no vibration either.
     Free(f64),
 }

@@ -119,7 +119,7 @@ fn play_on(
     let residual = ResidualVibration::of(&equations, last, &held, &reading, tip.largest_travel_m());
     let deflection_m = tip_deflection_m(&mesh, &tip.displacement_m, &hub_angle_rad);
     let warnings = SimulationWarning::all(
-        play.input.warnings(),
+        play.input.warnings(&torque_n_m),
         (grid.step_s, equations.first_period_s()),
         (residual.share, largest(&deflection_m) / mesh.length_m()),
     );

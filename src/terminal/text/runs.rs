@@ -1,4 +1,4 @@
-//! The summaries that `solve` and `simulate` print.
+//! The summary that `solve` prints, and the lines of it that `simulate` prints, too.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -7,11 +7,7 @@ use flexlink::beam::Mesh;
 use flexlink::inverse::{Quantity, QuantityErrors, Solution};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
-use flexlink::response::{Input, Interpolation, Play, PlayError, Simulation};
-use flexlink::result::{
-    ChannelComparison, Comparison, Metrics, MotorMetrics, Peak, PlayedMetrics, TipError,
-};
-use flexlink::store::PlayFindings;
+use flexlink::result::{Metrics, MotorMetrics, Peak};
 use flexlink::text::{gigabytes, significant, visible};
 
 /// The note about memory before it is taken.
@@ -55,80 +51,11 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
     )
 }
 
-/// The summary of a torque or a hub motion that was played; `written` says where its files are.
-pub(crate) fn simulate_text(
-    link: &Link,
-    play: &Play,
-    simulation: &Simulation,
-    metrics: &PlayedMetrics,
-    &PlayFindings { error, tip_error, comparison }: &PlayFindings,
-    written: String,
-) -> String {
-    let hub = [metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w];
-    labelled(
-        link,
-        [
-            ("link", link_line(link, &simulation.mesh)),
-            ("damping", played_damping(link, simulation, play)),
-            ("ratios", ratios_line(&simulation.law, &simulation.natural_frequencies_rad_s)),
-            ("input", played_hub(play)),
-            ("torque", played_torque(play, metrics)),
-            ("feedback", feedback_line(play)),
-            ("modes", modes_line(simulation, play)),
-            ("tip", tip_line(metrics)),
-            ("hub", hub_line(&hub)),
-            ("bending", deflection(metrics.peak_deflection_m)),
-            ("after", residual_line(simulation)),
-            ("decay", decay_line(simulation, play)),
-            ("error", tip_error.map(tip_error_line).unwrap_or_default()),
-            ("errors", simulation_errors(error)),
-            ("measured", comparison.map(measured_text).unwrap_or_default()),
-            ("written", written),
-        ],
-    )
-}
-
-/// A line for the times that are compared, then one for each channel.
-fn measured_text(comparison: &Comparison) -> String {
-    let Comparison { samples, left_out, .. } = comparison;
-    let [from, until] = four([comparison.from_s, comparison.until_s]);
-    let left_out = match left_out {
-        0 => String::new(),
-        1 => "; 1 outside the simulation is left out".to_owned(),
-        number => format!("; {number} outside the simulation are left out"),
-    };
-    let head = format!("{samples} times, {from} … {until} s{left_out}");
-    let labels = ["channel", "rms difference", "share", "delay", "gain", "left"].map(str::to_owned);
-    let rows = comparison.channels.iter().map(|channel| channel_row(channel, comparison));
-    std::iter::once(head).chain([row(labels)]).chain(rows).collect::<Vec<_>>().join("\n")
-}
-
-fn channel_row(channel: &ChannelComparison, comparison: &Comparison) -> String {
-    let name = channel.channel.name().to_owned();
-    let rms = format!("{} {}", significant(channel.rms, 3), channel.channel.unit());
-    let percent = |share: f64| format!("{} %", significant(100.0 * share, 2));
-    let share = channel.share.map_or("-".to_owned(), percent);
-    let Some(fit) = channel.fit else {
-        let why = if channel.recorded_rms == 0.0 {
-            "recorded at rest".to_owned()
-        } else if channel.simulated_rms == 0.0 {
-            "simulated at rest".to_owned()
-        } else {
-            let longest = significant(comparison.longest_delay_s, 2);
-            format!("no delay within ±{longest} s")
-        };
-        return format!("{name:<15}{rms:>16}{share:>10}  {why}");
-    };
-    let delay = format!("{} s", significant(fit.delay_s, 3));
-    row([name, rms, share, delay, format!("{:.4}", fit.gain), percent(fit.left)])
-}
-
-fn row([name, rms, share, delay, gain, left]: [String; 6]) -> String {
-    format!("{name:<15}{rms:>16}{share:>10}{delay:>14}{gain:>10}{left:>11}")
-}
-
 /// The link's title, then a line for each label that has content.
-fn labelled<'a>(link: &Link, lines: impl IntoIterator<Item = (&'a str, String)>) -> String {
+pub(super) fn labelled<'a>(
+    link: &Link,
+    lines: impl IntoIterator<Item = (&'a str, String)>,
+) -> String {
     let mut text = title(link);
     for (label, content) in lines.into_iter().filter(|(_, content)| !content.is_empty()) {
         // Writing to a string cannot fail.
@@ -143,7 +70,7 @@ pub(super) fn title(link: &Link) -> String {
 }
 
 /// Each number with four significant digits.
-fn four<const N: usize>(numbers: [f64; N]) -> [String; N] {
+pub(super) fn four<const N: usize>(numbers: [f64; N]) -> [String; N] {
     numbers.map(|number| significant(number, 4))
 }
 
@@ -155,7 +82,7 @@ pub(super) fn link_line(link: &Link, mesh: &Mesh) -> String {
 }
 
 /// The damping law in words.
-fn damping_line(link: &Link, law: &DampingLaw) -> String {
+pub(super) fn damping_line(link: &Link, law: &DampingLaw) -> String {
     match (link.damping(), law) {
         (Damping::None | Damping::Hysteretic { ratio: 0.0 }, _) => "none".into(),
         (_, DampingLaw::Rayleigh { alpha_per_s, beta_s }) => {
@@ -170,19 +97,8 @@ fn damping_line(link: &Link, law: &DampingLaw) -> String {
     }
 }
 
-/// The law, and what is played in its place where it has no equation in time.
-fn played_damping(link: &Link, simulation: &Simulation, play: &Play) -> String {
-    let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
-    let modes = match play.input {
-        Input::Torque(_) => "mode",
-        Input::HubAngle(_) => "mode of the held link",
-    };
-    let as_viscous = format!(", played as viscous in every {modes}");
-    damping_line(link, &simulation.law) + if is_hysteretic { &as_viscous } else { "" }
-}
-
 /// Damping ratios of the modes, where they are not all one; empty otherwise.
-fn ratios_line(law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
+pub(super) fn ratios_line(law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
     let ratios = law.modal_ratios(frequencies_rad_s);
     let are_one = ratios.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits());
     if are_one { String::new() } else { list(&ratios, 2, "") }
@@ -237,7 +153,7 @@ fn timing_line(lead_s: f64, lag_s: f64) -> String {
 }
 
 /// The largest angle, rate and power of the hub.
-fn hub_line([angle_rad, rate_rad_s, power_w]: &[Peak; 3]) -> String {
+pub(super) fn hub_line([angle_rad, rate_rad_s, power_w]: &[Peak; 3]) -> String {
     let [angle, rate, power] = four([angle_rad.value, rate_rad_s.value, power_w.value]);
     format!("turns by up to {angle} rad; peaks {rate} rad/s, {power} W")
 }
@@ -248,7 +164,7 @@ fn motor_line(motor: &MotorMetrics) -> String {
     acting(motor.peak_torque_n_m, motor.rms_torque_n_m) + &format!("; {rate} rad/s, {power} W")
 }
 
-fn deflection(peak_m: Peak) -> String {
+pub(super) fn deflection(peak_m: Peak) -> String {
     format!("tip deflects by up to {} m", significant(peak_m.value, 4))
 }
 
@@ -326,97 +242,6 @@ fn window_line(solution: &Solution) -> String {
     let [start, end] = four([grid.time_s(0), grid.end_s()]);
     let highest = significant(band.highest_hz, 3);
     format!("{start} … {end} s, {rows} rows; {frequencies} frequencies to {highest} Hz")
-}
-
-fn played_torque(play: &Play, metrics: &PlayedMetrics) -> String {
-    let peak = significant(metrics.peak_torque_n_m.value, 4);
-    if let Input::HubAngle(_) = play.input {
-        return format!("peak {peak} N m, as the hub's motion takes it");
-    }
-    let between = match play.interpolation {
-        Interpolation::Cubic => "cubic spline",
-        Interpolation::Linear => "straight lines",
-        Interpolation::Zero => "held from sample to sample",
-    };
-    format!("{}, {between}; peak {peak} N m", times(play))
-}
-
-/// Times of the samples that are played.
-fn times(play: &Play) -> String {
-    let grid = play.input.grid();
-    let [start, end] = four([grid.time_s(0), grid.end_s()]);
-    format!("{start} … {end} s at {} s", significant(grid.step_s, 3))
-}
-
-/// The hub's motion, where that is played.
-fn played_hub(play: &Play) -> String {
-    match play.input {
-        Input::Torque(_) => String::new(),
-        Input::HubAngle(_) => format!("hub angle, {}, quintic spline", times(play)),
-    }
-}
-
-fn feedback_line(play: &Play) -> String {
-    let Some(feedback) = play.feedback else { return String::new() };
-    let [kp, kd] = four([feedback.stiffness_n_m_rad(), feedback.damping_n_m_s_rad()]);
-    format!("{kp} N m/rad, {kd} N m s/rad around the reference")
-}
-
-fn modes_line(simulation: &Simulation, play: &Play) -> String {
-    let selection = &simulation.selection;
-    let [highest, band] = four([selection.highest_hz, selection.torque_band_hz]);
-    let (modes, of) = (selection.modes, selection.of);
-    let input = match play.input {
-        Input::Torque(_) => "torque",
-        Input::HubAngle(_) => "hub",
-    };
-    format!("{modes} of {of}, to {highest} Hz ({input} band to {band} Hz)")
-}
-
-fn tip_line(metrics: &PlayedMetrics) -> String {
-    let [farthest, travel] = four([metrics.farthest_m, metrics.travel_m]);
-    let velocity = significant(metrics.final_tip_velocity_m_s, 2);
-    format!("moves by up to {farthest} m, by {travel} m in all; ends with {velocity} m/s")
-}
-
-/// The vibration after the torque. A share of a travel that the tip had hardly begun says nothing.
-fn residual_line(simulation: &Simulation) -> String {
-    let residual = &simulation.residual;
-    let vibration = format!("vibrates by {} m", significant(residual.amplitude_m, 3));
-    let share = (residual.share < 1.0).then(|| significant(residual.share, 2));
-    let share = share.map(|share| format!(", {share} of its travel"));
-    let frequency = residual.frequency_hz.map(|hertz| significant(hertz, 4));
-    let frequency = frequency.map(|hertz| format!(", at {hertz} Hz"));
-    vibration + &share.unwrap_or_default() + &frequency.unwrap_or_default()
-}
-
-/// How long that takes to die down; empty where nothing vibrates.
-fn decay_line(simulation: &Simulation, play: &Play) -> String {
-    let input = match play.input {
-        Input::Torque(_) => "torque",
-        Input::HubAngle(_) => "recording",
-    };
-    match simulation.residual.decay_s {
-        Some(decay_s) if decay_s > 0.0 => {
-            format!("to 1 % of that {} s after the {input}'s end", significant(decay_s, 3))
-        }
-        Some(_) => String::new(),
-        None => "none to be seen".into(),
-    }
-}
-
-/// The errors of the simulation itself.
-fn simulation_errors(error: Option<&PlayError>) -> String {
-    let Some(PlayError { tip, hub_angle }) = error else {
-        return "mesh not known: the damping cannot be on halved elements".into();
-    };
-    format!("mesh {tip:.1e} (of the tip's travel), {hub_angle:.1e} (of the hub's peak angle)")
-}
-
-fn tip_error_line(error: &TipError) -> String {
-    let worst = significant(error.worst_m, 4);
-    let [time, share] = [error.time_s, error.share].map(|number| significant(number, 3));
-    format!("tip strays by up to {worst} m at {time} s, {share} of its travel")
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ fn simulated(step_s: f64, until_s: f64) -> Simulation {
     let link = link(|parts| parts.damping = Damping::Modal { ratios: vec![0.02] });
     let count = (3.0 / step_s).round();
     let time_s: Vec<f64> =
-        (0..).map(f64::from).take_while(|k| *k <= count).map(|k| k * step_s).collect();
+        (0_i32..=100_000).map(f64::from).take_while(|k| *k <= count).map(|k| k * step_s).collect();
     let torque = |t: &f64| {
         let u = (t / 2.0).clamp(0.0, 1.0);
         (std::f64::consts::PI * u).sin().powi(6) * (1.0 - 2.0 * u)
