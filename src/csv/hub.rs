@@ -24,7 +24,8 @@ const HUB_MOTION: Vocabulary = Vocabulary {
     prefix: "",
     example: "time,hub_angle",
     choice: Some("rename one of them"),
-    by_option: "--columns time=1,hub_angle=2 says which column is what",
+    // A reference is read without options.
+    by_option: "",
 };
 
 /// Reads a torque over time: a row of names, then a row for each sample.
