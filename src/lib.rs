@@ -22,6 +22,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`text`] | numbers and pieces of an input as messages show them |
+//! | [`system`] | memory that the system leaves to this process |
 //! | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units, Student's t: mathematics that knows no beam |
 //! | [`link`] | the physical link, checked at construction |
 //! | [`motion`] | the tip motion, checked at construction, its spectrum, analytic profiles |
@@ -30,9 +31,9 @@
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
 //! | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
 //! | [`inverse`] | period and padding, the inversion, what it costs, warnings, motions of the nodes |
-//! | [`response`] | direct dynamics: torque in, motion out, independent of the FFT |
+//! | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT |
 //! | [`compare`] | tables against tables, column by column; tolerances |
-//! | [`result`] | the numbers that a person reads first; a result read back |
+//! | [`result`] | the numbers that a person reads first; a simulation beside a recording; a result read back |
 //! | [`sweep`] | many cases in parallel, their order kept; their numbers; shards |
 //! | [`verify`] | every approximation of a solution measured by other means |
 //! | [`fit`] | a link from measured frequencies, zeros and damping ratios; what these do not determine |
@@ -134,5 +135,6 @@ pub mod result;
 pub mod spec;
 pub mod store;
 pub mod sweep;
+pub mod system;
 pub mod text;
 pub mod verify;

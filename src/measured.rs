@@ -22,9 +22,8 @@ pub struct MeasuredSet {
     pub file: InputFile,
     /// The files that it names, in its order: responses, then records.
     pub named: Vec<InputFile>,
-    /// How each of the records was read, with its largest distance of a time from the grid in steps, if it was
-    /// interpolated.
-    pub readings: Vec<(String, Reading, Option<f64>)>,
+    /// How each of the records was read, after its name.
+    pub readings: Vec<(String, Reading)>,
 }
 
 /// Why measurements are refused.
@@ -82,8 +81,8 @@ pub fn read_measured(path: &Path) -> Result<MeasuredSet, MeasuredError> {
     }
     for record in records {
         let table = InputFile::read(&beside(path, &record.file))?;
-        let (record, reading, jitter) = record_of(&table, record, motor)?;
-        readings.push((table.shown.clone(), reading, jitter));
+        let (record, reading) = record_of(&table, record, motor)?;
+        readings.push((table.shown.clone(), reading));
         read_records.push(record);
         named.push(table);
     }
@@ -112,7 +111,7 @@ fn record_of(
     table: &InputFile,
     of: RecordFile,
     motor: Option<Motor>,
-) -> Result<(Record, Reading, Option<f64>), MeasuredError> {
+) -> Result<(Record, Reading), MeasuredError> {
     let refused = |error: &dyn Display| MeasuredError::refused(table, &error);
     let sensors: Vec<_> = of.channels.iter().map(|channel| channel.sensor).collect();
     let mut format = TableFormat { skip: of.skip, ..TableFormat::default() };
@@ -141,5 +140,5 @@ fn record_of(
         }
     };
     let record = Record::new(of.file, read.step_s, input, channels.collect(), of.is_delay_free);
-    Ok((record.map_err(|error| refused(&error))?, read.reading, read.jitter))
+    Ok((record.map_err(|error| refused(&error))?, read.reading))
 }

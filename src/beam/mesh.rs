@@ -165,12 +165,6 @@ impl Mesh {
         self.bodies.hub_inertia_kg_m2
     }
 
-    /// The same mesh on a hub of another rotary inertia in kg m².
-    pub(crate) fn with_hub_inertia(mut self, inertia_kg_m2: f64) -> Self {
-        self.bodies.hub_inertia_kg_m2 = inertia_kg_m2;
-        self
-    }
-
     /// A mass of the size of the link's own in kg, to compare forces with motions.
     pub(super) fn reference_mass_kg(&self) -> f64 {
         let beam: f64 = self.relative.iter().map(|e| e.m_uu.m11).sum();

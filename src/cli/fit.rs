@@ -10,7 +10,6 @@ use flexlink::measured::read_measured;
 use flexlink::report::{FitReport, fit_page};
 use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, rewrite};
 use flexlink::store::{Fingerprint, FitInputs, fit_json};
-use flexlink::text::significant;
 
 use crate::options::common::option;
 use crate::options::inputs::LinkArgs;
@@ -178,15 +177,8 @@ impl Fit {
         let measured = read_measured(&self.measured)?;
         let named: Vec<&Path> = measured.named.iter().map(|file| Path::new(&file.shown)).collect();
         self.keep(&named)?;
-        for (shown, reading, jitter) in &measured.readings {
+        for (shown, reading) in &measured.readings {
             tell_reading(shown, reading);
-            if let Some(steps) = jitter {
-                let message = format!(
-                    "{shown}: times are off a uniform step by up to {} of it: interpolated",
-                    significant(*steps, 2)
-                );
-                console::remark(&message, "write times with more decimals");
-            }
         }
         let [of_link, of_measured] = [&link, &measured.file].map(Fingerprint::of);
         let named = measured.named.iter().map(Fingerprint::of).collect();
@@ -240,19 +232,17 @@ impl Problem {
             let specification = self.document.specification(&self.link.shown, &changes)?;
             Ok((specification.link, specification.mesh))
         };
-        fit(&self.measured, &free, link_at).map_err(
-            |error: LinkFitError<SpecError>| {
-                let hint = match &error {
-                    LinkFitError::Link(error) => error.hint(),
-                    LinkFitError::Plan(_) | LinkFitError::NoModel => None,
-                    LinkFitError::NoMode(_) => {
-                        Some("number the modes from 1, the rigid rotation left out")
-                    }
-                    LinkFitError::NoDamping(_) => Some("[damping] with ratio = 0.02 is a start"),
-                };
-                Failure::new(Exit::InputRefused, &error, hint)
-            },
-        )
+        fit(&self.measured, &free, link_at).map_err(|error: LinkFitError<SpecError>| {
+            let hint = match &error {
+                LinkFitError::Link(error) => error.hint(),
+                LinkFitError::Plan(_) | LinkFitError::NoModel => None,
+                LinkFitError::NoMode(_) => {
+                    Some("number the modes from 1, the rigid rotation left out")
+                }
+                LinkFitError::NoDamping(_) => Some("[damping] with ratio = 0.02 is a start"),
+            };
+            Failure::new(Exit::InputRefused, &error, hint)
+        })
     }
 
     /// The changes of the command line, then the factors on the free values.

@@ -26,6 +26,15 @@ pub(super) enum FirstRow {
     Samples,
 }
 
+/// What may be read by a common name beside a quantity that has the word itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Beside {
+    /// The time alone: the quantities of a table are one motion.
+    None,
+    /// All others: each is a channel of its own.
+    Others,
+}
+
 /// The first row of a table, where it is, and what the user says of the table.
 #[derive(Clone, Copy)]
 pub(super) struct Header<'a> {
@@ -51,6 +60,16 @@ impl Columns {
         Self::find_beside(vocabulary, header, None)
     }
 
+    /// Finds all quantities of a vocabulary: a common name counts beside others that have the word itself.
+    pub(super) fn find_all(vocabulary: &Vocabulary, header: Header) -> Result<Self, TableError> {
+        vocabulary.check_names(header.fields, header.place)?;
+        let (headings, unread) = (Vec::new(), Vec::new());
+        let none = Self { headings, first: FirstRow::Names, is_guessed: false, unread };
+        let mut columns = none.with_named(vocabulary, header, Beside::Others)?;
+        columns.headings.sort_by_key(|heading| heading.index);
+        Ok(columns)
+    }
+
     /// The same beside a column that is found already.
     pub(super) fn find_beside(
         vocabulary: &Vocabulary,
@@ -72,7 +91,7 @@ impl Columns {
         let columns = Self { headings, first, is_guessed: false, unread: Vec::new() };
         let mut columns = match first {
             FirstRow::Samples => columns,
-            FirstRow::Names => columns.with_named(vocabulary, header)?,
+            FirstRow::Names => columns.with_named(vocabulary, header, Beside::None)?,
         };
         columns.headings.sort_by_key(|heading| heading.index);
         header.check_measures(&columns.headings)?;
@@ -80,7 +99,12 @@ impl Columns {
     }
 
     /// Adds the quantities that the first row names.
-    fn with_named(mut self, vocabulary: &Vocabulary, header: Header) -> Result<Self, TableError> {
+    fn with_named(
+        mut self,
+        vocabulary: &Vocabulary,
+        header: Header,
+        beside: Beside,
+    ) -> Result<Self, TableError> {
         let is_chosen = self.headings.iter().any(|heading| heading.quantity != TIME);
         let free = |(index, field): (usize, &&'_ str)| {
             let is_taken = self.headings.iter().any(|heading| heading.index == index);
@@ -91,7 +115,8 @@ impl Columns {
         for ways in WAYS {
             let has_motion = self.headings.iter().any(|heading| heading.quantity != TIME);
             // A common name is no second motion beside one that has the word itself.
-            let is_time_alone = is_chosen || (has_motion && ways == [Spelling::Alias]);
+            let is_second = beside == Beside::None && has_motion && ways == [Spelling::Alias];
+            let is_time_alone = is_chosen || is_second;
             for &quantity in vocabulary.quantities {
                 let is_moot = is_time_alone && quantity != TIME;
                 if is_moot || find(&self.headings, quantity).is_some() {

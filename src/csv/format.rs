@@ -126,7 +126,9 @@ impl FromStr for ColumnScale {
 fn pair<'a>(text: &'a str, example: &str) -> Result<(Quantity, &'a str), String> {
     let (word, value) = text.split_once('=').ok_or_else(|| format!("must read like {example}"))?;
     let (word, value) = (word.trim().to_lowercase(), value.trim());
-    let found = QUANTITIES.into_iter().find(|quantity| quantity.word == word);
+    // A motion, a deflection, an acceleration is that of the tip.
+    let plain = word.strip_prefix("tip_").unwrap_or(&word);
+    let found = QUANTITIES.into_iter().find(|quantity| [&*word, plain].contains(&quantity.word));
     let quantity = found.ok_or_else(|| {
         let words = QUANTITIES.map(|quantity| quantity.word);
         match nearest(&word, words) {
@@ -143,12 +145,19 @@ pub struct Reading {
     pub(super) found: Vec<String>,
     pub(super) unread: Option<String>,
     pub(super) hint: Option<String>,
+    /// What was done about times off a uniform grid.
+    pub(super) jitter: Option<String>,
 }
 
 impl Reading {
     /// How the table was read, if anything in it was guessed.
     pub fn note(&self) -> Option<String> {
         (!self.found.is_empty()).then(|| format!("read {}", self.found.join(", ")))
+    }
+
+    /// What was done about times off a uniform grid, and what to do about them.
+    pub fn jitter(&self) -> Option<(&str, &str)> {
+        Some((self.jitter.as_deref()?, "resample the file to a uniform step"))
     }
 
     /// Which columns were not read, and what to do about them.

@@ -69,17 +69,18 @@ pub(super) const HUB_ANGLE: Quantity =
 pub(super) const HUB_RATE: Quantity =
     quantity("hub_rate", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]);
 
-pub(super) const TIP_DEFLECTION: Quantity =
-    quantity("tip_deflection", "_m", Dimension::LENGTH, ["m", "mm"]);
-pub(super) const TIP_ACCELERATION: Quantity =
-    quantity("tip_acceleration", "_m_s2", Dimension::ACCELERATION, ["m/s^2", "cm/s^2"]);
+/// Displacement of the tip beside other channels of a recording.
+pub(super) const TIP: Quantity = quantity("tip", "_m", Dimension::LENGTH, ["m", "cm"]);
+/// That from the hub's tangent line, behind the prefix of the tip.
+pub(super) const DEFLECTION: Quantity =
+    quantity("deflection", "_m", Dimension::LENGTH, ["m", "cm"]);
 pub(super) const ROOT_STRAIN: Quantity =
     quantity("root_strain", "_1", Dimension::NONE, ["1", "um/m"]);
 /// No unit of the link's mechanics: V counts as a pure number here.
 pub(super) const VOLTAGE: Quantity = quantity("voltage", "_v", Dimension::NONE, ["V", "mV"]);
 
-/// Every quantity that a column may hold.
-pub(super) const QUANTITIES: [Quantity; 12] = [
+/// Every quantity that an option may name.
+pub(super) const QUANTITIES: [Quantity; 11] = [
     TIME,
     ACCELERATION,
     VELOCITY,
@@ -88,8 +89,7 @@ pub(super) const QUANTITIES: [Quantity; 12] = [
     TORQUE,
     HUB_ANGLE,
     HUB_RATE,
-    TIP_DEFLECTION,
-    TIP_ACCELERATION,
+    DEFLECTION,
     ROOT_STRAIN,
     VOLTAGE,
 ];
@@ -128,12 +128,13 @@ impl Vocabulary {
 
     /// How a heading names a quantity, if it does.
     pub(super) fn spelling(&self, field: &str, quantity: Quantity) -> Option<Spelling> {
-        let plain = self.plain(split_unit(field).0);
-        if let Some(ending) = plain.strip_prefix(quantity.word) {
-            if ending.is_empty() {
-                return Some(Spelling::Exact);
-            } else if ending == quantity.suffix {
-                return Some(Spelling::Suffixed);
+        let name = split_unit(field).0;
+        // The prefix may be the word itself: tip_m.
+        for plain in [self.plain(name), name.to_lowercase()] {
+            match plain.strip_prefix(quantity.word) {
+                Some("") => return Some(Spelling::Exact),
+                Some(ending) if ending == quantity.suffix => return Some(Spelling::Suffixed),
+                _ => {}
             }
         }
         let words = split_any_unit(field).0.replace([' ', '-'], "_");

@@ -24,6 +24,7 @@ const HUB_MOTION: Vocabulary = Vocabulary {
     prefix: "",
     example: "time,hub_angle",
     choice: Some("rename one of them"),
+    // A reference is read without options.
     by_option: "",
 };
 
@@ -65,15 +66,14 @@ pub fn read_torque_table_as(
     format: &TableFormat,
 ) -> Result<(Torque, Reading), TableError> {
     let mut samples = Samples::read(name, bytes, format, |header| torque_columns(header, column))?;
-    let time_s = samples.take(TIME).unwrap_or_default();
-    let torque_n_m = samples.take(TORQUE).unwrap_or_default();
+    let (time_s, [torque_n_m]) = samples.take_uniform([TORQUE]);
     let Samples { lines, reading, .. } = samples;
-    let torque = Torque::new(&time_s, torque_n_m)
+    let torque = Torque::new(&time_s, torque_n_m.unwrap_or_default())
         .map_err(|error| refuse_samples(name, &lines, error.sample(), &error, error.hint()))?;
     Ok((torque, reading))
 }
 
-/// Reads the hub motion that a feedback follows: `hub_angle`, and `hub_rate` if it is given, as in the
+/// Reads a motion of the hub, that a feedback follows or that is played: `hub_angle`, and `hub_rate` if it is given, as in the
 /// `hub_angle.csv` of `solve`. Other columns are ignored.
 ///
 /// ```
@@ -102,11 +102,9 @@ pub fn read_hub_reference_as(
     format: &TableFormat,
 ) -> Result<(HubReference, Reading), TableError> {
     let mut samples = Samples::read(name, bytes, format, hub_columns)?;
-    let time_s = samples.take(TIME).unwrap_or_default();
-    let angle_rad = samples.take(HUB_ANGLE).unwrap_or_default();
-    let rate_rad_s = samples.take(HUB_RATE);
+    let (time_s, [angle_rad, rate_rad_s]) = samples.take_uniform([HUB_ANGLE, HUB_RATE]);
     let Samples { lines, reading, .. } = samples;
-    let reference = HubReference::new(&time_s, angle_rad, rate_rad_s)
+    let reference = HubReference::new(&time_s, angle_rad.unwrap_or_default(), rate_rad_s)
         .map_err(|error| refuse_samples(name, &lines, error.sample(), &error, error.hint()))?;
     Ok((reference, reading))
 }

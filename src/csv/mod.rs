@@ -7,6 +7,7 @@ mod format;
 mod heading;
 mod hub;
 mod input;
+mod measured;
 mod motion;
 mod motion_columns;
 mod number;
@@ -24,10 +25,11 @@ pub use format::{ColumnChoice, ColumnScale, Reading, TableFormat};
 pub(crate) use heading::{check_separator, refuse_missing};
 pub use hub::{read_hub_reference, read_hub_reference_as, read_torque_table, read_torque_table_as};
 pub(crate) use input::sha256;
-pub use input::{
-    InputError, InputFile, available_addresses, available_memory, is_data_limited, system_words,
+pub use input::{InputError, InputFile, system_words};
+pub use measured::read_measured;
+pub use motion::{
+    MotionTable, read_motion_table, read_motion_table_as, read_target, write_trajectory,
 };
-pub use motion::{MotionTable, read_motion_table, read_motion_table_as, write_trajectory};
 pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};
 pub use record::{RecordTable, read_record};

@@ -9,7 +9,8 @@ use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
 use super::table::{group, write_over_time};
 use crate::motion::{MotionColumns, Recording, TipTarget, Uncertainty};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
-use crate::recording::{LARGEST_JITTER, Rounding};
+use crate::recording::{LARGEST_JITTER, Rounding, jitter};
+use crate::result::Remark;
 
 /// Most samples that a resampled motion may have.
 const MAX_SAMPLES: f64 = 1e7;
@@ -214,6 +215,35 @@ pub fn read_motion_table_as(
     let recording = Recording { uncertainty, ..Recording::default() };
     let Samples { lines, reading, .. } = samples;
     Ok(MotionTable { columns, name: name.to_owned(), lines, reading, recording })
+}
+
+/// Reads a displacement to compare with, as [`MotionTable::into_target`] makes it of a trajectory; times up to
+/// a twentieth of a step off a uniform grid are interpolated as those of a motion are.
+///
+/// # Errors
+/// As [`read_motion_table`] and [`MotionTable::into_target`].
+pub fn read_target(
+    name: &str,
+    bytes: &[u8],
+    link_length_m: f64,
+) -> Result<(TipTarget, Reading), TableError> {
+    let table = read_motion_table(name, bytes, link_length_m)?;
+    let MotionColumns { time_s, displacement_m, .. } = &table.columns;
+    let jitter = jitter(time_s, displacement_m.as_deref());
+    let Some((steps, displacement)) = jitter.zip(displacement_m.as_deref()) else {
+        let reading = table.reading.clone();
+        return Ok((table.into_target()?, reading));
+    };
+    let last = time_s.len() - 1;
+    let step_s = (time_s[last] - time_s[0]) / last as f64;
+    let spline = CubicSpline::new(time_s, displacement, SplineEnds::NotAKnot);
+    let grid = TimeGrid { origin_s: time_s[0], step_s, first: 0, len: last + 1 };
+    let uniform = (0..=last).map(|k| spline.value(grid.time_s(k).min(time_s[last])));
+    let reading = Reading {
+        jitter: Some(Remark::Jitter { steps, step_s }.to_string()),
+        ..table.reading.clone()
+    };
+    Ok((TipTarget::new(grid, uniform.collect()), reading))
 }
 
 /// Number of steps in the duration; an error unless it is whole.

@@ -55,14 +55,15 @@ pub(super) fn motion_columns(header: Header) -> Result<(Columns, Reading), Table
 
 /// A column that may be the one that is missing: the first one with a hint, else the first one unread.
 fn suspect(columns: &Columns, fields: &[&str]) -> Option<usize> {
-    let is_near = |index: &&usize| absent_by(&columns.headings, fields[**index]).is_some();
+    let is_near =
+        |index: &&usize| absent_by(&TRAJECTORY, &columns.headings, fields[**index]).is_some();
     columns.unread.iter().find(is_near).or(columns.unread.first()).copied()
 }
 
 /// The quantity that a table lacks and that an unknown heading may mean.
-fn absent_by(headings: &[Heading], field: &str) -> Option<&'static str> {
-    let absent = TRAJECTORY.quantities.iter().filter(|known| find(headings, **known).is_none());
-    let name = TRAJECTORY.plain(split_unit(field).0);
+fn absent_by(vocabulary: &Vocabulary, headings: &[Heading], field: &str) -> Option<&'static str> {
+    let absent = vocabulary.quantities.iter().filter(|known| find(headings, **known).is_none());
+    let name = vocabulary.plain(split_unit(field).0);
     nearest(&name, absent.map(|quantity| quantity.word))
 }
 
@@ -71,19 +72,29 @@ fn reading_of(columns: &Columns, fields: &[&str]) -> Reading {
     let has = |quantity: Quantity| find(&columns.headings, quantity).is_some();
     let is_velocity_alone = !(has(ACCELERATION) || has(DISPLACEMENT) || has(ANGLE));
     let integral = is_velocity_alone.then(|| "displacement as the velocity's integral".to_owned());
+    let other = "--columns QUANTITY=NUMBER reads one of them instead";
+    let (unread, hint) = unread(columns, fields, &TRAJECTORY, other);
+    Reading { found: Vec::from_iter(integral), unread, hint, ..Reading::default() }
+}
+
+/// Which columns are not read, and what to do about them: a slip, or else the `other` hint.
+pub(super) fn unread(
+    columns: &Columns,
+    fields: &[&str],
+    vocabulary: &Vocabulary,
+    other: &str,
+) -> (Option<String>, Option<String>) {
     let named = |index: &usize| format!("{} {}", index + 1, quoted(fields[*index]));
     let mut unread: Vec<String> = columns.unread.iter().take(MOST_NAMED).map(named).collect();
     let more = columns.unread.len() - unread.len();
     unread.extend((more > 0).then(|| format!("and {more} more")));
     let slip = columns.unread.iter().find_map(|&index| {
-        let word = absent_by(&columns.headings, fields[index])?;
+        let word = absent_by(vocabulary, &columns.headings, fields[index])?;
         Some(format!("did you mean {word} by {}?", quoted(fields[index])))
     });
     let unread = (!unread.is_empty()).then(|| format!("columns not read: {}", unread.join(", ")));
-    let hint = unread.as_ref().map(|_| {
-        slip.unwrap_or_else(|| "--columns QUANTITY=NUMBER reads one of them instead".to_owned())
-    });
-    Reading { found: Vec::from_iter(integral), unread, hint }
+    let hint = unread.as_ref().map(|_| slip.unwrap_or_else(|| other.to_owned()));
+    (unread, hint)
 }
 
 fn unknown_column(index: usize, field: &str, place: Place) -> TableError {

@@ -1,15 +1,14 @@
 use super::columns::{Columns, Header};
 use super::format::{Reading, TableFormat};
 use super::heading::{
-    HUB_ANGLE, HUB_RATE, Quantity, ROOT_STRAIN, TIME, TIP_ACCELERATION, TIP_DEFLECTION, TORQUE,
-    VOLTAGE, Vocabulary, find, names, refuse_missing,
+    ACCELERATION, DEFLECTION, HUB_ANGLE, HUB_RATE, Quantity, ROOT_STRAIN, TIME, TORQUE, VOLTAGE,
+    Vocabulary, find, names, refuse_missing,
 };
 use super::rows::{Place, TableError};
 use super::samples::{Samples, refuse_samples};
 use crate::fit::RecordedInput;
 use crate::model::Sensor;
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
-use crate::recording::jitter;
+use crate::numeric::TimeGrid;
 
 /// What drives a link, and what sensors show of it.
 const RECORD: Vocabulary = Vocabulary {
@@ -19,11 +18,11 @@ const RECORD: Vocabulary = Vocabulary {
         VOLTAGE,
         HUB_ANGLE,
         HUB_RATE,
-        TIP_DEFLECTION,
-        TIP_ACCELERATION,
+        DEFLECTION,
+        ACCELERATION,
         ROOT_STRAIN,
     ],
-    prefix: "",
+    prefix: "tip_",
     example: "time,torque,hub_angle",
     choice: Some("rename one of them, or choose with columns"),
     by_option: "columns = [\"time=1\", \"torque=2\"] says which column is what",
@@ -40,8 +39,6 @@ pub struct RecordTable {
     pub channels: Vec<Vec<f64>>,
     /// The unit of each sensor's column in SI.
     pub units: Vec<f64>,
-    /// Largest distance of a time from the uniform grid in steps, where all columns were interpolated.
-    pub jitter: Option<f64>,
     /// What was found beyond the standard form.
     pub reading: Reading,
 }
@@ -80,28 +77,14 @@ pub fn read_record(
     let mut taken: Vec<Vec<f64>> =
         wanted.iter().map(|wanted| samples.take(*wanted).unwrap_or_default()).collect();
     let time_s = taken.remove(0);
-    let jitter = jitter(&time_s, None);
-    let step_s = match jitter {
-        Some(_) => {
-            taken = taken.iter().map(|column| uniform(&time_s, column)).collect();
-            (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64
-        }
-        None => TimeGrid::through(&time_s).map(|grid| grid.step_s).map_err(|error| {
-            let Samples { lines, .. } = &samples;
-            refuse_samples(name, lines, Some(error.sample), &error, Some(error.hint()))
-        })?,
-    };
+    let time_s = samples.make_uniform(time_s, taken.iter_mut().collect());
+    let Samples { lines, reading, .. } = samples;
+    let grid = TimeGrid::through(&time_s).map_err(|error| {
+        refuse_samples(name, &lines, Some(error.sample), &error, Some(error.hint()))
+    })?;
     let input = taken.remove(0);
-    let reading = samples.reading;
-    Ok(RecordTable { step_s, input, channels: taken, units: units[2..].to_vec(), jitter, reading })
-}
-
-/// A column at uniform times from the first to the last.
-fn uniform(time_s: &[f64], column: &[f64]) -> Vec<f64> {
-    let spline = CubicSpline::new(time_s, column, SplineEnds::NotAKnot);
-    let (first, last) = (time_s[0], time_s.len() - 1);
-    let step_s = (time_s[last] - first) / last as f64;
-    (0..=last).map(|k| spline.value(first + k as f64 * step_s)).collect()
+    let (step_s, units) = (grid.step_s, units[2..].to_vec());
+    Ok(RecordTable { step_s, input, channels: taken, units, reading })
 }
 
 fn driving(input: RecordedInput) -> Quantity {
@@ -116,8 +99,8 @@ fn shown(sensor: Sensor) -> Quantity {
     match sensor {
         Sensor::HubAngle => HUB_ANGLE,
         Sensor::HubRate => HUB_RATE,
-        Sensor::TipDeflection => TIP_DEFLECTION,
-        Sensor::TipAcceleration => TIP_ACCELERATION,
+        Sensor::TipDeflection => DEFLECTION,
+        Sensor::TipAcceleration => ACCELERATION,
         Sensor::RootStrain => ROOT_STRAIN,
     }
 }
@@ -127,7 +110,9 @@ fn columns(header: Header, wanted: &[Quantity]) -> Result<(Columns, Reading), Ta
     let mut columns = Columns::find(&RECORD, header)?;
     if let Some(missing) = wanted.iter().find(|wanted| find(&columns.headings, **wanted).is_none())
     {
-        return Err(missing_column(missing.word, fields, place));
+        let of_tip = [DEFLECTION, ACCELERATION].contains(missing);
+        let word = if of_tip { format!("tip_{}", missing.word) } else { missing.word.to_owned() };
+        return Err(missing_column(&word, fields, place));
     }
     columns.headings.retain(|heading| wanted.contains(&heading.quantity));
     Ok((columns, Reading::default()))
@@ -174,7 +159,7 @@ mod tests {
         let rows: String = (0..50).map(row).collect();
         let text = "time,torque,tip_acceleration,root_strain\n".to_owned() + &rows;
         let table = read(&text, &[]).unwrap();
-        assert!(table.jitter.is_some());
+        assert!(table.reading.jitter().is_some());
         for (k, value) in table.input.iter().enumerate() {
             assert!((value - (table.step_s * k as f64).powi(2)).abs() < 1e-8, "{k}: {value}");
         }

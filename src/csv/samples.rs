@@ -6,7 +6,9 @@ use super::format::{Reading, TableFormat};
 use super::heading::{ANGLE, DISPLACEMENT, Heading, Quantity, TIME, check_separator};
 use super::rows::{Place, TableError, quoted, read_rows, read_rows_as};
 use crate::compare::{Cell, Table, TableColumn};
-use crate::recording::{Digits, Rounding};
+use crate::numeric::{CubicSpline, SplineEnds};
+use crate::recording::{Digits, Rounding, jitter};
+use crate::result::Remark;
 
 /// Fewest samples that a table may have.
 pub(super) const MIN_SAMPLES: usize = 4;
@@ -97,6 +99,44 @@ impl Samples {
     pub(super) fn unit(&self, quantity: Quantity) -> f64 {
         let heading = self.headings.iter().find(|heading| heading.quantity == quantity);
         heading.map_or(1.0, |heading| heading.to_si(1.0))
+    }
+
+    /// Takes all samples of a reader that needs uniform times: the times, then the column of each quantity.
+    ///
+    /// Where the times are off the uniform grid by more than their digits explain, and by no more than
+    /// [`LARGEST_JITTER`] steps, a spline through the samples is taken at uniform times from the first to the
+    /// last. Others are left as they are, to be refused.
+    ///
+    /// [`LARGEST_JITTER`]: crate::recording::LARGEST_JITTER
+    pub(super) fn take_uniform<const N: usize>(
+        &mut self,
+        quantities: [Quantity; N],
+    ) -> (Vec<f64>, [Option<Vec<f64>>; N]) {
+        let time_s = self.take(TIME).unwrap_or_default();
+        let mut columns = quantities.map(|quantity| self.take(quantity));
+        let uniform_s = self.make_uniform(time_s, columns.iter_mut().flatten().collect());
+        (uniform_s, columns)
+    }
+
+    /// Interpolates columns at uniform times, where their times are off the uniform grid; returns the times.
+    pub(super) fn make_uniform(
+        &mut self,
+        time_s: Vec<f64>,
+        columns: Vec<&mut Vec<f64>>,
+    ) -> Vec<f64> {
+        let decides = columns.first().map(|column| column.as_slice());
+        let Some(steps) = jitter(&time_s, decides) else { return time_s };
+        let last = time_s.len() - 1;
+        let step_s = (time_s[last] - time_s[0]) / last as f64;
+        let uniform =
+            |k: usize| if k == last { time_s[last] } else { time_s[0] + k as f64 * step_s };
+        let uniform_s: Vec<f64> = (0..=last).map(uniform).collect();
+        for column in columns {
+            let spline = CubicSpline::new(&time_s, column, SplineEnds::NotAKnot);
+            *column = uniform_s.iter().map(|t| spline.value(*t)).collect();
+        }
+        self.reading.jitter = Some(Remark::Jitter { steps, step_s }.to_string());
+        uniform_s
     }
 
     /// To which decimal the displacement or angle is rounded, the step in SI.

@@ -87,8 +87,7 @@ pub fn fit<E: Send>(
     let own = vec![0.0; free.len() + measurements.late().count()];
     problem.check(&own)?;
     let starts: Vec<Vec<f64>> = (0..=OTHER_STARTS).map(|number| problem.start(number)).collect();
-    let ends: Vec<Option<End>> =
-        starts.par_iter().map(|x| problem.descend(x.clone(), SURVEY)).collect();
+    let ends: Vec<Option<End>> = starts.par_iter().map(|x| problem.survey(x.clone())).collect();
     let told =
         starts.iter().zip(&ends).map(|(from, end)| told(from, end.as_ref(), free.len())).collect();
     let mut ends = ends.into_iter();
@@ -222,7 +221,7 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         self.free.get(k).map_or_else(delay, |free| free.factors.map(libm::log))
     }
 
-    /// Number 0 is the file's own; the others are Halton's points in the logarithms. Delays are those that fit.
+    /// Number 0 is the file's own; the others are Halton's points in the logarithms. No sensor is late.
     fn start(&self, number: usize) -> Vec<f64> {
         const BASES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
         let reach = libm::log(FARTHEST_START);
@@ -233,17 +232,32 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         };
         let logarithm = |k: usize| if number == 0 { 0.0 } else { place(k) };
         let logarithms: Vec<f64> = (0..self.free.len()).map(logarithm).collect();
-        let delays = self.rough_delays(&logarithms).into_iter().map(|delay| delay / DELAY_UNIT);
+        let delays = self.measurements.late().map(|_| 0.0);
         logarithms.iter().copied().chain(delays).collect()
     }
 
-    /// Delays in samples to start from, 0 where the start makes no link.
-    fn rough_delays(&self, x: &[f64]) -> Vec<f64> {
-        let found = self.link(x).ok().and_then(|(link, plan)| {
+    /// Iterates from a start; once more where the link that is found lies better over the records with delays
+    /// that are far from the start's, which the iteration does not see.
+    fn survey(&self, start: Vec<f64>) -> Option<End> {
+        let first = self.descend(start, SURVEY)?;
+        let again = || {
+            let (link, plan) = self.link(&first.x).ok()?;
             let halvings = self.measurements.halvings(&link, &plan, COARSE).ok()?;
-            self.measurements.rough_delays(&link, &plan, halvings)
-        });
-        found.unwrap_or_else(|| vec![0.0; self.measurements.late().count()])
+            let delays = self.measurements.rough_delays(&link, &plan, halvings)?;
+            let delays = delays.into_iter().map(|delay| delay / DELAY_UNIT);
+            let x: Vec<f64> = first.x[..self.free.len()].iter().copied().chain(delays).collect();
+            let is_better = self.residuals(&x, halvings)?.norm_squared() < first.cost;
+            if is_better { self.descend(x, SURVEY) } else { None }
+        };
+        let second = if first.x.len() > self.free.len() { again() } else { None };
+        let second = second.filter(|second| second.cost < first.cost);
+        let iterations = first.iterations;
+        Some(
+            second.map_or(first, |second| End {
+                iterations: iterations + second.iterations,
+                ..second
+            }),
+        )
     }
 
     /// Iterates from a start to the least sum of squares near it; none where the start makes no link with

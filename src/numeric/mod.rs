@@ -4,6 +4,7 @@
 mod eigen;
 mod fft;
 mod grid;
+mod quintic;
 mod reductions;
 mod roots;
 mod sampling;
@@ -16,6 +17,7 @@ pub(crate) use eigen::SymmetricEigen;
 pub use fft::FourierPair;
 pub(crate) use fft::{angular_frequency, fast_length};
 pub use grid::{NotUniform, ThinnedGrid, TimeGrid};
+pub(crate) use quintic::QuinticSpline;
 pub(crate) use reductions::{dot, rounded};
 pub use reductions::{largest, largest_difference, magnitude};
 pub use roots::root;

@@ -75,6 +75,19 @@ impl CubicSpline {
     }
 }
 
+impl CubicSpline {
+    /// Slope at `x`; beyond the ends the outermost cubic goes on.
+    pub(crate) fn slope(&self, x: f64) -> f64 {
+        let right = self.x.partition_point(|&known| known <= x);
+        let i = right.clamp(1, self.x.len() - 1) - 1;
+        let h = self.x[i + 1] - self.x[i];
+        let t = (x - self.x[i]) / h;
+        let u = 1.0 - t;
+        let rise = 6.0 * t * u * (self.y[i + 1] - self.y[i]) / h;
+        rise + u * (1.0 - 3.0 * t) * self.slope[i] + t * (3.0 * t - 2.0) * self.slope[i + 1]
+    }
+}
+
 /// One row of the tridiagonal system for the slopes: `before`·s₋ + `own`·s + `after`·s₊ = `right`.
 struct Row {
     before: f64,

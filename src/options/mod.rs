@@ -3,4 +3,5 @@
 
 pub(crate) mod common;
 pub(crate) mod inputs;
+pub(crate) mod play;
 pub(crate) mod read;

@@ -23,7 +23,7 @@ pub(crate) struct ReadArgs {
     #[arg(long, help_heading = READING, value_name = "UNIT")]
     time_unit: Option<UnitName>,
 
-    /// Unit of the motion or the torque, such as mm or 'N cm'.
+    /// Unit of the motion or the torque, such as mm, deg or 'N cm'.
     #[arg(long, help_heading = READING, value_name = "UNIT")]
     unit: Option<UnitName>,
 
@@ -78,7 +78,7 @@ pub(crate) fn tell(shown: &str, reading: &Reading) {
     if let Some(note) = reading.note() {
         console::note(&format!("{shown}: {note}"));
     }
-    if let Some((unread, hint)) = reading.remark() {
-        console::remark(&format!("{shown}: {unread}"), hint);
+    for (remark, hint) in reading.remark().into_iter().chain(reading.jitter()) {
+        console::remark(&format!("{shown}: {remark}"), hint);
     }
 }

@@ -87,9 +87,8 @@ impl Simulation {
     /// Power that damping and friction dissipate at a sample in W.
     fn loss_w(&self, sample: usize) -> f64 {
         let rate = self.record.at(sample).1;
-        let modes = rate.iter().zip(&self.equations.coordinates);
-        let damped: f64 = modes.map(|(rate, mode)| mode.rate_per_s * rate * rate).sum();
-        damped + self.equations.reaction.friction_n_m_s_rad * self.hub_rate_rad_s[sample].powi(2)
+        self.equations.damped_w(rate)
+            + self.equations.reaction.friction_n_m_s_rad * self.hub_rate_rad_s[sample].powi(2)
     }
 
     /// ∫ dt from the first to each `every`-th of the samples, by these alone.
@@ -202,7 +201,8 @@ impl Simulation {
             coordinates: self.equations.coordinates[..1].to_vec(),
             shapes: self.equations.shapes[..1].to_vec(),
             reaction: HubReaction::default(),
-            modes: 0,
+            damping: None,
+            moved: None,
         };
         let mut q = Vec::with_capacity(torque_n_m.len());
         let cubics = pieces(torque_n_m, Interpolation::Cubic);

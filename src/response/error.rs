@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::link::{Link, ParameterError};
 use crate::modal::DampingError;
-use crate::numeric::{TimeGrid, largest, rounded};
+use crate::numeric::{TimeGrid, dot, largest, rounded};
 use crate::text::{gigabytes, plain};
 
 /// Why a torque is not played.
@@ -17,6 +17,9 @@ pub enum SimulationError {
     /// A torque of zero.
     #[error("the torque is zero in all samples, but must move the link")]
     NoTorque,
+    /// A hub that does not move.
+    #[error("the hub angle is the same in all samples, but must move the link")]
+    NoTurn,
     /// A hub without inertia on a root without mass: its motion follows no differential equation.
     #[error("the hub moves no mass, but must: hub.inertia = 0, and the link's root has none")]
     MasslessHub,
@@ -104,13 +107,19 @@ impl SimulationError {
             Self::NotFinite { .. } => Some("the inputs are too large for double precision"),
             Self::EndsEarly { .. } => Some("the simulation goes on to the torque's end by itself"),
             Self::MasslessHub => Some("give the hub an inertia, however small"),
-            Self::NoTorque => None,
+            Self::NoTorque | Self::NoTurn => None,
         }
     }
 }
 
 /// Torque at its first or last sample over its peak, above which a warning is given.
 const STEP_SHARE: f64 = 1e-3;
+
+/// Rate of the hub at its first sample over its peak, above which a warning is given.
+const MOVES: f64 = 1e-2;
+
+/// Roughness of a torque over that of noise, above which a warning is given. A sine of six samples a period has 0.4.
+const ROUGH: f64 = 0.4;
 
 /// Steps in a period of the first mode below which a warning is given.
 const STEPS_IN_A_PERIOD: f64 = 8.0;
@@ -144,6 +153,29 @@ pub enum SimulationWarning {
         /// Last sample in N m.
         torque_n_m: f64,
         /// The same over the peak.
+        share: f64,
+    },
+    /// A hub that moves from its first sample on.
+    #[error(
+        "the hub angle begins with {:?} rad/s, {:.1} % of its peak rate: the hub is at rest before its first \
+         sample, and is taken to start between the first two",
+        rounded(*rate_rad_s, 4),
+        100.0 * share
+    )]
+    HubBeginsMoving {
+        /// Rate at the first sample in rad/s.
+        rate_rad_s: f64,
+        /// The same over the peak.
+        share: f64,
+    },
+    /// A torque that the steps or the noise of a recorded hub angle make.
+    #[error(
+        "the torque jumps from sample to sample, {:.0} % as noise alone would: it has the steps or the noise of \
+         the recorded hub angle, differentiated twice, in it; the tip hardly has",
+        100.0 * share
+    )]
+    RoughTorque {
+        /// Roughness over that of noise.
         share: f64,
     },
     /// A step too long to show the vibration.
@@ -187,6 +219,8 @@ impl SimulationWarning {
         match self {
             Self::BeginsWithJump { .. } => "begins_with_jump",
             Self::EndsWithJump { .. } => "ends_with_jump",
+            Self::HubBeginsMoving { .. } => "hub_begins_moving",
+            Self::RoughTorque { .. } => "rough_torque",
             Self::CoarseStep { .. } => "coarse_step",
             Self::LargeDeflection { .. } => "large_deflection",
             Self::CoarseMesh { .. } => "coarse_mesh",
@@ -199,6 +233,10 @@ impl SimulationWarning {
             Self::BeginsWithJump { .. } | Self::EndsWithJump { .. } => {
                 "a torque of solve begins and ends at zero unless analysis.lead or analysis.lag cut it"
             }
+            Self::HubBeginsMoving { .. } => "a recording that begins with a rest",
+            Self::RoughTorque { .. } => {
+                "compare the tip, or record the hub with more counts or at a longer step"
+            }
             Self::CoarseStep { .. } => "a torque with a shorter step",
             Self::LargeDeflection { .. } => "a smaller torque or a stiffer link",
             Self::CoarseMesh { .. } => {
@@ -209,32 +247,48 @@ impl SimulationWarning {
 }
 
 impl SimulationWarning {
-    /// All warnings of a torque at these steps, on a link whose first flexible mode has this period in s.
-    /// Its residual vibration is relative to the tip's travel, its largest deflection to the length.
-    pub(super) fn all(
-        torque_n_m: &[f64],
-        (step_s, first_period_s): (f64, Option<f64>),
-        (vibration, deflection): (f64, f64),
-    ) -> Vec<Self> {
+    /// Warnings of a torque that jumps at its first or its last sample.
+    pub(super) fn jumps(torque_n_m: &[f64]) -> [Option<Self>; 2] {
         let peak = largest(torque_n_m);
         let share = |torque_n_m: f64| torque_n_m.abs() / peak;
         let (first, last) = (torque_n_m[0], torque_n_m[torque_n_m.len() - 1]);
         let begins = Self::BeginsWithJump { torque_n_m: first, share: share(first) };
         let ends = Self::EndsWithJump { torque_n_m: last, share: share(last) };
+        let is_jump = |torque_n_m: f64| share(torque_n_m) > STEP_SHARE;
+        [is_jump(first).then_some(begins), is_jump(last).then_some(ends)]
+    }
+
+    /// A warning of a hub that does not rest at its first sample.
+    pub(super) fn hub_begins(rate_rad_s: &[f64]) -> Option<Self> {
+        let first = rate_rad_s[0];
+        let share = first.abs() / largest(rate_rad_s);
+        (share > MOVES).then_some(Self::HubBeginsMoving { rate_rad_s: first, share })
+    }
+
+    /// A warning of a torque as rough as noise.
+    ///
+    /// Second differences of independent samples are √6 times as large as these.
+    pub(super) fn rough(torque_n_m: &[f64]) -> Option<Self> {
+        let bends: Vec<f64> = torque_n_m.windows(3).map(|t| t[0] - 2.0 * t[1] + t[2]).collect();
+        let share = (dot(&bends, &bends) / (6.0 * dot(torque_n_m, torque_n_m))).sqrt();
+        (share > ROUGH).then_some(Self::RoughTorque { share })
+    }
+
+    /// All warnings of an input with its `own`, at these steps, on a link whose first flexible mode
+    /// has this period in s. Its residual vibration is relative to the tip's travel, its largest deflection
+    /// to the length.
+    pub(super) fn all(
+        own: [Option<Self>; 2],
+        (step_s, first_period_s): (f64, Option<f64>),
+        (vibration, deflection): (f64, f64),
+    ) -> Vec<Self> {
         let coarse = first_period_s.and_then(|period_s| {
             let steps = period_s / step_s;
             let is_coarse = steps < STEPS_IN_A_PERIOD && vibration > VIBRATES;
             is_coarse.then_some(Self::CoarseStep { step_s, period_s, steps })
         });
-        [
-            (share(first) > STEP_SHARE).then_some(begins),
-            (share(last) > STEP_SHARE).then_some(ends),
-            coarse,
-            (deflection > Link::LARGE_DEFLECTION)
-                .then_some(Self::LargeDeflection { share: deflection }),
-        ]
-        .into_iter()
-        .flatten()
-        .collect()
+        let large = (deflection > Link::LARGE_DEFLECTION)
+            .then_some(Self::LargeDeflection { share: deflection });
+        own.into_iter().chain([coarse, large]).flatten().collect()
     }
 }

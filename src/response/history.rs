@@ -115,7 +115,7 @@ impl Torque {
     }
 }
 
-/// The hub motion that feedback follows, on a uniform time grid.
+/// A motion of the hub, which feedback follows or which is played, on a uniform time grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HubReference {
     grid: TimeGrid,

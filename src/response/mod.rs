@@ -1,4 +1,4 @@
-//! Direct dynamics: torque in, motion out, in the time domain and independent of the Fourier
+//! Direct dynamics: torque or hub motion in, motion out, in the time domain and independent of the Fourier
 //! transform of the inversion.
 
 #![expect(
@@ -9,6 +9,7 @@
 
 mod checks;
 mod error;
+mod held;
 mod history;
 mod modes;
 mod play;
@@ -21,7 +22,7 @@ pub use checks::{EnergyAccount, EnergyBalance};
 pub use error::{SimulationError, SimulationWarning};
 pub use history::{HistoryError, HubReference, Torque};
 pub use modes::ModeSelection;
-pub use play::{Feedback, Interpolation, Play};
+pub use play::{Feedback, Input, Interpolation, Play};
 pub use residual::ResidualVibration;
 pub use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;

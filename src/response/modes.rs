@@ -1,4 +1,4 @@
-//! The modes that a torque moves, and their equations of motion.
+//! The modes that a torque moves, or a hub, and their equations of motion.
 
 use std::f64::consts::TAU;
 
@@ -8,14 +8,16 @@ use crate::modal::{
 };
 use crate::numeric::{FourierPair, TimeGrid, angular_frequency, fast_length, magnitude};
 
-/// One modal coordinate: `q̈ + c q̇ + ω² q = p u`.
+/// One modal coordinate: `q̈ + c q̇ + ω² q = p u`, u the torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Coordinate {
     /// ω² in rad²/s²; 0 for the rigid rotation.
     pub(super) square: f64,
     /// c = 2ζω in 1/s.
     pub(super) rate_per_s: f64,
-    /// p, the shape's hub angle.
+    /// p, that of the input.
+    pub(super) drive: f64,
+    /// The shape's hub angle: p of a torque.
     pub(super) hub_angle: f64,
     /// The shape's displacement of the tip.
     pub(super) tip: f64,
@@ -43,11 +45,27 @@ pub(super) struct Equations {
     pub(super) coordinates: Vec<Coordinate>,
     pub(super) shapes: Vec<Shape>,
     pub(super) reaction: HubReaction,
-    /// Flexible modes among the coordinates; a residual mode follows them if it moves any mass.
-    pub(super) modes: usize,
+    /// Damping between the coordinates in 1/s, row by row; none: each has its own rate.
+    pub(super) damping: Option<Vec<f64>>,
+    /// Set where the hub moves as prescribed, and u is its acceleration.
+    pub(super) moved: Option<Moved>,
+}
+
+/// What the torque of a hub that moves as prescribed needs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moved {
+    /// Rigid inertia about the axis in kg m².
+    pub(super) inertia_kg_m2: f64,
+    /// Rate α at which the damping law drags every mass in 1/s.
+    pub(super) drag_per_s: f64,
 }
 
 impl HubReaction {
+    /// The friction alone, which is no part of a prescribed motion.
+    pub(super) fn of_friction(self) -> Self {
+        Self { friction_n_m_s_rad: self.friction_n_m_s_rad, ..Self::default() }
+    }
+
     /// Torque in N m that opposes a motion.
     pub(super) fn torque_n_m(&self, hub_angle: f64, hub_rate: f64) -> f64 {
         self.stiffness_n_m_rad * hub_angle + self.damping_n_m_s_rad * hub_rate
@@ -62,10 +80,10 @@ impl Equations {
         basis: ModalBasis,
         reaction: HubReaction,
     ) -> Self {
-        let (rest, modes) = (basis.residual_mode(mesh), basis.modes.len());
+        let rest = basis.residual_mode(mesh);
         let coordinate = |square: f64, rate_per_s: f64, shape: &Shape| {
             let (hub_angle, tip) = (shape.hub_angle, shape.tip_displacement(mesh));
-            Coordinate { square, rate_per_s, hub_angle, tip }
+            Coordinate { square, rate_per_s, drive: hub_angle, hub_angle, tip }
         };
         let mut coordinates = vec![coordinate(0.0, law.mass_rate_per_s(), &basis.rigid)];
         let mut shapes = vec![basis.rigid];
@@ -74,7 +92,7 @@ impl Equations {
             coordinates.push(coordinate(omega_rad_s * omega_rad_s, rate_per_s, &shape));
             shapes.push(shape);
         }
-        Self { coordinates, shapes, reaction, modes }
+        Self { coordinates, shapes, reaction, damping: None, moved: None }
     }
 
     /// Period of the first flexible mode in s.
@@ -92,14 +110,54 @@ impl Equations {
         q.iter().zip(&self.coordinates).map(|(q, c)| q * c.tip).sum()
     }
 
-    /// Accelerations of the coordinates under the torque `u`.
+    /// Accelerations of the coordinates under the input `u`.
     pub(super) fn accelerations(&self, q: &[f64], rate: &[f64], u: f64) -> Vec<f64> {
         let net = u - self.reaction.torque_n_m(self.hub(q), self.hub(rate));
         let own = |k: usize| {
-            let Coordinate { square, rate_per_s, hub_angle, .. } = self.coordinates[k];
-            hub_angle * net - rate_per_s * rate[k] - square * q[k]
+            let Coordinate { square, drive, .. } = self.coordinates[k];
+            drive * net - self.damped(k, rate) - square * q[k]
         };
         (0..q.len()).map(own).collect()
+    }
+
+    /// Damping of a coordinate: Σ c q̇.
+    pub(super) fn damped(&self, k: usize, rate: &[f64]) -> f64 {
+        match &self.damping {
+            None => self.coordinates[k].rate_per_s * rate[k],
+            Some(damping) => {
+                let row = &damping[k * rate.len()..][..rate.len()];
+                row.iter().zip(rate).map(|(c, rate)| c * rate).sum()
+            }
+        }
+    }
+
+    /// Power that damping and drag dissipate at these rates in W.
+    pub(super) fn damped_w(&self, rate: &[f64]) -> f64 {
+        let own = |k: usize| rate[k] * self.damped(k, rate);
+        let damped: f64 = (0..rate.len()).map(own).sum();
+        let Some(Moved { inertia_kg_m2, drag_per_s }) = self.moved else { return damped };
+        // Drag takes angular momentum from the hub, too.
+        let momentum = inertia_kg_m2 * rate[0] + self.bending(rate);
+        damped + drag_per_s * momentum * rate[0]
+    }
+
+    /// Product of flexible coordinates with the rotation by a unit angle, where the hub moves as prescribed.
+    fn bending(&self, coordinates: &[f64]) -> f64 {
+        let flexible = coordinates.iter().zip(&self.coordinates).skip(1);
+        flexible.map(|(x, mode)| -mode.drive * x).sum()
+    }
+
+    /// Torque of the motor in N m at coordinates, rates and accelerations under the input `u`.
+    pub(super) fn motor_n_m(&self, q: &[f64], rate: &[f64], acceleration: &[f64], u: f64) -> f64 {
+        let (reaction, hub_rate) = (self.reaction, self.hub(rate));
+        let friction_n_m = reaction.friction_n_m_s_rad * hub_rate;
+        let Some(Moved { inertia_kg_m2, drag_per_s }) = self.moved else {
+            // Friction acts on the hub; the rest of the reaction is the motor's.
+            return u - (reaction.torque_n_m(self.hub(q), hub_rate) - friction_n_m);
+        };
+        let own = acceleration[0] + drag_per_s * rate[0];
+        let bending = self.bending(acceleration) + drag_per_s * self.bending(rate);
+        inertia_kg_m2 * own + bending + friction_n_m
     }
 }
 

@@ -1,28 +1,65 @@
-//! What a simulation plays: a torque, and feedback around a reference.
+//! What a simulation plays: a torque, and feedback around a reference, or a motion of the hub.
 
 use serde::Serialize;
 
-use super::error::SimulationError;
+use super::error::{SimulationError, SimulationWarning};
+use super::held::held;
 use super::history::{HubReference, Torque};
-use super::modes::{HubReaction, torque_band_rad_s};
+use super::modes::{Equations, HubReaction, torque_band_rad_s};
+use crate::beam::Mesh;
 use crate::link::{Link, ParameterError, not_negative};
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
+use crate::modal::{DampingLaw, ModalBasis};
+use crate::numeric::{CubicSpline, QuinticSpline, SplineEnds, TimeGrid};
 
 /// Most samples that are simulated.
 const LONGEST: usize = 1 << 24;
 
-/// A torque to play on a link at rest, and how.
+/// What moves a link.
+#[derive(Debug, Clone, Copy)]
+pub enum Input<'a> {
+    /// The torque at the hub; zero before its first and after its last sample.
+    Torque(&'a Torque),
+    /// The hub angle: the hub moves as it says. It is at rest before the first sample, and turns on at its rate
+    /// after the last one.
+    ///
+    /// The angle between the samples is a quintic spline with neither rate nor acceleration at the start; rates
+    /// that come with it are not used.
+    HubAngle(&'a HubReference),
+}
+
+impl Input<'_> {
+    /// Times of the samples.
+    pub fn grid(&self) -> TimeGrid {
+        match self {
+            Self::Torque(torque) => torque.grid(),
+            Self::HubAngle(hub) => hub.grid(),
+        }
+    }
+
+    /// Warnings of its first and its last sample, or of the torque that a hub angle takes.
+    pub(super) fn warnings(&self, torque_n_m: &[f64]) -> [Option<SimulationWarning>; 2] {
+        match self {
+            Self::Torque(torque) => SimulationWarning::jumps(torque.torque_n_m()),
+            Self::HubAngle(hub) => [
+                SimulationWarning::hub_begins(&hub.slopes_rad_s()),
+                SimulationWarning::rough(&torque_n_m[..hub.grid().len]),
+            ],
+        }
+    }
+}
+
+/// What to play on a link at rest, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Play<'a> {
-    /// The torque at the hub; zero before its first and after its last sample.
-    pub torque: &'a Torque,
-    /// The torque between its samples.
+    /// What moves the link.
+    pub input: Input<'a>,
+    /// A torque between its samples.
     pub interpolation: Interpolation,
-    /// Time in s at which to end, without torque after its last sample; `None`: at that sample.
+    /// Time in s at which to end; `None`: at the last sample of the input.
     pub until_s: Option<f64>,
-    /// Feedback at the hub, added to the torque.
+    /// Feedback at the hub, added to a torque.
     pub feedback: Option<&'a Feedback>,
-    /// Displacement of the tip at the start in m.
+    /// Displacement of the tip at the start in m, under a torque; a prescribed hub points to it.
     pub initial_tip_m: f64,
     /// Most memory in bytes that playing may take; `None`: no bound.
     pub memory_bytes: Option<usize>,
@@ -31,8 +68,17 @@ pub struct Play<'a> {
 impl<'a> Play<'a> {
     /// A torque played to its end, by cubics, without feedback, the tip at 0 at the start.
     pub fn of(torque: &'a Torque) -> Self {
+        Self::with(Input::Torque(torque))
+    }
+
+    /// The hub moved as prescribed to the end of that motion.
+    pub fn turning(hub: &'a HubReference) -> Self {
+        Self::with(Input::HubAngle(hub))
+    }
+
+    fn with(input: Input<'a>) -> Self {
         Self {
-            torque,
+            input,
             interpolation: Interpolation::default(),
             until_s: None,
             feedback: None,
@@ -41,9 +87,9 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// The torque's grid, continued to the given end.
+    /// The input's grid, continued to the given end.
     pub(super) fn grid(&self) -> Result<TimeGrid, SimulationError> {
-        let grid = self.torque.grid();
+        let grid = self.input.grid();
         let Some(until_s) = self.until_s else { return Ok(grid) };
         let end_s = grid.end_s();
         let steps = (until_s - end_s) / grid.step_s;
@@ -61,8 +107,11 @@ impl<'a> Play<'a> {
 
     /// Frequency in rad/s above which the link is not driven; none where nothing drives it.
     pub(super) fn band_rad_s(&self) -> Option<f64> {
-        let grid = self.torque.grid();
-        let torque = torque_band_rad_s(&grid, self.torque.torque_n_m());
+        let grid = self.input.grid();
+        let torque = match self.input {
+            Input::Torque(torque) => torque_band_rad_s(&grid, torque.torque_n_m()),
+            Input::HubAngle(hub) => return torque_band_rad_s(&grid, &hub.accelerations().0),
+        };
         // The reference's rate, unlike its angle, is zero at both ends.
         let drives = |of: &&Feedback| of.stiffness_n_m_rad > 0.0 || of.damping_n_m_s_rad > 0.0;
         let feedback = self.feedback.filter(drives);
@@ -70,8 +119,54 @@ impl<'a> Play<'a> {
         torque.into_iter().chain(wanted).reduce(f64::max)
     }
 
+    /// The error of an input that moves nothing.
+    pub(super) fn nothing(&self) -> SimulationError {
+        match self.input {
+            Input::Torque(_) => SimulationError::NoTorque,
+            Input::HubAngle(_) => SimulationError::NoTurn,
+        }
+    }
+
+    /// Displacement of the tip of a link of this length at the start in m.
+    pub(super) fn start_m(&self, length_m: f64) -> f64 {
+        match self.input {
+            Input::Torque(_) => self.initial_tip_m,
+            Input::HubAngle(hub) => hub.angle_rad()[0] * length_m,
+        }
+    }
+
+    /// Turn in rad from the start to where feedback holds the hub in the end, if it does.
+    pub(super) fn goal_rad(&self) -> Option<f64> {
+        match self.input {
+            Input::Torque(_) => {
+                let holds = |feedback: &&Feedback| feedback.stiffness_n_m_rad > 0.0;
+                self.feedback.filter(holds).map(|feedback| feedback.reference.turn_rad())
+            }
+            Input::HubAngle(_) => None,
+        }
+    }
+
+    /// The link's equations of motion under this input.
+    ///
+    /// # Errors
+    /// [`SimulationError::NotFinite`].
+    pub(super) fn equations(
+        &self,
+        link: &Link,
+        (mesh, law): (&Mesh, &DampingLaw),
+        basis: ModalBasis,
+    ) -> Result<Equations, SimulationError> {
+        let free = Equations::new(mesh, law, basis, self.reaction(link));
+        match self.input {
+            Input::Torque(_) => Ok(free),
+            Input::HubAngle(hub) => {
+                held(&free, law).ok_or(SimulationError::NotFinite { time_s: hub.grid().time_s(0) })
+            }
+        }
+    }
+
     /// Friction and feedback at the hub.
-    pub(super) fn reaction(&self, link: &Link) -> HubReaction {
+    fn reaction(&self, link: &Link) -> HubReaction {
         let friction_n_m_s_rad = link.hub().viscous_friction_n_m_s_rad;
         let gain = |of: fn(&Feedback) -> f64| self.feedback.map_or(0.0, of);
         HubReaction {
@@ -86,13 +181,20 @@ impl<'a> Play<'a> {
     /// # Errors
     /// [`SimulationError::OtherTimes`] of a reference.
     pub(super) fn driving(&self) -> Result<Driving, SimulationError> {
-        let torque = self.torque.torque_n_m();
+        let torque = match self.input {
+            Input::Torque(torque) => torque,
+            Input::HubAngle(hub) => {
+                let (samples, pieces) = hub.accelerations();
+                return Ok(Driving { samples, pieces, hold: 0.0 });
+            }
+        };
+        let own = torque.torque_n_m();
         let (samples, hold) = match self.feedback {
-            None => (torque.to_vec(), 0.0),
+            None => (own.to_vec(), 0.0),
             Some(feedback) => {
-                let wanted = feedback.wanted_torque_n_m(self.torque)?;
-                let samples = torque.iter().zip(wanted).map(|(t, wanted)| t + wanted).collect();
-                (samples, feedback.stiffness_n_m_rad * feedback.turn_rad())
+                let wanted = feedback.wanted_torque_n_m(torque)?;
+                let samples = own.iter().zip(wanted).map(|(t, wanted)| t + wanted).collect();
+                (samples, feedback.stiffness_n_m_rad * feedback.reference.turn_rad())
             }
         };
         let pieces = pieces(&samples, self.interpolation);
@@ -137,12 +239,6 @@ impl Feedback {
         self.damping_n_m_s_rad
     }
 
-    /// Turn of the reference from its start to its end in rad.
-    pub(super) fn turn_rad(&self) -> f64 {
-        let angle = self.reference.angle_rad();
-        angle[angle.len() - 1] - angle[0]
-    }
-
     /// What the reference adds to the torque at each sample, `k_p (θ_ref − θ_ref(0)) + k_d θ̇_ref`;
     /// the link starts at the reference's first angle.
     ///
@@ -163,11 +259,30 @@ impl Feedback {
     /// Rate of the reference: as given, or that of a spline through its angles.
     fn rate_rad_s(&self) -> Vec<f64> {
         let given = self.reference.rate_rad_s().map(<[f64]>::to_vec);
-        given.unwrap_or_else(|| {
-            let angle = self.reference.angle_rad();
-            let spline = CubicSpline::uniform(angle, SplineEnds::NotAKnot);
-            spline.slopes().iter().map(|slope| slope / self.reference.grid().step_s).collect()
-        })
+        given.unwrap_or_else(|| self.reference.slopes_rad_s())
+    }
+}
+
+impl HubReference {
+    /// Turn from the first sample to the last in rad.
+    fn turn_rad(&self) -> f64 {
+        let angle = self.angle_rad();
+        angle[angle.len() - 1] - angle[0]
+    }
+
+    /// Rates in rad/s of a cubic spline through the angles.
+    fn slopes_rad_s(&self) -> Vec<f64> {
+        let spline = CubicSpline::uniform(self.angle_rad(), SplineEnds::NotAKnot);
+        spline.slopes().iter().map(|slope| slope / self.grid().step_s).collect()
+    }
+
+    /// Accelerations in rad/s² at the samples and between them.
+    fn accelerations(&self) -> (Vec<f64>, Vec<Cubic>) {
+        let spline = QuinticSpline::from_rest(self.angle_rad());
+        let per_s2 = self.grid().step_s.powi(-2);
+        let samples = spline.curvatures().map(|curvature| curvature * per_s2).collect();
+        let pieces = spline.curvature_pieces().map(|piece| piece.map(|c| c * per_s2)).collect();
+        (samples, pieces)
     }
 }
 
@@ -179,18 +294,18 @@ fn same_times(a: &TimeGrid, b: &TimeGrid) -> bool {
         && near(a.time_s(a.len - 1), b.time_s(b.len - 1))
 }
 
-/// Input u of the modal equations: the torque, and the part of the feedback that depends on its reference.
+/// Input u of the modal equations: the hub's acceleration, or the torque, and the part of the feedback that depends on its reference.
 /// The part that depends on the link's motion belongs to the equations.
 #[derive(Debug, Clone)]
 pub(super) struct Driving {
     samples: Vec<f64>,
     pieces: Vec<Cubic>,
-    /// After the last sample.
+    /// After the last sample of the input.
     hold: f64,
 }
 
 impl Driving {
-    /// At a sample, also after the torque's last.
+    /// At a sample, also after the input's last.
     pub(super) fn at(&self, sample: usize) -> f64 {
         self.samples.get(sample).copied().unwrap_or(self.hold)
     }

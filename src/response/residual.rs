@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::modes::Equations;
-use super::play::{Cubic, Feedback};
+use super::play::Cubic;
 use super::stepper::Stepper;
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 
@@ -22,7 +22,7 @@ const STEPS: usize = 256;
 /// Zeros appended to the vibration, in lengths of it: they interpolate between the bins of its spectrum.
 const ZEROS: usize = 3;
 
-/// Motion of the tip after the torque's last sample, less the rotation of the rigid link; with feedback,
+/// Motion of the tip after the last sample of the input, less the rotation of the rigid link; with feedback,
 /// less the final position of the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ResidualVibration {
@@ -32,7 +32,7 @@ pub struct ResidualVibration {
     pub share: f64,
     /// Frequency of its strongest part in Hz; `None` where nothing vibrates.
     pub frequency_hz: Option<f64>,
-    /// Time in s from the torque's last sample until it stays below 1 % of its amplitude; `None`
+    /// Time in s from that sample until it stays below 1 % of its amplitude; `None`
     /// where it does not within 400 periods of the first mode.
     pub decay_s: Option<f64>,
 }
@@ -90,16 +90,16 @@ impl ResidualVibration {
 pub(super) enum Reading {
     /// A reference holds the hub: the tip's final displacement in m.
     Held(f64),
-    /// The hub turns freely: the tip's deflection by friction in m per rate of the rigid rotation. The
+    /// The hub turns freely, or as prescribed: the tip's deflection by friction in m per rate of the rigid rotation. The
     /// rotation itself is no vibration either.
     Free(f64),
 }
 
 impl Reading {
-    /// Of a link of this length, with feedback or without.
-    pub(super) fn new(equations: &Equations, length_m: f64, feedback: Option<&Feedback>) -> Self {
-        if let Some(feedback) = feedback.filter(|feedback| feedback.stiffness_n_m_rad() > 0.0) {
-            return Self::Held(feedback.turn_rad() * length_m);
+    /// Of a link whose hub is held so that the tip comes to rest at a goal, or not.
+    pub(super) fn new(equations: &Equations, goal_m: Option<f64>) -> Self {
+        if let Some(goal_m) = goal_m {
+            return Self::Held(goal_m);
         }
         let modes = &equations.coordinates[1..];
         let per_torque: f64 =

@@ -1,38 +1,32 @@
 use std::f64::consts::PI;
 
 use super::error::SimulationError;
+use super::held::held;
 use super::modes::{Coordinate, Equations, HubReaction};
 use super::play::{Cubic, Interpolation, pieces};
 use super::stepper::Stepper;
 use crate::beam::Mesh;
 use crate::link::Link;
-use crate::modal::{DampingLaw, ModalBasis, hub_moves_mass, modes_below};
+use crate::modal::{DampingLaw, ModalBasis, Shape, hub_moves_mass, modes_below};
 use crate::model::Sensor;
+use crate::numeric::QuinticSpline;
 
 /// Most modes that sensors show; one residual mode stands for the others.
 const MOST_MODES: usize = 100;
-
-/// Rotary inertia of a hub that is moved as recorded, over that of the rigid link: the link turns it by
-/// less than a recording shows.
-const HEAVY: f64 = 1e8;
-
-/// Steps of rest before a hub moves, after which its spline has no slope.
-const STEPS_OF_REST: usize = 40;
 
 /// What drives a link from rest, at uniform times.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Driven {
     /// Samples of the torque at the hub in N m, zero before the first, and how it goes on between them.
     Torque(Vec<f64>, Interpolation),
-    /// Hub angles in rad, at rest at the first of them before; a cubic spline leads through them.
+    /// Hub angles in rad, at rest at the first of them before; a spline leads through them.
     Angle(Vec<f64>),
 }
 
 /// What sensors show of a link, at the samples of what drives it: a history for each of them.
 ///
 /// Angle and deflection begin at 0. The modes below the Nyquist frequency are integrated as by [`simulate`],
-/// the others act as one residual mode. A hub that is moved as recorded is one so heavy that the link does not
-/// turn it, under the torque `I θ̈`.
+/// the others act as one residual mode.
 ///
 /// [`simulate`]: super::simulate
 ///
@@ -46,53 +40,44 @@ pub fn sensed(
     step_s: f64,
     sensors: &[Sensor],
 ) -> Result<Vec<Vec<f64>>, SimulationError> {
-    // Of a moving hub too, the coefficients are those of the link on its own hub.
-    let law = DampingLaw::of(link, mesh)?;
-    let rigid_kg_m2 = link.rigid_inertia_kg_m2();
-    let heavy = || mesh.clone().with_hub_inertia(HEAVY * rigid_kg_m2);
-    let (mesh, friction) = match driven {
-        Driven::Torque(..) => (mesh.clone(), link.hub().viscous_friction_n_m_s_rad),
-        Driven::Angle(_) => (heavy(), 0.0),
-    };
-    if !hub_moves_mass(&mesh) {
+    if !hub_moves_mass(mesh) {
         return Err(SimulationError::MasslessHub);
     }
-    let modes = modes_below(&mesh, PI / step_s).saturating_sub(1).clamp(1, MOST_MODES);
+    let law = DampingLaw::of(link, mesh)?;
+    let modes = modes_below(mesh, PI / step_s).saturating_sub(1).clamp(1, MOST_MODES);
+    let friction = link.hub().viscous_friction_n_m_s_rad;
     let reaction = HubReaction {
         damping_n_m_s_rad: friction,
         friction_n_m_s_rad: friction,
         ..HubReaction::default()
     };
-    let equations = Equations::new(&mesh, &law, ModalBasis::lowest(&mesh, modes), reaction);
+    let basis = ModalBasis::lowest(mesh, modes);
+    let modes = basis.modes.len();
+    let free = Equations::new(mesh, &law, basis, reaction);
     let root_n_m2 = link.segments()[0].bending_stiffness_n_m2.inner;
-    let rows: Vec<Row> =
-        sensors.iter().map(|sensor| Row::of(*sensor, &equations, &mesh, root_n_m2)).collect();
-    let shown = match driven {
+    let bends = || free.root_curvatures(mesh, modes, root_n_m2);
+    let row = |equations: &Equations, bends: &[f64], sensor: &Sensor| {
+        Row::of(*sensor, equations, mesh.length_m(), bends)
+    };
+    match driven {
         Driven::Torque(samples, interpolation) => {
+            let bends = bends();
+            let rows: Vec<Row> = sensors.iter().map(|sensor| row(&free, &bends, sensor)).collect();
             let last = samples.last().copied().unwrap_or_default();
-            shown(&equations, &rows, (&pieces(samples, *interpolation), last), step_s)
+            Ok(shown(&free, &rows, (&pieces(samples, *interpolation), last), step_s))
         }
         Driven::Angle(angle_rad) => {
-            // q̈ of the rigid rotation is p u, and its hub angle p q.
-            let inertia_kg_m2 = equations.coordinates[0].hub_angle.powi(-2);
-            let steps = accelerations(angle_rad, step_s);
-            let torque: Vec<Cubic> =
-                steps.iter().map(|cubic| cubic.map(|part| inertia_kg_m2 * part)).collect();
-            let last = torque.last().map(|cubic| cubic.iter().sum()).unwrap_or_default();
-            let histories = shown(&equations, &rows, (&torque, last), step_s).into_iter();
-            histories.map(|history| history[STEPS_OF_REST..].to_vec()).collect()
+            let not_finite = SimulationError::NotFinite { time_s: 0.0 };
+            let held = held(&free, &law).ok_or(not_finite)?;
+            let bends = held.curvatures_of(mesh, &free, &bends());
+            let rows: Vec<Row> = sensors.iter().map(|sensor| row(&held, &bends, sensor)).collect();
+            let spline = QuinticSpline::from_rest(angle_rad);
+            let square = step_s * step_s;
+            let pieces = spline.curvature_pieces().map(|piece| piece.map(|part| part / square));
+            let last = spline.curvatures().last().unwrap_or_default() / square;
+            Ok(shown(&held, &rows, (&pieces.collect::<Vec<Cubic>>(), last), step_s))
         }
-    };
-    Ok(shown)
-}
-
-/// Acceleration in rad/s² over each step of the spline through hub angles, after steps of rest.
-fn accelerations(angle_rad: &[f64], step_s: f64) -> Vec<Cubic> {
-    let rested: Vec<f64> =
-        std::iter::repeat_n(angle_rad[0], STEPS_OF_REST).chain(angle_rad.iter().copied()).collect();
-    let square = step_s * step_s;
-    let bent = |[_, _, bend, third]: Cubic| [2.0 * bend / square, 6.0 * third / square, 0.0, 0.0];
-    pieces(&rested, Interpolation::Cubic).into_iter().map(bent).collect()
+    }
 }
 
 /// A sensor's value of coordinates, of their rates, and of the input.
@@ -104,42 +89,66 @@ struct Row {
 }
 
 impl Row {
-    fn of(sensor: Sensor, equations: &Equations, mesh: &Mesh, root_n_m2: f64) -> Self {
+    /// `bends` is the curvature of each coordinate's shape at the root in 1/m.
+    fn of(sensor: Sensor, equations: &Equations, length_m: f64, bends: &[f64]) -> Self {
         let Equations { coordinates, reaction, .. } = equations;
         let row = |of: &dyn Fn(&Coordinate) -> f64| coordinates.iter().map(of).collect::<Vec<_>>();
         let nothing = || vec![0.0; coordinates.len()];
         let (on_coordinates, on_rates, on_input) = match sensor {
             Sensor::HubAngle => (row(&|c| c.hub_angle), nothing(), 0.0),
             Sensor::HubRate => (nothing(), row(&|c| c.hub_angle), 0.0),
-            Sensor::TipDeflection => {
-                (row(&|c| c.tip - mesh.length_m() * c.hub_angle), nothing(), 0.0)
-            }
+            Sensor::TipDeflection => (row(&|c| c.tip - length_m * c.hub_angle), nothing(), 0.0),
             Sensor::TipAcceleration => {
-                let on_input: f64 = coordinates.iter().map(|c| c.tip * c.hub_angle).sum();
+                let on_input: f64 = coordinates.iter().map(|c| c.tip * c.drive).sum();
                 let friction = on_input * reaction.damping_n_m_s_rad;
-                let on_rate = |c: &Coordinate| -c.tip * c.rate_per_s - friction * c.hub_angle;
-                (row(&|c| -c.tip * c.square), row(&on_rate), on_input)
+                let damped = equations.damped_tip();
+                let on_rates = coordinates.iter().zip(damped);
+                let on_rates = on_rates.map(|(c, damped)| -damped - friction * c.hub_angle);
+                (row(&|c| -c.tip * c.square), on_rates.collect(), on_input)
             }
-            Sensor::RootStrain => (equations.root_curvatures(mesh, root_n_m2), nothing(), 0.0),
+            Sensor::RootStrain => (bends.to_vec(), nothing(), 0.0),
         };
         Self { on_coordinates, on_rates, on_input }
     }
 }
 
 impl Equations {
-    /// Curvature of each coordinate's shape at the root, in 1/m.
+    /// What damping takes from the tip's acceleration per rate of each coordinate.
+    fn damped_tip(&self) -> Vec<f64> {
+        let tips = || self.coordinates.iter().map(|c| c.tip);
+        match &self.damping {
+            None => self.coordinates.iter().map(|c| c.tip * c.rate_per_s).collect(),
+            Some(damping) => {
+                let count = self.coordinates.len();
+                let column = |k: usize| damping[k..].iter().step_by(count);
+                let taken = |k: usize| tips().zip(column(k)).map(|(tip, rate)| tip * rate).sum();
+                (0..count).map(taken).collect()
+            }
+        }
+    }
+
+    /// Curvature of each coordinate's shape at the root, in 1/m, of the free link with so many modes.
     ///
     /// A mode bends the link as its inertia forces, ω² times its shape, would. The residual mode bends it as
     /// a constant torque does, less what the modes kept do.
-    fn root_curvatures(&self, mesh: &Mesh, root_n_m2: f64) -> Vec<f64> {
+    fn root_curvatures(&self, mesh: &Mesh, modes: usize, root_n_m2: f64) -> Vec<f64> {
         let moments: Vec<f64> = self.shapes.iter().map(|shape| shape.moments(mesh)[0]).collect();
-        let modes = self.modes;
-        let all = self.coordinates.iter().zip(&moments);
-        let per_torque: f64 = all.take(modes + 1).map(|(c, moment)| c.hub_angle * moment).sum();
+        let kept = self.coordinates.iter().zip(&moments).take(modes + 1);
+        let per_torque: f64 = kept.map(|(c, moment)| c.hub_angle * moment).sum();
         let bent = self.coordinates.iter().zip(&moments).enumerate().map(|(k, (c, moment))| {
             if k <= modes { c.square * moment } else { -c.square / c.hub_angle * per_torque }
         });
         bent.map(|moment| moment / root_n_m2).collect()
+    }
+
+    /// The same where these shapes are sums of the free link's, whose curvatures are known.
+    fn curvatures_of(&self, mesh: &Mesh, free: &Self, curvatures: &[f64]) -> Vec<f64> {
+        let share = |own: &Shape, of: &Shape| own.mass_product(mesh, of);
+        let sum = |own: &Shape| {
+            let terms = free.shapes.iter().zip(curvatures);
+            terms.map(|(shape, curvature)| share(own, shape) * curvature).sum()
+        };
+        self.shapes.iter().map(sum).collect()
     }
 }
 

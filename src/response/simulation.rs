@@ -18,12 +18,12 @@ use crate::numeric::{TimeGrid, largest};
 /// rate of each mode.
 const BYTES_PER_SAMPLE: usize = 190;
 
-/// The motion of a link under a torque. The times of all histories are [`Simulation::grid`].
+/// The motion of a link under a torque, or on a hub that moves as prescribed. The times of all histories are [`Simulation::grid`].
 #[derive(Debug, Clone)]
 pub struct Simulation {
-    /// Times of all histories: those of the torque, continued to the given end.
+    /// Times of all histories: those of the input, continued to the given end.
     pub grid: TimeGrid,
-    /// Samples of the torque.
+    /// Samples of the input.
     pub driven: usize,
     /// Torque of the motor at the hub in N m, feedback included.
     pub torque_n_m: Vec<f64>,
@@ -35,7 +35,7 @@ pub struct Simulation {
     pub hub_acceleration_rad_s2: Vec<f64>,
     /// Motion of the tip.
     pub tip: TipMotionHistories,
-    /// Vibration after the torque.
+    /// Vibration after the input.
     pub residual: ResidualVibration,
     /// Modes that were kept.
     pub selection: ModeSelection,
@@ -54,18 +54,18 @@ pub struct Simulation {
     pub(super) record: Record,
 }
 
-/// Plays a torque on a link: direct dynamics in modal coordinates, each mode integrated exactly for
+/// Plays a torque, or a motion of the hub, on a link: direct dynamics in modal coordinates, each mode integrated exactly for
 /// the interpolated torque (Bayo 1987, eqs 11 and 12).
 ///
 /// The modes are those within the band of the torque; the others act as one residual mode with their static
 /// response. Hysteretic damping has no equation in time: its ratio is taken as the
-/// viscous ratio of every mode. An automatic mesh is refined until it follows the torque's band to
+/// viscous ratio of every mode, of the held ones where the hub moves as prescribed. An automatic mesh is refined until it follows the torque's band to
 /// the plan's tolerance.
 ///
 /// # Errors
 /// [`SimulationError`].
 pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation, SimulationError> {
-    let band_rad_s = play.band_rad_s().ok_or(SimulationError::NoTorque)?;
+    let band_rad_s = play.band_rad_s().ok_or(play.nothing())?;
     let mesh = Mesh::new(link, plan)?;
     let mesh =
         if plan.is_automatic() { mesh.resolving(band_rad_s, plan.tolerance()) } else { mesh };
@@ -81,7 +81,7 @@ pub(crate) fn simulate_on(
     mesh: Mesh,
     play: &Play,
 ) -> Result<Simulation, SimulationError> {
-    play_on(link, mesh, play, play.band_rad_s().ok_or(SimulationError::NoTorque)?)
+    play_on(link, mesh, play, play.band_rad_s().ok_or(play.nothing())?)
 }
 
 /// Plays a torque that drives the link up to `band_rad_s`.
@@ -98,7 +98,7 @@ fn play_on(
     let driving = play.driving()?;
     let law = DampingLaw::of(link, &mesh)?;
     let (basis, selection) = kept_modes(&mesh, band_rad_s, MOST_MODES);
-    let equations = Equations::new(&mesh, &law, basis, play.reaction(link));
+    let equations = play.equations(link, (&mesh, &law), basis)?;
     let modes = equations.coordinates.len();
     let samples = grid.len;
     let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE);
@@ -106,18 +106,20 @@ fn play_on(
         return Err(SimulationError::TooMuchMemory { samples, modes, bytes, allowed });
     }
     let record = Record::of(&equations, &driving, &grid);
-    let start = [play.initial_tip_m / mesh.length_m(), play.initial_tip_m];
+    let initial_tip_m = play.start_m(mesh.length_m());
+    let start = [initial_tip_m / mesh.length_m(), initial_tip_m];
     let observed = observed(&record, &equations, &driving, start, &grid)?;
     let [torque_n_m, hub_angle_rad, hub_rate_rad_s, hub_acceleration_rad_s2, tip @ ..] = observed;
     let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
     let tip = TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 };
-    let driven = play.torque.grid().len;
-    let reading = Reading::new(&equations, mesh.length_m(), play.feedback);
+    let driven = play.input.grid().len;
+    let goal_m = play.goal_rad().map(|turn_rad| turn_rad * mesh.length_m());
+    let reading = Reading::new(&equations, goal_m);
     let (last, held) = (record.at(driven - 1), driving.held());
     let residual = ResidualVibration::of(&equations, last, &held, &reading, tip.largest_travel_m());
     let deflection_m = tip_deflection_m(&mesh, &tip.displacement_m, &hub_angle_rad);
     let warnings = SimulationWarning::all(
-        play.torque.torque_n_m(),
+        play.input.warnings(&torque_n_m),
         (grid.step_s, equations.first_period_s()),
         (residual.share, largest(&deflection_m) / mesh.length_m()),
     );
@@ -136,7 +138,7 @@ fn play_on(
         law,
         warnings,
         band_rad_s,
-        initial_tip_m: play.initial_tip_m,
+        initial_tip_m,
         equations,
         record,
     })
@@ -153,17 +155,13 @@ fn observed(
     grid: &TimeGrid,
 ) -> Result<[Vec<f64>; 7], SimulationError> {
     let mut columns = [(); 7].map(|()| Vec::with_capacity(grid.len));
-    let reaction = equations.reaction;
     for sample in 0..grid.len {
         let (q, rate) = record.at(sample);
         let input = driving.at(sample);
         let acceleration = equations.accelerations(q, rate, input);
         let (angle, hub_rate) = (equations.hub(q), equations.hub(rate));
-        // Friction acts on the hub; the rest of the reaction is the motor's.
-        let of_motor =
-            reaction.torque_n_m(angle, hub_rate) - reaction.friction_n_m_s_rad * hub_rate;
         let row = [
-            input - of_motor,
+            equations.motor_n_m(q, rate, &acceleration, input),
             start_rad + angle,
             hub_rate,
             equations.hub(&acceleration),
@@ -187,6 +185,11 @@ fn tip_deflection_m(mesh: &Mesh, tip_m: &[f64], hub_angle_rad: &[f64]) -> Vec<f6
 }
 
 impl Simulation {
+    /// Period of the first flexible mode in s, of the held link where the hub moves as prescribed.
+    pub fn first_period_s(&self) -> Option<f64> {
+        self.equations.first_period_s()
+    }
+
     /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.
     pub fn tip_deflection_m(&self) -> Vec<f64> {
         tip_deflection_m(&self.mesh, &self.tip.displacement_m, &self.hub_angle_rad)
@@ -247,7 +250,7 @@ impl PlayError {
         let were_cut = simulation.selection.modes >= MOST_MODES;
         let most_modes = if were_cut { 2 * MOST_MODES } else { MOST_MODES };
         let (basis, _) = kept_modes(&mesh, simulation.band_rad_s, most_modes);
-        let equations = Equations::new(&mesh, &law, basis, play.reaction(link));
+        let equations = play.equations(link, (&mesh, &law), basis)?;
         let driving = play.driving()?;
         let Simulation { grid, tip, hub_angle_rad, .. } = simulation;
         let (start_m, start_rad) = (tip.displacement_m[0], hub_angle_rad[0]);

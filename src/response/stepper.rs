@@ -43,9 +43,10 @@ impl Stepper {
         let count = equations.coordinates.len();
         let scale = |square: f64| square.sqrt().max(step_s.recip());
         let scales: Vec<f64> = equations.coordinates.iter().map(|c| scale(c.square)).collect();
-        // Without a reaction at the hub the modes are not coupled.
+        // Without a reaction at the hub, or damping between them, the modes are not coupled.
         let HubReaction { stiffness_n_m_rad, damping_n_m_s_rad, .. } = equations.reaction;
-        let is_coupled = stiffness_n_m_rad != 0.0 || damping_n_m_s_rad != 0.0;
+        let reacts = stiffness_n_m_rad != 0.0 || damping_n_m_s_rad != 0.0;
+        let is_coupled = reacts || equations.damping.is_some();
         let step = |first, size| exponential(&generator(equations, &scales, first, size, step_s));
         let (transition, answers) = if is_coupled {
             let step = step(0, count);
@@ -194,10 +195,17 @@ fn generator(
     for (i, own) in coordinates.iter().enumerate() {
         generator[(i, count + i)] = step_s * scales[i];
         generator[(count + i, i)] = -step_s * own.square / scales[i];
-        generator[(count + i, count + i)] = -step_s * own.rate_per_s;
-        generator[(count + i, states)] = step_s * own.hub_angle;
+        match &equations.damping {
+            None => generator[(count + i, count + i)] = -step_s * own.rate_per_s,
+            Some(damping) => {
+                for j in 0..count {
+                    generator[(count + i, count + j)] = -step_s * damping[i * count + j];
+                }
+            }
+        }
+        generator[(count + i, states)] = step_s * own.drive;
         for (j, other) in coordinates.iter().enumerate() {
-            let coupling = step_s * own.hub_angle * other.hub_angle;
+            let coupling = step_s * own.drive * other.hub_angle;
             let reaction = equations.reaction;
             generator[(count + i, j)] -= coupling * reaction.stiffness_n_m_rad / scales[j];
             generator[(count + i, count + j)] -= coupling * reaction.damping_n_m_s_rad;

@@ -1,6 +1,7 @@
 //! Numbers of a result that a person reads first, limits and the shortest motion within them, and
 //! results read back.
 
+mod channels;
 mod errors;
 mod fit;
 mod limits;
@@ -10,6 +11,7 @@ mod peak;
 mod remark;
 mod stored;
 
+pub use channels::{Channel, ChannelComparison, ChannelFit, Comparison, Measured, NoOverlap};
 pub use errors::{
     BandMeshError, CoarseMesh, LateTarget, TargetError, TipError, mesh_error, mesh_errors,
 };

@@ -95,7 +95,7 @@ pub enum Remark {
     },
     /// Times between those of a uniform grid.
     #[error(
-        "the times are off a uniform grid of {} s by up to {} % of a step: the motion is interpolated at \
+        "the times are off a uniform grid of {} s by up to {} % of a step: the samples are interpolated at \
          uniform times by a cubic spline",
         significant(*step_s, 6),
         significant(100.0 * steps, 2)

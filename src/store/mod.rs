@@ -22,9 +22,9 @@ pub use json::Fingerprint;
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use read_result::{is_run, read_result};
 pub use repetition::{RunRecord, TemporaryFolder};
-pub use run_summary::{Findings, write_solution};
+pub use run_summary::{Findings, PlayFindings, write_solution};
 pub use run_tables::{REPORT, RunOutputs, SUMMARY, is_result_file};
-pub use summary::{RunInputs, Summary, verification_json};
+pub use summary::{RunInputs, SimulateFiles, Summary, verification_json};
 pub use sweep::{
     ForeignRecord, LeftRows, Resumed, SweepFile, SweepIdentity, SweepInputs, SweepRows, SweptCase,
     merge_shards, sweep_files, sweep_header, sweep_row, write_sweep,

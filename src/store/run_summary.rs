@@ -13,8 +13,10 @@ use crate::inverse::{Solution, Unwatched, Warning};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
-use crate::response::{Play, PlayError, Simulation};
-use crate::result::{Exceeded, Metrics, PlayedMetrics, Remark, StoredWarning, TipError};
+use crate::response::{Input, Play, PlayError, Simulation};
+use crate::result::{
+    Comparison, Exceeded, Metrics, PlayedMetrics, Remark, StoredWarning, TipError,
+};
 use crate::verify::Verification;
 
 /// What is known of a solution beside its numbers.
@@ -26,6 +28,17 @@ pub struct Findings<'a> {
     pub verification: Option<&'a Verification>,
     /// Remarks on link and motion.
     pub remarks: &'a [Remark],
+}
+
+/// What is known of a simulation beside its numbers.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PlayFindings<'a> {
+    /// Errors of its mesh and modes.
+    pub error: Option<&'a PlayError>,
+    /// The tip's error against its target.
+    pub tip_error: Option<&'a TipError>,
+    /// The simulation beside a recording.
+    pub comparison: Option<&'a Comparison>,
 }
 
 /// Writes the folder of a solution whose link and motion a program has from numbers, with all files that
@@ -99,14 +112,13 @@ impl Summary {
         }
     }
 
-    /// The summary of a torque played on a link, with the errors of its mesh and modes and the tip's error
-    /// against its target.
+    /// The summary of a torque or a hub motion played on a link.
     pub fn of_simulation(
         inputs: RunInputs,
         (link, play): (&Link, &Play),
         simulation: &Simulation,
         metrics: &PlayedMetrics,
-        (error, tip_error): (Option<&PlayError>, Option<&TipError>),
+        &PlayFindings { error, tip_error, comparison }: &PlayFindings,
     ) -> Self {
         let Simulation { law, mesh, residual, selection, .. } = simulation;
         let frequencies = &simulation.natural_frequencies_rad_s;
@@ -126,9 +138,13 @@ impl Summary {
         let played = played.map(|w| StoredWarning::new(w.kind(), &w, w.hint()));
         let late = tip_error.and_then(|error| error.late);
         let late = late.map(|late| StoredWarning::new(late.kind(), &late, late.hint()));
+        let input = match play.input {
+            Input::Torque(_) => "torque",
+            Input::HubAngle(_) => "hub_angle",
+        };
         let values = json!({
             "mesh": mesh_values(mesh),
-            "torque": torque_values(play, simulation),
+            input: input_values(play, simulation),
             "feedback": gains,
             "modes": {
                 "kept": selection.modes,
@@ -145,6 +161,7 @@ impl Summary {
         });
         Self {
             values,
+            measured: comparison.cloned(),
             warnings: played.chain(late).collect(),
             files: RunOutputs::simulation_file_names().map(str::to_owned).into(),
             ..Self::of("simulate", inputs, link, law)
@@ -176,16 +193,19 @@ fn motion_values(motion: &TipMotion, metrics: &Metrics) -> Value {
     })
 }
 
-fn torque_values(play: &Play, simulation: &Simulation) -> Value {
-    let grid = play.torque.grid();
-    json!({
+fn input_values(play: &Play, simulation: &Simulation) -> Value {
+    let grid = play.input.grid();
+    let mut values = json!({
         "samples": grid.len,
         "step_s": grid.step_s,
         "start_s": grid.time_s(0),
         "end_s": grid.end_s(),
         "simulated_until_s": simulation.grid.end_s(),
-        "interpolation": play.interpolation,
-    })
+    });
+    if let Input::Torque(_) = play.input {
+        values["interpolation"] = json!(play.interpolation);
+    }
+    values
 }
 
 /// The band is null if every frequency of the samples is solved for, the modes are if all are kept.

@@ -10,7 +10,8 @@ use crate::link::{
     Damping, Drive, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
 };
 use crate::modal::DampingLaw;
-use crate::result::{Origin, StoredCheck, StoredWarning};
+use crate::response::{Input, Play};
+use crate::result::{Comparison, Origin, StoredCheck, StoredWarning};
 use crate::verify::{Check, Outcome, Verification};
 
 /// How a message describes a folder whose files are missing.
@@ -35,6 +36,8 @@ pub struct Summary {
     /// What was computed, from `mesh` on: `motion`, `torque`, `analysis`, `results`, `errors`, ….
     #[serde(flatten)]
     pub(super) values: Value,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) measured: Option<Comparison>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) verification: Nullable<Vec<StoredCheck>>,
     pub(super) warnings: Vec<StoredWarning>,
@@ -57,10 +60,27 @@ pub struct RunInputs {
     #[serde(skip_serializing_if = "Option::is_none")]
     torque: Option<Fingerprint>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    hub_angle: Option<Fingerprint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     target: Nullable<Fingerprint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    measured: Option<Fingerprint>,
     #[serde(skip_serializing_if = "Option::is_none")]
     reference: Nullable<Fingerprint>,
     arguments: Vec<String>,
+}
+
+/// The files of a simulation beside that of the link.
+#[derive(Debug, Clone, Copy)]
+pub struct SimulateFiles<'a> {
+    /// What is played.
+    pub input: &'a InputFile,
+    /// The wanted motion, if there is one.
+    pub target: Option<&'a InputFile>,
+    /// The recording, if there is one.
+    pub measured: Option<&'a InputFile>,
+    /// The reference of a feedback, if there is one.
+    pub reference: Option<&'a InputFile>,
 }
 
 impl RunInputs {
@@ -70,15 +90,23 @@ impl RunInputs {
         Self { link, motion, arguments, ..Self::default() }
     }
 
-    /// The inputs of `simulate`; target and reference where there are any.
+    /// The inputs of `simulate`.
     pub fn of_simulate(
-        [link, torque]: [&InputFile; 2],
-        [target, reference]: [Option<&InputFile>; 2],
+        link: &InputFile,
+        files: &SimulateFiles,
+        play: &Play,
         arguments: Vec<String>,
     ) -> Self {
-        let [link, torque] = [link, torque].map(|file| Some(Fingerprint::of(file)));
+        let SimulateFiles { input, target, measured, reference } = *files;
+        let link = Some(Fingerprint::of(link));
+        let input = Some(Fingerprint::of(input));
+        let (torque, hub_angle) = match play.input {
+            Input::Torque(_) => (input, None),
+            Input::HubAngle(_) => (None, input),
+        };
+        let measured = measured.map(Fingerprint::of);
         let [target, reference] = [target, reference].map(|file| Some(file.map(Fingerprint::of)));
-        Self { link, torque, target, reference, arguments, ..Self::default() }
+        Self { link, torque, hub_angle, target, measured, reference, arguments, ..Self::default() }
     }
 }
 
@@ -133,12 +161,15 @@ impl Summary {
     }
 
     pub(super) fn origin(&self) -> Origin {
-        let RunInputs { link, motion, torque, target, reference, arguments } = &self.inputs;
+        let RunInputs { link, motion, torque, hub_angle, target, measured, reference, arguments } =
+            &self.inputs;
         let files = [
             ("link", link.as_ref()),
             ("motion", motion.as_ref()),
             ("torque", torque.as_ref()),
+            ("hub_angle", hub_angle.as_ref()),
             ("target", target.as_ref().and_then(Option::as_ref)),
+            ("measured", measured.as_ref()),
             ("reference", reference.as_ref().and_then(Option::as_ref)),
         ];
         Origin {
@@ -174,8 +205,8 @@ impl Summary {
     pub(super) fn window_s(&self) -> Option<(f64, f64)> {
         let number = |of: &str, key: &str| self.values[of][key].as_f64();
         let solved = number("analysis", "window_start_s").zip(number("analysis", "window_end_s"));
-        let played = || number("torque", "start_s").zip(number("torque", "simulated_until_s"));
-        solved.or_else(played)
+        let played = |input| number(input, "start_s").zip(number(input, "simulated_until_s"));
+        solved.or_else(|| played("torque")).or_else(|| played("hub_angle"))
     }
 
     /// How many modes a solution keeps; none if it keeps all.
@@ -183,13 +214,14 @@ impl Summary {
         self.values["analysis"]["modes"].as_u64()?.try_into().ok()
     }
 
-    /// All numbers by name: results, those of residual and tip error, errors.
+    /// All numbers by name: results, those of residual and tip error, errors, those of a recording.
     pub(super) fn readings(&self) -> Vec<(String, f64)> {
         let of = |key: &str, prefix: &str| numbers_in(&self.values[key], prefix);
         let errors = of("errors", "").into_iter().map(|(name, error)| (name + "_error", error));
         let numbers =
             [of("results", ""), of("residual", "residual_"), of("tip_error", "tip_error_")];
-        numbers.into_iter().flatten().chain(errors).collect()
+        let measured = self.measured.iter().flat_map(Comparison::readings);
+        numbers.into_iter().flatten().chain(errors).chain(measured).collect()
     }
 }
 

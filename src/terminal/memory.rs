@@ -5,7 +5,7 @@ use std::num::NonZero;
 use clap::Args;
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 
-use flexlink::csv::{available_addresses, available_memory, is_data_limited};
+use flexlink::system::{available_addresses, available_memory, is_data_limited};
 use flexlink::text::gigabytes;
 
 use super::allocator::{keep_freed_memory, limit_arenas};

@@ -23,6 +23,7 @@ mod repeat;
 mod report;
 mod rigs;
 mod simulate;
+mod simulate_recorded;
 mod simulate_refusals;
 mod simulate_round_trip;
 mod simulate_summary;

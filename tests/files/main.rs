@@ -1,6 +1,7 @@
 //! What is read from files and written to them: links, motions, torques, references, results.
 
 mod instruments;
+mod jittered_times;
 mod link_file;
 mod reference_files;
 mod refused_tables;

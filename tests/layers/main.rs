@@ -10,7 +10,7 @@ use source::{identifier, names, sources, without_text};
 
 /// Modules by level. What stands on a level knows those above it in this list, and nothing else.
 const LEVELS: [&[&str]; 17] = [
-    &["text"],
+    &["text", "system"],
     &["numeric"],
     &["link"],
     &["motion", "beam"],
@@ -34,7 +34,7 @@ const RESERVED: [(&str, &[&str], &[&str]); 2] = [
     (
         // `terminal` asks the system which signals the program was started to ignore.
         "opens files",
-        &["spec", "csv", "store", "terminal"],
+        &["spec", "csv", "store", "system", "terminal"],
         &["std::fs", "fs::", "File::open", "File::create", "OpenOptions", "tempfile"],
     ),
     (

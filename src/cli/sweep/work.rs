@@ -7,7 +7,7 @@ use flexlink::inverse::{Resources, Unwatched, invert_with};
 use flexlink::response::{Play, PlayError, Torque, simulate};
 use flexlink::result::{Metrics, PlayedMetrics, Remark, TipError};
 use flexlink::spec::Specification;
-use flexlink::store::{Findings, OutputFolder, RunInputs, Summary};
+use flexlink::store::{Findings, OutputFolder, PlayFindings, RunInputs, SimulateFiles, Summary};
 use flexlink::sweep::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 
 use super::cases::Cases;
@@ -119,13 +119,16 @@ impl Cases<'_> {
         let numbers = SweepKind::played(&found);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
-            let files = [&self.link_file, torque_file];
-            let inputs = RunInputs::of_simulate(files, [Some(&self.motion_file), None], arguments);
+            let target = Some(&self.motion_file);
+            let files =
+                SimulateFiles { input: torque_file, target, measured: None, reference: None };
+            let inputs = RunInputs::of_simulate(&self.link_file, &files, &play, arguments);
             let outputs = self.shared.outputs.of_case(&simulation.mesh)?;
             memory::check_nodes(outputs.simulation_bytes(&simulation), memory_bytes)?;
-            let errors = (error.as_ref(), Some(&tip_error));
+            let tip_error = Some(&tip_error);
+            let errors = PlayFindings { error: error.as_ref(), tip_error, comparison: None };
             let played = (link, &play);
-            let summary = Summary::of_simulation(inputs, played, &simulation, &metrics, errors);
+            let summary = Summary::of_simulation(inputs, played, &simulation, &metrics, &errors);
             outputs.write_simulation(self.stage(&folder)?, link, &simulation, &summary)?;
         }
         let coarse = error.and_then(|error| error.warning());

@@ -1,4 +1,4 @@
-//! The summaries that `solve` and `simulate` print.
+//! The summary that `solve` prints, and the lines of it that `simulate` prints, too.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -7,8 +7,7 @@ use flexlink::beam::Mesh;
 use flexlink::inverse::{Quantity, QuantityErrors, Solution};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
-use flexlink::response::{Interpolation, Play, PlayError, Simulation};
-use flexlink::result::{Metrics, MotorMetrics, Peak, PlayedMetrics, TipError};
+use flexlink::result::{Metrics, MotorMetrics, Peak};
 use flexlink::text::{gigabytes, significant, visible};
 
 /// The note about memory before it is taken.
@@ -52,39 +51,11 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
     )
 }
 
-/// The summary of a torque that was played; `written` says where its files are.
-pub(crate) fn simulate_text(
-    link: &Link,
-    play: &Play,
-    simulation: &Simulation,
-    metrics: &PlayedMetrics,
-    (error, tip_error): (Option<&PlayError>, Option<&TipError>),
-    written: String,
-) -> String {
-    let hub = [metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w];
-    labelled(
-        link,
-        [
-            ("link", link_line(link, &simulation.mesh)),
-            ("damping", played_damping(link, simulation)),
-            ("ratios", ratios_line(&simulation.law, &simulation.natural_frequencies_rad_s)),
-            ("torque", played_torque(play, metrics)),
-            ("feedback", feedback_line(play)),
-            ("modes", modes_line(simulation)),
-            ("tip", tip_line(metrics)),
-            ("hub", hub_line(&hub)),
-            ("bending", deflection(metrics.peak_deflection_m)),
-            ("after", residual_line(simulation)),
-            ("decay", decay_line(simulation)),
-            ("error", tip_error.map(tip_error_line).unwrap_or_default()),
-            ("errors", simulation_errors(error)),
-            ("written", written),
-        ],
-    )
-}
-
 /// The link's title, then a line for each label that has content.
-fn labelled<'a>(link: &Link, lines: impl IntoIterator<Item = (&'a str, String)>) -> String {
+pub(super) fn labelled<'a>(
+    link: &Link,
+    lines: impl IntoIterator<Item = (&'a str, String)>,
+) -> String {
     let mut text = title(link);
     for (label, content) in lines.into_iter().filter(|(_, content)| !content.is_empty()) {
         // Writing to a string cannot fail.
@@ -99,7 +70,7 @@ pub(super) fn title(link: &Link) -> String {
 }
 
 /// Each number with four significant digits.
-fn four<const N: usize>(numbers: [f64; N]) -> [String; N] {
+pub(super) fn four<const N: usize>(numbers: [f64; N]) -> [String; N] {
     numbers.map(|number| significant(number, 4))
 }
 
@@ -111,7 +82,7 @@ pub(super) fn link_line(link: &Link, mesh: &Mesh) -> String {
 }
 
 /// The damping law in words.
-fn damping_line(link: &Link, law: &DampingLaw) -> String {
+pub(super) fn damping_line(link: &Link, law: &DampingLaw) -> String {
     match (link.damping(), law) {
         (Damping::None | Damping::Hysteretic { ratio: 0.0 }, _) => "none".into(),
         (_, DampingLaw::Rayleigh { alpha_per_s, beta_s }) => {
@@ -126,15 +97,8 @@ fn damping_line(link: &Link, law: &DampingLaw) -> String {
     }
 }
 
-/// The law, and what is played in its place where it has no equation in time.
-fn played_damping(link: &Link, simulation: &Simulation) -> String {
-    let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
-    let as_viscous = if is_hysteretic { ", played as viscous in every mode" } else { "" };
-    damping_line(link, &simulation.law) + as_viscous
-}
-
 /// Damping ratios of the modes, where they are not all one; empty otherwise.
-fn ratios_line(law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
+pub(super) fn ratios_line(law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
     let ratios = law.modal_ratios(frequencies_rad_s);
     let are_one = ratios.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits());
     if are_one { String::new() } else { list(&ratios, 2, "") }
@@ -189,7 +153,7 @@ fn timing_line(lead_s: f64, lag_s: f64) -> String {
 }
 
 /// The largest angle, rate and power of the hub.
-fn hub_line([angle_rad, rate_rad_s, power_w]: &[Peak; 3]) -> String {
+pub(super) fn hub_line([angle_rad, rate_rad_s, power_w]: &[Peak; 3]) -> String {
     let [angle, rate, power] = four([angle_rad.value, rate_rad_s.value, power_w.value]);
     format!("turns by up to {angle} rad; peaks {rate} rad/s, {power} W")
 }
@@ -200,7 +164,7 @@ fn motor_line(motor: &MotorMetrics) -> String {
     acting(motor.peak_torque_n_m, motor.rms_torque_n_m) + &format!("; {rate} rad/s, {power} W")
 }
 
-fn deflection(peak_m: Peak) -> String {
+pub(super) fn deflection(peak_m: Peak) -> String {
     format!("tip deflects by up to {} m", significant(peak_m.value, 4))
 }
 
@@ -278,73 +242,6 @@ fn window_line(solution: &Solution) -> String {
     let [start, end] = four([grid.time_s(0), grid.end_s()]);
     let highest = significant(band.highest_hz, 3);
     format!("{start} … {end} s, {rows} rows; {frequencies} frequencies to {highest} Hz")
-}
-
-fn played_torque(play: &Play, metrics: &PlayedMetrics) -> String {
-    let grid = play.torque.grid();
-    let between = match play.interpolation {
-        Interpolation::Cubic => "cubic spline",
-        Interpolation::Linear => "straight lines",
-        Interpolation::Zero => "held from sample to sample",
-    };
-    let [start, end, peak] = four([grid.time_s(0), grid.end_s(), metrics.peak_torque_n_m.value]);
-    let step = significant(grid.step_s, 3);
-    format!("{start} … {end} s at {step} s, {between}; peak {peak} N m")
-}
-
-fn feedback_line(play: &Play) -> String {
-    let Some(feedback) = play.feedback else { return String::new() };
-    let [kp, kd] = four([feedback.stiffness_n_m_rad(), feedback.damping_n_m_s_rad()]);
-    format!("{kp} N m/rad, {kd} N m s/rad around the reference")
-}
-
-fn modes_line(simulation: &Simulation) -> String {
-    let selection = &simulation.selection;
-    let [highest, band] = four([selection.highest_hz, selection.torque_band_hz]);
-    let (modes, of) = (selection.modes, selection.of);
-    format!("{modes} of {of}, to {highest} Hz (torque band to {band} Hz)")
-}
-
-fn tip_line(metrics: &PlayedMetrics) -> String {
-    let [farthest, travel] = four([metrics.farthest_m, metrics.travel_m]);
-    let velocity = significant(metrics.final_tip_velocity_m_s, 2);
-    format!("moves by up to {farthest} m, by {travel} m in all; ends with {velocity} m/s")
-}
-
-/// The vibration after the torque. A share of a travel that the tip had hardly begun says nothing.
-fn residual_line(simulation: &Simulation) -> String {
-    let residual = &simulation.residual;
-    let vibration = format!("vibrates by {} m", significant(residual.amplitude_m, 3));
-    let share = (residual.share < 1.0).then(|| significant(residual.share, 2));
-    let share = share.map(|share| format!(", {share} of its travel"));
-    let frequency = residual.frequency_hz.map(|hertz| significant(hertz, 4));
-    let frequency = frequency.map(|hertz| format!(", at {hertz} Hz"));
-    vibration + &share.unwrap_or_default() + &frequency.unwrap_or_default()
-}
-
-/// How long that takes to die down; empty where nothing vibrates.
-fn decay_line(simulation: &Simulation) -> String {
-    match simulation.residual.decay_s {
-        Some(decay_s) if decay_s > 0.0 => {
-            format!("to 1 % of that {} s after the torque's end", significant(decay_s, 3))
-        }
-        Some(_) => String::new(),
-        None => "none to be seen".into(),
-    }
-}
-
-/// The errors of the simulation itself.
-fn simulation_errors(error: Option<&PlayError>) -> String {
-    let Some(PlayError { tip, hub_angle }) = error else {
-        return "mesh not known: the damping cannot be on halved elements".into();
-    };
-    format!("mesh {tip:.1e} (of the tip's travel), {hub_angle:.1e} (of the hub's peak angle)")
-}
-
-fn tip_error_line(error: &TipError) -> String {
-    let worst = significant(error.worst_m, 4);
-    let [time, share] = [error.time_s, error.share].map(|number| significant(number, 3));
-    format!("tip strays by up to {worst} m at {time} s, {share} of its travel")
 }
 
 #[cfg(test)]

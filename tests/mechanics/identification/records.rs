@@ -118,8 +118,13 @@ fn a_torque_and_two_sensors_in_si_determine_all_five_values() {
 
 #[test]
 fn gain_sign_offset_and_delay_are_found_beside_the_values() {
+    for late_s in [0.0234, -0.016, 0.31] {
+        late_by(late_s);
+    }
+}
+
+fn late_by(late_s: f64) {
     let mut random = Random(32);
-    let late_s = 0.0234;
     let channels = vec![
         channel(Sensor::HubAngle, (1.0, 0.4), late_s, &mut random),
         channel(Sensor::RootStrain, (-37.0, 2.0), late_s, &mut random),

@@ -4,8 +4,10 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod after;
+mod channels;
 mod feedback;
 mod free;
+mod held;
 mod modes;
 mod newmark;
 mod play_error;

@@ -1,0 +1,240 @@
+//! What `simulate` plays, and what it compares the result with.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use flexlink::csv::{
+    InputFile, TableFormat, read_hub_reference_as, read_measured, read_target, read_torque_table_as,
+};
+use flexlink::motion::TipTarget;
+use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, Torque};
+use flexlink::result::Measured;
+
+use super::common::{finite, option};
+use super::read::{ReadArgs, tell};
+use crate::terminal::{Exit, Failure, memory};
+
+/// What moves the link.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum InputKind {
+    Torque,
+    HubAngle,
+}
+
+/// The torque between its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Hold {
+    Zero,
+    Linear,
+    Cubic,
+}
+
+/// What is played and compared.
+#[derive(Debug, Args)]
+pub(crate) struct PlayArgs {
+    /// Torque at the hub (CSV): `time` and `torque`; with --input hub-angle `time` and `hub_angle`.
+    #[arg(value_name = "TORQUE")]
+    pub(crate) file: PathBuf,
+
+    /// What TORQUE holds: the torque, or the hub angle, as which the hub is then moved, whatever torque that
+    /// takes. The hub rests before the first sample and turns on at its rate after the last.
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = InputKind::Torque)]
+    input: InputKind,
+
+    /// Column of TORQUE to play [default: `torque`].
+    #[arg(long, value_name = "NAME")]
+    column: Option<String>,
+
+    /// Time in s at which the simulation ends; after the last sample of TORQUE no torque acts
+    /// [default: the end of TORQUE or of the target, whichever is later].
+    #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) until: Option<f64>,
+
+    /// The torque between the samples of TORQUE: a cubic spline, straight lines, or each sample held until
+    /// the next one, as a converter plays a table.
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = Hold::Cubic)]
+    hold: Hold,
+
+    /// The same as --hold linear.
+    #[arg(long, conflicts_with = "hold")]
+    linear: bool,
+
+    /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
+    /// link starts at its first displacement, but with --input hub-angle where its hub points to.
+    #[arg(long, value_name = "FILE")]
+    target: Option<PathBuf>,
+
+    /// Recording to compare with, channel by channel (CSV): `time` and any of `hub_angle`, `hub_rate`, `tip`,
+    /// `velocity`, `acceleration`, `tip_deflection` and `torque`, at times of its own.
+    #[arg(long, value_name = "FILE")]
+    measured: Option<PathBuf>,
+
+    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad.
+    #[arg(long, value_name = "KP,KD", requires = "reference")]
+    #[arg(value_parser = gains, allow_hyphen_values = true)]
+    feedback: Option<(f64, f64)>,
+
+    /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, at the times of TORQUE.
+    /// The link starts at its first angle.
+    #[arg(long, value_name = "FILE", requires = "feedback")]
+    reference: Option<PathBuf>,
+}
+
+/// What moves the link, as read.
+enum Moving {
+    Torque(Torque),
+    HubAngle(HubReference),
+}
+
+/// The files of a simulation beside that of the link, read.
+pub(crate) struct Playing {
+    pub(crate) file: InputFile,
+    moving: Moving,
+    interpolation: Interpolation,
+    pub(crate) target: Option<(InputFile, TipTarget)>,
+    pub(crate) measured: Option<(InputFile, Measured)>,
+    pub(crate) reference_file: Option<InputFile>,
+    feedback: Option<Feedback>,
+    initial_tip_m: f64,
+}
+
+impl PlayArgs {
+    /// All files, for the check that no output replaces one.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        let others = [&self.target, &self.measured, &self.reference].into_iter().flatten();
+        [&self.file].into_iter().chain(others).map(PathBuf::as_path)
+    }
+
+    /// Reads all files for a link of this length; every error names its file.
+    pub(crate) fn load(&self, length_m: f64, read: &ReadArgs) -> Result<Playing, Failure> {
+        self.check()?;
+        let file = InputFile::read(&self.file)?;
+        let open = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
+        let [target, measured, reference_file] =
+            [open(&self.target)?, open(&self.measured)?, open(&self.reference)?];
+        let InputFile { shown, bytes, .. } = &file;
+        let (moving, reading) = match self.input {
+            InputKind::Torque => {
+                let column = self.column.as_deref();
+                let (torque, reading) = read_torque_table_as(shown, bytes, column, &read.format())?;
+                (Moving::Torque(torque), reading)
+            }
+            InputKind::HubAngle => {
+                let (hub, reading) = read_hub_reference_as(shown, bytes, &read.format())?;
+                (Moving::HubAngle(hub), reading)
+            }
+        };
+        tell(shown, &reading);
+        // The options of reading are those of TORQUE.
+        let target = target.map(|file| -> Result<_, Failure> {
+            let (target, reading) = read_target(&file.shown, &file.bytes, length_m)?;
+            tell(&file.shown, &reading);
+            Ok((file, target))
+        });
+        let target = target.transpose()?;
+        let measured = measured.map(|file| -> Result<_, Failure> {
+            let (measured, reading) = read_measured(&file.shown, &file.bytes)?;
+            tell(&file.shown, &reading);
+            Ok((file, measured))
+        });
+        let measured = measured.transpose()?;
+        let reference = reference_file.as_ref().map(|file| -> Result<HubReference, Failure> {
+            let form = TableFormat::default();
+            let (reference, reading) = read_hub_reference_as(&file.shown, &file.bytes, &form)?;
+            tell(&file.shown, &reading);
+            Ok(reference)
+        });
+        let reference = reference.transpose()?;
+        // A link at rest is straight: the hub points to its tip.
+        let pointed = |reference: &HubReference| reference.angle_rad()[0] * length_m;
+        let initial_tip_m = match &target {
+            Some((_, target)) => target.start_m(),
+            None => reference.as_ref().map(pointed).unwrap_or_default(),
+        };
+        let feedback = self.feedback.zip(reference);
+        let feedback = feedback.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
+        let feedback = feedback
+            .transpose()
+            .map_err(|error| Failure::new(Exit::Usage, &format!("--feedback: {error}"), None))?;
+        let interpolation = match self.hold {
+            Hold::Cubic if self.linear => Interpolation::Linear,
+            Hold::Cubic => Interpolation::Cubic,
+            Hold::Linear => Interpolation::Linear,
+            Hold::Zero => Interpolation::Zero,
+        };
+        Ok(Playing {
+            file,
+            moving,
+            interpolation,
+            target,
+            measured,
+            reference_file,
+            feedback,
+            initial_tip_m,
+        })
+    }
+
+    /// Refuses options of a torque beside a hub angle.
+    fn check(&self) -> Result<(), Failure> {
+        if self.input == InputKind::Torque {
+            return Ok(());
+        }
+        let given = [
+            ("--column", self.column.is_some()),
+            ("--hold", self.hold != Hold::Cubic),
+            ("--linear", self.linear),
+            ("--feedback", self.feedback.is_some()),
+        ];
+        let Some((name, _)) = given.into_iter().find(|(_, is_given)| *is_given) else {
+            return Ok(());
+        };
+        let message = format!("--input = hub-angle, but must be torque with {name}");
+        let hint = match name {
+            "--column" => "--columns hub_angle=COLUMN chooses the column of the hub angle",
+            "--feedback" => "a hub that moves as prescribed needs no feedback",
+            _ => "the hub angle is a smooth curve through its samples",
+        };
+        Err(Failure::new(Exit::Usage, &message, Some(hint)))
+    }
+
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        let input = (self.input == InputKind::HubAngle).then(|| option("--input", "hub-angle"));
+        let column = self.column.iter().map(|column| option("--column", column));
+        let until = self.until.map(|until| option("--until", until));
+        let linear = self.linear.then(|| vec!["--linear".to_owned()]);
+        let hold = self.hold.to_possible_value().filter(|_| self.hold != Hold::Cubic);
+        let hold = hold.map(|hold| option("--hold", hold.get_name()));
+        let feedback = self.feedback.map(|(kp, kd)| option("--feedback", format!("{kp},{kd}")));
+        let input = input.into_iter().chain(column).chain(until);
+        input.chain(hold).chain(linear).chain(feedback).flatten().collect()
+    }
+}
+
+impl Playing {
+    /// What to play until a time, or else as long as input and target last.
+    pub(crate) fn play(&self, until_s: Option<f64>) -> Play<'_> {
+        let input = match &self.moving {
+            Moving::Torque(torque) => Input::Torque(torque),
+            Moving::HubAngle(hub) => Input::HubAngle(hub),
+        };
+        let end_s = input.grid().end_s();
+        let both_s = self.target.as_ref().map(|(_, target)| target.grid().end_s().max(end_s));
+        Play {
+            input,
+            interpolation: self.interpolation,
+            until_s: until_s.or(both_s),
+            feedback: self.feedback.as_ref(),
+            initial_tip_m: self.initial_tip_m,
+            memory_bytes: memory::available(),
+        }
+    }
+}
+
+/// Two gains, separated by a comma.
+fn gains(text: &str) -> Result<(f64, f64), String> {
+    let number = |part: &str| part.trim().parse::<f64>().ok();
+    let pair = text.split_once(',').and_then(|(kp, kd)| Some((number(kp)?, number(kd)?)));
+    pair.ok_or_else(|| "must be two numbers, KP,KD".into())
+}

@@ -1,0 +1,203 @@
+//! The summary that `simulate` prints.
+
+use flexlink::link::{Damping, Link};
+use flexlink::response::{Input, Interpolation, Play, PlayError, Simulation};
+use flexlink::result::{ChannelComparison, Comparison, PlayedMetrics, TipError};
+use flexlink::store::PlayFindings;
+use flexlink::text::significant;
+
+use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line, ratios_line};
+
+/// The summary of a torque or a hub motion that was played; `written` says where its files are.
+pub(crate) fn simulate_text(
+    link: &Link,
+    play: &Play,
+    simulation: &Simulation,
+    metrics: &PlayedMetrics,
+    &PlayFindings { error, tip_error, comparison }: &PlayFindings,
+    written: String,
+) -> String {
+    let hub = [metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w];
+    labelled(
+        link,
+        [
+            ("link", link_line(link, &simulation.mesh)),
+            ("damping", played_damping(link, simulation, play)),
+            ("ratios", ratios_line(&simulation.law, &simulation.natural_frequencies_rad_s)),
+            ("input", played_hub(play)),
+            ("torque", played_torque(play, metrics)),
+            ("feedback", feedback_line(play)),
+            ("modes", modes_line(simulation, play)),
+            ("tip", tip_line(metrics)),
+            ("hub", hub_line(&hub)),
+            ("bending", deflection(metrics.peak_deflection_m)),
+            ("after", residual_line(simulation)),
+            ("decay", decay_line(simulation, play)),
+            ("error", tip_error.map(tip_error_line).unwrap_or_default()),
+            ("errors", simulation_errors(error, play)),
+            ("measured", comparison.map(measured_text).unwrap_or_default()),
+            ("written", written),
+        ],
+    )
+}
+
+/// A line for the times that are compared, then one for each channel.
+fn measured_text(comparison: &Comparison) -> String {
+    let Comparison { samples, left_out, .. } = comparison;
+    let [from, until] = four([comparison.from_s, comparison.until_s]);
+    let left_out = match left_out {
+        0 => String::new(),
+        1 => "; 1 outside the simulation is left out".to_owned(),
+        number => format!("; {number} outside the simulation are left out"),
+    };
+    let head = format!("{samples} times, {from} … {until} s{left_out}");
+    let labels = ["channel", "rms difference", "share", "delay", "gain", "left"].map(str::to_owned);
+    let rows = comparison.channels.iter().map(|channel| channel_row(channel, comparison));
+    std::iter::once(head).chain([row(labels)]).chain(rows).collect::<Vec<_>>().join("\n")
+}
+
+/// Share of the recording, or of the longest delay, below which no number is printed.
+const NOTHING: f64 = 1e-6;
+
+fn channel_row(channel: &ChannelComparison, comparison: &Comparison) -> String {
+    let name = channel.channel.name().to_owned();
+    // What is smaller is round-off.
+    let least = NOTHING * channel.recorded_rms;
+    let is_more = channel.rms >= least;
+    let rms = significant(if is_more { channel.rms } else { least }, if is_more { 3 } else { 1 });
+    let rms = format!("{}{rms} {}", if is_more { "" } else { "<" }, channel.channel.unit());
+    let percent = |share: f64| {
+        let is_more = share >= NOTHING;
+        if is_more {
+            format!("{} %", significant(100.0 * share, 2))
+        } else {
+            "<0.0001 %".to_owned()
+        }
+    };
+    let share = channel.share.map_or("-".to_owned(), percent);
+    let Some(fit) = channel.fit else {
+        let why = if channel.recorded_rms == 0.0 {
+            "recorded at rest".to_owned()
+        } else if channel.simulated_rms == 0.0 {
+            "simulated at rest".to_owned()
+        } else {
+            let longest = significant(comparison.longest_delay_s, 2);
+            format!("no delay within ±{longest} s")
+        };
+        return format!("{name:<15}{rms:>16}{share:>10}  {why}");
+    };
+    let is_none = fit.delay_s.abs() < NOTHING * comparison.longest_delay_s;
+    let delay = if is_none { "0".to_owned() } else { significant(fit.delay_s, 3) };
+    let delay = format!("{delay} s");
+    row([name, rms, share, delay, significant(fit.gain, 5), percent(fit.left)])
+}
+
+fn row([name, rms, share, delay, gain, left]: [String; 6]) -> String {
+    format!("{name:<15}{rms:>16}{share:>10}{delay:>14}{gain:>10}{left:>11}")
+}
+
+/// The law, and what is played in its place where it has no equation in time.
+fn played_damping(link: &Link, simulation: &Simulation, play: &Play) -> String {
+    let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
+    let modes = match play.input {
+        Input::Torque(_) => "mode",
+        Input::HubAngle(_) => "held mode",
+    };
+    let as_viscous = format!(", played as viscous in every {modes}");
+    damping_line(link, &simulation.law) + if is_hysteretic { &as_viscous } else { "" }
+}
+
+fn played_torque(play: &Play, metrics: &PlayedMetrics) -> String {
+    let peak = significant(metrics.peak_torque_n_m.value, 4);
+    if let Input::HubAngle(_) = play.input {
+        return format!("peak {peak} N m, as the hub's motion takes it");
+    }
+    let between = match play.interpolation {
+        Interpolation::Cubic => "cubic spline",
+        Interpolation::Linear => "straight lines",
+        Interpolation::Zero => "held from sample to sample",
+    };
+    format!("{}, {between}; peak {peak} N m", times(play))
+}
+
+/// Times of the samples that are played.
+fn times(play: &Play) -> String {
+    let grid = play.input.grid();
+    let [start, end] = four([grid.time_s(0), grid.end_s()]);
+    format!("{start} … {end} s at {} s", significant(grid.step_s, 3))
+}
+
+/// The hub's motion, where that is played.
+fn played_hub(play: &Play) -> String {
+    match play.input {
+        Input::Torque(_) => String::new(),
+        Input::HubAngle(_) => format!("hub angle, {}, quintic spline", times(play)),
+    }
+}
+
+fn feedback_line(play: &Play) -> String {
+    let Some(feedback) = play.feedback else { return String::new() };
+    let [kp, kd] = four([feedback.stiffness_n_m_rad(), feedback.damping_n_m_s_rad()]);
+    format!("{kp} N m/rad, {kd} N m s/rad around the reference")
+}
+
+fn modes_line(simulation: &Simulation, play: &Play) -> String {
+    let selection = &simulation.selection;
+    let [highest, band] = four([selection.highest_hz, selection.torque_band_hz]);
+    let (modes, of) = (selection.modes, selection.of);
+    let input = match play.input {
+        Input::Torque(_) => "torque",
+        Input::HubAngle(_) => "hub",
+    };
+    format!("{modes} of {of}, to {highest} Hz ({input} band to {band} Hz)")
+}
+
+fn tip_line(metrics: &PlayedMetrics) -> String {
+    let [farthest, travel] = four([metrics.farthest_m, metrics.travel_m]);
+    let velocity = significant(metrics.final_tip_velocity_m_s, 2);
+    format!("moves by up to {farthest} m, by {travel} m in all; ends with {velocity} m/s")
+}
+
+/// The vibration after the torque. A share of a travel that the tip had hardly begun says nothing.
+fn residual_line(simulation: &Simulation) -> String {
+    let residual = &simulation.residual;
+    let vibration = format!("vibrates by {} m", significant(residual.amplitude_m, 3));
+    let share = (residual.share < 1.0).then(|| significant(residual.share, 2));
+    let share = share.map(|share| format!(", {share} of its travel"));
+    let frequency = residual.frequency_hz.map(|hertz| significant(hertz, 4));
+    let frequency = frequency.map(|hertz| format!(", at {hertz} Hz"));
+    vibration + &share.unwrap_or_default() + &frequency.unwrap_or_default()
+}
+
+/// How long that takes to die down; empty where nothing vibrates.
+fn decay_line(simulation: &Simulation, play: &Play) -> String {
+    let input = match play.input {
+        Input::Torque(_) => "torque",
+        Input::HubAngle(_) => "recording",
+    };
+    match simulation.residual.decay_s {
+        Some(decay_s) if decay_s > 0.0 => {
+            format!("to 1 % of that {} s after the {input}'s end", significant(decay_s, 3))
+        }
+        Some(_) => String::new(),
+        None => "none to be seen".into(),
+    }
+}
+
+/// The errors of the simulation itself.
+fn simulation_errors(error: Option<&PlayError>, play: &Play) -> String {
+    let Some(PlayError { tip, hub_angle }) = error else {
+        return "mesh not known: the damping cannot be on halved elements".into();
+    };
+    let of_tip = format!("mesh {tip:.1e} (of the tip's travel)");
+    match play.input {
+        Input::Torque(_) => of_tip + &format!(", {hub_angle:.1e} (of the hub's peak angle)"),
+        Input::HubAngle(_) => of_tip,
+    }
+}
+
+fn tip_error_line(error: &TipError) -> String {
+    let worst = significant(error.worst_m, 4);
+    let [time, share] = [error.time_s, error.share].map(|number| significant(number, 3));
+    format!("tip strays by up to {worst} m at {time} s, {share} of its travel")
+}

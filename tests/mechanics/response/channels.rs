@@ -1,0 +1,164 @@
+//! A simulation beside a recording whose delay, gain and noise are known.
+
+use super::{link, mesh_of, peak, played};
+use flexlink::link::Damping;
+use flexlink::response::{Play, Simulation, Torque};
+use flexlink::result::{Channel, ChannelComparison, Comparison, Measured};
+
+/// Parts of the simulation's step that a recording may be late by.
+const PARTS: u32 = 10;
+const STEP_S: f64 = 0.002;
+
+/// A torque that starts and ends smoothly, on a damped link.
+fn simulated(step_s: f64, until_s: f64) -> Simulation {
+    let link = link(|parts| parts.damping = Damping::Modal { ratios: vec![0.02] });
+    let count = (3.0 / step_s).round();
+    let time_s: Vec<f64> =
+        (0_i32..=100_000).map(f64::from).take_while(|k| *k <= count).map(|k| k * step_s).collect();
+    let torque = |t: &f64| {
+        let u = (t / 2.0).clamp(0.0, 1.0);
+        (std::f64::consts::PI * u).sin().powi(6) * (1.0 - 2.0 * u)
+    };
+    let torque = Torque::new(&time_s, time_s.iter().map(torque).collect()).unwrap();
+    played(&link, &mesh_of(&link, 10), &Play { until_s: Some(until_s), ..Play::of(&torque) })
+}
+
+fn samples(simulation: &Simulation, channel: Channel) -> Vec<f64> {
+    match channel {
+        Channel::HubAngle => simulation.hub_angle_rad.clone(),
+        Channel::HubRate => simulation.hub_rate_rad_s.clone(),
+        Channel::Tip => simulation.tip.displacement_m.clone(),
+        Channel::Velocity => simulation.tip.velocity_m_s.clone(),
+        Channel::Acceleration => simulation.tip.acceleration_m_s2.clone(),
+        Channel::TipDeflection => simulation.tip_deflection_m(),
+        Channel::Torque => simulation.torque_n_m.clone(),
+    }
+}
+
+const ALL: [Channel; 7] = [
+    Channel::HubAngle,
+    Channel::HubRate,
+    Channel::Tip,
+    Channel::Velocity,
+    Channel::Acceleration,
+    Channel::TipDeflection,
+    Channel::Torque,
+];
+
+/// A recording every `every` parts of a step, late by so many parts, of all channels.
+fn recorded(fine: &Simulation, every: usize, late: i32, gain: f64, offset: f64) -> Measured {
+    let places: Vec<usize> = (3..fine.grid.len).step_by(every).collect();
+    let channel = |channel: Channel| {
+        let own = samples(fine, channel);
+        let last = i32::try_from(own.len() - 1).unwrap();
+        let at = |k: &usize| {
+            let place = (i32::try_from(*k).unwrap() - late).clamp(0, last);
+            gain * own[usize::try_from(place).unwrap()] + offset
+        };
+        (channel, places.iter().map(at).collect())
+    };
+    Measured {
+        time_s: places.iter().map(|k| fine.grid.time_s(*k)).collect(),
+        channels: ALL.map(channel).into(),
+    }
+}
+
+fn compared(simulation: &Simulation, measured: &Measured) -> Vec<ChannelComparison> {
+    Comparison::of(simulation, measured).unwrap().channels
+}
+
+#[test]
+fn delay_and_gain_are_found_in_every_channel() {
+    let (own, fine) = (simulated(STEP_S, 4.0), simulated(STEP_S / f64::from(PARTS), 4.0));
+    // Steps of the recording: shorter than, unlike and longer than the simulation's.
+    for every in [7, 13, 20] {
+        for (late, gain) in [(0, 1.0), (73, 1.05), (-41, 0.9), (4, -1.2), (1, 1.0)] {
+            for channel in compared(&own, &recorded(&fine, every, late, gain, 0.0)) {
+                let name = channel.channel.name();
+                let fit = channel.fit.unwrap();
+                let late_s = f64::from(late) * STEP_S / f64::from(PARTS);
+                let error = (fit.delay_s - late_s).abs() / STEP_S;
+                assert!(error < 1e-3, "{name}, {late} parts: off by {error:e} steps");
+                let error = (fit.gain / gain - 1.0).abs();
+                assert!(error < 1e-6, "{name}, gain {gain}: off by {error:e}");
+                assert!(fit.left < 1e-5, "{name}: {:e} is left", fit.left);
+                let scale = peak(&samples(&own, channel.channel));
+                assert!(fit.offset.abs() < 1e-5 * scale, "{name}: offset {:e}", fit.offset);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sensor_with_another_zero_has_its_offset_and_the_gain_does_not_care() {
+    let (own, fine) = (simulated(STEP_S, 4.0), simulated(STEP_S / f64::from(PARTS), 4.0));
+    let channels = compared(&own, &recorded(&fine, 7, 20, 1.1, 0.3));
+    let fit = channels[0].fit.unwrap();
+    assert!((fit.offset - 0.3).abs() < 1e-6 && (fit.gain - 1.1).abs() < 1e-5, "{fit:?}");
+    assert!(channels[0].share.unwrap() > 0.1, "the difference itself has it");
+}
+
+/// Numbers between 0 and 1 without pattern.
+fn random(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+#[test]
+fn noise_is_the_difference_and_what_is_left() {
+    let own = simulated(STEP_S, 4.0);
+    let mut measured = recorded(&own, 1, 0, 1.0, 0.0);
+    let mut state = 7;
+    for (channel, values) in &mut measured.channels {
+        let deviation = 0.01 * peak(&samples(&own, *channel));
+        for value in values {
+            let sum: f64 = (0..12).map(|_| random(&mut state)).sum();
+            *value += deviation * (sum - 6.0);
+        }
+    }
+    for channel in compared(&own, &measured) {
+        let name = channel.channel.name();
+        let deviation = 0.01 * peak(&samples(&own, channel.channel));
+        let ratio = channel.rms / deviation;
+        assert!((ratio - 1.0).abs() < 0.12, "{name}: {ratio}");
+        let fit = channel.fit.unwrap();
+        let left = fit.left * channel.recorded_rms / deviation;
+        assert!((left - 1.0).abs() < 0.12, "{name}: {left}");
+        assert!(
+            fit.delay_s.abs() < 0.5 * STEP_S && (fit.gain - 1.0).abs() < 0.01,
+            "{name}: {fit:?}"
+        );
+    }
+}
+
+/// A tenth of the shared 4 s is more than a quarter of the first period, 0.13 s.
+#[test]
+fn a_delay_beyond_the_range_is_not_found_rather_than_wrong() {
+    let (own, fine) = (simulated(STEP_S, 4.0), simulated(STEP_S / f64::from(PARTS), 4.0));
+    let comparison = Comparison::of(&own, &recorded(&fine, 7, 1000, 1.0, 0.0)).unwrap();
+    let longest_s = comparison.longest_delay_s;
+    assert!((longest_s - 0.25 * own.first_period_s().unwrap()).abs() < 1e-12, "{longest_s}");
+    let hub = &comparison.channels[0];
+    assert!(hub.fit.is_none() && hub.share.unwrap() > 0.1, "{hub:?}");
+}
+
+#[test]
+fn times_outside_are_left_out_and_a_channel_at_rest_has_no_delay() {
+    let own = simulated(STEP_S, 4.0);
+    let time_s: Vec<f64> =
+        (0..500).map(|k| -0.5 + 0.01 * f64::from(k) + 0.0004 * f64::from(k % 3)).collect();
+    let still = vec![0.0; 500];
+    let measured = Measured { time_s, channels: vec![(Channel::Torque, still)] };
+    let comparison = Comparison::of(&own, &measured).unwrap();
+    assert_eq!((comparison.samples, comparison.left_out), (401, 99));
+    let torque = &comparison.channels[0];
+    assert_eq!((torque.share, torque.fit, torque.recorded_rms.to_bits()), (None, None, 0));
+    assert!(torque.rms > 0.0 && torque.rms.to_bits() == torque.simulated_rms.to_bits());
+    let json = serde_json::to_string(&comparison).unwrap();
+    assert_eq!(serde_json::from_str::<Comparison>(&json).unwrap(), comparison);
+
+    let later = Measured { time_s: vec![5.0, 6.0, 7.0, 8.0], channels: vec![] };
+    let error = Comparison::of(&own, &later).unwrap_err();
+    let expected = "0 of the times lie within the simulation, 0 to 4 s, but 8 or more must";
+    assert_eq!(error.to_string(), expected);
+}
