@@ -1,6 +1,7 @@
 //! `fit`: the link that was measured.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
 
@@ -16,7 +17,7 @@ use crate::options::inputs::LinkArgs;
 use crate::options::read::tell as tell_reading;
 use crate::terminal::files::{keep_inputs, keep_page_apart, read_once};
 use crate::terminal::text::fit_text;
-use crate::terminal::{Exit, Failure, console};
+use crate::terminal::{Exit, Failure, StageBar, console};
 
 const EXAMPLE: &str = "\
 Example:
@@ -227,7 +228,9 @@ fn record_beside(output: &Path) -> PathBuf {
 impl Problem {
     fn fit(&self) -> Result<FitOutcome, Failure> {
         let free: Vec<Free> = self.free.iter().map(|(_, free)| free.clone()).collect();
+        let (bar, tried) = (StageBar::new(), AtomicUsize::new(0));
         let link_at = |factors: &[f64]| {
+            bar.tried(tried.fetch_add(1, Ordering::Relaxed));
             let changes = self.changed(factors)?;
             let specification = self.document.specification(&self.link.shown, &changes)?;
             Ok((specification.link, specification.mesh))

@@ -23,14 +23,18 @@ struct Depth {
     mesh_tolerance: f64,
     /// Change of the logarithms that ends it.
     settled: f64,
+    /// Decrease of the sum of squares over itself that ends it, too.
+    little: f64,
     most_iterations: usize,
 }
 
 /// To tell which start leads to the best fit.
-const SURVEY: Depth = Depth { mesh_tolerance: COARSE, settled: 1e-4, most_iterations: 30 };
+const SURVEY: Depth =
+    Depth { mesh_tolerance: COARSE, settled: 1e-4, little: 1e-4, most_iterations: 30 };
 
 /// To the last digits.
-const POLISH: Depth = Depth { mesh_tolerance: FINE, settled: 1e-9, most_iterations: 60 };
+const POLISH: Depth =
+    Depth { mesh_tolerance: FINE, settled: 1e-9, little: 0.0, most_iterations: 60 };
 
 /// Square of a column of the Jacobian over the largest that counts as none.
 const NO_WEIGHT: f64 = 1e-14;
@@ -62,8 +66,11 @@ pub enum LinkFitError<E> {
     /// The link has not as many modes as were measured.
     #[error("{0} was measured, but the link has no such mode")]
     NoMode(Observable),
-    /// The link has damping that allows no frequency response on a fine mesh.
-    #[error("the link's damping allows no frequency response")]
+    /// The link has no response or history on a fine mesh.
+    #[error(
+        "the link has nothing to compare with the measurements: its hub moves no mass, or its damping by \
+         modes allows no mesh that is fine enough"
+    )]
     NoModel,
     /// The damping of the link is zero or has another law.
     #[error("{0} was measured, but the link has no damping: [damping] must give one")]
@@ -286,12 +293,13 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
                 break;
             };
             let gain = residuals.norm_squared() - found.norm_squared();
+            let is_little = gain < depth.little * residuals.norm_squared();
             let has_gained = gain > NO_GAIN * residuals.norm_squared();
             let steps = next.iter().zip(&x).map(|(next, x)| (next - x).abs());
             let largest = steps.fold(0.0, f64::max);
             (x, residuals) = (next, found);
             // A short step under strong damping is an end only where it gains nothing.
-            if largest < depth.settled && (damping < 1.0 || !has_gained) {
+            if is_little || largest < depth.settled && (damping < 1.0 || !has_gained) {
                 has_settled = true;
                 break;
             }

@@ -155,6 +155,11 @@ impl StageBar {
         self.bar.suspend(print);
     }
 
+    /// Shows how many links a fit has tried.
+    pub(crate) fn tried(&self, links: usize) {
+        self.bar.set_message(format!("fitting, {links} links tried"));
+    }
+
     /// Shows a stage of unknown length.
     pub(crate) fn at(&self, stage: &'static str) {
         self.bar.set_style(style(UNKNOWN));
