@@ -4,7 +4,11 @@ use std::fmt;
 
 use super::measurement::Observable;
 use super::outcome::{FitOutcome, Misfit};
+use crate::model::Sensor;
 use crate::text::significant;
+
+/// Factor on standard errors beyond which a user must know it.
+const CORRELATED: f64 = 1.5;
 
 /// What the user of a fit must know to judge it.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +22,15 @@ pub enum FitWarning {
     },
     /// As many measured numbers as free values.
     Unchecked,
+    /// Differences of a record that go on from sample to sample.
+    Correlated {
+        /// File of the record.
+        name: String,
+        /// The sensor.
+        sensor: Sensor,
+        /// Standard errors over those that are given.
+        factor: f64,
+    },
 }
 
 impl fmt::Display for FitWarning {
@@ -31,6 +44,13 @@ impl fmt::Display for FitWarning {
             Self::Unchecked => f.write_str(
                 "there are no more measurements than free values: nothing checks the fit",
             ),
+            Self::Correlated { name, sensor, factor } => write!(
+                f,
+                "{name}: the differences of {} are no noise, each is like the one before: the standard \
+                 errors are about {} times those given",
+                sensor.word(),
+                significant(*factor, 2)
+            ),
         }
     }
 }
@@ -41,6 +61,7 @@ impl FitWarning {
         match self {
             Self::Outlier { .. } => "outlier",
             Self::Unchecked => "unchecked",
+            Self::Correlated { .. } => "correlated_differences",
         }
     }
 
@@ -49,6 +70,10 @@ impl FitWarning {
         match self {
             Self::Outlier { .. } => "measure it again, or give it its true uncertainty",
             Self::Unchecked => "measure more, or free less",
+            Self::Correlated { .. } => {
+                "look at the page of --report for what the link lacks: friction, another damping, a wrong \
+                 input; record with a longer step if it is noise that a filter has smoothed"
+            }
         }
     }
 }
@@ -62,7 +87,17 @@ impl FitOutcome {
             uncertainties: residual.uncertainties.unwrap_or_default().abs(),
         });
         let unchecked = (self.degrees_of_freedom == 0).then_some(FitWarning::Unchecked);
-        outliers.chain(unchecked).collect()
+        let channels = self
+            .records
+            .iter()
+            .flat_map(|record| record.channels.iter().map(|channel| (&record.name, channel)));
+        let correlated = channels.filter(|(_, channel)| channel.error_factor() > CORRELATED);
+        let correlated = correlated.map(|(name, channel)| FitWarning::Correlated {
+            name: name.clone(),
+            sensor: channel.sensor,
+            factor: channel.error_factor(),
+        });
+        outliers.chain(unchecked).chain(correlated).collect()
     }
 }
 

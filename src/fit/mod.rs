@@ -19,6 +19,7 @@ mod motor;
 mod outcome;
 mod overlay;
 mod record;
+mod record_misfit;
 mod response;
 mod spread;
 mod value;
@@ -30,8 +31,7 @@ pub use measurements::Measurements;
 pub use motor::Motor;
 pub use outcome::{FitOutcome, Misfit, Openness, Residual, StartEnd, Undetermined};
 pub use overlay::{Coordinate, Overlay, Spacing};
-pub use record::{
-    Channel, ChannelMisfit, Record, RecordError, RecordInput, RecordMisfit, RecordedInput,
-};
+pub use record::{Channel, Record, RecordError, RecordInput, RecordedInput};
+pub use record_misfit::{ChannelMisfit, RecordMisfit};
 pub use response::{Gain, Response, ResponseError, ResponseMisfit};
 pub use value::{FittedValue, Free, FreeNumber, Replaced};

@@ -1,11 +1,9 @@
 use std::f64::consts::PI;
 
-use serde::Serialize;
 use thiserror::Error;
 
 use super::alignment::{Alignment, Freedom, Overlaid, rough_delay};
 use super::motor::{Motor, rubbed};
-use super::overlay::{Coordinate, Overlay};
 use super::response::{Gain, MOST_UNCERTAIN};
 use crate::beam::Mesh;
 use crate::link::Link;
@@ -112,6 +110,12 @@ pub enum RecordError {
         /// What it must be below.
         most: f64,
     },
+    /// Some uncertainties are known and some are not.
+    #[error("uncertainty of {channel} is missing, but other channels have one")]
+    Mixed {
+        /// The first channel without one.
+        channel: String,
+    },
     /// A step that is not above 0.
     #[error("step = {0} s, but must be finite and above 0")]
     Step(f64),
@@ -120,45 +124,19 @@ pub enum RecordError {
 /// Recorded histories of a link that is driven from rest, at uniform times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    name: String,
-    step_s: f64,
+    pub(super) name: String,
+    pub(super) step_s: f64,
     driven: Driven,
     motor_friction_n_m_s_rad: f64,
-    channels: Vec<Channel>,
+    pub(super) channels: Vec<Channel>,
     /// Root mean square of the samples of each channel, about their mean if an offset is free.
-    sizes: Vec<f64>,
-    is_delay_free: bool,
+    pub(super) sizes: Vec<f64>,
+    pub(super) is_delay_free: bool,
 }
 
 /// A record and the computed histories, laid over each other.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RecordFit(pub(super) Alignment);
-
-/// How far a fitted link's histories are from recorded ones.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RecordMisfit {
-    /// File of the record.
-    pub name: String,
-    /// Number of samples.
-    pub samples: usize,
-    /// Delay of the sensors in s, if it was free.
-    pub delay_s: Option<f64>,
-    /// The channels in their order.
-    pub channels: Vec<ChannelMisfit>,
-}
-
-/// How far a fitted link's history is from that of a sensor.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ChannelMisfit {
-    /// The sensor.
-    pub sensor: Sensor,
-    /// Factor from SI to the samples, 1 or −1 of a free sign; none where it was known.
-    pub gain: Option<f64>,
-    /// What is added to that, in the unit of the samples; none where nothing was.
-    pub offset: Option<f64>,
-    /// Root mean square of the differences over that of the samples.
-    pub rms: f64,
-}
 
 impl Record {
     /// Checks a record that messages call `name`, of `step_s` in s.
@@ -201,6 +179,11 @@ impl Record {
                 return Err(RecordError::Uncertainty { channel, found, most });
             }
             sizes.push(size);
+        }
+        let is_known = channels.iter().any(|channel| channel.uncertainty.is_some());
+        let unknown = channels.iter().find(|channel| channel.uncertainty.is_none());
+        if let Some(channel) = unknown.filter(|_| is_known) {
+            return Err(RecordError::Mixed { channel: channel.sensor.word().to_owned() });
         }
         Ok(Self { name, step_s, driven, motor_friction_n_m_s_rad, channels, sizes, is_delay_free })
     }
@@ -300,37 +283,6 @@ impl Record {
     }
 }
 
-impl Record {
-    /// The samples of each channel, and the fitted link's over them.
-    pub(super) fn overlays(&self, RecordFit(alignment): &RecordFit) -> Vec<Overlay> {
-        let channels = self.channels.iter().zip(&alignment.differences);
-        let overlay = |(channel, differences): (&Channel, &Vec<f64>)| {
-            let [quantity, unit] = words(channel.sensor);
-            let pairs = channel.samples.iter().zip(differences);
-            Overlay {
-                name: format!("{}: {quantity}", self.name),
-                x: Coordinate::linear("time", "s"),
-                y: Coordinate::linear(quantity, if channel.gain == Gain::Free { "" } else { unit }),
-                places: (0..differences.len()).map(|k| self.step_s * k as f64).collect(),
-                measured: channel.samples.clone(),
-                fitted: pairs.map(|(recorded, difference)| recorded - difference).collect(),
-            }
-        };
-        channels.map(overlay).collect()
-    }
-}
-
-/// Name and unit of what a sensor shows.
-fn words(sensor: Sensor) -> [&'static str; 2] {
-    match sensor {
-        Sensor::HubAngle => ["hub angle", "rad"],
-        Sensor::HubRate => ["hub rate", "rad/s"],
-        Sensor::TipDeflection => ["tip deflection", "m"],
-        Sensor::TipAcceleration => ["tip acceleration", "m/s^2"],
-        Sensor::RootStrain => ["root curvature", "1/m"],
-    }
-}
-
 impl RecordInput {
     /// What it does to the link: the torque or the angle, and the friction of a motor.
     fn driven(self) -> (Driven, f64) {
@@ -371,24 +323,4 @@ fn check(channel: &str, samples: &[f64], must: usize) -> Result<(), RecordError>
 
 fn is_constant(samples: &[f64]) -> bool {
     samples.windows(2).all(|pair| pair[0].total_cmp(&pair[1]).is_eq())
-}
-
-impl RecordMisfit {
-    pub(super) fn of(record: &Record, RecordFit(alignment): &RecordFit) -> Self {
-        let Alignment { delay, lines, differences } = alignment;
-        let channels = record.channels.iter().zip(lines).zip(differences).enumerate();
-        let channels = channels.map(|(k, ((channel, line), differences))| {
-            let sum: f64 = differences.iter().map(|difference| difference * difference).sum();
-            let rms = (sum / differences.len() as f64).sqrt() / record.sizes[k];
-            let gain = (channel.gain != Gain::Known).then_some(line.gain);
-            let offset = channel.has_offset.then_some(line.offset);
-            ChannelMisfit { sensor: channel.sensor, gain, offset, rms }
-        });
-        Self {
-            name: record.name.clone(),
-            samples: record.channels[0].samples.len(),
-            delay_s: record.is_delay_free.then_some(delay * record.step_s),
-            channels: channels.collect(),
-        }
-    }
 }

@@ -43,7 +43,7 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
         let count = format!("{} samples", record.samples);
         let delay = record.delay_s.map(|delay| format!("delay {:.3} ms", 1e3 * delay));
         lines.push(row([&name, &count, "", &delay.unwrap_or_default()]));
-        for ChannelMisfit { sensor, gain, offset, rms } in &record.channels {
+        for ChannelMisfit { sensor, gain, offset, rms, .. } in &record.channels {
             let shown = |name, value: &Option<f64>| {
                 value.map_or(String::new(), |value| format!("{name} {}", significant(value, 4)))
             };

@@ -1,0 +1,102 @@
+//! What is left between a record and the histories of a fitted link.
+
+use serde::Serialize;
+
+use super::alignment::Alignment;
+use super::overlay::{Coordinate, Overlay};
+use super::record::{Channel, Record, RecordFit};
+use super::response::Gain;
+use crate::model::Sensor;
+
+/// Correlation of neighbours that counts as no larger one: a factor of 45 on standard errors.
+const MOST_CORRELATED: f64 = 0.999;
+
+/// How far a fitted link's histories are from recorded ones.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordMisfit {
+    /// File of the record.
+    pub name: String,
+    /// Number of samples.
+    pub samples: usize,
+    /// Delay of the sensors in s, if it was free.
+    pub delay_s: Option<f64>,
+    /// The channels in their order.
+    pub channels: Vec<ChannelMisfit>,
+}
+
+/// How far a fitted link's history is from that of a sensor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelMisfit {
+    /// The sensor.
+    pub sensor: Sensor,
+    /// Factor from SI to the samples, 1 or −1 of a free sign; none where it was known.
+    pub gain: Option<f64>,
+    /// What is added to that, in the unit of the samples; none where nothing was.
+    pub offset: Option<f64>,
+    /// Root mean square of the differences over that of the samples.
+    pub rms: f64,
+    /// Correlation of each difference with the next: about 0 of noise, near 1 where the model lacks something.
+    pub autocorrelation: f64,
+}
+
+impl ChannelMisfit {
+    /// Standard errors over those of independent samples, were the differences a process of first order:
+    /// `√((1 + ρ)/(1 − ρ))`.
+    pub fn error_factor(&self) -> f64 {
+        let correlation = self.autocorrelation.clamp(0.0, MOST_CORRELATED);
+        ((1.0 + correlation) / (1.0 - correlation)).sqrt()
+    }
+}
+
+impl RecordMisfit {
+    pub(super) fn of(record: &Record, RecordFit(alignment): &RecordFit) -> Self {
+        let Alignment { delay, lines, differences } = alignment;
+        let channels = record.channels.iter().zip(lines).zip(differences).enumerate();
+        let channels = channels.map(|(k, ((channel, line), differences))| {
+            let sum: f64 = differences.iter().map(|difference| difference * difference).sum();
+            let rms = (sum / differences.len() as f64).sqrt() / record.sizes[k];
+            let products: f64 = differences.windows(2).map(|pair| pair[0] * pair[1]).sum();
+            let autocorrelation = if sum > 0.0 { products / sum } else { 0.0 };
+            let gain = (channel.gain != Gain::Known).then_some(line.gain);
+            let offset = channel.has_offset.then_some(line.offset);
+            ChannelMisfit { sensor: channel.sensor, gain, offset, rms, autocorrelation }
+        });
+        Self {
+            name: record.name.clone(),
+            samples: record.channels[0].samples.len(),
+            delay_s: record.is_delay_free.then_some(delay * record.step_s),
+            channels: channels.collect(),
+        }
+    }
+}
+
+impl Record {
+    /// The samples of each channel, and the fitted link's over them.
+    pub(super) fn overlays(&self, RecordFit(alignment): &RecordFit) -> Vec<Overlay> {
+        let channels = self.channels.iter().zip(&alignment.differences);
+        let overlay = |(channel, differences): (&Channel, &Vec<f64>)| {
+            let [quantity, unit] = words(channel.sensor);
+            let pairs = channel.samples.iter().zip(differences);
+            Overlay {
+                name: format!("{}: {quantity}", self.name),
+                x: Coordinate::linear("time", "s"),
+                y: Coordinate::linear(quantity, if channel.gain == Gain::Free { "" } else { unit }),
+                places: (0..differences.len()).map(|k| self.step_s * k as f64).collect(),
+                measured: channel.samples.clone(),
+                fitted: pairs.map(|(recorded, difference)| recorded - difference).collect(),
+            }
+        };
+        channels.map(overlay).collect()
+    }
+}
+
+/// Name and unit of what a sensor shows.
+fn words(sensor: Sensor) -> [&'static str; 2] {
+    match sensor {
+        Sensor::HubAngle => ["hub angle", "rad"],
+        Sensor::HubRate => ["hub rate", "rad/s"],
+        Sensor::TipDeflection => ["tip deflection", "m"],
+        Sensor::TipAcceleration => ["tip acceleration", "m/s^2"],
+        Sensor::RootStrain => ["root curvature", "1/m"],
+    }
+}

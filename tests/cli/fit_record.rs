@@ -1,0 +1,113 @@
+//! `flexlink fit` with a `[[record]]`, as a logger would have written it.
+
+use serde_json::Value;
+
+use super::{Bench, stderr, stdout};
+
+const LINK: &str = "[[segments]]\nlength = 0.42\nEI = 0.15\nmass_per_length = 0.155\n\
+                    [hub]\ninertia = 0.0018\n[payload]\nmass = 0.05\n\
+                    [damping]\nmodel = 'modal'\nratio = 0.012\n";
+
+const RECORD: &str = "[[record]]\nfile = 'log.csv'\ninput = 'torque'\ndelay = 'free'\n\
+                      columns = ['time=Zeit', 'torque=M', 'hub_angle=Winkel', 'tip_acceleration=4']\n\
+                      [[record.channel]]\nsensor = 'hub_angle'\n\
+                      [[record.channel]]\nsensor = 'tip_acceleration'\ngain = 'free'\noffset = 'free'\n";
+
+/// A link of true stiffness 0.18 and hub inertia 0.0021 under a torque of two frequencies, logged with semicolons,
+/// decimal commas, milliseconds and degrees; the sensors are late by two samples and the accelerometer shows
+/// −0.1 V per m/s² about 2.5 V.
+fn write_log(bench: &Bench) {
+    bench.write("link.toml", LINK);
+    let torque = |t: f64| 0.02 * ((3.0 * t).sin() + (11.0 * t).sin()) * (1.0 - (-t).exp());
+    let rows =
+        (0..1500).map(|k| 0.002 * f64::from(k)).map(|t| format!("{t:.3},{:.9}\n", torque(t)));
+    bench.write("torque.csv", &format!("time,torque\n{}", rows.collect::<String>()));
+    let truth = ["--set", "segments.0.EI=0.18", "--set", "hub.inertia=0.0021"];
+    let played = ["simulate", "link.toml", "torque.csv", "-o", "true", "--digits", "12"];
+    let out = bench.run(&[&played[..], &truth[..]].concat());
+    assert!(out.status.success(), "{}", stderr(&out));
+    let column = |file: &str, index: usize| -> Vec<f64> {
+        let table = bench.read(file);
+        let rows = table.lines().filter(|line| !line.starts_with('#')).skip(1);
+        rows.map(|row| row.split(',').nth(index).unwrap().parse().unwrap()).collect()
+    };
+    let (angle, acceleration) = (column("true/hub_angle.csv", 1), column("true/tip.csv", 3));
+    let late = |of: &[f64], k: usize| if k < 2 { 0.0 } else { of[k - 2] };
+    let row = |k: usize| {
+        // Noise of a thousandth, the same at every run.
+        let noise = ((k * 7919 % 1000) as f64 / 1000.0 - 0.5) * 2e-3;
+        let t = 0.002 * k as f64;
+        let numbers = [
+            format!("{:.1}", 1000.0 * t),
+            format!("{:.9}", torque(t)),
+            format!("{:.7}", late(&angle, k).to_degrees() * (1.0 + noise)),
+            format!("{:.7}", 2.5 - 0.1 * late(&acceleration, k) * (1.0 - noise)),
+        ];
+        numbers.join(";").replace('.', ",") + "\n"
+    };
+    let rows: String = (0..1500).map(row).collect();
+    bench.write("log.csv", &format!("Zeit (ms);M [N m];Winkel [deg];a [V]\n{rows}"));
+}
+
+#[test]
+fn a_log_gives_the_link_the_gain_and_the_delay() {
+    let bench = Bench::new();
+    write_log(&bench);
+    bench.write("measured.toml", RECORD);
+    let free = ["--free", "segments.0.EI", "--free", "hub.inertia"];
+    let out = bench
+        .run(&[&["fit", "link.toml", "measured.toml", "-o", "fitted.toml"], &free[..]].concat());
+    assert!(out.status.success(), "{}", stderr(&out));
+    let record: Value = serde_json::from_str(&bench.read("fit.json")).unwrap();
+    let number = |path: &str| record.pointer(path).unwrap().as_f64().unwrap();
+    for (path, exact, tolerance) in [
+        ("/values/0/after", 0.18, 1e-3),
+        ("/values/1/after", 0.0021, 1e-3),
+        ("/records/0/delay_s", 0.004, 1e-2),
+        ("/records/0/channels/1/gain", -0.1, 1e-3),
+        ("/records/0/channels/1/offset", 2.5, 1e-4),
+    ] {
+        assert!((number(path) / exact - 1.0).abs() < tolerance, "{path}: {}", number(path));
+    }
+    assert_eq!(record["inputs"]["named"][0]["name"], "log.csv");
+    assert!(stderr(&out).contains("read ; as delimiter, decimal comma"), "{}", stderr(&out));
+    assert!(stdout(&out).contains("record log.csv"), "{}", stdout(&out));
+}
+
+#[test]
+fn a_model_that_lacks_something_is_told_by_its_differences() {
+    let bench = Bench::new();
+    write_log(&bench);
+    bench.write("measured.toml", RECORD);
+    // The payload of the file is not the true one.
+    let wrong = ["--set", "payload.mass=0.045", "--free", "segments.0.EI"];
+    let out = bench.run(&[&["fit", "link.toml", "measured.toml"], &wrong[..]].concat());
+    let told = "log.csv: the differences of hub_angle are no noise, each is like the one before: the \
+                standard errors are about";
+    assert!(stderr(&out).contains(told), "{}", stderr(&out));
+}
+
+#[test]
+fn what_a_record_is_not_is_refused_with_its_file() {
+    let bench = Bench::new();
+    write_log(&bench);
+    let refused = |measured: &str| {
+        bench.write("measured.toml", measured);
+        let out = bench.run(&["fit", "link.toml", "measured.toml", "--free", "segments.0.EI"]);
+        assert_eq!(out.status.code(), Some(3), "{}", stderr(&out));
+        stderr(&out)
+    };
+    for (from, to, expected) in [
+        ("log.csv", "lag.csv", "lag.csv: cannot read: "),
+        ("torque=M'", "torque=N'", "log.csv:1: --columns = torque=\"N\", but must be one of"),
+        ("gain = 'free'\n", "", "unit of a = \"V\", but must be a unit such as m/s^2"),
+        (
+            "sensor = 'hub_angle'\n",
+            "sensor = 'hub_angle'\nuncertainty = 0.1\n",
+            "log.csv: uncertainty of tip_acceleration is missing",
+        ),
+    ] {
+        let text = refused(&RECORD.replace(from, to));
+        assert!(text.contains(expected), "{text}");
+    }
+}
