@@ -11,6 +11,7 @@ use crate::csv::{
 use crate::fit::{
     Channel, Gain, Measurements, Motor, Record, RecordInput, RecordedInput, Response,
 };
+use crate::response::Interpolation;
 use crate::spec::{MeasuredFile, RecordFile, ResponseFile, SpecError, read_measurements};
 
 /// Measurements, the files that they are from, and how these were read.
@@ -59,7 +60,7 @@ impl MeasuredError {
     }
 }
 
-/// The files that a file of measured values names, beside it.
+/// A file that a file of measured values names, beside it.
 fn beside(file: &Path, name: &str) -> PathBuf {
     file.with_file_name(name)
 }
@@ -119,26 +120,89 @@ fn record_of(
         let choice = choice.parse().map_err(|error| refused(&format!("columns: {error}")))?;
         format.columns.push(choice);
     }
+    for scale in &of.scale {
+        let scale = scale.parse().map_err(|error| refused(&format!("scale: {error}")))?;
+        format.scales.push(scale);
+    }
     // Numbers with a free gain may have any unit.
     for channel in of.channels.iter().filter(|channel| channel.gain == Gain::Free) {
         let scale = format!("{}=1", channel.sensor.word());
         format.scales.push(scale.parse().map_err(|error: String| refused(&error))?);
     }
     let read = read_record(&table.shown, &table.bytes, of.input, &sensors, &format)?;
+    if of.input != RecordedInput::HubAngle
+        && of.hold != Interpolation::Cubic
+        && read.reading.jitter().is_some()
+    {
+        let must = "times = off a uniform step, but must be uniform where hold is not \"cubic\"";
+        return Err(refused(&must));
+    }
     let channels = of.channels.iter().zip(read.channels).zip(read.units);
     let channels = channels.map(|((channel, samples), unit)| {
         let samples = samples.into_iter().map(|sample| sample / channel.distance_m).collect();
         let uncertainty = channel.uncertainty.map(|own| own * unit.abs() / channel.distance_m);
         let (sensor, gain, has_offset) = (channel.sensor, channel.gain, channel.has_offset);
-        Channel { sensor, gain, has_offset, uncertainty, samples }
+        let unit = unit / channel.distance_m;
+        Channel { sensor, gain, has_offset, uncertainty, unit, samples }
     });
     let input = match (of.input, motor) {
         (RecordedInput::Voltage, Some(motor)) => RecordInput::Voltage(read.input, of.hold, motor),
+        (RecordedInput::Voltage, None) => return Err(refused(&"a voltage needs [motor]")),
         (RecordedInput::HubAngle, _) => RecordInput::HubAngle(read.input),
-        (RecordedInput::Torque | RecordedInput::Voltage, _) => {
-            RecordInput::Torque(read.input, of.hold)
-        }
+        (RecordedInput::Torque, _) => RecordInput::Torque(read.input, of.hold),
     };
     let record = Record::new(of.file, read.step_s, input, channels.collect(), of.is_delay_free);
     Ok((record.map_err(|error| refused(&error))?, read.reading))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// Samples, uncertainties and units of a record in degrees, microstrain at 0.4 mm, counts and volts.
+    #[test]
+    fn units_distances_and_scales_reach_samples_and_uncertainties() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = "any line\ntime [ms],torque,hub_angle [deg],root_strain [um/m],tip_deflection\n\
+                   0,0,0,0,0\n1,1,90,4,10\n2,1,180,8,20\n3,0,90,4,10\n";
+        let text = "[[record]]\nfile = 'log.csv'\ninput = 'torque'\nhold = 'linear'\nskip = 1\n\
+                    scale = ['tip_deflection=0.001']\n\
+                    [[record.channel]]\nsensor = 'hub_angle'\nuncertainty = 1.8\n\
+                    [[record.channel]]\nsensor = 'root_strain'\ndistance = '0.4 mm'\nuncertainty = 0.2\n\
+                    [[record.channel]]\nsensor = 'tip_deflection'\nuncertainty = 0.5\n";
+        fs::write(folder.path().join("log.csv"), log).unwrap();
+        let path = folder.path().join("measured.toml");
+        fs::write(&path, text).unwrap();
+        let read = read_measured(&path).unwrap();
+        let channels = read.measurements.records()[0].channels();
+        let near = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-12, "{found}");
+        near(channels[0].samples[2], std::f64::consts::PI);
+        near(channels[0].uncertainty.unwrap(), std::f64::consts::PI / 100.0);
+        near(channels[1].samples[2], 8e-6 / 0.4e-3);
+        near(channels[1].uncertainty.unwrap(), 0.2e-6 / 0.4e-3);
+        near(channels[2].samples[1], 0.01);
+        near(channels[2].uncertainty.unwrap(), 5e-4);
+        fs::write(&path, text.to_owned() + &text.replace("hold = 'linear'", "")).unwrap();
+        let twice = read_measured(&path).unwrap_err().to_string();
+        assert!(twice.ends_with("measured.toml: hub_angle of log.csv is given twice"), "{twice}");
+    }
+
+    #[test]
+    fn a_held_input_needs_uniform_times() {
+        let folder = tempfile::tempdir().unwrap();
+        let row = |k: i32| {
+            format!("{},{},{}\n", f64::from(k) + if k % 2 == 1 { 0.02 } else { 0.0 }, k % 3, k)
+        };
+        let log = "time,torque,hub_angle\n".to_owned() + &(0..20).map(row).collect::<String>();
+        fs::write(folder.path().join("log.csv"), log).unwrap();
+        let text = "[[record]]\nfile = 'log.csv'\ninput = 'torque'\n[[record.channel]]\nsensor = 'hub_angle'\n";
+        let path = folder.path().join("measured.toml");
+        fs::write(&path, text).unwrap();
+        assert!(read_measured(&path).unwrap().readings[0].1.jitter().is_some());
+        fs::write(&path, text.replace("'torque'\n", "'torque'\nhold = 'zero'\n")).unwrap();
+        let refused = read_measured(&path).unwrap_err().to_string();
+        assert!(refused.contains("log.csv: times = off a uniform step"), "{refused}");
+    }
 }

@@ -7,9 +7,10 @@ use clap::Args;
 
 use flexlink::csv::InputFile;
 use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, fit};
+use flexlink::link::Damping;
 use flexlink::measured::read_measured;
 use flexlink::report::{FitReport, fit_page};
-use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, rewrite};
+use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, Specification, rewrite};
 use flexlink::store::{Fingerprint, FitInputs, fit_json};
 
 use crate::options::common::option;
@@ -46,6 +47,7 @@ measured.toml holds any of
   [[record]]               # histories from rest
   file = \"step.csv\"        # time, torque, hub_angle
   input = \"torque\"         # or \"voltage\", \"hub_angle\"
+  hold = \"zero\"            # or \"linear\", \"cubic\"
   delay = \"free\"           # of the sensors; or \"known\": 0
   [[record.channel]]
   sensor = \"hub_angle\"     # any transfer of a response
@@ -117,6 +119,11 @@ impl Fit {
         self.keep(&inputs)?;
         let problem = self.load()?;
         let outcome = problem.fit()?;
+        if problem.plays_as_viscous() {
+            console::note(
+                "records are of the link with its hysteretic ratio as the viscous ratio of each mode",
+            );
+        }
         let replaced = self.write(&problem, &outcome)?;
         let page = self.page().map(|page| self.draw(&page, &problem, &outcome, &replaced));
         tell(&outcome, &replaced, &page.transpose()?.unwrap_or_default())
@@ -173,6 +180,10 @@ impl Fit {
         for text in &self.free {
             let value: FreeValue = text.parse().map_err(usage)?;
             let bounds = document.free(&value, &changes).map_err(usage)?;
+            if free.iter().any(|(_, earlier): &(_, Free)| earlier.path == bounds.path) {
+                let message = format!("--free {} is given twice", bounds.path);
+                return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
+            }
             free.push((value, bounds));
         }
         let measured = read_measured(&self.measured)?;
@@ -242,10 +253,21 @@ impl Problem {
                 LinkFitError::NoMode(_) => {
                     Some("number the modes from 1, the rigid rotation left out")
                 }
+                LinkFitError::Drive => Some(
+                    "leave [drive] out and add the rotor's N² J to hub.inertia; a joint's stiffness is \
+                     fitted to frequencies alone",
+                ),
                 LinkFitError::NoDamping(_) => Some("[damping] with ratio = 0.02 is a start"),
             };
             Failure::new(Exit::InputRefused, &error, hint)
         })
+    }
+
+    /// True if records are compared with a link of hysteretic damping.
+    fn plays_as_viscous(&self) -> bool {
+        let read = || self.document.specification(&self.link.shown, &self.changes).ok();
+        let is_hysteretic = |found: Specification| matches!(found.link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
+        !self.measured.records().is_empty() && read().is_some_and(is_hysteretic)
     }
 
     /// The changes of the command line, then the factors on the free values.

@@ -60,14 +60,10 @@ impl Columns {
         Self::find_beside(vocabulary, header, None)
     }
 
-    /// Finds all quantities of a vocabulary: a common name counts beside others that have the word itself.
+    /// Finds all quantities of a vocabulary: a common name counts beside others that have the word itself, and
+    /// what is not chosen is looked for beside what is.
     pub(super) fn find_all(vocabulary: &Vocabulary, header: Header) -> Result<Self, TableError> {
-        vocabulary.check_names(header.fields, header.place)?;
-        let (headings, unread) = (Vec::new(), Vec::new());
-        let none = Self { headings, first: FirstRow::Names, is_guessed: false, unread };
-        let mut columns = none.with_named(vocabulary, header, Beside::Others)?;
-        columns.headings.sort_by_key(|heading| heading.index);
-        Ok(columns)
+        Self::found(vocabulary, header, None, Beside::Others)
     }
 
     /// The same beside a column that is found already.
@@ -75,6 +71,15 @@ impl Columns {
         vocabulary: &Vocabulary,
         header: Header,
         own: Option<Heading>,
+    ) -> Result<Self, TableError> {
+        Self::found(vocabulary, header, own, Beside::None)
+    }
+
+    fn found(
+        vocabulary: &Vocabulary,
+        header: Header,
+        own: Option<Heading>,
+        beside: Beside,
     ) -> Result<Self, TableError> {
         let chosen = header.chosen(vocabulary)?;
         let is_number = |(_, index): &(Quantity, usize)| is_number(header.fields[*index]);
@@ -91,10 +96,13 @@ impl Columns {
         let columns = Self { headings, first, is_guessed: false, unread: Vec::new() };
         let mut columns = match first {
             FirstRow::Samples => columns,
-            FirstRow::Names => columns.with_named(vocabulary, header, Beside::None)?,
+            FirstRow::Names => columns.with_named(vocabulary, header, beside)?,
         };
         columns.headings.sort_by_key(|heading| heading.index);
-        header.check_measures(&columns.headings)?;
+        // A file that names another has said what it measures.
+        if beside == Beside::None {
+            header.check_measures(&columns.headings)?;
+        }
         Ok(columns)
     }
 
@@ -105,7 +113,8 @@ impl Columns {
         header: Header,
         beside: Beside,
     ) -> Result<Self, TableError> {
-        let is_chosen = self.headings.iter().any(|heading| heading.quantity != TIME);
+        let is_chosen =
+            beside == Beside::None && self.headings.iter().any(|heading| heading.quantity != TIME);
         let free = |(index, field): (usize, &&'_ str)| {
             let is_taken = self.headings.iter().any(|heading| heading.index == index);
             if is_taken { String::new() } else { (*field).to_owned() }

@@ -27,6 +27,15 @@ impl TableError {
         Self { hint: hint.into(), ..self }
     }
 
+    /// The same error of a table that a file names: it speaks of no option of the command line.
+    pub(super) fn of_named_file(self, hint: &str) -> Self {
+        let message = self.message.replace("--columns", "columns");
+        let speaks_of_option = self.hint.as_deref().is_some_and(|hint| hint.contains("--"));
+        let is_of_unit = message.starts_with("unit of") || message.contains("unit in brackets");
+        let hint = if speaks_of_option || is_of_unit { Some(hint.to_owned()) } else { self.hint };
+        Self { place: self.place, message, hint }
+    }
+
     /// Adds what the user may do, unless there is a hint.
     pub(crate) fn or_hint(self, hint: String) -> Self {
         let hint = self.hint.clone().or(Some(hint));

@@ -28,6 +28,10 @@ const RECORD: Vocabulary = Vocabulary {
     by_option: "columns = [\"time=1\", \"torque=2\"] says which column is what",
 };
 
+/// What the file that names a record can say of it, for hints.
+const CHOICES: &str = "columns = [\"time=1\", \"torque=2\"] chooses columns by number or heading; skip = 3 \
+                       leaves lines out; scale = [\"hub_angle=0.0015\"] makes SI of counts; gain = \"free\" takes a sensor's numbers in any unit";
+
 /// A recorded table, in SI at uniform times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordTable {
@@ -72,7 +76,8 @@ pub fn read_record(
 ) -> Result<RecordTable, TableError> {
     let wanted: Vec<Quantity> =
         [TIME, driving(input)].into_iter().chain(sensors.iter().map(|s| shown(*s))).collect();
-    let mut samples = Samples::read(name, bytes, format, |header| columns(header, &wanted))?;
+    let mut samples = Samples::read(name, bytes, format, |header| columns(header, &wanted))
+        .map_err(|error| error.of_named_file(CHOICES))?;
     let units: Vec<f64> = wanted.iter().map(|wanted| samples.unit(*wanted)).collect();
     let mut taken: Vec<Vec<f64>> =
         wanted.iter().map(|wanted| samples.take(*wanted).unwrap_or_default()).collect();
@@ -107,7 +112,7 @@ fn shown(sensor: Sensor) -> Quantity {
 
 fn columns(header: Header, wanted: &[Quantity]) -> Result<(Columns, Reading), TableError> {
     let Header { fields, place, .. } = header;
-    let mut columns = Columns::find(&RECORD, header)?;
+    let mut columns = Columns::find_all(&RECORD, header)?;
     if let Some(missing) = wanted.iter().find(|wanted| find(&columns.headings, **wanted).is_none())
     {
         let of_tip = [DEFLECTION, ACCELERATION].contains(missing);
@@ -120,9 +125,7 @@ fn columns(header: Header, wanted: &[Quantity]) -> Result<(Columns, Reading), Ta
 
 fn missing_column(word: &str, fields: &[&str], place: Place) -> TableError {
     let error = refuse_missing(&names(fields), word, place);
-    error.or_hint(format!(
-        "columns = [\"time=1\", \"{word}=2\"] in [[record]] says which column is what"
-    ))
+    error.or_hint(CHOICES.to_owned())
 }
 
 #[cfg(test)]

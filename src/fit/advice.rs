@@ -3,12 +3,11 @@
 use std::fmt;
 
 use super::measurement::Observable;
-use super::outcome::{FitOutcome, Misfit};
+use super::misfits::{Misfit, is_too_small};
+use super::outcome::FitOutcome;
+use super::record_misfit::RecordMisfit;
 use crate::model::Sensor;
 use crate::text::significant;
-
-/// Factor on standard errors beyond which a user must know it.
-const CORRELATED: f64 = 1.5;
 
 /// What the user of a fit must know to judge it.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +30,31 @@ pub enum FitWarning {
         /// Standard errors over those that are given.
         factor: f64,
     },
+    /// A difference of a record that is far larger than the others.
+    Stray {
+        /// File of the record.
+        name: String,
+        /// The sensor.
+        sensor: Sensor,
+        /// The difference over the root mean square of all.
+        times: f64,
+        /// Its time in s after the first sample.
+        time_s: f64,
+    },
+    /// Differences far smaller than the uncertainties.
+    TooSmall {
+        /// Sum of the squared differences over their uncertainties.
+        chi_squared: f64,
+        /// Measured numbers less free values.
+        degrees_of_freedom: usize,
+    },
+    /// A recorded hub angle with noise, which the fit takes for motion.
+    NoisyInput {
+        /// File of the record.
+        name: String,
+        /// Noise over the size of the motion.
+        share: f64,
+    },
 }
 
 impl fmt::Display for FitWarning {
@@ -51,6 +75,26 @@ impl fmt::Display for FitWarning {
                 sensor.word(),
                 significant(*factor, 2)
             ),
+            Self::Stray { name, sensor, times, time_s } => write!(
+                f,
+                "{name}: {} differs {} s after the first sample by {} times the root mean square of all \
+                 differences",
+                sensor.word(),
+                significant(*time_s, 4),
+                significant(*times, 2)
+            ),
+            Self::TooSmall { chi_squared, degrees_of_freedom } => write!(
+                f,
+                "chi² {} with {degrees_of_freedom} degrees of freedom is far too small: the uncertainties \
+                 are larger than the differences",
+                significant(*chi_squared, 3)
+            ),
+            Self::NoisyInput { name, share } => write!(
+                f,
+                "{name}: the recorded hub angle has noise of about {} % of its motion, which is taken for \
+                 motion: stiffness and damping are off by more than their standard errors",
+                significant(100.0 * share, 2)
+            ),
         }
     }
 }
@@ -62,6 +106,9 @@ impl FitWarning {
             Self::Outlier { .. } => "outlier",
             Self::Unchecked => "unchecked",
             Self::Correlated { .. } => "correlated_differences",
+            Self::Stray { .. } => "stray_sample",
+            Self::TooSmall { .. } => "small_chi_squared",
+            Self::NoisyInput { .. } => "noisy_input",
         }
     }
 
@@ -70,9 +117,19 @@ impl FitWarning {
         match self {
             Self::Outlier { .. } => "measure it again, or give it its true uncertainty",
             Self::Unchecked => "measure more, or free less",
+            Self::Stray { .. } => {
+                "correct the samples that were lost or cut off, or leave them out"
+            }
+            Self::TooSmall { .. } => {
+                "give uncertainties of one standard deviation, in the unit of their values"
+            }
+            Self::NoisyInput { .. } => {
+                "filter the angle without delay before, or fit to the torque or the voltage as input"
+            }
             Self::Correlated { .. } => {
                 "look at the page of --report for what the link lacks: friction, another damping, a wrong \
-                 input; record with a longer step if it is noise that a filter has smoothed"
+                 input, a motion before the first sample; take every n-th sample if it is noise that a \
+                 filter has smoothed"
             }
         }
     }
@@ -87,17 +144,30 @@ impl FitOutcome {
             uncertainties: residual.uncertainties.unwrap_or_default().abs(),
         });
         let unchecked = (self.degrees_of_freedom == 0).then_some(FitWarning::Unchecked);
-        let channels = self
-            .records
-            .iter()
-            .flat_map(|record| record.channels.iter().map(|channel| (&record.name, channel)));
-        let correlated = channels.filter(|(_, channel)| channel.error_factor() > CORRELATED);
-        let correlated = correlated.map(|(name, channel)| FitWarning::Correlated {
-            name: name.clone(),
-            sensor: channel.sensor,
-            factor: channel.error_factor(),
+        let small = self.chi_squared.filter(|found| is_too_small(*found, self.degrees_of_freedom));
+        let small = small.map(|chi_squared| FitWarning::TooSmall {
+            chi_squared,
+            degrees_of_freedom: self.degrees_of_freedom,
         });
-        outliers.chain(unchecked).chain(correlated).collect()
+        let of_records = self.records.iter().flat_map(RecordMisfit::warnings);
+        outliers.chain(unchecked).chain(small).chain(of_records).collect()
+    }
+}
+
+impl RecordMisfit {
+    fn warnings(&self) -> Vec<FitWarning> {
+        let name = || self.name.clone();
+        let channels = || self.channels.iter();
+        let noisy = self.input_noise.map(|share| FitWarning::NoisyInput { name: name(), share });
+        let strays = channels().filter(|channel| channel.has_stray()).map(|channel| {
+            let (sensor, (times, time_s)) = (channel.sensor, channel.largest);
+            FitWarning::Stray { name: name(), sensor, times, time_s }
+        });
+        let correlated = channels().filter(|channel| channel.is_correlated()).map(|channel| {
+            let (sensor, factor) = (channel.sensor, channel.error_factor());
+            FitWarning::Correlated { name: name(), sensor, factor }
+        });
+        noisy.into_iter().chain(strays).chain(correlated).collect()
     }
 }
 
@@ -112,9 +182,10 @@ impl Misfit {
                 "widen its bounds, --free {path}=LOW:HIGH, if the value may lie beyond; else fix it, or \
                  look for what else differs from the link file"
             ),
-            Self::Late { .. } => "shift its columns over each other by hand, to within 100 samples; a \
-                                  record that does not fit at all has no delay, either"
-                .to_owned(),
+            Self::Late { longest, .. } => format!(
+                "check that input and sensors share one clock, or cut the file so that they are less than \
+                 {longest} samples apart"
+            ),
             Self::Unsettled => "start nearer the fitted values with --set, bound them with \
                                 --free PATH=LOW:HIGH, or free fewer"
                 .to_owned(),
@@ -124,9 +195,14 @@ impl Misfit {
                  link file"
                     .to_owned()
             }
+            Self::Lacking { .. } => "look at the page of --report for when it differs: the sign, gain, offset or \
+                                     delay of the channel, the input and its hold, a motion before the first \
+                                     sample, a sensor at its end, or what the link file lacks"
+                .to_owned(),
             Self::Far { .. } => {
-                "check each unit, mode and hub, and of a response its transfer and gain; modes are \
-                 numbered from 1, the rigid rotation left out"
+                "check each unit, mode and hub, of a response its transfer and gain, of a record its input \
+                 and hold, the sensor, sign and gain of each channel, and that it begins at rest; modes \
+                 are numbered from 1, the rigid rotation left out"
                     .to_owned()
             }
         }

@@ -12,8 +12,8 @@ use std::borrow::Cow;
 use super::response::Gain;
 use crate::numeric::{CubicSpline, SplineEnds};
 
-/// Largest delay that is looked for, in samples.
-pub(super) const LONGEST_DELAY: f64 = 100.0;
+/// Largest delay that is looked for, in samples; of a short record a quarter of it.
+const LONGEST_DELAY: usize = 100;
 
 /// Samples that decide where the search for a delay begins.
 const FEW_SAMPLES: usize = 4000;
@@ -46,8 +46,14 @@ pub(super) struct Overlaid<'a> {
 pub(super) struct Alignment {
     pub(super) delay: f64,
     pub(super) lines: Vec<Line>,
-    /// Recorded less computed, in the unit of the record; 0 at samples that are not computed.
+    /// Recorded less computed, in the unit of the record, of the samples that are compared.
     pub(super) differences: Vec<Vec<f64>>,
+}
+
+/// The longest delay, in samples, that is looked for in a record of so many samples. So many of its last samples
+/// are not compared where the delay is free: sensors that are early show them before they are computed.
+pub(super) fn longest_delay(samples: usize) -> usize {
+    (samples / 4).min(LONGEST_DELAY)
 }
 
 impl Line {
@@ -76,15 +82,14 @@ impl Line {
 }
 
 impl Alignment {
-    /// Lays histories, late by `delay` samples, over recorded ones of as many samples.
-    pub(super) fn of(histories: &[Overlaid], delay: f64) -> Self {
+    /// Lays histories, late by `delay` samples, over the first `compared` recorded samples.
+    pub(super) fn of(histories: &[Overlaid], delay: f64, compared: usize) -> Self {
         let aligned = histories.iter().map(|history| {
-            let computed = delayed(history.computed, delay);
-            let recorded = &history.recorded[..computed.len()];
+            let computed = delayed(history.computed, delay, compared);
+            let recorded = &history.recorded[..compared];
             let line = Line::through(recorded, &computed, history.freedom);
             let pairs = recorded.iter().zip(computed.iter());
-            let mut differences: Vec<f64> = pairs.map(|(y, p)| line.difference(*y, *p)).collect();
-            differences.resize(history.recorded.len(), 0.0);
+            let differences = pairs.map(|(y, p)| line.difference(*y, *p)).collect();
             (line, differences)
         });
         let (lines, differences) = aligned.unzip();
@@ -92,18 +97,18 @@ impl Alignment {
     }
 }
 
-/// A history that begins later by `delay` samples, with nothing before its first; one that begins earlier ends
-/// before the record does. A cubic spline leads through the samples.
-fn delayed(samples: &[f64], delay: f64) -> Cow<'_, [f64]> {
+/// The first `compared` samples of a history that begins later by `delay` samples. A cubic spline leads through
+/// the samples, and a straight line from rest one sample before them.
+fn delayed(samples: &[f64], delay: f64, compared: usize) -> Cow<'_, [f64]> {
     if delay == 0.0 {
-        return Cow::Borrowed(samples);
+        return Cow::Borrowed(&samples[..compared]);
     }
     let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
     let slopes = spline.slopes();
     let at = |k: usize| {
         let place = k as f64 - delay;
         if place < 0.0 {
-            return 0.0;
+            return samples[0] * (1.0 + place).max(0.0);
         }
         let left = (place as usize).min(samples.len() - 2);
         let t = place - left as f64;
@@ -112,28 +117,26 @@ fn delayed(samples: &[f64], delay: f64) -> Cow<'_, [f64]> {
         let (bend, third) = (3.0 * rise - 2.0 * s[0] - s[1], s[0] + s[1] - 2.0 * rise);
         y[0] + t * (s[0] + t * (bend + t * third))
     };
-    let early = (-delay).max(0.0).ceil() as usize;
-    Cow::Owned((0..samples.len() - early).map(at).collect())
+    Cow::Owned((0..compared).map(at).collect())
 }
 
 /// The delay of whole samples that leaves the least sum of squares.
 pub(super) fn rough_delay(histories: &[Overlaid]) -> f64 {
-    let shortest = histories.iter().map(|history| history.computed.len()).min().unwrap_or(0);
-    let longest = (LONGEST_DELAY as i32).min(i32::try_from(shortest / 4).unwrap_or(i32::MAX));
-    let all = (-longest..=longest).map(|delay| (rough_cost(histories, delay), f64::from(delay)));
+    let samples = histories.first().map_or(0, |history| history.computed.len());
+    let longest = longest_delay(samples) as i64;
+    let all = (-longest..=longest).map(|delay| (rough_cost(histories, delay), delay as f64));
     all.reduce(|a, b| if b.0 < a.0 { b } else { a }).map_or(0.0, |(_, delay)| delay)
 }
 
 /// The weighted sum of squares at a delay of whole samples, of some of them.
-fn rough_cost(histories: &[Overlaid], delay: i32) -> f64 {
+fn rough_cost(histories: &[Overlaid], delay: i64) -> f64 {
     let cost = |history: &Overlaid| {
         let (count, every) =
             (history.computed.len(), (history.computed.len() / FEW_SAMPLES).max(1));
         // All delays are judged by the same samples of the record.
-        let margin = (LONGEST_DELAY as usize).min(count / 4);
-        let places = (0..count - margin).step_by(every);
+        let places = (0..count - longest_delay(count)).step_by(every);
         let at = |k: usize| {
-            let place = k as i64 - i64::from(delay);
+            let place = k as i64 - delay;
             usize::try_from(place).map_or(0.0, |place| history.computed[place])
         };
         let computed: Vec<f64> = places.clone().map(at).collect();
@@ -169,7 +172,7 @@ mod tests {
     #[test]
     fn gain_offset_and_delay_of_two_histories_are_found() {
         let computed = history(0.0, Line { gain: 1.0, offset: 0.0 });
-        for delay in [0.0, 7.3, -4.6, 63.0, 99.2] {
+        for delay in [0.0, 7.3, -4.6, 63.0, 99.2, -99.2] {
             let lines = [Line { gain: -2.5, offset: 0.3 }, Line { gain: 1.0, offset: 0.0 }];
             let recorded = lines.map(|line| history(delay, line));
             let histories = [(0, FREE), (1, KNOWN)].map(|(k, freedom)| Overlaid {
@@ -180,7 +183,7 @@ mod tests {
             });
             let rough = rough_delay(&histories);
             assert!((rough - delay).abs() < 0.51, "{rough} is not {delay}");
-            let found = Alignment::of(&histories, delay);
+            let found = Alignment::of(&histories, delay, 900);
             for (line, exact) in found.lines.iter().zip(lines) {
                 let off = (line.gain - exact.gain).abs().max((line.offset - exact.offset).abs());
                 assert!(off < 1e-5, "{line:?} is not {exact:?}");
@@ -195,7 +198,7 @@ mod tests {
         let laid = |freedom| {
             let weight = 1.0;
             let of = [Overlaid { recorded: &recorded, computed: &computed, freedom, weight }];
-            let Alignment { delay, lines, .. } = Alignment::of(&of, 0.0);
+            let Alignment { delay, lines, .. } = Alignment::of(&of, 0.0, 1000);
             (delay, lines[0].gain, lines[0].offset)
         };
         let same = |found: (f64, f64, f64), exact: [f64; 3]| {

@@ -4,10 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::alignment::LONGEST_DELAY;
 use super::measurement::Observable;
 use super::measurements::{COARSE, FINE, Measurements, Prediction};
-use super::outcome::{Course, DELAY_UNIT, FitOutcome, StartEnd};
+use super::misfits::DELAY_UNIT;
+use super::outcome::{Course, FitOutcome, StartEnd};
+use super::record::Record;
 use super::value::Free;
 use crate::beam::MeshPlan;
 use crate::link::{Link, ParameterError};
@@ -42,6 +43,9 @@ const NO_WEIGHT: f64 = 1e-14;
 /// Decrease of the sum of squares over itself that is round-off.
 const NO_GAIN: f64 = 1e-9;
 
+/// How often channels without uncertainties are weighed by what the fit before has left.
+const WEIGHINGS: usize = 3;
+
 /// Starts beside that of the file.
 const OTHER_STARTS: usize = 3;
 
@@ -72,6 +76,11 @@ pub enum LinkFitError<E> {
          modes allows no mesh that is fine enough"
     )]
     NoModel,
+    /// Responses and records are computed at the hub.
+    #[error(
+        "[drive] is in the link file, but responses and records are those of the link at its hub, without it"
+    )]
+    Drive,
     /// The damping of the link is zero or has another law.
     #[error("{0} was measured, but the link has no damping: [damping] must give one")]
     NoDamping(Observable),
@@ -91,7 +100,7 @@ pub fn fit<E: Send>(
     link_at: impl Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync,
 ) -> Result<FitOutcome, LinkFitError<E>> {
     let problem = Problem { measurements, free, link_at };
-    let own = vec![0.0; free.len() + measurements.late().count()];
+    let own = vec![0.0; free.len() + measurements.records_with_free_delay().count()];
     problem.check(&own)?;
     let starts: Vec<Vec<f64>> = (0..=OTHER_STARTS).map(|number| problem.start(number)).collect();
     let ends: Vec<Option<End>> = starts.par_iter().map(|x| problem.survey(x.clone())).collect();
@@ -104,13 +113,24 @@ pub fn fit<E: Send>(
         best.filter(|best| best.cost < BETTER * first.cost && best.cost < first.cost - TIE);
     let is_from_other_start = better.is_some();
     let survey = better.unwrap_or(first).x;
-    let end = problem.descend(survey.clone(), POLISH);
-    let End { x, iterations, has_settled, .. } = end.unwrap_or(End { x: survey, ..End::NONE });
+    let mut end = problem.descend(survey.clone(), POLISH).unwrap_or(End { x: survey, ..End::NONE });
+    let mut weighed = measurements.clone();
+    for _ in 0..WEIGHINGS {
+        let halvings = problem.halvings(&end.x, FINE).unwrap_or(0);
+        let predicted = problem.predicted(&end.x, halvings);
+        let Some(next) = predicted.and_then(|found| measurements.weighed(&found)) else { break };
+        weighed = next;
+        let again = Problem { measurements: &weighed, ..problem.by_ref() };
+        let Some(next) = again.descend(end.x.clone(), POLISH) else { break };
+        end = End { iterations: end.iterations + next.iterations, ..next };
+    }
+    let problem = Problem { measurements: &weighed, ..problem.by_ref() };
+    let End { x, iterations, has_settled, .. } = end;
     let halvings = problem.halvings(&x, FINE).unwrap_or(0);
     let jacobian = problem.jacobian(&x, halvings, true);
     let predicted = problem.predicted(&x, halvings);
     let course = Course { is_from_other_start, has_settled, iterations, starts: told };
-    Ok(FitOutcome::of(measurements, free, &x, predicted.as_ref(), jacobian, course))
+    Ok(FitOutcome::of(&weighed, free, &x, predicted.as_ref(), jacobian, course))
 }
 
 /// Where an iteration ended, the sum of squares there, and whether no step led further down.
@@ -145,6 +165,12 @@ struct Problem<'a, F> {
     link_at: F,
 }
 
+impl<'a, F> Problem<'a, F> {
+    fn by_ref(&self) -> Problem<'a, &F> {
+        Problem { measurements: self.measurements, free: self.free, link_at: &self.link_at }
+    }
+}
+
 impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
     fn link(&self, x: &[f64]) -> Result<(Link, MeshPlan), E> {
         let factors: Vec<f64> = x[..self.free.len()].iter().map(|x| libm::exp(*x)).collect();
@@ -159,6 +185,9 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
     /// Refuses a link without the measured modes.
     fn check(&self, x: &[f64]) -> Result<(), LinkFitError<E>> {
         let (link, plan) = self.link(x).map_err(LinkFitError::Link)?;
+        if link.drive().is_some() && self.measurements.has_files() {
+            return Err(LinkFitError::Drive);
+        }
         let halvings = self.measurements.halvings(&link, &plan, COARSE)?;
         let predicted = self.measurements.predicted(&link, &plan, halvings, &self.delays(x));
         let predicted = predicted.ok_or(LinkFitError::NoModel)?;
@@ -224,8 +253,15 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
 
     /// The bounds of a logarithm, or of a delay.
     fn bounds(&self, k: usize) -> [f64; 2] {
-        let delay = || [-LONGEST_DELAY, LONGEST_DELAY].map(|samples| samples / DELAY_UNIT);
-        self.free.get(k).map_or_else(delay, |free| free.factors.map(libm::log))
+        match self.free.get(k) {
+            Some(free) => free.factors.map(libm::log),
+            None => {
+                let mut records = self.measurements.records_with_free_delay();
+                let record = records.nth(k - self.free.len());
+                let longest = record.map_or(0, Record::longest_delay) as f64;
+                [-longest / DELAY_UNIT, longest / DELAY_UNIT]
+            }
+        }
     }
 
     /// Number 0 is the file's own; the others are Halton's points in the logarithms. No sensor is late.
@@ -239,7 +275,7 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         };
         let logarithm = |k: usize| if number == 0 { 0.0 } else { place(k) };
         let logarithms: Vec<f64> = (0..self.free.len()).map(logarithm).collect();
-        let delays = self.measurements.late().map(|_| 0.0);
+        let delays = self.measurements.records_with_free_delay().map(|_| 0.0);
         logarithms.iter().copied().chain(delays).collect()
     }
 

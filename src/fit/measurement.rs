@@ -199,6 +199,9 @@ pub enum MeasurementsError {
     /// A file without uncertainty beside values with one, or the other way round.
     #[error("{0}: an uncertainty is missing, but values and files must all have one beside others")]
     MixedFile(String),
+    /// A sensor of a file given twice.
+    #[error("{0} is given twice")]
+    TwiceFile(String),
     /// The same thing measured twice.
     #[error("{observable} is measured twice")]
     Twice {

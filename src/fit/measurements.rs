@@ -2,14 +2,14 @@ use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use super::measurement::{End, Measured, MeasurementsError, Observable};
-use super::motor::rubbed;
+use super::motor::with_motor_friction;
 use super::overlay::Overlay;
 use super::record::{Record, RecordFit};
 use super::response::Response;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::{Link, ParameterError};
 use crate::modal::DampingLaw;
-use crate::model::{KeptModes, model_of};
+use crate::model::{KeptModes, Sensor, model_of};
 
 /// Largest relative error of a frequency that the mesh may have while a start is tried.
 pub(super) const COARSE: f64 = 1e-5;
@@ -65,6 +65,9 @@ impl Measurements {
                 return Err(MeasurementsError::Twice { observable });
             }
         }
+        if let Some(name) = measurements.twice() {
+            return Err(MeasurementsError::TwiceFile(name));
+        }
         let responses = measurements.responses.iter();
         let responses = responses.filter(|response| response.uncertainty().is_none());
         let records = measurements.records.iter().filter(|record| !record.has_uncertainties());
@@ -73,6 +76,17 @@ impl Measurements {
             Some(name) => Err(MeasurementsError::MixedFile(name.to_owned())),
             None => Ok(measurements),
         }
+    }
+
+    /// A file and a sensor of it that are given twice.
+    fn twice(&self) -> Option<String> {
+        let responses = self.responses.iter().map(|response| (response.name(), response.sensor()));
+        let records = self.records.iter().flat_map(|record| {
+            record.channels().iter().map(|channel| (record.name(), channel.sensor))
+        });
+        let all: Vec<(&str, Sensor)> = responses.chain(records).collect();
+        let again = all.iter().enumerate().find(|(k, one)| all[..*k].contains(one));
+        again.map(|(_, (name, sensor))| format!("{} of {name}", sensor.word()))
     }
 
     /// The values in their order.
@@ -88,6 +102,23 @@ impl Measurements {
     /// The records in their order.
     pub fn records(&self) -> &[Record] {
         &self.records
+    }
+
+    /// The same with the channels of records weighed by the differences that a fit has left, where there are
+    /// several without uncertainties: each has a noise of its own.
+    pub(super) fn weighed(&self, predicted: &Prediction) -> Option<Self> {
+        let channels: usize = self.records.iter().map(|record| record.channels().len()).sum();
+        if channels < 2 || self.has_uncertainties() {
+            return None;
+        }
+        let records = self.records.iter().zip(&predicted.records);
+        let records = records.map(|(record, fit)| record.weighed(fit)).collect();
+        Some(Self { records, ..self.clone() })
+    }
+
+    /// True if there are responses or records.
+    pub(super) fn has_files(&self) -> bool {
+        !(self.responses.is_empty() && self.records.is_empty())
     }
 
     /// True if uncertainties are known.
@@ -151,8 +182,8 @@ impl Measurements {
         own.map(|measured| measured.observable.number()).max().unwrap_or(0)
     }
 
-    /// Files whose sensors may be late.
-    pub(super) fn late(&self) -> impl Iterator<Item = &Record> {
+    /// Records with a delay among the free values.
+    pub(super) fn records_with_free_delay(&self) -> impl Iterator<Item = &Record> {
         self.records.iter().filter(|record| record.is_delay_free())
     }
 
@@ -165,8 +196,8 @@ impl Measurements {
         halvings: u32,
     ) -> Option<Vec<f64>> {
         let mesh = halved(link, plan, halvings)?;
-        let delay = |record: &Record| record.rough_delay(&record.rubbed(link)?, &mesh);
-        self.late().map(delay).collect()
+        let delay = |record: &Record| record.rough_delay(&record.with_motor_friction(link)?, &mesh);
+        self.records_with_free_delay().map(delay).collect()
     }
 
     /// What a link has in place of the measurements, with the delays in samples of all records whose sensors may
@@ -183,7 +214,8 @@ impl Measurements {
         let plain = OnceCell::new();
         let response = |response: &Response| {
             let motor = response.motor_friction_n_m_s_rad();
-            let made = || model_of(&rubbed(link, motor)?, mesh.clone(), KeptModes::All).ok();
+            let made =
+                || model_of(&with_motor_friction(link, motor)?, mesh.clone(), KeptModes::All).ok();
             let own;
             let model = if motor == 0.0 {
                 plain.get_or_init(made).as_deref()?
@@ -197,7 +229,7 @@ impl Measurements {
         let mut delays = delays.iter();
         let record = |record: &Record| {
             let own = if record.is_delay_free() { delays.next() } else { None };
-            record.fitted(&record.rubbed(link)?, &mesh, own.copied().unwrap_or(0.0))
+            record.fitted(&record.with_motor_friction(link)?, &mesh, own.copied().unwrap_or(0.0))
         };
         let records = self.records.iter().map(record).collect::<Option<_>>()?;
         Some(Prediction { values, responses, records })

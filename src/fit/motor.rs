@@ -42,7 +42,7 @@ impl Motor {
 }
 
 /// The link with the friction that a motor's back voltage adds to its hub; none out of range.
-pub(super) fn rubbed(link: &Link, friction_n_m_s_rad: f64) -> Option<Link> {
+pub(super) fn with_motor_friction(link: &Link, friction_n_m_s_rad: f64) -> Option<Link> {
     let parts = LinkParts::from(link.clone());
     let viscous_friction_n_m_s_rad = parts.hub.viscous_friction_n_m_s_rad + friction_n_m_s_rad;
     let hub = Hub { viscous_friction_n_m_s_rad, ..parts.hub };

@@ -1,18 +1,32 @@
+use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 use thiserror::Error;
 
-use super::alignment::{Alignment, Freedom, Overlaid, rough_delay};
-use super::motor::{Motor, rubbed};
+use super::alignment::{Alignment, Freedom, Overlaid, longest_delay, rough_delay};
+use super::motor::{Motor, with_motor_friction};
 use super::response::{Gain, MOST_UNCERTAIN};
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::natural_frequencies;
 use crate::model::Sensor;
 use crate::response::{Driven, Interpolation, sensed};
+use crate::text::significant;
 
 /// Fewest samples of a record.
 const FEWEST: usize = 4;
+
+/// Noise of a hub angle over its motion that a fit may take for motion.
+const LITTLE_NOISE: f64 = 2e-4;
+
+/// Least noise of a channel over its size.
+const EXACT: f64 = 1e-12;
+
+/// Order of the differences that leave of a motion its noise alone.
+const NOISE_ORDER: usize = 8;
+
+/// What differences of that order make of the variance of white noise: `C(16, 8)`.
+const NOISE_GAIN: f64 = 12_870.0;
 
 /// Modes that the mesh of a record follows.
 const FOLLOWED_MODES: usize = 30;
@@ -61,7 +75,9 @@ pub struct Channel {
     pub has_offset: bool,
     /// Standard uncertainty of each sample, in the unit of the samples, if it is known.
     pub uncertainty: Option<f64>,
-    /// The samples.
+    /// The unit of the recorded column in SI; over its distance, of a strain gauge.
+    pub unit: f64,
+    /// The samples, in SI where the gain is known.
     pub samples: Vec<f64>,
 }
 
@@ -71,9 +87,12 @@ pub enum RecordError {
     /// No sensor.
     #[error("channels = none, but must be at least one")]
     NoChannel,
-    /// Too few samples, or another number than those of the input.
-    #[error("{channel} = {found} samples, but must be {must}, at least {FEWEST}, as the input")]
-    Samples {
+    /// Too few samples.
+    #[error("samples = {0}, but must be {FEWEST} or more")]
+    Few(usize),
+    /// Another number of samples than those of the input.
+    #[error("{channel} = {found} samples, but must be {must}, as the input has")]
+    Uneven {
         /// The channel, or the input.
         channel: String,
         /// Samples found.
@@ -82,7 +101,7 @@ pub enum RecordError {
         must: usize,
     },
     /// A sample that is no number.
-    #[error("{channel} = {found}, but must be a finite number")]
+    #[error("sample {sample} of {channel} = {found}, but must be a finite number")]
     NotFinite {
         /// The channel, or the input.
         channel: String,
@@ -99,8 +118,10 @@ pub enum RecordError {
     },
     /// An uncertainty that is not above 0, or too large for a measurement.
     #[error(
-        "uncertainty of {channel} = {found}, but must be above 0 and below {most}, half of what the \
-         samples vary by"
+        "uncertainty of {channel} = {} in its column's unit, but must be above 0 and below {}, half of \
+         what the samples vary by",
+        significant(*found, 4),
+        significant(*most, 4)
     )]
     Uncertainty {
         /// The channel.
@@ -132,6 +153,8 @@ pub struct Record {
     /// Root mean square of the samples of each channel, about their mean if an offset is free.
     pub(super) sizes: Vec<f64>,
     pub(super) is_delay_free: bool,
+    /// Noise of each channel over its size, where no uncertainty is known and a fit has shown it.
+    noise: Option<Vec<f64>>,
 }
 
 /// A record and the computed histories, laid over each other.
@@ -158,6 +181,9 @@ impl Record {
         }
         let (driven, motor_friction_n_m_s_rad) = input.driven();
         let (Driven::Torque(driving, _) | Driven::Angle(driving)) = &driven;
+        if driving.len() < FEWEST {
+            return Err(RecordError::Few(driving.len()));
+        }
         check("the input", driving, driving.len())?;
         // A torque that begins with the record and stays moves the link.
         let is_rest = matches!(driven, Driven::Angle(_)) || driving[0] == 0.0;
@@ -175,8 +201,8 @@ impl Record {
             if let Some(found) = channel.uncertainty
                 && !(found > 0.0 && found < MOST_UNCERTAIN * size)
             {
-                let (channel, most) = (name.to_owned(), MOST_UNCERTAIN * size);
-                return Err(RecordError::Uncertainty { channel, found, most });
+                let (found, most) = (found / channel.unit, MOST_UNCERTAIN * size / channel.unit);
+                return Err(RecordError::Uncertainty { channel: name.to_owned(), found, most });
             }
             sizes.push(size);
         }
@@ -185,7 +211,16 @@ impl Record {
         if let Some(channel) = unknown.filter(|_| is_known) {
             return Err(RecordError::Mixed { channel: channel.sensor.word().to_owned() });
         }
-        Ok(Self { name, step_s, driven, motor_friction_n_m_s_rad, channels, sizes, is_delay_free })
+        Ok(Self {
+            name,
+            step_s,
+            driven,
+            motor_friction_n_m_s_rad,
+            channels,
+            sizes,
+            is_delay_free,
+            noise: None,
+        })
     }
 
     /// What messages call it.
@@ -204,13 +239,37 @@ impl Record {
     }
 
     /// The link with the friction of the motor that drives it.
-    pub(super) fn rubbed(&self, link: &Link) -> Option<Link> {
-        rubbed(link, self.motor_friction_n_m_s_rad)
+    pub(super) fn with_motor_friction(&self, link: &Link) -> Option<Link> {
+        with_motor_friction(link, self.motor_friction_n_m_s_rad)
+    }
+
+    /// Noise of a hub angle that drives the link, over its motion, where it counts: its eighth differences are
+    /// noise alone.
+    pub(super) fn input_noise(&self) -> Option<f64> {
+        let Driven::Angle(angle) = &self.driven else { return None };
+        if angle.len() <= 2 * NOISE_ORDER {
+            return None;
+        }
+        let differences = (0..NOISE_ORDER).fold(angle.clone(), |samples, _| {
+            samples.windows(2).map(|pair| pair[1] - pair[0]).collect()
+        });
+        let share = rms(&differences) / NOISE_GAIN.sqrt() / rms_about_mean(angle);
+        (share > LITTLE_NOISE).then_some(share)
     }
 
     /// Numbers that it adds to the residuals.
     pub(super) fn rows(&self) -> usize {
-        self.channels.iter().map(|channel| channel.samples.len()).sum()
+        self.channels.len() * self.compared()
+    }
+
+    /// The longest delay that is looked for, in samples; 0 where the sensors are not late.
+    pub(super) fn longest_delay(&self) -> usize {
+        if self.is_delay_free { longest_delay(self.channels[0].samples.len()) } else { 0 }
+    }
+
+    /// Samples that are compared.
+    pub(super) fn compared(&self) -> usize {
+        self.channels[0].samples.len() - self.longest_delay()
     }
 
     /// Free values that it adds: gains, offsets, the delay.
@@ -223,13 +282,21 @@ impl Record {
 
     /// Sum of the residuals' squared weights.
     pub(super) fn weight(&self) -> f64 {
-        let weights = self.channels.iter().enumerate();
-        weights.map(|(k, own)| own.samples.len() as f64 * self.uncertainty(k).powi(-2)).sum()
+        let numbers = 0..self.channels.len();
+        numbers.map(|k| self.compared() as f64 * self.uncertainty(k).powi(-2)).sum()
     }
 
-    /// Uncertainty of a channel over its size; 1 where it is not known.
+    /// Uncertainty of a channel over its size; where it is not known what a fit has shown, or 1.
     fn uncertainty(&self, channel: usize) -> f64 {
-        self.channels[channel].uncertainty.map_or(1.0, |u| u / self.sizes[channel])
+        let shown = self.noise.as_ref().map_or(1.0, |noise| noise[channel]);
+        self.channels[channel].uncertainty.map_or(shown, |u| u / self.sizes[channel])
+    }
+
+    /// The same record, each channel weighed by the differences that a fit has left.
+    pub(super) fn weighed(&self, RecordFit(alignment): &RecordFit) -> Self {
+        let shares = alignment.differences.iter().zip(&self.sizes);
+        let noise = shares.map(|(differences, size)| (rms(differences) / size).max(EXACT));
+        Self { noise: Some(noise.collect()), ..self.clone() }
     }
 
     /// The highest frequency in rad/s that a mesh must follow.
@@ -244,11 +311,11 @@ impl Record {
         self.is_delay_free
     }
 
-    /// The record over the histories of a link, its motor's friction included, late by `delay` samples; none of
-    /// a link that has none.
+    /// The record over the histories of a link, its motor's friction included, late by `delay` samples. None
+    /// if the link cannot be simulated.
     pub(super) fn fitted(&self, link: &Link, mesh: &Mesh, delay: f64) -> Option<RecordFit> {
         let computed = self.computed(link, mesh)?;
-        Some(RecordFit(Alignment::of(&self.overlaid(&computed), delay)))
+        Some(RecordFit(Alignment::of(&self.overlaid(&computed), delay, self.compared())))
     }
 
     /// The delay of whole samples by which the histories of a link lie best over the record.
@@ -301,19 +368,26 @@ impl RecordInput {
 impl Channel {
     /// Root mean square of the samples, about their mean if an offset is free.
     fn size(&self) -> f64 {
-        let number = self.samples.len() as f64;
-        let mean = if self.has_offset { self.samples.iter().sum::<f64>() / number } else { 0.0 };
-        let sum: f64 = self.samples.iter().map(|sample| (sample - mean).powi(2)).sum();
-        (sum / number).sqrt()
+        if self.has_offset { rms_about_mean(&self.samples) } else { rms(&self.samples) }
     }
+}
+
+/// Root mean square of samples.
+pub(super) fn rms(samples: &[f64]) -> f64 {
+    (samples.iter().map(|sample| sample * sample).sum::<f64>() / samples.len() as f64).sqrt()
+}
+
+fn rms_about_mean(samples: &[f64]) -> f64 {
+    let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+    rms(&samples.iter().map(|sample| sample - mean).collect::<Vec<f64>>())
 }
 
 /// Refuses samples that cannot be fitted to.
 fn check(channel: &str, samples: &[f64], must: usize) -> Result<(), RecordError> {
     let channel = channel.to_owned();
     let found = samples.len();
-    if found != must || found < FEWEST {
-        return Err(RecordError::Samples { channel, found, must });
+    if found != must {
+        return Err(RecordError::Uneven { channel, found, must });
     }
     if let Some(sample) = samples.iter().position(|sample| !sample.is_finite()) {
         return Err(RecordError::NotFinite { channel, sample, found: samples[sample] });
@@ -322,5 +396,5 @@ fn check(channel: &str, samples: &[f64], must: usize) -> Result<(), RecordError>
 }
 
 fn is_constant(samples: &[f64]) -> bool {
-    samples.windows(2).all(|pair| pair[0].total_cmp(&pair[1]).is_eq())
+    samples.windows(2).all(|pair| pair[0].partial_cmp(&pair[1]).is_some_and(Ordering::is_eq))
 }

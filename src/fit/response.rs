@@ -120,6 +120,11 @@ impl Response {
         &self.name
     }
 
+    /// The sensor.
+    pub(super) fn sensor(&self) -> Sensor {
+        self.sensor
+    }
+
     /// Relative uncertainty of each value, if it is known.
     pub fn uncertainty(&self) -> Option<f64> {
         self.uncertainty

@@ -125,6 +125,14 @@ impl PlayArgs {
                 (Moving::HubAngle(hub), reading)
             }
         };
+        // A spline that makes the times uniform rings at the steps of a torque that is held.
+        if reading.jitter().is_some() && (self.linear || self.hold != Hold::Cubic) {
+            let message = format!(
+                "{shown}: times = off a uniform step, but must be uniform for --hold zero or linear"
+            );
+            let hint = "write times with more decimals, or --hold cubic";
+            return Err(Failure::new(Exit::InputRefused, &message, Some(hint)));
+        }
         tell(shown, &reading);
         // The options of reading are those of TORQUE.
         let target = target.map(|file| -> Result<_, Failure> {

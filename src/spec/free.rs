@@ -134,7 +134,8 @@ impl LinkDocument {
     /// [`SpecError`] where the path names no value above 0, and for bounds that do not enclose it.
     pub fn free(&self, value: &FreeValue, changes: &[Override]) -> Result<Free, SpecError> {
         let mut tree = self.changed(changes)?;
-        let hint = || format!("give a value to start from: --set {}=VALUE", value.path);
+        let hint =
+            || format!("write a value above 0 to start from into the link file: {}", value.path);
         apply(&mut tree, changes.len(), &value.times(1.0)?)
             .map_err(|error| error.hinting(hint()))?;
         let mut leaves = Vec::new();

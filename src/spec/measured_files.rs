@@ -1,7 +1,7 @@
 //! Measured values in files of their own: frequency responses and recorded histories.
 
 use super::error::Fault;
-use super::value::{Length, Si, tables};
+use super::value::{Count, Length, Si, tables};
 use crate::fit::{Gain, Motor, RecordedInput};
 use crate::model::Sensor;
 use crate::response::Interpolation;
@@ -38,6 +38,8 @@ pub struct RecordFile {
     pub skip: usize,
     /// Which column holds which quantity, as for `--columns`.
     pub columns: Vec<String>,
+    /// Factors on the numbers of columns, as for `--scale`.
+    pub scale: Vec<String>,
     /// The sensors.
     pub channels: Vec<ChannelFile>,
 }
@@ -86,9 +88,11 @@ pub(super) struct RawRecord {
     input: RawInput,
     hold: Option<RawHold>,
     delay: Option<RawFreedom>,
-    skip: Option<u32>,
+    skip: Option<Count>,
     #[serde(default)]
     columns: Vec<String>,
+    #[serde(default)]
+    scale: Vec<String>,
     #[serde(default, deserialize_with = "tables")]
     channel: Vec<RawChannel>,
 }
@@ -231,8 +235,15 @@ impl RawRecord {
         }
         if let (RecordedInput::HubAngle, Some(_)) = (input, self.hold) {
             let path = format!("{path}.hold");
-            let message = format!("{path} must not stand beside input = \"hub_angle\", a spline");
+            let message = format!("{path} has no meaning beside input = \"hub_angle\"");
             return Err(Fault::new(path, message));
+        }
+        if let (RecordedInput::Voltage, None) = (input, self.hold) {
+            let message =
+                format!("{path}.hold is missing: how the voltage goes on between its samples");
+            let hint =
+                "hold = \"zero\" for what a converter gives, \"linear\" for what was measured";
+            return Err(Fault::new(path, message).hinting(hint.to_owned()));
         }
         let hold = match self.hold {
             Some(RawHold::Zero) => Interpolation::Zero,
@@ -252,8 +263,7 @@ impl RawRecord {
             if is_input || channels.iter().any(|earlier| earlier.sensor == channel.sensor) {
                 let path = format!("{path}.sensor");
                 let word = channel.sensor.word();
-                let message =
-                    format!("{path} = \"{word}\", but must be none that is there already");
+                let message = format!("{path} = \"{word}\", which is the input already");
                 return Err(Fault::new(path, message));
             }
             channels.push(channel);
@@ -263,8 +273,9 @@ impl RawRecord {
             input,
             hold,
             is_delay_free: self.delay == Some(RawFreedom::Free),
-            skip: self.skip.unwrap_or_default() as usize,
+            skip: self.skip.map_or(0, |Count(lines)| lines),
             columns: self.columns,
+            scale: self.scale,
             channels,
         })
     }
@@ -313,12 +324,16 @@ mod tests {
                 "m.toml:3: record.0.input = \"voltage\", but must stand beside [motor]",
             ),
             (
+                record("input = 'voltage'\n[[record.channel]]\nsensor = 'hub_angle'\n") + MOTOR,
+                "m.toml:1: record.0.hold is missing: how the voltage goes on between its samples",
+            ),
+            (
                 record("input = 'torque'\n"),
                 "m.toml:1: record.0.channel is missing: at least one sensor must be named",
             ),
             (
                 record("input = 'hub_angle'\n[[record.channel]]\nsensor = 'hub_angle'\n"),
-                "m.toml:5: record.0.channel.0.sensor = \"hub_angle\", but must be none that is there already",
+                "m.toml:5: record.0.channel.0.sensor = \"hub_angle\", which is the input already",
             ),
             (
                 record("input = 'torque'\n[[record.channel]]\nsensor = 'root_strain'\n"),
@@ -335,7 +350,9 @@ mod tests {
         ] {
             assert_eq!(read_measurements("m.toml", &text).unwrap_err().to_string(), expected);
         }
-        let text = record("input = 'voltage'\n[[record.channel]]\nsensor = 'hub_angle'\n") + MOTOR;
+        let text =
+            record("input = 'voltage'\nhold = 'zero'\n[[record.channel]]\nsensor = 'hub_angle'\n")
+                + MOTOR;
         let read = read_measurements("m.toml", &text).unwrap();
         assert!(read.motor.is_some() && read.records[0].channels[0].uncertainty.is_none());
     }

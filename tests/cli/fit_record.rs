@@ -99,7 +99,7 @@ fn what_a_record_is_not_is_refused_with_its_file() {
     };
     for (from, to, expected) in [
         ("log.csv", "lag.csv", "lag.csv: cannot read: "),
-        ("torque=M'", "torque=N'", "log.csv:1: --columns = torque=\"N\", but must be one of"),
+        ("torque=M'", "torque=N'", "log.csv:1: columns = torque=\"N\", but must be one of"),
         ("gain = 'free'\n", "", "unit of a = \"V\", but must be a unit such as m/s^2"),
         (
             "sensor = 'hub_angle'\n",

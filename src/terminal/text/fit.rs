@@ -41,7 +41,12 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
     for record in &outcome.records {
         let name = format!("record {}", record.name);
         let count = format!("{} samples", record.samples);
-        let delay = record.delay_s.map(|delay| format!("delay {:.3} ms", 1e3 * delay));
+        let delay = record.delay_s.map(|delay| {
+            let error = record
+                .delay_standard_error_s
+                .map_or(String::new(), |error| format!(" ± {}", significant(1e3 * error, 2)));
+            format!("delay {}{error} ms", significant(1e3 * delay, 3))
+        });
         lines.push(row([&name, &count, "", &delay.unwrap_or_default()]));
         for ChannelMisfit { sensor, gain, offset, rms, .. } in &record.channels {
             let shown = |name, value: &Option<f64>| {
@@ -68,7 +73,11 @@ fn value_text(value: &FittedValue) -> String {
     let error = value.relative_standard_error.map_or("not known".to_owned(), percent);
     let change = format!("{} %", signed(100.0 * (value.factor - 1.0), 2));
     let interval = value.relative_interval_95.map_or(String::new(), |interval| {
-        let [low, high] = interval.map(|end| significant(value.factor * end, 4));
+        // Two digits of its width.
+        let width = (interval[1] / interval[0] - 1.0).max(1e-9);
+        let digits = (4_usize..).find(|digits| libm::exp10(2.0 - *digits as f64) < width);
+        let [low, high] =
+            interval.map(|end| significant(value.factor * end, digits.unwrap_or_default()));
         format!("{low} … {high}")
     });
     value_row([&value.path, &significant(value.factor, 5), &change, &error, &interval])

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use flexlink::fit::{Channel, FitOutcome, Gain, Measurements, Misfit, Motor, Record, RecordInput};
+use flexlink::fit::{
+    Channel, FitOutcome, FitWarning, Gain, Measurements, Misfit, Motor, Record, RecordInput,
+};
 use flexlink::model::Sensor;
 use flexlink::response::Interpolation;
 use num_complex::Complex64;
@@ -70,6 +72,7 @@ fn channel(
         gain: if is_si { Gain::Known } else { Gain::Free },
         has_offset: offset != 0.0,
         uncertainty: Some(noise),
+        unit: 1.0,
         samples: samples.collect(),
     }
 }
@@ -118,7 +121,7 @@ fn a_torque_and_two_sensors_in_si_determine_all_five_values() {
 
 #[test]
 fn gain_sign_offset_and_delay_are_found_beside_the_values() {
-    for late_s in [0.0234, -0.016, 0.31] {
+    for late_s in [0.0, 0.0234, -0.016, -0.05, 0.31] {
         late_by(late_s);
     }
 }
@@ -132,7 +135,9 @@ fn late_by(late_s: f64) {
     let found = fit(&measured(torque_input(), channels, true), &MECHANICAL);
     check(&found);
     let record = &found.records[0];
-    assert!((record.delay_s.unwrap() / late_s - 1.0).abs() < 0.03, "{record:?}");
+    let error_s = record.delay_standard_error_s.unwrap();
+    assert!(error_s < 1e-3, "{record:?}");
+    assert!((record.delay_s.unwrap() - late_s).abs() < 3.5 * error_s, "{record:?}");
     assert!((record.channels[1].gain.unwrap() / -37.0 - 1.0).abs() < 0.02, "{record:?}");
     assert!((record.channels[1].offset.unwrap() - 2.0).abs() < 0.02, "{record:?}");
     assert!((record.channels[0].offset.unwrap() - 0.4).abs() < 0.02, "{record:?}");
@@ -184,4 +189,107 @@ fn a_record_of_another_sensor_is_no_fit() {
     wrong.sensor = Sensor::TipDeflection;
     let found = fit(&measured(torque_input(), vec![wrong], false), &MECHANICAL);
     assert!(matches!(found.misfit, Some(Misfit::Far { .. })), "{found:?}");
+}
+
+/// What is not compared at the end of a record with a free delay does not matter.
+#[test]
+fn a_disturbed_end_is_no_reason_for_an_early_sensor() {
+    let mut random = Random(36);
+    let mut own = channel(Sensor::HubAngle, (1.0, 0.0), 0.0, &mut random);
+    for (k, sample) in own.samples[920..].iter_mut().enumerate() {
+        *sample += 0.01 * k as f64;
+    }
+    let link = free_text([7.0, 0.8, 0.1, 0.3], &format!("model = 'rayleigh'\nbeta = {BETA_S}"));
+    let found = fitted(&link, &measured(torque_input(), vec![own], true), &["segments.*.EI"]);
+    let found = found.unwrap();
+    let record = &found.records[0];
+    assert!(record.delay_s.unwrap().abs() < 0.1 * STEP_S, "{record:?}");
+}
+
+#[test]
+fn a_short_record_has_a_short_delay() {
+    let mut random = Random(37);
+    let mut own = channel(Sensor::HubAngle, (1.0, 0.0), 0.0, &mut random);
+    let mut torque = history(torque, 0.0);
+    for samples in [4, 5, 50, 130] {
+        own.samples.truncate(130);
+        torque.truncate(130);
+        let (from, own_samples) = (130 - samples, own.samples.clone());
+        let short = Channel { samples: own_samples[from..].to_vec(), ..own.clone() };
+        let input = RecordInput::Torque(torque[from..].to_vec(), Interpolation::Cubic);
+        let record = Record::new("r.csv".into(), STEP_S, input, vec![short], true);
+        let Ok(record) = record else { continue };
+        let measured = Measurements::new(vec![], vec![], vec![record]).unwrap();
+        let found = fit(&measured, &["segments.*.EI"]);
+        let delay_s = found.records[0].delay_s.unwrap();
+        assert!(delay_s.abs() <= (samples / 4) as f64 * STEP_S + 1e-9, "{samples}: {found:?}");
+    }
+}
+
+/// Two sensors, one ten times as noisy: without uncertainties each has a noise of its own, and the standard errors
+/// are those of known ones.
+#[test]
+fn sensors_without_uncertainties_weigh_by_what_they_show() {
+    let mut random = Random(38);
+    let quiet = channel(Sensor::HubAngle, (1.0, 0.0), 0.0, &mut random);
+    let mut noisy = channel(Sensor::TipAcceleration, (1.0, 0.0), 0.0, &mut random);
+    let deviation = 10.0 * noisy.uncertainty.unwrap();
+    noisy.samples.iter_mut().for_each(|sample| *sample += deviation * random.normal());
+    let errors = |uncertainties: [Option<f64>; 2]| -> Vec<f64> {
+        let channels = [&quiet, &noisy].into_iter().zip(uncertainties);
+        let channels = channels.map(|(own, uncertainty)| Channel { uncertainty, ..own.clone() });
+        let found = fit(&measured(torque_input(), channels.collect(), false), &MECHANICAL);
+        check(&found);
+        found.values.iter().map(|value| value.relative_standard_error.unwrap()).collect()
+    };
+    let known = errors([quiet.uncertainty, Some(1.005 * deviation)]);
+    for (shown, known) in errors([None, None]).iter().zip(known) {
+        assert!((shown / known - 1.0).abs() < 0.1, "{shown} is not {known}");
+    }
+}
+
+/// What a user must know of a record, and what makes it none to believe.
+#[test]
+fn lost_samples_large_uncertainties_and_clipped_sensors_are_told() {
+    let warned = |found: &FitOutcome| -> Vec<&str> {
+        found.warnings().iter().map(FitWarning::kind).collect()
+    };
+    let mut random = Random(39);
+    let own = channel(Sensor::HubAngle, (1.0, 0.0), 0.0, &mut random);
+    let of =
+        |channel: Channel| fit(&measured(torque_input(), vec![channel], false), &["segments.*.EI"]);
+    let true_link = |channel: Channel| {
+        let link = free_text([7.0, 0.8, 0.1, 0.3], "model = 'rayleigh'\nbeta = 0.006");
+        let measured = measured(torque_input(), vec![channel], false);
+        fitted(&link, &measured, &["segments.*.EI"]).unwrap()
+    };
+    let clean = true_link(own.clone());
+    assert_eq!(warned(&clean), Vec::<&str>::new(), "{clean:?}");
+    let mut lost = Channel { uncertainty: None, ..own.clone() };
+    lost.samples[300] = 10.0 * lost.samples[120];
+    assert_eq!(warned(&true_link(lost)), ["stray_sample"]);
+    let large = Channel { uncertainty: own.uncertainty.map(|u| 10.0 * u), ..own.clone() };
+    assert_eq!(warned(&true_link(large)), ["small_chi_squared"]);
+    let limit = 0.3 * own.samples.iter().fold(0.0_f64, |m, sample| m.max(sample.abs()));
+    let clipped = own.samples.iter().map(|sample| sample.clamp(-limit, limit)).collect();
+    let clipped = Channel { uncertainty: None, samples: clipped, ..own };
+    let found = of(clipped);
+    assert!(matches!(found.misfit, Some(Misfit::Lacking { .. } | Misfit::Far { .. })), "{found:?}");
+}
+
+/// An encoder of 1024 counts as the input: its steps are no motion.
+#[test]
+fn a_hub_angle_of_few_counts_is_told() {
+    let angle = history(|omega| torque(omega) * per_torque(Sensor::HubAngle, omega), 0.0);
+    let mut random = Random(40);
+    let own = channel(Sensor::TipAcceleration, (1.0, 0.0), 0.0, &mut random);
+    let noise = |step: f64| {
+        let angle = angle.iter().map(|x| if step > 0.0 { (x / step).round() * step } else { *x });
+        let input = RecordInput::HubAngle(angle.collect());
+        let found = fit(&measured(input, vec![own.clone()], false), &["segments.*.EI"]);
+        found.records[0].input_noise
+    };
+    assert_eq!(noise(0.0), None);
+    let share = noise(std::f64::consts::TAU / 1024.0).unwrap();
+    assert!((1e-3..1e-1).contains(&share), "{share}");
 }

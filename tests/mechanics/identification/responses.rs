@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use flexlink::fit::{FitOutcome, Gain, Measurements, Misfit, Response};
+use flexlink::fit::{FitOutcome, Gain, Measurements, Misfit, Motor, Response};
 use flexlink::model::Sensor;
 use num_complex::Complex64;
 
@@ -80,4 +80,41 @@ fn a_response_of_another_transfer_is_no_fit() {
     let measured = response(Sensor::HubAngle, (Sensor::HubRate, Gain::Known), 1.0, 100);
     let found = fit(&measured, &ALL);
     assert!(matches!(found.misfit, Some(Misfit::Far { .. })), "{found:?}");
+}
+
+/// `y/V = k (y/T)/(1 + iω f θ/T)` with `k = N k_t/R` and the friction `f = (N k_t)²/R`, the sign turned.
+#[test]
+fn a_response_per_volt_of_unknown_sign_is_that_of_the_driven_motor() {
+    let (constant, resistance, gear) = (0.042, 8.4, 30.0);
+    let motor = Motor::new(constant, resistance, gear).unwrap();
+    let law = Complex64::new(1.0, 2.0 * RATIO);
+    let noise = 0.02;
+    let mut random = Random(8);
+    let frequencies: Vec<f64> =
+        (0..200).map(|k| 0.3 * 100_f64.powf(f64::from(k) / 199.0)).collect();
+    let value = |hertz: &f64| {
+        let omega = TAU * hertz;
+        let friction = (gear * constant).powi(2) / resistance;
+        let angle = per_torque(Sensor::HubAngle, omega, law);
+        let driven = 1.0 + Complex64::new(0.0, omega * friction) * angle;
+        let exact =
+            gear * constant / resistance * per_torque(Sensor::RootStrain, omega, law) / driven;
+        -exact * (1.0 + Complex64::new(random.normal(), random.normal()) * noise)
+    };
+    let values: Vec<Complex64> = frequencies.iter().map(value).collect();
+    let fitted = |gain| {
+        let rows = (frequencies.clone(), values.clone());
+        let response =
+            Response::new("frf.csv".into(), (Sensor::RootStrain, gain), Some(noise), rows);
+        let response = response.unwrap().per_volt(&motor);
+        fit(&Measurements::new(vec![], vec![response], vec![]).unwrap(), &ALL)
+    };
+    let found = fitted(Gain::Sign);
+    assert_eq!((&found.misfit, found.undetermined.len()), (&None, 0), "{found:?}");
+    let exact = [5.0 / 7.0, 0.8 / 0.6, 0.1 / 0.13, 0.3 / 0.2, RATIO / 0.012];
+    for (value, exact) in found.values.iter().zip(exact) {
+        let error = value.relative_standard_error.unwrap();
+        assert!((value.factor / exact).ln().abs() < 3.0 * error, "{value:?}, not {exact}");
+    }
+    assert!(matches!(fitted(Gain::Known).misfit, Some(Misfit::Far { .. })));
 }

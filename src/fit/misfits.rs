@@ -1,0 +1,239 @@
+//! How far a fitted link is from the measurements, and whether it is one to believe.
+
+use nalgebra::DMatrix;
+use serde::Serialize;
+use thiserror::Error;
+
+use super::measurement::Measured;
+use super::measurements::{Measurements, Prediction};
+use super::record_misfit::RecordMisfit;
+use super::response::ResponseMisfit;
+use crate::model::Sensor;
+use crate::numeric::{NORMAL_95, student_95};
+
+/// Samples of delay that weigh as a factor of e on a free value: within its bounds each may go about as far.
+pub(super) const DELAY_UNIT: f64 = 15.0;
+
+/// Share of its size by which a channel may be missed where the differences are no noise.
+const LACKING: f64 = 0.05;
+
+/// Uncertainties beyond which a measurement is an outlier.
+const OUTLIER: f64 = 3.0;
+
+/// Root mean square of the relative misfits of frequencies and responses above which no measurement fits.
+const LARGEST_MISFIT: f64 = 0.25;
+
+/// Standard deviations of the sum of squares beyond which it is no chance: one in ten thousand.
+const NO_CHANCE: f64 = 3.72;
+
+/// A measurement beside its prediction.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Residual {
+    /// The measurement.
+    #[serde(flatten)]
+    pub measured: Measured,
+    /// The fitted link's value.
+    pub fitted: f64,
+    /// Fitted over measured value, less 1.
+    pub relative: f64,
+    /// The difference over the measurement's uncertainty, if that is known.
+    pub uncertainties: Option<f64>,
+    /// True if it lies beyond three uncertainties.
+    pub is_outlier: bool,
+}
+
+/// Why a fitted link is not to be believed.
+#[derive(Debug, Clone, PartialEq, Serialize, Error)]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum Misfit {
+    /// The data do not determine all free values.
+    #[error("no link is written: the free values are not all determined")]
+    Undetermined,
+    /// The sum of squares is larger than the uncertainties explain.
+    #[error(
+        "no link is written: no values of the free keys bring all measurements within their uncertainties \
+         (chi² = {chi_squared:.3e} with {degrees_of_freedom} degrees of freedom)"
+    )]
+    Contradiction {
+        /// Sum of the squared residuals over uncertainties.
+        chi_squared: f64,
+        /// Measurements less free values.
+        degrees_of_freedom: usize,
+    },
+    /// A free value wants to leave its bounds.
+    #[error(
+        "no link is written: {path} lies on its bound, {} times the file's value",
+        crate::text::significant(*factor, 4)
+    )]
+    Bound {
+        /// Its path.
+        path: String,
+        /// The bound, as a factor on the file's value.
+        factor: f64,
+    },
+    /// The delay of a record is the longest that is looked for.
+    #[error(
+        "no link is written: the delay of {name} is the longest that is looked for, {longest} samples"
+    )]
+    Late {
+        /// Its file.
+        name: String,
+        /// The longest delay in samples.
+        longest: usize,
+    },
+    /// A record is missed by more than noise.
+    #[error(
+        "no link is written: {} of {name} differs by {:.0} % of its size, and not as noise does",
+        sensor.word(),
+        100.0 * rms
+    )]
+    Lacking {
+        /// Its file.
+        name: String,
+        /// The sensor.
+        sensor: Sensor,
+        /// Root mean square of the differences over that of the samples.
+        rms: f64,
+    },
+    /// The iteration has not come to an end.
+    #[error("no link is written: the sum of squares still falls after the last iteration")]
+    Unsettled,
+    /// The relative misfits are too large for measurements of this link.
+    #[error(
+        "no link is written: with the best values the link is still {:.0} % off the measurements (root mean \
+         square)",
+        100.0 * rms
+    )]
+    Far {
+        /// Their root mean square.
+        rms: f64,
+    },
+}
+
+/// How far a fitted link is from the measurements.
+pub(super) struct Misfits {
+    pub(super) residuals: Vec<Residual>,
+    pub(super) responses: Vec<ResponseMisfit>,
+    pub(super) records: Vec<RecordMisfit>,
+    pub(super) has_uncertainties: bool,
+    /// Residuals less free values, those of files among them.
+    pub(super) degrees_of_freedom: usize,
+    /// Sum of the squared residuals; NaN of a link that lacks a measured mode.
+    pub(super) sum: f64,
+    /// Root mean square of the relative misfits.
+    pub(super) rms: f64,
+}
+
+impl Misfits {
+    pub(super) fn of(
+        measurements: &Measurements,
+        free: usize,
+        predicted: Option<&Prediction>,
+    ) -> Self {
+        let fitted = |k: usize| predicted.and_then(|predicted| predicted.values[k]);
+        let values = measurements.values().iter().enumerate();
+        let values = values.map(|(k, one)| Residual::of(*one, fitted(k).unwrap_or(f64::NAN)));
+        let residuals: Vec<Residual> = values.collect();
+        let misfits = predicted.map(|predicted| &predicted.responses[..]).unwrap_or_default();
+        let responses = measurements.responses().iter().zip(misfits);
+        let responses = responses.map(|(response, misfits)| ResponseMisfit::of(response, misfits));
+        let fits = predicted.map(|predicted| &predicted.records[..]).unwrap_or_default();
+        let records = measurements.records().iter().zip(fits);
+        let records: Vec<RecordMisfit> =
+            records.map(|(record, fit)| RecordMisfit::of(record, fit)).collect();
+        let [rows, own] = measurements.rows();
+        let scaled = predicted.and_then(|predicted| measurements.residuals(predicted));
+        // Damping ratios differ by more without being wrong.
+        let is_damping = |residual: &&Residual| residual.measured.observable.is_damping();
+        let frequencies = residuals.iter().filter(|residual| !is_damping(residual));
+        let of_records = records.iter().flat_map(|record: &RecordMisfit| {
+            record.channels.iter().map(|channel| channel.rms.powi(2))
+        });
+        // A channel of a record counts once.
+        let squares: Vec<f64> = frequencies
+            .map(|residual| residual.relative.powi(2))
+            .chain(misfits.iter().flatten().map(|misfit| misfit * misfit))
+            .chain(of_records)
+            .collect();
+        Self {
+            responses: responses.collect(),
+            records,
+            has_uncertainties: measurements.has_uncertainties(),
+            degrees_of_freedom: rows.saturating_sub(free + own),
+            sum: scaled.map_or(f64::NAN, |scaled| scaled.iter().map(|r| r * r).sum()),
+            rms: (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt(),
+            residuals,
+        }
+    }
+
+    /// Standard errors of the delays, whose rows of the covariance follow those of the free values.
+    pub(super) fn set_delay_errors(&mut self, spread: Option<(f64, &DMatrix<f64>)>, free: usize) {
+        let Some((scale, covariance)) = spread else { return };
+        let late = self.records.iter_mut().filter(|record| record.delay_s.is_some());
+        for (k, record) in late.enumerate() {
+            let samples = scale * DELAY_UNIT * covariance[(free + k, free + k)].sqrt();
+            record.delay_standard_error_s = Some(samples * record.step_s);
+        }
+    }
+
+    /// Standard deviation of a residual: 1 of those over their uncertainty; else what the residuals show, if
+    /// they are more than the free values.
+    pub(super) fn scale(&self) -> Option<f64> {
+        let shown = || (self.sum / self.degrees_of_freedom as f64).sqrt();
+        if self.has_uncertainties { Some(1.0) } else { (self.degrees_of_freedom > 0).then(shown) }
+    }
+
+    /// Standard errors within which 95 % of the true values lie: more where the residuals show the scale.
+    pub(super) fn reach_95(&self) -> f64 {
+        if self.has_uncertainties { NORMAL_95 } else { student_95(self.degrees_of_freedom) }
+    }
+
+    /// Whether the misfits are larger than chance, or than any measurement of this link could leave.
+    pub(super) fn judged(&self) -> Option<Misfit> {
+        let Self { rms, sum: chi_squared, degrees_of_freedom, .. } = *self;
+        if rms.is_nan() || rms > LARGEST_MISFIT {
+            return Some(Misfit::Far { rms });
+        }
+        let channels = self
+            .records
+            .iter()
+            .flat_map(|record| record.channels.iter().map(|channel| (&record.name, channel)));
+        let mut lacking = channels.filter(|(_, own)| own.rms > LACKING && own.is_correlated());
+        if let Some((name, channel)) = lacking.next() {
+            let (name, sensor, rms) = (name.clone(), channel.sensor, channel.rms);
+            return Some(Misfit::Lacking { name, sensor, rms });
+        }
+        if !self.has_uncertainties {
+            return None;
+        }
+        let is_chance = chi_squared <= no_chance(degrees_of_freedom, NO_CHANCE);
+        (!is_chance).then_some(Misfit::Contradiction { chi_squared, degrees_of_freedom })
+    }
+}
+
+/// The sum of squares of so many normal numbers that lies so many standard deviations away.
+///
+/// Wilson and Hilferty: the cube root of χ²/k is nearly normal.
+fn no_chance(degrees_of_freedom: usize, deviations: f64) -> f64 {
+    let k = degrees_of_freedom.max(1) as f64;
+    let variance = 2.0 / (9.0 * k);
+    k * (1.0 - variance + deviations * variance.sqrt()).max(0.0).powi(3)
+}
+
+/// True of a sum of squares that is smaller than the uncertainties let expect once in ten thousand cases.
+pub(super) fn is_too_small(chi_squared: f64, degrees_of_freedom: usize) -> bool {
+    degrees_of_freedom > 0 && chi_squared < no_chance(degrees_of_freedom, -NO_CHANCE)
+}
+
+impl Residual {
+    pub(super) fn of(measured: Measured, fitted: f64) -> Self {
+        let uncertainties = measured.uncertainty.map(|u| (fitted - measured.value) / u);
+        Self {
+            measured,
+            fitted,
+            relative: fitted / measured.value - 1.0,
+            uncertainties,
+            is_outlier: uncertainties.is_some_and(|u| u.abs() > OUTLIER),
+        }
+    }
+}
