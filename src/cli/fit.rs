@@ -59,10 +59,11 @@ measured.toml holds any of
   resistance = 8.4         # ohm
   gear_ratio = 70          # default 1";
 
-/// The link that was measured: values of a link file from frequencies, damping ratios and responses.
+/// The link that was measured: values of a link file from frequencies, damping ratios, responses and records.
 ///
-/// Changes the free values until the link's natural frequencies, zeros, damping ratios and frequency
-/// responses fit the measured ones best: least squares of the relative differences, over their uncertainties.
+/// Changes the free values until the link's natural frequencies, zeros, damping ratios, frequency responses
+/// and recorded histories fit the measured ones best: least squares of the relative differences, of a record
+/// the differences of its samples, over their uncertainties.
 /// Prints each value with its standard error and the factors between which 95 of 100 true ones lie, each
 /// measurement beside the fitted link's value, and what the data do not determine; -o writes the link file
 /// with the values replaced, comments and all else kept, and fit.json beside it.

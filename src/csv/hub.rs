@@ -73,8 +73,8 @@ pub fn read_torque_table_as(
     Ok((torque, reading))
 }
 
-/// Reads a motion of the hub, that a feedback follows or that is played: `hub_angle`, and `hub_rate` if it is given, as in the
-/// `hub_angle.csv` of `solve`. Other columns are ignored.
+/// Reads a motion of the hub, that a feedback follows or that is played: `hub_angle`, and `hub_rate` if it is
+/// given, as in the `hub_angle.csv` of `solve`. Other columns are ignored.
 ///
 /// ```
 /// use flexlink::csv::read_hub_reference;

@@ -1,4 +1,5 @@
-//! A link from what was measured on it: natural frequencies, zeros, damping ratios and frequency responses.
+//! A link from what was measured on it: natural frequencies, zeros, damping ratios, frequency responses and
+//! recorded histories.
 //!
 //! ```text
 //! link.toml + free values ─► Link ─► predictions ─► residuals ─► least squares ─► factors
@@ -8,7 +9,9 @@
 //!
 //! The unknowns are the logarithms of factors on values of the link file. For a link with n free values the
 //! residual of each measurement is the logarithm of prediction over measured value, over the relative
-//! uncertainty of the measurement.
+//! uncertainty of the measurement. The residuals of a record are the differences of its samples from the
+//! history of the link, over their uncertainty; gain, offset and delay of the sensors, where they are free, are
+//! those that fit best.
 
 mod advice;
 mod alignment;

@@ -106,7 +106,7 @@ impl Record {
     pub(super) fn overlays(&self, RecordFit(alignment): &RecordFit) -> Vec<Overlay> {
         let channels = self.channels.iter().zip(&alignment.differences);
         let overlay = |(channel, differences): (&Channel, &Vec<f64>)| {
-            let [quantity, unit] = words(channel.sensor);
+            let (quantity, unit) = (channel.sensor.quantity(), channel.sensor.unit());
             let measured = &channel.samples[..differences.len()];
             let pairs = measured.iter().zip(differences);
             Overlay {
@@ -119,16 +119,5 @@ impl Record {
             }
         };
         channels.map(overlay).collect()
-    }
-}
-
-/// Name and unit of what a sensor shows.
-fn words(sensor: Sensor) -> [&'static str; 2] {
-    match sensor {
-        Sensor::HubAngle => ["hub angle", "rad"],
-        Sensor::HubRate => ["hub rate", "rad/s"],
-        Sensor::TipDeflection => ["tip deflection", "m"],
-        Sensor::TipAcceleration => ["tip acceleration", "m/s^2"],
-        Sensor::RootStrain => ["root curvature", "1/m"],
     }
 }

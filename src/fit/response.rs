@@ -15,17 +15,6 @@ pub(super) const MOST_UNCERTAIN: f64 = 0.5;
 /// Fewest frequencies of a response.
 const FEWEST: usize = 2;
 
-/// Name and unit of a sensor's response.
-fn words(sensor: Sensor) -> [&'static str; 2] {
-    match sensor {
-        Sensor::HubAngle => ["hub angle per torque", "rad/(N m)"],
-        Sensor::HubRate => ["hub rate per torque", "1/(N m s)"],
-        Sensor::TipDeflection => ["tip deflection per torque", "1/N"],
-        Sensor::TipAcceleration => ["tip acceleration per torque", "1/(kg m)"],
-        Sensor::RootStrain => ["root curvature per torque", "1/(N m^2)"],
-    }
-}
-
 /// Whether the scale of measured values is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -55,14 +44,24 @@ pub enum ResponseError {
     Uncertainty(f64),
 }
 
+/// What the values were taken per.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Source {
+    Torque,
+    /// The voltage of a motor, whose back voltage adds this to the hub's friction; the values are divided by
+    /// the motor's torque per volt.
+    Voltage {
+        friction_n_m_s_rad: f64,
+    },
+}
+
 /// A measured frequency response of the link on its free hub.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     name: String,
     sensor: Sensor,
     gain: Gain,
-    /// What the back voltage of a motor adds to the hub's friction, of values per volt.
-    motor_friction_n_m_s_rad: f64,
+    source: Source,
     uncertainty: Option<f64>,
     frequencies_hz: Vec<f64>,
     values: Vec<Complex64>,
@@ -96,15 +95,7 @@ impl Response {
         if let Some(wrong) = uncertainty.filter(|u| !(*u > 0.0 && *u < MOST_UNCERTAIN)) {
             return Err(ResponseError::Uncertainty(wrong));
         }
-        Ok(Self {
-            name,
-            sensor,
-            gain,
-            motor_friction_n_m_s_rad: 0.0,
-            uncertainty,
-            frequencies_hz,
-            values,
-        })
+        Ok(Self { name, sensor, gain, source: Source::Torque, uncertainty, frequencies_hz, values })
     }
 
     /// The same values taken per volt at a motor, no longer per torque.
@@ -112,7 +103,8 @@ impl Response {
     pub fn per_volt(mut self, motor: &Motor) -> Self {
         let torque_n_m_v = motor.torque_per_volt_n_m_v();
         self.values.iter_mut().for_each(|value| *value /= torque_n_m_v);
-        Self { motor_friction_n_m_s_rad: motor.friction_n_m_s_rad(), ..self }
+        let friction_n_m_s_rad = motor.friction_n_m_s_rad();
+        Self { source: Source::Voltage { friction_n_m_s_rad }, ..self }
     }
 
     /// What messages call it.
@@ -131,7 +123,10 @@ impl Response {
     }
 
     pub(super) fn motor_friction_n_m_s_rad(&self) -> f64 {
-        self.motor_friction_n_m_s_rad
+        match self.source {
+            Source::Torque => 0.0,
+            Source::Voltage { friction_n_m_s_rad } => friction_n_m_s_rad,
+        }
     }
 
     /// The highest frequency in rad/s.
@@ -189,10 +184,14 @@ impl Response {
         let phase = unwrapped(phase);
         let ahead: Vec<f64> = of(&|k| misfits[2 * k + 1].to_degrees());
         let measured_phase = phase.iter().zip(&ahead).map(|(fitted, ahead)| fitted - ahead);
-        let [quantity, unit] = words(self.sensor);
-        let unit = if self.gain == Gain::Free { "" } else { unit };
+        let quantity = self.sensor.quantity();
+        let unit = if self.gain == Gain::Free { "" } else { self.sensor.unit_per_torque() };
+        let per = match self.source {
+            Source::Torque => "per torque",
+            Source::Voltage { .. } => "per torque, from volts",
+        };
         let overlay = |y: Coordinate, measured, fitted| Overlay {
-            name: format!("{}: {quantity}, {}", self.name, y.name),
+            name: format!("{}: {quantity} {per}, {}", self.name, y.name),
             x: Coordinate::logarithmic("frequency", "Hz"),
             y,
             places: places.clone(),
@@ -261,6 +260,9 @@ mod tests {
         let [gain, phase] = response.overlays(&misfits);
         assert_eq!(gain.name, "frf.csv: hub rate per torque, gain");
         assert_eq!((gain.y.unit, phase.y.unit), ("", "°"));
+        let motor = Motor::new(0.04, 8.0, 1.0).unwrap();
+        let [of_volts, _] = response.clone().per_volt(&motor).overlays(&misfits);
+        assert_eq!(of_volts.name, "frf.csv: hub rate per torque, from volts, gain");
         assert_eq!(gain.places, [1.0, 2.0, 3.0, 4.0, 5.0]);
         for k in 0..5 {
             assert!((gain.fitted[k] / gain.measured[k] - libm::exp(0.1)).abs() < 1e-12);

@@ -32,6 +32,39 @@ impl Sensor {
         }
     }
 
+    /// What it measures, in words.
+    pub fn quantity(self) -> &'static str {
+        match self {
+            Self::HubAngle => "hub angle",
+            Self::HubRate => "hub rate",
+            Self::TipDeflection => "tip deflection",
+            Self::TipAcceleration => "tip acceleration",
+            Self::RootStrain => "root curvature",
+        }
+    }
+
+    /// The SI unit of that.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::HubAngle => "rad",
+            Self::HubRate => "rad/s",
+            Self::TipDeflection => "m",
+            Self::TipAcceleration => "m/s^2",
+            Self::RootStrain => "1/m",
+        }
+    }
+
+    /// The unit over N m.
+    pub fn unit_per_torque(self) -> &'static str {
+        match self {
+            Self::HubAngle => "rad/(N m)",
+            Self::HubRate => "1/(N m s)",
+            Self::TipDeflection => "1/N",
+            Self::TipAcceleration => "1/(kg m)",
+            Self::RootStrain => "1/(N m^2)",
+        }
+    }
+
     /// Its response per torque at the hub, joint friction included, at angular frequencies above 0.
     ///
     /// ```text

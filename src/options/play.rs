@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use flexlink::csv::{
-    InputFile, TableFormat, read_hub_reference_as, read_measured, read_target, read_torque_table_as,
+    InputFile, TableFormat, read_hub_reference_as, read_recording, read_target,
+    read_torque_table_as,
 };
 use flexlink::motion::TipTarget;
 use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, Torque};
-use flexlink::result::Measured;
+use flexlink::result::ChannelRecording;
 
 use super::common::{finite, option};
 use super::read::{ReadArgs, tell};
@@ -37,8 +38,8 @@ pub(crate) struct PlayArgs {
     #[arg(value_name = "TORQUE")]
     pub(crate) file: PathBuf,
 
-    /// What TORQUE holds: the torque, or the hub angle, as which the hub is then moved, whatever torque that
-    /// takes. The hub rests before the first sample and turns on at its rate after the last.
+    /// What TORQUE holds: the torque, or the hub angle: the hub follows it exactly, and the torque is computed.
+    /// The hub rests before the first sample and turns on at its rate after the last.
     #[arg(long, value_name = "KIND", value_enum, default_value_t = InputKind::Torque)]
     input: InputKind,
 
@@ -93,7 +94,7 @@ pub(crate) struct Playing {
     moving: Moving,
     interpolation: Interpolation,
     pub(crate) target: Option<(InputFile, TipTarget)>,
-    pub(crate) measured: Option<(InputFile, Measured)>,
+    pub(crate) measured: Option<(InputFile, ChannelRecording)>,
     pub(crate) reference_file: Option<InputFile>,
     feedback: Option<Feedback>,
     initial_tip_m: f64,
@@ -142,9 +143,9 @@ impl PlayArgs {
         });
         let target = target.transpose()?;
         let measured = measured.map(|file| -> Result<_, Failure> {
-            let (measured, reading) = read_measured(&file.shown, &file.bytes)?;
+            let (recording, reading) = read_recording(&file.shown, &file.bytes)?;
             tell(&file.shown, &reading);
-            Ok((file, measured))
+            Ok((file, recording))
         });
         let measured = measured.transpose()?;
         let reference = reference_file.as_ref().map(|file| -> Result<HubReference, Failure> {

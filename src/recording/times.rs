@@ -12,8 +12,8 @@ const UNIFORM: f64 = 1e-3;
 const UNNOTICED: f64 = 2e-7;
 
 /// Largest distance of times in s from the uniform grid that fits them best, in steps, where the motion is to
-/// be interpolated: it is more than the digits of the times explain, changes the displacement, if that is given, noticeably, and is
-/// at most [`LARGEST_JITTER`].
+/// be interpolated: it is more than the digits of the times explain, changes the displacement, if that is
+/// given, noticeably, and is at most [`LARGEST_JITTER`].
 pub fn jitter(time_s: &[f64], displacement_m: Option<&[f64]>) -> Option<f64> {
     if time_s.len() < 2 {
         return None;

@@ -219,12 +219,48 @@ fn measured(outcome: &FitOutcome) -> Markup {
             td { (percent(response.rms, 2)) }
         } }
     };
+    let head_of_records = [
+        "record",
+        "channel",
+        "samples",
+        "delay",
+        "gain",
+        "offset",
+        "difference, rms",
+        "correlation of neighbours",
+    ];
     html! {
         @if !outcome.residuals.is_empty() { (table(head, &rows)) }
         @if !outcome.responses.is_empty() {
             (table(&["response", "frequencies", "difference, rms"], &responses))
         }
+        @if !outcome.records.is_empty() {
+            (table(&head_of_records, &records(outcome)))
+            p { "The difference is over the root mean square of the channel's samples, about their mean where \
+                 the offset is free. The correlation of each difference with the next is about 0 of noise, \
+                 near 1 where the model lacks something. An offset without a unit is in that of the samples. \
+                 A dash: not free." }
+        }
         p { "All together are " (percent(outcome.rms_misfit, 2)) " off (root mean square)." }
+    }
+}
+
+/// Every channel of every record.
+fn records(outcome: &FitOutcome) -> Markup {
+    let fitted = |number: Option<f64>, unit: &str| {
+        number.map_or("–".to_owned(), |number| with_unit(&shown(number, 4), unit))
+    };
+    html! {
+        @for record in &outcome.records { @for channel in &record.channels { tr {
+            th scope="row" { (record.name) }
+            td { (channel.sensor.quantity()) }
+            td { (record.samples) }
+            td { (fitted(record.delay_s, "s")) }
+            td { (fitted(channel.gain, "")) }
+            td { (fitted(channel.offset, channel.gain.map_or(channel.sensor.unit(), |_| ""))) }
+            td { (percent(channel.rms, 2)) }
+            td { (shown(channel.autocorrelation, 2)) }
+        } } }
     }
 }
 

@@ -202,7 +202,7 @@ impl Simulation {
             shapes: self.equations.shapes[..1].to_vec(),
             reaction: HubReaction::default(),
             damping: None,
-            moved: None,
+            prescribed: None,
         };
         let mut q = Vec::with_capacity(torque_n_m.len());
         let cubics = pieces(torque_n_m, Interpolation::Cubic);

@@ -118,7 +118,8 @@ const STEP_SHARE: f64 = 1e-3;
 /// Rate of the hub at its first sample over its peak, above which a warning is given.
 const MOVES: f64 = 1e-2;
 
-/// Roughness of a torque over that of noise, above which a warning is given. A sine of six samples a period has 0.4.
+/// Roughness of a torque over that of noise, above which a warning is given. A sine of six samples a period
+/// has 0.4.
 const ROUGH: f64 = 0.4;
 
 /// Steps in a period of the first mode below which a warning is given.
@@ -170,8 +171,8 @@ pub enum SimulationWarning {
     },
     /// A torque that the steps or the noise of a recorded hub angle make.
     #[error(
-        "the torque jumps from sample to sample, {:.0} % as noise alone would: it has the steps or the noise of \
-         the recorded hub angle, differentiated twice, in it; the tip hardly has",
+        "the torque jumps from sample to sample, {:.0} % as noise alone would: the torque contains the second \
+         derivative of the encoder's noise; the tip's motion hardly does",
         100.0 * share
     )]
     RoughTorque {
@@ -233,7 +234,7 @@ impl SimulationWarning {
             Self::BeginsWithJump { .. } | Self::EndsWithJump { .. } => {
                 "a torque of solve begins and ends at zero unless analysis.lead or analysis.lag cut it"
             }
-            Self::HubBeginsMoving { .. } => "a recording that begins with a rest",
+            Self::HubBeginsMoving { .. } => "use a recording that begins at rest",
             Self::RoughTorque { .. } => {
                 "compare the tip, or record the hub with more counts or at a longer step"
             }

@@ -1,6 +1,9 @@
 //! The link on a hub that moves as prescribed.
+//!
+//! The link is rigidly fixed to the hub: the motor side of a link file's `[drive]` is no part of it, and
+//! `hub.inertia` must include the rotor reflected through the gear, N² J.
 
-use super::modes::{Coordinate, Equations, Moved};
+use super::modes::{Coordinate, Equations, PrescribedHub};
 use crate::modal::{DampingLaw, Shape};
 use crate::numeric::SymmetricEigen;
 
@@ -78,7 +81,7 @@ pub(super) fn held(free: &Equations, law: &DampingLaw) -> Option<Equations> {
         }
         damping
     });
-    let moved = Moved { inertia_kg_m2: rigid.hub_angle.powi(-2), drag_per_s };
+    let prescribed = PrescribedHub { inertia_kg_m2: rigid.hub_angle.powi(-2), drag_per_s };
     let reaction = free.reaction.of_friction();
-    Some(Equations { coordinates, shapes, reaction, damping, moved: Some(moved) })
+    Some(Equations { coordinates, shapes, reaction, damping, prescribed: Some(prescribed) })
 }

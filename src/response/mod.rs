@@ -24,6 +24,6 @@ pub use history::{HistoryError, HubReference, Torque};
 pub use modes::ModeSelection;
 pub use play::{Feedback, Input, Interpolation, Play};
 pub use residual::ResidualVibration;
-pub use sensed::{Driven, sensed};
+pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;
 pub use simulation::{PlayError, Simulation, simulate};

@@ -48,12 +48,12 @@ pub(super) struct Equations {
     /// Damping between the coordinates in 1/s, row by row; none: each has its own rate.
     pub(super) damping: Option<Vec<f64>>,
     /// Set where the hub moves as prescribed, and u is its acceleration.
-    pub(super) moved: Option<Moved>,
+    pub(super) prescribed: Option<PrescribedHub>,
 }
 
 /// What the torque of a hub that moves as prescribed needs.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Moved {
+pub(super) struct PrescribedHub {
     /// Rigid inertia about the axis in kg m².
     pub(super) inertia_kg_m2: f64,
     /// Rate α at which the damping law drags every mass in 1/s.
@@ -92,7 +92,7 @@ impl Equations {
             coordinates.push(coordinate(omega_rad_s * omega_rad_s, rate_per_s, &shape));
             shapes.push(shape);
         }
-        Self { coordinates, shapes, reaction, damping: None, moved: None }
+        Self { coordinates, shapes, reaction, damping: None, prescribed: None }
     }
 
     /// Period of the first flexible mode in s.
@@ -135,7 +135,9 @@ impl Equations {
     pub(super) fn damped_w(&self, rate: &[f64]) -> f64 {
         let own = |k: usize| rate[k] * self.damped(k, rate);
         let damped: f64 = (0..rate.len()).map(own).sum();
-        let Some(Moved { inertia_kg_m2, drag_per_s }) = self.moved else { return damped };
+        let Some(PrescribedHub { inertia_kg_m2, drag_per_s }) = self.prescribed else {
+            return damped;
+        };
         // Drag takes angular momentum from the hub, too.
         let momentum = inertia_kg_m2 * rate[0] + self.bending(rate);
         damped + drag_per_s * momentum * rate[0]
@@ -151,7 +153,7 @@ impl Equations {
     pub(super) fn motor_n_m(&self, q: &[f64], rate: &[f64], acceleration: &[f64], u: f64) -> f64 {
         let (reaction, hub_rate) = (self.reaction, self.hub(rate));
         let friction_n_m = reaction.friction_n_m_s_rad * hub_rate;
-        let Some(Moved { inertia_kg_m2, drag_per_s }) = self.moved else {
+        let Some(PrescribedHub { inertia_kg_m2, drag_per_s }) = self.prescribed else {
             // Friction acts on the hub; the rest of the reaction is the motor's.
             return u - (reaction.torque_n_m(self.hub(q), hub_rate) - friction_n_m);
         };

@@ -19,11 +19,11 @@ const LONGEST: usize = 1 << 24;
 pub enum Input<'a> {
     /// The torque at the hub; zero before its first and after its last sample.
     Torque(&'a Torque),
-    /// The hub angle: the hub moves as it says. It is at rest before the first sample, and turns on at its rate
-    /// after the last one.
+    /// The hub angle, which the hub follows exactly. It is at rest before the first sample, and turns on at
+    /// its rate after the last one.
     ///
-    /// The angle between the samples is a quintic spline with neither rate nor acceleration at the start; rates
-    /// that come with it are not used.
+    /// The angle between the samples is a quintic spline with neither rate nor acceleration at the start;
+    /// rates that come with it are not used.
     HubAngle(&'a HubReference),
 }
 
@@ -294,8 +294,8 @@ fn same_times(a: &TimeGrid, b: &TimeGrid) -> bool {
         && near(a.time_s(a.len - 1), b.time_s(b.len - 1))
 }
 
-/// Input u of the modal equations: the hub's acceleration, or the torque, and the part of the feedback that depends on its reference.
-/// The part that depends on the link's motion belongs to the equations.
+/// Input u of the modal equations: the hub's acceleration, or the torque, and the part of the feedback that
+/// depends on its reference. The part that depends on the link's motion belongs to the equations.
 #[derive(Debug, Clone)]
 pub(super) struct Driving {
     samples: Vec<f64>,
@@ -321,7 +321,7 @@ impl Driving {
     }
 }
 
-/// The torque between its samples.
+/// A torque, or the voltage of a motor, between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Interpolation {

@@ -90,8 +90,8 @@ impl ResidualVibration {
 pub(super) enum Reading {
     /// A reference holds the hub: the tip's final displacement in m.
     Held(f64),
-    /// The hub turns freely, or as prescribed: the tip's deflection by friction in m per rate of the rigid rotation. The
-    /// rotation itself is no vibration either.
+    /// The hub turns freely, or as prescribed: the tip's deflection by friction in m per rate of the rigid
+    /// rotation. The rotation itself is no vibration either.
     Free(f64),
 }
 

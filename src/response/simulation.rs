@@ -18,7 +18,8 @@ use crate::numeric::{TimeGrid, largest};
 /// rate of each mode.
 const BYTES_PER_SAMPLE: usize = 190;
 
-/// The motion of a link under a torque, or on a hub that moves as prescribed. The times of all histories are [`Simulation::grid`].
+/// The motion of a link under a torque, or on a hub that moves as prescribed. The times of all histories are
+/// [`Simulation::grid`].
 #[derive(Debug, Clone)]
 pub struct Simulation {
     /// Times of all histories: those of the input, continued to the given end.
@@ -54,13 +55,13 @@ pub struct Simulation {
     pub(super) record: Record,
 }
 
-/// Plays a torque, or a motion of the hub, on a link: direct dynamics in modal coordinates, each mode integrated exactly for
-/// the interpolated torque (Bayo 1987, eqs 11 and 12).
+/// Computes the motion of a link under a torque, or on a hub that moves as prescribed: direct dynamics in
+/// modal coordinates, each mode integrated exactly for the interpolated input (Bayo 1987, eqs 11 and 12).
 ///
-/// The modes are those within the band of the torque; the others act as one residual mode with their static
-/// response. Hysteretic damping has no equation in time: its ratio is taken as the
-/// viscous ratio of every mode, of the held ones where the hub moves as prescribed. An automatic mesh is refined until it follows the torque's band to
-/// the plan's tolerance.
+/// The modes are those within the band of the input; the others act as one residual mode with their static
+/// response. Hysteretic damping has no equation in time: its ratio is taken as the viscous ratio of every
+/// mode, of the held ones where the hub moves as prescribed. An automatic mesh is refined until it follows
+/// the input's band to the plan's tolerance.
 ///
 /// # Errors
 /// [`SimulationError`].
@@ -72,7 +73,7 @@ pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation,
     play_on(link, mesh, play, band_rad_s)
 }
 
-/// Plays a torque on a link as [`simulate`] does, on a given mesh.
+/// Computes the motion as [`simulate`] does, on a given mesh.
 ///
 /// # Errors
 /// [`SimulationError`].
@@ -84,7 +85,7 @@ pub(crate) fn simulate_on(
     play_on(link, mesh, play, play.band_rad_s().ok_or(play.nothing())?)
 }
 
-/// Plays a torque that drives the link up to `band_rad_s`.
+/// Computes the motion under an input, torque or hub angle, that drives the link up to `band_rad_s`.
 fn play_on(
     link: &Link,
     mesh: Mesh,

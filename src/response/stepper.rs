@@ -120,14 +120,14 @@ impl Stepper {
         }
     }
 
-    /// What these factors on coordinates and rates make of the state, as [`Stepper::shown`] takes them.
+    /// What these factors on coordinates and rates make of the state, as [`Stepper::weighted`] takes them.
     pub(super) fn factors(&self, on_coordinates: &[f64], on_rates: &[f64]) -> Vec<f64> {
         let scaled = on_coordinates.iter().zip(&self.scales).map(|(factor, scale)| factor / scale);
         scaled.chain(on_rates.iter().copied()).collect()
     }
 
     /// The sum of the state times these factors.
-    pub(super) fn shown(&self, factors: &[f64]) -> f64 {
+    pub(super) fn weighted(&self, factors: &[f64]) -> f64 {
         let (coordinates, rates) = self.state.split_at(self.count);
         let (on_coordinates, on_rates) = factors.split_at(self.count);
         let own = on_coordinates.iter().zip(coordinates);
@@ -179,8 +179,8 @@ impl Record {
     }
 }
 
-/// The matrix of which a step is the exponential, for some of the coordinates: scaled coordinates, rates, and the
-/// derivatives of the cubic.
+/// The matrix of which a step is the exponential, for some of the coordinates: scaled coordinates, rates, and
+/// the derivatives of the cubic.
 fn generator(
     equations: &Equations,
     scales: &[f64],

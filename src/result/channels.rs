@@ -7,95 +7,50 @@ use thiserror::Error;
 use crate::numeric::{CubicSpline, SplineEnds, rounded};
 use crate::response::Simulation;
 
-/// A quantity that is both recorded and simulated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Channel {
-    /// Hub angle in rad.
-    HubAngle,
-    /// Hub rate in rad/s.
-    HubRate,
-    /// Displacement of the tip in m.
-    Tip,
-    /// Velocity of the tip in m/s.
-    Velocity,
-    /// Acceleration of the tip in m/s².
-    Acceleration,
-    /// Deflection of the tip from the hub's tangent line in m.
-    TipDeflection,
-    /// Torque at the hub in N m.
-    Torque,
-}
-
-impl Channel {
-    /// The name, as in summary.json.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::HubAngle => "hub_angle",
-            Self::HubRate => "hub_rate",
-            Self::Tip => "tip",
-            Self::Velocity => "velocity",
-            Self::Acceleration => "acceleration",
-            Self::TipDeflection => "tip_deflection",
-            Self::Torque => "torque",
-        }
-    }
-
-    /// The SI unit.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::HubAngle => "rad",
-            Self::HubRate => "rad/s",
-            Self::Tip | Self::TipDeflection => "m",
-            Self::Velocity => "m/s",
-            Self::Acceleration => "m/s²",
-            Self::Torque => "N m",
-        }
-    }
-
-    /// Samples of a simulation.
-    fn of(self, simulation: &Simulation) -> Vec<f64> {
-        match self {
-            Self::HubAngle => simulation.hub_angle_rad.clone(),
-            Self::HubRate => simulation.hub_rate_rad_s.clone(),
-            Self::Tip => simulation.tip.displacement_m.clone(),
-            Self::Velocity => simulation.tip.velocity_m_s.clone(),
-            Self::Acceleration => simulation.tip.acceleration_m_s2.clone(),
-            Self::TipDeflection => simulation.tip_deflection_m(),
-            Self::Torque => simulation.torque_n_m.clone(),
-        }
-    }
-}
-
-/// A recording of some channels in SI. Times increase; they need not be uniform.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
-    /// Times in s.
-    pub time_s: Vec<f64>,
-    /// As many samples of each channel as there are times.
-    pub channels: Vec<(Channel, Vec<f64>)>,
-}
+use super::recording::{ChannelRecording, SimulatedChannel};
 
 /// Why a recording is not compared with a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error(
-    "{found} of the times lie within the simulation, {} to {} s, but {FEWEST} or more must",
-    rounded(*start_s, 12),
-    rounded(*end_s, 12)
-)]
-pub struct NoOverlap {
-    /// Times within the simulation.
-    pub found: usize,
-    /// First time of the simulation in s.
-    pub start_s: f64,
-    /// Last time of the simulation in s.
-    pub end_s: f64,
+pub enum ComparisonError {
+    /// A recording of nothing.
+    #[error("the recording has no channel, but must have one or more")]
+    NoChannel,
+    /// A channel without a sample for each time.
+    #[error("{} = {samples} samples, but must be as many as there are times, {times}", channel.name())]
+    Uneven {
+        /// The channel.
+        channel: SimulatedChannel,
+        /// Its samples.
+        samples: usize,
+        /// Times of the recording.
+        times: usize,
+    },
+    /// Too few times within the simulation.
+    #[error(
+        "{found} of the times lie within the simulation, {} to {} s, but {FEWEST} or more must",
+        rounded(*start_s, 12),
+        rounded(*end_s, 12)
+    )]
+    NoOverlap {
+        /// Times within the simulation.
+        found: usize,
+        /// First time of the simulation in s.
+        start_s: f64,
+        /// Last time of the simulation in s.
+        end_s: f64,
+    },
 }
 
-impl NoOverlap {
+impl ComparisonError {
     /// What the user can do about it.
     pub fn hint(&self) -> &'static str {
-        "both must count time from the same instant; --until simulates longer"
+        match self {
+            Self::NoChannel => "record what a simulation has: hub angle, tip, torque",
+            Self::Uneven { .. } => "give every channel a sample for each time",
+            Self::NoOverlap { .. } => {
+                "both must count time from the same instant; --until simulates longer"
+            }
+        }
     }
 }
 
@@ -130,17 +85,31 @@ pub struct Comparison {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ChannelComparison {
     /// The channel.
-    pub channel: Channel,
+    pub channel: SimulatedChannel,
     /// Root mean square of the difference, in the channel's SI unit.
     pub rms: f64,
-    /// Root mean square of the recording.
-    pub recorded_rms: f64,
-    /// Root mean square of the simulation at the same times.
-    pub simulated_rms: f64,
-    /// That of the difference over that of the recording; none where the recording is zero.
+    /// Root mean square of the recording about its mean: the zero of an absolute sensor is no part of it.
+    pub recorded_deviation: f64,
+    /// Root mean square of the simulation at the same times about its mean.
+    pub simulated_deviation: f64,
+    /// `rms` over `recorded_deviation`; none where the recording is constant.
     pub share: Option<f64>,
-    /// None where recording or simulation stands still, and where the best delay is the longest.
+    /// Delay, gain and offset, if they are found.
     pub fit: Option<ChannelFit>,
+    /// Why they are not; none beside a fit.
+    pub no_fit: Option<NoFit>,
+}
+
+/// Why a channel has no delay, gain and offset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NoFit {
+    /// The recording is constant.
+    ConstantRecording,
+    /// The simulation is constant.
+    ConstantSimulation,
+    /// The best delay is the longest that was searched.
+    LongestDelay,
 }
 
 /// Least squares of `recording(t) = gain · simulation(t − delay) + offset`.
@@ -152,7 +121,7 @@ pub struct ChannelFit {
     pub gain: f64,
     /// What the recording has more, in the channel's SI unit.
     pub offset: f64,
-    /// Root mean square of the difference that is left, over that of the recording.
+    /// Root mean square of the difference that is left, over that of the recording about its mean.
     pub left: f64,
 }
 
@@ -163,39 +132,52 @@ impl Comparison {
     /// first mode's period, where the next wave would fit as well, and up to a tenth of the duration.
     ///
     /// # Errors
-    /// [`NoOverlap`].
-    pub fn of(simulation: &Simulation, measured: &Measured) -> Result<Self, NoOverlap> {
+    /// [`ComparisonError`]: a recording without channel or with too few times within the simulation.
+    pub fn of(
+        simulation: &Simulation,
+        recording: &ChannelRecording,
+    ) -> Result<Self, ComparisonError> {
+        let times = recording.time_s.len();
+        if recording.channels.is_empty() {
+            return Err(ComparisonError::NoChannel);
+        }
+        if let Some((channel, samples)) =
+            recording.channels.iter().find(|(_, samples)| samples.len() != times)
+        {
+            let (channel, samples) = (*channel, samples.len());
+            return Err(ComparisonError::Uneven { channel, samples, times });
+        }
         let grid = &simulation.grid;
         let (start_s, end_s) = (grid.time_s(0), grid.end_s());
         // A millionth of a step beside the last sample is that sample.
         let near_s = 1e-6 * grid.step_s;
-        let first = measured.time_s.partition_point(|t| *t < start_s - near_s);
-        let behind = measured.time_s.partition_point(|t| *t <= end_s + near_s);
+        let first = recording.time_s.partition_point(|t| *t < start_s - near_s);
+        let behind = recording.time_s.partition_point(|t| *t <= end_s + near_s);
         let found = behind.saturating_sub(first);
         if found < FEWEST {
-            return Err(NoOverlap { found, start_s, end_s });
+            return Err(ComparisonError::NoOverlap { found, start_s, end_s });
         }
-        let time_s = &measured.time_s[first..behind];
+        let time_s = &recording.time_s[first..behind];
         let (from_s, until_s) = (time_s[0], time_s[found - 1]);
         let period_s = simulation.first_period_s().unwrap_or(f64::INFINITY);
         let longest_delay_s = (OF_PERIOD * period_s).min(OF_RECORD * (until_s - from_s));
-        let compared = |(channel, recorded): &(Channel, Vec<f64>)| {
-            let own = Own {
+        let compared = |(channel, recorded): &(SimulatedChannel, Vec<f64>)| {
+            let simulated = SimulatedHistory {
                 spline: CubicSpline::uniform(&channel.of(simulation), SplineEnds::NotAKnot),
                 start_s,
                 step_s: grid.step_s,
                 last: (grid.len - 1) as f64,
             };
-            let pair = Pair { own, time_s, recorded: &recorded[first..behind] };
+            let pair = Pair { simulated, time_s, recorded: &recorded[first..behind] };
             pair.compared(*channel, longest_delay_s)
         };
         Ok(Self {
             from_s,
             until_s,
             samples: found,
-            left_out: measured.time_s.len() - found,
+            left_out: times - found,
             longest_delay_s,
-            channels: measured.channels.iter().map(compared).collect(),
+            channels: recording.channels.iter().map(compared).collect(),
         })
     }
 
@@ -218,14 +200,14 @@ impl Comparison {
 }
 
 /// A channel of the simulation over time.
-struct Own {
+struct SimulatedHistory {
     spline: CubicSpline,
     start_s: f64,
     step_s: f64,
     last: f64,
 }
 
-impl Own {
+impl SimulatedHistory {
     /// Value and rate at a time, those of its ends beyond them.
     fn at(&self, time_s: f64) -> [f64; 2] {
         let x = (time_s - self.start_s) / self.step_s;
@@ -238,7 +220,7 @@ impl Own {
 
 /// A recorded channel and the simulated one.
 struct Pair<'a> {
-    own: Own,
+    simulated: SimulatedHistory,
     time_s: &'a [f64],
     recorded: &'a [f64],
 }
@@ -251,30 +233,39 @@ struct Tried {
 }
 
 impl Pair<'_> {
-    fn compared(&self, channel: Channel, longest_s: f64) -> ChannelComparison {
-        let simulated: Vec<f64> = self.time_s.iter().map(|t| self.own.at(*t)[0]).collect();
+    fn compared(&self, channel: SimulatedChannel, longest_s: f64) -> ChannelComparison {
+        let simulated: Vec<f64> = self.time_s.iter().map(|t| self.simulated.at(*t)[0]).collect();
         let difference = self.recorded.iter().zip(&simulated).map(|(a, b)| a - b);
         let rms = root_mean_square(difference);
-        let recorded_rms = root_mean_square(self.recorded.iter().copied());
-        let moves = |samples: &[f64]| samples.iter().any(|x| x.to_bits() != samples[0].to_bits());
-        let both_move = moves(self.recorded) && moves(&simulated);
+        let recorded_deviation = deviation(self.recorded);
+        let simulated_deviation = deviation(&simulated);
+        let fit = if recorded_deviation == 0.0 {
+            Err(NoFit::ConstantRecording)
+        } else if simulated_deviation == 0.0 {
+            Err(NoFit::ConstantSimulation)
+        } else {
+            self.fitted(recorded_deviation, longest_s)
+        };
         ChannelComparison {
             channel,
             rms,
-            recorded_rms,
-            simulated_rms: root_mean_square(simulated.iter().copied()),
-            share: (recorded_rms > 0.0).then(|| rms / recorded_rms),
-            fit: if both_move { self.fitted(recorded_rms, longest_s) } else { None },
+            recorded_deviation,
+            simulated_deviation,
+            share: (recorded_deviation > 0.0).then(|| rms / recorded_deviation),
+            fit: fit.ok(),
+            no_fit: fit.err(),
         }
     }
 
     /// The best of delays on a grid, improved by Gauss and Newton's iteration.
-    fn fitted(&self, recorded_rms: f64, longest_s: f64) -> Option<ChannelFit> {
+    fn fitted(&self, recorded_deviation: f64, longest_s: f64) -> Result<ChannelFit, NoFit> {
         let spacing_s = longest_s / f64::from(TRIED);
-        let at = |delay_s: f64| self.tried(delay_s, recorded_rms, longest_s);
+        let at = |delay_s: f64| self.tried(delay_s, recorded_deviation, longest_s);
         let delays = (-TRIED..=TRIED).map(|k| f64::from(k) * spacing_s);
         let smaller = |a: &Tried, b: &Tried| a.fit.left.total_cmp(&b.fit.left);
-        let mut best = delays.filter_map(at).min_by(smaller)?;
+        let best = delays.filter_map(at).min_by(smaller);
+        // None: the simulation is constant as long as all delays leave it.
+        let mut best = best.ok_or(NoFit::ConstantSimulation)?;
         for _ in 0..MOST_STEPS {
             let change_s = best.change_s.clamp(-spacing_s, spacing_s);
             // Halved until it improves: noise and kinks mislead the derivative.
@@ -286,22 +277,23 @@ impl Pair<'_> {
                 Some(tried) => best = tried,
                 None => break,
             }
-            if best.change_s.abs() < SETTLED * self.own.step_s {
+            if best.change_s.abs() < SETTLED * self.simulated.step_s {
                 break;
             }
         }
-        (best.fit.delay_s.abs() < longest_s - 0.5 * spacing_s).then_some(best.fit)
+        let is_within = best.fit.delay_s.abs() < longest_s - 0.5 * spacing_s;
+        if is_within { Ok(best.fit) } else { Err(NoFit::LongestDelay) }
     }
 
     /// Gain and offset at a delay, by least squares with the linearised change of the delay.
     ///
     /// The last samples, at which the delayed simulation may have ended, are left out for every delay.
-    fn tried(&self, delay_s: f64, recorded_rms: f64, longest_s: f64) -> Option<Tried> {
-        let end_s = self.own.start_s + self.own.last * self.own.step_s;
+    fn tried(&self, delay_s: f64, recorded_deviation: f64, longest_s: f64) -> Option<Tried> {
+        let end_s = self.simulated.start_s + self.simulated.last * self.simulated.step_s;
         let count = self.time_s.partition_point(|t| *t + longest_s <= end_s).max(FEWEST / 2);
         let rows = || {
             let pairs = self.time_s[..count].iter().zip(self.recorded);
-            pairs.map(|(t, y)| (self.own.at(t - delay_s), *y))
+            pairs.map(|(t, y)| (self.simulated.at(t - delay_s), *y))
         };
         let mut mean = [0.0; 3];
         for ([v, rate], y) in rows() {
@@ -326,7 +318,7 @@ impl Pair<'_> {
         let own = rr - vr * vr / vv;
         let change_s = if own > 0.0 { -(ry - gain * vr) / (own * gain) } else { 0.0 };
         let offset = mean[2] - gain * mean[0];
-        let left = (squares / count as f64).sqrt() / recorded_rms;
+        let left = (squares / count as f64).sqrt() / recorded_deviation;
         let fit = ChannelFit { delay_s, gain, offset, left };
         Some(Tried { fit, change_s: if change_s.is_finite() { change_s } else { 0.0 } })
     }
@@ -341,4 +333,13 @@ const SETTLED: f64 = 1e-6;
 fn root_mean_square(samples: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = samples.len() as f64;
     (samples.map(|x| x * x).sum::<f64>() / count).sqrt()
+}
+
+/// Root mean square about the mean; 0 of equal samples, whose mean may round to another number.
+fn deviation(samples: &[f64]) -> f64 {
+    if samples.iter().all(|x| x.to_bits() == samples[0].to_bits()) {
+        return 0.0;
+    }
+    let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+    root_mean_square(samples.iter().map(|x| x - mean))
 }

@@ -8,10 +8,11 @@ mod limits;
 mod metrics;
 mod modes;
 mod peak;
+mod recording;
 mod remark;
 mod stored;
 
-pub use channels::{Channel, ChannelComparison, ChannelFit, Comparison, Measured, NoOverlap};
+pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
 pub use errors::{
     BandMeshError, CoarseMesh, LateTarget, TargetError, TipError, mesh_error, mesh_errors,
 };
@@ -20,6 +21,7 @@ pub use limits::{Exceeded, LimitedValue, Limits, Reached};
 pub use metrics::{Metrics, MotorMetrics, PlayedMetrics, TIMING_LEVEL};
 pub use modes::{HeldModes, ModesResult};
 pub use peak::Peak;
+pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;
 pub use stored::{
     LineDifference, Origin, Repeated, RepeatedFile, StoredCheck, StoredInput, StoredNodes,

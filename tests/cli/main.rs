@@ -11,6 +11,7 @@ mod damping;
 mod exits;
 mod files;
 mod fit;
+mod fit_page;
 mod fit_record;
 mod help;
 mod line_ends;

@@ -2,7 +2,7 @@
 
 use flexlink::link::{Damping, Link};
 use flexlink::response::{Input, Interpolation, Play, PlayError, Simulation};
-use flexlink::result::{ChannelComparison, Comparison, PlayedMetrics, TipError};
+use flexlink::result::{ChannelComparison, Comparison, NoFit, PlayedMetrics, TipError};
 use flexlink::store::PlayFindings;
 use flexlink::text::significant;
 
@@ -56,13 +56,13 @@ fn measured_text(comparison: &Comparison) -> String {
     std::iter::once(head).chain([row(labels)]).chain(rows).collect::<Vec<_>>().join("\n")
 }
 
-/// Share of the recording, or of the longest delay, below which no number is printed.
+/// Share of the recording about its mean, or of the longest delay, below which no number is printed.
 const NOTHING: f64 = 1e-6;
 
 fn channel_row(channel: &ChannelComparison, comparison: &Comparison) -> String {
     let name = channel.channel.name().to_owned();
     // What is smaller is round-off.
-    let least = NOTHING * channel.recorded_rms;
+    let least = NOTHING * channel.recorded_deviation;
     let is_more = channel.rms >= least;
     let rms = significant(if is_more { channel.rms } else { least }, if is_more { 3 } else { 1 });
     let rms = format!("{}{rms} {}", if is_more { "" } else { "<" }, channel.channel.unit());
@@ -76,13 +76,11 @@ fn channel_row(channel: &ChannelComparison, comparison: &Comparison) -> String {
     };
     let share = channel.share.map_or("-".to_owned(), percent);
     let Some(fit) = channel.fit else {
-        let why = if channel.recorded_rms == 0.0 {
-            "recorded at rest".to_owned()
-        } else if channel.simulated_rms == 0.0 {
-            "simulated at rest".to_owned()
-        } else {
-            let longest = significant(comparison.longest_delay_s, 2);
-            format!("no delay within ±{longest} s")
+        let longest = || significant(comparison.longest_delay_s, 2);
+        let why = match channel.no_fit {
+            Some(NoFit::ConstantRecording) => "recording is constant".to_owned(),
+            Some(NoFit::ConstantSimulation) => "simulation is constant".to_owned(),
+            Some(NoFit::LongestDelay) | None => format!("no delay within ±{} s", longest()),
         };
         return format!("{name:<15}{rms:>16}{share:>10}  {why}");
     };

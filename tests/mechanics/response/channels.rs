@@ -3,7 +3,7 @@
 use super::{link, mesh_of, peak, played};
 use flexlink::link::Damping;
 use flexlink::response::{Play, Simulation, Torque};
-use flexlink::result::{Channel, ChannelComparison, Comparison, Measured};
+use flexlink::result::{ChannelComparison, ChannelRecording, Comparison, NoFit, SimulatedChannel};
 
 /// Parts of the simulation's step that a recording may be late by.
 const PARTS: u32 = 10;
@@ -23,32 +23,38 @@ fn simulated(step_s: f64, until_s: f64) -> Simulation {
     played(&link, &mesh_of(&link, 10), &Play { until_s: Some(until_s), ..Play::of(&torque) })
 }
 
-fn samples(simulation: &Simulation, channel: Channel) -> Vec<f64> {
+fn samples(simulation: &Simulation, channel: SimulatedChannel) -> Vec<f64> {
     match channel {
-        Channel::HubAngle => simulation.hub_angle_rad.clone(),
-        Channel::HubRate => simulation.hub_rate_rad_s.clone(),
-        Channel::Tip => simulation.tip.displacement_m.clone(),
-        Channel::Velocity => simulation.tip.velocity_m_s.clone(),
-        Channel::Acceleration => simulation.tip.acceleration_m_s2.clone(),
-        Channel::TipDeflection => simulation.tip_deflection_m(),
-        Channel::Torque => simulation.torque_n_m.clone(),
+        SimulatedChannel::HubAngle => simulation.hub_angle_rad.clone(),
+        SimulatedChannel::HubRate => simulation.hub_rate_rad_s.clone(),
+        SimulatedChannel::Tip => simulation.tip.displacement_m.clone(),
+        SimulatedChannel::Velocity => simulation.tip.velocity_m_s.clone(),
+        SimulatedChannel::Acceleration => simulation.tip.acceleration_m_s2.clone(),
+        SimulatedChannel::TipDeflection => simulation.tip_deflection_m(),
+        SimulatedChannel::Torque => simulation.torque_n_m.clone(),
     }
 }
 
-const ALL: [Channel; 7] = [
-    Channel::HubAngle,
-    Channel::HubRate,
-    Channel::Tip,
-    Channel::Velocity,
-    Channel::Acceleration,
-    Channel::TipDeflection,
-    Channel::Torque,
+const ALL: [SimulatedChannel; 7] = [
+    SimulatedChannel::HubAngle,
+    SimulatedChannel::HubRate,
+    SimulatedChannel::Tip,
+    SimulatedChannel::Velocity,
+    SimulatedChannel::Acceleration,
+    SimulatedChannel::TipDeflection,
+    SimulatedChannel::Torque,
 ];
 
 /// A recording every `every` parts of a step, late by so many parts, of all channels.
-fn recorded(fine: &Simulation, every: usize, late: i32, gain: f64, offset: f64) -> Measured {
+fn recorded(
+    fine: &Simulation,
+    every: usize,
+    late: i32,
+    gain: f64,
+    offset: f64,
+) -> ChannelRecording {
     let places: Vec<usize> = (3..fine.grid.len).step_by(every).collect();
-    let channel = |channel: Channel| {
+    let channel = |channel: SimulatedChannel| {
         let own = samples(fine, channel);
         let last = i32::try_from(own.len() - 1).unwrap();
         let at = |k: &usize| {
@@ -57,13 +63,13 @@ fn recorded(fine: &Simulation, every: usize, late: i32, gain: f64, offset: f64) 
         };
         (channel, places.iter().map(at).collect())
     };
-    Measured {
+    ChannelRecording {
         time_s: places.iter().map(|k| fine.grid.time_s(*k)).collect(),
         channels: ALL.map(channel).into(),
     }
 }
 
-fn compared(simulation: &Simulation, measured: &Measured) -> Vec<ChannelComparison> {
+fn compared(simulation: &Simulation, measured: &ChannelRecording) -> Vec<ChannelComparison> {
     Comparison::of(simulation, measured).unwrap().channels
 }
 
@@ -122,7 +128,7 @@ fn noise_is_the_difference_and_what_is_left() {
         let ratio = channel.rms / deviation;
         assert!((ratio - 1.0).abs() < 0.12, "{name}: {ratio}");
         let fit = channel.fit.unwrap();
-        let left = fit.left * channel.recorded_rms / deviation;
+        let left = fit.left * channel.recorded_deviation / deviation;
         assert!((left - 1.0).abs() < 0.12, "{name}: {left}");
         assert!(
             fit.delay_s.abs() < 0.5 * STEP_S && (fit.gain - 1.0).abs() < 0.01,
@@ -139,7 +145,8 @@ fn a_delay_beyond_the_range_is_not_found_rather_than_wrong() {
     let longest_s = comparison.longest_delay_s;
     assert!((longest_s - 0.25 * own.first_period_s().unwrap()).abs() < 1e-12, "{longest_s}");
     let hub = &comparison.channels[0];
-    assert!(hub.fit.is_none() && hub.share.unwrap() > 0.1, "{hub:?}");
+    assert_eq!((hub.fit, hub.no_fit), (None, Some(NoFit::LongestDelay)));
+    assert!(hub.share.unwrap() > 0.1, "{hub:?}");
 }
 
 #[test]
@@ -147,18 +154,56 @@ fn times_outside_are_left_out_and_a_channel_at_rest_has_no_delay() {
     let own = simulated(STEP_S, 4.0);
     let time_s: Vec<f64> =
         (0..500).map(|k| -0.5 + 0.01 * f64::from(k) + 0.0004 * f64::from(k % 3)).collect();
-    let still = vec![0.0; 500];
-    let measured = Measured { time_s, channels: vec![(Channel::Torque, still)] };
-    let comparison = Comparison::of(&own, &measured).unwrap();
+    // One as a load cell at rest has it, one with an offset.
+    let channels = vec![
+        (SimulatedChannel::Torque, vec![0.0; 500]),
+        (SimulatedChannel::HubAngle, vec![10.1; 500]),
+    ];
+    let recording = ChannelRecording { time_s, channels };
+    let comparison = Comparison::of(&own, &recording).unwrap();
     assert_eq!((comparison.samples, comparison.left_out), (401, 99));
-    let torque = &comparison.channels[0];
-    assert_eq!((torque.share, torque.fit, torque.recorded_rms.to_bits()), (None, None, 0));
-    assert!(torque.rms > 0.0 && torque.rms.to_bits() == torque.simulated_rms.to_bits());
+    for channel in &comparison.channels {
+        assert_eq!((channel.share, channel.fit), (None, None));
+        assert_eq!(channel.no_fit, Some(NoFit::ConstantRecording));
+        assert_eq!(channel.recorded_deviation.to_bits(), 0);
+        assert!(channel.rms > 0.0 && channel.simulated_deviation > 0.0);
+    }
     let json = serde_json::to_string(&comparison).unwrap();
     assert_eq!(serde_json::from_str::<Comparison>(&json).unwrap(), comparison);
+}
 
-    let later = Measured { time_s: vec![5.0, 6.0, 7.0, 8.0], channels: vec![] };
-    let error = Comparison::of(&own, &later).unwrap_err();
-    let expected = "0 of the times lie within the simulation, 0 to 4 s, but 8 or more must";
-    assert_eq!(error.to_string(), expected);
+/// An absolute encoder far from 0 makes no misfit look small.
+#[test]
+fn shares_are_of_the_recording_about_its_mean() {
+    let own = simulated(STEP_S, 4.0);
+    let fitted = |offset: f64| {
+        let mut recording = recorded(&own, 1, 0, 1.0, offset);
+        recording.channels.truncate(1);
+        let mut state = 7;
+        for value in &mut recording.channels[0].1 {
+            *value += 0.1 * (random(&mut state) - 0.5);
+        }
+        compared(&own, &recording)[0]
+    };
+    let (near, far) = (fitted(0.0), fitted(100.0));
+    let [near_left, far_left] = [near, far].map(|channel| channel.fit.unwrap().left);
+    assert!((far_left / near_left - 1.0).abs() < 1e-6, "{far_left} is not {near_left}");
+    assert!(far.share.unwrap() > 100.0, "the offset is a difference");
+}
+
+#[test]
+fn a_recording_of_nothing_or_of_another_time_is_refused() {
+    let own = simulated(STEP_S, 4.0);
+    let refused = |time_s: &[f64], channels: &[(SimulatedChannel, Vec<f64>)]| {
+        let recording = ChannelRecording { time_s: time_s.to_vec(), channels: channels.to_vec() };
+        Comparison::of(&own, &recording).unwrap_err().to_string()
+    };
+    let tip = |count: usize| (SimulatedChannel::Tip, vec![0.1; count]);
+    let overlap = "0 of the times lie within the simulation, 0 to 4 s, but 8 or more must";
+    assert_eq!(refused(&[5.0, 6.0, 7.0, 8.0], &[tip(4)]), overlap);
+    assert_eq!(refused(&[], &[tip(0)]), overlap);
+    let nothing = "the recording has no channel, but must have one or more";
+    assert_eq!(refused(&[0.0, 1.0], &[]), nothing);
+    let uneven = "tip = 3 samples, but must be as many as there are times, 2";
+    assert_eq!(refused(&[0.0, 1.0], &[tip(2), tip(3)]), uneven);
 }

@@ -9,7 +9,7 @@ use super::heading::{
 use super::motion_columns::unread;
 use super::place::TableError;
 use super::samples::Samples;
-use crate::result::{Channel, Measured};
+use crate::result::{ChannelRecording, SimulatedChannel};
 
 /// All that a simulation gives.
 const CHANNELS: Vocabulary = Vocabulary {
@@ -31,39 +31,39 @@ const CHANNELS: Vocabulary = Vocabulary {
 };
 
 /// The channel of each quantity.
-const OF_QUANTITY: [(Quantity, Channel); 8] = [
-    (HUB_ANGLE, Channel::HubAngle),
-    (HUB_RATE, Channel::HubRate),
-    (TIP, Channel::Tip),
-    (DISPLACEMENT, Channel::Tip),
-    (VELOCITY, Channel::Velocity),
-    (ACCELERATION, Channel::Acceleration),
-    (DEFLECTION, Channel::TipDeflection),
-    (TORQUE, Channel::Torque),
+const OF_QUANTITY: [(Quantity, SimulatedChannel); 8] = [
+    (HUB_ANGLE, SimulatedChannel::HubAngle),
+    (HUB_RATE, SimulatedChannel::HubRate),
+    (TIP, SimulatedChannel::Tip),
+    (DISPLACEMENT, SimulatedChannel::Tip),
+    (VELOCITY, SimulatedChannel::Velocity),
+    (ACCELERATION, SimulatedChannel::Acceleration),
+    (DEFLECTION, SimulatedChannel::TipDeflection),
+    (TORQUE, SimulatedChannel::Torque),
 ];
 
 /// Reads a recording: `time`, and any of `hub_angle`, `hub_rate`, `tip` or `displacement`, `velocity` and
 /// `acceleration` of the tip, `tip_deflection` and `torque`. Times must increase; they need not be uniform.
 ///
 /// ```
-/// use flexlink::csv::read_measured;
-/// use flexlink::result::Channel;
+/// use flexlink::csv::read_recording;
+/// use flexlink::result::SimulatedChannel;
 /// let file = b"Time (ms),hub_angle [deg],tip [mm]\n0,0,0\n1,1,0\n2,3,1\n3,6,3\n";
-/// let (measured, _) = read_measured("rig.csv", file)?;
-/// let (channel, samples) = &measured.channels[1];
-/// assert_eq!((*channel, samples[3], measured.time_s[3]), (Channel::Tip, 0.003, 0.003));
+/// let (recording, _) = read_recording("rig.csv", file)?;
+/// let (channel, samples) = &recording.channels[1];
+/// assert_eq!((*channel, samples[3], recording.time_s[3]), (SimulatedChannel::Tip, 0.003, 0.003));
 /// # Ok::<(), flexlink::csv::TableError>(())
 /// ```
 ///
 /// # Errors
 /// [`TableError`] names the file, and line and column where they are at fault.
-pub fn read_measured(name: &str, bytes: &[u8]) -> Result<(Measured, Reading), TableError> {
+pub fn read_recording(name: &str, bytes: &[u8]) -> Result<(ChannelRecording, Reading), TableError> {
     let mut samples = Samples::read(name, bytes, &TableFormat::default(), channel_columns)?;
     let time_s = samples.take(TIME).unwrap_or_default();
     let taken = OF_QUANTITY.into_iter();
     let taken = taken.filter_map(|(quantity, channel)| Some((channel, samples.take(quantity)?)));
     let channels = taken.collect();
-    Ok((Measured { time_s, channels }, samples.reading))
+    Ok((ChannelRecording { time_s, channels }, samples.reading))
 }
 
 fn channel_columns(header: Header) -> Result<(Columns, Reading), TableError> {
