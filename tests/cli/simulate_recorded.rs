@@ -135,8 +135,8 @@ fn channels_are_compared_at_the_recordings_times_and_recorded_in_the_summary() {
 #[test]
 fn a_constant_channel_says_so_in_place_of_a_delay() {
     let bench = solved(&[]);
-    let rows: String = (0..200).map(|k| format!("{},0.4,{k}\n", 0.01 * f64::from(k))).collect();
-    bench.write("rig.csv", &format!("time,torque,hub_angle\n{rows}"));
+    let rows: Vec<String> = (0..200).map(|k| format!("{},0.4,{k}", 0.01 * f64::from(k))).collect();
+    bench.write("rig.csv", &format!("time,torque,hub_angle\n{}\n", rows.join("\n")));
     let output = simulated(&bench, &["out/torque.csv", "--measured", "rig.csv"]);
     let text = stdout(&output);
     let of = |channel: &str| text.lines().rfind(|line| line.starts_with(channel)).unwrap();
