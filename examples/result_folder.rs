@@ -1,4 +1,5 @@
-//! A link and a motion from numbers, solved into a folder, `out/from_numbers` or the one named, and read back.
+//! A link and a motion from numbers, solved into a folder, `out/from_numbers` or the one named, and read
+//! back.
 
 #![expect(clippy::print_stdout, reason = "a program that prints its result")]
 

@@ -34,8 +34,8 @@ const OWN_BYTES: usize = 16 << 20;
 ///
 /// Writes a CSV with real and imaginary part, magnitude and phase of each, to standard output or a file,
 /// and the mesh error of each row: by how much elements of half the length change it, over its magnitude.
-/// The largest mesh error is printed, above 1 % as a warning. An automatic mesh is refined until it follows the highest
-/// frequency to mesh.tolerance.
+/// The largest mesh error is printed, above 1 % as a warning. An automatic mesh is refined until it follows
+/// the highest frequency to mesh.tolerance.
 #[derive(Debug, Args)]
 #[command(about = "Frequency response of a link", after_help = EXAMPLE)]
 pub(crate) struct Frf {

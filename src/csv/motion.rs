@@ -217,8 +217,8 @@ pub fn read_motion_table_as(
     Ok(MotionTable { columns, name: name.to_owned(), lines, reading, recording })
 }
 
-/// Reads a displacement to compare with, as [`MotionTable::into_target`] makes it of a trajectory; times up to
-/// a twentieth of a step off a uniform grid are interpolated as those of a motion are.
+/// Reads a displacement to compare with, as [`MotionTable::into_target`] makes it of a trajectory; times up
+/// to a twentieth of a step off a uniform grid are interpolated as those of a motion are.
 ///
 /// # Errors
 /// As [`read_motion_table`] and [`MotionTable::into_target`].

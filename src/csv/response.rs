@@ -19,8 +19,8 @@ struct Found<'a> {
 /// Reads a measured frequency response: the frequencies in Hz and the complex values.
 ///
 /// Columns are `frequency` and either `real` and `imaginary`, or `gain` and `phase`; units in brackets or
-/// parentheses may be Hz, kHz, rad/s, dB, deg and rad. Without unit a gain is in SI, a phase in degrees. Other
-/// columns are left.
+/// parentheses may be Hz, kHz, rad/s, dB, deg and rad. Without unit a gain is in SI, a phase in degrees.
+/// Other columns are left.
 ///
 /// ```
 /// use flexlink::csv::read_frequency_response;

@@ -10,8 +10,8 @@
 //! The unknowns are the logarithms of factors on values of the link file. For a link with n free values the
 //! residual of each measurement is the logarithm of prediction over measured value, over the relative
 //! uncertainty of the measurement. The residuals of a record are the differences of its samples from the
-//! history of the link, over their uncertainty; gain, offset and delay of the sensors, where they are free, are
-//! those that fit best.
+//! history of the link, over their uncertainty; gain, offset and delay of the sensors, where they are free,
+//! are those that fit best.
 
 mod advice;
 mod alignment;

@@ -205,8 +205,8 @@ impl Response {
     }
 }
 
-/// Angles in degrees without jumps of more than half a turn. The first is from −200 to 160: half a turn, as of
-/// a hub that follows its torque as a rigid body, counts as a lag.
+/// Angles in degrees without jumps of more than half a turn. The first is from −200 to 160: half a turn, as
+/// of a hub that follows its torque as a rigid body, counts as a lag.
 fn unwrapped(mut angles: Vec<f64>) -> Vec<f64> {
     for k in 1..angles.len() {
         angles[k] -= 360.0 * ((angles[k] - angles[k - 1]) / 360.0).round();

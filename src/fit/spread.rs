@@ -35,8 +35,8 @@ impl Spread {
         Self { values, directions, least: [UNDETERMINED * largest, scale / UNKNOWN] }
     }
 
-    /// A basis of the directions that change no measured value, where `is_exact`, or else of those that change
-    /// them by less than their uncertainty: in each vector the largest part of one value, which the
+    /// A basis of the directions that change no measured value, where `is_exact`, or else of those that
+    /// change them by less than their uncertainty: in each vector the largest part of one value, which the
     /// other vectors have not, is 1.
     pub(super) fn open(&self, is_exact: bool) -> Vec<Vec<f64>> {
         let [nothing, little] = self.least;

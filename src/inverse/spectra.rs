@@ -161,8 +161,8 @@ impl DrivenModel<'_> {
         vec![checkpoints; self.omegas_rad_s().len().div_ceil(NODAL_BLOCK)]
     }
 
-    /// [`DrivenModel::nodal_spectra`] of one of several groups of nodes; `advance` gets how many bins are done
-    /// since its last call.
+    /// [`DrivenModel::nodal_spectra`] of one of several groups of nodes; `advance` gets how many bins are
+    /// done since its last call.
     pub(super) fn nodal_spectra_from(
         &self,
         checkpoints: &mut [Checkpoints],

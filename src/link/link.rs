@@ -245,8 +245,8 @@ impl Link {
     }
 }
 
-/// The link of many unit tests: Bayo's link without its stiff root, undamped: 1.5 m, 5 N m² and 0.8 kg/m on a hub of 0.1 kg m²,
-/// so that its rigid inertia is 1 kg m².
+/// The link of many unit tests: Bayo's link without its stiff root, undamped: 1.5 m, 5 N m² and 0.8 kg/m on a
+/// hub of 0.1 kg m², so that its rigid inertia is 1 kg m².
 #[cfg(test)]
 pub(crate) fn uniform() -> LinkParts {
     Link::builder().segment(uniform_segment()).hub_inertia_kg_m2(0.1)

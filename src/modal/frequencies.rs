@@ -188,9 +188,8 @@ pub fn natural_frequencies(mesh: &Mesh, count: usize) -> Vec<f64> {
 /// The first `count` natural frequencies in rad/s, ascending, of the link behind a held rotor.
 ///
 /// The joint of a drive is then a spring of `joint_stiffness_n_m_rad` between hub and ground; an
-/// infinite one clamps the hub, and one of 0 or below leaves it free. Undamped. The k-th lies below the k-th of
-/// [`natural_frequencies`] and above the one before it. Fewer than `count` where the mesh has
-/// fewer.
+/// infinite one clamps the hub, and one of 0 or below leaves it free. Undamped. The k-th lies below the k-th
+/// of [`natural_frequencies`] and above the one before it. Fewer than `count` where the mesh has fewer.
 pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize) -> Vec<f64> {
     HubSpring(joint_stiffness_n_m_rad.max(0.0)).natural_frequencies(mesh, count)
 }

@@ -14,8 +14,8 @@ const LARGEST_TOLERANCE: f64 = 0.1;
 /// Uncertainty of the samples, over the travel, from which on it is reported if every frequency is solved.
 const UNCERTAIN: f64 = 1e-6;
 
-/// Least and largest exponent with which the tip's error is taken to fall beyond the band of uncertain samples:
-/// an acceleration that jumps has 2, and the smoothest motions fall faster than any power.
+/// Least and largest exponent with which the tip's error is taken to fall beyond the band of uncertain
+/// samples: an acceleration that jumps has 2, and the smoothest motions fall faster than any power.
 const FALLS: (f64, f64) = (2.0, 6.0);
 const USUAL_FALL: f64 = 3.0;
 
@@ -245,8 +245,8 @@ impl Residual {
         self.lowest(low, from, allowed_m, LOOSER_PRECISION)
     }
 
-    /// The lowest cut-off in a bracket that leaves at most `allowed_m`, to the relative precision `precision`;
-    /// `high` leaves no more.
+    /// The lowest cut-off in a bracket that leaves at most `allowed_m`, to the relative precision
+    /// `precision`; `high` leaves no more.
     ///
     /// The error falls about as a power of the cut-off, so that the next trial lies on the power law through
     /// both ends. If that left more than half of the bracket, the following trial halves it.

@@ -206,8 +206,9 @@ impl TipSpectrum {
         noise
     }
 
-    /// The parts of the tip's motion beyond the band of uncertain samples, at frequencies that are spread evenly
-    /// over its logarithm: from one to the next, the tip's error falls by the displacement's amplitude.
+    /// The parts of the tip's motion beyond the band of uncertain samples, at frequencies that are spread
+    /// evenly over its logarithm: from one to the next, the tip's error falls by the displacement's
+    /// amplitude.
     pub(super) fn beyond(&self, input: &InputBand) -> Self {
         let (mut beyond, error_m) = (self.clone(), self.cutoff.tip_error_m);
         let end = libm::pow((error_m / input.wanted_m).max(1.0), 1.0 / input.fall);

@@ -10,8 +10,9 @@ use nalgebra::{Matrix2, Vector2};
 /// ```
 ///
 /// The curvature is a cubic between two samples. Its error falls with the fourth power of the step, that of a
-/// cubic spline with the second. A motion that ends with a third derivative does not meet the condition there:
-/// at the last samples the error falls with the step alone, and by a factor of about 2.3 a sample before them.
+/// cubic spline with the second. A motion that ends with a third derivative does not meet the condition
+/// there: at the last samples the error falls with the step alone, and by a factor of about 2.3 a sample
+/// before them.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct QuinticSpline {
     samples: Vec<f64>,

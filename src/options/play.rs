@@ -38,8 +38,8 @@ pub(crate) struct PlayArgs {
     #[arg(value_name = "TORQUE")]
     pub(crate) file: PathBuf,
 
-    /// What TORQUE holds: the torque, or the hub angle: the hub follows it exactly, and the torque is computed.
-    /// The hub rests before the first sample and turns on at its rate after the last.
+    /// What TORQUE holds: the torque, or the hub angle: the hub follows it exactly, and the torque is
+    /// computed. The hub rests before the first sample and turns on at its rate after the last.
     #[arg(long, value_name = "KIND", value_enum, default_value_t = InputKind::Torque)]
     input: InputKind,
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-/// Fewest changes of the numbers between two powers of ten from which their digits are judged. Of four numbers
-/// without trailing zeros one in ten thousand has all last digits 0.
+/// Fewest changes of the numbers between two powers of ten from which their digits are judged. Of four
+/// numbers without trailing zeros one in ten thousand has all last digits 0.
 const FEWEST_CHANGES: usize = 4;
 
 /// The numbers between two powers of ten.

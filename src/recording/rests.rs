@@ -25,8 +25,8 @@ pub struct NoRest {
     pub at_end: bool,
 }
 
-/// Displacements whose ends are at rest exactly: the first half of each rest is its mean, the second half goes
-/// over into the samples. Returns the largest distance from the given ones, too.
+/// Displacements whose ends are at rest exactly: the first half of each rest is its mean, the second half
+/// goes over into the samples. Returns the largest distance from the given ones, too.
 ///
 /// # Errors
 /// [`NoRest`] unless both ends rest for some samples.

@@ -120,10 +120,10 @@ pub struct FitProblem<'a> {
 /// The fewest steps of a motion within limits: the answer to how fast a link may move its tip.
 ///
 /// The torque does not simply fall as the duration grows: it jumps with the number of steps, and rises
-/// again where the link resonates. So one duration says nothing about another. The search doubles the duration until
-/// one fits; then it tries all shorter ones upward, or, of more than a thousand, a thousand of them, as
-/// many in each doubling, and all between the first of these that fits and the one before it. A motion
-/// fits if every value with its measured error is within its limit, and the error of the value nearest
+/// again where the link resonates. So one duration says nothing about another. The search doubles the
+/// duration until one fits; then it tries all shorter ones upward, or, of more than a thousand, a thousand of
+/// them, as many in each doubling, and all between the first of these that fits and the one before it. A
+/// motion fits if every value with its measured error is within its limit, and the error of the value nearest
 /// to its limit is below a quarter. A motion that cannot be solved does not fit.
 ///
 /// # Errors

@@ -133,6 +133,20 @@ fn channels_are_compared_at_the_recordings_times_and_recorded_in_the_summary() {
 }
 
 #[test]
+fn a_constant_channel_says_so_in_place_of_a_delay() {
+    let bench = solved(&[]);
+    let rows: Vec<String> = (0..200).map(|k| format!("{},0.4,{k}", 0.01 * f64::from(k))).collect();
+    bench.write("rig.csv", &format!("time,torque,hub_angle\n{}\n", rows.join("\n")));
+    let output = simulated(&bench, &["out/torque.csv", "--measured", "rig.csv"]);
+    let text = stdout(&output);
+    let of = |channel: &str| text.lines().rfind(|line| line.starts_with(channel)).unwrap();
+    assert!(of("torque   ").ends_with("-  recording is constant"), "{text}");
+    assert!(!of("hub_angle").contains("constant"), "{text}");
+    let channels = &bench.json("simulated/summary.json")["measured"]["channels"];
+    assert_eq!(channels[1]["no_fit"], "constant_recording");
+}
+
+#[test]
 fn a_recording_of_another_time_or_of_nothing_is_refused() {
     let bench = solved(&[]);
     let with = |text: &str| {

@@ -6,7 +6,8 @@ use flexlink::csv::{
     TableFormat, read_hub_reference_as, read_target, read_torque_table, read_torque_table_as,
 };
 
-/// A sine over 1 s at 5 ms, its times off by up to `jitter` steps in a pattern, its values those of the times.
+/// A sine over 1 s at 5 ms, its times off by up to `jitter` steps in a pattern, its values those of the
+/// times.
 fn table(heading: &str, jitter: f64) -> String {
     let row = |k: u32| {
         let off = jitter * [0.0, 1.0, -0.4, 0.7, -1.0][(k % 5) as usize];

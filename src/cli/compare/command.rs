@@ -41,7 +41,8 @@ const QUIET: &str = "Print nothing but warnings and errors; the exit code says i
 /// their subfolders, too. A number may differ by atol + rtol x the largest absolute value that its column
 /// has in EXPECTED; words and empty fields may not differ. Columns are matched by name, rows by the first
 /// column where it increases on both sides (time_s, frequency_hz), otherwise by number. Columns, rows and
-/// files that only one side has are differences, too. Any CSV will do: a row of names, commas, # before comments.
+/// files that only one side has are differences, too. Any CSV will do: a row of names, commas, # before
+/// comments.
 #[derive(Debug, Args)]
 #[command(about = "Compare tables column by column", after_help = EXAMPLE)]
 #[command(mut_arg("json", |json| json.help("Print everything as JSON instead of the table")))]

@@ -75,7 +75,8 @@ impl TwoBodies {
     }
 }
 
-/// Round-off alone: the torque is straight between its samples, and a crest stands on a sample, for the torque lasts an even number of fortieths of a period.
+/// Round-off alone: the torque is straight between its samples, and a crest stands on a sample, for the
+/// torque lasts an even number of fortieths of a period.
 #[test]
 fn a_torque_switched_on_and_off_swings_two_bodies_in_closed_form() {
     let (bodies, step_s, steps) = (TwoBodies::new(), TwoBodies::step_s(40), 14_u32);
