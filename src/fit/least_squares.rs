@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use thiserror::Error;
 
+use super::error::LinkFitError;
 use super::measurement::Observable;
 use super::measurements::{COARSE, FINE, Measurements, Prediction};
 use super::misfits::DELAY_UNIT;
@@ -11,7 +11,7 @@ use super::outcome::{Course, FitOutcome, StartEnd};
 use super::record::Record;
 use super::value::Free;
 use crate::beam::MeshPlan;
-use crate::link::{Link, ParameterError};
+use crate::link::Link;
 
 /// Step of a logarithm for a derivative: at a resonance of damping ratio 0.02 the fourth order leaves
 /// (h/0.02)⁴ of it, and a frequency has 13 digits.
@@ -46,6 +46,9 @@ const NO_GAIN: f64 = 1e-9;
 /// How often channels without uncertainties are weighed by what the fit before has left.
 const WEIGHINGS: usize = 3;
 
+/// Shares of the records that are fitted before the whole.
+const BEGINNINGS: [f64; 2] = [1.0 / 16.0, 1.0 / 4.0];
+
 /// Starts beside that of the file.
 const OTHER_STARTS: usize = 3;
 
@@ -57,34 +60,6 @@ const BETTER: f64 = 0.99;
 
 /// Sums of squares that differ by less are equal: the survey's mesh knows no more.
 const TIE: f64 = 1e-8;
-
-/// Why no link can be fitted.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum LinkFitError<E> {
-    /// The file's own values make no link.
-    #[error("{0}")]
-    Link(E),
-    /// The plan of the mesh is not the link's.
-    #[error("{0}")]
-    Plan(#[from] ParameterError),
-    /// The link has not as many modes as were measured.
-    #[error("{0} was measured, but the link has no such mode")]
-    NoMode(Observable),
-    /// The link has no response or history on a fine mesh.
-    #[error(
-        "the link has nothing to compare with the measurements: its hub moves no mass, or its damping by \
-         modes allows no mesh that is fine enough"
-    )]
-    NoModel,
-    /// Responses and records are computed at the hub.
-    #[error(
-        "[drive] is in the link file, but responses and records are those of the link at its hub, without it"
-    )]
-    Drive,
-    /// The damping of the link is zero or has another law.
-    #[error("{0} was measured, but the link has no damping: [damping] must give one")]
-    NoDamping(Observable),
-}
 
 /// Finds the factors on the free values of a link with which it fits the measurements best.
 ///
@@ -279,10 +254,24 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         logarithms.iter().copied().chain(delays).collect()
     }
 
-    /// Iterates from a start; once more where the link that is found lies better over the records with delays
-    /// that are far from the start's, which the iteration does not see.
+    /// Iterates from a start. Over records it goes on from what their beginnings have led to, in which a wrong
+    /// frequency has not lost count of the periods; then once more where the link that is found lies better over
+    /// them with delays far from the start's, which the iteration does not see.
     fn survey(&self, start: Vec<f64>) -> Option<End> {
-        let first = self.descend(start, SURVEY)?;
+        let mut from = start.clone();
+        if !self.measurements.records().is_empty() {
+            for share in BEGINNINGS {
+                let short = self.measurements.beginning(share);
+                let found =
+                    Problem { measurements: &short, ..self.by_ref() }.descend(from.clone(), SURVEY);
+                from = found.map_or(from, |end| end.x);
+            }
+        }
+        let is_own = start.iter().all(|x| *x == 0.0) && from != start;
+        let direct = if is_own { self.descend(start, SURVEY) } else { None };
+        let first = self.descend(from, SURVEY);
+        let first =
+            first.into_iter().chain(direct).reduce(|a, b| if b.cost < a.cost { b } else { a })?;
         let again = || {
             let (link, plan) = self.link(&first.x).ok()?;
             let halvings = self.measurements.halvings(&link, &plan, COARSE).ok()?;

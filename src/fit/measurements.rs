@@ -104,6 +104,12 @@ impl Measurements {
         &self.records
     }
 
+    /// The same with the beginning of each record alone.
+    pub(super) fn beginning(&self, share: f64) -> Self {
+        let records = self.records.iter().map(|record| record.beginning(share)).collect();
+        Self { records, ..self.clone() }
+    }
+
     /// The same with the channels of records weighed by the differences that a fit has left, where there are
     /// several without uncertainties: each has a noise of its own.
     pub(super) fn weighed(&self, predicted: &Prediction) -> Option<Self> {

@@ -15,6 +15,7 @@
 
 mod advice;
 mod alignment;
+mod error;
 mod least_squares;
 mod measurement;
 mod measurements;
@@ -24,19 +25,22 @@ mod outcome;
 mod overlay;
 mod record;
 mod record_misfit;
+mod record_parts;
 mod response;
 mod spread;
 mod value;
 
 pub use advice::FitWarning;
-pub use least_squares::{LinkFitError, fit};
+pub use error::LinkFitError;
+pub use least_squares::fit;
 pub use measurement::{HubEnd, Measured, MeasurementsError, Observable};
 pub use measurements::Measurements;
 pub use misfits::{Misfit, Residual};
 pub use motor::Motor;
 pub use outcome::{FitOutcome, Openness, StartEnd, Undetermined};
 pub use overlay::{Coordinate, Overlay, Spacing};
-pub use record::{Channel, Record, RecordError, RecordInput, RecordedInput};
+pub use record::Record;
 pub use record_misfit::{ChannelMisfit, RecordMisfit};
+pub use record_parts::{Channel, RecordError, RecordInput, RecordedInput};
 pub use response::{Gain, Response, ResponseError, ResponseMisfit};
 pub use value::{FittedValue, Free, FreeNumber, Replaced};

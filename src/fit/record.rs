@@ -1,26 +1,35 @@
-use std::cmp::Ordering;
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of a number of samples"
+)]
+
 use std::f64::consts::PI;
 
-use thiserror::Error;
-
 use super::alignment::{Alignment, Freedom, Overlaid, longest_delay, rough_delay};
-use super::motor::{Motor, with_motor_friction};
+use super::motor::with_motor_friction;
+use super::record_parts::{
+    Channel, FEWEST, RecordError, RecordInput, check, is_constant, rms, rms_about_mean,
+};
 use super::response::{Gain, MOST_UNCERTAIN};
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::natural_frequencies;
 use crate::model::Sensor;
-use crate::response::{Driven, Interpolation, sensed};
-use crate::text::significant;
-
-/// Fewest samples of a record.
-const FEWEST: usize = 4;
+use crate::numeric::largest;
+use crate::response::{Driven, sensed};
 
 /// Noise of a hub angle over its motion that a fit may take for motion.
 const LITTLE_NOISE: f64 = 2e-4;
 
 /// Least noise of a channel over its size.
 const EXACT: f64 = 1e-12;
+
+/// Share of its largest value from which on an input moves the link.
+const STIRRING: f64 = 1e-3;
+
+/// Fewest samples of the beginning of a record.
+const LEAST_BEGINNING: usize = 32;
 
 /// Order of the differences that leave of a motion its noise alone.
 const NOISE_ORDER: usize = 8;
@@ -30,117 +39,6 @@ const NOISE_GAIN: f64 = 12_870.0;
 
 /// Modes that the mesh of a record follows.
 const FOLLOWED_MODES: usize = 30;
-
-/// What drives the link that is recorded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RecordedInput {
-    /// The torque at the hub.
-    Torque,
-    /// The voltage at a motor.
-    Voltage,
-    /// The angle of the hub, however it is moved.
-    HubAngle,
-}
-
-impl RecordedInput {
-    /// Its name in files.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Torque => "torque",
-            Self::Voltage => "voltage",
-            Self::HubAngle => "hub_angle",
-        }
-    }
-}
-
-/// What was recorded of what drives the link, which is at rest before.
-#[derive(Debug, Clone, PartialEq)]
-pub enum RecordInput {
-    /// The torque at the hub in N m.
-    Torque(Vec<f64>, Interpolation),
-    /// The voltage at a motor in V.
-    Voltage(Vec<f64>, Interpolation, Motor),
-    /// The angle of the hub in rad, however it is moved.
-    HubAngle(Vec<f64>),
-}
-
-/// What one sensor recorded.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Channel {
-    /// The sensor.
-    pub sensor: Sensor,
-    /// Whether the samples are in SI.
-    pub gain: Gain,
-    /// True if a constant may be added to the samples.
-    pub has_offset: bool,
-    /// Standard uncertainty of each sample, in the unit of the samples, if it is known.
-    pub uncertainty: Option<f64>,
-    /// The unit of the recorded column in SI; over its distance, of a strain gauge.
-    pub unit: f64,
-    /// The samples, in SI where the gain is known.
-    pub samples: Vec<f64>,
-}
-
-/// Why histories are no record.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum RecordError {
-    /// No sensor.
-    #[error("channels = none, but must be at least one")]
-    NoChannel,
-    /// Too few samples.
-    #[error("samples = {0}, but must be {FEWEST} or more")]
-    Few(usize),
-    /// Another number of samples than those of the input.
-    #[error("{channel} = {found} samples, but must be {must}, as the input has")]
-    Uneven {
-        /// The channel, or the input.
-        channel: String,
-        /// Samples found.
-        found: usize,
-        /// Samples of the input.
-        must: usize,
-    },
-    /// A sample that is no number.
-    #[error("sample {sample} of {channel} = {found}, but must be a finite number")]
-    NotFinite {
-        /// The channel, or the input.
-        channel: String,
-        /// Number of the sample, from 0.
-        sample: usize,
-        /// What was found.
-        found: f64,
-    },
-    /// Samples that are all the same.
-    #[error("{channel} = the same value in all samples, but must change")]
-    Constant {
-        /// The channel, or the input.
-        channel: String,
-    },
-    /// An uncertainty that is not above 0, or too large for a measurement.
-    #[error(
-        "uncertainty of {channel} = {} in its column's unit, but must be above 0 and below {}, half of \
-         what the samples vary by",
-        significant(*found, 4),
-        significant(*most, 4)
-    )]
-    Uncertainty {
-        /// The channel.
-        channel: String,
-        /// What was found.
-        found: f64,
-        /// What it must be below.
-        most: f64,
-    },
-    /// Some uncertainties are known and some are not.
-    #[error("uncertainty of {channel} is missing, but other channels have one")]
-    Mixed {
-        /// The first channel without one.
-        channel: String,
-    },
-    /// A step that is not above 0.
-    #[error("step = {0} s, but must be finite and above 0")]
-    Step(f64),
-}
 
 /// Recorded histories of a link that is driven from rest, at uniform times.
 #[derive(Debug, Clone, PartialEq)]
@@ -292,6 +190,27 @@ impl Record {
         self.channels[channel].uncertainty.map_or(shown, |u| u / self.sizes[channel])
     }
 
+    /// Its beginning, a share of what follows the first sample of the input that moves the link. In few periods a
+    /// wrong frequency does not lose count of them.
+    pub(super) fn beginning(&self, share: f64) -> Self {
+        let (Driven::Torque(input, _) | Driven::Angle(input)) = &self.driven;
+        let (first, size) = (input[0], largest(input));
+        let moves = |sample: &f64| (sample - first).abs() > STIRRING * size || first != 0.0;
+        let rest = input.iter().position(moves).unwrap_or(0);
+        let kept = rest + (share * (input.len() - rest) as f64).ceil() as usize;
+        let kept = kept.max(LEAST_BEGINNING).min(input.len());
+        let input = input[..kept].to_vec();
+        let driven = match &self.driven {
+            Driven::Torque(_, interpolation) => Driven::Torque(input, *interpolation),
+            Driven::Angle(_) => Driven::Angle(input),
+        };
+        let cut = |channel: &Channel| Channel {
+            samples: channel.samples[..kept].to_vec(),
+            ..channel.clone()
+        };
+        Self { driven, channels: self.channels.iter().map(cut).collect(), ..self.clone() }
+    }
+
     /// The same record, each channel weighed by the differences that a fit has left.
     pub(super) fn weighed(&self, RecordFit(alignment): &RecordFit) -> Self {
         let shares = alignment.differences.iter().zip(&self.sizes);
@@ -348,53 +267,4 @@ impl Record {
         });
         residuals.collect()
     }
-}
-
-impl RecordInput {
-    /// What it does to the link: the torque or the angle, and the friction of a motor.
-    fn driven(self) -> (Driven, f64) {
-        match self {
-            Self::Torque(samples, interpolation) => (Driven::Torque(samples, interpolation), 0.0),
-            Self::Voltage(samples, interpolation, motor) => {
-                let torque_n_m_v = motor.torque_per_volt_n_m_v();
-                let samples = samples.iter().map(|volts| torque_n_m_v * volts).collect();
-                (Driven::Torque(samples, interpolation), motor.friction_n_m_s_rad())
-            }
-            Self::HubAngle(samples) => (Driven::Angle(samples), 0.0),
-        }
-    }
-}
-
-impl Channel {
-    /// Root mean square of the samples, about their mean if an offset is free.
-    fn size(&self) -> f64 {
-        if self.has_offset { rms_about_mean(&self.samples) } else { rms(&self.samples) }
-    }
-}
-
-/// Root mean square of samples.
-pub(super) fn rms(samples: &[f64]) -> f64 {
-    (samples.iter().map(|sample| sample * sample).sum::<f64>() / samples.len() as f64).sqrt()
-}
-
-fn rms_about_mean(samples: &[f64]) -> f64 {
-    let mean = samples.iter().sum::<f64>() / samples.len() as f64;
-    rms(&samples.iter().map(|sample| sample - mean).collect::<Vec<f64>>())
-}
-
-/// Refuses samples that cannot be fitted to.
-fn check(channel: &str, samples: &[f64], must: usize) -> Result<(), RecordError> {
-    let channel = channel.to_owned();
-    let found = samples.len();
-    if found != must {
-        return Err(RecordError::Uneven { channel, found, must });
-    }
-    if let Some(sample) = samples.iter().position(|sample| !sample.is_finite()) {
-        return Err(RecordError::NotFinite { channel, sample, found: samples[sample] });
-    }
-    Ok(())
-}
-
-fn is_constant(samples: &[f64]) -> bool {
-    samples.windows(2).all(|pair| pair[0].partial_cmp(&pair[1]).is_some_and(Ordering::is_eq))
 }

@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::alignment::Alignment;
 use super::overlay::{Coordinate, Overlay};
-use super::record::{Channel, Record, RecordFit, rms as root_mean_square};
+use super::record::{Record, RecordFit};
+use super::record_parts::{Channel, rms as root_mean_square};
 use super::response::Gain;
 use crate::model::Sensor;
 

@@ -34,7 +34,7 @@ const RESERVED: [(&str, &[&str], &[&str]); 2] = [
     (
         // `terminal` asks the system which signals the program was started to ignore.
         "opens files",
-        &["spec", "csv", "store", "system", "terminal"],
+        &["spec", "csv", "store", "system", "measured", "terminal"],
         &["std::fs", "fs::", "File::open", "File::create", "OpenOptions", "tempfile"],
     ),
     (
