@@ -228,15 +228,13 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
 
     /// The bounds of a logarithm, or of a delay.
     fn bounds(&self, k: usize) -> [f64; 2] {
-        match self.free.get(k) {
-            Some(free) => free.factors.map(libm::log),
-            None => {
-                let mut records = self.measurements.records_with_free_delay();
-                let record = records.nth(k - self.free.len());
-                let longest = record.map_or(0, Record::longest_delay) as f64;
-                [-longest / DELAY_UNIT, longest / DELAY_UNIT]
-            }
+        if let Some(free) = self.free.get(k) {
+            return free.factors.map(libm::log);
         }
+        let mut records = self.measurements.records_with_free_delay();
+        let record = records.nth(k - self.free.len());
+        let longest = record.map_or(0, Record::longest_delay) as f64;
+        [-longest / DELAY_UNIT, longest / DELAY_UNIT]
     }
 
     /// Number 0 is the file's own; the others are Halton's points in the logarithms. No sensor is late.

@@ -5,7 +5,7 @@ use super::measurement::{End, Measured, MeasurementsError, Observable};
 use super::motor::with_motor_friction;
 use super::overlay::Overlay;
 use super::record::{Record, RecordFit};
-use super::response::Response;
+use super::response::{Response, ResponseFit};
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::{Link, ParameterError};
 use crate::modal::DampingLaw;
@@ -30,8 +30,8 @@ pub struct Measurements {
 pub(super) struct Prediction {
     /// In place of each value; none of a mode that the link has not.
     pub(super) values: Vec<Option<f64>>,
-    /// Misfits of each response.
-    pub(super) responses: Vec<Vec<f64>>,
+    /// Each response over that of the link.
+    pub(super) responses: Vec<ResponseFit>,
     /// Misfits of each record, and how it lies over the computed histories.
     pub(super) records: Vec<RecordFit>,
 }
@@ -229,7 +229,7 @@ impl Measurements {
                 own = made()?;
                 &*own
             };
-            Some(response.misfits(model))
+            Some(response.fitted(model))
         };
         let responses = self.responses.iter().map(response).collect::<Option<_>>()?;
         let mut delays = delays.iter();
@@ -259,7 +259,7 @@ impl Measurements {
     /// Measured and fitted over each other: gain and phase of each response, each channel of a record.
     pub(super) fn overlays(&self, predicted: &Prediction) -> Vec<Overlay> {
         let responses = self.responses.iter().zip(&predicted.responses);
-        let responses = responses.flat_map(|(response, misfits)| response.overlays(misfits));
+        let responses = responses.flat_map(|(response, fit)| response.overlays(&fit.misfits));
         let records = self.records.iter().zip(&predicted.records);
         responses.chain(records.flat_map(|(record, fit)| record.overlays(fit))).collect()
     }
@@ -272,9 +272,9 @@ impl Measurements {
             Some(libm::log((*predicted)? / measured.value) / measured.relative())
         };
         let responses = self.responses.iter().zip(&predicted.responses);
-        let response = |(response, misfits): (&Response, &Vec<f64>)| {
+        let response = |(response, fit): (&Response, &ResponseFit)| {
             let uncertainty = response.uncertainty().unwrap_or(1.0);
-            misfits.iter().map(move |misfit| misfit / uncertainty).collect::<Vec<f64>>()
+            fit.misfits.iter().map(move |misfit| misfit / uncertainty).collect::<Vec<f64>>()
         };
         let mut residuals: Vec<f64> = pairs.map(value).collect::<Option<_>>()?;
         residuals.extend(responses.flat_map(response));

@@ -136,7 +136,7 @@ impl Misfits {
         let residuals: Vec<Residual> = values.collect();
         let misfits = predicted.map(|predicted| &predicted.responses[..]).unwrap_or_default();
         let responses = measurements.responses().iter().zip(misfits);
-        let responses = responses.map(|(response, misfits)| ResponseMisfit::of(response, misfits));
+        let responses = responses.map(|(response, fit)| ResponseMisfit::of(response, fit));
         let fits = predicted.map(|predicted| &predicted.records[..]).unwrap_or_default();
         let records = measurements.records().iter().zip(fits);
         let records: Vec<RecordMisfit> =
@@ -152,7 +152,7 @@ impl Misfits {
         // A channel of a record counts once.
         let squares: Vec<f64> = frequencies
             .map(|residual| residual.relative.powi(2))
-            .chain(misfits.iter().flatten().map(|misfit| misfit * misfit))
+            .chain(misfits.iter().flat_map(|fit| &fit.misfits).map(|misfit| misfit * misfit))
             .chain(of_records)
             .collect();
         Self {

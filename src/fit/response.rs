@@ -144,8 +144,8 @@ impl Response {
         usize::from(self.gain == Gain::Free)
     }
 
-    /// Real and imaginary part of `ln(computed/measured)` at each frequency, a free gain taken out.
-    pub(super) fn misfits(&self, model: &dyn Model) -> Vec<f64> {
+    /// The response over that of a model.
+    pub(super) fn fitted(&self, model: &dyn Model) -> ResponseFit {
         let omegas: Vec<f64> = self.frequencies_hz.iter().map(|hertz| hertz * TAU).collect();
         let computed = self.sensor.per_torque(model, &omegas);
         let ratios: Vec<Complex64> =
@@ -158,12 +158,23 @@ impl Response {
             [libm::log(magnitude(*ratio)), libm::atan2(sign * ratio.im, sign * ratio.re)]
         };
         let mut misfits: Vec<f64> = ratios.iter().flat_map(parts).collect();
+        let mut gain = sign;
         if self.gain == Gain::Free {
             let mean = misfits.iter().step_by(2).sum::<f64>() / self.values.len() as f64;
             misfits.iter_mut().step_by(2).for_each(|misfit| *misfit -= mean);
+            gain *= libm::exp(-mean);
         }
-        misfits
+        ResponseFit { misfits, gain }
     }
+}
+
+/// A response over that of a link.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ResponseFit {
+    /// Real and imaginary part of `ln(computed/measured)` at each frequency, the gain taken out.
+    pub(super) misfits: Vec<f64>,
+    /// Factor on the link's response.
+    gain: f64,
 }
 
 impl Response {
@@ -225,16 +236,19 @@ pub struct ResponseMisfit {
     pub transfer: Sensor,
     /// Number of frequencies.
     pub frequencies: usize,
+    /// Factor from SI to the values, 1 or −1 of a free sign; none where it was known.
+    pub gain: Option<f64>,
     /// Root mean square of the relative differences of real and imaginary parts.
     pub rms: f64,
 }
 
 impl ResponseMisfit {
-    pub(super) fn of(response: &Response, misfits: &[f64]) -> Self {
+    pub(super) fn of(response: &Response, ResponseFit { misfits, gain }: &ResponseFit) -> Self {
         let frequencies = response.values.len();
         let sum: f64 = misfits.iter().map(|misfit| misfit * misfit).sum();
         let rms = (sum / misfits.len() as f64).sqrt();
-        Self { name: response.name.clone(), transfer: response.sensor, frequencies, rms }
+        let gain = (response.gain != Gain::Known).then_some(*gain);
+        Self { name: response.name.clone(), transfer: response.sensor, frequencies, gain, rms }
     }
 }
 

@@ -216,6 +216,7 @@ fn measured(outcome: &FitOutcome) -> Markup {
         @for response in &outcome.responses { tr {
             th scope="row" { (response.name) }
             td { (response.frequencies) }
+            td { (response.gain.map_or(String::new(), |gain| significant(gain, 4))) }
             td { (percent(response.rms, 2)) }
         } }
     };
@@ -232,7 +233,7 @@ fn measured(outcome: &FitOutcome) -> Markup {
     html! {
         @if !outcome.residuals.is_empty() { (table(head, &rows)) }
         @if !outcome.responses.is_empty() {
-            (table(&["response", "frequencies", "difference, rms"], &responses))
+            (table(&["response", "frequencies", "gain", "difference, rms"], &responses))
         }
         @if !outcome.records.is_empty() {
             (table(&head_of_records, &records(outcome)))

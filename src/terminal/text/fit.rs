@@ -36,7 +36,9 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
     for response in &outcome.responses {
         let name = format!("response {}", response.name);
         let count = format!("{} points", response.frequencies);
-        lines.push(row([&name, &count, "", &format!("{} rms", percent(response.rms))]));
+        let gain = response.gain.map(|gain| format!("gain {}", significant(gain, 4)));
+        let rms = format!("{} rms", percent(response.rms));
+        lines.push(row([&name, &count, &gain.unwrap_or_default(), &rms]));
     }
     for record in &outcome.records {
         let name = format!("record {}", record.name);
@@ -75,9 +77,8 @@ fn value_text(value: &FittedValue) -> String {
     let interval = value.relative_interval_95.map_or(String::new(), |interval| {
         // Two digits of its width.
         let width = (interval[1] / interval[0] - 1.0).max(1e-9);
-        let digits = (4_usize..).find(|digits| libm::exp10(2.0 - *digits as f64) < width);
-        let [low, high] =
-            interval.map(|end| significant(value.factor * end, digits.unwrap_or_default()));
+        let digits = (4_usize..12).find(|digits| libm::exp10(2.0 - *digits as f64) < width);
+        let [low, high] = interval.map(|end| significant(value.factor * end, digits.unwrap_or(12)));
         format!("{low} … {high}")
     });
     value_row([&value.path, &significant(value.factor, 5), &change, &error, &interval])

@@ -62,11 +62,13 @@ fn channel(
     let mut exact = history(|omega| torque(omega) * per_torque(sensor, omega), late_s);
     // The sum leaves the mean open: it is that of a link at rest before.
     let rest = exact[0];
-    exact.iter_mut().for_each(|x| *x -= rest);
+    for x in &mut exact {
+        *x -= rest;
+    }
     let rms = (exact.iter().map(|x| x * x).sum::<f64>() / exact.len() as f64).sqrt();
     let noise = 0.02 * gain.abs() * rms;
     let samples = exact.iter().map(|x| gain * x + offset + noise * random.normal());
-    let is_si = gain == 1.0;
+    let is_si = (gain - 1.0).abs() < f64::EPSILON;
     Channel {
         sensor,
         gain: if is_si { Gain::Known } else { Gain::Free },
@@ -234,7 +236,9 @@ fn sensors_without_uncertainties_weigh_by_what_they_show() {
     let quiet = channel(Sensor::HubAngle, (1.0, 0.0), 0.0, &mut random);
     let mut noisy = channel(Sensor::TipAcceleration, (1.0, 0.0), 0.0, &mut random);
     let deviation = 10.0 * noisy.uncertainty.unwrap();
-    noisy.samples.iter_mut().for_each(|sample| *sample += deviation * random.normal());
+    for sample in &mut noisy.samples {
+        *sample += deviation * random.normal();
+    }
     let errors = |uncertainties: [Option<f64>; 2]| -> Vec<f64> {
         let channels = [&quiet, &noisy].into_iter().zip(uncertainties);
         let channels = channels.map(|(own, uncertainty)| Channel { uncertainty, ..own.clone() });

@@ -73,6 +73,9 @@ fn a_free_gain_leaves_the_scale_open() {
     assert_eq!(paths, &ALL[..4]);
     let found = fit(&measured, &["segments.*.EI", "payload.mass", "hub.inertia", "damping.ratio"]);
     assert_eq!(found.undetermined.len(), 0, "{found:?}");
+    // The file's mass per length is 0.6 instead of 0.8: so is the whole link lighter.
+    let gain = found.responses[0].gain.unwrap();
+    assert!((gain / (40.0 * 0.6 / 0.8) - 1.0).abs() < 0.02, "{gain}");
 }
 
 #[test]
