@@ -55,7 +55,7 @@ fn a_record_has_a_row_for_each_channel_and_its_histories_over_each_other() {
     assert_eq!(rows.len(), 2, "{section}");
     for (row, start) in rows
         .iter()
-        .zip([["hub angle", "400", "–", "–"], ["tip acceleration", "400", "40.00", "3.000"]])
+        .zip([["hub angle", "300", "–", "–"], ["tip acceleration", "300", "40.00", "3.000"]])
     {
         let [_, channel, samples, delay, gain, offset, ..] = row[..] else { panic!("{row:?}") };
         assert_eq!([channel, samples, gain, offset], start);
