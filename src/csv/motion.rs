@@ -4,6 +4,7 @@ use super::format::{Reading, TableFormat};
 use super::heading::{ACCELERATION, ANGLE, DISPLACEMENT, TIME, VELOCITY};
 use super::motion_columns::motion_columns;
 use super::number::Digits;
+use super::place::BY_HEADINGS;
 use super::rows::{Place, TableError};
 use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
 use super::table::{group, write_over_time};
@@ -227,7 +228,8 @@ pub fn read_target(
     bytes: &[u8],
     link_length_m: f64,
 ) -> Result<(TipTarget, Reading), TableError> {
-    let table = read_motion_table(name, bytes, link_length_m)?;
+    let table = read_motion_table(name, bytes, link_length_m)
+        .map_err(|error| error.of_named_file(BY_HEADINGS))?;
     let MotionColumns { time_s, displacement_m, .. } = &table.columns;
     let jitter = jitter(time_s, displacement_m.as_deref());
     let Some((steps, displacement)) = jitter.zip(displacement_m.as_deref()) else {

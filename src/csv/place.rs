@@ -27,11 +27,11 @@ impl TableError {
         Self { hint: hint.into(), ..self }
     }
 
-    /// The same error of a table that a file names: it speaks of no option of the command line.
+    /// The same error of a table to which no option of the reader applies: it speaks of none.
     pub(super) fn of_named_file(self, hint: &str) -> Self {
         let message = self.message.replace("--columns", "columns");
         let speaks_of_option = self.hint.as_deref().is_some_and(|hint| hint.contains("--"));
-        let is_of_unit = message.starts_with("unit of") || message.contains("unit in brackets");
+        let is_of_unit = message.contains("unit of") || message.contains("unit in brackets");
         let hint = if speaks_of_option || is_of_unit { Some(hint.to_owned()) } else { self.hint };
         Self { place: self.place, message, hint }
     }
@@ -42,6 +42,10 @@ impl TableError {
         self.with_hint(hint)
     }
 }
+
+/// What to do about a file to which no option of the reader applies, for hints.
+pub(super) const BY_HEADINGS: &str =
+    "this file is read by its headings alone: correct its names, with units in brackets";
 
 /// Where in a file something was found.
 #[derive(Debug, Clone, Copy)]

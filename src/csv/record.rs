@@ -4,7 +4,7 @@ use super::heading::{
     ACCELERATION, DEFLECTION, HUB_ANGLE, HUB_RATE, Quantity, ROOT_STRAIN, TIME, TORQUE, VOLTAGE,
     Vocabulary, find, names, refuse_missing,
 };
-use super::rows::{Place, TableError};
+use super::rows::TableError;
 use super::samples::{Samples, refuse_samples};
 use crate::fit::RecordedInput;
 use crate::model::Sensor;
@@ -117,15 +117,10 @@ fn columns(header: Header, wanted: &[Quantity]) -> Result<(Columns, Reading), Ta
     {
         let of_tip = [DEFLECTION, ACCELERATION].contains(missing);
         let word = if of_tip { format!("tip_{}", missing.word) } else { missing.word.to_owned() };
-        return Err(missing_column(&word, fields, place));
+        return Err(refuse_missing(&names(fields), &word, place).or_hint(CHOICES.to_owned()));
     }
     columns.headings.retain(|heading| wanted.contains(&heading.quantity));
     Ok((columns, Reading::default()))
-}
-
-fn missing_column(word: &str, fields: &[&str], place: Place) -> TableError {
-    let error = refuse_missing(&names(fields), word, place);
-    error.or_hint(CHOICES.to_owned())
 }
 
 #[cfg(test)]

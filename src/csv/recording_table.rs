@@ -7,7 +7,7 @@ use super::heading::{
     VELOCITY, Vocabulary, find, names, refuse_missing, require,
 };
 use super::motion_columns::unread;
-use super::place::TableError;
+use super::place::{BY_HEADINGS, TableError};
 use super::samples::Samples;
 use crate::result::{ChannelRecording, SimulatedChannel};
 
@@ -58,7 +58,8 @@ const OF_QUANTITY: [(Quantity, SimulatedChannel); 8] = [
 /// # Errors
 /// [`TableError`] names the file, and line and column where they are at fault.
 pub fn read_recording(name: &str, bytes: &[u8]) -> Result<(ChannelRecording, Reading), TableError> {
-    let mut samples = Samples::read(name, bytes, &TableFormat::default(), channel_columns)?;
+    let mut samples = Samples::read(name, bytes, &TableFormat::default(), channel_columns)
+        .map_err(|error| error.of_named_file(BY_HEADINGS))?;
     let time_s = samples.take(TIME).unwrap_or_default();
     let taken = OF_QUANTITY.into_iter();
     let taken = taken.filter_map(|(quantity, channel)| Some((channel, samples.take(quantity)?)));
