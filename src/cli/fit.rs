@@ -7,10 +7,10 @@ use clap::Args;
 
 use flexlink::csv::InputFile;
 use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, fit};
-use flexlink::link::Damping;
+use flexlink::link::{Damping, Link};
 use flexlink::measured::read_measured;
 use flexlink::report::{FitReport, fit_page};
-use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, Specification, rewrite};
+use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, rewrite};
 use flexlink::store::{Fingerprint, FitInputs, fit_json};
 
 use crate::options::common::option;
@@ -103,7 +103,8 @@ const RECORD: &str = "fit.json";
 /// What is fitted, and to what.
 struct Problem {
     link: InputFile,
-    title: String,
+    /// The file's own link, the changes of the command line made.
+    own: Link,
     document: LinkDocument,
     changes: Vec<Override>,
     free: Vec<(FreeValue, Free)>,
@@ -160,7 +161,7 @@ impl Fit {
     ) -> Result<String, Failure> {
         let written = self.output.as_deref().filter(|_| outcome.misfit.is_none());
         let name = written.and_then(Path::file_name).map(|name| name.to_string_lossy());
-        let origin = problem.inputs.origin(&problem.title);
+        let origin = problem.inputs.origin(problem.own.title());
         let page = fit_page(&FitReport { origin, outcome, replaced, written: name.as_deref() });
         console::deliver(Some(file), page.as_bytes())?;
         Ok(format!("written  {}\n", file.display()))
@@ -173,7 +174,6 @@ impl Fit {
 
     fn load(&self) -> Result<Problem, Failure> {
         let (link, specification) = self.link.load()?;
-        let title = specification.link.title().to_owned();
         let changes = self.link.changes.overrides()?;
         let document = LinkDocument::read(&link.shown, link.text()?)?;
         let usage = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
@@ -198,7 +198,7 @@ impl Fit {
         let arguments = self.arguments();
         let inputs = FitInputs { link: of_link, measured: of_measured, named, arguments };
         let measured = measured.measurements;
-        Ok(Problem { link, title, document, changes, free, measured, inputs })
+        Ok(Problem { link, own: specification.link, document, changes, free, measured, inputs })
     }
 
     /// Writes the link file, if the fit is one to believe, and fit.json; returns what was replaced.
@@ -266,9 +266,9 @@ impl Problem {
 
     /// True if records are compared with a link of hysteretic damping.
     fn plays_as_viscous(&self) -> bool {
-        let read = || self.document.specification(&self.link.shown, &self.changes).ok();
-        let is_hysteretic = |found: Specification| matches!(found.link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
-        !self.measured.records().is_empty() && read().is_some_and(is_hysteretic)
+        let is_hysteretic =
+            matches!(self.own.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
+        is_hysteretic && !self.measured.records().is_empty()
     }
 
     /// The changes of the command line, then the factors on the free values.

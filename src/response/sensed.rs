@@ -25,7 +25,7 @@ pub(crate) enum Driven {
 
 /// Histories of sensors on a link, at the samples of what drives it.
 ///
-/// The samples are finite, four or more, and the step is above 0: whoever reads them checks that.
+/// The caller has checked that there are four samples or more, all finite, and that the step is above 0.
 ///
 /// Angle and deflection begin at 0. The modes below the Nyquist frequency are integrated as by [`simulate`],
 /// the others act as one residual mode.

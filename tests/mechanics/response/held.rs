@@ -3,10 +3,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{difference, link, mesh_of, played, smooth, solved};
+use super::{difference, link, loaded, mesh_of, played, smooth, solved};
 use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::inverse::Solution;
-use flexlink::link::{Damping, Hub, Link, LumpedMass, Payload};
+use flexlink::link::{Damping, Link};
 use flexlink::modal::held_frequencies;
 use flexlink::response::{HubReference, Play, Simulation, SimulationWarning};
 
@@ -20,18 +20,6 @@ fn hub_of(wanted: &Solution, every: usize) -> HubReference {
 
 fn turned(link: &Link, plan: &MeshPlan, hub: &HubReference) -> Simulation {
     played(link, plan, &Play::turning(hub))
-}
-
-/// A link with all that a link can have.
-fn loaded(damping: Damping) -> Link {
-    let turns = if damping == Damping::None { 0.0 } else { 1.0 };
-    link(|parts| {
-        parts.hub = Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad: 0.05 };
-        parts.masses = vec![LumpedMass { at_m: 0.8, mass_kg: 0.2, inertia_kg_m2: 1e-3 * turns }];
-        parts.payload =
-            Payload { mass_kg: 0.1, inertia_kg_m2: 2e-4 * turns, offset_m: 0.02 * turns };
-        parts.damping = damping;
-    })
 }
 
 /// The hub angle of the inversion moves the tip as was wanted, by the torque of the inversion.

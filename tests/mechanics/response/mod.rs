@@ -19,7 +19,7 @@ use std::f64::consts::{PI, TAU};
 
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, Solution, invert};
-use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use flexlink::motion::{MotionColumns, TipMotion};
 use flexlink::response::{Play, Simulation, Torque, simulate};
 
@@ -50,6 +50,19 @@ fn link(change: impl FnOnce(&mut LinkParts)) -> Link {
     let mut parts = bayo();
     change(&mut parts);
     Link::new(parts).unwrap()
+}
+
+/// A link with all that a link can have. Rotary inertia away from the hub puts a zero of
+/// torque → tip on the real frequency axis: an undamped link cannot be inverted there.
+fn loaded(damping: Damping) -> Link {
+    let turns = if damping == Damping::None { 0.0 } else { 1.0 };
+    link(|parts| {
+        parts.hub = Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad: 0.05 };
+        parts.masses = vec![LumpedMass { at_m: 0.8, mass_kg: 0.2, inertia_kg_m2: 1e-3 * turns }];
+        parts.payload =
+            Payload { mass_kg: 0.1, inertia_kg_m2: 2e-4 * turns, offset_m: 0.02 * turns };
+        parts.damping = damping;
+    })
 }
 
 /// A mesh of so many elements.

@@ -1,8 +1,8 @@
 //! Torque of the inversion, played with the same damping law: the tip moves as was wanted.
 
-use super::{difference, link, mesh_of, played, sine, smooth, solved, torque_of};
+use super::{difference, link, loaded, mesh_of, played, sine, smooth, solved, torque_of};
 use flexlink::inverse::Solution;
-use flexlink::link::{Damping, Hub, Link, LumpedMass, Payload};
+use flexlink::link::{Damping, Link};
 use flexlink::motion::TipMotion;
 use flexlink::response::{Interpolation, Play};
 
@@ -20,19 +20,6 @@ fn laws() -> [Damping; 4] {
 fn bare(damping: Damping, viscous_friction_n_m_s_rad: f64) -> Link {
     link(|parts| {
         parts.hub.viscous_friction_n_m_s_rad = viscous_friction_n_m_s_rad;
-        parts.damping = damping;
-    })
-}
-
-/// A link with all that a link can have. Rotary inertia away from the hub puts a zero of
-/// torque → tip on the real frequency axis: an undamped link cannot be inverted there.
-fn loaded(damping: Damping) -> Link {
-    let turns = if damping == Damping::None { 0.0 } else { 1.0 };
-    link(|parts| {
-        parts.hub = Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad: 0.05 };
-        parts.masses = vec![LumpedMass { at_m: 0.8, mass_kg: 0.2, inertia_kg_m2: 1e-3 * turns }];
-        parts.payload =
-            Payload { mass_kg: 0.1, inertia_kg_m2: 2e-4 * turns, offset_m: 0.02 * turns };
         parts.damping = damping;
     })
 }
