@@ -9,7 +9,7 @@ use crate::csv::{
     InputError, InputFile, Reading, TableError, TableFormat, read_frequency_response, read_record,
 };
 use crate::fit::{
-    Channel, Gain, Measurements, Motor, Record, RecordInput, RecordedInput, Response,
+    Channel, Gain, Measured, Measurements, Motor, Record, RecordInput, RecordedInput, Response,
 };
 use crate::response::Interpolation;
 use crate::spec::{MeasuredFile, RecordFile, ResponseFile, SpecError, read_measurements};
@@ -71,13 +71,18 @@ fn beside(file: &Path, name: &str) -> PathBuf {
 /// [`MeasuredError`] names the file, and the line where one is at fault.
 pub fn read_measured(path: &Path) -> Result<MeasuredSet, MeasuredError> {
     let file = InputFile::read_toml(path)?;
-    let MeasuredFile { values, responses, records, motor } =
+    let MeasuredFile { mut values, responses, records, motor } =
         read_measurements(&file.shown, file.text()?)?;
     let (mut read_responses, mut read_records) = (Vec::new(), Vec::new());
     let (mut named, mut readings) = (Vec::new(), Vec::new());
     for response in responses {
         let table = InputFile::read(&beside(path, &response.file))?;
-        read_responses.push(read_response(&table, response, motor.as_ref())?);
+        let first_zero = response.first_zero;
+        let response = read_response(&table, response, motor.as_ref())?;
+        match first_zero {
+            Some(first) => values.extend(zeros_of(&table, &response, first)?),
+            None => read_responses.push(response),
+        }
         named.push(table);
     }
     for record in records {
@@ -97,7 +102,7 @@ fn read_response(
     of: ResponseFile,
     motor: Option<&Motor>,
 ) -> Result<Response, MeasuredError> {
-    let ResponseFile { file, transfer, is_per_volt, gain, distance_m, uncertainty } = of;
+    let ResponseFile { file, transfer, is_per_volt, gain, distance_m, uncertainty, .. } = of;
     let (frequencies_hz, values) = read_frequency_response(&table.shown, &table.bytes)?;
     let values = values.into_iter().map(|value| value / distance_m).collect();
     let response = Response::new(file, (transfer, gain), uncertainty, (frequencies_hz, values))
@@ -106,6 +111,21 @@ fn read_response(
         Some(motor) => response.per_volt(motor),
         None => response,
     })
+}
+
+/// The zeros of a response of a closed loop.
+fn zeros_of(
+    table: &InputFile,
+    response: &Response,
+    first: usize,
+) -> Result<Vec<Measured>, MeasuredError> {
+    let zeros = response.zeros(first);
+    if zeros.is_empty() {
+        let must = "dips = none, but a closed loop is fitted by them: at least one must be 6 dB deep, \
+                    its phase rising";
+        return Err(MeasuredError::refused(table, &must));
+    }
+    Ok(zeros)
 }
 
 fn record_of(
@@ -160,6 +180,7 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::fit::Observable;
 
     /// Samples, uncertainties and units of a record in degrees, microstrain at 0.4 mm, counts and volts.
     #[test]
@@ -187,6 +208,38 @@ mod tests {
         fs::write(&path, text.to_owned() + &text.replace("hold = 'linear'", "")).unwrap();
         let twice = read_measured(&path).unwrap_err().to_string();
         assert!(twice.ends_with("measured.toml: hub_angle of log.csv is given twice"), "{twice}");
+    }
+
+    /// A loop with zeros of ratio 0.01 at 4 and 9 Hz between well damped poles, which are the second and the
+    /// third; the same poles without zeros are refused.
+    #[test]
+    fn a_closed_loop_is_read_as_zeros() {
+        let folder = tempfile::tempdir().unwrap();
+        let row = |hertz: f64, zeros: &[f64]| {
+            let s = num_complex::Complex64::new(0.0, hertz);
+            let poles = (s + 1.0) * (s * s + s + 36.0) * (s * s + 2.0 * s + 100.0);
+            let value = zeros.iter().fold(poles.inv(), |v, z| v * (s * s + 0.02 * z * s + z * z));
+            format!("{hertz},{},{}\n", value.re, value.im)
+        };
+        let table = |zeros: &[f64]| {
+            let rows = (1..300).map(|k| row(0.05 * f64::from(k), zeros));
+            "frequency [Hz],real,imaginary\n".to_owned() + &rows.collect::<String>()
+        };
+        let path = folder.path().join("measured.toml");
+        let text = "[[response]]\nfile = 'loop.csv'\ntransfer = 'hub_angle'\nloop = 'closed'\n";
+        fs::write(folder.path().join("loop.csv"), table(&[4.0, 9.0])).unwrap();
+        fs::write(&path, text.to_owned() + "first_zero = 2\nuncertainty = 0.01\n").unwrap();
+        let read = read_measured(&path).unwrap();
+        assert_eq!(read.measurements.responses().len() + read.named.len(), 1);
+        for (k, exact) in [(0, 4.0), (1, 9.0)] {
+            let zero = read.measurements.values()[k];
+            assert_eq!(zero.observable, Observable::Zero { zero: k + 2 });
+            assert!((zero.value / exact - 1.0).abs() < 1e-4, "{zero:?}");
+            assert!(zero.uncertainty.unwrap() < 0.001 * exact, "{zero:?}");
+        }
+        fs::write(folder.path().join("loop.csv"), table(&[])).unwrap();
+        let refused = read_measured(&path).unwrap_err().to_string();
+        assert!(refused.contains("loop.csv: dips = none"), "{refused}");
     }
 
     #[test]

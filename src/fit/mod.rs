@@ -15,6 +15,7 @@
 
 mod advice;
 mod alignment;
+mod dips;
 mod error;
 mod least_squares;
 mod measurement;

@@ -117,6 +117,11 @@ impl Response {
         self.sensor
     }
 
+    /// Frequency in Hz and value of each sample, in the order of the file.
+    pub(super) fn samples(&self) -> impl Iterator<Item = (f64, Complex64)> {
+        self.frequencies_hz.iter().copied().zip(self.values.iter().copied())
+    }
+
     /// Relative uncertainty of each value, if it is known.
     pub fn uncertainty(&self) -> Option<f64> {
         self.uncertainty

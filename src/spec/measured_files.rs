@@ -21,6 +21,9 @@ pub struct ResponseFile {
     pub distance_m: f64,
     /// Relative uncertainty of its values.
     pub uncertainty: Option<f64>,
+    /// Number of the zero in its lowest dip, if it was measured in a closed loop: then its zeros alone are the
+    /// link's.
+    pub first_zero: Option<usize>,
 }
 
 /// Recorded histories in a file of their own.
@@ -74,6 +77,9 @@ pub(super) struct RawMotor {
 pub(super) struct RawResponse {
     file: String,
     transfer: RawSensor,
+    #[serde(rename = "loop")]
+    around: Option<RawLoop>,
+    first_zero: Option<Count>,
     per: Option<RawPer>,
     gain: Option<RawGain>,
     distance: Option<Length>,
@@ -116,6 +122,13 @@ enum RawSensor {
     TipDeflection,
     TipAcceleration,
     RootStrain,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase", expecting = "a string")]
+enum RawLoop {
+    Open,
+    Closed,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -210,7 +223,8 @@ impl RawMotor {
 
 impl RawResponse {
     pub(super) fn convert(self, path: &str, has_motor: bool) -> Result<ResponseFile, Fault> {
-        let Self { file, transfer, per, gain, distance, uncertainty } = self;
+        let first_zero = self.first_zero(path)?;
+        let Self { file, transfer, per, gain, distance, uncertainty, .. } = self;
         uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
         let gain = RawGain::gain(gain);
         let is_per_volt = per == Some(RawPer::Volt);
@@ -219,7 +233,40 @@ impl RawResponse {
         }
         let distance_m = transfer.distance_m(path, gain, distance)?;
         let transfer = transfer.sensor();
-        Ok(ResponseFile { file, transfer, is_per_volt, gain, distance_m, uncertainty })
+        Ok(ResponseFile { file, transfer, is_per_volt, gain, distance_m, uncertainty, first_zero })
+    }
+
+    /// Number of the first zero of a closed loop.
+    fn first_zero(&self, path: &str) -> Result<Option<usize>, Fault> {
+        let refused = |key: &str, must: &str| {
+            let path = format!("{path}.{key}");
+            let message = format!("{path} {must}");
+            Err(Fault::new(path, message))
+        };
+        if self.around != Some(RawLoop::Closed) {
+            return match self.first_zero {
+                Some(_) => refused("first_zero", "must stand beside loop = \"closed\" alone"),
+                None => Ok(None),
+            };
+        }
+        let has_dips = matches!(self.transfer, RawSensor::HubAngle | RawSensor::HubRate);
+        if !has_dips {
+            let must = "must be \"hub_angle\" or \"hub_rate\" beside loop = \"closed\": \
+                        no other sensor has the zeros of the clamped link";
+            return refused("transfer", must);
+        }
+        // A dip is where it is at any scale and behind any motor.
+        let useless = [("per", self.per.is_some()), ("gain", self.gain.is_some())];
+        if let Some((key, _)) = useless.into_iter().find(|(_, is_given)| *is_given) {
+            return refused(
+                key,
+                "has no meaning beside loop = \"closed\": the dips alone are read",
+            );
+        }
+        match self.first_zero {
+            Some(Count(0)) => refused("first_zero", "= 0, but must be 1 or more"),
+            given => Ok(Some(given.map_or(1, |Count(number)| number))),
+        }
     }
 }
 
@@ -342,6 +389,20 @@ mod tests {
             (
                 "[[response]]\nfile = 'f.csv'\ntransfer = 'hub_angle'\ndistance = 1\n".to_owned(),
                 "m.toml:4: response.0.distance must stand beside root_strain alone",
+            ),
+            (
+                "[[response]]\nfile = 'f.csv'\ntransfer = 'hub_angle'\nfirst_zero = 2\n".to_owned(),
+                "m.toml:4: response.0.first_zero must stand beside loop = \"closed\" alone",
+            ),
+            (
+                "[[response]]\nfile = 'f.csv'\ntransfer = 'hub_rate'\nloop = 'closed'\ngain = 'free'\n"
+                    .to_owned(),
+                "m.toml:5: response.0.gain has no meaning beside loop = \"closed\": the dips alone are read",
+            ),
+            (
+                "[[response]]\nfile = 'f.csv'\ntransfer = 'tip_deflection'\nloop = 'closed'\n".to_owned(),
+                "m.toml:3: response.0.transfer must be \"hub_angle\" or \"hub_rate\" beside loop = \
+                 \"closed\": no other sensor has the zeros of the clamped link",
             ),
             (
                 MOTOR.replace("8.4", "0"),

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod closed_loops;
 mod records;
 mod responses;
 mod rigs;

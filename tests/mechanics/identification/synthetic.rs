@@ -32,12 +32,12 @@ impl Random {
 
 /// A uniform link with a hub and a point payload.
 #[derive(Debug, Clone, Copy)]
-struct Truth {
-    length: f64,
-    stiffness: f64,
-    mass_per_length: f64,
-    hub: f64,
-    payload: f64,
+pub(super) struct Truth {
+    pub(super) length: f64,
+    pub(super) stiffness: f64,
+    pub(super) mass_per_length: f64,
+    pub(super) hub: f64,
+    pub(super) payload: f64,
 }
 
 impl Truth {
@@ -63,7 +63,7 @@ impl Truth {
     }
 
     /// The first natural frequencies in Hz: roots b of the characteristic equation, ω = b²√(EI/m̄L⁴).
-    fn frequencies(&self, hub: HubEnd, count: usize) -> Vec<f64> {
+    pub(super) fn frequencies(&self, hub: HubEnd, count: usize) -> Vec<f64> {
         let beam = self.mass_per_length * self.length;
         let (eta, mu) = (self.hub / (beam * self.length.powi(2)), self.payload / beam);
         let equation = |b: f64| {

@@ -1,0 +1,106 @@
+use nalgebra::{SMatrix, SVector, Vector3};
+use num_complex::Complex64;
+
+use super::measurement::{Measured, Observable};
+use super::response::Response;
+use crate::numeric::magnitude;
+
+/// Least ratio of both shoulders of a dip to its bottom: 6 dB.
+const DEPTH: f64 = 2.0;
+
+/// Samples on each side of a dip's bottom that a zero is read from, if its flanks have no more.
+const LEAST_REACH: usize = 3;
+
+/// Largest damping ratio of a zero that shows as a dip.
+const MOST_DAMPED: f64 = 0.2;
+
+impl Response {
+    /// The zeros in its dips, the lowest with the number `first`. The zeros of torque → hub angle are those
+    /// of each closed loop around the hub as well, whatever the controller; its poles are not the link's.
+    /// A zero is the root of the numerator of order 2 in the frequency that, over a denominator of the same
+    /// order, lies best through the samples around a dip, relative to each; its value is the root's magnitude.
+    /// Its uncertainty follows from that of the samples.
+    pub fn zeros(&self, first: usize) -> Vec<Measured> {
+        let mut samples: Vec<_> = self.samples().collect();
+        samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Deeper than what five uncertainties up and down make of a plateau.
+        let reach = (5.0 * self.uncertainty().unwrap_or(0.0)).min(1.0);
+        let depth = DEPTH.max((1.0 + reach) / (1.0 - reach));
+        let bottoms = 1..samples.len().saturating_sub(1);
+        let bottoms = bottoms.filter_map(|k| Dip::at(&samples, k, depth));
+        let roots = bottoms.filter_map(|dip| dip.root(self.uncertainty()));
+        let zero = |(k, (value, uncertainty))| Measured {
+            observable: Observable::Zero { zero: first + k },
+            value,
+            uncertainty,
+        };
+        roots.enumerate().map(zero).collect()
+    }
+}
+
+/// The samples around a minimum of the gain: frequency in Hz, value.
+struct Dip<'a> {
+    bottom_hz: f64,
+    around: &'a [(f64, Complex64)],
+}
+
+impl<'a> Dip<'a> {
+    /// The dip with its bottom at this sample, if it is one of this depth.
+    fn at(samples: &'a [(f64, Complex64)], bottom: usize, depth: f64) -> Option<Self> {
+        let gain = |k: usize| magnitude(samples[k].1);
+        let least = gain(bottom);
+        let shoulder = |flank: &mut dyn Iterator<Item = usize>| {
+            flank.map(gain).take_while(|gain| *gain > least).fold(least, f64::max)
+        };
+        let left = shoulder(&mut (0..bottom).rev());
+        let shoulder = left.min(shoulder(&mut (bottom + 1..samples.len())));
+        if shoulder < depth * least {
+            return None;
+        }
+        // Farther up the flanks the poles beside the dip bend the response.
+        let most = (least * shoulder).sqrt();
+        let near = |k: &usize| gain(*k) <= most;
+        let left = (0..bottom).rev().take_while(near).count().max(LEAST_REACH);
+        let right = (bottom + 1..samples.len()).take_while(near).count().max(LEAST_REACH);
+        let last = (bottom + right).min(samples.len() - 1);
+        let around = &samples[bottom.saturating_sub(left)..=last];
+        Some(Self { bottom_hz: samples[bottom].0, around })
+    }
+
+    /// Frequency of the zero in Hz and its uncertainty; none where the phase does not rise as through a zero
+    /// of a link.
+    fn root(&self, uncertainty: Option<f64>) -> Option<(f64, Option<f64>)> {
+        let (lowest, highest) = (self.around.first()?.0, self.around.last()?.0);
+        let width = highest - lowest;
+        // Numerator less value times denominator, over the value: `(c + bx + ax²)/G − dx − ex² = 1`.
+        let powers = |x: Complex64| Vector3::new(Complex64::from(1.0), x, x * x);
+        let row = |(hertz, value): &(f64, Complex64)| {
+            let x = Complex64::from((hertz - self.bottom_hz) / width);
+            let [zeroth, first, second] = powers(x).map(|power| power / value).into();
+            SVector::from([zeroth, first, second, -x, -x * x])
+        };
+        let mut normal = SMatrix::<Complex64, 5, 5>::zeros();
+        let mut right = SVector::<Complex64, 5>::zeros();
+        for row in self.around.iter().map(row) {
+            normal += row.conjugate() * row.transpose();
+            right += row.conjugate();
+        }
+        let inverse = normal.try_inverse()?;
+        let [c, b, a, ..] = (inverse * right).data.0[0];
+        let inverse = inverse.fixed_view::<3, 3>(0, 0);
+        // The smaller root, in the form that loses no digits.
+        let root_of = (b * b - 4.0 * a * c).sqrt();
+        let signed = if (b.conj() * root_of).re < 0.0 { -root_of } else { root_of };
+        let x = -2.0 * c / (b + signed);
+        let zero = Complex64::from(self.bottom_hz) + x * width;
+        let slope = magnitude(b + 2.0 * a * x) / width;
+        // The variance of the numerator at the zero, `φᵀ C φ̄` with the covariance C of its coefficients.
+        let at_zero = powers(x).conjugate();
+        let spread = at_zero.dotc(&(inverse * at_zero)).re.sqrt() / slope;
+        let uncertainty_hz = uncertainty.map(|own| own * spread);
+        let is_inside = zero.re > lowest && zero.re < highest;
+        let least_hz = -2.0 * uncertainty_hz.unwrap_or(0.01 * width);
+        let is_zero = zero.im > least_hz && zero.im < MOST_DAMPED * zero.re;
+        (is_inside && is_zero).then(|| (magnitude(zero), uncertainty_hz))
+    }
+}
