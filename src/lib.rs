@@ -77,6 +77,7 @@
 //! | θ | hub angle, `hub_angle_rad`, `theta` | rad |
 //! | T | torque at the hub, `torque_n_m` | N m |
 //! | EI, m̄ | `bending_stiffness_n_m2`, `mass_per_length_kg_m` | N m², kg/m |
+//! | κ G A, ρI | shear stiffness, rotary inertia per length of [`link::Timoshenko`] | N, kg m |
 //! | I_H, b | hub inertia, viscous friction | kg m², N m s/rad |
 //! | m_t, J_t, c | payload mass, inertia about its centre, offset of that centre | kg, kg m², m |
 //! | ω̄, P | angular frequency `omega`, period (eq 13) | rad/s, s |
@@ -111,6 +112,8 @@
 //! * E. Bayo, J. Robotic Systems 4(1), 63-75, 1987.
 //! * K. J. Bathe, *Finite Element Procedures in Engineering Analysis*, 1982: Hermite elements.
 //! * W. H. Wittrick, F. W. Williams, Q. J. Mech. Appl. Math. 24(3), 1971: counting modes.
+//! * S. P. Timoshenko, Phil. Mag. 41, 1921; J. S. Przemieniecki, *Theory of Matrix Structural Analysis*, 1968;
+//!   G. R. Cowper, J. Applied Mechanics 33, 1966: beams with shear.
 //! * C. F. Van Loan, IEEE Trans. Automatic Control 23(3), 1978: integrals with the exponential.
 //! * R. Featherstone, *Robot Dynamics Algorithms*, 1987: articulated-body inertia.
 

@@ -17,6 +17,7 @@ pub(crate) fn link(damping: Damping) -> Link {
             bending_stiffness_n_m2: Taper::constant(5.0),
             mass_per_length_kg_m: Taper::constant(0.8),
             cross_section: None,
+            timoshenko: None,
         }],
         hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
         masses: vec![],

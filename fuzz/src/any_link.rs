@@ -1,5 +1,7 @@
 use arbitrary::{Result, Unstructured};
-use flexlink::link::{Damping, Drive, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
+use flexlink::link::{
+    Damping, Drive, Hub, LinkParts, LumpedMass, Payload, Segment, Taper, Timoshenko,
+};
 
 /// A link of any make, its bodies and stiffnesses over many orders of magnitude.
 ///
@@ -53,7 +55,19 @@ fn any_segment(u: &mut Unstructured) -> Result<Segment> {
         bending_stiffness_n_m2: taper(u, stiffness)?,
         mass_per_length_kg_m: taper(u, mass)?,
         cross_section: None,
+        timoshenko: any_shear(u)?,
     })
+}
+
+/// Shear and rotary inertia, or none.
+fn any_shear(u: &mut Unstructured) -> Result<Option<Timoshenko>> {
+    if !u.arbitrary()? {
+        return Ok(None);
+    }
+    Ok(Some(Timoshenko {
+        shear_stiffness_n: Taper::constant(any_size(u, 30)?),
+        rotary_inertia_per_length_kg_m: Taper::constant(any_or_none(u, 20)?),
+    }))
 }
 
 /// A lumped mass at eighths of a segment.

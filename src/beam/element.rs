@@ -1,10 +1,11 @@
 use nalgebra::{Matrix2, Matrix4};
 
-use crate::link::Taper;
+use crate::link::{Taper, Timoshenko};
 
 /// One Hermite cubic element with linearly tapered stiffness and mass (Bayo 1987, eqs 8-10).
 ///
-/// Inner end i, outer end j; degrees of freedom `(v_i, φ_i, v_j, φ_j)` with φ = dv/dx.
+/// Inner end i, outer end j; degrees of freedom `(v_i, φ_i, v_j, φ_j)` with φ = dv/dx; with shear, φ is the
+/// rotation of the cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
     /// Length l in m.
@@ -13,15 +14,55 @@ pub struct Element {
     pub bending_stiffness_n_m2: Taper,
     /// Mass per length m̄ in kg/m.
     pub mass_per_length_kg_m: Taper,
+    /// Shear and rotary inertia; without them the element is one of Bernoulli and Euler.
+    pub timoshenko: Option<Timoshenko>,
 }
 
 impl Element {
     /// Stiffness, 4×4, symmetric, rank 2. Rows: `v_i` (N), `φ_i` (N m), `v_j`, `φ_j`.
+    pub fn stiffness(&self) -> Matrix4<f64> {
+        if self.timoshenko.is_none() {
+            return self.bending_stiffness();
+        }
+        let mut stiffness = Matrix4::zeros();
+        stiffness.fixed_view_mut::<2, 2>(2, 2).copy_from(&self.relative().k_d);
+        let absolute = self.deformations();
+        absolute.transpose() * stiffness * absolute
+    }
+
+    /// Consistent mass, 4×4, symmetric. Rows: `v_i` (kg), `φ_i` (kg m), `v_j`, `φ_j`.
+    pub fn mass(&self) -> Matrix4<f64> {
+        if self.timoshenko.is_none() {
+            return self.translational_mass();
+        }
+        let RelativeElement { m_uu, m_ud, m_dd, .. } = self.relative();
+        let mut mass = Matrix4::zeros();
+        for (at, block) in
+            [((0, 0), m_uu), ((0, 2), m_ud), ((2, 0), m_ud.transpose()), ((2, 2), m_dd)]
+        {
+            mass.fixed_view_mut::<2, 2>(at.0, at.1).copy_from(&block);
+        }
+        let absolute = self.deformations();
+        absolute.transpose() * mass * absolute
+    }
+
+    /// `(u_i, d)` of `(u_i, u_j)`, 4×4.
+    fn deformations(&self) -> Matrix4<f64> {
+        let l = self.length_m;
+        Matrix4::new(
+            1.0, 0.0, 0.0, 0.0, //
+            0.0, 1.0, 0.0, 0.0, //
+            -1.0, -l, 1.0, 0.0, //
+            0.0, -1.0, 0.0, 1.0,
+        )
+    }
+
+    /// Stiffness of bending alone, 4×4.
     ///
     /// ```text
     /// K_ab = ∫₀ˡ EI N_a'' N_b'' dx                                (Bayo 1987, eqs 7 and 10)
     /// ```
-    pub fn stiffness(&self) -> Matrix4<f64> {
+    pub(super) fn bending_stiffness(&self) -> Matrix4<f64> {
         let l = self.length_m;
         let Taper { inner: p, outer: q } = self.bending_stiffness_n_m2;
         let vv = 6.0 * (p + q) / l.powi(3);
@@ -36,12 +77,12 @@ impl Element {
         ])
     }
 
-    /// Consistent mass, 4×4, symmetric. Rows: `v_i` (kg), `φ_i` (kg m), `v_j`, `φ_j`.
+    /// Mass of Hermite's cubics, 4×4.
     ///
     /// ```text
     /// M_ab = ∫₀ˡ m̄ N_a N_b dx                                     (Bayo 1987, eqs 7 and 9)
     /// ```
-    pub fn mass(&self) -> Matrix4<f64> {
+    fn translational_mass(&self) -> Matrix4<f64> {
         let l = self.length_m;
         let Taper { inner: p, outer: q } = self.mass_per_length_kg_m;
         let (l2, l3) = (l * l, l * l * l);
@@ -62,10 +103,10 @@ impl Element {
     /// The same element in relative coordinates.
     pub fn relative(&self) -> RelativeElement {
         let l = self.length_m;
-        let (stiffness, mass) = (self.stiffness(), self.mass());
+        let (stiffness, mass) = (self.bending_stiffness(), self.translational_mass());
         let Taper { inner: p, outer: q } = self.mass_per_length_kg_m;
         let (l2, l3) = (l * l, l * l * l);
-        RelativeElement {
+        let slender = RelativeElement {
             length_m: l,
             k_d: stiffness.fixed_view::<2, 2>(2, 2).into(),
             m_dd: mass.fixed_view::<2, 2>(2, 2).into(),
@@ -83,7 +124,8 @@ impl Element {
                 l2 * (p + 2.0 * q) / 6.0,
                 l3 * (p + 3.0 * q) / 12.0,
             ),
-        }
+        };
+        self.timoshenko.map_or(slender, |timoshenko| timoshenko.sheared(self, &slender))
     }
 
     /// The two halves of the element.
@@ -92,17 +134,24 @@ impl Element {
             length_m: 0.5 * self.length_m,
             bending_stiffness_n_m2: self.bending_stiffness_n_m2.between(from, to),
             mass_per_length_kg_m: self.mass_per_length_kg_m.between(from, to),
+            timoshenko: self.timoshenko.map(|own| own.between(from, to)),
         })
     }
 
     /// Frequency in rad/s up to which the element follows a bending wave: there the relative
-    /// error (βl)⁴/1440 of a natural frequency reaches 1 %.
+    /// error (βl)⁴/1440 of a natural frequency reaches 1 %; with shear, that and `ω² l² m̄/(24 κGA)`.
     ///
-    /// Infinite for an element without mass, which its cubics represent exactly.
+    /// Infinite for an element without mass, which its shapes represent exactly.
     pub fn resolved_frequency_rad_s(&self) -> f64 {
         let stiffness = self.bending_stiffness_n_m2.inner.min(self.bending_stiffness_n_m2.outer);
         let mass = self.mass_per_length_kg_m.inner.max(self.mass_per_length_kg_m.outer);
-        (14.4 * stiffness / mass).sqrt() / self.length_m.powi(2)
+        let bending = (14.4 * stiffness / mass).sqrt() / self.length_m.powi(2);
+        self.timoshenko.map_or(bending, |own| {
+            let Taper { inner, outer } = own.shear_stiffness_n;
+            let shear = (0.24 * inner.min(outer) / mass).sqrt() / self.length_m;
+            // Both errors grow with the square of the frequency.
+            bending / libm::hypot(1.0, bending / shear)
+        })
     }
 }
 
@@ -134,6 +183,7 @@ mod tests {
         length_m: 0.7,
         bending_stiffness_n_m2: Taper { inner: 5.0, outer: 3.0 },
         mass_per_length_kg_m: Taper { inner: 0.8, outer: 1.4 },
+        timoshenko: None,
     };
 
     /// ∫₀ˡ f(x) dx by Gauss-Legendre with five points: exact to degree 9.

@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `element` | K and M of one element, and in relative coordinates |
+//! | `element`, `timoshenko` | K and M of one element, and in relative coordinates; with shear and rotary inertia |
 //! | `plan`, `given_nodes` | number of elements of each piece of the link; from given nodes |
 //! | `inertia` | apparent inertia A, and the 2×2 system of one element |
 //! | `mesh`, `rigid_limit` | all elements and bodies; λ up to which the link is rigid |
@@ -20,6 +20,7 @@ mod pivoted;
 mod plan;
 mod recursion;
 mod rigid_limit;
+mod timoshenko;
 mod transfer;
 
 pub(crate) use batch::{Checkpoints, Pivots, nodal_transfers_from, pivots, tip_displacements_m};

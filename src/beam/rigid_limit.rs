@@ -14,7 +14,7 @@ const STIFFEST: f64 = 1e280;
 /// would bend all elements, one after the other, by a negligible angle.
 ///
 /// ```text
-/// λ Σ(|A_vv| L² + 2 |A_vφ| L + |A_φφ|) Σ l/EI = 2⁻⁷⁰
+/// λ Σ(|A_vv| L² + 2 |A_vφ| L + |A_φφ|) Σ(l/EI + l/(κGA L²)) = 2⁻⁷⁰
 /// ```
 pub(super) fn rigid_lambda<'a>(
     (elements, relative): (&[Element], &[RelativeElement]),
@@ -23,7 +23,11 @@ pub(super) fn rigid_lambda<'a>(
 ) -> f64 {
     let flexibility = |element: &Element| {
         let Taper { inner, outer } = element.bending_stiffness_n_m2;
-        element.length_m / inner.min(outer)
+        let shear = element.timoshenko.map_or(0.0, |own| {
+            let Taper { inner, outer } = own.shear_stiffness_n;
+            element.length_m / (inner.min(outer) * length_m.powi(2))
+        });
+        element.length_m / inner.min(outer) + shear
     };
     let beam = relative.iter().map(|element| {
         let mass = element.m_uu;

@@ -10,7 +10,7 @@ use flexlink::beam::Mesh;
 use flexlink::csv::Digits;
 use flexlink::modal::natural_frequencies;
 use flexlink::model::{FrequencyResponse, ModelError, changes_on_halves, model_of};
-use flexlink::result::{BandMeshError, mesh_error};
+use flexlink::result::BandMeshError;
 use flexlink::spec::Specification;
 use flexlink::store::{frequency_response_json, write_frequency_response};
 use flexlink::text::{plain, significant};
@@ -84,9 +84,7 @@ impl Frf {
             keep_files(output, &[&self.link.link])?;
         }
         let (_, specification) = self.link.load()?;
-        let (rows, changes) = self.compute(&specification)?;
-        let errors: Option<Vec<f64>> =
-            changes.as_ref().map(|changes| changes.iter().copied().map(mesh_error).collect());
+        let (rows, errors) = self.compute(&specification)?;
         let output = self.output.as_deref();
         if self.json {
             let text = frequency_response_json(&rows, errors.as_deref());
@@ -96,10 +94,10 @@ impl Frf {
                 write_frequency_response(out, &rows, errors.as_deref(), self.digits)
             })?;
         }
-        self.warnings.refuse(tell(&rows, changes.as_deref()))
+        self.warnings.refuse(tell(&rows, errors.as_deref()))
     }
 
-    /// The response at each frequency, and its changes when every element is halved; `None` where damping
+    /// The response at each frequency, and its mesh error by halved elements; `None` where damping
     /// allows no halved elements.
     fn compute(
         &self,
@@ -118,7 +116,11 @@ impl Frf {
         let frequencies_hz = self.frequencies_hz(from_hz, to_hz);
         let rows = FrequencyResponse::at_all(&*model, &frequencies_hz);
         match changes_on_halves(&*model, &rows) {
-            Ok(changes) => Ok((rows, Some(changes))),
+            Ok(changes) => {
+                let per_change = model.mesh().error_per_change();
+                let errors = changes.iter().map(|change| per_change * change).collect();
+                Ok((rows, Some(errors)))
+            }
             Err(ModelError::TooManyElements { .. }) => Ok((rows, None)),
             Err(error) => Err(error.into()),
         }
@@ -158,13 +160,13 @@ impl Frf {
 }
 
 /// Prints the largest mesh error; returns the number of warnings.
-fn tell(rows: &[FrequencyResponse], changes: Option<&[f64]>) -> usize {
-    let Some(changes) = changes else {
+fn tell(rows: &[FrequencyResponse], errors: Option<&[f64]>) -> usize {
+    let Some(errors) = errors else {
         console::note("the mesh error is not known: modal damping allows no halved elements here");
         return 0;
     };
-    let pairs = rows.iter().map(|row| row.frequency_hz).zip(changes.iter().copied());
-    let Some(error) = BandMeshError::of_changes(pairs) else { return 0 };
+    let pairs = rows.iter().map(|row| row.frequency_hz).zip(errors.iter().copied());
+    let Some(error) = BandMeshError::of_errors(pairs) else { return 0 };
     if let Some(warning) = error.warning {
         console::warning(warning, warning.hint());
         return 1;

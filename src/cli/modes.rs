@@ -100,7 +100,7 @@ fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesR
     // On a mesh, and what it is wrong by.
     let with_errors = |of: &dyn Fn(&Mesh) -> Vec<f64>| {
         let values = of(&mesh);
-        let errors = mesh_errors(&values, &of(&finer));
+        let errors = mesh_errors(&mesh, &values, &of(&finer));
         (values, errors)
     };
     let (zeros_per_s, zero_mesh_errors) = with_errors(&|mesh| torque_zeros(mesh, count));
@@ -113,7 +113,7 @@ fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesR
     });
     let result = ModesResult {
         damping_ratios: law.modal_ratios(&omega_rad_s),
-        mesh_errors: mesh_errors(&omega_rad_s, &natural_frequencies(&finer, count)),
+        mesh_errors: mesh_errors(&mesh, &omega_rad_s, &natural_frequencies(&finer, count)),
         zeros_per_s,
         zero_mesh_errors,
         blocked_hz: blocked.iter().map(|omega| omega / TAU).collect(),

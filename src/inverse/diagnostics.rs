@@ -183,7 +183,7 @@ impl Diagnostics<'_> {
         (share > Link::LARGE_DEFLECTION).then_some(Warning::LargeDeflection { share })
     }
 
-    /// The share by which shear and rotary inertia, which the model leaves out, change the torque, where
+    /// The share by which shear and rotary inertia, which the theory leaves out, change the torque, where
     /// that is noticeable.
     fn thick_link(&self) -> Option<Warning> {
         let (thickness, mesh) = (Thickness::known(self.model.link()), self.model.mesh());

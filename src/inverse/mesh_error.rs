@@ -9,16 +9,12 @@ use super::analysis::{Analysis, Unwatched, Watch};
 use super::error::InversionError;
 use super::input_error::input_errors;
 use super::spectra::DrivenModel;
-use crate::beam::MeshPlan;
+use crate::beam::{Mesh, MeshPlan};
 use crate::model::{KeptModes, Model, ModelError};
 use crate::motion::{InputBand, TipPeriod};
 
 /// Peak torques in N m whose squares, and products with rates and times, are finite.
 const TORQUES_N_M: RangeInclusive<f64> = 1e-100..=1e100;
-
-/// The error falls with the fourth power of the element length: the halved mesh has a sixteenth of it,
-/// and what it changes is 15/16 of it.
-const ERROR_PER_CHANGE: f64 = 16.0 / 15.0;
 
 /// The answer on the mesh that is fine enough, and its errors.
 pub(super) struct MeshAnswer {
@@ -59,7 +55,7 @@ impl MeshAnswer {
             let finer_probes = probes.refined();
             let finer_answer = solved(&finer, &finer_probes);
             let may_refine = plan.is_automatic() && 4 * elements <= finer.most_elements();
-            match measured(&answer, &finer_answer, period, model.mesh().length_m()) {
+            match measured(&answer, &finer_answer, period, model.mesh()) {
                 // A mesh far too coarse for its band may give no numbers at all.
                 Err(InversionError::Model(ModelError::NotFinite { .. })) if may_refine => {}
                 Err(error) => return Err(error),
@@ -121,14 +117,14 @@ fn measured(
     answer: &Result<Amplitudes, ModelError>,
     finer: &Result<Amplitudes, ModelError>,
     period: &TipPeriod,
-    length_m: f64,
+    mesh: &Mesh,
 ) -> Result<(PerQuantity<f64>, PerQuantity<f64>), InversionError> {
     let (answer, finer) =
         (answer.as_ref().map_err(Clone::clone)?, finer.as_ref().map_err(Clone::clone)?);
-    let peaks = finer.peaks(period, length_m);
+    let peaks = finer.peaks(period, mesh.length_m());
     if !TORQUES_N_M.contains(&peaks.torque) {
         return Err(InversionError::OutOfRange { peak_n_m: peaks.torque });
     }
     let changes = answer.change_to(finer, &peaks);
-    Ok((changes.zip(&changes, |change, _| ERROR_PER_CHANGE * change), peaks))
+    Ok((changes.zip(&changes, |change, _| mesh.error_per_change() * change), peaks))
 }

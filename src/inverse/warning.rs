@@ -173,7 +173,7 @@ pub enum Warning {
     },
     /// Shear and rotary inertia that the model leaves out.
     #[error(
-        "shear and rotary inertia, which the model leaves out, change the torque by {} (rms)",
+        "shear and rotary inertia, which the theory leaves out, change the torque by {} (rms)",
         thick(*share)
     )]
     ThickLink {
@@ -268,7 +268,9 @@ impl Warning {
             Self::LargeDeflection { .. } | Self::FastHub { .. } => {
                 "a slower motion or a stiffer link"
             }
-            Self::ThickLink { .. } => "a more slender link; mostly a slower motion, too",
+            Self::ThickLink { .. } => {
+                "theory = \"timoshenko\" in the link file takes them into account"
+            }
             Self::BlockedTip { .. } => "a smoother or slower motion avoids the frequency",
             Self::NearNyquist { .. } => "a smoother motion or a shorter step",
             Self::AboveMesh { .. } | Self::CoarseMesh { .. } => {

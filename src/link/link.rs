@@ -194,6 +194,8 @@ impl Link {
                 * (m.mean() * root_m * root_m
                     + (m.inner + 2.0 * m.outer) / 3.0 * root_m * l
                     + (m.inner + 3.0 * m.outer) / 12.0 * l * l);
+            let rotary = segment.timoshenko.map(|own| own.rotary_inertia_per_length_kg_m.mean());
+            inertia += l * rotary.unwrap_or(0.0);
             root_m += l;
         }
         for mass in &self.parts.masses {

@@ -8,6 +8,7 @@ mod damping;
 #[expect(clippy::module_inception, reason = "the whole link")]
 mod link;
 mod parts;
+mod section;
 mod segment;
 
 pub use damping::Damping;
@@ -18,4 +19,5 @@ pub use link::{Link, LinkParts};
 pub(crate) use link::{uniform, uniform_segment};
 pub use parts::{Drive, Hub, Joint, LumpedMass, ParameterError, Payload};
 pub(crate) use parts::{not_negative, positive};
-pub use segment::{CrossSection, Section, Segment, Taper};
+pub use section::Section;
+pub use segment::{CrossSection, Segment, Taper, Timoshenko};

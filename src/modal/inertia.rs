@@ -4,11 +4,11 @@ use crate::link::Taper;
 /// What rounding may leave of a body's resistance to its second motion, as a share.
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
-/// Whether anything but the beam itself resists rotation outboard of the hub: a lumped rotary
-/// inertia or an offset payload.
-pub(super) fn carries_rotary_inertia(mesh: &Mesh) -> bool {
+/// Whether zeros of torque → tip may leave the real axis: by a lumped rotary inertia outboard of the hub, an
+/// offset payload, or a beam with shear and rotary inertia. Points of mass on slender beams keep them there.
+pub(super) fn zeros_may_leave_the_real_axis(mesh: &Mesh) -> bool {
     let lumped = (0..mesh.elements().len()).filter_map(|node| mesh.lumped_inertia(node));
-    mesh.tip_inertia().pp > 0.0 || lumped.into_iter().any(|body| body.pp > 0.0)
+    mesh.tip_inertia().pp > 0.0 || lumped.into_iter().any(|body| body.pp > 0.0) || mesh.has_shear()
 }
 
 /// Number of flexible modes of the link on its free hub.
@@ -155,7 +155,7 @@ mod tests {
     fn points_of_mass_resist_no_rotation_and_bodies_and_offsets_do() {
         let carries = |inertia_kg_m2: f64, payload: Payload| {
             let masses = vec![body(0.75, 0.3, inertia_kg_m2)];
-            carries_rotary_inertia(&mesh(Taper::constant(0.8), HUB, masses, payload))
+            zeros_may_leave_the_real_axis(&mesh(Taper::constant(0.8), HUB, masses, payload))
         };
         let point = Payload { mass_kg: 0.4, ..Payload::default() };
         assert!(!carries(0.0, point) && carries(1e-3, point));

@@ -20,7 +20,7 @@ const USUAL_SPEED_M_S: f64 = 5e3;
 /// κ that is assumed there: that of a thin tube, the least of the usual ones.
 const LEAST_SHEAR_COEFFICIENT: f64 = 0.5;
 
-/// How much shear and rotary inertia, which the model leaves out, would lower natural frequencies.
+/// How much shear and rotary inertia, where the theory leaves them out, would lower natural frequencies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thickness {
     /// Cross-section of each segment; none where it is unknown.
@@ -30,7 +30,7 @@ pub struct Thickness {
 /// Natural frequencies that shear and rotary inertia lower by more than 1 %.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "shear and rotary inertia, which the model leaves out, lower natural frequencies by about {}",
+    "shear and rotary inertia, which the theory leaves out, lower natural frequencies by about {}",
     range(lowest, highest)
 )]
 pub struct ThickLink {
@@ -66,14 +66,14 @@ impl ThickLink {
 
     /// What the user can do about it.
     pub fn hint(&self) -> &'static str {
-        "a more slender link; solve tells what a torque feels of it"
+        "theory = \"timoshenko\" computes them; solve tells what a torque feels of it"
     }
 }
 
 impl Thickness {
     /// By the sections that are known; the others count as slender.
     pub fn known(link: &Link) -> Self {
-        Self { sections: link.segments().iter().map(|segment| segment.cross_section).collect() }
+        Self { sections: link.segments().iter().map(Segment::slender_section).collect() }
     }
 
     /// With a guess in place of sections that are unknown; none where all are known.
@@ -82,11 +82,15 @@ impl Thickness {
     /// `EI/m̄ = r² E/ρ`.
     pub fn guessed(link: &Link) -> Option<Self> {
         let segments = link.segments();
-        let is_unknown = |segment: &Segment| segment.cross_section.is_none();
+        let is_unknown =
+            |segment: &Segment| segment.cross_section.is_none() && segment.timoshenko.is_none();
         if !segments.iter().any(is_unknown) {
             return None;
         }
-        let section = |segment: &Segment| segment.cross_section.or_else(|| guess(segment));
+        let section = |segment: &Segment| {
+            let guessed = || guess(segment).filter(|_| segment.timoshenko.is_none());
+            segment.slender_section().or_else(guessed)
+        };
         Some(Self { sections: segments.iter().map(section).collect() })
     }
 
@@ -141,7 +145,7 @@ impl Thickness {
             let segment = mesh.element_segments()[k];
             let Some(section) = self.sections.get(segment).copied().flatten() else { continue };
             let square_m2 = section.radius_of_gyration_m.mean().powi(2);
-            let Element { length_m, bending_stiffness_n_m2, mass_per_length_kg_m } = element;
+            let Element { length_m, bending_stiffness_n_m2, mass_per_length_kg_m, .. } = element;
             let (inner, outer) = (shape.total(mesh, k), shape.total(mesh, k + 1));
             // The slope of the cubic in the middle.
             let middle = 1.5 * (outer[0] - inner[0]) / length_m - 0.25 * (inner[1] + outer[1]);

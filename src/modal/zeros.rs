@@ -1,5 +1,5 @@
 use super::frequencies::{HubSpring, SEARCH_LIMIT_RAD_S};
-use super::inertia::{carries_rotary_inertia, outboard_degrees_of_freedom};
+use super::inertia::{outboard_degrees_of_freedom, zeros_may_leave_the_real_axis};
 use crate::beam::{Mesh, hub_response, tip_displacement_m, tip_displacements_m};
 use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
 
@@ -16,6 +16,9 @@ const SCAN_START: f64 = 0.01;
 /// The scan ends this factor above where it begins.
 const SCAN_RANGE: f64 = 1e8;
 
+/// Zeros of a beam with shear are sought up to this factor above what its mesh resolves to 1 %.
+const RESOLVED: f64 = 3.0;
+
 /// Where zeros are real, the scan begins at this share of a bound that lies below the first: a mesh of
 /// few elements may have others, which take a little off their sum.
 const NEAR: f64 = 0.5;
@@ -28,7 +31,8 @@ const NEAR_RANGE: f64 = 1e6;
 /// They are the roots of `L + e_tip` at λ = −z². The torque that moves the tip grows as e^{z₁t}
 /// before the motion and decays as e^{−z₁t} after it; that is why it must start early. Fewer than
 /// `count` where the mesh has fewer. Rotary inertia on the link or at the tip can move zeros off
-/// the real axis in pairs ±a ± ib; those are not among them.
+/// the real axis in pairs ±a ± ib; those are not among them. A beam with shear has but a few real zeros: faster
+/// than its cut-off it decays without a wave. Its mesh has others, far beyond what it resolves.
 pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
     if outboard_degrees_of_freedom(mesh) == 0 {
         return Vec::new();
@@ -36,7 +40,9 @@ pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
     let near = start_near_real_zeros(mesh).map(|start| (start, start * NEAR_RANGE));
     let scan = near.or_else(|| scan_start(mesh).map(|start| (start, start * SCAN_RANGE)));
     let Some((start, limit)) = scan else { return Vec::new() };
-    changes(start, limit, count, |exponents| displacements_m(mesh, exponents))
+    let resolved =
+        if mesh.has_shear() { RESOLVED * mesh.resolved_frequency_rad_s() } else { limit };
+    changes(start, limit.min(resolved), count, |exponents| displacements_m(mesh, exponents))
 }
 
 /// Tip displacement per hub angle, `L + e_tip`, in m where both grow as e^{zt}.
@@ -52,7 +58,7 @@ fn displacements_m(mesh: &Mesh, exponents_per_s: &[f64; SECTIONS]) -> [f64; SECT
 /// the number of these below ω is known from the pivots, so that only the zeros remain as changes
 /// of parity.
 pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
-    if !carries_rotary_inertia(mesh) || outboard_degrees_of_freedom(mesh) == 0 {
+    if !zeros_may_leave_the_real_axis(mesh) || outboard_degrees_of_freedom(mesh) == 0 {
         // Points of mass keep all zeros off the real frequencies; without mass there are none.
         return Vec::new();
     }
@@ -102,7 +108,7 @@ fn changes(
 /// L + e_tip = L ∏ (1 + λ/z_k²)/(1 − λ/ω_k²),   at rest  e_tip/(λL) = Σ 1/z_k² + Σ 1/ω_k² > 1/z₁²
 /// ```
 fn start_near_real_zeros(mesh: &Mesh) -> Option<f64> {
-    if carries_rotary_inertia(mesh) {
+    if zeros_may_leave_the_real_axis(mesh) {
         return None;
     }
     let rest = hub_response(mesh, 0.0);

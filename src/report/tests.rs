@@ -24,6 +24,7 @@ pub(super) fn link(viscous_friction_n_m_s_rad: f64) -> Link {
         bending_stiffness_n_m2: Taper::constant(stiffness),
         mass_per_length_kg_m: Taper::constant(0.8),
         cross_section: None,
+        timoshenko: None,
     };
     Link::new(LinkParts {
         title: "</script><script>alert(1)</script> & \"link\"".to_owned(),

@@ -235,8 +235,7 @@ impl PlayError {
     /// Plays the same torque on elements of half the length, with all modes that the torque moves
     /// there, and measures the change; where modes were cut, with twice as many.
     ///
-    /// The error falls with the fourth power of the element length, so that the change is 15/16 of
-    /// it. It takes about as long as the simulation, and no memory. `None` where such elements do not
+    /// It takes about as long as the simulation, and no memory. `None` where such elements do not
     /// allow the damping law.
     ///
     /// # Errors
@@ -264,8 +263,9 @@ impl PlayError {
             tip_m = tip_m.max((equations.tip(&q) - (displacement_m - start_m)).abs());
             hub_rad = hub_rad.max((equations.hub(&q) - turned_rad).abs());
         });
+        let per_change = mesh.error_per_change();
         let share =
-            |error: f64, whole: f64| 16.0 / 15.0 * if error == 0.0 { 0.0 } else { error / whole };
+            |error: f64, whole: f64| per_change * if error == 0.0 { 0.0 } else { error / whole };
         let (tip, hub_angle) =
             (share(tip_m, tip.largest_travel_m()), share(hub_rad, largest(&turned)));
         Ok(Some(Self { tip, hub_angle }))

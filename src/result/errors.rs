@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::beam::Mesh;
 use crate::motion::TipTarget;
 use crate::numeric::{CubicSpline, SplineEnds, rounded};
 use crate::response::Simulation;
@@ -13,17 +14,10 @@ const COARSE: f64 = 1e-2;
 
 /// Relative errors of values `found` on a mesh, measured on elements of half the length; NaN if these
 /// have no such value.
-///
-/// Errors fall with the fourth power of the element length: the halves have a sixteenth of the error,
-/// and the change is 15/16 of it.
-pub fn mesh_errors(found: &[f64], on_halves: &[f64]) -> Vec<f64> {
+pub fn mesh_errors(mesh: &Mesh, found: &[f64], on_halves: &[f64]) -> Vec<f64> {
     let halves = on_halves.iter().copied().chain(std::iter::repeat(f64::NAN));
-    found.iter().zip(halves).map(|(found, half)| mesh_error((found / half - 1.0).abs())).collect()
-}
-
-/// The relative error that follows from a relative change on halved elements.
-pub fn mesh_error(change: f64) -> f64 {
-    16.0 / 15.0 * change
+    let error = |(found, half): (&f64, f64)| mesh.error_per_change() * (found / half - 1.0).abs();
+    found.iter().zip(halves).map(error).collect()
 }
 
 /// Warning of a mesh that is too coarse for some values.
@@ -95,11 +89,9 @@ pub struct BandMeshError {
 }
 
 impl BandMeshError {
-    /// From pairs of a frequency in Hz, ascending, and the relative change there on halved elements; none
-    /// without frequencies.
-    pub fn of_changes(changes: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
-        let errors: Vec<_> =
-            changes.into_iter().map(|(hz, change)| (hz, mesh_error(change))).collect();
+    /// From pairs of a frequency in Hz, ascending, and the relative error there; none without frequencies.
+    pub fn of_errors(errors: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
+        let errors: Vec<_> = errors.into_iter().collect();
         let larger = |known: (f64, f64), own: (f64, f64)| if own.1 > known.1 { own } else { known };
         let (at_hz, worst) = errors.iter().copied().reduce(larger)?;
         let warning = errors.iter().position(|(_, error)| *error > COARSE).map(|first| {
@@ -230,10 +222,12 @@ impl TipError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::{Link, uniform};
 
     #[test]
     fn what_the_halves_do_not_have_has_no_error() {
-        let errors = mesh_errors(&[1.015, 2.0], &[1.0]);
+        let mesh = Mesh::on(&Link::new(uniform()).unwrap(), 4);
+        let errors = mesh_errors(&mesh, &[1.015, 2.0], &[1.0]);
         assert!((errors[0] - 0.016).abs() < 1e-15 && errors[1].is_nan());
         assert_eq!(CoarseMesh::of("mode", &[0.01, f64::NAN]), None);
         let found = CoarseMesh::of("mode", &[1e-3, 0.02, f64::NAN, 0.05, 0.04]).unwrap();
@@ -243,20 +237,20 @@ mod tests {
 
     #[test]
     fn a_band_is_right_up_to_the_last_frequency_before_the_first_that_is_wrong() {
-        let told = |changes: &[(f64, f64)]| {
-            let error = BandMeshError::of_changes(changes.iter().copied()).unwrap();
+        let told = |errors: &[(f64, f64)]| {
+            let error = BandMeshError::of_errors(errors.iter().copied()).unwrap();
             error.warning.map(|warning| warning.to_string())
         };
-        assert_eq!(BandMeshError::of_changes([]), None);
+        assert_eq!(BandMeshError::of_errors([]), None);
         assert_eq!(told(&[(1.0, 1e-3), (2.0, 9e-3)]), None);
         let wrong = "the mesh is wrong by more than 1 %, at the worst by";
         assert_eq!(
             told(&[(1.0, 1e-3), (2.0, 2e-3), (3.0, 0.03), (4.0, 1e-3), (5.0, 0.015)]),
-            Some(format!("above 2.000 Hz {wrong} 3.2e-2 at 3.000 Hz (elements halved)"))
+            Some(format!("above 2.000 Hz {wrong} 3.0e-2 at 3.000 Hz (elements halved)"))
         );
         assert_eq!(
             told(&[(1.0, 0.03), (2.0, 1e-3)]),
-            Some(format!("at all frequencies {wrong} 3.2e-2 at 1.000 Hz (elements halved)"))
+            Some(format!("at all frequencies {wrong} 3.0e-2 at 1.000 Hz (elements halved)"))
         );
     }
 }

@@ -13,9 +13,7 @@ mod remark;
 mod stored;
 
 pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
-pub use errors::{
-    BandMeshError, CoarseMesh, LateTarget, TargetError, TipError, mesh_error, mesh_errors,
-};
+pub use errors::{BandMeshError, CoarseMesh, LateTarget, TargetError, TipError, mesh_errors};
 pub use fit::{Fit, FitError, FitProblem, OpenMotion, shortest_fit};
 pub use limits::{Exceeded, LimitedValue, Limits, Reached};
 pub use metrics::{Metrics, MotorMetrics, PlayedMetrics, TIMING_LEVEL};

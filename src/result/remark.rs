@@ -139,7 +139,7 @@ pub enum Remark {
     /// A link so short and stiff that shear, which needs its section, may matter.
     #[error(
         "the link's section is not known everywhere: if it is of metal, shear and rotary inertia, which the \
-         model leaves out, lower mode {} by about {:.0} %",
+         theory leaves out, lower mode {} by about {:.0} %",
         mode.number,
         100.0 * mode.share
     )]

@@ -37,13 +37,29 @@ pub(super) fn properties(schema: &mut Schema) {
     });
     schema.insert("allOf".into(), json!(ways));
     let section_serves = one_of(&PROPERTIES.map(|property| property.material));
-    schema.insert("dependencies".into(), json!({ "section": section_serves }));
+    let with_section = |others: Value| json!({ "allOf": [{ "required": ["section"] }, others] });
+    let by_modulus = one_of(&["shear_modulus", "E"]);
+    let dependencies = json!({
+        "section": section_serves,
+        "shear_stiffness": { "not": one_of(&["shear_modulus", "poisson_ratio"]) },
+        "shear_modulus": with_section(json!({})),
+        "poisson_ratio": with_section(by_modulus),
+    });
+    schema.insert("dependencies".into(), dependencies);
 }
 
 /// Matches a table that has one of the keys.
 fn one_of(keys: &[&str]) -> Value {
     let required: Vec<Value> = keys.iter().map(|key| json!({ "required": [key] })).collect();
     json!({ "anyOf": required })
+}
+
+/// A theory of beams.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", expecting = "a string")]
+pub(super) enum Theory {
+    EulerBernoulli,
+    Timoshenko,
 }
 
 /// A shape of cross-section.

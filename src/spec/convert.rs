@@ -108,10 +108,13 @@ fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
         modulus.into_iter().chain(density)
     });
     let remarks = remarks.collect();
+    let theory = raw.theory;
     let segments = raw.segments.into_iter().enumerate();
     let link = Link::new(LinkParts {
         title: raw.title.unwrap_or_default(),
-        segments: segments.map(|(index, raw)| segment(index, raw)).collect::<Result<_, _>>()?,
+        segments: segments
+            .map(|(index, raw)| segment(index, raw, theory))
+            .collect::<Result<_, _>>()?,
         hub: Hub {
             inertia_kg_m2: raw.hub.inertia.si(),
             radius_m: raw.hub.radius.si(),

@@ -5,7 +5,8 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
 use super::convert::shown;
 use super::error::{Fault, SpecError};
-use super::measured_files::{RawMotor, RawRecord, RawResponse, RecordFile, ResponseFile, checked};
+use super::measured_files::{RawMotor, RawRecord, RecordFile, checked};
+use super::measured_response::{RawResponse, ResponseFile};
 use super::tree::Node;
 use super::value::{Count, tables};
 use crate::fit::{HubEnd, Measured, Motor, Observable};

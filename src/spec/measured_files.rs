@@ -1,30 +1,10 @@
-//! Measured values in files of their own: frequency responses and recorded histories.
+//! Recorded histories in files of their own, and what they share with frequency responses.
 
 use super::error::Fault;
 use super::value::{Count, Length, Si, tables};
 use crate::fit::{Gain, Motor, RecordedInput};
 use crate::model::Sensor;
 use crate::response::Interpolation;
-
-/// A frequency response in a file of its own.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ResponseFile {
-    /// The file, relative to that which names it.
-    pub file: String,
-    /// What was measured.
-    pub transfer: Sensor,
-    /// True if it was measured per volt at the motor, not per torque.
-    pub is_per_volt: bool,
-    /// Whether its scale is known.
-    pub gain: Gain,
-    /// Distance of a strain gauge from the neutral axis in m, or 1.
-    pub distance_m: f64,
-    /// Relative uncertainty of its values.
-    pub uncertainty: Option<f64>,
-    /// Number of the zero in its lowest dip, if it was measured in a closed loop: then its zeros alone are the
-    /// link's.
-    pub first_zero: Option<usize>,
-}
 
 /// Recorded histories in a file of their own.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,21 +51,6 @@ pub(super) struct RawMotor {
     gear_ratio: Option<f64>,
 }
 
-/// `[[response]]`
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-pub(super) struct RawResponse {
-    file: String,
-    transfer: RawSensor,
-    #[serde(rename = "loop")]
-    around: Option<RawLoop>,
-    first_zero: Option<Count>,
-    per: Option<RawPer>,
-    gain: Option<RawGain>,
-    distance: Option<Length>,
-    uncertainty: Option<f64>,
-}
-
 /// `[[record]]`
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table")]
@@ -116,7 +81,7 @@ struct RawChannel {
 
 #[derive(Debug, Clone, Copy, serde::Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "a string")]
-enum RawSensor {
+pub(super) enum RawSensor {
     HubAngle,
     HubRate,
     TipDeflection,
@@ -124,23 +89,9 @@ enum RawSensor {
     RootStrain,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "lowercase", expecting = "a string")]
-enum RawLoop {
-    Open,
-    Closed,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "lowercase", expecting = "a string")]
-enum RawPer {
-    Torque,
-    Volt,
-}
-
 #[derive(Debug, Clone, Copy, serde::Deserialize)]
 #[serde(rename_all = "lowercase", expecting = "a string")]
-enum RawGain {
+pub(super) enum RawGain {
     Known,
     Sign,
     Free,
@@ -170,7 +121,7 @@ enum RawFreedom {
 }
 
 impl RawSensor {
-    fn sensor(self) -> Sensor {
+    pub(super) fn sensor(self) -> Sensor {
         match self {
             Self::HubAngle => Sensor::HubAngle,
             Self::HubRate => Sensor::HubRate,
@@ -182,7 +133,12 @@ impl RawSensor {
 
     /// Distance of a strain gauge from the neutral axis in m; 1 of other sensors, and where a free gain
     /// stands for it.
-    fn distance_m(self, path: &str, gain: Gain, distance: Option<Length>) -> Result<f64, Fault> {
+    pub(super) fn distance_m(
+        self,
+        path: &str,
+        gain: Gain,
+        distance: Option<Length>,
+    ) -> Result<f64, Fault> {
         let key = || format!("{path}.distance");
         match (self, distance.map(Si::si)) {
             (Self::RootStrain, None) if gain != Gain::Free => {
@@ -204,7 +160,7 @@ impl RawSensor {
 }
 
 impl RawGain {
-    fn gain(gain: Option<Self>) -> Gain {
+    pub(super) fn gain(gain: Option<Self>) -> Gain {
         match gain {
             Some(Self::Free) => Gain::Free,
             Some(Self::Sign) => Gain::Sign,
@@ -218,55 +174,6 @@ impl RawMotor {
         let Self { torque_constant, resistance, gear_ratio } = self;
         Motor::new(torque_constant, resistance, gear_ratio.unwrap_or(1.0))
             .map_err(|error| Fault::new(error.parameter.clone(), error.to_string()))
-    }
-}
-
-impl RawResponse {
-    pub(super) fn convert(self, path: &str, has_motor: bool) -> Result<ResponseFile, Fault> {
-        let first_zero = self.first_zero(path)?;
-        let Self { file, transfer, per, gain, distance, uncertainty, .. } = self;
-        uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
-        let gain = RawGain::gain(gain);
-        let is_per_volt = per == Some(RawPer::Volt);
-        if is_per_volt {
-            check_motor(&format!("{path}.per"), "volt", has_motor)?;
-        }
-        let distance_m = transfer.distance_m(path, gain, distance)?;
-        let transfer = transfer.sensor();
-        Ok(ResponseFile { file, transfer, is_per_volt, gain, distance_m, uncertainty, first_zero })
-    }
-
-    /// Number of the first zero of a closed loop.
-    fn first_zero(&self, path: &str) -> Result<Option<usize>, Fault> {
-        let refused = |key: &str, must: &str| {
-            let path = format!("{path}.{key}");
-            let message = format!("{path} {must}");
-            Err(Fault::new(path, message))
-        };
-        if self.around != Some(RawLoop::Closed) {
-            return match self.first_zero {
-                Some(_) => refused("first_zero", "must stand beside loop = \"closed\" alone"),
-                None => Ok(None),
-            };
-        }
-        let has_dips = matches!(self.transfer, RawSensor::HubAngle | RawSensor::HubRate);
-        if !has_dips {
-            let must = "must be \"hub_angle\" or \"hub_rate\" beside loop = \"closed\": \
-                        no other sensor has the zeros of the clamped link";
-            return refused("transfer", must);
-        }
-        // A dip is where it is at any scale and behind any motor.
-        let useless = [("per", self.per.is_some()), ("gain", self.gain.is_some())];
-        if let Some((key, _)) = useless.into_iter().find(|(_, is_given)| *is_given) {
-            return refused(
-                key,
-                "has no meaning beside loop = \"closed\": the dips alone are read",
-            );
-        }
-        match self.first_zero {
-            Some(Count(0)) => refused("first_zero", "= 0, but must be 1 or more"),
-            given => Ok(Some(given.map_or(1, |Count(number)| number))),
-        }
     }
 }
 
@@ -339,7 +246,7 @@ impl RawChannel {
     }
 }
 
-fn check_motor(path: &str, found: &str, has_motor: bool) -> Result<(), Fault> {
+pub(super) fn check_motor(path: &str, found: &str, has_motor: bool) -> Result<(), Fault> {
     if has_motor {
         return Ok(());
     }

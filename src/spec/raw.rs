@@ -7,11 +7,11 @@ use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::choices::{Model, Shape, combinations, dimensions, properties};
+use super::choices::{Model, Shape, Theory, combinations, dimensions, properties};
 use super::value::{
     Area, BendingStiffness, Count, Density, Elements, Length, Mass, MassPerLength, Power, Pressure,
-    Rate, RotaryInertia, SecondMoment, Time, Torque, Unbounded, ViscousFriction, above_zero,
-    at_least_zero, describe, tables,
+    Rate, RotaryInertia, RotaryInertiaPerLength, SecondMoment, ShearStiffness, Time, Torque,
+    Unbounded, ViscousFriction, above_zero, at_least_zero, describe, tables,
 };
 
 /// Link file of flexlink.
@@ -20,6 +20,10 @@ use super::value::{
 pub(super) struct RawSpecification {
     /// Title, for people.
     pub(super) title: Option<String>,
+    /// Theory of all segments that name none: euler-bernoulli, the default, is for slender ones, timoshenko
+    /// takes shear and rotary inertia into account.
+    #[schemars(extend("default" = "euler-bernoulli"))]
+    pub(super) theory: Option<Theory>,
     /// Segments of the link, from the hub outward; at least one.
     #[serde(deserialize_with = "tables")]
     #[schemars(length(min = 1))]
@@ -77,6 +81,22 @@ pub(super) struct RawSegment {
     pub(super) area: Option<Area>,
     /// Cross-section, with E or density or both.
     pub(super) section: Option<RawSection>,
+    /// Theory of this segment: euler-bernoulli or timoshenko; by default that of the link.
+    pub(super) theory: Option<Theory>,
+    /// Shear stiffness κ G A, with theory timoshenko; or give G or Poisson's ratio, with section.
+    /// [inner, outer] tapers linearly.
+    #[schemars(transform = above_zero)]
+    pub(super) shear_stiffness: Option<ShearStiffness>,
+    /// Shear modulus G, with section, which gives Cowper's shear coefficient κ and the area.
+    #[schemars(transform = above_zero)]
+    pub(super) shear_modulus: Option<Pressure>,
+    /// Poisson's ratio ν, with section; G is E/(2(1 + ν)) where G is not given.
+    #[schemars(range(max = 0.5), extend("exclusiveMinimum" = -1))]
+    pub(super) poisson_ratio: Option<f64>,
+    /// Rotary inertia of the cross-section per length; without it, the mass per length times I/A of section.
+    /// [inner, outer] tapers linearly.
+    #[schemars(transform = at_least_zero)]
+    pub(super) rotary_inertia_per_length: Option<RotaryInertiaPerLength>,
     /// Elements of this segment; by default shared out from [mesh].
     pub(super) elements: Option<Count>,
 }

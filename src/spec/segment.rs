@@ -1,16 +1,22 @@
 //! A segment: its stiffness and its mass, each given in exactly one way, and its cross-section.
 
-use super::choices::{MASS, Property, STIFFNESS, Shape};
+use super::choices::{MASS, Property, STIFFNESS, Shape, Theory};
 use super::error::{Fault, listed};
 use super::raw::{RawSection, RawSegment};
+use super::theory::{Known, timoshenko};
 use super::value::Si;
 use crate::link::{CrossSection, ParameterError, Section, Segment, Taper};
 
 /// The segment that a link file gives at `segments.{index}`.
-pub(super) fn segment(index: usize, raw: RawSegment) -> Result<Segment, Fault> {
+/// `theory` is that of the link.
+pub(super) fn segment(
+    index: usize,
+    raw: RawSegment,
+    theory: Option<Theory>,
+) -> Result<Segment, Fault> {
     let at = format!("segments.{index}");
     let section_path = format!("{at}.section");
-    let section = raw.section.map(|raw| section(&section_path, &raw)).transpose()?;
+    let section = raw.section.as_ref().map(|raw| section(&section_path, raw)).transpose()?;
     let stiffness = Given {
         whole: raw.bending_stiffness.map(|ei| ei.0),
         material: raw.modulus.map(Si::si),
@@ -36,9 +42,18 @@ pub(super) fn segment(index: usize, raw: RawSegment) -> Result<Segment, Fault> {
         (None, Some(i_m4), Some(area_m2)) => Some(CrossSection::of_moment_and_area(i_m4, area_m2)),
         _ => None,
     };
+    let known = Known { section, cross_section, mass_per_length_kg_m };
+    let timoshenko = timoshenko(&at, &raw, theory, &known)?;
     let length_m = raw.length.si();
     let name = raw.name;
-    Ok(Segment { name, length_m, bending_stiffness_n_m2, mass_per_length_kg_m, cross_section })
+    Ok(Segment {
+        name,
+        length_m,
+        bending_stiffness_n_m2,
+        mass_per_length_kg_m,
+        cross_section,
+        timoshenko,
+    })
 }
 
 /// Refuses a value out of its range under the key that was written; [`Link::new`] knows products only.

@@ -39,6 +39,8 @@ pub(super) struct Tapered<const M: i8, const L: i8, const T: i8>(pub(super) Tape
 
 pub(super) type BendingStiffness = Tapered<1, 3, -2>;
 pub(super) type MassPerLength = Tapered<1, -1, 0>;
+pub(super) type ShearStiffness = Tapered<1, 1, -2>;
+pub(super) type RotaryInertiaPerLength = Tapered<1, 1, 0>;
 pub(super) type SecondMoment = Tapered<0, 4, 0>;
 pub(super) type Area = Tapered<0, 2, 0>;
 

@@ -50,12 +50,12 @@ fn lines(text: &str, kind: &str) -> Vec<String> {
 #[test]
 fn a_thick_link_is_told_with_the_share_of_its_frequencies_wherever_they_are_used() {
     let bench = bench();
-    let lower = "warning: shear and rotary inertia, which the model leaves out, lower natural \
+    let lower = "warning: shear and rotary inertia, which the theory leaves out, lower natural \
                  frequencies by about 20 % (mode 1)";
     let modes = bench.run(&["modes", "bar.toml", "--count", "2"]);
     assert!(stdout(&modes).contains("4007.6"), "{}", stdout(&modes));
     let told = format!(
-        "{lower} to 41 % (mode 2)\nhint: a more slender link; solve tells what a torque feels of it\n"
+        "{lower} to 41 % (mode 2)\nhint: theory = \"timoshenko\" computes them; solve tells what a torque feels of it\n"
     );
     assert_eq!(stderr(&modes), told);
     for arguments in [

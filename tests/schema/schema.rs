@@ -86,6 +86,17 @@ fn what_the_reader_takes_the_schema_takes() {
         segment(
             "E = 7e10\ndensity = 1\nsection = { shape = 'rectangle', width = 1, thickness = 1 }",
         ),
+        format!(
+            "theory = 'timoshenko'\n{SEGMENT}shear_stiffness = '4 kN'\nrotary_inertia_per_length = 1e-3"
+        ),
+        segment(
+            "E = 7e10\ndensity = 1\nsection = { shape = 'circle', diameter = 0.01 }\n\
+             theory = 'timoshenko'\npoisson_ratio = 0.3",
+        ),
+        segment(
+            "EI = 7\ndensity = 1\nsection = { shape = 'circle', diameter = 0.01 }\n\
+             theory = 'timoshenko'\nshear_modulus = '26 GPa'",
+        ),
         format!("{SEGMENT}[hub]\ninertia = '1000 kg cm^2'\nviscous_friction = '0.015 N·m s/rad'"),
         format!("{SEGMENT}[payload]\nmass = '+50g'\noffset = '-2 cm'"),
         format!("{SEGMENT}[[masses]]\nat = ' .5 m '\nmass = '1e-1 kg'"),

@@ -4,8 +4,8 @@ use faer::linalg::solvers::Solve;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, MatRef, Par, Side, c64};
 use flexlink::beam::{Inertia, Mesh};
-use flexlink::link::{Link, LumpedMass};
-use nalgebra::{Matrix2, Matrix4, Vector4};
+use flexlink::link::{Link, LumpedMass, Taper};
+use nalgebra::{Matrix2, Matrix4, SMatrix, Vector5};
 
 /// Mass and stiffness of one element on (v, φ) of its two nodes.
 struct Part {
@@ -197,38 +197,74 @@ fn integrate(link: &Link, from_m: f64, to_m: f64) -> Part {
         (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
     ];
     let l = to_m - from_m;
-    let (mut mass, mut stiffness) = (Matrix4::zeros(), Matrix4::zeros());
+    let (mut mass, mut stiffness) = (SMatrix::<f64, 5, 5>::zeros(), SMatrix::<f64, 5, 5>::zeros());
+    let mut has_shear = false;
     for (point, weight) in POINTS {
         let s = 0.5 * (1.0 + point);
-        let (bending_stiffness, mass_per_length) = properties(link, from_m + s * l);
-        let shape = Vector4::new(
+        let Properties { bending_stiffness, mass_per_length, thick } =
+            properties(link, from_m + s * l);
+        let (tip, slope) = (s * s * (3.0 - 2.0 * s), 6.0 * (s - s * s) / l);
+        let shape = Vector5::new(
             (1.0 - s).powi(2) * (1.0 + 2.0 * s),
             l * s * (1.0 - s).powi(2),
-            s * s * (3.0 - 2.0 * s),
+            tip,
             l * s * s * (s - 1.0),
+            l * (s - tip),
         );
-        let curvature = Vector4::new(
-            (12.0 * s - 6.0) / (l * l),
-            (6.0 * s - 4.0) / l,
-            (6.0 - 12.0 * s) / (l * l),
-            (6.0 * s - 2.0) / l,
+        let rotation = Vector5::new(
+            -slope,
+            1.0 - 4.0 * s + 3.0 * s * s,
+            slope,
+            3.0 * s * s - 2.0 * s,
+            -l * slope,
         );
+        let bend = (6.0 - 12.0 * s) / (l * l);
+        let curvature =
+            Vector5::new(-bend, (6.0 * s - 4.0) / l, bend, (6.0 * s - 2.0) / l, -l * bend);
         let dx = 0.5 * l * weight;
         mass += shape * shape.transpose() * (mass_per_length * dx);
         stiffness += curvature * curvature.transpose() * (bending_stiffness * dx);
+        if let Some((shear_stiffness, rotary_inertia)) = thick {
+            has_shear = true;
+            stiffness[(4, 4)] += shear_stiffness * dx;
+            mass += rotation * rotation.transpose() * (rotary_inertia * dx);
+        }
     }
+    // The strain with the least energy, or none.
+    let mut strain = SMatrix::<f64, 5, 4>::identity();
+    if has_shear {
+        for k in 0..4 {
+            strain[(4, k)] = -stiffness[(4, k)] / stiffness[(4, 4)];
+        }
+    }
+    let reduced = |whole: SMatrix<f64, 5, 5>| strain.transpose() * whole * strain;
+    let (mass, stiffness) = (reduced(mass), reduced(stiffness));
     Part { mass, stiffness }
 }
 
-/// EI and m̄ at a distance from the axis.
-fn properties(link: &Link, x_m: f64) -> (f64, f64) {
+/// What the link is made of at one place.
+struct Properties {
+    bending_stiffness: f64,
+    mass_per_length: f64,
+    /// Shear stiffness and rotary inertia.
+    thick: Option<(f64, f64)>,
+}
+
+/// At a distance from the axis.
+fn properties(link: &Link, x_m: f64) -> Properties {
     let mut root_m = link.hub().radius_m;
     for segment in link.segments() {
         if x_m < root_m + segment.length_m {
             let s = (x_m - root_m) / segment.length_m;
-            let (ei, m) = (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m);
-            let linear = |inner: f64, outer: f64| inner + (outer - inner) * s;
-            return (linear(ei.inner, ei.outer), linear(m.inner, m.outer));
+            let linear = |taper: Taper| taper.inner + (taper.outer - taper.inner) * s;
+            let thick = segment.timoshenko.map(|own| {
+                (linear(own.shear_stiffness_n), linear(own.rotary_inertia_per_length_kg_m))
+            });
+            return Properties {
+                bending_stiffness: linear(segment.bending_stiffness_n_m2),
+                mass_per_length: linear(segment.mass_per_length_kg_m),
+                thick,
+            };
         }
         root_m += segment.length_m;
     }

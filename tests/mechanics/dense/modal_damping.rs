@@ -23,6 +23,7 @@ fn arm(damping: Damping) -> LinkParts {
         bending_stiffness_n_m2: Taper { inner: stiffness.0, outer: stiffness.1 },
         mass_per_length_kg_m: Taper { inner: mass.0, outer: mass.1 },
         cross_section: None,
+        timoshenko: None,
     };
     LinkParts {
         title: String::new(),

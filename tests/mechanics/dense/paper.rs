@@ -14,6 +14,7 @@ fn bayo(elements: usize) -> Mesh {
         bending_stiffness_n_m2: Taper::constant(stiffness),
         mass_per_length_kg_m: Taper::constant(0.8),
         cross_section: None,
+        timoshenko: None,
     };
     let link = Link::new(LinkParts {
         title: String::new(),

@@ -3,7 +3,9 @@
 
 use faer::c64;
 use flexlink::beam::{Mesh, nodal_transfer, tip_transfer};
-use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+use flexlink::link::{
+    Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, Timoshenko,
+};
 use flexlink::modal::held_frequencies;
 use proptest::prelude::*;
 
@@ -20,13 +22,20 @@ fn arm() -> LinkParts {
         bending_stiffness_n_m2: Taper { inner: stiffness.0, outer: stiffness.1 },
         mass_per_length_kg_m: Taper { inner: mass.0, outer: mass.1 },
         cross_section: None,
+        timoshenko: None,
     };
     let mass = |at_m, mass_kg, inertia_kg_m2| LumpedMass { at_m, mass_kg, inertia_kg_m2 };
     LinkParts {
         title: String::new(),
         segments: vec![
             segment(0.3, (60.0, 25.0), (1.4, 1.0)),
-            segment(0.7, (20.0, 8.0), (0.9, 0.5)),
+            Segment {
+                timoshenko: Some(Timoshenko {
+                    shear_stiffness_n: Taper { inner: 900.0, outer: 500.0 },
+                    rotary_inertia_per_length_kg_m: Taper { inner: 3e-3, outer: 1e-3 },
+                }),
+                ..segment(0.7, (20.0, 8.0), (0.9, 0.5))
+            },
             segment(0.5, (8.0, 3.0), (0.5, 0.3)),
         ],
         hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.08, ..Hub::default() },

@@ -1,7 +1,9 @@
 //! Links of any make.
 
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
-use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+use flexlink::link::{
+    Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, Timoshenko,
+};
 use flexlink::modal::natural_frequencies;
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -40,15 +42,23 @@ fn any_segment() -> impl Strategy<Value = Segment> {
     let taper = |mean: std::ops::Range<f64>| {
         (mean, 0.5..2.0_f64).prop_map(|(inner, ratio)| Taper { inner, outer: inner * ratio })
     };
-    (0.2..1.0_f64, taper(1.0..20.0), taper(0.1..2.0)).prop_map(|(length_m, stiffness, mass)| {
-        Segment {
+    let theory = prop_oneof![
+        Just(None),
+        (taper(1e2..1e4), taper(1e-4..1e-2)).prop_map(|(shear, rotary)| Some(Timoshenko {
+            shear_stiffness_n: shear,
+            rotary_inertia_per_length_kg_m: rotary,
+        })),
+    ];
+    (0.2..1.0_f64, taper(1.0..20.0), taper(0.1..2.0), theory).prop_map(
+        |(length_m, stiffness, mass, timoshenko)| Segment {
             name: None,
             length_m,
             bending_stiffness_n_m2: stiffness,
             mass_per_length_kg_m: mass,
             cross_section: None,
-        }
-    })
+            timoshenko,
+        },
+    )
 }
 
 fn any_hub() -> impl Strategy<Value = Hub> {

@@ -25,6 +25,7 @@ fn split(parts: &LinkParts, index: usize, fraction: f64) -> LinkParts {
         bending_stiffness_n_m2: whole.bending_stiffness_n_m2.between(from, to),
         mass_per_length_kg_m: whole.mass_per_length_kg_m.between(from, to),
         cross_section: None,
+        timoshenko: whole.timoshenko.map(|own| own.between(from, to)),
     };
     parts.segments.splice(index..=index, [piece(0.0, fraction), piece(fraction, 1.0)]);
     parts
@@ -81,6 +82,9 @@ proptest! {
             let mut parts = parts.clone();
             for segment in &mut parts.segments {
                 segment.bending_stiffness_n_m2 = segment.bending_stiffness_n_m2.scaled(factor);
+                if let Some(own) = &mut segment.timoshenko {
+                    own.shear_stiffness_n = own.shear_stiffness_n.scaled(factor);
+                }
             }
             let mesh = mesh(&parts, 12);
             let transfer = tip_transfer(&mesh, lambda);

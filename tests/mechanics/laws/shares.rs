@@ -36,6 +36,7 @@ proptest! {
         if !has_mass {
             for segment in &mut parts.segments {
                 segment.mass_per_length_kg_m = Taper::constant(0.0);
+                segment.timoshenko = None;
             }
             parts.payload.mass_kg = 1.0;
         }
@@ -62,6 +63,7 @@ fn a_mass_within_a_billionth_of_the_length_of_a_border_needs_no_node_of_its_own(
                 bending_stiffness_n_m2: Taper::constant(5.0),
                 mass_per_length_kg_m: Taper::constant(0.8),
                 cross_section: None,
+                timoshenko: None,
             };
             let at_m = length_m + share * 2.0 * length_m;
             let link = Link::new(LinkParts {

@@ -34,6 +34,10 @@ impl Units {
             segment.length_m *= length;
             scale(&mut segment.bending_stiffness_n_m2, inertia * length / (time * time));
             scale(&mut segment.mass_per_length_kg_m, mass / length);
+            if let Some(own) = &mut segment.timoshenko {
+                scale(&mut own.shear_stiffness_n, mass * length / (time * time));
+                scale(&mut own.rotary_inertia_per_length_kg_m, mass * length);
+            }
         }
         for lumped in &mut parts.masses {
             lumped.at_m *= length;

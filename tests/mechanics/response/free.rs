@@ -37,6 +37,7 @@ impl TwoBodies {
             bending_stiffness_n_m2: Taper::constant(Self::STIFFNESS_N_M2),
             mass_per_length_kg_m: Taper::constant(0.0),
             cross_section: None,
+            timoshenko: None,
         };
         let link = Link::new(LinkParts {
             title: String::new(),

@@ -33,6 +33,7 @@ fn bayo() -> LinkParts {
         bending_stiffness_n_m2: Taper::constant(stiffness),
         mass_per_length_kg_m: Taper::constant(0.8),
         cross_section: None,
+        timoshenko: None,
     };
     LinkParts {
         title: String::new(),

@@ -24,6 +24,7 @@ fn tapered() -> Link {
             bending_stiffness_n_m2: Taper { inner: 5.0, outer: 2.0 },
             mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.5 },
             cross_section: None,
+            timoshenko: None,
         };
         parts.segments[0].length_m = 0.8;
         parts.segments.push(taper);

@@ -34,6 +34,7 @@ fn uniform() -> LinkParts {
             bending_stiffness_n_m2: Taper::constant(5.0),
             mass_per_length_kg_m: Taper::constant(0.8),
             cross_section: None,
+            timoshenko: None,
         }],
         hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
         masses: vec![],

@@ -79,6 +79,7 @@ impl UniformLink {
                 bending_stiffness_n_m2: Taper::constant(self.bending_stiffness_n_m2),
                 mass_per_length_kg_m: Taper::constant(self.mass_per_length_kg_m),
                 cross_section: None,
+                timoshenko: None,
             }],
             hub: Hub { inertia_kg_m2: self.hub_inertia_kg_m2, ..Hub::default() },
             masses: vec![],

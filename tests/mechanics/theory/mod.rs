@@ -7,5 +7,6 @@ mod frequencies;
 mod published;
 mod thick_torque;
 mod thickness;
+mod timoshenko;
 mod transfer;
 mod zeros;

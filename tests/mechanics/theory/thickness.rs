@@ -19,6 +19,7 @@ pub(crate) fn bar(length_m: f64, section: &Section) -> Segment {
         bending_stiffness_n_m2: Taper::constant(70e9 * section.second_moment_m4()),
         mass_per_length_kg_m: Taper::constant(2700.0 * section.area_m2()),
         cross_section: Some(CrossSection::of(section)),
+        timoshenko: None,
     }
 }
 
@@ -168,7 +169,7 @@ fn only_modes_that_are_a_hundredth_lower_are_told() {
     assert_eq!((both.lowest.number, both.highest.number), (1, 2));
     assert_eq!(
         both.to_string(),
-        "shear and rotary inertia, which the model leaves out, lower natural frequencies by about \
+        "shear and rotary inertia, which the theory leaves out, lower natural frequencies by about \
          20 % (mode 1) to 41 % (mode 2)"
     );
     let strip = bar(1.5, &Section::Rectangle { width_m: 0.02, thickness_m: 0.002 });

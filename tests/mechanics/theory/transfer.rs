@@ -135,6 +135,7 @@ fn the_frequency_response_of_a_stiff_link_is_that_of_the_rigid_one_with_drag_and
             bending_stiffness_n_m2: Taper::constant(1e13),
             mass_per_length_kg_m: Taper::constant(0.8),
             cross_section: None,
+            timoshenko: None,
         }],
         hub: Hub { inertia_kg_m2: 0.1, viscous_friction_n_m_s_rad: 0.7, radius_m: 0.0 },
         masses: vec![],

@@ -27,6 +27,7 @@ fn model(elements: usize, taper: f64, damping: Damping, units: Units) -> Arc<dyn
                 .scaled(inertia * length),
             mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.9 * taper }.scaled(mass / length),
             cross_section: None,
+            timoshenko: None,
         }],
         hub: Hub {
             inertia_kg_m2: 0.1 * inertia,
