@@ -84,7 +84,9 @@ fn shear_stiffness_n(
             let found = if found.is_empty() { "none".to_owned() } else { found.join(" and ") };
             let paths = ["shear_stiffness", "shear_modulus", "poisson_ratio"].map(path);
             let paths = paths.into_iter().chain([path("theory"), at.to_owned()]);
-            Err(Fault::among(paths.collect(), format!("{at} gives {found}, but {must}")))
+            let hint = "poisson_ratio = 0.3 is that of steel, 0.33 that of aluminium";
+            let message = format!("{at} gives {found}, but {must}");
+            Err(Fault::among(paths.collect(), message).hinting(hint.to_owned()))
         }
     }
 }

@@ -79,6 +79,33 @@ fn a_thick_link_is_told_with_the_share_of_its_frequencies_wherever_they_are_used
     assert_eq!(stderr(&slender), "");
 }
 
+/// 3222 and 7936 Hz, as in `mechanics`; with them nothing is left out, and nothing is warned about.
+#[test]
+fn with_the_theory_of_timoshenko_a_thick_link_is_computed_without_a_warning() {
+    let bench = bench();
+    let theory = ["--set", "theory=timoshenko", "--set", "segments.0.poisson_ratio=0.33"];
+    let with_theory = |arguments: &[&str]| {
+        let output = bench.run(&[arguments, &theory].concat());
+        assert_eq!(stderr(&output), "", "{arguments:?}");
+        stdout(&output)
+    };
+    let modes = with_theory(&["modes", "bar.toml", "--count", "2"]);
+    assert!(modes.contains("3221.58") && modes.contains("7935.98"), "{modes}");
+    with_theory(&["solve", "bar.toml", "move.csv"]);
+    with_theory(&[
+        "simulate",
+        "bar.toml",
+        "out/torque.csv",
+        "--target",
+        "out/tip.csv",
+        "-o",
+        "sim",
+    ]);
+    with_theory(&["verify", "bar.toml", "move.csv"]);
+    let vary = "segments.0.poisson_ratio=0.2,0.3";
+    with_theory(&["sweep", "bar.toml", "move.csv", "--vary", vary, "-o", "sweep.csv"]);
+}
+
 #[test]
 fn an_unknown_section_is_told_where_it_could_matter_alone() {
     let bench = bench();
