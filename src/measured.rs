@@ -121,8 +121,8 @@ fn zeros_of(
 ) -> Result<Vec<Measured>, MeasuredError> {
     let zeros = response.zeros(first);
     if zeros.is_empty() {
-        let must = "dips = none, but a closed loop is fitted by them: at least one must be 6 dB deep, \
-                    its phase rising";
+        let must = "dips = none, but a closed loop is fitted by them: at least one must be 6 dB deep \
+                    (12 dB beside an uncertainty of 0.12), its phase rising";
         return Err(MeasuredError::refused(table, &must));
     }
     Ok(zeros)

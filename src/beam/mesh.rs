@@ -99,7 +99,8 @@ impl Mesh {
     /// The mesh with elements halved until natural frequencies up to `omega_rad_s` are exact to
     /// `tolerance`, or until it has thousands of elements.
     ///
-    /// The elements raise a natural frequency by `Δω/ω = (βh)⁴/1440` at most, which grows with ω².
+    /// The elements raise a natural frequency by `Δω/ω = (βh)⁴/1440` at most, with shear by
+    /// `ω²h² m̄/(24 κGA)` more; both grow with ω².
     #[must_use]
     pub fn resolving(mut self, omega_rad_s: f64, tolerance: f64) -> Self {
         let error = |mesh: &Self| 0.01 * (omega_rad_s / mesh.resolved_frequency_rad_s()).powi(2);

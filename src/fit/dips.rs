@@ -23,8 +23,8 @@ impl Response {
     pub fn zeros(&self, first: usize) -> Vec<Measured> {
         let mut samples: Vec<_> = self.samples().collect();
         samples.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Deeper than what five uncertainties up and down make of a plateau.
-        let reach = (5.0 * self.uncertainty().unwrap_or(0.0)).min(1.0);
+        // Deeper than what five uncertainties up and down make of a plateau; 12 dB are always enough.
+        let reach = (5.0 * self.uncertainty().unwrap_or(0.0)).min(0.6);
         let depth = DEPTH.max((1.0 + reach) / (1.0 - reach));
         let bottoms = 1..samples.len().saturating_sub(1);
         let bottoms = bottoms.filter_map(|k| Dip::at(&samples, k, depth));
@@ -49,11 +49,10 @@ impl<'a> Dip<'a> {
     fn at(samples: &'a [(f64, Complex64)], bottom: usize, depth: f64) -> Option<Self> {
         let gain = |k: usize| magnitude(samples[k].1);
         let least = gain(bottom);
-        let shoulder = |flank: &mut dyn Iterator<Item = usize>| {
-            flank.map(gain).take_while(|gain| *gain > least).fold(least, f64::max)
-        };
-        let left = shoulder(&mut (0..bottom).rev());
-        let shoulder = left.min(shoulder(&mut (bottom + 1..samples.len())));
+        // Of equal bottoms the last is the dip's.
+        let left = (0..bottom).rev().map(gain).take_while(|gain| *gain >= least);
+        let right = (bottom + 1..samples.len()).map(gain).take_while(|gain| *gain > least);
+        let shoulder = left.fold(least, f64::max).min(right.fold(least, f64::max));
         if shoulder < depth * least {
             return None;
         }

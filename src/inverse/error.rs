@@ -95,7 +95,7 @@ impl InversionError {
                 "check the units of motion and link, and their powers of ten"
             }
             Self::NotConverged { .. } => {
-                "sample the motion more smoothly, or loosen mesh.tolerance"
+                "loosen mesh.tolerance, or sample the motion more smoothly"
             }
             Self::TooMuchMemory { .. } | Self::TooLong { .. } => {
                 "use a longer step, or a shorter analysis.lead and analysis.lag"

@@ -133,7 +133,7 @@ pub enum Warning {
     },
     /// A payload's inertia or offset blocks the tip at a frequency that the motion contains.
     #[error(
-        "at {} Hz no torque moves the tip (lumped inertia or payload), and the motion holds \
+        "at {} Hz no torque moves the tip (rotary inertia, shear or payload), and the motion holds \
          {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)",
         significant(*frequency_hz, 6)
     )]

@@ -7,13 +7,13 @@ use crate::beam::{DrivenMotion, Mesh, driven_motion};
 pub struct Shape {
     /// Hub angle θ.
     pub hub_angle: f64,
-    /// Deflection and slope (w, w') of nodes 0 … n from the hub's tangent line.
+    /// Deflection and slope (w, w'; with shear, the section's rotation) of nodes 0 … n from the hub's tangent line.
     pub deflections: Vec<Vector2<f64>>,
 }
 
 /// One mode of the link on its free hub.
 ///
-/// Mass-normalised, ∫ m̄ v² dx + Σ (m v² + J φ²) + `I_H` θ² = 1 with consistent mass, so that v
+/// Mass-normalised, ∫ (m̄ v² + ρI ψ²) dx + Σ (m v² + J φ²) + `I_H` θ² = 1 with consistent mass, so that v
 /// has the unit 1/√kg. The tip's displacement is positive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {

@@ -16,8 +16,9 @@ const SCAN_START: f64 = 0.01;
 /// The scan ends this factor above where it begins.
 const SCAN_RANGE: f64 = 1e8;
 
-/// Zeros of a beam with shear are sought up to this factor above what its mesh resolves to 1 %.
-const RESOLVED: f64 = 3.0;
+/// A zero of a beam with shear is one of the link, not of its mesh alone, if halved elements have it within this
+/// share: those of the mesh move by a factor of about two.
+const SETTLED: f64 = 0.2;
 
 /// Where zeros are real, the scan begins at this share of a bound that lies below the first: a mesh of
 /// few elements may have others, which take a little off their sum.
@@ -32,7 +33,7 @@ const NEAR_RANGE: f64 = 1e6;
 /// before the motion and decays as e^{−z₁t} after it; that is why it must start early. Fewer than
 /// `count` where the mesh has fewer. Rotary inertia on the link or at the tip can move zeros off
 /// the real axis in pairs ±a ± ib; those are not among them. A beam with shear has but a few real zeros: faster
-/// than its cut-off it decays without a wave. Its mesh has others, far beyond what it resolves.
+/// than its cut-off it decays without a wave. Its mesh has others, which halved elements do not have.
 pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
     if outboard_degrees_of_freedom(mesh) == 0 {
         return Vec::new();
@@ -40,9 +41,14 @@ pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
     let near = start_near_real_zeros(mesh).map(|start| (start, start * NEAR_RANGE));
     let scan = near.or_else(|| scan_start(mesh).map(|start| (start, start * SCAN_RANGE)));
     let Some((start, limit)) = scan else { return Vec::new() };
-    let resolved =
-        if mesh.has_shear() { RESOLVED * mesh.resolved_frequency_rad_s() } else { limit };
-    changes(start, limit.min(resolved), count, |exponents| displacements_m(mesh, exponents))
+    let all =
+        |mesh: &Mesh| changes(start, limit, count, |exponents| displacements_m(mesh, exponents));
+    let mut found = all(mesh);
+    if mesh.has_shear() && !found.is_empty() {
+        let finer = all(&mesh.refined());
+        found.retain(|zero| finer.iter().any(|finer| (zero / finer - 1.0).abs() < SETTLED));
+    }
+    found
 }
 
 /// Tip displacement per hub angle, `L + e_tip`, in m where both grow as e^{zt}.

@@ -133,7 +133,7 @@ fn marks(mesh: &Mesh, range: std::ops::Range<f64>) -> Vec<Mark> {
 
 fn caption(marks: &[Mark], has_spectrum: bool) -> String {
     let blocked = if marks.iter().any(|mark| mark.class == "blocked") {
-        " At b no torque moves the tip, for what is lumped there: the curve peaks."
+        " At b no torque moves the tip: the curve peaks."
     } else {
         ""
     };
@@ -180,10 +180,11 @@ pub(super) fn shapes(mesh: &Mesh) -> Result<Figure, String> {
     Ok(Figure { curves, ..Figure::new("mode-shapes", "Mode shapes", caption.to_owned(), x, y) })
 }
 
-/// Points (x, v) of a shape by the elements' cubics, from the axis outward: the hub's radius is rigid.
+/// Points (x, v) of a shape by the elements' cubics, from the axis outward: the hub's radius is rigid. With shear
+/// the slope is not the rotation of the section; then straight lines join the nodes.
 fn smooth(mesh: &Mesh, shape: &Shape) -> Vec<(f64, f64)> {
     let nodes_m = mesh.nodes_m();
-    let parts = SHAPE_POINTS.div_ceil(mesh.elements().len());
+    let parts = if mesh.has_shear() { 1 } else { SHAPE_POINTS.div_ceil(mesh.elements().len()) };
     let mut points = vec![(0.0, 0.0)];
     for (k, pair) in nodes_m.windows(2).enumerate() {
         let (l, [inner, outer]) =

@@ -307,11 +307,18 @@ fn segment_words(segment: &Segment) -> String {
         }
     };
     let (stiffness, mass) = (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m);
-    format!(
+    let slender = format!(
         "{}; EI {}; {}",
         given(segment.length_m, "m"),
         ends(stiffness.inner, stiffness.outer, "N m²"),
         ends(mass.inner, mass.outer, "kg/m")
+    );
+    let Some(thick) = segment.timoshenko else { return slender };
+    let (shear, rotary) = (thick.shear_stiffness_n, thick.rotary_inertia_per_length_kg_m);
+    format!(
+        "{slender}; κGA {}; ρI {}",
+        ends(shear.inner, shear.outer, "N"),
+        ends(rotary.inner, rotary.outer, "kg m")
     )
 }
 

@@ -97,9 +97,6 @@ impl RawResponse {
                 "has no meaning beside loop = \"closed\": the dips alone are read",
             );
         }
-        match self.first_zero {
-            Some(Count(0)) => refused("first_zero", "= 0, but must be 1 or more"),
-            given => Ok(Some(given.map_or(1, |Count(number)| number))),
-        }
+        Ok(Some(self.first_zero.map_or(1, |Count(number)| number)))
     }
 }

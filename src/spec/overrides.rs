@@ -251,13 +251,15 @@ type Entries = Vec<(String, Node)>;
 /// Removes the keys that a new value at `step` replaces.
 ///
 /// A product replaces its factors, and the section if no other key needs it; `ratio` and `ratios`
-/// replace each other.
+/// replace each other, as shear stiffness and the constants that it follows from do.
 fn make_room(entries: &mut Entries, step: &str) {
     let given: Vec<String> = entries.iter().map(|(key, _)| key.clone()).collect();
     let is_given = |key: &str| given.iter().any(|other| other == key);
     let mut replaced = match step {
         "ratio" => vec!["ratios", "modes"],
         "ratios" => vec!["ratio"],
+        "shear_stiffness" => vec!["shear_modulus", "poisson_ratio"],
+        "shear_modulus" | "poisson_ratio" => vec!["shear_stiffness"],
         _ => vec![],
     };
     if let Some(property) = PROPERTIES.iter().find(|property| property.whole == step) {
@@ -277,6 +279,8 @@ fn instead(entries: &Entries, step: &str) -> String {
     let others = match step {
         "ratio" => vec!["ratios"],
         "ratios" => vec!["ratio"],
+        "shear_stiffness" => vec!["shear_modulus", "poisson_ratio"],
+        "shear_modulus" => vec!["poisson_ratio", "shear_stiffness"],
         _ => is_factor(step).map_or(vec![], |property| vec![property.whole, property.material]),
     };
     if let Some(other) = others.iter().find(|other| given.contains(other)) {

@@ -21,13 +21,18 @@ pub(super) fn timoshenko(
     known: &Known,
 ) -> Result<Option<Timoshenko>, Fault> {
     let theory = raw.theory.or(of_link);
+    check_ranges(at, raw)?;
     if theory == Some(Theory::Timoshenko) {
         let shear_stiffness_n = shear_stiffness_n(at, raw, known.section.as_ref())?;
         let rotary_inertia_per_length_kg_m = rotary_inertia_kg_m(at, raw, known)?;
         return Ok(Some(Timoshenko { shear_stiffness_n, rotary_inertia_per_length_kg_m }));
     }
     // Where the file names the slender theory, the numbers of the other wait for it to be named again.
-    let given = given(raw).into_iter().find(|(_, is_given)| *is_given);
+    let given = given(raw);
+    if theory.is_some() && given[..3].iter().any(|(_, is_given)| *is_given) {
+        shear_stiffness_n(at, raw, known.section.as_ref())?;
+    }
+    let given = given.into_iter().find(|(_, is_given)| *is_given);
     match given.filter(|_| theory.is_none()) {
         Some((key, _)) => {
             let path = format!("{at}.{key}");
@@ -37,6 +42,29 @@ pub(super) fn timoshenko(
             Err(Fault::new(path, message).hinting(hint.to_owned()))
         }
         None => Ok(None),
+    }
+}
+
+/// Refuses what no theory takes, whichever is named.
+fn check_ranges(at: &str, raw: &RawSegment) -> Result<(), Fault> {
+    let refused = |key: &str, found: f64, unit: &str, must: &str| {
+        Err(ParameterError::new(format!("{at}.{key}"), found, unit, must).into())
+    };
+    let ends = |taper: Taper| [taper.inner, taper.outer];
+    if let Some(found) = raw.poisson_ratio.filter(|ratio| !(*ratio > -1.0 && *ratio <= 0.5)) {
+        return refused("poisson_ratio", found, "", "must lie above -1 and at most at 0.5");
+    }
+    if let Some(found) = raw.shear_modulus.map(Si::si).filter(|modulus| *modulus <= 0.0) {
+        return refused("shear_modulus", found, "Pa", "must be above 0");
+    }
+    let stiffness = raw.shear_stiffness.map_or([1.0; 2], |own| ends(own.0));
+    if let Some(found) = stiffness.into_iter().find(|end| *end <= 0.0) {
+        return refused("shear_stiffness", found, "N", "must be above 0");
+    }
+    let rotary = raw.rotary_inertia_per_length.map_or([0.0; 2], |own| ends(own.0));
+    match rotary.into_iter().find(|end| *end < 0.0) {
+        Some(found) => refused("rotary_inertia_per_length", found, "kg m", "must be at least 0"),
+        None => Ok(()),
     }
 }
 
@@ -58,15 +86,6 @@ fn shear_stiffness_n(
     let path = |key: &str| format!("{at}.{key}");
     let modulus = raw.shear_modulus.map(Si::si);
     let poisson_ratio = raw.poisson_ratio.unwrap_or(CrossSection::POISSON_RATIO);
-    if !(poisson_ratio > -1.0 && poisson_ratio <= 0.5) {
-        let must = "must lie above -1 and at most at 0.5";
-        return Err(ParameterError::new(path("poisson_ratio"), poisson_ratio, "", must).into());
-    }
-    if let Some(modulus) = modulus.filter(|modulus| *modulus <= 0.0) {
-        return Err(
-            ParameterError::new(path("shear_modulus"), modulus, "Pa", "must be above 0").into()
-        );
-    }
     let of_section = |modulus_pa: f64, section: &Section| {
         Taper::constant(section.shear_coefficient(poisson_ratio) * modulus_pa * section.area_m2())
     };
@@ -152,6 +171,9 @@ mod tests {
         };
         assert_eq!(thick(&[]), [true, false]);
         assert_eq!(thick(&["theory=euler-bernoulli"]), [false, false]);
+        // One way takes the place of the other.
+        let stiff = ["segments.0.shear_stiffness=3e7"];
+        assert_eq!(thick(&stiff), [true, false]);
     }
 
     #[test]
@@ -178,12 +200,20 @@ mod tests {
                 "link.toml:7: segments.0.poisson_ratio = 0.7, but must lie above -1 and at most at 0.5",
             ),
             (
-                format!("theory = 'timoshenko'\n{BAR}shear_modulus = 0\n"),
+                format!("theory = 'euler-bernoulli'\n{BAR}shear_modulus = 0\n"),
                 "link.toml:7: segments.0.shear_modulus = 0 Pa, but must be above 0",
             ),
             (
+                format!(
+                    "theory = 'euler-bernoulli'\n{BAR}shear_stiffness = 3\npoisson_ratio = 0.3\n"
+                ),
+                "link.toml:8: segments.0 gives shear_stiffness and poisson_ratio, but theory = \
+                 \"timoshenko\" must have the shear stiffness in one way: shear_stiffness, or \
+                 shear_modulus with section, or poisson_ratio with E and section",
+            ),
+            (
                 format!("theory = 'timoshenko'\n{BAR}shear_stiffness = -3\n"),
-                "link.toml:7: segments.0.shear_stiffness = -3 N, but must be finite and above 0",
+                "link.toml:7: segments.0.shear_stiffness = -3 N, but must be above 0",
             ),
         ] {
             assert_eq!(read(&text, &[]).unwrap_err(), expected);

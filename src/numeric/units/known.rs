@@ -43,6 +43,8 @@ impl Dimension {
     pub const PRESSURE: Self = Self::new(1, -1, -2);
     /// N m, also per angle
     pub const TORQUE: Self = Self::new(1, 2, -2);
+    /// Mass times length.
+    pub const ROTARY_INERTIA_PER_LENGTH: Self = Self::new(1, 1, 0);
     /// N m²
     pub const BENDING_STIFFNESS: Self = Self::new(1, 3, -2);
     /// N m s, also per angle
@@ -81,6 +83,7 @@ impl Dimension {
             Self::MASS_PER_LENGTH => ("a mass per length", "kg/m"),
             Self::DENSITY => ("a density", "kg/m^3"),
             Self::ROTARY_INERTIA => ("a rotary inertia", "kg m^2"),
+            Self::ROTARY_INERTIA_PER_LENGTH => ("a rotary inertia per length", "kg m"),
             Self::TIME => ("a time", "s"),
             Self::RATE => ("a rate", "1/s"),
             Self::ANGULAR_ACCELERATION => ("an angular acceleration", "rad/s^2"),
@@ -265,7 +268,7 @@ mod tests {
             lengths.map(move |(length, time)| Dimension::new(mass, length, time))
         });
         let named: Vec<Dimension> = all.filter(|d| !d.si_unit().is_empty()).collect();
-        assert_eq!(named.len(), 18);
+        assert_eq!(named.len(), 19);
         for dimension in named {
             let unit = Unit::parse(dimension.si_unit()).unwrap();
             assert_eq!(unit.dimension(), dimension);

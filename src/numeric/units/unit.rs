@@ -331,7 +331,7 @@ mod tests {
             )
         );
         assert_eq!(length("150 kg").0, "is a mass, but must be a length such as m");
-        assert_eq!(length("1 kg m").0, "is measured in kg m, but must be a length such as m");
+        assert_eq!(length("1 kg s").0, "is measured in kg s, but must be a length such as m");
         assert_eq!(
             length("150 cn"),
             ("has the unknown unit `cn`".into(), Some("did you mean `cm`?".into()))

@@ -204,6 +204,38 @@ fn zeros_are_those_of_the_closed_form_and_no_more() {
     }
 }
 
+/// On a few elements, too, of which a tapered one is a thousand times softer than the first.
+#[test]
+fn a_nearly_slender_link_has_the_zeros_of_the_slender_one() {
+    let ends = Taper { inner: STIFFNESS_N_M2, outer: 1e-3 * STIFFNESS_N_M2 };
+    for stiffness in [Taper::constant(STIFFNESS_N_M2), ends] {
+        let zeros = |timoshenko| {
+            let segment = Segment {
+                bending_stiffness_n_m2: stiffness,
+                timoshenko,
+                ..Segment::uniform(LENGTH_M, STIFFNESS_N_M2, MASS_KG_M)
+            };
+            let hub = Hub { inertia_kg_m2: HUB_KG_M2, ..Hub::default() };
+            let link = Link::builder().segment(segment).hub(hub).build().unwrap();
+            torque_zeros(&mesh(&link, 8), 3)
+        };
+        let (thick, slender) = (zeros(Some(of_slenderness(1e5))), zeros(None));
+        assert_eq!((thick.len(), slender.len()), (3, 3), "{thick:?} {slender:?}");
+        for (thick, slender) in thick.iter().zip(&slender) {
+            assert!((thick / slender - 1.0).abs() < 1e-5, "{thick} is not {slender}");
+        }
+    }
+}
+
+/// What a mesh of a thick link has beyond its real zeros moves with its elements: it is no zero of the link.
+#[test]
+fn zeros_of_the_mesh_alone_are_left_out() {
+    let own = of_slenderness(3.0);
+    let counts = [32, 64, 128, 256, 1024]
+        .map(|elements| torque_zeros(&mesh(&link(Some(own)), elements), 10).len());
+    assert!(counts.iter().all(|count| *count == counts[0]) && counts[0] > 0, "{counts:?}");
+}
+
 #[test]
 fn a_stiff_web_without_rotary_inertia_is_the_slender_link() {
     let own = Timoshenko {
