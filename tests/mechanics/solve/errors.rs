@@ -169,7 +169,7 @@ fn an_automatic_mesh_that_does_not_converge() {
          most 1e-12"
     );
     assert_eq!(error.to_string(), expected);
-    assert_eq!(error.hint(), Some("sample the motion more smoothly, or loosen mesh.tolerance"));
+    assert_eq!(error.hint(), Some("loosen mesh.tolerance, or sample the motion more smoothly"));
 }
 
 #[test]
