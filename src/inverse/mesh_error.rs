@@ -126,5 +126,6 @@ fn measured(
         return Err(InversionError::OutOfRange { peak_n_m: peaks.torque });
     }
     let changes = answer.change_to(finer, &peaks);
-    Ok((changes.zip(&changes, |change, _| mesh.error_per_change() * change), peaks))
+    let per_change = mesh.error_per_change();
+    Ok((changes.zip(&changes, |change, _| per_change * change), peaks))
 }

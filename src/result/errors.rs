@@ -16,7 +16,8 @@ const COARSE: f64 = 1e-2;
 /// have no such value.
 pub fn mesh_errors(mesh: &Mesh, found: &[f64], on_halves: &[f64]) -> Vec<f64> {
     let halves = on_halves.iter().copied().chain(std::iter::repeat(f64::NAN));
-    let error = |(found, half): (&f64, f64)| mesh.error_per_change() * (found / half - 1.0).abs();
+    let per_change = mesh.error_per_change();
+    let error = |(found, half): (&f64, f64)| per_change * (found / half - 1.0).abs();
     found.iter().zip(halves).map(error).collect()
 }
 

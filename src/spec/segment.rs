@@ -36,7 +36,7 @@ pub(super) fn segment(
         let message = format!("{section_path} is given, but {must}");
         return Err(Fault::new(section_path, message));
     }
-    check_ranges(&at, &stiffness, &mass)?;
+    check_ranges(&at, &raw, &stiffness, &mass)?;
     let cross_section = match (section, stiffness.shape, mass.shape) {
         (Some(section), _, _) => Some(CrossSection::of(&section)),
         (None, Some(i_m4), Some(area_m2)) => Some(CrossSection::of_moment_and_area(i_m4, area_m2)),
@@ -59,14 +59,19 @@ pub(super) fn segment(
 /// Refuses a value out of its range under the key that was written; [`Link::new`] knows products only.
 ///
 /// [`Link::new`]: crate::link::Link::new
-fn check_ranges(at: &str, stiffness: &Given, mass: &Given) -> Result<(), Fault> {
+fn check_ranges(at: &str, raw: &RawSegment, stiffness: &Given, mass: &Given) -> Result<(), Fault> {
     let density = mass.material.map(Taper::constant);
+    let shear_modulus = raw.shear_modulus.map(|modulus| Taper::constant(modulus.si()));
+    let rotary = raw.rotary_inertia_per_length.map(|own| own.0);
     for (key, value, unit, zero) in [
         ("I", stiffness.shape, "m^4", "above 0"),
         ("area", mass.shape, "m^2", "above 0"),
         ("EI", stiffness.whole, "N m^2", "above 0"),
         ("E", stiffness.material.map(Taper::constant), "Pa", "above 0"),
         ("density", density, "kg/m^3", "at least 0"),
+        ("shear_stiffness", raw.shear_stiffness.map(|own| own.0), "N", "above 0"),
+        ("shear_modulus", shear_modulus, "Pa", "above 0"),
+        ("rotary_inertia_per_length", rotary, "kg m", "at least 0"),
     ] {
         let ends = value.into_iter().flat_map(|Taper { inner, outer }| [inner, outer]);
         let is_out = |end: &f64| *end < 0.0 || *end == 0.0 && zero == "above 0";

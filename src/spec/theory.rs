@@ -21,7 +21,11 @@ pub(super) fn timoshenko(
     known: &Known,
 ) -> Result<Option<Timoshenko>, Fault> {
     let theory = raw.theory.or(of_link);
-    check_ranges(at, raw)?;
+    if let Some(found) = raw.poisson_ratio.filter(|ratio| !(*ratio > -1.0 && *ratio <= 0.5)) {
+        let must = "must lie above -1 and at most at 0.5";
+        let path = format!("{at}.poisson_ratio");
+        return Err(ParameterError::new(path, found, "", must).into());
+    }
     if theory == Some(Theory::Timoshenko) {
         let shear_stiffness_n = shear_stiffness_n(at, raw, known.section.as_ref())?;
         let rotary_inertia_per_length_kg_m = rotary_inertia_kg_m(at, raw, known)?;
@@ -42,29 +46,6 @@ pub(super) fn timoshenko(
             Err(Fault::new(path, message).hinting(hint.to_owned()))
         }
         None => Ok(None),
-    }
-}
-
-/// Refuses what no theory takes, whichever is named.
-fn check_ranges(at: &str, raw: &RawSegment) -> Result<(), Fault> {
-    let refused = |key: &str, found: f64, unit: &str, must: &str| {
-        Err(ParameterError::new(format!("{at}.{key}"), found, unit, must).into())
-    };
-    let ends = |taper: Taper| [taper.inner, taper.outer];
-    if let Some(found) = raw.poisson_ratio.filter(|ratio| !(*ratio > -1.0 && *ratio <= 0.5)) {
-        return refused("poisson_ratio", found, "", "must lie above -1 and at most at 0.5");
-    }
-    if let Some(found) = raw.shear_modulus.map(Si::si).filter(|modulus| *modulus <= 0.0) {
-        return refused("shear_modulus", found, "Pa", "must be above 0");
-    }
-    let stiffness = raw.shear_stiffness.map_or([1.0; 2], |own| ends(own.0));
-    if let Some(found) = stiffness.into_iter().find(|end| *end <= 0.0) {
-        return refused("shear_stiffness", found, "N", "must be above 0");
-    }
-    let rotary = raw.rotary_inertia_per_length.map_or([0.0; 2], |own| ends(own.0));
-    match rotary.into_iter().find(|end| *end < 0.0) {
-        Some(found) => refused("rotary_inertia_per_length", found, "kg m", "must be at least 0"),
-        None => Ok(()),
     }
 }
 
