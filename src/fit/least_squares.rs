@@ -1,6 +1,7 @@
 //! Levenberg and Marquardt's iteration on the logarithms of the free values, within bounds.
 
-use nalgebra::{DMatrix, DVector};
+use faer::linalg::solvers::SolveLstsq;
+use faer::{Col, Mat, Scale};
 use rayon::prelude::*;
 
 use super::error::LinkFitError;
@@ -105,7 +106,7 @@ pub fn fit<E: Send>(
     let jacobian = problem.jacobian(&x, halvings, true);
     let predicted = problem.predicted(&x, halvings);
     let course = Course { is_from_other_start, has_settled, iterations, starts: told };
-    Ok(FitOutcome::of(&weighed, free, &x, predicted.as_ref(), jacobian, course))
+    Ok(FitOutcome::of(&weighed, free, &x, predicted.as_ref(), &jacobian, course))
 }
 
 /// Where an iteration ended, the sum of squares there, and whether no step led further down.
@@ -190,13 +191,13 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         self.measurements.predicted(&link, &plan, halvings, &self.delays(x))
     }
 
-    fn residuals(&self, x: &[f64], halvings: u32) -> Option<DVector<f64>> {
+    fn residuals(&self, x: &[f64], halvings: u32) -> Option<Col<f64>> {
         let residuals = self.measurements.residuals(&self.predicted(x, halvings)?)?;
-        Some(DVector::from_vec(residuals))
+        Some(Col::from_fn(residuals.len(), |row| residuals[row]))
     }
 
     /// Derivatives of the residuals, on one mesh: of second order, or of fourth.
-    fn jacobian(&self, x: &[f64], halvings: u32, is_exact: bool) -> DMatrix<f64> {
+    fn jacobian(&self, x: &[f64], halvings: u32, is_exact: bool) -> Mat<f64> {
         let [rows, _] = self.measurements.rows();
         let at = |k: usize, step: f64| {
             let mut beside = x.to_vec();
@@ -204,26 +205,26 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
             self.residuals(&beside, halvings)
         };
         let slope = |k: usize, step: f64| match (at(k, step), at(k, -step)) {
-            (Some(above), Some(below)) => Some((above - below) / (2.0 * step)),
+            (Some(above), Some(below)) => Some((above - below) / Scale(2.0 * step)),
             // The link ends here, as where a segment becomes shorter than the place of a mass.
             (above, below) => {
                 let here = self.residuals(x, halvings)?;
                 above
-                    .map(|above| (above - &here) / step)
-                    .or(below.map(|below| (here - below) / step))
+                    .map(|above| (above - &here) / Scale(step))
+                    .or(below.map(|below| (here - below) / Scale(step)))
             }
         };
         let columns = (0..x.len()).into_par_iter().map(|k| {
             let near = slope(k, STEP);
             let column = if is_exact {
-                near.zip(slope(k, 2.0 * STEP)).map(|(near, far)| (near * 4.0 - far) / 3.0)
+                near.zip(slope(k, 2.0 * STEP)).map(|(near, far)| (near * Scale(4.0) - far) / Scale(3.0))
             } else {
                 near
             };
-            column.unwrap_or_else(|| DVector::zeros(rows))
+            column.unwrap_or_else(|| Col::zeros(rows))
         });
-        let columns: Vec<DVector<f64>> = columns.collect();
-        DMatrix::from_fn(rows, x.len(), |row, column| columns[column][row])
+        let columns: Vec<Col<f64>> = columns.collect();
+        Mat::from_fn(rows, x.len(), |row, column| columns[column][row])
     }
 
     /// The bounds of a logarithm, or of a delay.
@@ -276,7 +277,7 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
             let delays = self.measurements.rough_delays(&link, &plan, halvings)?;
             let delays = delays.into_iter().map(|delay| delay / DELAY_UNIT);
             let x: Vec<f64> = first.x[..self.free.len()].iter().copied().chain(delays).collect();
-            let is_better = self.residuals(&x, halvings)?.norm_squared() < first.cost;
+            let is_better = self.residuals(&x, halvings)?.squared_norm_l2() < first.cost;
             if is_better { self.descend(x, SURVEY) } else { None }
         };
         let second = if first.x.len() > self.free.len() { again() } else { None };
@@ -304,7 +305,7 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
             while moved.is_none() && damping < 1e12 {
                 let next = self.stepped(&x, &jacobian, &residuals, damping);
                 match self.residuals(&next, halvings) {
-                    Some(found) if found.norm_squared() <= residuals.norm_squared() => {
+                    Some(found) if found.squared_norm_l2() <= residuals.squared_norm_l2() => {
                         moved = Some((next, found));
                         damping = (damping * 0.1).max(1e-12);
                     }
@@ -315,9 +316,9 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
                 has_settled = true;
                 break;
             };
-            let gain = residuals.norm_squared() - found.norm_squared();
-            let is_little = gain < depth.little * residuals.norm_squared();
-            let has_gained = gain > NO_GAIN * residuals.norm_squared();
+            let gain = residuals.squared_norm_l2() - found.squared_norm_l2();
+            let is_little = gain < depth.little * residuals.squared_norm_l2();
+            let has_gained = gain > NO_GAIN * residuals.squared_norm_l2();
             let steps = next.iter().zip(&x).map(|(next, x)| (next - x).abs());
             let largest = steps.fold(0.0, f64::max);
             (x, residuals) = (next, found);
@@ -332,15 +333,15 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
                 residuals = self.residuals(&x, halvings)?;
             }
         }
-        Some(End { cost: residuals.norm_squared(), x, iterations, has_settled })
+        Some(End { cost: residuals.squared_norm_l2(), x, iterations, has_settled })
     }
 
     /// One step: along all logarithms that do not lie at a bound and want to pass it.
     fn stepped(
         &self,
         x: &[f64],
-        jacobian: &DMatrix<f64>,
-        residuals: &DVector<f64>,
+        jacobian: &Mat<f64>,
+        residuals: &Col<f64>,
         damping: f64,
     ) -> Vec<f64> {
         let gradient = jacobian.transpose() * residuals;
@@ -349,20 +350,25 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
             !(x[*k] <= low && gradient[*k] > 0.0 || x[*k] >= high && gradient[*k] < 0.0)
         };
         let open: Vec<usize> = (0..x.len()).filter(is_open).collect();
-        let columns = DMatrix::from_fn(residuals.len(), open.len(), |row, column| {
-            jacobian[(row, open[column])]
-        });
-        let normal = columns.transpose() * &columns;
-        let largest = normal.diagonal().iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let mut damped = normal;
-        for k in 0..open.len() {
-            // Marquardt's scaling: a value that the residuals weigh little moves as well.
-            damped[(k, k)] += damping * damped[(k, k)].max(NO_WEIGHT * largest);
-        }
-        let right = -(columns.transpose() * residuals);
-        let step =
-            damped.cholesky().map_or_else(|| DVector::zeros(open.len()), |l| l.solve(&right));
         let mut next = x.to_vec();
+        if open.is_empty() {
+            return next;
+        }
+        let weights = open.iter().map(|k| jacobian.col(*k).squared_norm_l2());
+        let weights: Vec<f64> = weights.collect();
+        let largest = weights.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        // Marquardt's scaling: a value that the residuals weigh little moves as well. As rows below the
+        // Jacobian's the damping keeps the digits that the normal equations lose.
+        let damped = |k: usize| (damping * weights[k].max(NO_WEIGHT * largest)).sqrt();
+        let rows = residuals.nrows();
+        let system = Mat::from_fn(rows + open.len(), open.len(), |row, column| match row {
+            _ if row < rows => jacobian[(row, open[column])],
+            _ if row == rows + column => damped(column),
+            _ => 0.0,
+        });
+        let right =
+            Col::from_fn(system.nrows(), |row| if row < rows { -residuals[row] } else { 0.0 });
+        let step = system.qr().solve_lstsq(&right);
         for (k, step) in open.iter().zip(step.iter()) {
             let [low, high] = self.bounds(*k);
             next[*k] = (x[*k] + step).clamp(low, high);

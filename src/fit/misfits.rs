@@ -1,6 +1,6 @@
 //! How far a fitted link is from the measurements, and whether it is one to believe.
 
-use nalgebra::DMatrix;
+use faer::Mat;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -167,7 +167,7 @@ impl Misfits {
     }
 
     /// Standard errors of the delays, whose rows of the covariance follow those of the free values.
-    pub(super) fn set_delay_errors(&mut self, spread: Option<(f64, &DMatrix<f64>)>, free: usize) {
+    pub(super) fn set_delay_errors(&mut self, spread: Option<(f64, &Mat<f64>)>, free: usize) {
         let Some((scale, covariance)) = spread else { return };
         let late = self.records.iter_mut().filter(|record| record.delay_s.is_some());
         for (k, record) in late.enumerate() {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use nalgebra::DMatrix;
+use faer::Mat;
 use serde::Serialize;
 
 use super::measurements::{Measurements, Prediction};
@@ -130,7 +130,7 @@ impl FitOutcome {
         free: &[Free],
         x: &[f64],
         predicted: Option<&Prediction>,
-        jacobian: DMatrix<f64>,
+        jacobian: &Mat<f64>,
         course: Course,
     ) -> Self {
         let misfits = Misfits::of(measurements, free.len(), predicted);
@@ -149,8 +149,7 @@ impl FitOutcome {
         let values: Vec<FittedValue> = values.collect();
         let mut misfits = misfits;
         misfits.set_delay_errors(scale.zip(covariance.as_ref()), free.len());
-        let of_values = covariance.map(|all| all.view((0, 0), (free.len(), free.len())).into());
-        let correlation = of_values.as_ref().map(correlation).unwrap_or_default();
+        let correlation = covariance.map(|all| correlation(&all, free.len())).unwrap_or_default();
         let at_bound = values.iter().find(|value| value.is_at_bound);
         let at_bound =
             at_bound.map(|value| Misfit::Bound { path: value.path.clone(), factor: value.factor });

@@ -1,6 +1,6 @@
 //! What the derivatives of the residuals say of the free values: directions and their standard errors.
 
-use nalgebra::DMatrix;
+use faer::Mat;
 
 /// Singular value over the size of the Jacobian below which a direction is not determined: the derivatives
 /// are exact to about 1e-9.
@@ -14,7 +14,7 @@ pub(super) struct Spread {
     /// One for each direction; 0 of those that no row sees.
     values: Vec<f64>,
     /// Directions in the free values, row by row.
-    directions: DMatrix<f64>,
+    directions: Mat<f64>,
     /// The singular values from which on a direction changes the measured values at all, and by more than
     /// their uncertainty.
     least: [f64; 2],
@@ -23,14 +23,16 @@ pub(super) struct Spread {
 impl Spread {
     /// `weight` is the size that the Jacobian would have if each residual's value followed one free value;
     /// `scale` the standard deviation of the residuals, 0 where it is not known.
-    pub(super) fn of(jacobian: DMatrix<f64>, weight: f64, scale: f64) -> Self {
+    pub(super) fn of(jacobian: &Mat<f64>, weight: f64, scale: f64) -> Self {
         // As many rows as columns, so that every direction has a singular value.
-        let rows = jacobian.nrows().max(jacobian.ncols());
         let columns = jacobian.ncols();
-        let square = jacobian.resize(rows, columns, 0.0);
-        let svd = square.svd(false, true);
-        let directions = svd.v_t.unwrap_or_else(|| DMatrix::identity(columns, columns));
-        let values: Vec<f64> = svd.singular_values.iter().copied().collect();
+        let mut square = Mat::zeros(jacobian.nrows().max(columns), columns);
+        square.get_mut(..jacobian.nrows(), ..).copy_from(jacobian);
+        let svd = square.thin_svd();
+        let none = (vec![0.0; columns], Mat::identity(columns, columns));
+        let (values, directions) = svd.map_or(none, |svd| {
+            (svd.S().column_vector().iter().copied().collect(), svd.V().transpose().to_owned())
+        });
         let largest = values.iter().copied().fold(weight, f64::max);
         Self { values, directions, least: [UNDETERMINED * largest, scale / UNKNOWN] }
     }
@@ -70,20 +72,17 @@ impl Spread {
     }
 
     /// (JᵀJ)⁻¹.
-    pub(super) fn covariance(&self) -> DMatrix<f64> {
-        let mut sum = DMatrix::zeros(self.values.len(), self.values.len());
-        for (k, value) in self.values.iter().enumerate() {
-            let direction = self.directions.row(k);
-            sum += direction.transpose() * direction / (value * value);
-        }
-        sum
+    pub(super) fn covariance(&self) -> Mat<f64> {
+        let size = self.values.len();
+        let v = &self.directions;
+        let term = |row, column, k: usize| v[(k, row)] * v[(k, column)] / self.values[k].powi(2);
+        Mat::from_fn(size, size, |row, column| (0..size).map(|k| term(row, column, k)).sum())
     }
 }
 
-/// The correlation of each pair of values.
-pub(super) fn correlation(covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let sizes: Vec<f64> = covariance.diagonal().iter().map(|v| v.sqrt()).collect();
-    let share = |k: usize, j: usize| covariance[(k, j)] / (sizes[k] * sizes[j]);
-    let numbers = 0..sizes.len();
-    numbers.clone().map(|k| numbers.clone().map(|j| share(k, j)).collect()).collect()
+/// The correlation of each pair of the first `count` values.
+pub(super) fn correlation(covariance: &Mat<f64>, count: usize) -> Vec<Vec<f64>> {
+    let size = |k: usize| covariance[(k, k)].sqrt();
+    let share = |k: usize, j: usize| covariance[(k, j)] / (size(k) * size(j));
+    (0..count).map(|k| (0..count).map(|j| share(k, j)).collect()).collect()
 }
