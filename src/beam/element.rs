@@ -1,4 +1,4 @@
-use nalgebra::{Matrix2, Matrix4};
+use nalgebra::{Matrix2, Matrix4, Vector4};
 
 use crate::link::{Taper, Timoshenko};
 
@@ -100,6 +100,14 @@ impl Element {
         ])
     }
 
+    /// Force in N and moment in N m on the inner and the outer node that do the work of a force per length in
+    /// N/m, given at the ends: `∫ f N dx`, the force that a mass f per length needs for a unit acceleration.
+    pub fn load(&self, force_n_m: Taper) -> [[f64; 2]; 2] {
+        let weighed = Self { mass_per_length_kg_m: force_n_m, ..*self };
+        let load = weighed.mass() * Vector4::new(1.0, 0.0, 1.0, 0.0);
+        [[load[0], load[1]], [load[2], load[3]]]
+    }
+
     /// The same element in relative coordinates.
     pub fn relative(&self) -> RelativeElement {
         let l = self.length_m;
@@ -175,7 +183,7 @@ pub struct RelativeElement {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{SMatrix, Vector4};
+    use nalgebra::SMatrix;
 
     use super::*;
 

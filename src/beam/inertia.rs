@@ -121,6 +121,14 @@ impl<S: Scalar> Eliminated<S> {
         [dot(reduced, self.scaled[0]), dot(reduced, self.scaled[1])]
     }
 
+    /// `P⁻¹ s` for a force s on (v, φ), from the two pivots of the elimination.
+    #[inline(always)]
+    pub(super) fn solved(&self, pivots: [S; 2], s: [S; 2]) -> [S; 2] {
+        let [first, second] = self.order.reduced(self.multiplier, s);
+        let second = second * pivots[1].reciprocal();
+        self.order.of([first * pivots[0].reciprocal() - self.multiplier * second, second])
+    }
+
     /// G itself, by the last step: what L keeps of the second unknown is taken off the first.
     #[inline(always)]
     pub(super) fn gain(&self) -> Gain<S> {
@@ -237,6 +245,9 @@ mod tests {
             let along = eliminated.along([0.7, -2.0]);
             assert!(close(along[0], 0.7 * vv - 2.0 * pv), "{along:?}");
             assert!(close(along[1], 0.7 * vp - 2.0 * pp), "{along:?}");
+            let solved = eliminated.solved(pivots, [0.7, -2.0]);
+            assert!(close(p.vv * solved[0] + p.vp * solved[1], 0.7), "{solved:?}");
+            assert!(close(p.vp * solved[0] + p.pp * solved[1], -2.0), "{solved:?}");
         }
     }
 }

@@ -7,6 +7,7 @@
 //! | `inertia` | apparent inertia A, and the 2×2 system of one element |
 //! | `mesh`, `rigid_limit` | all elements and bodies; λ up to which the link is rigid |
 //! | `recursion` | from tip to hub: torque, hub angle, tip; back from hub to tip: deflections and moments at the nodes |
+//! | `loaded` | the recursion with forces on the nodes and an axis that moves |
 //! | `pivoted` | both with row pivoting, for resonances of the outboard part |
 //! | `transfer` | transfers per unit of tip motion at one λ; which recursion computes them |
 //! | `batch` | the same at many λ, over the processor's vectors |
@@ -15,6 +16,7 @@ mod batch;
 mod element;
 mod given_nodes;
 mod inertia;
+mod loaded;
 mod mesh;
 mod pivoted;
 mod plan;
@@ -27,6 +29,7 @@ pub(crate) use batch::{Checkpoints, Pivots, nodal_transfers_from, pivots, tip_di
 pub use batch::{nodal_transfers, tip_transfers};
 pub use element::{Element, RelativeElement};
 pub use inertia::{Gain, Inertia};
+pub use loaded::{LoadedMotion, Loads, loaded_motion};
 pub use mesh::Mesh;
 pub(crate) use pivoted::{DrivenMotion, driven_motion};
 pub use plan::{ElementCount, MeshPlan, Piece};

@@ -4,8 +4,7 @@ use faer::linalg::solvers::SolveLstsq;
 use faer::{Col, Mat, Scale};
 use rayon::prelude::*;
 
-use super::error::LinkFitError;
-use super::measurement::Observable;
+use super::measurement::{LinkFitError, Observable};
 use super::measurements::{COARSE, FINE, Measurements, Prediction};
 use super::misfits::DELAY_UNIT;
 use super::outcome::{Course, FitOutcome, StartEnd};
@@ -217,7 +216,8 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         let columns = (0..x.len()).into_par_iter().map(|k| {
             let near = slope(k, STEP);
             let column = if is_exact {
-                near.zip(slope(k, 2.0 * STEP)).map(|(near, far)| (near * Scale(4.0) - far) / Scale(3.0))
+                near.zip(slope(k, 2.0 * STEP))
+                    .map(|(near, far)| (near * Scale(4.0) - far) / Scale(3.0))
             } else {
                 near
             };

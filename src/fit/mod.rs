@@ -16,7 +16,6 @@
 mod advice;
 mod alignment;
 mod dips;
-mod error;
 mod least_squares;
 mod measurement;
 mod measurements;
@@ -32,9 +31,8 @@ mod spread;
 mod value;
 
 pub use advice::FitWarning;
-pub use error::LinkFitError;
 pub use least_squares::fit;
-pub use measurement::{HubEnd, Measured, MeasurementsError, Observable};
+pub use measurement::{HubEnd, LinkFitError, Measured, MeasurementsError, Observable};
 pub use measurements::Measurements;
 pub use misfits::{Misfit, Residual};
 pub use motor::Motor;

@@ -177,6 +177,16 @@ impl DampingLaw {
         }
     }
 
+    /// Factors of mass and stiffness at ω ≥ 0, `1 + α/(iω)` and κ. At rest a constant load meets neither drag
+    /// nor damping: both are 1.
+    pub(crate) fn factors(&self, omega_rad_s: f64) -> [Complex64; 2] {
+        if omega_rad_s == 0.0 {
+            return [Complex64::ONE; 2];
+        }
+        let mass = Complex64::new(1.0, -self.mass_rate_per_s() / omega_rad_s);
+        [mass, self.stiffness_factor(omega_rad_s)]
+    }
+
     /// 1/κ at ω ≥ 0, found once where it is the same at all of them.
     pub(crate) fn compliance_factor(&self) -> impl Fn(f64) -> Complex64 {
         let at = |omega_rad_s| self.stiffness_factor(omega_rad_s).reciprocal();

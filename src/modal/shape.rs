@@ -107,6 +107,13 @@ impl Shape {
         moments
     }
 
+    /// Force along the normal that gives the whole link this shape as its acceleration: `∫ m̄ v dx + Σ m v`.
+    pub(crate) fn force(&self, mesh: &Mesh) -> f64 {
+        let mut at_root = Vector2::zeros();
+        self.inward(mesh, |node, _, inner| at_root = self.with_lump(mesh, node, inner));
+        at_root[0]
+    }
+
     /// Shear force at the inner and the outer end of each element that gives what lies outboard this
     /// shape as its acceleration: `∫ m̄ v dx + …`.
     pub(super) fn shear_forces(&self, mesh: &Mesh) -> Vec<[f64; 2]> {

@@ -3,7 +3,9 @@ use faer::{Col, Mat};
 use num_complex::Complex64;
 
 use super::link_on_mesh::{LinkOnMesh, Model};
-use crate::beam::{Inertia, Mesh, NodalTransfer, TipTransfer, nodal_transfer};
+use crate::beam::{
+    Inertia, LoadedMotion, Loads, Mesh, NodalTransfer, TipTransfer, loaded_motion, nodal_transfer,
+};
 use crate::modal::{ModalBasis, Shape};
 
 /// Most elements that are assembled and factorised: the work grows with the cube of their number.
@@ -63,18 +65,29 @@ impl Dense {
         Some(Self { link, mass, stiffness, modes })
     }
 
-    /// `H⁻¹ e_h`: accelerations of all unknowns per torque.
-    fn accelerations(&self, omega_rad_s: f64) -> Col<Complex64> {
-        let found = self.solved(omega_rad_s);
+    /// `H⁻¹` times loads on the unknowns: their accelerations.
+    fn accelerations(&self, omega_rad_s: f64, loads: &Mat<Complex64>) -> Mat<Complex64> {
+        let found = self.solved(omega_rad_s, loads);
         // Exactly on a pole of an undamped link nothing is finite, and a hair beside it all is.
-        if found.iter().all(|acceleration| acceleration.is_finite()) {
+        if found.col_iter().all(|column| column.iter().all(|a| a.is_finite())) {
             found
         } else {
-            self.solved(omega_rad_s * (1.0 + 4.0 * f64::EPSILON))
+            self.solved(omega_rad_s * (1.0 + 4.0 * f64::EPSILON), loads)
         }
     }
 
-    fn solved(&self, omega_rad_s: f64) -> Col<Complex64> {
+    /// A torque at the hub, and loads on all nodes, as loads on the unknowns.
+    fn torque_and_loads(&self, nodal: &[[Complex64; 2]]) -> Mat<Complex64> {
+        let root_m = self.mesh().nodes_m()[0];
+        Mat::from_fn(self.mass.nrows(), 2, |row, column| match (row, column) {
+            (0, 0) => Complex64::ONE,
+            (_, 0) => Complex64::ZERO,
+            (0, _) => nodal[0][1] + nodal[0][0] * root_m,
+            _ => nodal[row.div_ceil(2)][(row + 1) % 2],
+        })
+    }
+
+    fn solved(&self, omega_rad_s: f64, loads: &Mat<Complex64>) -> Mat<Complex64> {
         let size = self.mass.nrows();
         let per_lambda = self.law().lambda(omega_rad_s).inv();
         let mut h = Mat::from_fn(size, size, |row, column| {
@@ -89,8 +102,14 @@ impl Dense {
                 }
             }
         }
-        let load = |row| if row == 0 { Complex64::ONE } else { Complex64::ZERO };
-        h.partial_piv_lu().solve(Col::from_fn(size, load))
+        h.partial_piv_lu().solve(loads)
+    }
+
+    /// Accelerations (v, φ) of nodes 0 … n from those of the unknowns: the root sits on the hub.
+    fn nodes(&self, unknowns: &[Complex64]) -> Vec<[Complex64; 2]> {
+        let root = [unknowns[0] * self.mesh().nodes_m()[0], unknowns[0]];
+        let outer = unknowns[1..].chunks(2).map(|node| [node[0], node[1]]);
+        std::iter::once(root).chain(outer).collect()
     }
 
     /// Moments at nodes 0 … n of all that is outboard of each, from accelerations (v, φ) of the nodes.
@@ -146,15 +165,13 @@ impl Model for Dense {
             return nodal_transfer(self.mesh(), Complex64::ZERO);
         }
         let (nodes_m, lambda) = (self.mesh().nodes_m(), self.law().lambda(omega_rad_s));
-        let accelerations = self.accelerations(omega_rad_s);
+        let torque = self.torque_and_loads(&vec![[Complex64::ZERO; 2]; nodes_m.len()]);
+        let accelerations = self.accelerations(omega_rad_s, &torque);
         // The tip's displacement is the last unknown but one.
-        let inertia_kg_m = accelerations[accelerations.nrows() - 2].inv();
-        let per_tip: Vec<_> = accelerations.iter().map(|a| a * inertia_kg_m).collect();
+        let inertia_kg_m = accelerations[(accelerations.nrows() - 2, 0)].inv();
+        let per_tip: Vec<_> = accelerations.col(0).iter().map(|a| a * inertia_kg_m).collect();
         let angle_rad_m = per_tip[0];
-        // The root sits on the hub.
-        let root = [angle_rad_m * nodes_m[0], angle_rad_m];
-        let outer = (1..nodes_m.len()).map(|k| [per_tip[2 * k - 1], per_tip[2 * k]]);
-        let nodes: Vec<_> = std::iter::once(root).chain(outer).collect();
+        let nodes = self.nodes(&per_tip);
         let moments_kg_m = self.moments(&nodes);
         let deflection_s2 =
             |(v, x_m): (&[Complex64; 2], &f64)| (v[0] - angle_rad_m * *x_m) / lambda;
@@ -167,6 +184,49 @@ impl Model for Dense {
         };
         NodalTransfer { tip, deflections_s2, moments_kg_m }
     }
+
+    /// At ω = 0, where K/ω² is no number, the recursion's own.
+    fn loaded_motion(&self, omega_rad_s: f64, loads: &Loads<Complex64>) -> LoadedMotion<Complex64> {
+        let (mesh, lambda) = (self.mesh(), self.law().lambda(omega_rad_s));
+        let factors = self.law().factors(omega_rad_s);
+        if omega_rad_s == 0.0 {
+            return loaded_motion(mesh, lambda, factors, loads);
+        }
+        let per_mass = factors[0].inv();
+        let with_axis = |(load, inertia): (&[Complex64; 2], [f64; 2])| {
+            [0, 1].map(|part| load[part] * per_mass - loads.axis_m_s2 * inertia[part])
+        };
+        let nodal: Vec<_> = loads.nodal.iter().zip(shifted_masses(mesh)).map(with_axis).collect();
+        let found = self.accelerations(omega_rad_s, &self.torque_and_loads(&nodal));
+        let (tip, chord_rad_s2) = (found.nrows() - 2, loads.chord_rad_s2);
+        let torque = (chord_rad_s2 * mesh.length_m() - found[(tip, 1)]) / found[(tip, 0)];
+        let relative: Vec<_> =
+            (0..found.nrows()).map(|row| found[(row, 0)] * torque + found[(row, 1)]).collect();
+        let per_square = -(omega_rad_s * omega_rad_s).recip();
+        let from_chord = |(x_m, [v, phi]): (&f64, [Complex64; 2])| {
+            [v - chord_rad_s2 * *x_m, phi - chord_rad_s2].map(|part| part * per_square)
+        };
+        let nodes = mesh.nodes_m().iter().zip(self.nodes(&relative));
+        let deflections = nodes.map(from_chord).collect();
+        let hub_slope_rad = (relative[0] - chord_rad_s2) * per_square;
+        LoadedMotion { torque_n_m: torque * factors[0], hub_slope_rad, deflections }
+    }
+}
+
+/// Force and moment on each node that a unit acceleration of all of the link along its normal needs.
+fn shifted_masses(mesh: &Mesh) -> Vec<[f64; 2]> {
+    let mut masses = vec![[0.0; 2]; mesh.nodes_m().len()];
+    for (k, element) in mesh.elements().iter().enumerate() {
+        for (node, load) in [k, k + 1].into_iter().zip(element.load(element.mass_per_length_kg_m)) {
+            masses[node] = [0, 1].map(|part| masses[node][part] + load[part]);
+        }
+    }
+    let last = masses.len() - 1;
+    let lumped = (0..last).filter_map(|k| mesh.lumped_inertia(k).map(|body| (k, body)));
+    for (node, body) in lumped.chain([(last, mesh.tip_inertia())]) {
+        masses[node] = [masses[node][0] + body.vv, masses[node][1] + body.vp];
+    }
+    masses
 }
 
 /// Mass times each mode and its 2ζω, of a modal law: `C = Σ 2ζω (M φ)(M φ)ᵀ`.
@@ -209,12 +269,18 @@ fn column(mesh: &Mesh, shape: &Shape) -> Col<f64> {
 mod tests {
     use super::*;
     use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, uniform};
+    use crate::model::superposition::Superposition;
     use crate::model::{KeptModes, model_of};
 
     fn apart(found: &[Complex64], expected: &[Complex64]) -> f64 {
         let largest = expected.iter().fold(0.0, |most: f64, x| most.max(x.norm()));
         let differences = found.iter().zip(expected).map(|(a, b)| (a - b).norm());
         differences.fold(0.0, f64::max) / largest
+    }
+
+    fn wave(k: usize) -> Complex64 {
+        let angle = 1.3 * k as f64;
+        Complex64::new(angle.sin(), (2.1 * angle).cos())
     }
 
     #[test]
@@ -250,6 +316,29 @@ mod tests {
                     apart(&[found.tip.deflection_s2], &[expected.tip.deflection_s2]),
                 ] {
                     assert!(off < 1e-8, "{:?} at {omega}: {off:e}", link.damping());
+                }
+                // Damping through modes has no other model than all of them.
+                let modes = Superposition::new(model.on_mesh().clone(), KeptModes::All).unwrap();
+                let at_rest = Complex64::ZERO;
+                let loads = Loads {
+                    axis_m_s2: Complex64::new(9.81, 0.3),
+                    chord_rad_s2: if omega == 0.0 { at_rest } else { Complex64::new(-2.0, 0.7) },
+                    nodal: (0..7).map(|k| [wave(k), wave(3 * k + 1) * 0.05]).collect(),
+                };
+                let exact = dense.loaded_motion(omega, &loads);
+                for model in [&*model, &modes as &dyn Model] {
+                    let found = model.loaded_motion(omega, &loads);
+                    let part = |of: &LoadedMotion<Complex64>, part: usize| -> Vec<Complex64> {
+                        of.deflections.iter().map(|w| w[part]).collect()
+                    };
+                    for off in [
+                        apart(&[found.torque_n_m], &[exact.torque_n_m]),
+                        apart(&[found.hub_slope_rad], &[exact.hub_slope_rad]),
+                        apart(&part(&found, 0), &part(&exact, 0)),
+                        apart(&part(&found, 1), &part(&exact, 1)),
+                    ] {
+                        assert!(off < 1e-10, "{model:?} at {omega}: {off:e}");
+                    }
                 }
             }
         }

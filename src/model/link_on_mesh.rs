@@ -4,7 +4,9 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use thiserror::Error;
 
-use crate::beam::{Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer};
+use crate::beam::{
+    Checkpoints, LoadedMotion, Loads, Mesh, NodalQuantity, NodalTransfer, TipTransfer,
+};
 use crate::link::Link;
 use crate::modal::{AllModesError, DampingError, DampingLaw, MOST_ELEMENTS_OF_ALL_MODES};
 use crate::text::significant;
@@ -80,6 +82,12 @@ pub trait Model: Debug + Send + Sync {
 
     /// Transfers from the tip to every node at ω.
     fn nodal_transfer(&self, omega_rad_s: f64) -> NodalTransfer;
+
+    /// Torque and deflections with the tip on the chord under loads at ω.
+    ///
+    /// # Panics
+    /// If there are not as many loads as nodes.
+    fn loaded_motion(&self, omega_rad_s: f64, loads: &Loads<Complex64>) -> LoadedMotion<Complex64>;
 
     /// [`Model::tip_transfer`] at many ω.
     fn tip_transfers(&self, omegas_rad_s: &[f64]) -> Vec<TipTransfer> {

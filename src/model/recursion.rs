@@ -7,8 +7,8 @@ use num_complex::Complex64;
 use super::link_on_mesh::{KeptModes, LinkOnMesh, Model, ModelError};
 use super::superposition::Superposition;
 use crate::beam::{
-    Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer, nodal_transfer,
-    nodal_transfers_from, tip_transfer, tip_transfers,
+    Checkpoints, LoadedMotion, Loads, Mesh, NodalQuantity, NodalTransfer, TipTransfer,
+    loaded_motion, nodal_transfer, nodal_transfers_from, tip_transfer, tip_transfers,
 };
 use crate::link::{Damping, Link};
 use crate::modal::MOST_ELEMENTS_OF_ALL_MODES;
@@ -105,6 +105,11 @@ impl Model for Recursion {
 
     fn nodal_transfer(&self, omega_rad_s: f64) -> NodalTransfer {
         nodal_transfer(self.mesh(), self.law().lambda(omega_rad_s))
+    }
+
+    fn loaded_motion(&self, omega_rad_s: f64, loads: &Loads<Complex64>) -> LoadedMotion<Complex64> {
+        let (lambda, factors) = (self.law().lambda(omega_rad_s), self.law().factors(omega_rad_s));
+        loaded_motion(self.mesh(), lambda, factors, loads)
     }
 
     fn tip_transfers(&self, omegas_rad_s: &[f64]) -> Vec<TipTransfer> {

@@ -1,7 +1,9 @@
 use num_complex::Complex64;
 
 use super::link_on_mesh::{KeptModes, LinkOnMesh, Model, ModelError};
-use crate::beam::{Checkpoints, Mesh, NodalQuantity, NodalTransfer, TipTransfer};
+use crate::beam::{
+    Checkpoints, LoadedMotion, Loads, Mesh, NodalQuantity, NodalTransfer, TipTransfer,
+};
 use crate::modal::{ModalBasis, Shape};
 
 /// A link as the sum of its modes, for damping laws that give each mode a ratio, and for a link reduced
@@ -29,6 +31,10 @@ struct Share {
     tip: f64,
     /// Deflections from the hub's tangent line.
     deflections: Vec<f64>,
+    /// Slopes from the hub's tangent line.
+    slopes: Vec<f64>,
+    /// Force along the normal that its acceleration needs.
+    force: f64,
     /// Moments that its acceleration needs.
     moments: Vec<f64>,
 }
@@ -39,8 +45,20 @@ impl Share {
             hub_angle: shape.hub_angle,
             tip: shape.tip_displacement(mesh),
             deflections: shape.deflections.iter().map(|w| w[0]).collect(),
+            slopes: shape.deflections.iter().map(|w| w[1]).collect(),
+            force: shape.force(mesh),
             moments: shape.moments(mesh),
         }
+    }
+
+    /// Work of loads along the shape, those that an acceleration of the axis makes of the mass among them,
+    /// which `mass` multiplies.
+    fn work(&self, mesh: &Mesh, loads: &Loads<Complex64>, mass: Complex64) -> Complex64 {
+        let nodes = loads.nodal.iter().enumerate().map(|(k, [force, moment])| {
+            let displacement = self.deflections[k] + mesh.nodes_m()[k] * self.hub_angle;
+            force * displacement + moment * (self.slopes[k] + self.hub_angle)
+        });
+        nodes.sum::<Complex64>() - mass * loads.axis_m_s2 * self.force
     }
 
     fn tip_deflection(&self) -> f64 {
@@ -171,6 +189,41 @@ impl Model for Superposition {
             deflections_s2: at_nodes(NodalQuantity::Deflection),
             moments_kg_m: at_nodes(NodalQuantity::Moment),
         }
+    }
+
+    /// The tip is on the chord where the accelerations that torque and loads give it are those of the chord.
+    fn loaded_motion(&self, omega_rad_s: f64, loads: &Loads<Complex64>) -> LoadedMotion<Complex64> {
+        let (mesh, lambda) = (self.mesh(), self.law().lambda(omega_rad_s));
+        let [mass, stiffness] = self.law().factors(omega_rad_s);
+        let per_torque = self.coordinates(omega_rad_s);
+        let modes = self.modes.iter().enumerate().map(|(k, (mode_rad_s, share))| {
+            let square = self.law().modal_denominator(k + 1, *mode_rad_s, omega_rad_s);
+            (share.work(mesh, loads, mass) / square, share)
+        });
+        let of_loads: Vec<(Complex64, &Share)> = modes.collect();
+        let tip_of = |coordinates: &[(Complex64, &Share)]| -> Complex64 {
+            coordinates.iter().map(|(q, share)| q * share.tip).sum()
+        };
+        let turned = self.rigid.work(mesh, loads, mass) * self.rigid.tip;
+        let wanted = loads.chord_rad_s2 * mesh.length_m() * mass;
+        let left = wanted - turned + lambda * tip_of(&of_loads);
+        let torque_n_m = left / self.acceleration(lambda, &per_torque, |share| share.tip);
+        let compliance = stiffness.inv();
+        let all: Vec<(Complex64, &Share)> = of_loads
+            .into_iter()
+            .chain(per_torque.into_iter().map(|(q, share)| (q * torque_n_m, share)))
+            .map(|(q, share)| (q * compliance, share))
+            .collect();
+        let sum = |of: &dyn Fn(&Share) -> f64| -> Complex64 {
+            all.iter().map(|(q, share)| q * of(share)).sum()
+        };
+        let hub_slope_rad = -sum(&Share::tip_deflection) / mesh.length_m();
+        let nodes = mesh.nodes_m().iter().enumerate();
+        let deflections = nodes.map(|(k, x_m)| {
+            let [w, slope] = [sum(&|share| share.deflections[k]), sum(&|share| share.slopes[k])];
+            [w + hub_slope_rad * *x_m, slope + hub_slope_rad]
+        });
+        LoadedMotion { torque_n_m, hub_slope_rad, deflections: deflections.collect() }
     }
 
     fn nodal_transfers(

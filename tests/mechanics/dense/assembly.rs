@@ -122,6 +122,42 @@ impl Assembly {
         (0..size).map(|row| a[(row, 0)]).collect()
     }
 
+    /// Torque, and motion (v, φ) of all nodes times −ω², under loads on the nodes, while the axis accelerates
+    /// and the tip's acceleration is that of the chord. Mass times `factors[0]` and stiffness times `factors[1]`
+    /// are the link's own.
+    ///
+    /// The unknowns are the motions of all nodes against the ground, the root's force and its moment.
+    pub(crate) fn loaded(
+        &self,
+        omega: f64,
+        factors: [c64; 2],
+        [axis, chord]: [c64; 2],
+        nodal: &[[c64; 2]],
+        length_m: f64,
+    ) -> (c64, Vec<c64>) {
+        let size = 2 * self.nodes();
+        let inertia = self.h(0, factors[1] / factors[0] / (omega * omega));
+        let mut system = Mat::<c64>::zeros(size + 2, size + 2);
+        system.get_mut(..size, ..size).copy_from(&inertia);
+        let mut right = Mat::<c64>::zeros(size + 2, 1);
+        for (node, load) in nodal.iter().enumerate() {
+            for part in 0..2 {
+                right[(2 * node + part, 0)] = load[part] / factors[0];
+            }
+        }
+        system[(0, size)] = -c64::ONE;
+        system[(1, size + 1)] = -c64::ONE;
+        system[(size, 0)] = c64::ONE;
+        system[(size, 1)] = -c64::from(self.root_m);
+        right[(size, 0)] = axis;
+        system[(size + 1, size - 2)] = c64::ONE;
+        right[(size + 1, 0)] = axis + chord * length_m;
+        let found = system.partial_piv_lu().solve(&right);
+        let hub = found[(1, 0)] * self.hub_inertia_kg_m2;
+        let torque = found[(size + 1, 0)] + found[(size, 0)] * self.root_m + hub;
+        (torque * factors[0], (0..size).map(|row| found[(row, 0)]).collect())
+    }
+
     /// Motion (v, φ) of all nodes per `(θ, v_1, φ_1, …, v_n, φ_n)`.
     fn root_on_hub(&self) -> Mat<c64> {
         let size = 2 * self.nodes();

@@ -2,6 +2,7 @@
 
 pub(crate) mod assembly;
 pub(crate) mod damping;
+mod loads;
 mod modal_damping;
 mod paper;
 mod whole_link;
