@@ -30,6 +30,7 @@
 //! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
 //! | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
+//! | [`elastica`] | a link under gravity and at large angles: second-order terms as loads, iterated |
 //! | [`inverse`] | period and padding, the inversion, what it costs, warnings, motions of the nodes |
 //! | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT |
 //! | [`compare`] | tables against tables, column by column; tolerances |
@@ -122,6 +123,7 @@
 pub mod beam;
 pub mod compare;
 pub mod csv;
+pub mod elastica;
 pub mod fit;
 pub mod inverse;
 pub mod link;

@@ -14,8 +14,7 @@ use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, rewrite};
 use flexlink::store::{Fingerprint, FitInputs, fit_json};
 
 use crate::options::common::option;
-use crate::options::inputs::LinkArgs;
-use crate::options::read::tell as tell_reading;
+use crate::options::inputs::{LinkArgs, tell as tell_reading};
 use crate::terminal::files::{keep_inputs, keep_page_apart, read_once};
 use crate::terminal::text::fit_text;
 use crate::terminal::{Exit, Failure, StageBar, console};

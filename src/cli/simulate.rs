@@ -12,9 +12,8 @@ use flexlink::store::{PlayFindings, RunInputs, RunOutputs, SimulateFiles, Summar
 use flexlink::text::plain;
 
 use crate::options::common::{NodeArgs, SyncArgs, digits_arguments};
-use crate::options::inputs::LinkArgs;
+use crate::options::inputs::{LinkArgs, ReadArgs};
 use crate::options::play::{PlayArgs, Playing};
-use crate::options::read::ReadArgs;
 use crate::terminal::files::keep;
 use crate::terminal::text::simulate_text;
 use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};

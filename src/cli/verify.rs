@@ -11,8 +11,7 @@ use flexlink::spec::Specification;
 use flexlink::store::verification_json;
 use flexlink::verify::{Answer, Verification, VerificationError, verify};
 
-use crate::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, remarks};
-use crate::options::read::{ReadArgs, tell};
+use crate::options::inputs::{LinkArgs, MOTION, ReadArgs, ResampleArgs, ScaleArgs, remarks, tell};
 use crate::terminal::files::read_once;
 use crate::terminal::text::verify_text;
 use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};

@@ -4,8 +4,7 @@ use std::cmp::Ordering;
 
 use thiserror::Error;
 
-use super::motor::Motor;
-use super::response::Gain;
+use super::response::{Gain, Motor};
 use crate::model::Sensor;
 use crate::response::{Driven, Interpolation};
 use crate::text::significant;

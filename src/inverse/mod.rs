@@ -14,7 +14,6 @@ mod analysis;
 mod diagnostics;
 mod error;
 mod histories;
-mod input_error;
 mod inversion;
 mod mesh_error;
 mod nodal_rows;

@@ -4,4 +4,3 @@
 pub(crate) mod common;
 pub(crate) mod inputs;
 pub(crate) mod play;
-pub(crate) mod read;

@@ -13,7 +13,7 @@ use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, Tor
 use flexlink::result::ChannelRecording;
 
 use super::common::{finite, option};
-use super::read::{ReadArgs, tell};
+use super::inputs::{ReadArgs, tell};
 use crate::terminal::{Exit, Failure, memory};
 
 /// What moves the link.

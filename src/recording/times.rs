@@ -1,4 +1,8 @@
-//! Times that are not quite uniform.
+//! Times that are not quite uniform, and the rests at the ends of a noisy recording.
+
+use std::f64::consts::PI;
+
+use thiserror::Error;
 
 use crate::numeric::TimeGrid;
 
@@ -32,6 +36,75 @@ fn share(displacement_m: &[f64]) -> f64 {
     if travel_m > 0.0 { step_m / travel_m } else { 0.0 }
 }
 
+/// Fewest samples of a rest.
+const FEWEST: usize = 8;
+
+/// Largest distance of a sample of a rest from its mean, in standard deviations, and the same for the mean of
+/// the next few.
+const QUIET: f64 = 5.0;
+
+/// A recording that moves from its first or to its last sample.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error(
+    "the recording rests for {samples} samples at its {}, within {QUIET} standard deviations of the noise, but \
+     must for {FEWEST}",
+    if *at_end { "end" } else { "start" }
+)]
+pub struct NoRest {
+    /// Samples that are at rest.
+    pub samples: usize,
+    /// True for the end of the recording.
+    pub at_end: bool,
+}
+
+/// Displacements whose ends are at rest exactly: the first half of each rest is its mean, the second half
+/// goes over into the samples. Returns the largest distance from the given ones, too.
+///
+/// # Errors
+/// [`NoRest`] unless both ends rest for some samples.
+pub fn rested(displacement_m: &[f64], deviation_m: f64) -> Result<(Vec<f64>, f64), NoRest> {
+    let mut rested = displacement_m.to_vec();
+    for at_end in [false, true] {
+        let quiet = quiet(&rested, deviation_m);
+        if quiet < FEWEST {
+            return Err(NoRest { samples: quiet, at_end });
+        }
+        let mean = rested[..quiet].iter().sum::<f64>() / quiet as f64;
+        let half = quiet / 2;
+        for (k, sample) in rested[..quiet].iter_mut().enumerate() {
+            let beyond = k.saturating_sub(half) as f64 / (quiet - half) as f64;
+            let kept = 0.5 * (1.0 - libm::cos(PI * beyond));
+            *sample = mean + kept * (*sample - mean);
+        }
+        rested.reverse();
+    }
+    let moved = rested.iter().zip(displacement_m).map(|(a, b)| (a - b).abs());
+    let moved_m = moved.fold(0.0, f64::max);
+    Ok((rested, moved_m))
+}
+
+/// Number of samples from the first one on that stay at the mean of those before them, as do the means of any
+/// [`FEWEST`] of them, which show a slow start earlier than a single sample does.
+fn quiet(displacement_m: &[f64], deviation_m: f64) -> usize {
+    let (mut sum, mut recent) = (0.0, 0.0);
+    for (k, sample) in displacement_m.iter().enumerate() {
+        recent += sample;
+        if k >= FEWEST {
+            recent -= displacement_m[k - FEWEST];
+            let mean = sum / k as f64;
+            let of_recent = recent / FEWEST as f64;
+            let noise = deviation_m / (FEWEST as f64).sqrt();
+            if (sample - mean).abs() > QUIET * deviation_m
+                || (of_recent - mean).abs() > QUIET * noise
+            {
+                return k.saturating_sub(FEWEST);
+            }
+        }
+        sum += sample;
+    }
+    displacement_m.len() / 2
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -51,5 +124,19 @@ mod tests {
         assert_eq!(jitter(&times(12, 1e-6), None), None, "an acceleration is integrated twice");
         assert!(jitter(&times(12, 1e-4), None).is_some());
         assert_eq!(jitter(&times(12, 3e-4), Some(&ramp)), None, "left to be refused");
+    }
+
+    #[test]
+    fn rests_become_their_means_and_the_motion_stays() {
+        let noise = |k: usize| 1e-3 * (((k * 7919) % 101) as f64 / 50.0 - 1.0);
+        let at = |k: usize| (k.clamp(100, 200) as f64 - 100.0) / 100.0 + noise(k);
+        let samples: Vec<f64> = (0..300).map(at).collect();
+        let (rested, moved_m) = rested(&samples, 6e-4).unwrap();
+        assert!(moved_m <= 1.2e-3, "{moved_m}");
+        assert!(rested[..40].iter().all(|x| (x - rested[0]).abs() < 1e-15));
+        assert!(rested[0].abs() < 2e-4 && (rested[299] - 1.0).abs() < 2e-4);
+        assert_eq!(rested[110..190], samples[110..190]);
+        let error = super::rested(&samples[100..], 6e-4).unwrap_err();
+        assert!(!error.at_end && error.samples < FEWEST, "{error}");
     }
 }

@@ -9,7 +9,6 @@
 
 mod checks;
 mod error;
-mod held;
 mod history;
 mod modes;
 mod play;

@@ -3,9 +3,8 @@
 use serde::Serialize;
 
 use super::error::{SimulationError, SimulationWarning};
-use super::held::held;
 use super::history::{HubReference, Torque};
-use super::modes::{Equations, HubReaction, torque_band_rad_s};
+use super::modes::{Equations, HubReaction, held, torque_band_rad_s};
 use crate::beam::Mesh;
 use crate::link::{Link, ParameterError, not_negative};
 use crate::modal::{DampingLaw, ModalBasis};

@@ -1,8 +1,7 @@
 use std::f64::consts::PI;
 
 use super::error::SimulationError;
-use super::held::held;
-use super::modes::{Coordinate, Equations, HubReaction};
+use super::modes::{Coordinate, Equations, HubReaction, held};
 use super::play::{Cubic, Interpolation, pieces};
 use super::stepper::Stepper;
 use crate::beam::Mesh;

@@ -17,7 +17,7 @@ const LEVELS: [&[&str]; 17] = [
     &["recording"],
     &["modal"],
     &["model"],
-    &["inverse", "response"],
+    &["elastica", "inverse", "response"],
     &["compare"],
     &["result"],
     &["sweep", "verify", "fit"],

@@ -2,6 +2,7 @@
 //! that the library is linked once.
 
 mod dense;
+mod elastica;
 mod fit;
 mod identification;
 mod laws;

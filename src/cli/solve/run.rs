@@ -16,8 +16,7 @@ use flexlink::verify::Verification;
 
 use crate::cli::verify::verified;
 use crate::options::common::{NodeArgs, digits_arguments};
-use crate::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, remarks};
-use crate::options::read::{ReadArgs, tell};
+use crate::options::inputs::{ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, remarks, tell};
 use crate::terminal::text::memory_text;
 use crate::terminal::{Failure, StageBar, console, memory};
 

@@ -18,8 +18,7 @@ use flexlink::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use flexlink::text::{excerpt, visible};
 
 use crate::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
-use crate::options::inputs::{ChangeArgs, ResampleArgs, scale_arguments};
-use crate::options::read::{ReadArgs, tell};
+use crate::options::inputs::{ChangeArgs, ReadArgs, ResampleArgs, scale_arguments, tell};
 use crate::terminal::{Exit, Failure, memory};
 
 /// What all cases of a sweep share beside LINK and MOTION.

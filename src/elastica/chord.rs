@@ -1,0 +1,153 @@
+//! The chord's motion over a period, and gravity seen from it.
+
+use num_complex::Complex64;
+use thiserror::Error;
+
+use crate::numeric::{FourierPair, angular_frequency, largest, magnitude};
+use crate::text::significant;
+
+/// Amplitudes below this share of the largest are round-off of the transform.
+const ROUND_OFF: f64 = 1e-15;
+
+/// Largest slope, the sine of an angle, that the iteration is tried with.
+pub(super) const STEEPEST: f64 = 0.95;
+
+/// The motion of a chord over a period of N samples, and the acceleration that the axis has in its frame: gravity
+/// as an upward one.
+#[derive(Debug, Clone)]
+pub struct ChordPeriod {
+    pub(super) pair: FourierPair,
+    pub(super) step_s: f64,
+    /// Rate of the chord in rad/s.
+    pub(super) rate_rad_s: Vec<f64>,
+    /// Angular acceleration in rad/s².
+    pub(super) acceleration_rad_s2: Vec<f64>,
+    /// Acceleration of the axis along the chord in m/s².
+    pub(super) along_m_s2: Vec<f64>,
+    /// Amplitudes of the angular acceleration in rad/s².
+    pub(super) turning: Vec<Complex64>,
+    /// Amplitudes of the axis' acceleration across the chord in m/s².
+    pub(super) across: Vec<Complex64>,
+}
+
+/// Why there is no motion of a link that follows a chord.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ElasticaError {
+    /// Columns of different lengths, or an odd number of samples.
+    #[error(
+        "{angles} angles, {rates} rates and {accelerations} accelerations, but must be equally many, an even number"
+    )]
+    Lengths {
+        /// Number of angles.
+        angles: usize,
+        /// Number of rates.
+        rates: usize,
+        /// Number of accelerations.
+        accelerations: usize,
+    },
+    /// A step that is no positive number.
+    #[error("step = {0} s, but must be above 0")]
+    Step(f64),
+    /// Slopes that no iteration reaches.
+    #[error(
+        "slope of the link = {}, but must be below {STEEPEST}: it bends too far for the motion asked of it",
+        significant(*slope, 3)
+    )]
+    TooSteep {
+        /// Largest slope.
+        slope: f64,
+    },
+    /// Second-order terms that grow from one iteration to the next.
+    #[error(
+        "iteration {iterations} changes the torque by {} of its range, more than the one before: the \
+         second-order terms do not converge",
+        significant(*change, 3)
+    )]
+    Diverges {
+        /// Iterations so far.
+        iterations: usize,
+        /// Change of the torque, over its range.
+        change: f64,
+    },
+    /// A link whose second order is not derived.
+    #[error("{what}, but second-order terms are derived for links {known}")]
+    NotDerived {
+        /// What the link has.
+        what: &'static str,
+        /// What it may have.
+        known: &'static str,
+    },
+    /// A frequency at which nothing is finite.
+    #[error("the torque at {} Hz = not a finite number, but must be one", significant(*frequency_hz, 6))]
+    NotFinite {
+        /// The frequency in Hz.
+        frequency_hz: f64,
+    },
+}
+
+impl ChordPeriod {
+    /// The period of a chord with these angles in rad from the plane's x axis, rates in rad/s and accelerations in
+    /// rad/s² at each `step_s`, in a plane with `gravity_m_s2` along its x and y axes.
+    ///
+    /// Where the motion ends at another angle than it starts, the angle must [return](returning) within the period
+    /// at rest: gravity alone sees it, rates and accelerations of the return are none.
+    ///
+    /// # Errors
+    /// [`ElasticaError`].
+    pub fn new(
+        step_s: f64,
+        [angle_rad, rate_rad_s, acceleration_rad_s2]: [Vec<f64>; 3],
+        gravity_m_s2: [f64; 2],
+    ) -> Result<Self, ElasticaError> {
+        let len = angle_rad.len();
+        let (rates, accelerations) = (rate_rad_s.len(), acceleration_rad_s2.len());
+        if len == 0 || !len.is_multiple_of(2) || rates != len || accelerations != len {
+            return Err(ElasticaError::Lengths { angles: len, rates, accelerations });
+        }
+        if !(step_s > 0.0 && step_s.is_finite()) {
+            return Err(ElasticaError::Step(step_s));
+        }
+        let [g_x, g_y] = gravity_m_s2;
+        let upward = |angle: &f64| {
+            let (sine, cosine) = (libm::sin(*angle), libm::cos(*angle));
+            [-(g_x * cosine + g_y * sine), g_x * sine - g_y * cosine]
+        };
+        let (along_m_s2, across_m_s2): (Vec<f64>, Vec<f64>) =
+            angle_rad.iter().map(|angle| upward(angle).into()).unzip();
+        let pair = FourierPair::new(len);
+        let turning = pair.amplitudes(&acceleration_rad_s2);
+        let across = pair.amplitudes(across_m_s2);
+        Ok(Self { pair, step_s, rate_rad_s, acceleration_rad_s2, along_m_s2, turning, across })
+    }
+
+    /// Number N of samples.
+    pub(super) fn len(&self) -> usize {
+        self.rate_rad_s.len()
+    }
+
+    /// Angular frequency of a bin in rad/s.
+    pub(super) fn omega_rad_s(&self, bin: usize) -> f64 {
+        angular_frequency(bin, self.len(), self.step_s)
+    }
+
+    /// Number of bins from zero frequency on up to the last one above round-off, the Nyquist frequency left out.
+    pub(super) fn band_len(&self) -> usize {
+        let end = |amplitudes: &[Complex64]| {
+            let sizes: Vec<f64> = amplitudes.iter().map(|a| magnitude(*a)).collect();
+            let least = ROUND_OFF * largest(&sizes);
+            sizes.iter().rposition(|size| *size > least).map_or(1, |last| last + 1)
+        };
+        end(&self.turning).max(end(&self.across)).min(self.len() / 2)
+    }
+}
+
+/// So many angles between `from` and `to`, along a step of ninth order: its first four derivatives are none at both
+/// ends.
+pub fn returning(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let step = |x: f64| {
+        let series = 126.0 - x * (420.0 - x * (540.0 - x * (315.0 - x * 70.0)));
+        x.powi(5) * series
+    };
+    let place = |k: usize| (k + 1) as f64 / (count + 1) as f64;
+    (0..count).map(|k| from + (to - from) * step(place(k))).collect()
+}

@@ -1,0 +1,352 @@
+//! The link's motion with its tip on the chord: linear, and with second-order terms as loads, iterated.
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use super::chord::{ChordPeriod, ElasticaError, STEEPEST};
+use super::loads::{BentLink, Instant, Scratch, SecondOrder};
+use crate::beam::{LoadedMotion, Loads, Mesh};
+use crate::link::Taper;
+use crate::modal::DampingLaw;
+use crate::model::Model;
+use crate::numeric::{largest, magnitude};
+
+/// Iterations after which one that still converges is given up.
+const MOST_ITERATIONS: usize = 100;
+
+/// Share of the torque's largest amplitude below which a frequency's deflection is no part of the second-order
+/// terms: what they gain there grows with the square of the frequency.
+const NEGLIGIBLE: f64 = 1e-8;
+
+/// Range of a torque over its largest value below which the link is at rest.
+const AT_REST: f64 = 1e-6;
+
+/// An angle in rad that no link is bent by.
+const STRAIGHT: f64 = 1e-6;
+
+/// Instants whose loads a thread computes at a time.
+const BLOCK: usize = 64;
+
+/// A link whose tip stays on the chord, over a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElasticaMotion {
+    /// Torque at the hub in N m, its inertia and friction included, its drive not.
+    pub torque_n_m: Vec<f64>,
+    /// Angle of the hub from the chord in rad.
+    pub hub_slope_rad: Vec<f64>,
+    /// Deflection in m and slope w' of nodes 0 … n from the chord: a history for each, in turn.
+    pub deflections: Vec<Vec<f64>>,
+    /// Number of iterations; 0 without second order.
+    pub iterations: usize,
+    /// Factor by which the last iteration changed the torque less than the one before; none before the second.
+    pub contraction: Option<f64>,
+    /// What further iterations would change of the torque, over its range.
+    pub iteration_error: f64,
+    /// Largest slope |w'| of the link from its chord.
+    pub largest_slope: f64,
+    /// What the second order changed of the torque, over its range.
+    pub second_order_change: f64,
+}
+
+/// Finds the torque with which the tip of a link stays on a chord that moves as given.
+///
+/// The iteration ends where further ones would change the torque by less than `tolerance` of its range.
+///
+/// # Errors
+/// [`ElasticaError`].
+pub fn follow(
+    model: &dyn Model,
+    chord: &ChordPeriod,
+    second_order: SecondOrder,
+    tolerance: f64,
+) -> Result<ElasticaMotion, ElasticaError> {
+    let follower = Follower::of(model, chord);
+    let linear = follower.linear()?;
+    if second_order == SecondOrder::None {
+        return Ok(follower.motion(&linear, second_order));
+    }
+    follower.check()?;
+    follower.iterated(&linear, second_order, tolerance)
+}
+
+struct Follower<'a> {
+    model: &'a dyn Model,
+    chord: &'a ChordPeriod,
+    /// Bins that carry any motion.
+    band: usize,
+}
+
+/// How far an iteration has come.
+struct Course {
+    iterations: usize,
+    contraction: Option<f64>,
+    iteration_error: f64,
+    largest_slope: f64,
+}
+
+impl<'a> Follower<'a> {
+    fn of(model: &'a dyn Model, chord: &'a ChordPeriod) -> Self {
+        Self { model, chord, band: chord.band_len() }
+    }
+
+    /// Refuses links whose second order is not derived.
+    fn check(&self) -> Result<(), ElasticaError> {
+        if self.model.mesh().has_shear() {
+            let what = "the link has shear and rotary inertia";
+            return Err(ElasticaError::NotDerived { what, known: "without them" });
+        }
+        if self.model.law().mass_rate_per_s() != 0.0 {
+            let what = "the damping drags every mass (alpha)";
+            return Err(ElasticaError::NotDerived { what, known: "with alpha = 0" });
+        }
+        Ok(())
+    }
+
+    /// The answer at each bin to what moves the link, without loads.
+    fn linear(&self) -> Result<Vec<LoadedMotion<Complex64>>, ElasticaError> {
+        let nodes = self.model.mesh().nodes_m().len();
+        let answers: Vec<_> = (0..self.band)
+            .into_par_iter()
+            .map(|bin| {
+                let loads = Loads {
+                    axis_m_s2: self.chord.across[bin],
+                    chord_rad_s2: self.chord.turning[bin],
+                    nodal: vec![[Complex64::ZERO; 2]; nodes],
+                };
+                self.model.loaded_motion(self.chord.omega_rad_s(bin), &loads)
+            })
+            .collect();
+        match answers.iter().position(|answer| !answer.torque_n_m.is_finite()) {
+            Some(bin) => Err(ElasticaError::NotFinite { frequency_hz: self.frequency_hz(bin) }),
+            None => Ok(answers),
+        }
+    }
+
+    fn frequency_hz(&self, bin: usize) -> f64 {
+        self.chord.omega_rad_s(bin) / std::f64::consts::TAU
+    }
+
+    /// Bins up to the last one whose torque counts for the second order: products of so many bins have no alias
+    /// among them.
+    fn band_of_loads(&self, answers: &[LoadedMotion<Complex64>]) -> usize {
+        let sizes: Vec<f64> = answers.iter().map(|answer| magnitude(answer.torque_n_m)).collect();
+        let least = NEGLIGIBLE * largest(&sizes);
+        let band = sizes.iter().rposition(|size| *size > least).map_or(1, |last| last + 1);
+        band.min(self.chord.len() / 4)
+    }
+
+    fn iterated(
+        &self,
+        linear: &[LoadedMotion<Complex64>],
+        second_order: SecondOrder,
+        tolerance: f64,
+    ) -> Result<ElasticaMotion, ElasticaError> {
+        let mesh = self.model.mesh();
+        let beta_s = match self.model.law() {
+            DampingLaw::Rayleigh { beta_s, .. } => *beta_s,
+            _ => 0.0,
+        };
+        let link = BentLink::of(mesh, self.model.link().payload(), beta_s, second_order);
+        // Products of deflections reach beyond the frequencies of the motion.
+        let mut band = self.band_of_loads(linear);
+        let mut answers = linear.to_vec();
+        let mut before = self.motion(linear, SecondOrder::None);
+        let without = before.torque_n_m.clone();
+        let mut last_change = f64::INFINITY;
+        for iterations in 1..=MOST_ITERATIONS {
+            let (loads, largest_slope) = self.loads(&link, &answers[..band], second_order)?;
+            answers = self.with_loads(linear, &loads);
+            band = band.max(self.band_of_loads(&answers));
+            let motion = self.motion(&answers, second_order);
+            let size = size(&motion.torque_n_m, mesh);
+            let change = apart(&motion.torque_n_m, &before.torque_n_m) / size;
+            let factor = change / last_change;
+            if !change.is_finite() || iterations > 2 && factor >= 1.0 && change > tolerance {
+                return Err(ElasticaError::Diverges { iterations, change });
+            }
+            let contraction = (iterations > 1).then_some(factor);
+            let iteration_error = contraction.map_or(change, |f| change * f / (1.0 - f).max(0.01));
+            let course = Course { iterations, contraction, iteration_error, largest_slope };
+            if iterations > 1 && (change == 0.0 || iteration_error <= tolerance) {
+                let second_order_change = apart(&motion.torque_n_m, &without) / size;
+                return Ok(ElasticaMotion { second_order_change, ..motion }.on(&course));
+            }
+            (before, last_change) = (motion, change);
+        }
+        Err(ElasticaError::Diverges { iterations: MOST_ITERATIONS, change: last_change })
+    }
+
+    /// Loads on the nodes, one history for each force and moment, and the largest slope.
+    fn loads(
+        &self,
+        link: &BentLink,
+        answers: &[LoadedMotion<Complex64>],
+        second_order: SecondOrder,
+    ) -> Result<(Vec<Vec<f64>>, f64), ElasticaError> {
+        let (chord, width) = (self.chord, 2 * self.model.mesh().nodes_m().len());
+        let orders = if second_order == SecondOrder::Full { 3 } else { 2 };
+        // All derivatives of one instant side by side.
+        let stride = orders * width;
+        let mut states = vec![0.0; chord.len() * stride];
+        for (column, history) in self.histories(answers, orders).iter().enumerate() {
+            states.iter_mut().skip(column).step_by(stride).zip(history).for_each(|(s, h)| *s = *h);
+        }
+        let mut rows = vec![0.0; chord.len() * width];
+        let blocks = rows.par_chunks_mut(BLOCK * width).zip(states.par_chunks(BLOCK * stride));
+        let steepest: Vec<f64> = blocks
+            .enumerate()
+            .map(|(block, (rows, states))| {
+                let mut scratch = Scratch::default();
+                let instants = rows.chunks_mut(width).zip(states.chunks(stride)).enumerate();
+                let slopes = instants.map(|(k, (row, state))| {
+                    let sample = block * BLOCK + k;
+                    let now = Instant {
+                        w: &state[..width],
+                        rate: &state[width..2 * width],
+                        acceleration: &state[(orders - 1) * width..],
+                        chord_rate_rad_s: chord.rate_rad_s[sample],
+                        chord_acceleration_rad_s2: chord.acceleration_rad_s2[sample],
+                        along_m_s2: chord.along_m_s2[sample],
+                    };
+                    link.write(&now, &mut scratch, row)
+                });
+                slopes.fold(0.0, |most: f64, slope| if slope <= most { most } else { slope })
+            })
+            .collect();
+        let slope = steepest.iter().fold(0.0, |most: f64, s| if *s <= most { most } else { *s });
+        if slope.is_nan() || slope >= STEEPEST {
+            return Err(ElasticaError::TooSteep { slope });
+        }
+        let histories =
+            (0..width).map(|column| rows.iter().skip(column).step_by(width).copied().collect());
+        Ok((histories.collect(), slope))
+    }
+
+    /// Histories of (w, w') of each node, then of their derivatives up to `orders`.
+    fn histories(&self, answers: &[LoadedMotion<Complex64>], orders: usize) -> Vec<Vec<f64>> {
+        let width = 2 * self.model.mesh().nodes_m().len();
+        let omega = |bin: usize| Complex64::new(0.0, self.chord.omega_rad_s(bin));
+        (0..orders * width)
+            .into_par_iter()
+            .map(|column| {
+                let (order, dof) = (column / width, column % width);
+                let amplitudes = answers.iter().enumerate().map(|(bin, answer)| {
+                    let amplitude = answer.deflections[dof / 2][dof % 2];
+                    (0..order).fold(amplitude, |derived, _| derived * omega(bin))
+                });
+                self.chord.pair.samples(amplitudes.collect::<Vec<_>>())
+            })
+            .collect()
+    }
+
+    /// The linear answers, with those to loads where these are below half the Nyquist frequency.
+    fn with_loads(
+        &self,
+        linear: &[LoadedMotion<Complex64>],
+        loads: &[Vec<f64>],
+    ) -> Vec<LoadedMotion<Complex64>> {
+        let spectra: Vec<_> =
+            loads.par_iter().map(|history| self.chord.pair.amplitudes(history)).collect();
+        let reach = self.chord.len() / 4;
+        let at = |bin: usize| {
+            if bin >= reach {
+                return linear[bin].clone();
+            }
+            let nodal = spectra.chunks(2).map(|node| [node[0][bin], node[1][bin]]).collect();
+            let loads = Loads {
+                axis_m_s2: self.chord.across[bin],
+                chord_rad_s2: self.chord.turning[bin],
+                nodal,
+            };
+            self.model.loaded_motion(self.chord.omega_rad_s(bin), &loads)
+        };
+        (0..self.band.max(reach)).into_par_iter().map(at).collect()
+    }
+
+    /// The histories of these answers; with all terms, the hub turns by the angle of its slope.
+    ///
+    /// ```text
+    /// T = (T_l − I_H(θ̈ + ẅ'_0)) cos ψ + I_H(θ̈ + ψ̈) + b(θ̇ + ψ̇),       ψ = asin w'_0
+    /// ```
+    fn motion(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        second_order: SecondOrder,
+    ) -> ElasticaMotion {
+        let (pair, joint) = (&self.chord.pair, self.model.link().joint());
+        let inertia = self.model.mesh().hub_inertia_kg_m2();
+        let torque: Vec<_> = answers.iter().map(|answer| answer.torque_n_m).collect();
+        let mut torque_n_m = pair.samples(torque);
+        let slopes = [0, 1, 2].map(|order| {
+            let amplitudes = answers.iter().enumerate().map(|(bin, answer)| {
+                answer.hub_slope_rad * Complex64::new(0.0, self.chord.omega_rad_s(bin)).powu(order)
+            });
+            pair.samples(amplitudes.collect::<Vec<_>>())
+        });
+        let mut hub_slope_rad = slopes[0].clone();
+        for (k, torque) in torque_n_m.iter_mut().enumerate() {
+            let [sine, rate, acceleration] = [slopes[0][k], slopes[1][k], slopes[2][k]];
+            let mut hub_rate = rate;
+            if second_order == SecondOrder::Full {
+                let cosine = (1.0 - sine * sine).sqrt();
+                let turning =
+                    acceleration / cosine + sine * rate * rate / (cosine * cosine * cosine);
+                let chord = self.chord.acceleration_rad_s2[k];
+                *torque = (*torque - inertia * (chord + acceleration)) * cosine
+                    + inertia * (chord + turning);
+                hub_slope_rad[k] = libm::asin(sine);
+                hub_rate = rate / cosine;
+            }
+            *torque += joint.friction_n_m_s_rad * (self.chord.rate_rad_s[k] + hub_rate);
+        }
+        let deflections = self.histories(answers, 1);
+        let slope = |largest: f64, w: &f64| largest.max(w.abs());
+        let largest_slope = deflections.iter().skip(1).step_by(2).flatten().fold(0.0, slope);
+        ElasticaMotion {
+            torque_n_m,
+            hub_slope_rad,
+            deflections,
+            iterations: 0,
+            contraction: None,
+            iteration_error: 0.0,
+            largest_slope,
+            second_order_change: 0.0,
+        }
+    }
+}
+
+impl ElasticaMotion {
+    fn on(self, course: &Course) -> Self {
+        Self {
+            iterations: course.iterations,
+            contraction: course.contraction,
+            iteration_error: course.iteration_error,
+            largest_slope: course.largest_slope,
+            ..self
+        }
+    }
+}
+
+/// Largest difference of two histories.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    let off = |most: f64, (a, b): (&f64, &f64)| {
+        let off = (a - b).abs();
+        if off <= most { most } else { off }
+    };
+    a.iter().zip(b).fold(0.0, off)
+}
+
+/// What changes of a torque are compared with: largest less smallest value, or the largest where it is at rest; none
+/// counts that bends the link by less than [`STRAIGHT`].
+fn size(torque_n_m: &[f64], mesh: &Mesh) -> f64 {
+    let [low, high] = torque_n_m.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, value| {
+        [ends[0].min(*value), ends[1].max(*value)]
+    });
+    let (range, most) = (high - low, low.abs().max(high.abs()));
+    let softest = mesh.elements().iter().fold(f64::INFINITY, |least: f64, element| {
+        let Taper { inner, outer } = element.bending_stiffness_n_m2;
+        least.min(inner).min(outer)
+    });
+    let size = if range > AT_REST * most { range } else { most };
+    size.max(STRAIGHT * softest / mesh.length_m())
+}

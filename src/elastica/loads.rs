@@ -1,0 +1,313 @@
+//! What the linear link leaves out at one instant, as loads on its nodes.
+
+use super::points::{POINTS, Points, dot};
+use crate::beam::{Inertia, Mesh};
+use crate::link::Payload;
+
+/// What is counted of the second order in deflections and rates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SecondOrder {
+    /// Nothing: the link is linear along its chord.
+    #[default]
+    None,
+    /// The axial force that a slope turns, and centripetal and Coriolis accelerations of the deflection.
+    First,
+    /// All: the inextensible elastica.
+    Full,
+}
+
+/// The motion at one instant, seen from the chord: (w, w') of nodes 0 … n, and their derivatives.
+#[derive(Clone, Copy)]
+pub(super) struct Instant<'a> {
+    pub(super) w: &'a [f64],
+    pub(super) rate: &'a [f64],
+    /// Not read for terms of first order.
+    pub(super) acceleration: &'a [f64],
+    pub(super) chord_rate_rad_s: f64,
+    pub(super) chord_acceleration_rad_s2: f64,
+    pub(super) along_m_s2: f64,
+}
+
+/// A place on the link and its motion in the chord's frame: x = s + u along the chord, w across it.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    x: f64,
+    x_rate: f64,
+    x_acceleration: f64,
+    /// x − s, which first order leaves out.
+    shortened: f64,
+    w: f64,
+    w_rate: f64,
+}
+
+/// Slope w' with its derivatives, and what follows of it: the shortening u' = cos ψ − 1.
+#[derive(Clone, Copy, Default)]
+struct Slope {
+    sine: f64,
+    cosine: f64,
+    rate: f64,
+    acceleration: f64,
+    u: [f64; 3],
+}
+
+impl Slope {
+    fn of(second_order: SecondOrder, [sine, rate, acceleration]: [f64; 3]) -> Self {
+        let mut slope = Self { sine, cosine: 1.0, rate, acceleration, u: [0.0; 3] };
+        if second_order == SecondOrder::Full {
+            slope.cosine = (1.0 - sine * sine).sqrt();
+            let (c, turn) = (slope.cosine, sine * rate);
+            // cos ψ − 1 without cancellation.
+            slope.u = [
+                -sine * sine / (1.0 + c),
+                -turn / c,
+                -(rate * rate + sine * acceleration) / c - turn * turn / (c * c * c),
+            ];
+        }
+        slope
+    }
+
+    /// Second derivative of ψ.
+    fn turning(&self) -> f64 {
+        let c = self.cosine;
+        self.acceleration / c + self.sine * self.rate * self.rate / (c * c * c)
+    }
+}
+
+/// A body at the end of an arm along the slope of a node.
+#[derive(Debug, Clone, Copy)]
+struct Body {
+    node: usize,
+    mass_kg: f64,
+    inertia_kg_m2: f64,
+    arm_m: f64,
+}
+
+/// A link that bends in its plane: all that its loads depend on but its motion.
+#[derive(Debug, Clone)]
+pub(super) struct BentLink {
+    points: Points,
+    nodes_m: Vec<f64>,
+    /// From the axis outward.
+    bodies: Vec<Body>,
+    /// Of the moment by the rate of the curvature, in s.
+    beta_s: f64,
+    second_order: SecondOrder,
+}
+
+/// Memory for one instant.
+#[derive(Default)]
+pub(super) struct Scratch {
+    slopes: Vec<[Slope; POINTS]>,
+    places: Vec<[Place; POINTS]>,
+    body_places: Vec<Place>,
+}
+
+impl BentLink {
+    pub(super) fn of(
+        mesh: &Mesh,
+        payload: &Payload,
+        beta_s: f64,
+        second_order: SecondOrder,
+    ) -> Self {
+        let last = mesh.elements().len();
+        let lumped = (0..last).filter_map(|node| {
+            let Inertia { vv, pp, .. } = mesh.lumped_inertia(node)?;
+            Some(Body { node, mass_kg: vv, inertia_kg_m2: pp, arm_m: 0.0 })
+        });
+        // A mass on the tip is no part of the payload's offset.
+        let Inertia { vv, pp, .. } = mesh.tip_inertia();
+        let arm_m = payload.offset_m;
+        let carried = payload.mass_kg * arm_m * arm_m + payload.inertia_kg_m2;
+        let on_tip = Body {
+            node: last,
+            mass_kg: vv - payload.mass_kg,
+            inertia_kg_m2: pp - carried,
+            arm_m: 0.0,
+        };
+        let payload = Body {
+            node: last,
+            mass_kg: payload.mass_kg,
+            inertia_kg_m2: payload.inertia_kg_m2,
+            arm_m,
+        };
+        Self {
+            points: Points::of(mesh),
+            nodes_m: mesh.nodes_m().to_vec(),
+            bodies: lumped.chain([on_tip, payload]).collect(),
+            beta_s,
+            second_order,
+        }
+    }
+
+    /// Writes force and moment on nodes 0 … n; returns the largest slope.
+    pub(super) fn write(&self, now: &Instant<'_>, scratch: &mut Scratch, loads: &mut [f64]) -> f64 {
+        loads.fill(0.0);
+        let largest = self.place(now, scratch);
+        let axial_root = self.bend(now, scratch, loads);
+        // The hub's radius is a rigid piece along the slope of the root.
+        let root = self.slope_at(now, 0);
+        loads[1] -= self.nodes_m[0] * axial_root * root.sine / root.cosine;
+        largest
+    }
+
+    fn slope_at(&self, now: &Instant<'_>, node: usize) -> Slope {
+        let at = 2 * node + 1;
+        let acceleration =
+            if self.second_order == SecondOrder::Full { now.acceleration[at] } else { 0.0 };
+        Slope::of(self.second_order, [now.w[at], now.rate[at], acceleration])
+    }
+
+    /// Slopes and places of all points and bodies, from the axis outward.
+    fn place(&self, now: &Instant<'_>, scratch: &mut Scratch) -> f64 {
+        let root = self.slope_at(now, 0);
+        let mut u = root.u.map(|part| part * self.nodes_m[0]);
+        let mut largest = root.sine.abs();
+        scratch.slopes.clear();
+        scratch.places.clear();
+        scratch.body_places.clear();
+        let mut bodies = self.bodies.iter().peekable();
+        for (element, points) in self.points.elements.iter().enumerate() {
+            while let Some(body) = bodies.next_if(|body| body.node == element) {
+                scratch.body_places.push(self.body_place(now, body, u));
+            }
+            let dofs = 2 * element..2 * element + 4;
+            let four = |values: &[f64]| -> [f64; 4] {
+                [
+                    values[dofs.start],
+                    values[dofs.start + 1],
+                    values[dofs.start + 2],
+                    values[dofs.start + 3],
+                ]
+            };
+            let (w, rate) = (four(now.w), four(now.rate));
+            let acceleration = if self.second_order == SecondOrder::Full {
+                four(now.acceleration)
+            } else {
+                [0.0; 4]
+            };
+            let slopes = points.map(|point| {
+                let own = [w, rate, acceleration].map(|dofs| dot(&point.slope, &dofs));
+                Slope::of(self.second_order, own)
+            });
+            let mut places = points.map(|point| Place {
+                x: point.s_m,
+                w: dot(&point.shape, &w),
+                w_rate: dot(&point.shape, &rate),
+                ..Place::default()
+            });
+            if self.second_order == SecondOrder::Full {
+                let up_to = [0, 1, 2].map(|order| {
+                    let values = slopes.map(|slope| slope.u[order]);
+                    self.points.integrated(element, &mut u[order], &values)
+                });
+                for (k, place) in places.iter_mut().enumerate() {
+                    place.x += up_to[0][k];
+                    place.shortened = up_to[0][k];
+                    place.x_rate = up_to[1][k];
+                    place.x_acceleration = up_to[2][k];
+                }
+            }
+            largest = slopes.iter().fold(largest, |most, slope| most.max(slope.sine.abs()));
+            scratch.slopes.push(slopes);
+            scratch.places.push(places);
+        }
+        for body in bodies {
+            scratch.body_places.push(self.body_place(now, body, u));
+        }
+        largest
+    }
+
+    /// Place of a body at the end of its arm, its node being shortened by `u`.
+    fn body_place(&self, now: &Instant<'_>, body: &Body, u: [f64; 3]) -> Place {
+        let (slope, at) = (self.slope_at(now, body.node), 2 * body.node);
+        let [shortened, x_rate, x_acceleration] =
+            [0, 1, 2].map(|order| u[order] + body.arm_m * slope.u[order]);
+        Place {
+            x: self.nodes_m[body.node] + body.arm_m + shortened,
+            x_rate,
+            x_acceleration,
+            shortened,
+            w: now.w[at] + body.arm_m * slope.sine,
+            w_rate: now.rate[at] + body.arm_m * slope.rate,
+        }
+    }
+
+    /// Loads of all points and bodies, from the tip inward; returns the axial force at the root.
+    ///
+    /// ```text
+    /// a_x = a·e − θ̇²(s + u) − θ̈ w − 2 θ̇ ẇ + ü,     N = −∫ m̄ a_x ds outboard
+    /// f = −m̄(−θ̇² w + 2 θ̇ u̇ + θ̈ u),   m = −N tan ψ − M w'' w'/cos³ψ,   b = −(M/cos ψ − EI(w'' + β ẇ''))
+    /// M = EI(κ + β κ̇),   κ = w''/cos ψ
+    /// ```
+    fn bend(&self, now: &Instant<'_>, scratch: &Scratch, loads: &mut [f64]) -> f64 {
+        let mut axial = 0.0;
+        let mut bodies = self.bodies.iter().zip(&scratch.body_places).rev().peekable();
+        for (element, points) in self.points.elements.iter().enumerate().rev() {
+            while let Some((body, place)) = bodies.next_if(|(body, _)| body.node > element) {
+                axial += self.load_body(now, body, place, loads);
+            }
+            let (slopes, places) = (&scratch.slopes[element], &scratch.places[element]);
+            let forces = [0, 1, 2, 3, 4]
+                .map(|k| -points[k].mass_kg_m * points[k].weight_m * along(now, &places[k]));
+            let outboard = self.points.outboard(element, &mut axial, &forces);
+            let dofs = 2 * element..2 * element + 4;
+            let own = &mut loads[dofs.clone()];
+            for (k, point) in points.iter().enumerate() {
+                let slope = &slopes[k];
+                let force = -point.mass_kg_m * left_across(now, &places[k]);
+                let mut moment = -outboard[k] * slope.sine / slope.cosine;
+                let mut bending = 0.0;
+                if self.second_order == SecondOrder::Full {
+                    let curve = |values: &[f64]| -> f64 {
+                        point.curvature.iter().zip(&values[dofs.clone()]).map(|(n, w)| n * w).sum()
+                    };
+                    let (w2, w2_rate) = (curve(now.w), curve(now.rate));
+                    let (c, turn) = (slope.cosine, slope.sine * slope.rate);
+                    let curvature = w2 / c;
+                    let curvature_rate = w2_rate / c + w2 * turn / (c * c * c);
+                    let m = point.stiffness_n_m2 * (curvature + self.beta_s * curvature_rate);
+                    moment -= m * w2 * slope.sine / (c * c * c);
+                    bending = point.stiffness_n_m2 * (w2 + self.beta_s * w2_rate) - m / c;
+                }
+                for (dof, load) in own.iter_mut().enumerate() {
+                    *load += point.weight_m
+                        * (point.shape[dof] * force
+                            + point.slope[dof] * moment
+                            + point.curvature[dof] * bending);
+                }
+            }
+        }
+        for (body, place) in bodies {
+            axial += self.load_body(now, body, place, loads);
+        }
+        axial
+    }
+
+    /// Loads of a body on its node; returns its axial force.
+    fn load_body(&self, now: &Instant<'_>, body: &Body, place: &Place, loads: &mut [f64]) -> f64 {
+        let (slope, at) = (self.slope_at(now, body.node), 2 * body.node);
+        let axial = -body.mass_kg * along(now, place);
+        let across = -body.mass_kg * left_across(now, place);
+        loads[at] += across;
+        loads[at + 1] += body.arm_m * (across - axial * slope.sine / slope.cosine);
+        if self.second_order == SecondOrder::Full {
+            let chord = now.chord_acceleration_rad_s2;
+            let turned = (chord + slope.turning()) / slope.cosine;
+            loads[at + 1] -= body.inertia_kg_m2 * (turned - (chord + slope.acceleration));
+        }
+        axial
+    }
+}
+
+/// Acceleration of a place along the chord.
+fn along(now: &Instant<'_>, place: &Place) -> f64 {
+    let (rate, acceleration) = (now.chord_rate_rad_s, now.chord_acceleration_rad_s2);
+    now.along_m_s2 - rate * rate * place.x - acceleration * place.w - 2.0 * rate * place.w_rate
+        + place.x_acceleration
+}
+
+/// The part of a place's acceleration across the chord that the linear link leaves out.
+fn left_across(now: &Instant<'_>, place: &Place) -> f64 {
+    let (rate, acceleration) = (now.chord_rate_rad_s, now.chord_acceleration_rad_s2);
+    -rate * rate * place.w + 2.0 * rate * place.x_rate + acceleration * place.shortened
+}

@@ -1,0 +1,144 @@
+//! Gauss points along a link's mesh: shapes of the elements, and integrals from the axis outward.
+
+use crate::beam::Mesh;
+
+/// Points of an element.
+pub(super) const POINTS: usize = 5;
+
+/// Places of Gauss and Legendre's five points in (0, 1).
+const PLACES: [f64; POINTS] = [
+    0.046_910_077_030_668_0,
+    0.230_765_344_947_158_45,
+    0.5,
+    0.769_234_655_052_841_6,
+    0.953_089_922_969_332,
+];
+
+/// Their weights, 1 in sum.
+const WEIGHTS: [f64; POINTS] = [
+    0.118_463_442_528_094_54,
+    0.239_314_335_249_683_23,
+    0.284_444_444_444_444_45,
+    0.239_314_335_249_683_23,
+    0.118_463_442_528_094_54,
+];
+
+/// One Gauss point of an element.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Point {
+    /// Distance from the axis along the link in m.
+    pub(super) s_m: f64,
+    /// Length of the link that the point stands for, in m.
+    pub(super) weight_m: f64,
+    /// Mass per length in kg/m.
+    pub(super) mass_kg_m: f64,
+    /// Bending stiffness in N m².
+    pub(super) stiffness_n_m2: f64,
+    /// Hermite's cubics on (w, w') of both nodes.
+    pub(super) shape: [f64; 4],
+    /// Their first derivatives.
+    pub(super) slope: [f64; 4],
+    /// Their second derivatives.
+    pub(super) curvature: [f64; 4],
+}
+
+/// The points of a mesh, and how a function given at those of an element is integrated within it.
+#[derive(Debug, Clone)]
+pub(super) struct Points {
+    /// Those of each element.
+    pub(super) elements: Vec<[Point; POINTS]>,
+    /// Integral from an element's inner end to each point over its length, per value at each point.
+    within: [[f64; POINTS]; POINTS],
+}
+
+impl Points {
+    pub(super) fn of(mesh: &Mesh) -> Self {
+        let elements = mesh.elements().iter().zip(mesh.nodes_m());
+        let points = elements.map(|(element, inner_m)| {
+            let l = element.length_m;
+            [0, 1, 2, 3, 4].map(|k| {
+                let x = PLACES[k];
+                Point {
+                    s_m: inner_m + l * x,
+                    weight_m: l * WEIGHTS[k],
+                    mass_kg_m: element.mass_per_length_kg_m.at(x),
+                    stiffness_n_m2: element.bending_stiffness_n_m2.at(x),
+                    shape: [
+                        (1.0 - x) * (1.0 - x) * (1.0 + 2.0 * x),
+                        l * x * (1.0 - x) * (1.0 - x),
+                        x * x * (3.0 - 2.0 * x),
+                        l * x * x * (x - 1.0),
+                    ],
+                    slope: [
+                        -6.0 * x * (1.0 - x) / l,
+                        (1.0 - x) * (1.0 - 3.0 * x),
+                        6.0 * x * (1.0 - x) / l,
+                        x * (3.0 * x - 2.0),
+                    ],
+                    curvature: [
+                        (12.0 * x - 6.0) / (l * l),
+                        (6.0 * x - 4.0) / l,
+                        (6.0 - 12.0 * x) / (l * l),
+                        (6.0 * x - 2.0) / l,
+                    ],
+                }
+            })
+        });
+        Self { elements: points.collect(), within: within() }
+    }
+
+    /// The integral of a function up to each point of an element, from its integral up to the element's inner end;
+    /// moves that to the outer end.
+    pub(super) fn integrated(
+        &self,
+        element: usize,
+        inner: &mut f64,
+        values: &[f64; POINTS],
+    ) -> [f64; POINTS] {
+        let points = &self.elements[element];
+        let length_m: f64 = points.iter().map(|point| point.weight_m).sum();
+        let up_to = self.within.map(|row| *inner + length_m * dot(&row, values));
+        *inner +=
+            points.iter().zip(values).map(|(point, value)| point.weight_m * value).sum::<f64>();
+        up_to
+    }
+
+    /// The transpose of [`Self::integrated`]: the sum of `forces` at the points that lie outboard of each point, as
+    /// the integral weighs them, so that force and displacement do the same work; `outer` is the sum beyond the
+    /// element, and becomes that beyond its inner end.
+    pub(super) fn outboard(
+        &self,
+        element: usize,
+        outer: &mut f64,
+        forces: &[f64; POINTS],
+    ) -> [f64; POINTS] {
+        let points = &self.elements[element];
+        let length_m: f64 = points.iter().map(|point| point.weight_m).sum();
+        let beyond = *outer;
+        *outer += forces.iter().sum::<f64>();
+        [0, 1, 2, 3, 4].map(|k| {
+            let own: f64 = (0..POINTS).map(|j| self.within[j][k] * forces[j]).sum();
+            beyond + own * length_m / points[k].weight_m
+        })
+    }
+}
+
+/// Integrals from 0 to each place of the polynomials that are 1 at one place and 0 at the others.
+fn within() -> [[f64; POINTS]; POINTS] {
+    let lagrange = |k: usize, x: f64| -> f64 {
+        let others = (0..POINTS).filter(|j| *j != k);
+        others.map(|j| (x - PLACES[j]) / (PLACES[k] - PLACES[j])).product()
+    };
+    // The same five points are exact for the polynomials of fourth order.
+    PLACES.map(|end| {
+        [0, 1, 2, 3, 4].map(|k| {
+            let inner = PLACES.iter().zip(WEIGHTS);
+            end * inner.map(|(place, weight)| weight * lagrange(k, end * place)).sum::<f64>()
+        })
+    })
+}
+
+/// Sum of products.
+pub(super) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,259 @@
+//! Laws that hold for every link that follows a chord (energy, rotation, units, the rigid limit).
+
+use flexlink::elastica::{ChordPeriod, ElasticaMotion, SecondOrder, follow};
+use flexlink::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
+
+use super::{STEP_S, Turn, arm, chord, chord_of, model};
+
+const GRAVITY: [f64; 2] = [0.0, -9.81];
+
+fn turn() -> Turn {
+    Turn { from_rad: -1.2, by_rad: 1.7, duration_s: 1.2 }
+}
+
+/// A link with all that a link can carry but shear: tapers, a hub radius, masses at the root, within and at the tip,
+/// and a payload with inertia beyond the tip.
+fn loaded_arm() -> LinkParts {
+    let segment = |length_m, stiffness: [f64; 2], mass: [f64; 2]| Segment {
+        bending_stiffness_n_m2: Taper { inner: stiffness[0], outer: stiffness[1] },
+        mass_per_length_kg_m: Taper { inner: mass[0], outer: mass[1] },
+        ..Segment::uniform(length_m, 1.0, 1.0)
+    };
+    let mass = |at_m, mass_kg, inertia_kg_m2| LumpedMass { at_m, mass_kg, inertia_kg_m2 };
+    LinkParts {
+        segments: vec![
+            segment(0.5, [30.0, 22.0], [0.6, 0.5]),
+            segment(0.5, [20.0, 14.0], [0.5, 0.3]),
+        ],
+        hub: Hub { inertia_kg_m2: 0.05, radius_m: 0.1, viscous_friction_n_m_s_rad: 0.0 },
+        masses: vec![mass(0.1, 0.2, 1e-3), mass(0.6, 0.1, 5e-4), mass(1.1, 0.05, 2e-4)],
+        payload: Payload { mass_kg: 0.15, inertia_kg_m2: 1e-4, offset_m: 0.05 },
+        ..arm()
+    }
+}
+
+/// Power times time of a torque, from the motor's own view: the hub's rate is that of chord and slope.
+fn work_of_torque(found: &ElasticaMotion) -> f64 {
+    let turn = turn();
+    let last = Turn::sample(turn.duration_s + 1.0);
+    // Both ends are at rest, so that the plain sum is exact beyond all orders.
+    let angle = |k: usize| {
+        let [chord_rad, ..] = turn.at(k as f64 * STEP_S - super::BEFORE_S);
+        chord_rad + found.hub_slope_rad[k]
+    };
+    // Fourth-order differences of a smooth history.
+    let rate = |k: usize| {
+        (8.0 * (angle(k + 1) - angle(k - 1)) - (angle(k + 2) - angle(k - 2))) / (12.0 * STEP_S)
+    };
+    (2..last).map(|k| found.torque_n_m[k] * rate(k) * STEP_S).sum()
+}
+
+/// Potential and strain energy of the elastica at a sample, from its nodes: Hermite's cubics on a fine rule of
+/// Simpson's, all in fixed axes.
+struct Energy<'a> {
+    parts: &'a LinkParts,
+    nodes_m: &'a [f64],
+    found: &'a ElasticaMotion,
+}
+
+impl Energy<'_> {
+    /// (w, w', w'') at a place of an element.
+    fn bent(&self, sample: usize, element: usize, x: f64) -> [f64; 3] {
+        let l = self.nodes_m[element + 1] - self.nodes_m[element];
+        let dof = |k: usize| self.found.deflections[2 * element + k][sample];
+        let shapes = [
+            [
+                1.0 - 3.0 * x * x + 2.0 * x.powi(3),
+                6.0 * (x * x - x) / l,
+                (12.0 * x - 6.0) / (l * l),
+            ],
+            [l * (x - 2.0 * x * x + x.powi(3)), 1.0 - 4.0 * x + 3.0 * x * x, (6.0 * x - 4.0) / l],
+            [3.0 * x * x - 2.0 * x.powi(3), 6.0 * (x - x * x) / l, (6.0 - 12.0 * x) / (l * l)],
+            [l * (x.powi(3) - x * x), 3.0 * x * x - 2.0 * x, (6.0 * x - 2.0) / l],
+        ];
+        [0, 1, 2].map(|order| (0..4).map(|k| shapes[k][order] * dof(k)).sum())
+    }
+
+    fn linear(&self, s_m: f64, of: fn(&Segment) -> Taper) -> f64 {
+        let mut from_m = self.parts.hub.radius_m;
+        for segment in &self.parts.segments {
+            if s_m <= from_m + segment.length_m {
+                return of(segment).at((s_m - from_m) / segment.length_m);
+            }
+            from_m += segment.length_m;
+        }
+        of(self.parts.segments.last().expect("a segment")).outer
+    }
+
+    /// Potential, and strain energy, at a sample; the chord's direction is given.
+    fn at(&self, sample: usize, chord_rad: f64) -> [f64; 2] {
+        const PIECES: usize = 40;
+        let (sine, cosine) = chord_rad.sin_cos();
+        let height = |x: f64, w: f64| x * sine + w * cosine;
+        let slope_of = |node: usize| self.found.deflections[2 * node + 1][sample];
+        let weight = -GRAVITY[1];
+        let radius = self.parts.hub.radius_m;
+        let mut along = radius * (1.0 - slope_of(0).powi(2)).sqrt();
+        let (mut potential, mut strain) = (0.0, 0.0);
+        let masses = |node: usize| {
+            let near = move |mass: &&LumpedMass| (mass.at_m - self.nodes_m[node]).abs() < 1e-9;
+            self.parts.masses.iter().filter(near).map(|mass| mass.mass_kg).sum::<f64>()
+        };
+        for element in 0..self.nodes_m.len() - 1 {
+            let l = self.nodes_m[element + 1] - self.nodes_m[element];
+            potential += weight
+                * masses(element)
+                * height(along, self.found.deflections[2 * element][sample]);
+            let h = 1.0 / PIECES as f64;
+            for piece in 0..PIECES {
+                let at = |x: f64| {
+                    let [w, slope, curve] = self.bent(sample, element, x);
+                    let s_m = self.nodes_m[element] + l * x;
+                    let mass = self.linear(s_m, |segment| segment.mass_per_length_kg_m);
+                    let stiffness = self.linear(s_m, |segment| segment.bending_stiffness_n_m2);
+                    let cosine = (1.0 - slope * slope).sqrt();
+                    (cosine, w, mass, 0.5 * stiffness * (curve / cosine).powi(2))
+                };
+                let from = piece as f64 * h;
+                let [first, middle, last] = [from, from + 0.5 * h, from + h].map(at);
+                let quarter = at(from + 0.25 * h);
+                // The chord's part up to the middle and to the end of the piece.
+                let to_middle = along + (first.0 + 4.0 * quarter.0 + middle.0) * 0.5 * h * l / 6.0;
+                let to_end = along + (first.0 + 4.0 * middle.0 + last.0) * h * l / 6.0;
+                let lifted = |along: f64, of: &(f64, f64, f64, f64)| of.2 * height(along, of.1);
+                potential += weight
+                    * (lifted(along, &first)
+                        + 4.0 * lifted(to_middle, &middle)
+                        + lifted(to_end, &last))
+                    * h
+                    * l
+                    / 6.0;
+                strain += (first.3 + 4.0 * middle.3 + last.3) * h * l / 6.0;
+                along = to_end;
+            }
+        }
+        let tip = self.nodes_m.len() - 1;
+        potential += weight * masses(tip) * height(along, 0.0);
+        let (slope, payload) = (slope_of(tip), self.parts.payload);
+        let beyond = along + payload.offset_m * (1.0 - slope * slope).sqrt();
+        potential += weight * payload.mass_kg * height(beyond, payload.offset_m * slope);
+        [potential, strain]
+    }
+
+    /// Energy that the damping takes, `∫∫ β EI κ̇² ds dt`.
+    fn dissipated(&self, beta_s: f64, last: usize) -> f64 {
+        let curvature = |sample: usize, element: usize, x: f64| {
+            let [_, slope, curve] = self.bent(sample, element, x);
+            curve / (1.0 - slope * slope).sqrt()
+        };
+        let mut sum = 0.0;
+        for element in 0..self.nodes_m.len() - 1 {
+            let l = self.nodes_m[element + 1] - self.nodes_m[element];
+            // Gauss and Legendre's three points.
+            let r = 0.6_f64.sqrt();
+            for (place, weight) in
+                [(0.5 - 0.5 * r, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + 0.5 * r, 5.0 / 18.0)]
+            {
+                let s_m = self.nodes_m[element] + l * place;
+                let stiffness = self.linear(s_m, |segment| segment.bending_stiffness_n_m2);
+                for k in 2..last {
+                    let at = |k: usize| curvature(k, element, place);
+                    let rate =
+                        (8.0 * (at(k + 1) - at(k - 1)) - (at(k + 2) - at(k - 2))) / (12.0 * STEP_S);
+                    sum += beta_s * stiffness * rate * rate * STEP_S * weight * l;
+                }
+            }
+        }
+        sum
+    }
+}
+
+#[test]
+fn the_work_of_the_torque_is_the_change_of_energy_and_what_damping_takes() {
+    for parts in [arm(), loaded_arm()] {
+        let turn = turn();
+        let model = model(&parts, 8);
+        let found =
+            follow(&*model, &chord(&turn, GRAVITY), SecondOrder::Full, 1e-10).expect("a motion");
+        let energy = Energy { parts: &parts, nodes_m: model.mesh().nodes_m(), found: &found };
+        let last = Turn::sample(turn.duration_s + 1.0);
+        let [[v0, u0], [v1, u1]] = [(2, -1.2), (last, 0.5)].map(|(k, angle)| energy.at(k, angle));
+        let taken = energy.dissipated(3e-4, last);
+        let work = work_of_torque(&found);
+        let off = (work - (v1 - v0) - (u1 - u0) - taken) / work;
+        assert!(off.abs() < 1e-6, "{off:e}: {work} J, {} J, {} J, {taken} J", v1 - v0, u1 - u0);
+        assert!(taken > 1e-3 * work && (u1 - u0).abs() > 1e-6 * work);
+    }
+}
+
+fn differ(a: &ElasticaMotion, b: &ElasticaMotion, factor: f64) -> f64 {
+    let range = a.torque_n_m.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+    let pairs = a.torque_n_m.iter().zip(&b.torque_n_m);
+    pairs.fold(0.0, |most: f64, (a, b)| most.max((a - factor * b).abs())) / range
+}
+
+#[test]
+fn a_turned_plane_takes_the_same_torques() {
+    let (sine, cosine) = 0.8_f64.sin_cos();
+    let turned = [-GRAVITY[1] * sine, GRAVITY[1] * cosine];
+    for second_order in [SecondOrder::None, SecondOrder::First, SecondOrder::Full] {
+        let model = model(&loaded_arm(), 6);
+        let upright = follow(&*model, &chord(&turn(), GRAVITY), second_order, 1e-11);
+        let slanted = Turn { from_rad: turn().from_rad + 0.8, ..turn() };
+        let slanted = follow(&*model, &chord(&slanted, turned), second_order, 1e-11);
+        let off = differ(&upright.expect("a motion"), &slanted.expect("a motion"), 1.0);
+        assert!(off < 1e-9, "{off:e} {second_order:?}");
+    }
+}
+
+/// In a horizontal plane, t → τt and EI → EI/τ² leave all angles, and torques times τ².
+#[test]
+fn a_slower_turn_of_a_softer_link_takes_less_torque() {
+    let slow = |parts: LinkParts| LinkParts {
+        segments: parts
+            .segments
+            .into_iter()
+            .map(|s| Segment { bending_stiffness_n_m2: s.bending_stiffness_n_m2.scaled(0.25), ..s })
+            .collect(),
+        damping: Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 6e-4 },
+        ..parts
+    };
+    let chord = chord(&turn(), [0.0; 2]);
+    let slower = chord_of(&turn(), [0.0; 2], 2.0);
+    let fast =
+        follow(&*model(&loaded_arm(), 6), &chord, SecondOrder::Full, 1e-11).expect("a motion");
+    let slow = model(&slow(loaded_arm()), 6);
+    let slow = follow(&*slow, &slower, SecondOrder::Full, 1e-11).expect("a motion");
+    let off = differ(&fast, &slow, 4.0);
+    assert!(off < 1e-9, "{off:e}");
+}
+
+/// A stiff link takes the torque of the rigid one: the pendulum's.
+#[test]
+fn a_link_that_hardly_bends_is_the_rigid_pendulum() {
+    let stiff = LinkParts {
+        segments: vec![Segment::uniform(1.1, 2e7, 0.5)],
+        damping: Damping::None,
+        ..arm()
+    };
+    let found = follow(&*model(&stiff, 4), &chord(&turn(), GRAVITY), SecondOrder::Full, 1e-12);
+    let found = found.expect("a motion");
+    let inertia = 0.05 + 0.5 * 1.1_f64.powi(3) / 3.0 + 0.2 * 1.1 * 1.1 + 1e-4;
+    let moment = 9.81 * (0.5 * 1.1 * 1.1 / 2.0 + 0.2 * 1.1);
+    for k in 0..Turn::sample(turn().duration_s + 1.0) {
+        let [angle, _, acceleration] = turn().at(k as f64 * STEP_S - super::BEFORE_S);
+        let torque = inertia * acceleration + moment * angle.cos();
+        let off = (found.torque_n_m[k] - torque).abs() / 40.0;
+        assert!(off < 1e-6, "{off:e} at {k}");
+    }
+}
+
+/// At a constant rate, without gravity, every element of a turning link pulls at the axis, and the torque is none.
+#[test]
+fn a_steady_turn_takes_no_torque_and_does_not_bend() {
+    let len = 256;
+    let columns = [vec![0.0; len], vec![6.0; len], vec![0.0; len]];
+    let chord = ChordPeriod::new(STEP_S, columns, [0.0; 2]).expect("a period");
+    let found = follow(&*model(&loaded_arm(), 6), &chord, SecondOrder::Full, 1e-11);
+    assert!(found.expect("a motion").torque_n_m.iter().all(|t| t.abs() < 1e-12));
+}

@@ -1,0 +1,92 @@
+//! Links under gravity and at large angles.
+
+mod laws;
+mod prototype;
+mod statics;
+
+use std::sync::Arc;
+
+use flexlink::beam::{ElementCount, Mesh, MeshPlan};
+use flexlink::elastica::{ChordPeriod, returning};
+use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
+use flexlink::model::{KeptModes, Model, model_of};
+
+const STEP_S: f64 = 1.0 / 1024.0;
+
+/// Rest before the time zero of a motion in s.
+const BEFORE_S: f64 = 0.5;
+
+/// A smooth turn of the chord: an error function of nine times the duration.
+struct Turn {
+    from_rad: f64,
+    by_rad: f64,
+    duration_s: f64,
+}
+
+impl Turn {
+    /// Angle, rate and acceleration.
+    fn at(&self, time_s: f64) -> [f64; 3] {
+        let scale = 9.0 / self.duration_s;
+        let x = scale * (time_s - 0.5 * self.duration_s);
+        let bell = (-x * x).exp() / std::f64::consts::PI.sqrt() * scale;
+        let share = 0.5 * (1.0 + libm::erf(x));
+        [
+            self.from_rad + self.by_rad * share,
+            self.by_rad * bell,
+            -2.0 * self.by_rad * bell * x * scale,
+        ]
+    }
+
+    /// Sample of a time.
+    fn sample(time_s: f64) -> usize {
+        (0..u16::MAX)
+            .find(|k| f64::from(*k) * STEP_S >= time_s + BEFORE_S - 0.5 * STEP_S)
+            .map_or(0, |k: u16| k.into())
+    }
+}
+
+/// 1.1 m long, with 0.2 kg at its tip.
+fn arm() -> LinkParts {
+    LinkParts {
+        title: String::new(),
+        segments: vec![Segment::uniform(1.1, 20.0, 0.5)],
+        hub: Hub { inertia_kg_m2: 0.05, ..Hub::default() },
+        masses: vec![],
+        payload: Payload { mass_kg: 0.2, inertia_kg_m2: 1e-4, offset_m: 0.0 },
+        damping: Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 3e-4 },
+        drive: None,
+    }
+}
+
+/// The link in so many elements.
+fn model(parts: &LinkParts, elements: usize) -> Arc<dyn Model> {
+    let link = Link::new(parts.clone()).expect("a valid link");
+    let own = vec![None; parts.segments.len()];
+    let plan = MeshPlan::new(&link, &own, Some(ElementCount::Total(elements)), 1e-6);
+    let mesh = Mesh::new(&link, &plan.expect("a plan")).expect("the plan's link");
+    model_of(&link, mesh, KeptModes::All).expect("a model")
+}
+
+/// The turn over a period: half a second of rest on either side, one second more after it, half a second in which
+/// the chord returns, and one second before the next.
+fn chord(turn: &Turn, gravity_m_s2: [f64; 2]) -> ChordPeriod {
+    chord_of(turn, gravity_m_s2, 1.0)
+}
+
+/// The same, all times that many times as long.
+fn chord_of(turn: &Turn, gravity_m_s2: [f64; 2], slower: f64) -> ChordPeriod {
+    let last = Turn::sample(turn.duration_s + BEFORE_S + 1.0);
+    let columns: Vec<[f64; 3]> =
+        (0..=last).map(|k| turn.at(k as f64 * STEP_S - BEFORE_S)).collect();
+    let [mut angle, mut rate, mut acceleration] =
+        [0, 1, 2].map(|part| columns.iter().map(|at| at[part]).collect::<Vec<f64>>());
+    let end_rad = turn.from_rad + turn.by_rad;
+    angle.extend(returning(end_rad, turn.from_rad, 512));
+    let len = (angle.len() + 1024).next_multiple_of(64);
+    angle.resize(len, turn.from_rad);
+    rate.resize(len, 0.0);
+    acceleration.resize(len, 0.0);
+    let slow = |values: Vec<f64>, factor: f64| values.iter().map(|v| v / factor).collect();
+    let (rate, acceleration) = (slow(rate, slower), slow(acceleration, slower * slower));
+    ChordPeriod::new(slower * STEP_S, [angle, rate, acceleration], gravity_m_s2).expect("a period")
+}
