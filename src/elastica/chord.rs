@@ -6,6 +6,9 @@ use thiserror::Error;
 use crate::numeric::{FourierPair, angular_frequency, largest, magnitude};
 use crate::text::significant;
 
+/// Share of the largest amplitude that is none at the Nyquist frequency.
+const NOTHING: f64 = 1e-6;
+
 /// Amplitudes below this share of the largest are round-off of the transform.
 const ROUND_OFF: f64 = 1e-15;
 
@@ -69,13 +72,23 @@ pub enum ElasticaError {
         /// Change of the torque, over its range.
         change: f64,
     },
-    /// A link whose second order is not derived.
-    #[error("{what}, but second-order terms are derived for links {known}")]
+    /// A link whose weight or second order is not derived.
+    #[error("{what}, but weight and second-order terms are known for links {known}")]
     NotDerived {
         /// What the link has.
         what: &'static str,
         /// What it may have.
         known: &'static str,
+    },
+    /// Samples too far apart for products of deflections.
+    #[error(
+        "step = {} s, but must be shorter: the motion has content at the Nyquist frequency, or above half of it, \
+         and second-order terms reach farther than the deflections that they are made of",
+        significant(*step_s, 6)
+    )]
+    LongStep {
+        /// The step in s.
+        step_s: f64,
     },
     /// A frequency at which nothing is finite.
     #[error("the torque at {} Hz = not a finite number, but must be one", significant(*frequency_hz, 6))]
@@ -125,9 +138,23 @@ impl ChordPeriod {
         self.rate_rad_s.len()
     }
 
+    /// True if gravity acts in the plane.
+    pub(super) fn has_weight(&self) -> bool {
+        self.along_m_s2.iter().any(|a| *a != 0.0) || self.across.iter().any(|a| a.re != 0.0)
+    }
+
     /// Angular frequency of a bin in rad/s.
     pub(super) fn omega_rad_s(&self, bin: usize) -> f64 {
         angular_frequency(bin, self.len(), self.step_s)
+    }
+
+    /// True if the motion has more than round-off at the Nyquist frequency, of which samples do not tell the phase.
+    pub(super) fn reaches_nyquist(&self) -> bool {
+        let reaches = |amplitudes: &[Complex64]| {
+            let sizes: Vec<f64> = amplitudes.iter().map(|a| magnitude(*a)).collect();
+            sizes[sizes.len() - 1] > NOTHING * largest(&sizes)
+        };
+        reaches(&self.turning) || reaches(&self.across)
     }
 
     /// Number of bins from zero frequency on up to the last one above round-off, the Nyquist frequency left out.

@@ -4,11 +4,11 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::chord::{ChordPeriod, ElasticaError, STEEPEST};
-use super::loads::{BentLink, Instant, Scratch, SecondOrder};
+use super::loads::{BentLink, Instant, Scratch, SecondOrder, sagging_loads};
 use crate::beam::{LoadedMotion, Loads, Mesh};
 use crate::link::Taper;
 use crate::modal::DampingLaw;
-use crate::model::Model;
+use crate::model::{KeptModes, Model};
 use crate::numeric::{largest, magnitude};
 
 /// Iterations after which one that still converges is given up.
@@ -61,11 +61,11 @@ pub fn follow(
     tolerance: f64,
 ) -> Result<ElasticaMotion, ElasticaError> {
     let follower = Follower::of(model, chord);
+    follower.check(second_order)?;
     let linear = follower.linear()?;
     if second_order == SecondOrder::None {
         return Ok(follower.motion(&linear, second_order));
     }
-    follower.check()?;
     follower.iterated(&linear, second_order, tolerance)
 }
 
@@ -74,6 +74,8 @@ struct Follower<'a> {
     chord: &'a ChordPeriod,
     /// Bins that carry any motion.
     band: usize,
+    /// Loads on the nodes per acceleration of the axis and 2iξ, where a hysteretic link has weight.
+    sagging: Option<(f64, Vec<[f64; 2]>)>,
 }
 
 /// How far an iteration has come.
@@ -86,20 +88,52 @@ struct Course {
 
 impl<'a> Follower<'a> {
     fn of(model: &'a dyn Model, chord: &'a ChordPeriod) -> Self {
-        Self { model, chord, band: chord.band_len() }
+        let sagging = match model.law() {
+            DampingLaw::Hysteretic { ratio } if chord.has_weight() => {
+                Some((*ratio, sagging_loads(model.mesh())))
+            }
+            _ => None,
+        };
+        Self { model, chord, band: chord.band_len(), sagging }
     }
 
-    /// Refuses links whose second order is not derived.
-    fn check(&self) -> Result<(), ElasticaError> {
-        if self.model.mesh().has_shear() {
-            let what = "the link has shear and rotary inertia";
-            return Err(ElasticaError::NotDerived { what, known: "without them" });
+    /// Refuses samples too far apart, and links whose weight or second order is not derived.
+    fn check(&self, second_order: SecondOrder) -> Result<(), ElasticaError> {
+        let refused = |what, known| Err(ElasticaError::NotDerived { what, known });
+        let (law, is_bent) = (self.model.law(), second_order != SecondOrder::None);
+        if self.chord.reaches_nyquist() {
+            return Err(ElasticaError::LongStep { step_s: self.chord.step_s });
         }
-        if self.model.law().mass_rate_per_s() != 0.0 {
-            let what = "the damping drags every mass (alpha)";
-            return Err(ElasticaError::NotDerived { what, known: "with alpha = 0" });
+        if self.model.kept_modes() != KeptModes::All {
+            return refused("the link is reduced to its first modes", "with all modes");
+        }
+        if is_bent && self.model.mesh().has_shear() {
+            return refused("the link has shear and rotary inertia", "without them");
+        }
+        if law.mass_rate_per_s() != 0.0 && (is_bent || self.chord.has_weight()) {
+            return refused("the damping drags every mass (alpha)", "with alpha = 0");
+        }
+        if law.is_modal() && self.chord.has_weight() {
+            return refused(
+                "the damping is given mode by mode",
+                "with hysteretic or rayleigh damping",
+            );
         }
         Ok(())
+    }
+
+    /// What moves the link at a bin, and forces on its nodes. Hysteretic damping acts on what a link bends beyond
+    /// its sag: a constant load would else meet a stiffness that changes with the sign of ω, and never settle. The
+    /// stiffness (1 + 2iξ) K on the sag is given back as loads.
+    fn moved(&self, bin: usize, mut nodal: Vec<[Complex64; 2]>) -> Loads<Complex64> {
+        let axis_m_s2 = self.chord.across[bin];
+        if let Some((ratio, sagging)) = self.sagging.as_ref().filter(|_| bin > 0) {
+            let factor = axis_m_s2 * Complex64::new(0.0, 2.0 * ratio);
+            for (load, sag) in nodal.iter_mut().zip(sagging) {
+                *load = [load[0] + factor * sag[0], load[1] + factor * sag[1]];
+            }
+        }
+        Loads { axis_m_s2, chord_rad_s2: self.chord.turning[bin], nodal }
     }
 
     /// The answer at each bin to what moves the link, without loads.
@@ -108,11 +142,7 @@ impl<'a> Follower<'a> {
         let answers: Vec<_> = (0..self.band)
             .into_par_iter()
             .map(|bin| {
-                let loads = Loads {
-                    axis_m_s2: self.chord.across[bin],
-                    chord_rad_s2: self.chord.turning[bin],
-                    nodal: vec![[Complex64::ZERO; 2]; nodes],
-                };
+                let loads = self.moved(bin, vec![[Complex64::ZERO; 2]; nodes]);
                 self.model.loaded_motion(self.chord.omega_rad_s(bin), &loads)
             })
             .collect();
@@ -128,11 +158,18 @@ impl<'a> Follower<'a> {
 
     /// Bins up to the last one whose torque counts for the second order: products of so many bins have no alias
     /// among them.
-    fn band_of_loads(&self, answers: &[LoadedMotion<Complex64>]) -> usize {
+    ///
+    /// # Errors
+    /// [`ElasticaError::LongStep`] where there are more.
+    fn band_of_loads(&self, answers: &[LoadedMotion<Complex64>]) -> Result<usize, ElasticaError> {
         let sizes: Vec<f64> = answers.iter().map(|answer| magnitude(answer.torque_n_m)).collect();
         let least = NEGLIGIBLE * largest(&sizes);
         let band = sizes.iter().rposition(|size| *size > least).map_or(1, |last| last + 1);
-        band.min(self.chord.len() / 4)
+        let (most, step_s) = (self.chord.len() / 4, self.chord.step_s);
+        if band >= most.max(2) {
+            return Err(ElasticaError::LongStep { step_s });
+        }
+        Ok(band)
     }
 
     fn iterated(
@@ -148,7 +185,7 @@ impl<'a> Follower<'a> {
         };
         let link = BentLink::of(mesh, self.model.link().payload(), beta_s, second_order);
         // Products of deflections reach beyond the frequencies of the motion.
-        let mut band = self.band_of_loads(linear);
+        let mut band = self.band_of_loads(linear)?;
         let mut answers = linear.to_vec();
         let mut before = self.motion(linear, SecondOrder::None);
         let without = before.torque_n_m.clone();
@@ -156,18 +193,18 @@ impl<'a> Follower<'a> {
         for iterations in 1..=MOST_ITERATIONS {
             let (loads, largest_slope) = self.loads(&link, &answers[..band], second_order)?;
             answers = self.with_loads(linear, &loads);
-            band = band.max(self.band_of_loads(&answers));
+            band = band.max(self.band_of_loads(&answers)?);
             let motion = self.motion(&answers, second_order);
             let size = size(&motion.torque_n_m, mesh);
             let change = apart(&motion.torque_n_m, &before.torque_n_m) / size;
-            let factor = change / last_change;
+            let factor = if change == 0.0 { 0.0 } else { change / last_change };
             if !change.is_finite() || iterations > 2 && factor >= 1.0 && change > tolerance {
                 return Err(ElasticaError::Diverges { iterations, change });
             }
             let contraction = (iterations > 1).then_some(factor);
             let iteration_error = contraction.map_or(change, |f| change * f / (1.0 - f).max(0.01));
             let course = Course { iterations, contraction, iteration_error, largest_slope };
-            if iterations > 1 && (change == 0.0 || iteration_error <= tolerance) {
+            if iterations > 1 && iteration_error <= tolerance {
                 let second_order_change = apart(&motion.torque_n_m, &without) / size;
                 return Ok(ElasticaMotion { second_order_change, ..motion }.on(&course));
             }
@@ -253,11 +290,7 @@ impl<'a> Follower<'a> {
                 return linear[bin].clone();
             }
             let nodal = spectra.chunks(2).map(|node| [node[0][bin], node[1][bin]]).collect();
-            let loads = Loads {
-                axis_m_s2: self.chord.across[bin],
-                chord_rad_s2: self.chord.turning[bin],
-                nodal,
-            };
+            let loads = self.moved(bin, nodal);
             self.model.loaded_motion(self.chord.omega_rad_s(bin), &loads)
         };
         (0..self.band.max(reach)).into_par_iter().map(at).collect()

@@ -311,3 +311,25 @@ fn left_across(now: &Instant<'_>, place: &Place) -> f64 {
     let (rate, acceleration) = (now.chord_rate_rad_s, now.chord_acceleration_rad_s2);
     -rate * rate * place.w + 2.0 * rate * place.x_rate + acceleration * place.shortened
 }
+
+/// Loads on nodes 0 … n that bend a link at rest as an acceleration of its axis by 1 m/s² does: for each element the
+/// force that deforms it on its outer node, and what balances it on the inner one.
+///
+/// ```text
+/// K_d d = −(M_udᵀ + A_j R)(1, 0)ᵀ,   A_j the rigid inertia outboard
+/// ```
+pub(super) fn sagging_loads(mesh: &Mesh) -> Vec<[f64; 2]> {
+    let Inertia { mut vv, mut vp, .. } = mesh.tip_inertia();
+    let mut loads = vec![[0.0; 2]; mesh.nodes_m().len()];
+    for (k, element) in mesh.relative_elements().iter().enumerate().rev() {
+        let (l, force) = (element.length_m, -(element.m_ud.m11 + vv));
+        let moment = -(element.m_ud.m12 + vp);
+        loads[k + 1] = [loads[k + 1][0] + force, loads[k + 1][1] + moment];
+        loads[k] = [loads[k][0] - force, loads[k][1] - moment - l * force];
+        (vv, vp) = (vv + element.m_uu.m11, vp + l * vv + element.m_uu.m12);
+        if let Some(body) = mesh.lumped_inertia(k) {
+            (vv, vp) = (vv + body.vv, vp + body.vp);
+        }
+    }
+    loads
+}

@@ -1,6 +1,6 @@
 //! Laws that hold for every link that follows a chord (energy, rotation, units, the rigid limit).
 
-use flexlink::elastica::{ChordPeriod, ElasticaMotion, SecondOrder, follow};
+use flexlink::elastica::{ChordPeriod, ElasticaError, ElasticaMotion, SecondOrder, follow};
 use flexlink::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
 
 use super::{STEP_S, Turn, arm, chord, chord_of, model};
@@ -256,4 +256,47 @@ fn a_steady_turn_takes_no_torque_and_does_not_bend() {
     let chord = ChordPeriod::new(STEP_S, columns, [0.0; 2]).expect("a period");
     let found = follow(&*model(&loaded_arm(), 6), &chord, SecondOrder::Full, 1e-11);
     assert!(found.expect("a motion").torque_n_m.iter().all(|t| t.abs() < 1e-12));
+}
+
+/// A slow turn bends a hysteretic link as it bends one without damping: weight alone, which comes and goes with the
+/// chord's angle, is not damped.
+#[test]
+fn hysteretic_damping_leaves_the_sag_alone() {
+    let slowly = chord_of(&turn(), GRAVITY, 30.0);
+    let hysteretic = LinkParts { damping: Damping::Hysteretic { ratio: 0.05 }, ..loaded_arm() };
+    for second_order in [SecondOrder::None, SecondOrder::Full] {
+        let motion = |parts: &LinkParts| {
+            follow(&*model(parts, 6), &slowly, second_order, 1e-10).expect("a motion")
+        };
+        let (found, viscous) = (motion(&hysteretic), motion(&loaded_arm()));
+        let sag = found.hub_slope_rad.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+        let pairs = found.hub_slope_rad.iter().zip(&viscous.hub_slope_rad);
+        let off = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / sag;
+        // Damped as a whole, the sag would be off by 7e-2.
+        assert!(off < 2e-3, "{off:e} {second_order:?}");
+    }
+}
+
+#[test]
+fn what_is_not_derived_is_refused() {
+    let refused = |parts: &LinkParts, gravity, second_order| {
+        let found = follow(&*model(parts, 4), &chord(&turn(), gravity), second_order, 1e-9);
+        found.expect_err("a refusal").to_string()
+    };
+    let damped = |damping| LinkParts { damping, ..arm() };
+    let dragged = damped(Damping::Rayleigh { alpha_per_s: 0.1, beta_s: 1e-4 });
+    let modal = damped(Damping::Modal { ratios: vec![0.02] });
+    assert!(refused(&dragged, GRAVITY, SecondOrder::None).contains("alpha = 0"));
+    assert!(refused(&dragged, [0.0; 2], SecondOrder::Full).contains("alpha = 0"));
+    assert!(refused(&modal, GRAVITY, SecondOrder::None).contains("hysteretic or rayleigh"));
+    let mut soft = arm();
+    soft.segments[0].bending_stiffness_n_m2 = Taper::constant(0.5);
+    assert!(refused(&soft, GRAVITY, SecondOrder::Full).contains("must be below"));
+    let jumps = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let columns = [vec![0.0; 64], vec![0.0; 64], (0..64).map(jumps).collect()];
+    let coarse = ChordPeriod::new(STEP_S, columns, [0.0; 2]).expect("a period");
+    let found = follow(&*model(&arm(), 4), &coarse, SecondOrder::Full, 1e-9);
+    assert!(matches!(found, Err(ElasticaError::LongStep { .. })), "{found:?}");
+    let uneven = ChordPeriod::new(STEP_S, [vec![0.0; 8], vec![0.0; 7], vec![0.0; 8]], [0.0; 2]);
+    assert!(uneven.expect_err("a refusal").to_string().contains("equally many"));
 }
