@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use thiserror::Error;
 
-use crate::numeric::{FourierPair, angular_frequency, largest, magnitude};
+use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 use crate::text::significant;
 
 /// Share of the largest amplitude that is none at the Nyquist frequency.
@@ -21,16 +21,22 @@ pub(super) const STEEPEST: f64 = 0.95;
 pub struct ChordPeriod {
     pub(super) pair: FourierPair,
     pub(super) step_s: f64,
+    pub(super) histories: ChordHistories,
+    /// Amplitudes of the angular acceleration in rad/s².
+    pub(super) turning: Vec<Complex64>,
+    /// Amplitudes of the axis' acceleration across the chord in m/s².
+    pub(super) across: Vec<Complex64>,
+}
+
+/// The chord's motion in time.
+#[derive(Debug, Clone)]
+pub(super) struct ChordHistories {
     /// Rate of the chord in rad/s.
     pub(super) rate_rad_s: Vec<f64>,
     /// Angular acceleration in rad/s².
     pub(super) acceleration_rad_s2: Vec<f64>,
     /// Acceleration of the axis along the chord in m/s².
     pub(super) along_m_s2: Vec<f64>,
-    /// Amplitudes of the angular acceleration in rad/s².
-    pub(super) turning: Vec<Complex64>,
-    /// Amplitudes of the axis' acceleration across the chord in m/s².
-    pub(super) across: Vec<Complex64>,
 }
 
 /// Why there is no motion of a link that follows a chord.
@@ -130,17 +136,39 @@ impl ChordPeriod {
         let pair = FourierPair::new(len);
         let turning = pair.amplitudes(&acceleration_rad_s2);
         let across = pair.amplitudes(across_m_s2);
-        Ok(Self { pair, step_s, rate_rad_s, acceleration_rad_s2, along_m_s2, turning, across })
+        let histories = ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2 };
+        Ok(Self { pair, step_s, histories, turning, across })
     }
 
     /// Number N of samples.
     pub(super) fn len(&self) -> usize {
-        self.rate_rad_s.len()
+        self.pair.len()
     }
 
     /// True if gravity acts in the plane.
     pub(super) fn has_weight(&self) -> bool {
-        self.along_m_s2.iter().any(|a| *a != 0.0) || self.across.iter().any(|a| a.re != 0.0)
+        self.histories.along_m_s2.iter().any(|a| *a != 0.0)
+            || self.across.iter().any(|a| a.re != 0.0)
+    }
+
+    /// The pair with the fewest samples of the period whose products have no alias among so many bins.
+    pub(super) fn pair_for(&self, bins: usize) -> FourierPair {
+        let few = fast_length(4 * bins);
+        if few < self.len() { FourierPair::new(few) } else { self.pair.clone() }
+    }
+
+    /// The motion at the samples of a pair over the same period; of fewer samples the band-limited one.
+    pub(super) fn at(&self, pair: &FourierPair) -> ChordHistories {
+        if pair.len() == self.len() {
+            return self.histories.clone();
+        }
+        let resampled = |history: &Vec<f64>| pair.samples(self.pair.amplitudes(history));
+        let ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2 } = &self.histories;
+        ChordHistories {
+            rate_rad_s: resampled(rate_rad_s),
+            acceleration_rad_s2: resampled(acceleration_rad_s2),
+            along_m_s2: resampled(along_m_s2),
+        }
     }
 
     /// Angular frequency of a bin in rad/s.

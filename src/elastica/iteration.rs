@@ -3,13 +3,13 @@
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::chord::{ChordPeriod, ElasticaError, STEEPEST};
+use super::chord::{ChordHistories, ChordPeriod, ElasticaError, STEEPEST};
 use super::loads::{BentLink, Instant, Scratch, SecondOrder, sagging_loads};
 use crate::beam::{LoadedMotion, Loads, Mesh};
 use crate::link::Taper;
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, Model};
-use crate::numeric::{largest, magnitude};
+use crate::numeric::{FourierPair, largest, magnitude};
 
 /// Iterations after which one that still converges is given up.
 const MOST_ITERATIONS: usize = 100;
@@ -17,6 +17,9 @@ const MOST_ITERATIONS: usize = 100;
 /// Share of the torque's largest amplitude below which a frequency's deflection is no part of the second-order
 /// terms: what they gain there grows with the square of the frequency.
 const NEGLIGIBLE: f64 = 1e-8;
+
+/// Bins that the loads are solved at over those whose deflections they are made of: products of three reach as far.
+const REACH: usize = 3;
 
 /// Range of a torque over its largest value below which the link is at rest.
 const AT_REST: f64 = 1e-6;
@@ -76,14 +79,6 @@ struct Follower<'a> {
     band: usize,
     /// Loads on the nodes per acceleration of the axis and 2iξ, where a hysteretic link has weight.
     sagging: Option<(f64, Vec<[f64; 2]>)>,
-}
-
-/// How far an iteration has come.
-struct Course {
-    iterations: usize,
-    contraction: Option<f64>,
-    iteration_error: f64,
-    largest_slope: f64,
 }
 
 impl<'a> Follower<'a> {
@@ -187,28 +182,39 @@ impl<'a> Follower<'a> {
         // Products of deflections reach beyond the frequencies of the motion.
         let mut band = self.band_of_loads(linear)?;
         let mut answers = linear.to_vec();
-        let mut before = self.motion(linear, SecondOrder::None);
-        let without = before.torque_n_m.clone();
-        let mut last_change = f64::INFINITY;
+        let (mut last_change, mut last_level) = (f64::INFINITY, SecondOrder::None);
         for iterations in 1..=MOST_ITERATIONS {
-            let (loads, largest_slope) = self.loads(&link, &answers[..band], second_order)?;
-            answers = self.with_loads(linear, &loads);
+            let pair = self.chord.pair_for(REACH * band);
+            let time = self.chord.at(&pair);
+            let (before, _) = self.hub(&answers, last_level, &pair, &time);
+            let kept = &answers[..band.min(answers.len())];
+            let (loads, largest_slope) = self.loads(&link, kept, &pair, &time)?;
+            answers = self.with_loads(linear, &loads, &pair);
             band = band.max(self.band_of_loads(&answers)?);
-            let motion = self.motion(&answers, second_order);
-            let size = size(&motion.torque_n_m, mesh);
-            let change = apart(&motion.torque_n_m, &before.torque_n_m) / size;
+            let (torque_n_m, _) = self.hub(&answers, second_order, &pair, &time);
+            let change = apart(&torque_n_m, &before) / size(&torque_n_m, mesh);
             let factor = if change == 0.0 { 0.0 } else { change / last_change };
             if !change.is_finite() || iterations > 2 && factor >= 1.0 && change > tolerance {
                 return Err(ElasticaError::Diverges { iterations, change });
             }
             let contraction = (iterations > 1).then_some(factor);
             let iteration_error = contraction.map_or(change, |f| change * f / (1.0 - f).max(0.01));
-            let course = Course { iterations, contraction, iteration_error, largest_slope };
             if iterations > 1 && iteration_error <= tolerance {
+                let motion = self.motion(&answers, second_order);
+                let without =
+                    self.hub(linear, SecondOrder::None, &self.chord.pair, &self.chord.histories).0;
+                let size = size(&motion.torque_n_m, mesh);
                 let second_order_change = apart(&motion.torque_n_m, &without) / size;
-                return Ok(ElasticaMotion { second_order_change, ..motion }.on(&course));
+                return Ok(ElasticaMotion {
+                    iterations,
+                    contraction,
+                    iteration_error,
+                    largest_slope,
+                    second_order_change,
+                    ..motion
+                });
             }
-            (before, last_change) = (motion, change);
+            (last_change, last_level) = (change, second_order);
         }
         Err(ElasticaError::Diverges { iterations: MOST_ITERATIONS, change: last_change })
     }
@@ -218,17 +224,18 @@ impl<'a> Follower<'a> {
         &self,
         link: &BentLink,
         answers: &[LoadedMotion<Complex64>],
-        second_order: SecondOrder,
+        pair: &FourierPair,
+        chord: &ChordHistories,
     ) -> Result<(Vec<Vec<f64>>, f64), ElasticaError> {
-        let (chord, width) = (self.chord, 2 * self.model.mesh().nodes_m().len());
-        let orders = if second_order == SecondOrder::Full { 3 } else { 2 };
+        let width = 2 * self.model.mesh().nodes_m().len();
+        let orders = link.orders();
         // All derivatives of one instant side by side.
         let stride = orders * width;
-        let mut states = vec![0.0; chord.len() * stride];
-        for (column, history) in self.histories(answers, orders).iter().enumerate() {
+        let mut states = vec![0.0; pair.len() * stride];
+        for (column, history) in self.histories(answers, orders, pair).iter().enumerate() {
             states.iter_mut().skip(column).step_by(stride).zip(history).for_each(|(s, h)| *s = *h);
         }
-        let mut rows = vec![0.0; chord.len() * width];
+        let mut rows = vec![0.0; pair.len() * width];
         let blocks = rows.par_chunks_mut(BLOCK * width).zip(states.par_chunks(BLOCK * stride));
         let steepest: Vec<f64> = blocks
             .enumerate()
@@ -260,7 +267,12 @@ impl<'a> Follower<'a> {
     }
 
     /// Histories of (w, w') of each node, then of their derivatives up to `orders`.
-    fn histories(&self, answers: &[LoadedMotion<Complex64>], orders: usize) -> Vec<Vec<f64>> {
+    fn histories(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        orders: usize,
+        pair: &FourierPair,
+    ) -> Vec<Vec<f64>> {
         let width = 2 * self.model.mesh().nodes_m().len();
         let omega = |bin: usize| Complex64::new(0.0, self.chord.omega_rad_s(bin));
         (0..orders * width)
@@ -271,43 +283,42 @@ impl<'a> Follower<'a> {
                     let amplitude = answer.deflections[dof / 2][dof % 2];
                     (0..order).fold(amplitude, |derived, _| derived * omega(bin))
                 });
-                self.chord.pair.samples(amplitudes.collect::<Vec<_>>())
+                pair.samples(amplitudes.collect::<Vec<_>>())
             })
             .collect()
     }
 
-    /// The linear answers, with those to loads where these are below half the Nyquist frequency.
+    /// The linear answers, with those to loads where these have no alias.
     fn with_loads(
         &self,
         linear: &[LoadedMotion<Complex64>],
         loads: &[Vec<f64>],
+        pair: &FourierPair,
     ) -> Vec<LoadedMotion<Complex64>> {
-        let spectra: Vec<_> =
-            loads.par_iter().map(|history| self.chord.pair.amplitudes(history)).collect();
-        let reach = self.chord.len() / 4;
+        let spectra: Vec<_> = loads.par_iter().map(|history| pair.amplitudes(history)).collect();
         let at = |bin: usize| {
-            if bin >= reach {
-                return linear[bin].clone();
-            }
             let nodal = spectra.chunks(2).map(|node| [node[0][bin], node[1][bin]]).collect();
-            let loads = self.moved(bin, nodal);
-            self.model.loaded_motion(self.chord.omega_rad_s(bin), &loads)
+            self.model.loaded_motion(self.chord.omega_rad_s(bin), &self.moved(bin, nodal))
         };
-        (0..self.band.max(reach)).into_par_iter().map(at).collect()
+        let mut answers: Vec<_> = (0..pair.len() / 4).into_par_iter().map(at).collect();
+        answers.extend(linear.iter().skip(answers.len()).cloned());
+        answers
     }
 
-    /// The histories of these answers; with all terms, the hub turns by the angle of its slope.
+    /// Torque, and angle of the hub from the chord, at the samples of a pair; with all terms, the hub turns by the
+    /// angle of its slope.
     ///
     /// ```text
     /// T = (T_l − I_H(θ̈ + ẅ'_0)) cos ψ + I_H(θ̈ + ψ̈) + b(θ̇ + ψ̇),       ψ = asin w'_0
     /// ```
-    fn motion(
+    fn hub(
         &self,
         answers: &[LoadedMotion<Complex64>],
         second_order: SecondOrder,
-    ) -> ElasticaMotion {
-        let (pair, joint) = (&self.chord.pair, self.model.link().joint());
-        let inertia = self.model.mesh().hub_inertia_kg_m2();
+        pair: &FourierPair,
+        chord: &ChordHistories,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let (inertia, joint) = (self.model.mesh().hub_inertia_kg_m2(), self.model.link().joint());
         let torque: Vec<_> = answers.iter().map(|answer| answer.torque_n_m).collect();
         let mut torque_n_m = pair.samples(torque);
         let slopes = [0, 1, 2].map(|order| {
@@ -324,15 +335,27 @@ impl<'a> Follower<'a> {
                 let cosine = (1.0 - sine * sine).sqrt();
                 let turning =
                     acceleration / cosine + sine * rate * rate / (cosine * cosine * cosine);
-                let chord = self.chord.acceleration_rad_s2[k];
-                *torque = (*torque - inertia * (chord + acceleration)) * cosine
-                    + inertia * (chord + turning);
+                let turned = chord.acceleration_rad_s2[k];
+                *torque = (*torque - inertia * (turned + acceleration)) * cosine
+                    + inertia * (turned + turning);
                 hub_slope_rad[k] = libm::asin(sine);
                 hub_rate = rate / cosine;
             }
-            *torque += joint.friction_n_m_s_rad * (self.chord.rate_rad_s[k] + hub_rate);
+            *torque += joint.friction_n_m_s_rad * (chord.rate_rad_s[k] + hub_rate);
         }
-        let deflections = self.histories(answers, 1);
+        (torque_n_m, hub_slope_rad)
+    }
+
+    /// The histories of these answers over the chord's own samples.
+    fn motion(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        second_order: SecondOrder,
+    ) -> ElasticaMotion {
+        let pair = &self.chord.pair;
+        let (torque_n_m, hub_slope_rad) =
+            self.hub(answers, second_order, pair, &self.chord.histories);
+        let deflections = self.histories(answers, 1, pair);
         let slope = |largest: f64, w: &f64| largest.max(w.abs());
         let largest_slope = deflections.iter().skip(1).step_by(2).flatten().fold(0.0, slope);
         ElasticaMotion {
@@ -344,18 +367,6 @@ impl<'a> Follower<'a> {
             iteration_error: 0.0,
             largest_slope,
             second_order_change: 0.0,
-        }
-    }
-}
-
-impl ElasticaMotion {
-    fn on(self, course: &Course) -> Self {
-        Self {
-            iterations: course.iterations,
-            contraction: course.contraction,
-            iteration_error: course.iteration_error,
-            largest_slope: course.largest_slope,
-            ..self
         }
     }
 }

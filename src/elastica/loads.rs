@@ -139,6 +139,11 @@ impl BentLink {
         }
     }
 
+    /// Number of histories that the loads need: the deflections and their derivatives.
+    pub(super) fn orders(&self) -> usize {
+        if self.second_order == SecondOrder::Full { 3 } else { 2 }
+    }
+
     /// Writes force and moment on nodes 0 … n; returns the largest slope.
     pub(super) fn write(&self, now: &Instant<'_>, scratch: &mut Scratch, loads: &mut [f64]) -> f64 {
         loads.fill(0.0);
