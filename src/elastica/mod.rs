@@ -10,6 +10,26 @@
 //! ```
 //!
 //! e and n are unit vectors along the chord and across it. Gravity is an upward acceleration of the axis.
+//!
+//! ```
+//! use flexlink::beam::{Mesh, MeshPlan};
+//! use flexlink::elastica::{ChordPeriod, SecondOrder, follow};
+//! use flexlink::link::{Link, Segment};
+//! use flexlink::model::{KeptModes, model_of};
+//!
+//! let strip = Segment::uniform(1.0, 2.0, 0.3);
+//! let link = Link::builder().segment(strip).damping_ratio(0.02).build()?;
+//! let mesh = Mesh::new(&link, &MeshPlan::automatic(&link))?;
+//! let model = model_of(&link, mesh, KeptModes::All)?;
+//!
+//! // At rest, its tip as high as its hub, so that its middle sags.
+//! let at_rest = [vec![0.0; 8], vec![0.0; 8], vec![0.0; 8]];
+//! let chord = ChordPeriod::new(0.01, at_rest, [0.0, -9.81])?;
+//! let held = follow(&*model, &chord, SecondOrder::Full, 1e-9)?;
+//! assert!(held.hub_slope_rad[0] > 0.15, "the hub is turned up");
+//! assert!(held.torque_n_m[0] < 0.5 * 0.3 * 9.81, "and the weight lies nearer than half the length");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod chord;
 mod iteration;
