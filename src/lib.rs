@@ -105,8 +105,9 @@
 //! * Everything inside is SI.
 //! * Same input, same bytes, on any number of threads and on every processor: no sum depends on how
 //!   work is shared or on the width of vectors, no product is fused with a sum, and all functions
-//!   beyond the square root come from `libm`. [`model::Dense`] alone, with which `verify` compares, has
-//!   other last digits on each processor; what is written of it is its bound.
+//!   beyond the square root come from `libm`. Only [`model::Dense`], with which `verify` compares, and the
+//!   fitted values of [`fit`] have other last digits on each processor, as faer rounds; what is written of the
+//!   first is its bound, fitted values are printed with fewer digits.
 //!
 //! # References
 //!

@@ -41,7 +41,8 @@ pub struct LoadedMotion<S> {
 /// The hub's torque and the nodes' deflections with which the tip stays on the chord, at one λ.
 ///
 /// Where an undamped link's outboard part resonates, the recursion loses its digits, but the whole link's answer is
-/// smooth: it is then that of four λ beside the one asked for, 1e-5 and 2e-5 of it away.
+/// smooth unless the tip is blocked next to it: it is then that of four λ beside the one asked for, 1e-5 and 2e-5
+/// of it away (measured: torques to 1e-8, deflections to 1e-7).
 ///
 /// # Panics
 /// If there are not as many loads as nodes.
@@ -259,8 +260,8 @@ mod tests {
             let found = loaded_motion(&mesh, lambda, factors, &loads);
             let off = (found.torque_n_m / transfer.inertia_kg_m - 1.0).norm();
             assert!(off < 1e-13, "{off:e} at {omega}");
-            let slope = -transfer.deflection_s2 / factors[1] / mesh.length_m();
-            let off = (-found.hub_slope_rad / slope - 1.0).norm();
+            let slope = transfer.deflection_s2 / factors[1] / mesh.length_m();
+            let off = (found.hub_slope_rad / slope - 1.0).norm();
             assert!(off < 1e-12, "{off:e} at {omega}");
             let [tip, _] = found.deflections[17];
             assert!(tip.norm() < 1e-12 * slope.norm() * mesh.length_m(), "{tip}");
@@ -321,6 +322,11 @@ mod tests {
             let (exact, _) = recursed(&mesh, Wide::from(lambda), [Wide::from(1.0); 2], &wide);
             let off = (found.torque_n_m / exact.torque_n_m.nearest() - 1.0).norm();
             assert!(off < 1e-8, "{off:e} at λ = {lambda}, gain {:e}", at(lambda));
+            let largest = found.deflections.iter().fold(0.0, |m: f64, w| m.max(w[0].norm()));
+            for (found, exact) in found.deflections.iter().zip(&exact.deflections) {
+                let off = (found[0] - exact[0].nearest()).norm() / largest;
+                assert!(off < 3e-7, "{off:e} at λ = {lambda}");
+            }
         }
         assert!(flagged > 20, "{flagged}");
     }

@@ -6,14 +6,20 @@ use thiserror::Error;
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 use crate::text::significant;
 
-/// Share of the largest amplitude that is none at the Nyquist frequency.
+/// Share of the largest amplitude up to which the Nyquist frequency carries nothing.
 const NOTHING: f64 = 1e-6;
+
+/// Fewest samples of a period.
+const FEWEST: usize = 8;
 
 /// Amplitudes below this share of the largest are round-off of the transform.
 const ROUND_OFF: f64 = 1e-15;
 
 /// Largest slope, the sine of an angle, that the iteration is tried with.
 pub(super) const STEEPEST: f64 = 0.95;
+
+/// Tolerance of the iteration below which round-off decides.
+pub(super) const FINEST: f64 = 1e-13;
 
 /// The motion of a chord over a period of N samples, and the acceleration that the axis has in its frame: gravity
 /// as an upward one.
@@ -44,7 +50,7 @@ pub(super) struct ChordHistories {
 pub enum ElasticaError {
     /// Columns of different lengths, or an odd number of samples.
     #[error(
-        "{angles} angles, {rates} rates and {accelerations} accelerations, but must be equally many, an even number"
+        "{angles} angles, {rates} rates and {accelerations} accelerations, but must be equally many, an even number and {FEWEST} or more"
     )]
     Lengths {
         /// Number of angles.
@@ -54,8 +60,21 @@ pub enum ElasticaError {
         /// Number of accelerations.
         accelerations: usize,
     },
+    /// A number that is not finite.
+    #[error("{column} of sample {sample} = {value}, but must be a finite number")]
+    Sample {
+        /// What it is.
+        column: &'static str,
+        /// Number of the sample, from 0; of gravity 0 along x and 1 along y.
+        sample: usize,
+        /// The number.
+        value: f64,
+    },
+    /// A tolerance that no iteration meets.
+    #[error("tolerance = {0}, but must be at least {FINEST} and below 1")]
+    Tolerance(f64),
     /// A step that is no positive number.
-    #[error("step = {0} s, but must be above 0")]
+    #[error("step = {0} s, but must be a finite number above 0")]
     Step(f64),
     /// Slopes that no iteration reaches.
     #[error(
@@ -109,7 +128,7 @@ impl ChordPeriod {
     /// rad/s² at each `step_s`, in a plane with `gravity_m_s2` along its x and y axes.
     ///
     /// Where the motion ends at another angle than it starts, the angle must [return](returning) within the period
-    /// at rest: gravity alone sees it, rates and accelerations of the return are none.
+    /// at rest: only gravity's direction follows it, rates and accelerations are zero meanwhile.
     ///
     /// # Errors
     /// [`ElasticaError`].
@@ -120,11 +139,22 @@ impl ChordPeriod {
     ) -> Result<Self, ElasticaError> {
         let len = angle_rad.len();
         let (rates, accelerations) = (rate_rad_s.len(), acceleration_rad_s2.len());
-        if len == 0 || !len.is_multiple_of(2) || rates != len || accelerations != len {
+        if len < FEWEST || !len.is_multiple_of(2) || rates != len || accelerations != len {
             return Err(ElasticaError::Lengths { angles: len, rates, accelerations });
         }
         if !(step_s > 0.0 && step_s.is_finite()) {
             return Err(ElasticaError::Step(step_s));
+        }
+        let columns: [(&str, &[f64]); 4] = [
+            ("gravity", &gravity_m_s2),
+            ("angle", &angle_rad),
+            ("rate", &rate_rad_s),
+            ("acceleration", &acceleration_rad_s2),
+        ];
+        for (column, values) in columns {
+            if let Some(sample) = values.iter().position(|value| !value.is_finite()) {
+                return Err(ElasticaError::Sample { column, sample, value: values[sample] });
+            }
         }
         let [g_x, g_y] = gravity_m_s2;
         let upward = |angle: &f64| {
@@ -176,23 +206,25 @@ impl ChordPeriod {
         angular_frequency(bin, self.len(), self.step_s)
     }
 
-    /// True if the motion has more than round-off at the Nyquist frequency, of which samples do not tell the phase.
-    pub(super) fn reaches_nyquist(&self) -> bool {
-        let reaches = |amplitudes: &[Complex64]| {
-            let sizes: Vec<f64> = amplitudes.iter().map(|a| magnitude(*a)).collect();
-            sizes[sizes.len() - 1] > NOTHING * largest(&sizes)
-        };
-        reaches(&self.turning) || reaches(&self.across)
+    /// True if the motion of a link of this length has more than round-off at the Nyquist frequency, of which
+    /// samples do not tell the phase.
+    pub(super) fn reaches_nyquist(&self, length_m: f64) -> bool {
+        let sizes = self.sizes(length_m);
+        sizes[sizes.len() - 1] > NOTHING * largest(&sizes)
     }
 
     /// Number of bins from zero frequency on up to the last one above round-off, the Nyquist frequency left out.
-    pub(super) fn band_len(&self) -> usize {
-        let end = |amplitudes: &[Complex64]| {
-            let sizes: Vec<f64> = amplitudes.iter().map(|a| magnitude(*a)).collect();
-            let least = ROUND_OFF * largest(&sizes);
-            sizes.iter().rposition(|size| *size > least).map_or(1, |last| last + 1)
-        };
-        end(&self.turning).max(end(&self.across)).min(self.len() / 2)
+    pub(super) fn band_len(&self, length_m: f64) -> usize {
+        let sizes = self.sizes(length_m);
+        let least = ROUND_OFF * largest(&sizes);
+        let end = sizes.iter().rposition(|size| *size > least).map_or(1, |last| last + 1);
+        end.min(self.len() / 2)
+    }
+
+    /// What each bin moves a link of this length by, in m/s².
+    fn sizes(&self, length_m: f64) -> Vec<f64> {
+        let bins = self.turning.iter().zip(&self.across);
+        bins.map(|(turning, across)| magnitude(*turning) * length_m + magnitude(*across)).collect()
     }
 }
 

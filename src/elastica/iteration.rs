@@ -1,12 +1,13 @@
 //! The link's motion with its tip on the chord: linear, and with second-order terms as loads, iterated.
 
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::chord::{ChordHistories, ChordPeriod, ElasticaError, STEEPEST};
-use super::loads::{BentLink, Instant, Scratch, SecondOrder, sagging_loads};
+use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, STEEPEST};
+use super::loads::{BentLink, Instant, Scratch, SecondOrder, larger, sagging_loads};
 use crate::beam::{LoadedMotion, Loads, Mesh};
-use crate::link::Taper;
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, Model};
 use crate::numeric::{FourierPair, largest, magnitude};
@@ -24,7 +25,7 @@ const REACH: usize = 3;
 /// Range of a torque over its largest value below which the link is at rest.
 const AT_REST: f64 = 1e-6;
 
-/// An angle in rad that no link is bent by.
+/// Bending by less than this angle in rad counts as none.
 const STRAIGHT: f64 = 1e-6;
 
 /// Instants whose loads a thread computes at a time.
@@ -41,7 +42,7 @@ pub struct ElasticaMotion {
     pub deflections: Vec<Vec<f64>>,
     /// Number of iterations; 0 without second order.
     pub iterations: usize,
-    /// Factor by which the last iteration changed the torque less than the one before; none before the second.
+    /// Change of the torque by the last iteration over that by the one before; none before the second.
     pub contraction: Option<f64>,
     /// What further iterations would change of the torque, over its range.
     pub iteration_error: f64,
@@ -64,6 +65,9 @@ pub fn follow(
     tolerance: f64,
 ) -> Result<ElasticaMotion, ElasticaError> {
     let follower = Follower::of(model, chord);
+    if !(FINEST..1.0).contains(&tolerance) {
+        return Err(ElasticaError::Tolerance(tolerance));
+    }
     follower.check(second_order)?;
     let linear = follower.linear()?;
     if second_order == SecondOrder::None {
@@ -89,14 +93,14 @@ impl<'a> Follower<'a> {
             }
             _ => None,
         };
-        Self { model, chord, band: chord.band_len(), sagging }
+        Self { model, chord, band: chord.band_len(model.mesh().length_m()), sagging }
     }
 
     /// Refuses samples too far apart, and links whose weight or second order is not derived.
     fn check(&self, second_order: SecondOrder) -> Result<(), ElasticaError> {
         let refused = |what, known| Err(ElasticaError::NotDerived { what, known });
         let (law, is_bent) = (self.model.law(), second_order != SecondOrder::None);
-        if self.chord.reaches_nyquist() {
+        if self.chord.reaches_nyquist(self.model.mesh().length_m()) {
             return Err(ElasticaError::LongStep { step_s: self.chord.step_s });
         }
         if self.model.kept_modes() != KeptModes::All {
@@ -105,10 +109,10 @@ impl<'a> Follower<'a> {
         if is_bent && self.model.mesh().has_shear() {
             return refused("the link has shear and rotary inertia", "without them");
         }
-        if law.mass_rate_per_s() != 0.0 && (is_bent || self.chord.has_weight()) {
+        if law.mass_rate_per_s() != 0.0 {
             return refused("the damping drags every mass (alpha)", "with alpha = 0");
         }
-        if law.is_modal() && self.chord.has_weight() {
+        if law.is_modal() && (is_bent || self.chord.has_weight()) {
             return refused(
                 "the damping is given mode by mode",
                 "with hysteretic or rayleigh damping",
@@ -119,7 +123,7 @@ impl<'a> Follower<'a> {
 
     /// What moves the link at a bin, and forces on its nodes. Hysteretic damping acts on what a link bends beyond
     /// its sag: a constant load would else meet a stiffness that changes with the sign of ω, and never settle. The
-    /// stiffness (1 + 2iξ) K on the sag is given back as loads.
+    /// 2iξ K of the sag is given back as loads.
     fn moved(&self, bin: usize, mut nodal: Vec<[Complex64; 2]>) -> Loads<Complex64> {
         let axis_m_s2 = self.chord.across[bin];
         if let Some((ratio, sagging)) = self.sagging.as_ref().filter(|_| bin > 0) {
@@ -141,18 +145,22 @@ impl<'a> Follower<'a> {
                 self.model.loaded_motion(self.chord.omega_rad_s(bin), &loads)
             })
             .collect();
-        match answers.iter().position(|answer| !answer.torque_n_m.is_finite()) {
-            Some(bin) => Err(ElasticaError::NotFinite { frequency_hz: self.frequency_hz(bin) }),
+        let mesh = self.model.mesh();
+        // Damped, no frequency of a payload's inertia is blocked altogether.
+        let is_undamped = *self.model.law() == DampingLaw::Hysteretic { ratio: 0.0 };
+        let is_lost = |bin: &usize| {
+            let tip = || self.model.tip_transfer(self.chord.omega_rad_s(*bin));
+            !answers[*bin].torque_n_m.is_finite() || is_undamped && tip().is_blocked(mesh)
+        };
+        match (0..self.band).find(is_lost) {
+            Some(bin) => {
+                Err(ElasticaError::NotFinite { frequency_hz: self.chord.omega_rad_s(bin) / TAU })
+            }
             None => Ok(answers),
         }
     }
 
-    fn frequency_hz(&self, bin: usize) -> f64 {
-        self.chord.omega_rad_s(bin) / std::f64::consts::TAU
-    }
-
-    /// Bins up to the last one whose torque counts for the second order: products of so many bins have no alias
-    /// among them.
+    /// Bins up to the last one whose torque counts for the second order.
     ///
     /// # Errors
     /// [`ElasticaError::LongStep`] where there are more.
@@ -254,10 +262,10 @@ impl<'a> Follower<'a> {
                     };
                     link.write(&now, &mut scratch, row)
                 });
-                slopes.fold(0.0, |most: f64, slope| if slope <= most { most } else { slope })
+                slopes.fold(0.0, larger)
             })
             .collect();
-        let slope = steepest.iter().fold(0.0, |most: f64, s| if *s <= most { most } else { *s });
+        let slope = steepest.into_iter().fold(0.0, larger);
         if slope.is_nan() || slope >= STEEPEST {
             return Err(ElasticaError::TooSteep { slope });
         }
@@ -373,11 +381,7 @@ impl<'a> Follower<'a> {
 
 /// Largest difference of two histories.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
-    let off = |most: f64, (a, b): (&f64, &f64)| {
-        let off = (a - b).abs();
-        if off <= most { most } else { off }
-    };
-    a.iter().zip(b).fold(0.0, off)
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, larger)
 }
 
 /// What changes of a torque are compared with: largest less smallest value, or the largest where it is at rest; none
@@ -387,10 +391,8 @@ fn size(torque_n_m: &[f64], mesh: &Mesh) -> f64 {
         [ends[0].min(*value), ends[1].max(*value)]
     });
     let (range, most) = (high - low, low.abs().max(high.abs()));
-    let softest = mesh.elements().iter().fold(f64::INFINITY, |least: f64, element| {
-        let Taper { inner, outer } = element.bending_stiffness_n_m2;
-        least.min(inner).min(outer)
-    });
+    let stiffness = mesh.elements().iter().map(|element| element.bending_stiffness_n_m2);
+    let softest = stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer));
     let size = if range > AT_REST * most { range } else { most };
     size.max(STRAIGHT * softest / mesh.length_m())
 }

@@ -89,7 +89,7 @@ pub(super) struct BentLink {
     nodes_m: Vec<f64>,
     /// From the axis outward.
     bodies: Vec<Body>,
-    /// Of the moment by the rate of the curvature, in s.
+    /// β in s: share of the curvature's rate in the bending moment.
     beta_s: f64,
     second_order: SecondOrder,
 }
@@ -212,14 +212,14 @@ impl BentLink {
                     place.x_acceleration = up_to[2][k];
                 }
             }
-            largest = slopes.iter().fold(largest, |most, slope| most.max(slope.sine.abs()));
+            largest = slopes.iter().map(|slope| slope.sine.abs()).fold(largest, larger);
             scratch.slopes.push(slopes);
             scratch.places.push(places);
         }
         for body in bodies {
             scratch.body_places.push(self.body_place(now, body, u));
         }
-        largest
+        now.w.iter().skip(1).step_by(2).map(|slope| slope.abs()).fold(largest, larger)
     }
 
     /// Place of a body at the end of its arm, its node being shortened by `u`.
@@ -302,6 +302,11 @@ impl BentLink {
         }
         axial
     }
+}
+
+/// The larger of two sizes; NaN where one is.
+pub(super) fn larger(most: f64, size: f64) -> f64 {
+    if size <= most || most.is_nan() { most } else { size }
 }
 
 /// Acceleration of a place along the chord.

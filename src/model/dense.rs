@@ -189,6 +189,7 @@ impl Model for Dense {
     fn loaded_motion(&self, omega_rad_s: f64, loads: &Loads<Complex64>) -> LoadedMotion<Complex64> {
         let (mesh, lambda) = (self.mesh(), self.law().lambda(omega_rad_s));
         let factors = self.law().factors(omega_rad_s);
+        assert!(loads.nodal.len() == mesh.nodes_m().len(), "a load for each node");
         if omega_rad_s == 0.0 {
             return loaded_motion(mesh, lambda, factors, loads);
         }

@@ -95,15 +95,19 @@ impl Superposition {
         Ok(Self { link, kept, rigid, modes, residual })
     }
 
+    /// What divides a mode's share: exactly on a pole of an undamped mode nothing is finite, and a hair beside it
+    /// all is.
+    fn denominator(&self, k: usize, mode_rad_s: f64, omega_rad_s: f64) -> Complex64 {
+        let at = |omega| self.law().modal_denominator(k + 1, mode_rad_s, omega);
+        let exact = at(omega_rad_s);
+        let is_pole = exact == Complex64::ZERO;
+        if is_pole { at(omega_rad_s * (1.0 + 4.0 * f64::EPSILON)) } else { exact }
+    }
+
     /// Each mode's coordinate per torque, times κ: `p_k/(ω_k² − λ)`, or `p_k/(ω_k² − ω² + 2iζω_kω)`.
     fn coordinates(&self, omega_rad_s: f64) -> Vec<(Complex64, &Share)> {
         let modes = self.modes.iter().enumerate().map(|(k, (mode_rad_s, share))| {
-            let at = |omega| self.law().modal_denominator(k + 1, *mode_rad_s, omega);
-            let exact = at(omega_rad_s);
-            // Exactly on a pole of an undamped mode nothing is finite, and a hair beside it all is.
-            let is_pole = exact == Complex64::ZERO;
-            let beside = if is_pole { at(omega_rad_s * (1.0 + 4.0 * f64::EPSILON)) } else { exact };
-            (share.hub_angle / beside, share)
+            (share.hub_angle / self.denominator(k, *mode_rad_s, omega_rad_s), share)
         });
         modes.chain(self.residual.iter().map(|share| (Complex64::ONE, share))).collect()
     }
@@ -191,13 +195,15 @@ impl Model for Superposition {
         }
     }
 
-    /// The tip is on the chord where the accelerations that torque and loads give it are those of the chord.
+    /// The tip is on the chord where the accelerations that torque and loads give it are those of the chord. Loads on
+    /// motions without mass, which are no modes, bend nothing here.
     fn loaded_motion(&self, omega_rad_s: f64, loads: &Loads<Complex64>) -> LoadedMotion<Complex64> {
         let (mesh, lambda) = (self.mesh(), self.law().lambda(omega_rad_s));
+        assert!(loads.nodal.len() == mesh.nodes_m().len(), "a load for each node");
         let [mass, stiffness] = self.law().factors(omega_rad_s);
         let per_torque = self.coordinates(omega_rad_s);
         let modes = self.modes.iter().enumerate().map(|(k, (mode_rad_s, share))| {
-            let square = self.law().modal_denominator(k + 1, *mode_rad_s, omega_rad_s);
+            let square = self.denominator(k, *mode_rad_s, omega_rad_s);
             (share.work(mesh, loads, mass) / square, share)
         });
         let of_loads: Vec<(Complex64, &Share)> = modes.collect();

@@ -25,15 +25,15 @@ fn loaded_arm() -> LinkParts {
             segment(0.5, [30.0, 22.0], [0.6, 0.5]),
             segment(0.5, [20.0, 14.0], [0.5, 0.3]),
         ],
-        hub: Hub { inertia_kg_m2: 0.05, radius_m: 0.1, viscous_friction_n_m_s_rad: 0.0 },
+        hub: Hub { inertia_kg_m2: 0.05, radius_m: 0.1, viscous_friction_n_m_s_rad: 0.3 },
         masses: vec![mass(0.1, 0.2, 1e-3), mass(0.6, 0.1, 5e-4), mass(1.1, 0.05, 2e-4)],
         payload: Payload { mass_kg: 0.15, inertia_kg_m2: 1e-4, offset_m: 0.05 },
         ..arm()
     }
 }
 
-/// Power times time of a torque, from the motor's own view: the hub's rate is that of chord and slope.
-fn work_of_torque(found: &ElasticaMotion) -> f64 {
+/// Work of the torque and what the hub's friction takes of it: the hub's rate is that of chord and slope.
+fn work_and_friction(found: &ElasticaMotion, friction_n_m_s_rad: f64) -> [f64; 2] {
     let turn = turn();
     let last = Turn::sample(turn.duration_s + 1.0);
     // Both ends are at rest, so that the plain sum is exact beyond all orders.
@@ -45,7 +45,8 @@ fn work_of_torque(found: &ElasticaMotion) -> f64 {
     let rate = |k: usize| {
         (8.0 * (angle(k + 1) - angle(k - 1)) - (angle(k + 2) - angle(k - 2))) / (12.0 * STEP_S)
     };
-    (2..last).map(|k| found.torque_n_m[k] * rate(k) * STEP_S).sum()
+    let sum = |of: &dyn Fn(usize) -> f64| (2..last).map(|k| of(k) * STEP_S).sum();
+    [sum(&|k| found.torque_n_m[k] * rate(k)), sum(&|k| friction_n_m_s_rad * rate(k).powi(2))]
 }
 
 /// Potential and strain energy of the elastica at a sample, from its nodes: Hermite's cubics on a fine rule of
@@ -179,8 +180,9 @@ fn the_work_of_the_torque_is_the_change_of_energy_and_what_damping_takes() {
         let last = Turn::sample(turn.duration_s + 1.0);
         let [[v0, u0], [v1, u1]] = [(2, -1.2), (last, 0.5)].map(|(k, angle)| energy.at(k, angle));
         let taken = energy.dissipated(3e-4, last);
-        let work = work_of_torque(&found);
-        let off = (work - (v1 - v0) - (u1 - u0) - taken) / work;
+        let friction = parts.hub.viscous_friction_n_m_s_rad;
+        let [work, rubbed] = work_and_friction(&found, friction);
+        let off = (work - (v1 - v0) - (u1 - u0) - taken - rubbed) / work;
         assert!(off.abs() < 1e-6, "{off:e}: {work} J, {} J, {} J, {taken} J", v1 - v0, u1 - u0);
         assert!(taken > 1e-3 * work && (u1 - u0).abs() > 1e-6 * work);
     }
@@ -206,7 +208,7 @@ fn a_turned_plane_takes_the_same_torques() {
     }
 }
 
-/// In a horizontal plane, t → τt and EI → EI/τ² leave all angles, and torques times τ².
+/// In a horizontal plane, t → τt, EI → EI/τ², β → τβ and b → b/τ leave all angles, and torques times τ².
 #[test]
 fn a_slower_turn_of_a_softer_link_takes_less_torque() {
     let slow = |parts: LinkParts| LinkParts {
@@ -215,6 +217,7 @@ fn a_slower_turn_of_a_softer_link_takes_less_torque() {
             .into_iter()
             .map(|s| Segment { bending_stiffness_n_m2: s.bending_stiffness_n_m2.scaled(0.25), ..s })
             .collect(),
+        hub: Hub { viscous_friction_n_m_s_rad: 0.15, ..parts.hub },
         damping: Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 6e-4 },
         ..parts
     };
@@ -248,14 +251,16 @@ fn a_link_that_hardly_bends_is_the_rigid_pendulum() {
     }
 }
 
-/// At a constant rate, without gravity, every element of a turning link pulls at the axis, and the torque is none.
+/// At a constant rate, without gravity, every element of a turning link pulls at the axis, and the torque is that of friction.
 #[test]
 fn a_steady_turn_takes_no_torque_and_does_not_bend() {
     let len = 256;
     let columns = [vec![0.0; len], vec![6.0; len], vec![0.0; len]];
     let chord = ChordPeriod::new(STEP_S, columns, [0.0; 2]).expect("a period");
     let found = follow(&*model(&loaded_arm(), 6), &chord, SecondOrder::Full, 1e-11);
-    assert!(found.expect("a motion").torque_n_m.iter().all(|t| t.abs() < 1e-12));
+    let (found, friction) = (found.expect("a motion"), 0.3 * 6.0);
+    assert!(found.torque_n_m.iter().all(|t| (t - friction).abs() < 1e-12));
+    assert!(found.largest_slope < 1e-12);
 }
 
 /// A slow turn bends a hysteretic link as it bends one without damping: weight alone, which comes and goes with the
@@ -291,7 +296,12 @@ fn what_is_not_derived_is_refused() {
     assert!(refused(&modal, GRAVITY, SecondOrder::None).contains("hysteretic or rayleigh"));
     let mut soft = arm();
     soft.segments[0].bending_stiffness_n_m2 = Taper::constant(0.5);
-    assert!(refused(&soft, GRAVITY, SecondOrder::Full).contains("must be below"));
+    assert!(refused(&soft, GRAVITY, SecondOrder::Full).starts_with("slope of the link"));
+    let chord_of_turn = chord(&turn(), GRAVITY);
+    for tolerance in [0.0, f64::NAN, 1.0] {
+        let found = follow(&*model(&arm(), 4), &chord_of_turn, SecondOrder::Full, tolerance);
+        assert!(matches!(found, Err(ElasticaError::Tolerance(_))), "{found:?}");
+    }
     let jumps = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
     let columns = [vec![0.0; 64], vec![0.0; 64], (0..64).map(jumps).collect()];
     let coarse = ChordPeriod::new(STEP_S, columns, [0.0; 2]).expect("a period");
@@ -299,4 +309,7 @@ fn what_is_not_derived_is_refused() {
     assert!(matches!(found, Err(ElasticaError::LongStep { .. })), "{found:?}");
     let uneven = ChordPeriod::new(STEP_S, [vec![0.0; 8], vec![0.0; 7], vec![0.0; 8]], [0.0; 2]);
     assert!(uneven.expect_err("a refusal").to_string().contains("equally many"));
+    let lost = [vec![0.0; 8], vec![0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0, 0.0], vec![0.0; 8]];
+    let lost = ChordPeriod::new(STEP_S, lost, [0.0; 2]).expect_err("a refusal").to_string();
+    assert_eq!(lost, "rate of sample 2 = NaN, but must be a finite number");
 }

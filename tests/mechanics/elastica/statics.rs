@@ -9,7 +9,7 @@ use super::{STEP_S, arm, model};
 
 const G: f64 = 9.81;
 
-/// Soft enough to bend by a third of its length.
+/// Soft enough to bend by a fifth of its length.
 fn soft() -> LinkParts {
     LinkParts {
         segments: vec![Segment::uniform(1.1, 6.0, 0.5)],
@@ -61,6 +61,7 @@ fn elastica(parts: &LinkParts, chord_rad: f64) -> [f64; 2] {
         x.mul_add(-chord_rad.sin(), y * chord_rad.cos())
     };
     let (mut low, mut high) = (chord_rad - 1.2, chord_rad + 1.2);
+    assert!(off(low) < 0.0 && off(high) > 0.0);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
         if off(middle) < 0.0 { low = middle } else { high = middle }
@@ -81,7 +82,7 @@ fn torque_and_direction_at_rest_are_those_of_the_elastica() {
             let turned = chord_rad + found.hub_slope_rad[3] - direction;
             errors.push(off.abs().max(turned.abs()));
         }
-        assert!(errors[2] < 1e-6 && errors[2] < errors[0] / 50.0, "{chord_rad}: {errors:?}");
+        assert!(errors[2] < 1e-6 && errors[2] < errors[0] / 150.0, "{chord_rad}: {errors:?}");
     }
 }
 
