@@ -208,6 +208,28 @@ fn a_turned_plane_takes_the_same_torques() {
     }
 }
 
+/// Of a stiffer link the deflections fall as 1/EI: what first order counts falls with them, what it leaves out with
+/// their square. A wrong term of first order would leave a part that falls no faster than they do.
+#[test]
+fn first_order_leaves_out_the_square_of_the_deflections() {
+    let apart = |stiffer: f64| {
+        let mut parts = loaded_arm();
+        for segment in &mut parts.segments {
+            segment.bending_stiffness_n_m2 = segment.bending_stiffness_n_m2.scaled(stiffer);
+        }
+        parts.damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 3e-4 / stiffer };
+        let model = model(&parts, 6);
+        let [none, first, full] =
+            [SecondOrder::None, SecondOrder::First, SecondOrder::Full].map(|order| {
+                follow(&*model, &chord(&turn(), GRAVITY), order, 1e-12).expect("a motion")
+            });
+        [differ(&full, &none, 1.0), differ(&full, &first, 1.0)]
+    };
+    let ([counted, left], [counted_less, left_less]) = (apart(400.0), apart(1600.0));
+    assert!((3.9..4.1).contains(&(counted / counted_less)), "{counted:e} {counted_less:e}");
+    assert!((15.0..17.0).contains(&(left / left_less)), "{left:e} {left_less:e}");
+}
+
 /// In a horizontal plane, t → τt, EI → EI/τ², β → τβ and b → b/τ leave all angles, and torques times τ².
 #[test]
 fn a_slower_turn_of_a_softer_link_takes_less_torque() {
