@@ -1,11 +1,12 @@
 //! The recursion with loads: beside the apparent inertia it carries a bias force.
 
+use num_complex::Complex64;
+
 use super::inertia::{Gain, Inertia};
 use super::mesh::Mesh;
 use super::recursion::condense;
 use super::transfer::is_trusted;
 use crate::numeric::{Scalar, Size};
-use num_complex::Complex64;
 
 /// Steps of λ, over λ, beside one at which the outboard part of a node resonates.
 const BESIDE: [f64; 4] = [-2e-5, -1e-5, 1e-5, 2e-5];
@@ -103,7 +104,7 @@ fn recursed<S: Scalar>(
     let (mut whole, [mut e_v, mut e_phi], mut e_bias) = ([zero + 1.0, zero], [zero; 2], zero);
     let root = condense(mesh, lambda, |index, step| {
         let length_m = mesh.relative_elements()[index].length_m;
-        let bent = step.solved(bias);
+        let bent = step.eliminated.solved(step.pivots, bias);
         e_bias = e_bias + whole[0] * bent[0] + whole[1] * bent[1];
         let tip = [e_v + 1.0, e_phi + (link_m - mesh.nodes_m()[index + 1])];
         let ([v, phi], along) = (step.eliminated.along(tip), step.eliminated.along(whole));
@@ -152,8 +153,6 @@ fn about_axis<S: Scalar>(root: Inertia<S>, bias: [S; 2], a: [S; 2], root_m: f64)
 
 #[cfg(test)]
 mod tests {
-    use num_complex::Complex64;
-
     use super::*;
     use crate::beam::test_links::mesh;
     use crate::beam::tip_transfer;

@@ -27,12 +27,6 @@ impl<S: Scalar> Step<S> {
     pub fn gain(&self) -> Gain<S> {
         self.eliminated.gain()
     }
-
-    /// Deformation that a force on (v, φ) of the outer end adds: `(K_d/λ − (M_dd + A_j))⁻¹ s`.
-    #[inline(always)]
-    pub(super) fn solved(&self, s: [S; 2]) -> [S; 2] {
-        self.eliminated.solved(self.pivots, s)
-    }
 }
 
 /// Runs the recursion from tip to hub at λ, element by element, and shows every element's [`Step`] to

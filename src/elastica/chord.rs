@@ -28,6 +28,10 @@ pub struct ChordPeriod {
     pub(super) pair: FourierPair,
     pub(super) step_s: f64,
     pub(super) histories: ChordHistories,
+    /// Amplitudes of the rate in rad/s.
+    rate: Vec<Complex64>,
+    /// Amplitudes of the axis' acceleration along the chord in m/s².
+    along: Vec<Complex64>,
     /// Amplitudes of the angular acceleration in rad/s².
     pub(super) turning: Vec<Complex64>,
     /// Amplitudes of the axis' acceleration across the chord in m/s².
@@ -164,10 +168,11 @@ impl ChordPeriod {
         let (along_m_s2, across_m_s2): (Vec<f64>, Vec<f64>) =
             angle_rad.iter().map(|angle| upward(angle).into()).unzip();
         let pair = FourierPair::new(len);
-        let turning = pair.amplitudes(&acceleration_rad_s2);
-        let across = pair.amplitudes(across_m_s2);
+        let (rate, along) = (pair.amplitudes(&rate_rad_s), pair.amplitudes(&along_m_s2));
+        let (turning, across) =
+            (pair.amplitudes(&acceleration_rad_s2), pair.amplitudes(across_m_s2));
         let histories = ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2 };
-        Ok(Self { pair, step_s, histories, turning, across })
+        Ok(Self { pair, step_s, histories, rate, along, turning, across })
     }
 
     /// Number N of samples.
@@ -192,12 +197,10 @@ impl ChordPeriod {
         if pair.len() == self.len() {
             return self.histories.clone();
         }
-        let resampled = |history: &Vec<f64>| pair.samples(self.pair.amplitudes(history));
-        let ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2 } = &self.histories;
         ChordHistories {
-            rate_rad_s: resampled(rate_rad_s),
-            acceleration_rad_s2: resampled(acceleration_rad_s2),
-            along_m_s2: resampled(along_m_s2),
+            rate_rad_s: pair.samples(&self.rate),
+            acceleration_rad_s2: pair.samples(&self.turning),
+            along_m_s2: pair.samples(&self.along),
         }
     }
 

@@ -6,11 +6,11 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, STEEPEST};
-use super::loads::{BentLink, Instant, Scratch, SecondOrder, larger, sagging_loads};
+use super::loads::{BentLink, Instant, Scratch, SecondOrder, sagging_loads};
 use crate::beam::{LoadedMotion, Loads, Mesh};
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, Model};
-use crate::numeric::{FourierPair, largest, magnitude};
+use crate::numeric::{FourierPair, Size, largest, magnitude};
 
 /// Iterations after which one that still converges is given up.
 const MOST_ITERATIONS: usize = 100;
@@ -262,10 +262,10 @@ impl<'a> Follower<'a> {
                     };
                     link.write(&now, &mut scratch, row)
                 });
-                slopes.fold(0.0, larger)
+                slopes.fold(0.0, Size::larger)
             })
             .collect();
-        let slope = steepest.into_iter().fold(0.0, larger);
+        let slope = steepest.into_iter().fold(0.0, Size::larger);
         if slope.is_nan() || slope >= STEEPEST {
             return Err(ElasticaError::TooSteep { slope });
         }
@@ -379,9 +379,9 @@ impl<'a> Follower<'a> {
     }
 }
 
-/// Largest difference of two histories.
+/// Largest difference of two histories; NaN where one is.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, larger)
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger)
 }
 
 /// What changes of a torque are compared with: largest less smallest value, or the largest where it is at rest; none

@@ -3,6 +3,7 @@
 use super::points::{POINTS, Points, dot};
 use crate::beam::{Inertia, Mesh};
 use crate::link::Payload;
+use crate::numeric::Size;
 
 /// What is counted of the second order in deflections and rates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -212,14 +213,14 @@ impl BentLink {
                     place.x_acceleration = up_to[2][k];
                 }
             }
-            largest = slopes.iter().map(|slope| slope.sine.abs()).fold(largest, larger);
+            largest = slopes.iter().map(|slope| slope.sine.abs()).fold(largest, Size::larger);
             scratch.slopes.push(slopes);
             scratch.places.push(places);
         }
         for body in bodies {
             scratch.body_places.push(self.body_place(now, body, u));
         }
-        now.w.iter().skip(1).step_by(2).map(|slope| slope.abs()).fold(largest, larger)
+        now.w.iter().skip(1).step_by(2).map(|slope| slope.abs()).fold(largest, Size::larger)
     }
 
     /// Place of a body at the end of its arm, its node being shortened by `u`.
@@ -302,11 +303,6 @@ impl BentLink {
         }
         axial
     }
-}
-
-/// The larger of two sizes; NaN where one is.
-pub(super) fn larger(most: f64, size: f64) -> f64 {
-    if size <= most || most.is_nan() { most } else { size }
 }
 
 /// Acceleration of a place along the chord.
