@@ -1,6 +1,6 @@
 //! flexlink: the hub torque that makes the tip of a flexible link follow a wanted motion.
 //!
-//! A straight link turns about a hub in the horizontal plane. Given the motion that its *tip* is to
+//! A straight link turns about a hub, in the horizontal plane or under gravity. Given the motion that its *tip* is to
 //! make, this library finds the torque that a motor must apply at the *hub* (E. Bayo, *A
 //! Finite-Element Approach to Control the End-Point Motion of a Single-Link Flexible Robot*,
 //! J. Robotic Systems 4(1), 1987; "eq n" in these docs is that paper's numbering). The torque
@@ -86,6 +86,8 @@
 //! | α, β | Rayleigh damping | 1/s, s |
 //! | ζ | viscous damping ratio of one mode | |
 //! | φ, q, p | shape of a mode, its coordinate, its hub angle: `q̈ + 2ζωq̇ + ω²q = pT` | 1/√kg, m √kg, 1/(m √kg) |
+//! | w', ψ, u | slope of the link from its chord, its angle `asin w'`, shortening along the chord ([`elastica`]) | , rad, m |
+//! | g | gravity in the plane of motion, `gravity_m_s2` | m/s² |
 //! | κ | relative complex stiffness, 1 + 2iξ or 1 + iωβ | |
 //! | λ | ω²(1 + α/(iω))/κ, `lambda`: all that the recursion needs to know of frequency and damping | 1/s² |
 //! | A | apparent inertia of all that is outboard, [`beam::Inertia`] | kg, kg m, kg m² |

@@ -24,6 +24,7 @@ pub(crate) fn link(damping: Damping) -> Link {
         payload: Payload::default(),
         damping,
         drive: None,
+        gravity: None,
     })
     .unwrap()
 }

@@ -28,6 +28,7 @@ pub fn any_link(u: &mut Unstructured) -> Result<LinkParts> {
         },
         damping: any_damping(u)?,
         drive: any_drive(u)?,
+        gravity: None,
     })
 }
 

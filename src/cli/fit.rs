@@ -14,7 +14,7 @@ use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, rewrite};
 use flexlink::store::{Fingerprint, FitInputs, fit_json};
 
 use crate::options::common::option;
-use crate::options::inputs::{LinkArgs, tell as tell_reading};
+use crate::options::inputs::{LinkArgs, tell as tell_reading, warn_of_gravity};
 use crate::terminal::files::{keep_inputs, keep_page_apart, read_once};
 use crate::terminal::text::fit_text;
 use crate::terminal::{Exit, Failure, StageBar, console};
@@ -125,6 +125,7 @@ impl Fit {
                 "records are of the link with its hysteretic ratio as the viscous ratio of each mode",
             );
         }
+        warn_of_gravity(&problem.own);
         let replaced = self.write(&problem, &outcome)?;
         let page = self.page().map(|page| self.draw(&page, &problem, &outcome, &replaced));
         tell(&outcome, &replaced, &page.transpose()?.unwrap_or_default())

@@ -15,7 +15,7 @@ use flexlink::spec::Specification;
 use flexlink::store::{frequency_response_json, write_frequency_response};
 use flexlink::text::{plain, significant};
 
-use crate::options::inputs::LinkArgs;
+use crate::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::terminal::files::keep_files;
 use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
 
@@ -94,7 +94,8 @@ impl Frf {
                 write_frequency_response(out, &rows, errors.as_deref(), self.digits)
             })?;
         }
-        self.warnings.refuse(tell(&rows, errors.as_deref()))
+        let warnings = tell(&rows, errors.as_deref()) + warn_of_gravity(&specification.link);
+        self.warnings.refuse(warnings)
     }
 
     /// The response at each frequency, and its mesh error by halved elements; `None` where damping

@@ -21,7 +21,7 @@ use crate::terminal::{Ending, Failure, ThreadArgs, console, interrupt, memory};
 
 /// Hub torque that makes the tip of a flexible link follow a wanted motion.
 ///
-/// The link turns about its hub in the horizontal plane and bends a little; the motion goes from rest to
+/// The link turns about its hub, in the horizontal plane or under gravity; the motion goes from rest to
 /// rest. The torque starts before the tip moves and outlasts its motion, because bending waves travel at
 /// finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).
 #[derive(Debug, Parser)]

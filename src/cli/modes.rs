@@ -16,7 +16,7 @@ use flexlink::spec::Specification;
 use flexlink::store::modes_json;
 
 use crate::options::common::SyncArgs;
-use crate::options::inputs::LinkArgs;
+use crate::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::terminal::files::check_folder;
 use crate::terminal::text::modes_text;
 use crate::terminal::{Failure, WarningArgs, console, memory};
@@ -137,7 +137,7 @@ fn tell(specification: &Specification, mesh: &Mesh, result: &ModesResult) -> usi
     }
     let coarse = result.warnings();
     console::warnings(coarse.iter().map(|warning| (warning, warning.hint())));
-    usize::from(thick.is_some()) + coarse.len()
+    usize::from(thick.is_some()) + coarse.len() + warn_of_gravity(link)
 }
 
 /// Displacements of all nodes in a mode.

@@ -162,6 +162,7 @@ impl Simulate {
             SimulationError::Plan(_)
             | SimulationError::Damping(_)
             | SimulationError::MasslessHub
+            | SimulationError::HasWeight
             | SimulationError::TooMuchMemory { .. }
             | SimulationError::NotFinite { .. } => (Exit::NotSolvable, String::new()),
         };

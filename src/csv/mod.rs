@@ -13,7 +13,6 @@ mod number;
 mod place;
 mod record;
 mod recorded;
-mod recording_table;
 mod response;
 mod rows;
 mod samples;
@@ -31,8 +30,7 @@ pub use motion::{
 };
 pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};
-pub use record::{RecordTable, read_record};
-pub use recording_table::read_recording;
+pub use record::{RecordTable, read_record, read_recording};
 pub use response::read_frequency_response;
 pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, without_checks};
 pub use rows::{TableError, checked_header, checked_rows};

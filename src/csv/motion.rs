@@ -196,7 +196,9 @@ pub fn read_motion_table_as(
     let mut samples = Samples::read(name, bytes, format, motion_columns)?;
     let rounding = samples.rounding();
     let mut per_value = 1.0;
+    let mut start_angle_rad = None;
     let arc = samples.take(ANGLE).map(|mut angle| {
+        start_angle_rad = angle.first().copied();
         for value in &mut angle {
             *value *= link_length_m;
         }
@@ -213,7 +215,7 @@ pub fn read_motion_table_as(
         velocity_m_s: samples.take(VELOCITY),
         displacement_m: samples.take(DISPLACEMENT).or(arc),
     };
-    let recording = Recording { uncertainty, ..Recording::default() };
+    let recording = Recording { uncertainty, start_angle_rad, ..Recording::default() };
     let Samples { lines, reading, .. } = samples;
     Ok(MotionTable { columns, name: name.to_owned(), lines, reading, recording })
 }

@@ -1,18 +1,46 @@
-//! What a table of a motion is worth: its noise, its times, its digits.
+//! What a table of a motion is worth: its noise, its times, its digits, its angles under gravity.
 
 use std::f64::consts::TAU;
 
 use super::motion::MotionTable;
 use super::rows::{Place, TableError};
 use super::samples::refuse_samples;
+use crate::link::Gravity;
 use crate::motion::{MotionColumns, Recording, TipMotion, Uncertainty};
 use crate::recording::{jitter, rested};
-use crate::text::significant;
+use crate::text::{plain, significant};
 
 /// Largest uncertainty of a displacement over its travel.
 const LEAST_WORTH: f64 = 0.1;
 
+/// Angles that differ by less are the same.
+const SAME_ANGLE_RAD: f64 = 1e-6;
+
 impl MotionTable {
+    /// The motion of a link with gravity: angles are then absolute, and the first of them is the start angle, from
+    /// which the displacement counts.
+    ///
+    /// # Errors
+    /// [`TableError`] if the link's own start angle is another one.
+    pub fn with_gravity(
+        mut self,
+        gravity: &Gravity,
+        link_length_m: f64,
+    ) -> Result<Self, TableError> {
+        let Some(first_rad) = self.recording.start_angle_rad else { return Ok(self) };
+        let other = gravity.start_angle_rad.filter(|own| (own - first_rad).abs() > SAME_ANGLE_RAD);
+        if let Some(own) = other {
+            let place = Place { file: &self.name, line: self.lines.first().copied() };
+            let must =
+                format!("must be start_angle of the link file, {} rad, at the start", plain(own));
+            return Err(place.refuse("angle", format!("{} rad", plain(first_rad)), must));
+        }
+        for displacement in self.columns.displacement_m.iter_mut().flatten() {
+            *displacement -= first_rad * link_length_m;
+        }
+        Ok(self)
+    }
+
     /// Checks the samples and makes a motion of them.
     ///
     /// A velocity alone is integrated: the displacement is the integral of its not-a-knot cubic spline.

@@ -27,6 +27,9 @@ pub(super) const FINEST: f64 = 1e-13;
 pub struct ChordPeriod {
     pub(super) pair: FourierPair,
     pub(super) step_s: f64,
+    pub(super) gravity_m_s2: [f64; 2],
+    /// Directions in rad.
+    pub(super) angle_rad: Vec<f64>,
     pub(super) histories: ChordHistories,
     /// Amplitudes of the rate in rad/s.
     rate: Vec<Complex64>,
@@ -47,6 +50,8 @@ pub(super) struct ChordHistories {
     pub(super) acceleration_rad_s2: Vec<f64>,
     /// Acceleration of the axis along the chord in m/s².
     pub(super) along_m_s2: Vec<f64>,
+    /// Acceleration of the axis across the chord in m/s².
+    pub(super) across_m_s2: Vec<f64>,
 }
 
 /// Why there is no motion of a link that follows a chord.
@@ -127,6 +132,27 @@ pub enum ElasticaError {
     },
 }
 
+impl ElasticaError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::TooSteep { .. } => "a slower motion, a lighter payload or a stiffer link",
+            Self::Diverges { .. } => {
+                "a slower motion or a stiffer link; analysis.second_order = \"first\" leaves out most of them, with \
+                 a larger error of the tip"
+            }
+            Self::NotDerived { .. } => {
+                "change the link; without gravity, analysis.second_order = \"none\" solves it for small deflections"
+            }
+            Self::LongStep { .. } => {
+                "a shorter step, or a smoother motion; analysis.tip_tolerance above 0 limits the frequencies"
+            }
+            Self::NotFinite { .. } => "give damping, or a smoother motion",
+            _ => return None,
+        })
+    }
+}
+
 impl ChordPeriod {
     /// The period of a chord with these angles in rad from the plane's x axis, rates in rad/s and accelerations in
     /// rad/s² at each `step_s`, in a plane with `gravity_m_s2` along its x and y axes.
@@ -170,9 +196,17 @@ impl ChordPeriod {
         let pair = FourierPair::new(len);
         let (rate, along) = (pair.amplitudes(&rate_rad_s), pair.amplitudes(&along_m_s2));
         let (turning, across) =
-            (pair.amplitudes(&acceleration_rad_s2), pair.amplitudes(across_m_s2));
-        let histories = ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2 };
-        Ok(Self { pair, step_s, histories, rate, along, turning, across })
+            (pair.amplitudes(&acceleration_rad_s2), pair.amplitudes(&across_m_s2));
+        let histories = ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2, across_m_s2 };
+        Ok(Self { pair, step_s, gravity_m_s2, angle_rad, histories, rate, along, turning, across })
+    }
+
+    /// A chord that rests in a direction in rad: a few equal samples.
+    ///
+    /// # Errors
+    /// [`ElasticaError::Sample`].
+    pub fn at_rest(angle_rad: f64, gravity_m_s2: [f64; 2]) -> Result<Self, ElasticaError> {
+        Self::new(1.0, [angle_rad, 0.0, 0.0].map(|value| vec![value; FEWEST]), gravity_m_s2)
     }
 
     /// Number N of samples.
@@ -201,6 +235,7 @@ impl ChordPeriod {
             rate_rad_s: pair.samples(&self.rate),
             acceleration_rad_s2: pair.samples(&self.turning),
             along_m_s2: pair.samples(&self.along),
+            across_m_s2: pair.samples(&self.across),
         }
     }
 

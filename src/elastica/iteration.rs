@@ -6,7 +6,8 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, STEEPEST};
-use super::loads::{BentLink, Instant, Scratch, SecondOrder, sagging_loads};
+use super::loads::{BentLink, SecondOrder};
+use super::sag::{Sag, TOLERANCE};
 use crate::beam::{LoadedMotion, Loads, Mesh};
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, Model};
@@ -28,9 +29,6 @@ const AT_REST: f64 = 1e-6;
 /// Bending by less than this angle in rad counts as none.
 const STRAIGHT: f64 = 1e-6;
 
-/// Instants whose loads a thread computes at a time.
-const BLOCK: usize = 64;
-
 /// A link whose tip stays on the chord, over a period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElasticaMotion {
@@ -40,6 +38,11 @@ pub struct ElasticaMotion {
     pub hub_slope_rad: Vec<f64>,
     /// Deflection in m and slope w' of nodes 0 … n from the chord: a history for each, in turn.
     pub deflections: Vec<Vec<f64>>,
+    /// How much farther along the chord than along the link nodes 0 … n are, x − s ≤ 0 in m; zero without all terms.
+    pub shortenings_m: Vec<Vec<f64>>,
+    /// Bending moment in N m at nodes 0 … n, which the part of the link towards the hub exerts on the part towards
+    /// the tip; a body on a node counts as outer.
+    pub moments_n_m: Vec<Vec<f64>>,
     /// Number of iterations; 0 without second order.
     pub iterations: usize,
     /// Change of the torque by the last iteration over that by the one before; none before the second.
@@ -64,11 +67,11 @@ pub fn follow(
     second_order: SecondOrder,
     tolerance: f64,
 ) -> Result<ElasticaMotion, ElasticaError> {
-    let follower = Follower::of(model, chord);
     if !(FINEST..1.0).contains(&tolerance) {
         return Err(ElasticaError::Tolerance(tolerance));
     }
-    follower.check(second_order)?;
+    check(model, chord, second_order)?;
+    let follower = Follower::of(model, chord, second_order)?;
     let linear = follower.linear()?;
     if second_order == SecondOrder::None {
         return Ok(follower.motion(&linear, second_order));
@@ -76,61 +79,65 @@ pub fn follow(
     follower.iterated(&linear, second_order, tolerance)
 }
 
+/// Refuses samples too far apart, and links whose weight or second order is not derived.
+fn check(
+    model: &dyn Model,
+    chord: &ChordPeriod,
+    second_order: SecondOrder,
+) -> Result<(), ElasticaError> {
+    let refused = |what, known| Err(ElasticaError::NotDerived { what, known });
+    let (law, is_bent) = (model.law(), second_order != SecondOrder::None);
+    if chord.reaches_nyquist(model.mesh().length_m()) {
+        return Err(ElasticaError::LongStep { step_s: chord.step_s });
+    }
+    if model.kept_modes() != KeptModes::All {
+        return refused("the link is reduced to its first modes", "with all modes");
+    }
+    if (is_bent || chord.has_weight()) && model.mesh().has_shear() {
+        return refused("the link has shear and rotary inertia", "without them");
+    }
+    if law.mass_rate_per_s() != 0.0 {
+        return refused("the damping drags every mass (alpha)", "with alpha = 0");
+    }
+    if law.is_modal() && (is_bent || chord.has_weight()) {
+        return refused("the damping is given mode by mode", "with hysteretic or rayleigh damping");
+    }
+    Ok(())
+}
+
 struct Follower<'a> {
     model: &'a dyn Model,
     chord: &'a ChordPeriod,
     /// Bins that carry any motion.
     band: usize,
-    /// Loads on the nodes per acceleration of the axis and 2iξ, where a hysteretic link has weight.
-    sagging: Option<(f64, Vec<[f64; 2]>)>,
+    /// Damping ratio ξ and sag, where a hysteretic link has weight.
+    sag: Option<(f64, Sag)>,
 }
 
 impl<'a> Follower<'a> {
-    fn of(model: &'a dyn Model, chord: &'a ChordPeriod) -> Self {
-        let sagging = match model.law() {
-            DampingLaw::Hysteretic { ratio } if chord.has_weight() => {
-                Some((*ratio, sagging_loads(model.mesh())))
+    fn of(
+        model: &'a dyn Model,
+        chord: &'a ChordPeriod,
+        second_order: SecondOrder,
+    ) -> Result<Self, ElasticaError> {
+        let sag = match model.law() {
+            DampingLaw::Hysteretic { ratio } if *ratio > 0.0 && chord.has_weight() => {
+                let rest = |at: &ChordPeriod| {
+                    let bent = follow(model, at, second_order, TOLERANCE)?;
+                    Ok(bent.deflections.iter().map(|history| history[0]).collect())
+                };
+                Sag::of(model.mesh(), chord, rest)?.map(|sag| (*ratio, sag))
             }
             _ => None,
         };
-        Self { model, chord, band: chord.band_len(model.mesh().length_m()), sagging }
+        Ok(Self { model, chord, band: chord.band_len(model.mesh().length_m()), sag })
     }
 
-    /// Refuses samples too far apart, and links whose weight or second order is not derived.
-    fn check(&self, second_order: SecondOrder) -> Result<(), ElasticaError> {
-        let refused = |what, known| Err(ElasticaError::NotDerived { what, known });
-        let (law, is_bent) = (self.model.law(), second_order != SecondOrder::None);
-        if self.chord.reaches_nyquist(self.model.mesh().length_m()) {
-            return Err(ElasticaError::LongStep { step_s: self.chord.step_s });
-        }
-        if self.model.kept_modes() != KeptModes::All {
-            return refused("the link is reduced to its first modes", "with all modes");
-        }
-        if is_bent && self.model.mesh().has_shear() {
-            return refused("the link has shear and rotary inertia", "without them");
-        }
-        if law.mass_rate_per_s() != 0.0 {
-            return refused("the damping drags every mass (alpha)", "with alpha = 0");
-        }
-        if law.is_modal() && (is_bent || self.chord.has_weight()) {
-            return refused(
-                "the damping is given mode by mode",
-                "with hysteretic or rayleigh damping",
-            );
-        }
-        Ok(())
-    }
-
-    /// What moves the link at a bin, and forces on its nodes. Hysteretic damping acts on what a link bends beyond
-    /// its sag: a constant load would else meet a stiffness that changes with the sign of ω, and never settle. The
-    /// 2iξ K of the sag is given back as loads.
+    /// What moves the link at a bin, and forces on its nodes, those of its sag added.
     fn moved(&self, bin: usize, mut nodal: Vec<[Complex64; 2]>) -> Loads<Complex64> {
         let axis_m_s2 = self.chord.across[bin];
-        if let Some((ratio, sagging)) = self.sagging.as_ref().filter(|_| bin > 0) {
-            let factor = axis_m_s2 * Complex64::new(0.0, 2.0 * ratio);
-            for (load, sag) in nodal.iter_mut().zip(sagging) {
-                *load = [load[0] + factor * sag[0], load[1] + factor * sag[1]];
-            }
+        if let Some((ratio, sag)) = self.sag.as_ref().filter(|_| bin > 0) {
+            sag.add(bin, Complex64::new(0.0, 2.0 * ratio), &mut nodal);
         }
         Loads { axis_m_s2, chord_rad_s2: self.chord.turning[bin], nodal }
     }
@@ -182,11 +189,7 @@ impl<'a> Follower<'a> {
         tolerance: f64,
     ) -> Result<ElasticaMotion, ElasticaError> {
         let mesh = self.model.mesh();
-        let beta_s = match self.model.law() {
-            DampingLaw::Rayleigh { beta_s, .. } => *beta_s,
-            _ => 0.0,
-        };
-        let link = BentLink::of(mesh, self.model.link().payload(), beta_s, second_order);
+        let link = self.bent_link(second_order);
         // Products of deflections reach beyond the frequencies of the motion.
         let mut band = self.band_of_loads(linear)?;
         let mut answers = linear.to_vec();
@@ -235,43 +238,13 @@ impl<'a> Follower<'a> {
         pair: &FourierPair,
         chord: &ChordHistories,
     ) -> Result<(Vec<Vec<f64>>, f64), ElasticaError> {
-        let width = 2 * self.model.mesh().nodes_m().len();
-        let orders = link.orders();
-        // All derivatives of one instant side by side.
-        let stride = orders * width;
-        let mut states = vec![0.0; pair.len() * stride];
-        for (column, history) in self.histories(answers, orders, pair).iter().enumerate() {
-            states.iter_mut().skip(column).step_by(stride).zip(history).for_each(|(s, h)| *s = *h);
-        }
-        let mut rows = vec![0.0; pair.len() * width];
-        let blocks = rows.par_chunks_mut(BLOCK * width).zip(states.par_chunks(BLOCK * stride));
-        let steepest: Vec<f64> = blocks
-            .enumerate()
-            .map(|(block, (rows, states))| {
-                let mut scratch = Scratch::default();
-                let instants = rows.chunks_mut(width).zip(states.chunks(stride)).enumerate();
-                let slopes = instants.map(|(k, (row, state))| {
-                    let sample = block * BLOCK + k;
-                    let now = Instant {
-                        w: &state[..width],
-                        rate: &state[width..2 * width],
-                        acceleration: &state[(orders - 1) * width..],
-                        chord_rate_rad_s: chord.rate_rad_s[sample],
-                        chord_acceleration_rad_s2: chord.acceleration_rad_s2[sample],
-                        along_m_s2: chord.along_m_s2[sample],
-                    };
-                    link.write(&now, &mut scratch, row)
-                });
-                slopes.fold(0.0, Size::larger)
-            })
-            .collect();
-        let slope = steepest.into_iter().fold(0.0, Size::larger);
+        let states = (self.histories(answers, link.orders(), pair), chord);
+        let (loads, slope) =
+            link.at_each_instant(states, |now, scratch, row| link.write(now, scratch, row));
         if slope.is_nan() || slope >= STEEPEST {
             return Err(ElasticaError::TooSteep { slope });
         }
-        let histories =
-            (0..width).map(|column| rows.iter().skip(column).step_by(width).copied().collect());
-        Ok((histories.collect(), slope))
+        Ok((loads, slope))
     }
 
     /// Histories of (w, w') of each node, then of their derivatives up to `orders`.
@@ -360,22 +333,37 @@ impl<'a> Follower<'a> {
         answers: &[LoadedMotion<Complex64>],
         second_order: SecondOrder,
     ) -> ElasticaMotion {
-        let pair = &self.chord.pair;
-        let (torque_n_m, hub_slope_rad) =
-            self.hub(answers, second_order, pair, &self.chord.histories);
-        let deflections = self.histories(answers, 1, pair);
-        let slope = |largest: f64, w: &f64| largest.max(w.abs());
-        let largest_slope = deflections.iter().skip(1).step_by(2).flatten().fold(0.0, slope);
+        let (pair, chord) = (&self.chord.pair, &self.chord.histories);
+        let (torque_n_m, hub_slope_rad) = self.hub(answers, second_order, pair, chord);
+        let link = self.bent_link(second_order);
+        let states = self.histories(answers, 3, pair);
+        let deflections = states[..2 * self.model.mesh().nodes_m().len()].to_vec();
+        let (shapes, largest_slope) = link
+            .at_each_instant((states, chord), |now, scratch, row| link.shape(now, scratch, row));
+        let (mut shortenings_m, mut moments_n_m) = (Vec::new(), Vec::new());
+        for (column, history) in shapes.into_iter().enumerate() {
+            if column % 2 == 0 { &mut shortenings_m } else { &mut moments_n_m }.push(history);
+        }
         ElasticaMotion {
             torque_n_m,
             hub_slope_rad,
             deflections,
+            shortenings_m,
+            moments_n_m,
             iterations: 0,
             contraction: None,
             iteration_error: 0.0,
             largest_slope,
             second_order_change: 0.0,
         }
+    }
+
+    fn bent_link(&self, second_order: SecondOrder) -> BentLink {
+        let beta_s = match self.model.law() {
+            DampingLaw::Rayleigh { beta_s, .. } => *beta_s,
+            _ => 0.0,
+        };
+        BentLink::of(self.model.mesh(), self.model.link().payload(), beta_s, second_order)
     }
 }
 

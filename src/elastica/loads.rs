@@ -1,12 +1,20 @@
 //! What the linear link leaves out at one instant, as loads on its nodes.
 
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::chord::ChordHistories;
 use super::points::{POINTS, Points, dot};
 use crate::beam::{Inertia, Mesh};
 use crate::link::Payload;
 use crate::numeric::Size;
 
+/// Instants that a thread computes at a time.
+const BLOCK: usize = 64;
+
 /// What is counted of the second order in deflections and rates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum SecondOrder {
     /// Nothing: the link is linear along its chord.
     #[default]
@@ -27,27 +35,28 @@ pub(super) struct Instant<'a> {
     pub(super) chord_rate_rad_s: f64,
     pub(super) chord_acceleration_rad_s2: f64,
     pub(super) along_m_s2: f64,
+    pub(super) across_m_s2: f64,
 }
 
 /// A place on the link and its motion in the chord's frame: x = s + u along the chord, w across it.
 #[derive(Clone, Copy, Default)]
-struct Place {
-    x: f64,
+pub(super) struct Place {
+    pub(super) x: f64,
     x_rate: f64,
     x_acceleration: f64,
     /// x − s, which first order leaves out.
-    shortened: f64,
-    w: f64,
+    pub(super) shortened: f64,
+    pub(super) w: f64,
     w_rate: f64,
 }
 
 /// Slope w' with its derivatives, and what follows of it: the shortening u' = cos ψ − 1.
 #[derive(Clone, Copy, Default)]
-struct Slope {
+pub(super) struct Slope {
     sine: f64,
     cosine: f64,
     rate: f64,
-    acceleration: f64,
+    pub(super) acceleration: f64,
     u: [f64; 3],
 }
 
@@ -68,7 +77,7 @@ impl Slope {
     }
 
     /// Second derivative of ψ.
-    fn turning(&self) -> f64 {
+    pub(super) fn turning(&self) -> f64 {
         let c = self.cosine;
         self.acceleration / c + self.sine * self.rate * self.rate / (c * c * c)
     }
@@ -76,31 +85,33 @@ impl Slope {
 
 /// A body at the end of an arm along the slope of a node.
 #[derive(Debug, Clone, Copy)]
-struct Body {
-    node: usize,
-    mass_kg: f64,
-    inertia_kg_m2: f64,
-    arm_m: f64,
+pub(super) struct Body {
+    pub(super) node: usize,
+    pub(super) mass_kg: f64,
+    pub(super) inertia_kg_m2: f64,
+    pub(super) arm_m: f64,
 }
 
 /// A link that bends in its plane: all that its loads depend on but its motion.
 #[derive(Debug, Clone)]
 pub(super) struct BentLink {
-    points: Points,
-    nodes_m: Vec<f64>,
+    pub(super) points: Points,
+    pub(super) nodes_m: Vec<f64>,
     /// From the axis outward.
-    bodies: Vec<Body>,
+    pub(super) bodies: Vec<Body>,
     /// β in s: share of the curvature's rate in the bending moment.
     beta_s: f64,
-    second_order: SecondOrder,
+    pub(super) second_order: SecondOrder,
 }
 
 /// Memory for one instant.
 #[derive(Default)]
 pub(super) struct Scratch {
     slopes: Vec<[Slope; POINTS]>,
-    places: Vec<[Place; POINTS]>,
-    body_places: Vec<Place>,
+    pub(super) places: Vec<[Place; POINTS]>,
+    pub(super) body_places: Vec<Place>,
+    /// x − s of nodes 0 … n.
+    pub(super) shortened: Vec<f64>,
 }
 
 impl BentLink {
@@ -140,6 +151,46 @@ impl BentLink {
         }
     }
 
+    /// What `write` makes of each instant: a history for each of its numbers, two a node, and the largest that it
+    /// returns. The state is a history for each of (w, w') of each node, then for their derivatives.
+    pub(super) fn at_each_instant(
+        &self,
+        (histories, chord): (Vec<Vec<f64>>, &ChordHistories),
+        write: impl Fn(&Instant<'_>, &mut Scratch, &mut [f64]) -> f64 + Sync,
+    ) -> (Vec<Vec<f64>>, f64) {
+        let width = 2 * self.nodes_m.len();
+        let (len, stride) = (chord.rate_rad_s.len(), histories.len());
+        // All derivatives of one instant side by side.
+        let mut states = vec![0.0; len * stride];
+        for (column, history) in histories.iter().enumerate() {
+            states.iter_mut().skip(column).step_by(stride).zip(history).for_each(|(s, h)| *s = *h);
+        }
+        let mut rows = vec![0.0; len * width];
+        let blocks = rows.par_chunks_mut(BLOCK * width).zip(states.par_chunks(BLOCK * stride));
+        let largest = blocks.enumerate().map(|(block, (rows, states))| {
+            let mut scratch = Scratch::default();
+            let instants = rows.chunks_mut(width).zip(states.chunks(stride)).enumerate();
+            let found = instants.map(|(k, (row, state))| {
+                let sample = block * BLOCK + k;
+                let now = Instant {
+                    w: &state[..width],
+                    rate: &state[width..2 * width],
+                    acceleration: &state[stride - width..],
+                    chord_rate_rad_s: chord.rate_rad_s[sample],
+                    chord_acceleration_rad_s2: chord.acceleration_rad_s2[sample],
+                    along_m_s2: chord.along_m_s2[sample],
+                    across_m_s2: chord.across_m_s2[sample],
+                };
+                write(&now, &mut scratch, row)
+            });
+            found.fold(0.0, Size::larger)
+        });
+        let largest = largest.reduce(|| 0.0, Size::larger);
+        let columns =
+            (0..width).map(|column| rows.iter().skip(column).step_by(width).copied().collect());
+        (columns.collect(), largest)
+    }
+
     /// Number of histories that the loads need: the deflections and their derivatives.
     pub(super) fn orders(&self) -> usize {
         if self.second_order == SecondOrder::Full { 3 } else { 2 }
@@ -156,7 +207,7 @@ impl BentLink {
         largest
     }
 
-    fn slope_at(&self, now: &Instant<'_>, node: usize) -> Slope {
+    pub(super) fn slope_at(&self, now: &Instant<'_>, node: usize) -> Slope {
         let at = 2 * node + 1;
         let acceleration =
             if self.second_order == SecondOrder::Full { now.acceleration[at] } else { 0.0 };
@@ -164,9 +215,11 @@ impl BentLink {
     }
 
     /// Slopes and places of all points and bodies, from the axis outward.
-    fn place(&self, now: &Instant<'_>, scratch: &mut Scratch) -> f64 {
+    pub(super) fn place(&self, now: &Instant<'_>, scratch: &mut Scratch) -> f64 {
         let root = self.slope_at(now, 0);
         let mut u = root.u.map(|part| part * self.nodes_m[0]);
+        scratch.shortened.clear();
+        scratch.shortened.push(u[0]);
         let mut largest = root.sine.abs();
         scratch.slopes.clear();
         scratch.places.clear();
@@ -216,6 +269,7 @@ impl BentLink {
             largest = slopes.iter().map(|slope| slope.sine.abs()).fold(largest, Size::larger);
             scratch.slopes.push(slopes);
             scratch.places.push(places);
+            scratch.shortened.push(u[0]);
         }
         for body in bodies {
             scratch.body_places.push(self.body_place(now, body, u));
@@ -306,36 +360,14 @@ impl BentLink {
 }
 
 /// Acceleration of a place along the chord.
-fn along(now: &Instant<'_>, place: &Place) -> f64 {
+pub(super) fn along(now: &Instant<'_>, place: &Place) -> f64 {
     let (rate, acceleration) = (now.chord_rate_rad_s, now.chord_acceleration_rad_s2);
     now.along_m_s2 - rate * rate * place.x - acceleration * place.w - 2.0 * rate * place.w_rate
         + place.x_acceleration
 }
 
 /// The part of a place's acceleration across the chord that the linear link leaves out.
-fn left_across(now: &Instant<'_>, place: &Place) -> f64 {
+pub(super) fn left_across(now: &Instant<'_>, place: &Place) -> f64 {
     let (rate, acceleration) = (now.chord_rate_rad_s, now.chord_acceleration_rad_s2);
     -rate * rate * place.w + 2.0 * rate * place.x_rate + acceleration * place.shortened
-}
-
-/// Loads on nodes 0 … n that bend a link at rest as an acceleration of its axis by 1 m/s² does: for each element the
-/// force that deforms it on its outer node, and what balances it on the inner one.
-///
-/// ```text
-/// K_d d = −(M_udᵀ + A_j R)(1, 0)ᵀ,   A_j the rigid inertia outboard
-/// ```
-pub(super) fn sagging_loads(mesh: &Mesh) -> Vec<[f64; 2]> {
-    let Inertia { mut vv, mut vp, .. } = mesh.tip_inertia();
-    let mut loads = vec![[0.0; 2]; mesh.nodes_m().len()];
-    for (k, element) in mesh.relative_elements().iter().enumerate().rev() {
-        let (l, force) = (element.length_m, -(element.m_ud.m11 + vv));
-        let moment = -(element.m_ud.m12 + vp);
-        loads[k + 1] = [loads[k + 1][0] + force, loads[k + 1][1] + moment];
-        loads[k] = [loads[k][0] - force, loads[k][1] - moment - l * force];
-        (vv, vp) = (vv + element.m_uu.m11, vp + l * vv + element.m_uu.m12);
-        if let Some(body) = mesh.lumped_inertia(k) {
-            (vv, vp) = (vv + body.vv, vp + body.vp);
-        }
-    }
-    loads
 }

@@ -35,6 +35,8 @@ mod chord;
 mod iteration;
 mod loads;
 mod points;
+mod reaction;
+mod sag;
 
 pub use chord::{ChordPeriod, ElasticaError, returning};
 pub use iteration::{ElasticaMotion, follow};

@@ -1,12 +1,10 @@
-use std::fmt;
-
-use serde::Serialize;
-use thiserror::Error;
-
 use super::response::MOST_UNCERTAIN;
 use crate::beam::Mesh;
 use crate::link::{Link, ParameterError};
 use crate::modal::{held_frequencies, natural_frequencies};
+use serde::Serialize;
+use std::fmt;
+use thiserror::Error;
 
 /// Highest number of a mode or zero: the mesh grows with it.
 const MOST_NUMBER: usize = 100;

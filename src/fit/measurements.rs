@@ -2,9 +2,8 @@ use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use super::measurement::{End, Measured, MeasurementsError, Observable};
-use super::overlay::Overlay;
 use super::record::{Record, RecordFit};
-use super::response::{Response, ResponseFit, with_motor_friction};
+use super::response::{Overlay, Response, ResponseFit, with_motor_friction};
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::{Link, ParameterError};
 use crate::modal::DampingLaw;

@@ -21,7 +21,6 @@ mod measurement;
 mod measurements;
 mod misfits;
 mod outcome;
-mod overlay;
 mod record;
 mod record_misfit;
 mod record_parts;
@@ -35,9 +34,10 @@ pub use measurement::{HubEnd, LinkFitError, Measured, MeasurementsError, Observa
 pub use measurements::Measurements;
 pub use misfits::{Misfit, Residual};
 pub use outcome::{FitOutcome, Openness, StartEnd, Undetermined};
-pub use overlay::{Coordinate, Overlay, Spacing};
 pub use record::Record;
 pub use record_misfit::{ChannelMisfit, RecordMisfit};
 pub use record_parts::{Channel, RecordError, RecordInput, RecordedInput};
-pub use response::{Gain, Motor, Response, ResponseError, ResponseMisfit};
+pub use response::{
+    Coordinate, Gain, Motor, Overlay, Response, ResponseError, ResponseMisfit, Spacing,
+};
 pub use value::{FittedValue, Free, FreeNumber, Replaced};

@@ -7,10 +7,9 @@ use serde::Serialize;
 
 use super::measurements::{Measurements, Prediction};
 use super::misfits::{DELAY_UNIT, Misfit, Misfits, Residual};
-use super::overlay::Overlay;
 use super::record::Record;
 use super::record_misfit::RecordMisfit;
-use super::response::ResponseMisfit;
+use super::response::{Overlay, ResponseMisfit};
 use super::spread::{Spread, correlation};
 use super::value::{FittedValue, Free};
 

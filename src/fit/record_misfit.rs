@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::alignment::Alignment;
-use super::overlay::{Coordinate, Overlay};
 use super::record::{Record, RecordFit};
 use super::record_parts::{Channel, rms as root_mean_square};
 use super::response::Gain;
+use super::response::{Coordinate, Overlay};
 use crate::model::Sensor;
 
 /// Correlation of neighbours that counts as no larger one: a factor of 45 on standard errors.

@@ -110,6 +110,18 @@ impl PerQuantity<QuantityErrors> {
 }
 
 impl PerQuantity<f64> {
+    /// These values, or others of the same quantities where these are larger.
+    pub(super) fn at_least(&self, others: &Self) -> Self {
+        let larger = |own: Option<f64>, other: Option<f64>| {
+            own.map(|own| other.map_or(own, |other| own.max(other)))
+        };
+        Self {
+            torque: self.torque.max(others.torque),
+            motor_torque: larger(self.motor_torque, others.motor_torque),
+            ..*self
+        }
+    }
+
     /// The largest value and the quantity that it is of; the torque where several are as large. NaN
     /// counts as the largest.
     pub fn worst(&self) -> (Quantity, f64) {
@@ -129,6 +141,9 @@ pub struct QuantityErrors {
     /// Change when the step is halved; where every frequency of the samples is solved for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
+    /// What further iterations would change of the torque; where second-order terms are counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub iteration: Option<f64>,
     /// What a reduction to few modes changes; none where all are kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub modes: Option<f64>,

@@ -17,11 +17,11 @@ const MOST_NODES: usize = 8;
 /// What is measured besides torques and the hub's angle and rate.
 pub(super) struct Probes {
     /// Nodes at which displacements and moments are measured.
-    nodes: Vec<usize>,
+    pub(super) nodes: Vec<usize>,
     /// True for what tables over time hold: displacements of the nodes, the hub's acceleration.
-    tables: bool,
+    pub(super) tables: bool,
     /// True for bending moments along the link.
-    moments: bool,
+    pub(super) moments: bool,
 }
 
 impl Probes {

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::link::ParameterError;
+use crate::elastica::SecondOrder;
+use crate::link::{Link, ParameterError};
 use crate::model::KeptModes;
 use crate::motion::Periods;
 
@@ -28,6 +29,8 @@ pub struct Analysis {
     modes: Option<usize>,
     with_moments: bool,
     without_tables: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    second_order: Option<SecondOrder>,
 }
 
 impl Analysis {
@@ -107,6 +110,19 @@ impl Analysis {
         Self { without_tables: true, ..self }
     }
 
+    /// The same analysis with so much of the second order; without, [`Analysis::second_order_of`] the link decides.
+    #[must_use]
+    pub fn with_second_order(self, second_order: SecondOrder) -> Self {
+        Self { second_order: Some(second_order), ..self }
+    }
+
+    /// What is counted of a link's second order: what was chosen, else all of a link with weight and nothing of
+    /// one without.
+    pub fn second_order_of(&self, link: &Link) -> SecondOrder {
+        let default = if link.has_weight() { SecondOrder::Full } else { SecondOrder::None };
+        self.second_order.unwrap_or(default)
+    }
+
     /// Share of its peak that padding and wrap-around may cost every quantity.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
@@ -158,6 +174,7 @@ impl Default for Analysis {
             modes: None,
             with_moments: false,
             without_tables: false,
+            second_order: None,
         }
     }
 }
@@ -175,20 +192,21 @@ struct Unchecked {
     with_moments: bool,
     #[serde(default)]
     without_tables: bool,
+    second_order: Option<SecondOrder>,
 }
 
 impl TryFrom<Unchecked> for Analysis {
     type Error = ParameterError;
 
     fn try_from(read: Unchecked) -> Result<Self, ParameterError> {
-        let Unchecked { lead_s, lag_s, with_moments, without_tables, .. } = read;
+        let Unchecked { lead_s, lag_s, with_moments, without_tables, second_order, .. } = read;
         let analysis = Self::new(read.tolerance.unwrap_or(Self::DEFAULT_TOLERANCE), lead_s, lag_s)?
             .with_tip_tolerance(read.tip_tolerance.unwrap_or(Self::DEFAULT_TIP_TOLERANCE))?;
         let analysis = match read.modes {
             Some(modes) => analysis.keeping_modes(modes)?,
             None => analysis,
         };
-        Ok(Self { with_moments, without_tables, ..analysis })
+        Ok(Self { with_moments, without_tables, second_order, ..analysis })
     }
 }
 
@@ -259,7 +277,8 @@ mod tests {
     #[test]
     fn a_stored_analysis_is_read_back_and_checked() {
         let analysis = Analysis::new(1e-4, Some(0.5), None).unwrap().keeping_modes(3).unwrap();
-        let analysis = analysis.with_moments().without_tables();
+        let analysis =
+            analysis.with_moments().without_tables().with_second_order(SecondOrder::First);
         let stored = serde_json::to_string(&analysis).unwrap();
         assert_eq!(serde_json::from_str::<Analysis>(&stored).unwrap(), analysis);
         assert_eq!(serde_json::from_str::<Analysis>("{}").unwrap(), Analysis::default());

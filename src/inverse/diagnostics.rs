@@ -6,12 +6,13 @@ use num_complex::Complex64;
 
 use super::accuracy::{Accuracy, Quantity, QuantityErrors};
 use super::analysis::{Analysis, Unwatched};
+use super::bent_answer::SecondOrderFindings;
 use super::histories::{Histories, tip_deflection_m};
-use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
 use super::spectra::DrivenModel;
 use super::warning::{FAST_HUB, Warning};
 use crate::beam::Mesh;
+use crate::elastica::SecondOrder;
 use crate::link::Link;
 use crate::modal::{
     NOTICEABLE, REPORTED_MODES, Thickness, clamped_frequency_below, natural_frequencies,
@@ -37,8 +38,21 @@ const LONG_TIMES: f64 = 10.0;
 /// Error by the uncertainty of the samples from which on the user is warned.
 const UNCERTAIN: f64 = 0.1;
 
+/// Change of the torque by second-order terms that were left out from which on the user is warned.
+const LEFT_OUT: f64 = 1e-4;
+
+/// Change by an iteration, over that by the one before, from which on the user is warned.
+const SLOW: f64 = 0.7;
+
 /// Change of a peak by twice the tip's tolerance from which on the user is warned.
 const UNSETTLED: f64 = 0.03;
+
+/// Torque that the window cuts off, and that is left where one period meets the next, over the torque's peak or range.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    pub(super) cut: f64,
+    pub(super) seam: f64,
+}
 
 /// What a run was given and measured of itself.
 pub(super) struct Diagnostics<'a> {
@@ -46,7 +60,9 @@ pub(super) struct Diagnostics<'a> {
     pub(super) motion: &'a TipMotion,
     pub(super) analysis: &'a Analysis,
     pub(super) answer: &'a PeriodicAnswer,
-    pub(super) window: &'a Window,
+    pub(super) edge: Edge,
+    /// What was counted of the second order.
+    pub(super) second_order: Option<SecondOrderFindings>,
     pub(super) histories: &'a Histories,
     pub(super) accuracy: &'a Accuracy,
 }
@@ -57,9 +73,7 @@ impl Diagnostics<'_> {
         let Self { model, motion, answer, accuracy, .. } = *self;
         let (mesh, tolerance) = (model.mesh(), self.analysis.tolerance());
         let spectrum = &answer.period.spectrum;
-        let torque = answer.periodic(&answer.torque_n_m);
-        let cut = torque.outside(self.window) / torque.peak();
-        let seam = torque.at_seam() / torque.peak();
+        let Edge { cut, seam } = self.edge;
         let corrected = motion.corrected().map(|end| Warning::EndVelocityCorrected {
             velocity_m_s: end.velocity_m_s,
             share: end.share,
@@ -99,6 +113,7 @@ impl Diagnostics<'_> {
             .chain(self.unsettled_torque())
             .chain(self.uncertain_input())
             .chain(coarse_step)
+            .chain(self.of_second_order())
             .chain(self.large_deflection())
             .chain(self.thick_link())
             .chain(self.fast_hub())
@@ -117,6 +132,20 @@ impl Diagnostics<'_> {
     fn uncertain_input(&self) -> Option<Warning> {
         let torque = self.accuracy.errors.torque.input.filter(|share| *share > UNCERTAIN)?;
         Some(Warning::UncertainInput { share: torque })
+    }
+
+    fn order(&self) -> SecondOrder {
+        self.second_order.map_or(SecondOrder::None, |found| found.order)
+    }
+
+    /// An iteration that hardly converges, and second-order terms that were not counted.
+    fn of_second_order(&self) -> impl Iterator<Item = Warning> {
+        let slow = self.second_order.and_then(|found| found.contraction);
+        let slow = slow.filter(|factor| *factor > SLOW);
+        let slow = slow.map(|contraction| Warning::SlowIteration { contraction });
+        let left_out = self.second_order.and_then(|found| found.left_out);
+        let left_out = left_out.filter(|share| share.is_none_or(|share| share > LEFT_OUT));
+        slow.into_iter().chain(left_out.map(|share| Warning::SecondOrderLeftOut { share }))
     }
 
     fn driven(&self) -> DrivenModel<'_> {
@@ -175,7 +204,11 @@ impl Diagnostics<'_> {
         Some(Warning::UnsettledTorque { quantity, peak_n_m, looser_n_m })
     }
 
+    /// Of a bent link all that is left out is measured.
     fn large_deflection(&self) -> Option<Warning> {
+        if self.second_order.is_some() {
+            return None;
+        }
         let Histories { rigid_hub_angle_rad, hub_angle_rad, .. } = self.histories;
         let length_m = self.model.mesh().length_m();
         let share =
@@ -192,14 +225,16 @@ impl Diagnostics<'_> {
         }
         let modes = natural_frequencies(mesh, REPORTED_MODES);
         let driven = self.driven();
-        let torque = (driven.omegas_rad_s(), &self.answer.hub.torque_n_m[..]);
+        let omegas = driven.omegas_rad_s();
+        let torque = (omegas, &self.answer.hub.torque_n_m[..omegas.len()]);
         let share = thickness.torque_change(mesh, self.model.law(), &modes, torque);
         (share > NOTICEABLE).then_some(Warning::ThickLink { share })
     }
 
     fn fast_hub(&self) -> Option<Warning> {
         let rate_rad_s = largest(&self.histories.hub_rate_rad_s);
-        if rate_rad_s <= 0.0 {
+        // The second order counts centrifugal stiffening.
+        if rate_rad_s <= 0.0 || self.order() != SecondOrder::None {
             return None;
         }
         let clamped = clamped_frequency_below(self.model.mesh(), rate_rad_s / FAST_HUB)?;

@@ -1,5 +1,6 @@
 use thiserror::Error;
 
+use crate::elastica::ElasticaError;
 use crate::link::ParameterError;
 use crate::model::ModelError;
 use crate::text::{gigabytes, significant};
@@ -47,6 +48,14 @@ pub enum InversionError {
         /// The tolerance of the mesh.
         tolerance: f64,
     },
+    /// A link with gravity whose direction is not known.
+    #[error(
+        "start_angle = nothing, but must be given: with gravity the direction of the link matters"
+    )]
+    NoStartAngle,
+    /// No motion of the bent link.
+    #[error(transparent)]
+    Elastica(#[from] ElasticaError),
     /// A period that takes more memory than is allowed.
     #[error(
         "the inversion would need {} of memory, but must fit in the {} available",
@@ -94,6 +103,11 @@ impl InversionError {
             Self::OutOfRange { .. } => {
                 "check the units of motion and link, and their powers of ten"
             }
+            Self::NoStartAngle => {
+                "give start_angle in the link file, the direction of the link before the motion, or a motion as \
+                 angles"
+            }
+            Self::Elastica(error) => return error.hint(),
             Self::NotConverged { .. } => {
                 "loosen mesh.tolerance, or sample the motion more smoothly"
             }

@@ -43,7 +43,8 @@ pub(super) struct Histories {
 }
 
 impl Histories {
-    /// Those of an answer on `grid`, a part of its period; `tail` is the hub angle's slow tail.
+    /// Those of an answer on `grid`, a part of its period; `tail` is the hub angle's slow tail, and the start angle
+    /// the direction of the chord where the tip's displacement is 0.
     ///
     /// # Errors
     /// [`InversionError::MotorNotFinite`].
@@ -51,7 +52,7 @@ impl Histories {
         answer: &PeriodicAnswer,
         model: &dyn Model,
         tail: Option<TailTerms>,
-        grid: TimeGrid,
+        (start_angle_rad, grid): (f64, TimeGrid),
     ) -> Result<Self, InversionError> {
         let (period, per_length) = (&answer.period, 1.0 / model.mesh().length_m());
         let whole_tip = &period.histories;
@@ -63,14 +64,26 @@ impl Histories {
             acceleration_m_s2: cut(&whole_tip.acceleration_m_s2, &grid),
         };
         let hub = HubMotion { period, tail, per_length };
-        let hub_angle_rad = hub.on(&grid, answer.excess(0), &tip.displacement_m, 0);
+        let mut hub_angle_rad = hub.on(&grid, answer.excess(0), &tip.displacement_m, 0);
+        let mut rigid_hub_angle_rad: Vec<f64> =
+            tip.displacement_m.iter().map(|v| v * per_length).collect();
+        if start_angle_rad != 0.0 {
+            for angle in hub_angle_rad.iter_mut().chain(&mut rigid_hub_angle_rad) {
+                *angle += start_angle_rad;
+            }
+        }
         let hub_rate_rad_s = hub.on(&grid, answer.excess(1), &tip.velocity_m_s, 1);
         let joint = model.link().joint();
         let mut torque_n_m = cut(&answer.torque_n_m, &grid);
         hub.take_images_off(&grid, 1, joint.friction_n_m_s_rad, &mut torque_n_m);
         let histories = Self {
-            rigid_torque_n_m: rigid_torque_n_m(model.link(), model.law(), &tip),
-            rigid_hub_angle_rad: tip.displacement_m.iter().map(|v| v * per_length).collect(),
+            rigid_torque_n_m: rigid_torque_n_m(
+                model.link(),
+                model.law(),
+                &tip,
+                &rigid_hub_angle_rad,
+            ),
+            rigid_hub_angle_rad,
             grid,
             torque_n_m,
             hub_angle_rad,
@@ -133,17 +146,26 @@ impl Histories {
 /// Torque in N m that moves the tip of the same link, were it rigid.
 ///
 /// ```text
-/// T_rigid = I_rigid (a + αv)/L + b v/L
+/// T_rigid = I_rigid (a + αv)/L + b v/L + g(θ) ∫ x dm
 /// ```
 ///
-/// α is the mass part of Rayleigh damping and zero otherwise: the torque of the flexible link tends
+/// g(θ) is gravity across the link. α is the mass part of Rayleigh damping and zero otherwise: the torque of the flexible link tends
 /// to this one as EI grows.
-fn rigid_torque_n_m(link: &Link, law: &DampingLaw, tip: &TipMotionHistories) -> Vec<f64> {
+fn rigid_torque_n_m(
+    link: &Link,
+    law: &DampingLaw,
+    tip: &TipMotionHistories,
+    angle_rad: &[f64],
+) -> Vec<f64> {
     let inertia = link.rigid_inertia_kg_m2() / link.length_m();
     let friction = link.joint().friction_n_m_s_rad / link.length_m();
     let drag = inertia * law.mass_rate_per_s() + friction;
     let samples = tip.acceleration_m_s2.iter().zip(&tip.velocity_m_s);
-    samples.map(|(a, v)| inertia * a + drag * v).collect()
+    let moving = samples.map(|(a, v)| inertia * a + drag * v);
+    let Some(gravity) = link.gravity() else { return moving.collect() };
+    let moment = link.mass_moment_kg_m();
+    let weights = angle_rad.iter().map(|angle| moment * gravity.across_m_s2(*angle));
+    moving.zip(weights).map(|(moving, weight)| moving + weight).collect()
 }
 
 /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m, from the hub angles of the

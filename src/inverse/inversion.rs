@@ -1,21 +1,26 @@
 //! The inversion: period, mesh, window, histories, errors, warnings, and the solution made of them.
 
+use std::sync::Arc;
+
 use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
-use super::diagnostics::Diagnostics;
+use super::bent::{BentOnMesh, BentProblem, start_angle_rad};
+use super::bent_answer::Bent;
+use super::diagnostics::{Diagnostics, Edge};
 use super::error::InversionError;
-use super::histories::{Histories, SlowTails};
-use super::mesh_error::MeshAnswer;
+use super::histories::{Histories, SlowTails, cut};
+use super::mesh_error::{MeshAnswer, uncertain};
 use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::{AnsweringModel, Problem};
 use super::solution::{Band, Solution};
 use crate::beam::{Mesh, MeshPlan};
+use crate::elastica::SecondOrder;
 use crate::link::Link;
 use crate::modal::torque_zeros;
-use crate::model::{check_size, model_of};
+use crate::model::{Model, check_size, model_of};
 use crate::motion::TipMotion;
-use crate::numeric::TimeGrid;
+use crate::numeric::{TimeGrid, fast_length};
 
 /// Finds the hub torque that makes the tip of `link` follow `motion` (Bayo 1987, eqs 13-21).
 ///
@@ -50,6 +55,9 @@ pub fn invert_with(
     let elements = mesh.elements().len();
     check_size(link, 2 * elements, 2)?;
     let coarsest = model_of(link, mesh, analysis.kept_modes())?;
+    if link.has_weight() || analysis.second_order_of(link) != SecondOrder::None {
+        return invert_bent(coarsest, plan, motion, analysis, resources);
+    }
     let mut first_zero_per_s = first_zero(coarsest.mesh());
     let problem = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
     let period = problem.shortest_period()?;
@@ -68,6 +76,11 @@ pub fn invert_with(
         return Err(InversionError::BlockedTip { frequency_hz });
     }
     let window = problem.window(&answer);
+    let torque = answer.periodic(&answer.torque_n_m);
+    let edge = Edge {
+        cut: torque.outside(&window) / torque.peak(),
+        seam: torque.at_seam() / torque.peak(),
+    };
     let errors = mesh_errors
         .zip(&window_errors(&answer, left, &window), |mesh, window| QuantityErrors {
             mesh,
@@ -76,7 +89,77 @@ pub fn invert_with(
         })
         .with(mode_errors, |errors, modes| QuantityErrors { modes: Some(modes), ..errors })
         .with(input_errors, |errors, input| QuantityErrors { input: Some(input), ..errors });
-    problem.solution(answering, answer, &window, &errors)
+    problem.solution(answering, answer, (&window, edge), &errors, None)
+}
+
+/// [`invert_with`] for a link under gravity, or with second-order terms.
+fn invert_bent(
+    coarsest: Arc<dyn Model>,
+    plan: &MeshPlan,
+    motion: &TipMotion,
+    analysis: &Analysis,
+    resources: &Resources<'_>,
+) -> Result<Solution, InversionError> {
+    let first_zero_per_s = first_zero(coarsest.mesh());
+    let problem = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
+    let bent = BentProblem::of(&problem, coarsest.link(), first_zero_per_s)?;
+    let BentOnMesh { model, probes, answer, sizes, errors: mesh_errors } =
+        bent.on_mesh_of(plan, coarsest)?;
+    let (answer, rests, left) = bent.decayed(&*model, &probes, &sizes, answer)?;
+    let periodic = answer.periodic(&*model);
+    let (window, cut) = bent.window(&answer, &periodic, &rests, &sizes);
+    let edge = Edge { cut: cut.torque, seam: left.torque };
+    let input = answer.period.spectrum.cutoff.input;
+    let of_input = |input| uncertain((&*model, &probes), &answer.period, &input, &sizes);
+    let input_errors = input.map(of_input).transpose()?;
+    let iteration =
+        (bent.second_order != SecondOrder::None).then_some(answer.motion.iteration_error);
+    let errors = mesh_errors
+        .zip(&left.at_least(&cut), |mesh, window| QuantityErrors {
+            mesh,
+            window,
+            iteration,
+            ..QuantityErrors::default()
+        })
+        .with(input_errors, |errors, input| QuantityErrors { input: Some(input), ..errors });
+    let solved = bent.findings(&*model, &answer, sizes.torque);
+    let answering = AnsweringModel { model, first_zero_per_s, hub_tail: None, peaks: sizes };
+    problem.solution(answering, periodic, (&window, edge), &errors, Some(solved))
+}
+
+/// Torques over a window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowTorques {
+    /// Torque at the hub in N m.
+    pub hub_n_m: Vec<f64>,
+    /// Torque of the motor in N m, where there is a drive.
+    pub motor_n_m: Option<Vec<f64>>,
+}
+
+/// The torques for another sampling of the motion on a solution's link, on the same mesh and over the
+/// same window; the first sample is at the window's start.
+///
+/// # Errors
+/// As [`invert_with`](super::invert_with).
+pub fn torques_over_window(
+    solution: &Solution,
+    motion: &TipMotion,
+    resources: &Resources<'_>,
+) -> Result<WindowTorques, InversionError> {
+    let (first_zero, model) = (solution.first_zero_per_s, &*solution.model);
+    let problem = Problem::new(motion, &solution.analysis, first_zero, *resources)?;
+    let answer = if solution.bent.is_some() {
+        let bent = BentProblem::of(&problem, model.link(), first_zero)?;
+        let given = (solution.band.period_s / motion.grid().step_s).ceil() as usize;
+        bent.answer(model, bent.shortest_len()?.max(fast_length(given)))?.periodic(model)
+    } else {
+        problem.answer_over(model, solution.band.period_s)?
+    };
+    let grid = problem.grid_over(&solution.grid);
+    Ok(WindowTorques {
+        hub_n_m: cut(&answer.torque_n_m, &grid),
+        motor_n_m: answer.motor_n_m.map(|motor| cut(&motor, &grid)),
+    })
 }
 
 fn first_zero(mesh: &Mesh) -> Option<f64> {
@@ -89,12 +172,16 @@ impl Problem<'_> {
         &self,
         answering: AnsweringModel,
         answer: PeriodicAnswer,
-        window: &Window,
+        (window, edge): (&Window, Edge),
         errors: &PerQuantity<QuantityErrors>,
+        bent: Option<Bent>,
     ) -> Result<Solution, InversionError> {
         let grid = TimeGrid { first: window.start, len: window.len(), ..self.motion.grid() };
-        let histories = Histories::of(&answer, &*answering.model, answering.hub_tail, grid)?;
-        let keeps_all = self.cutoff.keeps_all();
+        let start_angle_rad = start_angle_rad(answering.model.link(), self)?;
+        let place = (start_angle_rad, grid);
+        let histories = Histories::of(&answer, &*answering.model, answering.hub_tail, place)?;
+        // The loads of a bent link are solved far beyond the band of its motion.
+        let keeps_all = self.cutoff.keeps_all() && bent.is_none();
         let step_errors =
             if keeps_all { self.step_errors(&answering, &answer, &histories)? } else { None };
         let accuracy = Accuracy {
@@ -107,7 +194,8 @@ impl Problem<'_> {
             motion: self.motion,
             analysis: self.analysis,
             answer: &answer,
-            window,
+            edge,
+            second_order: bent.as_ref().map(|bent| bent.findings),
             histories: &histories,
             accuracy: &accuracy,
         }
@@ -129,12 +217,13 @@ impl Problem<'_> {
             moving: (on_grid(first), on_grid(last)),
             first_zero_per_s: answering.first_zero_per_s,
             accuracy,
-            band: Band::of(&answer.period.spectrum),
+            band: Band::of(&answer.period.spectrum, answer.hub.torque_n_m.len()),
             warnings,
             model: answering.model,
             hub: answer.hub,
             hub_tail: answering.hub_tail,
             period: answer.period,
+            bent: bent.map(Arc::new),
         })
     }
 }

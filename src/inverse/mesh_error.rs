@@ -32,7 +32,7 @@ use crate::model::{KeptModes, Model, ModelError};
 use crate::motion::{InputBand, TipPeriod, TipSpectrum};
 
 /// Peak torques in N m whose squares, and products with rates and times, are finite.
-const TORQUES_N_M: RangeInclusive<f64> = 1e-100..=1e100;
+pub(super) const TORQUES_N_M: RangeInclusive<f64> = 1e-100..=1e100;
 
 /// The answer on the mesh that is fine enough, and its errors.
 pub(super) struct MeshAnswer {
@@ -114,7 +114,7 @@ impl MeshAnswer {
 
 /// What uncertain samples do to each quantity, over its peak; all of it where the mesh has no answer at the
 /// frequencies beyond the band.
-fn uncertain(
+pub(super) fn uncertain(
     (model, probes): (&dyn Model, &Probes),
     period: &TipPeriod,
     input: &InputBand,

@@ -11,6 +11,9 @@
 mod accuracy;
 mod amplitudes;
 mod analysis;
+mod bent;
+mod bent_answer;
+mod curves;
 mod diagnostics;
 mod error;
 mod histories;
@@ -27,12 +30,12 @@ mod warning;
 
 pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors};
 pub use analysis::{Analysis, Resources, Stage, Unwatched, Watch};
+pub use bent_answer::SecondOrderFindings;
 pub use error::InversionError;
 pub use histories::MotorHistories;
 #[cfg(test)]
 pub(crate) use inversion::tests;
-pub use inversion::{invert, invert_with};
+pub use inversion::{WindowTorques, invert, invert_with, torques_over_window};
 pub use nodal_table::NodalTable;
-pub use problem::{WindowTorques, torques_over_window};
 pub use solution::{Band, Solution};
 pub use warning::Warning;

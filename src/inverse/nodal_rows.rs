@@ -3,6 +3,7 @@
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
+use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Arc;
@@ -66,6 +67,8 @@ pub(super) struct RowPlan<'a> {
     pub(super) sampling: Sampling,
     /// Distances x in m from the axis where the rigid rotation xθ is added.
     pub(super) arms_m: Option<Vec<f64>>,
+    /// θ in rad.
+    pub(super) turned_rad: Cow<'a, [f64]>,
     /// The slow tail of each node's deflection, where damping causes one.
     pub(super) tails: Option<Vec<TailTerms>>,
 }
@@ -132,13 +135,13 @@ impl NodalBlock<'_> {
     /// All rows in parts. A row is a weighted sum of samples, less the images, and the rigid rotation
     /// times an arm.
     pub(super) fn parts(&self) -> Vec<Part> {
-        let RowPlan { solution, sampling, every, arms_m, .. } = self.plan;
+        let RowPlan { turned_rad, sampling, every, arms_m, .. } = self.plan;
         let farthest_m = arms_m.as_deref().map(largest);
         let images = self.plan.largest_images();
         let bound = |rows: &Range<usize>| {
             let bending = sampling.gain() * self.largest_sample(rows) + images;
             let rotation = farthest_m.map_or(0.0, |arm_m| {
-                let angles = &solution.hub_angle_rad[rows.start * every.get()..];
+                let angles = &turned_rad[rows.start * every.get()..];
                 let samples = (rows.len() - 1) * every.get() + 1;
                 arm_m * largest(&angles[..samples])
             });
@@ -195,7 +198,7 @@ impl NodalBlock<'_> {
                 }
             }
             if plan.arms_m.is_some() {
-                let angle_rad = plan.solution.hub_angle_rad[row * plan.every.get()];
+                let angle_rad = plan.turned_rad[row * plan.every.get()];
                 for channel in 0..PANEL {
                     sum[channel] += arms_m[channel] * angle_rad;
                 }

@@ -6,6 +6,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::analysis::{Stage, Unwatched, Watch};
+use super::curves::Shape;
 use super::histories::SlowTails;
 use super::nodal_rows::{NodalBlock, PanelSamples, RowPlan};
 use super::solution::Solution;
@@ -92,12 +93,15 @@ impl<'a> NodalTable<'a> {
         let first = solution.grid.first.rem_euclid(pair.len() as i64) as usize;
         let sampling = Sampling::new(pair, solution.band.frequencies, first, every.get());
         let tails = match quantity {
-            NodalQuantity::Deflection => SlowTails::of(&*solution.model, solution.first_zero_per_s),
-            NodalQuantity::Moment => None,
+            NodalQuantity::Deflection if solution.bent.is_none() => {
+                SlowTails::of(&*solution.model, solution.first_zero_per_s)
+            }
+            _ => None,
         };
         let tails = tails.map(|tails| tails.nodal_tails(&*solution.model, nodes));
         let nodes = nodes.to_vec();
-        let plan = RowPlan { solution, nodes, every, sampling, arms_m: None, tails };
+        let turned_rad = solution.turned_rad();
+        let plan = RowPlan { solution, nodes, every, sampling, arms_m: None, turned_rad, tails };
         let mut table = Self { plan, quantity, block: 1, whole: OnceLock::new() };
         let fewest = table.len().div_ceil(MOST_ROW_BLOCKS).max(1);
         table.block = table.len().max(1);
@@ -112,7 +116,9 @@ impl<'a> NodalTable<'a> {
     pub(crate) fn with_rotation(self) -> Self {
         let nodes_m = self.plan.solution.mesh().nodes_m();
         let arms_m = self.nodes().iter().map(|node| nodes_m[*node]).collect();
-        Self { plan: RowPlan { arms_m: Some(arms_m), ..self.plan }, ..self }
+        // A bent link is turned along its chord: other samples are wanted.
+        let whole = if self.plan.solution.bent.is_some() { OnceLock::new() } else { self.whole };
+        Self { plan: RowPlan { arms_m: Some(arms_m), ..self.plan }, whole, ..self }
     }
 
     /// The bending moments at the same nodes and times.
@@ -228,8 +234,13 @@ impl<'a> NodalTable<'a> {
                 if number == 0 { (0, first_pass) } else { (first_pass + number - 1, 1) };
             driven.begin(passes, done);
             let advance = |bins| watch.advance(share * bins);
-            let spectra =
-                driven.nodal_spectra_from(&mut checkpoints, nodes, self.quantity, advance);
+            let spectra = match &solution.bent {
+                Some(bent) => {
+                    advance(solution.band.frequencies);
+                    self.spectra_of(&bent.shape, nodes)
+                }
+                None => driven.nodal_spectra_from(&mut checkpoints, nodes, self.quantity, advance),
+            };
             watch.begin(Stage::Transform, all.len());
             watch.advance(number * nodes_at_once);
             let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(PANEL));
@@ -239,6 +250,17 @@ impl<'a> NodalTable<'a> {
             });
         }
         samples
+    }
+
+    /// Amplitudes at some nodes of a bent link.
+    fn spectra_of(&self, shape: &Shape, nodes: &[usize]) -> Vec<Vec<Complex64>> {
+        let histories = match self.quantity {
+            NodalQuantity::Moment => &shape.moments_n_m,
+            NodalQuantity::Deflection if self.plan.arms_m.is_some() => &shape.arcs_m,
+            NodalQuantity::Deflection => &shape.deflections_m,
+        };
+        let pair = &self.plan.solution.period.spectrum.pair;
+        nodes.par_iter().map(|node| pair.amplitudes(&histories[*node])).collect()
     }
 
     /// The whole table, node by node.

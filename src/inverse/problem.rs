@@ -9,7 +9,6 @@ use super::error::InversionError;
 use super::histories::{Histories, HubMotion, cut};
 use super::period::{Padding, Window, check_memory};
 use super::periodic_answer::PeriodicAnswer;
-use super::solution::Solution;
 use super::spectra::DrivenModel;
 use crate::model::Model;
 use crate::motion::{Cutoff, TailTerms, TipMotion, TipPeriod};
@@ -20,7 +19,7 @@ pub(super) struct Problem<'a> {
     pub(super) motion: &'a TipMotion,
     pub(super) analysis: &'a Analysis,
     pub(super) cutoff: Cutoff,
-    padding: Padding,
+    pub(super) padding: Padding,
     pub(super) resources: Resources<'a>,
 }
 
@@ -57,7 +56,7 @@ impl<'a> Problem<'a> {
         self.period(self.padding.period_len(self.motion.grid().len)?)
     }
 
-    fn period(&self, len: usize) -> Result<Arc<TipPeriod>, InversionError> {
+    pub(super) fn period(&self, len: usize) -> Result<Arc<TipPeriod>, InversionError> {
         let period_s = len as f64 * self.motion.grid().step_s;
         let highest = self.cutoff.end_rad_s() * period_s / TAU;
         check_memory(len, (highest as usize).min(len / 2), self.resources.memory_bytes)?;
@@ -114,7 +113,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The motion on a mesh, on a period no shorter than one given, so that it holds what that one does.
-    fn answer_over(
+    pub(super) fn answer_over(
         &self,
         model: &dyn Model,
         period_s: f64,
@@ -125,7 +124,7 @@ impl<'a> Problem<'a> {
     }
 
     /// A window at this motion's own step.
-    fn grid_over(&self, window: &TimeGrid) -> TimeGrid {
+    pub(super) fn grid_over(&self, window: &TimeGrid) -> TimeGrid {
         let grid = self.motion.grid();
         let first = ((window.time_s(0) - grid.time_s(0)) / grid.step_s).round() as i64;
         let len = (window.duration_s() / grid.step_s).round() as usize + 1;
@@ -184,33 +183,4 @@ impl<'a> Problem<'a> {
             motor_rate: motor.map(|(_, rate)| rate),
         }))
     }
-}
-
-/// Torques over a window.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WindowTorques {
-    /// Torque at the hub in N m.
-    pub hub_n_m: Vec<f64>,
-    /// Torque of the motor in N m, where there is a drive.
-    pub motor_n_m: Option<Vec<f64>>,
-}
-
-/// The torques for another sampling of the motion on a solution's link, on the same mesh and over the
-/// same window; the first sample is at the window's start.
-///
-/// # Errors
-/// As [`invert_with`](super::invert_with).
-pub fn torques_over_window(
-    solution: &Solution,
-    motion: &TipMotion,
-    resources: &Resources<'_>,
-) -> Result<WindowTorques, InversionError> {
-    let first_zero = solution.first_zero_per_s;
-    let problem = Problem::new(motion, &solution.analysis, first_zero, *resources)?;
-    let answer = problem.answer_over(&*solution.model, solution.band.period_s)?;
-    let grid = problem.grid_over(&solution.grid);
-    Ok(WindowTorques {
-        hub_n_m: cut(&answer.torque_n_m, &grid),
-        motor_n_m: answer.motor_n_m.map(|motor| cut(&motor, &grid)),
-    })
 }

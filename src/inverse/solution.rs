@@ -1,9 +1,12 @@
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::accuracy::Accuracy;
 use super::analysis::{Analysis, Unwatched};
-use super::histories::{HubMotion, MotorHistories, tip_deflection_m};
+use super::bent_answer::{Bent, SecondOrderFindings};
+use super::curves::size;
+use super::histories::{HubMotion, MotorHistories, cut, tip_deflection_m};
 use super::spectra::{DrivenModel, HubSpectra};
 use super::warning::Warning;
 use crate::beam::Mesh;
@@ -32,8 +35,7 @@ pub struct Band {
 }
 
 impl Band {
-    pub(super) fn of(spectrum: &TipSpectrum) -> Self {
-        let frequencies = spectrum.band_len();
+    pub(super) fn of(spectrum: &TipSpectrum, frequencies: usize) -> Self {
         let hertz = |k: usize| spectrum.omegas_rad_s[k] / TAU;
         Self {
             period_s: spectrum.period_s(),
@@ -92,6 +94,8 @@ pub struct Solution {
     pub(super) period: Arc<TipPeriod>,
     /// The hub angle's slow tail, where damping leaves one.
     pub(super) hub_tail: Option<TailTerms>,
+    /// Where the nodes of a link under gravity, or with second-order terms, are.
+    pub(super) bent: Option<Arc<Bent>>,
 }
 
 impl Solution {
@@ -133,8 +137,35 @@ impl Solution {
         hub.on(&self.grid, &excess, &self.tip.acceleration_m_s2, 2)
     }
 
+    /// What was found of the second order, where gravity acts or it was asked for.
+    pub fn second_order(&self) -> Option<&SecondOrderFindings> {
+        self.bent.as_deref().map(|bent| &bent.findings)
+    }
+
+    /// What errors of a history are a share of: its peak or, with gravity, its largest value less its smallest.
+    pub fn size_of(&self, history: &[f64]) -> f64 {
+        size(history, self.link().has_weight())
+    }
+
+    /// How far the line has turned that displacements of the nodes are counted along: the hub's tangent line or, of a
+    /// bent link, the chord.
+    pub(super) fn turned_rad(&self) -> Cow<'_, [f64]> {
+        if self.bent.is_none() {
+            return Cow::Borrowed(&self.hub_angle_rad);
+        }
+        let length_m = self.mesh().length_m();
+        self.tip.displacement_m.iter().map(|m| m / length_m).collect()
+    }
+
     /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.
     pub fn tip_deflection_m(&self) -> Vec<f64> {
+        if let Some(bent) = &self.bent {
+            return bent
+                .shape
+                .deflections_m
+                .last()
+                .map_or_else(Vec::new, |tip| cut(tip, &self.grid));
+        }
         let length_m = self.mesh().length_m();
         tip_deflection_m(&self.rigid_hub_angle_rad, &self.hub_angle_rad, length_m)
     }

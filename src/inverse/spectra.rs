@@ -114,7 +114,7 @@ impl DrivenModel<'_> {
         Ok(HubSpectra { torque_n_m, excess_angle_rad, root_moment_n_m, blocked_hz })
     }
 
-    /// The motor over the band, where there is a drive.
+    /// The motor at the hub's frequencies, where there is a drive.
     ///
     /// ```text
     /// φ̇ = n (θ̇ + Ṫ/k),   θ̇̂ = v̂/L + iω θ̃̂
@@ -135,7 +135,7 @@ impl DrivenModel<'_> {
             let inertia = rotor_inertia_kg_m2 * gear_ratio;
             (torque / gear_ratio + turning * inertia, rate * gear_ratio)
         };
-        let bins = self.omegas_rad_s().iter().enumerate();
+        let bins = spectrum.omegas_rad_s[..hub.torque_n_m.len()].iter().enumerate();
         let (torque_n_m, rate_rad_s) = bins.map(amplitudes).unzip();
         Some(MotorSpectra { torque_n_m, rate_rad_s })
     }

@@ -171,6 +171,24 @@ pub enum Warning {
         /// Largest deflection of the tip from the hub's tangent line over the length.
         share: f64,
     },
+    /// Second-order terms that hardly converge.
+    #[error(
+        "each iteration of the second-order terms changes the torque by {contraction:.2} of what the one before did: \
+         they hardly converge"
+    )]
+    SlowIteration {
+        /// Change by the last iteration over that by the one before.
+        contraction: f64,
+    },
+    /// Second-order terms that count, but were not counted.
+    #[error(
+        "the second-order terms that analysis.second_order leaves out change the torque by {}",
+        left_out(*share)
+    )]
+    SecondOrderLeftOut {
+        /// Largest change over the torque's range or, without weight, its peak; none where they do not converge.
+        share: Option<f64>,
+    },
     /// Shear and rotary inertia that the model leaves out.
     #[error(
         "shear and rotary inertia, which the theory leaves out, change the torque by {} (rms)",
@@ -231,6 +249,8 @@ impl Warning {
             Self::NearNyquist { .. } => "near_nyquist",
             Self::AboveMesh { .. } => "above_mesh",
             Self::LargeDeflection { .. } => "large_deflection",
+            Self::SlowIteration { .. } => "slow_iteration",
+            Self::SecondOrderLeftOut { .. } => "second_order_left_out",
             Self::ThickLink { .. } => "thick_link",
             Self::FastHub { .. } => "fast_hub",
             Self::CoarseMesh { .. } => "coarse_mesh",
@@ -266,8 +286,10 @@ impl Warning {
             }
             Self::FewModes { .. } => "a larger analysis.modes; without it all modes are kept",
             Self::LargeDeflection { .. } | Self::FastHub { .. } => {
-                "a slower motion or a stiffer link"
+                "analysis.second_order = \"full\" counts what is left out; or a slower motion, a stiffer link"
             }
+            Self::SlowIteration { .. } => "a slower motion or a stiffer link",
+            Self::SecondOrderLeftOut { .. } => "analysis.second_order = \"full\" counts them",
             Self::ThickLink { .. } => {
                 "theory = \"timoshenko\" in the link file takes them into account"
             }
@@ -302,6 +324,15 @@ fn stiffening(share: f64) -> String {
         format!("about {:.1} %", 100.0 * moves)
     } else {
         format!("more than {:.0} %", 100.0 * MOST_STIFFENING)
+    }
+}
+
+/// What terms that are left out change of the torque, in words.
+fn left_out(share: Option<f64>) -> String {
+    match share {
+        Some(share) if share < 1.0 => format!("{:.1} % of its range", 100.0 * share),
+        Some(_) => "as much as its range, or more".into(),
+        None => "so much that they do not converge".into(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::damping::Damping;
 use super::link::{Link, LinkParts};
-use super::parts::{Drive, Hub, LumpedMass, ParameterError, Payload};
+use super::parts::{Drive, Gravity, Hub, LumpedMass, ParameterError, Payload};
 use super::segment::Segment;
 
 impl LinkParts {
@@ -64,6 +64,14 @@ impl LinkParts {
         self
     }
 
+    /// Gravity along the plane's x and y axes in m/s², and the direction in rad of the chord, from the axis to the
+    /// tip, where the tip's displacement is 0.
+    pub fn gravity(mut self, acceleration_m_s2: [f64; 2], start_angle_rad: f64) -> Self {
+        let start_angle_rad = Some(start_angle_rad);
+        self.gravity = Some(Gravity { acceleration_m_s2, start_angle_rad });
+        self
+    }
+
     /// The link.
     ///
     /// # Errors
@@ -76,7 +84,7 @@ impl LinkParts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::{CrossSection, Section};
+    use crate::link::{CrossSection, Section, Taper};
 
     #[test]
     fn a_link_is_what_was_named_and_nothing_else() {
@@ -94,8 +102,28 @@ mod tests {
             payload: Payload { mass_kg: 0.25, ..Payload::default() },
             damping: Damping::Hysteretic { ratio: 0.02 },
             drive: None,
+            gravity: None,
         };
         assert_eq!(built.build(), Link::new(parts));
+    }
+
+    #[test]
+    fn the_moment_of_mass_is_the_change_of_inertia_about_an_axis_that_moves_away() {
+        let at = |radius_m: f64| {
+            let taper = Taper { inner: 0.9, outer: 0.3 };
+            Link::builder()
+                .hub(Hub { radius_m: 0.2 + radius_m, ..Hub::default() })
+                .segment(Segment::uniform(0.5, 5.0, 0.8))
+                .segment(Segment { mass_per_length_kg_m: taper, ..Segment::uniform(1.0, 5.0, 0.8) })
+                .mass(LumpedMass { at_m: 0.7 + radius_m, mass_kg: 0.1, inertia_kg_m2: 0.01 })
+                .payload(Payload { mass_kg: 0.2, inertia_kg_m2: 0.03, offset_m: 0.1 })
+                .build()
+                .unwrap()
+        };
+        // I(r) = I + 2 S r + m r²: the difference over a central step is 2 S.
+        let [before, after] = [at(-0.1), at(0.1)].map(|link| link.rigid_inertia_kg_m2());
+        let moment = at(0.0).mass_moment_kg_m();
+        assert!(((after - before) / 0.4 / moment - 1.0).abs() < 1e-12, "{moment}");
     }
 
     #[test]
@@ -126,6 +154,7 @@ mod tests {
                 rotor_inertia_kg_m2: 1e-4,
                 gear_ratio: 80.0,
             })
+            .gravity([0.0, -9.81], 0.5)
             .build()
             .unwrap();
         let text = serde_json::to_string(&link).unwrap();

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::damping::Damping;
-use super::parts::{Drive, Hub, Joint, LumpedMass, ParameterError, Payload, not_negative};
+use super::parts::{Drive, Gravity, Hub, Joint, LumpedMass, ParameterError, Payload, not_negative};
 use super::segment::Segment;
 
 /// Positions closer than this share of the link's length are one: a sum of segment lengths is
@@ -34,7 +34,7 @@ pub struct LinkParts {
     pub segments: Vec<Segment>,
     /// The hub.
     pub hub: Hub,
-    /// Lumped masses in any order.
+    /// Lumped masses, in any order.
     pub masses: Vec<LumpedMass>,
     /// The payload.
     pub payload: Payload,
@@ -42,6 +42,9 @@ pub struct LinkParts {
     pub damping: Damping,
     /// What sits between motor and hub, if anything does.
     pub drive: Option<Drive>,
+    /// Gravity in the plane of motion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Gravity>,
 }
 
 /// A valid link.
@@ -105,6 +108,7 @@ impl Link {
         }
         parts.damping.check()?;
         parts.drive.as_ref().map_or(Ok(()), Drive::check)?;
+        parts.gravity.as_ref().map_or(Ok(()), Gravity::check)?;
         link.check_movable()?;
         parts.masses.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
         Ok(Self { parts })
@@ -167,6 +171,16 @@ impl Link {
         self.parts.drive.as_ref()
     }
 
+    /// Gravity in the plane of motion, if it was given.
+    pub fn gravity(&self) -> Option<&Gravity> {
+        self.parts.gravity.as_ref()
+    }
+
+    /// True if gravity acts in the plane of motion.
+    pub fn has_weight(&self) -> bool {
+        self.gravity().is_some_and(Gravity::acts)
+    }
+
     /// Friction and drive at the axis.
     pub fn joint(&self) -> Joint {
         let friction_n_m_s_rad = self.parts.hub.viscous_friction_n_m_s_rad;
@@ -179,14 +193,26 @@ impl Link {
         self.parts.hub.radius_m + beam
     }
 
+    /// First moment of mass about the axis in kg m: gravity across the link times it holds the link.
+    pub fn mass_moment_kg_m(&self) -> f64 {
+        let (mut root_m, mut moment) = (self.parts.hub.radius_m, 0.0);
+        for segment in &self.parts.segments {
+            let (l, m) = (segment.length_m, segment.mass_per_length_kg_m);
+            moment += l * (m.mean() * root_m + (m.inner + 2.0 * m.outer) / 6.0 * l);
+            root_m += l;
+        }
+        let masses = self.parts.masses.iter().map(|mass| mass.mass_kg * mass.at_m);
+        let Payload { mass_kg, offset_m, .. } = self.parts.payload;
+        moment + masses.sum::<f64>() + mass_kg * (root_m + offset_m)
+    }
+
     /// Rotary inertia of the rigid link about the axis in kg m².
     ///
     /// ```text
     /// I_rigid = I_H + ∫ m̄ x² dx + Σ (m x² + J) + m_t (L + c)² + J_t
     /// ```
     pub fn rigid_inertia_kg_m2(&self) -> f64 {
-        let mut root_m = self.parts.hub.radius_m;
-        let mut inertia = self.parts.hub.inertia_kg_m2;
+        let Hub { inertia_kg_m2: mut inertia, radius_m: mut root_m, .. } = self.parts.hub;
         for segment in &self.parts.segments {
             let (l, m) = (segment.length_m, segment.mass_per_length_kg_m);
             // ∫₀ˡ m̄(s) (x + s)² ds with m̄ linear in s, each power of s by itself.
@@ -247,8 +273,7 @@ impl Link {
     }
 }
 
-/// The link of many unit tests: Bayo's link without its stiff root, undamped: 1.5 m, 5 N m² and 0.8 kg/m on a
-/// hub of 0.1 kg m², so that its rigid inertia is 1 kg m².
+/// The link of many unit tests: Bayo's without its stiff root, undamped, its rigid inertia 1 kg m².
 #[cfg(test)]
 pub(crate) fn uniform() -> LinkParts {
     Link::builder().segment(uniform_segment()).hub_inertia_kg_m2(0.1)

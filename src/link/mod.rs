@@ -17,7 +17,7 @@ pub(crate) use link::POSITION_TOLERANCE;
 pub use link::{Link, LinkParts};
 #[cfg(test)]
 pub(crate) use link::{uniform, uniform_segment};
-pub use parts::{Drive, Hub, Joint, LumpedMass, ParameterError, Payload};
+pub use parts::{Drive, Gravity, Hub, Joint, LumpedMass, ParameterError, Payload};
 pub(crate) use parts::{not_negative, positive};
 pub use section::Section;
 pub use segment::{CrossSection, Segment, Taper, Timoshenko};

@@ -135,6 +135,40 @@ impl Drive {
     }
 }
 
+/// Gravity in the plane that the link moves in, and the pose from which displacements are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gravity {
+    /// Acceleration of gravity along the plane's x and y axes in m/s².
+    pub acceleration_m_s2: [f64; 2],
+    /// Direction in rad of the chord, from the axis to the tip, where the tip's displacement is 0:
+    /// counterclockwise from x. `None` where motions give their angles.
+    pub start_angle_rad: Option<f64>,
+}
+
+impl Gravity {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let axes = ["gravity.0", "gravity.1"].into_iter().zip(self.acceleration_m_s2);
+        let numbers = axes.map(|(key, value)| (key, value, "m/s^2"));
+        let angle = self.start_angle_rad.map(|angle| ("start_angle", angle, "rad"));
+        let lost = numbers.chain(angle).find(|(_, value, _)| !value.is_finite());
+        lost.map_or(Ok(()), |(parameter, value, unit)| {
+            Err(ParameterError::new(parameter, value, unit, "must be finite"))
+        })
+    }
+
+    /// True if gravity has a part in the plane.
+    pub fn acts(&self) -> bool {
+        self.acceleration_m_s2.iter().any(|part| *part != 0.0)
+    }
+
+    /// The part of gravity across a direction, positive where it turns clockwise: `g_x sin θ − g_y cos θ`.
+    pub fn across_m_s2(&self, angle_rad: f64) -> f64 {
+        let [along_x, along_y] = self.acceleration_m_s2;
+        along_x * libm::sin(angle_rad) - along_y * libm::cos(angle_rad)
+    }
+}
+
 /// A point mass fixed to the link.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -162,6 +196,19 @@ pub struct Payload {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::uniform;
+
+    #[test]
+    fn gravity_across_a_level_link_is_all_of_it_and_across_a_hanging_one_none() {
+        let link = uniform().gravity([0.0, -9.81], 0.0).build().unwrap();
+        let gravity = link.gravity().unwrap();
+        assert!(link.has_weight() && (gravity.across_m_s2(0.0) - 9.81).abs() < 1e-12);
+        assert!(gravity.across_m_s2(-0.5 * std::f64::consts::PI).abs() < 1e-12);
+        assert!((gravity.across_m_s2(std::f64::consts::PI) + 9.81).abs() < 1e-12);
+        assert!(!uniform().gravity([0.0; 2], 0.0).build().unwrap().has_weight());
+        let lost = uniform().gravity([f64::NAN, 0.0], 0.0).build().unwrap_err();
+        assert_eq!(lost.to_string(), "gravity.0 = NaN m/s^2, but must be finite");
+    }
 
     #[test]
     fn a_stiff_joint_is_a_joint_and_none_is_not() {

@@ -9,12 +9,10 @@ mod dense;
 mod frequency_response;
 mod link_on_mesh;
 mod recursion;
-mod sensor;
 mod superposition;
 
 pub use dense::{Dense, MOST_ELEMENTS_OF_DENSE_SOLVE};
-pub use frequency_response::{FrequencyResponse, changes_on_halves};
+pub use frequency_response::{FrequencyResponse, Sensor, changes_on_halves};
 pub use link_on_mesh::{KeptModes, LinkOnMesh, Model, ModelError};
 pub(crate) use recursion::check_size;
 pub use recursion::model_of;
-pub use sensor::Sensor;

@@ -31,6 +31,9 @@ pub struct Recording {
     pub jitter: Option<f64>,
     /// Cut-off in rad/s that the user has chosen; `None`: the one that the tip needs.
     pub lowpass_rad_s: Option<f64>,
+    /// Direction in rad of the chord, from the axis to the tip, where the displacement is 0, if the samples were
+    /// given as angles of a link with gravity.
+    pub start_angle_rad: Option<f64>,
 }
 
 impl Uncertainty {

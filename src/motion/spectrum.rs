@@ -233,6 +233,11 @@ impl TipSpectrum {
         beyond
     }
 
+    /// How far the tip is after the motion from where it was before, in m.
+    pub(crate) fn travel_m(&self) -> f64 {
+        self.velocity_m_s[0].re * self.period_s()
+    }
+
     /// Period P in s.
     pub(crate) fn period_s(&self) -> f64 {
         self.pair.len() as f64 * self.step_s

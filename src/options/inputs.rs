@@ -89,6 +89,16 @@ pub(crate) fn specification(
     })
 }
 
+/// Warns that frequencies are those without gravity, where it acts; returns the number of warnings.
+pub(crate) fn warn_of_gravity(link: &Link) -> usize {
+    if !link.has_weight() {
+        return 0;
+    }
+    let left_out = "gravity changes natural frequencies and zeros with the link's direction: those here are without it";
+    console::warning(left_out, "--set 'gravity=[0, 0]' if the link moves in a horizontal plane");
+    1
+}
+
 /// The step of a trajectory, and what its samples are worth.
 #[derive(Debug, Args)]
 pub(crate) struct ResampleArgs {
@@ -143,6 +153,10 @@ impl ResampleArgs {
         let length_m = link.length_m();
         let table = read_motion_table_as(&file.shown, &file.bytes, length_m, &read.format())?;
         let reading = table.reading().clone();
+        let table = match link.gravity() {
+            Some(gravity) => table.with_gravity(gravity, length_m)?,
+            None => table,
+        };
         let table = match self.resample {
             Some(step_s) => table.resampled(step_s)?,
             None => table,

@@ -34,6 +34,7 @@ pub(super) fn link(viscous_friction_n_m_s_rad: f64) -> Link {
         payload: Payload { mass_kg: 0.05, ..Payload::default() },
         damping: Damping::Hysteretic { ratio: 0.02 },
         drive: None,
+        gravity: None,
     })
     .unwrap()
 }

@@ -23,6 +23,9 @@ pub enum SimulationError {
     /// A hub without inertia on a root without mass: its motion follows no differential equation.
     #[error("the hub moves no mass, but must: hub.inertia = 0, and the link's root has none")]
     MasslessHub,
+    /// A link under gravity.
+    #[error("gravity acts in the plane of motion, but a link is played without weight only")]
+    HasWeight,
     /// Damping that the mesh does not allow.
     #[error(transparent)]
     Damping(#[from] DampingError),
@@ -106,6 +109,7 @@ impl SimulationError {
             }
             Self::NotFinite { .. } => Some("the inputs are too large for double precision"),
             Self::EndsEarly { .. } => Some("the simulation goes on to the torque's end by itself"),
+            Self::HasWeight => Some("--set 'gravity=[0, 0]' plays it in a horizontal plane"),
             Self::MasslessHub => Some("give the hub an inertia, however small"),
             Self::NoTorque | Self::NoTurn => None,
         }

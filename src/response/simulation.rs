@@ -95,6 +95,9 @@ fn play_on(
     if !hub_moves_mass(&mesh) {
         return Err(SimulationError::MasslessHub);
     }
+    if link.has_weight() {
+        return Err(SimulationError::HasWeight);
+    }
     let grid = play.grid()?;
     let driving = play.driving()?;
     let law = DampingLaw::of(link, &mesh)?;

@@ -5,8 +5,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use thiserror::Error;
 
 use super::metrics::{Metrics, MotorMetrics};
-use crate::inverse::{QuantityErrors, Solution};
+use crate::inverse::{MotorHistories, QuantityErrors, Solution};
 use crate::link::{Drive, ParameterError};
+use crate::numeric::largest;
 use crate::text::{plain, significant};
 
 /// How the keys of the motor's limits begin.
@@ -201,12 +202,25 @@ fn found(metrics: &Metrics) -> [f64; 10] {
 /// errors of torque and rate, deflection that of the hub angle, the root's moment that of the torque.
 fn errors(solution: &Solution, metrics: &Metrics) -> [f64; 10] {
     let errors = solution.accuracy.of_kind(|errors| {
-        let QuantityErrors { mesh, window, step, modes, input } = errors;
-        [step, modes, input].into_iter().flatten().fold(mesh + window, |sum, error| sum + error)
+        let QuantityErrors { mesh, window, step, iteration, modes, input } = errors;
+        [step, iteration, modes, input]
+            .into_iter()
+            .flatten()
+            .fold(mesh + window, |sum, error| sum + error)
     });
-    let (torque, rate) = (errors.torque, errors.hub_rate);
-    let motor_torque = errors.motor_torque.unwrap_or(0.0);
-    let motor_rate = errors.motor_rate.unwrap_or(0.0);
+    // With gravity errors are shares of ranges.
+    let has_weight = solution.link().has_weight();
+    let per_peak = |error: f64, history: &[f64]| {
+        if has_weight { error * solution.size_of(history) / largest(history) } else { error }
+    };
+    let torque = per_peak(errors.torque, &solution.torque_n_m);
+    let rate = per_peak(errors.hub_rate, &solution.hub_rate_rad_s);
+    let of_motor = |error: Option<f64>, history: fn(&MotorHistories) -> &Vec<f64>| {
+        let history = solution.motor.as_ref().map(history);
+        error.zip(history).map_or(0.0, |(error, history)| per_peak(error, history))
+    };
+    let motor_torque = of_motor(errors.motor_torque, |motor| &motor.torque_n_m);
+    let motor_rate = of_motor(errors.motor_rate, |motor| &motor.rate_rad_s);
     let [
         peak,
         rms,

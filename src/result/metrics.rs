@@ -16,16 +16,17 @@ pub struct Metrics {
     /// Largest |T| in N m.
     pub peak_torque_n_m: Peak,
     /// Root mean square of T in N m while it acts: from the first to the last |T| above 2 % of its
-    /// peak, so that the rest around the motion does not count.
+    /// peak, so that the rest around the motion does not count. With gravity T acts while it differs from what
+    /// holds the link at rest by more than 2 % of its range.
     pub rms_torque_n_m: f64,
     /// Largest |T| of the rigid link in N m.
     pub peak_rigid_torque_n_m: Peak,
     /// Peak torque over that of the rigid link.
     pub torque_ratio: f64,
-    /// How long before the tip's first motion |T| first exceeds 2 % of its peak, in s, interpolated
+    /// How long before the tip's first motion T first acts, in s, interpolated
     /// between samples; negative where it does so only afterwards.
     pub lead_s: f64,
-    /// How long after the tip's last motion |T| last exceeds 2 % of its peak, in s, likewise.
+    /// How long after the tip's last motion T last acts, in s, likewise.
     pub lag_s: f64,
     /// Largest |θ − θ(start)| in rad.
     pub peak_hub_angle_rad: Peak,
@@ -74,7 +75,12 @@ impl Metrics {
         let peak_rigid_torque_n_m = peak(&solution.rigid_torque_n_m);
         let start = solution.hub_angle_rad[0];
         let travelled: Vec<f64> = solution.hub_angle_rad.iter().map(|a| a - start).collect();
-        let acting = Acting::of(torque, TIMING_LEVEL * peak_torque_n_m.value);
+        // With gravity the torque acts where it differs from what holds the link at rest.
+        let acting = if solution.link().has_weight() {
+            Acting::beyond_rest(torque, TIMING_LEVEL * solution.size_of(torque))
+        } else {
+            Acting::of(torque, TIMING_LEVEL * peak_torque_n_m.value)
+        };
         Self {
             peak_torque_n_m,
             rms_torque_n_m: acting.rms(torque),
@@ -89,7 +95,14 @@ impl Metrics {
             peak_deflection_m: peak(&solution.tip_deflection_m()),
             peak_tip_velocity_m_s: peak(&solution.tip.velocity_m_s),
             peak_tip_acceleration_m_s2: peak(&solution.tip.acceleration_m_s2),
-            motor: solution.motor.as_ref().map(|motor| MotorMetrics::of(motor, &peaks)),
+            motor: solution.motor.as_ref().map(|motor| {
+                let torque = &motor.torque_n_m;
+                let acting = solution
+                    .link()
+                    .has_weight()
+                    .then(|| Acting::beyond_rest(torque, TIMING_LEVEL * solution.size_of(torque)));
+                MotorMetrics::of(motor, &peaks, acting)
+            }),
         }
     }
 }
@@ -166,6 +179,15 @@ impl Acting {
         }
     }
 
+    /// Of a torque that holds a link at rest at its first and last sample: from where it leaves the first by more
+    /// than the level until it comes as near to the last.
+    fn beyond_rest(torque: &[f64], level: f64) -> Self {
+        let less = |rest: f64| torque.iter().map(|t| t - rest).collect::<Vec<f64>>();
+        let (from_first, from_last) = (less(torque[0]), less(torque[torque.len() - 1]));
+        let [begins, ends] = [Self::of(&from_first, level), Self::of(&from_last, level)];
+        Self { last: ends.last.max(begins.first), after: ends.after, ..begins }
+    }
+
     /// Root mean square of the torque from the first sample to the last.
     fn rms(&self, torque: &[f64]) -> f64 {
         let acting = &torque[self.first..=self.last];
@@ -182,12 +204,14 @@ impl Acting {
 }
 
 impl MotorMetrics {
-    fn of(motor: &MotorHistories, peaks: &Peaks) -> Self {
+    fn of(motor: &MotorHistories, peaks: &Peaks, acting: Option<Acting>) -> Self {
         let MotorHistories { torque_n_m: torque, rate_rad_s: rate, .. } = motor;
         let peak_torque_n_m = peaks.of(torque);
         Self {
             peak_torque_n_m,
-            rms_torque_n_m: Acting::of(torque, TIMING_LEVEL * peak_torque_n_m.value).rms(torque),
+            rms_torque_n_m: acting
+                .unwrap_or_else(|| Acting::of(torque, TIMING_LEVEL * peak_torque_n_m.value))
+                .rms(torque),
             peak_rate_rad_s: peaks.of(rate),
             peak_power_w: peaks.of_product(torque, rate),
         }
@@ -230,6 +254,16 @@ mod tests {
         assert_eq!((acting.first, acting.last), (0, 2));
         let still = Acting::of(&[0.0, 0.0, 0.0], 0.0);
         assert_eq!([still.before, still.after].map(f64::to_bits), [0; 2]);
+    }
+
+    #[test]
+    fn a_torque_acts_from_where_it_leaves_one_rest_until_it_is_near_the_other() {
+        let torque = [1.0, 1.0, 1.5, 4.0, 3.5, 3.0, 3.0];
+        let acting = Acting::beyond_rest(&torque, 0.25);
+        assert_eq!((acting.first, acting.last), (2, 4));
+        assert!((acting.before - 0.5).abs() < 1e-15 && (acting.after - 0.5).abs() < 1e-15);
+        let falling = Acting::beyond_rest(&[3.0, 3.0, 1.0, 1.0], 0.5);
+        assert_eq!((falling.first, falling.last), (2, 2), "it leaves one where it is at the other");
     }
 
     #[test]

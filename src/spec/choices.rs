@@ -5,6 +5,8 @@ use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
+use crate::elastica::SecondOrder;
+
 /// A property along the segment, given as a whole or as a material's constant times a property of the
 /// cross-section, which is given itself or follows from `section`.
 pub(super) struct Property {
@@ -60,6 +62,25 @@ fn one_of(keys: &[&str]) -> Value {
 pub(super) enum Theory {
     EulerBernoulli,
     Timoshenko,
+}
+
+/// What is counted of the second order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase", expecting = "a string")]
+pub(super) enum Order {
+    None,
+    First,
+    Full,
+}
+
+impl From<Order> for SecondOrder {
+    fn from(order: Order) -> Self {
+        match order {
+            Order::None => Self::None,
+            Order::First => Self::First,
+            Order::Full => Self::Full,
+        }
+    }
 }
 
 /// A shape of cross-section.

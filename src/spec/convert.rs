@@ -6,10 +6,10 @@ use super::overrides::{Override, apply};
 use super::raw::{RawAnalysis, RawLimits, RawSpecification};
 use super::segment::segment;
 use super::tree::{Node, Place};
-use super::value::{Count, Elements, Si};
+use super::value::{AlongAxes, Count, Elements, Si};
 use crate::beam::{ElementCount, MeshPlan};
 use crate::inverse::Analysis;
-use crate::link::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload};
+use crate::link::{Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, Payload};
 use crate::result::{Limits, Remark};
 
 /// The checked content of a link file.
@@ -109,6 +109,16 @@ fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
     });
     let remarks = remarks.collect();
     let theory = raw.theory;
+    let gravity = match (raw.gravity, raw.start_angle) {
+        (None, Some(_)) => {
+            let message = "start_angle needs gravity: without it no direction differs from another";
+            return Err(Fault::new("start_angle", message));
+        }
+        (gravity, start_angle) => gravity.map(|AlongAxes(acceleration_m_s2)| Gravity {
+            acceleration_m_s2,
+            start_angle_rad: start_angle.map(Si::si),
+        }),
+    };
     let segments = raw.segments.into_iter().enumerate();
     let link = Link::new(LinkParts {
         title: raw.title.unwrap_or_default(),
@@ -140,6 +150,7 @@ fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
             rotor_inertia_kg_m2: drive.rotor_inertia.si(),
             gear_ratio: drive.gear_ratio.unwrap_or(1.0),
         }),
+        gravity,
     })?;
     let count = raw.mesh.elements.map(|elements| match elements {
         Elements::Word(_) => ElementCount::Auto,
@@ -157,6 +168,10 @@ fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {
     let tip_tolerance = raw.tip_tolerance.unwrap_or(Analysis::DEFAULT_TIP_TOLERANCE);
     let analysis = Analysis::new(tolerance, raw.lead.map(Si::si), raw.lag.map(Si::si))?
         .with_tip_tolerance(tip_tolerance)?;
+    let analysis = match raw.second_order {
+        Some(order) => analysis.with_second_order(order.into()),
+        None => analysis,
+    };
     match raw.modes {
         Some(Count(modes)) => Ok(analysis.keeping_modes(modes)?),
         None => Ok(analysis),

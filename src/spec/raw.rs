@@ -7,16 +7,18 @@ use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::choices::{Model, Shape, Theory, combinations, dimensions, properties};
+use super::choices::{Model, Order, Shape, Theory, combinations, dimensions, properties};
 use super::value::{
-    Area, BendingStiffness, Count, Density, Elements, Length, Mass, MassPerLength, Power, Pressure,
-    Rate, RotaryInertia, RotaryInertiaPerLength, SecondMoment, ShearStiffness, Time, Torque,
-    Unbounded, ViscousFriction, above_zero, at_least_zero, describe, tables,
+    AlongAxes, Angle, Area, BendingStiffness, Count, Density, Elements, Length, Mass,
+    MassPerLength, Power, Pressure, Rate, RotaryInertia, RotaryInertiaPerLength, SecondMoment,
+    ShearStiffness, Time, Torque, Unbounded, ViscousFriction, above_zero, at_least_zero, describe,
+    tables,
 };
 
 /// Link file of flexlink.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
+#[schemars(extend("dependencies" = json!({ "start_angle": ["gravity"] })))]
 pub(super) struct RawSpecification {
     /// Title, for people.
     pub(super) title: Option<String>,
@@ -24,6 +26,12 @@ pub(super) struct RawSpecification {
     /// takes shear and rotary inertia into account.
     #[schemars(extend("default" = "euler-bernoulli"))]
     pub(super) theory: Option<Theory>,
+    /// Gravity along the x and y axes of the plane of motion, [0, -9.81] in a vertical one; by default that plane
+    /// is horizontal. Angles count from x, counterclockwise.
+    pub(super) gravity: Option<AlongAxes>,
+    /// With gravity, the direction of the chord, from the hub's axis to the tip, where the tip's displacement is
+    /// 0; needed unless the motion gives angles.
+    pub(super) start_angle: Option<Angle>,
     /// Segments of the link, from the hub outward; at least one.
     #[serde(deserialize_with = "tables")]
     #[schemars(length(min = 1))]
@@ -281,6 +289,9 @@ pub(super) struct RawAnalysis {
     pub(super) lag: Option<Time>,
     /// Lowest flexible modes to keep, the paper's reduction; by default all.
     pub(super) modes: Option<Count>,
+    /// What is counted beyond small deflections: none, first (gravity and centripetal forces along the link) or
+    /// full (all, the slopes being large); by default none without gravity, full with gravity.
+    pub(super) second_order: Option<Order>,
 }
 
 /// A list of numbers from 0 to below 1, at least one.

@@ -26,6 +26,8 @@ pub(super) type ViscousFriction = Si<1, 2, -1>;
 pub(super) type Power = Si<1, 2, -3>;
 pub(super) type Time = Si<0, 0, 1>;
 pub(super) type Rate = Si<0, 0, -1>;
+pub(super) type Acceleration = Si<0, 1, -2>;
+pub(super) type Angle = Si<0, 0, 0>;
 
 impl<const M: i8, const L: i8, const T: i8> Si<M, L, T> {
     pub(super) fn si(self) -> f64 {
@@ -116,6 +118,22 @@ impl<'de, const M: i8, const L: i8, const T: i8> Deserialize<'de> for Tapered<M,
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
 pub(super) struct Unbounded(pub(super) Torque);
 
+/// Accelerations along the axes of a plane.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(try_from = "Vec<Acceleration>")]
+pub(super) struct AlongAxes(pub(super) [f64; 2]);
+
+impl TryFrom<Vec<Acceleration>> for AlongAxes {
+    type Error = String;
+
+    fn try_from(parts: Vec<Acceleration>) -> Result<Self, String> {
+        match parts[..] {
+            [x, y] => Ok(Self([x.si(), y.si()])),
+            _ => Err("must hold two accelerations, [along x, along y]".into()),
+        }
+    }
+}
+
 /// A number of elements or modes, or the number of a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(try_from = "i64")]
@@ -192,6 +210,22 @@ impl<const M: i8, const L: i8, const T: i8> JsonSchema for Tapered<M, L, T> {
     }
 }
 
+impl JsonSchema for AlongAxes {
+    fn schema_name() -> Cow<'static, str> {
+        "AlongAxes".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "type": "array",
+            "items": { "type": ["number", "string"] },
+            "minItems": 2,
+            "maxItems": 2,
+            UNIT: Dimension::ACCELERATION.si_unit(),
+        })
+    }
+}
+
 impl JsonSchema for Unbounded {
     fn schema_name() -> Cow<'static, str> {
         "Unbounded".into()
@@ -244,8 +278,8 @@ pub(super) fn describe(schema: &mut Schema) {
     let what = schema.get("description").and_then(Value::as_str).unwrap_or_default();
     let words = range.map_or("", |(_, words)| words);
     let example = example(&unit);
-    let text =
-        format!("{what}\n\nA number in {unit}, or text with its unit{words}: \"{example}\".");
+    let si = if unit.is_empty() { "rad" } else { unit.as_str() };
+    let text = format!("{what}\n\nA number in {si}, or text with its unit{words}: \"{example}\".");
     schema.insert("description".into(), text.into());
     let pattern = quantity_pattern(if range.is_some() { r"\+?" } else { "[+-]?" });
     // Each keyword applies to its own type only.
@@ -272,6 +306,8 @@ fn example(unit: &str) -> &'static str {
         "1/s" => "30 rpm",
         "N m" => "500 N cm",
         "N m s/rad" => "15 mN m s",
+        "m/s^2" => "-981 cm/s^2",
+        "" => "90 deg",
         _ => "20 W",
     }
 }
@@ -340,6 +376,8 @@ mod tests {
             Dimension::TORQUE,
             Dimension::VISCOUS_FRICTION,
             Dimension::POWER,
+            Dimension::ACCELERATION,
+            Dimension::NONE,
         ] {
             let text = example(dimension.si_unit());
             assert!(parse_quantity(text, dimension).is_ok(), "{text}");

@@ -90,7 +90,7 @@ impl Summary {
         let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
         let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
         let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
-        let values = json!({
+        let mut values = json!({
             "mesh": mesh_values(solution.mesh()),
             "motion": motion_values(&solution.motion, metrics),
             "periods_s": periods_s,
@@ -101,6 +101,15 @@ impl Summary {
             "results": solve_results(metrics),
             "errors": solution.accuracy,
         });
+        if let Some(found) = solution.second_order() {
+            values["second_order"] = json!({
+                "order": found.order,
+                "iterations": found.iterations,
+                "contraction": found.contraction,
+                "largest_slope": found.largest_slope,
+                "torque_change": found.torque_change,
+            });
+        }
         Self {
             drive: Some(link.drive().copied()),
             values,

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::json::{FORMAT, Fingerprint, Head, as_written, check_format, json, newer, parsed};
 use crate::csv::{InputFile, Place, TableError, quoted};
 use crate::link::{
-    Damping, Drive, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
+    Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
 };
 use crate::modal::DampingLaw;
 use crate::response::{Input, Play};
@@ -120,6 +120,8 @@ pub(super) struct LinkRecord {
     masses: Vec<LumpedMass>,
     payload: Payload,
     damping: Damping,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    gravity: Option<Gravity>,
 }
 
 impl Summary {
@@ -192,6 +194,7 @@ impl Summary {
             payload: record.payload,
             damping: record.damping,
             drive: self.drive.flatten(),
+            gravity: record.gravity,
         })?;
         let length_m = record.length_m;
         if (length_m - link.length_m()).abs() <= 1e-9 * link.length_m() {
@@ -257,6 +260,7 @@ impl LinkRecord {
             masses: link.masses().to_vec(),
             payload: *link.payload(),
             damping,
+            gravity: link.gravity().copied(),
         }
     }
 }

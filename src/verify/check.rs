@@ -138,6 +138,13 @@ impl Kind {
         bound: |_| CHOSEN,
         hint: "more modes: analysis.modes",
     };
+    pub(super) const ITERATION: Self = Self {
+        name: "iteration",
+        what: "torque with further iterations",
+        of: "its range",
+        bound: |answer| answer.solution.analysis.tolerance(),
+        hint: "a slower motion or a stiffer link",
+    };
     pub(super) const STEP: Self = Self {
         name: "step_halving",
         what: "torque with the step halved",

@@ -23,6 +23,13 @@ pub(super) struct Played {
 /// Plays the written torque on the link: tip error and balance of energy.
 pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, VerificationError> {
     let solution = answer.solution;
+    let not_played = |reason| {
+        let tip = vec![Kind::TIP_ERROR.not_measured(reason)];
+        Ok(Played { tip, energy: Kind::ENERGY.not_measured(reason) })
+    };
+    if solution.second_order().is_some() {
+        return not_played("no play has weight or second order");
+    }
     let (link, grid) = (solution.link(), solution.grid);
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, answer.written_torque_n_m.to_vec())?;
@@ -30,11 +37,7 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
     let initial_tip_m = solution.tip.displacement_m[0];
     let play = Play { initial_tip_m, memory_bytes, ..Play::of(&torque) };
     let simulation = match simulate_on(link, solution.mesh().clone(), &play) {
-        Err(SimulationError::MasslessHub) => {
-            let reason = "the hub moves no mass";
-            let tip = vec![Kind::TIP_ERROR.not_measured(reason)];
-            return Ok(Played { tip, energy: Kind::ENERGY.not_measured(reason) });
-        }
+        Err(SimulationError::MasslessHub) => return not_played("the hub moves no mass"),
         played => played?,
     };
     let straight_m = simulation.straight_tip_m(answer.written_torque_n_m);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use source::{identifier, names, sources, without_text};
 
 /// Modules by level. What stands on a level knows those above it in this list, and nothing else.
-const LEVELS: [&[&str]; 17] = [
+const LEVELS: [&[&str]; 18] = [
     &["text", "system"],
     &["numeric"],
     &["link"],
@@ -17,7 +17,8 @@ const LEVELS: [&[&str]; 17] = [
     &["recording"],
     &["modal"],
     &["model"],
-    &["elastica", "inverse", "response"],
+    &["elastica"],
+    &["inverse", "response"],
     &["compare"],
     &["result"],
     &["sweep", "verify", "fit"],

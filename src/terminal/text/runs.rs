@@ -4,11 +4,12 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use flexlink::beam::Mesh;
+use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{Quantity, QuantityErrors, Solution};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
 use flexlink::result::{Metrics, MotorMetrics, Peak};
-use flexlink::text::{gigabytes, significant, visible};
+use flexlink::text::{gigabytes, plain, significant, visible};
 
 /// The note about memory before it is taken.
 pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
@@ -33,6 +34,8 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
         [
             ("link", link_line(link, solution.mesh())),
             ("damping", damping_line(link, law)),
+            ("gravity", gravity_line(solution)),
+            ("order", order_line(solution)),
             ("ratios", ratios_line(law, &frequencies)),
             ("periods", list(&periods, 5, " s")),
             ("zeros", list(&zeros, 4, " 1/s (real, ±)")),
@@ -102,6 +105,34 @@ pub(super) fn ratios_line(law: &DampingLaw, frequencies_rad_s: &[f64]) -> String
     let ratios = law.modal_ratios(frequencies_rad_s);
     let are_one = ratios.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits());
     if are_one { String::new() } else { list(&ratios, 2, "") }
+}
+
+/// Gravity, and the direction of the link where the tip's displacement is 0.
+fn gravity_line(solution: &Solution) -> String {
+    let Some(gravity) = solution.link().gravity() else { return String::new() };
+    let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
+    let start_rad = solution.rigid_hub_angle_rad[0];
+    let last_rad = solution.rigid_hub_angle_rad[solution.grid.len - 1];
+    let [start, last] = four([start_rad, last_rad]);
+    format!("{along_x}, {along_y} m/s²; the link moves from {start} to {last} rad")
+}
+
+/// What was counted of the second order, and what it brought.
+fn order_line(solution: &Solution) -> String {
+    let Some(found) = solution.second_order() else { return String::new() };
+    let slope = significant(found.largest_slope, 3);
+    let name = match found.order {
+        SecondOrder::None => return format!("none: linear; largest slope {slope}"),
+        SecondOrder::First => "first",
+        SecondOrder::Full => "full",
+    };
+    let change = significant(100.0 * found.torque_change, 2);
+    let contraction = found.contraction.map_or("none".into(), |factor| significant(factor, 2));
+    format!(
+        "{name}: {change} % of the torque; largest slope {slope};\n{:LABEL$}{} iterations, contraction \
+         {contraction}",
+        "", found.iterations
+    )
 }
 
 /// Several numbers with `digits` significant digits each, and their unit.
@@ -190,10 +221,11 @@ const INPUT: &str = "input";
 /// The worst error of each kind, and of which quantity it is, where that is not the torque.
 fn solution_errors(solution: &Solution) -> String {
     let errors = &solution.accuracy;
-    let kinds: [(&str, Kind); 5] = [
+    let kinds: [(&str, Kind); 6] = [
         ("mesh", |errors| Some(errors.mesh)),
         ("window", |errors| Some(errors.window)),
         ("step", |errors| errors.step),
+        ("iteration", |errors| errors.iteration),
         ("modes left out", |errors| errors.modes),
         (INPUT, |errors| errors.input),
     ];
@@ -210,7 +242,7 @@ fn solution_errors(solution: &Solution) -> String {
         let torque = torque.map(|share| format!("{share:.1e} and ")).unwrap_or_default();
         Some(format!("{name} {torque}{error:.1e}{of}"))
     });
-    wrapped(worst, " of the peak")
+    wrapped(worst, if solution.link().has_weight() { " of the range" } else { " of the peak" })
 }
 
 /// Columns of a line, and of the label that it begins with.

@@ -33,6 +33,7 @@ fn arm(damping: Damping) -> LinkParts {
         payload: Payload { mass_kg: 0.3, inertia_kg_m2: 4e-3, offset_m: 0.06 },
         damping,
         drive: None,
+        gravity: None,
     }
 }
 

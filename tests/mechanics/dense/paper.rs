@@ -24,6 +24,7 @@ fn bayo(elements: usize) -> Mesh {
         payload: Payload::default(),
         damping: Damping::None,
         drive: None,
+        gravity: None,
     })
     .expect("a valid link");
     let plan = MeshPlan::new(&link, &[Some(1), Some(elements - 1)], None, 1e-6);

@@ -49,6 +49,7 @@ fn arm() -> LinkParts {
         payload: Payload { mass_kg: 0.3, inertia_kg_m2: 4e-3, offset_m: 0.06 },
         damping: Damping::None,
         drive: None,
+        gravity: None,
     }
 }
 

@@ -188,6 +188,53 @@ fn the_work_of_the_torque_is_the_change_of_energy_and_what_damping_takes() {
     }
 }
 
+/// Equilibrium of all that lies outboard, summed from the tip inward, against the torque, which the method finds by
+/// virtual work. A rigid turn is one of the mesh's motions, so that both are the same, but for large slopes: there
+/// they agree as the mesh does.
+#[test]
+fn the_moment_at_the_axis_is_the_torque_less_what_the_hub_takes() {
+    let hub = Hub { radius_m: 0.0, ..loaded_arm().hub };
+    let shorter = |mass: &LumpedMass| LumpedMass { at_m: mass.at_m - 0.1, ..*mass };
+    let without_radius = LinkParts {
+        hub,
+        masses: loaded_arm().masses.iter().map(shorter).collect(),
+        ..loaded_arm()
+    };
+    for (parts, gravity) in [(arm(), GRAVITY), (without_radius, GRAVITY), (arm(), [0.0; 2])] {
+        for level in [SecondOrder::None, SecondOrder::First, SecondOrder::Full] {
+            let off = |elements: usize| {
+                let model = model(&parts, elements);
+                let found =
+                    follow(&*model, &chord(&turn(), gravity), level, 1e-10).expect("a motion");
+                let last = Turn::sample(turn().duration_s + 1.0);
+                let angle = |k: usize| {
+                    turn().at(k as f64 * STEP_S - super::BEFORE_S)[0] + found.hub_slope_rad[k]
+                };
+                let far = (3..last).map(|k| {
+                    let (near, next) = ([angle(k - 1), angle(k + 1)], [angle(k - 2), angle(k + 2)]);
+                    let middle = angle(k);
+                    let rate = (8.0 * (near[1] - near[0]) - (next[1] - next[0])) / (12.0 * STEP_S);
+                    let turning =
+                        (16.0 * (near[0] + near[1]) - (next[0] + next[1]) - 30.0 * middle)
+                            / (12.0 * STEP_S * STEP_S);
+                    let taken = parts.hub.inertia_kg_m2 * turning
+                        + parts.hub.viscous_friction_n_m_s_rad * rate;
+                    (found.torque_n_m[k] - taken - found.moments_n_m[0][k]).abs()
+                });
+                let range = found.torque_n_m.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+                far.fold(0.0, f64::max) / range
+            };
+            let (coarse, fine) = (off(4), off(8));
+            match level {
+                SecondOrder::Full => {
+                    assert!(fine < 1e-6 && fine < 0.1 * coarse, "{coarse:e}, {fine:e}");
+                }
+                _ => assert!(coarse < 1e-9 && fine < 1e-9, "{level:?}: {coarse:e}, {fine:e}"),
+            }
+        }
+    }
+}
+
 fn differ(a: &ElasticaMotion, b: &ElasticaMotion, factor: f64) -> f64 {
     let range = a.torque_n_m.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
     let pairs = a.torque_n_m.iter().zip(&b.torque_n_m);

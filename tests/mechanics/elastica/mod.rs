@@ -2,6 +2,7 @@
 
 mod laws;
 mod prototype;
+mod solved;
 mod statics;
 
 use std::sync::Arc;
@@ -55,6 +56,7 @@ fn arm() -> LinkParts {
         payload: Payload { mass_kg: 0.2, inertia_kg_m2: 1e-4, offset_m: 0.0 },
         damping: Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 3e-4 },
         drive: None,
+        gravity: None,
     }
 }
 

@@ -34,6 +34,7 @@ pub(crate) fn any_parts() -> impl Strategy<Value = LinkParts> {
             payload,
             damping: Damping::None,
             drive: None,
+            gravity: None,
         }
     })
 }

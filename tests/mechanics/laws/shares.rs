@@ -74,6 +74,7 @@ fn a_mass_within_a_billionth_of_the_length_of_a_border_needs_no_node_of_its_own(
                 payload: Payload::default(),
                 damping: Damping::None,
                 drive: None,
+                gravity: None,
             });
             shares(&link.expect("a valid link"), 9).len()
         };

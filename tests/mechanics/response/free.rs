@@ -47,6 +47,7 @@ impl TwoBodies {
             payload: Payload { mass_kg: Self::MASS_KG, ..Payload::default() },
             damping: Damping::None,
             drive: None,
+            gravity: None,
         })
         .unwrap();
         let plan = mesh_of(&link, 3);

@@ -43,6 +43,7 @@ fn bayo() -> LinkParts {
         payload: Payload::default(),
         damping: Damping::None,
         drive: None,
+        gravity: None,
     }
 }
 

@@ -41,6 +41,7 @@ fn uniform() -> LinkParts {
         payload: Payload::default(),
         damping: Damping::Hysteretic { ratio: 0.02 },
         drive: None,
+        gravity: None,
     }
 }
 

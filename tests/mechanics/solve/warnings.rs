@@ -53,6 +53,10 @@ fn every_warning_reads_as_in_the_snapshot() {
         Warning::LargeDeflection { share: 0.21 },
         Warning::ThickLink { share },
         Warning::FastHub { rate_rad_s: 12.345, share: 0.7 },
+        Warning::SlowIteration { contraction: 0.789 },
+        Warning::SecondOrderLeftOut { share: Some(share) },
+        Warning::SecondOrderLeftOut { share: Some(1.23) },
+        Warning::SecondOrderLeftOut { share: None },
         Warning::CoarseMesh { quantity, error: share },
         Warning::FewModes { quantity, error: share },
     ];

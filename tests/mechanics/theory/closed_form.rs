@@ -86,6 +86,7 @@ impl UniformLink {
             payload: self.payload,
             damping: Damping::None,
             drive: None,
+            gravity: None,
         })
         .expect("a valid link");
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);

@@ -32,6 +32,7 @@ pub(crate) fn link(segments: Vec<Segment>, hub_kg_m2: f64, payload: Payload) -> 
         payload,
         damping: Damping::None,
         drive: None,
+        gravity: None,
     })
     .unwrap()
 }

@@ -142,6 +142,7 @@ fn the_frequency_response_of_a_stiff_link_is_that_of_the_rigid_one_with_drag_and
         payload: Payload::default(),
         damping: Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 0.0 },
         drive: None,
+        gravity: None,
     })
     .expect("a valid link");
     let plan = MeshPlan::new(&link, &[Some(4)], None, 1e-6).expect("a valid plan");

@@ -46,6 +46,7 @@ fn model(elements: usize, taper: f64, damping: Damping, units: Units) -> Arc<dyn
         },
         damping,
         drive: None,
+        gravity: None,
     })
     .unwrap();
     let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6).unwrap();

@@ -32,6 +32,7 @@ fn parts(stiffness_n_m2: f64, damping: Damping) -> LinkParts {
         payload: Payload { mass_kg: 0.1, inertia_kg_m2: 0.0, offset_m: 0.0 },
         damping,
         drive: None,
+        gravity: None,
     }
 }
 

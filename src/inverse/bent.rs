@@ -1,0 +1,328 @@
+//! A link under gravity, or with second-order terms: the answer over a period in which the chord returns.
+//!
+//! The torque at rest is the weight's static moment, other before the motion than after it. Between both the chord
+//! returns, slowly and as if at rest, so that only gravity's direction follows it.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::accuracy::PerQuantity;
+use super::amplitudes::Probes;
+use super::bent_answer::{Bent, BentAnswer, SecondOrderFindings};
+use super::curves::{Curves, Shape};
+use super::error::InversionError;
+use super::mesh_error::TORQUES_N_M;
+use super::period::{Padding, Window};
+use super::periodic_answer::PeriodicAnswer;
+use super::problem::Problem;
+use super::spectra::DrivenModel;
+use crate::beam::MeshPlan;
+use crate::elastica::{ChordPeriod, ElasticaMotion, SecondOrder, follow, returning};
+use crate::link::Link;
+use crate::model::Model;
+use crate::motion::TipPeriod;
+
+/// Time in which the chord returns, over the time in which the torque falls by e: it then differs from that at rest by
+/// about 5e-4 of its range at most, with the fifth power of this number.
+const RETURN: f64 = 40.0;
+
+/// Fewest samples of a return: a faster one has amplitudes at frequencies that the samples do not resolve.
+const FEWEST: usize = 256;
+
+/// Rest on either side of the return, over the same time: that difference has fallen to about 1e-8.
+const QUIET: f64 = 10.0;
+
+/// Share of the time that a period has to spare for the return; the torque decays in the rest.
+const SPARE_FOR_RETURN: f64 = 0.2;
+
+/// The iteration ends at this share of the tolerance.
+const ITERATED: f64 = 0.1;
+
+/// Memory in bytes for each node and sample of the period, as measured.
+const BYTES: usize = 200;
+
+/// A period is lengthened to at most this many samples, or to four times what it began with.
+const LENGTHENED: usize = 1 << 15;
+
+/// A problem whose link has weight, or is solved with second-order terms.
+pub(super) struct BentProblem<'a> {
+    pub(super) problem: &'a Problem<'a>,
+    gravity_m_s2: [f64; 2],
+    /// Direction in rad of the chord where the tip's displacement is 0.
+    start_angle_rad: f64,
+    pub(super) second_order: SecondOrder,
+    /// Fewest samples in which the chord returns.
+    returning: usize,
+    /// Samples of rest on either side.
+    quiet: usize,
+}
+
+impl<'a> BentProblem<'a> {
+    /// # Errors
+    /// [`InversionError::NoStartAngle`].
+    pub(super) fn of(
+        problem: &'a Problem<'a>,
+        link: &Link,
+        first_zero_per_s: Option<f64>,
+    ) -> Result<Self, InversionError> {
+        let grid = problem.motion.grid();
+        let falls_s = first_zero_per_s.map_or(grid.duration_s() / RETURN, f64::recip);
+        let steps = |times: f64| {
+            if link.has_weight() { (times * falls_s / grid.step_s).ceil() as usize } else { 0 }
+        };
+        Ok(Self {
+            gravity_m_s2: link.gravity().map_or([0.0; 2], |gravity| gravity.acceleration_m_s2),
+            start_angle_rad: start_angle_rad(link, problem)?,
+            second_order: problem.analysis.second_order_of(link),
+            returning: if link.has_weight() { steps(RETURN).max(FEWEST) } else { 0 },
+            quiet: steps(QUIET),
+            problem,
+        })
+    }
+
+    /// Samples of the shortest period.
+    pub(super) fn shortest_len(&self) -> Result<usize, InversionError> {
+        let given = self.problem.motion.grid().len;
+        let returning = self.returning.saturating_add(2 * self.quiet);
+        self.problem.padding.period_len(given.saturating_add(returning))
+    }
+
+    /// The samples of a period in which the chord returns.
+    fn returning(&self, len: usize) -> Range<usize> {
+        let (given, padding) = (self.problem.motion.grid().len, self.problem.padding);
+        let spare = len - given - padding.before - padding.after;
+        let further = spare.saturating_sub(self.returning + 2 * self.quiet);
+        let count = match self.returning {
+            0 => 0,
+            fewest => fewest + (SPARE_FOR_RETURN * further as f64) as usize,
+        };
+        let from = given + padding.after + (spare - count) / 2;
+        from..from + count
+    }
+
+    /// The motion on a mesh, over a period of so many samples.
+    ///
+    /// # Errors
+    /// [`InversionError`].
+    pub(super) fn answer(
+        &self,
+        model: &dyn Model,
+        len: usize,
+    ) -> Result<BentAnswer, InversionError> {
+        let nodes = model.mesh().nodes_m().len();
+        let bytes = len.saturating_mul(nodes).saturating_mul(BYTES);
+        if let Some(allowed) = self.problem.resources.memory_bytes.filter(|most| bytes > *most) {
+            return Err(InversionError::TooMuchMemory { bytes, allowed });
+        }
+        let period = self.problem.period(len)?;
+        let driven = DrivenModel { model, period: &period, watch: self.problem.resources.watch };
+        driven.begin(1, 0);
+        let returning = self.returning(len);
+        let chord = self.chord(&period, &returning, model.mesh().length_m())?;
+        let tolerance = ITERATED * self.problem.analysis.tolerance();
+        let motion = follow(model, &chord, self.second_order, tolerance)?;
+        driven.begin(1, 1);
+        let returning = returning.start - self.quiet..returning.end + self.quiet;
+        Ok(BentAnswer { period, motion, returning, drive: model.link().joint().drive })
+    }
+
+    /// The chord over a period. It returns around the seam, before which the displacement is that after the motion.
+    fn chord(
+        &self,
+        period: &TipPeriod,
+        returning: &Range<usize>,
+        length_m: f64,
+    ) -> Result<ChordPeriod, InversionError> {
+        let (tip, spectrum) = (&period.histories, &period.spectrum);
+        let travel_m = spectrum.travel_m();
+        let mut at_m = tip.displacement_m.clone();
+        let share = self::returning(0.0, 1.0, returning.len());
+        for (k, share) in returning.clone().zip(share) {
+            let left = if k < spectrum.seam { -share } else { 1.0 - share };
+            at_m[k] += travel_m * left;
+        }
+        let per_length = |values: &[f64]| values.iter().map(|m| m / length_m).collect();
+        let angle = at_m.iter().map(|m| self.start_angle_rad + m / length_m).collect();
+        let columns = [angle, per_length(&tip.velocity_m_s), per_length(&tip.acceleration_m_s2)];
+        Ok(ChordPeriod::new(spectrum.step_s, columns, self.gravity_m_s2)?)
+    }
+
+    /// The link at rest with its tip at a displacement.
+    pub(super) fn at_rest(
+        &self,
+        model: &dyn Model,
+        displacement_m: f64,
+    ) -> Result<ElasticaMotion, InversionError> {
+        let angle_rad = self.start_angle_rad + displacement_m / model.mesh().length_m();
+        let chord = ChordPeriod::at_rest(angle_rad, self.gravity_m_s2)?;
+        let tolerance = ITERATED * self.problem.analysis.tolerance();
+        Ok(follow(model, &chord, self.second_order, tolerance)?)
+    }
+
+    /// The motion on the mesh that is fine enough for the plan.
+    ///
+    /// # Errors
+    /// [`InversionError::NotConverged`], or a motion that cannot be.
+    pub(super) fn on_mesh_of(
+        &self,
+        plan: &MeshPlan,
+        coarsest: Arc<dyn Model>,
+    ) -> Result<BentOnMesh, InversionError> {
+        let (len, order) = (self.shortest_len()?, self.second_order);
+        let mut probes = Probes::of(coarsest.mesh(), plan, self.problem.analysis);
+        let mut answer = self.answer(&*coarsest, len)?;
+        let mut model = coarsest;
+        loop {
+            let elements = model.mesh().elements().len();
+            let (finer, finer_probes) = (model.refined()?, probes.refined());
+            let finer_answer = self.answer(&*finer, len)?;
+            let curves = answer.curves(&*model, order, &probes.nodes);
+            let on_finer = finer_answer.curves(&*finer, order, &finer_probes.nodes);
+            let travel_m = answer.period.histories.largest_travel_m();
+            let sizes = on_finer.sizes(model.link().has_weight(), travel_m).measured(&probes);
+            if !TORQUES_N_M.contains(&sizes.torque) {
+                return Err(InversionError::OutOfRange { peak_n_m: sizes.torque });
+            }
+            let per_change = model.mesh().error_per_change();
+            let errors = curves.apart(&on_finer).zip(&sizes, |off, size| per_change * off / size);
+            let (_, error) = errors.worst();
+            if !plan.is_automatic() || error <= plan.tolerance() {
+                return Ok(BentOnMesh { model, probes, answer, sizes, errors });
+            }
+            if 4 * elements > finer.most_elements() {
+                let tolerance = plan.tolerance();
+                return Err(InversionError::NotConverged { error, elements, tolerance });
+            }
+            (model, probes, answer) = (finer, finer_probes, finer_answer);
+        }
+    }
+
+    /// Lengthens the period until every quantity has come to rest where the chord begins and ends its return;
+    /// returns what is left there, over the size of each.
+    pub(super) fn decayed(
+        &self,
+        model: &dyn Model,
+        probes: &Probes,
+        sizes: &PerQuantity<f64>,
+        shortest: BentAnswer,
+    ) -> Result<(BentAnswer, [ElasticaMotion; 2], PerQuantity<f64>), InversionError> {
+        let (order, nodes) = (self.second_order, &probes.nodes);
+        let initial = shortest.period.spectrum.pair.len();
+        let mut answer = shortest;
+        loop {
+            let tip = &answer.period.histories;
+            let ends_m = [tip.start_m(), tip.start_m() + answer.period.spectrum.travel_m()];
+            let rests = [self.at_rest(model, ends_m[0])?, self.at_rest(model, ends_m[1])?];
+            let place = ((order, model.mesh().nodes_m()), (model.link(), &nodes[..]));
+            let at_rest = |end: usize| Curves::at_rest(&rests[end], place.0, ends_m[end], place.1);
+            let curves = answer.curves(model, order, nodes);
+            let left = curves.left_of(&at_rest(0), &at_rest(1));
+            let left = left.zip(sizes, |left, size| left / size);
+            let has_decayed = left.worst().1 <= self.problem.analysis.tolerance();
+            let next = Padding::lengthened(answer.period.spectrum.pair.len(), initial);
+            let next = next.filter(|len| !has_decayed && *len <= LENGTHENED.max(4 * initial));
+            match next {
+                Some(len) => answer = self.answer(model, len)?,
+                None => return Ok((answer, rests, left)),
+            }
+        }
+    }
+
+    /// The samples to write: until the torque, and that of the motor, stay within the tolerance of what they are at
+    /// rest; and the largest torques outside, over their sizes.
+    pub(super) fn window(
+        &self,
+        answer: &BentAnswer,
+        periodic: &PeriodicAnswer,
+        rests: &[ElasticaMotion; 2],
+        sizes: &PerQuantity<f64>,
+    ) -> (Window, PerQuantity<f64>) {
+        let given = self.problem.motion.grid();
+        let of = |samples: &[f64], per_hub: f64, size: f64| {
+            let at_rest = [0, 1].map(|end| rests[end].torque_n_m[0] * per_hub);
+            let beyond = answer.beyond_rest(samples, at_rest);
+            let torque = periodic.periodic(&beyond);
+            let window = torque.window(given.len, given.step_s, self.problem.analysis, size);
+            (beyond, window)
+        };
+        let (hub, window) = of(&periodic.torque_n_m, 1.0, sizes.torque);
+        let drive = answer.drive;
+        let motor = periodic.motor_n_m.as_deref().zip(sizes.motor_torque).zip(drive);
+        let motor = motor.map(|((motor, size), drive)| of(motor, drive.gear_ratio.recip(), size));
+        let window = motor.as_ref().map_or(window, |(_, motor)| Window {
+            start: window.start.min(motor.start),
+            stop: window.stop.max(motor.stop),
+        });
+        let outside = |beyond: &[f64], size| periodic.periodic(beyond).outside(&window) / size;
+        let cut = PerQuantity {
+            torque: outside(&hub, sizes.torque),
+            motor_torque: motor
+                .zip(sizes.motor_torque)
+                .map(|((motor, _), size)| outside(&motor, size)),
+            ..PerQuantity::default()
+        };
+        (window, cut)
+    }
+
+    /// What the answer is beside its histories.
+    pub(super) fn findings(&self, model: &dyn Model, answer: &BentAnswer, size_n_m: f64) -> Bent {
+        let ElasticaMotion { iterations, contraction, largest_slope, second_order_change, .. } =
+            answer.motion;
+        let left_out = match self.second_order {
+            SecondOrder::Full => None,
+            _ => Some(self.left_out(model, answer, size_n_m)),
+        };
+        let findings = SecondOrderFindings {
+            order: self.second_order,
+            iterations,
+            contraction,
+            largest_slope,
+            torque_change: second_order_change,
+            left_out,
+        };
+        let shape = Shape::of(&answer.motion, self.second_order, model.mesh().nodes_m());
+        Bent { findings, shape }
+    }
+
+    /// The same motion with all terms, where fewer were asked for: what it changes of the torque, over a size; none
+    /// where these do not converge.
+    fn left_out(&self, model: &dyn Model, answer: &BentAnswer, size_n_m: f64) -> Option<f64> {
+        let all = Self { second_order: SecondOrder::Full, ..*self };
+        let len = answer.period.spectrum.pair.len();
+        let full = all.answer(model, len).ok()?;
+        let pairs = full.motion.torque_n_m.iter().zip(&answer.motion.torque_n_m);
+        let apart = pairs.enumerate().filter(|(k, _)| !answer.returning.contains(k));
+        Some(apart.map(|(_, (a, b))| (a - b).abs()).fold(0.0, f64::max) / size_n_m)
+    }
+}
+
+/// Direction of the chord where the tip's displacement is 0; of a link without gravity none is another than 0.
+pub(super) fn start_angle_rad(link: &Link, problem: &Problem<'_>) -> Result<f64, InversionError> {
+    let Some(gravity) = link.gravity() else { return Ok(0.0) };
+    let of_motion = problem.motion.recording().start_angle_rad;
+    of_motion.or(gravity.start_angle_rad).ok_or(InversionError::NoStartAngle)
+}
+
+/// The answer on the mesh that is fine enough, and its errors.
+pub(super) struct BentOnMesh {
+    pub(super) model: Arc<dyn Model>,
+    pub(super) probes: Probes,
+    pub(super) answer: BentAnswer,
+    /// What errors of each quantity are a share of.
+    pub(super) sizes: PerQuantity<f64>,
+    /// Discretisation error of each quantity.
+    pub(super) errors: PerQuantity<f64>,
+}
+
+impl PerQuantity<f64> {
+    /// Those that are to be measured.
+    fn measured(self, probes: &Probes) -> Self {
+        let (tables, moments) = (probes.tables, probes.moments);
+        Self {
+            hub_acceleration: self.hub_acceleration.filter(|_| tables),
+            displacement: self.displacement.filter(|_| tables),
+            bending_moment: self.bending_moment.filter(|_| moments),
+            ..self
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Histories of all quantities of a bent link, what they differ by, and the places of its nodes.
+
+use super::accuracy::PerQuantity;
+use crate::elastica::{ElasticaMotion, SecondOrder};
+use crate::link::Link;
+use crate::numeric::{largest, largest_difference};
+
+/// Where the nodes of a link are over time: one history for each.
+#[expect(clippy::struct_field_names, reason = "their units end alike")]
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Shape {
+    /// Displacement along the arc less that of the chord, `x atan(w/(x + u))`, in m.
+    pub(super) arcs_m: Vec<Vec<f64>>,
+    /// Deflection from the hub's tangent line in m.
+    pub(super) deflections_m: Vec<Vec<f64>>,
+    /// Bending moment in N m.
+    pub(super) moments_n_m: Vec<Vec<f64>>,
+}
+
+impl Shape {
+    pub(super) fn of(motion: &ElasticaMotion, second_order: SecondOrder, nodes_m: &[f64]) -> Self {
+        let is_large = second_order == SecondOrder::Full;
+        let at = |node: usize, of: fn([f64; 4], bool) -> f64| -> Vec<f64> {
+            let (w, u) = (&motion.deflections[2 * node], &motion.shortenings_m[node]);
+            let places = w.iter().zip(u).zip(&motion.hub_slope_rad);
+            places.map(|((w, u), slope)| of([nodes_m[node], *u, *w, *slope], is_large)).collect()
+        };
+        let arc = |[x, u, w, _]: [f64; 4], is_large: bool| {
+            if is_large && x > 0.0 { x * libm::atan2(w, x + u) } else { w }
+        };
+        let deflection = |[x, u, w, slope]: [f64; 4], is_large: bool| {
+            if is_large { w * libm::cos(slope) - (x + u) * libm::sin(slope) } else { w - x * slope }
+        };
+        let nodes = 0..nodes_m.len();
+        Self {
+            arcs_m: nodes.clone().map(|node| at(node, arc)).collect(),
+            deflections_m: nodes.map(|node| at(node, deflection)).collect(),
+            moments_n_m: motion.moments_n_m.clone(),
+        }
+    }
+}
+
+/// Histories of all quantities.
+pub(super) struct Curves {
+    pub(super) torque_n_m: Vec<f64>,
+    pub(super) hub_angle_rad: Vec<f64>,
+    pub(super) hub_rate_rad_s: Vec<f64>,
+    pub(super) hub_acceleration_rad_s2: Vec<f64>,
+    /// One for each of some nodes.
+    pub(super) displacement_m: Vec<Vec<f64>>,
+    pub(super) moment_n_m: Vec<Vec<f64>>,
+    /// Torque in N m and rate in rad/s of the motor, where there is a drive.
+    pub(super) motor: Option<[Vec<f64>; 2]>,
+}
+
+impl Curves {
+    /// The link at rest: one sample of each.
+    pub(super) fn at_rest(
+        motion: &ElasticaMotion,
+        (second_order, nodes_m): (SecondOrder, &[f64]),
+        displacement_m: f64,
+        (link, nodes): (&Link, &[usize]),
+    ) -> Self {
+        let shape = Shape::of(motion, second_order, nodes_m);
+        let share = |node: &usize| displacement_m * nodes_m[*node] / link.length_m();
+        let first = |history: &[f64]| vec![history[0]];
+        let torque = motion.torque_n_m[0];
+        Self {
+            torque_n_m: vec![torque],
+            hub_angle_rad: vec![motion.hub_slope_rad[0] + displacement_m / link.length_m()],
+            hub_rate_rad_s: vec![0.0],
+            hub_acceleration_rad_s2: vec![0.0],
+            displacement_m: nodes.iter().map(|k| vec![shape.arcs_m[*k][0] + share(k)]).collect(),
+            moment_n_m: nodes.iter().map(|k| first(&shape.moments_n_m[*k])).collect(),
+            motor: link.drive().map(|drive| [vec![torque / drive.gear_ratio], vec![0.0]]),
+        }
+    }
+
+    fn each(&self) -> PerQuantity<&[Vec<f64>]> {
+        let one = std::slice::from_ref::<Vec<f64>>;
+        let motor = self.motor.as_ref();
+        PerQuantity {
+            torque: one(&self.torque_n_m),
+            hub_angle: one(&self.hub_angle_rad),
+            hub_rate: one(&self.hub_rate_rad_s),
+            hub_acceleration: Some(one(&self.hub_acceleration_rad_s2)),
+            displacement: Some(&self.displacement_m),
+            bending_moment: Some(&self.moment_n_m),
+            motor_torque: motor.map(|motor| one(&motor[0])),
+            motor_rate: motor.map(|motor| one(&motor[1])),
+        }
+    }
+
+    /// Largest of what `of` makes of two histories of the same quantity.
+    fn compared(&self, other: &Self, of: impl Fn(&[f64], &[f64]) -> f64) -> PerQuantity<f64> {
+        self.each().zip(&other.each(), |own, others| {
+            own.iter().zip(others).map(|(a, b)| of(a, b)).fold(0.0, f64::max)
+        })
+    }
+
+    /// Largest difference of each quantity.
+    pub(super) fn apart(&self, other: &Self) -> PerQuantity<f64> {
+        self.compared(other, largest_difference)
+    }
+
+    /// How far each quantity is from those at rest where it starts and ends.
+    pub(super) fn left_of(&self, before: &Self, after: &Self) -> PerQuantity<f64> {
+        let first = self.compared(before, |own, rest| (own[0] - rest[0]).abs());
+        let last = self.compared(after, |own, rest| (own[own.len() - 1] - rest[0]).abs());
+        first.zip(&last, f64::max)
+    }
+
+    /// What errors of each quantity are a share of: its range where it has weight, else its peak, that of the hub
+    /// angle being its largest turn; of displacements the tip's travel.
+    pub(super) fn sizes(&self, has_weight: bool, travel_m: f64) -> PerQuantity<f64> {
+        let sizes = self.compared(self, |own, _| size(own, has_weight));
+        let start = self.hub_angle_rad[0];
+        let turn = self.hub_angle_rad.iter().map(|angle| (angle - start).abs()).fold(0.0, f64::max);
+        let hub_angle = if has_weight { sizes.hub_angle } else { turn };
+        PerQuantity { hub_angle, displacement: Some(travel_m), ..sizes }
+    }
+}
+
+/// What errors of a quantity are a share of: its peak or, of a link with weight, its largest value less its smallest.
+pub(crate) fn size(history: &[f64], has_weight: bool) -> f64 {
+    if !has_weight {
+        return largest(history);
+    }
+    let ends = history.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(*value), high.max(*value)]
+    });
+    ends[1] - ends[0]
+}
