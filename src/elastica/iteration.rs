@@ -7,53 +7,29 @@ use rayon::prelude::*;
 
 use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, STEEPEST};
 use super::loads::{BentLink, SecondOrder};
+use super::reaction::{ElasticaMotion, apart, size};
 use super::sag::{Sag, TOLERANCE};
-use crate::beam::{LoadedMotion, Loads, Mesh};
+use crate::beam::{LoadedMotion, Loads};
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, Model};
-use crate::numeric::{FourierPair, Size, largest, magnitude};
+use crate::numeric::{FourierPair, magnitude};
 
 /// Iterations after which one that still converges is given up.
 const MOST_ITERATIONS: usize = 100;
 
-/// Share of the torque's largest amplitude below which a frequency's deflection is no part of the second-order
-/// terms: what they gain there grows with the square of the frequency.
-const NEGLIGIBLE: f64 = 1e-8;
+/// Shares of the torque's amplitudes, all added up, of the high frequencies whose deflections are no part of the
+/// second-order terms: what these gain grows with the square of the frequency, so that a larger share may converge where a
+/// smaller one does not.
+const NEGLIGIBLE: [f64; 5] = [1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
+
+/// The share of the narrowest band, which there is nothing to fall back from.
+const LEAST_BAND: f64 = NEGLIGIBLE[NEGLIGIBLE.len() - 1];
+
+/// Change by an iteration, over that by the one before, from which on a narrower band is tried.
+const SLOW: f64 = 0.9;
 
 /// Bins that the loads are solved at over those whose deflections they are made of: products of three reach as far.
 const REACH: usize = 3;
-
-/// Range of a torque over its largest value below which the link is at rest.
-const AT_REST: f64 = 1e-6;
-
-/// Bending by less than this angle in rad counts as none.
-const STRAIGHT: f64 = 1e-6;
-
-/// A link whose tip stays on the chord, over a period.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ElasticaMotion {
-    /// Torque at the hub in N m, its inertia and friction included, its drive not.
-    pub torque_n_m: Vec<f64>,
-    /// Angle of the hub from the chord in rad.
-    pub hub_slope_rad: Vec<f64>,
-    /// Deflection in m and slope w' of nodes 0 … n from the chord: a history for each, in turn.
-    pub deflections: Vec<Vec<f64>>,
-    /// How much farther along the chord than along the link nodes 0 … n are, x − s ≤ 0 in m; zero without all terms.
-    pub shortenings_m: Vec<Vec<f64>>,
-    /// Bending moment in N m at nodes 0 … n, which the part of the link towards the hub exerts on the part towards
-    /// the tip; a body on a node counts as outer.
-    pub moments_n_m: Vec<Vec<f64>>,
-    /// Number of iterations; 0 without second order.
-    pub iterations: usize,
-    /// Change of the torque by the last iteration over that by the one before; none before the second.
-    pub contraction: Option<f64>,
-    /// What further iterations would change of the torque, over its range.
-    pub iteration_error: f64,
-    /// Largest slope |w'| of the link from its chord.
-    pub largest_slope: f64,
-    /// What the second order changed of the torque, over its range.
-    pub second_order_change: f64,
-}
 
 /// Finds the torque with which the tip of a link stays on a chord that moves as given.
 ///
@@ -171,10 +147,21 @@ impl<'a> Follower<'a> {
     ///
     /// # Errors
     /// [`ElasticaError::LongStep`] where there are more.
-    fn band_of_loads(&self, answers: &[LoadedMotion<Complex64>]) -> Result<usize, ElasticaError> {
-        let sizes: Vec<f64> = answers.iter().map(|answer| magnitude(answer.torque_n_m)).collect();
-        let least = NEGLIGIBLE * largest(&sizes);
-        let band = sizes.iter().rposition(|size| *size > least).map_or(1, |last| last + 1);
+    fn band_of_loads(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        negligible: f64,
+    ) -> Result<usize, ElasticaError> {
+        // Of all together, not of the largest: that of the weight at rest is the same over any period, those of the
+        // motion are the smaller the longer it is.
+        let size = |answer: &LoadedMotion<Complex64>| magnitude(answer.torque_n_m);
+        let least = negligible * answers.iter().map(size).sum::<f64>();
+        let mut beyond = 0.0;
+        let counts = |answer: &LoadedMotion<Complex64>| {
+            beyond += size(answer);
+            beyond > least
+        };
+        let band = answers.iter().rposition(counts).map_or(1, |last| last + 1);
         let (most, step_s) = (self.chord.len() / 4, self.chord.step_s);
         if band >= most.max(2) {
             return Err(ElasticaError::LongStep { step_s });
@@ -182,16 +169,46 @@ impl<'a> Follower<'a> {
         Ok(band)
     }
 
+    /// The motion over the widest band of loads over which the iteration converges; what the next narrower one changes
+    /// is added to its error, unless the widest of all does.
     fn iterated(
         &self,
         linear: &[LoadedMotion<Complex64>],
         second_order: SecondOrder,
         tolerance: f64,
     ) -> Result<ElasticaMotion, ElasticaError> {
+        let mut refused = ElasticaError::Diverges { iterations: 0, change: f64::NAN };
+        for (number, negligible) in NEGLIGIBLE[..NEGLIGIBLE.len() - 1].iter().enumerate() {
+            match self.iterated_over(linear, second_order, tolerance, *negligible) {
+                Ok(motion) if number == 0 => return Ok(motion),
+                Ok(motion) => {
+                    let narrower = NEGLIGIBLE[number + 1];
+                    let narrower = self.iterated_over(linear, second_order, tolerance, narrower)?;
+                    let torque_n_m = &motion.torque_n_m;
+                    let changed = apart(&narrower.torque_n_m, torque_n_m);
+                    let changed = changed / size(torque_n_m, self.model.mesh());
+                    let iteration_error = motion.iteration_error + changed;
+                    return Ok(ElasticaMotion { iteration_error, ..motion });
+                }
+                Err(error @ ElasticaError::Diverges { .. }) => refused = error,
+                Err(error) => return Err(error),
+            }
+        }
+        Err(refused)
+    }
+
+    /// The motion over the band of loads beyond which a share of the torque is negligible.
+    fn iterated_over(
+        &self,
+        linear: &[LoadedMotion<Complex64>],
+        second_order: SecondOrder,
+        tolerance: f64,
+        negligible: f64,
+    ) -> Result<ElasticaMotion, ElasticaError> {
         let mesh = self.model.mesh();
         let link = self.bent_link(second_order);
         // Products of deflections reach beyond the frequencies of the motion.
-        let mut band = self.band_of_loads(linear)?;
+        let mut band = self.band_of_loads(linear, negligible)?;
         let mut answers = linear.to_vec();
         let (mut last_change, mut last_level) = (f64::INFINITY, SecondOrder::None);
         for iterations in 1..=MOST_ITERATIONS {
@@ -201,11 +218,13 @@ impl<'a> Follower<'a> {
             let kept = &answers[..band.min(answers.len())];
             let (loads, largest_slope) = self.loads(&link, kept, &pair, &time)?;
             answers = self.with_loads(linear, &loads, &pair);
-            band = band.max(self.band_of_loads(&answers)?);
+            band = band.max(self.band_of_loads(&answers, negligible)?);
             let (torque_n_m, _) = self.hub(&answers, second_order, &pair, &time);
             let change = apart(&torque_n_m, &before) / size(&torque_n_m, mesh);
             let factor = if change == 0.0 { 0.0 } else { change / last_change };
-            if !change.is_finite() || iterations > 2 && factor >= 1.0 && change > tolerance {
+            // What hardly converges may do so over a narrower band.
+            let most = if negligible < LEAST_BAND { SLOW } else { 1.0 };
+            if !change.is_finite() || iterations > 3 && factor >= most && change > tolerance {
                 return Err(ElasticaError::Diverges { iterations, change });
             }
             let contraction = (iterations > 1).then_some(factor);
@@ -365,22 +384,4 @@ impl<'a> Follower<'a> {
         };
         BentLink::of(self.model.mesh(), self.model.link().payload(), beta_s, second_order)
     }
-}
-
-/// Largest difference of two histories; NaN where one is.
-fn apart(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger)
-}
-
-/// What changes of a torque are compared with: largest less smallest value, or the largest where it is at rest; none
-/// counts that bends the link by less than [`STRAIGHT`].
-fn size(torque_n_m: &[f64], mesh: &Mesh) -> f64 {
-    let [low, high] = torque_n_m.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, value| {
-        [ends[0].min(*value), ends[1].max(*value)]
-    });
-    let (range, most) = (high - low, low.abs().max(high.abs()));
-    let stiffness = mesh.elements().iter().map(|element| element.bending_stiffness_n_m2);
-    let softest = stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer));
-    let size = if range > AT_REST * most { range } else { most };
-    size.max(STRAIGHT * softest / mesh.length_m())
 }

@@ -39,5 +39,6 @@ mod reaction;
 mod sag;
 
 pub use chord::{ChordPeriod, ElasticaError, returning};
-pub use iteration::{ElasticaMotion, follow};
+pub use iteration::follow;
 pub use loads::SecondOrder;
+pub use reaction::ElasticaMotion;

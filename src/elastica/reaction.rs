@@ -1,7 +1,42 @@
-//! What each part of a bent link needs of the part inboard: forces and bending moments, by equilibrium.
+//! A bent link's motion as it is found: what it differs by, and what each part needs of the part inboard, forces and
+//! bending moments by equilibrium.
 
 use super::loads::{BentLink, Instant, Place, Scratch, SecondOrder, along, left_across};
 use super::points::dot;
+use crate::beam::Mesh;
+use crate::numeric::Size;
+
+/// Range of a torque over its largest value below which the link is at rest.
+const AT_REST: f64 = 1e-6;
+
+/// Bending by less than this angle in rad counts as none.
+const STRAIGHT: f64 = 1e-6;
+
+/// A link whose tip stays on the chord, over a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElasticaMotion {
+    /// Torque at the hub in N m, its inertia and friction included, its drive not.
+    pub torque_n_m: Vec<f64>,
+    /// Angle of the hub from the chord in rad.
+    pub hub_slope_rad: Vec<f64>,
+    /// Deflection in m and slope w' of nodes 0 … n from the chord: a history for each, in turn.
+    pub deflections: Vec<Vec<f64>>,
+    /// How much farther along the chord than along the link nodes 0 … n are, x − s ≤ 0 in m; zero without all terms.
+    pub shortenings_m: Vec<Vec<f64>>,
+    /// Bending moment in N m at nodes 0 … n, which the part of the link towards the hub exerts on the part towards
+    /// the tip; a body on a node counts as outer.
+    pub moments_n_m: Vec<Vec<f64>>,
+    /// Number of iterations; 0 without second order.
+    pub iterations: usize,
+    /// Change of the torque by the last iteration over that by the one before; none before the second.
+    pub contraction: Option<f64>,
+    /// What further iterations would change of the torque, over its range.
+    pub iteration_error: f64,
+    /// Largest slope |w'| of the link from its chord.
+    pub largest_slope: f64,
+    /// What the second order changed of the torque, over its range.
+    pub second_order_change: f64,
+}
 
 /// Force along the chord and across it, and moment about a node, that move all that lies outboard.
 #[derive(Clone, Copy, Default)]
@@ -98,4 +133,22 @@ impl BentLink {
         };
         force.moved(place.x - node.0, place.w - node.1)
     }
+}
+
+/// Largest difference of two histories; NaN where one is.
+pub(super) fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger)
+}
+
+/// What changes of a torque are compared with: largest less smallest value, or the largest where it is at rest; none
+/// counts that bends the link by less than [`STRAIGHT`].
+pub(super) fn size(torque_n_m: &[f64], mesh: &Mesh) -> f64 {
+    let [low, high] = torque_n_m.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, value| {
+        [ends[0].min(*value), ends[1].max(*value)]
+    });
+    let (range, most) = (high - low, low.abs().max(high.abs()));
+    let stiffness = mesh.elements().iter().map(|element| element.bending_stiffness_n_m2);
+    let softest = stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer));
+    let size = if range > AT_REST * most { range } else { most };
+    size.max(STRAIGHT * softest / mesh.length_m())
 }

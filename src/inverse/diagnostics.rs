@@ -143,9 +143,14 @@ impl Diagnostics<'_> {
         let slow = self.second_order.and_then(|found| found.contraction);
         let slow = slow.filter(|factor| *factor > SLOW);
         let slow = slow.map(|contraction| Warning::SlowIteration { contraction });
+        let tolerance = self.analysis.tolerance();
+        let inexact = self.accuracy.errors.torque.iteration.filter(|error| *error > tolerance);
+        let inexact = inexact.map(|share| Warning::InexactIteration { share, tolerance });
         let left_out = self.second_order.and_then(|found| found.left_out);
         let left_out = left_out.filter(|share| share.is_none_or(|share| share > LEFT_OUT));
-        slow.into_iter().chain(left_out.map(|share| Warning::SecondOrderLeftOut { share }))
+        slow.into_iter()
+            .chain(inexact)
+            .chain(left_out.map(|share| Warning::SecondOrderLeftOut { share }))
     }
 
     fn driven(&self) -> DrivenModel<'_> {

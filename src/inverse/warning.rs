@@ -180,6 +180,17 @@ pub enum Warning {
         /// Change by the last iteration over that by the one before.
         contraction: f64,
     },
+    /// Second-order terms that converge without those of high frequencies alone.
+    #[error(
+        "second-order terms of high frequencies, which do not converge and are left out, change the torque by {share:.1e} \
+         of its range, above the tolerance {tolerance:e}"
+    )]
+    InexactIteration {
+        /// Error of the iteration over the torque's range.
+        share: f64,
+        /// The analysis tolerance.
+        tolerance: f64,
+    },
     /// Second-order terms that count, but were not counted.
     #[error(
         "the second-order terms that analysis.second_order leaves out change the torque by {}",
@@ -250,6 +261,7 @@ impl Warning {
             Self::AboveMesh { .. } => "above_mesh",
             Self::LargeDeflection { .. } => "large_deflection",
             Self::SlowIteration { .. } => "slow_iteration",
+            Self::InexactIteration { .. } => "inexact_iteration",
             Self::SecondOrderLeftOut { .. } => "second_order_left_out",
             Self::ThickLink { .. } => "thick_link",
             Self::FastHub { .. } => "fast_hub",
@@ -288,7 +300,9 @@ impl Warning {
             Self::LargeDeflection { .. } | Self::FastHub { .. } => {
                 "analysis.second_order = \"full\" counts what is left out; or a slower motion, a stiffer link"
             }
-            Self::SlowIteration { .. } => "a slower motion or a stiffer link",
+            Self::SlowIteration { .. } | Self::InexactIteration { .. } => {
+                "a slower motion or a stiffer link"
+            }
             Self::SecondOrderLeftOut { .. } => "analysis.second_order = \"full\" counts them",
             Self::ThickLink { .. } => {
                 "theory = \"timoshenko\" in the link file takes them into account"
