@@ -8,22 +8,33 @@ use clap::Args;
 use flexlink::beam::Mesh;
 use flexlink::csv::Digits;
 use flexlink::modal::{
-    DampingLaw, Thickness, held_frequencies, mode, natural_frequencies, real_frequency_zeros,
-    torque_zeros,
+    DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Thickness, held_frequencies, mode,
+    natural_frequencies, pose_squares, real_frequency_zeros, torque_zeros,
 };
-use flexlink::result::{HeldModes, ModesResult, Remark, mesh_errors};
+use flexlink::numeric::{Dimension, parse_quantity};
+use flexlink::result::{
+    CoarseMesh, HeldModes, ModesResult, PoseModes, PoseSquares, Remark, mesh_errors,
+};
 use flexlink::spec::Specification;
-use flexlink::store::modes_json;
+use flexlink::store::{modes_json, pose_modes_json};
 
-use crate::options::common::SyncArgs;
+use crate::options::common::{SyncArgs, finite};
 use crate::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::terminal::files::check_folder;
-use crate::terminal::text::modes_text;
-use crate::terminal::{Failure, WarningArgs, console, memory};
+use crate::terminal::text::{modes_text, pose_text};
+use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink modes link.toml --count 5 -o out";
+  flexlink modes link.toml --count 5 -o out
+  flexlink modes hanging.toml --at '-90 deg'";
+
+/// Error of an automatic mesh in the modes of a pose. They are computed by dense algebra, whose round-off grows with the
+/// fourth power of the number of elements.
+const POSE_TOLERANCE: f64 = 1e-5;
+
+/// Gravity along the link over all of it that counts as none.
+const ACROSS: f64 = 1e-12;
 
 /// Memory in bytes that a node takes in a shape: as computed, and as it is written.
 const BYTES_PER_DISPLACEMENT: usize = 16;
@@ -38,6 +49,9 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 ///
 /// For a link file with a [drive] the frequencies with the rotor held are printed, too: the hub is then on
 /// the joint's spring or, if the joint is stiff, clamped. With -o they are in held_modes.csv.
+///
+/// Gravity changes frequencies with the direction of the link: --at gives those of one direction, hub free and
+/// held, by the weight that pulls along the straight link.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Modes {
@@ -48,6 +62,12 @@ pub(crate) struct Modes {
     #[arg(long, value_name = "N", default_value_t = 10)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1000))]
     count: u16,
+
+    /// The frequencies with gravity where the link points this way: an angle in rad, or with its unit, as
+    /// in '-90 deg'.
+    #[arg(long, value_name = "ANGLE", value_parser = angle_rad, allow_hyphen_values = true)]
+    #[arg(conflicts_with = "output")]
+    at: Option<f64>,
 
     /// Folder for the tables [default: none is written].
     #[arg(short, long, value_name = "DIR")]
@@ -73,6 +93,9 @@ impl Modes {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |folder| check_folder("--output", folder))?;
         let (_, specification) = self.link.load()?;
+        if let Some(angle_rad) = self.at {
+            return self.tell_pose(&specification, angle_rad);
+        }
         let (mesh, result) = computed(&specification, usize::from(self.count))?;
         if let Some(folder) = &self.output {
             result.write(self.sync.stage(folder)?, self.digits)?;
@@ -86,6 +109,86 @@ impl Modes {
         console::print(&text)?;
         self.warnings.refuse(warnings)
     }
+}
+
+impl Modes {
+    /// Prints the modes in a pose.
+    fn tell_pose(&self, specification: &Specification, angle_rad: f64) -> Result<(), Failure> {
+        let (mesh, pose) = in_pose(specification, angle_rad, usize::from(self.count))?;
+        console::remarks(&specification.remarks);
+        let lists = [("mode", &pose.free), ("mode with the hub held", &pose.held)];
+        let coarse = lists.map(|(what, found)| CoarseMesh::of(what, &found.mesh_errors));
+        let coarse: Vec<_> = coarse.into_iter().flatten().collect();
+        console::warnings(coarse.iter().map(|warning| (warning, warning.hint())));
+        let text = if self.json {
+            pose_modes_json(&pose)
+        } else {
+            pose_text(&specification.link, &mesh, &pose)
+        };
+        console::print(&text)?;
+        self.warnings.refuse(coarse.len())
+    }
+}
+
+/// The mesh, and the modes on it where the link points in a direction.
+fn in_pose(
+    specification: &Specification,
+    angle_rad: f64,
+    count: usize,
+) -> Result<(Mesh, PoseModes), Failure> {
+    let link = &specification.link;
+    let Some(gravity) = link.gravity() else {
+        let message = "--at = an angle, but the link file has no gravity";
+        return Err(Failure::new(
+            Exit::Usage,
+            &message,
+            Some("give it as --set 'gravity=[0, -9.81]'"),
+        ));
+    };
+    let mut mesh = Mesh::new(link, &specification.mesh)?;
+    if specification.mesh.is_automatic() {
+        let (_, omega_rad_s) = resolved(specification, count)?;
+        mesh = mesh.resolving(omega_rad_s.last().copied().unwrap_or_default(), POSE_TOLERANCE);
+    }
+    let most = MOST_ELEMENTS_OF_A_POSE / 2;
+    let elements = mesh.elements().len();
+    if elements > most {
+        let message =
+            format!("the mesh has {elements} elements, but must have at most {most} for --at");
+        return Err(Failure::new(
+            Exit::NotSolvable,
+            &message,
+            Some("ask for fewer modes: --count"),
+        ));
+    }
+    let [along_x, along_y] = gravity.acceleration_m_s2;
+    let outward_m_s2 = along_x * libm::cos(angle_rad) + along_y * libm::sin(angle_rad);
+    let is_across = outward_m_s2.abs() <= ACROSS * (along_x.abs() + along_y.abs());
+    let outward_m_s2 = if is_across { 0.0 } else { outward_m_s2 };
+    let finer = mesh.refined();
+    let found = |hub, count| {
+        let on = |mesh: &Mesh| {
+            pose_squares(mesh, outward_m_s2, hub, count).ok_or_else(|| {
+                let message = "a motion of the link moves no mass, but must move some for --at";
+                Failure::new(
+                    Exit::NotSolvable,
+                    &message,
+                    Some("give the segments and the hub mass"),
+                )
+            })
+        };
+        Ok::<_, Failure>(PoseSquares::of(&mesh, on(&mesh)?, &on(&finer)?))
+    };
+    let spring = link.drive().map_or(f64::INFINITY, |drive| drive.joint_stiffness_n_m_rad);
+    let (free, held) = (found(PoseHub::Free, count + 1)?, found(PoseHub::Spring(spring), count)?);
+    let free = if is_across { free.with_neutral_swing() } else { free };
+    Ok((mesh, PoseModes { angle_rad, outward_m_s2, free, held }))
+}
+
+/// An angle in rad, or with its unit.
+fn angle_rad(text: &str) -> Result<f64, String> {
+    finite(text)
+        .or_else(|_| parse_quantity(text, Dimension::NONE).map_err(|error| error.to_string()))
 }
 
 /// The mesh, and its modes and zeros with their mesh errors.

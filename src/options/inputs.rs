@@ -95,7 +95,10 @@ pub(crate) fn warn_of_gravity(link: &Link) -> usize {
         return 0;
     }
     let left_out = "gravity changes natural frequencies and zeros with the link's direction: those here are without it";
-    console::warning(left_out, "--set 'gravity=[0, 0]' if the link moves in a horizontal plane");
+    console::warning(
+        left_out,
+        "modes --at ANGLE has those of one direction; --set 'gravity=[0, 0]' is a horizontal plane",
+    );
     1
 }
 

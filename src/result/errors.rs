@@ -1,4 +1,4 @@
-//! Errors of a mesh in frequencies, zeros and transfers, and of a simulated tip against a target.
+//! Modes and zeros of a link, errors of a mesh in these and in transfers, and of a simulated tip against a target.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -100,6 +100,101 @@ impl BandMeshError {
             CoarseMesh::Band { below_hz, worst, at_hz }
         });
         Some(Self { worst, at_hz, warning })
+    }
+}
+
+/// Modes and zeros of a link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModesResult {
+    /// Natural frequencies in rad/s, the rigid rotation left out.
+    pub omega_rad_s: Vec<f64>,
+    /// Damping ratio of each mode.
+    pub damping_ratios: Vec<f64>,
+    /// Relative errors that the mesh causes in the natural frequencies; NaN where unknown, as below.
+    pub mesh_errors: Vec<f64>,
+    /// Zeros ±z of torque → tip in 1/s.
+    pub zeros_per_s: Vec<f64>,
+    /// Relative errors that the mesh causes in them.
+    pub zero_mesh_errors: Vec<f64>,
+    /// Zeros at real frequencies in Hz: no torque moves the tip there.
+    pub blocked_hz: Vec<f64>,
+    /// Relative errors that the mesh causes in them.
+    pub blocked_mesh_errors: Vec<f64>,
+    /// Distance of each node from the axis in m.
+    pub nodes_m: Vec<f64>,
+    /// Mass-normalised displacement of each node in 1/√kg, one list a mode.
+    pub shapes: Vec<Vec<f64>>,
+    /// Modes with the rotor held, where the link has a drive.
+    pub held: Option<HeldModes>,
+}
+
+/// The modes of a link while the motor holds the rotor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldModes {
+    /// Stiffness of the joint between rotor and hub in N m/rad; infinite for a stiff joint.
+    pub joint_stiffness_n_m_rad: f64,
+    /// Natural frequencies in rad/s.
+    pub omega_rad_s: Vec<f64>,
+    /// Relative errors that the mesh causes in them.
+    pub mesh_errors: Vec<f64>,
+}
+
+/// Modes of a link in a pose, with the weight that pulls along it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseModes {
+    /// Direction of the link in rad, counterclockwise from x.
+    pub angle_rad: f64,
+    /// Gravity outward along the link in m/s².
+    pub outward_m_s2: f64,
+    /// With the hub free; the first is the link's swing.
+    pub free: PoseSquares,
+    /// With the rotor held.
+    pub held: PoseSquares,
+}
+
+/// Natural frequencies by their squares.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseSquares {
+    /// ω² in 1/s², ascending; below 0 that of a link that leaves its pose.
+    pub squares_per_s2: Vec<f64>,
+    /// Relative errors that the mesh causes in ω.
+    pub mesh_errors: Vec<f64>,
+}
+
+impl PoseSquares {
+    /// From those found on a mesh and on elements of half the length.
+    pub fn of(mesh: &Mesh, squares_per_s2: Vec<f64>, on_halves: &[f64]) -> Self {
+        let [own, halves] = [&squares_per_s2[..], on_halves]
+            .map(|squares| squares.iter().map(|square| square.abs().sqrt()).collect::<Vec<f64>>());
+        Self { mesh_errors: mesh_errors(mesh, &own, &halves), squares_per_s2 }
+    }
+
+    /// The same with a swing that nothing drives: exactly 0, where dense algebra leaves round-off.
+    #[must_use]
+    pub fn with_neutral_swing(mut self) -> Self {
+        let swing = self.squares_per_s2.first_mut().into_iter().chain(self.mesh_errors.first_mut());
+        swing.for_each(|value| *value = 0.0);
+        self
+    }
+}
+
+impl ModesResult {
+    /// Time in s before the motion at which the torque is 1 % of that at its start, with this zero alone:
+    /// ln(100)/z.
+    pub fn leads_s(&self) -> Vec<f64> {
+        self.zeros_per_s.iter().map(|zero| libm::log(100.0) / zero).collect()
+    }
+
+    /// Warnings of errors that the mesh causes.
+    pub fn warnings(&self) -> Vec<CoarseMesh> {
+        let held = self.held.as_ref().map_or(&[][..], |held| &held.mesh_errors);
+        let lists = [
+            ("mode", &self.mesh_errors[..]),
+            ("zero", &self.zero_mesh_errors),
+            ("blocked frequency", &self.blocked_mesh_errors),
+            ("mode with the rotor held", held),
+        ];
+        lists.into_iter().filter_map(|(what, errors)| CoarseMesh::of(what, errors)).collect()
     }
 }
 

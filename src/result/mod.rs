@@ -6,18 +6,19 @@ mod errors;
 mod fit;
 mod limits;
 mod metrics;
-mod modes;
 mod peak;
 mod recording;
 mod remark;
 mod stored;
 
 pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
-pub use errors::{BandMeshError, CoarseMesh, LateTarget, TargetError, TipError, mesh_errors};
+pub use errors::{
+    BandMeshError, CoarseMesh, HeldModes, LateTarget, ModesResult, PoseModes, PoseSquares,
+    TargetError, TipError, mesh_errors,
+};
 pub use fit::{Fit, FitError, FitProblem, OpenMotion, shortest_fit};
 pub use limits::{Exceeded, LimitedValue, Limits, Reached};
 pub use metrics::{Metrics, MotorMetrics, PlayedMetrics, TIMING_LEVEL};
-pub use modes::{HeldModes, ModesResult};
 pub use peak::Peak;
 pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;

@@ -11,7 +11,7 @@ use super::json::json as as_text;
 use crate::csv::{Digits, write_columns};
 use crate::model::FrequencyResponse;
 use crate::numeric::magnitude;
-use crate::result::ModesResult;
+use crate::result::{ModesResult, PoseModes, PoseSquares};
 
 /// Names of all files that `modes` may write.
 const OWNED: [&str; 4] = [MODES, SHAPES, HELD, ZEROS];
@@ -118,6 +118,26 @@ pub fn write_frequency_response(
 pub fn frequency_response_json(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) -> String {
     let lists = columns(rows, mesh_errors).into_iter().map(|(name, list)| (name, json!(list)));
     as_text(&lists.collect::<Map<_, _>>())
+}
+
+/// Modes of a link in a pose as JSON. What leaves the pose has a growth rate, and null as its frequency.
+pub fn pose_modes_json(pose: &PoseModes) -> String {
+    let list = |found: &PoseSquares| {
+        let squares = found.squares_per_s2.iter();
+        let hertz = squares.clone().map(|square| (*square >= 0.0).then(|| square.sqrt() / TAU));
+        let growth = squares.map(|square| (*square < 0.0).then(|| (-square).sqrt()));
+        json!({
+            "frequency_hz": hertz.collect::<Vec<_>>(),
+            "growth_per_s": growth.collect::<Vec<_>>(),
+            "mesh_error": found.mesh_errors,
+        })
+    };
+    as_text(&json!({
+        "angle_rad": pose.angle_rad,
+        "outward_m_s2": pose.outward_m_s2,
+        "free": list(&pose.free),
+        "held": list(&pose.held),
+    }))
 }
 
 /// Modes and zeros as JSON; what is not known is null, as is the stiffness of a stiff joint.

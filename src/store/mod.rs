@@ -16,7 +16,9 @@ mod sweep;
 
 pub use fit_record::{FitInputs, fit_json};
 pub use folder::{Durability, FolderError, OutputFolder, write_file};
-pub use frequency_tables::{frequency_response_json, modes_json, write_frequency_response};
+pub use frequency_tables::{
+    frequency_response_json, modes_json, pose_modes_json, write_frequency_response,
+};
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
 pub use json::Fingerprint;
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};

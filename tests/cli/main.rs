@@ -13,6 +13,7 @@ mod files;
 mod fit;
 mod fit_page;
 mod fit_record;
+mod gravity;
 mod help;
 mod line_ends;
 mod model_end;

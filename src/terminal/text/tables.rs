@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
-use flexlink::result::{Fit, Limits, Metrics, ModesResult, Reached};
+use flexlink::result::{Fit, Limits, Metrics, ModesResult, PoseModes, PoseSquares, Reached};
 use flexlink::text::{plain, significant};
 use flexlink::verify::{Check, Outcome, Verification};
 
@@ -38,6 +38,45 @@ pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> Stri
         lines.extend(mode_rows(&held.omega_rad_s, None, &held.mesh_errors));
     }
     title(link) + &lines.join("\n") + "\n"
+}
+
+/// Modes in a pose, hub free and held.
+pub(crate) fn pose_text(link: &Link, mesh: &Mesh, pose: &PoseModes) -> String {
+    let [angle, pull] = [pose.angle_rad, pose.outward_m_s2.abs()].map(|x| significant(x, 4));
+    let towards = if pose.outward_m_s2 < 0.0 { "inward" } else { "outward" };
+    let mut lines = vec![
+        link_line(link, mesh),
+        format!("at {angle} rad gravity pulls by {pull} m/s² {towards} along the link"),
+        "hub free; mode 0 is the swing of the whole link".to_owned(),
+    ];
+    lines.extend(pose_rows(0, &pose.free));
+    lines.push(match link.drive().map(|drive| drive.joint_stiffness_n_m_rad) {
+        Some(spring) if spring.is_finite() => {
+            format!("rotor held, joint spring {} N m/rad", significant(spring, 4))
+        }
+        Some(_) => "rotor held, stiff joint".into(),
+        None => "hub held".into(),
+    });
+    lines.extend(pose_rows(1, &pose.held));
+    title(link) + &lines.join("\n") + "\n"
+}
+
+fn pose_rows(first: usize, found: &PoseSquares) -> Vec<String> {
+    let heading = row(["mode", "omega [rad/s]", "frequency [Hz]", "period [s]", "", MESH_ERROR]);
+    let modes = found.squares_per_s2.iter().zip(&found.mesh_errors).enumerate();
+    let modes = modes.map(|(k, (square, error))| {
+        let (number, size) = ((first + k).to_string(), square.abs().sqrt());
+        if size == 0.0 {
+            return format!("{number:<6} neutral: the link stays where it is turned");
+        }
+        if *square < 0.0 {
+            let time = significant(size.recip(), 4);
+            return format!("{number:<6} not stable: it leaves the pose as e^(t/{time} s)");
+        }
+        let [omega, hertz, period] = [size, size / TAU, TAU / size].map(|x| significant(x, 8));
+        row([&number, &omega, &hertz, &period, "", &share(*error)])
+    });
+    std::iter::once(heading).chain(modes).collect()
 }
 
 const MESH_ERROR: &str = "mesh error";

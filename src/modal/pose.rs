@@ -1,0 +1,210 @@
+//! Modes of a link whose weight pulls along it: small motions about its straight shape, by dense algebra.
+//!
+//! A link that is bent by w loses the height `∫ w'²/2` at each point, so that gravity adds to its stiffness
+//!
+//! ```text
+//! K_g = ∫ N v'² ds,   N(s) = g_e ∫ m̄ ds outboard of s,
+//! ```
+//!
+//! `g_e` being gravity outward along the link. It is the whole of a pendulum's stiffness, too.
+
+use nalgebra::{DMatrix, Matrix4, Vector4};
+
+use crate::beam::{Element, Inertia, Mesh};
+use crate::numeric::SymmetricEigen;
+
+/// Most elements whose modes are computed all at once.
+pub const MOST_ELEMENTS_OF_A_POSE: usize = 250;
+
+/// Places and weights of Gauss and Legendre's four points in (0, 1).
+const POINTS: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
+
+/// What turns a hub in its modes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PoseHub {
+    /// Nothing: it is free.
+    Free,
+    /// A spring of this stiffness in N m/rad; infinite where the hub is clamped.
+    Spring(f64),
+}
+
+/// Squares ω² in 1/s² of the first `count` natural frequencies of a link with gravity `outward_m_s2` along it,
+/// ascending; that of a free hub's swing is the first. One below 0 is that of a link that leaves its pose as e^{√(−ω²) t}.
+///
+/// None where there are more than [`MOST_ELEMENTS_OF_A_POSE`] elements, or a motion moves no mass.
+pub fn pose_squares(
+    mesh: &Mesh,
+    outward_m_s2: f64,
+    hub: PoseHub,
+    count: usize,
+) -> Option<Vec<f64>> {
+    let nodes = mesh.nodes_m().len();
+    if nodes > MOST_ELEMENTS_OF_A_POSE + 1 {
+        return None;
+    }
+    let root_m = mesh.nodes_m()[0];
+    let [mut mass, mut stiffness] =
+        assembled(mesh, outward_m_s2).map(|full| with_root_on_hub(full, root_m));
+    mass[(0, 0)] += mesh.hub_inertia_kg_m2();
+    match hub {
+        PoseHub::Spring(spring_n_m_rad) if spring_n_m_rad.is_finite() => {
+            stiffness[(0, 0)] += spring_n_m_rad;
+        }
+        PoseHub::Spring(_) => {
+            [mass, stiffness] = [mass, stiffness].map(|all| all.remove_row(0).remove_column(0));
+        }
+        PoseHub::Free => {}
+    }
+    // M = L Lᵀ; the eigenvalues are those of L⁻¹ K L⁻ᵀ.
+    let lower = mass.cholesky()?.unpack();
+    let half = lower.solve_lower_triangular(&stiffness)?;
+    let whole = lower.solve_lower_triangular(&half.transpose())?;
+    let size = whole.nrows();
+    let eigen = SymmetricEigen::new(size, whole.as_slice().to_vec())?;
+    Some(eigen.values.into_iter().take(count).collect())
+}
+
+/// A symmetric matrix on the hub angle θ in place of the root's (v, φ) = (root, 1) θ. Not by products of matrices,
+/// whose sums are in another order on other processors.
+fn with_root_on_hub(full: DMatrix<f64>, root_m: f64) -> DMatrix<f64> {
+    let turned: Vec<f64> =
+        full.row(0).iter().zip(full.row(1).iter()).map(|(v, phi)| v * root_m + phi).collect();
+    let mut matrix = full.remove_row(0).remove_column(0);
+    for (k, value) in turned.iter().enumerate().skip(2) {
+        (matrix[(0, k - 1)], matrix[(k - 1, 0)]) = (*value, *value);
+    }
+    matrix[(0, 0)] = turned[0] * root_m + turned[1];
+    matrix
+}
+
+/// Mass and stiffness on (v, φ) of all nodes, the hub left out.
+fn assembled(mesh: &Mesh, outward_m_s2: f64) -> [DMatrix<f64>; 2] {
+    let size = 2 * mesh.nodes_m().len();
+    let [mut mass, mut stiffness] = [DMatrix::zeros(size, size), DMatrix::zeros(size, size)];
+    let Inertia { vv, vp, pp } = mesh.tip_inertia();
+    add_inertia(&mut mass, size - 2, [vv, vp, pp]);
+    // What hangs beyond the tip is a rigid piece along its slope, as the hub's radius is one along its own.
+    stiffness[(size - 1, size - 1)] += outward_m_s2 * vp;
+    let mut outboard_kg = vv;
+    for (k, element) in mesh.elements().iter().enumerate().rev() {
+        let pulled = element.stiffness() + pull(element, outward_m_s2, outboard_kg);
+        for (matrix, own) in [(&mut mass, element.mass()), (&mut stiffness, pulled)] {
+            let mut block = matrix.fixed_view_mut::<4, 4>(2 * k, 2 * k);
+            block += own;
+        }
+        outboard_kg += element.length_m * element.mass_per_length_kg_m.mean();
+        if let Some(Inertia { vv, vp, pp }) = mesh.lumped_inertia(k) {
+            add_inertia(&mut mass, 2 * k, [vv, vp, pp]);
+            outboard_kg += vv;
+        }
+    }
+    stiffness[(1, 1)] += outward_m_s2 * outboard_kg * mesh.nodes_m()[0];
+    [mass, stiffness]
+}
+
+fn add_inertia(mass: &mut DMatrix<f64>, at: usize, [vv, vp, pp]: [f64; 3]) {
+    mass[(at, at)] += vv;
+    mass[(at, at + 1)] += vp;
+    mass[(at + 1, at)] += vp;
+    mass[(at + 1, at + 1)] += pp;
+}
+
+/// `∫ N v'² ds` of an element that a mass lies outboard of.
+fn pull(element: &Element, outward_m_s2: f64, outboard_kg: f64) -> Matrix4<f64> {
+    let (l, mass) = (element.length_m, element.mass_per_length_kg_m);
+    let mut stiffness = Matrix4::zeros();
+    for (x, weight) in POINTS {
+        // Mass per length is linear: its mean over what is left is that in the middle.
+        let beyond_kg = l * (1.0 - x) * 0.5 * (mass.at(x) + mass.outer);
+        let tension_n = outward_m_s2 * (outboard_kg + beyond_kg);
+        let slope = Vector4::new(
+            -6.0 * x * (1.0 - x) / l,
+            (1.0 - x) * (1.0 - 3.0 * x),
+            6.0 * x * (1.0 - x) / l,
+            x * (3.0 * x - 2.0),
+        );
+        stiffness += slope * slope.transpose() * (tension_n * weight * l);
+    }
+    stiffness
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::{Hub, Link, LinkParts, Payload, Segment, uniform};
+    use crate::modal::natural_frequencies;
+
+    const CLAMPED: PoseHub = PoseHub::Spring(f64::INFINITY);
+
+    /// 2 m and 0.7 kg/m from the axis on, without payload.
+    fn beam(stiffness_n_m2: f64, elements: usize) -> Mesh {
+        let parts = LinkParts {
+            segments: vec![Segment::uniform(2.0, stiffness_n_m2, 0.7)],
+            hub: Hub::default(),
+            payload: Payload::default(),
+            ..uniform()
+        };
+        Mesh::on(&Link::new(parts).unwrap(), elements)
+    }
+
+    fn first(mesh: &Mesh, outward_m_s2: f64, hub: PoseHub) -> f64 {
+        pose_squares(mesh, outward_m_s2, hub, 1).unwrap()[0]
+    }
+
+    /// A. G. Greenhill, Proc. Cambridge Phil. Soc. 4, 1881: m̄ g L³/EI = 7.83735.
+    #[test]
+    fn an_upright_link_with_its_hub_held_buckles_under_its_own_weight() {
+        let mesh = beam(3.0, 20);
+        let at = |load: f64| first(&mesh, -load * 3.0 / (0.7 * 8.0), CLAMPED);
+        let (mut low, mut high) = (7.0, 9.0);
+        assert!(at(low) > 0.0 && at(high) < 0.0);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if at(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        assert!((low - 7.837_347).abs() < 1e-4, "{low}");
+    }
+
+    /// Zeros of J₀ at 2 ω √(L/g): 2.404826, 5.520078, 8.653728.
+    #[test]
+    fn a_link_that_hardly_resists_bending_swings_as_a_hanging_chain() {
+        let squares = pose_squares(&beam(1e-6, 200), 9.81, PoseHub::Free, 3).unwrap();
+        for (square, zero) in squares.iter().zip([2.404_826, 5.520_078, 8.653_728]) {
+            let exact = 0.25 * zero * zero * 9.81 / 2.0;
+            assert!((square / exact - 1.0).abs() < 1e-3, "{square} of {exact}");
+        }
+    }
+
+    #[test]
+    fn a_stiff_link_is_a_pendulum_upward_one_that_falls_and_without_gravity_itself() {
+        let parts = LinkParts {
+            hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.3, viscous_friction_n_m_s_rad: 0.0 },
+            segments: vec![Segment::uniform(1.5, 1e5, 0.8)],
+            payload: Payload { mass_kg: 0.4, inertia_kg_m2: 0.02, offset_m: 0.1 },
+            ..uniform()
+        };
+        let link = Link::new(parts).unwrap();
+        let mesh = Mesh::on(&link, 8);
+        let exact = 9.81 * link.mass_moment_kg_m() / link.rigid_inertia_kg_m2();
+        let down = first(&mesh, 9.81, PoseHub::Free);
+        let up = first(&mesh, -9.81, PoseHub::Free);
+        assert!(
+            (down / exact - 1.0).abs() < 1e-4 && (up / exact + 1.0).abs() < 1e-4,
+            "{down} {up}"
+        );
+        let found = pose_squares(&mesh, 0.0, PoseHub::Free, 4).unwrap();
+        assert!(found[0].abs() < 1e-4 * found[1]);
+        for (square, omega) in found[1..].iter().zip(natural_frequencies(&mesh, 3)) {
+            assert!((square.sqrt() / omega - 1.0).abs() < 1e-9, "{square} {omega}");
+        }
+        // On a spring at the hub the rigid link swings as k/I.
+        let spring = first(&mesh, 0.0, PoseHub::Spring(2.0));
+        assert!((spring * link.rigid_inertia_kg_m2() / 2.0 - 1.0).abs() < 1e-4, "{spring}");
+        assert_eq!(pose_squares(&Mesh::on(&link, 251), 0.0, PoseHub::Free, 1), None);
+    }
+}

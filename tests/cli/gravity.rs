@@ -1,0 +1,145 @@
+//! Links under gravity on the command line: what is written and told, angles, refusals, repetition, modes in a pose.
+
+use super::{Bench, column, keys, stderr, stdout};
+
+const STRIP: &str = "gravity = [0, '-981 cm/s^2']
+start_angle = '-90 deg'
+[[segments]]
+length = 0.4
+EI = 0.3
+mass_per_length = 0.15
+elements = 4
+[hub]
+inertia = 2e-3
+[payload]
+mass = 0.05
+[damping]
+model = 'rayleigh'
+beta = 1e-3
+";
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("strip.toml", STRIP);
+    let arguments = ["septic", "--distance", "0.2", "--duration", "0.8", "--step", "0.002"];
+    let arguments = [&["trajectory"], &arguments[..], &["-o", "move.csv"]].concat();
+    assert!(bench.run(&arguments).status.success());
+    bench
+}
+
+#[test]
+fn the_torque_at_rest_holds_the_weight_and_angles_are_absolute() {
+    let bench = bench();
+    let options = ["--deflections", "--moments", "--report"];
+    let output = bench.run(&[&["solve", "strip.toml", "move.csv"], &options[..]].concat());
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    for begins in
+        ["gravity  0, -9.81 m/s²; the link moves from -1.571 to -1.071 rad", "order    full: "]
+    {
+        assert!(text.lines().any(|line| line.starts_with(begins)), "{text}");
+    }
+    assert!(text.contains(" of the range\n") && !text.contains(" of the peak\n"), "{text}");
+    // The link hangs, then stands off by half a radian: m g L/2 and the payload, but for the sag.
+    let torque = column(&bench, "out/torque.csv", "torque_n_m");
+    let held = 9.81 * (0.15 * 0.4 * 0.2 + 0.05 * 0.4) * 0.5_f64.sin();
+    let last = torque[torque.len() - 1];
+    assert!(torque[0].abs() < 1e-6 && (last / held - 1.0).abs() < 0.01, "{last} {held}");
+    let hub = column(&bench, "out/hub_angle.csv", "hub_angle_rad");
+    assert!((hub[0] + std::f64::consts::FRAC_PI_2).abs() < 1e-6, "{}", hub[0]);
+    let tip = column(&bench, "out/tip.csv", "tip_displacement_m");
+    let nodal = column(&bench, "out/nodal_displacements.csv", "v4_m");
+    assert!(tip.iter().zip(&nodal).all(|(a, b)| (a - b).abs() < 1e-10));
+    let summary = bench.json("out/summary.json");
+    assert_eq!(summary["link"]["gravity"]["acceleration_m_s2"][1], -9.81);
+    assert_eq!(summary["second_order"]["order"], "full");
+    assert!(keys(&summary["errors"]["torque"]).contains(&"iteration"));
+    let again = bench.run(&["solve", "--repeat", "out"]);
+    assert!(again.status.success(), "{}", stdout(&again));
+    let page = bench.run(&["report", "out"]);
+    assert!(page.status.success(), "{}", stderr(&page));
+}
+
+#[test]
+fn a_motion_as_angles_starts_at_its_own_angle() {
+    let bench = bench();
+    let displaced = bench.run(&["solve", "strip.toml", "move.csv", "--digits", "full"]);
+    assert!(displaced.status.success(), "{}", stderr(&displaced));
+    let tip = bench.table("out/tip.csv");
+    let turned = tip[0].1.iter().zip(&tip[1].1).filter(|(time, _)| (0.0..0.8001).contains(*time));
+    let angle = |metres: &f64| metres / 0.4 - std::f64::consts::FRAC_PI_2;
+    let rows = turned.map(|(time, metres)| format!("{time:.3},{:.15}\n", angle(metres)));
+    bench.write("angle.csv", &format!("time,angle\n{}", rows.collect::<String>()));
+    let without = STRIP.replace("start_angle = '-90 deg'\n", "");
+    bench.write("anywhere.toml", &without);
+    let angles = bench.run(&["solve", "anywhere.toml", "angle.csv", "-o", "angles"]);
+    assert!(angles.status.success(), "{}", stderr(&angles));
+    let first = |folder: &str| {
+        bench.json(&format!("{folder}/summary.json"))["results"]["peak_torque_n_m"]
+            .as_f64()
+            .unwrap()
+    };
+    assert!((first("angles") / first("out") - 1.0).abs() < 1e-4);
+    let displacement = column(&bench, "angles/tip.csv", "tip_displacement_m");
+    assert!(displacement[0].abs() < 1e-6, "{}", displacement[0]);
+    let elsewhere = bench.run(&["solve", "strip.toml", "angle.csv", "--set", "start_angle=0"]);
+    assert_eq!(elsewhere.status.code(), Some(3));
+    let message = stderr(&elsewhere);
+    assert!(message.starts_with("error: angle.csv:2: angle = -1.57"), "{message}");
+    assert!(message.contains("must be start_angle of the link file, 0 rad"), "{message}");
+    let nowhere = bench.run(&["solve", "anywhere.toml", "move.csv"]);
+    assert_eq!(nowhere.status.code(), Some(4));
+    assert!(stderr(&nowhere).contains("start_angle"), "{}", stderr(&nowhere));
+}
+
+#[test]
+fn what_has_no_weight_yet_refuses_or_warns() {
+    let bench = bench();
+    assert!(bench.run(&["solve", "strip.toml", "move.csv"]).status.success());
+    let played = bench.run(&["simulate", "strip.toml", "out/torque.csv"]);
+    assert_eq!(played.status.code(), Some(4));
+    assert!(stderr(&played).starts_with("error: gravity acts in the plane"), "{}", stderr(&played));
+    for command in [&["modes", "strip.toml"][..], &["frf", "strip.toml", "-o", "f.csv"]] {
+        let output = bench.run(command);
+        assert!(output.status.success());
+        assert!(stderr(&output).contains("warning: gravity changes natural frequencies"));
+    }
+    let verified = bench.run(&["verify", "strip.toml", "move.csv"]);
+    assert!(verified.status.success(), "{}", stderr(&verified));
+    let table = stdout(&verified);
+    assert!(table.contains("torque with further iterations"), "{table}");
+    assert_eq!(table.matches("not made: no play has weight or second order").count(), 2, "{table}");
+    assert!(!table.contains("tip deflection"), "{table}");
+}
+
+#[test]
+fn modes_of_a_direction_are_told_with_the_swing_first() {
+    let bench = bench();
+    let lines = |angle: &str| {
+        let output = bench.run(&["modes", "strip.toml", "--count", "2", "--at", angle]);
+        assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+        let text = stdout(&output);
+        assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+        text.lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let hanging = lines("-90 deg");
+    assert_eq!(hanging[1], "at -1.571 rad gravity pulls by 9.810 m/s² outward along the link");
+    let swing: f64 = hanging[4].split_whitespace().nth(1).unwrap().parse().unwrap();
+    // Of a rigid link: g S/I.
+    let (moment, inertia) = (0.15 * 0.08 + 0.05 * 0.4, 2e-3 + 0.15 * 0.064 / 3.0 + 0.05 * 0.16);
+    assert!((swing / f64::sqrt(9.81 * moment / inertia) - 1.0).abs() < 0.02, "{swing}");
+    assert_eq!(hanging[7], "hub held");
+    assert!(lines("1.5708")[4].starts_with("0      not stable: it leaves the pose as e^(t/0.2"));
+    assert_eq!(lines("0")[4], "0      neutral: the link stays where it is turned");
+    let json = bench.run(&["modes", "strip.toml", "--at", "90 deg", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    assert!(json["free"]["frequency_hz"][0].is_null());
+    assert!((json["free"]["growth_per_s"][0].as_f64().unwrap() - swing).abs() < 0.2);
+    assert!(json["held"]["growth_per_s"][0].is_null());
+    let flat = bench.run(&["modes", "strip.toml", "--at", "0", "--output", "m"]);
+    assert_eq!(flat.status.code(), Some(2));
+    let without = STRIP.replace("gravity = [0, '-981 cm/s^2']\nstart_angle = '-90 deg'\n", "");
+    bench.write("flat.toml", &without);
+    assert_eq!(bench.run(&["modes", "flat.toml", "--at", "0"]).status.code(), Some(2));
+}
