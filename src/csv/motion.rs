@@ -28,6 +28,8 @@ pub struct MotionTable {
     pub(super) reading: Reading,
     /// What is known of the samples beside their values.
     pub(super) recording: Recording,
+    /// The first angle in rad, where the displacement is from angles.
+    pub(super) first_angle_rad: Option<f64>,
 }
 
 impl MotionTable {
@@ -136,6 +138,7 @@ impl MotionTable {
             name: self.name,
             reading: self.reading,
             recording: self.recording,
+            first_angle_rad: self.first_angle_rad,
         }
     }
 
@@ -196,9 +199,9 @@ pub fn read_motion_table_as(
     let mut samples = Samples::read(name, bytes, format, motion_columns)?;
     let rounding = samples.rounding();
     let mut per_value = 1.0;
-    let mut start_angle_rad = None;
+    let mut first_angle_rad = None;
     let arc = samples.take(ANGLE).map(|mut angle| {
-        start_angle_rad = angle.first().copied();
+        first_angle_rad = angle.first().copied();
         for value in &mut angle {
             *value *= link_length_m;
         }
@@ -215,9 +218,9 @@ pub fn read_motion_table_as(
         velocity_m_s: samples.take(VELOCITY),
         displacement_m: samples.take(DISPLACEMENT).or(arc),
     };
-    let recording = Recording { uncertainty, start_angle_rad, ..Recording::default() };
+    let recording = Recording { uncertainty, ..Recording::default() };
     let Samples { lines, reading, .. } = samples;
-    Ok(MotionTable { columns, name: name.to_owned(), lines, reading, recording })
+    Ok(MotionTable { columns, name: name.to_owned(), lines, reading, recording, first_angle_rad })
 }
 
 /// Reads a displacement to compare with, as [`MotionTable::into_target`] makes it of a trajectory; times up
@@ -322,6 +325,7 @@ mod tests {
             name: "t.csv".to_owned(),
             reading: Reading::default(),
             lines: (0..time_s.len() as u64).map(|k| 2 * k).collect(),
+            first_angle_rad: None,
             recording: Recording::default(),
         }
     }

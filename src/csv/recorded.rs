@@ -14,7 +14,7 @@ use crate::text::{plain, significant};
 const LEAST_WORTH: f64 = 0.1;
 
 /// Angles that differ by less are the same.
-const SAME_ANGLE_RAD: f64 = 1e-6;
+const SAME_ANGLE_RAD: f64 = 1e-3;
 
 impl MotionTable {
     /// The motion of a link with gravity: angles are then absolute, and the first of them is the start angle, from
@@ -27,7 +27,7 @@ impl MotionTable {
         gravity: &Gravity,
         link_length_m: f64,
     ) -> Result<Self, TableError> {
-        let Some(first_rad) = self.recording.start_angle_rad else { return Ok(self) };
+        let Some(first_rad) = self.first_angle_rad else { return Ok(self) };
         let other = gravity.start_angle_rad.filter(|own| (own - first_rad).abs() > SAME_ANGLE_RAD);
         if let Some(own) = other {
             let place = Place { file: &self.name, line: self.lines.first().copied() };
@@ -38,6 +38,7 @@ impl MotionTable {
         for displacement in self.columns.displacement_m.iter_mut().flatten() {
             *displacement -= first_rad * link_length_m;
         }
+        self.recording.start_angle_rad = Some(first_rad);
         Ok(self)
     }
 

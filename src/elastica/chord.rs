@@ -96,9 +96,12 @@ pub enum ElasticaError {
     },
     /// Second-order terms that grow from one iteration to the next.
     #[error(
-        "iteration {iterations} changes the torque by {} of its range, more than the one before: the \
-         second-order terms do not converge",
-        significant(*change, 3)
+        "the second-order terms do not converge: iteration {iterations} changes the torque by {}",
+        if change.is_finite() {
+            format!("{} of its range", significant(*change, 3))
+        } else {
+            "no finite number".into()
+        }
     )]
     Diverges {
         /// Iterations so far.
@@ -114,6 +117,12 @@ pub enum ElasticaError {
         /// What it may have.
         known: &'static str,
     },
+    /// A weight that bends the link otherwise in every direction.
+    #[error(
+        "the sag of the link under its weight changes too fast with its direction, but must be smooth where damping is \
+         hysteretic"
+    )]
+    Sag,
     /// Samples too far apart for products of deflections.
     #[error(
         "step = {} s, but must be shorter: the motion has content at the Nyquist frequency, or above half of it, \
@@ -147,6 +156,7 @@ impl ElasticaError {
             Self::LongStep { .. } => {
                 "a shorter step, or a smoother motion; analysis.tip_tolerance above 0 limits the frequencies"
             }
+            Self::Sag => "damping by rayleigh with beta, or a stiffer link",
             Self::NotFinite { .. } => "give damping, or a smoother motion",
             _ => return None,
         })
@@ -248,7 +258,9 @@ impl ChordPeriod {
     /// samples do not tell the phase.
     pub(super) fn reaches_nyquist(&self, length_m: f64) -> bool {
         let sizes = self.sizes(length_m);
-        sizes[sizes.len() - 1] > NOTHING * largest(&sizes)
+        // Of what moves, not of a weight that is the same over any period.
+        let moving = sizes[1..].iter().sum::<f64>();
+        sizes[sizes.len() - 1] > NOTHING * moving
     }
 
     /// Number of bins from zero frequency on up to the last one above round-off, the Nyquist frequency left out.

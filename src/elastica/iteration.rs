@@ -22,10 +22,7 @@ const MOST_ITERATIONS: usize = 100;
 /// smaller one does not.
 const NEGLIGIBLE: [f64; 5] = [1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
 
-/// The share of the narrowest band, which there is nothing to fall back from.
-const LEAST_BAND: f64 = NEGLIGIBLE[NEGLIGIBLE.len() - 1];
-
-/// Change by an iteration, over that by the one before, from which on a narrower band is tried.
+/// Change by an iteration, over that by the one before, from which on a narrower band is tried: that may converge.
 const SLOW: f64 = 0.9;
 
 /// Bins that the loads are solved at over those whose deflections they are made of: products of three reach as far.
@@ -130,7 +127,11 @@ impl<'a> Follower<'a> {
             .collect();
         let mesh = self.model.mesh();
         // Damped, no frequency of a payload's inertia is blocked altogether.
-        let is_undamped = *self.model.law() == DampingLaw::Hysteretic { ratio: 0.0 };
+        let is_undamped = matches!(
+            self.model.law(),
+            DampingLaw::Hysteretic { ratio: 0.0 }
+                | DampingLaw::Rayleigh { alpha_per_s: 0.0, beta_s: 0.0 }
+        );
         let is_lost = |bin: &usize| {
             let tip = || self.model.tip_transfer(self.chord.omega_rad_s(*bin));
             !answers[*bin].torque_n_m.is_finite() || is_undamped && tip().is_blocked(mesh)
@@ -169,8 +170,8 @@ impl<'a> Follower<'a> {
         Ok(band)
     }
 
-    /// The motion over the widest band of loads over which the iteration converges; what the next narrower one changes
-    /// is added to its error, unless the widest of all does.
+    /// The motion over the widest band of loads that converges; what the next narrower one changes is added to its
+    /// error, unless the widest of all does.
     fn iterated(
         &self,
         linear: &[LoadedMotion<Complex64>],
@@ -181,14 +182,19 @@ impl<'a> Follower<'a> {
         for (number, negligible) in NEGLIGIBLE[..NEGLIGIBLE.len() - 1].iter().enumerate() {
             match self.iterated_over(linear, second_order, tolerance, *negligible) {
                 Ok(motion) if number == 0 => return Ok(motion),
-                Ok(motion) => {
+                Ok(mut motion) => {
                     let narrower = NEGLIGIBLE[number + 1];
-                    let narrower = self.iterated_over(linear, second_order, tolerance, narrower)?;
-                    let torque_n_m = &motion.torque_n_m;
-                    let changed = apart(&narrower.torque_n_m, torque_n_m);
-                    let changed = changed / size(torque_n_m, self.model.mesh());
-                    let iteration_error = motion.iteration_error + changed;
-                    return Ok(ElasticaMotion { iteration_error, ..motion });
+                    match self.iterated_over(linear, second_order, tolerance, narrower) {
+                        Ok(narrower) => {
+                            let (own, other) = (&motion.torque_n_m, &narrower.torque_n_m);
+                            motion.iteration_error +=
+                                apart(other, own) / size(own, self.model.mesh());
+                            motion.others.push((narrower, 1.0));
+                            return Ok(motion);
+                        }
+                        Err(error @ ElasticaError::Diverges { .. }) => refused = error,
+                        Err(error) => return Err(error),
+                    }
                 }
                 Err(error @ ElasticaError::Diverges { .. }) => refused = error,
                 Err(error) => return Err(error),
@@ -217,13 +223,13 @@ impl<'a> Follower<'a> {
             let (before, _) = self.hub(&answers, last_level, &pair, &time);
             let kept = &answers[..band.min(answers.len())];
             let (loads, largest_slope) = self.loads(&link, kept, &pair, &time)?;
-            answers = self.with_loads(linear, &loads, &pair);
+            let next = self.with_loads(linear, &loads, &pair);
+            let previous = std::mem::replace(&mut answers, next);
             band = band.max(self.band_of_loads(&answers, negligible)?);
             let (torque_n_m, _) = self.hub(&answers, second_order, &pair, &time);
             let change = apart(&torque_n_m, &before) / size(&torque_n_m, mesh);
             let factor = if change == 0.0 { 0.0 } else { change / last_change };
-            // What hardly converges may do so over a narrower band.
-            let most = if negligible < LEAST_BAND { SLOW } else { 1.0 };
+            let most = if negligible < NEGLIGIBLE[NEGLIGIBLE.len() - 1] { SLOW } else { 1.0 };
             if !change.is_finite() || iterations > 3 && factor >= most && change > tolerance {
                 return Err(ElasticaError::Diverges { iterations, change });
             }
@@ -231,6 +237,8 @@ impl<'a> Follower<'a> {
             let iteration_error = contraction.map_or(change, |f| change * f / (1.0 - f).max(0.01));
             if iterations > 1 && iteration_error <= tolerance {
                 let motion = self.motion(&answers, second_order);
+                let further = factor / (1.0 - factor).max(0.01);
+                let others = vec![(self.motion(&previous, second_order), further)];
                 let without =
                     self.hub(linear, SecondOrder::None, &self.chord.pair, &self.chord.histories).0;
                 let size = size(&motion.torque_n_m, mesh);
@@ -241,6 +249,8 @@ impl<'a> Follower<'a> {
                     iteration_error,
                     largest_slope,
                     second_order_change,
+                    exceeds_step: REACH * band > self.chord.len() / 4,
+                    others,
                     ..motion
                 });
             }
@@ -374,6 +384,8 @@ impl<'a> Follower<'a> {
             iteration_error: 0.0,
             largest_slope,
             second_order_change: 0.0,
+            exceeds_step: false,
+            others: Vec::new(),
         }
     }
 

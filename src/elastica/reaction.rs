@@ -36,6 +36,11 @@ pub struct ElasticaMotion {
     pub largest_slope: f64,
     /// What the second order changed of the torque, over its range.
     pub second_order_change: f64,
+    /// True if second-order terms reach beyond the frequencies that the samples resolve: half the step would change them.
+    pub exceeds_step: bool,
+    /// Other approximations, and by how many times their distance from this one further ones would change it: the
+    /// iteration before the last, and, where terms of high frequencies are left out, the motion without more of them.
+    pub others: Vec<(ElasticaMotion, f64)>,
 }
 
 /// Force along the chord and across it, and moment about a node, that move all that lies outboard.

@@ -4,6 +4,8 @@
 //! logarithm of time, and the link would never settle. So that part acts on what the link bends beyond its sag, by the
 //! loads `2iξ K w_sag` beside its weight.
 
+use std::f64::consts::{PI, TAU};
+
 use nalgebra::Vector4;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -11,9 +13,12 @@ use rayon::prelude::*;
 use super::chord::{ChordPeriod, ElasticaError};
 use crate::beam::Mesh;
 
-/// Directions of the chord at which the sag is computed; between them it is a polynomial of the direction. Over a full
-/// turn it is exact to 1e-10.
-const DIRECTIONS: usize = 32;
+/// Directions of the chord at which the sag is computed, until the polynomial through them is exact between them; the
+/// sag is the same after a whole turn, so that more is not needed.
+const DIRECTIONS: [usize; 3] = [32, 64, 128];
+
+/// Largest error of the sag's loads between two directions, over the largest of them; they act times 2ξ.
+const EXACT: f64 = 1e-6;
 
 /// A chord that turns by less is at rest.
 const AT_REST_RAD: f64 = 1e-9;
@@ -41,34 +46,30 @@ impl Sag {
             chord.angle_rad.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, angle| {
                 [ends[0].min(*angle), ends[1].max(*angle)]
             });
-        let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-        if half < AT_REST_RAD {
+        if ends[1] - ends[0] < 2.0 * AT_REST_RAD {
             return Ok(None);
         }
-        // Chebyshev's points of the second kind, and their weights for interpolation.
-        let places: Vec<f64> = (0..DIRECTIONS)
-            .map(|k| libm::cos(std::f64::consts::PI * k as f64 / (DIRECTIONS - 1) as f64))
-            .collect();
-        let loads_at = places
-            .par_iter()
-            .map(|place| {
-                let at = ChordPeriod::at_rest(middle + half * place, chord.gravity_m_s2)?;
-                Ok(bending_loads(mesh, &rest(&at)?))
-            })
-            .collect::<Result<Vec<Vec<f64>>, ElasticaError>>()?;
-        let weights: Vec<Vec<f64>> = chord
-            .angle_rad
-            .par_iter()
-            .map(|angle| weights(&places, (angle - middle) / half))
-            .collect();
-        let dofs = 0..loads_at[0].len();
-        let loads = dofs.into_par_iter().map(|dof| {
-            let at = |weights: &Vec<f64>| {
-                weights.iter().zip(&loads_at).map(|(weight, loads)| weight * loads[dof]).sum()
-            };
-            chord.pair.amplitudes(weights.iter().map(at).collect::<Vec<f64>>())
-        });
-        Ok(Some(Self { loads: loads.collect() }))
+        let is_turned = ends[1] - ends[0] > TAU;
+        let ends = if is_turned { [0.0, TAU] } else { ends };
+        let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
+        let at = |place: f64| {
+            let chord = ChordPeriod::at_rest(middle + half * place, chord.gravity_m_s2)?;
+            Ok(bending_loads(mesh, &rest(&chord)?))
+        };
+        for count in DIRECTIONS {
+            let through = Interpolation::through(count, &at)?;
+            if through.error(&at)? > EXACT {
+                continue;
+            }
+            let places: Vec<f64> = (chord.angle_rad.iter())
+                .map(|angle| if is_turned { angle.rem_euclid(TAU) } else { *angle })
+                .map(|angle| (angle - middle) / half)
+                .collect();
+            let histories = through.histories(&places);
+            let loads = histories.into_par_iter().map(|history| chord.pair.amplitudes(history));
+            return Ok(Some(Self { loads: loads.collect() }));
+        }
+        Err(ElasticaError::Sag)
     }
 
     /// Adds the loads at a bin, times a factor.
@@ -89,6 +90,54 @@ fn bending_loads(mesh: &Mesh, dofs: &[f64]) -> Vec<f64> {
         }
     }
     loads
+}
+
+/// Loads as polynomials through Chebyshev's points of the second kind in [−1, 1].
+struct Interpolation {
+    places: Vec<f64>,
+    /// At each place those of all nodes.
+    loads: Vec<Vec<f64>>,
+}
+
+/// Loads at a place.
+type Loads<'a> = &'a (dyn Fn(f64) -> Result<Vec<f64>, ElasticaError> + Sync);
+
+impl Interpolation {
+    fn through(count: usize, at: Loads<'_>) -> Result<Self, ElasticaError> {
+        let place = |k: usize| libm::cos(PI * k as f64 / (count - 1) as f64);
+        let places: Vec<f64> = (0..count).map(place).collect();
+        let loads = places.par_iter().map(|place| at(*place)).collect::<Result<_, _>>()?;
+        Ok(Self { places, loads })
+    }
+
+    /// Largest error in the middle between two points in the widest gap, and in one beside it, over the largest load.
+    fn error(&self, at: Loads<'_>) -> Result<f64, ElasticaError> {
+        let largest = self.loads.iter().flatten().map(|load| load.abs()).fold(0.0, f64::max);
+        let middle = self.places.len() / 2;
+        let mut error = 0.0;
+        for k in [middle, middle + 1] {
+            let place = 0.5 * (self.places[k - 1] + self.places[k]);
+            let between = self.histories(&[place]);
+            for (exact, found) in at(place)?.iter().zip(between) {
+                error = f64::max(error, (exact - found[0]).abs());
+            }
+        }
+        Ok(if error == 0.0 { 0.0 } else { error / largest })
+    }
+
+    /// Each load at some places.
+    fn histories(&self, places: &[f64]) -> Vec<Vec<f64>> {
+        let weights: Vec<Vec<f64>> =
+            places.par_iter().map(|place| weights(&self.places, *place)).collect();
+        let dofs = 0..self.loads[0].len();
+        let history = |dof: usize| {
+            let at = |weights: &Vec<f64>| {
+                weights.iter().zip(&self.loads).map(|(weight, loads)| weight * loads[dof]).sum()
+            };
+            weights.iter().map(at).collect()
+        };
+        dofs.into_par_iter().map(history).collect()
+    }
 }
 
 /// What each of the values at some places counts at another place in [−1, 1].

@@ -19,9 +19,9 @@ pub(super) struct Probes {
     /// Nodes at which displacements and moments are measured.
     pub(super) nodes: Vec<usize>,
     /// True for what tables over time hold: displacements of the nodes, the hub's acceleration.
-    pub(super) tables: bool,
+    tables: bool,
     /// True for bending moments along the link.
-    pub(super) moments: bool,
+    moments: bool,
 }
 
 impl Probes {
@@ -39,6 +39,18 @@ impl Probes {
     /// The same places on the mesh whose elements are half as long.
     pub(super) fn refined(&self) -> Self {
         Self { nodes: self.nodes.iter().map(|node| 2 * node).collect(), ..*self }
+    }
+}
+
+impl Probes {
+    /// What of some values is to be measured.
+    pub(super) fn measured(&self, of: PerQuantity<f64>) -> PerQuantity<f64> {
+        PerQuantity {
+            hub_acceleration: of.hub_acceleration.filter(|_| self.tables),
+            displacement: of.displacement.filter(|_| self.tables),
+            bending_moment: of.bending_moment.filter(|_| self.moments),
+            ..of
+        }
     }
 }
 

@@ -3,13 +3,15 @@
 //! The torque at rest is the weight's static moment, other before the motion than after it. Between both the chord
 //! returns, slowly and as if at rest, so that only gravity's direction follows it.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
 use super::accuracy::PerQuantity;
 use super::amplitudes::Probes;
+use super::analysis::{Resources, Unwatched};
 use super::bent_answer::{Bent, BentAnswer, SecondOrderFindings};
-use super::curves::{Curves, Shape};
+use super::curves::{Curves, Shape, size};
 use super::error::InversionError;
 use super::mesh_error::TORQUES_N_M;
 use super::period::{Padding, Window};
@@ -21,6 +23,7 @@ use crate::elastica::{ChordPeriod, ElasticaMotion, SecondOrder, follow, returnin
 use crate::link::Link;
 use crate::model::Model;
 use crate::motion::TipPeriod;
+use crate::numeric::largest_difference;
 
 /// Time in which the chord returns, over the time in which the torque falls by e: it then differs from that at rest by
 /// about 5e-4 of its range at most, with the fifth power of this number.
@@ -35,8 +38,9 @@ const QUIET: f64 = 10.0;
 /// Share of the time that a period has to spare for the return; the torque decays in the rest.
 const SPARE_FOR_RETURN: f64 = 0.2;
 
-/// The iteration ends at this share of the tolerance.
-const ITERATED: f64 = 0.1;
+/// The iteration ends at this share of the tolerance, as derivatives converge late, but above round-off.
+const ITERATED: f64 = 0.01;
+const FINEST: f64 = 1e-11;
 
 /// Memory in bytes for each node and sample of the period, as measured.
 const BYTES: usize = 200;
@@ -80,6 +84,10 @@ impl<'a> BentProblem<'a> {
         })
     }
 
+    fn iterated_to(&self) -> f64 {
+        (ITERATED * self.problem.analysis.tolerance()).max(FINEST)
+    }
+
     /// Samples of the shortest period.
     pub(super) fn shortest_len(&self) -> Result<usize, InversionError> {
         let given = self.problem.motion.grid().len;
@@ -119,14 +127,15 @@ impl<'a> BentProblem<'a> {
         driven.begin(1, 0);
         let returning = self.returning(len);
         let chord = self.chord(&period, &returning, model.mesh().length_m())?;
-        let tolerance = ITERATED * self.problem.analysis.tolerance();
+        let tolerance = self.iterated_to();
         let motion = follow(model, &chord, self.second_order, tolerance)?;
         driven.begin(1, 1);
         let returning = returning.start - self.quiet..returning.end + self.quiet;
         Ok(BentAnswer { period, motion, returning, drive: model.link().joint().drive })
     }
 
-    /// The chord over a period. It returns around the seam, before which the displacement is that after the motion.
+    /// The chord over a period. It returns around the seam, before which the displacement is that after the motion; whole
+    /// turns it need not turn back.
     fn chord(
         &self,
         period: &TipPeriod,
@@ -134,7 +143,9 @@ impl<'a> BentProblem<'a> {
         length_m: f64,
     ) -> Result<ChordPeriod, InversionError> {
         let (tip, spectrum) = (&period.histories, &period.spectrum);
+        let turn_m = TAU * length_m;
         let travel_m = spectrum.travel_m();
+        let travel_m = travel_m - turn_m * (travel_m / turn_m).round();
         let mut at_m = tip.displacement_m.clone();
         let share = self::returning(0.0, 1.0, returning.len());
         for (k, share) in returning.clone().zip(share) {
@@ -155,7 +166,7 @@ impl<'a> BentProblem<'a> {
     ) -> Result<ElasticaMotion, InversionError> {
         let angle_rad = self.start_angle_rad + displacement_m / model.mesh().length_m();
         let chord = ChordPeriod::at_rest(angle_rad, self.gravity_m_s2)?;
-        let tolerance = ITERATED * self.problem.analysis.tolerance();
+        let tolerance = self.iterated_to();
         Ok(follow(model, &chord, self.second_order, tolerance)?)
     }
 
@@ -176,15 +187,13 @@ impl<'a> BentProblem<'a> {
             let elements = model.mesh().elements().len();
             let (finer, finer_probes) = (model.refined()?, probes.refined());
             let finer_answer = self.answer(&*finer, len)?;
-            let curves = answer.curves(&*model, order, &probes.nodes);
             let on_finer = finer_answer.curves(&*finer, order, &finer_probes.nodes);
             let travel_m = answer.period.histories.largest_travel_m();
-            let sizes = on_finer.sizes(model.link().has_weight(), travel_m).measured(&probes);
+            let sizes = probes.measured(on_finer.sizes(model.link().has_weight(), travel_m));
             if !TORQUES_N_M.contains(&sizes.torque) {
                 return Err(InversionError::OutOfRange { peak_n_m: sizes.torque });
             }
-            let per_change = model.mesh().error_per_change();
-            let errors = curves.apart(&on_finer).zip(&sizes, |off, size| per_change * off / size);
+            let errors = self.mesh_errors((&*model, &probes, &answer), &on_finer, &sizes);
             let (_, error) = errors.worst();
             if !plan.is_automatic() || error <= plan.tolerance() {
                 return Ok(BentOnMesh { model, probes, answer, sizes, errors });
@@ -195,6 +204,77 @@ impl<'a> BentProblem<'a> {
             }
             (model, probes, answer) = (finer, finer_probes, finer_answer);
         }
+    }
+
+    /// What halved elements change of each quantity, over its size.
+    fn mesh_errors(
+        &self,
+        (model, probes, answer): (&dyn Model, &Probes, &BentAnswer),
+        on_finer: &Curves,
+        sizes: &PerQuantity<f64>,
+    ) -> PerQuantity<f64> {
+        let curves = answer.curves(model, self.second_order, &probes.nodes);
+        let per_change = model.mesh().error_per_change();
+        curves.apart(on_finer).zip(sizes, |off, size| per_change * off / size)
+    }
+
+    /// The same for an answer over a longer period, where what an undamped mesh rings with adds up.
+    ///
+    /// # Errors
+    /// As [`Self::answer`].
+    pub(super) fn mesh_errors_of(
+        &self,
+        (model, probes, answer): (&dyn Model, &Probes, &BentAnswer),
+        sizes: &PerQuantity<f64>,
+    ) -> Result<PerQuantity<f64>, InversionError> {
+        let (finer, nodes) = (model.refined()?, probes.refined().nodes);
+        let finer_answer = self.answer(&*finer, answer.period.spectrum.pair.len())?;
+        let on_finer = finer_answer.curves(&*finer, self.second_order, &nodes);
+        Ok(self.mesh_errors((model, probes, answer), &on_finer, sizes))
+    }
+
+    /// What half the step changes of each quantity, over its size, where second-order terms reach beyond what the
+    /// samples resolve; none where they do not, or where the motion cannot be sampled twice as often.
+    ///
+    /// # Errors
+    /// As [`Self::answer`].
+    pub(super) fn step_errors(
+        &self,
+        (model, probes, answer): (&dyn Model, &Probes, &BentAnswer),
+        first_zero_per_s: Option<f64>,
+        sizes: &PerQuantity<f64>,
+    ) -> Result<Option<PerQuantity<f64>>, InversionError> {
+        if !answer.motion.exceeds_step {
+            return Ok(None);
+        }
+        let Ok(finer) = self.problem.motion.twice_as_often() else { return Ok(None) };
+        let resources = Resources { watch: &Unwatched, ..self.problem.resources };
+        let finer = Problem::new(&finer, self.problem.analysis, first_zero_per_s, resources)?;
+        let finer = BentProblem::of(&finer, model.link(), first_zero_per_s)?;
+        let found = finer.answer(model, 2 * answer.period.spectrum.pair.len())?;
+        let given = self.problem.motion.grid().len;
+        let of = |answer: &BentAnswer, given: usize| {
+            answer.curves_of_motion(model, self.second_order, &probes.nodes, given)
+        };
+        let apart = of(answer, given).apart_from_finer(&of(&found, 2 * given - 1));
+        Ok(Some(apart.zip(sizes, |off, size| off / size)))
+    }
+
+    /// What further iterations, and loads of more frequencies, would change of each quantity, over its size.
+    pub(super) fn iteration_errors(
+        &self,
+        (model, probes, answer): (&dyn Model, &Probes, &BentAnswer),
+        sizes: &PerQuantity<f64>,
+    ) -> PerQuantity<f64> {
+        let own = answer.curves(model, self.second_order, &probes.nodes);
+        let mut errors = sizes.zip(sizes, |_, _| 0.0);
+        for (other, factor) in &answer.motion.others {
+            let other = answer.with_motion(other);
+            let changed = own.apart(&other.curves(model, self.second_order, &probes.nodes));
+            let changed = changed.zip(sizes, |off, size| factor * off / size);
+            errors = errors.zip(&changed, |sum, error| sum + error);
+        }
+        errors
     }
 
     /// Lengthens the period until every quantity has come to rest where the chord begins and ends its return;
@@ -214,9 +294,10 @@ impl<'a> BentProblem<'a> {
             let ends_m = [tip.start_m(), tip.start_m() + answer.period.spectrum.travel_m()];
             let rests = [self.at_rest(model, ends_m[0])?, self.at_rest(model, ends_m[1])?];
             let place = ((order, model.mesh().nodes_m()), (model.link(), &nodes[..]));
-            let at_rest = |end: usize| Curves::at_rest(&rests[end], place.0, ends_m[end], place.1);
+            let at_rest =
+                [0, 1].map(|end| Curves::at_rest(&rests[end], place.0, ends_m[end], place.1));
             let curves = answer.curves(model, order, nodes);
-            let left = curves.left_of(&at_rest(0), &at_rest(1));
+            let left = curves.left_of(&at_rest, answer.reaches(self.problem.motion.grid().len));
             let left = left.zip(sizes, |left, size| left / size);
             let has_decayed = left.worst().1 <= self.problem.analysis.tolerance();
             let next = Padding::lengthened(answer.period.spectrum.pair.len(), initial);
@@ -265,12 +346,12 @@ impl<'a> BentProblem<'a> {
     }
 
     /// What the answer is beside its histories.
-    pub(super) fn findings(&self, model: &dyn Model, answer: &BentAnswer, size_n_m: f64) -> Bent {
+    pub(super) fn findings(&self, model: &dyn Model, answer: &BentAnswer) -> Bent {
         let ElasticaMotion { iterations, contraction, largest_slope, second_order_change, .. } =
             answer.motion;
         let left_out = match self.second_order {
             SecondOrder::Full => None,
-            _ => Some(self.left_out(model, answer, size_n_m)),
+            _ => Some(self.left_out(model, answer)),
         };
         let findings = SecondOrderFindings {
             order: self.second_order,
@@ -284,23 +365,27 @@ impl<'a> BentProblem<'a> {
         Bent { findings, shape }
     }
 
-    /// The same motion with all terms, where fewer were asked for: what it changes of the torque, over a size; none
-    /// where these do not converge.
-    fn left_out(&self, model: &dyn Model, answer: &BentAnswer, size_n_m: f64) -> Option<f64> {
+    /// The same motion with all terms, where fewer were asked for: what it changes of the torque, over its range; none
+    /// where it is refused.
+    fn left_out(&self, model: &dyn Model, answer: &BentAnswer) -> Option<f64> {
         let all = Self { second_order: SecondOrder::Full, ..*self };
         let len = answer.period.spectrum.pair.len();
         let full = all.answer(model, len).ok()?;
-        let pairs = full.motion.torque_n_m.iter().zip(&answer.motion.torque_n_m);
-        let apart = pairs.enumerate().filter(|(k, _)| !answer.returning.contains(k));
-        Some(apart.map(|(_, (a, b))| (a - b).abs()).fold(0.0, f64::max) / size_n_m)
+        let [own, full] =
+            [answer, &full].map(|answer| answer.outside_return(&answer.motion.torque_n_m));
+        Some(largest_difference(&own, &full) / size(&own, true))
     }
 }
 
 /// Direction of the chord where the tip's displacement is 0; of a link without gravity none is another than 0.
 pub(super) fn start_angle_rad(link: &Link, problem: &Problem<'_>) -> Result<f64, InversionError> {
     let Some(gravity) = link.gravity() else { return Ok(0.0) };
-    let of_motion = problem.motion.recording().start_angle_rad;
-    of_motion.or(gravity.start_angle_rad).ok_or(InversionError::NoStartAngle)
+    let given = problem.motion.recording().start_angle_rad.or(gravity.start_angle_rad);
+    if gravity.acts() {
+        given.ok_or(InversionError::NoStartAngle)
+    } else {
+        Ok(given.unwrap_or(0.0))
+    }
 }
 
 /// The answer on the mesh that is fine enough, and its errors.
@@ -312,17 +397,4 @@ pub(super) struct BentOnMesh {
     pub(super) sizes: PerQuantity<f64>,
     /// Discretisation error of each quantity.
     pub(super) errors: PerQuantity<f64>,
-}
-
-impl PerQuantity<f64> {
-    /// Those that are to be measured.
-    fn measured(self, probes: &Probes) -> Self {
-        let (tables, moments) = (probes.tables, probes.moments);
-        Self {
-            hub_acceleration: self.hub_acceleration.filter(|_| tables),
-            displacement: self.displacement.filter(|_| tables),
-            bending_moment: self.bending_moment.filter(|_| moments),
-            ..self
-        }
-    }
 }

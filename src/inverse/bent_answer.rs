@@ -25,8 +25,8 @@ pub struct SecondOrderFindings {
     pub largest_slope: f64,
     /// What the second order changed of the torque, over its range.
     pub torque_change: f64,
-    /// What the terms that were not counted change of the torque, over its range or, without weight, its peak: none
-    /// where all were counted, and none within where they do not converge.
+    /// What the terms that were not counted change of the torque, over its range: none where all were counted, and
+    /// none within where the motion is refused with all of them.
     pub left_out: Option<Option<f64>>,
 }
 
@@ -79,13 +79,29 @@ impl BentAnswer {
         second_order: SecondOrder,
         nodes: &[usize],
     ) -> Curves {
+        self.curves_by(model, second_order, nodes, &|values| self.outside_return(values))
+    }
+
+    /// Histories of all quantities over the samples of the motion itself.
+    pub(super) fn curves_of_motion(
+        &self,
+        model: &dyn Model,
+        second_order: SecondOrder,
+        nodes: &[usize],
+        given: usize,
+    ) -> Curves {
+        self.curves_by(model, second_order, nodes, &|values| values[..given].to_vec())
+    }
+
+    fn curves_by(
+        &self,
+        model: &dyn Model,
+        second_order: SecondOrder,
+        nodes: &[usize],
+        chronological: &dyn Fn(&[f64]) -> Vec<f64>,
+    ) -> Curves {
         let answer = self.periodic(model);
         let (tip, length_m) = (&self.period.histories, model.mesh().length_m());
-        let chronological = |values: &[f64]| -> Vec<f64> {
-            let len = values.len();
-            let (from, until) = (self.returning.end.max(self.start()), self.until());
-            values[from..len].iter().chain(&values[..until]).copied().collect()
-        };
         let with_chord = |order: usize, of_tip: &[f64]| -> Vec<f64> {
             let pairs = answer.excess(order).iter().zip(of_tip);
             let all: Vec<f64> = pairs.map(|(excess, tip)| excess + tip / length_m).collect();
@@ -119,6 +135,25 @@ impl BentAnswer {
                 [chronological(torque), chronological(&rate)]
             }),
         }
+    }
+
+    /// Samples of a period outside the chord's return, from its end on.
+    pub(super) fn outside_return(&self, values: &[f64]) -> Vec<f64> {
+        values[self.start()..].iter().chain(&values[..self.until()]).copied().collect()
+    }
+
+    /// Over how many samples rest is measured before the motion and after it: as many as around a seam, within half
+    /// of what is there.
+    pub(super) fn reaches(&self, given: usize) -> [usize; 2] {
+        let spectrum = &self.period.spectrum;
+        let there = [spectrum.pair.len() - self.start(), self.until().saturating_sub(given)];
+        there.map(|samples| spectrum.seam_reach().min(samples / 2).max(1))
+    }
+
+    /// The same period with another motion.
+    pub(super) fn with_motion(&self, motion: &ElasticaMotion) -> Self {
+        let (period, returning) = (Arc::clone(&self.period), self.returning.clone());
+        Self { period, motion: motion.clone(), returning, drive: self.drive }
     }
 
     /// First sample of a time before the motion, where no chord returns.

@@ -3,7 +3,7 @@
 use super::accuracy::PerQuantity;
 use crate::elastica::{ElasticaMotion, SecondOrder};
 use crate::link::Link;
-use crate::numeric::{largest, largest_difference};
+use crate::numeric::{Size, largest, largest_difference};
 
 /// Where the nodes of a link are over time: one history for each.
 #[expect(clippy::struct_field_names, reason = "their units end alike")]
@@ -94,7 +94,7 @@ impl Curves {
     /// Largest of what `of` makes of two histories of the same quantity.
     fn compared(&self, other: &Self, of: impl Fn(&[f64], &[f64]) -> f64) -> PerQuantity<f64> {
         self.each().zip(&other.each(), |own, others| {
-            own.iter().zip(others).map(|(a, b)| of(a, b)).fold(0.0, f64::max)
+            own.iter().zip(others).map(|(a, b)| of(a, b)).fold(0.0, Size::larger)
         })
     }
 
@@ -103,11 +103,24 @@ impl Curves {
         self.compared(other, largest_difference)
     }
 
-    /// How far each quantity is from those at rest where it starts and ends.
-    pub(super) fn left_of(&self, before: &Self, after: &Self) -> PerQuantity<f64> {
-        let first = self.compared(before, |own, rest| (own[0] - rest[0]).abs());
-        let last = self.compared(after, |own, rest| (own[own.len() - 1] - rest[0]).abs());
-        first.zip(&last, f64::max)
+    /// The same of histories of which the others have twice as many samples.
+    pub(super) fn apart_from_finer(&self, finer: &Self) -> PerQuantity<f64> {
+        self.compared(finer, |own, finer| {
+            let pairs = own.iter().zip(finer.iter().step_by(2));
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger)
+        })
+    }
+
+    /// How far each quantity is from those at rest, at most, over so many samples where it starts and ends: what rings
+    /// is at rest twice a cycle.
+    pub(super) fn left_of(&self, rests: &[Self; 2], reaches: [usize; 2]) -> PerQuantity<f64> {
+        let farthest = |samples: &[f64], rest: f64| {
+            samples.iter().map(|own| (own - rest).abs()).fold(0.0, Size::larger)
+        };
+        let first = self.compared(&rests[0], |own, rest| farthest(&own[..reaches[0]], rest[0]));
+        let last =
+            self.compared(&rests[1], |own, rest| farthest(&own[own.len() - reaches[1]..], rest[0]));
+        first.zip(&last, Size::larger)
     }
 
     /// What errors of each quantity are a share of: its range where it has weight, else its peak, that of the hub
@@ -115,7 +128,8 @@ impl Curves {
     pub(super) fn sizes(&self, has_weight: bool, travel_m: f64) -> PerQuantity<f64> {
         let sizes = self.compared(self, |own, _| size(own, has_weight));
         let start = self.hub_angle_rad[0];
-        let turn = self.hub_angle_rad.iter().map(|angle| (angle - start).abs()).fold(0.0, f64::max);
+        let turn =
+            self.hub_angle_rad.iter().map(|angle| (angle - start).abs()).fold(0.0, Size::larger);
         let hub_angle = if has_weight { sizes.hub_angle } else { turn };
         PerQuantity { hub_angle, displacement: Some(travel_m), ..sizes }
     }

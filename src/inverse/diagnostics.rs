@@ -7,6 +7,7 @@ use num_complex::Complex64;
 use super::accuracy::{Accuracy, Quantity, QuantityErrors};
 use super::analysis::{Analysis, Unwatched};
 use super::bent_answer::SecondOrderFindings;
+use super::curves::size;
 use super::histories::{Histories, tip_deflection_m};
 use super::periodic_answer::PeriodicAnswer;
 use super::spectra::DrivenModel;
@@ -107,7 +108,7 @@ impl Diagnostics<'_> {
             .chain(self.inexact_window())
             .chain(blocked_tip(mesh, spectrum, tolerance))
             .chain(near_nyquist(spectrum).filter(|_| spectrum.cutoff.input.is_none()))
-            .chain(above_mesh(mesh, spectrum, &answer.hub.torque_n_m))
+            .chain(above_mesh(mesh, spectrum, &self.moving_torque_n_m()))
             .chain(coarse_mesh)
             .chain(few_modes)
             .chain(self.unsettled_torque())
@@ -134,6 +135,15 @@ impl Diagnostics<'_> {
         Some(Warning::UncertainInput { share: torque })
     }
 
+    /// Amplitudes of the torque, without the mean of what holds a weight.
+    fn moving_torque_n_m(&self) -> Vec<Complex64> {
+        let mut amplitudes = self.answer.hub.torque_n_m.clone();
+        if self.model.link().has_weight() {
+            amplitudes[0] = Complex64::ZERO;
+        }
+        amplitudes
+    }
+
     fn order(&self) -> SecondOrder {
         self.second_order.map_or(SecondOrder::None, |found| found.order)
     }
@@ -144,8 +154,13 @@ impl Diagnostics<'_> {
         let slow = slow.filter(|factor| *factor > SLOW);
         let slow = slow.map(|contraction| Warning::SlowIteration { contraction });
         let tolerance = self.analysis.tolerance();
-        let inexact = self.accuracy.errors.torque.iteration.filter(|error| *error > tolerance);
-        let inexact = inexact.map(|share| Warning::InexactIteration { share, tolerance });
+        let iteration = self.accuracy.of_kind(|errors| errors.iteration.unwrap_or(0.0));
+        let inexact = Some(iteration.worst()).filter(|(_, error)| *error > tolerance);
+        let inexact = inexact.map(|(quantity, share)| Warning::InexactIteration {
+            quantity,
+            share,
+            tolerance,
+        });
         let left_out = self.second_order.and_then(|found| found.left_out);
         let left_out = left_out.filter(|share| share.is_none_or(|share| share > LEFT_OUT));
         slow.into_iter()
@@ -179,14 +194,30 @@ impl Diagnostics<'_> {
             return None;
         }
         let driven = self.driven();
-        let looser = |amplitudes: &[Complex64]| -> Vec<Complex64> {
-            let bins = amplitudes.iter().zip(driven.omegas_rad_s());
-            bins.map(|(a, omega)| a * cutoff.weight_of_looser(*omega)).collect()
+        // What of the motion is taken away; of a bent link its weight stays, and what its second order adds.
+        let linear = match self.second_order {
+            None => None,
+            Some(_) => Some(driven.hub_spectra().ok()?),
         };
-        let measured = |quantity, amplitudes: &[Complex64]| {
+        let looser = |amplitudes: &[Complex64], linear: &[Complex64]| -> Vec<Complex64> {
+            let mut looser = amplitudes.to_vec();
+            let bins = looser.iter_mut().zip(linear).zip(driven.omegas_rad_s());
+            for ((own, linear), omega) in bins {
+                *own -= linear * (1.0 - cutoff.weight_of_looser(*omega));
+            }
+            looser
+        };
+        let has_weight = self.model.link().has_weight();
+        let measured = |quantity, amplitudes: &[Complex64], linear: Option<&[Complex64]>| {
             let pair = FourierPair::new(fast_length(8 * amplitudes.len()));
-            let peak_n_m = |amplitudes| largest(&pair.samples(amplitudes));
-            (quantity, peak_n_m(amplitudes), peak_n_m(&looser(amplitudes)))
+            let samples = pair.samples(amplitudes);
+            let looser = looser(amplitudes, linear.unwrap_or(amplitudes));
+            (
+                quantity,
+                largest(&samples),
+                largest(&pair.samples(looser)),
+                size(&samples, has_weight),
+            )
         };
         // No peak changes by more than the sum of what is taken away: mostly that sum is small enough.
         let torque = &self.answer.hub.torque_n_m;
@@ -195,13 +226,19 @@ impl Diagnostics<'_> {
             1.0 => 0.0,
             kept => 2.0 * (1.0 - kept) * magnitude(*a),
         });
-        let may_change = taken.sum::<f64>() > UNSETTLED * largest(&self.histories.torque_n_m);
-        let torque = may_change.then(|| measured(Quantity::Torque, torque));
+        let may_change =
+            taken.sum::<f64>() > UNSETTLED * size(&self.histories.torque_n_m, has_weight);
+        let of_linear = linear.as_ref().map(|hub| &hub.torque_n_m[..]);
+        let torque = may_change.then(|| measured(Quantity::Torque, torque, of_linear));
         let motor = driven.motor_spectra(&self.answer.hub);
-        let motor = motor.map(|motor| measured(Quantity::MotorTorque, &motor.torque_n_m));
-        let change =
-            |(_, peak_n_m, looser_n_m): &(Quantity, f64, f64)| (looser_n_m / peak_n_m - 1.0).abs();
-        let (quantity, peak_n_m, looser_n_m) = motor
+        let linear = linear.as_ref().and_then(|hub| driven.motor_spectra(hub));
+        let of_linear = linear.as_ref().map(|motor| &motor.torque_n_m[..]);
+        let motor =
+            motor.map(|motor| measured(Quantity::MotorTorque, &motor.torque_n_m, of_linear));
+        let change = |(_, peak_n_m, looser_n_m, size_n_m): &(Quantity, f64, f64, f64)| {
+            (looser_n_m - peak_n_m).abs() / size_n_m
+        };
+        let (quantity, peak_n_m, looser_n_m, _) = motor
             .into_iter()
             .chain(torque)
             .max_by(|a, b| change(a).total_cmp(&change(b)))
@@ -231,7 +268,8 @@ impl Diagnostics<'_> {
         let modes = natural_frequencies(mesh, REPORTED_MODES);
         let driven = self.driven();
         let omegas = driven.omegas_rad_s();
-        let torque = (omegas, &self.answer.hub.torque_n_m[..omegas.len()]);
+        let moving = self.moving_torque_n_m();
+        let torque = (omegas, &moving[..omegas.len()]);
         let share = thickness.torque_change(mesh, self.model.law(), &modes, torque);
         (share > NOTICEABLE).then_some(Warning::ThickLink { share })
     }

@@ -105,24 +105,36 @@ fn invert_bent(
     let bent = BentProblem::of(&problem, coarsest.link(), first_zero_per_s)?;
     let BentOnMesh { model, probes, answer, sizes, errors: mesh_errors } =
         bent.on_mesh_of(plan, coarsest)?;
+    let shortest = answer.period.spectrum.pair.len();
     let (answer, rests, left) = bent.decayed(&*model, &probes, &sizes, answer)?;
+    let found = (&*model, &probes, &answer);
+    let mesh_errors = if answer.period.spectrum.pair.len() > shortest {
+        bent.mesh_errors_of(found, &sizes)?
+    } else {
+        mesh_errors
+    };
+    let step_errors = bent.step_errors(found, first_zero_per_s, &sizes)?;
+    let is_iterated = bent.second_order != SecondOrder::None;
+    let iteration_errors = is_iterated.then(|| bent.iteration_errors(found, &sizes));
     let periodic = answer.periodic(&*model);
     let (window, cut) = bent.window(&answer, &periodic, &rests, &sizes);
     let edge = Edge { cut: cut.torque, seam: left.torque };
     let input = answer.period.spectrum.cutoff.input;
     let of_input = |input| uncertain((&*model, &probes), &answer.period, &input, &sizes);
     let input_errors = input.map(of_input).transpose()?;
-    let iteration =
-        (bent.second_order != SecondOrder::None).then_some(answer.motion.iteration_error);
     let errors = mesh_errors
         .zip(&left.at_least(&cut), |mesh, window| QuantityErrors {
             mesh,
             window,
-            iteration,
             ..QuantityErrors::default()
         })
+        .with(step_errors, |errors, step| QuantityErrors { step: Some(step), ..errors })
+        .with(iteration_errors, |errors, iteration| QuantityErrors {
+            iteration: Some(iteration),
+            ..errors
+        })
         .with(input_errors, |errors, input| QuantityErrors { input: Some(input), ..errors });
-    let solved = bent.findings(&*model, &answer, sizes.torque);
+    let solved = bent.findings(&*model, &answer);
     let answering = AnsweringModel { model, first_zero_per_s, hub_tail: None, peaks: sizes };
     problem.solution(answering, periodic, (&window, edge), &errors, Some(solved))
 }
@@ -180,7 +192,7 @@ impl Problem<'_> {
         let start_angle_rad = start_angle_rad(answering.model.link(), self)?;
         let place = (start_angle_rad, grid);
         let histories = Histories::of(&answer, &*answering.model, answering.hub_tail, place)?;
-        // The loads of a bent link are solved far beyond the band of its motion.
+        // Those of a bent link are measured where its loads reach beyond what the samples resolve.
         let keeps_all = self.cutoff.keeps_all() && bent.is_none();
         let step_errors =
             if keeps_all { self.step_errors(&answering, &answer, &histories)? } else { None };

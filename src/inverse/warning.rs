@@ -180,13 +180,16 @@ pub enum Warning {
         /// Change by the last iteration over that by the one before.
         contraction: f64,
     },
-    /// Second-order terms that converge without those of high frequencies alone.
+    /// Second-order terms that do not converge as far as the tolerance: those of high frequencies are left out.
     #[error(
-        "second-order terms of high frequencies, which do not converge and are left out, change the torque by {share:.1e} \
-         of its range, above the tolerance {tolerance:e}"
+        "the iteration of the second-order terms leaves the {} off by {share:.1e} of its range, above the tolerance \
+         {tolerance:e}",
+        quantity.name()
     )]
     InexactIteration {
-        /// Error of the iteration over the torque's range.
+        /// The quantity.
+        quantity: Quantity,
+        /// Its error over its range.
         share: f64,
         /// The analysis tolerance.
         tolerance: f64,
@@ -197,7 +200,7 @@ pub enum Warning {
         left_out(*share)
     )]
     SecondOrderLeftOut {
-        /// Largest change over the torque's range or, without weight, its peak; none where they do not converge.
+        /// Largest change over the torque's range; none where the motion is refused with all terms.
         share: Option<f64>,
     },
     /// Shear and rotary inertia that the model leaves out.
@@ -303,7 +306,12 @@ impl Warning {
             Self::SlowIteration { .. } | Self::InexactIteration { .. } => {
                 "a slower motion or a stiffer link"
             }
-            Self::SecondOrderLeftOut { .. } => "analysis.second_order = \"full\" counts them",
+            Self::SecondOrderLeftOut { share: Some(_) } => {
+                "analysis.second_order = \"full\" counts them"
+            }
+            Self::SecondOrderLeftOut { share: None } => {
+                "analysis.second_order = \"full\" tells why; a slower motion or a stiffer link"
+            }
             Self::ThickLink { .. } => {
                 "theory = \"timoshenko\" in the link file takes them into account"
             }
@@ -344,9 +352,11 @@ fn stiffening(share: f64) -> String {
 /// What terms that are left out change of the torque, in words.
 fn left_out(share: Option<f64>) -> String {
     match share {
-        Some(share) if share < 1.0 => format!("{:.1} % of its range", 100.0 * share),
+        Some(share) if share < 1.0 => {
+            format!("{} % of its range", significant(100.0 * share, 2))
+        }
         Some(_) => "as much as its range, or more".into(),
-        None => "so much that they do not converge".into(),
+        None => "an amount that is not known: with all of them the motion is refused".into(),
     }
 }
 

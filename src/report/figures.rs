@@ -108,7 +108,7 @@ fn timing_words(solved: &StoredSolution) -> String {
     let size = |seconds: f64| significant(seconds.abs(), 3);
     if lead_s > 0.0 && lag_s > 0.0 {
         return format!(
-            " Bending waves take time: it exceeds 2 % of its peak from {} s before the tip moves \
+            " Bending waves take time: it acts, at the 2 % level, from {} s before the tip moves \
              until {} s after it has stopped (shaded).",
             size(lead_s),
             size(lag_s)
@@ -117,7 +117,7 @@ fn timing_words(solved: &StoredSolution) -> String {
     let start = if lead_s >= 0.0 { "before the tip sets out" } else { "after the tip has set out" };
     let stop = if lag_s >= 0.0 { "after it has stopped" } else { "before it has stopped" };
     let (lead, lag) = (size(lead_s), size(lag_s));
-    format!(" It exceeds 2 % of its peak from {lead} s {start} until {lag} s {stop}.")
+    format!(" It acts, at the 2 % level, from {lead} s {start} until {lag} s {stop}.")
 }
 
 /// Rotation of the hub, flexible against rigid (figure 6).

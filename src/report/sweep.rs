@@ -215,14 +215,14 @@ const TOPICS: [Topic; 8] = [
         title: "Lead",
         quantity: ("lead", "s"),
         columns: &[("lead_s", "lead")],
-        caption: "How long before the tip moves the torque begins, at 2 % of its peak.",
+        caption: "How long before the tip moves the torque begins, at the 2 % level.",
     },
     Topic {
         id: "lag",
         title: "Lag",
         quantity: ("lag", "s"),
         columns: &[("lag_s", "lag")],
-        caption: "How long the torque goes on after the tip has stopped, at 2 % of its peak.",
+        caption: "How long the torque goes on after the tip has stopped, at the 2 % level.",
     },
     Topic {
         id: "peak-torque",

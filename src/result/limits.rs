@@ -233,7 +233,12 @@ fn errors(solution: &Solution, metrics: &Metrics) -> [f64; 10] {
         motor_peak_rate,
         motor_power,
     ] = found(metrics);
-    let turned_m = solution.mesh().length_m() * metrics.peak_hub_angle_rad.value;
+    let turned_rad = if has_weight {
+        solution.size_of(&solution.hub_angle_rad)
+    } else {
+        metrics.peak_hub_angle_rad.value
+    };
+    let turned_m = solution.mesh().length_m() * turned_rad;
     let over = |error: f64, peak: f64, found: f64| {
         if error == 0.0 { 0.0 } else { (error * peak / found).min(f64::MAX) }
     };

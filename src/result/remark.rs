@@ -56,6 +56,16 @@ pub enum Remark {
         /// Young's modulus in Pa.
         pa: f64,
     },
+    /// A start angle of more than a turn.
+    #[error(
+        "start_angle = {} rad, more than a whole turn: probably meant in another unit, as \"{} deg\"",
+        significant(*angle_rad, 4),
+        significant(*angle_rad, 4)
+    )]
+    StartAngle {
+        /// The angle in rad.
+        angle_rad: f64,
+    },
     /// A first natural frequency that is unusual for a link.
     #[error(
         "the first natural frequency is {} Hz, where links have {:?} to {:e}: probably a wrong unit of \
@@ -156,6 +166,11 @@ impl Remark {
         (!is_usual).then(|| Self::Density { parameter: parameter.to_owned(), kg_m3 })
     }
 
+    /// A remark on a start angle beyond a whole turn.
+    pub fn on_start_angle(angle_rad: f64) -> Option<Self> {
+        (angle_rad.abs() > TAU).then_some(Self::StartAngle { angle_rad })
+    }
+
     /// A remark on an unusual Young's modulus.
     pub fn on_modulus(parameter: &str, pa: f64) -> Option<Self> {
         let is_usual = MODULI_PA.contains(&pa);
@@ -212,6 +227,7 @@ impl Remark {
         match self {
             Self::Density { .. } => "density",
             Self::Modulus { .. } => "modulus",
+            Self::StartAngle { .. } => "start_angle",
             Self::FirstFrequency { .. } => "first_frequency",
             Self::Duration { .. } => "duration",
             Self::Travel { .. } => "way",
@@ -227,6 +243,7 @@ impl Remark {
         match self {
             Self::Density { .. } => "write the unit beside the number, as in \"2.7 g/cm^3\"",
             Self::Modulus { .. } => "write the unit beside the number, as in \"70 GPa\"",
+            Self::StartAngle { .. } => "write the unit beside the number, as in \"-90 deg\"",
             Self::FirstFrequency { .. } => "write the units beside the numbers of the link file",
             Self::Duration { .. } => "name the unit in the column's heading, as in \"time [ms]\"",
             Self::Travel { .. } => {

@@ -107,7 +107,8 @@ fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
         let density = segment.density.and_then(|rho| Remark::on_density(&at("density"), rho.si()));
         modulus.into_iter().chain(density)
     });
-    let remarks = remarks.collect();
+    let angle = raw.start_angle.and_then(|angle| Remark::on_start_angle(angle.si()));
+    let remarks = remarks.chain(angle).collect();
     let theory = raw.theory;
     let gravity = match (raw.gravity, raw.start_angle) {
         (None, Some(_)) => {

@@ -108,7 +108,11 @@ impl Summary {
                 "contraction": found.contraction,
                 "largest_slope": found.largest_slope,
                 "torque_change": found.torque_change,
+                "left_out": found.left_out.flatten(),
             });
+        }
+        if link.has_weight() {
+            values["frequencies_without_gravity"] = json!(true);
         }
         Self {
             drive: Some(link.drive().copied()),

@@ -140,7 +140,7 @@ impl Kind {
     };
     pub(super) const ITERATION: Self = Self {
         name: "iteration",
-        what: "torque with further iterations",
+        what: "with further iterations",
         of: "its range",
         bound: |answer| answer.solution.analysis.tolerance(),
         hint: "a slower motion or a stiffer link",

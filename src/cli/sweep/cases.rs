@@ -212,10 +212,13 @@ impl<'a> Cases<'a> {
         [remarks, of_modes, of_motion.unwrap_or_default()].concat()
     }
 
-    /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied.
+    /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied, as may its start angle.
     pub(crate) fn motion_of(&self, link: &Link, scale: MotionScale) -> Result<TipMotion, Failure> {
         let (first, motion) = &self.first;
-        let scaled = if link.length_m().total_cmp(&first.length_m()).is_eq() {
+        // The start angle of a link with gravity must be that of a motion as angles.
+        let reads_alike = link.gravity() == first.gravity()
+            && link.length_m().total_cmp(&first.length_m()).is_eq();
+        let scaled = if reads_alike {
             motion.scaled(scale)
         } else {
             let Self { shared, motion_file, .. } = self;

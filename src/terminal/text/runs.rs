@@ -37,8 +37,8 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
             ("gravity", gravity_line(solution)),
             ("order", order_line(solution)),
             ("ratios", ratios_line(law, &frequencies)),
-            ("periods", list(&periods, 5, " s")),
-            ("zeros", list(&zeros, 4, " 1/s (real, ±)")),
+            ("periods", list(&periods, 5, &format!(" s{}", without_gravity(link)))),
+            ("zeros", list(&zeros, 4, &format!(" 1/s (real, ±){}", without_gravity(link)))),
             ("motion", motion_line(solution, metrics)),
             ("torque", acting(metrics.peak_torque_n_m, metrics.rms_torque_n_m)),
             ("rigid", rigid_line(metrics)),
@@ -133,6 +133,11 @@ fn order_line(solution: &Solution) -> String {
          {contraction}",
         "", found.iterations
     )
+}
+
+/// What periods and zeros leave out.
+fn without_gravity(link: &Link) -> &'static str {
+    if link.has_weight() { ", without gravity" } else { "" }
 }
 
 /// Several numbers with `digits` significant digits each, and their unit.

@@ -54,7 +54,7 @@ fn every_warning_reads_as_in_the_snapshot() {
         Warning::ThickLink { share },
         Warning::FastHub { rate_rad_s: 12.345, share: 0.7 },
         Warning::SlowIteration { contraction: 0.789 },
-        Warning::InexactIteration { share, tolerance },
+        Warning::InexactIteration { quantity, share, tolerance },
         Warning::SecondOrderLeftOut { share: Some(share) },
         Warning::SecondOrderLeftOut { share: Some(1.23) },
         Warning::SecondOrderLeftOut { share: None },
