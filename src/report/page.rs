@@ -295,6 +295,13 @@ fn link_readings(link: &Link) -> Vec<(String, String)> {
         rows.push(("payload".to_owned(), words));
     }
     rows.push(("damping".to_owned(), link.damping().name().to_owned()));
+    if let Some(gravity) = link.gravity() {
+        let [along_x, along_y] = gravity.acceleration_m_s2.map(|part| given(part, "m/s²"));
+        rows.push(("gravity".to_owned(), format!("{along_x} along x, {along_y} along y")));
+        let start = gravity.start_angle_rad.map(|angle| given(angle, "rad"));
+        let start = start.unwrap_or_else(|| "that of the motion".into());
+        rows.push(("start angle".to_owned(), start));
+    }
     rows
 }
 

@@ -221,8 +221,12 @@ impl Summary {
     pub(super) fn readings(&self) -> Vec<(String, f64)> {
         let of = |key: &str, prefix: &str| numbers_in(&self.values[key], prefix);
         let errors = of("errors", "").into_iter().map(|(name, error)| (name + "_error", error));
-        let numbers =
-            [of("results", ""), of("residual", "residual_"), of("tip_error", "tip_error_")];
+        let numbers = [
+            of("results", ""),
+            of("second_order", "second_order_"),
+            of("residual", "residual_"),
+            of("tip_error", "tip_error_"),
+        ];
         let measured = self.measured.iter().flat_map(Comparison::readings);
         numbers.into_iter().flatten().chain(errors).chain(measured).collect()
     }

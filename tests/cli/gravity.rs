@@ -59,6 +59,10 @@ fn the_torque_at_rest_holds_the_weight_and_angles_are_absolute() {
     assert!(again.status.success(), "{}", stdout(&again));
     let page = bench.run(&["report", "out"]);
     assert!(page.status.success(), "{}", stderr(&page));
+    let page = bench.read("out/report.html");
+    for words in ["−9.81 m/s² along y", "start angle", "second order contraction"] {
+        assert!(page.contains(words), "{words}");
+    }
 }
 
 #[test]
