@@ -7,7 +7,7 @@ use crate::beam::MeshPlan;
 use crate::inverse::{Analysis, InversionError, Resources, Solution, invert_with};
 use crate::link::Link;
 use crate::motion::{MotionError, Profile, TipMotion};
-use crate::text::plain;
+use crate::text::{plain, significant};
 
 /// Fewest steps of a motion.
 const FEWEST_STEPS: usize = 4;
@@ -20,6 +20,9 @@ const TRIALS: usize = 1024;
 
 /// Coarser meshes, each of half the elements, on which an automatic mesh refuses far too fast trials.
 const HALVINGS: u32 = 3;
+
+/// What holds a rigid link over a limit of the torque from which on no duration is tried: a link that sags takes less.
+const HEAVY: f64 = 1.3;
 
 /// Largest relative error with which a value is compared with its limit.
 const TELLING: f64 = 0.25;
@@ -59,6 +62,18 @@ pub enum FitError {
     /// The motion is invalid.
     #[error(transparent)]
     Motion(#[from] MotionError),
+    /// A weight that takes more than the limit to hold.
+    #[error(
+        "limits.torque = {} N m, but must be at least {} N m, which a rigid link takes to hold its weight at rest",
+        significant(*limit_n_m, 4),
+        significant(*held_n_m, 4)
+    )]
+    TooHeavy {
+        /// The limit in N m.
+        limit_n_m: f64,
+        /// What holds the rigid link at one of its ends, in N m.
+        held_n_m: f64,
+    },
     /// The motion has no torque.
     #[error(transparent)]
     Inversion(#[from] InversionError),
@@ -129,6 +144,7 @@ pub struct FitProblem<'a> {
 /// # Errors
 /// [`FitError`] where no duration fits.
 pub fn shortest_fit(problem: &FitProblem) -> Result<Fit, FitError> {
+    problem.check_weight()?;
     let (mut refused, upper) = problem.doubled()?;
     let mut last = FEWEST_STEPS - 1;
     let mut found = upper;
@@ -159,6 +175,22 @@ fn grid(end: usize) -> impl Iterator<Item = usize> {
 }
 
 impl FitProblem<'_> {
+    /// Refuses a limit far below what holds the link before the motion or after it: no duration keeps it.
+    fn check_weight(&self) -> Result<(), FitError> {
+        let gravity = self.link.gravity().and_then(|own| own.start_angle_rad.zip(Some(own)));
+        let Some(((start_rad, gravity), limit_n_m)) = gravity.zip(self.limits.torque_n_m) else {
+            return Ok(());
+        };
+        let turn_rad = self.motion.distance_m / self.link.length_m();
+        let held = [start_rad, start_rad + turn_rad]
+            .map(|angle_rad| (gravity.across_m_s2(angle_rad) * self.link.mass_moment_kg_m()).abs());
+        let held_n_m = held[0].max(held[1]);
+        if held_n_m > HEAVY * limit_n_m {
+            return Err(FitError::TooHeavy { limit_n_m, held_n_m });
+        }
+        Ok(())
+    }
+
     /// The first of doubled durations that fits, and those before it.
     fn doubled(&self) -> Result<(Vec<usize>, Fit), FitError> {
         let (mut refused, mut failed) = (Vec::new(), None);

@@ -152,6 +152,7 @@ impl From<FitError> for Failure {
     fn from(error: FitError) -> Self {
         let hint = match &error {
             FitError::TooSlow { .. } => Some("a higher limit, a shorter travel or a longer step"),
+            FitError::TooHeavy { .. } => Some("a higher limit, or a lighter link"),
             FitError::Inversion(error) => error.hint(),
             FitError::Motion(error) => error.hint(),
         };

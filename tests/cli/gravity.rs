@@ -122,6 +122,18 @@ fn what_has_no_weight_yet_refuses_or_warns() {
 }
 
 #[test]
+fn a_limit_below_what_holds_the_weight_is_refused_at_once() {
+    let bench = bench();
+    let arguments = ["trajectory", "septic", "--distance", "0.2", "--step", "0.002"];
+    let limit = ["--link", "strip.toml", "--fit-limit", "torque=0.05"];
+    let refused = bench.run(&[&arguments[..], &limit].concat());
+    assert_eq!(refused.status.code(), Some(4));
+    let message = stderr(&refused);
+    assert!(message.contains("which a rigid link takes to hold its weight at rest"), "{message}");
+    assert!(message.contains("at least 0.1505 N m"), "{message}");
+}
+
+#[test]
 fn modes_of_a_direction_are_told_with_the_swing_first() {
     let bench = bench();
     let lines = |angle: &str| {
