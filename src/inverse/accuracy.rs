@@ -39,6 +39,25 @@ impl Quantity {
     }
 }
 
+/// What errors are shares of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShareOf {
+    /// The largest absolute value.
+    Peak,
+    /// The largest value less the smallest: of a link with weight.
+    Range,
+}
+
+impl ShareOf {
+    /// Its name in a sentence.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Peak => "peak",
+            Self::Range => "range",
+        }
+    }
+}
+
 /// One value for each quantity that a solution gives.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct PerQuantity<T> {

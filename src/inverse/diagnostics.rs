@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::accuracy::{Accuracy, Quantity, QuantityErrors};
+use super::accuracy::{Accuracy, Quantity, QuantityErrors, ShareOf};
 use super::analysis::{Analysis, Unwatched};
 use super::bent_answer::SecondOrderFindings;
 use super::curves::size;
@@ -74,7 +74,7 @@ impl Diagnostics<'_> {
         let Self { model, motion, answer, accuracy, .. } = *self;
         let (mesh, tolerance) = (model.mesh(), self.analysis.tolerance());
         let spectrum = &answer.period.spectrum;
-        let Edge { cut, seam } = self.edge;
+        let (Edge { cut, seam }, of) = (self.edge, self.shares());
         let corrected = motion.corrected().map(|end| Warning::EndVelocityCorrected {
             velocity_m_s: end.velocity_m_s,
             share: end.share,
@@ -85,8 +85,8 @@ impl Diagnostics<'_> {
             shortfall,
         });
         let period_s = spectrum.period_s();
-        let wrap_around = Warning::WrapAround { share: seam, tolerance, period_s };
-        let torque_cut = Warning::TorqueCut { share: cut, tolerance };
+        let wrap_around = Warning::WrapAround { of, share: seam, tolerance, period_s };
+        let torque_cut = Warning::TorqueCut { of, share: cut, tolerance };
         let (rows, given) = (self.histories.grid.len, motion.grid().len);
         let times = rows as f64 / given as f64;
         let is_long = seam > tolerance && rows > LONG_ROWS && times > LONG_TIMES;
@@ -94,11 +94,11 @@ impl Diagnostics<'_> {
             Some(accuracy.of_kind(kind).worst()).filter(|(_, error)| *error > COARSE)
         };
         let coarse_mesh = coarse(|errors| errors.mesh)
-            .map(|(quantity, error)| Warning::CoarseMesh { quantity, error });
+            .map(|(quantity, error)| Warning::CoarseMesh { of, quantity, error });
         let few_modes = coarse(|errors| errors.modes.unwrap_or(0.0))
             .map(|(quantity, error)| Warning::FewModes { quantity, error });
         let coarse_step = coarse(|errors| errors.step.unwrap_or(0.0))
-            .map(|(quantity, share)| Warning::CoarseStep { quantity, share });
+            .map(|(quantity, share)| Warning::CoarseStep { of, quantity, share });
         corrected
             .into_iter()
             .chain(tip_missed)
@@ -132,7 +132,7 @@ impl Diagnostics<'_> {
     /// The torque that the samples do not determine.
     fn uncertain_input(&self) -> Option<Warning> {
         let torque = self.accuracy.errors.torque.input.filter(|share| *share > UNCERTAIN)?;
-        Some(Warning::UncertainInput { share: torque })
+        Some(Warning::UncertainInput { of: self.shares(), share: torque })
     }
 
     /// Amplitudes of the torque, without the mean of what holds a weight.
@@ -142,6 +142,11 @@ impl Diagnostics<'_> {
             amplitudes[0] = Complex64::ZERO;
         }
         amplitudes
+    }
+
+    /// What errors are shares of.
+    fn shares(&self) -> ShareOf {
+        if self.model.link().has_weight() { ShareOf::Range } else { ShareOf::Peak }
     }
 
     fn order(&self) -> SecondOrder {
@@ -182,7 +187,12 @@ impl Diagnostics<'_> {
         }
         shares.torque = 0.0;
         let (quantity, share) = shares.worst();
-        (share > tolerance).then_some(Warning::InexactWindow { quantity, share, tolerance })
+        (share > tolerance).then_some(Warning::InexactWindow {
+            of: self.shares(),
+            quantity,
+            share,
+            tolerance,
+        })
     }
 
     /// The torque whose peak changes most where the tip's tolerance is larger. Rounding, kinks and step

@@ -28,7 +28,7 @@ mod solution;
 mod spectra;
 mod warning;
 
-pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors};
+pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors, ShareOf};
 pub use analysis::{Analysis, Resources, Stage, Unwatched, Watch};
 pub use bent_answer::SecondOrderFindings;
 pub use error::InversionError;

@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-use super::accuracy::Quantity;
+use super::accuracy::{Quantity, ShareOf};
 use crate::link::Link;
 use crate::motion::Shortfall;
 use crate::text::significant;
@@ -48,11 +48,14 @@ pub enum Warning {
     },
     /// A quantity that the finite period or the window leaves less exact than the tolerance.
     #[error(
-        "the finite period and the window leave the {} off by {share:.1e} of its peak, above the \
+        "the finite period and the window leave the {} off by {share:.1e} of its {}, above the \
          tolerance {tolerance:e}",
-        quantity.name()
+        quantity.name(),
+        of.name()
     )]
     InexactWindow {
+        /// What the share is of.
+        of: ShareOf,
         /// The quantity.
         quantity: Quantity,
         /// Its error over its own peak.
@@ -62,11 +65,14 @@ pub enum Warning {
     },
     /// A quantity that depends on the step of the motion.
     #[error(
-        "half the step changes the {} by {share:.1e} of its peak: with analysis.tip_tolerance = 0 \
+        "half the step changes the {} by {share:.1e} of its {}: with analysis.tip_tolerance = 0 \
          every frequency of the samples is solved, and the step sets the highest one",
-        quantity.name()
+        quantity.name(),
+        of.name()
     )]
     CoarseStep {
+        /// What the share is of.
+        of: ShareOf,
         /// What changes most.
         quantity: Quantity,
         /// Its error over its own peak.
@@ -89,19 +95,25 @@ pub enum Warning {
     },
     /// A torque that the samples of the motion do not determine.
     #[error(
-        "the digits or the noise of the motion's samples leave the torque uncertain by {} of its peak",
-        percent(*share)
+        "the digits or the noise of the motion's samples leave the torque uncertain by {} of its {}",
+        percent(*share),
+        of.name()
     )]
     UncertainInput {
+        /// What the share is of.
+        of: ShareOf,
         /// Error over the peak.
         share: f64,
     },
     /// The written window cuts torque off.
     #[error(
-        "the torque outside the written window reaches {share:.1e} of its peak, above the \
-         tolerance {tolerance:e}"
+        "the torque outside the written window reaches {share:.1e} of its {}, above the \
+         tolerance {tolerance:e}",
+        of.name()
     )]
     TorqueCut {
+        /// What the share is of.
+        of: ShareOf,
         /// Largest torque outside the window over the peak.
         share: f64,
         /// The analysis tolerance.
@@ -109,10 +121,13 @@ pub enum Warning {
     },
     /// One period's torque reaches into the next.
     #[error(
-        "half a period from the motion the torque is still {share:.1e} of its peak, above the tolerance \
-         {tolerance:e} (period {period_s:.4} s)"
+        "half a period from the motion the torque is still {share:.1e} of its {}, above the tolerance \
+         {tolerance:e} (period {period_s:.4} s)",
+        of.name()
     )]
     WrapAround {
+        /// What the share is of.
+        of: ShareOf,
         /// Torque at the seam of two periods over the peak.
         share: f64,
         /// The analysis tolerance.
@@ -226,8 +241,10 @@ pub enum Warning {
         share: f64,
     },
     /// A mesh that is too coarse for the motion.
-    #[error("the mesh changes the {} by {error:.1e} of its peak (elements halved)", quantity.name())]
+    #[error("the mesh changes the {} by {error:.1e} of its {} (elements halved)", quantity.name(), of.name())]
     CoarseMesh {
+        /// What the share is of.
+        of: ShareOf,
         /// What it changes most.
         quantity: Quantity,
         /// Discretisation error of that over its peak.
@@ -306,11 +323,8 @@ impl Warning {
             Self::SlowIteration { .. } | Self::InexactIteration { .. } => {
                 "a slower motion or a stiffer link"
             }
-            Self::SecondOrderLeftOut { share: Some(_) } => {
-                "analysis.second_order = \"full\" counts them"
-            }
-            Self::SecondOrderLeftOut { share: None } => {
-                "analysis.second_order = \"full\" tells why; a slower motion or a stiffer link"
+            Self::SecondOrderLeftOut { .. } => {
+                "analysis.second_order = \"full\" counts them, or tells why it cannot"
             }
             Self::ThickLink { .. } => {
                 "theory = \"timoshenko\" in the link file takes them into account"

@@ -358,7 +358,13 @@ fn checks(checks: &[StoredCheck]) -> Markup {
                 },
             }
             td { (check.of) }
-            @if check.passes { td class="pass" { "holds" } } @else { td class="fail" { "fails" } }
+            @if !check.passes {
+                td class="fail" { "fails" }
+            } @else if check.found.is_some() {
+                td class="pass" { "holds" }
+            } @else {
+                td { "not made" }
+            }
         } }
     };
     html! {

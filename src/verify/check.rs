@@ -83,6 +83,10 @@ impl Check {
     }
 }
 
+/// What errors of a quantity are shares of.
+pub(super) const PEAK: &str = "its peak";
+pub(super) const RANGE: &str = "its range";
+
 /// A kind of check: all that is known before a number is.
 #[derive(Clone, Copy)]
 pub(super) struct Kind {
@@ -120,28 +124,28 @@ impl Kind {
     pub(super) const MESH: Self = Self {
         name: "mesh_halving",
         what: "with elements halved",
-        of: "its peak",
+        of: PEAK,
         bound: |Answer { plan, .. }| if plan.is_automatic() { plan.tolerance() } else { CHOSEN },
         hint: "more elements, or mesh.elements = \"auto\"",
     };
     pub(super) const WINDOW: Self = Self {
         name: "wrap_around",
         what: "at the window's edge",
-        of: "its peak",
+        of: PEAK,
         bound: |answer| answer.solution.analysis.tolerance(),
         hint: "a looser analysis.tolerance, or a longer analysis.lead and analysis.lag",
     };
     pub(super) const MODES: Self = Self {
         name: "truncation",
         what: "with all modes",
-        of: "its peak",
+        of: PEAK,
         bound: |_| CHOSEN,
         hint: "more modes: analysis.modes",
     };
     pub(super) const ITERATION: Self = Self {
         name: "iteration",
         what: "with further iterations",
-        of: "its range",
+        of: RANGE,
         bound: |answer| answer.solution.analysis.tolerance(),
         hint: "a slower motion or a stiffer link",
     };
@@ -155,7 +159,7 @@ impl Kind {
     pub(super) const STEP_OF_MOTOR: Self = Self {
         name: "step_halving_motor",
         what: "motor torque with the step halved",
-        of: "its peak",
+        of: PEAK,
         ..Self::STEP
     };
     pub(super) const DENSE: Self = Self {

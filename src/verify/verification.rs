@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use super::check::{Answer, Check, Kind, VerificationError};
+use super::check::{Answer, Check, Kind, PEAK, RANGE, VerificationError};
 use super::playback::{Played, played, tip_solved};
 use crate::elastica::SecondOrder;
 use crate::inverse::{PerQuantity, Quantity, Resources, Solution, torques_over_window};
@@ -77,7 +77,11 @@ impl Verification {
 /// The check of the quantity with the largest error.
 fn worst(kind: &Kind, answer: &Answer, errors: &PerQuantity<f64>) -> Check {
     let (quantity, error) = errors.worst();
-    of_quantity(quantity, kind.measured(answer, error))
+    let check = kind.measured(answer, error);
+    // Of a link with weight errors are shares of ranges.
+    let has_weight = answer.solution.link().has_weight();
+    let of = if has_weight && check.of == PEAK { RANGE } else { check.of };
+    of_quantity(quantity, Check { of, ..check })
 }
 
 /// The check under the name of a quantity, in words that fit the column.
@@ -87,7 +91,11 @@ fn of_quantity(quantity: Quantity, check: Check) -> Check {
         Quantity::BendingMoment => "moment",
         _ => quantity.name(),
     };
-    let of = if quantity == Quantity::Torque { "the peak torque" } else { check.of };
+    let of = match (quantity, check.of) {
+        (Quantity::Torque, PEAK) => "the peak torque",
+        (Quantity::Torque, RANGE) => "the torque's range",
+        (_, of) => of,
+    };
     Check { what: format!("{name} {}", check.what), of, ..check }
 }
 

@@ -78,7 +78,7 @@ fn a_long_lead_needs_no_long_lag() {
 fn a_cut_torque_is_warned_about_with_what_is_cut() {
     let whole = with_window(None, None);
     let cut = with_window(Some(0.1), Some(0.2));
-    let [Warning::TorqueCut { share, tolerance }] = of_the_window(&cut)[..] else {
+    let [Warning::TorqueCut { share, tolerance, .. }] = of_the_window(&cut)[..] else {
         panic!("{:?}", cut.warnings);
     };
     assert!((tolerance - 1e-6).abs() < 1e-18);

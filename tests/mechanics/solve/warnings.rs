@@ -1,7 +1,7 @@
 //! Every warning, provoked; and none where there is nothing to warn about.
 
 use super::{Smooth, accelerated, displaced, link, mesh_of, sine, solved, whole_band};
-use flexlink::inverse::{Analysis, Quantity, Solution, Warning, invert};
+use flexlink::inverse::{Analysis, Quantity, ShareOf, Solution, Warning, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Payload};
 use flexlink::motion::{Shortfall, TipMotion};
 use flexlink::numeric::largest;
@@ -36,16 +36,18 @@ fn bang_bang(steps: u32) -> TipMotion {
 #[test]
 fn every_warning_reads_as_in_the_snapshot() {
     let (quantity, share, tolerance) = (Quantity::Torque, 0.0123, 1e-6);
+    let of = ShareOf::Peak;
     let shortfalls = [Shortfall::Step(0.002), Shortfall::Noise];
     let missed = shortfalls.map(|shortfall| Warning::TipMissed { share, tolerance, shortfall });
     let others = [
         Warning::EndVelocityCorrected { velocity_m_s: 0.00123, share },
-        Warning::InexactWindow { quantity, share, tolerance },
-        Warning::CoarseStep { quantity, share },
+        Warning::InexactWindow { of, quantity, share, tolerance },
+        Warning::InexactWindow { of: ShareOf::Range, quantity, share, tolerance },
+        Warning::CoarseStep { of, quantity, share },
         Warning::UnsettledTorque { quantity, peak_n_m: 1.234_567, looser_n_m: 1.2 },
-        Warning::UncertainInput { share: 0.123 },
-        Warning::TorqueCut { share, tolerance },
-        Warning::WrapAround { share, tolerance, period_s: 12.5 },
+        Warning::UncertainInput { of, share: 0.123 },
+        Warning::TorqueCut { of, share, tolerance },
+        Warning::WrapAround { of, share, tolerance, period_s: 12.5 },
         Warning::LongWindow { rows: 12_345, times: 12.3 },
         Warning::BlockedTip { frequency_hz: 12.345_678, share },
         Warning::NearNyquist { share, nyquist_hz: 500.0 },
@@ -58,7 +60,7 @@ fn every_warning_reads_as_in_the_snapshot() {
         Warning::SecondOrderLeftOut { share: Some(share) },
         Warning::SecondOrderLeftOut { share: Some(1.23) },
         Warning::SecondOrderLeftOut { share: None },
-        Warning::CoarseMesh { quantity, error: share },
+        Warning::CoarseMesh { of, quantity, error: share },
         Warning::FewModes { quantity, error: share },
     ];
     let all = missed.iter().chain(&others);
@@ -110,7 +112,7 @@ fn an_undamped_tip_that_is_blocked_rings_around_the_period() {
     let link = with_payload_inertia(Damping::None);
     let solution = solved(&link, 2, &sine(0.5, 1.0, 64));
     let warning = of_kind(&solution, "wrap_around");
-    let Warning::WrapAround { share, tolerance, period_s } = *warning else {
+    let Warning::WrapAround { share, tolerance, period_s, .. } = *warning else {
         panic!("{warning}");
     };
     assert!(share > tolerance, "{warning}");
