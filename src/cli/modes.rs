@@ -109,9 +109,7 @@ impl Modes {
         console::print(&text)?;
         self.warnings.refuse(warnings)
     }
-}
 
-impl Modes {
     /// Prints the modes in a pose.
     fn tell_pose(&self, specification: &Specification, angle_rad: f64) -> Result<(), Failure> {
         let (mesh, pose) = in_pose(specification, angle_rad, usize::from(self.count))?;

@@ -4,7 +4,7 @@
 use super::loads::{BentLink, Instant, Place, Scratch, SecondOrder, along, left_across};
 use super::points::dot;
 use crate::beam::Mesh;
-use crate::numeric::Size;
+use crate::numeric::{Size, extremes};
 
 /// Range of a torque over its largest value below which the link is at rest.
 const AT_REST: f64 = 1e-6;
@@ -148,9 +148,7 @@ pub(super) fn apart(a: &[f64], b: &[f64]) -> f64 {
 /// What changes of a torque are compared with: largest less smallest value, or the largest where it is at rest; none
 /// counts that bends the link by less than [`STRAIGHT`].
 pub(super) fn size(torque_n_m: &[f64], mesh: &Mesh) -> f64 {
-    let [low, high] = torque_n_m.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, value| {
-        [ends[0].min(*value), ends[1].max(*value)]
-    });
+    let [low, high] = extremes(torque_n_m);
     let (range, most) = (high - low, low.abs().max(high.abs()));
     let stiffness = mesh.elements().iter().map(|element| element.bending_stiffness_n_m2);
     let softest = stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer));

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::chord::{ChordPeriod, ElasticaError};
 use crate::beam::Mesh;
+use crate::numeric::extremes;
 
 /// Directions of the chord at which the sag is computed, until the polynomial through them is exact between them; the
 /// sag is the same after a whole turn, so that more is not needed.
@@ -42,10 +43,7 @@ impl Sag {
         chord: &ChordPeriod,
         rest: impl Fn(&ChordPeriod) -> Result<Vec<f64>, ElasticaError> + Sync,
     ) -> Result<Option<Self>, ElasticaError> {
-        let ends =
-            chord.angle_rad.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, angle| {
-                [ends[0].min(*angle), ends[1].max(*angle)]
-            });
+        let ends = extremes(&chord.angle_rad);
         if ends[1] - ends[0] < 2.0 * AT_REST_RAD {
             return Ok(None);
         }

@@ -160,7 +160,7 @@ pub struct QuantityErrors {
     /// Change when the step is halved; where every frequency of the samples is solved for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
-    /// What further iterations would change of the torque; where second-order terms are counted.
+    /// What further iterations would change; where second-order terms are counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iteration: Option<f64>,
     /// What a reduction to few modes changes; none where all are kept.

@@ -131,7 +131,7 @@ impl<'a> BentProblem<'a> {
         let motion = follow(model, &chord, self.second_order, tolerance)?;
         driven.begin(1, 1);
         let returning = returning.start - self.quiet..returning.end + self.quiet;
-        Ok(BentAnswer { period, motion, returning, drive: model.link().joint().drive })
+        Ok(BentAnswer { period, motion, returning })
     }
 
     /// The chord over a period. It returns around the seam, before which the displacement is that after the motion; whole
@@ -313,7 +313,7 @@ impl<'a> BentProblem<'a> {
     /// rest; and the largest torques outside, over their sizes.
     pub(super) fn window(
         &self,
-        answer: &BentAnswer,
+        (link, answer): (&Link, &BentAnswer),
         periodic: &PeriodicAnswer,
         rests: &[ElasticaMotion; 2],
         sizes: &PerQuantity<f64>,
@@ -327,8 +327,7 @@ impl<'a> BentProblem<'a> {
             (beyond, window)
         };
         let (hub, window) = of(&periodic.torque_n_m, 1.0, sizes.torque);
-        let drive = answer.drive;
-        let motor = periodic.motor_n_m.as_deref().zip(sizes.motor_torque).zip(drive);
+        let motor = periodic.motor_n_m.as_deref().zip(sizes.motor_torque).zip(link.drive());
         let motor = motor.map(|((motor, size), drive)| of(motor, drive.gear_ratio.recip(), size));
         let window = motor.as_ref().map_or(window, |(_, motor)| Window {
             start: window.start.min(motor.start),

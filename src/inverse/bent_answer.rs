@@ -8,7 +8,6 @@ use super::curves::{Curves, Shape};
 use super::periodic_answer::PeriodicAnswer;
 use super::spectra::{DrivenModel, HubSpectra};
 use crate::elastica::{ElasticaMotion, SecondOrder};
-use crate::link::Drive;
 use crate::model::Model;
 use crate::motion::TipPeriod;
 
@@ -44,7 +43,6 @@ pub(super) struct BentAnswer {
     pub(super) motion: ElasticaMotion,
     /// Samples in which the chord returns, with the rest on either side; without weight it is empty.
     pub(super) returning: Range<usize>,
-    pub(super) drive: Option<Drive>,
 }
 
 impl BentAnswer {
@@ -67,9 +65,12 @@ impl BentAnswer {
             root_moment_n_m: pair.amplitudes(&self.motion.moments_n_m[0]),
             blocked_hz: None,
         };
-        let watch = &Unwatched;
-        let motor = DrivenModel { model, period: &self.period, watch }.motor_spectra(&hub);
+        let motor = self.driven(model).motor_spectra(&hub);
         PeriodicAnswer::new(hub, motor.as_ref(), Arc::clone(&self.period))
+    }
+
+    fn driven<'a>(&'a self, model: &'a dyn Model) -> DrivenModel<'a> {
+        DrivenModel { model, period: &self.period, watch: &Unwatched }
     }
 
     /// Histories of all quantities outside the chord's return, from its end on.
@@ -122,17 +123,9 @@ impl BentAnswer {
             hub_acceleration_rad_s2: with_chord(2, &tip.acceleration_m_s2),
             displacement_m: nodes.iter().map(displacement).collect(),
             moment_n_m: nodes.iter().map(|k| chronological(&self.motion.moments_n_m[*k])).collect(),
-            motor: self.drive.map(|drive| {
-                let torque = answer.motor_n_m.as_deref().unwrap_or_default();
-                let twist = answer.derivative(&answer.hub.torque_n_m, 1);
-                let rate = answer.excess(1).iter().zip(&tip.velocity_m_s).zip(&twist);
-                let rate: Vec<f64> = rate
-                    .map(|((excess, tip), twist)| {
-                        let hub = excess + tip / length_m;
-                        drive.gear_ratio * (hub + twist / drive.joint_stiffness_n_m_rad)
-                    })
-                    .collect();
-                [chronological(torque), chronological(&rate)]
+            motor: self.driven(model).motor_spectra(&answer.hub).map(|motor| {
+                let pair = &self.period.spectrum.pair;
+                [motor.torque_n_m, motor.rate_rad_s].map(|of| chronological(&pair.samples(of)))
             }),
         }
     }
@@ -153,7 +146,7 @@ impl BentAnswer {
     /// The same period with another motion.
     pub(super) fn with_motion(&self, motion: &ElasticaMotion) -> Self {
         let (period, returning) = (Arc::clone(&self.period), self.returning.clone());
-        Self { period, motion: motion.clone(), returning, drive: self.drive }
+        Self { period, motion: motion.clone(), returning }
     }
 
     /// First sample of a time before the motion, where no chord returns.

@@ -3,7 +3,7 @@
 use super::accuracy::PerQuantity;
 use crate::elastica::{ElasticaMotion, SecondOrder};
 use crate::link::Link;
-use crate::numeric::{Size, largest, largest_difference};
+use crate::numeric::{Size, extremes, largest, largest_difference};
 
 /// Where the nodes of a link are over time: one history for each.
 #[expect(clippy::struct_field_names, reason = "their units end alike")]
@@ -140,8 +140,6 @@ pub(crate) fn size(history: &[f64], has_weight: bool) -> f64 {
     if !has_weight {
         return largest(history);
     }
-    let ends = history.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-        [low.min(*value), high.max(*value)]
-    });
-    ends[1] - ends[0]
+    let [low, high] = extremes(history);
+    high - low
 }

@@ -1,5 +1,6 @@
 //! What a run measured of itself, and the warnings that follow from it.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
@@ -136,10 +137,10 @@ impl Diagnostics<'_> {
     }
 
     /// Amplitudes of the torque, without the mean of what holds a weight.
-    fn moving_torque_n_m(&self) -> Vec<Complex64> {
-        let mut amplitudes = self.answer.hub.torque_n_m.clone();
+    fn moving_torque_n_m(&self) -> Cow<'_, [Complex64]> {
+        let mut amplitudes = Cow::Borrowed(&self.answer.hub.torque_n_m[..]);
         if self.model.link().has_weight() {
-            amplitudes[0] = Complex64::ZERO;
+            amplitudes.to_mut()[0] = Complex64::ZERO;
         }
         amplitudes
     }

@@ -117,7 +117,7 @@ fn invert_bent(
     let is_iterated = bent.second_order != SecondOrder::None;
     let iteration_errors = is_iterated.then(|| bent.iteration_errors(found, &sizes));
     let periodic = answer.periodic(&*model);
-    let (window, cut) = bent.window(&answer, &periodic, &rests, &sizes);
+    let (window, cut) = bent.window((model.link(), &answer), &periodic, &rests, &sizes);
     let edge = Edge { cut: cut.torque, seam: left.torque };
     let input = answer.period.spectrum.cutoff.input;
     let of_input = |input| uncertain((&*model, &probes), &answer.period, &input, &sizes);

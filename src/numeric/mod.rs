@@ -18,7 +18,7 @@ pub use fft::FourierPair;
 pub(crate) use fft::{angular_frequency, fast_length};
 pub use grid::{NotUniform, ThinnedGrid, TimeGrid};
 pub(crate) use quintic::QuinticSpline;
-pub(crate) use reductions::{dot, rounded};
+pub(crate) use reductions::{dot, extremes, rounded};
 pub use reductions::{largest, largest_difference, magnitude};
 pub use roots::root;
 pub(crate) use roots::{SECTIONS, geometric_scan, next_places};

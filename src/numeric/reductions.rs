@@ -13,6 +13,13 @@ pub fn largest(values: &[f64]) -> f64 {
     Arch::new().dispatch(Largest(values))
 }
 
+/// Smallest and largest value, NaN left out; infinite the wrong way round for an empty slice.
+pub(crate) fn extremes(values: &[f64]) -> [f64; 2] {
+    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(*value), high.max(*value)]
+    })
+}
+
 struct Largest<'a>(&'a [f64]);
 
 impl WithSimd for Largest<'_> {

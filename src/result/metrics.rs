@@ -76,11 +76,14 @@ impl Metrics {
         let start = solution.hub_angle_rad[0];
         let travelled: Vec<f64> = solution.hub_angle_rad.iter().map(|a| a - start).collect();
         // With gravity the torque acts where it differs from what holds the link at rest.
-        let acting = if solution.link().has_weight() {
-            Acting::beyond_rest(torque, TIMING_LEVEL * solution.size_of(torque))
-        } else {
-            Acting::of(torque, TIMING_LEVEL * peak_torque_n_m.value)
+        let acts = |torque: &[f64], peak: Peak| {
+            if solution.link().has_weight() {
+                Acting::beyond_rest(torque, TIMING_LEVEL * solution.size_of(torque))
+            } else {
+                Acting::of(torque, TIMING_LEVEL * peak.value)
+            }
         };
+        let acting = acts(torque, peak_torque_n_m);
         Self {
             peak_torque_n_m,
             rms_torque_n_m: acting.rms(torque),
@@ -95,14 +98,7 @@ impl Metrics {
             peak_deflection_m: peak(&solution.tip_deflection_m()),
             peak_tip_velocity_m_s: peak(&solution.tip.velocity_m_s),
             peak_tip_acceleration_m_s2: peak(&solution.tip.acceleration_m_s2),
-            motor: solution.motor.as_ref().map(|motor| {
-                let torque = &motor.torque_n_m;
-                let acting = solution
-                    .link()
-                    .has_weight()
-                    .then(|| Acting::beyond_rest(torque, TIMING_LEVEL * solution.size_of(torque)));
-                MotorMetrics::of(motor, &peaks, acting)
-            }),
+            motor: solution.motor.as_ref().map(|motor| MotorMetrics::of(motor, &peaks, acts)),
         }
     }
 }
@@ -204,14 +200,12 @@ impl Acting {
 }
 
 impl MotorMetrics {
-    fn of(motor: &MotorHistories, peaks: &Peaks, acting: Option<Acting>) -> Self {
+    fn of(motor: &MotorHistories, peaks: &Peaks, acts: impl Fn(&[f64], Peak) -> Acting) -> Self {
         let MotorHistories { torque_n_m: torque, rate_rad_s: rate, .. } = motor;
         let peak_torque_n_m = peaks.of(torque);
         Self {
             peak_torque_n_m,
-            rms_torque_n_m: acting
-                .unwrap_or_else(|| Acting::of(torque, TIMING_LEVEL * peak_torque_n_m.value))
-                .rms(torque),
+            rms_torque_n_m: acts(torque, peak_torque_n_m).rms(torque),
             peak_rate_rad_s: peaks.of(rate),
             peak_power_w: peaks.of_product(torque, rate),
         }

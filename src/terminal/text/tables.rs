@@ -28,13 +28,7 @@ pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> Stri
         lines.push(format!("at {hertz} Hz no torque moves the tip{error}"));
     }
     if let Some(held) = &result.held {
-        let stiffness_n_m_rad = held.joint_stiffness_n_m_rad;
-        let joint = if stiffness_n_m_rad.is_finite() {
-            format!("joint spring {} N m/rad", significant(stiffness_n_m_rad, 4))
-        } else {
-            "stiff joint".into()
-        };
-        lines.push(format!("rotor held, {joint}"));
+        lines.push(rotor_held(held.joint_stiffness_n_m_rad));
         lines.extend(mode_rows(&held.omega_rad_s, None, &held.mesh_errors));
     }
     title(link) + &lines.join("\n") + "\n"
@@ -50,15 +44,19 @@ pub(crate) fn pose_text(link: &Link, mesh: &Mesh, pose: &PoseModes) -> String {
         "hub free; mode 0 is the swing of the whole link".to_owned(),
     ];
     lines.extend(pose_rows(0, &pose.free));
-    lines.push(match link.drive().map(|drive| drive.joint_stiffness_n_m_rad) {
-        Some(spring) if spring.is_finite() => {
-            format!("rotor held, joint spring {} N m/rad", significant(spring, 4))
-        }
-        Some(_) => "rotor held, stiff joint".into(),
-        None => "hub held".into(),
-    });
+    let drive = link.drive();
+    lines.push(drive.map_or("hub held".into(), |drive| rotor_held(drive.joint_stiffness_n_m_rad)));
     lines.extend(pose_rows(1, &pose.held));
     title(link) + &lines.join("\n") + "\n"
+}
+
+/// What holds the hub where the motor holds its rotor.
+fn rotor_held(joint_stiffness_n_m_rad: f64) -> String {
+    if joint_stiffness_n_m_rad.is_finite() {
+        format!("rotor held, joint spring {} N m/rad", significant(joint_stiffness_n_m_rad, 4))
+    } else {
+        "rotor held, stiff joint".into()
+    }
 }
 
 fn pose_rows(first: usize, found: &PoseSquares) -> Vec<String> {
