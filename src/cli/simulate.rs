@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::csv::{Digits, InputFile};
+use flexlink::elastica::SecondOrder;
 use flexlink::response::{Play, PlayError, Simulation, SimulationError, simulate};
 use flexlink::result::{Comparison, PlayedMetrics, TargetError, TipError};
 use flexlink::spec::Specification;
@@ -38,6 +39,8 @@ One of the files may be `-`, standard input.";
 /// Writes torque.csv (the motor's torque, feedback included), tip.csv, hub_angle.csv,
 /// nodal_displacements.csv, nodes.csv and summary.json into a folder, all or none of them, and prints a
 /// short summary. The link is at rest before the first sample; after the last one of a torque it is free.
+/// With gravity, or a second order in the link file, all terms of large angles are counted: the link starts
+/// from its shape at rest in the direction start_angle, and keeps the last torque after its last sample.
 /// Each mode is integrated exactly in time, so the answer does not depend on the Fourier transform of solve.
 /// A hysteretic link has no equation in time: its ratio is taken as the viscous ratio of every mode. The
 /// torque acts at the hub, on the whole link: [drive] and analysis.modes are not used.
@@ -110,15 +113,16 @@ impl Simulate {
         let files = [self.link.link.as_path()].into_iter().chain(self.play.files());
         keep(&self.output, &files.collect::<Vec<&Path>>())?;
         let (link_file, specification) = self.link.load()?;
-        let playing = self.play.load(specification.link.length_m(), &self.read)?;
+        let playing = self.play.load(&specification.link, &self.read)?;
         Ok(Inputs { link_file, specification, playing })
     }
 
     /// Plays the input until the time of the command line, else as long as input and target last.
     /// Computes the errors of the tip and of the simulation itself, and what a recording differs by.
     fn compute<'a>(&self, inputs: &'a Inputs) -> Result<Played<'a>, Failure> {
-        let Specification { link, mesh, .. } = &inputs.specification;
-        let play = inputs.playing.play(self.play.until);
+        let Specification { link, mesh, analysis, .. } = &inputs.specification;
+        let is_large = analysis.second_order_of(link) != SecondOrder::None;
+        let play = inputs.playing.play(self.play.until, is_large);
         let refused = |error| self.refused(&error, inputs);
         let simulation = simulate(link, mesh, &play).map_err(refused)?;
         self.nodes.check(&simulation.mesh)?;
@@ -162,7 +166,9 @@ impl Simulate {
             SimulationError::Plan(_)
             | SimulationError::Damping(_)
             | SimulationError::MasslessHub
-            | SimulationError::HasWeight
+            | SimulationError::NotDerived { .. }
+            | SimulationError::NoStartAngle
+            | SimulationError::NoRest
             | SimulationError::TooMuchMemory { .. }
             | SimulationError::NotFinite { .. } => (Exit::NotSolvable, String::new()),
         };
@@ -216,7 +222,7 @@ impl Simulate {
     /// Prints warnings and the summary; returns the number of warnings.
     fn tell(&self, inputs: &Inputs, played: &Played, summary: &Summary) -> Result<usize, Failure> {
         let Played { play, simulation, metrics, error, tip_error, .. } = played;
-        let coarse = error.as_ref().and_then(PlayError::warning);
+        let coarse = error.as_ref().and_then(|error| error.warning(simulation));
         let warnings: Vec<_> = simulation.warnings.iter().copied().chain(coarse).collect();
         console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
         let late = tip_error.and_then(|error| error.late);

@@ -3,13 +3,339 @@
 //! EXPECTED is the reference, ACTUAL the table to check. A number may differ by
 //! `atol + rtol × the column's peak in EXPECTED`; everything else must be equal.
 
-mod comparison;
 mod table;
 mod tolerance;
 
-pub use comparison::{
-    ColumnComparison, Comparison, FileComparison, FileOutcome, TableComparison, Unmatched, Worst,
-    compare_tables,
-};
 pub use table::{Cell, RowPlace, Table, TableColumn};
 pub use tolerance::{Change, ColumnRule, Rule, Tolerance, Tolerances};
+
+use serde::Serialize;
+
+use table::{Pairing, key};
+
+/// The comparison of one column of EXPECTED with that of ACTUAL.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColumnComparison {
+    /// The heading.
+    pub name: String,
+    /// Largest absolute value of EXPECTED's finite numbers, in the column's unit.
+    pub peak: f64,
+    /// Its tolerance; `None` if it was not compared.
+    pub tolerance: Option<Tolerance>,
+    /// The field that differs most, the first of equals; `None` if all are the same.
+    pub worst: Option<Worst>,
+    /// Number of rows beyond tolerance.
+    pub rows_beyond: usize,
+}
+
+/// The field of a column that differs most.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Worst {
+    /// Absolute difference in the column's unit; infinite unless both fields are finite numbers.
+    pub difference: f64,
+    /// EXPECTED's row.
+    pub expected: RowPlace,
+    /// ACTUAL's row.
+    pub actual: RowPlace,
+    /// EXPECTED's field, as text: empty, a word or a number.
+    pub expected_field: String,
+    /// ACTUAL's field, as text.
+    pub actual_field: String,
+}
+
+impl ColumnComparison {
+    /// Largest difference allowed, in the column's unit; `None` if it was not compared.
+    pub fn allowed(&self) -> Option<f64> {
+        self.tolerance.map(|tolerance| tolerance.allowed(self.peak))
+    }
+
+    /// True if a row is beyond tolerance.
+    pub fn fails(&self) -> bool {
+        self.rows_beyond > 0
+    }
+
+    /// The largest difference relative to the peak; 0 if there is none.
+    pub fn relative(&self) -> f64 {
+        self.worst.as_ref().map_or(0.0, |worst| worst.difference / self.peak)
+    }
+
+    /// The largest difference as a multiple of what is allowed, for ranking.
+    fn severity(&self) -> f64 {
+        match (self.allowed(), &self.worst) {
+            (Some(allowed), Some(worst)) => worst.difference / allowed,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Compares a column that both sides have in these pairs of rows; `place` returns their places.
+fn compare_column(
+    expected: &TableColumn,
+    actual: &TableColumn,
+    tolerance: Tolerance,
+    pairs: &[(usize, usize)],
+    place: impl Fn(usize, usize) -> (RowPlace, RowPlace),
+) -> ColumnComparison {
+    let peak = expected.peak();
+    let allowed = tolerance.allowed(peak);
+    let mut rows_beyond = 0;
+    let mut largest = (0.0, None);
+    for &(e, a) in pairs {
+        let difference = difference(expected.cell(e), actual.cell(a));
+        // Different words fail even with an infinite tolerance.
+        rows_beyond += usize::from(difference > allowed || difference.is_infinite());
+        if difference > largest.0 {
+            largest = (difference, Some((e, a)));
+        }
+    }
+    let worst = largest.1.map(|(e, a)| {
+        let (expected_place, actual_place) = place(e, a);
+        Worst {
+            difference: largest.0,
+            expected: expected_place,
+            actual: actual_place,
+            expected_field: field(expected.cell(e)),
+            actual_field: field(actual.cell(a)),
+        }
+    });
+    let name = expected.name().to_owned();
+    ColumnComparison { name, peak, tolerance: Some(tolerance), worst, rows_beyond }
+}
+
+/// Absolute difference of two fields: 0 if equal, infinite if one is no finite number.
+fn difference(expected: Cell, actual: Cell) -> f64 {
+    match (expected, actual) {
+        (Cell::Number(e), Cell::Number(a)) if e.is_finite() && a.is_finite() => (e - a).abs(),
+        (Cell::Number(e), Cell::Number(a)) if e.total_cmp(&a).is_eq() => 0.0,
+        // The sign of a NaN depends on the processor.
+        (Cell::Number(e), Cell::Number(a)) if e.is_nan() && a.is_nan() => 0.0,
+        (Cell::Word(e), Cell::Word(a)) if e == a => 0.0,
+        _ => f64::INFINITY,
+    }
+}
+
+fn field(cell: Cell) -> String {
+    match cell {
+        Cell::Number(number) => format!("{number:?}"),
+        Cell::Word(word) => word.to_owned(),
+    }
+}
+
+/// Rows that only one side has.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Unmatched {
+    /// Their number, above 0.
+    pub count: usize,
+    /// The first of them.
+    pub first: RowPlace,
+}
+
+/// The comparison of two tables.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableComparison {
+    /// Name of the column that rows were matched by; `None`: by their number.
+    pub matched_by: Option<String>,
+    /// Number of rows that both sides have.
+    pub rows: usize,
+    /// The columns that both sides have, and those of either that are not compared, in the order of
+    /// EXPECTED, then of ACTUAL.
+    pub columns: Vec<ColumnComparison>,
+    /// Names of columns that only EXPECTED has.
+    pub columns_expected: Vec<String>,
+    /// Names of columns that only ACTUAL has.
+    pub columns_actual: Vec<String>,
+    /// Rows that only EXPECTED has.
+    pub rows_expected: Option<Unmatched>,
+    /// Rows that only ACTUAL has.
+    pub rows_actual: Option<Unmatched>,
+}
+
+impl TableComparison {
+    /// True if the two are the same within tolerance.
+    pub fn is_equal(&self) -> bool {
+        let complete = self.columns_expected.is_empty() && self.columns_actual.is_empty();
+        let matched = self.rows_expected.is_none() && self.rows_actual.is_none();
+        complete && matched && !self.columns.iter().any(ColumnComparison::fails)
+    }
+
+    /// The columns beyond tolerance, the worst first.
+    pub fn failing(&self) -> Vec<&ColumnComparison> {
+        let mut failing: Vec<_> = self.columns.iter().filter(|column| column.fails()).collect();
+        failing.sort_by(|a, b| b.severity().total_cmp(&a.severity()));
+        failing
+    }
+}
+
+/// Compares two tables that the rules know as `file`.
+///
+/// Rows are matched by EXPECTED's first column if both sides have it, it is not ignored and increases
+/// on both; otherwise by their number. The order of columns does not matter.
+pub fn compare_tables(
+    file: &str,
+    expected: &Table,
+    actual: &Table,
+    tolerances: &Tolerances,
+) -> TableComparison {
+    let rule = |name: &str| tolerances.rule(file, name);
+    let compared = |name: &&str| rule(name) != Rule::Ignore;
+    let keys = key(expected, actual).filter(|[key, _]| compared(&key.name()));
+    let pairing = Pairing::of(expected, actual, keys);
+    let [expected_key, actual_key] = [0, 1].map(|side| keys.map(|keys| keys[side]));
+    let place = |e, a| (expected.place(e, expected_key), actual.place(a, actual_key));
+    let columns = expected.columns.iter().filter_map(|column| match rule(column.name()) {
+        Rule::Ignore => Some(ignored(column)),
+        Rule::Within(tolerance) => {
+            let other = actual.column(column.name())?;
+            Some(compare_column(column, other, tolerance, &pairing.pairs, place))
+        }
+    });
+    let only_actual =
+        actual.columns.iter().filter(|column| expected.column(column.name()).is_none());
+    let columns =
+        columns.chain(only_actual.filter(|column| !compared(&column.name())).map(ignored));
+    let alone = |side: &Table, other: &Table| {
+        let missing = |name: &&str| other.column(name).is_none();
+        side.names().filter(missing).filter(compared).map(str::to_owned).collect()
+    };
+    // If no column is compared, missing rows do not count.
+    let any = expected.names().chain(actual.names()).any(|name| compared(&name));
+    let unmatched = |rows: &[usize], table: &Table, key| {
+        let first = rows.first().filter(|_| any)?;
+        Some(Unmatched { count: rows.len(), first: table.place(*first, key) })
+    };
+    TableComparison {
+        matched_by: keys.map(|[key, _]| key.name().to_owned()),
+        rows: pairing.pairs.len(),
+        columns: columns.collect(),
+        columns_expected: alone(expected, actual),
+        columns_actual: alone(actual, expected),
+        rows_expected: unmatched(&pairing.expected, expected, expected_key),
+        rows_actual: unmatched(&pairing.actual, actual, actual_key),
+    }
+}
+
+/// A column that is not compared.
+fn ignored(column: &TableColumn) -> ColumnComparison {
+    ColumnComparison {
+        name: column.name().to_owned(),
+        peak: column.peak(),
+        tolerance: None,
+        worst: None,
+        rows_beyond: 0,
+    }
+}
+
+/// One file that EXPECTED, ACTUAL or both have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FileComparison {
+    /// Path from the folders that are compared, with slashes.
+    pub name: String,
+    /// The result.
+    pub outcome: FileOutcome,
+}
+
+/// The result for one file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FileOutcome {
+    /// Both sides have it.
+    Compared(TableComparison),
+    /// Only EXPECTED has it, with these columns.
+    OnlyExpected(Vec<String>),
+    /// Only ACTUAL has it, with these columns.
+    OnlyActual(Vec<String>),
+}
+
+impl FileComparison {
+    /// True if both sides have it, the same within tolerance.
+    pub fn is_equal(&self) -> bool {
+        matches!(&self.outcome, FileOutcome::Compared(table) if table.is_equal())
+    }
+
+    /// Names of its columns on either side.
+    fn columns(&self) -> Vec<&str> {
+        match &self.outcome {
+            FileOutcome::OnlyExpected(names) | FileOutcome::OnlyActual(names) => {
+                names.iter().map(String::as_str).collect()
+            }
+            FileOutcome::Compared(table) => {
+                let both = table.columns.iter().map(|column| &column.name);
+                let alone = table.columns_expected.iter().chain(&table.columns_actual);
+                both.chain(alone).map(String::as_str).collect()
+            }
+        }
+    }
+}
+
+/// The comparison of all files of two sides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// The files, in the order of their names.
+    pub files: Vec<FileComparison>,
+    /// Number of files on either side that are no tables.
+    pub not_compared: usize,
+}
+
+impl Comparison {
+    /// True if nothing differs beyond tolerance.
+    pub fn is_equal(&self) -> bool {
+        self.files.iter().all(FileComparison::is_equal)
+    }
+
+    /// The rules that name no column of any file.
+    pub fn idle<'a>(&self, tolerances: &'a Tolerances) -> Vec<&'a ColumnRule> {
+        let files: Vec<_> = self.files.iter().map(|file| (&file.name, file.columns())).collect();
+        let is_idle = |entry: &&ColumnRule| {
+            !files.iter().any(|(file, names)| names.iter().any(|name| entry.names(file, name)))
+        };
+        tolerances.entries.iter().filter(is_idle).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_tolerance_makes_a_word_a_number() {
+        let column = |cell| {
+            let mut column = TableColumn::new("a".into());
+            column.push(cell);
+            column
+        };
+        let compared = |actual| {
+            let tolerance = Tolerance { rtol: f64::MAX, atol: f64::MAX };
+            let place = |_, _| [1, 1].map(|line| RowPlace { line, key: None }).into();
+            let expected = column(Cell::Number(2.0));
+            compare_column(&expected, &column(actual), tolerance, &[(0, 0)], place)
+        };
+        assert!(!compared(Cell::Number(1e300)).fails());
+        assert!(compared(Cell::Word("two")).fails());
+    }
+
+    #[test]
+    fn only_finite_numbers_have_a_distance() {
+        let number = Cell::Number;
+        let (nan, inf) = (f64::NAN, f64::INFINITY);
+        for same in [
+            [number(nan), number(-nan)],
+            [number(inf), number(inf)],
+            [number(0.0), number(-0.0)],
+            [Cell::Word(""), Cell::Word("")],
+            [Cell::Word("root"), Cell::Word("root")],
+        ] {
+            assert!(difference(same[0], same[1]) == 0.0, "{same:?}");
+        }
+        for other in [
+            [number(nan), number(0.0)],
+            [number(inf), number(-inf)],
+            [number(1e308), number(inf)],
+            [Cell::Word(""), number(0.0)],
+            [Cell::Word(""), number(nan)],
+            [Cell::Word("root"), Cell::Word("Root")],
+        ] {
+            assert!(difference(other[0], other[1]).is_infinite(), "{other:?}");
+            assert!(difference(other[1], other[0]).is_infinite(), "{other:?}");
+        }
+        assert!((difference(number(1.0), number(-2.5)) - 3.5).abs() < 1e-15);
+    }
+}

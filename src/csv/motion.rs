@@ -8,6 +8,7 @@ use super::place::BY_HEADINGS;
 use super::rows::{Place, TableError};
 use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
 use super::table::{group, write_over_time};
+use crate::link::Gravity;
 use crate::motion::{MotionColumns, Recording, TipTarget, Uncertainty};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
 use crate::recording::{LARGEST_JITTER, Rounding, jitter};
@@ -66,7 +67,7 @@ impl MotionTable {
     /// # Errors
     /// [`TableError`] if there is no displacement, or a time is off the uniform grid.
     pub fn into_target(self) -> Result<TipTarget, TableError> {
-        let Self { columns, name, lines, .. } = self;
+        let Self { columns, name, lines, recording, .. } = self;
         let Some(displacement_m) = columns.displacement_m else {
             let must = "must be given for a target, as displacement or angle";
             let hint = "an acceleration leaves open where the tip is; tip.csv of `flexlink solve` \
@@ -78,7 +79,7 @@ impl MotionTable {
         let grid = TimeGrid::through(&columns.time_s).map_err(|error| {
             refuse_samples(&name, &lines, Some(error.sample), &error, Some(error.hint()))
         })?;
-        Ok(TipTarget::new(grid, displacement_m))
+        Ok(TipTarget::new(grid, displacement_m).from_angle(recording.start_angle_rad))
     }
 
     /// The motion on a uniform grid from its first time to its last, by cubic splines.
@@ -224,17 +225,23 @@ pub fn read_motion_table_as(
 }
 
 /// Reads a displacement to compare with, as [`MotionTable::into_target`] makes it of a trajectory; times up
-/// to a twentieth of a step off a uniform grid are interpolated as those of a motion are.
+/// to a twentieth of a step off a uniform grid are interpolated as those of a motion are. With gravity angles are
+/// absolute.
 ///
 /// # Errors
-/// As [`read_motion_table`] and [`MotionTable::into_target`].
+/// As [`read_motion_table`], [`MotionTable::with_gravity`] and [`MotionTable::into_target`].
 pub fn read_target(
     name: &str,
     bytes: &[u8],
     link_length_m: f64,
+    gravity: Option<&Gravity>,
 ) -> Result<(TipTarget, Reading), TableError> {
     let table = read_motion_table(name, bytes, link_length_m)
         .map_err(|error| error.of_named_file(BY_HEADINGS))?;
+    let table = match gravity {
+        Some(gravity) => table.with_gravity(gravity, link_length_m)?,
+        None => table,
+    };
     let MotionColumns { time_s, displacement_m, .. } = &table.columns;
     let jitter = jitter(time_s, displacement_m.as_deref());
     let Some((steps, displacement)) = jitter.zip(displacement_m.as_deref()) else {
@@ -250,7 +257,8 @@ pub fn read_target(
         jitter: Some(Remark::Jitter { steps, step_s }.to_string()),
         ..table.reading.clone()
     };
-    Ok((TipTarget::new(grid, uniform.collect()), reading))
+    let target = TipTarget::new(grid, uniform.collect());
+    Ok((target.from_angle(table.recording.start_angle_rad), reading))
 }
 
 /// Number of steps in the duration; an error unless it is whole.

@@ -97,12 +97,25 @@ impl TipMotion {
 pub struct TipTarget {
     grid: TimeGrid,
     displacement_m: Vec<f64>,
+    start_angle_rad: Option<f64>,
 }
 
 impl TipTarget {
     /// Displacements in m at the times of `grid`, which ends with the last of them.
     pub fn new(grid: TimeGrid, displacement_m: Vec<f64>) -> Self {
-        Self { grid: TimeGrid { len: displacement_m.len(), ..grid }, displacement_m }
+        let grid = TimeGrid { len: displacement_m.len(), ..grid };
+        Self { grid, displacement_m, start_angle_rad: None }
+    }
+
+    /// The same with the direction of the chord in rad where the displacement is 0, if the motion gives it.
+    #[must_use]
+    pub fn from_angle(self, start_angle_rad: Option<f64>) -> Self {
+        Self { start_angle_rad, ..self }
+    }
+
+    /// Direction of the chord in rad where the displacement is 0, if the motion gives it.
+    pub fn start_angle_rad(&self) -> Option<f64> {
+        self.start_angle_rad
     }
 
     /// Times of the samples.
@@ -146,6 +159,7 @@ impl TipMotion {
         let first = own.first.saturating_sub_unsigned(before as u64);
         let grid = TimeGrid { first, len: before + own.len + after, ..own };
         TipTarget::new(grid, displacement_m.copied().collect())
+            .from_angle(self.recording().start_angle_rad)
     }
 }
 

@@ -4,6 +4,7 @@
 mod eigen;
 mod fft;
 mod grid;
+mod legendre;
 mod quintic;
 mod reductions;
 mod roots;
@@ -17,6 +18,7 @@ pub(crate) use eigen::SymmetricEigen;
 pub use fft::FourierPair;
 pub(crate) use fft::{angular_frequency, fast_length};
 pub use grid::{NotUniform, ThinnedGrid, TimeGrid};
+pub(crate) use legendre::{GaussRule, piece_shapes};
 pub(crate) use quintic::QuinticSpline;
 pub(crate) use reductions::{dot, extremes, rounded};
 pub use reductions::{largest, largest_difference, magnitude};

@@ -8,6 +8,7 @@ use flexlink::csv::{
     InputFile, TableFormat, read_hub_reference_as, read_recording, read_target,
     read_torque_table_as,
 };
+use flexlink::link::Link;
 use flexlink::motion::TipTarget;
 use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, Torque};
 use flexlink::result::ChannelRecording;
@@ -47,7 +48,8 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "NAME")]
     column: Option<String>,
 
-    /// Time in s at which the simulation ends; after the last sample of TORQUE no torque acts
+    /// Time in s at which the simulation ends; after the last sample of TORQUE no torque acts, or with
+    /// gravity the last one
     /// [default: the end of TORQUE or of the target, whichever is later].
     #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
     pub(crate) until: Option<f64>,
@@ -107,8 +109,9 @@ impl PlayArgs {
         [&self.file].into_iter().chain(others).map(PathBuf::as_path)
     }
 
-    /// Reads all files for a link of this length; every error names its file.
-    pub(crate) fn load(&self, length_m: f64, read: &ReadArgs) -> Result<Playing, Failure> {
+    /// Reads all files for a link; every error names its file.
+    pub(crate) fn load(&self, link: &Link, read: &ReadArgs) -> Result<Playing, Failure> {
+        let length_m = link.length_m();
         self.check()?;
         let file = InputFile::read(&self.file)?;
         let open = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
@@ -137,7 +140,8 @@ impl PlayArgs {
         tell(shown, &reading);
         // The options of reading are those of TORQUE.
         let target = target.map(|file| -> Result<_, Failure> {
-            let (target, reading) = read_target(&file.shown, &file.bytes, length_m)?;
+            let (target, reading) =
+                read_target(&file.shown, &file.bytes, length_m, link.gravity())?;
             tell(&file.shown, &reading);
             Ok((file, target))
         });
@@ -155,8 +159,12 @@ impl PlayArgs {
             Ok(reference)
         });
         let reference = reference.transpose()?;
-        // A link at rest is straight: the hub points to its tip.
-        let pointed = |reference: &HubReference| reference.angle_rad()[0] * length_m;
+        // Without weight a link at rest is straight: the hub points to its tip.
+        let from_rad = link.gravity().and_then(|gravity| gravity.start_angle_rad).unwrap_or(0.0);
+        let pointed = |reference: &HubReference| {
+            let turned_rad = reference.angle_rad()[0] - from_rad;
+            if link.has_weight() { 0.0 } else { turned_rad * length_m }
+        };
         let initial_tip_m = match &target {
             Some((_, target)) => target.start_m(),
             None => reference.as_ref().map(pointed).unwrap_or_default(),
@@ -223,7 +231,7 @@ impl PlayArgs {
 
 impl Playing {
     /// What to play until a time, or else as long as input and target last.
-    pub(crate) fn play(&self, until_s: Option<f64>) -> Play<'_> {
+    pub(crate) fn play(&self, until_s: Option<f64>, is_large: bool) -> Play<'_> {
         let input = match &self.moving {
             Moving::Torque(torque) => Input::Torque(torque),
             Moving::HubAngle(hub) => Input::HubAngle(hub),
@@ -237,6 +245,8 @@ impl Playing {
             feedback: self.feedback.as_ref(),
             initial_tip_m: self.initial_tip_m,
             memory_bytes: memory::available(),
+            is_large,
+            start_angle_rad: self.target.as_ref().and_then(|(_, target)| target.start_angle_rad()),
         }
     }
 }

@@ -2,14 +2,18 @@
 //! torques or hysteretic damping.
 
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
-use super::modes::{Coordinate, Equations, HubReaction};
-use super::play::{Interpolation, pieces};
-use super::simulation::Simulation;
+use super::error::{SimulationError, SimulationWarning};
+use super::modes::{Coordinate, Equations, HubReaction, MOST_MODES, kept_modes};
+use super::play::{Interpolation, Play, pieces};
+use super::simulation::{ModalPlay, Played, Simulation};
 use super::stepper::Stepper;
-use crate::modal::Shape;
+use crate::link::Link;
+use crate::modal::{DampingLaw, Shape};
 use crate::numeric::{
-    CubicSpline, FourierPair, SplineEnds, angular_frequency, fast_length, largest_difference,
+    CubicSpline, FourierPair, SplineEnds, angular_frequency, fast_length, largest,
+    largest_difference,
 };
 
 /// Balance of energy at one time, in J.
@@ -19,9 +23,9 @@ pub struct EnergyBalance {
     pub time_s: f64,
     /// Work of the motor since the start, ∫ T θ̇ dt.
     pub work_j: f64,
-    /// Kinetic energy, element by element.
+    /// Kinetic energy.
     pub kinetic_j: f64,
-    /// Strain energy, element by element.
+    /// Strain energy and that of weight, since the start.
     pub strain_j: f64,
     /// Energy dissipated by damping and friction.
     pub dissipated_j: f64,
@@ -42,7 +46,7 @@ impl Simulation {
     /// between two of them is the same, so that few fall into a long rest.
     ///
     /// Work and dissipation are integrated over all samples by a cubic spline; the energies are
-    /// those of the elements in the shape and rate that the modes add up to.
+    /// those of the elements in the shape and rate that the modes add up to, or of the elastica.
     pub fn energy(&self, count: usize) -> EnergyAccount {
         let motor: Vec<f64> =
             self.torque_n_m.iter().zip(&self.hub_rate_rad_s).map(|(t, rate)| t * rate).collect();
@@ -60,13 +64,12 @@ impl Simulation {
         let balance = |k: usize| {
             let reached = |sum: &f64| *sum < total * k as f64 / count as f64;
             let sample = if k == count { last } else { worked.partition_point(reached) };
-            let (q, rate) = self.record.at(sample);
-            let [shape, velocity] = [q, rate].map(|own| Shape::sum(own, &self.equations.shapes));
+            let [kinetic_j, strain_j] = self.energies_j(sample);
             EnergyBalance {
                 time_s: self.grid.time_s(sample),
                 work_j: work[sample],
-                kinetic_j: 0.5 * velocity.mass_product(&self.mesh, &velocity),
-                strain_j: 0.5 * shape.stiffness_product(&self.mesh, &shape),
+                kinetic_j,
+                strain_j,
                 dissipated_j: dissipated[sample],
             }
         };
@@ -84,11 +87,31 @@ impl Simulation {
         }
     }
 
+    /// Kinetic energy, and that of strain and weight since the start, at a sample in J.
+    fn energies_j(&self, sample: usize) -> [f64; 2] {
+        let modes = match &self.played {
+            Played::Modes(modes) => modes,
+            Played::Elastica(bent) => {
+                let ([kinetic_j, held_j], [_, first_j]) =
+                    (bent.energies_j(sample), bent.energies_j(0));
+                return [kinetic_j, held_j - first_j];
+            }
+        };
+        let (q, rate) = modes.record.at(sample);
+        let [shape, velocity] = [q, rate].map(|own| Shape::sum(own, &modes.equations.shapes));
+        let kinetic_j = 0.5 * velocity.mass_product(&self.mesh, &velocity);
+        [kinetic_j, 0.5 * shape.stiffness_product(&self.mesh, &shape)]
+    }
+
     /// Power that damping and friction dissipate at a sample in W.
     fn loss_w(&self, sample: usize) -> f64 {
-        let rate = self.record.at(sample).1;
-        self.equations.damped_w(rate)
-            + self.equations.reaction.friction_n_m_s_rad * self.hub_rate_rad_s[sample].powi(2)
+        let modes = match &self.played {
+            Played::Modes(modes) => modes,
+            Played::Elastica(bent) => return bent.loss_w(sample),
+        };
+        let rate = modes.record.at(sample).1;
+        modes.equations.damped_w(rate)
+            + modes.equations.reaction.friction_n_m_s_rad * self.hub_rate_rad_s[sample].powi(2)
     }
 
     /// ∫ dt from the first to each `every`-th of the samples, by these alone.
@@ -108,7 +131,7 @@ impl Simulation {
     }
 }
 
-impl Simulation {
+impl ModalPlay {
     /// Tip displacement in m under a torque that follows straight lines between its samples, which begin
     /// with those of this simulation; friction and feedback act as in it.
     pub fn straight_tip_m(&self, torque_n_m: &[f64]) -> Vec<f64> {
@@ -212,6 +235,80 @@ impl Simulation {
     }
 }
 
+/// Error of a tip or a hub angle above which a warning is given.
+const COARSE: f64 = 1e-2;
+
+/// The same at large angles, where refinement goes on until nothing changes.
+const UNSETTLED: f64 = 1e-4;
+
+/// Errors of a simulation by its mesh and its modes; at large angles by its angles and steps.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PlayError {
+    /// Largest error of the tip's displacement, over its travel.
+    pub tip: f64,
+    /// Largest error of the hub angle, over its peak.
+    pub hub_angle: f64,
+}
+
+impl PlayError {
+    /// Of a linear link: plays the same torque on elements of half the length, with all modes that the torque moves
+    /// there, and measures the change; where modes were cut, with twice as many.
+    ///
+    /// It takes about as long as the simulation, and no memory. `None` where such elements do not
+    /// allow the damping law. At large angles the errors are what the last refinement changed.
+    ///
+    /// # Errors
+    /// As [`simulate`] of this simulation.
+    pub fn of(
+        simulation: &Simulation,
+        link: &Link,
+        play: &Play,
+    ) -> Result<Option<Self>, SimulationError> {
+        let Simulation { grid, tip, hub_angle_rad, .. } = simulation;
+        let (start_m, start_rad) = (tip.displacement_m[0], hub_angle_rad[0]);
+        let turned: Vec<f64> = hub_angle_rad.iter().map(|angle| angle - start_rad).collect();
+        let share = |error: f64, whole: f64| if error == 0.0 { 0.0 } else { error / whole };
+        let modes = match &simulation.played {
+            Played::Modes(modes) => modes,
+            Played::Elastica(bent) => {
+                return Ok(Some(Self {
+                    tip: share(bent.tip_change_m, tip.largest_travel_m()),
+                    hub_angle: share(bent.hub_change_rad, largest(&turned)),
+                }));
+            }
+        };
+        let mesh = simulation.mesh.refined();
+        let Ok(law) = DampingLaw::of(link, &mesh) else { return Ok(None) };
+        let were_cut = modes.selection.modes >= MOST_MODES;
+        let most_modes = if were_cut { 2 * MOST_MODES } else { MOST_MODES };
+        let (basis, _) = kept_modes(&mesh, modes.band_rad_s, most_modes);
+        let equations = play.equations(link, (&mesh, &law), basis)?;
+        let driving = play.driving(false)?;
+        let mut found = tip.displacement_m.iter().zip(&turned);
+        let (mut tip_m, mut hub_rad) = (0.0_f64, 0.0_f64);
+        Stepper::new(&equations, grid.step_s).run(driving.steps(grid.len), |stepper| {
+            let q = stepper.coordinates();
+            let Some((displacement_m, turned_rad)) = found.next() else { return };
+            tip_m = tip_m.max((equations.tip(&q) - (displacement_m - start_m)).abs());
+            hub_rad = hub_rad.max((equations.hub(&q) - turned_rad).abs());
+        });
+        let per_change = mesh.error_per_change();
+        let tip = per_change * share(tip_m, tip.largest_travel_m());
+        let hub_angle = per_change * share(hub_rad, largest(&turned));
+        Ok(Some(Self { tip, hub_angle }))
+    }
+
+    /// A warning if the errors are large.
+    pub fn warning(&self, simulation: &Simulation) -> Option<SimulationWarning> {
+        let Self { tip, hub_angle } = *self;
+        let (largest, warning) = match simulation.played {
+            Played::Modes(_) => (COARSE, SimulationWarning::CoarseMesh { tip, hub_angle }),
+            Played::Elastica(_) => (UNSETTLED, SimulationWarning::Unsettled { tip, hub_angle }),
+        };
+        (tip.max(hub_angle) > largest).then_some(warning)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::beam::{ElementCount, MeshPlan};
@@ -230,7 +327,7 @@ mod tests {
         let cubics = simulate(&link, &plan, &play).unwrap();
         let lines = Play { interpolation: Interpolation::Linear, ..play };
         let lines = simulate(&link, &plan, &lines).unwrap().tip.displacement_m;
-        assert!(cubics.straight_tip_m(torque.torque_n_m()) == lines);
+        assert!(cubics.modes().unwrap().straight_tip_m(torque.torque_n_m()) == lines);
         assert!(cubics.tip.displacement_m != lines);
     }
 }

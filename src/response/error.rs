@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::link::{Link, ParameterError};
 use crate::modal::DampingError;
-use crate::numeric::{TimeGrid, dot, largest, rounded};
+use crate::numeric::{TimeGrid, dot, extremes, largest, rounded};
 use crate::text::{gigabytes, plain};
 
 /// Why a torque is not played.
@@ -23,9 +23,24 @@ pub enum SimulationError {
     /// A hub without inertia on a root without mass: its motion follows no differential equation.
     #[error("the hub moves no mass, but must: hub.inertia = 0, and the link's root has none")]
     MasslessHub,
-    /// A link under gravity.
-    #[error("gravity acts in the plane of motion, but a link is played without weight only")]
-    HasWeight,
+    /// A link that is not played with weight or at large angles.
+    #[error("{what}, but weight and second-order terms are played on links {known}")]
+    NotDerived {
+        /// What the link has.
+        what: &'static str,
+        /// What it may have.
+        known: &'static str,
+    },
+    /// A link with gravity whose direction is not known.
+    #[error(
+        "start_angle = nothing, but must be given: with gravity the direction of the link matters"
+    )]
+    NoStartAngle,
+    /// A link too soft for its weight.
+    #[error(
+        "the link finds no shape at rest under its weight where it starts, but must begin at rest"
+    )]
+    NoRest,
     /// Damping that the mesh does not allow.
     #[error(transparent)]
     Damping(#[from] DampingError),
@@ -109,7 +124,13 @@ impl SimulationError {
             }
             Self::NotFinite { .. } => Some("the inputs are too large for double precision"),
             Self::EndsEarly { .. } => Some("the simulation goes on to the torque's end by itself"),
-            Self::HasWeight => Some("--set 'gravity=[0, 0]' plays it in a horizontal plane"),
+            Self::NotDerived { .. } => Some(
+                "--set 'gravity=[0, 0]' and analysis.second_order = \"none\" play the linear link",
+            ),
+            Self::NoStartAngle => Some(
+                "--set 'start_angle=\"-90 deg\"' is the direction of a link that hangs, where gravity is along -y",
+            ),
+            Self::NoRest => Some("a stiffer link, or another start_angle"),
             Self::MasslessHub => Some("give the hub an inertia, however small"),
             Self::NoTorque | Self::NoTurn => None,
         }
@@ -118,6 +139,9 @@ impl SimulationError {
 
 /// Torque at its first or last sample over its peak, above which a warning is given.
 const STEP_SHARE: f64 = 1e-3;
+
+/// Angle in rad between a reference and the hub at the start above which a warning is given.
+const APART_RAD: f64 = 1e-4;
 
 /// Rate of the hub at its first sample over its peak, above which a warning is given.
 const MOVES: f64 = 1e-2;
@@ -205,6 +229,45 @@ pub enum SimulationWarning {
         /// Largest deflection of the tip from the hub's tangent line over the length.
         share: f64,
     },
+    /// A torque that does not begin with what holds the link.
+    #[error(
+        "the torque begins with {:?} N m, but {:?} N m hold the link where it starts: the difference acts on the \
+         resting link as a jump, {:.1} % of the torque's range",
+        rounded(*torque_n_m, 6),
+        rounded(*holding_n_m, 6),
+        100.0 * share
+    )]
+    BeginsUnheld {
+        /// First sample in N m.
+        torque_n_m: f64,
+        /// What holds the link in N m.
+        holding_n_m: f64,
+        /// Their difference over the range.
+        share: f64,
+    },
+    /// A reference that does not begin where the hub stands.
+    #[error(
+        "the reference begins at {:?} rad, but the hub stands at {:?} rad: the feedback turns it there",
+        rounded(*reference_rad, 6),
+        rounded(*hub_rad, 6)
+    )]
+    ReferenceApart {
+        /// First angle of the reference in rad.
+        reference_rad: f64,
+        /// Hub angle at the start in rad.
+        hub_rad: f64,
+    },
+    /// A large motion that refinement still changes.
+    #[error(
+        "the last refinement still changes the tip by {tip:.1e} of its travel, the hub angle by \
+         {hub_angle:.1e} of its peak (half the step, more angles)"
+    )]
+    Unsettled {
+        /// Change of the tip over its travel.
+        tip: f64,
+        /// Change of the hub angle over its peak.
+        hub_angle: f64,
+    },
     /// Too few elements or modes for the torque.
     #[error(
         "mesh and modes make the tip wrong by {tip:.1e} of its travel, the hub angle by \
@@ -228,6 +291,9 @@ impl SimulationWarning {
             Self::RoughTorque { .. } => "rough_torque",
             Self::CoarseStep { .. } => "coarse_step",
             Self::LargeDeflection { .. } => "large_deflection",
+            Self::BeginsUnheld { .. } => "begins_unheld",
+            Self::ReferenceApart { .. } => "reference_apart",
+            Self::Unsettled { .. } => "unsettled",
             Self::CoarseMesh { .. } => "coarse_mesh",
         }
     }
@@ -244,6 +310,15 @@ impl SimulationWarning {
             }
             Self::CoarseStep { .. } => "a torque with a shorter step",
             Self::LargeDeflection { .. } => "a smaller torque or a stiffer link",
+            Self::BeginsUnheld { .. } => {
+                "torque.csv of solve begins with what holds the link: start_angle must be that of its run"
+            }
+            Self::ReferenceApart { .. } => {
+                "hub_angle.csv of solve begins where the link rests: start_angle must be that of its run"
+            }
+            Self::Unsettled { .. } => {
+                "feedback, where the link falls from its pose; or a torque without jumps and corners"
+            }
             Self::CoarseMesh { .. } => {
                 "more elements, mesh.elements = \"auto\", or a torque without jumps and corners"
             }
@@ -263,6 +338,22 @@ impl SimulationWarning {
         [is_jump(first).then_some(begins), is_jump(last).then_some(ends)]
     }
 
+    /// A warning of a torque that does not begin with what holds the link.
+    pub(super) fn unheld(torque_n_m: &[f64], holding_n_m: f64) -> Option<Self> {
+        let [low, high] = extremes(torque_n_m);
+        let (first, range) = (torque_n_m[0], high - low);
+        let size = if range > 0.0 { range } else { holding_n_m.abs() };
+        let share = (first - holding_n_m).abs() / size;
+        let warning = Self::BeginsUnheld { torque_n_m: first, holding_n_m, share };
+        (share > STEP_SHARE).then_some(warning)
+    }
+
+    /// A warning of a reference that does not begin where the hub stands.
+    pub(super) fn apart(reference_rad: f64, hub_rad: f64) -> Option<Self> {
+        let is_apart = (reference_rad - hub_rad).abs() > APART_RAD;
+        is_apart.then_some(Self::ReferenceApart { reference_rad, hub_rad })
+    }
+
     /// A warning of a hub that does not rest at its first sample.
     pub(super) fn hub_begins(rate_rad_s: &[f64]) -> Option<Self> {
         let first = rate_rad_s[0];
@@ -279,6 +370,13 @@ impl SimulationWarning {
         (share > ROUGH).then_some(Self::RoughTorque { share })
     }
 
+    /// A warning of a step too long for the first mode.
+    pub(super) fn coarse_step(step_s: f64, first_period_s: Option<f64>) -> Option<Self> {
+        let period_s = first_period_s?;
+        let steps = period_s / step_s;
+        (steps < STEPS_IN_A_PERIOD).then_some(Self::CoarseStep { step_s, period_s, steps })
+    }
+
     /// All warnings of an input with its `own`, at these steps, on a link whose first flexible mode
     /// has this period in s. Its residual vibration is relative to the tip's travel, its largest deflection
     /// to the length.
@@ -287,11 +385,7 @@ impl SimulationWarning {
         (step_s, first_period_s): (f64, Option<f64>),
         (vibration, deflection): (f64, f64),
     ) -> Vec<Self> {
-        let coarse = first_period_s.and_then(|period_s| {
-            let steps = period_s / step_s;
-            let is_coarse = steps < STEPS_IN_A_PERIOD && vibration > VIBRATES;
-            is_coarse.then_some(Self::CoarseStep { step_s, period_s, steps })
-        });
+        let coarse = Self::coarse_step(step_s, first_period_s).filter(|_| vibration > VIBRATES);
         let large = (deflection > Link::LARGE_DEFLECTION)
             .then_some(Self::LargeDeflection { share: deflection });
         own.into_iter().chain([coarse, large]).flatten().collect()

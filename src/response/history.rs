@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::numeric::{NotUniform, TimeGrid};
+use crate::numeric::{CubicSpline, NotUniform, QuinticSpline, SplineEnds, TimeGrid};
 
 /// Fewest samples of a torque or a reference.
 const MIN_SAMPLES: usize = 4;
@@ -153,6 +153,29 @@ impl HubReference {
     /// Hub rate in rad/s at each time of the grid, if it was given.
     pub fn rate_rad_s(&self) -> Option<&[f64]> {
         self.rate_rad_s.as_deref()
+    }
+}
+
+impl HubReference {
+    /// Turn from the first sample to the last in rad.
+    pub(super) fn turn_rad(&self) -> f64 {
+        let angle = self.angle_rad();
+        angle[angle.len() - 1] - angle[0]
+    }
+
+    /// Rates in rad/s of a cubic spline through the angles.
+    pub(super) fn slopes_rad_s(&self) -> Vec<f64> {
+        let spline = CubicSpline::uniform(self.angle_rad(), SplineEnds::NotAKnot);
+        spline.slopes().iter().map(|slope| slope / self.grid().step_s).collect()
+    }
+
+    /// Accelerations in rad/s² at the samples and between them.
+    pub(super) fn accelerations(&self) -> (Vec<f64>, Vec<[f64; 4]>) {
+        let spline = QuinticSpline::from_rest(self.angle_rad());
+        let per_s2 = self.grid().step_s.powi(-2);
+        let samples = spline.curvatures().map(|curvature| curvature * per_s2).collect();
+        let pieces = spline.curvature_pieces().map(|piece| piece.map(|c| c * per_s2)).collect();
+        (samples, pieces)
     }
 }
 

@@ -7,17 +7,22 @@
     reason = "counts of samples are computed as numbers that are checked to be small and positive"
 )]
 
+mod bent;
+mod chain;
 mod checks;
 mod error;
 mod history;
 mod modes;
 mod play;
+mod radau;
 mod residual;
 mod sensed;
+mod shape;
 mod simulation;
 mod stepper;
 
-pub use checks::{EnergyAccount, EnergyBalance};
+pub use bent::BentPlay;
+pub use checks::{EnergyAccount, EnergyBalance, PlayError};
 pub use error::{SimulationError, SimulationWarning};
 pub use history::{HistoryError, HubReference, Torque};
 pub use modes::ModeSelection;
@@ -25,4 +30,4 @@ pub use play::{Feedback, Input, Interpolation, Play};
 pub use residual::ResidualVibration;
 pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;
-pub use simulation::{PlayError, Simulation, simulate};
+pub use simulation::{ModalPlay, Played, Simulation, simulate};

@@ -8,7 +8,7 @@ use super::modes::{Equations, HubReaction, held, torque_band_rad_s};
 use crate::beam::Mesh;
 use crate::link::{Link, ParameterError, not_negative};
 use crate::modal::{DampingLaw, ModalBasis};
-use crate::numeric::{CubicSpline, QuinticSpline, SplineEnds, TimeGrid};
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
 
 /// Most samples that are simulated.
 const LONGEST: usize = 1 << 24;
@@ -16,7 +16,8 @@ const LONGEST: usize = 1 << 24;
 /// What moves a link.
 #[derive(Debug, Clone, Copy)]
 pub enum Input<'a> {
-    /// The torque at the hub; zero before its first and after its last sample.
+    /// The torque at the hub; zero before its first and after its last sample. A link with weight is held before
+    /// the first sample, and the last one stays.
     Torque(&'a Torque),
     /// The hub angle, which the hub follows exactly. It is at rest before the first sample, and turns on at
     /// its rate after the last one.
@@ -47,6 +48,22 @@ impl Input<'_> {
     }
 }
 
+impl Input<'_> {
+    /// The same of a link at large angles, which a torque holds at rest where it has weight.
+    pub(super) fn warnings_of_large(
+        &self,
+        holding_n_m: Option<f64>,
+        torque_n_m: &[f64],
+    ) -> [Option<SimulationWarning>; 2] {
+        match (self, holding_n_m) {
+            (Self::Torque(torque), Some(holding_n_m)) => {
+                [SimulationWarning::unheld(torque.torque_n_m(), holding_n_m), None]
+            }
+            _ => self.warnings(torque_n_m),
+        }
+    }
+}
+
 /// What to play on a link at rest, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Play<'a> {
@@ -62,6 +79,10 @@ pub struct Play<'a> {
     pub initial_tip_m: f64,
     /// Most memory in bytes that playing may take; `None`: no bound.
     pub memory_bytes: Option<usize>,
+    /// Whether all terms of large angles are counted. With weight they always are.
+    pub is_large: bool,
+    /// Direction of the chord in rad where the tip's displacement is 0; `None`: that of the link, or 0 without weight.
+    pub start_angle_rad: Option<f64>,
 }
 
 impl<'a> Play<'a> {
@@ -83,6 +104,8 @@ impl<'a> Play<'a> {
             feedback: None,
             initial_tip_m: 0.0,
             memory_bytes: None,
+            is_large: false,
+            start_angle_rad: None,
         }
     }
 
@@ -126,11 +149,18 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// Displacement of the tip of a link of this length at the start in m.
-    pub(super) fn start_m(&self, length_m: f64) -> f64 {
+    /// Direction of the chord in rad where the tip's displacement is 0, if there is gravity to give it.
+    pub(super) fn origin_rad(&self, link: &Link) -> Option<f64> {
+        self.start_angle_rad.or(link.gravity().and_then(|gravity| gravity.start_angle_rad))
+    }
+
+    /// Displacement of the tip at the start in m; a prescribed hub points to it.
+    pub(super) fn start_m(&self, link: &Link) -> f64 {
         match self.input {
             Input::Torque(_) => self.initial_tip_m,
-            Input::HubAngle(hub) => hub.angle_rad()[0] * length_m,
+            Input::HubAngle(hub) => {
+                (hub.angle_rad()[0] - self.origin_rad(link).unwrap_or(0.0)) * link.length_m()
+            }
         }
     }
 
@@ -165,7 +195,7 @@ impl<'a> Play<'a> {
     }
 
     /// Friction and feedback at the hub.
-    fn reaction(&self, link: &Link) -> HubReaction {
+    pub(super) fn reaction(&self, link: &Link) -> HubReaction {
         let friction_n_m_s_rad = link.hub().viscous_friction_n_m_s_rad;
         let gain = |of: fn(&Feedback) -> f64| self.feedback.map_or(0.0, of);
         HubReaction {
@@ -175,11 +205,11 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// The input of the modal equations at all samples and between them.
+    /// The input at all samples and between them; after the last one the motor of a link with weight keeps its torque.
     ///
     /// # Errors
     /// [`SimulationError::OtherTimes`] of a reference.
-    pub(super) fn driving(&self) -> Result<Driving, SimulationError> {
+    pub(super) fn driving(&self, has_weight: bool) -> Result<Driving, SimulationError> {
         let torque = match self.input {
             Input::Torque(torque) => torque,
             Input::HubAngle(hub) => {
@@ -188,12 +218,13 @@ impl<'a> Play<'a> {
             }
         };
         let own = torque.torque_n_m();
+        let kept_n_m = if has_weight { own[own.len() - 1] } else { 0.0 };
         let (samples, hold) = match self.feedback {
-            None => (own.to_vec(), 0.0),
+            None => (own.to_vec(), kept_n_m),
             Some(feedback) => {
                 let wanted = feedback.wanted_torque_n_m(torque)?;
                 let samples = own.iter().zip(wanted).map(|(t, wanted)| t + wanted).collect();
-                (samples, feedback.stiffness_n_m_rad * feedback.reference.turn_rad())
+                (samples, kept_n_m + feedback.stiffness_n_m_rad * feedback.reference.turn_rad())
             }
         };
         let pieces = pieces(&samples, self.interpolation);
@@ -238,6 +269,11 @@ impl Feedback {
         self.damping_n_m_s_rad
     }
 
+    /// The reference.
+    pub fn reference(&self) -> &HubReference {
+        &self.reference
+    }
+
     /// What the reference adds to the torque at each sample, `k_p (θ_ref − θ_ref(0)) + k_d θ̇_ref`;
     /// the link starts at the reference's first angle.
     ///
@@ -262,29 +298,6 @@ impl Feedback {
     }
 }
 
-impl HubReference {
-    /// Turn from the first sample to the last in rad.
-    fn turn_rad(&self) -> f64 {
-        let angle = self.angle_rad();
-        angle[angle.len() - 1] - angle[0]
-    }
-
-    /// Rates in rad/s of a cubic spline through the angles.
-    fn slopes_rad_s(&self) -> Vec<f64> {
-        let spline = CubicSpline::uniform(self.angle_rad(), SplineEnds::NotAKnot);
-        spline.slopes().iter().map(|slope| slope / self.grid().step_s).collect()
-    }
-
-    /// Accelerations in rad/s² at the samples and between them.
-    fn accelerations(&self) -> (Vec<f64>, Vec<Cubic>) {
-        let spline = QuinticSpline::from_rest(self.angle_rad());
-        let per_s2 = self.grid().step_s.powi(-2);
-        let samples = spline.curvatures().map(|curvature| curvature * per_s2).collect();
-        let pieces = spline.curvature_pieces().map(|piece| piece.map(|c| c * per_s2)).collect();
-        (samples, pieces)
-    }
-}
-
 /// Whether two grids have the same samples, times within a thousandth of a step.
 fn same_times(a: &TimeGrid, b: &TimeGrid) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= 1e-3 * a.step_s;
@@ -293,7 +306,7 @@ fn same_times(a: &TimeGrid, b: &TimeGrid) -> bool {
         && near(a.time_s(a.len - 1), b.time_s(b.len - 1))
 }
 
-/// Input u of the modal equations: the hub's acceleration, or the torque, and the part of the feedback that
+/// Input u of the equations of motion: the hub's acceleration, or the torque, and the part of the feedback that
 /// depends on its reference. The part that depends on the link's motion belongs to the equations.
 #[derive(Debug, Clone)]
 pub(super) struct Driving {

@@ -1,18 +1,18 @@
+use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
-use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-
+use super::bent::{BentPlay, play_bent};
 use super::error::{SimulationError, SimulationWarning};
 use super::modes::{Equations, MOST_MODES, ModeSelection, kept_modes};
-use super::play::{Driving, Play};
+use super::play::{Driving, Input, Play};
 use super::residual::{Reading, ResidualVibration};
-use super::stepper::{Record, Stepper};
+use super::stepper::Record;
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
 use crate::link::{Link, ParameterError};
 use crate::modal::{DampingLaw, REPORTED_MODES, Shape, hub_moves_mass, natural_frequencies};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, largest};
+use rayon::prelude::*;
 
 /// Memory in bytes that playing takes for each sample, as measured, besides the coordinate and the
 /// rate of each mode.
@@ -36,11 +36,9 @@ pub struct Simulation {
     pub hub_acceleration_rad_s2: Vec<f64>,
     /// Motion of the tip.
     pub tip: TipMotionHistories,
-    /// Vibration after the input.
-    pub residual: ResidualVibration,
-    /// Modes that were kept.
-    pub selection: ModeSelection,
-    /// Lowest natural frequencies in rad/s, the rigid rotation left out.
+    /// What was played.
+    pub played: Played,
+    /// Lowest natural frequencies in rad/s without weight, the rigid rotation left out.
     pub natural_frequencies_rad_s: Vec<f64>,
     /// The mesh.
     pub mesh: Mesh,
@@ -48,8 +46,29 @@ pub struct Simulation {
     pub law: DampingLaw,
     /// What the user must know.
     pub warnings: Vec<SimulationWarning>,
+}
+
+/// The link as it was played.
+#[derive(Debug, Clone)]
+pub enum Played {
+    /// A linear link, by its modes.
+    Modes(ModalPlay),
+    /// A link with weight or at large angles.
+    Elastica(BentPlay),
+}
+
+/// A linear link, played by its modes.
+#[derive(Debug, Clone)]
+pub struct ModalPlay {
+    /// Modes that were kept.
+    pub selection: ModeSelection,
+    /// Vibration after the input.
+    pub residual: ResidualVibration,
     /// Frequency in rad/s up to which the link is driven.
     pub(super) band_rad_s: f64,
+    pub(super) grid: TimeGrid,
+    /// Hub angle in rad where the tip's displacement is 0.
+    from_rad: f64,
     pub(super) initial_tip_m: f64,
     pub(super) equations: Equations,
     pub(super) record: Record,
@@ -57,6 +76,10 @@ pub struct Simulation {
 
 /// Computes the motion of a link under a torque, or on a hub that moves as prescribed: direct dynamics in
 /// modal coordinates, each mode integrated exactly for the interpolated input (Bayo 1987, eqs 11 and 12).
+///
+/// With weight, or where [`Play::is_large`] asks for it, the link is an inextensible elastica with angles as
+/// coordinates, integrated by Radau's method with more angles and shorter steps until tip and hub settle within the
+/// plan's tolerance. It starts from its shape at rest.
 ///
 /// The modes are those within the band of the input; the others act as one residual mode with their static
 /// response. Hysteretic damping has no equation in time: its ratio is taken as the viscous ratio of every
@@ -66,8 +89,11 @@ pub struct Simulation {
 /// # Errors
 /// [`SimulationError`].
 pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation, SimulationError> {
-    let band_rad_s = play.band_rad_s().ok_or(play.nothing())?;
     let mesh = Mesh::new(link, plan)?;
+    if play.is_large || link.has_weight() {
+        return play_large(link, mesh, play, plan.tolerance());
+    }
+    let band_rad_s = play.band_rad_s().ok_or(play.nothing())?;
     let mesh =
         if plan.is_automatic() { mesh.resolving(band_rad_s, plan.tolerance()) } else { mesh };
     play_on(link, mesh, play, band_rad_s)
@@ -82,6 +108,9 @@ pub(crate) fn simulate_on(
     mesh: Mesh,
     play: &Play,
 ) -> Result<Simulation, SimulationError> {
+    if play.is_large || link.has_weight() {
+        return play_large(link, mesh, play, MeshPlan::DEFAULT_TOLERANCE);
+    }
     play_on(link, mesh, play, play.band_rad_s().ok_or(play.nothing())?)
 }
 
@@ -95,11 +124,8 @@ fn play_on(
     if !hub_moves_mass(&mesh) {
         return Err(SimulationError::MasslessHub);
     }
-    if link.has_weight() {
-        return Err(SimulationError::HasWeight);
-    }
     let grid = play.grid()?;
-    let driving = play.driving()?;
+    let driving = play.driving(false)?;
     let law = DampingLaw::of(link, &mesh)?;
     let (basis, selection) = kept_modes(&mesh, band_rad_s, MOST_MODES);
     let equations = play.equations(link, (&mesh, &law), basis)?;
@@ -110,8 +136,9 @@ fn play_on(
         return Err(SimulationError::TooMuchMemory { samples, modes, bytes, allowed });
     }
     let record = Record::of(&equations, &driving, &grid);
-    let initial_tip_m = play.start_m(mesh.length_m());
-    let start = [initial_tip_m / mesh.length_m(), initial_tip_m];
+    let initial_tip_m = play.start_m(link);
+    let from_rad = play.origin_rad(link).unwrap_or(0.0);
+    let start = [from_rad + initial_tip_m / mesh.length_m(), initial_tip_m];
     let observed = observed(&record, &equations, &driving, start, &grid)?;
     let [torque_n_m, hub_angle_rad, hub_rate_rad_s, hub_acceleration_rad_s2, tip @ ..] = observed;
     let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
@@ -121,7 +148,7 @@ fn play_on(
     let reading = Reading::new(&equations, goal_m);
     let (last, held) = (record.at(driven - 1), driving.held());
     let residual = ResidualVibration::of(&equations, last, &held, &reading, tip.largest_travel_m());
-    let deflection_m = tip_deflection_m(&mesh, &tip.displacement_m, &hub_angle_rad);
+    let deflection_m = tip_deflection_m(&mesh, from_rad, &tip.displacement_m, &hub_angle_rad);
     let warnings = SimulationWarning::all(
         play.input.warnings(&torque_n_m),
         (grid.step_s, equations.first_period_s()),
@@ -135,16 +162,68 @@ fn play_on(
         hub_rate_rad_s,
         hub_acceleration_rad_s2,
         tip,
-        residual,
-        selection,
+        played: Played::Modes(ModalPlay {
+            selection,
+            residual,
+            band_rad_s,
+            grid,
+            from_rad,
+            initial_tip_m,
+            equations,
+            record,
+        }),
         natural_frequencies_rad_s: natural_frequencies(&mesh, REPORTED_MODES),
         mesh,
         law,
         warnings,
-        band_rad_s,
-        initial_tip_m,
-        equations,
-        record,
+    })
+}
+
+/// Computes the motion of a link with weight or at large angles; the mesh has the nodes that are shown.
+fn play_large(
+    link: &Link,
+    mesh: Mesh,
+    play: &Play,
+    tolerance: f64,
+) -> Result<Simulation, SimulationError> {
+    if !hub_moves_mass(&mesh) {
+        return Err(SimulationError::MasslessHub);
+    }
+    let is_still = play.band_rad_s().is_none();
+    // Under a torque of zero a link falls.
+    let falls = link.has_weight() && matches!(play.input, Input::Torque(_));
+    if is_still && !falls {
+        return Err(play.nothing());
+    }
+    let (grid, law) = (play.grid()?, DampingLaw::of(link, &mesh)?);
+    let natural_frequencies_rad_s = natural_frequencies(&mesh, REPORTED_MODES);
+    let first_rad_s = natural_frequencies_rad_s.first().copied().unwrap_or(0.0);
+    let (bent, histories) = play_bent(link, &law, play, (&grid, first_rad_s, tolerance))?;
+    let [torque_n_m, hub_angle_rad, hub_rate_rad_s, hub_acceleration_rad_s2, tip @ ..] = histories;
+    let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
+    let own =
+        play.input.warnings_of_large(link.has_weight().then_some(bent.holding_n_m), &torque_n_m);
+    let apart = play.feedback.and_then(|feedback| {
+        let first = feedback.reference().angle_rad()[0];
+        link.has_weight().then(|| SimulationWarning::apart(first, hub_angle_rad[0]))?
+    });
+    let period_s = (first_rad_s > 0.0).then(|| TAU / first_rad_s);
+    // A link that is played to its end always moves.
+    let coarse = SimulationWarning::coarse_step(grid.step_s, period_s);
+    let warnings = own.into_iter().chain([apart, coarse]).flatten().collect();
+    Ok(Simulation {
+        driven: play.input.grid().len,
+        grid,
+        torque_n_m,
+        hub_angle_rad,
+        hub_rate_rad_s,
+        hub_acceleration_rad_s2,
+        tip: TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 },
+        played: Played::Elastica(bent),
+        natural_frequencies_rad_s,
+        mesh,
+        law,
+        warnings,
     })
 }
 
@@ -184,19 +263,38 @@ fn observed(
     Ok(columns)
 }
 
-fn tip_deflection_m(mesh: &Mesh, tip_m: &[f64], hub_angle_rad: &[f64]) -> Vec<f64> {
-    tip_m.iter().zip(hub_angle_rad).map(|(v, theta)| v - mesh.length_m() * theta).collect()
+/// The hub's angle counts from `from_rad` on, the direction where the tip's displacement is 0.
+fn tip_deflection_m(mesh: &Mesh, from_rad: f64, tip_m: &[f64], hub_angle_rad: &[f64]) -> Vec<f64> {
+    let samples = tip_m.iter().zip(hub_angle_rad);
+    samples.map(|(v, theta)| v - mesh.length_m() * (theta - from_rad)).collect()
 }
 
 impl Simulation {
-    /// Period of the first flexible mode in s, of the held link where the hub moves as prescribed.
+    /// Period of the first flexible mode in s, of the held link where the hub of a linear link moves as prescribed.
     pub fn first_period_s(&self) -> Option<f64> {
-        self.equations.first_period_s()
+        match &self.played {
+            Played::Modes(modes) => modes.equations.first_period_s(),
+            Played::Elastica(_) => self.natural_frequencies_rad_s.first().map(|omega| TAU / omega),
+        }
+    }
+
+    /// The play of a linear link.
+    pub fn modes(&self) -> Option<&ModalPlay> {
+        match &self.played {
+            Played::Modes(modes) => Some(modes),
+            Played::Elastica(_) => None,
+        }
     }
 
     /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.
     pub fn tip_deflection_m(&self) -> Vec<f64> {
-        tip_deflection_m(&self.mesh, &self.tip.displacement_m, &self.hub_angle_rad)
+        match &self.played {
+            Played::Modes(modes) => {
+                let (tip_m, hub_rad) = (&self.tip.displacement_m, &self.hub_angle_rad);
+                tip_deflection_m(&self.mesh, modes.from_rad, tip_m, hub_rad)
+            }
+            Played::Elastica(bent) => bent.tip_deflection_m(),
+        }
     }
 
     /// Total displacement `v = xθ + w` in m at `nodes`, every `every`-th sample.
@@ -209,74 +307,27 @@ impl Simulation {
         every: NonZeroUsize,
     ) -> Result<NodalHistories, ParameterError> {
         self.mesh.check_nodes(nodes)?;
-        let initial_angle = self.initial_tip_m / self.mesh.length_m();
-        let history = |node: &usize| -> Vec<f64> {
-            let at_node = |shape: &Shape| shape.displacement(&self.mesh, *node);
-            let shapes: Vec<f64> = self.equations.shapes.iter().map(at_node).collect();
-            let rest = initial_angle * self.mesh.nodes_m()[*node];
-            let rows = self.record.coordinates.chunks_exact(shapes.len()).step_by(every.get());
-            rows.map(|q| rest + q.iter().zip(&shapes).map(|(q, v)| q * v).sum::<f64>()).collect()
+        let samples = match &self.played {
+            Played::Modes(modes) => {
+                let history = |node: &usize| modes.displacement_m(&self.mesh, *node, every);
+                nodes.par_iter().map(history).collect()
+            }
+            Played::Elastica(bent) => {
+                let along_m = nodes.iter().map(|node| self.mesh.nodes_m()[*node]);
+                bent.displacements_m(&along_m.collect::<Vec<_>>(), every)
+            }
         };
-        let samples = nodes.par_iter().map(history).collect();
         Ok(NodalHistories { nodes: nodes.to_vec(), grid: self.grid.thinned(every), samples })
     }
 }
 
-/// Error of a tip or a hub angle above which a warning is given.
-const COARSE: f64 = 1e-2;
-
-/// Errors of a simulation by its mesh and its modes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct PlayError {
-    /// Largest error of the tip's displacement, over its travel.
-    pub tip: f64,
-    /// Largest error of the hub angle, over its peak.
-    pub hub_angle: f64,
-}
-
-impl PlayError {
-    /// Plays the same torque on elements of half the length, with all modes that the torque moves
-    /// there, and measures the change; where modes were cut, with twice as many.
-    ///
-    /// It takes about as long as the simulation, and no memory. `None` where such elements do not
-    /// allow the damping law.
-    ///
-    /// # Errors
-    /// As [`simulate`] of this simulation.
-    pub fn of(
-        simulation: &Simulation,
-        link: &Link,
-        play: &Play,
-    ) -> Result<Option<Self>, SimulationError> {
-        let mesh = simulation.mesh.refined();
-        let Ok(law) = DampingLaw::of(link, &mesh) else { return Ok(None) };
-        let were_cut = simulation.selection.modes >= MOST_MODES;
-        let most_modes = if were_cut { 2 * MOST_MODES } else { MOST_MODES };
-        let (basis, _) = kept_modes(&mesh, simulation.band_rad_s, most_modes);
-        let equations = play.equations(link, (&mesh, &law), basis)?;
-        let driving = play.driving()?;
-        let Simulation { grid, tip, hub_angle_rad, .. } = simulation;
-        let (start_m, start_rad) = (tip.displacement_m[0], hub_angle_rad[0]);
-        let turned: Vec<f64> = hub_angle_rad.iter().map(|angle| angle - start_rad).collect();
-        let mut found = tip.displacement_m.iter().zip(&turned);
-        let (mut tip_m, mut hub_rad) = (0.0_f64, 0.0_f64);
-        Stepper::new(&equations, grid.step_s).run(driving.steps(grid.len), |stepper| {
-            let q = stepper.coordinates();
-            let Some((displacement_m, turned_rad)) = found.next() else { return };
-            tip_m = tip_m.max((equations.tip(&q) - (displacement_m - start_m)).abs());
-            hub_rad = hub_rad.max((equations.hub(&q) - turned_rad).abs());
-        });
-        let per_change = mesh.error_per_change();
-        let share =
-            |error: f64, whole: f64| per_change * if error == 0.0 { 0.0 } else { error / whole };
-        let (tip, hub_angle) =
-            (share(tip_m, tip.largest_travel_m()), share(hub_rad, largest(&turned)));
-        Ok(Some(Self { tip, hub_angle }))
-    }
-
-    /// A warning if the errors are large.
-    pub fn warning(&self) -> Option<SimulationWarning> {
-        let Self { tip, hub_angle } = *self;
-        (tip.max(hub_angle) > COARSE).then_some(SimulationWarning::CoarseMesh { tip, hub_angle })
+impl ModalPlay {
+    /// Total displacement of a node in m, every `every`-th sample.
+    fn displacement_m(&self, mesh: &Mesh, node: usize, every: NonZeroUsize) -> Vec<f64> {
+        let at_node = |shape: &Shape| shape.displacement(mesh, node);
+        let shapes: Vec<f64> = self.equations.shapes.iter().map(at_node).collect();
+        let rest = self.initial_tip_m / mesh.length_m() * mesh.nodes_m()[node];
+        let rows = self.record.coordinates.chunks_exact(shapes.len()).step_by(every.get());
+        rows.map(|q| rest + q.iter().zip(&shapes).map(|(q, v)| q * v).sum::<f64>()).collect()
     }
 }

@@ -151,7 +151,7 @@ impl Stepper {
     }
 }
 
-/// Modal coordinates and their rates at every sample, one row a sample.
+/// Coordinates and their rates at every sample, one row a sample.
 #[derive(Debug, Clone)]
 pub(super) struct Record {
     pub(super) coordinates: Vec<f64>,
@@ -160,16 +160,25 @@ pub(super) struct Record {
 }
 
 impl Record {
+    /// Without samples.
+    pub(super) fn with_capacity(modes: usize, samples: usize) -> Self {
+        let room = || Vec::with_capacity(modes * samples);
+        Self { coordinates: room(), rates: room(), modes }
+    }
+
+    /// Adds a sample.
+    pub(super) fn push(&mut self, coordinates: &[f64], rates: &[f64]) {
+        self.coordinates.extend_from_slice(coordinates);
+        self.rates.extend_from_slice(rates);
+    }
     /// Steps from rest through all samples.
     pub(super) fn of(equations: &Equations, driving: &Driving, grid: &TimeGrid) -> Self {
         let modes = equations.coordinates.len();
-        let mut coordinates = Vec::with_capacity(grid.len * modes);
-        let mut rates = Vec::with_capacity(grid.len * modes);
+        let mut record = Self::with_capacity(modes, grid.len);
         Stepper::new(equations, grid.step_s).run(driving.steps(grid.len), |stepper| {
-            coordinates.extend(stepper.coordinates());
-            rates.extend(stepper.rates());
+            record.push(&stepper.coordinates(), &stepper.rates());
         });
-        Self { coordinates, rates, modes }
+        record
     }
 
     /// Coordinates and rates at a sample.

@@ -13,7 +13,7 @@ use crate::inverse::{Solution, Unwatched, Warning};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::TipMotion;
-use crate::response::{Input, Play, PlayError, Simulation};
+use crate::response::{Input, ModalPlay, Play, PlayError, Played, Simulation};
 use crate::result::{
     Comparison, Exceeded, Metrics, PlayedMetrics, Remark, StoredWarning, TipError,
 };
@@ -133,7 +133,7 @@ impl Summary {
         metrics: &PlayedMetrics,
         &PlayFindings { error, tip_error, comparison }: &PlayFindings,
     ) -> Self {
-        let Simulation { law, mesh, residual, selection, .. } = simulation;
+        let Simulation { law, mesh, .. } = simulation;
         let frequencies = &simulation.natural_frequencies_rad_s;
         let periods_s: Vec<f64> = frequencies.iter().map(|omega| TAU / omega).collect();
         let gains = play.feedback.map(|feedback| {
@@ -144,9 +144,10 @@ impl Summary {
         });
         // Shares of each quantity's own peak, of the tip's travel: of the mesh, and of the modes left out.
         let errors = error.map(|error| {
-            json!({ "tip": { "mesh": error.tip }, "hub_angle": { "mesh": error.hub_angle } })
+            let kind = if simulation.modes().is_some() { "mesh" } else { "refinement" };
+            json!({ "tip": { kind: error.tip }, "hub_angle": { kind: error.hub_angle } })
         });
-        let coarse = error.and_then(PlayError::warning);
+        let coarse = error.and_then(|error| error.warning(simulation));
         let played = simulation.warnings.iter().copied().chain(coarse);
         let played = played.map(|w| StoredWarning::new(w.kind(), &w, w.hint()));
         let late = tip_error.and_then(|error| error.late);
@@ -155,23 +156,37 @@ impl Summary {
             Input::Torque(_) => "torque",
             Input::HubAngle(_) => "hub_angle",
         };
-        let values = json!({
+        let mut values = json!({
             "mesh": mesh_values(mesh),
             input: input_values(play, simulation),
             "feedback": gains,
-            "modes": {
-                "kept": selection.modes,
-                "of_mesh": selection.of,
-                "torque_band_hz": selection.torque_band_hz,
-                "highest_hz": selection.highest_hz,
-            },
             "periods_s": periods_s,
             "viscous_damping_ratios": law.modal_ratios(frequencies),
             "results": played_results(metrics),
             "errors": errors,
-            "residual": residual,
             "tip_error": tip_error.map(tip_numbers),
         });
+        match &simulation.played {
+            Played::Modes(ModalPlay { selection, residual, .. }) => {
+                values["modes"] = json!({
+                    "kept": selection.modes,
+                    "of_mesh": selection.of,
+                    "torque_band_hz": selection.torque_band_hz,
+                    "highest_hz": selection.highest_hz,
+                });
+                values["residual"] = json!(residual);
+            }
+            Played::Elastica(bent) => {
+                values["elastica"] = json!({
+                    "angles": bent.angles,
+                    "steps_per_sample": bent.steps,
+                    "holding_torque_n_m": bent.holding_n_m,
+                });
+            }
+        }
+        if link.has_weight() {
+            values["frequencies_without_gravity"] = json!(true);
+        }
         Self {
             values,
             measured: comparison.cloned(),

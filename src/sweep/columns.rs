@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::inverse::Solution;
 use crate::modal::torque_zeros;
-use crate::response::Simulation;
+use crate::response::{ResidualVibration, Simulation};
 use crate::result::{Metrics, MotorMetrics, PlayedMetrics, TipError};
 
 /// A case whose torque was computed.
@@ -69,14 +69,19 @@ const PLAYED: [Played; 14] = [
     ("tip_error_time_s", |case| Some(case.tip_error.time_s)),
     ("rms_tip_error_m", |case| Some(case.tip_error.rms_m)),
     ("final_tip_error_m", |case| Some(case.tip_error.final_m)),
-    ("residual_m", |case| Some(case.simulation.residual.amplitude_m)),
-    ("residual_share", |case| Some(case.simulation.residual.share)),
-    ("residual_frequency_hz", |case| case.simulation.residual.frequency_hz),
-    ("residual_decay_s", |case| case.simulation.residual.decay_s),
+    ("residual_m", |case| residual(case).map(|left| left.amplitude_m)),
+    ("residual_share", |case| residual(case).map(|left| left.share)),
+    ("residual_frequency_hz", |case| residual(case)?.frequency_hz),
+    ("residual_decay_s", |case| residual(case)?.decay_s),
     ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
     ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
     ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
 ];
+
+/// The vibration after the torque; none of a link with weight or at large angles.
+fn residual<'a>(case: &PlayedCase<'a>) -> Option<&'a ResidualVibration> {
+    case.simulation.modes().map(|modes| &modes.residual)
+}
 
 fn of_motor(case: &SolvedCase, number: fn(&MotorMetrics) -> f64) -> Option<f64> {
     case.metrics.motor.as_ref().map(number)

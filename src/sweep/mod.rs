@@ -3,10 +3,272 @@
 
 mod columns;
 mod in_order;
-mod plan;
 mod variation;
 
 pub use columns::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 pub use in_order::in_order;
-pub use plan::{CaseValues, PlanError, Shard, ShardError, SweepPlan};
 pub use variation::{Operation, Variation, VariationError};
+
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+use crate::motion::MotionScale;
+use crate::text::excerpt;
+
+/// All cases of a sweep: the product of its variations, the last one running fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepPlan {
+    variations: Vec<Variation>,
+    cases: usize,
+}
+
+/// The values of one case of a sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseValues {
+    /// The value of every variation, as its column shows it.
+    pub values: Vec<String>,
+    /// Changes of the link file, as `--set` reads them.
+    pub link_changes: Vec<String>,
+    /// Change of the motion.
+    pub motion: MotionScale,
+}
+
+/// Why variations make no sweep.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum PlanError {
+    /// One path in two variations.
+    #[error("path = {path} twice, but must be varied once")]
+    Twice {
+        /// The path.
+        path: String,
+    },
+    /// More cases than can be counted.
+    #[error("the product of all values has more cases than can be counted")]
+    TooMany,
+    /// A value of the motion that is no factor.
+    #[error("{change}, but {path} of the motion takes factors, {path}*=0.5,1,2")]
+    NoFactor {
+        /// The path, `distance` or `duration`.
+        path: String,
+        /// The change that was asked for.
+        change: String,
+    },
+}
+
+impl PlanError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::Twice { .. } => "give all of its values at once: PATH=1,2,3",
+            Self::TooMany => "fewer values, or several sweeps",
+            Self::NoFactor { .. } => "factors are numbers without a unit",
+        }
+    }
+}
+
+/// Values of the motion that can be varied.
+const DISTANCE: &str = "distance";
+const DURATION: &str = "duration";
+
+impl SweepPlan {
+    /// Takes the variations of a sweep.
+    ///
+    /// # Errors
+    /// A path that is varied twice, factors on the motion that are none, or more cases than can be
+    /// counted.
+    pub fn new(variations: Vec<Variation>) -> Result<Self, PlanError> {
+        for (number, variation) in variations.iter().enumerate() {
+            let path = variation.path();
+            if variations[..number].iter().any(|earlier| earlier.path() == path) {
+                return Err(PlanError::Twice { path: excerpt(path).into_owned() });
+            }
+            let of_motion = path == DISTANCE || path == DURATION;
+            let not_a_factor = (0..variation.values().len())
+                .find(|k| of_motion && factor(variation, *k).is_none())
+                .map(|k| excerpt(&variation.change(k)).into_owned());
+            if let Some(change) = not_a_factor {
+                return Err(PlanError::NoFactor { path: path.to_owned(), change });
+            }
+        }
+        let product =
+            |cases: usize, variation: &Variation| cases.checked_mul(variation.values().len());
+        let cases = variations.iter().try_fold(1, product).ok_or(PlanError::TooMany)?;
+        Ok(Self { variations, cases })
+    }
+
+    /// The variations in their order.
+    pub fn variations(&self) -> &[Variation] {
+        &self.variations
+    }
+
+    /// How many cases there are.
+    pub fn cases(&self) -> usize {
+        self.cases
+    }
+
+    /// The first case, and those in which one value differs from it: all values, each once.
+    pub fn single_changes(&self) -> impl Iterator<Item = usize> {
+        let strides = self.variations.iter().rev().scan(1, |stride, variation| {
+            let (own, values) = (*stride, variation.values().len());
+            *stride *= values;
+            Some((own, values))
+        });
+        let others: Vec<_> = strides.collect();
+        let changed =
+            others.into_iter().flat_map(|(stride, values)| (1..values).map(move |k| k * stride));
+        std::iter::once(0).chain(changed)
+    }
+
+    /// The values of a case, counted from 0.
+    pub fn case(&self, number: usize) -> CaseValues {
+        let mut left = number;
+        let mut chosen: Vec<usize> = Vec::with_capacity(self.variations.len());
+        for variation in self.variations.iter().rev() {
+            chosen.push(left % variation.values().len());
+            left /= variation.values().len();
+        }
+        chosen.reverse();
+        let mut case =
+            CaseValues { values: vec![], link_changes: vec![], motion: MotionScale::default() };
+        for (variation, k) in self.variations.iter().zip(chosen) {
+            case.values.push(variation.shown(k).to_owned());
+            match (variation.path(), factor(variation, k)) {
+                (DISTANCE, Some(factor)) => case.motion.distance = factor,
+                (DURATION, Some(factor)) => case.motion.duration = factor,
+                _ => case.link_changes.push(variation.change(k)),
+            }
+        }
+        case
+    }
+}
+
+/// The factor that a variation multiplies with, if it does.
+fn factor(variation: &Variation, number: usize) -> Option<f64> {
+    let factor = variation.values()[number].parse().ok().filter(|x: &f64| x.is_finite());
+    factor.filter(|_| !variation.has_unit() && variation.operation() == Operation::Multiply)
+}
+
+/// Most shards of one sweep.
+const MOST: usize = 100_000;
+
+/// Every N-th case, the share of one machine of N: `2/8` has the cases 2, 10, 18, …
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    number: usize,
+    of: usize,
+}
+
+/// Text that is no shard.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("shard = {found:?}, but must read I/N, 1 <= I <= N, N at most {MOST}")]
+pub struct ShardError {
+    found: String,
+}
+
+impl Default for Shard {
+    /// All cases.
+    fn default() -> Self {
+        Self { number: 1, of: 1 }
+    }
+}
+
+impl Shard {
+    /// Its number, from 1.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
+    /// How many shards there are.
+    pub fn of(&self) -> usize {
+        self.of
+    }
+
+    /// How many of `cases` it has.
+    pub fn len(&self, cases: usize) -> usize {
+        cases.saturating_add(self.of - self.number) / self.of
+    }
+
+    /// Number of its `k`-th case, both from 0.
+    pub fn case(&self, k: usize) -> usize {
+        k.saturating_mul(self.of).saturating_add(self.number - 1)
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = ShardError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let number = |text: &str| text.trim().parse::<usize>().ok().filter(|n| *n > 0);
+        let pair = text.split_once('/').and_then(|(i, n)| Some((number(i)?, number(n)?)));
+        match pair {
+            Some((number, of)) if number <= of && of <= MOST => Ok(Self { number, of }),
+            _ => Err(ShardError { found: excerpt(text).into_owned() }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan(variations: &[&str]) -> Result<SweepPlan, PlanError> {
+        SweepPlan::new(variations.iter().map(|text| text.parse().unwrap()).collect())
+    }
+
+    #[test]
+    fn the_last_variation_runs_fastest() {
+        let plan = plan(&["hub.inertia=1,2", "duration*=0.5,1,2"]).unwrap();
+        assert_eq!(plan.cases(), 6);
+        let fourth = plan.case(3);
+        assert_eq!(fourth.values, ["2", "0.5"]);
+        assert_eq!(fourth.link_changes, ["hub.inertia=2"]);
+        assert_eq!(fourth.motion, MotionScale { distance: 1.0, duration: 0.5 });
+    }
+
+    #[test]
+    fn every_value_stands_alone_in_one_case() {
+        let plan = plan(&["a=1,2", "b=1,2,3", "c=1,2"]).unwrap();
+        let values = plan.single_changes().map(|case| plan.case(case).values.concat());
+        assert_eq!(values.collect::<Vec<_>>(), ["111", "112", "121", "131", "211"]);
+    }
+
+    #[test]
+    fn what_makes_no_sweep_is_refused() {
+        let refusal = |variations: &[&str]| plan(variations).unwrap_err().to_string();
+        assert!(refusal(&["hub.inertia=1", "hub.inertia*=2"]).starts_with("path = hub.inertia"));
+        assert!(refusal(&["duration=1,2"]).starts_with("duration=1, but duration of the motion"));
+        assert!(refusal(&["distance*=1,x"]).starts_with("distance*=x"));
+        assert!(refusal(&["distance*=1 m:2 m:2"]).starts_with("distance*=1 m"));
+        let thousand: Vec<String> = (0..7).map(|k| format!("hub.{k}=1:2:1000")).collect();
+        let thousand: Vec<&str> = thousand.iter().map(String::as_str).collect();
+        assert!(refusal(&thousand).contains("more cases than can be counted"));
+        assert_eq!(plan(&thousand[1..]).unwrap().cases(), 1_000_000_000_000_000_000);
+    }
+
+    #[test]
+    fn shards_share_all_cases_and_none_twice() {
+        for (cases, of) in [(10, 3), (7, 7), (5, 8), (0, 2), (1, 1)] {
+            let mut seen = vec![0; cases];
+            for number in 1..=of {
+                let shard: Shard = format!("{number}/{of}").parse().unwrap();
+                (0..shard.len(cases)).for_each(|k| seen[shard.case(k)] += 1);
+            }
+            assert!(seen.iter().all(|times| *times == 1), "{cases} cases, {of} shards: {seen:?}");
+        }
+    }
+
+    #[test]
+    fn a_shard_that_there_is_not_is_refused() {
+        for text in ["0/4", "5/4", "1", "a/b", "1/0", "-1/2", "1/100001", ""] {
+            assert!(text.parse::<Shard>().is_err(), "{text}");
+        }
+    }
+}

@@ -19,6 +19,9 @@ const ROUNDED: f64 = 1e-10;
 /// Largest error of the played tip over its travel, unless the tolerance is looser.
 const TIP: f64 = 1e-3;
 
+/// Largest difference of the torque that the moved hub takes.
+const TORQUE: f64 = 1e-3;
+
 /// Largest imbalance of energy over the largest energy, unless the tolerance is tighter.
 const ENERGY: f64 = 1e-6;
 
@@ -113,6 +116,19 @@ impl Kind {
         name: "tip_error_viscous",
         what: "tip, viscous damping, as predicted",
         ..Self::TIP_ERROR
+    };
+    pub(super) const TIP_OF_HUB: Self = Self {
+        name: "tip_error",
+        what: "tip, the hub moved as solved",
+        hint: "analysis.second_order = \"full\", a tighter analysis.tolerance, or more elements",
+        ..Self::TIP_ERROR
+    };
+    pub(super) const TORQUE_OF_HUB: Self = Self {
+        name: "torque_of_hub",
+        what: "torque that the moved hub takes",
+        of: "the torque, rms",
+        bound: |_| TORQUE,
+        hint: "analysis.second_order = \"full\", more elements, a shorter step or a smoother motion",
     };
     pub(super) const TIP_SOLVED: Self = Self {
         name: "tip_solved",

@@ -37,7 +37,7 @@ fn samples_at_jittered_times_are_interpolated() {
     let (hub, reading) = read_hub_reference_as("h.csv", text.as_bytes(), &form).unwrap();
     is_sine(hub.angle_rad(), reading.jitter());
     let text = table("displacement", 0.04);
-    let (target, reading) = read_target("d.csv", text.as_bytes(), 1.5).unwrap();
+    let (target, reading) = read_target("d.csv", text.as_bytes(), 1.5, None).unwrap();
     is_sine(target.displacement_m(), reading.jitter());
     assert!((target.grid().end_s() - 1.0).abs() < 1e-12);
 }
@@ -52,7 +52,7 @@ fn uniform_times_are_left_alone_and_more_jitter_is_refused() {
         let text = table(heading, 0.2);
         let error = match heading {
             "torque" => read_torque_table("t.csv", text.as_bytes(), None).unwrap_err(),
-            _ => read_target("t.csv", text.as_bytes(), 1.5).unwrap_err(),
+            _ => read_target("t.csv", text.as_bytes(), 1.5, None).unwrap_err(),
         };
         assert!(error.to_string().contains("time = "), "{error}");
     }

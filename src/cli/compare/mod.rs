@@ -1,6 +1,190 @@
 //! `compare`: tables against tables, within tolerances.
 
-mod command;
 mod sides;
 
-pub(crate) use command::Compare;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use flexlink::compare::{ColumnRule, Comparison, Tolerances};
+use flexlink::csv::InputFile;
+use flexlink::spec::read_tolerances;
+use flexlink::store::{
+    GoldenChanges, change_golden_files, comparison_json, is_result_file, is_run,
+};
+use flexlink::text::excerpt;
+
+use crate::options::common::not_negative;
+use crate::terminal::files::read_once;
+use crate::terminal::text::{blessed_text, comparison_text};
+use crate::terminal::{Ending, Failure, PrintArgs, WarningArgs, console};
+use sides::{Purpose, Sides, TOLERANCES};
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink compare golden out --rtol 1e-6
+  flexlink compare golden/torque.csv out/torque.csv
+  flexlink compare golden out --bless
+
+tolerances.toml; every key is optional:
+  rtol = 1e-9                  # of the column's peak
+  atol = 0.0                   # in the column's unit
+  [[columns]]                  # the last entry that matches a column counts
+  file = \"torque.csv\"          # a name, or a path with slashes; * any text, ? one character
+  column = \"torque_*\"
+  rtol = 1e-6                  # and/or atol; or ignore = true
+
+A first row of nothing but numbers is data; the columns are then called `column 1` and so on.
+`-` as EXPECTED or ACTUAL reads standard input. Exit code 1 if the two differ.";
+
+const QUIET: &str = "Print nothing but warnings and errors; the exit code says if they differ";
+
+/// Compare tables column by column, within a tolerance of the column's peak.
+///
+/// EXPECTED and ACTUAL are two CSV files, or two folders whose CSV files are compared by name, those in
+/// their subfolders, too. A number may differ by atol + rtol x the largest absolute value that its column
+/// has in EXPECTED; words and empty fields may not differ. Columns are matched by name, rows by the first
+/// column where it increases on both sides (time_s, frequency_hz), otherwise by number. Columns, rows and
+/// files that only one side has are differences, too. Any CSV will do: a row of names, commas, # before
+/// comments.
+#[derive(Debug, Args)]
+#[command(about = "Compare tables column by column", after_help = EXAMPLE)]
+#[command(mut_arg("json", |json| json.help("Print everything as JSON instead of the table")))]
+#[command(mut_arg("quiet", |quiet| quiet.help(QUIET)))]
+pub(crate) struct Compare {
+    /// Golden file or folder: what is expected.
+    #[arg(value_name = "EXPECTED")]
+    expected: PathBuf,
+
+    /// File or folder to check.
+    #[arg(value_name = "ACTUAL")]
+    actual: PathBuf,
+
+    /// Difference allowed, as a share of the column's peak [default: from the file of tolerances,
+    /// else 1e-9].
+    #[arg(long, value_name = "R", value_parser = not_negative, allow_negative_numbers = true)]
+    rtol: Option<f64>,
+
+    /// Difference allowed, in the column's unit [default: from the file of tolerances, else 0].
+    #[arg(long, value_name = "A", value_parser = not_negative, allow_negative_numbers = true)]
+    atol: Option<f64>,
+
+    /// Tolerances of single columns (TOML) [default: tolerances.toml in the folder EXPECTED, or
+    /// beside the file EXPECTED].
+    #[arg(long, value_name = "FILE")]
+    tolerances: Option<PathBuf>,
+
+    /// Accept ACTUAL: copy its CSV files over those of EXPECTED. Files within tolerance and files that
+    /// are not CSV stay as they are. Where EXPECTED holds the summary.json of a run, all files of the run
+    /// are copied.
+    #[arg(long)]
+    bless: bool,
+
+    #[command(flatten)]
+    print: PrintArgs,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+}
+
+impl Compare {
+    pub(crate) fn run(self) -> Result<Ending, Failure> {
+        let sides = self.sides()?;
+        let tolerances = self.read_tolerances(&sides)?;
+        let comparison = sides.compare(&tolerances)?;
+        let mut warnings = self.warn(&sides, &comparison, &tolerances);
+        let changes = self.bless.then(|| sides.changes(&comparison)).transpose()?;
+        if let Some(changes) = &changes {
+            self.accept(&sides, changes)?;
+            warnings += self.warn_of_run(&sides, changes);
+        }
+        let blessed = || changes.as_ref().map(blessed_text).unwrap_or_default();
+        self.print.print(
+            || comparison_json(&comparison, changes.as_ref()),
+            || comparison_text(&comparison) + &blessed(),
+        )?;
+        self.warnings.refuse(warnings)?;
+        Ok(if self.bless || comparison.is_equal() { Ending::Done } else { Ending::Different })
+    }
+
+    /// Finds the files of both sides.
+    fn sides(&self) -> Result<Sides, Failure> {
+        let inputs = [&self.expected, &self.actual].into_iter().chain(&self.tolerances);
+        read_once(&inputs.map(PathBuf::as_path).collect::<Vec<_>>())?;
+        let purpose = if self.bless { Purpose::Bless } else { Purpose::Compare };
+        Sides::find(&self.expected, &self.actual, purpose)
+    }
+
+    /// The file of tolerances, if there is one, with those of the command line.
+    fn read_tolerances(&self, sides: &Sides) -> Result<Tolerances, Failure> {
+        let beside = || sides.golden.as_ref().map(|folder| folder.join(TOLERANCES));
+        let path = self.tolerances.clone().or_else(|| beside().filter(|path| path.exists()));
+        let mut tolerances = match path {
+            None => Tolerances::default(),
+            Some(path) => {
+                let file = InputFile::read_toml(&path)?;
+                read_tolerances(&file.shown, file.text()?)?
+            }
+        };
+        let general = &mut tolerances.general;
+        general.rtol = self.rtol.unwrap_or(general.rtol);
+        general.atol = self.atol.unwrap_or(general.atol);
+        Ok(tolerances)
+    }
+
+    /// Makes EXPECTED like ACTUAL.
+    fn accept(&self, sides: &Sides, changes: &GoldenChanges) -> Result<(), Failure> {
+        match &sides.golden {
+            Some(folder) if !sides.are_single() => {
+                Ok(change_golden_files(folder, changes, &console::waiting)?)
+            }
+            // A file that is named itself may be a link to anywhere.
+            _ => changes.written.values().try_for_each(|source| {
+                let bytes = InputFile::read(source)?.bytes;
+                console::deliver(Some(&self.expected), &bytes)
+            }),
+        }
+    }
+
+    /// Warns if one table of a run was replaced; returns the number of warnings.
+    fn warn_of_run(&self, sides: &Sides, changes: &GoldenChanges) -> usize {
+        let file = Path::new(".").join(&self.expected);
+        let is_of_run =
+            file.parent().is_some_and(is_run) && file.file_name().is_some_and(is_result_file);
+        if !sides.are_single() || changes.written.is_empty() || !is_of_run {
+            return 0;
+        }
+        let message = format!(
+            "{}: is not the table of the summary.json beside it any more: solve --repeat of the \
+             folder finds a difference",
+            self.expected.display()
+        );
+        console::warning(
+            message,
+            "compare the two folders with --bless, and the whole run is taken",
+        );
+        1
+    }
+
+    /// Warns of tolerances that have no effect; returns the number of warnings.
+    fn warn(&self, sides: &Sides, comparison: &Comparison, tolerances: &Tolerances) -> usize {
+        let is_meant = |entry: &&ColumnRule| {
+            let mut files = comparison.files.iter();
+            !sides.are_single() || files.any(|file| entry.is_of(&file.name))
+        };
+        let idle = comparison.idle(tolerances);
+        let idle: Vec<&ColumnRule> = idle.into_iter().filter(is_meant).collect();
+        for ColumnRule { place, column, file, .. } in &idle {
+            let file = file.as_ref().map(|file| format!(" of a file {:?}", excerpt(file)));
+            let named = format!("{:?}{}", excerpt(column), file.unwrap_or_default());
+            let message = format!("{place}: column = {named}, but no column is called that");
+            console::warning(message, "`*` stands for any text, `?` for one character");
+        }
+        for inner in &sides.unread_tolerances {
+            let path = self.expected.join(inner);
+            let message = format!("{}: is not read", path.display());
+            console::warning(message, "only that of the folder EXPECTED is, with paths in `file`");
+        }
+        idle.len() + sides.unread_tolerances.len()
+    }
+}

@@ -1,9 +1,273 @@
 //! `sweep`: many cases, a row of one table each.
 
 mod cases;
-mod command;
 mod table;
 mod tally;
 mod work;
 
-pub(crate) use command::Sweep;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use flexlink::store::{SweepRows, sweep_header, sweep_row};
+use flexlink::sweep::{PlanError, Shard, SweepPlan, Variation, in_order};
+use flexlink::text::{excerpt, visible};
+
+use crate::options::inputs::{LINK, MOTION};
+use crate::terminal::console::is_standard_output;
+use crate::terminal::files::{keep_cases, keep_files, keep_from_cases, keep_record, read_once};
+use crate::terminal::text::counted;
+use crate::terminal::{CaseBar, Exit, Failure, ThreadArgs, WarningArgs, console, interrupt};
+use cases::{CaseArgs, Cases};
+use table::{EarlyEnd, OpenedTable, TableOutput, merge};
+use tally::Tally;
+use work::Outcome;
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink sweep link.toml move.csv \\
+      --vary 'segments.*.EI*=0.5:8:100:log' -o stiffness.csv
+  flexlink sweep link.toml move.csv \\
+      --vary payload.mass=0,0.05 --vary 'duration*=0.8:2:25'
+  flexlink sweep link.toml move.csv --torque torque.csv \\
+      --vary 'segments.*.EI*=0.8:1.2:41'
+  flexlink sweep link.toml move.csv --shard 2/8 \\
+      --vary 'segments.*.EI*=0.5:8:1000:log'
+  flexlink sweep --merge sweep-*-of-8.csv -o sweep.csv
+
+LINK and MOTION as for solve. Exit codes as `flexlink --help` lists them: 0 even if some
+cases fail; 4 if all fail, or if one fails and --strict or --deny-warnings is given.";
+
+const USAGE: &str = "\
+flexlink sweep [OPTIONS] <LINK> <MOTION> --vary <PATH=VALUES>...
+       flexlink sweep --merge <SHARD>... [-o <FILE>]";
+
+const LONG_ABOUT: &str = "\
+Solve many cases: vary values of link and motion.
+
+Writes one table with a row for every case, in order whatever the number of threads: the values, \
+first period and zero, peaks, lead and lag, errors, kinds of warnings. A case that fails says why in \
+the column `error` and does not stop the rest. Beside the table NAME.csv lies NAME.json: link, motion, \
+arguments and SHA-256. While it runs, the finished rows are in a file of the same name that \
+ends in .part; after an interruption (exit code 130) the same command with --resume goes on from \
+there; without --resume it starts from the beginning. With --resume a finished shard is kept; a \
+finished table is always computed anew.
+
+PATH is that of --set, with = for values and *= for factors; distance*= and duration*= scale the \
+motion. VALUES are START:STOP:COUNT, START:STOP:COUNT:log, or a list a,b,c; both ends of a range may \
+have a unit. Several --vary make the product, the last one running fastest.";
+
+/// Solve many cases: vary values of link and motion.
+#[derive(Debug, Args)]
+#[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
+#[command(mut_arg("list", |nodes| nodes.requires("outputs")))]
+#[command(mut_arg("every", |every| every.requires("outputs")))]
+#[command(mut_arg("sync", |sync| sync.conflicts_with("merge")))]
+pub(crate) struct Sweep {
+    #[arg(value_name = "LINK", help = LINK, required_unless_present = "merge")]
+    link: Option<PathBuf>,
+
+    #[arg(value_name = "MOTION", help = MOTION, required_unless_present = "merge")]
+    motion: Option<PathBuf>,
+
+    /// What to vary; repeatable: the product of all.
+    #[arg(long, value_name = "PATH=VALUES", required_unless_present = "merge")]
+    vary: Vec<String>,
+
+    /// Table to write, `-` for standard output [default: sweep.csv, for a shard sweep-I-of-N.csv].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    shared: CaseArgs,
+
+    /// Solve only every N-th case, from the I-th on, into a file of its own.
+    #[arg(long, value_name = "I/N", default_value_t, hide_default_value = true)]
+    shard: Shard,
+
+    /// Continue an interrupted run of the same sweep.
+    #[arg(long)]
+    resume: bool,
+
+    /// Join the shards of a sweep to one table, if none is missing.
+    #[arg(long, value_name = "SHARD", num_args = 1..)]
+    #[arg(conflicts_with_all = ["link", "motion", "changes", "resample", "vary", "torque"])]
+    #[arg(conflicts_with_all = ["column", "outputs", "shard", "resume", "columns", "time_unit"])]
+    #[arg(conflicts_with_all = ["unit", "scale", "skip", "delimiter", "decimal"])]
+    merge: Vec<PathBuf>,
+
+    /// Fail with exit code 4 if a case failed or exceeds a limit of the link file; the table is
+    /// written.
+    #[arg(long)]
+    strict: bool,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+
+    /// Print nothing but warnings and errors, and no progress.
+    #[arg(long, short)]
+    quiet: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+impl Sweep {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        self.threads.start_apart()?;
+        let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
+            return self.merge();
+        };
+        let cases = self.load(link, motion)?;
+        let (mut table, mut tally, warnings) = match self.open(&cases)? {
+            OpenedTable::Unfinished(table, earlier, warnings) => {
+                (table, earlier.map(|rows| tally_of(&cases, &rows)).unwrap_or_default(), warnings)
+            }
+            OpenedTable::Complete(rows) => return self.tell_complete(&tally_of(&cases, &rows)),
+        };
+        match self.compute(&cases, &mut table, &mut tally) {
+            Ok(()) => {}
+            Err(EarlyEnd::ReaderGone) => return Ok(()),
+            Err(EarlyEnd::Failed(failure)) => {
+                if tally.rows() == 0 {
+                    table.discard();
+                }
+                return Err(failure);
+            }
+        }
+        tally.warn();
+        self.write(table, &tally, &cases)?;
+        self.report(&format!("cases    {}", tally.rows()))?;
+        self.judge(&tally, warnings)
+    }
+
+    /// Reads what all cases share.
+    fn load(&self, link: &Path, motion: &Path) -> Result<Cases<'_>, Failure> {
+        self.check_files()?;
+        Cases::read(self.plan()?, link, motion, &self.shared)
+    }
+
+    /// Opens the table for the rows of this run's shard.
+    fn open(&self, cases: &Cases) -> Result<OpenedTable, Failure> {
+        let header = sweep_header(&cases.plan, cases.kind);
+        let identity = cases.identity(&self.vary, self.shard);
+        TableOutput::open(&self.output_path(), identity, &header, self.resume)
+    }
+
+    /// Computes the cases whose rows are not in the table yet, and appends each row as it comes.
+    fn compute(
+        &self,
+        cases: &Cases,
+        table: &mut TableOutput,
+        tally: &mut Tally,
+    ) -> Result<(), EarlyEnd> {
+        let (done, all) = (tally.rows(), self.shard.len(cases.plan.cases()));
+        let is_silent = self.quiet || table.is_printed();
+        let progress = if is_silent { CaseBar::hidden() } else { CaseBar::new(done, all) };
+        let take = |k: usize, Outcome { row, warnings, remarks }| {
+            let (case, row) = (self.shard.case(k), row?);
+            let kinds: Vec<&str> = warnings.iter().map(|warning| &*warning.kind).collect();
+            let line = sweep_row(&cases.plan.case(case), &row, cases.kind, &kinds);
+            tally.add(case + 1, row.as_ref().err(), warnings, &remarks);
+            progress.advance();
+            table.append(&line)
+        };
+        let work = |k| cases.outcome(self.shard.case(k));
+        in_order(done..all, interrupt::watch(), work, take)
+    }
+
+    /// Gives the table its name; returns an error if it is not complete.
+    fn write(&self, table: TableOutput, tally: &Tally, cases: &Cases) -> Result<(), Failure> {
+        let all = self.shard.len(cases.plan.cases());
+        if tally.rows() < all {
+            return Err(table.interrupted(tally.rows(), all));
+        }
+        table.finish(self.shared.outputs.sync.durability())
+    }
+
+    /// Returns an error for cases that are not as the options want them, and for `warnings` of the run.
+    fn judge(&self, tally: &Tally, warnings: usize) -> Result<(), Failure> {
+        // A shard is only a part: others may have numbers.
+        if self.shard.of() == 1 {
+            tally.refuse_all_failed()?;
+        }
+        self.refuse(tally)?;
+        self.warnings.refuse(warnings)
+    }
+
+    fn merge(&self) -> Result<(), Failure> {
+        let tally = merge(&self.merge, &self.output_path())?;
+        tally.warn();
+        self.report(&format!("cases    {}, of {} shards", tally.rows(), self.merge.len()))?;
+        tally.refuse_all_failed()?;
+        self.refuse(&tally)
+    }
+
+    fn plan(&self) -> Result<SweepPlan, Failure> {
+        let read = |text: &String| {
+            text.parse::<Variation>().map_err(|error| {
+                let message = format!("--vary '{}': {error}", visible(&excerpt(text)));
+                Failure::new(Exit::Usage, &message, Some(error.hint()))
+            })
+        };
+        let variations: Vec<Variation> = self.vary.iter().map(read).collect::<Result<_, _>>()?;
+        let refused = |error: PlanError| {
+            Failure::new(Exit::Usage, &format!("--vary: {error}"), Some(error.hint()))
+        };
+        SweepPlan::new(variations).map_err(refused)
+    }
+
+    /// Prints that an earlier run has completed the sweep.
+    fn tell_complete(&self, tally: &Tally) -> Result<(), Failure> {
+        tally.warn();
+        let (output, cases) = (self.output_path(), counted(tally.rows(), "case"));
+        self.say(&format!("complete {}, {cases}\n", output.display()))?;
+        self.refuse(tally)
+    }
+
+    /// Returns an error for cases that --strict or --deny-warnings refuse.
+    fn refuse(&self, tally: &Tally) -> Result<(), Failure> {
+        if self.strict {
+            tally.refuse_exceeding()?;
+        }
+        if self.warnings.are_denied() { tally.refuse_warned() } else { Ok(()) }
+    }
+
+    /// Refuses files that would be read twice or written over.
+    fn check_files(&self) -> Result<(), Failure> {
+        let files = self.link.iter().chain(&self.motion).map(PathBuf::as_path);
+        let inputs: Vec<&Path> = files.chain(self.shared.torque.torque.as_deref()).collect();
+        read_once(&inputs)?;
+        keep_files(&self.output_path(), &inputs)?;
+        keep_record(&self.output_path())?;
+        let Some(folder) = &self.shared.outputs.outputs else { return Ok(()) };
+        keep_cases(folder, &inputs)?;
+        keep_from_cases(&self.output_path(), folder)
+    }
+
+    fn output_path(&self) -> PathBuf {
+        let shard = self.shard;
+        self.output.clone().unwrap_or_else(|| match shard.of() {
+            1 => "sweep.csv".into(),
+            of => format!("sweep-{}-of-{of}.csv", shard.number()).into(),
+        })
+    }
+
+    /// Prints what was done, and where the table is.
+    fn report(&self, done: &str) -> Result<(), Failure> {
+        self.say(&format!("{done}\nwritten  {}\n", self.output_path().display()))
+    }
+
+    /// Prints to standard output, unless the table goes there.
+    fn say(&self, text: &str) -> Result<(), Failure> {
+        if self.quiet || is_standard_output(&self.output_path()) {
+            return Ok(());
+        }
+        console::print(text)
+    }
+}
+
+/// Counts the cases whose rows are there already.
+fn tally_of(cases: &Cases, rows: &SweepRows) -> Tally {
+    Tally::of_cases(rows.cases(), |case| cases.remarks(case))
+}

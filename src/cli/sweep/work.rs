@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use flexlink::csv::InputFile;
+use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{Resources, Unwatched, invert_with};
 use flexlink::response::{Play, PlayError, Torque, simulate};
 use flexlink::result::{Metrics, PlayedMetrics, Remark, TipError};
@@ -100,7 +101,7 @@ impl Cases<'_> {
         memory_bytes: Option<usize>,
     ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
-        let Specification { link, mesh, remarks, .. } = &self.specification(&values)?;
+        let Specification { link, mesh, remarks, analysis, .. } = &self.specification(&values)?;
         let motion = self.motion_of(link, values.motion)?;
         let grid = torque.grid();
         let target = motion.target(grid.time_s(0), grid.end_s());
@@ -108,6 +109,8 @@ impl Cases<'_> {
             until_s: Some(grid.end_s().max(target.grid().end_s())),
             initial_tip_m: target.start_m(),
             memory_bytes,
+            is_large: analysis.second_order_of(link) != SecondOrder::None,
+            start_angle_rad: target.start_angle_rad(),
             ..Play::of(torque)
         };
         let simulation = simulate(link, mesh, &play)?;
@@ -131,7 +134,7 @@ impl Cases<'_> {
             let summary = Summary::of_simulation(inputs, played, &simulation, &metrics, &errors);
             outputs.write_simulation(self.stage(&folder)?, link, &simulation, &summary)?;
         }
-        let coarse = error.and_then(|error| error.warning());
+        let coarse = error.and_then(|error| error.warning(&simulation));
         let own = simulation.warnings.iter().copied().chain(coarse);
         let own = own.map(|w| Notice::new(w.kind(), &w, w.hint()));
         let late = tip_error.late.map(|late| Notice::new(late.kind(), &late, late.hint()));

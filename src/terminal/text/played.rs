@@ -1,10 +1,11 @@
 //! The summary that `simulate` prints.
 
 use flexlink::link::{Damping, Link};
-use flexlink::response::{Input, Interpolation, Play, PlayError, Simulation};
+use flexlink::numeric::largest;
+use flexlink::response::{Input, Interpolation, ModalPlay, Play, PlayError, Played, Simulation};
 use flexlink::result::{ChannelComparison, Comparison, NoFit, PlayedMetrics, TipError};
 use flexlink::store::PlayFindings;
-use flexlink::text::significant;
+use flexlink::text::{plain, significant};
 
 use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line, ratios_line};
 
@@ -23,18 +24,19 @@ pub(crate) fn simulate_text(
         [
             ("link", link_line(link, &simulation.mesh)),
             ("damping", played_damping(link, simulation, play)),
+            ("gravity", weight_line(link, simulation)),
             ("ratios", ratios_line(&simulation.law, &simulation.natural_frequencies_rad_s)),
             ("input", played_hub(play)),
             ("torque", played_torque(play, metrics)),
             ("feedback", feedback_line(play)),
-            ("modes", modes_line(simulation, play)),
+            played_by(simulation, play),
             ("tip", tip_line(metrics)),
             ("hub", hub_line(&hub)),
             ("bending", deflection(metrics.peak_deflection_m)),
             ("after", residual_line(simulation)),
             ("decay", decay_line(simulation, play)),
             ("error", tip_error.map(tip_error_line).unwrap_or_default()),
-            ("errors", simulation_errors(error, play)),
+            ("errors", simulation_errors(error, simulation, play)),
             ("measured", comparison.map(measured_text).unwrap_or_default()),
             ("written", written),
         ],
@@ -56,7 +58,8 @@ fn measured_text(comparison: &Comparison) -> String {
     std::iter::once(head).chain([row(labels)]).chain(rows).collect::<Vec<_>>().join("\n")
 }
 
-/// Share of the recording about its mean, or of the longest delay, below which no number is printed.
+/// Share of the recording about its mean, of the longest delay, or of the largest torque, below which no number is
+/// printed.
 const NOTHING: f64 = 1e-6;
 
 fn channel_row(channel: &ChannelComparison, comparison: &Comparison) -> String {
@@ -139,8 +142,34 @@ fn feedback_line(play: &Play) -> String {
     format!("{kp} N m/rad, {kd} N m s/rad around the reference")
 }
 
-fn modes_line(simulation: &Simulation, play: &Play) -> String {
-    let selection = &simulation.selection;
+/// What holds a link with weight before it moves.
+fn weight_line(link: &Link, simulation: &Simulation) -> String {
+    let acting = link.gravity().filter(|own| own.acts());
+    let (Some(gravity), Played::Elastica(bent)) = (acting, &simulation.played) else {
+        return String::new();
+    };
+    let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
+    // A link that hangs straight is held by round-off.
+    let is_held = bent.holding_n_m.abs() > NOTHING * largest(&simulation.torque_n_m);
+    let holding_n_m = if is_held { bent.holding_n_m } else { 0.0 };
+    let [angle, held] = four([simulation.hub_angle_rad[0], holding_n_m]);
+    format!("{along_x}, {along_y} m/s²; at first {held} N m hold the hub at {angle} rad")
+}
+
+/// By what the link was played.
+fn played_by(simulation: &Simulation, play: &Play) -> (&'static str, String) {
+    match &simulation.played {
+        Played::Modes(modes) => ("modes", modes_line(modes, play)),
+        Played::Elastica(bent) => {
+            let (angles, steps) = (bent.angles, bent.steps);
+            let line = format!("all terms: {angles} angles, {steps} steps from sample to sample");
+            ("order", line)
+        }
+    }
+}
+
+fn modes_line(modes: &ModalPlay, play: &Play) -> String {
+    let selection = &modes.selection;
     let [highest, band] = four([selection.highest_hz, selection.torque_band_hz]);
     let (modes, of) = (selection.modes, selection.of);
     let input = match play.input {
@@ -158,7 +187,7 @@ fn tip_line(metrics: &PlayedMetrics) -> String {
 
 /// The vibration after the torque. A share of a travel that the tip had hardly begun says nothing.
 fn residual_line(simulation: &Simulation) -> String {
-    let residual = &simulation.residual;
+    let Some(ModalPlay { residual, .. }) = simulation.modes() else { return String::new() };
     let vibration = format!("vibrates by {} m", significant(residual.amplitude_m, 3));
     let share = (residual.share < 1.0).then(|| significant(residual.share, 2));
     let share = share.map(|share| format!(", {share} of its travel"));
@@ -173,7 +202,8 @@ fn decay_line(simulation: &Simulation, play: &Play) -> String {
         Input::Torque(_) => "torque",
         Input::HubAngle(_) => "recording",
     };
-    match simulation.residual.decay_s {
+    let Some(ModalPlay { residual, .. }) = simulation.modes() else { return String::new() };
+    match residual.decay_s {
         Some(decay_s) if decay_s > 0.0 => {
             format!("to 1 % of that {} s after the {input}'s end", significant(decay_s, 3))
         }
@@ -183,10 +213,15 @@ fn decay_line(simulation: &Simulation, play: &Play) -> String {
 }
 
 /// The errors of the simulation itself.
-fn simulation_errors(error: Option<&PlayError>, play: &Play) -> String {
+fn simulation_errors(error: Option<&PlayError>, simulation: &Simulation, play: &Play) -> String {
     let Some(PlayError { tip, hub_angle }) = error else {
         return "mesh not known: the damping cannot be on halved elements".into();
     };
+    if let Played::Elastica(_) = simulation.played {
+        return format!(
+            "refinement {tip:.1e} of the tip's travel, {hub_angle:.1e} of the hub's peak angle"
+        );
+    }
     let of_tip = format!("mesh {tip:.1e} (of the tip's travel)");
     match play.input {
         Input::Torque(_) => of_tip + &format!(", {hub_angle:.1e} (of the hub's peak angle)"),

@@ -8,6 +8,7 @@ mod channels;
 mod feedback;
 mod free;
 mod held;
+mod large;
 mod modes;
 mod newmark;
 mod play_error;

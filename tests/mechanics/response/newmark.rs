@@ -198,7 +198,13 @@ fn with_all_modes_of_the_mesh_newmarks_limit_is_the_simulation() {
     for law in laws() {
         let link = loaded(law.clone());
         let found = Comparison::of(&link, &mesh_of(&link, 7), &pulses(2e-3, 450, 1), None);
-        assert_eq!((found.simulation.selection.modes, found.simulation.selection.of), (14, 14));
+        assert_eq!(
+            (
+                found.simulation.modes().unwrap().selection.modes,
+                found.simulation.modes().unwrap().selection.of
+            ),
+            (14, 14)
+        );
         found.assert_converges(law.name(), 2, 5e-9);
     }
 }
@@ -210,7 +216,7 @@ fn with_few_modes_of_a_finer_mesh_newmarks_limit_is_the_simulation() {
     for law in laws() {
         let link = loaded(law.clone());
         let found = Comparison::of(&link, &mesh_of(&link, 20), &pulses(1e-2, 90, 5), None);
-        let selection = found.simulation.selection;
+        let selection = found.simulation.modes().unwrap().selection;
         assert!(selection.modes < 20 && selection.of == 40, "{selection:?}");
         found.assert_converges(law.name(), 3, 1e-7);
     }

@@ -43,7 +43,7 @@ fn a_torque_with_a_jump_on_few_elements_is_warned_of() {
     let warns = |elements| {
         let simulation = played(&link, &mesh_of(&link, elements), &Play::of(&jump));
         let error = PlayError::of(&simulation, &link, &Play::of(&jump)).unwrap().unwrap();
-        error.warning().map(|warning| warning.kind())
+        error.warning(&simulation).map(|warning| warning.kind())
     };
     assert_eq!(warns(2), Some("coarse_mesh"));
     assert_eq!(warns(40), None);

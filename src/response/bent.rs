@@ -1,0 +1,333 @@
+//! A torque, or a motion of the hub, played on a link with weight or at large angles.
+
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::chain::{Balance, Chain};
+use super::error::SimulationError;
+use super::modes::HubReaction;
+use super::play::{Driving, Input, Play};
+use super::radau::{Motion, Radau};
+use super::shape::{Held, at_rest, viscous};
+use super::stepper::Record;
+use crate::link::Link;
+use crate::modal::DampingLaw;
+use crate::numeric::{Size, TimeGrid, dot, largest_difference};
+
+/// Order of the polynomials of a piece at first, beside one for each radian of a bending wave along it.
+const FIRST_ORDER: usize = 3;
+
+/// Highest order of the polynomials of a piece at first.
+const HIGHEST_ORDER: usize = 24;
+
+/// The waves that the first orders follow, in first natural frequencies.
+const WAVES: f64 = 3.0;
+
+/// What each refinement adds to every order.
+const MORE_ORDERS: usize = 2;
+
+/// Most refinements, and steps beyond which none is made.
+const MOST_REFINEMENTS: usize = 6;
+const LONGEST: usize = 1 << 20;
+
+/// What an elastica was played with, and its motion.
+#[derive(Debug, Clone)]
+pub struct BentPlay {
+    /// Number of angles that describe the link, the hub's among them.
+    pub angles: usize,
+    /// Steps of the integration from one sample to the next.
+    pub steps: usize,
+    /// Torque in N m that holds the link where it starts.
+    pub holding_n_m: f64,
+    /// Largest change of the tip in m by the last refinement: two angles more on each piece of the link, half the step.
+    pub(super) tip_change_m: f64,
+    /// The same of the hub's angle in rad.
+    pub(super) hub_change_rad: f64,
+    chain: Chain,
+    friction_n_m_s_rad: f64,
+    record: Record,
+    /// Direction of the chord at each sample in rad, whole turns counted, and the one that displacements are counted
+    /// from.
+    chord_rad: Vec<f64>,
+    from_rad: f64,
+}
+
+/// Torque of the motor; angle, rate and acceleration of the hub; displacement, velocity and acceleration of the tip.
+type Histories = [Vec<f64>; 7];
+
+/// Plays an input at the samples of a grid, finer and finer until that changes tip and hub angle by less than
+/// `tolerance` of what they move by; the hub starts at `start_rad` where no weight acts.
+///
+/// # Errors
+/// [`SimulationError`].
+pub(super) fn play_bent(
+    link: &Link,
+    law: &DampingLaw,
+    play: &Play,
+    (grid, first_rad_s, tolerance): (&TimeGrid, f64, f64),
+) -> Result<(BentPlay, Histories), SimulationError> {
+    refuse_unknown(link, law)?;
+    let problem = Problem { link, law, play, driving: play.driving(link.has_weight())?, grid };
+    let played = |finer: usize| {
+        let order = |[length_m, stiffness_n_m2, mass_kg_m]: [f64; 3]| {
+            let omega_rad_s = WAVES * first_rad_s;
+            let wave_rad =
+                length_m * (mass_kg_m / stiffness_n_m2 * omega_rad_s * omega_rad_s).sqrt().sqrt();
+            let order = (FIRST_ORDER as f64 + wave_rad.ceil()).min(HIGHEST_ORDER as f64) as usize;
+            order + finer * MORE_ORDERS
+        };
+        problem.played(Chain::of(link, order), 1 << finer)
+    };
+    let (mut found, mut histories) = played(0)?;
+    for finer in 1..=MOST_REFINEMENTS {
+        let (coarse_hub, coarse_tip) = (histories[1].clone(), histories[4].clone());
+        (found, histories) = played(finer)?;
+        let change = |own: &[f64], coarse: &[f64]| {
+            let moved = own.iter().map(|value| (value - own[0]).abs()).fold(0.0, Size::larger);
+            (largest_difference(own, coarse), moved)
+        };
+        let (hub, tip) = (change(&histories[1], &coarse_hub), change(&histories[4], &coarse_tip));
+        (found.hub_change_rad, found.tip_change_m) = (hub.0, tip.0);
+        let is_settled = [hub, tip].iter().all(|(change, moved)| *change <= tolerance * moved);
+        if is_settled || (grid.len << finer) > LONGEST {
+            break;
+        }
+    }
+    Ok((found, histories))
+}
+
+/// Refuses links whose large motion is not derived.
+fn refuse_unknown(link: &Link, law: &DampingLaw) -> Result<(), SimulationError> {
+    let refused = |what, known| Err(SimulationError::NotDerived { what, known });
+    if link.segments().iter().any(|segment| segment.timoshenko.is_some()) {
+        return refused("the link has shear and rotary inertia", "without them");
+    }
+    if law.mass_rate_per_s() != 0.0 {
+        return refused("the damping drags every mass (alpha)", "with alpha = 0");
+    }
+    if law.is_modal() {
+        return refused("the damping is given mode by mode", "with hysteretic or rayleigh damping");
+    }
+    Ok(())
+}
+
+/// What is played.
+struct Problem<'a> {
+    link: &'a Link,
+    law: &'a DampingLaw,
+    play: &'a Play<'a>,
+    driving: Driving,
+    grid: &'a TimeGrid,
+}
+
+/// The input at one instant: the motor's part that does not depend on the link's motion, or the hub's acceleration.
+#[derive(Clone, Copy)]
+struct Drive {
+    reaction: HubReaction,
+    /// The hub angle at which feedback does nothing.
+    aim_rad: f64,
+    is_prescribed: bool,
+}
+
+impl Drive {
+    /// Puts an input into the equations of the hub.
+    fn apply(&self, input: f64, (q, rates): (&[f64], &[f64]), balance: &mut Balance) {
+        let Balance { mass, force } = balance;
+        if self.is_prescribed {
+            mass[..q.len()].fill(0.0);
+            mass[0] = 1.0;
+            force[0] = input;
+        } else {
+            force[0] += input - self.reaction.torque_n_m(q[0] - self.aim_rad, rates[0]);
+        }
+    }
+}
+
+impl Problem<'_> {
+    fn played(
+        &self,
+        mut chain: Chain,
+        steps: usize,
+    ) -> Result<(BentPlay, Histories), SimulationError> {
+        let (count, grid) = (chain.count, self.grid);
+        let bytes = grid.len * (2 * count + 16) * size_of::<f64>();
+        if let Some(allowed) = self.play.memory_bytes.filter(|allowed| bytes > *allowed) {
+            return Err(SimulationError::TooMuchMemory {
+                samples: grid.len,
+                modes: count,
+                bytes,
+                allowed,
+            });
+        }
+        let is_prescribed = matches!(self.play.input, Input::HubAngle(_));
+        let lost = |sample: usize| SimulationError::NotFinite { time_s: grid.time_s(sample) };
+        chain.damping = viscous(&chain, self.law, is_prescribed).ok_or(lost(0))?;
+        let (q, from_rad) = self.start(&chain)?;
+        let aim_rad = match self.play.feedback {
+            Some(feedback) if self.link.has_weight() => feedback.reference().angle_rad()[0],
+            _ => q[0],
+        };
+        let drive = Drive { reaction: self.play.reaction(self.link), aim_rad, is_prescribed };
+        let mut stiffness = chain.stiffness.clone();
+        let mut linear_damping = chain.damping.clone();
+        if !is_prescribed {
+            stiffness[0] += drive.reaction.stiffness_n_m_rad;
+            linear_damping[0] += drive.reaction.damping_n_m_s_rad;
+        }
+        let step_s = grid.step_s / steps as f64;
+        let mut radau = Radau::new(step_s, &stiffness, &linear_damping);
+        let mut balance = Balance::default();
+        let mut motion = Motion { rates: vec![0.0; count], accelerations: vec![0.0; count], q };
+        chain.balance(&motion.q, &motion.rates, &mut balance);
+        let holding_n_m = -balance.force[0];
+        drive.apply(self.driving.at(0), (&motion.q, &motion.rates), &mut balance);
+        let mass = DMatrix::from_row_slice(count, count, &balance.mass);
+        if let Some(first) = mass.lu().solve(&DVector::from_column_slice(&balance.force)) {
+            motion.accelerations.copy_from_slice(first.as_slice());
+        }
+        let mut found = BentPlay {
+            angles: count,
+            steps,
+            holding_n_m,
+            tip_change_m: f64::INFINITY,
+            hub_change_rad: f64::INFINITY,
+            friction_n_m_s_rad: self.link.hub().viscous_friction_n_m_s_rad,
+            record: Record::with_capacity(count, grid.len),
+            chord_rad: Vec::with_capacity(grid.len),
+            from_rad,
+            chain,
+        };
+        let mut histories: Histories = [(); 7].map(|()| Vec::with_capacity(grid.len));
+        found.observe(&motion, (self.driving.at(0), &drive), &mut balance, &mut histories);
+        let places = Radau::places();
+        for (sample, cubic) in self.driving.steps(grid.len).enumerate() {
+            for step in 0..steps {
+                let done = radau.advance(&mut motion, |stage, q, rates, balance| {
+                    let s = (step as f64 + places[stage]) / steps as f64;
+                    let input = cubic.iter().rev().fold(0.0, |sum, term| sum * s + term);
+                    found.chain.balance(q, rates, balance);
+                    drive.apply(input, (q, rates), balance);
+                });
+                if !done {
+                    return Err(lost(sample + 1));
+                }
+            }
+            let input = (self.driving.at(sample + 1), &drive);
+            found.observe(&motion, input, &mut balance, &mut histories);
+        }
+        Ok((found, histories))
+    }
+
+    /// The link at rest before the input, and the direction of the chord from which displacements are counted.
+    fn start(&self, chain: &Chain) -> Result<(Vec<f64>, f64), SimulationError> {
+        let given_rad = self.play.origin_rad(self.link);
+        let start_rad = self.play.start_m(self.link) / self.link.length_m();
+        let straight = |angle_rad: f64| {
+            let mut q = vec![0.0; chain.count];
+            q[0] = angle_rad;
+            q
+        };
+        let start_rad = start_rad + given_rad.unwrap_or(0.0);
+        if !self.link.has_weight() {
+            return Ok((straight(start_rad), given_rad.unwrap_or(0.0)));
+        }
+        let held = match self.play.input {
+            Input::Torque(_) if given_rad.is_none() => return Err(SimulationError::NoStartAngle),
+            Input::Torque(_) => Held::Chord(start_rad),
+            Input::HubAngle(_) => Held::Hub,
+        };
+        let q = at_rest(chain, &straight(start_rad), held).ok_or(SimulationError::NoRest)?;
+        // A prescribed hub leaves the chord where the weight bends it to.
+        let first_rad = direction(chain.tip(&q, &vec![0.0; chain.count]).at_m, start_rad);
+        Ok((q, given_rad.unwrap_or(first_rad)))
+    }
+}
+
+/// Direction of a place from the axis in rad, within half a turn of another one.
+fn direction([x, y]: [f64; 2], near_rad: f64) -> f64 {
+    let turn = libm::atan2(y, x) - near_rad;
+    near_rad + turn - 2.0 * PI * (turn / (2.0 * PI)).round()
+}
+
+impl BentPlay {
+    /// Adds what a motion is like to the record and the histories.
+    fn observe(
+        &mut self,
+        motion: &Motion,
+        (input, drive): (f64, &Drive),
+        balance: &mut Balance,
+        histories: &mut Histories,
+    ) {
+        let Motion { q, rates, accelerations } = motion;
+        let reaction = drive.reaction;
+        let motor_n_m = if drive.is_prescribed {
+            self.chain.balance(q, rates, balance);
+            let needed = dot(&balance.mass[..self.angles], accelerations) - balance.force[0];
+            needed + reaction.friction_n_m_s_rad * rates[0]
+        } else {
+            // Friction acts on the hub; the rest of the reaction is the motor's.
+            let friction_n_m = reaction.friction_n_m_s_rad * rates[0];
+            input - (reaction.torque_n_m(q[0] - drive.aim_rad, rates[0]) - friction_n_m)
+        };
+        let tip = self.chain.tip(q, rates);
+        // A link at rest is bent by less than half a turn.
+        let near_rad = self.chord_rad.last().copied().unwrap_or(q[0]);
+        let chord_rad = direction(tip.at_m, near_rad);
+        let ([x, y], [vx, vy]) = (tip.at_m, tip.rate_m_s);
+        let [ax, ay] = tip.acceleration_m_s2(accelerations);
+        let square = x * x + y * y;
+        let rate = (x * vy - y * vx) / square;
+        let turning = (x * ay - y * ax - 2.0 * (x * vx + y * vy) * rate) / square;
+        let length_m = self.chain.length_m();
+        let row = [
+            motor_n_m,
+            q[0],
+            rates[0],
+            accelerations[0],
+            length_m * (chord_rad - self.from_rad),
+            length_m * rate,
+            length_m * turning,
+        ];
+        self.chord_rad.push(chord_rad);
+        self.record.push(q, rates);
+        histories.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+    }
+
+    /// Displacement in m along the arc of places at distances along the link, at every `every`-th sample.
+    pub(super) fn displacements_m(&self, along_m: &[f64], every: NonZeroUsize) -> Vec<Vec<f64>> {
+        let stations = self.chain.stations(along_m);
+        let mut columns = vec![Vec::new(); along_m.len()];
+        for sample in (0..self.chord_rad.len()).step_by(every.get()) {
+            let places = self.chain.places_m(&stations, self.record.at(sample).0);
+            for ((column, at_m), s_m) in columns.iter_mut().zip(places).zip(along_m) {
+                column.push(s_m * (direction(at_m, self.chord_rad[sample]) - self.from_rad));
+            }
+        }
+        columns
+    }
+
+    /// Deflection of the tip from the hub's tangent line in m.
+    pub(super) fn tip_deflection_m(&self) -> Vec<f64> {
+        let rest = vec![0.0; self.angles];
+        let deflection = |sample: usize| {
+            let q = self.record.at(sample).0;
+            let [x, y] = self.chain.tip(q, &rest).at_m;
+            y * libm::cos(q[0]) - x * libm::sin(q[0])
+        };
+        (0..self.chord_rad.len()).map(deflection).collect()
+    }
+
+    /// Kinetic energy, and that of strain and weight, at a sample in J.
+    pub(super) fn energies_j(&self, sample: usize) -> [f64; 2] {
+        let (q, rates) = self.record.at(sample);
+        self.chain.energies_j(q, rates)
+    }
+
+    /// Power that damping and friction dissipate at a sample in W.
+    pub(super) fn loss_w(&self, sample: usize) -> f64 {
+        let rates = self.record.at(sample).1;
+        self.chain.damped_w(rates) + self.friction_n_m_s_rad * rates[0] * rates[0]
+    }
+}

@@ -1,0 +1,367 @@
+//! A link as an inextensible elastica whose coordinates are angles: Lagrange's equations at any deflection.
+//!
+//! The hub's angle φ comes first, then the slopes ψ of the link from the hub's tangent line: polynomials on each
+//! piece between two masses or segment ends. Places and their derivatives are integrals of cosines and sines along
+//! the link, at Gauss's points, so that the discrete link keeps its energy exactly.
+//!
+//! ```text
+//! r(s) = ∫ (cos θ, sin θ) ds,   θ = φ + ψ,   M = Σ m ∂r/∂qᵀ ∂r/∂q,   V = ½ ∫ EI ψ'² ds − Σ m g·r
+//! ```
+
+use crate::link::{Link, POSITION_TOLERANCE, Payload, Taper};
+use crate::numeric::{GaussRule, dot, piece_shapes};
+
+/// Gauss points of a piece beyond the order of its polynomials.
+const MORE_POINTS: usize = 3;
+
+/// A body fixed to the end of a piece.
+#[derive(Debug, Clone, Copy)]
+struct Body {
+    mass_kg: f64,
+    inertia_kg_m2: f64,
+    /// How far beyond that end its centre lies in m.
+    arm_m: f64,
+}
+
+/// A part of the link without a mass or the end of a segment within.
+#[derive(Debug, Clone)]
+pub(super) struct Piece {
+    pub(super) length_m: f64,
+    /// Number of the first of its own coordinates: polynomials that vanish at both ends, then the slope at the outer
+    /// end. The slope at its inner end is the coordinate before them; that of the first piece is none.
+    first: usize,
+    /// Of each Gauss point: what the slope at the inner end and each coordinate add to its slope.
+    pub(super) shapes: Vec<Vec<f64>>,
+    masses_kg: Vec<f64>,
+    /// Integrals from the inner end to each point, and to the outer end, over the length, per value at each point.
+    pub(super) within: Vec<Vec<f64>>,
+    bodies: Vec<Body>,
+}
+
+/// A place on the link, how it moves, and what each coordinate changes of it, along x and y.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Place {
+    pub(super) at_m: [f64; 2],
+    pub(super) rate_m_s: [f64; 2],
+    /// Its acceleration while all rates are constant.
+    centripetal_m_s2: [f64; 2],
+    by: [Vec<f64>; 2],
+}
+
+impl Place {
+    /// Acceleration in m/s² for accelerations of the coordinates.
+    pub(super) fn acceleration_m_s2(&self, accelerations: &[f64]) -> [f64; 2] {
+        [0, 1].map(|axis| self.centripetal_m_s2[axis] + dot(&self.by[axis], accelerations))
+    }
+
+    /// The place this far along a direction that coordinates `turned` turn, at a rate.
+    fn beyond(&self, arm_m: f64, (angle, rate): (f64, f64), turned: &[usize]) -> Self {
+        let mut place = self.clone();
+        let (x, y) = (arm_m * libm::cos(angle), arm_m * libm::sin(angle));
+        let (x_by, y_by) = (-y, x);
+        for (axis, (part, by)) in [(x, x_by), (y, y_by)].into_iter().enumerate() {
+            place.at_m[axis] += part;
+            place.rate_m_s[axis] += by * rate;
+            place.centripetal_m_s2[axis] -= part * rate * rate;
+            for coordinate in turned {
+                place.by[axis][*coordinate] += by;
+            }
+        }
+        place
+    }
+}
+
+/// Masses on the link as it is walked from the axis outward.
+enum Met<'a> {
+    /// A mass in kg.
+    Mass(f64),
+    /// A rotary inertia in kg m² on the slope of these coordinates.
+    Inertia(f64, &'a [usize]),
+    /// The end of a piece.
+    End,
+}
+
+/// Equations `M a = f` at one instant: the mass matrix row by row, and all forces but the motor's.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Balance {
+    pub(super) mass: Vec<f64>,
+    pub(super) force: Vec<f64>,
+}
+
+/// The link.
+#[derive(Debug, Clone)]
+pub(super) struct Chain {
+    pub(super) pieces: Vec<Piece>,
+    pub(super) root_m: f64,
+    hub_inertia_kg_m2: f64,
+    at_root: Vec<Body>,
+    gravity_m_s2: [f64; 2],
+    /// Number of coordinates.
+    pub(super) count: usize,
+    /// Row by row; none acts on the hub's angle.
+    pub(super) stiffness: Vec<f64>,
+    pub(super) damping: Vec<f64>,
+}
+
+impl Chain {
+    /// An undamped link with polynomials of order `order`, 2 or higher, on a piece whose length in m and mean stiffness
+    /// in N m² and mass in kg/m it is given.
+    pub(super) fn of(link: &Link, order: impl Fn([f64; 3]) -> usize) -> Self {
+        let hub = link.hub();
+        let mut chain = Self {
+            pieces: Vec::new(),
+            root_m: hub.radius_m,
+            hub_inertia_kg_m2: hub.inertia_kg_m2,
+            at_root: bodies_at(link, hub.radius_m),
+            gravity_m_s2: link.gravity().map_or([0.0; 2], |own| own.acceleration_m_s2),
+            count: 1,
+            stiffness: Vec::new(),
+            damping: Vec::new(),
+        };
+        let mut bends = Vec::new();
+        let mut root_m = hub.radius_m;
+        for segment in link.segments() {
+            let tip_m = root_m + segment.length_m;
+            let mut from_m = root_m;
+            for end_m in piece_ends_m(link, [root_m, tip_m]) {
+                let [from, to] =
+                    [from_m, end_m].map(|x| ((x - root_m) / segment.length_m).min(1.0));
+                let stiffness = segment.bending_stiffness_n_m2.between(from, to);
+                let mass = segment.mass_per_length_kg_m.between(from, to);
+                let length_m = end_m - from_m;
+                let order = order([length_m, stiffness.mean(), mass.mean()]).max(2);
+                let rule = GaussRule::new(order + MORE_POINTS);
+                let bodies = bodies_at(link, end_m);
+                chain.pieces.push(Piece::new(length_m, chain.count, (order, &rule), mass, bodies));
+                bends.push((rule, order, stiffness));
+                chain.count += order;
+                from_m = end_m;
+            }
+            root_m = tip_m;
+        }
+        let Payload { mass_kg, inertia_kg_m2, offset_m: arm_m } = *link.payload();
+        if let Some(last) = chain.pieces.last_mut() {
+            last.bodies.push(Body { mass_kg, inertia_kg_m2, arm_m });
+        }
+        let count = chain.count;
+        chain.damping = vec![0.0; count * count];
+        chain.stiffness = chain.damping.clone();
+        for (piece, (rule, order, stiffness)) in chain.pieces.iter().zip(bends) {
+            for (weight, t) in rule.weights.iter().zip(&rule.places) {
+                // ds = l/2 dt, and each derivative has 2/l; the weights are those of (0, 1).
+                let factor = 4.0 * weight * stiffness.at(0.5 * (1.0 + t)) / piece.length_m;
+                let slopes = piece_shapes(order, *t).1;
+                for (i, own) in piece.coordinates() {
+                    for (j, other) in piece.coordinates() {
+                        chain.stiffness[i * count + j] += factor * slopes[own] * slopes[other];
+                    }
+                }
+            }
+        }
+        chain
+    }
+
+    /// Length L from the axis to the tip in m.
+    pub(super) fn length_m(&self) -> f64 {
+        self.root_m + self.pieces.iter().map(|piece| piece.length_m).sum::<f64>()
+    }
+
+    /// The same link with a share of its weight.
+    pub(super) fn weighing(&self, share: f64) -> Self {
+        Self { gravity_m_s2: self.gravity_m_s2.map(|part| share * part), ..self.clone() }
+    }
+
+    /// Walks the link from the axis outward and shows each mass, or rotary inertia, at its place.
+    fn walk(&self, q: &[f64], rates: &[f64], mut meet: impl FnMut(&Place, Met<'_>)) {
+        let axis = Place { by: [vec![0.0; self.count], vec![0.0; self.count]], ..Place::default() };
+        meet(&axis, Met::Inertia(self.hub_inertia_kg_m2, &[0]));
+        let mut inner = axis.beyond(self.root_m, (q[0], rates[0]), &[0]);
+        Self::meet_bodies(&self.at_root, &inner, (q[0], rates[0]), &[0], &mut meet);
+        let mut here = inner.clone();
+        for piece in &self.pieces {
+            let angle = |values: &[f64], shape: &[f64]| {
+                let own = piece.coordinates().map(|(i, k)| values[i] * shape[k]);
+                values[0] + own.sum::<f64>()
+            };
+            let slopes: Vec<[f64; 4]> = piece
+                .shapes
+                .iter()
+                .map(|shape| {
+                    let (angle, rate) = (angle(q, shape), angle(rates, shape));
+                    let (cosine, sine) = (libm::cos(angle), libm::sin(angle));
+                    [cosine, sine, rate, rate * rate]
+                })
+                .collect();
+            for (point, within) in piece.within.iter().enumerate() {
+                here.clone_from(&inner);
+                let mut turned = [0.0; 2];
+                for (k, (share, [cosine, sine, rate, square])) in
+                    within.iter().zip(&slopes).enumerate()
+                {
+                    let (x, y) = (piece.length_m * share * cosine, piece.length_m * share * sine);
+                    for (axis, (part, by)) in [(x, -y), (y, x)].into_iter().enumerate() {
+                        here.at_m[axis] += part;
+                        here.rate_m_s[axis] += by * rate;
+                        here.centripetal_m_s2[axis] -= part * square;
+                        turned[axis] += by;
+                        for (i, own) in piece.coordinates() {
+                            here.by[axis][i] += by * piece.shapes[k][own];
+                        }
+                    }
+                }
+                here.by[0][0] += turned[0];
+                here.by[1][0] += turned[1];
+                if let Some(mass_kg) = piece.masses_kg.get(point) {
+                    meet(&here, Met::Mass(*mass_kg));
+                }
+            }
+            let outer = piece.outer();
+            let slope = (q[0] + q[outer], rates[0] + rates[outer]);
+            Self::meet_bodies(&piece.bodies, &here, slope, &[0, outer], &mut meet);
+            meet(&here, Met::End);
+            inner.clone_from(&here);
+        }
+    }
+
+    fn meet_bodies(
+        bodies: &[Body],
+        end: &Place,
+        slope: (f64, f64),
+        turned: &[usize],
+        meet: &mut impl FnMut(&Place, Met<'_>),
+    ) {
+        for body in bodies {
+            let centre = end.beyond(body.arm_m, slope, turned);
+            meet(&centre, Met::Mass(body.mass_kg));
+            meet(&centre, Met::Inertia(body.inertia_kg_m2, turned));
+        }
+    }
+
+    /// The equations at coordinates and rates.
+    pub(super) fn balance(&self, q: &[f64], rates: &[f64], into: &mut Balance) {
+        let count = self.count;
+        let Balance { mass, force } = into;
+        mass.clear();
+        mass.resize(count * count, 0.0);
+        force.clear();
+        force.extend((0..count).map(|i| {
+            let row = i * count..(i + 1) * count;
+            -dot(&self.stiffness[row.clone()], q) - dot(&self.damping[row], rates)
+        }));
+        self.walk(q, rates, |place, met| match met {
+            Met::Mass(mass_kg) => {
+                for (axis, by) in place.by.iter().enumerate() {
+                    let pulled = self.gravity_m_s2[axis] - place.centripetal_m_s2[axis];
+                    for (i, own) in by.iter().enumerate() {
+                        let own = mass_kg * own;
+                        force[i] += own * pulled;
+                        let row = &mut mass[i * count..=i * count + i];
+                        row.iter_mut().zip(by).for_each(|(entry, other)| *entry += own * other);
+                    }
+                }
+            }
+            Met::Inertia(inertia_kg_m2, turned) => {
+                for i in turned {
+                    for j in turned.iter().filter(|j| *j <= i) {
+                        mass[i * count + j] += inertia_kg_m2;
+                    }
+                }
+            }
+            Met::End => {}
+        });
+        for i in 0..count {
+            for j in 0..i {
+                mass[j * count + i] = mass[i * count + j];
+            }
+        }
+    }
+
+    /// Kinetic energy, and that of strain and weight, in J.
+    pub(super) fn energies_j(&self, q: &[f64], rates: &[f64]) -> [f64; 2] {
+        let rows = self.stiffness.chunks_exact(self.count).zip(q);
+        let strain: f64 = rows.map(|(row, own)| 0.5 * own * dot(row, q)).sum();
+        let (mut kinetic_j, mut potential_j) = (0.0, strain);
+        self.walk(q, rates, |place, met| match met {
+            Met::Mass(mass_kg) => {
+                kinetic_j += 0.5 * mass_kg * dot(&place.rate_m_s, &place.rate_m_s);
+                potential_j -= mass_kg * dot(&self.gravity_m_s2, &place.at_m);
+            }
+            Met::Inertia(inertia_kg_m2, turned) => {
+                let rate: f64 = turned.iter().map(|i| rates[*i]).sum();
+                kinetic_j += 0.5 * inertia_kg_m2 * rate * rate;
+            }
+            Met::End => {}
+        });
+        [kinetic_j, potential_j]
+    }
+
+    /// Power in W that damping of the link dissipates.
+    pub(super) fn damped_w(&self, rates: &[f64]) -> f64 {
+        let rows = self.damping.chunks_exact(self.count).zip(rates);
+        rows.map(|(row, own)| own * dot(row, rates)).sum()
+    }
+
+    /// The tip and how it moves.
+    pub(super) fn tip(&self, q: &[f64], rates: &[f64]) -> Place {
+        let mut tip = Place::default();
+        self.walk(q, rates, |place, met| {
+            if let Met::End = met {
+                tip.clone_from(place);
+            }
+        });
+        tip
+    }
+}
+
+/// Bodies at a distance along the link.
+fn bodies_at(link: &Link, at_m: f64) -> Vec<Body> {
+    let same_m = POSITION_TOLERANCE * link.length_m();
+    let here = link.masses().iter().filter(|mass| (mass.at_m - at_m).abs() <= same_m);
+    here.map(|mass| Body { mass_kg: mass.mass_kg, inertia_kg_m2: mass.inertia_kg_m2, arm_m: 0.0 })
+        .collect()
+}
+
+/// Where pieces of a segment end: at masses within it, and at its outer end.
+fn piece_ends_m(link: &Link, [root_m, tip_m]: [f64; 2]) -> Vec<f64> {
+    let same_m = POSITION_TOLERANCE * link.length_m();
+    let inside = |at_m: &f64| *at_m > root_m + same_m && *at_m < tip_m - same_m;
+    let mut ends: Vec<f64> = link.masses().iter().map(|mass| mass.at_m).filter(inside).collect();
+    ends.dedup_by(|a, b| *a - *b <= same_m);
+    ends.push(tip_m);
+    ends
+}
+
+impl Piece {
+    /// With polynomials of an order, at the points of a rule; `first` is the number of its first coordinate.
+    fn new(
+        length_m: f64,
+        first: usize,
+        (order, rule): (usize, &GaussRule),
+        mass_kg_m: Taper,
+        bodies: Vec<Body>,
+    ) -> Self {
+        let points = || rule.places.iter();
+        let mass = |(weight, t): (&f64, &f64)| length_m * weight * mass_kg_m.at(0.5 * (1.0 + t));
+        Self {
+            length_m,
+            first,
+            shapes: points().map(|t| piece_shapes(order, *t).0).collect(),
+            masses_kg: rule.weights.iter().zip(points()).map(mass).collect(),
+            within: points().chain([&1.0]).map(|t| rule.up_to(*t)).collect(),
+            bodies,
+        }
+    }
+
+    /// Coordinates that bend it, and their numbers among its shapes.
+    pub(super) fn coordinates(&self) -> impl Iterator<Item = (usize, usize)> + Clone + use<> {
+        let (first, count) = (self.first, self.shapes[0].len() - 1);
+        // The hub's angle before the first piece is no slope from its tangent line.
+        let inner = (first > 1).then(|| (first - 1, 0));
+        inner.into_iter().chain((0..count).map(move |k| (first + k, k + 1)))
+    }
+
+    /// Coordinate of the slope at its outer end.
+    fn outer(&self) -> usize {
+        self.first + self.shapes[0].len() - 2
+    }
+}

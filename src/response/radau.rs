@@ -1,0 +1,152 @@
+//! Implicit integration of equations of motion: Radau's method IIA with three stages, of order 5 and stable for every
+//! step (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8).
+
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+use super::chain::Balance;
+use crate::numeric::{Size, dot};
+
+/// Stages.
+const STAGES: usize = 3;
+
+/// Coordinates in rad settle when an iteration changes them by less.
+const SETTLED_RAD: f64 = 1e-14;
+
+/// Most iterations of a step.
+const MOST_ITERATIONS: usize = 20;
+
+/// Iterations of a step after which the factors are made anew.
+const SLOW: usize = 6;
+
+/// Coordinates, rates and accelerations.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Motion {
+    pub(super) q: Vec<f64>,
+    pub(super) rates: Vec<f64>,
+    pub(super) accelerations: Vec<f64>,
+}
+
+/// Steps `M(q) q̈ = f(t, q, q̇)`, f having the linear part −Kq − Dq̇.
+pub(super) struct Radau<'a> {
+    count: usize,
+    step_s: f64,
+    stiffness: &'a [f64],
+    damping: &'a [f64],
+    /// Aᵢⱼ of the method, and its square.
+    once: [[f64; STAGES]; STAGES],
+    twice: [[f64; STAGES]; STAGES],
+    factors: Option<LU<f64, Dyn, Dyn>>,
+    balance: Balance,
+}
+
+impl<'a> Radau<'a> {
+    /// Shares of a step at which the stages lie; the last one is its end.
+    pub(super) fn places() -> [f64; STAGES] {
+        let root = 6.0_f64.sqrt();
+        [(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0]
+    }
+
+    /// Steps of so many seconds with linear parts row by row.
+    pub(super) fn new(step_s: f64, stiffness: &'a [f64], damping: &'a [f64]) -> Self {
+        let root = 6.0_f64.sqrt();
+        let once = [
+            [
+                (88.0 - 7.0 * root) / 360.0,
+                (296.0 - 169.0 * root) / 1800.0,
+                (-2.0 + 3.0 * root) / 225.0,
+            ],
+            [
+                (296.0 + 169.0 * root) / 1800.0,
+                (88.0 + 7.0 * root) / 360.0,
+                (-2.0 - 3.0 * root) / 225.0,
+            ],
+            [(16.0 - root) / 36.0, (16.0 + root) / 36.0, 1.0 / 9.0],
+        ];
+        let twice =
+            once.map(|row| [0, 1, 2].map(|j| (0..STAGES).map(|k| row[k] * once[k][j]).sum()));
+        let count = stiffness.len().isqrt();
+        let balance = Balance::default();
+        Self { count, step_s, stiffness, damping, once, twice, factors: None, balance }
+    }
+
+    /// Makes one step; `balance` is given the stage, coordinates and rates. False where it does not converge.
+    pub(super) fn advance(
+        &mut self,
+        motion: &mut Motion,
+        mut balance: impl FnMut(usize, &[f64], &[f64], &mut Balance),
+    ) -> bool {
+        let (count, h) = (self.count, self.step_s);
+        // As if the accelerations stayed what they are.
+        let mut stages = vec![motion.accelerations.clone(); STAGES];
+        let mut residual = DVector::zeros(STAGES * count);
+        let places = Self::places();
+        let mut at = (vec![0.0; count], vec![0.0; count]);
+        for iteration in 1..=MOST_ITERATIONS {
+            for stage in 0..STAGES {
+                for i in 0..count {
+                    let sum = |row: &[f64; STAGES]| -> f64 {
+                        row.iter().zip(&stages).map(|(a, stage)| a * stage[i]).sum()
+                    };
+                    at.1[i] = motion.rates[i] + h * sum(&self.once[stage]);
+                    at.0[i] = motion.q[i]
+                        + h * (places[stage] * motion.rates[i] + h * sum(&self.twice[stage]));
+                }
+                balance(stage, &at.0, &at.1, &mut self.balance);
+                for i in 0..count {
+                    let needed = dot(&self.balance.mass[i * count..][..count], &stages[stage]);
+                    residual[stage * count + i] = self.balance.force[i] - needed;
+                }
+            }
+            let factors = match self.factors.take() {
+                Some(factors) => factors,
+                None => self.factorised(),
+            };
+            let is_solved = factors.solve_mut(&mut residual);
+            self.factors = Some(factors);
+            if !is_solved {
+                return false;
+            }
+            let mut change = 0.0;
+            for (stage, own) in stages.iter_mut().enumerate() {
+                for (i, acceleration) in own.iter_mut().enumerate() {
+                    let more = residual[stage * count + i];
+                    *acceleration += more;
+                    change = Size::larger(change, more.abs());
+                }
+            }
+            if change * h * h <= SETTLED_RAD {
+                // The last stage is the end of the step.
+                let last = STAGES - 1;
+                for i in 0..count {
+                    let sum = |row: &[f64; STAGES]| -> f64 {
+                        row.iter().zip(&stages).map(|(a, stage)| a * stage[i]).sum()
+                    };
+                    motion.q[i] += h * (motion.rates[i] + h * sum(&self.twice[last]));
+                    motion.rates[i] += h * sum(&self.once[last]);
+                }
+                motion.accelerations = stages.swap_remove(last);
+                if iteration > SLOW {
+                    self.factors = None;
+                }
+                return true;
+            }
+            if !change.is_finite() {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Factors of the matrix that changes of the stages' accelerations meet, with the masses of the last balance.
+    fn factorised(&self) -> LU<f64, Dyn, Dyn> {
+        let (count, h) = (self.count, self.step_s);
+        let matrix = DMatrix::from_fn(STAGES * count, STAGES * count, |row, column| {
+            let (stage, i, other, j) = (row / count, row % count, column / count, column % count);
+            let at = i * count + j;
+            let own = if stage == other { self.balance.mass[at] } else { 0.0 };
+            own + h * self.once[stage][other] * self.damping[at]
+                + h * h * self.twice[stage][other] * self.stiffness[at]
+        });
+        matrix.lu()
+    }
+}

@@ -1,0 +1,194 @@
+//! An elastica's shape at rest and along its length, and its damping as a matrix.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::chain::{Balance, Chain};
+use crate::modal::DampingLaw;
+use crate::numeric::{GaussRule, SymmetricEigen};
+
+/// In how many parts the weight comes, where all of it at once leads to no shape at rest.
+const WEIGHT_PARTS: [u32; 4] = [1, 4, 16, 64];
+
+/// A shape is at rest where an iteration changes it by less, in rad.
+const SETTLED_RAD: f64 = 1e-12;
+
+/// Largest change by one iteration towards the shape at rest, in rad, and the most iterations.
+const LARGEST_CHANGE_RAD: f64 = 0.3;
+const MOST_ITERATIONS: usize = 60;
+
+/// Part of a coordinate by which forces are differentiated, in rad.
+const PART_RAD: f64 = 1e-6;
+
+/// What holds a link at rest.
+#[derive(Clone, Copy)]
+pub(super) enum Held {
+    /// The hub's angle.
+    Hub,
+    /// The direction of the chord in rad.
+    Chord(f64),
+}
+
+/// The shape at rest, from a straight one: the weight comes at once or, where that leads nowhere, in parts.
+pub(super) fn at_rest(chain: &Chain, straight: &[f64], held: Held) -> Option<Vec<f64>> {
+    WEIGHT_PARTS.into_iter().find_map(|parts| {
+        let mut shares = (1..=parts).map(|part| f64::from(part) / f64::from(parts));
+        shares.try_fold(straight.to_vec(), |q, share| settled(&chain.weighing(share), q, held))
+    })
+}
+
+/// Newton's iteration to the shape at rest.
+fn settled(chain: &Chain, mut q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
+    let count = chain.count;
+    let rest = vec![0.0; count];
+    let mut balance = Balance::default();
+    let hub_rad = q[0];
+    let mut left = |q: &[f64]| {
+        chain.balance(q, &rest, &mut balance);
+        let mut left = DVector::from_column_slice(&balance.force);
+        left[0] = match held {
+            Held::Hub => hub_rad - q[0],
+            Held::Chord(angle_rad) => {
+                let [x, y] = chain.tip(q, &rest).at_m;
+                (x * libm::sin(angle_rad) - y * libm::cos(angle_rad)) / (x * x + y * y).sqrt()
+            }
+        };
+        left
+    };
+    for _ in 0..MOST_ITERATIONS {
+        let now = left(&q);
+        let mut slopes = DMatrix::zeros(count, count);
+        for k in 0..count {
+            let own = q[k];
+            q[k] = own + PART_RAD;
+            slopes.set_column(k, &((left(&q) - &now) / PART_RAD));
+            q[k] = own;
+        }
+        let change = slopes.lu().solve(&now)?;
+        let most = change.amax();
+        if !most.is_finite() {
+            return None;
+        }
+        let share = (LARGEST_CHANGE_RAD / most).min(1.0);
+        q.iter_mut().zip(change.iter()).for_each(|(own, change)| *own -= share * change);
+        if most < SETTLED_RAD {
+            return Some(q);
+        }
+    }
+    None
+}
+
+/// The damping matrix. Hysteretic damping of ratio ξ is viscous in every mode ψ of the straight link, the hub free or
+/// held:
+///
+/// ```text
+/// D = 2ξ Σ ω M ψ ψᵀ M = 2ξ Σ ω⁻¹ (L z)(L z)ᵀ,    L⁻¹ M L⁻ᵀ z = ω⁻² z,   K = L Lᵀ
+/// ```
+pub(super) fn viscous(chain: &Chain, law: &DampingLaw, is_held: bool) -> Option<Vec<f64>> {
+    let ratio = match law {
+        DampingLaw::Hysteretic { ratio } => *ratio,
+        DampingLaw::Rayleigh { beta_s, .. } => {
+            return Some(chain.stiffness.iter().map(|entry| beta_s * entry).collect());
+        }
+        _ => return None,
+    };
+    let (count, own) = (chain.count, chain.count - 1);
+    let mut damping = vec![0.0; count * count];
+    if ratio == 0.0 {
+        return Some(damping);
+    }
+    let mut balance = Balance::default();
+    chain.balance(&vec![0.0; count], &vec![0.0; count], &mut balance);
+    let mass = &balance.mass;
+    // The hub follows so that no momentum is left, or stays.
+    let bent = DMatrix::from_fn(own, own, |i, j| {
+        let follows = mass[(i + 1) * count] * mass[j + 1] / mass[0];
+        mass[(i + 1) * count + j + 1] - if is_held { 0.0 } else { follows }
+    });
+    let stiffness = DMatrix::from_fn(own, own, |i, j| chain.stiffness[(i + 1) * count + j + 1]);
+    let factor = stiffness.cholesky()?.l();
+    let half = factor.solve_lower_triangular(&bent)?;
+    let whole = factor.solve_lower_triangular(&half.transpose())?;
+    // Symmetric, so that the order of its entries does not matter.
+    let modes = SymmetricEigen::new(own, whole.iter().copied().collect())?;
+    for (k, square) in modes.values.iter().enumerate() {
+        let stiff = &factor * DVector::from_column_slice(modes.vector(k));
+        let share = 2.0 * ratio * square.max(0.0).sqrt();
+        for i in 0..own {
+            for j in 0..own {
+                damping[(i + 1) * count + j + 1] += share * stiff[i] * stiff[j];
+            }
+        }
+    }
+    Some(damping)
+}
+
+impl Chain {
+    /// How places at distances along the link, from the axis, follow from the coordinates.
+    pub(super) fn stations(&self, along_m: &[f64]) -> Vec<Station> {
+        let station = |s_m: &f64| {
+            let mut from_m = self.root_m;
+            let last = self.pieces.len() - 1;
+            for (piece, own) in self.pieces.iter().enumerate() {
+                let to_m = from_m + own.length_m;
+                if *s_m <= to_m || piece == last {
+                    let t = (2.0 * (s_m - from_m) / own.length_m - 1.0).clamp(-1.0, 1.0);
+                    let points = own.shapes.len();
+                    let within = if *s_m < self.root_m {
+                        vec![0.0; points]
+                    } else {
+                        GaussRule::new(points).up_to(t)
+                    };
+                    return Station { piece, within, inside_m: s_m.min(self.root_m) };
+                }
+                from_m = to_m;
+            }
+            Station { piece: 0, within: Vec::new(), inside_m: 0.0 }
+        };
+        along_m.iter().map(station).collect()
+    }
+
+    /// Places of stations in m.
+    pub(super) fn places_m(&self, stations: &[Station], q: &[f64]) -> Vec<[f64; 2]> {
+        let hub = [libm::cos(q[0]), libm::sin(q[0])];
+        let mut inner = vec![hub.map(|part| self.root_m * part)];
+        let mut slopes = Vec::with_capacity(self.pieces.len());
+        for piece in &self.pieces {
+            let own = piece.shapes.iter().map(|shape| {
+                let bent: f64 = piece.coordinates().map(|(i, k)| q[i] * shape[k]).sum();
+                [libm::cos(q[0] + bent), libm::sin(q[0] + bent)]
+            });
+            let own: Vec<[f64; 2]> = own.collect();
+            let whole = piece.within.last().map_or(&[][..], Vec::as_slice);
+            let last = inner[inner.len() - 1];
+            inner.push(reached(last, piece.length_m, whole, &own));
+            slopes.push(own);
+        }
+        let place = |station: &Station| {
+            let piece = station.piece;
+            let from = if station.inside_m < self.root_m {
+                hub.map(|part| station.inside_m * part)
+            } else {
+                inner[piece]
+            };
+            reached(from, self.pieces[piece].length_m, &station.within, &slopes[piece])
+        };
+        stations.iter().map(place).collect()
+    }
+}
+
+/// A place from another one on, along slopes whose cosine and sine at each point are given.
+fn reached(from_m: [f64; 2], length_m: f64, within: &[f64], slopes: &[[f64; 2]]) -> [f64; 2] {
+    let parts = within.iter().zip(slopes);
+    parts.fold(from_m, |[x, y], (share, [cosine, sine])| {
+        [x + length_m * share * cosine, y + length_m * share * sine]
+    })
+}
+
+/// A place along the link.
+#[derive(Debug, Clone)]
+pub(super) struct Station {
+    piece: usize,
+    within: Vec<f64>,
+    /// Distance from the axis within the hub's radius.
+    inside_m: f64,
+}
