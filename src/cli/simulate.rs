@@ -9,13 +9,13 @@ use flexlink::elastica::SecondOrder;
 use flexlink::response::{Play, PlayError, Simulation, SimulationError, simulate};
 use flexlink::result::{Comparison, PlayedMetrics, TargetError, TipError};
 use flexlink::spec::Specification;
-use flexlink::store::{PlayFindings, RunInputs, RunOutputs, SimulateFiles, Summary};
+use flexlink::store::{PlayFindings, RunInputs, RunOutputs, SimulateFiles, Summary, state_json};
 use flexlink::text::plain;
 
 use crate::options::common::{NodeArgs, SyncArgs, digits_arguments};
 use crate::options::inputs::{LinkArgs, ReadArgs};
 use crate::options::play::{PlayArgs, Playing};
-use crate::terminal::files::keep;
+use crate::terminal::files::{keep, keep_inputs};
 use crate::terminal::text::simulate_text;
 use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
 
@@ -31,6 +31,10 @@ Example:
       --columns time=1,torque=3 --unit 'N cm' --skip 5
   flexlink simulate link.toml encoder.csv \\
       --input hub-angle --measured camera.csv
+  flexlink simulate link.toml first.csv \\
+      --save-state state.json
+  flexlink simulate link.toml second.csv \\
+      --state state.json
 
 One of the files may be `-`, standard input.";
 
@@ -111,7 +115,11 @@ impl Simulate {
     /// Reads all files; every error names its file.
     fn load(&self) -> Result<Inputs, Failure> {
         let files = [self.link.link.as_path()].into_iter().chain(self.play.files());
-        keep(&self.output, &files.collect::<Vec<&Path>>())?;
+        let files: Vec<&Path> = files.collect();
+        keep(&self.output, &files)?;
+        if let Some(path) = &self.play.save_state {
+            keep_inputs("--save-state", path, &files)?;
+        }
         let (link_file, specification) = self.link.load()?;
         let playing = self.play.load(&specification.link, &self.read)?;
         Ok(Inputs { link_file, specification, playing })
@@ -159,6 +167,10 @@ impl Simulate {
                 let message = format!("{place}{found}, but must be at most {limit} steps");
                 return Failure::new(Exit::InputRefused, &message, error.hint());
             }
+            SimulationError::State { .. } => {
+                let file = inputs.playing.state.as_ref();
+                (Exit::InputRefused, file.map(|(file, _)| shown(file)).unwrap_or_default())
+            }
             // The message begins with the option's name.
             SimulationError::TooLong { .. } | SimulationError::EndsEarly { .. } => {
                 (Exit::Usage, "--".to_owned())
@@ -202,6 +214,7 @@ impl Simulate {
             target: target.as_ref().map(|(file, _)| file),
             measured: measured.as_ref().map(|(file, _)| file),
             reference: reference_file.as_ref(),
+            state: inputs.playing.state.as_ref().map(|(file, _)| file),
         };
         let Played { play, simulation, metrics, .. } = played;
         let record = RunInputs::of_simulate(&inputs.link_file, &files, play, self.arguments());
@@ -209,6 +222,9 @@ impl Simulate {
         let summary = Summary::of_simulation(record, (link, play), simulation, metrics, &findings);
         let folder = self.sync.stage(&self.output)?;
         self.nodes.outputs(self.digits).write_simulation(folder, link, simulation, &summary)?;
+        if let Some(path) = &self.play.save_state {
+            console::deliver(Some(path), state_json(&simulation.state()).as_bytes())?;
+        }
         Ok(summary)
     }
 

@@ -57,7 +57,7 @@ impl Shape {
     }
 
     /// Displacement and slope (v, φ) of a node.
-    pub(super) fn total(&self, mesh: &Mesh, node: usize) -> Vector2<f64> {
+    pub(crate) fn total(&self, mesh: &Mesh, node: usize) -> Vector2<f64> {
         let angle = self.hub_angle;
         self.deflections[node] + Vector2::new(mesh.nodes_m()[node] * angle, angle)
     }
@@ -159,7 +159,7 @@ impl Shape {
     }
 
     /// The shape less `factor` times another.
-    pub(super) fn less(mut self, factor: f64, other: &Self) -> Self {
+    pub(crate) fn less(mut self, factor: f64, other: &Self) -> Self {
         self.hub_angle -= factor * other.hub_angle;
         for (w, other) in self.deflections.iter_mut().zip(&other.deflections) {
             *w -= factor * other;

@@ -10,8 +10,9 @@ use flexlink::csv::{
 };
 use flexlink::link::Link;
 use flexlink::motion::TipTarget;
-use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, Torque};
+use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, State, Torque};
 use flexlink::result::ChannelRecording;
+use flexlink::store::read_state;
 
 use super::common::{finite, option};
 use super::inputs::{ReadArgs, tell};
@@ -73,6 +74,15 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     measured: Option<PathBuf>,
 
+    /// Start from the state that --save-state of an earlier run wrote, not at rest.
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
+
+    /// Write the state at the end of the simulation (JSON), from which another one goes on: angles along the
+    /// link, deflections and their rates.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) save_state: Option<PathBuf>,
+
     /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad.
     #[arg(long, value_name = "KP,KD", requires = "reference")]
     #[arg(value_parser = gains, allow_hyphen_values = true)]
@@ -98,6 +108,7 @@ pub(crate) struct Playing {
     pub(crate) target: Option<(InputFile, TipTarget)>,
     pub(crate) measured: Option<(InputFile, ChannelRecording)>,
     pub(crate) reference_file: Option<InputFile>,
+    pub(crate) state: Option<(InputFile, State)>,
     feedback: Option<Feedback>,
     initial_tip_m: f64,
 }
@@ -105,7 +116,8 @@ pub(crate) struct Playing {
 impl PlayArgs {
     /// All files, for the check that no output replaces one.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        let others = [&self.target, &self.measured, &self.reference].into_iter().flatten();
+        let others = [&self.target, &self.measured, &self.reference, &self.state];
+        let others = others.into_iter().flatten();
         [&self.file].into_iter().chain(others).map(PathBuf::as_path)
     }
 
@@ -169,6 +181,11 @@ impl PlayArgs {
             Some((_, target)) => target.start_m(),
             None => reference.as_ref().map(pointed).unwrap_or_default(),
         };
+        let state = open(&self.state)?.map(|file| -> Result<_, Failure> {
+            let state = read_state(&file.shown, &file.bytes)?;
+            Ok((file, state))
+        });
+        let state = state.transpose()?;
         let feedback = self.feedback.zip(reference);
         let feedback = feedback.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
         let feedback = feedback
@@ -187,6 +204,7 @@ impl PlayArgs {
             target,
             measured,
             reference_file,
+            state,
             feedback,
             initial_tip_m,
         })
@@ -246,6 +264,7 @@ impl Playing {
             initial_tip_m: self.initial_tip_m,
             memory_bytes: memory::available(),
             is_large,
+            state: self.state.as_ref().map(|(_, state)| state),
             start_angle_rad: self.target.as_ref().and_then(|(_, target)| target.start_angle_rad()),
         }
     }

@@ -6,15 +6,17 @@ use std::num::NonZeroUsize;
 use nalgebra::{DMatrix, DVector};
 
 use super::chain::{Balance, Chain};
-use super::error::SimulationError;
+use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
+use super::history::HubReference;
 use super::modes::HubReaction;
 use super::play::{Driving, Input, Play};
 use super::radau::{Motion, Radau};
 use super::shape::{Held, at_rest, viscous};
+use super::state::State;
 use super::stepper::Record;
 use crate::link::Link;
 use crate::modal::DampingLaw;
-use crate::numeric::{Size, TimeGrid, dot, largest_difference};
+use crate::numeric::{Size, TimeGrid, dot, extremes, largest_difference};
 
 /// Order of the polynomials of a piece at first, beside one for each radian of a bending wave along it.
 const FIRST_ORDER: usize = 3;
@@ -31,6 +33,9 @@ const MORE_ORDERS: usize = 2;
 /// Most refinements, and steps beyond which none is made.
 const MOST_REFINEMENTS: usize = 6;
 const LONGEST: usize = 1 << 20;
+
+/// Angle in rad between a reference and the hub at the start above which a warning is given.
+const APART_RAD: f64 = 1e-4;
 
 /// What an elastica was played with, and its motion.
 #[derive(Debug, Clone)]
@@ -69,14 +74,15 @@ pub(super) fn play_bent(
     (grid, first_rad_s, tolerance): (&TimeGrid, f64, f64),
 ) -> Result<(BentPlay, Histories), SimulationError> {
     refuse_unknown(link, law)?;
-    let problem = Problem { link, law, play, driving: play.driving(link.has_weight())?, grid };
+    let problem = Problem { link, law, play, driving: play.driving(link)?, grid };
     let played = |finer: usize| {
-        let order = |[length_m, stiffness_n_m2, mass_kg_m]: [f64; 3]| {
+        let order = |[from_m, end_m]: [f64; 2], [stiffness_n_m2, mass_kg_m]: [f64; 2]| {
             let omega_rad_s = WAVES * first_rad_s;
-            let wave_rad =
-                length_m * (mass_kg_m / stiffness_n_m2 * omega_rad_s * omega_rad_s).sqrt().sqrt();
+            let wave_rad = (end_m - from_m)
+                * (mass_kg_m / stiffness_n_m2 * omega_rad_s * omega_rad_s).sqrt().sqrt();
             let order = (FIRST_ORDER as f64 + wave_rad.ceil()).min(HIGHEST_ORDER as f64) as usize;
-            order + finer * MORE_ORDERS
+            let given = play.state.map_or(0, |state| state.piece([from_m, end_m]).len());
+            order.max(given.saturating_sub(1)) + finer * MORE_ORDERS
         };
         problem.played(Chain::of(link, order), 1 << finer)
     };
@@ -164,8 +170,9 @@ impl Problem<'_> {
         let is_prescribed = matches!(self.play.input, Input::HubAngle(_));
         let lost = |sample: usize| SimulationError::NotFinite { time_s: grid.time_s(sample) };
         chain.damping = viscous(&chain, self.law, is_prescribed).ok_or(lost(0))?;
-        let (q, from_rad) = self.start(&chain)?;
+        let (q, rates, from_rad) = self.start(&chain)?;
         let aim_rad = match self.play.feedback {
+            Some(_) if self.play.state.is_some() => self.play.origin_rad(self.link).unwrap_or(0.0),
             Some(feedback) if self.link.has_weight() => feedback.reference().angle_rad()[0],
             _ => q[0],
         };
@@ -179,7 +186,7 @@ impl Problem<'_> {
         let step_s = grid.step_s / steps as f64;
         let mut radau = Radau::new(step_s, &stiffness, &linear_damping);
         let mut balance = Balance::default();
-        let mut motion = Motion { rates: vec![0.0; count], accelerations: vec![0.0; count], q };
+        let mut motion = Motion { rates, accelerations: vec![0.0; count], q };
         chain.balance(&motion.q, &motion.rates, &mut balance);
         let holding_n_m = -balance.force[0];
         drive.apply(self.driving.at(0), (&motion.q, &motion.rates), &mut balance);
@@ -220,9 +227,18 @@ impl Problem<'_> {
         Ok((found, histories))
     }
 
-    /// The link at rest before the input, and the direction of the chord from which displacements are counted.
-    fn start(&self, chain: &Chain) -> Result<(Vec<f64>, f64), SimulationError> {
+    /// Coordinates and rates before the input, at rest or of a state, and the direction of the chord from which
+    /// displacements are counted.
+    fn start(&self, chain: &Chain) -> Result<(Vec<f64>, Vec<f64>, f64), SimulationError> {
         let given_rad = self.play.origin_rad(self.link);
+        let rest = vec![0.0; chain.count];
+        if let Some(state) = self.play.state {
+            let (q, rates) = chain.of_state(state)?;
+            let first_rad = direction(chain.tip(&q, &rest).at_m, q[0]);
+            let from_rad =
+                given_rad.unwrap_or(if self.link.has_weight() { first_rad } else { 0.0 });
+            return Ok((q, rates, from_rad));
+        }
         let start_rad = self.play.start_m(self.link) / self.link.length_m();
         let straight = |angle_rad: f64| {
             let mut q = vec![0.0; chain.count];
@@ -231,7 +247,7 @@ impl Problem<'_> {
         };
         let start_rad = start_rad + given_rad.unwrap_or(0.0);
         if !self.link.has_weight() {
-            return Ok((straight(start_rad), given_rad.unwrap_or(0.0)));
+            return Ok((straight(start_rad), rest, given_rad.unwrap_or(0.0)));
         }
         let held = match self.play.input {
             Input::Torque(_) if given_rad.is_none() => return Err(SimulationError::NoStartAngle),
@@ -240,8 +256,8 @@ impl Problem<'_> {
         };
         let q = at_rest(chain, &straight(start_rad), held).ok_or(SimulationError::NoRest)?;
         // A prescribed hub leaves the chord where the weight bends it to.
-        let first_rad = direction(chain.tip(&q, &vec![0.0; chain.count]).at_m, start_rad);
-        Ok((q, given_rad.unwrap_or(first_rad)))
+        let first_rad = direction(chain.tip(&q, &rest).at_m, start_rad);
+        Ok((q, rest, given_rad.unwrap_or(first_rad)))
     }
 }
 
@@ -293,6 +309,34 @@ impl BentPlay {
         self.chord_rad.push(chord_rad);
         self.record.push(q, rates);
         histories.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+    }
+
+    /// Where the link is at the last sample, and how it moves.
+    pub(super) fn state(&self, time_s: f64) -> State {
+        let (q, rates) = self.record.at(self.chord_rad.len() - 1);
+        self.chain.state(time_s, q, rates)
+    }
+
+    /// A warning of a torque that does not begin with what holds the link.
+    pub(super) fn unheld(&self, torque_n_m: &[f64]) -> Option<SimulationWarning> {
+        let holding_n_m = self.holding_n_m;
+        let [low, high] = extremes(torque_n_m);
+        let (first, range) = (torque_n_m[0], high - low);
+        let size = if range > 0.0 { range } else { holding_n_m.abs() };
+        let share = (first - holding_n_m).abs() / size;
+        let warning = SimulationWarning::BeginsUnheld { torque_n_m: first, holding_n_m, share };
+        (share > STEP_SHARE).then_some(warning)
+    }
+
+    /// A warning of a reference that does not begin where the hub stands.
+    pub(super) fn apart(
+        &self,
+        reference: Option<&HubReference>,
+        hub_rad: f64,
+    ) -> Option<SimulationWarning> {
+        let reference_rad = reference?.angle_rad()[0];
+        let is_apart = (reference_rad - hub_rad).abs() > APART_RAD;
+        is_apart.then_some(SimulationWarning::ReferenceApart { reference_rad, hub_rad })
     }
 
     /// Displacement in m along the arc of places at distances along the link, at every `every`-th sample.

@@ -29,7 +29,7 @@ pub(super) struct Piece {
     pub(super) length_m: f64,
     /// Number of the first of its own coordinates: polynomials that vanish at both ends, then the slope at the outer
     /// end. The slope at its inner end is the coordinate before them; that of the first piece is none.
-    first: usize,
+    pub(super) first: usize,
     /// Of each Gauss point: what the slope at the inner end and each coordinate add to its slope.
     pub(super) shapes: Vec<Vec<f64>>,
     masses_kg: Vec<f64>,
@@ -104,9 +104,9 @@ pub(super) struct Chain {
 }
 
 impl Chain {
-    /// An undamped link with polynomials of order `order`, 2 or higher, on a piece whose length in m and mean stiffness
+    /// An undamped link with polynomials of order `order`, 2 or higher, on a piece whose ends in m and mean stiffness
     /// in N m² and mass in kg/m it is given.
-    pub(super) fn of(link: &Link, order: impl Fn([f64; 3]) -> usize) -> Self {
+    pub(super) fn of(link: &Link, order: impl Fn([f64; 2], [f64; 2]) -> usize) -> Self {
         let hub = link.hub();
         let mut chain = Self {
             pieces: Vec::new(),
@@ -129,7 +129,7 @@ impl Chain {
                 let stiffness = segment.bending_stiffness_n_m2.between(from, to);
                 let mass = segment.mass_per_length_kg_m.between(from, to);
                 let length_m = end_m - from_m;
-                let order = order([length_m, stiffness.mean(), mass.mean()]).max(2);
+                let order = order([from_m, end_m], [stiffness.mean(), mass.mean()]).max(2);
                 let rule = GaussRule::new(order + MORE_POINTS);
                 let bodies = bodies_at(link, end_m);
                 chain.pieces.push(Piece::new(length_m, chain.count, (order, &rule), mass, bodies));
@@ -361,7 +361,7 @@ impl Piece {
     }
 
     /// Coordinate of the slope at its outer end.
-    fn outer(&self) -> usize {
+    pub(super) fn outer(&self) -> usize {
         self.first + self.shapes[0].len() - 2
     }
 }

@@ -1,5 +1,5 @@
-//! Numbers by which a simulation is verified: its balance of energy, and the tip of its modes under other
-//! torques or hysteretic damping.
+//! Numbers by which a simulation is verified: its balance of energy, its errors, and the tip of its modes under other
+//! torques or hysteretic damping; and the state that it leaves.
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -8,6 +8,7 @@ use super::error::{SimulationError, SimulationWarning};
 use super::modes::{Coordinate, Equations, HubReaction, MOST_MODES, kept_modes};
 use super::play::{Interpolation, Play, pieces};
 use super::simulation::{ModalPlay, Played, Simulation};
+use super::state::State;
 use super::stepper::Stepper;
 use crate::link::Link;
 use crate::modal::{DampingLaw, Shape};
@@ -128,6 +129,36 @@ impl Simulation {
             Some(*sum)
         });
         std::iter::once(0.0).chain(running).collect()
+    }
+}
+
+impl Simulation {
+    /// Where the link is at the last sample, and how it moves.
+    pub fn state(&self) -> State {
+        let time_s = self.grid.end_s();
+        match &self.played {
+            Played::Modes(modes) => {
+                let (q, rates) = modes.record.at(self.grid.len - 1);
+                let all = [q, rates].map(|own| Shape::sum(own, &modes.equations.shapes));
+                let at = |own: &Shape, part: usize| -> Vec<f64> {
+                    let nodes = 0..self.mesh.nodes_m().len();
+                    nodes.map(|node| own.total(&self.mesh, node)[part]).collect()
+                };
+                let turned = modes.initial_tip_m / self.mesh.length_m();
+                let nodes_m = self.mesh.nodes_m();
+                let moved = at(&all[0], 0).into_iter().zip(nodes_m).map(|(v, x)| v + x * turned);
+                let from_rad = modes.from_rad + turned;
+                State {
+                    time_s,
+                    x_m: nodes_m.to_vec(),
+                    slope_rad: at(&all[0], 1).iter().map(|slope| slope + from_rad).collect(),
+                    slope_rate_rad_s: at(&all[1], 1),
+                    displacement_m: Some(moved.collect()),
+                    velocity_m_s: Some(at(&all[1], 0)),
+                }
+            }
+            Played::Elastica(bent) => bent.state(time_s),
+        }
     }
 }
 
@@ -283,14 +314,23 @@ impl PlayError {
         let most_modes = if were_cut { 2 * MOST_MODES } else { MOST_MODES };
         let (basis, _) = kept_modes(&mesh, modes.band_rad_s, most_modes);
         let equations = play.equations(link, (&mesh, &law), basis)?;
-        let driving = play.driving(false)?;
+        let driving = play.driving(link)?;
         let mut found = tip.displacement_m.iter().zip(&turned);
         let (mut tip_m, mut hub_rad) = (0.0_f64, 0.0_f64);
-        Stepper::new(&equations, grid.step_s).run(driving.steps(grid.len), |stepper| {
+        let mut stepper = Stepper::new(&equations, grid.step_s);
+        if let Some(state) = play.state {
+            let origin_rad = play.origin_rad(link).unwrap_or(0.0);
+            let ([q, rates], _) = state.coordinates(&equations, &mesh, origin_rad);
+            stepper = stepper.starting_at(&q, &rates);
+        }
+        let (first_m, first_rad) =
+            (equations.tip(&stepper.coordinates()), equations.hub(&stepper.coordinates()));
+        stepper.run(driving.steps(grid.len), |stepper| {
             let q = stepper.coordinates();
             let Some((displacement_m, turned_rad)) = found.next() else { return };
-            tip_m = tip_m.max((equations.tip(&q) - (displacement_m - start_m)).abs());
-            hub_rad = hub_rad.max((equations.hub(&q) - turned_rad).abs());
+            let (own_m, own_rad) = (equations.tip(&q) - first_m, equations.hub(&q) - first_rad);
+            tip_m = tip_m.max((own_m - (displacement_m - start_m)).abs());
+            hub_rad = hub_rad.max((own_rad - turned_rad).abs());
         });
         let per_change = mesh.error_per_change();
         let tip = per_change * share(tip_m, tip.largest_travel_m());

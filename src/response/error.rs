@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::link::{Link, ParameterError};
 use crate::modal::DampingError;
-use crate::numeric::{TimeGrid, dot, extremes, largest, rounded};
+use crate::numeric::{TimeGrid, dot, largest, rounded};
 use crate::text::{gigabytes, plain};
 
 /// Why a torque is not played.
@@ -36,6 +36,14 @@ pub enum SimulationError {
         "start_angle = nothing, but must be given: with gravity the direction of the link matters"
     )]
     NoStartAngle,
+    /// A state that is none of the link, or one beside a motion of the hub.
+    #[error("the state = {found}, but must {must}")]
+    State {
+        /// What was found.
+        found: String,
+        /// What must be.
+        must: String,
+    },
     /// A link too soft for its weight.
     #[error(
         "the link finds no shape at rest under its weight where it starts, but must begin at rest"
@@ -130,6 +138,7 @@ impl SimulationError {
             Self::NoStartAngle => Some(
                 "--set 'start_angle=\"-90 deg\"' is the direction of a link that hangs, where gravity is along -y",
             ),
+            Self::State { .. } => Some("--save-state of a run of the same link writes it"),
             Self::NoRest => Some("a stiffer link, or another start_angle"),
             Self::MasslessHub => Some("give the hub an inertia, however small"),
             Self::NoTorque | Self::NoTurn => None,
@@ -138,10 +147,7 @@ impl SimulationError {
 }
 
 /// Torque at its first or last sample over its peak, above which a warning is given.
-const STEP_SHARE: f64 = 1e-3;
-
-/// Angle in rad between a reference and the hub at the start above which a warning is given.
-const APART_RAD: f64 = 1e-4;
+pub(super) const STEP_SHARE: f64 = 1e-3;
 
 /// Rate of the hub at its first sample over its peak, above which a warning is given.
 const MOVES: f64 = 1e-2;
@@ -257,6 +263,14 @@ pub enum SimulationWarning {
         /// Hub angle at the start in rad.
         hub_rad: f64,
     },
+    /// A state with waves that no mode shows.
+    #[error(
+        "the modes leave out {share:.1e} of the state, as a root of its energy: its shortest waves"
+    )]
+    StateCut {
+        /// What is left out, over the whole.
+        share: f64,
+    },
     /// A large motion that refinement still changes.
     #[error(
         "the last refinement still changes the tip by {tip:.1e} of its travel, the hub angle by \
@@ -293,6 +307,7 @@ impl SimulationWarning {
             Self::LargeDeflection { .. } => "large_deflection",
             Self::BeginsUnheld { .. } => "begins_unheld",
             Self::ReferenceApart { .. } => "reference_apart",
+            Self::StateCut { .. } => "state_cut",
             Self::Unsettled { .. } => "unsettled",
             Self::CoarseMesh { .. } => "coarse_mesh",
         }
@@ -316,6 +331,7 @@ impl SimulationWarning {
             Self::ReferenceApart { .. } => {
                 "hub_angle.csv of solve begins where the link rests: start_angle must be that of its run"
             }
+            Self::StateCut { .. } => "the mesh of the run that left the state, and a shorter step",
             Self::Unsettled { .. } => {
                 "feedback, where the link falls from its pose; or a torque without jumps and corners"
             }
@@ -336,22 +352,6 @@ impl SimulationWarning {
         let ends = Self::EndsWithJump { torque_n_m: last, share: share(last) };
         let is_jump = |torque_n_m: f64| share(torque_n_m) > STEP_SHARE;
         [is_jump(first).then_some(begins), is_jump(last).then_some(ends)]
-    }
-
-    /// A warning of a torque that does not begin with what holds the link.
-    pub(super) fn unheld(torque_n_m: &[f64], holding_n_m: f64) -> Option<Self> {
-        let [low, high] = extremes(torque_n_m);
-        let (first, range) = (torque_n_m[0], high - low);
-        let size = if range > 0.0 { range } else { holding_n_m.abs() };
-        let share = (first - holding_n_m).abs() / size;
-        let warning = Self::BeginsUnheld { torque_n_m: first, holding_n_m, share };
-        (share > STEP_SHARE).then_some(warning)
-    }
-
-    /// A warning of a reference that does not begin where the hub stands.
-    pub(super) fn apart(reference_rad: f64, hub_rad: f64) -> Option<Self> {
-        let is_apart = (reference_rad - hub_rad).abs() > APART_RAD;
-        is_apart.then_some(Self::ReferenceApart { reference_rad, hub_rad })
     }
 
     /// A warning of a hub that does not rest at its first sample.

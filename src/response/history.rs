@@ -157,10 +157,10 @@ impl HubReference {
 }
 
 impl HubReference {
-    /// Turn from the first sample to the last in rad.
-    pub(super) fn turn_rad(&self) -> f64 {
+    /// Turn from the first sample, or from another angle, to the last in rad.
+    pub(super) fn turn_rad(&self, zero_rad: Option<f64>) -> f64 {
         let angle = self.angle_rad();
-        angle[angle.len() - 1] - angle[0]
+        angle[angle.len() - 1] - zero_rad.unwrap_or(angle[0])
     }
 
     /// Rates in rad/s of a cubic spline through the angles.

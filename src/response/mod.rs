@@ -19,6 +19,7 @@ mod residual;
 mod sensed;
 mod shape;
 mod simulation;
+mod state;
 mod stepper;
 
 pub use bent::BentPlay;
@@ -31,3 +32,4 @@ pub use residual::ResidualVibration;
 pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;
 pub use simulation::{ModalPlay, Played, Simulation, simulate};
+pub use state::State;

@@ -170,7 +170,7 @@ const NEGLIGIBLE: f64 = 1e-12;
 
 /// Modes are kept up to this multiple of the band. Higher ones follow the torque statically to within
 /// (1/factor)² of their small share, and so does the residual mode that stands for them.
-const REACH: f64 = 4.0;
+pub(super) const REACH: f64 = 4.0;
 
 /// Least band in first natural frequencies: a torque with a jump, or with corners between its samples, has
 /// higher frequencies than its samples show.

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::error::{SimulationError, SimulationWarning};
 use super::history::{HubReference, Torque};
 use super::modes::{Equations, HubReaction, held, torque_band_rad_s};
+use super::state::State;
 use crate::beam::Mesh;
 use crate::link::{Link, ParameterError, not_negative};
 use crate::modal::{DampingLaw, ModalBasis};
@@ -48,22 +49,6 @@ impl Input<'_> {
     }
 }
 
-impl Input<'_> {
-    /// The same of a link at large angles, which a torque holds at rest where it has weight.
-    pub(super) fn warnings_of_large(
-        &self,
-        holding_n_m: Option<f64>,
-        torque_n_m: &[f64],
-    ) -> [Option<SimulationWarning>; 2] {
-        match (self, holding_n_m) {
-            (Self::Torque(torque), Some(holding_n_m)) => {
-                [SimulationWarning::unheld(torque.torque_n_m(), holding_n_m), None]
-            }
-            _ => self.warnings(torque_n_m),
-        }
-    }
-}
-
 /// What to play on a link at rest, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Play<'a> {
@@ -83,6 +68,8 @@ pub struct Play<'a> {
     pub is_large: bool,
     /// Direction of the chord in rad where the tip's displacement is 0; `None`: that of the link, or 0 without weight.
     pub start_angle_rad: Option<f64>,
+    /// Where the link starts instead of at rest, under a torque.
+    pub state: Option<&'a State>,
 }
 
 impl<'a> Play<'a> {
@@ -106,6 +93,7 @@ impl<'a> Play<'a> {
             memory_bytes: None,
             is_large: false,
             start_angle_rad: None,
+            state: None,
         }
     }
 
@@ -157,6 +145,8 @@ impl<'a> Play<'a> {
     /// Displacement of the tip at the start in m; a prescribed hub points to it.
     pub(super) fn start_m(&self, link: &Link) -> f64 {
         match self.input {
+            // The coordinates of a state hold all of it.
+            Input::Torque(_) if self.state.is_some() => 0.0,
             Input::Torque(_) => self.initial_tip_m,
             Input::HubAngle(hub) => {
                 (hub.angle_rad()[0] - self.origin_rad(link).unwrap_or(0.0)) * link.length_m()
@@ -165,11 +155,12 @@ impl<'a> Play<'a> {
     }
 
     /// Turn in rad from the start to where feedback holds the hub in the end, if it does.
-    pub(super) fn goal_rad(&self) -> Option<f64> {
+    pub(super) fn goal_rad(&self, link: &Link) -> Option<f64> {
         match self.input {
             Input::Torque(_) => {
                 let holds = |feedback: &&Feedback| feedback.stiffness_n_m_rad > 0.0;
-                self.feedback.filter(holds).map(|feedback| feedback.reference.turn_rad())
+                let zero_rad = self.state.map(|_| self.origin_rad(link).unwrap_or(0.0));
+                self.feedback.filter(holds).map(|feedback| feedback.reference.turn_rad(zero_rad))
             }
             Input::HubAngle(_) => None,
         }
@@ -209,7 +200,7 @@ impl<'a> Play<'a> {
     ///
     /// # Errors
     /// [`SimulationError::OtherTimes`] of a reference.
-    pub(super) fn driving(&self, has_weight: bool) -> Result<Driving, SimulationError> {
+    pub(super) fn driving(&self, link: &Link) -> Result<Driving, SimulationError> {
         let torque = match self.input {
             Input::Torque(torque) => torque,
             Input::HubAngle(hub) => {
@@ -218,13 +209,15 @@ impl<'a> Play<'a> {
             }
         };
         let own = torque.torque_n_m();
-        let kept_n_m = if has_weight { own[own.len() - 1] } else { 0.0 };
+        let kept_n_m = if link.has_weight() { own[own.len() - 1] } else { 0.0 };
+        let zero_rad = self.state.map(|_| self.origin_rad(link).unwrap_or(0.0));
         let (samples, hold) = match self.feedback {
             None => (own.to_vec(), kept_n_m),
             Some(feedback) => {
-                let wanted = feedback.wanted_torque_n_m(torque)?;
+                let wanted = feedback.wanted_torque_n_m(torque, zero_rad)?;
                 let samples = own.iter().zip(wanted).map(|(t, wanted)| t + wanted).collect();
-                (samples, kept_n_m + feedback.stiffness_n_m_rad * feedback.reference.turn_rad())
+                let turn_rad = feedback.reference.turn_rad(zero_rad);
+                (samples, kept_n_m + feedback.stiffness_n_m_rad * turn_rad)
             }
         };
         let pieces = pieces(&samples, self.interpolation);
@@ -275,18 +268,23 @@ impl Feedback {
     }
 
     /// What the reference adds to the torque at each sample, `k_p (θ_ref − θ_ref(0)) + k_d θ̇_ref`;
-    /// the link starts at the reference's first angle.
+    /// the link starts at the reference's first angle, or from a state whose angles count from `zero_rad`.
     ///
     /// # Errors
     /// [`SimulationError::OtherTimes`].
-    fn wanted_torque_n_m(&self, torque: &Torque) -> Result<Vec<f64>, SimulationError> {
+    fn wanted_torque_n_m(
+        &self,
+        torque: &Torque,
+        zero_rad: Option<f64>,
+    ) -> Result<Vec<f64>, SimulationError> {
         let (found, torque) = (self.reference.grid(), torque.grid());
         if !same_times(&found, &torque) {
             return Err(SimulationError::OtherTimes { found, torque });
         }
         let angle = self.reference.angle_rad();
+        let zero_rad = zero_rad.unwrap_or(angle[0]);
         let wanted = angle.iter().zip(self.rate_rad_s()).map(|(angle_rad, rate)| {
-            self.stiffness_n_m_rad * (angle_rad - angle[0]) + self.damping_n_m_s_rad * rate
+            self.stiffness_n_m_rad * (angle_rad - zero_rad) + self.damping_n_m_s_rad * rate
         });
         Ok(wanted.collect())
     }

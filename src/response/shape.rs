@@ -3,8 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::chain::{Balance, Chain};
+use super::error::SimulationError;
+use super::state::State;
 use crate::modal::DampingLaw;
-use crate::numeric::{GaussRule, SymmetricEigen};
+use crate::numeric::{GaussRule, SymmetricEigen, piece_shapes};
 
 /// In how many parts the weight comes, where all of it at once leads to no shape at rest.
 const WEIGHT_PARTS: [u32; 4] = [1, 4, 16, 64];
@@ -18,6 +20,12 @@ const MOST_ITERATIONS: usize = 60;
 
 /// Part of a coordinate by which forces are differentiated, in rad.
 const PART_RAD: f64 = 1e-6;
+
+/// Most places of a state on a piece: polynomials through more of them lose digits.
+const MOST_PLACES: usize = 41;
+
+/// The end of a piece, whose ends are −1 and 1, within this.
+const SAME_PLACE: f64 = 1e-6;
 
 /// What holds a link at rest.
 #[derive(Clone, Copy)]
@@ -123,6 +131,71 @@ pub(super) fn viscous(chain: &Chain, law: &DampingLaw, is_held: bool) -> Option<
 }
 
 impl Chain {
+    /// The slopes, and their rates, at as many places of each piece as tell its polynomials.
+    pub(super) fn state(&self, time_s: f64, q: &[f64], rates: &[f64]) -> State {
+        let mut state = State {
+            time_s,
+            x_m: vec![self.root_m],
+            slope_rad: vec![q[0]],
+            slope_rate_rad_s: vec![rates[0]],
+            ..State::default()
+        };
+        let mut from_m = self.root_m;
+        for piece in &self.pieces {
+            let order = piece.shapes[0].len() - 1;
+            for k in 1..=order {
+                // Chebyshev's places, both ends among them.
+                let t = -libm::cos(std::f64::consts::PI * k as f64 / order as f64);
+                let shape = piece_shapes(order, t).0;
+                let at = |own: &[f64]| {
+                    own[0] + piece.coordinates().map(|(i, j)| own[i] * shape[j]).sum::<f64>()
+                };
+                state.x_m.push(from_m + 0.5 * (1.0 + t) * piece.length_m);
+                state.slope_rad.push(at(q));
+                state.slope_rate_rad_s.push(at(rates));
+            }
+            from_m += piece.length_m;
+        }
+        state
+    }
+
+    /// Coordinates and rates of a state.
+    ///
+    /// # Errors
+    /// [`SimulationError::State`] without places at the ends of a piece, or with too many on it.
+    pub(super) fn of_state(&self, state: &State) -> Result<(Vec<f64>, Vec<f64>), SimulationError> {
+        let [mut q, mut rates] = [(); 2].map(|()| vec![0.0; self.count]);
+        (q[0], rates[0]) = (state.slope_rad[0], state.slope_rate_rad_s[0]);
+        let mut from_m = self.root_m;
+        for piece in &self.pieces {
+            let to_m = from_m + piece.length_m;
+            let rows = state.piece([from_m, to_m]);
+            let order = rows.len().saturating_sub(1);
+            let refused = || SimulationError::State {
+                found: format!("{} places from {from_m} to {to_m} m", rows.len()),
+                must: format!("have 2 to {MOST_PLACES} there, those at both ends among them"),
+            };
+            let has_ends = rows.first().is_some_and(|row| row[0] < SAME_PLACE - 1.0)
+                && rows.last().is_some_and(|row| row[0] > 1.0 - SAME_PLACE);
+            if !has_ends || order == 0 || rows.len() > MOST_PLACES {
+                return Err(refused());
+            }
+            let shapes = DMatrix::from_fn(rows.len(), rows.len(), |row, column| {
+                piece_shapes(order, rows[row][0]).0[column]
+            });
+            let values = DMatrix::from_fn(rows.len(), 2, |row, column| rows[row][1 + column]);
+            let found = shapes.lu().solve(&values).ok_or_else(refused)?;
+            // Polynomials of higher order are 0; the last shape is the outer end.
+            for k in 1..order {
+                (q[piece.first + k - 1], rates[piece.first + k - 1]) =
+                    (found[(k, 0)], found[(k, 1)]);
+            }
+            (q[piece.outer()], rates[piece.outer()]) = (found[(order, 0)], found[(order, 1)]);
+            from_m = to_m;
+        }
+        Ok((q, rates))
+    }
+
     /// How places at distances along the link, from the axis, follow from the coordinates.
     pub(super) fn stations(&self, along_m: &[f64]) -> Vec<Station> {
         let station = |s_m: &f64| {

@@ -3,8 +3,8 @@ use std::num::NonZeroUsize;
 
 use super::bent::{BentPlay, play_bent};
 use super::error::{SimulationError, SimulationWarning};
-use super::modes::{Equations, MOST_MODES, ModeSelection, kept_modes};
-use super::play::{Driving, Input, Play};
+use super::modes::{Equations, MOST_MODES, ModeSelection, REACH, kept_modes};
+use super::play::{Driving, Feedback, Input, Play};
 use super::residual::{Reading, ResidualVibration};
 use super::stepper::Record;
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
@@ -13,6 +13,9 @@ use crate::modal::{DampingLaw, REPORTED_MODES, Shape, hub_moves_mass, natural_fr
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, largest};
 use rayon::prelude::*;
+
+/// What modes may leave out of a state, over the whole.
+const LEFT_OUT: f64 = 1e-7;
 
 /// Memory in bytes that playing takes for each sample, as measured, besides the coordinate and the
 /// rate of each mode.
@@ -68,7 +71,7 @@ pub struct ModalPlay {
     pub(super) band_rad_s: f64,
     pub(super) grid: TimeGrid,
     /// Hub angle in rad where the tip's displacement is 0.
-    from_rad: f64,
+    pub(super) from_rad: f64,
     pub(super) initial_tip_m: f64,
     pub(super) equations: Equations,
     pub(super) record: Record,
@@ -90,10 +93,17 @@ pub struct ModalPlay {
 /// [`SimulationError`].
 pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation, SimulationError> {
     let mesh = Mesh::new(link, plan)?;
+    if let Some(state) = play.state {
+        if let Input::HubAngle(_) = play.input {
+            let must = "not be beside a motion of the hub".to_owned();
+            return Err(SimulationError::State { found: "given".to_owned(), must });
+        }
+        state.check(link, play.is_large || link.has_weight())?;
+    }
     if play.is_large || link.has_weight() {
         return play_large(link, mesh, play, plan.tolerance());
     }
-    let band_rad_s = play.band_rad_s().ok_or(play.nothing())?;
+    let band_rad_s = driven_rad_s(play)?;
     let mesh =
         if plan.is_automatic() { mesh.resolving(band_rad_s, plan.tolerance()) } else { mesh };
     play_on(link, mesh, play, band_rad_s)
@@ -111,7 +121,12 @@ pub(crate) fn simulate_on(
     if play.is_large || link.has_weight() {
         return play_large(link, mesh, play, MeshPlan::DEFAULT_TOLERANCE);
     }
-    play_on(link, mesh, play, play.band_rad_s().ok_or(play.nothing())?)
+    play_on(link, mesh, play, driven_rad_s(play)?)
+}
+
+/// Frequency in rad/s up to which an input drives a link; what a state moves is 0.
+fn driven_rad_s(play: &Play) -> Result<f64, SimulationError> {
+    play.band_rad_s().or(play.state.map(|_| 0.0)).ok_or(play.nothing())
 }
 
 /// Computes the motion under an input, torque or hub angle, that drives the link up to `band_rad_s`.
@@ -124,33 +139,38 @@ fn play_on(
     if !hub_moves_mass(&mesh) {
         return Err(SimulationError::MasslessHub);
     }
-    let grid = play.grid()?;
-    let driving = play.driving(false)?;
+    let (grid, driving) = (play.grid()?, play.driving(link)?);
     let law = DampingLaw::of(link, &mesh)?;
-    let (basis, selection) = kept_modes(&mesh, band_rad_s, MOST_MODES);
-    let equations = play.equations(link, (&mesh, &law), basis)?;
+    let Started { equations, selection, start, left_out } =
+        Started::of(link, (&mesh, &law), play, band_rad_s)?;
     let modes = equations.coordinates.len();
     let samples = grid.len;
     let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE);
     if let Some(allowed) = play.memory_bytes.filter(|allowed| bytes > *allowed) {
         return Err(SimulationError::TooMuchMemory { samples, modes, bytes, allowed });
     }
-    let record = Record::of(&equations, &driving, &grid);
+    let record = Record::of(&equations, &driving, &grid, &start);
     let initial_tip_m = play.start_m(link);
     let from_rad = play.origin_rad(link).unwrap_or(0.0);
-    let start = [from_rad + initial_tip_m / mesh.length_m(), initial_tip_m];
-    let observed = observed(&record, &equations, &driving, start, &grid)?;
+    let offsets = [from_rad + initial_tip_m / mesh.length_m(), initial_tip_m];
+    let observed = observed(&record, &equations, &driving, offsets, &grid)?;
     let [torque_n_m, hub_angle_rad, hub_rate_rad_s, hub_acceleration_rad_s2, tip @ ..] = observed;
     let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
     let tip = TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 };
     let driven = play.input.grid().len;
-    let goal_m = play.goal_rad().map(|turn_rad| turn_rad * mesh.length_m());
+    let goal_m = play.goal_rad(link).map(|turn_rad| turn_rad * mesh.length_m());
     let reading = Reading::new(&equations, goal_m);
     let (last, held) = (record.at(driven - 1), driving.held());
     let residual = ResidualVibration::of(&equations, last, &held, &reading, tip.largest_travel_m());
     let deflection_m = tip_deflection_m(&mesh, from_rad, &tip.displacement_m, &hub_angle_rad);
+    let [begins, ends] = play.input.warnings(&torque_n_m);
+    let cut = SimulationWarning::StateCut { share: left_out };
+    let begins = match play.state {
+        Some(_) => (left_out > LEFT_OUT).then_some(cut),
+        None => begins,
+    };
     let warnings = SimulationWarning::all(
-        play.input.warnings(&torque_n_m),
+        [begins, ends],
         (grid.step_s, equations.first_period_s()),
         (residual.share, largest(&deflection_m) / mesh.length_m()),
     );
@@ -179,6 +199,47 @@ fn play_on(
     })
 }
 
+/// A linear link before it is played.
+struct Started {
+    equations: Equations,
+    selection: ModeSelection,
+    /// Coordinates and rates.
+    start: [Vec<f64>; 2],
+    /// What the modes leave out of the state, over the whole.
+    left_out: f64,
+}
+
+impl Started {
+    /// With the modes that an input drives up to `band_rad_s`, or that a state holds.
+    fn of(
+        link: &Link,
+        (mesh, law): (&Mesh, &DampingLaw),
+        play: &Play,
+        mut band_rad_s: f64,
+    ) -> Result<Self, SimulationError> {
+        loop {
+            let (basis, selection) = kept_modes(mesh, band_rad_s, MOST_MODES);
+            let equations = play.equations(link, (mesh, law), basis)?;
+            let Some(state) = play.state else {
+                let rest = vec![0.0; equations.coordinates.len()];
+                return Ok(Self {
+                    equations,
+                    selection,
+                    start: [rest.clone(), rest],
+                    left_out: 0.0,
+                });
+            };
+            let origin_rad = play.origin_rad(link).unwrap_or(0.0);
+            let (start, left_out) = state.coordinates(&equations, mesh, origin_rad);
+            let has_all = selection.modes >= selection.of.min(MOST_MODES);
+            if left_out <= LEFT_OUT || has_all {
+                return Ok(Self { equations, selection, start, left_out });
+            }
+            band_rad_s = 2.0 * band_rad_s.max(TAU * selection.highest_hz / REACH);
+        }
+    }
+}
+
 /// Computes the motion of a link with weight or at large angles; the mesh has the nodes that are shown.
 fn play_large(
     link: &Link,
@@ -190,8 +251,9 @@ fn play_large(
         return Err(SimulationError::MasslessHub);
     }
     let is_still = play.band_rad_s().is_none();
-    // Under a torque of zero a link falls.
-    let falls = link.has_weight() && matches!(play.input, Input::Torque(_));
+    // Under a torque of zero a link falls, or goes on.
+    let is_torque = matches!(play.input, Input::Torque(_));
+    let falls = (link.has_weight() || play.state.is_some()) && is_torque;
     if is_still && !falls {
         return Err(play.nothing());
     }
@@ -201,16 +263,20 @@ fn play_large(
     let (bent, histories) = play_bent(link, &law, play, (&grid, first_rad_s, tolerance))?;
     let [torque_n_m, hub_angle_rad, hub_rate_rad_s, hub_acceleration_rad_s2, tip @ ..] = histories;
     let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
-    let own =
-        play.input.warnings_of_large(link.has_weight().then_some(bent.holding_n_m), &torque_n_m);
-    let apart = play.feedback.and_then(|feedback| {
-        let first = feedback.reference().angle_rad()[0];
-        link.has_weight().then(|| SimulationWarning::apart(first, hub_angle_rad[0]))?
-    });
+    let [begins, ends] = play.input.warnings(&torque_n_m);
+    let own = match (play.state, play.input) {
+        (Some(_), _) => [None, ends.filter(|_| !link.has_weight()), None],
+        (None, Input::Torque(torque)) if link.has_weight() => {
+            let reference = play.feedback.map(Feedback::reference);
+            let apart = bent.apart(reference, hub_angle_rad[0]);
+            [bent.unheld(torque.torque_n_m()), None, apart]
+        }
+        (None, _) => [begins, ends, None],
+    };
     let period_s = (first_rad_s > 0.0).then(|| TAU / first_rad_s);
     // A link that is played to its end always moves.
     let coarse = SimulationWarning::coarse_step(grid.step_s, period_s);
-    let warnings = own.into_iter().chain([apart, coarse]).flatten().collect();
+    let warnings = own.into_iter().chain([coarse]).flatten().collect();
     Ok(Simulation {
         driven: play.input.grid().len,
         grid,

@@ -171,11 +171,17 @@ impl Record {
         self.coordinates.extend_from_slice(coordinates);
         self.rates.extend_from_slice(rates);
     }
-    /// Steps from rest through all samples.
-    pub(super) fn of(equations: &Equations, driving: &Driving, grid: &TimeGrid) -> Self {
+    /// Steps from coordinates and rates through all samples.
+    pub(super) fn of(
+        equations: &Equations,
+        driving: &Driving,
+        grid: &TimeGrid,
+        [coordinates, rates]: &[Vec<f64>; 2],
+    ) -> Self {
         let modes = equations.coordinates.len();
         let mut record = Self::with_capacity(modes, grid.len);
-        Stepper::new(equations, grid.step_s).run(driving.steps(grid.len), |stepper| {
+        let stepper = Stepper::new(equations, grid.step_s).starting_at(coordinates, rates);
+        stepper.run(driving.steps(grid.len), |stepper| {
             record.push(&stepper.coordinates(), &stepper.rates());
         });
         record

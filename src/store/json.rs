@@ -4,11 +4,15 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::csv::{InputError, InputFile, Place, TableError};
+use crate::response::State;
 use crate::result::StoredInput;
 use crate::text::{excerpt, is_hidden, visible};
 
 /// Format of all records. It grows with each change that breaks readers of the one before.
 pub(super) const FORMAT: u32 = 2;
+
+/// The key `command` of a state.
+const A_STATE: &str = "state";
 
 /// Keys that tell a record from other files.
 #[derive(Debug, Deserialize)]
@@ -55,6 +59,38 @@ pub(super) fn parsed<T: DeserializeOwned>(
         let (subject, found, must) = in_words(&error.to_string(), key, must);
         Place { line: place.line.or(line), ..place }.refuse(subject, found, must)
     })
+}
+
+/// The record of a state.
+#[derive(Serialize, Deserialize)]
+struct StateRecord<S> {
+    format: Option<u32>,
+    flexlink: String,
+    command: String,
+    state: S,
+}
+
+/// The state of a link at the end of a simulation, as JSON.
+pub fn state_json(state: &State) -> String {
+    let [flexlink, command] = [env!("CARGO_PKG_VERSION"), A_STATE].map(str::to_owned);
+    json(&StateRecord { format: Some(FORMAT), flexlink, command, state })
+}
+
+/// Reads what [`state_json`] writes.
+///
+/// # Errors
+/// [`TableError`] names the file, the line and what is at fault.
+pub fn read_state(name: &str, bytes: &[u8]) -> Result<State, TableError> {
+    let whole = Place { file: name, line: None };
+    let must = "must be what --save-state of `flexlink simulate` writes, in JSON";
+    let head: Head = parsed(bytes, whole, must)?;
+    if head.command.as_deref() != Some(A_STATE) {
+        let shown = head.command.map_or("nothing".to_owned(), |command| format!("{command:?}"));
+        let hint = "--save-state of `flexlink simulate` writes a state".to_owned();
+        return Err(whole.refuse("command", shown, "must be \"state\"").with_hint(hint));
+    }
+    check_format(head.format, head.flexlink.as_deref().unwrap_or_default(), whole)?;
+    Ok(parsed::<StateRecord<State>>(bytes, whole, &as_written())?.state)
 }
 
 /// The last key before a line and column of a record, if there is one.

@@ -20,7 +20,7 @@ pub use frequency_tables::{
     frequency_response_json, modes_json, pose_modes_json, write_frequency_response,
 };
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
-pub use json::Fingerprint;
+pub use json::{Fingerprint, read_state, state_json};
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use read_result::{is_run, read_result};
 pub use repetition::{RunRecord, TemporaryFolder};

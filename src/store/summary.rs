@@ -67,6 +67,8 @@ pub struct RunInputs {
     measured: Option<Fingerprint>,
     #[serde(skip_serializing_if = "Option::is_none")]
     reference: Nullable<Fingerprint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state: Option<Fingerprint>,
     arguments: Vec<String>,
 }
 
@@ -81,6 +83,8 @@ pub struct SimulateFiles<'a> {
     pub measured: Option<&'a InputFile>,
     /// The reference of a feedback, if there is one.
     pub reference: Option<&'a InputFile>,
+    /// The state from which it starts, if there is one.
+    pub state: Option<&'a InputFile>,
 }
 
 impl RunInputs {
@@ -97,16 +101,26 @@ impl RunInputs {
         play: &Play,
         arguments: Vec<String>,
     ) -> Self {
-        let SimulateFiles { input, target, measured, reference } = *files;
+        let SimulateFiles { input, target, measured, reference, state } = *files;
         let link = Some(Fingerprint::of(link));
         let input = Some(Fingerprint::of(input));
         let (torque, hub_angle) = match play.input {
             Input::Torque(_) => (input, None),
             Input::HubAngle(_) => (None, input),
         };
-        let measured = measured.map(Fingerprint::of);
+        let [measured, state] = [measured, state].map(|file| file.map(Fingerprint::of));
         let [target, reference] = [target, reference].map(|file| Some(file.map(Fingerprint::of)));
-        Self { link, torque, hub_angle, target, measured, reference, arguments, ..Self::default() }
+        Self {
+            link,
+            torque,
+            hub_angle,
+            target,
+            measured,
+            reference,
+            state,
+            arguments,
+            ..Self::default()
+        }
     }
 }
 
@@ -163,8 +177,8 @@ impl Summary {
     }
 
     pub(super) fn origin(&self) -> Origin {
-        let RunInputs { link, motion, torque, hub_angle, target, measured, reference, arguments } =
-            &self.inputs;
+        let RunInputs { link, motion, torque, hub_angle, target, .. } = &self.inputs;
+        let RunInputs { measured, reference, state, arguments, .. } = &self.inputs;
         let files = [
             ("link", link.as_ref()),
             ("motion", motion.as_ref()),
@@ -173,6 +187,7 @@ impl Summary {
             ("target", target.as_ref().and_then(Option::as_ref)),
             ("measured", measured.as_ref()),
             ("reference", reference.as_ref().and_then(Option::as_ref)),
+            ("state", state.as_ref()),
         ];
         Origin {
             command: self.command.clone(),

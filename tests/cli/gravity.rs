@@ -214,3 +214,61 @@ fn modes_of_a_direction_are_told_with_the_swing_first() {
     bench.write("flat.toml", &without);
     assert_eq!(bench.run(&["modes", "flat.toml", "--at", "0"]).status.code(), Some(2));
 }
+
+#[test]
+fn a_run_goes_on_from_the_state_that_another_left() {
+    let bench = bench();
+    bench.write(
+        "level.toml",
+        &STRIP.replace("gravity", "# gravity").replace("start_angle", "# start_angle"),
+    );
+    let rows = |from: i32, until: i32| {
+        let row =
+            |k: i32| format!("{},{}\n", 0.01 * f64::from(k), f64::from((k - 40).pow(2)) * 1e-4);
+        format!("time,torque\n{}", (from..=until).map(row).collect::<String>())
+    };
+    for (name, from, until) in [("whole", 0, 100), ("first", 0, 60), ("second", 60, 100)] {
+        bench.write(&format!("{name}.csv"), &rows(from, until));
+    }
+    for link in ["strip.toml", "level.toml"] {
+        let played = |torque: &str, more: &[&str]| {
+            let arguments = ["simulate", link, torque, "--hold", "linear", "--digits", "12"];
+            bench.run(&[&arguments[..], more].concat())
+        };
+        for run in [
+            played("whole.csv", &["-o", "whole"]),
+            played("first.csv", &["-o", "first", "--save-state", "state.json"]),
+            played("second.csv", &["-o", "second", "--state", "state.json"]),
+        ] {
+            assert!(run.status.success(), "{}", stderr(&run));
+        }
+        let [whole, second] = ["whole", "second"]
+            .map(|dir| column(&bench, &format!("{dir}/tip.csv"), "tip_displacement_m"));
+        let apart = whole[60..].iter().zip(&second).map(|(a, b)| (a - b).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-9, "{link}");
+        let summary = bench.json("second/summary.json");
+        assert_eq!(summary["inputs"]["state"]["name"], "state.json");
+        let state = bench.json("state.json");
+        assert!((state["state"]["time_s"].as_f64().unwrap() - 0.6).abs() < 1e-12);
+    }
+    // That of the level strip is linear.
+    let other = ["simulate", "strip.toml", "second.csv", "--state", "state.json"];
+    let refused = bench.run(&other);
+    assert_eq!(refused.status.code(), Some(3));
+    let message = stderr(&refused);
+    let must = "error: state.json: the state = of a linear link, but must be one at large angles";
+    assert!(message.starts_with(must), "{message}");
+    bench.write("state.json", "{\"command\": \"fit\"}");
+    let message = stderr(&bench.run(&other));
+    assert!(
+        message.starts_with("error: state.json: command = \"fit\", but must be \"state\""),
+        "{message}"
+    );
+    bench.write("state.json", "time,torque\n");
+    let message = stderr(&bench.run(&other));
+    assert!(message.contains("must be what --save-state"), "{message}");
+    let same = ["--save-state", "second.csv"];
+    let message = stderr(&bench.run(&[&other[..3], &same].concat()));
+    assert!(message.contains("--save-state"), "{message}");
+    assert!(bench.read("second.csv").starts_with("time,torque"), "an input is never replaced");
+}

@@ -123,8 +123,13 @@ impl Cases<'_> {
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
             let target = Some(&self.motion_file);
-            let files =
-                SimulateFiles { input: torque_file, target, measured: None, reference: None };
+            let files = SimulateFiles {
+                input: torque_file,
+                target,
+                measured: None,
+                reference: None,
+                state: None,
+            };
             let inputs = RunInputs::of_simulate(&self.link_file, &files, &play, arguments);
             let outputs = self.shared.outputs.of_case(&simulation.mesh)?;
             memory::check_nodes(outputs.simulation_bytes(&simulation), memory_bytes)?;

@@ -15,6 +15,7 @@ mod play_error;
 mod refusals;
 mod robustness;
 mod round_trip;
+mod state;
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,0 +1,140 @@
+//! Where a link is and how it moves at one instant, from which another play goes on.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use super::error::SimulationError;
+use super::modes::Equations;
+use crate::beam::Mesh;
+use crate::link::{Link, POSITION_TOLERANCE};
+use crate::modal::Shape;
+
+/// The motion of a link at one instant.
+///
+/// A linear link is known by displacements and slopes, cubic between the places. An elastica is known by its slopes,
+/// polynomials between two masses or segment ends.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct State {
+    /// Time in s at which it was so.
+    pub time_s: f64,
+    /// Distances of the places from the axis in m, along the link, from its root to its tip.
+    pub x_m: Vec<f64>,
+    /// Direction of the link there in rad.
+    pub slope_rad: Vec<f64>,
+    /// Its rate in rad/s.
+    pub slope_rate_rad_s: Vec<f64>,
+    /// Displacement of a linear link there in m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement_m: Option<Vec<f64>>,
+    /// Its velocity in m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_m_s: Option<Vec<f64>>,
+}
+
+impl State {
+    /// Refuses a state that is not one of such a link.
+    ///
+    /// # Errors
+    /// [`SimulationError::State`].
+    pub(super) fn check(&self, link: &Link, is_large: bool) -> Result<(), SimulationError> {
+        let refused = |found: String, must: String| Err(SimulationError::State { found, must });
+        let linear = [&self.displacement_m, &self.velocity_m_s];
+        match (linear.iter().all(|list| list.is_some()), is_large) {
+            (true, true) => {
+                return refused("of a linear link".into(), "be one at large angles".into());
+            }
+            (false, false) => {
+                return refused("of a link at large angles".into(), "be of a linear one".into());
+            }
+            _ => {}
+        }
+        let places = self.x_m.len();
+        let lists = [Some(&self.slope_rad), Some(&self.slope_rate_rad_s)].into_iter();
+        let lists = lists.chain(linear.map(Option::as_ref)).flatten();
+        if places < 2 || lists.clone().any(|list| list.len() != places) {
+            let must = "have as many numbers in every list, two or more";
+            return refused(format!("{places} places"), must.into());
+        }
+        let numbers = lists.flatten().chain(&self.x_m);
+        if let Some(lost) = numbers.copied().find(|number| !number.is_finite()) {
+            return refused(format!("{lost}"), "hold finite numbers".into());
+        }
+        if let Some(pair) = self.x_m.windows(2).find(|pair| pair[1] <= pair[0]) {
+            return refused(format!("{} m after {} m", pair[1], pair[0]), "rise".into());
+        }
+        let (root_m, tip_m) = (link.hub().radius_m, link.length_m());
+        let ends = [(self.x_m[0], root_m), (self.x_m[places - 1], tip_m)];
+        if ends.iter().any(|(found, own)| (found - own).abs() > POSITION_TOLERANCE * tip_m) {
+            let found = format!("from {} to {} m", self.x_m[0], self.x_m[places - 1]);
+            return refused(found, format!("be from {root_m} to {tip_m} m, the link's"));
+        }
+        Ok(())
+    }
+
+    /// Displacements and slopes, and their rates, of a linear link at the nodes of a mesh; the displacement is 0 where
+    /// the link points to `origin_rad`.
+    fn shapes(&self, mesh: &Mesh, origin_rad: f64) -> [Shape; 2] {
+        let no = Vec::new();
+        let lists = [
+            (self.displacement_m.as_ref().unwrap_or(&no), &self.slope_rad, origin_rad),
+            (self.velocity_m_s.as_ref().unwrap_or(&no), &self.slope_rate_rad_s, 0.0),
+        ];
+        lists.map(|(values, slopes, origin_rad)| {
+            let hub_angle = slopes[0] - origin_rad;
+            let node = |x_m: &f64| {
+                let [value, slope] = between(&self.x_m, values, slopes, origin_rad, *x_m);
+                Vector2::new(value - x_m * hub_angle, slope - hub_angle)
+            };
+            Shape { hub_angle, deflections: mesh.nodes_m().iter().map(node).collect() }
+        })
+    }
+
+    /// Coordinates and rates of the modes of a linear link, and what they leave out, over the whole, as square roots of
+    /// energies of motion.
+    pub(super) fn coordinates(
+        &self,
+        equations: &Equations,
+        mesh: &Mesh,
+        origin_rad: f64,
+    ) -> ([Vec<f64>; 2], f64) {
+        let mut left_out = 0.0_f64;
+        let coordinates = self.shapes(mesh, origin_rad).map(|own| {
+            let of = |shape: &Shape| shape.mass_product(mesh, &own);
+            let q: Vec<f64> = equations.shapes.iter().map(of).collect();
+            let rest = own.clone().less(1.0, &Shape::sum(&q, &equations.shapes));
+            let (rest, whole) = (rest.mass_product(mesh, &rest), own.mass_product(mesh, &own));
+            if whole > 0.0 {
+                left_out = left_out.max((rest.max(0.0) / whole).sqrt());
+            }
+            q
+        });
+        (coordinates, left_out)
+    }
+
+    /// The slopes of an elastica, less the hub's, and their rates, at the places from one distance to another: (t, slope,
+    /// rate), t from −1 to 1.
+    pub(super) fn piece(&self, [from_m, to_m]: [f64; 2]) -> Vec<[f64; 3]> {
+        let same_m = POSITION_TOLERANCE * self.x_m[self.x_m.len() - 1];
+        let hub = [self.slope_rad[0], self.slope_rate_rad_s[0]];
+        let inside = |k: &usize| (from_m - same_m..=to_m + same_m).contains(&self.x_m[*k]);
+        let row = |k: usize| {
+            let t = 2.0 * (self.x_m[k] - from_m) / (to_m - from_m) - 1.0;
+            let t = t.clamp(-1.0, 1.0);
+            [t, self.slope_rad[k] - hub[0], self.slope_rate_rad_s[k] - hub[1]]
+        };
+        (0..self.x_m.len()).filter(inside).map(row).collect()
+    }
+}
+
+/// Value and slope at a place, by the cubics through all values and slopes; slopes count from `origin`.
+fn between(x_m: &[f64], values: &[f64], slopes: &[f64], origin: f64, at_m: f64) -> [f64; 2] {
+    let inner = x_m.partition_point(|x| *x <= at_m).clamp(1, x_m.len() - 1) - 1;
+    let (l, outer) = (x_m[inner + 1] - x_m[inner], inner + 1);
+    let t = (at_m - x_m[inner]) / l;
+    let rise = values[outer] - values[inner];
+    let [from, to] = [slopes[inner] - origin, slopes[outer] - origin].map(|slope| slope * l);
+    let cubic = [values[inner], from, 3.0 * rise - 2.0 * from - to, from + to - 2.0 * rise];
+    let value = cubic.iter().rev().fold(0.0, |sum, term| sum * t + term);
+    [value, (cubic[1] + t * (2.0 * cubic[2] + 3.0 * t * cubic[3])) / l]
+}
