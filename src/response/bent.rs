@@ -330,7 +330,6 @@ impl BentPlay {
 
     /// A warning of a reference that does not begin where the hub stands.
     pub(super) fn apart(
-        &self,
         reference: Option<&HubReference>,
         hub_rad: f64,
     ) -> Option<SimulationWarning> {

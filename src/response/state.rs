@@ -60,8 +60,8 @@ impl State {
         if let Some(lost) = numbers.copied().find(|number| !number.is_finite()) {
             return refused(format!("{lost}"), "hold finite numbers".into());
         }
-        if let Some(pair) = self.x_m.windows(2).find(|pair| pair[1] <= pair[0]) {
-            return refused(format!("{} m after {} m", pair[1], pair[0]), "rise".into());
+        if let Some([inner, outer]) = self.x_m.windows(2).find(|pair| pair[1] <= pair[0]) {
+            return refused(format!("{outer} m after {inner} m"), "rise".into());
         }
         let (root_m, tip_m) = (link.hub().radius_m, link.length_m());
         let ends = [(self.x_m[0], root_m), (self.x_m[places - 1], tip_m)];
