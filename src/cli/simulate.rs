@@ -43,11 +43,13 @@ One of the files may be `-`, standard input.";
 /// Writes torque.csv (the motor's torque, feedback included), tip.csv, hub_angle.csv,
 /// nodal_displacements.csv, nodes.csv and summary.json into a folder, all or none of them, and prints a
 /// short summary. The link is at rest before the first sample; after the last one of a torque it is free.
-/// With gravity, or a second order in the link file, all terms of large angles are counted: the link starts
-/// from its shape at rest in the direction start_angle, and keeps the last torque after its last sample.
 /// Each mode is integrated exactly in time, so the answer does not depend on the Fourier transform of solve.
 /// A hysteretic link has no equation in time: its ratio is taken as the viscous ratio of every mode. The
 /// torque acts at the hub, on the whole link: [drive] and analysis.modes are not used.
+///
+/// With gravity, or with analysis.second_order "first" or "full", the link is played with all terms of large
+/// angles. With gravity it starts from its shape at rest in the direction start_angle, and the last torque
+/// stays after its last sample.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Simulate {
@@ -179,6 +181,7 @@ impl Simulate {
             | SimulationError::Damping(_)
             | SimulationError::MasslessHub
             | SimulationError::NotDerived { .. }
+            | SimulationError::NotConverged { .. }
             | SimulationError::NoStartAngle
             | SimulationError::NoRest
             | SimulationError::TooMuchMemory { .. }

@@ -35,7 +35,7 @@ impl GaussRule {
             .map(|k| {
                 let guess = -libm::cos(std::f64::consts::PI * (k as f64 + 0.75) / (n + 0.5));
                 let slope = |t: f64, p: &[f64]| n * (p[points - 1] - t * p[points]) / (1.0 - t * t);
-                // Newton's steps double the digits: the fifth changes none.
+                // Newton's steps double the digits: the sixth changes none.
                 let t = (0..6).fold(guess, |t, _| {
                     let p = legendre(points, t);
                     t - p[points] / slope(t, &p)

@@ -44,6 +44,10 @@ pub(super) fn bending_moments(view: &View) -> Option<Moments> {
     if let Some(nodes) = run.moments_n_m.clone().filter(|nodes| nodes.times_s.len() > 1) {
         return Some(Moments { nodes, is_written: true });
     }
+    // The weight's part, and what holds it, do not follow from accelerations.
+    if run.link.has_weight() {
+        return None;
+    }
     let deflections = view.deflections()?;
     let step_s = deflections.times_s[1] - deflections.times_s[0];
     let (from_s, until_s) = view.span_s();
@@ -54,8 +58,11 @@ pub(super) fn bending_moments(view: &View) -> Option<Moments> {
         return None;
     }
     let intervals = Interval::between(&run.mesh, &deflections.nodes);
-    let turns: Vec<f64> =
-        deflections.times_s.iter().map(|t| run.hub_angle_rad[nearest(&run.times_s, *t)]).collect();
+    let turns: Vec<f64> = deflections
+        .times_s
+        .iter()
+        .map(|t| run.hub_angle_rad[nearest(&run.times_s, *t)] - run.origin_rad)
+        .collect();
     // v of every node.
     let motion = |(node, w): (&usize, &Vec<f64>)| -> Vec<f64> {
         let x_m = run.mesh.nodes_m()[*node];

@@ -69,6 +69,7 @@ pub(super) fn run() -> StoredRun {
         },
         kept_modes: None,
         torque_n_m: solution.torque_n_m.clone(),
+        origin_rad: 0.0,
         hub_angle_rad: solution.hub_angle_rad.clone(),
         tip: solution.tip.clone(),
         solved: Some(StoredSolution {

@@ -89,7 +89,7 @@ impl<'a> View<'a> {
             let length_m = run.mesh.length_m();
             let bent = |time_s: &f64| {
                 let k = nearest(&run.times_s, *time_s);
-                run.tip.displacement_m[k] - length_m * run.hub_angle_rad[k]
+                run.tip.displacement_m[k] - length_m * (run.hub_angle_rad[k] - run.origin_rad)
             };
             nodes.histories.push(nodes.times_s.iter().map(bent).collect());
             nodes.nodes.push(tip);

@@ -3,11 +3,8 @@
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 
-use nalgebra::{DMatrix, DVector};
-
 use super::chain::{Balance, Chain};
 use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
-use super::history::HubReference;
 use super::modes::HubReaction;
 use super::play::{Driving, Input, Play};
 use super::radau::{Motion, Radau};
@@ -34,8 +31,8 @@ const MORE_ORDERS: usize = 2;
 const MOST_REFINEMENTS: usize = 6;
 const LONGEST: usize = 1 << 20;
 
-/// Angle in rad between a reference and the hub at the start above which a warning is given.
-const APART_RAD: f64 = 1e-4;
+/// Changes of an angle in rad that are round-off.
+const STILL_RAD: f64 = 1e-12;
 
 /// What an elastica was played with, and its motion.
 #[derive(Debug, Clone)]
@@ -57,6 +54,8 @@ pub struct BentPlay {
     /// from.
     chord_rad: Vec<f64>,
     from_rad: f64,
+    /// Direction of the chord less that of the hub at the last sample in rad.
+    bent_rad: f64,
 }
 
 /// Torque of the motor; angle, rate and acceleration of the hub; displacement, velocity and acceleration of the tip.
@@ -86,22 +85,37 @@ pub(super) fn play_bent(
         };
         problem.played(Chain::of(link, order), 1 << finer)
     };
-    let (mut found, mut histories) = played(0)?;
+    // Steps too long to converge are no reason against shorter ones.
+    let mut coarse = played(0);
     for finer in 1..=MOST_REFINEMENTS {
-        let (coarse_hub, coarse_tip) = (histories[1].clone(), histories[4].clone());
-        (found, histories) = played(finer)?;
+        let is_last = finer == MOST_REFINEMENTS || (grid.len << finer) > LONGEST;
+        let Ok((_, before)) = &coarse else {
+            match coarse {
+                Err(SimulationError::NotConverged { .. }) if !is_last => coarse = played(finer),
+                refused => return refused,
+            }
+            continue;
+        };
+        let (coarse_hub, coarse_tip) = (&before[1], &before[4]);
+        let (mut found, histories) = played(finer)?;
         let change = |own: &[f64], coarse: &[f64]| {
             let moved = own.iter().map(|value| (value - own[0]).abs()).fold(0.0, Size::larger);
             (largest_difference(own, coarse), moved)
         };
-        let (hub, tip) = (change(&histories[1], &coarse_hub), change(&histories[4], &coarse_tip));
+        let (hub, tip) = (change(&histories[1], coarse_hub), change(&histories[4], coarse_tip));
         (found.hub_change_rad, found.tip_change_m) = (hub.0, tip.0);
-        let is_settled = [hub, tip].iter().all(|(change, moved)| *change <= tolerance * moved);
-        if is_settled || (grid.len << finer) > LONGEST {
+        // What does not move has nothing to settle.
+        let least = [STILL_RAD, STILL_RAD * link.length_m()];
+        let is_settled = [hub, tip]
+            .iter()
+            .zip(least)
+            .all(|((change, moved), least)| *change <= (tolerance * moved).max(least));
+        coarse = Ok((found, histories));
+        if is_settled || is_last {
             break;
         }
     }
-    Ok((found, histories))
+    coarse
 }
 
 /// Refuses links whose large motion is not derived.
@@ -190,9 +204,8 @@ impl Problem<'_> {
         chain.balance(&motion.q, &motion.rates, &mut balance);
         let holding_n_m = -balance.force[0];
         drive.apply(self.driving.at(0), (&motion.q, &motion.rates), &mut balance);
-        let mass = DMatrix::from_row_slice(count, count, &balance.mass);
-        if let Some(first) = mass.lu().solve(&DVector::from_column_slice(&balance.force)) {
-            motion.accelerations.copy_from_slice(first.as_slice());
+        if let Some(first) = balance.accelerations() {
+            motion.accelerations = first;
         }
         let mut found = BentPlay {
             angles: count,
@@ -204,10 +217,11 @@ impl Problem<'_> {
             record: Record::with_capacity(count, grid.len),
             chord_rad: Vec::with_capacity(grid.len),
             from_rad,
+            bent_rad: 0.0,
             chain,
         };
         let mut histories: Histories = [(); 7].map(|()| Vec::with_capacity(grid.len));
-        found.observe(&motion, (self.driving.at(0), &drive), &mut balance, &mut histories);
+        found.observe(&mut motion, (self.driving.at(0), &drive), &mut balance, &mut histories);
         let places = Radau::places();
         for (sample, cubic) in self.driving.steps(grid.len).enumerate() {
             for step in 0..steps {
@@ -218,11 +232,12 @@ impl Problem<'_> {
                     drive.apply(input, (q, rates), balance);
                 });
                 if !done {
-                    return Err(lost(sample + 1));
+                    let time_s = grid.time_s(sample + 1);
+                    return Err(SimulationError::NotConverged { time_s });
                 }
             }
             let input = (self.driving.at(sample + 1), &drive);
-            found.observe(&motion, input, &mut balance, &mut histories);
+            found.observe(&mut motion, input, &mut balance, &mut histories);
         }
         Ok((found, histories))
     }
@@ -271,28 +286,34 @@ impl BentPlay {
     /// Adds what a motion is like to the record and the histories.
     fn observe(
         &mut self,
-        motion: &Motion,
+        motion: &mut Motion,
         (input, drive): (f64, &Drive),
         balance: &mut Balance,
         histories: &mut Histories,
     ) {
-        let Motion { q, rates, accelerations } = motion;
-        let reaction = drive.reaction;
+        let (q, rates, reaction) = (&motion.q, &motion.rates, drive.reaction);
         let motor_n_m = if drive.is_prescribed {
             self.chain.balance(q, rates, balance);
-            let needed = dot(&balance.mass[..self.angles], accelerations) - balance.force[0];
+            let needed =
+                dot(&balance.mass[..self.angles], &motion.accelerations) - balance.force[0];
             needed + reaction.friction_n_m_s_rad * rates[0]
         } else {
             // Friction acts on the hub; the rest of the reaction is the motor's.
             let friction_n_m = reaction.friction_n_m_s_rad * rates[0];
+            // Where the torque jumps, those of the last step's end are of the torque before.
+            self.chain.balance(q, rates, balance);
+            drive.apply(input, (q, rates), balance);
+            if let Some(now) = balance.accelerations() {
+                motion.accelerations = now;
+            }
             input - (reaction.torque_n_m(q[0] - drive.aim_rad, rates[0]) - friction_n_m)
         };
         let tip = self.chain.tip(q, rates);
-        // A link at rest is bent by less than half a turn.
-        let near_rad = self.chord_rad.last().copied().unwrap_or(q[0]);
-        let chord_rad = direction(tip.at_m, near_rad);
+        // The chord is where the hub is, bent by as much as before: a sample may be more than half a turn away.
+        let chord_rad = direction(tip.at_m, q[0] + self.bent_rad);
+        self.bent_rad = chord_rad - q[0];
         let ([x, y], [vx, vy]) = (tip.at_m, tip.rate_m_s);
-        let [ax, ay] = tip.acceleration_m_s2(accelerations);
+        let [ax, ay] = tip.acceleration_m_s2(&motion.accelerations);
         let square = x * x + y * y;
         let rate = (x * vy - y * vx) / square;
         let turning = (x * ay - y * ax - 2.0 * (x * vx + y * vy) * rate) / square;
@@ -301,7 +322,7 @@ impl BentPlay {
             motor_n_m,
             q[0],
             rates[0],
-            accelerations[0],
+            motion.accelerations[0],
             length_m * (chord_rad - self.from_rad),
             length_m * rate,
             length_m * turning,
@@ -323,19 +344,12 @@ impl BentPlay {
         let [low, high] = extremes(torque_n_m);
         let (first, range) = (torque_n_m[0], high - low);
         let size = if range > 0.0 { range } else { holding_n_m.abs() };
+        // A link that hangs straight is held by round-off.
+        let least = STEP_SHARE * STEP_SHARE * self.chain.weight_moment_n_m();
+        let size = size.max(least);
         let share = (first - holding_n_m).abs() / size;
         let warning = SimulationWarning::BeginsUnheld { torque_n_m: first, holding_n_m, share };
         (share > STEP_SHARE).then_some(warning)
-    }
-
-    /// A warning of a reference that does not begin where the hub stands.
-    pub(super) fn apart(
-        reference: Option<&HubReference>,
-        hub_rad: f64,
-    ) -> Option<SimulationWarning> {
-        let reference_rad = reference?.angle_rad()[0];
-        let is_apart = (reference_rad - hub_rad).abs() > APART_RAD;
-        is_apart.then_some(SimulationWarning::ReferenceApart { reference_rad, hub_rad })
     }
 
     /// Displacement in m along the arc of places at distances along the link, at every `every`-th sample.

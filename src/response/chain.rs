@@ -8,6 +8,8 @@
 //! r(s) = ∫ (cos θ, sin θ) ds,   θ = φ + ψ,   M = Σ m ∂r/∂qᵀ ∂r/∂q,   V = ½ ∫ EI ψ'² ds − Σ m g·r
 //! ```
 
+use nalgebra::{DMatrix, DVector};
+
 use crate::link::{Link, POSITION_TOLERANCE, Payload, Taper};
 use crate::numeric::{GaussRule, dot, piece_shapes};
 
@@ -88,6 +90,16 @@ pub(super) struct Balance {
     pub(super) force: Vec<f64>,
 }
 
+impl Balance {
+    /// The accelerations that balance; none where the masses leave some open.
+    pub(super) fn accelerations(&self) -> Option<Vec<f64>> {
+        let count = self.force.len();
+        let mass = DMatrix::from_row_slice(count, count, &self.mass);
+        let found = mass.lu().solve(&DVector::from_column_slice(&self.force))?;
+        found.iter().all(|own| own.is_finite()).then(|| found.as_slice().to_vec())
+    }
+}
+
 /// The link.
 #[derive(Debug, Clone)]
 pub(super) struct Chain {
@@ -159,6 +171,19 @@ impl Chain {
             }
         }
         chain
+    }
+
+    /// Moment in N m of the straight link's weight where it is largest.
+    pub(super) fn weight_moment_n_m(&self) -> f64 {
+        let rest = vec![0.0; self.count];
+        let mut moment = 0.0;
+        self.walk(&rest, &rest, |place, met| {
+            if let Met::Mass(mass_kg) = met {
+                moment += mass_kg * place.at_m[0];
+            }
+        });
+        let [x, y] = self.gravity_m_s2;
+        moment * (x * x + y * y).sqrt()
     }
 
     /// Length L from the axis to the tip in m.

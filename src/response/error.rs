@@ -32,9 +32,7 @@ pub enum SimulationError {
         known: &'static str,
     },
     /// A link with gravity whose direction is not known.
-    #[error(
-        "start_angle = nothing, but must be given: with gravity the direction of the link matters"
-    )]
+    #[error("start_angle is missing, but must be given: with gravity the direction matters")]
     NoStartAngle,
     /// A state that is none of the link, or one beside a motion of the hub.
     #[error("the state = {found}, but must {must}")]
@@ -110,6 +108,12 @@ pub enum SimulationError {
         /// Bytes allowed.
         allowed: usize,
     },
+    /// Steps that are too long for the motion.
+    #[error("the motion up to {} s does not converge, but must", rounded(*time_s, 12))]
+    NotConverged {
+        /// The time in s.
+        time_s: f64,
+    },
     /// Numbers beyond double precision.
     #[error("the motion at {} s = not a finite number, but must be one", rounded(*time_s, 12))]
     NotFinite {
@@ -129,6 +133,9 @@ impl SimulationError {
             }
             Self::TooLong { .. } | Self::TooMuchMemory { .. } => {
                 Some("an earlier end, or a torque with a longer step")
+            }
+            Self::NotConverged { .. } => {
+                Some("a shorter step, smaller gains, or a hub with inertia")
             }
             Self::NotFinite { .. } => Some("the inputs are too large for double precision"),
             Self::EndsEarly { .. } => Some("the simulation goes on to the torque's end by itself"),
@@ -326,14 +333,14 @@ impl SimulationWarning {
             Self::CoarseStep { .. } => "a torque with a shorter step",
             Self::LargeDeflection { .. } => "a smaller torque or a stiffer link",
             Self::BeginsUnheld { .. } => {
-                "torque.csv of solve begins with what holds the link: start_angle must be that of its run"
+                "torque.csv of solve begins with it: start_angle must be that of its run"
             }
             Self::ReferenceApart { .. } => {
-                "hub_angle.csv of solve begins where the link rests: start_angle must be that of its run"
+                "hub_angle.csv of solve begins there: start_angle must be that of its run"
             }
             Self::StateCut { .. } => "the mesh of the run that left the state, and a shorter step",
             Self::Unsettled { .. } => {
-                "feedback, where the link falls from its pose; or a torque without jumps and corners"
+                "feedback, where the link falls from its pose; or an input without jumps"
             }
             Self::CoarseMesh { .. } => {
                 "more elements, mesh.elements = \"auto\", or a torque without jumps and corners"

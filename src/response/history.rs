@@ -2,7 +2,11 @@
 
 use thiserror::Error;
 
+use super::error::SimulationWarning;
 use crate::numeric::{CubicSpline, NotUniform, QuinticSpline, SplineEnds, TimeGrid};
+
+/// Angle in rad between a reference and the hub at the start above which a warning is given.
+const APART_RAD: f64 = 1e-4;
 
 /// Fewest samples of a torque or a reference.
 const MIN_SAMPLES: usize = 4;
@@ -157,6 +161,13 @@ impl HubReference {
 }
 
 impl HubReference {
+    /// A warning where the first angle is not where the hub of a link with weight stands.
+    pub(super) fn apart(&self, hub_rad: f64) -> Option<SimulationWarning> {
+        let reference_rad = self.angle_rad[0];
+        let is_apart = (reference_rad - hub_rad).abs() > APART_RAD;
+        is_apart.then_some(SimulationWarning::ReferenceApart { reference_rad, hub_rad })
+    }
+
     /// Turn from the first sample, or from another angle, to the last in rad.
     pub(super) fn turn_rad(&self, zero_rad: Option<f64>) -> f64 {
         let angle = self.angle_rad();

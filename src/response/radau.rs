@@ -13,7 +13,7 @@ const STAGES: usize = 3;
 const SETTLED_RAD: f64 = 1e-14;
 
 /// Most iterations of a step.
-const MOST_ITERATIONS: usize = 20;
+const MOST_ITERATIONS: usize = 30;
 
 /// Iterations of a step after which the factors are made anew.
 const SLOW: usize = 6;
@@ -81,7 +81,13 @@ impl<'a> Radau<'a> {
         let mut residual = DVector::zeros(STAGES * count);
         let places = Self::places();
         let mut at = (vec![0.0; count], vec![0.0; count]);
+        // Whole turns leave fewer digits for the rest.
+        let size_rad = motion.q.iter().map(|q| q.abs()).fold(1.0, f64::max);
         for iteration in 1..=MOST_ITERATIONS {
+            // Factors of an earlier step, or of the first stages of this one, may not suit it.
+            if iteration == SLOW || iteration == 2 * SLOW {
+                self.factors = None;
+            }
             for stage in 0..STAGES {
                 for i in 0..count {
                     let sum = |row: &[f64; STAGES]| -> f64 {
@@ -114,7 +120,7 @@ impl<'a> Radau<'a> {
                     change = Size::larger(change, more.abs());
                 }
             }
-            if change * h * h <= SETTLED_RAD {
+            if change * h * h <= SETTLED_RAD * size_rad {
                 // The last stage is the end of the step.
                 let last = STAGES - 1;
                 for i in 0..count {

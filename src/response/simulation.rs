@@ -268,7 +268,7 @@ fn play_large(
         (Some(_), _) => [None, ends.filter(|_| !link.has_weight()), None],
         (None, Input::Torque(torque)) if link.has_weight() => {
             let reference = play.feedback.map(Feedback::reference);
-            let apart = BentPlay::apart(reference, hub_angle_rad[0]);
+            let apart = reference.and_then(|reference| reference.apart(hub_angle_rad[0]));
             [bent.unheld(torque.torque_n_m()), None, apart]
         }
         (None, _) => [begins, ends, None],

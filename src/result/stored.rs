@@ -37,6 +37,8 @@ pub struct StoredRun {
     pub torque_n_m: Vec<f64>,
     /// Hub angle in rad.
     pub hub_angle_rad: Vec<f64>,
+    /// Direction of the chord in rad where the tip's displacement is 0: hub angles are absolute with gravity.
+    pub origin_rad: f64,
     /// Motion of the tip.
     pub tip: TipMotionHistories,
     /// What only the answer for a wanted motion has.

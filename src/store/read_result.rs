@@ -17,6 +17,7 @@ use super::sweep::{is_sweep, read_sweep};
 use crate::beam::NodalHistories;
 use crate::csv::{InputError, InputFile, Place, TableError, quoted, time_format};
 use crate::inverse::{NodalTable, Solution};
+use crate::link::Link;
 use crate::motion::TipMotionHistories;
 use crate::numeric::ThinnedGrid;
 use crate::result::{StoredNodes, StoredResult, StoredRun, StoredSolution};
@@ -173,11 +174,14 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
         folder.has(table.file).then(read).transpose()
     };
     let (written, displacements) = (nodal(DEFLECTIONS)?, nodal(DISPLACEMENTS)?);
-    let computed =
-        || displacements.map(|nodes| deflections(nodes, &mesh, &hub_angle_rad, &times_s));
+    let [displacement_m, velocity_m_s, acceleration_m_s2] = TIP.1.map(|name| tip.take(name));
+    let origin_rad = origin_rad(&link, solved.as_ref(), &displacement_m);
+    let computed = || {
+        let hub = (&hub_angle_rad[..], origin_rad?);
+        displacements.map(|nodes| deflections(nodes, &mesh, hub, &times_s))
+    };
     let deflections_m = written.or_else(computed);
     let moments_n_m = nodal(MOMENTS)?;
-    let [displacement_m, velocity_m_s, acceleration_m_s2] = TIP.1.map(|name| tip.take(name));
     Ok(StoredRun {
         origin: summary.origin(),
         link,
@@ -186,6 +190,7 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
         times_s,
         torque_n_m: torque.take(TORQUE.1[0]),
         hub_angle_rad,
+        origin_rad: origin_rad.unwrap_or(0.0),
         tip: TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 },
         solved,
         deflections_m,
@@ -195,6 +200,18 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
         warnings: summary.warnings.clone(),
         remarks: summary.remarks.clone().unwrap_or_default(),
     })
+}
+
+/// Direction of the chord in rad where the tip's displacement is 0; none where gravity makes hub angles absolute and
+/// nothing says from where displacements count.
+fn origin_rad(link: &Link, solved: Option<&StoredSolution>, tip_m: &[f64]) -> Option<f64> {
+    let Some(gravity) = link.gravity() else { return Some(0.0) };
+    let rigid = || {
+        let (first_rad, first_m) = (solved?.rigid_hub_angle_rad.first()?, tip_m.first()?);
+        Some(first_rad - first_m / link.length_m())
+    };
+    let given = gravity.start_angle_rad.or_else(rigid);
+    if gravity.acts() { given } else { Some(given.unwrap_or(0.0)) }
 }
 
 /// Refuses a torque over other times than those of the summary.
@@ -250,6 +267,7 @@ impl RunOutputs {
             lead_s,
             lag_s,
         };
+        let origin_rad = origin_rad(solution.link(), Some(&solved), &solution.tip.displacement_m);
         Ok(StoredResult::Run(Box::new(StoredRun {
             origin: summary.origin(),
             link: solution.link().clone(),
@@ -257,6 +275,7 @@ impl RunOutputs {
             kept_modes: summary.kept_modes(),
             times_s: times_s(&solution.grid.thinned(NonZeroUsize::MIN)),
             torque_n_m: solution.torque_n_m.clone(),
+            origin_rad: origin_rad.unwrap_or(0.0),
             hub_angle_rad: solution.hub_angle_rad.clone(),
             tip: solution.tip.clone(),
             solved: Some(solved),

@@ -226,18 +226,19 @@ fn stride(own_s: &[f64], times_s: &[f64]) -> usize {
     }
 }
 
-/// Deflections `w = v − xθ` of displacements, by the hub angles of the run in rad at `times_s`.
+/// Deflections `w = v − xθ` of displacements, by the hub angles of the run in rad at `times_s`, and the one
+/// from which displacements count.
 pub(super) fn deflections(
     mut displacements: StoredNodes,
     mesh: &Mesh,
-    hub_angle_rad: &[f64],
+    (hub_angle_rad, origin_rad): (&[f64], f64),
     times_s: &[f64],
 ) -> StoredNodes {
     let every = stride(&displacements.times_s, times_s);
     for (node, history) in displacements.nodes.iter().zip(&mut displacements.histories) {
         let x_m = mesh.nodes_m()[*node];
         for (value, angle) in history.iter_mut().zip(hub_angle_rad.iter().step_by(every)) {
-            *value -= x_m * angle;
+            *value -= x_m * (angle - origin_rad);
         }
     }
     displacements

@@ -28,15 +28,11 @@ pub(super) struct Played {
 /// Plays the written torque on the link: tip error and balance of energy.
 pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, VerificationError> {
     let solution = answer.solution;
-    let not_played = |reason| {
-        let tip = vec![Kind::TIP_ERROR.not_measured(reason)];
-        Ok(Played { tip, energy: Kind::ENERGY.not_measured(reason) })
-    };
     if solution.second_order().is_some() {
         return match solution.link().damping() {
-            Damping::Hysteretic { ratio } if *ratio > 0.0 => not_played(
+            Damping::Hysteretic { ratio } if *ratio > 0.0 => Ok(not_played(
                 "with weight or second order hysteretic damping is played by no equation in time",
-            ),
+            )),
             _ => played_large(answer, wanted),
         };
     }
@@ -47,7 +43,7 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
     let initial_tip_m = solution.tip.displacement_m[0];
     let play = Play { initial_tip_m, memory_bytes, ..Play::of(&torque) };
     let simulation = match simulate_on(link, solution.mesh().clone(), &play) {
-        Err(SimulationError::MasslessHub) => return not_played("the hub moves no mass"),
+        Err(SimulationError::MasslessHub) => return Ok(not_played("the hub moves no mass")),
         played => played?,
     };
     let Some(modes) = simulation.modes() else { return played_large(answer, wanted) };
@@ -84,6 +80,12 @@ fn energy(answer: &Answer, simulation: &Simulation) -> Check {
     }
 }
 
+/// What was not played.
+fn not_played(reason: &str) -> Played {
+    let tip = vec![Kind::TIP_ERROR.not_measured(reason)];
+    Played { tip, energy: Kind::ENERGY.not_measured(reason) }
+}
+
 /// Moves the hub of a link with weight, or at large angles, as solved: tip error, the torque that it takes beside the
 /// written one, and balance of energy.
 ///
@@ -99,7 +101,14 @@ fn played_large(answer: &Answer, wanted: &TipTarget) -> Result<Played, Verificat
         start_angle_rad: wanted.start_angle_rad(),
         ..Play::turning(&hub)
     };
-    let simulation = simulate_on(solution.link(), solution.mesh().clone(), &play)?;
+    let simulation = match simulate_on(solution.link(), solution.mesh().clone(), &play) {
+        Ok(simulation) => simulation,
+        Err(SimulationError::MasslessHub) => return Ok(not_played("the hub moves no mass")),
+        Err(SimulationError::NotConverged { .. }) => {
+            return Ok(not_played("the motion of its hub does not converge"));
+        }
+        Err(error) => return Err(error.into()),
+    };
     let stated = solution
         .accuracy
         .of_kind(|of| of.mesh + of.window + of.step.unwrap_or(0.0) + of.iteration.unwrap_or(0.0));

@@ -169,7 +169,7 @@ fn the_torque_of_a_link_with_weight_is_played() {
     bench.write("nowhere.toml", &nowhere);
     let refused = bench.run(&["simulate", "nowhere.toml", "out/torque.csv"]);
     assert_eq!(refused.status.code(), Some(4));
-    assert!(stderr(&refused).starts_with("error: start_angle = nothing"), "{}", stderr(&refused));
+    assert!(stderr(&refused).starts_with("error: start_angle is missing"), "{}", stderr(&refused));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use flexlink::inverse::{Analysis, invert};
 use flexlink::link::{Damping, Gravity, Hub, Link, LinkParts, Payload, Segment};
 use flexlink::motion::{MotionColumns, TipMotion};
 use flexlink::response::{
-    Feedback, HubReference, Play, PlayError, Played, Simulation, SimulationError,
+    Feedback, HubReference, Interpolation, Play, PlayError, Played, Simulation, SimulationError,
     SimulationWarning, Torque, simulate,
 };
 
@@ -320,4 +320,43 @@ fn links_whose_large_motion_is_not_known_are_refused() {
     ));
     let nowhere = Gravity { acceleration_m_s2: [0.0, -G], start_angle_rad: None };
     assert_eq!(refusal(&|parts| parts.gravity = Some(nowhere)), SimulationError::NoStartAngle);
+}
+
+/// More than half a turn from sample to sample: the tip goes where the hub goes.
+#[test]
+fn whole_turns_are_counted_however_long_the_step() {
+    let mut parts = LinkParts::from(loaded(BETA));
+    parts.segments.iter_mut().for_each(|segment| {
+        segment.bending_stiffness_n_m2 = segment.bending_stiffness_n_m2.scaled(1e4);
+    });
+    let link = Link::new(parts).unwrap();
+    let time_s = times(0.25, 40);
+    let turned = |t: &f64| {
+        let s = t / 10.0;
+        100.0 * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
+    };
+    let hub = HubReference::new(&time_s, time_s.iter().map(turned).collect(), None).unwrap();
+    let found = large(&link, &Play::turning(&hub));
+    let most = found.hub_angle_rad.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    assert!(most > PI, "{most} rad a sample");
+    for (tip_m, angle_rad) in found.tip.displacement_m.iter().zip(&found.hub_angle_rad) {
+        let apart = tip_m / link.length_m() - angle_rad;
+        assert!(apart.abs() < 0.05, "{tip_m} m at {angle_rad} rad");
+    }
+}
+
+/// A torque that jumps turns the hub at once: every row belongs to one instant.
+#[test]
+fn accelerations_at_a_jump_are_those_of_the_torque_after_it() {
+    let link = loaded(BETA);
+    let time_s = times(0.004, 60);
+    let steps = |k: usize| if k < 30 { 0.0 } else { 0.05 };
+    let torque = Torque::new(&time_s, (0..=60).map(steps).collect()).unwrap();
+    let play = Play { interpolation: Interpolation::Zero, ..Play::of(&torque) };
+    let found = large(&link, &play);
+    assert!(found.hub_acceleration_rad_s2[29] == 0.0);
+    // At once the hub alone, and the link next to it, are turned.
+    let all = 0.05 / link.rigid_inertia_kg_m2();
+    let own = found.hub_acceleration_rad_s2[30];
+    assert!((2.0 * all..=0.05 / 0.1).contains(&own), "{own} rad/s², all together {all}");
 }
