@@ -162,6 +162,15 @@ fn the_torque_of_a_link_with_weight_is_played() {
     assert!(bench.json("simulated/summary.json")["tip_error"]["share"].as_f64().unwrap() < 5e-6);
     let page = bench.run(&["report", "simulated"]);
     assert!(page.status.success(), "{}", stderr(&page));
+    // Hub angles are absolute, and displacements are not: the page counts both from the same direction.
+    for dir in ["out", "simulated"] {
+        let page = bench.read(&format!("{dir}/report.html"));
+        let (_, rest) = page.split_once("it is over the largest there, ").unwrap();
+        let largest: f64 = rest.split_once(" m in all").unwrap().0.parse().unwrap();
+        let summary = bench.json(&format!("{dir}/summary.json"));
+        let peak = summary["results"]["peak_deflection_m"].as_f64().unwrap();
+        assert!((largest / peak - 1.0).abs() < 0.03, "{dir}: {largest} m, {peak} m");
+    }
     // Elsewhere the same torque holds nothing.
     let level = bench.run(&[&simulate[..], &["--set", "start_angle=0"]].concat());
     assert!(stderr(&level).contains("hold the link where it starts"), "{}", stderr(&level));
