@@ -3,7 +3,7 @@
 mod laws;
 mod prototype;
 mod solved;
-mod statics;
+pub(crate) mod statics;
 
 use std::sync::Arc;
 

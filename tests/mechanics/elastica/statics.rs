@@ -32,7 +32,7 @@ fn at_rest(parts: &LinkParts, elements: usize, chord_rad: f64) -> ElasticaMotion
 /// ```text
 /// dx/ds = cos φ,   dy/ds = sin φ,   EI dφ/ds = −M,   dM/ds = −(m̄ (L − s) + m) g cos φ
 /// ```
-fn elastica(parts: &LinkParts, chord_rad: f64) -> [f64; 2] {
+pub(crate) fn elastica(parts: &LinkParts, chord_rad: f64) -> [f64; 2] {
     const STEPS: usize = 2000;
     let segment = &parts.segments[0];
     let (length, mass) = (segment.length_m, segment.mass_per_length_kg_m.inner);

@@ -13,6 +13,7 @@ use flexlink::response::{
 };
 
 use super::{bayo, difference, loaded, mesh_of, peak, smooth, times, torque_of};
+use crate::elastica::statics::elastica;
 
 const G: f64 = 9.81;
 
@@ -148,42 +149,6 @@ fn energy_is_kept_or_accounted_for() {
     }
 }
 
-/// Torque and direction at rest of a cantilever whose tip lies in a direction: from the tip inward by Runge and
-/// Kutta's rule, the tip's own direction found by bisection.
-fn elastica(link: &Link, chord_rad: f64) -> [f64; 2] {
-    let segment = &link.segments()[0];
-    let (length, mass) = (segment.length_m, segment.mass_per_length_kg_m.inner);
-    let (stiffness, tip) = (segment.bending_stiffness_n_m2.inner, link.payload().mass_kg);
-    let rate = |r: f64, [phi, m, ..]: [f64; 4]| {
-        [m / stiffness, (mass * r + tip) * G * phi.cos(), phi.cos(), phi.sin()]
-    };
-    let from_tip = |tip_rad: f64| {
-        let (mut y, h) = ([tip_rad, 0.0, 0.0, 0.0], length / 4000.0);
-        for k in 0..4000 {
-            let r = f64::from(k) * h;
-            let moved = |d: [f64; 4], by: f64| [0, 1, 2, 3].map(|i| y[i] + by * d[i]);
-            let a = rate(r, y);
-            let b = rate(r + 0.5 * h, moved(a, 0.5 * h));
-            let c = rate(r + 0.5 * h, moved(b, 0.5 * h));
-            let d = rate(r + h, moved(c, h));
-            y = [0, 1, 2, 3].map(|i| y[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
-        }
-        y
-    };
-    let off = |tip_rad: f64| {
-        let [.., x, y] = from_tip(tip_rad);
-        y * chord_rad.cos() - x * chord_rad.sin()
-    };
-    let (mut low, mut high) = (chord_rad - 1.2, chord_rad + 1.2);
-    assert!(off(low) < 0.0 && off(high) > 0.0);
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if off(middle) < 0.0 { low = middle } else { high = middle }
-    }
-    let [phi, m, ..] = from_tip(low);
-    [m, phi]
-}
-
 #[test]
 fn it_starts_from_the_elastica_at_rest_and_stays_there_while_that_torque_holds() {
     for chord_rad in [0.0, 0.7, -0.9, 2.4] {
@@ -200,7 +165,7 @@ fn it_starts_from_the_elastica_at_rest_and_stays_there_while_that_torque_holds()
         let mut parts = LinkParts::from(link.unwrap());
         parts.hub.inertia_kg_m2 = 1e-3;
         let link = Link::new(parts).unwrap();
-        let [torque_n_m, direction_rad] = elastica(&link, chord_rad);
+        let [torque_n_m, direction_rad] = elastica(&LinkParts::from(link.clone()), chord_rad);
         let time_s = times(0.01, 20);
         let torque = Torque::new(&time_s, vec![torque_n_m; time_s.len()]).unwrap();
         let found = large(&link, &Play::of(&torque));
