@@ -289,7 +289,7 @@ impl PlayError {
     /// allow the damping law. At large angles the errors are what the last refinement changed.
     ///
     /// # Errors
-    /// As [`simulate`] of this simulation.
+    /// As [`simulate`](super::simulate) of this simulation.
     pub fn of(
         simulation: &Simulation,
         link: &Link,
