@@ -62,7 +62,7 @@ pub struct BentPlay {
 type Histories = [Vec<f64>; 7];
 
 /// Plays an input at the samples of a grid, finer and finer until that changes tip and hub angle by less than
-/// `tolerance` of what they move by; the hub starts at `start_rad` where no weight acts.
+/// `tolerance` of what they move by.
 ///
 /// # Errors
 /// [`SimulationError`].
@@ -185,9 +185,9 @@ impl Problem<'_> {
         let lost = |sample: usize| SimulationError::NotFinite { time_s: grid.time_s(sample) };
         chain.damping = viscous(&chain, self.law, is_prescribed).ok_or(lost(0))?;
         let (q, rates, from_rad) = self.start(&chain)?;
-        let aim_rad = match self.play.feedback {
-            Some(_) if self.play.state.is_some() => self.play.origin_rad(self.link).unwrap_or(0.0),
-            Some(feedback) if self.link.has_weight() => feedback.reference().angle_rad()[0],
+        let aim_rad = match (self.play.zero_of_state_rad(self.link), self.play.feedback) {
+            (Some(zero_rad), _) => zero_rad,
+            (None, Some(feedback)) if self.link.has_weight() => feedback.reference().angle_rad()[0],
             _ => q[0],
         };
         let drive = Drive { reaction: self.play.reaction(self.link), aim_rad, is_prescribed };
@@ -292,8 +292,8 @@ impl BentPlay {
         histories: &mut Histories,
     ) {
         let (q, rates, reaction) = (&motion.q, &motion.rates, drive.reaction);
+        self.chain.balance(q, rates, balance);
         let motor_n_m = if drive.is_prescribed {
-            self.chain.balance(q, rates, balance);
             let needed =
                 dot(&balance.mass[..self.angles], &motion.accelerations) - balance.force[0];
             needed + reaction.friction_n_m_s_rad * rates[0]
@@ -301,7 +301,6 @@ impl BentPlay {
             // Friction acts on the hub; the rest of the reaction is the motor's.
             let friction_n_m = reaction.friction_n_m_s_rad * rates[0];
             // Where the torque jumps, those of the last step's end are of the torque before.
-            self.chain.balance(q, rates, balance);
             drive.apply(input, (q, rates), balance);
             if let Some(now) = balance.accelerations() {
                 motion.accelerations = now;

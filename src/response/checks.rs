@@ -318,8 +318,7 @@ impl PlayError {
         let mut found = tip.displacement_m.iter().zip(&turned);
         let (mut tip_m, mut hub_rad) = (0.0_f64, 0.0_f64);
         let mut stepper = Stepper::new(&equations, grid.step_s);
-        if let Some(state) = play.state {
-            let origin_rad = play.origin_rad(link).unwrap_or(0.0);
+        if let Some((state, origin_rad)) = play.state.zip(play.zero_of_state_rad(link)) {
             let ([q, rates], _) = state.coordinates(&equations, &mesh, origin_rad);
             stepper = stepper.starting_at(&q, &rates);
         }

@@ -34,7 +34,7 @@ pub enum SimulationError {
     /// A link with gravity whose direction is not known.
     #[error("start_angle is missing, but must be given: with gravity the direction matters")]
     NoStartAngle,
-    /// A state that is none of the link, or one beside a motion of the hub.
+    /// A state that does not fit the link, or that is given with a motion of the hub.
     #[error("the state = {found}, but must {must}")]
     State {
         /// What was found.

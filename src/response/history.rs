@@ -190,6 +190,14 @@ impl HubReference {
     }
 }
 
+/// Whether two grids have the same samples, times within a thousandth of a step.
+pub(super) fn same_times(a: &TimeGrid, b: &TimeGrid) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= 1e-3 * a.step_s;
+    a.len == b.len
+        && near(a.time_s(0), b.time_s(0))
+        && near(a.time_s(a.len - 1), b.time_s(b.len - 1))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::error::{SimulationError, SimulationWarning};
-use super::history::{HubReference, Torque};
+use super::history::{HubReference, Torque, same_times};
 use super::modes::{Equations, HubReaction, held, torque_band_rad_s};
 use super::state::State;
 use crate::beam::Mesh;
@@ -142,6 +142,16 @@ impl<'a> Play<'a> {
         self.start_angle_rad.or(link.gravity().and_then(|gravity| gravity.start_angle_rad))
     }
 
+    /// Whether the link is played with all terms of large angles.
+    pub(super) fn is_large_on(&self, link: &Link) -> bool {
+        self.is_large || link.has_weight()
+    }
+
+    /// The hub angle in rad from which the angles of a state count; none without a state.
+    pub(super) fn zero_of_state_rad(&self, link: &Link) -> Option<f64> {
+        self.state.map(|_| self.origin_rad(link).unwrap_or(0.0))
+    }
+
     /// Displacement of the tip at the start in m; a prescribed hub points to it.
     pub(super) fn start_m(&self, link: &Link) -> f64 {
         match self.input {
@@ -159,8 +169,8 @@ impl<'a> Play<'a> {
         match self.input {
             Input::Torque(_) => {
                 let holds = |feedback: &&Feedback| feedback.stiffness_n_m_rad > 0.0;
-                let zero_rad = self.state.map(|_| self.origin_rad(link).unwrap_or(0.0));
-                self.feedback.filter(holds).map(|feedback| feedback.reference.turn_rad(zero_rad))
+                let feedback = self.feedback.filter(holds);
+                feedback.map(|own| own.reference.turn_rad(self.zero_of_state_rad(link)))
             }
             Input::HubAngle(_) => None,
         }
@@ -210,7 +220,7 @@ impl<'a> Play<'a> {
         };
         let own = torque.torque_n_m();
         let kept_n_m = if link.has_weight() { own[own.len() - 1] } else { 0.0 };
-        let zero_rad = self.state.map(|_| self.origin_rad(link).unwrap_or(0.0));
+        let zero_rad = self.zero_of_state_rad(link);
         let (samples, hold) = match self.feedback {
             None => (own.to_vec(), kept_n_m),
             Some(feedback) => {
@@ -294,14 +304,6 @@ impl Feedback {
         let given = self.reference.rate_rad_s().map(<[f64]>::to_vec);
         given.unwrap_or_else(|| self.reference.slopes_rad_s())
     }
-}
-
-/// Whether two grids have the same samples, times within a thousandth of a step.
-fn same_times(a: &TimeGrid, b: &TimeGrid) -> bool {
-    let near = |x: f64, y: f64| (x - y).abs() <= 1e-3 * a.step_s;
-    a.len == b.len
-        && near(a.time_s(0), b.time_s(0))
-        && near(a.time_s(a.len - 1), b.time_s(b.len - 1))
 }
 
 /// Input u of the equations of motion: the hub's acceleration, or the torque, and the part of the feedback that

@@ -98,9 +98,9 @@ pub fn simulate(link: &Link, plan: &MeshPlan, play: &Play) -> Result<Simulation,
             let must = "not be beside a motion of the hub".to_owned();
             return Err(SimulationError::State { found: "given".to_owned(), must });
         }
-        state.check(link, play.is_large || link.has_weight())?;
+        state.check(link, play.is_large_on(link))?;
     }
-    if play.is_large || link.has_weight() {
+    if play.is_large_on(link) {
         return play_large(link, mesh, play, plan.tolerance());
     }
     let band_rad_s = driven_rad_s(play)?;
@@ -118,7 +118,7 @@ pub(crate) fn simulate_on(
     mesh: Mesh,
     play: &Play,
 ) -> Result<Simulation, SimulationError> {
-    if play.is_large || link.has_weight() {
+    if play.is_large_on(link) {
         return play_large(link, mesh, play, MeshPlan::DEFAULT_TOLERANCE);
     }
     play_on(link, mesh, play, driven_rad_s(play)?)
