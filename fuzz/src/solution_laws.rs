@@ -75,7 +75,12 @@ fn check_table(table: &NodalTable) {
 }
 
 fn check_metrics(metrics: &Metrics) {
-    let numbers = [metrics.rms_torque_n_m, metrics.torque_ratio, metrics.lead_s, metrics.lag_s];
+    let numbers = [
+        metrics.rms_torque_n_m,
+        metrics.torque_ratio,
+        metrics.lead_s.expect("from rest to rest"),
+        metrics.lag_s.expect("from rest to rest"),
+    ];
     assert!(finite(&numbers), "{metrics:?}");
     let peaks = [
         metrics.peak_torque_n_m,

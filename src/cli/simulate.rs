@@ -6,7 +6,7 @@ use clap::Args;
 
 use flexlink::csv::{Digits, InputFile};
 use flexlink::elastica::SecondOrder;
-use flexlink::response::{Play, PlayError, Simulation, SimulationError, simulate};
+use flexlink::response::{CycleError, Play, PlayError, Simulation, SimulationError, simulate};
 use flexlink::result::{Comparison, PlayedMetrics, TargetError, TipError};
 use flexlink::spec::Specification;
 use flexlink::store::{PlayFindings, RunInputs, RunOutputs, SimulateFiles, Summary, state_json};
@@ -154,10 +154,13 @@ impl Simulate {
     /// The failure of a simulation, with the file or option that causes it.
     fn refused(&self, error: &SimulationError, inputs: &Inputs) -> Failure {
         let (exit, place) = match error {
-            SimulationError::NoTorque | SimulationError::NoTurn => {
+            SimulationError::NoTorque
+            | SimulationError::NoTurn
+            | SimulationError::Cycle(CycleError::Mean { .. }) => {
                 (Exit::InputRefused, shown(&inputs.playing.file))
             }
-            SimulationError::OtherTimes { .. } => {
+            SimulationError::OtherTimes { .. }
+            | SimulationError::Cycle(CycleError::Reference { .. }) => {
                 let file = inputs.playing.reference_file.as_ref();
                 (Exit::InputRefused, file.map(shown).unwrap_or_default())
             }
@@ -178,6 +181,7 @@ impl Simulate {
                 (Exit::Usage, "--".to_owned())
             }
             SimulationError::Plan(_)
+            | SimulationError::Cycle(CycleError::Resonance | CycleError::Large)
             | SimulationError::Damping(_)
             | SimulationError::MasslessHub
             | SimulationError::NotDerived { .. }

@@ -9,16 +9,13 @@ use super::rows::{Place, TableError};
 use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
 use super::table::{group, write_over_time};
 use crate::link::Gravity;
-use crate::motion::{MotionColumns, Recording, TipTarget, Uncertainty};
+use crate::motion::{Ends, MotionColumns, Recording, TipTarget, Uncertainty};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
 use crate::recording::{LARGEST_JITTER, Rounding, jitter};
 use crate::result::Remark;
 
 /// Most samples that a resampled motion may have.
 const MAX_SAMPLES: f64 = 1e7;
-
-/// Times that differ by less, in steps, are the same.
-const SAME_TIME: f64 = 1e-6;
 
 /// A tip motion read from a file, in SI, with the line of each sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +28,7 @@ pub struct MotionTable {
     pub(super) recording: Recording,
     /// The first angle in rad, where the displacement is from angles.
     pub(super) first_angle_rad: Option<f64>,
+    pub(super) ends: Ends,
 }
 
 impl MotionTable {
@@ -112,49 +110,10 @@ impl MotionTable {
         Ok(self.at_steps(steps, step_s))
     }
 
-    /// The samples at so many steps from the first time on; the last one is that of the table.
-    pub(super) fn at_steps(self, steps: usize, step_s: f64) -> Self {
-        let known = &self.columns.time_s;
-        let (first, last) = (known[0], known[known.len() - 1]);
-        let time_s: Vec<f64> = (0..=steps).map(|k| first + k as f64 * step_s).collect();
-        let on_grid = |values: &Option<Vec<f64>>, ends| {
-            let spline = CubicSpline::new(known, values.as_ref()?, ends);
-            // At the end the motion rests: a twentieth of a step more or less changes nothing.
-            let at = |(k, t): (usize, &f64)| if k == steps { last } else { t.min(last) };
-            Some(time_s.iter().enumerate().map(|time| spline.value(at(time))).collect())
-        };
-        let columns = &self.columns;
-        let lines = time_s.iter().map(|time| {
-            let not_later = known.partition_point(|known| *known <= time + SAME_TIME * step_s);
-            self.lines[not_later.saturating_sub(1)]
-        });
-        Self {
-            lines: lines.collect(),
-            columns: MotionColumns {
-                acceleration_m_s2: on_grid(&columns.acceleration_m_s2, SplineEnds::NotAKnot),
-                velocity_m_s: on_grid(&columns.velocity_m_s, SplineEnds::NotAKnot),
-                displacement_m: on_grid(&columns.displacement_m, SplineEnds::Clamped),
-                time_s,
-            },
-            name: self.name,
-            reading: self.reading,
-            recording: self.recording,
-            first_angle_rad: self.first_angle_rad,
-        }
-    }
-
-    /// The same with the displacement in place of a velocity that is alone.
-    pub(super) fn with_integral(self) -> Self {
-        let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } =
-            self.columns;
-        let (velocity_m_s, displacement_m) = match (velocity_m_s, displacement_m) {
-            (Some(velocity), None) if acceleration_m_s2.is_none() => {
-                (None, Some(CubicSpline::new(&time_s, &velocity, SplineEnds::NotAKnot).integral()))
-            }
-            given => given,
-        };
-        let columns = MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m };
-        Self { columns, ..self }
+    /// The same of a tip that is not at rest at the ends.
+    #[must_use]
+    pub fn with_ends(self, ends: Ends) -> Self {
+        Self { ends, ..self }
     }
 
     /// The file as the user named it.
@@ -221,7 +180,9 @@ pub fn read_motion_table_as(
     };
     let recording = Recording { uncertainty, ..Recording::default() };
     let Samples { lines, reading, .. } = samples;
-    Ok(MotionTable { columns, name: name.to_owned(), lines, reading, recording, first_angle_rad })
+    let name = name.to_owned();
+    let ends = Ends::default();
+    Ok(MotionTable { columns, name, lines, reading, recording, first_angle_rad, ends })
 }
 
 /// Reads a displacement to compare with, as [`MotionTable::into_target`] makes it of a trajectory; times up
@@ -335,6 +296,7 @@ mod tests {
             lines: (0..time_s.len() as u64).map(|k| 2 * k).collect(),
             first_angle_rad: None,
             recording: Recording::default(),
+            ends: Ends::AtRest,
         }
     }
 

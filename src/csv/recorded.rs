@@ -1,4 +1,4 @@
-//! What a table of a motion is worth: its noise, its times, its digits, its angles under gravity.
+//! What is made of a table of a motion, by its noise, times, digits and ends, and its angles under gravity.
 
 use std::f64::consts::TAU;
 
@@ -6,12 +6,16 @@ use super::motion::MotionTable;
 use super::rows::{Place, TableError};
 use super::samples::refuse_samples;
 use crate::link::Gravity;
-use crate::motion::{MotionColumns, Recording, TipMotion, Uncertainty};
+use crate::motion::{Ends, MotionColumns, Recording, TipMotion, Uncertainty, wrapped};
+use crate::numeric::{CubicSpline, SplineEnds};
 use crate::recording::{jitter, rested};
 use crate::text::{plain, significant};
 
 /// Largest uncertainty of a displacement over its travel.
 const LEAST_WORTH: f64 = 0.1;
+
+/// Times that differ by less, in steps, are the same.
+const SAME_TIME: f64 = 1e-6;
 
 /// Angles that differ by less are the same.
 const SAME_ANGLE_RAD: f64 = 1e-3;
@@ -47,10 +51,11 @@ impl MotionTable {
     /// A velocity alone is integrated: the displacement is the integral of its not-a-knot cubic spline.
     ///
     /// # Errors
-    /// What [`TipMotion::new`] refuses, with file and line.
+    /// What [`TipMotion::with_ends`] refuses, with file and line.
     pub fn into_motion(self) -> Result<TipMotion, TableError> {
-        let Self { columns, name, lines, recording, .. } = self.with_integral().made_uniform();
-        let motion = TipMotion::new(columns)
+        let Self { columns, name, lines, recording, ends, .. } =
+            self.with_integral().made_uniform();
+        let motion = TipMotion::with_ends(columns, ends)
             .map_err(|error| refuse_samples(&name, &lines, error.sample(), &error, error.hint()))?;
         // The digits of a displacement that is only compared with an acceleration do not matter.
         let uncertainty = recording.uncertainty.filter(|_| motion.is_from_displacement());
@@ -91,6 +96,57 @@ impl MotionTable {
         self
     }
 
+    /// The samples at so many steps from the first time on; the last one is that of the table.
+    pub(super) fn at_steps(self, steps: usize, step_s: f64) -> Self {
+        let known = &self.columns.time_s;
+        let (first, last) = (known[0], known[known.len() - 1]);
+        let time_s: Vec<f64> = (0..=steps).map(|k| first + k as f64 * step_s).collect();
+        let on_grid = |values: &Option<Vec<f64>>, ends| {
+            let spline = CubicSpline::new(known, values.as_ref()?, ends);
+            // At the end the motion rests: a twentieth of a step more or less changes nothing.
+            let at = |(k, t): (usize, &f64)| if k == steps { last } else { t.min(last) };
+            Some(time_s.iter().enumerate().map(|time| spline.value(at(time))).collect())
+        };
+        let columns = &self.columns;
+        let ends = self.ends.said_by(columns.velocity_m_s.as_deref());
+        let rests = if ends == Ends::AtRest { SplineEnds::Clamped } else { SplineEnds::NotAKnot };
+        let lines = time_s.iter().map(|time| {
+            let not_later = known.partition_point(|known| *known <= time + SAME_TIME * step_s);
+            self.lines[not_later.saturating_sub(1)]
+        });
+        Self {
+            lines: lines.collect(),
+            columns: MotionColumns {
+                acceleration_m_s2: on_grid(&columns.acceleration_m_s2, SplineEnds::NotAKnot),
+                velocity_m_s: on_grid(&columns.velocity_m_s, SplineEnds::NotAKnot),
+                displacement_m: on_grid(&columns.displacement_m, rests),
+                time_s,
+            },
+            name: self.name,
+            reading: self.reading,
+            recording: self.recording,
+            first_angle_rad: self.first_angle_rad,
+            ends: self.ends,
+        }
+    }
+
+    /// The same with the displacement in place of a velocity that is alone.
+    pub(super) fn with_integral(self) -> Self {
+        let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } =
+            self.columns;
+        let (velocity_m_s, displacement_m) = match (velocity_m_s, displacement_m) {
+            (Some(velocity), None) if acceleration_m_s2.is_none() => {
+                let ends = self.ends.said_by(Some(&velocity));
+                let integral = integral(&time_s, &velocity, ends);
+                // What it says of the ends is not in the displacement.
+                ((ends != Ends::AtRest).then_some(velocity), Some(integral))
+            }
+            given => given,
+        };
+        let columns = MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m };
+        Self { columns, ..self }
+    }
+
     /// The samples on the uniform grid from the first time to the last, interpolated where the times are
     /// off it by more than their digits explain and by no more than [`LARGEST_JITTER`] steps.
     fn made_uniform(self) -> Self {
@@ -104,6 +160,19 @@ impl MotionTable {
         let recording = Recording { jitter: Some(jitter), ..uniform.recording };
         Self { lines, recording, ..uniform }
     }
+}
+
+/// The displacement in m of a velocity.
+fn integral(time_s: &[f64], velocity_m_s: &[f64], ends: Ends) -> Vec<f64> {
+    let (len, last) = (time_s.len(), time_s.len() - 1);
+    if ends != Ends::Periodic {
+        return CubicSpline::new(time_s, velocity_m_s, SplineEnds::NotAKnot).integral();
+    }
+    let period_s = (time_s[last] - time_s[0]) * len as f64 / last as f64;
+    let times_s = wrapped(time_s, period_s, len);
+    let spline = CubicSpline::new(&times_s, &wrapped(velocity_m_s, 0.0, len), SplineEnds::NotAKnot);
+    let all = spline.integral();
+    all[len..2 * len].iter().map(|m| m - all[len]).collect()
 }
 
 /// Refuses a displacement that is hardly more than its uncertainty.

@@ -25,7 +25,6 @@ mod record;
 mod record_misfit;
 mod record_parts;
 mod response;
-mod spread;
 mod value;
 
 pub use advice::FitWarning;

@@ -10,8 +10,7 @@ use super::misfits::{DELAY_UNIT, Misfit, Misfits, Residual};
 use super::record::Record;
 use super::record_misfit::RecordMisfit;
 use super::response::{Overlay, ResponseMisfit};
-use super::spread::{Spread, correlation};
-use super::value::{FittedValue, Free};
+use super::value::{FittedValue, Free, Spread, correlation};
 
 /// Share of a direction below which a value takes no part in it.
 const NO_PART: f64 = 1e-4;

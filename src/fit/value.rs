@@ -1,9 +1,18 @@
-//! Free values of a link file, before and after a fit.
+//! Free values of a link file, before and after a fit, and what the derivatives of the residuals say of them:
+//! directions and their standard errors.
 
+use faer::Mat;
 use serde::Serialize;
 
 /// Distance from a bound, in the logarithm, at which a value lies on it.
 const AT_BOUND: f64 = 1e-9;
+
+/// Singular value over the size of the Jacobian below which a direction is not determined: the derivatives
+/// are exact to about 1e-9.
+const UNDETERMINED: f64 = 1e-7;
+
+/// Standard error, in the logarithm, beyond which a direction is not determined either: a factor of ten.
+const UNKNOWN: f64 = std::f64::consts::LN_10;
 
 /// A value of the link file that is free.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,4 +88,82 @@ impl FittedValue {
             is_at_bound: free.factors.iter().any(|f| (libm::log(*f) - x).abs() < AT_BOUND),
         }
     }
+}
+
+/// Singular values and directions of the Jacobian.
+pub(super) struct Spread {
+    /// One for each direction; 0 of those that no row sees.
+    values: Vec<f64>,
+    /// Directions in the free values, row by row.
+    directions: Mat<f64>,
+    /// The singular values from which on a direction changes the measured values at all, and by more than
+    /// their uncertainty.
+    least: [f64; 2],
+}
+
+impl Spread {
+    /// `weight` is the size that the Jacobian would have if each residual's value followed one free value;
+    /// `scale` the standard deviation of the residuals, 0 where it is not known.
+    pub(super) fn of(jacobian: &Mat<f64>, weight: f64, scale: f64) -> Self {
+        // As many rows as columns, so that every direction has a singular value.
+        let columns = jacobian.ncols();
+        let mut square = Mat::zeros(jacobian.nrows().max(columns), columns);
+        square.get_mut(..jacobian.nrows(), ..).copy_from(jacobian);
+        let svd = square.thin_svd();
+        let none = (vec![0.0; columns], Mat::identity(columns, columns));
+        let (values, directions) = svd.map_or(none, |svd| {
+            (svd.S().column_vector().iter().copied().collect(), svd.V().transpose().to_owned())
+        });
+        let largest = values.iter().copied().fold(weight, f64::max);
+        Self { values, directions, least: [UNDETERMINED * largest, scale / UNKNOWN] }
+    }
+
+    /// A basis of the directions that change no measured value, where `is_exact`, or else of those that
+    /// change them by less than their uncertainty: in each vector the largest part of one value, which the
+    /// other vectors have not, is 1.
+    pub(super) fn open(&self, is_exact: bool) -> Vec<Vec<f64>> {
+        let [nothing, little] = self.least;
+        let is_open = |value: f64| if is_exact { value < nothing } else { value < little };
+        let is_left = |value: f64| is_exact || value >= nothing;
+        let open =
+            (0..self.values.len()).filter(|k| is_open(self.values[*k]) && is_left(self.values[*k]));
+        let mut rows: Vec<Vec<f64>> =
+            open.map(|k| self.directions.row(k).iter().copied().collect()).collect();
+        for pivot in 0..rows.len() {
+            let sizes = rows[pivot].iter().map(|part| part.abs()).enumerate();
+            // The first of equals, so that round-off does not choose.
+            let largest =
+                sizes.fold(
+                    (0, 0.0),
+                    |best, (k, size)| {
+                        if size > 1.000_001 * best.1 { (k, size) } else { best }
+                    },
+                );
+            let part = rows[pivot][largest.0];
+            rows[pivot].iter_mut().for_each(|value| *value /= part);
+            let own = rows[pivot].clone();
+            for (k, row) in rows.iter_mut().enumerate() {
+                if k != pivot {
+                    let share = row[largest.0];
+                    row.iter_mut().zip(&own).for_each(|(value, own)| *value -= share * own);
+                }
+            }
+        }
+        rows
+    }
+
+    /// (JᵀJ)⁻¹.
+    pub(super) fn covariance(&self) -> Mat<f64> {
+        let size = self.values.len();
+        let v = &self.directions;
+        let term = |row, column, k: usize| v[(k, row)] * v[(k, column)] / self.values[k].powi(2);
+        Mat::from_fn(size, size, |row, column| (0..size).map(|k| term(row, column, k)).sum())
+    }
+}
+
+/// The correlation of each pair of the first `count` values.
+pub(super) fn correlation(covariance: &Mat<f64>, count: usize) -> Vec<Vec<f64>> {
+    let size = |k: usize| covariance[(k, k)].sqrt();
+    let share = |k: usize, j: usize| covariance[(k, j)] / (size(k) * size(j));
+    (0..count).map(|k| (0..count).map(|j| share(k, j)).collect()).collect()
 }

@@ -147,10 +147,11 @@ impl Amplitudes {
         let tip = &period.histories;
         let excess_rad = self.pair.samples(&self.hub.excess_angle_rad);
         let (start_m, all) = (tip.start_m(), tip.displacement_m.len());
-        let turns = excess_rad.iter().enumerate().map(|(k, excess)| {
+        let turns = excess_rad.iter().enumerate().filter_map(|(k, excess)| {
             // The sample at or before this time: within a step the tip does not go far.
-            let at_m = tip.displacement_m[k * all / excess_rad.len()];
-            ((at_m - start_m) / length_m + excess).abs()
+            let sample = k * all / excess_rad.len();
+            let at_m = tip.displacement_m[sample];
+            tip.counts(sample).then(|| ((at_m - start_m) / length_m + excess).abs())
         });
         turns.fold(0.0, f64::max)
     }
@@ -160,6 +161,9 @@ impl Amplitudes {
         let of_all = |rows: &Vec<Vec<Complex64>>| {
             rows.iter().map(|row| self.peak_of(row)).fold(0.0, f64::max)
         };
+        // The spectrum of a velocity at the ends is without it.
+        let [before_m_s, after_m_s] = period.end_velocities_m_s();
+        let ends_rad_s = before_m_s.abs().max(after_m_s.abs()) / length_m;
         let with_rigid = |excess: &[Complex64], tip: &[Complex64]| {
             let both: Vec<_> = excess.iter().zip(tip).map(|(e, tip)| e + tip / length_m).collect();
             self.peak_of(&both)
@@ -169,7 +173,7 @@ impl Amplitudes {
         PerQuantity {
             torque: self.peak_of(&self.hub.torque_n_m),
             hub_angle: self.hub_turn_rad(period, length_m),
-            hub_rate: with_rigid(&self.hub_rate_rad_s, &tip.velocity_m_s),
+            hub_rate: with_rigid(&self.hub_rate_rad_s, &tip.velocity_m_s).max(ends_rad_s),
             hub_acceleration: acceleration.map(|a| with_rigid(a, &tip.acceleration_m_s2)),
             displacement: self.displacement_m.is_some().then(travel_m),
             bending_moment: self.moment_n_m.as_ref().map(of_all),

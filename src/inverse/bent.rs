@@ -48,6 +48,9 @@ const BYTES: usize = 200;
 /// A period is lengthened to at most this many samples, or to four times what it began with.
 const LENGTHENED: usize = 1 << 15;
 
+/// The link at rest before the motion and after it.
+type Rests = [ElasticaMotion; 2];
+
 /// A problem whose link has weight, or is solved with second-order terms.
 pub(super) struct BentProblem<'a> {
     pub(super) problem: &'a Problem<'a>,
@@ -71,14 +74,15 @@ impl<'a> BentProblem<'a> {
     ) -> Result<Self, InversionError> {
         let grid = problem.motion.grid();
         let falls_s = first_zero_per_s.map_or(grid.duration_s() / RETURN, f64::recip);
+        let returns = link.has_weight() && problem.motion.cycles().is_none();
         let steps = |times: f64| {
-            if link.has_weight() { (times * falls_s / grid.step_s).ceil() as usize } else { 0 }
+            if returns { (times * falls_s / grid.step_s).ceil() as usize } else { 0 }
         };
         Ok(Self {
             gravity_m_s2: link.gravity().map_or([0.0; 2], |gravity| gravity.acceleration_m_s2),
-            start_angle_rad: start_angle_rad(link, problem)?,
+            start_angle_rad: problem.start_angle_rad(link)?,
             second_order: problem.analysis.second_order_of(link),
-            returning: if link.has_weight() { steps(RETURN).max(FEWEST) } else { 0 },
+            returning: if returns { steps(RETURN).max(FEWEST) } else { 0 },
             quiet: steps(QUIET),
             problem,
         })
@@ -278,14 +282,17 @@ impl<'a> BentProblem<'a> {
     }
 
     /// Lengthens the period until every quantity has come to rest where the chord begins and ends its return;
-    /// returns what is left there, over the size of each.
+    /// returns what is left there, over the size of each. A periodic motion has no rest.
     pub(super) fn decayed(
         &self,
         model: &dyn Model,
         probes: &Probes,
         sizes: &PerQuantity<f64>,
         shortest: BentAnswer,
-    ) -> Result<(BentAnswer, [ElasticaMotion; 2], PerQuantity<f64>), InversionError> {
+    ) -> Result<(BentAnswer, Option<Rests>, PerQuantity<f64>), InversionError> {
+        if self.problem.padding.cycles.is_some() {
+            return Ok((shortest, None, sizes.zip(sizes, |_, _| 0.0)));
+        }
         let (order, nodes) = (self.second_order, &probes.nodes);
         let initial = shortest.period.spectrum.pair.len();
         let mut answer = shortest;
@@ -304,7 +311,7 @@ impl<'a> BentProblem<'a> {
             let next = next.filter(|len| !has_decayed && *len <= LENGTHENED.max(4 * initial));
             match next {
                 Some(len) => answer = self.answer(model, len)?,
-                None => return Ok((answer, rests, left)),
+                None => return Ok((answer, Some(rests), left)),
             }
         }
     }
@@ -315,10 +322,13 @@ impl<'a> BentProblem<'a> {
         &self,
         (link, answer): (&Link, &BentAnswer),
         periodic: &PeriodicAnswer,
-        rests: &[ElasticaMotion; 2],
+        rests: Option<&Rests>,
         sizes: &PerQuantity<f64>,
     ) -> (Window, PerQuantity<f64>) {
         let given = self.problem.motion.grid();
+        let Some(rests) = rests else {
+            return (self.problem.window(periodic), PerQuantity::default());
+        };
         let of = |samples: &[f64], per_hub: f64, size: f64| {
             let at_rest = [0, 1].map(|end| rests[end].torque_n_m[0] * per_hub);
             let beyond = answer.beyond_rest(samples, at_rest);
@@ -373,17 +383,6 @@ impl<'a> BentProblem<'a> {
         let [own, full] =
             [answer, &full].map(|answer| answer.outside_return(&answer.motion.torque_n_m));
         Some(largest_difference(&own, &full) / size(&own, true))
-    }
-}
-
-/// Direction of the chord where the tip's displacement is 0; of a link without gravity none is another than 0.
-pub(super) fn start_angle_rad(link: &Link, problem: &Problem<'_>) -> Result<f64, InversionError> {
-    let Some(gravity) = link.gravity() else { return Ok(0.0) };
-    let given = problem.motion.recording().start_angle_rad.or(gravity.start_angle_rad);
-    if gravity.acts() {
-        given.ok_or(InversionError::NoStartAngle)
-    } else {
-        Ok(given.unwrap_or(0.0))
     }
 }
 

@@ -53,6 +53,9 @@ pub enum InversionError {
         "start_angle = nothing, but must be given: with gravity the direction of the link matters"
     )]
     NoStartAngle,
+    /// Ends of the motion that this link, or the analysis, cannot have.
+    #[error("{0}")]
+    Ends(RefusedEnds),
     /// No motion of the bent link.
     #[error(transparent)]
     Elastica(#[from] ElasticaError),
@@ -76,6 +79,41 @@ pub enum InversionError {
         /// Samples possible.
         limit: usize,
     },
+}
+
+/// Why a motion cannot have its ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum RefusedEnds {
+    /// Weight or second-order terms, which no constant velocity leaves at rest.
+    #[error(
+        "the tip moves at the ends of its motion, but must be at rest there, or periodic, with gravity or \
+         second order"
+    )]
+    Bent,
+    /// Drag on every mass, against which a constant velocity takes a torque.
+    #[error(
+        "the tip moves at the ends of its motion, but must be at rest there with damping.alpha above 0"
+    )]
+    Drag,
+    /// A lead or a lag of a motion that has no beginning and no end.
+    #[error("analysis.lead or analysis.lag = given, but a periodic motion has neither")]
+    Edges,
+    /// A cycle that ends in another direction under gravity.
+    #[error("the cycle = not whole turns, but must end in its first direction, with gravity")]
+    Turned,
+}
+
+impl RefusedEnds {
+    fn hint(self) -> &'static str {
+        match self {
+            Self::Bent => {
+                "add the samples that bring the tip to rest, or solve it without: second_order = \"none\""
+            }
+            Self::Drag => "use damping.beta or a damping ratio instead",
+            Self::Edges => "leave them out",
+            Self::Turned => "correct the mean of the velocity column, or leave it out",
+        }
+    }
 }
 
 /// A number of samples; beyond what can be counted, by its power of ten.
@@ -107,6 +145,7 @@ impl InversionError {
                 "give start_angle in the link file, the direction of the link before the motion, or a motion as \
                  angles"
             }
+            Self::Ends(why) => why.hint(),
             Self::Elastica(error) => return error.hint(),
             Self::NotConverged { .. } => {
                 "loosen mesh.tolerance, or sample the motion more smoothly"

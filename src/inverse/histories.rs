@@ -76,6 +76,9 @@ impl Histories {
         let joint = model.link().joint();
         let mut torque_n_m = cut(&answer.torque_n_m, &grid);
         hub.take_images_off(&grid, 1, joint.friction_n_m_s_rad, &mut torque_n_m);
+        if let Some([friction_n_m, ..]) = hub.friction(joint.friction_n_m_s_rad, &grid) {
+            add(&friction_n_m, &mut torque_n_m);
+        }
         let histories = Self {
             rigid_torque_n_m: rigid_torque_n_m(
                 model.link(),
@@ -92,7 +95,10 @@ impl Histories {
             tip,
             motor: None,
         };
-        let motor = joint.drive.map(|drive| histories.motor(&drive, answer, &hub)).transpose()?;
+        let motor = joint
+            .drive
+            .map(|drive| histories.motor((&drive, joint.friction_n_m_s_rad), answer, &hub));
+        let motor = motor.transpose()?;
         Ok(Self { motor, ..histories })
     }
 
@@ -109,18 +115,22 @@ impl Histories {
     /// [`InversionError::MotorNotFinite`].
     fn motor(
         &self,
-        drive: &Drive,
+        (drive, friction_n_m_s_rad): (&Drive, f64),
         answer: &PeriodicAnswer,
         hub: &HubMotion<'_>,
     ) -> Result<MotorHistories, InversionError> {
         let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = *drive;
+        let friction = hub.friction(friction_n_m_s_rad, &self.grid);
         let acceleration = hub.on(&self.grid, answer.excess(2), &self.tip.acceleration_m_s2, 2);
         let hub = [&self.hub_angle_rad, &self.hub_rate_rad_s, &acceleration];
         let [angle_rad, rate_rad_s, acceleration] = [0, 1, 2].map(|order| -> Vec<f64> {
-            let twist = match order {
+            let mut twist = match order {
                 0 => cut(&answer.torque_n_m, &self.grid),
                 _ => cut(&answer.derivative(&answer.hub.torque_n_m, order), &self.grid),
             };
+            if let Some(friction) = &friction {
+                add(&friction[order], &mut twist);
+            }
             let motions = hub[order].iter().zip(twist);
             motions.map(|(hub, t)| gear_ratio * (hub + t / joint_stiffness_n_m_rad)).collect()
         });
@@ -184,6 +194,12 @@ pub(super) fn cut(period: &[f64], grid: &TimeGrid) -> Vec<f64> {
     samples
 }
 
+fn add(more: &[f64], samples: &mut [f64]) {
+    for (sample, more) in samples.iter_mut().zip(more) {
+        *sample += more;
+    }
+}
+
 /// What `grid` covers of a period, one after the other.
 fn parts<'a, T>(period: &'a [T], grid: &TimeGrid) -> impl Iterator<Item = &'a [T]> {
     let (mut first, mut left) = (grid.in_period(0, period.len()), grid.len);
@@ -220,6 +236,17 @@ impl HubMotion<'_> {
             *excess += tip * self.per_length;
         }
         motion
+    }
+
+    /// Torque in N m that the hub's friction takes at the tip's velocity over the length, and its first two derivatives,
+    /// on a grid; none where the spectrum holds it.
+    fn friction(&self, friction_n_m_s_rad: f64, grid: &TimeGrid) -> Option<[Vec<f64>; 3]> {
+        let (tip, spectrum) = (&self.period.histories, &self.period.spectrum);
+        spectrum.mean_m_s2?;
+        let jerk = spectrum.pair.samples(spectrum.derivative(&spectrum.acceleration_m_s2, 1));
+        let factor = friction_n_m_s_rad * self.per_length;
+        let taken = [&tip.velocity_m_s, &tip.acceleration_m_s2, &jerk];
+        Some(taken.map(|of_tip| cut(of_tip, grid).iter().map(|value| factor * value).collect()))
     }
 
     /// Takes what other periods add to the `order`-th derivative, times a factor, off samples of a grid.

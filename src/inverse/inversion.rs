@@ -1,14 +1,15 @@
 //! The inversion: period, mesh, window, histories, errors, warnings, and the solution made of them.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
-use super::bent::{BentOnMesh, BentProblem, start_angle_rad};
+use super::bent::{BentOnMesh, BentProblem};
 use super::bent_answer::Bent;
 use super::diagnostics::{Diagnostics, Edge};
-use super::error::InversionError;
-use super::histories::{Histories, SlowTails, cut};
+use super::error::{InversionError, RefusedEnds};
+use super::histories::{Histories, SlowTails};
 use super::mesh_error::{MeshAnswer, uncertain};
 use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
@@ -19,8 +20,11 @@ use crate::elastica::SecondOrder;
 use crate::link::Link;
 use crate::modal::torque_zeros;
 use crate::model::{Model, check_size, model_of};
-use crate::motion::TipMotion;
+use crate::motion::{Ends, TipMotion};
 use crate::numeric::{TimeGrid, fast_length};
+
+/// Distance from whole turns, in turns, up to which a cycle under gravity ends in the direction in which it begins.
+const WHOLE_TURNS: f64 = 1e-6;
 
 /// Finds the hub torque that makes the tip of `link` follow `motion` (Bayo 1987, eqs 13-21).
 ///
@@ -55,6 +59,7 @@ pub fn invert_with(
     let elements = mesh.elements().len();
     check_size(link, 2 * elements, 2)?;
     let coarsest = model_of(link, mesh, analysis.kept_modes())?;
+    refuse_ends(&*coarsest, motion, analysis)?;
     if link.has_weight() || analysis.second_order_of(link) != SecondOrder::None {
         return invert_bent(coarsest, plan, motion, analysis, resources);
     }
@@ -66,7 +71,8 @@ pub fn invert_with(
     if model.mesh().elements().len() > elements {
         first_zero_per_s = first_zero(model.mesh());
     }
-    let tails = SlowTails::of(&*model, first_zero_per_s);
+    // The images of a cycle are the cycles beside it.
+    let tails = SlowTails::of(&*model, first_zero_per_s).filter(|_| motion.cycles().is_none());
     let hub_tail = tails.map(|tails| tails.hub_tail(&*model));
     let answering = AnsweringModel { model, first_zero_per_s, hub_tail, peaks };
     let shortest = PeriodicAnswer::new(amplitudes.hub, amplitudes.motor.as_ref(), period);
@@ -77,12 +83,15 @@ pub fn invert_with(
     }
     let window = problem.window(&answer);
     let torque = answer.periodic(&answer.torque_n_m);
-    let edge = Edge {
-        cut: torque.outside(&window) / torque.peak(),
-        seam: torque.at_seam() / torque.peak(),
+    let edge = match motion.cycles() {
+        Some(_) => Edge { cut: 0.0, seam: 0.0 },
+        None => Edge {
+            cut: torque.outside(&window) / torque.peak(),
+            seam: torque.at_seam() / torque.peak(),
+        },
     };
     let errors = mesh_errors
-        .zip(&window_errors(&answer, left, &window), |mesh, window| QuantityErrors {
+        .zip(&window_errors(motion, &answer, left, &window), |mesh, window| QuantityErrors {
             mesh,
             window,
             ..QuantityErrors::default()
@@ -90,6 +99,30 @@ pub fn invert_with(
         .with(mode_errors, |errors, modes| QuantityErrors { modes: Some(modes), ..errors })
         .with(input_errors, |errors, input| QuantityErrors { input: Some(input), ..errors });
     problem.solution(answering, answer, (&window, edge), &errors, None)
+}
+
+/// Refuses ends of a motion that this link, or the analysis, cannot have.
+fn refuse_ends(
+    model: &dyn Model,
+    motion: &TipMotion,
+    analysis: &Analysis,
+) -> Result<(), InversionError> {
+    let link = model.link();
+    let is_bent = link.has_weight() || analysis.second_order_of(link) != SecondOrder::None;
+    let has_drag = model.law().mass_rate_per_s() > 0.0;
+    let has_edges = analysis.lead_s().is_some() || analysis.lag_s().is_some();
+    let turn_m = TAU * link.length_m();
+    let turns = motion.travel_m() / turn_m;
+    let refused = match motion.ends() {
+        Ends::Moving if is_bent => Some(RefusedEnds::Bent),
+        Ends::Moving if has_drag => Some(RefusedEnds::Drag),
+        Ends::Periodic if has_edges => Some(RefusedEnds::Edges),
+        Ends::Periodic if link.has_weight() && (turns - turns.round()).abs() > WHOLE_TURNS => {
+            Some(RefusedEnds::Turned)
+        }
+        _ => None,
+    };
+    refused.map_or(Ok(()), |why| Err(InversionError::Ends(why)))
 }
 
 /// [`invert_with`] for a link under gravity, or with second-order terms.
@@ -117,7 +150,7 @@ fn invert_bent(
     let is_iterated = bent.second_order != SecondOrder::None;
     let iteration_errors = is_iterated.then(|| bent.iteration_errors(found, &sizes));
     let periodic = answer.periodic(&*model);
-    let (window, cut) = bent.window((model.link(), &answer), &periodic, &rests, &sizes);
+    let (window, cut) = bent.window((model.link(), &answer), &periodic, rests.as_ref(), &sizes);
     let edge = Edge { cut: cut.torque, seam: left.torque };
     let input = answer.period.spectrum.cutoff.input;
     let of_input = |input| uncertain((&*model, &probes), &answer.period, &input, &sizes);
@@ -163,14 +196,18 @@ pub fn torques_over_window(
     let answer = if solution.bent.is_some() {
         let bent = BentProblem::of(&problem, model.link(), first_zero)?;
         let given = (solution.band.period_s / motion.grid().step_s).ceil() as usize;
-        bent.answer(model, bent.shortest_len()?.max(fast_length(given)))?.periodic(model)
+        let shortest = bent.shortest_len()?;
+        let is_cycle = motion.cycles().is_some();
+        let len = if is_cycle { shortest } else { shortest.max(fast_length(given)) };
+        bent.answer(model, len)?.periodic(model)
     } else {
         problem.answer_over(model, solution.band.period_s)?
     };
     let grid = problem.grid_over(&solution.grid);
+    let histories = Histories::of(&answer, model, solution.hub_tail, (0.0, grid))?;
     Ok(WindowTorques {
-        hub_n_m: cut(&answer.torque_n_m, &grid),
-        motor_n_m: answer.motor_n_m.map(|motor| cut(&motor, &grid)),
+        hub_n_m: histories.torque_n_m,
+        motor_n_m: histories.motor.map(|motor| motor.torque_n_m),
     })
 }
 
@@ -189,7 +226,7 @@ impl Problem<'_> {
         bent: Option<Bent>,
     ) -> Result<Solution, InversionError> {
         let grid = TimeGrid { first: window.start, len: window.len(), ..self.motion.grid() };
-        let start_angle_rad = start_angle_rad(answering.model.link(), self)?;
+        let start_angle_rad = self.start_angle_rad(answering.model.link())?;
         let place = (start_angle_rad, grid);
         let histories = Histories::of(&answer, &*answering.model, answering.hub_tail, place)?;
         // Those of a bent link are measured where its loads reach beyond what the samples resolve.
@@ -243,10 +280,14 @@ impl Problem<'_> {
 /// What the finite period and the window that is cut out of it cost each quantity, over its peak;
 /// `left` is the period's part.
 fn window_errors(
+    motion: &TipMotion,
     answer: &PeriodicAnswer,
     left: PerQuantity<f64>,
     window: &Window,
 ) -> PerQuantity<f64> {
+    if motion.cycles().is_some() {
+        return left;
+    }
     let cut_off = |samples: &[f64]| {
         let periodic = answer.periodic(samples);
         periodic.outside(window) / periodic.peak()

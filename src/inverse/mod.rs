@@ -31,7 +31,7 @@ mod warning;
 pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors, ShareOf};
 pub use analysis::{Analysis, Resources, Stage, Unwatched, Watch};
 pub use bent_answer::SecondOrderFindings;
-pub use error::InversionError;
+pub use error::{InversionError, RefusedEnds};
 pub use histories::MotorHistories;
 #[cfg(test)]
 pub(crate) use inversion::tests;

@@ -95,6 +95,7 @@ impl<'a> NodalTable<'a> {
         let tails = match quantity {
             NodalQuantity::Deflection if solution.bent.is_none() => {
                 SlowTails::of(&*solution.model, solution.first_zero_per_s)
+                    .filter(|_| solution.motion.cycles().is_none())
             }
             _ => None,
         };

@@ -21,12 +21,17 @@ const LENGTHENED: usize = 1 << 20;
 pub(super) struct Padding {
     pub(super) before: usize,
     pub(super) after: usize,
+    /// Samples of the shortest period of a periodic motion, which has no padding.
+    pub(super) cycles: Option<usize>,
 }
 
 impl Padding {
     /// Padding after which the torque has decayed to a tenth of the tolerance, if it decays as
     /// e^{z₁t} before and e^{−z₁t} after the motion; rest that the trajectory has already counts.
     pub(super) fn new(motion: &TipMotion, analysis: &Analysis, first_zero: Option<f64>) -> Self {
+        if let Some(cycles) = motion.cycles() {
+            return Self { before: 0, after: 0, cycles: Some(cycles) };
+        }
         let step_s = motion.grid().step_s;
         let decay_s = first_zero.map_or(0.0, |z| libm::log(10.0 / analysis.tolerance()) / z);
         let decay = (decay_s / step_s).ceil() as usize;
@@ -35,6 +40,7 @@ impl Padding {
         Self {
             before: decay.saturating_sub(first).max(given(analysis.lead_s())),
             after: decay.saturating_sub(motion.grid().len - 1 - last).max(given(analysis.lag_s())),
+            cycles: None,
         }
     }
 
@@ -47,12 +53,15 @@ impl Padding {
         if samples > LONGEST {
             return Err(InversionError::TooLong { samples, limit: LONGEST });
         }
-        Ok(fast_length(samples))
+        Ok(self.cycles.unwrap_or_else(|| fast_length(samples)))
     }
 
     /// The first sample of a period of `len` samples that is at a time before a motion of `given`
     /// samples; what the period has to spare is shared between both sides.
     pub(super) fn seam(self, given: usize, len: usize) -> usize {
+        if self.cycles.is_some() {
+            return len;
+        }
         given + self.after + (len - given - self.before - self.after) / 2
     }
 
@@ -186,7 +195,7 @@ mod tests {
 
     #[test]
     fn a_period_may_be_as_long_as_the_most_samples_and_no_longer() {
-        let padding = Padding { before: 100, after: 23 };
+        let padding = Padding { before: 100, after: 23, cycles: None };
         assert_eq!(padding.period_len(LONGEST - 123), Ok(fast_length(LONGEST)));
         let samples = LONGEST + 1;
         let error = InversionError::TooLong { samples, limit: LONGEST };

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use super::accuracy::PerQuantity;
 use super::analysis::{Analysis, Resources, Unwatched};
 use super::error::InversionError;
-use super::histories::{Histories, HubMotion, cut};
+use super::histories::{Histories, HubMotion, MotorHistories};
 use super::period::{Padding, Window, check_memory};
 use super::periodic_answer::PeriodicAnswer;
 use super::spectra::DrivenModel;
+use crate::link::Link;
 use crate::model::Model;
 use crate::motion::{Cutoff, TailTerms, TipMotion, TipPeriod};
 use crate::numeric::{TimeGrid, fast_length, largest};
@@ -84,6 +85,9 @@ impl<'a> Problem<'a> {
         shortest: PeriodicAnswer,
     ) -> Result<(PeriodicAnswer, PerQuantity<f64>), InversionError> {
         let AnsweringModel { model, hub_tail, peaks, .. } = answering;
+        if self.padding.cycles.is_some() {
+            return Ok((shortest, peaks.zip(peaks, |_, _| 0.0)));
+        }
         let initial = shortest.torque_n_m.len();
         let mut answer = shortest;
         loop {
@@ -101,6 +105,9 @@ impl<'a> Problem<'a> {
     /// The samples to write: until both the torque and that of the motor stay below the tolerance.
     pub(super) fn window(&self, answer: &PeriodicAnswer) -> Window {
         let given = self.motion.grid();
+        if self.padding.cycles.is_some() {
+            return Window { start: 0, stop: given.len as i64 - 1 };
+        }
         let of = |samples: &[f64]| {
             let torque = answer.periodic(samples);
             torque.window(given.len, given.step_s, self.analysis, torque.peak())
@@ -119,8 +126,22 @@ impl<'a> Problem<'a> {
         period_s: f64,
     ) -> Result<PeriodicAnswer, InversionError> {
         let own = self.padding.period_len(self.motion.grid().len)?;
+        if self.padding.cycles.is_some() {
+            return self.answer(model, own);
+        }
         let given = (period_s / self.motion.grid().step_s).ceil() as usize;
         self.answer(model, own.max(fast_length(given)))
+    }
+
+    /// Direction of the chord where the tip's displacement is 0; of a link without gravity none is another than 0.
+    pub(super) fn start_angle_rad(&self, link: &Link) -> Result<f64, InversionError> {
+        let Some(gravity) = link.gravity() else { return Ok(0.0) };
+        let given = self.motion.recording().start_angle_rad.or(gravity.start_angle_rad);
+        if gravity.acts() {
+            given.ok_or(InversionError::NoStartAngle)
+        } else {
+            Ok(given.unwrap_or(0.0))
+        }
     }
 
     /// A window at this motion's own step.
@@ -128,6 +149,7 @@ impl<'a> Problem<'a> {
         let grid = self.motion.grid();
         let first = ((window.time_s(0) - grid.time_s(0)) / grid.step_s).round() as i64;
         let len = (window.duration_s() / grid.step_s).round() as usize + 1;
+        let len = if self.padding.cycles.is_some() { grid.len } else { len };
         TimeGrid { first, len, ..grid }
     }
 
@@ -150,37 +172,31 @@ impl<'a> Problem<'a> {
             pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
         };
         let share = |coarse: &[f64], fine: &[f64]| apart(coarse, fine) / largest(fine);
-        let off = |coarse: &[f64], period: &[f64]| share(coarse, &cut(period, &grid));
-        let tip = &fine.period.histories;
-        let fine_tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2]
-            .map(|tip| cut(tip, &grid));
         let (tail, length_m) = (answering.hub_tail, model.mesh().length_m());
+        let finer = Histories::of(&fine, model, tail, (self.start_angle_rad(model.link())?, grid))?;
         let hub = HubMotion { period: &fine.period, tail, per_length: 1.0 / length_m };
-        let [angle_rad, rate_rad_s, acceleration_rad_s2] =
-            [0, 1, 2].map(|order| hub.on(&grid, fine.excess(order), &fine_tip[order], order));
+        let acceleration = hub.on(&grid, fine.excess(2), &finer.tip.acceleration_m_s2, 2);
         let coarse_hub = HubMotion { period: &coarse.period, ..hub };
         let coarse_tip_m_s2 = &histories.tip.acceleration_m_s2;
         let coarse_acceleration = coarse_hub.on(window, coarse.excess(2), coarse_tip_m_s2, 2);
-        let turn_rad = apart(&histories.hub_angle_rad, &angle_rad);
+        let angle_rad = &finer.hub_angle_rad;
+        let turn_rad = apart(&histories.hub_angle_rad, angle_rad);
         let turned_rad: Vec<f64> = angle_rad.iter().map(|angle| angle - angle_rad[0]).collect();
-        let tip_change_m = apart(&histories.tip.displacement_m, &fine_tip[0]);
-        let pair = &fine.period.spectrum.pair;
-        let root = pair.samples(&fine.hub.root_moment_n_m);
-        let driven = DrivenModel { model, period: &fine.period, watch: &Unwatched };
-        let motor = histories.motor.as_ref().zip(driven.motor_spectra(&fine.hub));
-        let motor = motor.map(|(coarse, fine)| {
-            let of = |coarse: &[f64], fine| off(coarse, &pair.samples(fine));
-            (of(&coarse.torque_n_m, &fine.torque_n_m), of(&coarse.rate_rad_s, &fine.rate_rad_s))
-        });
+        let tip_change_m = apart(&histories.tip.displacement_m, &finer.tip.displacement_m);
+        let travel_m = fine.period.histories.largest_travel_m();
+        let motor = histories.motor.as_ref().zip(finer.motor.as_ref());
+        let of_motor = |of: fn(&MotorHistories) -> &[f64]| {
+            motor.map(|(coarse, fine)| share(of(coarse), of(fine)))
+        };
         Ok(Some(PerQuantity {
-            torque: off(&histories.torque_n_m, &fine.torque_n_m),
+            torque: share(&histories.torque_n_m, &finer.torque_n_m),
             hub_angle: turn_rad / largest(&turned_rad),
-            hub_rate: share(&histories.hub_rate_rad_s, &rate_rad_s),
-            hub_acceleration: Some(share(&coarse_acceleration, &acceleration_rad_s2)),
-            displacement: Some(tip_change_m.max(turn_rad * length_m) / tip.largest_travel_m()),
-            bending_moment: Some(off(&histories.root_moment_n_m, &root)),
-            motor_torque: motor.map(|(torque, _)| torque),
-            motor_rate: motor.map(|(_, rate)| rate),
+            hub_rate: share(&histories.hub_rate_rad_s, &finer.hub_rate_rad_s),
+            hub_acceleration: Some(share(&coarse_acceleration, &acceleration)),
+            displacement: Some(tip_change_m.max(turn_rad * length_m) / travel_m),
+            bending_moment: Some(share(&histories.root_moment_n_m, &finer.root_moment_n_m)),
+            motor_torque: of_motor(|motor| &motor.torque_n_m),
+            motor_rate: of_motor(|motor| &motor.rate_rad_s),
         }))
     }
 }

@@ -68,6 +68,8 @@ impl DrivenModel<'_> {
     /// θ̃̂ = θ̂ − v̂_tip/L = (â + αv̂)/κ · e_tip/(λ L (L + e_tip))          (eq 21)
     /// ```
     ///
+    /// Of a tip that moves at its ends the torque is without `b v/L`.
+    ///
     /// # Errors
     /// [`ModelError::NotFinite`] names the lowest frequency that fails.
     pub(super) fn hub_spectra(&self) -> Result<HubSpectra, ModelError> {
@@ -80,8 +82,11 @@ impl DrivenModel<'_> {
         let mesh = self.model.mesh();
         let length_m = mesh.length_m();
         let friction = self.model.link().joint().friction_n_m_s_rad;
-        let (per_length, rigid_friction) = (1.0 / length_m, friction / length_m);
         let spectrum = &self.period.spectrum;
+        // A velocity that is no periodic history has no spectrum: its friction is added over time.
+        let moves = spectrum.mean_m_s2.is_some();
+        let (per_length, rigid_friction) =
+            (1.0 / length_m, if moves { 0.0 } else { friction / length_m });
         let rows = torque_n_m
             .par_chunks_mut(HUB_BLOCK)
             .zip(excess_angle_rad.par_chunks_mut(HUB_BLOCK))

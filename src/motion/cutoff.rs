@@ -84,8 +84,15 @@ impl TipMotion {
         let forcing = self.samples().forcing_m_s2();
         let first = forcing.iter().position(moves).unwrap_or(0);
         let last = forcing.iter().rposition(moves).unwrap_or(0);
-        let len = fast_length(self.grid().len.max(4 * (last + 1 - first)));
-        let period = self.over_period(len, self.grid().len.midpoint(len), Cutoff::ALL);
+        let given = self.grid().len;
+        let (len, seam) = self.cycles().map_or_else(
+            || {
+                let len = fast_length(given.max(4 * (last + 1 - first)));
+                (len, given.midpoint(len))
+            },
+            |len| (len, len),
+        );
+        let period = self.over_period(len, seam, Cutoff::ALL);
         let travel_m = period.histories.largest_travel_m();
         let wanted_m = tolerance.max(0.0) * travel_m;
         let uncertain_m = self.uncertain_m(tolerance, travel_m);

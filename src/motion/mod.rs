@@ -1,6 +1,7 @@
 //! The wanted tip motion: sampled columns, their checks, spectrum and cut-off.
 
 mod cutoff;
+mod ends;
 mod images;
 mod period;
 mod periods;
@@ -11,13 +12,14 @@ mod scale;
 mod spectrum;
 mod tip_motion;
 
+pub(crate) use ends::wrapped;
 pub(crate) use images::{TAIL_TERMS, TailTerms, tail_sum};
 pub(crate) use period::TipPeriod;
 pub use period::{TipHistories, TipMotionHistories};
 pub use periods::Periods;
 pub use profile::Profile;
 pub use recording::{Recording, Uncertainty};
-pub use samples::{MotionColumns, MotionError};
+pub use samples::{Ends, MotionColumns, MotionError};
 pub use scale::{MotionScale, TipTarget};
 pub(crate) use spectrum::TipSpectrum;
 pub use spectrum::{Cutoff, InputBand, Shortfall};

@@ -5,8 +5,12 @@ use std::sync::OnceLock;
 use num_complex::Complex64;
 
 use super::images::Images;
-use super::samples::{Samples, Source};
+use super::samples::{Ends, MotionError, Samples, Source};
 use super::spectrum::{Cutoff, InputBand, TipSpectrum};
+use crate::numeric::{fast_length, largest};
+
+/// Largest difference of two columns over the peak of one.
+const AGREEMENT_TOLERANCE: f64 = 1e-3;
 
 /// A motion on a period, up to a cut-off: all that depends on no link.
 pub(crate) struct TipPeriod {
@@ -58,11 +62,21 @@ impl TipPeriod {
         self.images.get_or_init(|| Images::new(&self.spectrum, self.samples.forcing_m_s2()))
     }
 
+    /// Velocities in m/s before and after a motion that moves at its ends; 0 of all others.
+    pub(crate) fn end_velocities_m_s(&self) -> [f64; 2] {
+        if self.samples.ends == Ends::Moving { self.samples.velocities_m_s } else { [0.0; 2] }
+    }
+
     /// Error of the solved tip in m: what the cut-off leaves out or, where all frequencies are kept, the
     /// ringing at the Nyquist frequency.
     pub(crate) fn tip_error_m(&self) -> f64 {
         let cutoff = &self.spectrum.cutoff;
-        if cutoff.keeps_all() { self.histories.ringing_m() } else { cutoff.tip_error_m }
+        if !cutoff.keeps_all() {
+            return cutoff.tip_error_m;
+        }
+        // A cycle has no rest to ring in: its samples are met.
+        let is_periodic = self.samples.ends == Ends::Periodic;
+        if is_periodic { 0.0 } else { self.histories.ringing_m() }
     }
 }
 
@@ -77,6 +91,10 @@ pub struct TipHistories {
     pub displacement_m: Vec<f64>,
     /// The first sample whose time is one period earlier.
     pub before: usize,
+    /// The sample with which the motion starts, and how many from sample 0 on count as travel: of a tip that moves on
+    /// beyond its ends only its own.
+    start: usize,
+    counted: usize,
 }
 
 impl TipHistories {
@@ -85,29 +103,37 @@ impl TipHistories {
     /// it may end elsewhere than it starts.
     fn of(motion: &Samples, spectrum: &TipSpectrum) -> Self {
         let (len, before) = (spectrum.pair.len(), spectrum.seam);
-        let velocity_m_s = spectrum.pair.samples(&spectrum.velocity_m_s);
+        let (velocity_m_s, drift) = velocity_m_s(spectrum, motion.velocities_m_s[0]);
         let band_limited = || spectrum.pair.samples(&spectrum.acceleration_m_s2);
-        let integrated = || integrated_displacement_m(motion.initial_displacement_m, spectrum);
+        let initial_m = match motion.ends {
+            Ends::Moving => {
+                motion.initial_displacement_m + motion.velocities_m_s[0] * since_s(spectrum, before)
+            }
+            _ => motion.initial_displacement_m,
+        };
+        let integrated = || integrated_displacement_m(initial_m, spectrum, &drift);
         let (acceleration_m_s2, displacement_m) = match &*motion.source {
             _ if !spectrum.cutoff.keeps_all() => (band_limited(), integrated()),
-            Source::Acceleration(samples) => {
-                let mut acceleration = samples.clone();
-                acceleration.resize(len, 0.0);
-                (acceleration, integrated())
-            }
+            Source::Acceleration(_) => (motion.forcing_over_m_s2(len), integrated()),
             Source::Displacement { samples, .. } => {
-                let mut displacement = samples.clone();
-                displacement.resize(before, samples[samples.len() - 1]);
-                displacement.resize(len, samples[0]);
-                (band_limited(), displacement)
+                (band_limited(), motion.displacement_over_m(samples, len, before))
             }
         };
-        Self { acceleration_m_s2, velocity_m_s, displacement_m, before }
+        let (start, counted) = match motion.ends {
+            Ends::Moving => (0, motion.grid.len),
+            _ => (before % len, len),
+        };
+        Self { acceleration_m_s2, velocity_m_s, displacement_m, before, start, counted }
     }
 
-    /// Displacement in m at the start of the rest before the motion.
+    /// Displacement in m at the start of the rest before the motion, or at its first sample where there is none.
     pub fn start_m(&self) -> f64 {
-        self.displacement_m[self.before % self.displacement_m.len()]
+        self.displacement_m[self.start]
+    }
+
+    /// True if the displacement of a sample counts as travel.
+    pub(crate) fn counts(&self, sample: usize) -> bool {
+        sample < self.counted
     }
 
     /// Amplitude in m of the part that alternates from sample to sample in the middle of the rest, an effect
@@ -121,7 +147,7 @@ impl TipHistories {
 
     /// Largest displacement in m from the start.
     pub fn largest_travel_m(&self) -> f64 {
-        farthest_m(self.start_m(), &self.displacement_m)
+        farthest_m(self.start_m(), &self.displacement_m[..self.counted])
     }
 }
 
@@ -150,24 +176,105 @@ pub(super) fn farthest_m(start_m: f64, displacement_m: &[f64]) -> f64 {
     displacement_m.iter().fold(0.0, |most, at_m| most.max((at_m - start_m).abs()))
 }
 
-/// The displacement in m over the period of a spectrum: the integral of its velocity.
-fn integrated_displacement_m(initial_displacement_m: f64, spectrum: &TipSpectrum) -> Vec<f64> {
+/// Refuses columns of velocity and displacement that contradict the one that the motion is computed from.
+pub(super) fn check_agreement(
+    motion: &Samples,
+    [velocity, displacement]: [Option<&[f64]>; 2],
+    other: &'static str,
+) -> Result<(), MotionError> {
+    if velocity.is_none() && displacement.is_none() {
+        return Ok(());
+    }
+    let given = motion.grid.len;
+    let (len, seam) = motion.cycles().map_or_else(
+        || {
+            let len = fast_length(2 * given);
+            (len, len - given / 2)
+        },
+        |len| (len, len),
+    );
+    let tip = TipPeriod::of(motion, len, seam, Cutoff::ALL).histories;
+    let [a, v, d] = [&tip.acceleration_m_s2, &tip.velocity_m_s, &tip.displacement_m];
+    for (column, unit, found, expected, derivative) in
+        [("velocity", "m/s", velocity, v, a), ("displacement", "m", displacement, d, v)]
+    {
+        let Some(found) = found else { continue };
+        let off = |k: &usize| (found[*k] - expected[*k]).abs();
+        let nearer = |a: &usize, b: &usize| off(a).total_cmp(&off(b));
+        let sample = (0..given).max_by(nearer).unwrap_or(0);
+        let away = expected[..given].iter().map(|x| (x - expected[0]).abs());
+        let peak = away.fold(0.0, f64::max);
+        // The time of a jump of the derivative is known to one step only.
+        let jump = largest(&derivative[..given]) * motion.grid.step_s;
+        if off(&sample) > AGREEMENT_TOLERANCE * peak + jump {
+            let (found, expected) = (found[sample], expected[sample]);
+            return Err(MotionError::Disagree { sample, column, unit, found, expected, other });
+        }
+    }
+    Ok(())
+}
+
+/// Time in s of a sample of a period; those from the seam on are one period earlier.
+fn since_s(spectrum: &TipSpectrum, sample: usize) -> f64 {
+    let len = spectrum.pair.len();
+    let steps = if sample < spectrum.seam { sample as f64 } else { sample as f64 - len as f64 };
+    steps * spectrum.step_s
+}
+
+/// A periodic history in the middle of the rest before the motion. Where all frequencies are kept, it rings at the
+/// Nyquist frequency: this mean cancels that.
+fn at_rest(periodic: &[f64], before: usize) -> f64 {
+    let len = periodic.len();
+    let begin = before % len;
+    let [earlier, later] = [begin + len - 1, begin + 1].map(|k| periodic[k % len]);
+    0.25 * (earlier + later) + 0.5 * periodic[begin]
+}
+
+/// What a tip that moves at its ends does beside its periodic part: v = c + ā t.
+struct Drift {
+    /// c in m/s.
+    velocity_m_s: f64,
+    /// ā in m/s²: the change of the velocity over the period.
+    acceleration_m_s2: f64,
+}
+
+/// The velocity in m/s over the period of a spectrum, `before_m_s` at the start of it where the tip moves at its ends,
+/// and the drift in it.
+fn velocity_m_s(spectrum: &TipSpectrum, before_m_s: f64) -> (Vec<f64>, Drift) {
+    let mut periodic = spectrum.pair.samples(&spectrum.velocity_m_s);
+    let Some(mean_m_s2) = spectrum.mean_m_s2 else {
+        return (periodic, Drift { velocity_m_s: 0.0, acceleration_m_s2: 0.0 });
+    };
+    let begin_s = since_s(spectrum, spectrum.seam);
+    let rest_m_s = at_rest(&periodic, spectrum.seam);
+    let drift = Drift {
+        velocity_m_s: before_m_s - mean_m_s2 * begin_s - rest_m_s,
+        acceleration_m_s2: mean_m_s2,
+    };
+    for (k, velocity) in periodic.iter_mut().enumerate() {
+        *velocity += drift.velocity_m_s + mean_m_s2 * since_s(spectrum, k);
+    }
+    (periodic, drift)
+}
+
+/// The displacement in m over the period of a spectrum, the integral of its velocity: `initial_m` at the start of the
+/// rest before the motion or, without one, of the motion.
+fn integrated_displacement_m(initial_m: f64, spectrum: &TipSpectrum, drift: &Drift) -> Vec<f64> {
     let (len, before) = (spectrum.pair.len(), spectrum.seam);
     let bins = spectrum.acceleration_m_s2.iter().zip(&spectrum.omegas_rad_s);
     let mut periodic: Vec<Complex64> = bins.map(|(a, omega)| -a / (omega * omega)).collect();
     periodic[0] = Complex64::ZERO;
     let periodic = spectrum.pair.samples(periodic);
-    let ramp = spectrum.velocity_m_s[0].re * spectrum.step_s;
+    let ramp = (spectrum.velocity_m_s[0].re + drift.velocity_m_s) * spectrum.step_s;
+    let bend = 0.5 * drift.acceleration_m_s2 * spectrum.step_s.powi(2);
     let steps = |j: usize| {
         if j < before { j as f64 } else { j as f64 - len as f64 }
     };
-    // The tip has its initial displacement at the start of the rest before the motion.
+    let drifted = |j: usize| ramp * steps(j) + bend * steps(j).powi(2);
     let begin = before % len;
-    // Where all frequencies are kept, the displacement rings at the Nyquist frequency: this mean cancels it.
-    let [earlier, later] = [begin + len - 1, begin + 1].map(|k| periodic[k % len]);
-    let rest = 0.25 * (earlier + later) + 0.5 * periodic[begin];
-    let offset = initial_displacement_m - ramp * steps(begin) - rest;
-    (0..len).map(|j| offset + ramp * steps(j) + periodic[j]).collect()
+    let rest_m = spectrum.start_m.unwrap_or_else(|| at_rest(&periodic, before));
+    let offset = initial_m - drifted(begin) - rest_m;
+    (0..len).map(|j| offset + drifted(j) + periodic[j]).collect()
 }
 
 #[cfg(test)]

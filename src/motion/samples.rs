@@ -19,6 +19,9 @@ const LEAST_M_S2: f64 = 1e-120;
 /// End velocity over peak velocity up to which displacement samples count as at rest.
 const REST_TOLERANCE: f64 = 1e-2;
 
+/// End velocity over peak velocity that a file with few digits may have; it is corrected.
+pub(super) const FEW_DIGITS: f64 = 1e-3;
+
 /// Sampled columns of a tip motion, in SI, all of one length.
 ///
 /// At least one of `acceleration_m_s2` and `displacement_m` is present.
@@ -35,6 +38,19 @@ pub struct MotionColumns {
     pub displacement_m: Option<Vec<f64>>,
 }
 
+/// What the tip does before the first sample of a motion and after its last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ends {
+    /// It is at rest.
+    #[default]
+    AtRest,
+    /// It has moved at one constant velocity all along, and goes on at another.
+    Moving,
+    /// It repeats the samples: the first follows the last, one step later.
+    Periodic,
+}
+
 /// Samples of a tip motion that have passed the checks. A clone shares them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Samples {
@@ -42,8 +58,12 @@ pub(super) struct Samples {
     pub(super) source: Arc<Source>,
     /// Displacement before the motion in m.
     pub(super) initial_displacement_m: f64,
-    /// Displacement after the motion less that before it, in m.
+    /// Displacement after the motion less that before it, in m: of a tip that moves at its ends, of the last sample
+    /// less the first, and of a periodic motion that of one cycle.
     pub(super) travel_m: f64,
+    pub(super) ends: Ends,
+    /// Velocities in m/s before the motion and after it; of a periodic motion, its mean.
+    pub(super) velocities_m_s: [f64; 2],
 }
 
 /// The column that a motion is computed from.
@@ -62,6 +82,38 @@ impl Samples {
             Source::Acceleration(samples) => samples,
             Source::Displacement { second_differences, .. } => second_differences,
         }
+    }
+
+    /// The least even number of samples that hold whole cycles of a periodic motion.
+    pub(super) fn cycles(&self) -> Option<usize> {
+        let given = self.grid.len;
+        let len = if given.is_multiple_of(2) { given } else { 2 * given };
+        (self.ends == Ends::Periodic).then_some(len)
+    }
+
+    /// The same over a period of `len` samples: several cycles of a periodic motion, else with zeros around it.
+    pub(super) fn forcing_over_m_s2(&self, len: usize) -> Vec<f64> {
+        let own = self.forcing_m_s2();
+        if self.ends == Ends::Periodic {
+            return own.iter().copied().cycle().take(len).collect();
+        }
+        let mut samples = own.to_vec();
+        samples.resize(len, 0.0);
+        samples
+    }
+
+    /// Displacements in m over a period of `len` samples, from `seam` on before the motion, of samples that are
+    /// displacements.
+    pub(super) fn displacement_over_m(&self, own: &[f64], len: usize, seam: usize) -> Vec<f64> {
+        let (given, step_s) = (own.len(), self.grid.step_s);
+        let [before, after] = self.velocities_m_s;
+        let at = |k: usize| match self.ends {
+            Ends::Periodic => own[k % given] + self.travel_m * (k / given) as f64,
+            _ if k < given => own[k],
+            _ if k < seam => own[given - 1] + after * step_s * (k + 1 - given) as f64,
+            _ => own[0] - before * step_s * (len - k) as f64,
+        };
+        (0..len).map(at).collect()
     }
 }
 
@@ -197,6 +249,32 @@ pub enum MotionError {
         /// The same over the peak velocity.
         share: f64,
     },
+    /// An acceleration that makes a tip faster from cycle to cycle.
+    #[error(
+        "the acceleration of a cycle adds a velocity of {velocity_m_s:.3e} m/s, {:.2} % of its peak, but must \
+         integrate to 0",
+        100.0 * share
+    )]
+    AddsVelocity {
+        /// The velocity in m/s.
+        velocity_m_s: f64,
+        /// The same over the peak velocity.
+        share: f64,
+    },
+    /// A tip that moves at its start, of which the acceleration alone is given.
+    #[error(
+        "the tip's velocity at the start = unknown, but must be given where the tip may move there"
+    )]
+    UnknownVelocity,
+    /// A cycle that ends with the sample with which it begins.
+    #[error("the last row of the cycle = the first one again, but must be the one before it")]
+    Repeats {
+        /// Number of the last sample.
+        sample: usize,
+    },
+    /// A tip that keeps its velocity.
+    #[error("the tip keeps its velocity in all samples, but must change it")]
+    Steady,
     /// The displacement jumps into or out of motion.
     #[error(
         "the motion {} with a velocity of {velocity_m_s:.3e} m/s, {:.2} % of its peak, but must be \
@@ -239,6 +317,7 @@ impl MotionError {
             Self::NotFinite { sample, .. }
             | Self::NotUniform(NotUniform { sample, .. })
             | Self::MovingAtEnd { sample, .. }
+            | Self::Repeats { sample }
             | Self::Disagree { sample, .. } => Some(*sample),
             _ => None,
         }
@@ -250,13 +329,26 @@ impl MotionError {
             Self::NotUniform(_) => Some(
                 "write times with more decimals, or let --resample STEP make uneven samples uniform",
             ),
-            Self::AcceleratesAway { .. } => {
-                Some("a motion goes from rest to rest; add the samples that bring the tip to rest")
-            }
-            Self::MovingAtEnd { .. } => Some(
-                "a motion goes from rest to rest; add the samples that bring the tip to rest, or give a \
-                 recording's noise: --noise",
+            Self::AcceleratesAway { .. } => Some(
+                "a motion goes from rest to rest; add the samples that bring the tip to rest, or say that it \
+                 moves on: --moving-ends, --periodic",
             ),
+            Self::MovingAtEnd { .. } => Some(
+                "a motion goes from rest to rest; add the samples that bring the tip to rest, give a \
+                 recording's noise: --noise, or say that it moves on: --moving-ends, --periodic",
+            ),
+            Self::AddsVelocity { .. } => {
+                Some("give one whole cycle, without the row that begins the next one")
+            }
+            Self::UnknownVelocity => {
+                Some("give a velocity or a displacement beside the acceleration")
+            }
+            Self::Steady => {
+                Some("a constant velocity takes the torque of the hub's friction alone")
+            }
+            Self::Repeats { .. } => {
+                Some("leave the last row out: the first row follows the last one, a step later")
+            }
             Self::Disagree { .. } => {
                 Some("check the units in the header, or leave one of the columns out")
             }

@@ -1,10 +1,16 @@
 //! What is made of a motion: the same over another distance, duration or step, and a target to compare with.
 
-use super::period::farthest_m;
-use super::samples::{MotionColumns, MotionError, Source};
+use super::ends::wrapped;
+use super::period::{TipHistories, farthest_m};
+use super::samples::{Ends, MotionColumns, MotionError, Source};
 use super::spectrum::Cutoff;
 use super::tip_motion::{EndVelocity, TipMotion};
+use crate::link::ParameterError;
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length};
+
+/// Samples of the cycles beside its own through which the spline of a cycle goes: the effect of a spline's end falls by
+/// 3.7 from one sample to the next.
+const AROUND: usize = 30;
 
 /// Factors on a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +48,7 @@ impl TipMotion {
         let times = |samples: &[f64], factor: f64| samples.iter().map(|x| factor * x).collect();
         let scaled = self.on_grid(
             grid,
+            distance / duration,
             |accelerations| times(accelerations, distance / duration.powi(2)),
             |displacements| times(displacements, distance),
         )?;
@@ -60,23 +67,36 @@ impl TipMotion {
     /// As [`TipMotion::new`].
     pub fn twice_as_often(&self) -> Result<Self, MotionError> {
         let grid = self.grid();
-        let finer = |samples: &[f64], ends| {
-            let spline = CubicSpline::uniform(samples, ends);
-            (0..2 * grid.len - 1).map(|k| spline.value(0.5 * k as f64)).collect()
+        let is_periodic = self.ends() == Ends::Periodic;
+        let len = if is_periodic { 2 * grid.len } else { 2 * grid.len - 1 };
+        // Of a cycle the neighbours beside it are known, and the ends of their spline are far away.
+        let around = if is_periodic { AROUND } else { 0 };
+        let finer = |samples: &[f64], travel: f64, ends| {
+            let spline = if is_periodic {
+                CubicSpline::uniform(&wrapped(samples, travel, around), SplineEnds::NotAKnot)
+            } else {
+                CubicSpline::uniform(samples, ends)
+            };
+            (0..len).map(|k| spline.value(around as f64 + 0.5 * k as f64)).collect()
         };
-        let half = TimeGrid { step_s: 0.5 * grid.step_s, len: 2 * grid.len - 1, ..grid };
+        let half = TimeGrid { step_s: 0.5 * grid.step_s, len, ..grid };
+        let rests =
+            if self.ends() == Ends::AtRest { SplineEnds::Clamped } else { SplineEnds::NotAKnot };
         let finer = self.on_grid(
             half,
-            |accelerations| finer(accelerations, SplineEnds::NotAKnot),
-            |displacements| finer(displacements, SplineEnds::Clamped),
+            1.0,
+            |accelerations| finer(accelerations, 0.0, SplineEnds::NotAKnot),
+            |displacements| finer(displacements, self.travel_m(), rests),
         )?;
         Ok(finer.recorded(*self.recording()))
     }
 
-    /// The motion of the samples on another grid that follow from its own.
+    /// The motion of the samples on another grid that follow from its own; velocities at the ends are those of its own
+    /// times `faster`.
     fn on_grid(
         &self,
         grid: TimeGrid,
+        faster: f64,
         of_accelerations: impl FnOnce(&[f64]) -> Vec<f64>,
         of_displacements: impl FnOnce(&[f64]) -> Vec<f64>,
     ) -> Result<Self, MotionError> {
@@ -88,7 +108,10 @@ impl TipMotion {
                 columns.displacement_m = Some(of_displacements(samples));
             }
         }
-        Self::new(columns)
+        columns.check()?;
+        let grid = TimeGrid::through(&columns.time_s)?;
+        let [before_m_s, after_m_s] = self.end_velocities_m_s().map(|own| faster * own);
+        Self::of(grid, columns, (self.ends(), (before_m_s, Some(after_m_s))))
     }
 }
 
@@ -140,6 +163,34 @@ impl TipTarget {
 }
 
 impl TipMotion {
+    /// The motion on a period of `len` samples up to a cut-off: of those beyond its own, the ones from `seam` on are of
+    /// times before the motion.
+    ///
+    /// # Errors
+    /// [`ParameterError`] if `len` is odd or below the number of samples, or `seam` does not lie in the
+    /// padding; of a periodic motion, if `len` holds no whole cycles, or `seam` is not its end.
+    pub fn histories_over(
+        &self,
+        len: usize,
+        seam: usize,
+        cutoff: Cutoff,
+    ) -> Result<TipHistories, ParameterError> {
+        let given = self.grid().len;
+        if len < given || !len.is_multiple_of(2) {
+            let must = format!("must be even and at least {given}");
+            return Err(ParameterError::new("the period", len, "samples", must));
+        }
+        if self.ends() == Ends::Periodic && (!len.is_multiple_of(given) || seam != len) {
+            let must = format!("must hold cycles of {given} samples, and no other");
+            return Err(ParameterError::new("the period", len, "samples", must));
+        }
+        if !(given..=len).contains(&seam) {
+            let must = format!("must lie from {given} to {len}");
+            return Err(ParameterError::new("the seam", seam, "", must));
+        }
+        Ok(self.over_period(len, seam, cutoff).histories)
+    }
+
     /// The motion as a target, with as much of the rest around it, in whole steps, as lies between
     /// two times in s.
     pub fn target(&self, from_s: f64, until_s: f64) -> TipTarget {
@@ -152,8 +203,13 @@ impl TipMotion {
         )]
         let steps = |time_s: f64| (time_s / own.step_s + 1e-6).floor().max(0.0) as usize;
         let (before, after) = (steps(own.time_s(0) - from_s), steps(until_s - own.end_s()));
-        let len = fast_length(2 * own.len + before + after);
-        let seam = own.len + after + own.len / 2;
+        let (len, seam) = self.cycles().map_or_else(
+            || {
+                let len = fast_length(2 * own.len + before + after);
+                (len, own.len + after + own.len / 2)
+            },
+            |len| (len, len),
+        );
         let period_m = self.over_period(len, seam, Cutoff::ALL).histories.displacement_m;
         let displacement_m = period_m[len - before..].iter().chain(&period_m[..own.len + after]);
         let first = own.first.saturating_sub_unsigned(before as u64);

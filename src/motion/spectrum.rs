@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
-use super::samples::{Samples, Source};
+use super::samples::{Ends, Samples, Source};
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 
 /// End of the roll-off over the cut-off.
@@ -118,10 +118,11 @@ pub(crate) struct TipSpectrum {
     band_len: usize,
     /// Step in s.
     pub step_s: f64,
-    /// Amplitudes â of the acceleration in m/s², N/2 + 1 of them; the one at zero is 0.
+    /// Amplitudes â of the acceleration in m/s², N/2 + 1 of them; the one at zero is 0, but for a tip that moves at
+    /// its ends.
     pub acceleration_m_s2: Vec<Complex64>,
     /// Amplitudes of the velocity in m/s: â/(iω), and at zero the mean over the period, travel over
-    /// P.
+    /// P; of a tip that moves at its ends 0.
     pub velocity_m_s: Vec<Complex64>,
     /// Angular frequency of every bin in rad/s (Bayo 1987, eq 13).
     pub omegas_rad_s: Vec<f64>,
@@ -129,6 +130,10 @@ pub(crate) struct TipSpectrum {
     pub magnitudes_m_s2: Vec<f64>,
     /// The largest of them.
     pub largest_m_s2: f64,
+    /// Mean acceleration in m/s² of a tip that moves at its ends: its velocity is no periodic history.
+    pub mean_m_s2: Option<f64>,
+    /// The displacement of a periodic motion at its first sample in m, counted from its mean without travel.
+    pub start_m: Option<f64>,
     /// The first sample of a time before the trajectory; N without one.
     pub seam: usize,
     /// Frequency up to which the motion is solved for.
@@ -150,10 +155,10 @@ impl TipSpectrum {
         let (step_s, given) = (motion.grid.step_s, motion.grid.len);
         assert!((given..=len).contains(&seam), "seam {seam} of {given} samples in {len}");
         let pair = FourierPair::new(len);
-        let mut samples = motion.forcing_m_s2().to_vec();
-        samples.resize(len, 0.0);
-        let mut acceleration_m_s2 = pair.amplitudes(samples);
-        acceleration_m_s2[0] = Complex64::ZERO;
+        let mut acceleration_m_s2 = pair.amplitudes(motion.forcing_over_m_s2(len));
+        let is_moving = motion.ends == Ends::Moving;
+        let mean_m_s2 = is_moving.then(|| acceleration_m_s2[0].re);
+        acceleration_m_s2[0] = mean_m_s2.unwrap_or_default().into();
         if let Source::Displacement { .. } = *motion.source {
             for (k, amplitude) in acceleration_m_s2.iter_mut().enumerate().skip(1) {
                 let half = PI * k as f64 / len as f64;
@@ -162,6 +167,15 @@ impl TipSpectrum {
         }
         let omegas = (0..acceleration_m_s2.len()).map(|k| angular_frequency(k, len, step_s));
         let omegas_rad_s: Vec<f64> = omegas.collect();
+        // What a cut-off leaves out moves no cycle: its start is that of all frequencies.
+        let start_m = (motion.ends == Ends::Periodic).then(|| {
+            let displacement = |(k, a): (usize, &Complex64)| match omegas_rad_s[k] {
+                0.0 => 0.0,
+                omega if 2 * k == len => -a.re / (omega * omega),
+                omega => -2.0 * a.re / (omega * omega),
+            };
+            acceleration_m_s2.iter().enumerate().map(displacement).sum()
+        });
         if !cutoff.keeps_all() {
             for (amplitude, omega) in acceleration_m_s2.iter_mut().zip(&omegas_rad_s) {
                 *amplitude *= cutoff.weight(*omega);
@@ -170,7 +184,12 @@ impl TipSpectrum {
         let bins = acceleration_m_s2.iter().zip(&omegas_rad_s);
         let mut velocity_m_s: Vec<Complex64> =
             bins.map(|(a, omega)| Complex64::new(a.im / omega, -a.re / omega)).collect();
-        velocity_m_s[0] = (motion.travel_m / (len as f64 * step_s)).into();
+        velocity_m_s[0] = match motion.ends {
+            Ends::AtRest => motion.travel_m / (len as f64 * step_s),
+            Ends::Moving => 0.0,
+            Ends::Periodic => motion.velocities_m_s[0],
+        }
+        .into();
         let magnitudes_m_s2: Vec<f64> = acceleration_m_s2.iter().map(|a| magnitude(*a)).collect();
         let largest_m_s2 = largest(&magnitudes_m_s2);
         let carries = |magnitude: &f64| *magnitude > BAND_TOLERANCE * largest_m_s2;
@@ -187,6 +206,8 @@ impl TipSpectrum {
             omegas_rad_s,
             magnitudes_m_s2,
             largest_m_s2,
+            mean_m_s2,
+            start_m,
             seam,
             cutoff,
         }
@@ -202,6 +223,7 @@ impl TipSpectrum {
             noise.velocity_m_s[k] = Complex64::new(0.0, omega * amplitude_m);
             noise.magnitudes_m_s2[k] = omega * omega * amplitude_m;
         }
+        noise.mean_m_s2 = None;
         noise.largest_m_s2 = largest(&noise.magnitudes_m_s2);
         noise
     }

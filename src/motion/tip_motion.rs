@@ -1,22 +1,16 @@
 use std::sync::Arc;
 
-use super::period::{TipHistories, TipPeriod};
+use super::ends::{is_steady, moves, refuse_repetition};
+use super::period::{TipPeriod, check_agreement};
 use super::recording::Recording;
 use super::samples::{
-    MotionColumns, MotionError, Samples, Source, at_rest, can_be_transformed, moving_samples,
+    Ends, FEW_DIGITS, MotionColumns, MotionError, Samples, Source, at_rest, can_be_transformed,
 };
 use super::spectrum::Cutoff;
-use crate::link::ParameterError;
-use crate::numeric::{TimeGrid, fast_length, largest};
+use crate::numeric::TimeGrid;
 
 /// End velocity over peak velocity that is round-off.
 const ROUND_OFF: f64 = 1e-9;
-
-/// End velocity over peak velocity that a file with few digits may have; it is corrected.
-const FEW_DIGITS: f64 = 1e-3;
-
-/// Largest difference of two columns over the peak of one.
-const AGREEMENT_TOLERANCE: f64 = 1e-3;
 
 /// A velocity at the end of the samples, which a correction has removed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +21,7 @@ pub struct EndVelocity {
     pub share: f64,
 }
 
-/// A wanted tip motion on a uniform grid, from rest to rest. A clone shares the samples.
+/// A wanted tip motion on a uniform grid, from rest to rest unless its [`Ends`] say otherwise. A clone shares the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TipMotion {
     samples: Samples,
@@ -37,50 +31,90 @@ pub struct TipMotion {
 }
 
 impl TipMotion {
-    /// A motion from sampled columns.
+    /// A motion from sampled columns, from rest to rest.
     ///
     /// The motion is computed from the acceleration samples if given, else from the displacement samples.
     /// Other columns must agree with them. An acceleration that ends with a velocity of up to 1e-3 of the
     /// peak is corrected by a constant over the samples that move the tip; see [`TipMotion::corrected`].
+    /// Where a velocity column says so, the tip moves at the ends.
     ///
     /// # Errors
     /// [`MotionError`]: times off a uniform grid, a motion that is not at rest at both ends,
     /// columns that contradict each other, or no motion at all.
     pub fn new(columns: MotionColumns) -> Result<Self, MotionError> {
+        Self::with_ends(columns, Ends::AtRest)
+    }
+
+    /// The same with other ends.
+    ///
+    /// Velocities at the ends are those of the velocity column or, without one, of the displacement; the mean
+    /// velocity of a periodic motion is 0 without a velocity column.
+    ///
+    /// # Errors
+    /// As [`TipMotion::new`]; a cycle that ends with its first sample again, or velocities that are not known.
+    pub fn with_ends(columns: MotionColumns, ends: Ends) -> Result<Self, MotionError> {
         columns.check()?;
         let grid = TimeGrid::through(&columns.time_s)?;
+        let ends = ends.said_by(columns.velocity_m_s.as_deref());
+        let velocities_m_s = ends.velocities_m_s(&columns, grid.step_s)?;
+        Self::of(grid, columns, (ends, velocities_m_s))
+    }
+
+    /// A motion from columns on a grid with these ends, and the velocities there as far as they are known.
+    pub(super) fn of(
+        grid: TimeGrid,
+        columns: MotionColumns,
+        course: (Ends, (f64, Option<f64>)),
+    ) -> Result<Self, MotionError> {
         let MotionColumns { acceleration_m_s2, velocity_m_s, displacement_m, .. } = columns;
         let (motion, other, displacement_m) = if let Some(samples) = acceleration_m_s2 {
             let initial_displacement_m = displacement_m.as_ref().map_or(0.0, |d| d[0]);
-            let motion = Self::from_acceleration(grid, samples, initial_displacement_m)?;
+            let motion = Self::from_acceleration(grid, samples, course, initial_displacement_m)?;
             (motion, "acceleration", displacement_m)
         } else {
             let samples = displacement_m.unwrap_or_default();
-            (Self::from_displacement(grid, samples)?, "displacement", None)
+            let (ends, (before_m_s, after_m_s)) = course;
+            let course = (ends, [before_m_s, after_m_s.unwrap_or_default()]);
+            (Self::from_displacement(grid, samples, course)?, "displacement", None)
         };
-        motion.check_agreement(velocity_m_s.as_deref(), displacement_m.as_deref(), other)?;
+        let others = [velocity_m_s.as_deref(), displacement_m.as_deref()];
+        check_agreement(&motion.samples, others, other)?;
         Ok(motion)
     }
 
     fn from_acceleration(
         grid: TimeGrid,
         mut samples: Vec<f64>,
+        (ends, (before_m_s, after_m_s)): (Ends, (f64, Option<f64>)),
         initial_displacement_m: f64,
     ) -> Result<Self, MotionError> {
-        let moving = moving_samples(&samples)?;
-        let velocities = samples.iter().scan(0.0, |sum, a| {
+        if ends == Ends::Periodic {
+            refuse_repetition(&samples, 0.0)?;
+        }
+        let moving = moves(&samples, ends)?;
+        let velocities = samples.iter().scan(before_m_s, |sum, a| {
             *sum += a * grid.step_s;
             Some(*sum)
         });
-        let (peak, velocity_m_s) =
-            velocities.fold((0.0_f64, 0.0), |(peak, _), v| (peak.max(v.abs()), v));
+        let (peak, last_m_s) =
+            velocities.fold((0.0_f64, before_m_s), |(peak, _), v| (peak.max(v.abs()), v));
         if !peak.is_finite() || !can_be_transformed(&samples) {
             return Err(MotionError::TooLarge);
         }
+        let after_m_s = after_m_s.unwrap_or(last_m_s);
+        let velocity_m_s = last_m_s - after_m_s;
         let share = velocity_m_s.abs() / peak;
-        if share > FEW_DIGITS {
-            return Err(MotionError::AcceleratesAway { velocity_m_s, share });
-        }
+        let (share, after_m_s) = match ends {
+            Ends::AtRest if share > FEW_DIGITS => {
+                return Err(MotionError::AcceleratesAway { velocity_m_s, share });
+            }
+            Ends::Periodic if share > FEW_DIGITS => {
+                return Err(MotionError::AddsVelocity { velocity_m_s, share });
+            }
+            // A column of velocities that says otherwise is refused below.
+            Ends::Moving if share > FEW_DIGITS => (0.0, last_m_s),
+            _ => (share, after_m_s),
+        };
         let corrected = (share > ROUND_OFF).then_some(EndVelocity { velocity_m_s, share });
         if corrected.is_some() {
             let own = &mut samples[moving.0..=moving.1];
@@ -89,21 +123,49 @@ impl TipMotion {
                 *a -= excess;
             }
         }
-        // ∫v dt = −∫ t a dt, from rest to rest.
-        let moments = samples.iter().enumerate().map(|(k, a)| k as f64 * a);
-        let travel_m = -moments.sum::<f64>() * grid.step_s.powi(2);
+        let travel_m = if ends == Ends::Periodic {
+            before_m_s * grid.step_s * samples.len() as f64
+        } else {
+            // ∫v dt = v T − ∫ t a dt, v that of the last sample.
+            let moments = samples.iter().enumerate().map(|(k, a)| k as f64 * a);
+            after_m_s * grid.duration_s() - moments.sum::<f64>() * grid.step_s.powi(2)
+        };
         if !travel_m.is_finite() {
             return Err(MotionError::TooLarge);
         }
         let source = Arc::new(Source::Acceleration(samples));
-        let samples = Samples { grid, source, initial_displacement_m, travel_m };
+        let velocities_m_s = [before_m_s, after_m_s];
+        let samples =
+            Samples { grid, source, initial_displacement_m, travel_m, ends, velocities_m_s };
         Ok(Self { samples, moving, corrected, recording: Recording::default() })
     }
 
-    fn from_displacement(grid: TimeGrid, samples: Vec<f64>) -> Result<Self, MotionError> {
-        at_rest(&samples, grid.step_s)?;
+    fn from_displacement(
+        grid: TimeGrid,
+        samples: Vec<f64>,
+        (ends, velocities_m_s): (Ends, [f64; 2]),
+    ) -> Result<Self, MotionError> {
         let last = samples.len() - 1;
-        let at = |k: Option<usize>| samples[k.unwrap_or(0).min(last)];
+        let initial_displacement_m = samples[0];
+        let [before_m, after_m] = velocities_m_s.map(|velocity| velocity * grid.step_s);
+        let (travel_m, beside) = match ends {
+            Ends::AtRest => {
+                at_rest(&samples, grid.step_s)?;
+                (samples[last] - samples[0], [samples[0], samples[last]])
+            }
+            Ends::Moving => {
+                (samples[last] - samples[0], [samples[0] - before_m, samples[last] + after_m])
+            }
+            Ends::Periodic => {
+                let travel_m = before_m * samples.len() as f64;
+                refuse_repetition(&samples, travel_m)?;
+                (travel_m, [samples[last] - travel_m, samples[0] + travel_m])
+            }
+        };
+        let at = |k: Option<usize>| match k {
+            None => beside[0],
+            Some(k) => samples.get(k).copied().unwrap_or(beside[1]),
+        };
         let second_differences: Vec<f64> = (0..=last)
             .map(|k| {
                 let (before, after) = (at(k.checked_sub(1)), at(Some(k + 1)));
@@ -113,44 +175,14 @@ impl TipMotion {
         if !can_be_transformed(&second_differences) {
             return Err(MotionError::TooLarge);
         }
-        let moving = moving_samples(&second_differences)?;
-        let (initial_displacement_m, travel_m) = (samples[0], samples[last] - samples[0]);
+        if ends != Ends::AtRest && is_steady(&samples, &second_differences, grid.step_s) {
+            return Err(MotionError::Steady);
+        }
+        let moving = moves(&second_differences, ends)?;
         let source = Arc::new(Source::Displacement { samples, second_differences });
-        let samples = Samples { grid, source, initial_displacement_m, travel_m };
+        let samples =
+            Samples { grid, source, initial_displacement_m, travel_m, ends, velocities_m_s };
         Ok(Self { samples, moving, corrected: None, recording: Recording::default() })
-    }
-
-    /// Refuses columns that contradict the one that the motion is computed from.
-    fn check_agreement(
-        &self,
-        velocity: Option<&[f64]>,
-        displacement: Option<&[f64]>,
-        other: &'static str,
-    ) -> Result<(), MotionError> {
-        if velocity.is_none() && displacement.is_none() {
-            return Ok(());
-        }
-        let given = self.grid().len;
-        let len = fast_length(2 * given);
-        let tip = self.over_period(len, len - given / 2, Cutoff::ALL).histories;
-        let [a, v, d] = [&tip.acceleration_m_s2, &tip.velocity_m_s, &tip.displacement_m];
-        for (column, unit, found, expected, derivative) in
-            [("velocity", "m/s", velocity, v, a), ("displacement", "m", displacement, d, v)]
-        {
-            let Some(found) = found else { continue };
-            let off = |k: &usize| (found[*k] - expected[*k]).abs();
-            let nearer = |a: &usize, b: &usize| off(a).total_cmp(&off(b));
-            let sample = (0..given).max_by(nearer).unwrap_or(0);
-            let away = expected[..given].iter().map(|x| (x - expected[0]).abs());
-            let peak = away.fold(0.0, f64::max);
-            // The time of a jump of the derivative is known to one step only.
-            let jump = largest(&derivative[..given]) * self.grid().step_s;
-            if off(&sample) > AGREEMENT_TOLERANCE * peak + jump {
-                let (found, expected) = (found[sample], expected[sample]);
-                return Err(MotionError::Disagree { sample, column, unit, found, expected, other });
-            }
-        }
-        Ok(())
     }
 
     /// The same motion from another start, with the correction of another.
@@ -174,7 +206,8 @@ impl TipMotion {
     }
 
     /// The motion on a period of `len` samples, an even number not below its own, up to a cut-off. Of the
-    /// samples beyond its own those from `seam` on are of times before the motion.
+    /// samples beyond its own those from `seam` on are of times before the motion. A periodic motion needs those
+    /// of [`TipMotion::cycles`], or more of them.
     ///
     /// # Panics
     /// If `len` is odd or below the number of samples, or `seam` does not lie in the padding.
@@ -182,27 +215,19 @@ impl TipMotion {
         TipPeriod::of(&self.samples, len, seam, cutoff)
     }
 
-    /// The histories on such a period.
-    ///
-    /// # Errors
-    /// [`ParameterError`] if `len` is odd or below the number of samples, or `seam` does not lie in the
-    /// padding.
-    pub fn histories_over(
-        &self,
-        len: usize,
-        seam: usize,
-        cutoff: Cutoff,
-    ) -> Result<TipHistories, ParameterError> {
-        let given = self.grid().len;
-        if len < given || !len.is_multiple_of(2) {
-            let must = format!("must be even and at least {given}");
-            return Err(ParameterError::new("the period", len, "samples", must));
-        }
-        if !(given..=len).contains(&seam) {
-            let must = format!("must lie from {given} to {len}");
-            return Err(ParameterError::new("the seam", seam, "", must));
-        }
-        Ok(self.over_period(len, seam, cutoff).histories)
+    /// Samples of the shortest period of a periodic motion, of which none is of a time before it.
+    pub(crate) fn cycles(&self) -> Option<usize> {
+        self.samples.cycles()
+    }
+
+    /// What the tip does before the first sample and after the last.
+    pub fn ends(&self) -> Ends {
+        self.samples.ends
+    }
+
+    /// Velocities in m/s before the motion and after it; of a periodic motion, its mean.
+    pub fn end_velocities_m_s(&self) -> [f64; 2] {
+        self.samples.velocities_m_s
     }
 
     /// True if both have the same start and recording, and share their samples.
@@ -232,14 +257,15 @@ impl TipMotion {
         self.samples.initial_displacement_m
     }
 
-    /// Tip displacement after the motion less that before it, in m.
+    /// Tip displacement after the motion less that before it, in m: of a tip that moves at its ends, of the last
+    /// sample less the first, and of a periodic motion that of one cycle.
     pub fn travel_m(&self) -> f64 {
         self.samples.travel_m
     }
 
     /// Numbers of the last sample at rest before the motion and of the first one after it.
     ///
-    /// At rest: below 1e-6 of the peak acceleration.
+    /// At rest: below 1e-6 of the peak acceleration. A periodic motion always moves.
     pub fn moving_samples(&self) -> (usize, usize) {
         self.moving
     }

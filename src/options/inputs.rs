@@ -13,7 +13,7 @@ use flexlink::csv::{
 use flexlink::inverse::Solution;
 use flexlink::link::Link;
 use flexlink::modal::REPORTED_MODES;
-use flexlink::motion::{MotionScale, TipMotion};
+use flexlink::motion::{Ends, MotionScale, TipMotion};
 use flexlink::numeric::{Dimension, parse_quantity};
 use flexlink::result::Remark;
 use flexlink::spec::{Override, SpecError, Specification, read_specification};
@@ -117,6 +117,16 @@ pub(crate) struct ResampleArgs {
     /// Solve the motion up to this frequency in Hz, instead of that which the tip needs.
     #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
     lowpass: Option<f64>,
+
+    /// The trajectory is one cycle of a motion that repeats: its first row follows the last one, a step
+    /// later.
+    #[arg(long, conflicts_with_all = ["resample", "noise"])]
+    periodic: bool,
+
+    /// The tip moves before the first row and after the last one, at constant velocity. A velocity column
+    /// says so without this option.
+    #[arg(long, conflicts_with_all = ["noise", "periodic"])]
+    moving_ends: bool,
 }
 
 /// A length above 0 as it was written, and in m.
@@ -160,6 +170,7 @@ impl ResampleArgs {
             Some(gravity) => table.with_gravity(gravity, length_m)?,
             None => table,
         };
+        let table = table.with_ends(self.ends());
         let table = match self.resample {
             Some(step_s) => table.resampled(step_s)?,
             None => table,
@@ -180,7 +191,20 @@ impl ResampleArgs {
         let resample = self.resample.map(|step_s| option("--resample", step_s));
         let noise = self.noise.as_ref().map(|noise| option("--noise", &noise.text));
         let lowpass = self.lowpass.map(|hertz| option("--lowpass", hertz));
-        [resample, noise, lowpass].into_iter().flatten().flatten().collect()
+        let ends = match self.ends() {
+            Ends::AtRest => None,
+            Ends::Moving => Some("--moving-ends".to_owned()),
+            Ends::Periodic => Some("--periodic".to_owned()),
+        };
+        [resample, noise, lowpass].into_iter().flatten().flatten().chain(ends).collect()
+    }
+
+    fn ends(&self) -> Ends {
+        match (self.periodic, self.moving_ends) {
+            (true, _) => Ends::Periodic,
+            (_, true) => Ends::Moving,
+            _ => Ends::AtRest,
+        }
     }
 }
 

@@ -78,6 +78,11 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
 
+    /// TORQUE is one cycle of a torque that repeats, its first row a step after the last one: play the motion
+    /// that repeats with it, to which the link settles.
+    #[arg(long, conflicts_with = "state")]
+    periodic: bool,
+
     /// Write the state at the end of the simulation (JSON), from which another one goes on: angles along the
     /// link, deflections and their rates.
     #[arg(long, value_name = "FILE")]
@@ -111,6 +116,7 @@ pub(crate) struct Playing {
     pub(crate) state: Option<(InputFile, State)>,
     feedback: Option<Feedback>,
     initial_tip_m: f64,
+    is_periodic: bool,
 }
 
 impl PlayArgs {
@@ -207,6 +213,7 @@ impl PlayArgs {
             state,
             feedback,
             initial_tip_m,
+            is_periodic: self.periodic,
         })
     }
 
@@ -220,6 +227,7 @@ impl PlayArgs {
             ("--hold", self.hold != Hold::Cubic),
             ("--linear", self.linear),
             ("--feedback", self.feedback.is_some()),
+            ("--periodic", self.periodic),
         ];
         let Some((name, _)) = given.into_iter().find(|(_, is_given)| *is_given) else {
             return Ok(());
@@ -228,6 +236,7 @@ impl PlayArgs {
         let hint = match name {
             "--column" => "--columns hub_angle=COLUMN chooses the column of the hub angle",
             "--feedback" => "a hub that moves as prescribed needs no feedback",
+            "--periodic" => "give several cycles of the hub angle",
             _ => "the hub angle is a smooth curve through its samples",
         };
         Err(Failure::new(Exit::Usage, &message, Some(hint)))
@@ -242,7 +251,8 @@ impl PlayArgs {
         let hold = self.hold.to_possible_value().filter(|_| self.hold != Hold::Cubic);
         let hold = hold.map(|hold| option("--hold", hold.get_name()));
         let feedback = self.feedback.map(|(kp, kd)| option("--feedback", format!("{kp},{kd}")));
-        let input = input.into_iter().chain(column).chain(until);
+        let periodic = self.periodic.then(|| vec!["--periodic".to_owned()]);
+        let input = input.into_iter().chain(column).chain(until).chain(periodic);
         input.chain(hold).chain(linear).chain(feedback).flatten().collect()
     }
 }
@@ -264,6 +274,7 @@ impl Playing {
             initial_tip_m: self.initial_tip_m,
             memory_bytes: memory::available(),
             is_large,
+            cycle_travel_m: self.is_periodic.then_some(0.0),
             state: self.state.as_ref().map(|(_, state)| state),
             start_angle_rad: self.target.as_ref().and_then(|(_, target)| target.start_angle_rad()),
         }

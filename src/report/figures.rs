@@ -102,9 +102,14 @@ fn torque(view: &View) -> Figure {
     Figure { spans: view.lead_and_lag(), ..figure }
 }
 
+/// Velocity of the tip at the start, over its peak, from which on a motion does not start at rest.
+const STARTS: f64 = 1e-6;
+
 /// When the torque begins and ends relative to the motion.
 fn timing_words(solved: &StoredSolution) -> String {
-    let StoredSolution { lead_s, lag_s, .. } = *solved;
+    let Some((lead_s, lag_s)) = solved.lead_s.zip(solved.lag_s) else {
+        return " This is one cycle, which the torque repeats.".to_owned();
+    };
     let size = |seconds: f64| significant(seconds.abs(), 3);
     if lead_s > 0.0 && lag_s > 0.0 {
         return format!(
@@ -141,7 +146,10 @@ fn tip_under_rigid_torque(view: &View, solved: &StoredSolution) -> Result<Figure
     let run = view.run;
     let torque = Torque::new(&run.times_s, solved.rigid_torque_n_m.clone())
         .map_err(|error| error.to_string())?;
-    let wanted = &run.tip.displacement_m;
+    let [wanted, velocity] = [&run.tip.displacement_m, &run.tip.velocity_m_s];
+    if solved.lead_s.is_none() || velocity[0].abs() > STARTS * largest(velocity) {
+        return Err("it is played from rest, where this motion does not begin".to_owned());
+    }
     let play = Play { initial_tip_m: wanted[0], ..Play::of(&torque) };
     let simulation =
         simulate_on(&run.link, run.mesh.clone(), &play).map_err(|error| error.to_string())?;

@@ -38,8 +38,9 @@ impl<'a> View<'a> {
         let (from_s, until_s) = if let Some(solved) = &run.solved {
             let (from, until) = solved.moving_s;
             let short = 0.15 * (until - from);
-            let before = (AROUND * solved.lead_s).max(short);
-            (from - before, until + (AROUND * solved.lag_s).max(short).max(after))
+            let [lead_s, lag_s] = [solved.lead_s, solved.lag_s].map(Option::unwrap_or_default);
+            let before = (AROUND * lead_s).max(short);
+            (from - before, until + (AROUND * lag_s).max(short).max(after))
         } else {
             let peak = largest(&run.torque_n_m);
             let acts = |torque: &f64| torque.abs() > CALM * peak;
@@ -107,15 +108,17 @@ impl<'a> View<'a> {
     pub(super) fn lead_and_lag(&self) -> Vec<Span> {
         let spans = self.run.solved.iter().flat_map(|solved| {
             let (from, until) = solved.moving_s;
-            let lead = Span { name: "lead", range: from - solved.lead_s..from };
-            [lead, Span { name: "lag", range: until..until + solved.lag_s }]
+            let lead = |lead_s| Span { name: "lead", range: from - lead_s..from };
+            let lag = |lag_s| Span { name: "lag", range: until..until + lag_s };
+            solved.lead_s.map(lead).into_iter().chain(solved.lag_s.map(lag))
         });
         spans.filter(|span| span.range.end > span.range.start).collect()
     }
 
     /// Times at which the tip starts and stops, if they are known.
     pub(super) fn start_and_stop(&self) -> Vec<Mark> {
-        let marks = self.run.solved.iter().flat_map(|solved| {
+        let timed = self.run.solved.iter().filter(|solved| solved.lead_s.is_some());
+        let marks = timed.flat_map(|solved| {
             let (from, until) = solved.moving_s;
             [(from, "tip starts", "start"), (until, "tip stops", "stop")]
         });
@@ -149,12 +152,12 @@ mod tests {
         let (first, last) = (run.times_s[0], run.times_s[run.times_s.len() - 1]);
         let solved = run.solved.clone().unwrap();
         let (from, until) = View::of(&run).span_s();
-        assert!(first < from && from < solved.moving_s.0 - solved.lead_s, "from {from} s");
+        assert!(first < from && from < solved.moving_s.0 - solved.lead_s.unwrap(), "from {from} s");
         assert!(until > solved.moving_s.1 + 4.0 * 0.52 && until < last, "until {until} s");
         run.solved = None;
         let (from, until) = View::of(&run).span_s();
-        assert!(first < from && from < solved.moving_s.0 - solved.lead_s, "from {from} s");
-        assert!(until > solved.moving_s.1 + solved.lag_s, "until {until} s");
+        assert!(first < from && from < solved.moving_s.0 - solved.lead_s.unwrap(), "from {from} s");
+        assert!(until > solved.moving_s.1 + solved.lag_s.unwrap(), "until {until} s");
     }
 
     #[test]

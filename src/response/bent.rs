@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 
 use super::chain::{Balance, Chain};
+use super::driving::Driving;
 use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
 use super::modes::HubReaction;
-use super::play::{Driving, Input, Play};
+use super::play::{Input, Play};
 use super::radau::{Motion, Radau};
 use super::shape::{Held, at_rest, viscous};
 use super::state::State;

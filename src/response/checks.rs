@@ -4,9 +4,10 @@
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
+use super::driving::{Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::modes::{Coordinate, Equations, HubReaction, MOST_MODES, kept_modes};
-use super::play::{Interpolation, Play, pieces};
+use super::play::Play;
 use super::simulation::{ModalPlay, Played, Simulation};
 use super::state::State;
 use super::stepper::Stepper;
@@ -26,7 +27,7 @@ pub struct EnergyBalance {
     pub work_j: f64,
     /// Kinetic energy.
     pub kinetic_j: f64,
-    /// Strain energy and that of weight, since the start.
+    /// Strain energy, and with weight or at large angles that of both since the start.
     pub strain_j: f64,
     /// Energy dissipated by damping and friction.
     pub dissipated_j: f64,
@@ -37,6 +38,8 @@ pub struct EnergyBalance {
 pub struct EnergyAccount {
     /// The balances.
     pub balances: Vec<EnergyBalance>,
+    /// Energy that the link holds at the start in J: 0 at rest.
+    pub start_j: f64,
     /// Estimated error of the integrals of work and loss in J: a quarter of their change when every second
     /// sample is left out. A smooth power has an error of a sixteenth, one with kinks a larger one.
     pub quadrature_error_j: f64,
@@ -84,6 +87,7 @@ impl Simulation {
         };
         EnergyAccount {
             balances: (1..=count).map(balance).collect(),
+            start_j: self.energies_j(0).iter().sum(),
             quadrature_error_j: 0.25 * (missing(&motor, &work) + missing(&lost, &dissipated)),
         }
     }
@@ -168,7 +172,9 @@ impl ModalPlay {
     pub fn straight_tip_m(&self, torque_n_m: &[f64]) -> Vec<f64> {
         let mut tip_m = Vec::with_capacity(torque_n_m.len());
         let lines = pieces(torque_n_m, Interpolation::Linear);
-        Stepper::new(&self.equations, self.grid.step_s).run(lines, |stepper| {
+        let (coordinates, rates) = self.record.at(0);
+        let stepper = Stepper::new(&self.equations, self.grid.step_s);
+        stepper.starting_at(coordinates, rates).run(lines, |stepper| {
             tip_m.push(self.initial_tip_m + self.equations.tip(&stepper.coordinates()));
         });
         tip_m
@@ -236,9 +242,13 @@ impl ModalPlay {
     /// The samples of what answers to other samples at each ω in rad/s, on a period of twice the simulation's
     /// length.
     fn filtered(&self, samples: &[f64], answer: impl Fn(f64, Complex64) -> Complex64) -> Vec<f64> {
-        let len = fast_length(2 * self.grid.len);
+        // Two cycles of what repeats: a transform has an even length.
+        let len = if self.repeats { 2 * self.grid.len } else { fast_length(2 * self.grid.len) };
         let pair = FourierPair::new(len);
         let mut padded = samples.to_vec();
+        if self.repeats {
+            padded.extend_from_slice(samples);
+        }
         padded.resize(len, 0.0);
         let mut amplitudes = pair.amplitudes(padded);
         for (bin, amplitude) in amplitudes.iter_mut().enumerate() {
@@ -317,11 +327,8 @@ impl PlayError {
         let driving = play.driving(link)?;
         let mut found = tip.displacement_m.iter().zip(&turned);
         let (mut tip_m, mut hub_rad) = (0.0_f64, 0.0_f64);
-        let mut stepper = Stepper::new(&equations, grid.step_s);
-        if let Some((state, origin_rad)) = play.state.zip(play.zero_of_state_rad(link)) {
-            let ([q, rates], _) = state.coordinates(&equations, &mesh, origin_rad);
-            stepper = stepper.starting_at(&q, &rates);
-        }
+        let ([q, rates], _) = play.start(link, (&equations, &mesh), &driving)?;
+        let stepper = Stepper::new(&equations, grid.step_s).starting_at(&q, &rates);
         let (first_m, first_rad) =
             (equations.tip(&stepper.coordinates()), equations.hub(&stepper.coordinates()));
         stepper.run(driving.steps(grid.len), |stepper| {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::driving::CycleError;
 use crate::link::{Link, ParameterError};
 use crate::modal::DampingError;
 use crate::numeric::{TimeGrid, dot, largest, rounded};
@@ -34,7 +35,7 @@ pub enum SimulationError {
     /// A link with gravity whose direction is not known.
     #[error("start_angle is missing, but must be given: with gravity the direction matters")]
     NoStartAngle,
-    /// A state that does not fit the link, or that is given with a motion of the hub.
+    /// A state that does not fit the link, or beside a motion of the hub.
     #[error("the state = {found}, but must {must}")]
     State {
         /// What was found.
@@ -47,6 +48,9 @@ pub enum SimulationError {
         "the link finds no shape at rest under its weight where it starts, but must begin at rest"
     )]
     NoRest,
+    /// No cycle that repeats.
+    #[error(transparent)]
+    Cycle(#[from] CycleError),
     /// Damping that the mesh does not allow.
     #[error(transparent)]
     Damping(#[from] DampingError),
@@ -125,31 +129,28 @@ pub enum SimulationError {
 impl SimulationError {
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
-        match self {
-            Self::Plan(_) => Some("make the plan of the mesh from the link that it is for"),
-            Self::Damping(error) => Some(error.hint()),
-            Self::OtherTimes { .. } => {
-                Some("take hub_angle.csv and torque.csv of one run of solve")
-            }
+        Some(match self {
+            Self::Plan(_) => "make the plan of the mesh from the link that it is for",
+            Self::Damping(error) => error.hint(),
+            Self::Cycle(error) => error.hint(),
+            Self::OtherTimes { .. } => "take hub_angle.csv and torque.csv of one run of solve",
             Self::TooLong { .. } | Self::TooMuchMemory { .. } => {
-                Some("an earlier end, or a torque with a longer step")
+                "an earlier end, or a torque with a longer step"
             }
-            Self::NotConverged { .. } => {
-                Some("a shorter step, smaller gains, or a hub with inertia")
+            Self::NotConverged { .. } => "a shorter step, smaller gains, or a hub with inertia",
+            Self::NotFinite { .. } => "the inputs are too large for double precision",
+            Self::EndsEarly { .. } => "the simulation goes on to the torque's end by itself",
+            Self::NotDerived { .. } => {
+                "--set 'gravity=[0, 0]' and analysis.second_order = \"none\" play the linear link"
             }
-            Self::NotFinite { .. } => Some("the inputs are too large for double precision"),
-            Self::EndsEarly { .. } => Some("the simulation goes on to the torque's end by itself"),
-            Self::NotDerived { .. } => Some(
-                "--set 'gravity=[0, 0]' and analysis.second_order = \"none\" play the linear link",
-            ),
-            Self::NoStartAngle => Some(
-                "--set 'start_angle=\"-90 deg\"' is the direction of a link that hangs, where gravity is along -y",
-            ),
-            Self::State { .. } => Some("--save-state of a run of the same link writes it"),
-            Self::NoRest => Some("a stiffer link, or another start_angle"),
-            Self::MasslessHub => Some("give the hub an inertia, however small"),
-            Self::NoTorque | Self::NoTurn => None,
-        }
+            Self::NoStartAngle => {
+                "--set 'start_angle=\"-90 deg\"' is the direction of a link that hangs, where gravity is along -y"
+            }
+            Self::State { .. } => "--save-state of a run of the same link writes it",
+            Self::NoRest => "a stiffer link, or another start_angle",
+            Self::MasslessHub => "give the hub an inertia, however small",
+            Self::NoTorque | Self::NoTurn => return None,
+        })
     }
 }
 
@@ -385,8 +386,7 @@ impl SimulationWarning {
     }
 
     /// All warnings of an input with its `own`, at these steps, on a link whose first flexible mode
-    /// has this period in s. Its residual vibration is relative to the tip's travel, its largest deflection
-    /// to the length.
+    /// has this period in s. Vibration is over the tip's travel, deflection over the length.
     pub(super) fn all(
         own: [Option<Self>; 2],
         (step_s, first_period_s): (f64, Option<f64>),

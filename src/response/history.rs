@@ -3,10 +3,14 @@
 use thiserror::Error;
 
 use super::error::SimulationWarning;
+use crate::motion::wrapped;
 use crate::numeric::{CubicSpline, NotUniform, QuinticSpline, SplineEnds, TimeGrid};
 
 /// Angle in rad between a reference and the hub at the start above which a warning is given.
 const APART_RAD: f64 = 1e-4;
+
+/// Step of an angle from its last sample to its first, over the largest between samples, from which on it does not return.
+const JUMP: f64 = 3.0;
 
 /// Fewest samples of a torque or a reference.
 const MIN_SAMPLES: usize = 4;
@@ -174,10 +178,21 @@ impl HubReference {
         angle[angle.len() - 1] - zero_rad.unwrap_or(angle[0])
     }
 
-    /// Rates in rad/s of a cubic spline through the angles.
-    pub(super) fn slopes_rad_s(&self) -> Vec<f64> {
-        let spline = CubicSpline::uniform(self.angle_rad(), SplineEnds::NotAKnot);
-        spline.slopes().iter().map(|slope| slope / self.grid().step_s).collect()
+    /// Rates in rad/s of a cubic spline through the angles, which may repeat.
+    pub(super) fn slopes_rad_s(&self, repeats: bool) -> Vec<f64> {
+        let own = self.angle_rad();
+        let around = if repeats { own.len() } else { 0 };
+        let spline = CubicSpline::uniform(&wrapped(own, 0.0, around), SplineEnds::NotAKnot);
+        let slopes = &spline.slopes()[around..][..own.len()];
+        slopes.iter().map(|slope| slope / self.grid().step_s).collect()
+    }
+
+    /// Angle in rad from the last sample to the first where it is no step of a motion that repeats.
+    pub(super) fn jump_rad(&self) -> Option<f64> {
+        let own = self.angle_rad();
+        let steps = own.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let jump_rad = own[0] - own[own.len() - 1];
+        (jump_rad.abs() > JUMP * steps.fold(0.0, f64::max)).then_some(jump_rad)
     }
 
     /// Accelerations in rad/s² at the samples and between them.

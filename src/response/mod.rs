@@ -10,6 +10,7 @@
 mod bent;
 mod chain;
 mod checks;
+mod driving;
 mod error;
 mod history;
 mod modes;
@@ -24,10 +25,11 @@ mod stepper;
 
 pub use bent::BentPlay;
 pub use checks::{EnergyAccount, EnergyBalance, PlayError};
+pub use driving::{CycleError, Interpolation};
 pub use error::{SimulationError, SimulationWarning};
 pub use history::{HistoryError, HubReference, Torque};
 pub use modes::ModeSelection;
-pub use play::{Feedback, Input, Interpolation, Play};
+pub use play::{Feedback, Input, Play};
 pub use residual::ResidualVibration;
 pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;

@@ -1,15 +1,21 @@
 //! What a simulation plays: a torque, and feedback around a reference, or a motion of the hub.
 
-use serde::Serialize;
+use std::f64::consts::TAU;
 
+use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::history::{HubReference, Torque, same_times};
-use super::modes::{Equations, HubReaction, held, torque_band_rad_s};
-use super::state::State;
+use super::modes::{
+    Equations, HubReaction, MOST_MODES, ModeSelection, REACH, held, kept_modes, torque_band_rad_s,
+};
+use super::state::{State, of_cycle};
 use crate::beam::Mesh;
 use crate::link::{Link, ParameterError, not_negative};
 use crate::modal::{DampingLaw, ModalBasis};
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
+use crate::numeric::TimeGrid;
+
+/// What modes may leave out of a state, over the whole.
+pub(super) const LEFT_OUT: f64 = 1e-7;
 
 /// Most samples that are simulated.
 const LONGEST: usize = 1 << 24;
@@ -42,7 +48,7 @@ impl Input<'_> {
         match self {
             Self::Torque(torque) => SimulationWarning::jumps(torque.torque_n_m()),
             Self::HubAngle(hub) => [
-                SimulationWarning::hub_begins(&hub.slopes_rad_s()),
+                SimulationWarning::hub_begins(&hub.slopes_rad_s(false)),
                 SimulationWarning::rough(&torque_n_m[..hub.grid().len]),
             ],
         }
@@ -70,6 +76,9 @@ pub struct Play<'a> {
     pub start_angle_rad: Option<f64>,
     /// Where the link starts instead of at rest, under a torque.
     pub state: Option<&'a State>,
+    /// Set where a torque is one cycle that repeats, and the linear link moves as it does after many of them: where
+    /// neither friction nor feedback decides it, the tip travels by so many m in a cycle.
+    pub cycle_travel_m: Option<f64>,
 }
 
 impl<'a> Play<'a> {
@@ -94,6 +103,7 @@ impl<'a> Play<'a> {
             is_large: false,
             start_angle_rad: None,
             state: None,
+            cycle_travel_m: None,
         }
     }
 
@@ -125,7 +135,8 @@ impl<'a> Play<'a> {
         // The reference's rate, unlike its angle, is zero at both ends.
         let drives = |of: &&Feedback| of.stiffness_n_m_rad > 0.0 || of.damping_n_m_s_rad > 0.0;
         let feedback = self.feedback.filter(drives);
-        let wanted = feedback.and_then(|of| torque_band_rad_s(&grid, &of.rate_rad_s()));
+        let wanted = feedback
+            .and_then(|of| torque_band_rad_s(&grid, &of.rate_rad_s(self.cycle_travel_m.is_some())));
         torque.into_iter().chain(wanted).reduce(f64::max)
     }
 
@@ -147,16 +158,21 @@ impl<'a> Play<'a> {
         self.is_large || link.has_weight()
     }
 
+    /// True if the start is worked out, as one from which everything repeats, or given: not that of a link at rest.
+    fn is_started(&self) -> bool {
+        self.state.is_some() || self.cycle_travel_m.is_some()
+    }
+
     /// The hub angle in rad from which the angles of a state count; none without a state.
     pub(super) fn zero_of_state_rad(&self, link: &Link) -> Option<f64> {
-        self.state.map(|_| self.origin_rad(link).unwrap_or(0.0))
+        self.is_started().then(|| self.origin_rad(link).unwrap_or(0.0))
     }
 
     /// Displacement of the tip at the start in m; a prescribed hub points to it.
     pub(super) fn start_m(&self, link: &Link) -> f64 {
         match self.input {
             // The coordinates of a state hold all of it.
-            Input::Torque(_) if self.state.is_some() => 0.0,
+            Input::Torque(_) if self.is_started() => 0.0,
             Input::Torque(_) => self.initial_tip_m,
             Input::HubAngle(hub) => {
                 (hub.angle_rad()[0] - self.origin_rad(link).unwrap_or(0.0)) * link.length_m()
@@ -215,23 +231,86 @@ impl<'a> Play<'a> {
             Input::Torque(torque) => torque,
             Input::HubAngle(hub) => {
                 let (samples, pieces) = hub.accelerations();
-                return Ok(Driving { samples, pieces, hold: 0.0 });
+                return Ok(Driving { samples, pieces, hold: 0.0, repeats: false });
             }
         };
         let own = torque.torque_n_m();
         let kept_n_m = if link.has_weight() { own[own.len() - 1] } else { 0.0 };
         let zero_rad = self.zero_of_state_rad(link);
+        let repeats = self.cycle_travel_m.is_some();
         let (samples, hold) = match self.feedback {
             None => (own.to_vec(), kept_n_m),
             Some(feedback) => {
-                let wanted = feedback.wanted_torque_n_m(torque, zero_rad)?;
+                let wanted = feedback.wanted_torque_n_m(torque, zero_rad, repeats)?;
                 let samples = own.iter().zip(wanted).map(|(t, wanted)| t + wanted).collect();
                 let turn_rad = feedback.reference.turn_rad(zero_rad);
                 (samples, kept_n_m + feedback.stiffness_n_m_rad * turn_rad)
             }
         };
-        let pieces = pieces(&samples, self.interpolation);
-        Ok(Driving { samples, pieces, hold })
+        Ok(match self.cycle_travel_m {
+            Some(_) => Driving::repeated(samples, self.interpolation),
+            None => Driving {
+                pieces: pieces(&samples, self.interpolation),
+                samples,
+                hold,
+                repeats: false,
+            },
+        })
+    }
+}
+
+impl Play<'_> {
+    /// Coordinates and rates of a linear link at the start, and what its modes leave out of a state, over the whole.
+    ///
+    /// # Errors
+    /// [`SimulationError::Cycle`].
+    pub(super) fn start(
+        &self,
+        link: &Link,
+        (equations, mesh): (&Equations, &Mesh),
+        driving: &Driving,
+    ) -> Result<([Vec<f64>; 2], f64), SimulationError> {
+        if let Some(travel_m) = self.cycle_travel_m {
+            let (grid, ends_m) = (self.input.grid(), [travel_m, self.initial_tip_m]);
+            return Ok((of_cycle(equations, driving, (grid.step_s, grid.len), ends_m)?, 0.0));
+        }
+        let Some(state) = self.state else {
+            let rest = vec![0.0; equations.coordinates.len()];
+            return Ok(([rest.clone(), rest], 0.0));
+        };
+        let origin_rad = self.origin_rad(link).unwrap_or(0.0);
+        Ok(state.coordinates(equations, mesh, origin_rad))
+    }
+}
+
+/// A linear link before it is played.
+pub(super) struct Started {
+    pub(super) equations: Equations,
+    pub(super) selection: ModeSelection,
+    /// Coordinates and rates.
+    pub(super) start: [Vec<f64>; 2],
+    /// What the modes leave out of the state, over the whole.
+    pub(super) left_out: f64,
+}
+
+impl Started {
+    /// With the modes that an input drives up to `band_rad_s`, or that a state holds.
+    pub(super) fn of(
+        link: &Link,
+        (mesh, law): (&Mesh, &DampingLaw),
+        (play, driving): (&Play, &Driving),
+        mut band_rad_s: f64,
+    ) -> Result<Self, SimulationError> {
+        loop {
+            let (basis, selection) = kept_modes(mesh, band_rad_s, MOST_MODES);
+            let equations = play.equations(link, (mesh, law), basis)?;
+            let (start, left_out) = play.start(link, (&equations, mesh), driving)?;
+            let has_all = selection.modes >= selection.of.min(MOST_MODES);
+            if left_out <= LEFT_OUT || has_all {
+                return Ok(Self { equations, selection, start, left_out });
+            }
+            band_rad_s = 2.0 * band_rad_s.max(TAU * selection.highest_hz / REACH);
+        }
     }
 }
 
@@ -272,6 +351,10 @@ impl Feedback {
         self.damping_n_m_s_rad
     }
 
+    fn holds(&self) -> bool {
+        self.stiffness_n_m_rad > 0.0
+    }
+
     /// The reference.
     pub fn reference(&self) -> &HubReference {
         &self.reference
@@ -286,110 +369,26 @@ impl Feedback {
         &self,
         torque: &Torque,
         zero_rad: Option<f64>,
+        repeats: bool,
     ) -> Result<Vec<f64>, SimulationError> {
         let (found, torque) = (self.reference.grid(), torque.grid());
         if !same_times(&found, &torque) {
             return Err(SimulationError::OtherTimes { found, torque });
         }
+        if let Some(jump_rad) = self.reference.jump_rad().filter(|_| repeats && self.holds()) {
+            return Err(CycleError::Reference { jump_rad }.into());
+        }
         let angle = self.reference.angle_rad();
         let zero_rad = zero_rad.unwrap_or(angle[0]);
-        let wanted = angle.iter().zip(self.rate_rad_s()).map(|(angle_rad, rate)| {
+        let wanted = angle.iter().zip(self.rate_rad_s(repeats)).map(|(angle_rad, rate)| {
             self.stiffness_n_m_rad * (angle_rad - zero_rad) + self.damping_n_m_s_rad * rate
         });
         Ok(wanted.collect())
     }
 
     /// Rate of the reference: as given, or that of a spline through its angles.
-    fn rate_rad_s(&self) -> Vec<f64> {
+    fn rate_rad_s(&self, repeats: bool) -> Vec<f64> {
         let given = self.reference.rate_rad_s().map(<[f64]>::to_vec);
-        given.unwrap_or_else(|| self.reference.slopes_rad_s())
-    }
-}
-
-/// Input u of the equations of motion: the hub's acceleration, or the torque, and the part of the feedback that
-/// depends on its reference. The part that depends on the link's motion belongs to the equations.
-#[derive(Debug, Clone)]
-pub(super) struct Driving {
-    samples: Vec<f64>,
-    pieces: Vec<Cubic>,
-    /// After the last sample of the input.
-    hold: f64,
-}
-
-impl Driving {
-    /// At a sample, also after the input's last.
-    pub(super) fn at(&self, sample: usize) -> f64 {
-        self.samples.get(sample).copied().unwrap_or(self.hold)
-    }
-
-    /// Over each step between so many samples.
-    pub(super) fn steps(&self, samples: usize) -> impl Iterator<Item = Cubic> {
-        (1..samples).map(|k| self.pieces.get(k - 1).copied().unwrap_or(self.held()))
-    }
-
-    /// Over any step after the last sample.
-    pub(super) fn held(&self) -> Cubic {
-        [self.hold, 0.0, 0.0, 0.0]
-    }
-}
-
-/// A torque, or the voltage of a motor, between its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Interpolation {
-    /// A cubic spline through all samples.
-    #[default]
-    Cubic,
-    /// Straight lines.
-    Linear,
-    /// Each sample until the next one, as a converter plays a table.
-    Zero,
-}
-
-/// Coefficients of a cubic over one step: `u(s) = Σ c_j (s/Δt)ʲ`.
-pub(super) type Cubic = [f64; 4];
-
-/// The pieces between samples, one fewer than there are samples.
-pub(super) fn pieces(samples: &[f64], interpolation: Interpolation) -> Vec<Cubic> {
-    match interpolation {
-        Interpolation::Linear => {
-            samples.windows(2).map(|ends| [ends[0], ends[1] - ends[0], 0.0, 0.0]).collect()
-        }
-        Interpolation::Zero => {
-            samples[..samples.len().saturating_sub(1)].iter().map(|u| [*u, 0.0, 0.0, 0.0]).collect()
-        }
-        Interpolation::Cubic => {
-            let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
-            let ends = samples.windows(2).zip(spline.slopes().windows(2));
-            ends.map(|(values, slopes)| {
-                let (rise, [from, to]) = (values[1] - values[0], [slopes[0], slopes[1]]);
-                [values[0], from, 3.0 * rise - 2.0 * from - to, from + to - 2.0 * rise]
-            })
-            .collect()
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pieces_of_a_cubic_are_that_cubic() {
-        let cubic = |s: f64| 0.5 - s + 0.25 * s * s - 0.125 * s * s * s;
-        let samples: Vec<f64> = (0..6).map(|k| cubic(f64::from(k))).collect();
-        let evaluated = |c: &Cubic, s: f64| c[0] + s * (c[1] + s * (c[2] + s * c[3]));
-        for (k, piece) in pieces(&samples, Interpolation::Cubic).iter().enumerate() {
-            for s in [0.0, 0.3, 1.0] {
-                assert!((evaluated(piece, s) - cubic(k as f64 + s)).abs() < 1e-13);
-            }
-        }
-        for (k, piece) in pieces(&samples, Interpolation::Linear).iter().enumerate() {
-            let middle = 0.5 * (samples[k] + samples[k + 1]);
-            assert!((evaluated(piece, 0.5) - middle).abs() < 1e-15);
-        }
-        for (k, piece) in pieces(&samples, Interpolation::Zero).iter().enumerate() {
-            assert!((evaluated(piece, 0.99) - samples[k]).abs() < 1e-15);
-        }
+        given.unwrap_or_else(|| self.reference.slopes_rad_s(repeats))
     }
 }

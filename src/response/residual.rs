@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
+use super::driving::Cubic;
 use super::modes::Equations;
-use super::play::Cubic;
 use super::stepper::Stepper;
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 

@@ -2,9 +2,11 @@ use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
 use super::bent::{BentPlay, play_bent};
+use super::driving::CycleError;
+use super::driving::Driving;
 use super::error::{SimulationError, SimulationWarning};
-use super::modes::{Equations, MOST_MODES, ModeSelection, REACH, kept_modes};
-use super::play::{Driving, Feedback, Input, Play};
+use super::modes::{Equations, ModeSelection};
+use super::play::{Feedback, Input, LEFT_OUT, Play, Started};
 use super::residual::{Reading, ResidualVibration};
 use super::stepper::Record;
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
@@ -13,9 +15,6 @@ use crate::modal::{DampingLaw, REPORTED_MODES, Shape, hub_moves_mass, natural_fr
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, largest};
 use rayon::prelude::*;
-
-/// What modes may leave out of a state, over the whole.
-const LEFT_OUT: f64 = 1e-7;
 
 /// Memory in bytes that playing takes for each sample, as measured, besides the coordinate and the
 /// rate of each mode.
@@ -65,14 +64,16 @@ pub enum Played {
 pub struct ModalPlay {
     /// Modes that were kept.
     pub selection: ModeSelection,
-    /// Vibration after the input.
-    pub residual: ResidualVibration,
+    /// Vibration after the input; none of one that repeats.
+    pub residual: Option<ResidualVibration>,
     /// Frequency in rad/s up to which the link is driven.
     pub(super) band_rad_s: f64,
     pub(super) grid: TimeGrid,
     /// Hub angle in rad where the tip's displacement is 0.
     pub(super) from_rad: f64,
     pub(super) initial_tip_m: f64,
+    /// Whether it is one cycle of a motion that repeats.
+    pub(super) repeats: bool,
     pub(super) equations: Equations,
     pub(super) record: Record,
 }
@@ -142,7 +143,7 @@ fn play_on(
     let (grid, driving) = (play.grid()?, play.driving(link)?);
     let law = DampingLaw::of(link, &mesh)?;
     let Started { equations, selection, start, left_out } =
-        Started::of(link, (&mesh, &law), play, band_rad_s)?;
+        Started::of(link, (&mesh, &law), (play, &driving), band_rad_s)?;
     let modes = equations.coordinates.len();
     let samples = grid.len;
     let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE);
@@ -161,7 +162,10 @@ fn play_on(
     let goal_m = play.goal_rad(link).map(|turn_rad| turn_rad * mesh.length_m());
     let reading = Reading::new(&equations, goal_m);
     let (last, held) = (record.at(driven - 1), driving.held());
-    let residual = ResidualVibration::of(&equations, last, &held, &reading, tip.largest_travel_m());
+    let residual = play
+        .cycle_travel_m
+        .is_none()
+        .then(|| ResidualVibration::of(&equations, last, &held, &reading, tip.largest_travel_m()));
     let deflection_m = tip_deflection_m(&mesh, from_rad, &tip.displacement_m, &hub_angle_rad);
     let [begins, ends] = play.input.warnings(&torque_n_m);
     let cut = SimulationWarning::StateCut { share: left_out };
@@ -169,10 +173,11 @@ fn play_on(
         Some(_) => (left_out > LEFT_OUT).then_some(cut),
         None => begins,
     };
+    let [begins, ends] = if residual.is_some() { [begins, ends] } else { [None, None] };
     let warnings = SimulationWarning::all(
         [begins, ends],
         (grid.step_s, equations.first_period_s()),
-        (residual.share, largest(&deflection_m) / mesh.length_m()),
+        (residual.map_or(1.0, |residual| residual.share), largest(&deflection_m) / mesh.length_m()),
     );
     Ok(Simulation {
         grid,
@@ -189,6 +194,7 @@ fn play_on(
             grid,
             from_rad,
             initial_tip_m,
+            repeats: play.cycle_travel_m.is_some(),
             equations,
             record,
         }),
@@ -197,47 +203,6 @@ fn play_on(
         law,
         warnings,
     })
-}
-
-/// A linear link before it is played.
-struct Started {
-    equations: Equations,
-    selection: ModeSelection,
-    /// Coordinates and rates.
-    start: [Vec<f64>; 2],
-    /// What the modes leave out of the state, over the whole.
-    left_out: f64,
-}
-
-impl Started {
-    /// With the modes that an input drives up to `band_rad_s`, or that a state holds.
-    fn of(
-        link: &Link,
-        (mesh, law): (&Mesh, &DampingLaw),
-        play: &Play,
-        mut band_rad_s: f64,
-    ) -> Result<Self, SimulationError> {
-        loop {
-            let (basis, selection) = kept_modes(mesh, band_rad_s, MOST_MODES);
-            let equations = play.equations(link, (mesh, law), basis)?;
-            let Some(state) = play.state else {
-                let rest = vec![0.0; equations.coordinates.len()];
-                return Ok(Self {
-                    equations,
-                    selection,
-                    start: [rest.clone(), rest],
-                    left_out: 0.0,
-                });
-            };
-            let origin_rad = play.origin_rad(link).unwrap_or(0.0);
-            let (start, left_out) = state.coordinates(&equations, mesh, origin_rad);
-            let has_all = selection.modes >= selection.of.min(MOST_MODES);
-            if left_out <= LEFT_OUT || has_all {
-                return Ok(Self { equations, selection, start, left_out });
-            }
-            band_rad_s = 2.0 * band_rad_s.max(TAU * selection.highest_hz / REACH);
-        }
-    }
 }
 
 /// Computes the motion of a link with weight or at large angles; the mesh has the nodes that are shown.
@@ -249,6 +214,9 @@ fn play_large(
 ) -> Result<Simulation, SimulationError> {
     if !hub_moves_mass(&mesh) {
         return Err(SimulationError::MasslessHub);
+    }
+    if play.cycle_travel_m.is_some() {
+        return Err(CycleError::Large.into());
     }
     let is_still = play.band_rad_s().is_none();
     // Under a torque of zero a link falls, or goes on.

@@ -1,10 +1,12 @@
 //! Where a link is and how it moves at one instant, from which another play goes on.
 
-use nalgebra::Vector2;
+use nalgebra::{DMatrix, DVector, Vector2};
 use serde::{Deserialize, Serialize};
 
+use super::driving::{CycleError, Driving};
 use super::error::SimulationError;
 use super::modes::Equations;
+use super::stepper::Stepper;
 use crate::beam::Mesh;
 use crate::link::{Link, POSITION_TOLERANCE};
 use crate::modal::Shape;
@@ -33,6 +35,21 @@ pub struct State {
 }
 
 impl State {
+    /// A linear link that turns undeformed, its tip at a displacement in m and a velocity in m/s.
+    pub(crate) fn turning(link: &Link, time_s: f64, [tip_m, tip_m_s]: [f64; 2]) -> Self {
+        let length_m = link.length_m();
+        let x_m = vec![link.hub().radius_m, length_m];
+        let along = |tip: f64| x_m.iter().map(|x| tip * x / length_m).collect::<Vec<f64>>();
+        Self {
+            time_s,
+            slope_rad: vec![tip_m / length_m; 2],
+            slope_rate_rad_s: vec![tip_m_s / length_m; 2],
+            displacement_m: Some(along(tip_m)),
+            velocity_m_s: Some(along(tip_m_s)),
+            x_m,
+        }
+    }
+
     /// Refuses a state that is not one of such a link.
     ///
     /// # Errors
@@ -125,6 +142,61 @@ impl State {
         };
         (0..self.x_m.len()).filter(inside).map(row).collect()
     }
+}
+
+/// Mean torque, over the largest, from which on a free hub turns faster from cycle to cycle.
+const MEAN: f64 = 1e-6;
+
+/// Coordinates and rates with which a cycle of so many samples begins and ends; `travel_m` is the tip's displacement over
+/// it where nothing decides that, and `start_m` the tip's at its start where nothing holds the hub.
+///
+/// With M the transition over a cycle and c what its torque makes of rest, x = (1 − M)⁻¹ c. Without stiffness no angle of
+/// the rigid rotation is better than another; without damping, too, its rate follows from its travel.
+///
+/// # Errors
+/// [`CycleError`].
+pub(super) fn of_cycle(
+    equations: &Equations,
+    driving: &Driving,
+    (step_s, samples): (f64, usize),
+    [travel_m, start_m]: [f64; 2],
+) -> Result<[Vec<f64>; 2], CycleError> {
+    let stepper = Stepper::new(equations, step_s);
+    let mut cycle = stepper.clone();
+    driving.steps(samples + 1).for_each(|cubic| cycle.advance(&cubic));
+    let mut right = DVector::from_column_slice(cycle.state());
+    let states = right.len();
+    let mut matrix = DMatrix::identity(states, states) - stepper.transition_over(samples);
+    let rigid = &equations.coordinates[0];
+    let (angle, rate) = (0, states / 2);
+    let is_held = equations.reaction.stiffness_n_m_rad != 0.0;
+    if !is_held {
+        let is_damped = equations.reaction.damping_n_m_s_rad != 0.0 || rigid.rate_per_s != 0.0;
+        if !is_damped {
+            let torques = || (0..samples).map(|k| driving.at(k));
+            let (mean, most) = (
+                torques().sum::<f64>() / samples as f64,
+                torques().fold(0.0_f64, |most, torque| most.max(torque.abs())),
+            );
+            if mean.abs() > MEAN * most {
+                return Err(CycleError::Mean { mean_n_m: mean });
+            }
+            let turned = matrix.row(angle).clone_owned();
+            matrix.set_row(rate, &turned);
+            let travelled = stepper.factors(&[1.0], &[])[0].recip() * travel_m / rigid.tip;
+            right[rate] = right[angle] - travelled;
+        }
+        matrix.row_mut(angle).fill(0.0);
+        matrix[(angle, angle)] = 1.0;
+        right[angle] = 0.0;
+    }
+    let state = matrix.lu().solve(&right).filter(|state| state.iter().all(|x| x.is_finite()));
+    let state = state.ok_or(CycleError::Resonance)?;
+    let [mut coordinates, rates] = stepper.of_state(state.as_slice());
+    if !is_held {
+        coordinates[0] = (start_m - equations.tip(&coordinates)) / rigid.tip;
+    }
+    Ok([coordinates, rates])
 }
 
 /// Value and slope at a place, by the cubics through all values and slopes; slopes count from `origin`.

@@ -1,7 +1,7 @@
 use nalgebra::DMatrix;
 
+use super::driving::{Cubic, Driving};
 use super::modes::{Equations, HubReaction};
-use super::play::{Cubic, Driving};
 use crate::numeric::TimeGrid;
 
 /// Terms of the cubic that drives a step.
@@ -118,6 +118,44 @@ impl Stepper {
             self.advance(&cubic);
             each(&self);
         }
+    }
+
+    /// What so many steps make of the state without a torque.
+    pub(super) fn transition_over(&self, steps: usize) -> DMatrix<f64> {
+        let (count, states) = (self.count, 2 * self.count);
+        let mut step = DMatrix::zeros(states, states);
+        match &self.transition {
+            Transition::Coupled(columns) => step.copy_from_slice(columns),
+            Transition::Alone { on_coordinates, on_rates } => {
+                for k in 0..count {
+                    for row in 0..2 {
+                        step[(row * count + k, k)] = on_coordinates[row * count + k];
+                        step[(row * count + k, count + k)] = on_rates[row * count + k];
+                    }
+                }
+            }
+        }
+        let mut all = DMatrix::identity(states, states);
+        // Of its binary digits each doubles the steps of the one before.
+        for digit in (0..usize::BITS - steps.leading_zeros()).rev() {
+            all = &all * &all;
+            if steps >> digit & 1 == 1 {
+                all = &step * &all;
+            }
+        }
+        all
+    }
+
+    /// Scaled coordinates, then rates.
+    pub(super) fn state(&self) -> &[f64] {
+        &self.state
+    }
+
+    /// The coordinates and rates of a state.
+    pub(super) fn of_state(&self, state: &[f64]) -> [Vec<f64>; 2] {
+        let (scaled, rates) = state.split_at(self.count);
+        let coordinates = scaled.iter().zip(&self.scales).map(|(x, scale)| x / scale).collect();
+        [coordinates, rates.to_vec()]
     }
 
     /// What these factors on coordinates and rates make of the state, as [`Stepper::weighted`] takes them.

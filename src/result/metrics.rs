@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::peak::{Peak, Peaks};
 use crate::inverse::{MotorHistories, Solution};
+use crate::motion::Ends;
 use crate::numeric::{TimeGrid, dot};
 use crate::response::Simulation;
 
@@ -17,17 +18,17 @@ pub struct Metrics {
     pub peak_torque_n_m: Peak,
     /// Root mean square of T in N m while it acts: from the first to the last |T| above 2 % of its
     /// peak, so that the rest around the motion does not count. With gravity T acts while it differs from what
-    /// holds the link at rest by more than 2 % of its range.
+    /// holds the link at rest by more than 2 % of its range. A periodic torque always acts.
     pub rms_torque_n_m: f64,
     /// Largest |T| of the rigid link in N m.
     pub peak_rigid_torque_n_m: Peak,
     /// Peak torque over that of the rigid link.
     pub torque_ratio: f64,
     /// How long before the tip's first motion T first acts, in s, interpolated
-    /// between samples; negative where it does so only afterwards.
-    pub lead_s: f64,
+    /// between samples; negative where it does so only afterwards. None of a periodic motion.
+    pub lead_s: Option<f64>,
     /// How long after the tip's last motion T last acts, in s, likewise.
-    pub lag_s: f64,
+    pub lag_s: Option<f64>,
     /// Largest |θ − θ(start)| in rad.
     pub peak_hub_angle_rad: Peak,
     /// Largest hub rate in rad/s.
@@ -75,22 +76,24 @@ impl Metrics {
         let peak_rigid_torque_n_m = peak(&solution.rigid_torque_n_m);
         let start = solution.hub_angle_rad[0];
         let travelled: Vec<f64> = solution.hub_angle_rad.iter().map(|a| a - start).collect();
-        // With gravity the torque acts where it differs from what holds the link at rest.
-        let acts = |torque: &[f64], peak: Peak| {
-            if solution.link().has_weight() {
-                Acting::beyond_rest(torque, TIMING_LEVEL * solution.size_of(torque))
-            } else {
+        let ends = solution.motion.ends();
+        // With gravity, or against friction, the torque acts where it differs from what it is at the ends.
+        let acts = |torque: &[f64], peak: Peak| match ends {
+            Ends::Periodic => Acting::always(torque),
+            Ends::AtRest if !solution.link().has_weight() => {
                 Acting::of(torque, TIMING_LEVEL * peak.value)
             }
+            _ => Acting::beyond_rest(torque, TIMING_LEVEL * solution.size_of(torque)),
         };
+        let timed = |time_s: f64| (ends != Ends::Periodic).then_some(time_s);
         let acting = acts(torque, peak_torque_n_m);
         Self {
             peak_torque_n_m,
             rms_torque_n_m: acting.rms(torque),
             peak_rigid_torque_n_m,
             torque_ratio: peak_torque_n_m.value / peak_rigid_torque_n_m.value,
-            lead_s: grid.time_s(solution.moving.0) - acting.start_s(grid),
-            lag_s: acting.end_s(grid) - grid.time_s(solution.moving.1),
+            lead_s: timed(grid.time_s(solution.moving.0) - acting.start_s(grid)),
+            lag_s: timed(acting.end_s(grid) - grid.time_s(solution.moving.1)),
             peak_hub_angle_rad: peak(&travelled),
             peak_hub_rate_rad_s: peak(&solution.hub_rate_rad_s),
             peak_power_w: peaks.of_product(torque, &solution.hub_rate_rad_s),
@@ -173,6 +176,11 @@ impl Acting {
             before: share(first, first.checked_sub(1).map(|k| &torque[k])),
             after: share(last, torque.get(last + 1)),
         }
+    }
+
+    /// Of a torque without a beginning or an end.
+    fn always(torque: &[f64]) -> Self {
+        Self { first: 0, last: torque.len() - 1, before: 0.0, after: 0.0 }
     }
 
     /// Of a torque that holds a link at rest at its first and last sample: from where it leaves the first by more

@@ -95,10 +95,11 @@ pub struct StoredSolution {
     pub motor_torque_n_m: Option<Vec<f64>>,
     /// Times in s between which the tip moves.
     pub moving_s: (f64, f64),
-    /// How long before the tip's motion the torque exceeds 2 % of its peak, in s.
-    pub lead_s: f64,
+    /// How long before the tip's motion the torque exceeds 2 % of its peak, in s; none of a
+    /// periodic motion.
+    pub lead_s: Option<f64>,
     /// How long after it, in s.
-    pub lag_s: f64,
+    pub lag_s: Option<f64>,
 }
 
 /// A quantity at some nodes over time.

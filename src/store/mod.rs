@@ -1,6 +1,5 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
 
-mod fit_record;
 mod folder;
 mod frequency_tables;
 mod golden;
@@ -14,13 +13,12 @@ mod run_tables;
 mod summary;
 mod sweep;
 
-pub use fit_record::{FitInputs, fit_json};
 pub use folder::{Durability, FolderError, OutputFolder, write_file};
 pub use frequency_tables::{
     frequency_response_json, modes_json, pose_modes_json, write_frequency_response,
 };
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
-pub use json::{Fingerprint, read_state, state_json};
+pub use json::{Fingerprint, FitInputs, fit_json, read_state, state_json};
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use read_result::{is_run, read_result};
 pub use repetition::{RunRecord, TemporaryFolder};

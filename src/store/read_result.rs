@@ -6,6 +6,8 @@ use std::fs;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
+
 use super::json::{Head, newer, unreadable};
 use super::read_tables::{ONE_RUN, TIME, Table, deflections, is_same_time, read_mesh, read_nodal};
 use super::run_tables::{
@@ -230,15 +232,22 @@ fn check_window(torque: &Table, summary: &Summary) -> Result<(), TableError> {
 }
 
 /// From a summary of `solve`, in s: start and end of the tip's motion, lead and lag of the torque.
-fn timing(summary: &Summary, place: Place) -> Result<((f64, f64), f64, f64), TableError> {
+fn timing(summary: &Summary, place: Place) -> Result<Timing, TableError> {
     let number = |of: &str, key: &str| {
         let object = &summary.values[of];
         let missing = if object.is_object() { format!("{of}.{key}") } else { of.to_owned() };
         object[key].as_f64().ok_or_else(|| place.refuse(missing, "nothing", "must be there"))
     };
     let moving_s = (number("motion", "moves_from_s")?, number("motion", "moves_until_s")?);
-    Ok((moving_s, number("results", "lead_s")?, number("results", "lag_s")?))
+    let timed = |key: &str| match summary.values["results"].get(key) {
+        Some(Value::Null) => Ok(None),
+        _ => number("results", key).map(Some),
+    };
+    Ok((moving_s, timed("lead_s")?, timed("lag_s")?))
 }
+
+/// Times in s between which the tip moves; lead and lag in s, none of a periodic motion.
+type Timing = ((f64, f64), Option<f64>, Option<f64>);
 
 /// Copies of the nodes' histories that making a page holds at a time.
 const COPIES: usize = 4;

@@ -12,7 +12,7 @@ use crate::beam::Mesh;
 use crate::inverse::{Solution, Unwatched, Warning};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
-use crate::motion::TipMotion;
+use crate::motion::{Ends, TipMotion};
 use crate::response::{Input, ModalPlay, Play, PlayError, Played, Simulation};
 use crate::result::{
     Comparison, Exceeded, Metrics, PlayedMetrics, Remark, StoredWarning, TipError,
@@ -174,7 +174,9 @@ impl Summary {
                     "torque_band_hz": selection.torque_band_hz,
                     "highest_hz": selection.highest_hz,
                 });
-                values["residual"] = json!(residual);
+                if let Some(residual) = residual {
+                    values["residual"] = json!(residual);
+                }
             }
             Played::Elastica(bent) => {
                 values["elastica"] = json!({
@@ -208,7 +210,7 @@ fn mesh_values(mesh: &Mesh) -> Value {
 
 fn motion_values(motion: &TipMotion, metrics: &Metrics) -> Value {
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
-    json!({
+    let mut values = json!({
         "given": if motion.is_from_displacement() { "displacement" } else { "acceleration" },
         "samples": grid.len,
         "step_s": grid.step_s,
@@ -218,7 +220,14 @@ fn motion_values(motion: &TipMotion, metrics: &Metrics) -> Value {
         "travel_m": motion.travel_m(),
         "peak_velocity_m_s": metrics.peak_tip_velocity_m_s.value,
         "peak_acceleration_m_s2": metrics.peak_tip_acceleration_m_s2.value,
-    })
+    });
+    if motion.ends() != Ends::AtRest {
+        let [before_m_s, after_m_s] = motion.end_velocities_m_s();
+        values["ends"] = json!(motion.ends());
+        values["velocity_before_m_s"] = json!(before_m_s);
+        values["velocity_after_m_s"] = json!(after_m_s);
+    }
+    values
 }
 
 fn input_values(play: &Play, simulation: &Simulation) -> Value {

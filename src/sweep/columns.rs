@@ -40,8 +40,8 @@ const SOLVED: [Solved; 16] = [
     ("rms_torque_n_m", |case| Some(case.metrics.rms_torque_n_m)),
     ("peak_rigid_torque_n_m", |case| Some(case.metrics.peak_rigid_torque_n_m.value)),
     ("torque_ratio", |case| Some(case.metrics.torque_ratio)),
-    ("lead_s", |case| Some(case.metrics.lead_s)),
-    ("lag_s", |case| Some(case.metrics.lag_s)),
+    ("lead_s", |case| case.metrics.lead_s),
+    ("lag_s", |case| case.metrics.lag_s),
     ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
     ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
     ("peak_root_moment_n_m", |case| Some(case.metrics.peak_root_moment_n_m.value)),
@@ -80,7 +80,7 @@ const PLAYED: [Played; 14] = [
 
 /// The vibration after the torque; none of a link with weight or at large angles.
 fn residual<'a>(case: &PlayedCase<'a>) -> Option<&'a ResidualVibration> {
-    case.simulation.modes().map(|modes| &modes.residual)
+    case.simulation.modes().and_then(|modes| modes.residual.as_ref())
 }
 
 fn of_motor(case: &SolvedCase, number: fn(&MotorMetrics) -> f64) -> Option<f64> {

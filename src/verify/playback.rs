@@ -2,10 +2,10 @@
 
 use super::check::{Answer, Check, Kind, VerificationError};
 use crate::link::{Damping, Link};
-use crate::motion::TipTarget;
+use crate::motion::{Ends, TipTarget};
 use crate::numeric::{largest, largest_difference};
 use crate::response::{
-    EnergyAccount, EnergyBalance, HubReference, Play, Simulation, SimulationError, Torque,
+    EnergyAccount, EnergyBalance, HubReference, Play, Simulation, SimulationError, State, Torque,
     simulate_on,
 };
 
@@ -28,12 +28,27 @@ pub(super) struct Played {
 /// Plays the written torque on the link: tip error and balance of energy.
 pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, VerificationError> {
     let solution = answer.solution;
+    let ends = solution.motion.ends();
+    let is_hysteretic =
+        matches!(solution.link().damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
+    match ends {
+        Ends::Moving if is_hysteretic => {
+            return Ok(not_played(
+                "hysteretic damping has no state of a tip that has always moved",
+            ));
+        }
+        Ends::Periodic if solution.second_order().is_some() => {
+            return Ok(not_played("with weight or second order a cycle is played by no equation"));
+        }
+        _ => {}
+    }
     if solution.second_order().is_some() {
-        return match solution.link().damping() {
-            Damping::Hysteretic { ratio } if *ratio > 0.0 => Ok(not_played(
+        return if is_hysteretic {
+            Ok(not_played(
                 "with weight or second order hysteretic damping is played by no equation in time",
-            )),
-            _ => played_large(answer, wanted),
+            ))
+        } else {
+            played_large(answer, wanted)
         };
     }
     let (link, grid) = (solution.link(), solution.grid);
@@ -41,7 +56,15 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
     let torque = Torque::new(&time_s, answer.written_torque_n_m.to_vec())?;
     let memory_bytes = answer.memory_bytes;
     let initial_tip_m = solution.tip.displacement_m[0];
-    let play = Play { initial_tip_m, memory_bytes, ..Play::of(&torque) };
+    let moving =
+        State::turning(link, grid.time_s(0), [initial_tip_m, solution.tip.velocity_m_s[0]]);
+    let play = Play {
+        initial_tip_m,
+        memory_bytes,
+        state: (ends == Ends::Moving).then_some(&moving),
+        cycle_travel_m: (ends == Ends::Periodic).then(|| solution.motion.travel_m()),
+        ..Play::of(&torque)
+    };
     let simulation = match simulate_on(link, solution.mesh().clone(), &play) {
         Err(SimulationError::MasslessHub) => return Ok(not_played("the hub moves no mass")),
         played => played?,
@@ -59,7 +82,13 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
             let apart_m = modes.apart_m(*ratio, &solution.tip.acceleration_m_s2);
             let viscous_m = &simulation.tip.displacement_m;
             let less: Vec<f64> =
-                viscous_m.iter().zip(apart_m).map(|(v, apart)| v - apart).collect();
+                viscous_m.iter().zip(&apart_m).map(|(v, apart)| v - apart).collect();
+            if ends == Ends::Periodic {
+                // Both begin where the tip does: the rigid rotation is another from law to law.
+                let less: Vec<f64> = less.iter().map(|v| v + apart_m[0]).collect();
+                let tip = vec![Kind::TIP_ERROR_VISCOUS.measured_to(error(&less), bound)];
+                return Ok(Played { tip, energy: energy(answer, &simulation) });
+            }
             vec![
                 Kind::TIP_ERROR.measured_to(error(&tip_m), bound),
                 Kind::TIP_ERROR_VISCOUS.measured_to(error(&less), bound),
@@ -168,11 +197,11 @@ fn tip_error(answer: &Answer, wanted: &TipTarget, tip_m: &[f64]) -> f64 {
 /// Largest imbalance of energy, and the error of its integrals, both over the largest energy in the
 /// link.
 fn imbalance(simulation: &Simulation) -> (f64, f64) {
-    let EnergyAccount { balances, quadrature_error_j } = simulation.energy(BALANCES);
+    let EnergyAccount { balances, start_j, quadrature_error_j } = simulation.energy(BALANCES);
     let held = |b: &EnergyBalance| b.kinetic_j + b.strain_j;
     // What weight holds may be less than at the start.
     let largest = balances.iter().fold(0.0_f64, |m, b| m.max(held(b).abs()).max(b.kinetic_j));
-    let missing = balances.iter().map(|b| (b.work_j - held(b) - b.dissipated_j).abs());
+    let missing = balances.iter().map(|b| (b.work_j - (held(b) - start_j) - b.dissipated_j).abs());
     let missing = missing.fold(0.0, f64::max);
     (missing / largest, quadrature_error_j / largest)
 }

@@ -8,6 +8,7 @@ mod compare;
 mod compare_folders;
 mod compare_tolerances;
 mod damping;
+mod ends;
 mod exits;
 mod files;
 mod fit;

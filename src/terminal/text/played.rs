@@ -187,7 +187,9 @@ fn tip_line(metrics: &PlayedMetrics) -> String {
 
 /// The vibration after the torque. A share of a travel that the tip had hardly begun says nothing.
 fn residual_line(simulation: &Simulation) -> String {
-    let Some(ModalPlay { residual, .. }) = simulation.modes() else { return String::new() };
+    let Some(residual) = simulation.modes().and_then(|modes| modes.residual) else {
+        return String::new();
+    };
     let vibration = format!("vibrates by {} m", significant(residual.amplitude_m, 3));
     let share = (residual.share < 1.0).then(|| significant(residual.share, 2));
     let share = share.map(|share| format!(", {share} of its travel"));
@@ -202,7 +204,9 @@ fn decay_line(simulation: &Simulation, play: &Play) -> String {
         Input::Torque(_) => "torque",
         Input::HubAngle(_) => "recording",
     };
-    let Some(ModalPlay { residual, .. }) = simulation.modes() else { return String::new() };
+    let Some(residual) = simulation.modes().and_then(|modes| modes.residual) else {
+        return String::new();
+    };
     match residual.decay_s {
         Some(decay_s) if decay_s > 0.0 => {
             format!("to 1 % of that {} s after the {input}'s end", significant(decay_s, 3))

@@ -8,6 +8,7 @@ use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{Quantity, QuantityErrors, Solution};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
+use flexlink::motion::Ends;
 use flexlink::result::{Metrics, MotorMetrics, Peak};
 use flexlink::text::{gigabytes, plain, significant, visible};
 
@@ -42,7 +43,7 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
             ("motion", motion_line(solution, metrics)),
             ("torque", acting(metrics.peak_torque_n_m, metrics.rms_torque_n_m)),
             ("rigid", rigid_line(metrics)),
-            ("timing", timing_line(metrics.lead_s, metrics.lag_s)),
+            ("timing", timing_text(metrics)),
             ("hub", hub_line(&hub)),
             ("motor", metrics.motor.as_ref().map(motor_line).unwrap_or_default()),
             ("bending", bending_line(metrics)),
@@ -148,20 +149,56 @@ fn list(values: &[f64], digits: usize, unit: &str) -> String {
     values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ") + unit
 }
 
+/// Velocity over its peak that is shown as rest.
+const ROUND_OFF: f64 = 1e-9;
+
 fn motion_line(solution: &Solution, metrics: &Metrics) -> String {
     let motion = &solution.motion;
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
     let farthest_m = solution.tip.largest_travel_m();
     let [travel, farthest, duration] =
         four([motion.travel_m(), farthest_m, grid.time_s(until) - grid.time_s(from)]);
+    if motion.ends() == Ends::Periodic {
+        return cycle_line(solution, farthest_m) + &peaks_text(metrics);
+    }
     let is_there_and_back = motion.travel_m().abs() <= 1e-6 * farthest_m;
     let travel =
         if is_there_and_back { format!("{farthest} m and back") } else { format!("{travel} m") };
+    let step = significant(grid.step_s, 3);
+    let peaks = peaks_text(metrics);
+    if motion.ends() == Ends::Moving {
+        let peak_m_s = metrics.peak_tip_velocity_m_s.value;
+        let rest =
+            |velocity: f64| if velocity.abs() < ROUND_OFF * peak_m_s { 0.0 } else { velocity };
+        let [before, after] =
+            motion.end_velocities_m_s().map(|velocity| significant(rest(velocity), 3));
+        return format!(
+            "{travel}, {duration} s of it at changing velocity, at {step} s;\n{:LABEL$}from {before} to \
+             {after} m/s{peaks}",
+            ""
+        );
+    }
+    format!("{travel} in {duration} s at {step} s{peaks}")
+}
+
+/// A cycle: how far it leads, or turns, in what time.
+fn cycle_line(solution: &Solution, farthest_m: f64) -> String {
+    let (grid, travel_m) = (solution.motion.grid(), solution.motion.travel_m());
+    let [farthest, travel, period] = four([farthest_m, travel_m, grid.len as f64 * grid.step_s]);
+    let step = significant(grid.step_s, 3);
+    if travel_m == 0.0 {
+        format!("cycle of {farthest} m in {period} s at {step} s")
+    } else {
+        format!("cycle that leads on by {travel} m in {period} s at {step} s")
+    }
+}
+
+fn peaks_text(metrics: &Metrics) -> String {
     let velocity_m_s = metrics.peak_tip_velocity_m_s.value;
     let acceleration_m_s2 = metrics.peak_tip_acceleration_m_s2.value;
-    let [step, velocity, acceleration] =
-        [grid.step_s, velocity_m_s, acceleration_m_s2].map(|number| significant(number, 3));
-    format!("{travel} in {duration} s at {step} s; peaks {velocity} m/s, {acceleration} m/s²")
+    let [velocity, acceleration] =
+        [velocity_m_s, acceleration_m_s2].map(|number| significant(number, 3));
+    format!("; peaks {velocity} m/s, {acceleration} m/s²")
 }
 
 /// The torque of hub or motor.
@@ -175,6 +212,13 @@ fn rigid_line(metrics: &Metrics) -> String {
     let peak = significant(metrics.peak_rigid_torque_n_m.value, 4);
     let ratio = significant(metrics.torque_ratio, 3);
     format!("peak {peak} N m for a rigid link, ratio {ratio}")
+}
+
+fn timing_text(metrics: &Metrics) -> String {
+    match metrics.lead_s.zip(metrics.lag_s) {
+        Some((lead_s, lag_s)) => timing_line(lead_s, lag_s),
+        None => "one cycle, which the torque repeats".to_owned(),
+    }
 }
 
 fn timing_line(lead_s: f64, lag_s: f64) -> String {
@@ -223,19 +267,23 @@ type Kind = fn(QuantityErrors) -> Option<f64>;
 /// The kind of error that is printed for the torque, too, if another quantity is worse.
 const INPUT: &str = "input";
 
+/// A cycle is not cut out of a longer one.
+const WINDOW: &str = "window";
+
 /// The worst error of each kind, and of which quantity it is, where that is not the torque.
 fn solution_errors(solution: &Solution) -> String {
     let errors = &solution.accuracy;
+    let is_cycle = solution.motion.ends() == Ends::Periodic;
     let kinds: [(&str, Kind); 6] = [
         ("mesh", |errors| Some(errors.mesh)),
-        ("window", |errors| Some(errors.window)),
+        (WINDOW, |errors| Some(errors.window)),
         ("step", |errors| errors.step),
         ("iteration", |errors| errors.iteration),
         ("modes left out", |errors| errors.modes),
         (INPUT, |errors| errors.input),
     ];
     let worst = kinds.iter().filter_map(|(name, kind)| {
-        kind(errors.errors.torque)?;
+        kind(errors.errors.torque).filter(|_| !(is_cycle && *name == WINDOW))?;
         let (quantity, error) = errors.of_kind(|e| kind(e).unwrap_or(0.0)).worst();
         let of = match quantity {
             Quantity::Torque => String::new(),

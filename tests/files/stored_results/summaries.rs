@@ -56,8 +56,8 @@ fn a_verified_run_tells_its_origin_numbers_checks_and_warnings() {
     assert_readings(&run.readings, &summary);
     let solved = run.solved.unwrap();
     for (found, expected) in [
-        (solved.lead_s, &summary["results"]["lead_s"]),
-        (solved.lag_s, &summary["results"]["lag_s"]),
+        (solved.lead_s.unwrap(), &summary["results"]["lead_s"]),
+        (solved.lag_s.unwrap(), &summary["results"]["lag_s"]),
         (solved.moving_s.0, &summary["motion"]["moves_from_s"]),
         (solved.moving_s.1, &summary["motion"]["moves_until_s"]),
     ] {

@@ -144,7 +144,7 @@ fn a_stiffly_held_hub_vibrates_as_a_clamped_one() {
     for kp in [1.0, 10.0, 100.0, 1e4, 1e6, 1e8] {
         let feedback = holding((kp, 0.0), &torque);
         let found = played(&link, &plan, &Play { feedback: Some(&feedback), ..Play::of(&torque) });
-        let found_hz = found.modes().unwrap().residual.frequency_hz.unwrap();
+        let found_hz = found.modes().unwrap().residual.unwrap().frequency_hz.unwrap();
         let error = found_hz * TAU / held_rad_s(kp) - 1.0;
         assert!(error.abs() < 1e-5, "{kp} N m/rad: {found_hz} Hz is {error:e} off");
     }

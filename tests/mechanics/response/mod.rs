@@ -5,6 +5,7 @@
 
 mod after;
 mod channels;
+mod cycle;
 mod feedback;
 mod free;
 mod held;

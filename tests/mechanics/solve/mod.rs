@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod auto_mesh;
+mod ends;
 mod energy;
 mod errors;
 mod laws;

@@ -1,0 +1,152 @@
+//! What drives the equations of motion, at its samples and between them.
+
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::motion::wrapped;
+use crate::numeric::{CubicSpline, SplineEnds};
+
+/// Input u of the equations of motion: the hub's acceleration, or the torque, and the part of the feedback that
+/// depends on its reference. The part that depends on the link's motion belongs to the equations.
+#[derive(Debug, Clone)]
+pub(super) struct Driving {
+    pub(super) samples: Vec<f64>,
+    pub(super) pieces: Vec<Cubic>,
+    /// After the last sample of the input.
+    pub(super) hold: f64,
+    /// Whether the first sample follows the last.
+    pub(super) repeats: bool,
+}
+
+impl Driving {
+    /// A cycle of samples: from the last one the first one of the next cycle follows.
+    pub(super) fn repeated(samples: Vec<f64>, interpolation: Interpolation) -> Self {
+        let around = samples.len();
+        let mut pieces = pieces(&wrapped(&samples, 0.0, around), interpolation);
+        pieces.drain(..around);
+        pieces.truncate(around);
+        Self { samples, pieces, hold: 0.0, repeats: true }
+    }
+
+    /// At a sample, also after the input's last.
+    pub(super) fn at(&self, sample: usize) -> f64 {
+        let sample = if self.repeats { sample % self.samples.len() } else { sample };
+        self.samples.get(sample).copied().unwrap_or(self.hold)
+    }
+
+    /// Over each step between so many samples.
+    pub(super) fn steps(&self, samples: usize) -> impl Iterator<Item = Cubic> {
+        (0..samples.saturating_sub(1)).map(|k| {
+            let k = if self.repeats { k % self.pieces.len() } else { k };
+            self.pieces.get(k).copied().unwrap_or(self.held())
+        })
+    }
+
+    /// Over any step after the last sample.
+    pub(super) fn held(&self) -> Cubic {
+        [self.hold, 0.0, 0.0, 0.0]
+    }
+}
+
+/// Why a torque has no cycle in which a link repeats its motion.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum CycleError {
+    /// A mean torque that turns a free hub faster and faster.
+    #[error(
+        "the mean torque = {mean_n_m:e} N m, but must be 0: without friction or feedback the hub turns faster \
+         from cycle to cycle"
+    )]
+    Mean {
+        /// The mean torque in N m.
+        mean_n_m: f64,
+    },
+    /// A reference of the feedback that ends elsewhere than it starts.
+    #[error(
+        "the reference = {jump_rad:e} rad away from its start, a step after its last sample, but must be back there: \
+         it repeats with the torque"
+    )]
+    Reference {
+        /// The angle in rad from the last sample to the first.
+        jump_rad: f64,
+    },
+    /// A vibration of an undamped link that grows, or no finite one.
+    #[error("the cycle = in step with a vibration that is not damped, but must not be")]
+    Resonance,
+    /// A link with weight or at large angles.
+    #[error("the link = with weight or at large angles, but must be linear to repeat a cycle")]
+    Large,
+}
+
+impl CycleError {
+    pub(super) fn hint(self) -> &'static str {
+        match self {
+            Self::Mean { .. } => "give hub.viscous_friction, or --feedback",
+            Self::Reference { .. } => "leave the stiffness out: --feedback 0,KD",
+            Self::Resonance => "give the link damping",
+            Self::Large => {
+                "play cycle after cycle: --save-state of one is --state of the next, until nothing changes"
+            }
+        }
+    }
+}
+
+/// A torque, or the voltage of a motor, between its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Interpolation {
+    /// A cubic spline through all samples.
+    #[default]
+    Cubic,
+    /// Straight lines.
+    Linear,
+    /// Each sample until the next one, as a converter plays a table.
+    Zero,
+}
+
+/// Coefficients of a cubic over one step: `u(s) = Σ c_j (s/Δt)ʲ`.
+pub(super) type Cubic = [f64; 4];
+
+/// The pieces between samples, one fewer than there are samples.
+pub(super) fn pieces(samples: &[f64], interpolation: Interpolation) -> Vec<Cubic> {
+    match interpolation {
+        Interpolation::Linear => {
+            samples.windows(2).map(|ends| [ends[0], ends[1] - ends[0], 0.0, 0.0]).collect()
+        }
+        Interpolation::Zero => {
+            samples[..samples.len().saturating_sub(1)].iter().map(|u| [*u, 0.0, 0.0, 0.0]).collect()
+        }
+        Interpolation::Cubic => {
+            let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
+            let ends = samples.windows(2).zip(spline.slopes().windows(2));
+            ends.map(|(values, slopes)| {
+                let (rise, [from, to]) = (values[1] - values[0], [slopes[0], slopes[1]]);
+                [values[0], from, 3.0 * rise - 2.0 * from - to, from + to - 2.0 * rise]
+            })
+            .collect()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_of_a_cubic_are_that_cubic() {
+        let cubic = |s: f64| 0.5 - s + 0.25 * s * s - 0.125 * s * s * s;
+        let samples: Vec<f64> = (0..6).map(|k| cubic(f64::from(k))).collect();
+        let evaluated = |c: &Cubic, s: f64| c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+        for (k, piece) in pieces(&samples, Interpolation::Cubic).iter().enumerate() {
+            for s in [0.0, 0.3, 1.0] {
+                assert!((evaluated(piece, s) - cubic(k as f64 + s)).abs() < 1e-13);
+            }
+        }
+        for (k, piece) in pieces(&samples, Interpolation::Linear).iter().enumerate() {
+            let middle = 0.5 * (samples[k] + samples[k + 1]);
+            assert!((evaluated(piece, 0.5) - middle).abs() < 1e-15);
+        }
+        for (k, piece) in pieces(&samples, Interpolation::Zero).iter().enumerate() {
+            assert!((evaluated(piece, 0.99) - samples[k]).abs() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Motions that repeat, and tips that move at their ends, on the command line.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use super::{Bench, stderr, stdout};
+
+const STRIP: &str = "[[segments]]
+length = 0.4
+EI = 0.3
+mass_per_length = 0.15
+elements = 4
+[hub]
+inertia = 2e-3
+viscous_friction = 1e-3
+[payload]
+mass = 0.05
+[damping]
+model = 'rayleigh'
+beta = 1e-3
+";
+
+/// The link, a cycle of 80 rows, one with its first row again, and one that travels on.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("strip.toml", STRIP);
+    let row = |k: u32| 0.03 * (1.0 - (TAU * f64::from(k) / 80.0).cos());
+    let table = |rows: u32| {
+        (0..rows).fold("time,displacement\n".to_owned(), |mut table, k| {
+            let _ = writeln!(table, "{},{}", 0.0125 * f64::from(k), row(k));
+            table
+        })
+    };
+    bench.write("cycle.csv", &table(80));
+    bench.write("again.csv", &table(81));
+    let turning = (0..80).fold("time,velocity\n".to_owned(), |mut table, k| {
+        let share = TAU * f64::from(k) / 80.0;
+        let _ = writeln!(table, "{},{}", 0.0125 * f64::from(k), 0.2 + 0.1 * share.sin());
+        table
+    });
+    bench.write("turning.csv", &turning);
+    bench
+}
+
+#[test]
+fn a_cycle_is_solved_told_verified_repeated_and_played() {
+    let bench = bench();
+    let output = bench.run(&["solve", "strip.toml", "cycle.csv", "--periodic", "--report"]);
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(text.contains("\nmotion   cycle of 0.06000 m in 1.000 s at 0.0125 s; peaks"), "{text}");
+    assert!(text.contains("\ntiming   one cycle, which the torque repeats\n"), "{text}");
+    assert!(text.contains(", 80 rows; ") && !text.contains("window 0"), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    let summary: serde_json::Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+    assert_eq!(summary["motion"]["ends"], "periodic");
+    assert!(summary["results"]["lead_s"].is_null() && summary["results"]["lag_s"].is_null());
+    assert_eq!(bench.read("out/torque.csv").lines().count(), 81);
+    let page = bench.read("out/report.html");
+    assert!(page.contains("This is one cycle, which the torque repeats."));
+    assert!(page.contains("it is played from rest, where this motion does not begin"));
+    let again = bench.run(&["solve", "--repeat", "out", "-o", "again"]);
+    assert!(again.status.success(), "{}", stderr(&again));
+    assert_eq!(bench.read("again/torque.csv"), bench.read("out/torque.csv"));
+    let verified = bench.run(&["verify", "strip.toml", "cycle.csv", "--periodic"]);
+    assert!(verified.status.success(), "{}", stdout(&verified));
+    assert!(!stdout(&verified).contains("not made"), "{}", stdout(&verified));
+    let played = ["simulate", "strip.toml", "out/torque.csv", "--target", "out/tip.csv"];
+    let output = bench.run(&[&played[..], &["--periodic"]].concat());
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(!text.contains("\nafter ") && !text.contains("\ndecay "), "{text}");
+    let strays = text.lines().find_map(|line| line.strip_prefix("error    tip strays by up to "));
+    let strays_m: f64 = strays.unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(strays_m < 1e-6 * 0.06, "{text}");
+    // From rest the same torque leads elsewhere.
+    let resting = stdout(&bench.run(&played));
+    assert!(resting.contains("\nafter ") && resting.contains("error    tip strays"), "{resting}");
+}
+
+#[test]
+fn a_sweep_has_no_lead_of_a_cycle() {
+    let bench = bench();
+    let vary = ["--vary", "payload.mass=0.02,0.05", "--periodic"];
+    let output = bench.run(&[&["sweep", "strip.toml", "turning.csv"], &vary[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let table = bench.read("sweep.csv");
+    let mut rows = table.lines().filter(|line| !line.starts_with('#'));
+    let names: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let lead = names.iter().position(|name| *name == "lead_s").unwrap();
+    let rows: Vec<Vec<&str>> = rows.map(|row| row.split(',').collect()).collect();
+    assert!(rows.len() == 2 && rows.iter().all(|row| row[lead].is_empty()), "{table}");
+}
+
+#[test]
+fn a_velocity_column_says_that_the_tip_moves_on() {
+    let bench = bench();
+    let output = bench.run(&["solve", "strip.toml", "turning.csv"]);
+    let text = stdout(&output);
+    assert!(text.contains(" of it at changing velocity, at 0.0125 s;\n"), "{text}");
+    assert!(text.contains("\n         from 0.200 to 0.192 m/s; peaks"), "{text}");
+    let cycle = stdout(&bench.run(&["solve", "strip.toml", "turning.csv", "--periodic"]));
+    assert!(cycle.contains("\nmotion   cycle that leads on by 0.2000 m in 1.000 s"), "{cycle}");
+}
+
+#[test]
+fn what_no_end_can_be_is_refused() {
+    let bench = bench();
+    let weight = ["--set", "gravity=[0, -9.81]", "--set", "start_angle=0"];
+    for (arguments, expected) in [
+        (
+            &["again.csv", "--periodic"][..],
+            "error: again.csv:82: the last row of the cycle = the first one again, but must be the one before it\n\
+             hint: leave the last row out: the first row follows the last one, a step later\n",
+        ),
+        (
+            &[&["turning.csv", "--periodic"][..], &weight].concat(),
+            "error: the cycle = not whole turns, but must end in its first direction, with gravity\n\
+             hint: correct the mean of the velocity column, or leave it out\n",
+        ),
+        (
+            &[&["turning.csv"][..], &weight].concat(),
+            "error: the tip moves at the ends of its motion, but must be at rest there, or periodic, with gravity \
+             or second order\n\
+             hint: add the samples that bring the tip to rest, or solve it without: second_order = \"none\"\n",
+        ),
+        (
+            &["turning.csv", "--set", "damping.alpha=0.1"],
+            "error: the tip moves at the ends of its motion, but must be at rest there with damping.alpha above 0\n\
+             hint: use damping.beta or a damping ratio instead\n",
+        ),
+        (
+            &["cycle.csv", "--periodic", "--set", "analysis.lead=0.1"],
+            "error: analysis.lead or analysis.lag = given, but a periodic motion has neither\n\
+             hint: leave them out\n",
+        ),
+    ] {
+        let output = bench.run(&[&["solve", "strip.toml"], arguments].concat());
+        assert!(!output.status.success());
+        let told = stderr(&output);
+        let told = told.lines().filter(|line| !line.starts_with("note: ")).collect::<Vec<_>>();
+        assert_eq!(told.join("\n").trim_end(), expected.trim_end());
+    }
+    bench.write("push.csv", "time,torque\n0,1\n0.1,0\n0.2,0\n0.3,0\n0.4,0\n");
+    let free = ["simulate", "strip.toml", "push.csv", "--periodic"];
+    let frictionless = ["--set", "hub.viscous_friction=0"];
+    let told = stderr(&bench.run(&[&free[..], &frictionless].concat()));
+    assert!(
+        told.starts_with("error: push.csv: the mean torque = 2e-1 N m, but must be 0"),
+        "{told}"
+    );
+    assert!(bench.run(&free).status.success());
+    let told = stderr(&bench.run(&[&free[..], &weight].concat()));
+    assert!(told.contains("hint: play cycle after cycle: --save-state"), "{told}");
+    let told = stderr(&bench.run(&[&free[..], &["--input", "hub-angle"]].concat()));
+    assert!(told.contains("must be torque with --periodic"), "{told}");
+}
