@@ -181,7 +181,9 @@ impl Simulate {
                 (Exit::Usage, "--".to_owned())
             }
             SimulationError::Plan(_)
-            | SimulationError::Cycle(CycleError::Resonance | CycleError::Large)
+            | SimulationError::Cycle(
+                CycleError::Resonance | CycleError::Free | CycleError::Unsettled { .. },
+            )
             | SimulationError::Damping(_)
             | SimulationError::MasslessHub
             | SimulationError::NotDerived { .. }

@@ -1,16 +1,15 @@
 //! A torque, or a motion of the hub, played on a link with weight or at large angles.
 
-use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 
 use super::chain::{Balance, Chain};
-use super::driving::Driving;
+use super::driving::{Cubic, CycleError, Driving};
 use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
 use super::modes::HubReaction;
 use super::play::{Input, Play};
 use super::radau::{Motion, Radau};
-use super::shape::{Held, at_rest, viscous};
-use super::state::State;
+use super::shape::{Held, at_rest, direction, refuse_unknown, viscous};
+use super::state::{State, settle};
 use super::stepper::Record;
 use crate::link::Link;
 use crate::modal::DampingLaw;
@@ -119,21 +118,6 @@ pub(super) fn play_bent(
     coarse
 }
 
-/// Refuses links whose large motion is not derived.
-fn refuse_unknown(link: &Link, law: &DampingLaw) -> Result<(), SimulationError> {
-    let refused = |what, known| Err(SimulationError::NotDerived { what, known });
-    if link.segments().iter().any(|segment| segment.timoshenko.is_some()) {
-        return refused("the link has shear and rotary inertia", "without them");
-    }
-    if law.mass_rate_per_s() != 0.0 {
-        return refused("the damping drags every mass (alpha)", "with alpha = 0");
-    }
-    if law.is_modal() {
-        return refused("the damping is given mode by mode", "with hysteretic or rayleigh damping");
-    }
-    Ok(())
-}
-
 /// What is played.
 struct Problem<'a> {
     link: &'a Link,
@@ -222,21 +206,33 @@ impl Problem<'_> {
             chain,
         };
         let mut histories: Histories = [(); 7].map(|()| Vec::with_capacity(grid.len));
-        found.observe(&mut motion, (self.driving.at(0), &drive), &mut balance, &mut histories);
         let places = Radau::places();
-        for (sample, cubic) in self.driving.steps(grid.len).enumerate() {
-            for step in 0..steps {
-                let done = radau.advance(&mut motion, |stage, q, rates, balance| {
+        let mut advance = |chain: &Chain, motion: &mut Motion, sample: usize, cubic: &Cubic| {
+            let is_done = (0..steps).all(|step| {
+                radau.advance(motion, |stage, q, rates, balance| {
                     let s = (step as f64 + places[stage]) / steps as f64;
                     let input = cubic.iter().rev().fold(0.0, |sum, term| sum * s + term);
-                    found.chain.balance(q, rates, balance);
+                    chain.balance(q, rates, balance);
                     drive.apply(input, (q, rates), balance);
-                });
-                if !done {
-                    let time_s = grid.time_s(sample + 1);
-                    return Err(SimulationError::NotConverged { time_s });
-                }
+                })
+            });
+            let time_s = grid.time_s(sample + 1);
+            if is_done { Ok(()) } else { Err(SimulationError::NotConverged { time_s }) }
+        };
+        if self.driving.repeats {
+            // Nothing holds the hub of such a link anywhere: it may turn on from cycle to cycle, at one rate.
+            let is_free = !self.link.has_weight() && drive.reaction.stiffness_n_m_rad == 0.0;
+            if is_free && drive.reaction.damping_n_m_s_rad == 0.0 {
+                return Err(CycleError::Free.into());
             }
+            let cycle = (&self.driving, self.play.input.grid());
+            settle(&mut motion, cycle, is_free, |motion, sample, cubic| {
+                advance(&found.chain, motion, sample, cubic)
+            })?;
+        }
+        found.observe(&mut motion, (self.driving.at(0), &drive), &mut balance, &mut histories);
+        for (sample, cubic) in self.driving.steps(grid.len).enumerate() {
+            advance(&found.chain, &mut motion, sample, &cubic)?;
             let input = (self.driving.at(sample + 1), &drive);
             found.observe(&mut motion, input, &mut balance, &mut histories);
         }
@@ -275,12 +271,6 @@ impl Problem<'_> {
         let first_rad = direction(chain.tip(&q, &rest).at_m, start_rad);
         Ok((q, rest, given_rad.unwrap_or(first_rad)))
     }
-}
-
-/// Direction of a place from the axis in rad, within half a turn of another one.
-fn direction([x, y]: [f64; 2], near_rad: f64) -> f64 {
-    let turn = libm::atan2(y, x) - near_rad;
-    near_rad + turn - 2.0 * PI * (turn / (2.0 * PI)).round()
 }
 
 impl BentPlay {

@@ -72,20 +72,33 @@ pub enum CycleError {
     /// A vibration of an undamped link that grows, or no finite one.
     #[error("the cycle = in step with a vibration that is not damped, but must not be")]
     Resonance,
-    /// A link with weight or at large angles.
-    #[error("the link = with weight or at large angles, but must be linear to repeat a cycle")]
-    Large,
+    /// A link at large angles whose hub nothing holds.
+    #[error(
+        "hub.viscous_friction = 0, but must be above 0, or feedback given: the hub is free at large angles"
+    )]
+    Free,
+    /// A link with weight or at large angles that does not settle.
+    #[error(
+        "the {cycles}th cycle = {share:.1e} of its turn away from the one before, but must settle: a pose that falls, \
+         or a swing that hardly decays, does not"
+    )]
+    Unsettled {
+        /// Cycles that were played.
+        cycles: usize,
+        /// Change from one to the next over the turn of the hub.
+        share: f64,
+    },
 }
 
 impl CycleError {
     pub(super) fn hint(self) -> &'static str {
         match self {
-            Self::Mean { .. } => "give hub.viscous_friction, or --feedback",
+            Self::Mean { .. } | Self::Unsettled { .. } => {
+                "give hub.viscous_friction, or --feedback"
+            }
             Self::Reference { .. } => "leave the stiffness out: --feedback 0,KD",
             Self::Resonance => "give the link damping",
-            Self::Large => {
-                "play cycle after cycle: --save-state of one is --state of the next, until nothing changes"
-            }
+            Self::Free => "a free hub turns on as it was started: --state",
         }
     }
 }

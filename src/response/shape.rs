@@ -1,10 +1,13 @@
 //! An elastica's shape at rest and along its length, and its damping as a matrix.
 
+use std::f64::consts::PI;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::chain::{Balance, Chain};
 use super::error::SimulationError;
 use super::state::State;
+use crate::link::Link;
 use crate::modal::DampingLaw;
 use crate::numeric::{GaussRule, SymmetricEigen, piece_shapes};
 
@@ -264,4 +267,25 @@ pub(super) struct Station {
     within: Vec<f64>,
     /// Distance from the axis within the hub's radius.
     inside_m: f64,
+}
+
+/// Refuses links whose large motion is not derived.
+pub(super) fn refuse_unknown(link: &Link, law: &DampingLaw) -> Result<(), SimulationError> {
+    let refused = |what, known| Err(SimulationError::NotDerived { what, known });
+    if link.segments().iter().any(|segment| segment.timoshenko.is_some()) {
+        return refused("the link has shear and rotary inertia", "without them");
+    }
+    if law.mass_rate_per_s() != 0.0 {
+        return refused("the damping drags every mass (alpha)", "with alpha = 0");
+    }
+    if law.is_modal() {
+        return refused("the damping is given mode by mode", "with hysteretic or rayleigh damping");
+    }
+    Ok(())
+}
+
+/// Direction of a place from the axis in rad, within half a turn of another one.
+pub(super) fn direction([x, y]: [f64; 2], near_rad: f64) -> f64 {
+    let turn = libm::atan2(y, x) - near_rad;
+    near_rad + turn - 2.0 * PI * (turn / (2.0 * PI)).round()
 }

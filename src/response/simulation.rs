@@ -2,7 +2,6 @@ use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
 use super::bent::{BentPlay, play_bent};
-use super::driving::CycleError;
 use super::driving::Driving;
 use super::error::{SimulationError, SimulationWarning};
 use super::modes::{Equations, ModeSelection};
@@ -215,9 +214,6 @@ fn play_large(
     if !hub_moves_mass(&mesh) {
         return Err(SimulationError::MasslessHub);
     }
-    if play.cycle_travel_m.is_some() {
-        return Err(CycleError::Large.into());
-    }
     let is_still = play.band_rad_s().is_none();
     // Under a torque of zero a link falls, or goes on.
     let is_torque = matches!(play.input, Input::Torque(_));
@@ -233,6 +229,7 @@ fn play_large(
     let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
     let [begins, ends] = play.input.warnings(&torque_n_m);
     let own = match (play.state, play.input) {
+        _ if play.cycle_travel_m.is_some() => [None; 3],
         (Some(_), _) => [None, ends.filter(|_| !link.has_weight()), None],
         (None, Input::Torque(torque)) if link.has_weight() => {
             let reference = play.feedback.map(Feedback::reference);

@@ -3,13 +3,15 @@
 use nalgebra::{DMatrix, DVector, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::driving::{CycleError, Driving};
+use super::driving::{Cubic, CycleError, Driving};
 use super::error::SimulationError;
 use super::modes::Equations;
+use super::radau::Motion;
 use super::stepper::Stepper;
 use crate::beam::Mesh;
 use crate::link::{Link, POSITION_TOLERANCE};
 use crate::modal::Shape;
+use crate::numeric::{TimeGrid, largest_difference};
 
 /// The motion of a link at one instant.
 ///
@@ -144,6 +146,11 @@ impl State {
     }
 }
 
+/// Most cycles that are played until one ends as it begins, and the change from one to the next, over the turn of the hub,
+/// at which it does: what is left of changes that fall by a hundredth from cycle to cycle is a hundred times as much.
+const MOST_CYCLES: usize = 400;
+const SETTLED: f64 = 1e-9;
+
 /// Mean torque, over the largest, from which on a free hub turns faster from cycle to cycle.
 const MEAN: f64 = 1e-6;
 
@@ -197,6 +204,40 @@ pub(super) fn of_cycle(
         coordinates[0] = (start_m - equations.tip(&coordinates)) / rigid.tip;
     }
     Ok([coordinates, rates])
+}
+
+/// Plays cycle after cycle until one ends as it begins; of a hub that is free its rate alone.
+///
+/// # Errors
+/// [`CycleError`], and those of `advance`.
+pub(super) fn settle(
+    motion: &mut Motion,
+    (driving, grid): (&Driving, TimeGrid),
+    is_free: bool,
+    mut advance: impl FnMut(&mut Motion, usize, &Cubic) -> Result<(), SimulationError>,
+) -> Result<(), SimulationError> {
+    let cycle_s = grid.len as f64 * grid.step_s;
+    let mut last = f64::INFINITY;
+    for _ in 0..MOST_CYCLES {
+        let start = motion.clone();
+        let mut turned_rad = 0.0_f64;
+        for (sample, cubic) in driving.steps(grid.len + 1).enumerate() {
+            advance(motion, sample, &cubic)?;
+            turned_rad = turned_rad.max((motion.q[0] - start.q[0]).abs());
+        }
+        let bent_rad = largest_difference(&motion.q[1..], &start.q[1..]);
+        let hub_rad = if is_free {
+            (motion.rates[0] - start.rates[0]) * cycle_s
+        } else {
+            motion.q[0] - start.q[0]
+        };
+        let share = bent_rad.max(hub_rad.abs()) / turned_rad.max(f64::MIN_POSITIVE);
+        if share <= SETTLED {
+            return Ok(());
+        }
+        last = share;
+    }
+    Err(CycleError::Unsettled { cycles: MOST_CYCLES, share: last }.into())
 }
 
 /// Value and slope at a place, by the cubics through all values and slopes; slopes count from `origin`.

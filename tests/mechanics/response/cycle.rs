@@ -1,8 +1,8 @@
 //! A torque that repeats, and the motion to which the link settles.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-use flexlink::link::{Damping, Hub, Link, LinkParts};
+use flexlink::link::{Damping, Gravity, Hub, Link, LinkParts};
 use flexlink::response::{
     CycleError, Feedback, HubReference, Interpolation, Play, Simulation, SimulationError, Torque,
     simulate,
@@ -116,18 +116,52 @@ fn a_cycle_ends_where_it_begins() {
     }
 }
 
+fn under_gravity(start_angle_rad: f64, friction: f64) -> Link {
+    let acceleration_m_s2 = [0.0, -9.81];
+    let gravity = Some(Gravity { acceleration_m_s2, start_angle_rad: Some(start_angle_rad) });
+    let parts: LinkParts = with_friction(friction).into();
+    Link::new(LinkParts { gravity, ..parts }).unwrap()
+}
+
+#[test]
+fn a_link_at_large_angles_settles_to_it() {
+    const CYCLES: u32 = 24;
+    let hanging = under_gravity(-0.5 * PI, 3.0);
+    for (link, is_large) in [(&hanging, false), (&with_friction(3.0), true)] {
+        let (one, many) = (torque(1, 0.0), torque(CYCLES, 0.0));
+        let play = |torque| Play { is_large, ..Play::of(torque) };
+        let cycle = played(link, &Play { cycle_travel_m: Some(0.0), ..play(&one) });
+        let all = played(link, &play(&many));
+        let first = usize::try_from((CYCLES - 3) * SAMPLES).unwrap();
+        let is_held = link.gravity().is_some();
+        let all = histories(&all, is_held);
+        for (k, (found, all)) in histories(&cycle, is_held).iter().zip(all).enumerate() {
+            let pairs = found.iter().zip(&all[first..]);
+            let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak(found);
+            assert!(apart < 1e-5, "gravity {is_held}, {k}: {apart:e}");
+        }
+    }
+}
+
 #[test]
 fn what_does_not_repeat_is_refused() {
     let refused = |link: &Link, play: &Play| match simulate(link, &mesh_of(link, 10), play) {
         Err(SimulationError::Cycle(error)) => error,
-        other => panic!("{other:?}"),
+        Err(other) => panic!("{other:?}"),
+        Ok(_) => panic!("it is played"),
     };
     let one = torque(1, 0.1);
     let play = Play { cycle_travel_m: Some(0.0), ..Play::of(&one) };
     let CycleError::Mean { mean_n_m } = refused(&with_friction(0.0), &play) else { panic!() };
     assert!((mean_n_m - 0.1).abs() < 1e-12);
     let large = Play { is_large: true, ..play };
-    assert_eq!(refused(&with_friction(0.1), &large), CycleError::Large);
+    assert_eq!(refused(&with_friction(0.0), &large), CycleError::Free);
+    // An upright link falls, and swings on for long where it hangs.
+    let short =
+        Torque::new(&times(0.05, 7), vec![0.0, 0.1, 0.2, 0.1, 0.0, -0.1, -0.2, -0.1]).unwrap();
+    let falls = Play { cycle_travel_m: Some(0.0), ..Play::of(&short) };
+    let falling = refused(&under_gravity(1.5, 0.0), &falls);
+    assert!(matches!(falling, CycleError::Unsettled { .. }), "{falling:?}");
     let time_s = times(STEP_S, SAMPLES - 1);
     let turning = HubReference::new(&time_s, time_s.clone(), None).unwrap();
     let feedback = Feedback::new(1.0, 0.0, turning).unwrap();
