@@ -161,8 +161,8 @@ impl Simulate {
             }
             SimulationError::OtherTimes { .. }
             | SimulationError::Cycle(CycleError::Reference { .. }) => {
-                let file = inputs.playing.reference_file.as_ref();
-                (Exit::InputRefused, file.map(shown).unwrap_or_default())
+                let Playing { file, reference_file, .. } = &inputs.playing;
+                (Exit::InputRefused, shown(reference_file.as_ref().unwrap_or(file)))
             }
             // The target is longer than the input.
             SimulationError::TooLong { until_s, samples, limit } if self.play.until.is_none() => {

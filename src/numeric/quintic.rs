@@ -53,6 +53,11 @@ impl QuinticSpline {
         Self { samples: samples.to_vec(), ends }
     }
 
+    /// First derivative per step at a sample.
+    pub(crate) fn slope(&self, sample: usize) -> f64 {
+        self.ends[sample][0]
+    }
+
     /// Second derivatives per squared step at the samples.
     pub(crate) fn curvatures(&self) -> impl Iterator<Item = f64> {
         self.ends.iter().map(|end| end[1])

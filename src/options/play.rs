@@ -78,8 +78,8 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
 
-    /// TORQUE is one cycle of a torque that repeats, its first row a step after the last one: play the motion
-    /// that repeats with it, to which the link settles.
+    /// TORQUE is one cycle of a torque, or of a hub angle, that repeats, its first row a step after the last
+    /// one: play the motion that repeats with it, to which the link settles.
     #[arg(long, conflicts_with = "state")]
     periodic: bool,
 
@@ -227,7 +227,6 @@ impl PlayArgs {
             ("--hold", self.hold != Hold::Cubic),
             ("--linear", self.linear),
             ("--feedback", self.feedback.is_some()),
-            ("--periodic", self.periodic),
         ];
         let Some((name, _)) = given.into_iter().find(|(_, is_given)| *is_given) else {
             return Ok(());
@@ -236,7 +235,6 @@ impl PlayArgs {
         let hint = match name {
             "--column" => "--columns hub_angle=COLUMN chooses the column of the hub angle",
             "--feedback" => "a hub that moves as prescribed needs no feedback",
-            "--periodic" => "give several cycles of the hub angle",
             _ => "the hub angle is a smooth curve through its samples",
         };
         Err(Failure::new(Exit::Usage, &message, Some(hint)))
@@ -274,7 +272,7 @@ impl Playing {
             initial_tip_m: self.initial_tip_m,
             memory_bytes: memory::available(),
             is_large,
-            cycle_travel_m: self.is_periodic.then_some(0.0),
+            cycle_turn_rad: self.is_periodic.then_some(0.0),
             state: self.state.as_ref().map(|(_, state)| state),
             start_angle_rad: self.target.as_ref().and_then(|(_, target)| target.start_angle_rad()),
         }

@@ -74,7 +74,7 @@ pub(super) fn play_bent(
 ) -> Result<(BentPlay, Histories), SimulationError> {
     refuse_unknown(link, law)?;
     let problem = Problem { link, law, play, driving: play.driving(link)?, grid };
-    let played = |finer: usize| {
+    let played = |finer: usize, start: Option<&State>| {
         let order = |[from_m, end_m]: [f64; 2], [stiffness_n_m2, mass_kg_m]: [f64; 2]| {
             let omega_rad_s = WAVES * first_rad_s;
             let wave_rad = (end_m - from_m)
@@ -83,21 +83,25 @@ pub(super) fn play_bent(
             let given = play.state.map_or(0, |state| state.piece([from_m, end_m]).len());
             order.max(given.saturating_sub(1)) + finer * MORE_ORDERS
         };
-        problem.played(Chain::of(link, order), 1 << finer)
+        problem.played(Chain::of(link, order), 1 << finer, start)
     };
     // Steps too long to converge are no reason against shorter ones.
-    let mut coarse = played(0);
+    let mut coarse = played(0, play.state);
     for finer in 1..=MOST_REFINEMENTS {
         let is_last = finer == MOST_REFINEMENTS || (grid.len << finer) > LONGEST;
-        let Ok((_, before)) = &coarse else {
+        let Ok((own, before)) = &coarse else {
             match coarse {
-                Err(SimulationError::NotConverged { .. }) if !is_last => coarse = played(finer),
+                Err(SimulationError::NotConverged { .. }) if !is_last => {
+                    coarse = played(finer, play.state);
+                }
                 refused => return refused,
             }
             continue;
         };
         let (coarse_hub, coarse_tip) = (&before[1], &before[4]);
-        let (mut found, histories) = played(finer)?;
+        // A cycle begins where that of coarser steps does, nearly.
+        let begun = problem.driving.repeats.then(|| own.first_state(grid.time_s(0)));
+        let (mut found, histories) = played(finer, begun.as_ref().or(play.state))?;
         let change = |own: &[f64], coarse: &[f64]| {
             let moved = own.iter().map(|value| (value - own[0]).abs()).fold(0.0, Size::larger);
             (largest_difference(own, coarse), moved)
@@ -155,6 +159,7 @@ impl Problem<'_> {
         &self,
         mut chain: Chain,
         steps: usize,
+        state: Option<&State>,
     ) -> Result<(BentPlay, Histories), SimulationError> {
         let (count, grid) = (chain.count, self.grid);
         let bytes = grid.len * (2 * count + 16) * size_of::<f64>();
@@ -169,7 +174,10 @@ impl Problem<'_> {
         let is_prescribed = matches!(self.play.input, Input::HubAngle(_));
         let lost = |sample: usize| SimulationError::NotFinite { time_s: grid.time_s(sample) };
         chain.damping = viscous(&chain, self.law, is_prescribed).ok_or(lost(0))?;
-        let (q, rates, from_rad) = self.start(&chain)?;
+        let (q, mut rates, from_rad) = self.start(&chain, state)?;
+        if let Input::HubAngle(hub) = self.play.input {
+            rates[0] = hub.accelerations(self.play.cycle_turn_rad).2;
+        }
         let aim_rad = match (self.play.zero_of_state_rad(self.link), self.play.feedback) {
             (Some(zero_rad), _) => zero_rad,
             (None, Some(feedback)) if self.link.has_weight() => feedback.reference().angle_rad()[0],
@@ -222,11 +230,11 @@ impl Problem<'_> {
         if self.driving.repeats {
             // Nothing holds the hub of such a link anywhere: it may turn on from cycle to cycle, at one rate.
             let is_free = !self.link.has_weight() && drive.reaction.stiffness_n_m_rad == 0.0;
-            if is_free && drive.reaction.damping_n_m_s_rad == 0.0 {
+            if is_free && !is_prescribed && drive.reaction.damping_n_m_s_rad == 0.0 {
                 return Err(CycleError::Free.into());
             }
             let cycle = (&self.driving, self.play.input.grid());
-            settle(&mut motion, cycle, is_free, |motion, sample, cubic| {
+            settle(&mut motion, cycle, is_free || is_prescribed, |motion, sample, cubic| {
                 advance(&found.chain, motion, sample, cubic)
             })?;
         }
@@ -241,10 +249,14 @@ impl Problem<'_> {
 
     /// Coordinates and rates before the input, at rest or of a state, and the direction of the chord from which
     /// displacements are counted.
-    fn start(&self, chain: &Chain) -> Result<(Vec<f64>, Vec<f64>, f64), SimulationError> {
+    fn start(
+        &self,
+        chain: &Chain,
+        state: Option<&State>,
+    ) -> Result<(Vec<f64>, Vec<f64>, f64), SimulationError> {
         let given_rad = self.play.origin_rad(self.link);
         let rest = vec![0.0; chain.count];
-        if let Some(state) = self.play.state {
+        if let Some(state) = state {
             let (q, rates) = chain.of_state(state)?;
             let first_rad = direction(chain.tip(&q, &rest).at_m, q[0]);
             let from_rad =
@@ -320,6 +332,12 @@ impl BentPlay {
         self.chord_rad.push(chord_rad);
         self.record.push(q, rates);
         histories.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+    }
+
+    /// Where the link is at the first sample, and how it moves.
+    fn first_state(&self, time_s: f64) -> State {
+        let (q, rates) = self.record.at(0);
+        self.chain.state(time_s, q, rates)
     }
 
     /// Where the link is at the last sample, and how it moves.

@@ -60,10 +60,10 @@ pub enum CycleError {
         /// The mean torque in N m.
         mean_n_m: f64,
     },
-    /// A reference of the feedback that ends elsewhere than it starts.
+    /// A hub angle that ends elsewhere than it starts.
     #[error(
-        "the reference = {jump_rad:e} rad away from its start, a step after its last sample, but must be back there: \
-         it repeats with the torque"
+        "the hub angle = {jump_rad:e} rad away from its start, a step after its last sample, but must be back there: \
+         it repeats"
     )]
     Reference {
         /// The angle in rad from the last sample to the first.
@@ -96,7 +96,9 @@ impl CycleError {
             Self::Mean { .. } | Self::Unsettled { .. } => {
                 "give hub.viscous_friction, or --feedback"
             }
-            Self::Reference { .. } => "leave the stiffness out: --feedback 0,KD",
+            Self::Reference { .. } => {
+                "give whole cycles, or a reference without stiffness: --feedback 0,KD"
+            }
             Self::Resonance => "give the link damping",
             Self::Free => "a free hub turns on as it was started: --state",
         }

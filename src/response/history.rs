@@ -187,21 +187,32 @@ impl HubReference {
         slopes.iter().map(|slope| slope / self.grid().step_s).collect()
     }
 
-    /// Angle in rad from the last sample to the first where it is no step of a motion that repeats.
-    pub(super) fn jump_rad(&self) -> Option<f64> {
+    /// Angle in rad from the last sample to the first, a cycle's turn on, where it is no step of a motion that repeats.
+    pub(super) fn jump_rad(&self, turn_rad: f64) -> Option<f64> {
         let own = self.angle_rad();
         let steps = own.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-        let jump_rad = own[0] - own[own.len() - 1];
+        let jump_rad = own[0] + turn_rad - own[own.len() - 1];
         (jump_rad.abs() > JUMP * steps.fold(0.0, f64::max)).then_some(jump_rad)
     }
 
-    /// Accelerations in rad/s² at the samples and between them.
-    pub(super) fn accelerations(&self) -> (Vec<f64>, Vec<[f64; 4]>) {
-        let spline = QuinticSpline::from_rest(self.angle_rad());
-        let per_s2 = self.grid().step_s.powi(-2);
-        let samples = spline.curvatures().map(|curvature| curvature * per_s2).collect();
-        let pieces = spline.curvature_pieces().map(|piece| piece.map(|c| c * per_s2)).collect();
-        (samples, pieces)
+    /// Accelerations in rad/s² at the samples and between them, and the rate in rad/s at the first one: 0 where it comes
+    /// from rest, that of a cycle with this turn where it repeats.
+    pub(super) fn accelerations(
+        &self,
+        cycle_turn_rad: Option<f64>,
+    ) -> (Vec<f64>, Vec<[f64; 4]>, f64) {
+        let (own, turn_rad) = (self.angle_rad(), cycle_turn_rad.unwrap_or(0.0));
+        let around = if cycle_turn_rad.is_some() { own.len() } else { 0 };
+        let spline = QuinticSpline::from_rest(&wrapped(own, turn_rad, around));
+        let step_s = self.grid().step_s;
+        let per_s2 = step_s.powi(-2);
+        let samples = spline.curvatures().skip(around).take(own.len());
+        let pieces = spline.curvature_pieces().skip(around).take(own.len());
+        (
+            samples.map(|curvature| curvature * per_s2).collect(),
+            pieces.map(|piece| piece.map(|c| c * per_s2)).collect(),
+            spline.slope(around) / step_s,
+        )
     }
 }
 

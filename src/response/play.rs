@@ -76,9 +76,9 @@ pub struct Play<'a> {
     pub start_angle_rad: Option<f64>,
     /// Where the link starts instead of at rest, under a torque.
     pub state: Option<&'a State>,
-    /// Set where a torque is one cycle that repeats, and the linear link moves as it does after many of them: where
-    /// neither friction nor feedback decides it, the tip travels by so many m in a cycle.
-    pub cycle_travel_m: Option<f64>,
+    /// Set where the input is one cycle that repeats, and the link moves as after many of them: a hub that is moved, or that
+    /// of a linear link that neither friction nor feedback holds, turns by so many rad in a cycle.
+    pub cycle_turn_rad: Option<f64>,
 }
 
 impl<'a> Play<'a> {
@@ -103,7 +103,7 @@ impl<'a> Play<'a> {
             is_large: false,
             start_angle_rad: None,
             state: None,
-            cycle_travel_m: None,
+            cycle_turn_rad: None,
         }
     }
 
@@ -130,13 +130,15 @@ impl<'a> Play<'a> {
         let grid = self.input.grid();
         let torque = match self.input {
             Input::Torque(torque) => torque_band_rad_s(&grid, torque.torque_n_m()),
-            Input::HubAngle(hub) => return torque_band_rad_s(&grid, &hub.accelerations().0),
+            Input::HubAngle(hub) => {
+                return torque_band_rad_s(&grid, &hub.accelerations(self.cycle_turn_rad).0);
+            }
         };
         // The reference's rate, unlike its angle, is zero at both ends.
         let drives = |of: &&Feedback| of.stiffness_n_m_rad > 0.0 || of.damping_n_m_s_rad > 0.0;
-        let feedback = self.feedback.filter(drives);
-        let wanted = feedback
-            .and_then(|of| torque_band_rad_s(&grid, &of.rate_rad_s(self.cycle_travel_m.is_some())));
+        let repeats = self.cycle_turn_rad.is_some();
+        let wanted = self.feedback.filter(drives).map(|of| of.rate_rad_s(repeats));
+        let wanted = wanted.and_then(|rate| torque_band_rad_s(&grid, &rate));
         torque.into_iter().chain(wanted).reduce(f64::max)
     }
 
@@ -158,9 +160,9 @@ impl<'a> Play<'a> {
         self.is_large || link.has_weight()
     }
 
-    /// True if the start is worked out, as one from which everything repeats, or given: not that of a link at rest.
+    /// True if the start is given, or worked out as one that repeats: not that of a link at rest.
     fn is_started(&self) -> bool {
-        self.state.is_some() || self.cycle_travel_m.is_some()
+        self.state.is_some() || self.cycle_turn_rad.is_some()
     }
 
     /// The hub angle in rad from which the angles of a state count; none without a state.
@@ -230,14 +232,18 @@ impl<'a> Play<'a> {
         let torque = match self.input {
             Input::Torque(torque) => torque,
             Input::HubAngle(hub) => {
-                let (samples, pieces) = hub.accelerations();
-                return Ok(Driving { samples, pieces, hold: 0.0, repeats: false });
+                let turn_rad = self.cycle_turn_rad;
+                if let Some(jump_rad) = turn_rad.and_then(|turn_rad| hub.jump_rad(turn_rad)) {
+                    return Err(CycleError::Reference { jump_rad }.into());
+                }
+                let (samples, pieces, _) = hub.accelerations(turn_rad);
+                return Ok(Driving { samples, pieces, hold: 0.0, repeats: turn_rad.is_some() });
             }
         };
         let own = torque.torque_n_m();
         let kept_n_m = if link.has_weight() { own[own.len() - 1] } else { 0.0 };
         let zero_rad = self.zero_of_state_rad(link);
-        let repeats = self.cycle_travel_m.is_some();
+        let repeats = self.cycle_turn_rad.is_some();
         let (samples, hold) = match self.feedback {
             None => (own.to_vec(), kept_n_m),
             Some(feedback) => {
@@ -247,7 +253,7 @@ impl<'a> Play<'a> {
                 (samples, kept_n_m + feedback.stiffness_n_m_rad * turn_rad)
             }
         };
-        Ok(match self.cycle_travel_m {
+        Ok(match self.cycle_turn_rad {
             Some(_) => Driving::repeated(samples, self.interpolation),
             None => Driving {
                 pieces: pieces(&samples, self.interpolation),
@@ -261,16 +267,14 @@ impl<'a> Play<'a> {
 
 impl Play<'_> {
     /// Coordinates and rates of a linear link at the start, and what its modes leave out of a state, over the whole.
-    ///
-    /// # Errors
-    /// [`SimulationError::Cycle`].
     pub(super) fn start(
         &self,
         link: &Link,
         (equations, mesh): (&Equations, &Mesh),
         driving: &Driving,
     ) -> Result<([Vec<f64>; 2], f64), SimulationError> {
-        if let Some(travel_m) = self.cycle_travel_m {
+        if let Some(turn_rad) = self.cycle_turn_rad {
+            let travel_m = turn_rad * link.length_m();
             let (grid, ends_m) = (self.input.grid(), [travel_m, self.initial_tip_m]);
             return Ok((of_cycle(equations, driving, (grid.step_s, grid.len), ends_m)?, 0.0));
         }
@@ -375,7 +379,7 @@ impl Feedback {
         if !same_times(&found, &torque) {
             return Err(SimulationError::OtherTimes { found, torque });
         }
-        if let Some(jump_rad) = self.reference.jump_rad().filter(|_| repeats && self.holds()) {
+        if let Some(jump_rad) = self.reference.jump_rad(0.0).filter(|_| repeats && self.holds()) {
             return Err(CycleError::Reference { jump_rad }.into());
         }
         let angle = self.reference.angle_rad();

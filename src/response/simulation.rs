@@ -162,7 +162,7 @@ fn play_on(
     let reading = Reading::new(&equations, goal_m);
     let (last, held) = (record.at(driven - 1), driving.held());
     let residual = play
-        .cycle_travel_m
+        .cycle_turn_rad
         .is_none()
         .then(|| ResidualVibration::of(&equations, last, &held, &reading, tip.largest_travel_m()));
     let deflection_m = tip_deflection_m(&mesh, from_rad, &tip.displacement_m, &hub_angle_rad);
@@ -193,7 +193,7 @@ fn play_on(
             grid,
             from_rad,
             initial_tip_m,
-            repeats: play.cycle_travel_m.is_some(),
+            repeats: play.cycle_turn_rad.is_some(),
             equations,
             record,
         }),
@@ -229,7 +229,7 @@ fn play_large(
     let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
     let [begins, ends] = play.input.warnings(&torque_n_m);
     let own = match (play.state, play.input) {
-        _ if play.cycle_travel_m.is_some() => [None; 3],
+        _ if play.cycle_turn_rad.is_some() => [None; 3],
         (Some(_), _) => [None, ends.filter(|_| !link.has_weight()), None],
         (None, Input::Torque(torque)) if link.has_weight() => {
             let reference = play.feedback.map(Feedback::reference);

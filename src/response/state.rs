@@ -200,7 +200,9 @@ pub(super) fn of_cycle(
     let state = matrix.lu().solve(&right).filter(|state| state.iter().all(|x| x.is_finite()));
     let state = state.ok_or(CycleError::Resonance)?;
     let [mut coordinates, rates] = stepper.of_state(state.as_slice());
-    if !is_held {
+    if equations.prescribed.is_some() {
+        coordinates[0] = 0.0;
+    } else if !is_held {
         coordinates[0] = (start_m - equations.tip(&coordinates)) / rigid.tip;
     }
     Ok([coordinates, rates])

@@ -1,6 +1,7 @@
 //! The written torque, played on the link.
 
 use super::check::{Answer, Check, Kind, VerificationError};
+use crate::inverse::Solution;
 use crate::link::{Damping, Link};
 use crate::motion::{Ends, TipTarget};
 use crate::numeric::{largest, largest_difference};
@@ -31,16 +32,8 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
     let ends = solution.motion.ends();
     let is_hysteretic =
         matches!(solution.link().damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
-    match ends {
-        Ends::Moving if is_hysteretic => {
-            return Ok(not_played(
-                "hysteretic damping has no state of a tip that has always moved",
-            ));
-        }
-        Ends::Periodic if solution.second_order().is_some() => {
-            return Ok(not_played("with weight or second order a cycle is played by no equation"));
-        }
-        _ => {}
+    if ends == Ends::Moving && is_hysteretic {
+        return Ok(not_played("hysteretic damping has no state of a tip that has always moved"));
     }
     if solution.second_order().is_some() {
         return if is_hysteretic {
@@ -62,7 +55,7 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
         initial_tip_m,
         memory_bytes,
         state: (ends == Ends::Moving).then_some(&moving),
-        cycle_travel_m: (ends == Ends::Periodic).then(|| solution.motion.travel_m()),
+        cycle_turn_rad: turn_of_cycle_rad(answer),
         ..Play::of(&torque)
     };
     let simulation = match simulate_on(link, solution.mesh().clone(), &play) {
@@ -99,6 +92,13 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
     Ok(Played { tip, energy: energy(answer, &simulation) })
 }
 
+/// Turn in rad of a cycle; none of a motion that does not repeat.
+fn turn_of_cycle_rad(answer: &Answer) -> Option<f64> {
+    let Solution { motion, .. } = answer.solution;
+    let is_cycle = motion.ends() == Ends::Periodic;
+    is_cycle.then(|| motion.travel_m() / answer.solution.link().length_m())
+}
+
 /// The check of a simulation's balance of energy.
 fn energy(answer: &Answer, simulation: &Simulation) -> Check {
     let (imbalance, quadrature) = imbalance(simulation);
@@ -127,6 +127,7 @@ fn played_large(answer: &Answer, wanted: &TipTarget) -> Result<Played, Verificat
     let play = Play {
         memory_bytes: answer.memory_bytes,
         is_large: true,
+        cycle_turn_rad: turn_of_cycle_rad(answer),
         start_angle_rad: wanted.start_angle_rad(),
         ..Play::turning(&hub)
     };
@@ -136,6 +137,7 @@ fn played_large(answer: &Answer, wanted: &TipTarget) -> Result<Played, Verificat
         Err(SimulationError::NotConverged { .. }) => {
             return Ok(not_played("the motion of its hub does not converge"));
         }
+        Err(SimulationError::Cycle(_)) => return Ok(not_played("the link does not settle")),
         Err(error) => return Err(error.into()),
     };
     let stated = solution

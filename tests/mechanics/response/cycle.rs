@@ -62,7 +62,7 @@ fn the_link_settles_to_it() {
                 &link,
                 &Play {
                     interpolation,
-                    cycle_travel_m: Some(0.0),
+                    cycle_turn_rad: Some(0.0),
                     feedback: is_held.then_some(&of_one),
                     ..Play::of(&one)
                 },
@@ -90,7 +90,7 @@ fn a_cycle_ends_where_it_begins() {
         let (one, mean) = (torque(1, 0.0), 1.0 / f64::from(SAMPLES));
         let two = 2.0 * STEP_S * f64::from(SAMPLES);
         let play = Play {
-            cycle_travel_m: Some(travel_m),
+            cycle_turn_rad: Some(travel_m),
             initial_tip_m: 0.3,
             until_s: Some(two),
             ..Play::of(&one)
@@ -130,7 +130,7 @@ fn a_link_at_large_angles_settles_to_it() {
     for (link, is_large) in [(&hanging, false), (&with_friction(3.0), true)] {
         let (one, many) = (torque(1, 0.0), torque(CYCLES, 0.0));
         let play = |torque| Play { is_large, ..Play::of(torque) };
-        let cycle = played(link, &Play { cycle_travel_m: Some(0.0), ..play(&one) });
+        let cycle = played(link, &Play { cycle_turn_rad: Some(0.0), ..play(&one) });
         let all = played(link, &play(&many));
         let first = usize::try_from((CYCLES - 3) * SAMPLES).unwrap();
         let is_held = link.gravity().is_some();
@@ -151,7 +151,7 @@ fn what_does_not_repeat_is_refused() {
         Ok(_) => panic!("it is played"),
     };
     let one = torque(1, 0.1);
-    let play = Play { cycle_travel_m: Some(0.0), ..Play::of(&one) };
+    let play = Play { cycle_turn_rad: Some(0.0), ..Play::of(&one) };
     let CycleError::Mean { mean_n_m } = refused(&with_friction(0.0), &play) else { panic!() };
     assert!((mean_n_m - 0.1).abs() < 1e-12);
     let large = Play { is_large: true, ..play };
@@ -159,7 +159,7 @@ fn what_does_not_repeat_is_refused() {
     // An upright link falls, and swings on for long where it hangs.
     let short =
         Torque::new(&times(0.05, 7), vec![0.0, 0.1, 0.2, 0.1, 0.0, -0.1, -0.2, -0.1]).unwrap();
-    let falls = Play { cycle_travel_m: Some(0.0), ..Play::of(&short) };
+    let falls = Play { cycle_turn_rad: Some(0.0), ..Play::of(&short) };
     let falling = refused(&under_gravity(1.5, 0.0), &falls);
     assert!(matches!(falling, CycleError::Unsettled { .. }), "{falling:?}");
     let time_s = times(STEP_S, SAMPLES - 1);
