@@ -156,7 +156,7 @@ impl Simulate {
         let (exit, place) = match error {
             SimulationError::NoTorque
             | SimulationError::NoTurn
-            | SimulationError::Cycle(CycleError::Mean { .. }) => {
+            | SimulationError::Cycle(CycleError::Mean { .. } | CycleError::Repeats) => {
                 (Exit::InputRefused, shown(&inputs.playing.file))
             }
             SimulationError::OtherTimes { .. }

@@ -17,6 +17,11 @@ const LEAST_WORTH: f64 = 0.1;
 /// Times that differ by less, in steps, are the same.
 const SAME_TIME: f64 = 1e-6;
 
+/// Error of a slope that follows from four rows, over that of a row, and the largest that it may have over the largest
+/// step.
+const OF_FOUR_ROWS: f64 = 3.8;
+const LEAST_WORTH_OF_ENDS: f64 = 1e-3;
+
 /// Angles that differ by less are the same.
 const SAME_ANGLE_RAD: f64 = 1e-3;
 
@@ -53,17 +58,51 @@ impl MotionTable {
     /// # Errors
     /// What [`TipMotion::with_ends`] refuses, with file and line.
     pub fn into_motion(self) -> Result<TipMotion, TableError> {
-        let Self { columns, name, lines, recording, ends, .. } =
-            self.with_integral().made_uniform();
+        let of_integral = self.with_integral();
+        // Beyond its ends a cycle is not what a spline makes of it.
+        let uniform = match of_integral.ends {
+            Ends::Periodic => of_integral,
+            _ => of_integral.made_uniform(),
+        };
+        uniform.check_ends()?;
+        let Self { columns, name, lines, recording, ends, .. } = uniform;
         let motion = TipMotion::with_ends(columns, ends)
             .map_err(|error| refuse_samples(&name, &lines, error.sample(), &error, error.hint()))?;
         // The digits of a displacement that is only compared with an acceleration do not matter.
         let uncertainty = recording.uncertainty.filter(|_| motion.is_from_displacement());
-        let recording = Recording { uncertainty, ..recording };
+        let moves_by_column = ends == Ends::AtRest && motion.ends() == Ends::Moving;
+        let recording = Recording { uncertainty, moves_by_column, ..recording };
         if let Some(uncertainty) = uncertainty {
             check_worth(&motion, &uncertainty, &name)?;
         }
         Ok(motion.recorded(recording))
+    }
+
+    /// Refuses velocities at the ends that would be those of rounded rows: these follow from four of them.
+    fn check_ends(&self) -> Result<(), TableError> {
+        let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } =
+            &self.columns;
+        let given = velocity_m_s.as_ref().or(acceleration_m_s2.as_ref());
+        let displacement_m = displacement_m.as_deref().filter(|_| given.is_none());
+        let (Some(samples), Some(uncertainty), Ends::Moving) =
+            (displacement_m, &self.recording.uncertainty, self.ends)
+        else {
+            return Ok(());
+        };
+        let most_m =
+            samples.windows(2).fold(0.0_f64, |most, two| most.max((two[1] - two[0]).abs()));
+        let off_m = OF_FOUR_ROWS * uncertainty.deviation_m();
+        if off_m <= LEAST_WORTH_OF_ENDS * most_m {
+            return Ok(());
+        }
+        let step_s = time_s[1] - time_s[0];
+        let must = format!(
+            "must be given: by the decimals of the displacement it is known to {} m/s only",
+            significant(off_m / step_s, 2)
+        );
+        let place = Place { file: &self.name, line: None };
+        let hint = "add a column velocity, or write the displacement with more decimals";
+        Err(place.refuse("velocity", "nothing", must).with_hint(Some(hint.to_owned())))
     }
 
     /// The same samples with normal noise of this standard deviation in m on the displacement: the rests at

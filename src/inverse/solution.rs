@@ -13,7 +13,7 @@ use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
 use crate::model::Model;
-use crate::motion::{TailTerms, TipMotion, TipMotionHistories, TipPeriod, TipSpectrum};
+use crate::motion::{Ends, TailTerms, TipMotion, TipMotionHistories, TipPeriod, TipSpectrum};
 use crate::numeric::TimeGrid;
 
 /// Frequencies that were solved for.
@@ -135,6 +135,14 @@ impl Solution {
         let spectrum = &self.period.spectrum;
         let excess = spectrum.pair.samples(spectrum.derivative(&self.hub.excess_angle_rad, 2));
         hub.on(&self.grid, &excess, &self.tip.acceleration_m_s2, 2)
+    }
+
+    /// How far the tip moves from where it starts, in m: of one that moves before its motion and after it, within that.
+    pub fn tip_travel_m(&self) -> f64 {
+        match self.motion.ends() {
+            Ends::Moving => self.period.histories.largest_travel_m(),
+            _ => self.tip.largest_travel_m(),
+        }
     }
 
     /// What was found of the second order, where gravity acts or it was asked for.

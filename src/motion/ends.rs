@@ -1,10 +1,23 @@
 //! What the tip does before the first sample of a motion and after its last.
 
-use super::samples::{Ends, FEW_DIGITS, MotionColumns, MotionError, moving_samples};
+use super::error::MotionError;
+use super::samples::{Ends, MotionColumns, moving_samples};
 use crate::numeric::{extremes, largest};
 
-/// Velocity at an end over the peak velocity from which on a velocity column says that the tip moves there.
+/// Velocity at an end over the peak velocity from which on a velocity column says that the tip moves there, and the share
+/// by which the next samples may then differ: a tip that accelerates there is none that has moved all along.
 const MOVES: f64 = 1e-2;
+const STEADY: f64 = 0.1;
+
+/// Acceleration at an end, over the largest, from which on a tip that moves there accelerates.
+const ACCELERATES: f64 = 2e-2;
+
+/// Mean velocity over the peak velocity that is round-off.
+const NO_MEAN: f64 = 1e-9;
+
+/// Step of the displacement from the last sample to the next cycle, over the largest between samples, from which on a cycle
+/// does not return; and the same of its distance from what the velocity column says.
+const JUMP: f64 = 3.0;
 
 /// Difference of the first and the last sample over the range of all below which they are the same.
 const SAME: f64 = 1e-6;
@@ -17,9 +30,14 @@ impl Ends {
     #[must_use]
     pub fn said_by(self, velocity_m_s: Option<&[f64]>) -> Self {
         let Some(velocity) = velocity_m_s.filter(|_| self == Self::AtRest) else { return self };
-        let [first, last] = [velocity[0], velocity[velocity.len() - 1]];
-        let moves = first.abs().max(last.abs()) > MOVES * largest(velocity);
-        if moves { Self::Moving } else { self }
+        let least = MOVES * largest(velocity);
+        let moves = |end: f64, mut near: std::slice::Iter<f64>| {
+            end.abs() > least && near.all(|own| (own - end).abs() <= STEADY * end.abs())
+        };
+        let last = velocity.len() - 1;
+        let starts = moves(velocity[0], velocity[..4].iter());
+        let ends = moves(velocity[last], velocity[last - 3..].iter());
+        if starts || ends { Self::Moving } else { self }
     }
 
     /// Velocities in m/s before the first sample and after the last one, as far as they are known; of a periodic
@@ -37,8 +55,7 @@ impl Ends {
             (Self::AtRest, _) => Ok((0.0, Some(0.0))),
             (Self::Periodic, velocity) => {
                 let mean = velocity.map_or(0.0, |v| v.iter().sum::<f64>() / v.len() as f64);
-                // Of a velocity with few digits the mean is none.
-                let moves = mean.abs() > FEW_DIGITS * velocity.map_or(0.0, largest);
+                let moves = mean.abs() > NO_MEAN * velocity.map_or(0.0, largest);
                 let mean = if moves { mean } else { 0.0 };
                 Ok((mean, Some(mean)))
             }
@@ -73,6 +90,9 @@ pub(super) fn moves(forcing_m_s2: &[f64], ends: Ends) -> Result<(usize, usize), 
         MotionError::NoMotion if ends != Ends::AtRest => MotionError::Steady,
         error => error,
     })?;
+    if ends == Ends::Moving {
+        refuse_acceleration(forcing_m_s2)?;
+    }
     Ok(if ends == Ends::Periodic { (0, forcing_m_s2.len() - 1) } else { moving })
 }
 
@@ -90,31 +110,90 @@ fn start_velocity(displacement_m: &[f64], acceleration_m_s2: &[f64], step_s: f64
     (displacement_m[last] - displacement_m[0] - accelerated_m) / (last as f64 * step_s)
 }
 
-/// Refuses a cycle whose last sample is its first one again: without it, the samples go on more smoothly.
-pub(super) fn refuse_repetition(samples: &[f64], travel: f64) -> Result<(), MotionError> {
+/// Refuses a cycle of which a column ends with its first sample again.
+pub(super) fn refuse_repetition(columns: &MotionColumns, step_s: f64) -> Result<(), MotionError> {
+    let last = columns.time_s.len() - 1;
+    let velocity = columns.velocity_m_s.as_deref();
+    let travel_m = velocity.map_or(0.0, |v| v[..last].iter().sum::<f64>() * step_s);
+    let repeats = [
+        columns.acceleration_m_s2.as_deref().map(|own| is_repeated(own, 0.0)),
+        velocity.map(|own| is_repeated(own, 0.0)),
+        columns.displacement_m.as_deref().map(|own| is_repeated(own, travel_m)),
+    ];
+    if repeats.contains(&Some(true)) {
+        return Err(MotionError::Repeats { sample: last });
+    }
+    Ok(())
+}
+
+/// True if the last sample of a cycle is its first one again: without it, the samples go on more smoothly.
+pub(crate) fn is_repeated(samples: &[f64], travel: f64) -> bool {
     let last = samples.len() - 1;
     let [low, high] = extremes(samples);
     let is_same = (samples[last] - samples[0] - travel).abs() <= SAME * (high - low);
-    if !is_same || samples.len() < 2 * ORDER {
-        return Ok(());
-    }
-    let whole = roughness(samples, travel);
-    let dropped = roughness(&samples[..last], travel);
-    if dropped < whole { Err(MotionError::Repeats { sample: last }) } else { Ok(()) }
+    let order = MOST_ORDER.min(last / 2);
+    is_same
+        && order > 1
+        && roughness(&samples[..last], travel, order) < roughness(samples, travel, order)
 }
 
-/// Order of the differences by which samples are judged: lower ones are large where curvature changes fast.
-const ORDER: usize = 6;
+/// Highest order of the differences by which samples are judged: lower ones are large where curvature changes fast.
+const MOST_ORDER: usize = 6;
 
 /// Sum of the differences over the end of a cycle.
-fn roughness(samples: &[f64], travel: f64) -> f64 {
+fn roughness(samples: &[f64], travel: f64, order: usize) -> f64 {
     let len = samples.len();
     let at = |k: usize| samples[k % len] + if k < len { 0.0 } else { travel };
-    let mut around: Vec<f64> = (len - ORDER..len + ORDER).map(at).collect();
-    for _ in 0..ORDER {
+    let mut around: Vec<f64> = (len - order..len + order).map(at).collect();
+    for _ in 0..order {
         around = around.windows(2).map(|pair| pair[1] - pair[0]).collect();
     }
     around.iter().map(|difference| difference.abs()).sum()
+}
+
+/// Displacement in m over a cycle: none where the displacement returns, else what the velocity column says.
+///
+/// # Errors
+/// [`MotionError::Unclosed`] where it does neither.
+pub(super) fn travel_of_cycle_m(
+    displacement_m: &[f64],
+    velocity_m_s: Option<&[f64]>,
+    (mean_m_s, step_s): (f64, f64),
+) -> Result<f64, MotionError> {
+    let last = displacement_m.len() - 1;
+    let steps = |k: usize| displacement_m[k + 1] - displacement_m[k];
+    let back_m = displacement_m[0] - displacement_m[last];
+    let travel_m = mean_m_s * step_s * displacement_m.len() as f64;
+    let Some(velocity) = velocity_m_s else {
+        // Made of a cycle that was judged.
+        if mean_m_s != 0.0 {
+            return Ok(travel_m);
+        }
+        let most = (0..last).fold(0.0_f64, |most, k| most.max(steps(k).abs()));
+        return if back_m.abs() <= JUMP * most {
+            Ok(0.0)
+        } else {
+            Err(MotionError::Unclosed { sample: last, off_m: back_m })
+        };
+    };
+    let said = |k: usize, next: usize| 0.5 * step_s * (velocity[k] + velocity[next]);
+    let most = (0..last).fold(0.0_f64, |most, k| most.max((steps(k) - said(k, k + 1)).abs()));
+    let [low, high] = extremes(displacement_m);
+    let allowed = JUMP * most + NO_MEAN * (high - low);
+    let off = |travel_m: f64| back_m + travel_m - said(last, 0);
+    let found = [0.0, travel_m].into_iter().find(|travel_m| off(*travel_m).abs() <= allowed);
+    found.ok_or(MotionError::Unclosed { sample: last, off_m: off(travel_m) })
+}
+
+/// Refuses a tip that accelerates where it should move at constant velocity.
+fn refuse_acceleration(forcing_m_s2: &[f64]) -> Result<(), MotionError> {
+    let last = forcing_m_s2.len() - 1;
+    let peak = largest(forcing_m_s2);
+    let accelerates = |k: &usize| forcing_m_s2[*k].abs() > ACCELERATES * peak;
+    [0, last].into_iter().find(accelerates).map_or(Ok(()), |sample| {
+        let share = forcing_m_s2[sample].abs() / peak;
+        Err(MotionError::AcceleratingEnd { sample, share })
+    })
 }
 
 /// Samples of a cycle with so many of the cycles beside it on either side.
@@ -142,19 +221,18 @@ mod tests {
     fn a_last_row_that_is_the_first_again_is_found_wherever_the_cycle_starts() {
         for phase in [0.0, 0.1, 0.25, 0.3, 0.5, 0.77] {
             let at = |t: f64| (TAU * (t + phase)).sin() + 0.3 * (2.0 * TAU * (t + phase)).cos();
-            assert_eq!(refuse_repetition(&cycle(24, at), 0.0), Ok(()), "{phase}");
-            let again = refuse_repetition(&cycle(25, at), 0.0);
-            assert_eq!(again, Err(MotionError::Repeats { sample: 24 }), "{phase}");
+            assert!(!is_repeated(&cycle(24, at), 0.0), "{phase}");
+            assert!(is_repeated(&cycle(25, at), 0.0), "{phase}");
             let turning = |t: f64| 3.0 * t + at(t);
-            assert_eq!(refuse_repetition(&cycle(24, turning), 3.0), Ok(()), "{phase}");
-            assert!(refuse_repetition(&cycle(25, turning), 3.0).is_err(), "{phase}");
+            assert!(!is_repeated(&cycle(24, turning), 3.0), "{phase}");
+            assert!(is_repeated(&cycle(25, turning), 3.0), "{phase}");
         }
         // Half a step off, the first and the last sample are equal, and no repetition.
         let between = |t: f64| (TAU * (t + 0.5 / 24.0)).cos();
-        assert_eq!(refuse_repetition(&cycle(24, between), 0.0), Ok(()));
+        assert!(!is_repeated(&cycle(24, between), 0.0));
         // A cycle that rests at its end.
         let resting = |t: f64| if t < 0.5 { (TAU * t).sin().powi(4) } else { 0.0 };
-        assert_eq!(refuse_repetition(&cycle(24, resting), 0.0), Ok(()));
+        assert!(!is_repeated(&cycle(24, resting), 0.0));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod cutoff;
 mod ends;
+mod error;
 mod images;
 mod period;
 mod periods;
@@ -12,14 +13,15 @@ mod scale;
 mod spectrum;
 mod tip_motion;
 
-pub(crate) use ends::wrapped;
+pub(crate) use ends::{is_repeated, wrapped};
+pub use error::MotionError;
 pub(crate) use images::{TAIL_TERMS, TailTerms, tail_sum};
 pub(crate) use period::TipPeriod;
 pub use period::{TipHistories, TipMotionHistories};
 pub use periods::Periods;
 pub use profile::Profile;
 pub use recording::{Recording, Uncertainty};
-pub use samples::{Ends, MotionColumns, MotionError};
+pub use samples::{Ends, MotionColumns};
 pub use scale::{MotionScale, TipTarget};
 pub(crate) use spectrum::TipSpectrum;
 pub use spectrum::{Cutoff, InputBand, Shortfall};

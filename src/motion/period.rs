@@ -4,8 +4,9 @@ use std::sync::OnceLock;
 
 use num_complex::Complex64;
 
+use super::error::MotionError;
 use super::images::Images;
-use super::samples::{Ends, MotionError, Samples, Source};
+use super::samples::{Ends, Samples, Source};
 use super::spectrum::{Cutoff, InputBand, TipSpectrum};
 use crate::numeric::{fast_length, largest};
 
@@ -92,7 +93,7 @@ pub struct TipHistories {
     /// The first sample whose time is one period earlier.
     pub before: usize,
     /// The sample with which the motion starts, and how many from sample 0 on count as travel: of a tip that moves on
-    /// beyond its ends only its own.
+    /// beyond its ends only its own, and of a cycle one.
     start: usize,
     counted: usize,
 }
@@ -120,8 +121,8 @@ impl TipHistories {
             }
         };
         let (start, counted) = match motion.ends {
-            Ends::Moving => (0, motion.grid.len),
-            _ => (before % len, len),
+            Ends::AtRest => (before % len, len),
+            Ends::Moving | Ends::Periodic => (0, motion.grid.len),
         };
         Self { acceleration_m_s2, velocity_m_s, displacement_m, before, start, counted }
     }

@@ -3,7 +3,8 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
-use super::samples::{MotionColumns, MotionError};
+use super::error::MotionError;
+use super::samples::MotionColumns;
 use super::tip_motion::TipMotion;
 
 /// Shape of a tip motion from rest to rest, over the share u of its duration.

@@ -29,6 +29,8 @@ pub struct Recording {
     /// Largest distance of a time from the uniform grid of all, in steps, where the samples were taken
     /// between the times of that grid and interpolated.
     pub jitter: Option<f64>,
+    /// Whether a velocity column says by itself that the tip moves at the ends.
+    pub moves_by_column: bool,
     /// Cut-off in rad/s that the user has chosen; `None`: the one that the tip needs.
     pub lowpass_rad_s: Option<f64>,
     /// Direction in rad of the chord, from the axis to the tip, where the displacement is 0, if the samples were

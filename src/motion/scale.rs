@@ -1,8 +1,9 @@
 //! What is made of a motion: the same over another distance, duration or step, and a target to compare with.
 
 use super::ends::wrapped;
+use super::error::MotionError;
 use super::period::{TipHistories, farthest_m};
-use super::samples::{Ends, MotionColumns, MotionError, Source};
+use super::samples::{Ends, MotionColumns, Source};
 use super::spectrum::Cutoff;
 use super::tip_motion::{EndVelocity, TipMotion};
 use crate::link::ParameterError;

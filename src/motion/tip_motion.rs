@@ -1,10 +1,11 @@
 use std::sync::Arc;
 
-use super::ends::{is_steady, moves, refuse_repetition};
+use super::ends::{is_steady, moves, refuse_repetition, travel_of_cycle_m};
+use super::error::MotionError;
 use super::period::{TipPeriod, check_agreement};
 use super::recording::Recording;
 use super::samples::{
-    Ends, FEW_DIGITS, MotionColumns, MotionError, Samples, Source, at_rest, can_be_transformed,
+    Ends, FEW_DIGITS, MotionColumns, Samples, Source, at_rest, can_be_transformed,
 };
 use super::spectrum::Cutoff;
 use crate::numeric::TimeGrid;
@@ -47,15 +48,17 @@ impl TipMotion {
 
     /// The same with other ends.
     ///
-    /// Velocities at the ends are those of the velocity column or, without one, of the displacement; the mean
-    /// velocity of a periodic motion is 0 without a velocity column.
+    /// Velocities there are those of the velocity column or else of the displacement; a cycle without one leads nowhere.
     ///
     /// # Errors
-    /// As [`TipMotion::new`]; a cycle that ends with its first sample again, or velocities that are not known.
+    /// As [`TipMotion::new`]; a cycle that ends with its first sample, or velocities that are not known.
     pub fn with_ends(columns: MotionColumns, ends: Ends) -> Result<Self, MotionError> {
         columns.check()?;
         let grid = TimeGrid::through(&columns.time_s)?;
         let ends = ends.said_by(columns.velocity_m_s.as_deref());
+        if ends == Ends::Periodic {
+            refuse_repetition(&columns, grid.step_s)?;
+        }
         let velocities_m_s = ends.velocities_m_s(&columns, grid.step_s)?;
         Self::of(grid, columns, (ends, velocities_m_s))
     }
@@ -75,7 +78,8 @@ impl TipMotion {
             let samples = displacement_m.unwrap_or_default();
             let (ends, (before_m_s, after_m_s)) = course;
             let course = (ends, [before_m_s, after_m_s.unwrap_or_default()]);
-            (Self::from_displacement(grid, samples, course)?, "displacement", None)
+            let velocity = velocity_m_s.as_deref();
+            (Self::from_displacement(grid, samples, course, velocity)?, "displacement", None)
         };
         let others = [velocity_m_s.as_deref(), displacement_m.as_deref()];
         check_agreement(&motion.samples, others, other)?;
@@ -88,9 +92,6 @@ impl TipMotion {
         (ends, (before_m_s, after_m_s)): (Ends, (f64, Option<f64>)),
         initial_displacement_m: f64,
     ) -> Result<Self, MotionError> {
-        if ends == Ends::Periodic {
-            refuse_repetition(&samples, 0.0)?;
-        }
         let moving = moves(&samples, ends)?;
         let velocities = samples.iter().scan(before_m_s, |sum, a| {
             *sum += a * grid.step_s;
@@ -104,17 +105,20 @@ impl TipMotion {
         let after_m_s = after_m_s.unwrap_or(last_m_s);
         let velocity_m_s = last_m_s - after_m_s;
         let share = velocity_m_s.abs() / peak;
-        let (share, after_m_s) = match ends {
-            Ends::AtRest if share > FEW_DIGITS => {
-                return Err(MotionError::AcceleratesAway { velocity_m_s, share });
-            }
-            Ends::Periodic if share > FEW_DIGITS => {
-                return Err(MotionError::AddsVelocity { velocity_m_s, share });
-            }
-            // A column of velocities that says otherwise is refused below.
-            Ends::Moving if share > FEW_DIGITS => (0.0, last_m_s),
-            _ => (share, after_m_s),
-        };
+        if share > FEW_DIGITS {
+            return Err(match ends {
+                Ends::AtRest => MotionError::AcceleratesAway { velocity_m_s, share },
+                Ends::Periodic => MotionError::AddsVelocity { velocity_m_s, share },
+                Ends::Moving => MotionError::Disagree {
+                    sample: samples.len() - 1,
+                    column: "velocity",
+                    unit: "m/s",
+                    found: after_m_s,
+                    expected: last_m_s,
+                    other: "acceleration",
+                },
+            });
+        }
         let corrected = (share > ROUND_OFF).then_some(EndVelocity { velocity_m_s, share });
         if corrected.is_some() {
             let own = &mut samples[moving.0..=moving.1];
@@ -143,7 +147,8 @@ impl TipMotion {
     fn from_displacement(
         grid: TimeGrid,
         samples: Vec<f64>,
-        (ends, velocities_m_s): (Ends, [f64; 2]),
+        (ends, mut velocities_m_s): (Ends, [f64; 2]),
+        velocity: Option<&[f64]>,
     ) -> Result<Self, MotionError> {
         let last = samples.len() - 1;
         let initial_displacement_m = samples[0];
@@ -157,8 +162,9 @@ impl TipMotion {
                 (samples[last] - samples[0], [samples[0] - before_m, samples[last] + after_m])
             }
             Ends::Periodic => {
-                let travel_m = before_m * samples.len() as f64;
-                refuse_repetition(&samples, travel_m)?;
+                let mean = (velocities_m_s[0], grid.step_s);
+                let travel_m = travel_of_cycle_m(&samples, velocity, mean)?;
+                velocities_m_s = [travel_m / (samples.len() as f64 * grid.step_s); 2];
                 (travel_m, [samples[last] - travel_m, samples[0] + travel_m])
             }
         };

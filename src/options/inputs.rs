@@ -261,8 +261,7 @@ pub(crate) fn remarks(of_file: &[Remark], solution: &Solution) -> Vec<Remark> {
     let within = modes.iter().filter(|omega| **omega <= highest).count();
     modes.truncate(within.max(1));
     let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
-    let (travel_m, tolerance) =
-        (solution.tip.largest_travel_m(), solution.analysis.tip_tolerance());
+    let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
     let of_motion = Remark::on_motion(link, &solution.motion, travel_m, tolerance);
     of_file.iter().cloned().chain(of_modes).chain(of_motion).collect()
 }

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use crate::motion::wrapped;
 use crate::numeric::{CubicSpline, SplineEnds};
+use crate::text::significant;
 
 /// Input u of the equations of motion: the hub's acceleration, or the torque, and the part of the feedback that
 /// depends on its reference. The part that depends on the link's motion belongs to the equations.
@@ -53,8 +54,9 @@ impl Driving {
 pub enum CycleError {
     /// A mean torque that turns a free hub faster and faster.
     #[error(
-        "the mean torque = {mean_n_m:e} N m, but must be 0: without friction or feedback the hub turns faster \
-         from cycle to cycle"
+        "the mean torque = {} N m, but must be 0: without friction or feedback the hub turns faster \
+         from cycle to cycle",
+        significant(*mean_n_m, 6)
     )]
     Mean {
         /// The mean torque in N m.
@@ -69,6 +71,9 @@ pub enum CycleError {
         /// The angle in rad from the last sample to the first.
         jump_rad: f64,
     },
+    /// A cycle whose last sample is its first one again.
+    #[error("the last row of the cycle = the first one again, but must be the one before it")]
+    Repeats,
     /// A vibration of an undamped link that grows, or no finite one.
     #[error("the cycle = in step with a vibration that is not damped, but must not be")]
     Resonance,
@@ -97,7 +102,10 @@ impl CycleError {
                 "give hub.viscous_friction, or --feedback"
             }
             Self::Reference { .. } => {
-                "give whole cycles, or a reference without stiffness: --feedback 0,KD"
+                "give whole cycles, or a reference with rates and no stiffness: --feedback 0,KD"
+            }
+            Self::Repeats => {
+                "leave the last row out: the first row follows the last one, a step later"
             }
             Self::Resonance => "give the link damping",
             Self::Free => "a free hub turns on as it was started: --state",

@@ -325,7 +325,7 @@ impl SimulationWarning {
     pub fn hint(&self) -> &'static str {
         match self {
             Self::BeginsWithJump { .. } | Self::EndsWithJump { .. } => {
-                "a torque of solve begins and ends at zero unless analysis.lead or analysis.lag cut it"
+                "a torque of solve begins and ends at zero, unless its window is cut or its tip does not rest"
             }
             Self::HubBeginsMoving { .. } => "use a recording that begins at rest",
             Self::RoughTorque { .. } => {

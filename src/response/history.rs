@@ -2,7 +2,9 @@
 
 use thiserror::Error;
 
-use super::error::SimulationWarning;
+use super::driving::CycleError;
+use super::error::{SimulationError, SimulationWarning};
+use crate::link::{ParameterError, not_negative};
 use crate::motion::wrapped;
 use crate::numeric::{CubicSpline, NotUniform, QuinticSpline, SplineEnds, TimeGrid};
 
@@ -222,6 +224,88 @@ pub(super) fn same_times(a: &TimeGrid, b: &TimeGrid) -> bool {
     a.len == b.len
         && near(a.time_s(0), b.time_s(0))
         && near(a.time_s(a.len - 1), b.time_s(b.len - 1))
+}
+
+/// Collocated feedback at the hub around a computed motion (Bayo 1987, section 6).
+///
+/// ```text
+/// u = T + k_p (θ_ref − θ) + k_d (θ̇_ref − θ̇)
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Feedback {
+    stiffness_n_m_rad: f64,
+    damping_n_m_s_rad: f64,
+    reference: HubReference,
+}
+
+impl Feedback {
+    /// Gains `k_p` in N m/rad and `k_d` in N m s/rad around a reference.
+    ///
+    /// # Errors
+    /// [`ParameterError`] names the first gain that is negative or not finite.
+    pub fn new(
+        stiffness_n_m_rad: f64,
+        damping_n_m_s_rad: f64,
+        reference: HubReference,
+    ) -> Result<Self, ParameterError> {
+        not_negative("KP", stiffness_n_m_rad, "N m/rad")?;
+        not_negative("KD", damping_n_m_s_rad, "N m s/rad")?;
+        Ok(Self { stiffness_n_m_rad, damping_n_m_s_rad, reference })
+    }
+
+    /// `k_p` in N m/rad.
+    pub fn stiffness_n_m_rad(&self) -> f64 {
+        self.stiffness_n_m_rad
+    }
+
+    /// `k_d` in N m s/rad.
+    pub fn damping_n_m_s_rad(&self) -> f64 {
+        self.damping_n_m_s_rad
+    }
+
+    /// True unless the reference gives the rates that the damping alone needs.
+    fn needs_angles(&self) -> bool {
+        self.stiffness_n_m_rad > 0.0 || self.reference.rate_rad_s().is_none()
+    }
+
+    /// The reference.
+    pub fn reference(&self) -> &HubReference {
+        &self.reference
+    }
+
+    /// What the reference adds to the torque at each sample, `k_p (θ_ref − θ_ref(0)) + k_d θ̇_ref`;
+    /// the link starts at the reference's first angle, or from a state whose angles count from `zero_rad`.
+    ///
+    /// # Errors
+    /// [`SimulationError::OtherTimes`].
+    pub(super) fn wanted_torque_n_m(
+        &self,
+        torque: &Torque,
+        zero_rad: Option<f64>,
+        repeats: bool,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let (found, torque) = (self.reference.grid(), torque.grid());
+        if !same_times(&found, &torque) {
+            return Err(SimulationError::OtherTimes { found, torque });
+        }
+        if let Some(jump_rad) =
+            self.reference.jump_rad(0.0).filter(|_| repeats && self.needs_angles())
+        {
+            return Err(CycleError::Reference { jump_rad }.into());
+        }
+        let angle = self.reference.angle_rad();
+        let zero_rad = zero_rad.unwrap_or(angle[0]);
+        let wanted = angle.iter().zip(self.rate_rad_s(repeats)).map(|(angle_rad, rate)| {
+            self.stiffness_n_m_rad * (angle_rad - zero_rad) + self.damping_n_m_s_rad * rate
+        });
+        Ok(wanted.collect())
+    }
+
+    /// Rate of the reference: as given, or that of a spline through its angles.
+    pub(super) fn rate_rad_s(&self, repeats: bool) -> Vec<f64> {
+        let given = self.reference.rate_rad_s().map(<[f64]>::to_vec);
+        given.unwrap_or_else(|| self.reference.slopes_rad_s(repeats))
+    }
 }
 
 #[cfg(test)]

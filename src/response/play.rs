@@ -4,14 +4,15 @@ use std::f64::consts::TAU;
 
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
-use super::history::{HubReference, Torque, same_times};
+use super::history::{Feedback, HubReference, Torque};
 use super::modes::{
     Equations, HubReaction, MOST_MODES, ModeSelection, REACH, held, kept_modes, torque_band_rad_s,
 };
 use super::state::{State, of_cycle};
 use crate::beam::Mesh;
-use crate::link::{Link, ParameterError, not_negative};
+use crate::link::Link;
 use crate::modal::{DampingLaw, ModalBasis};
+use crate::motion::is_repeated;
 use crate::numeric::TimeGrid;
 
 /// What modes may leave out of a state, over the whole.
@@ -135,7 +136,7 @@ impl<'a> Play<'a> {
             }
         };
         // The reference's rate, unlike its angle, is zero at both ends.
-        let drives = |of: &&Feedback| of.stiffness_n_m_rad > 0.0 || of.damping_n_m_s_rad > 0.0;
+        let drives = |of: &&Feedback| of.stiffness_n_m_rad() > 0.0 || of.damping_n_m_s_rad() > 0.0;
         let repeats = self.cycle_turn_rad.is_some();
         let wanted = self.feedback.filter(drives).map(|of| of.rate_rad_s(repeats));
         let wanted = wanted.and_then(|rate| torque_band_rad_s(&grid, &rate));
@@ -186,9 +187,9 @@ impl<'a> Play<'a> {
     pub(super) fn goal_rad(&self, link: &Link) -> Option<f64> {
         match self.input {
             Input::Torque(_) => {
-                let holds = |feedback: &&Feedback| feedback.stiffness_n_m_rad > 0.0;
+                let holds = |feedback: &&Feedback| feedback.stiffness_n_m_rad() > 0.0;
                 let feedback = self.feedback.filter(holds);
-                feedback.map(|own| own.reference.turn_rad(self.zero_of_state_rad(link)))
+                feedback.map(|own| own.reference().turn_rad(self.zero_of_state_rad(link)))
             }
             Input::HubAngle(_) => None,
         }
@@ -241,6 +242,9 @@ impl<'a> Play<'a> {
             }
         };
         let own = torque.torque_n_m();
+        if self.cycle_turn_rad.is_some() && is_repeated(own, 0.0) {
+            return Err(CycleError::Repeats.into());
+        }
         let kept_n_m = if link.has_weight() { own[own.len() - 1] } else { 0.0 };
         let zero_rad = self.zero_of_state_rad(link);
         let repeats = self.cycle_turn_rad.is_some();
@@ -249,8 +253,8 @@ impl<'a> Play<'a> {
             Some(feedback) => {
                 let wanted = feedback.wanted_torque_n_m(torque, zero_rad, repeats)?;
                 let samples = own.iter().zip(wanted).map(|(t, wanted)| t + wanted).collect();
-                let turn_rad = feedback.reference.turn_rad(zero_rad);
-                (samples, kept_n_m + feedback.stiffness_n_m_rad * turn_rad)
+                let turn_rad = feedback.reference().turn_rad(zero_rad);
+                (samples, kept_n_m + feedback.stiffness_n_m_rad() * turn_rad)
             }
         };
         Ok(match self.cycle_turn_rad {
@@ -315,84 +319,5 @@ impl Started {
             }
             band_rad_s = 2.0 * band_rad_s.max(TAU * selection.highest_hz / REACH);
         }
-    }
-}
-
-/// Collocated feedback at the hub around a computed motion (Bayo 1987, section 6).
-///
-/// ```text
-/// u = T + k_p (θ_ref − θ) + k_d (θ̇_ref − θ̇)
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Feedback {
-    stiffness_n_m_rad: f64,
-    damping_n_m_s_rad: f64,
-    reference: HubReference,
-}
-
-impl Feedback {
-    /// Gains `k_p` in N m/rad and `k_d` in N m s/rad around a reference.
-    ///
-    /// # Errors
-    /// [`ParameterError`] names the first gain that is negative or not finite.
-    pub fn new(
-        stiffness_n_m_rad: f64,
-        damping_n_m_s_rad: f64,
-        reference: HubReference,
-    ) -> Result<Self, ParameterError> {
-        not_negative("KP", stiffness_n_m_rad, "N m/rad")?;
-        not_negative("KD", damping_n_m_s_rad, "N m s/rad")?;
-        Ok(Self { stiffness_n_m_rad, damping_n_m_s_rad, reference })
-    }
-
-    /// `k_p` in N m/rad.
-    pub fn stiffness_n_m_rad(&self) -> f64 {
-        self.stiffness_n_m_rad
-    }
-
-    /// `k_d` in N m s/rad.
-    pub fn damping_n_m_s_rad(&self) -> f64 {
-        self.damping_n_m_s_rad
-    }
-
-    fn holds(&self) -> bool {
-        self.stiffness_n_m_rad > 0.0
-    }
-
-    /// The reference.
-    pub fn reference(&self) -> &HubReference {
-        &self.reference
-    }
-
-    /// What the reference adds to the torque at each sample, `k_p (θ_ref − θ_ref(0)) + k_d θ̇_ref`;
-    /// the link starts at the reference's first angle, or from a state whose angles count from `zero_rad`.
-    ///
-    /// # Errors
-    /// [`SimulationError::OtherTimes`].
-    fn wanted_torque_n_m(
-        &self,
-        torque: &Torque,
-        zero_rad: Option<f64>,
-        repeats: bool,
-    ) -> Result<Vec<f64>, SimulationError> {
-        let (found, torque) = (self.reference.grid(), torque.grid());
-        if !same_times(&found, &torque) {
-            return Err(SimulationError::OtherTimes { found, torque });
-        }
-        if let Some(jump_rad) = self.reference.jump_rad(0.0).filter(|_| repeats && self.holds()) {
-            return Err(CycleError::Reference { jump_rad }.into());
-        }
-        let angle = self.reference.angle_rad();
-        let zero_rad = zero_rad.unwrap_or(angle[0]);
-        let wanted = angle.iter().zip(self.rate_rad_s(repeats)).map(|(angle_rad, rate)| {
-            self.stiffness_n_m_rad * (angle_rad - zero_rad) + self.damping_n_m_s_rad * rate
-        });
-        Ok(wanted.collect())
-    }
-
-    /// Rate of the reference: as given, or that of a spline through its angles.
-    fn rate_rad_s(&self, repeats: bool) -> Vec<f64> {
-        let given = self.reference.rate_rad_s().map(<[f64]>::to_vec);
-        given.unwrap_or_else(|| self.reference.slopes_rad_s(repeats))
     }
 }

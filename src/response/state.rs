@@ -11,7 +11,7 @@ use super::stepper::Stepper;
 use crate::beam::Mesh;
 use crate::link::{Link, POSITION_TOLERANCE};
 use crate::modal::Shape;
-use crate::numeric::{TimeGrid, largest_difference};
+use crate::numeric::{TimeGrid, largest, largest_difference};
 
 /// The motion of a link at one instant.
 ///
@@ -151,6 +151,10 @@ impl State {
 const MOST_CYCLES: usize = 400;
 const SETTLED: f64 = 1e-9;
 
+/// What a vibration that repeats may be over what a cycle adds to it: more is that of a link without damping, in step with
+/// the cycle.
+const MOST_GROWTH: f64 = 1e5;
+
 /// Mean torque, over the largest, from which on a free hub turns faster from cycle to cycle.
 const MEAN: f64 = 1e-6;
 
@@ -197,8 +201,10 @@ pub(super) fn of_cycle(
         matrix[(angle, angle)] = 1.0;
         right[angle] = 0.0;
     }
-    let state = matrix.lu().solve(&right).filter(|state| state.iter().all(|x| x.is_finite()));
-    let state = state.ok_or(CycleError::Resonance)?;
+    let driven = largest(right.as_slice());
+    // Whatever a cycle adds has grown so much that no damping that can be named holds it.
+    let repeats = |state: &DVector<f64>| state.iter().all(|x| x.abs() <= MOST_GROWTH * driven);
+    let state = matrix.lu().solve(&right).filter(repeats).ok_or(CycleError::Resonance)?;
     let [mut coordinates, rates] = stepper.of_state(state.as_slice());
     if equations.prescribed.is_some() {
         coordinates[0] = 0.0;

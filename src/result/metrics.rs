@@ -74,8 +74,13 @@ impl Metrics {
         let peak = |samples: &[f64]| peaks.of(samples);
         let peak_torque_n_m = peak(torque);
         let peak_rigid_torque_n_m = peak(&solution.rigid_torque_n_m);
-        let start = solution.hub_angle_rad[0];
-        let travelled: Vec<f64> = solution.hub_angle_rad.iter().map(|a| a - start).collect();
+        // Of a tip that moves before its motion and after it, the hub turns on as long as it is looked at.
+        let (first, last) = solution.moving;
+        let counted = match solution.motion.ends() {
+            Ends::Moving => &solution.hub_angle_rad[first..=last],
+            _ => &solution.hub_angle_rad[..],
+        };
+        let travelled: Vec<f64> = counted.iter().map(|angle| angle - counted[0]).collect();
         let ends = solution.motion.ends();
         // With gravity, or against friction, the torque acts where it differs from what it is at the ends.
         let acts = |torque: &[f64], peak: Peak| match ends {

@@ -116,6 +116,18 @@ pub enum Remark {
         /// The step in s.
         step_s: f64,
     },
+    /// A tip that moves at its ends because a velocity column says so.
+    #[error(
+        "the velocity says that the tip moves at {} m/s before its motion and at {} m/s after it, and has done so all along",
+        significant(*before_m_s, 3),
+        significant(*after_m_s, 3)
+    )]
+    MovingEnds {
+        /// Velocity before the motion in m/s.
+        before_m_s: f64,
+        /// Velocity after it in m/s.
+        after_m_s: f64,
+    },
     /// A displacement with few digits.
     #[error(
         "the displacement has {decimals} decimals, ±{half_step_m:.1e} m: the tip is followed to \
@@ -206,6 +218,8 @@ impl Remark {
     fn on_samples(motion: &TipMotion, travel_m: f64, tolerance: f64) -> impl Iterator<Item = Self> {
         let (grid, recording) = (motion.grid(), motion.recording());
         let jitter = recording.jitter.map(|steps| Self::Jitter { steps, step_s: grid.step_s });
+        let [before_m_s, after_m_s] = motion.end_velocities_m_s();
+        let moves = recording.moves_by_column.then_some(Self::MovingEnds { before_m_s, after_m_s });
         let uncertain = recording.uncertainty.and_then(|uncertainty| {
             let followed = uncertainty.tolerance_m(grid.len) / travel_m;
             // At 0 all frequencies are solved, whatever the samples are worth.
@@ -219,7 +233,7 @@ impl Remark {
                 }
             })
         });
-        jitter.into_iter().chain(uncertain)
+        jitter.into_iter().chain(moves).chain(uncertain)
     }
 
     /// Name of the kind, for machines.
@@ -232,6 +246,7 @@ impl Remark {
             Self::Duration { .. } => "duration",
             Self::Travel { .. } => "way",
             Self::Jitter { .. } => "jitter",
+            Self::MovingEnds { .. } => "moving_ends",
             Self::FewDigits { .. } => "few_digits",
             Self::Noise { .. } => "noise",
             Self::UnknownSection { .. } => "unknown_section",
@@ -250,6 +265,9 @@ impl Remark {
                 "name the unit in the column's heading, as in \"displacement [mm]\""
             }
             Self::Jitter { .. } => "--resample STEP interpolates at another step",
+            Self::MovingEnds { .. } => {
+                "--moving-ends says so without this remark; add the rows that bring the tip to rest if it rests"
+            }
             Self::FewDigits { .. } => {
                 "write the displacement with more decimals, or give --noise if these are exact"
             }

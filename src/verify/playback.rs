@@ -173,7 +173,7 @@ fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
     let peak = largest(&solution.torque_n_m);
     let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
-    let played = (driven_m + between_m) / solution.tip.largest_travel_m();
+    let played = (driven_m + between_m) / solution.tip_travel_m();
     (Kind::TIP_ERROR.bound)(answer).min(analysis.tip_tolerance() + played)
 }
 
@@ -193,7 +193,7 @@ fn net_torque(answer: &Answer) -> Vec<f64> {
 
 /// Largest error of a tip against the wanted motion, over its travel.
 fn tip_error(answer: &Answer, wanted: &TipTarget, tip_m: &[f64]) -> f64 {
-    largest_difference(tip_m, wanted.displacement_m()) / answer.solution.tip.largest_travel_m()
+    largest_difference(tip_m, wanted.displacement_m()) / answer.solution.tip_travel_m()
 }
 
 /// Largest imbalance of energy, and the error of its integrals, both over the largest energy in the

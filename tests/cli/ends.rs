@@ -39,6 +39,12 @@ fn bench() -> Bench {
         table
     });
     bench.write("turning.csv", &turning);
+    let passing = (0..=160).fold("time,velocity\n".to_owned(), |mut table, k| {
+        let away = (f64::from(k) - 80.0) / 18.0;
+        let _ = writeln!(table, "{},{}", 0.0125 * f64::from(k), 0.2 - 0.1 * (-away * away).exp());
+        table
+    });
+    bench.write("passing.csv", &passing);
     bench
 }
 
@@ -127,10 +133,15 @@ fn a_sweep_has_no_lead_of_a_cycle() {
 #[test]
 fn a_velocity_column_says_that_the_tip_moves_on() {
     let bench = bench();
-    let output = bench.run(&["solve", "strip.toml", "turning.csv"]);
+    let output = bench.run(&["solve", "strip.toml", "passing.csv"]);
     let text = stdout(&output);
     assert!(text.contains(" of it at changing velocity, at 0.0125 s;\n"), "{text}");
-    assert!(text.contains("\n         from 0.200 to 0.192 m/s; peaks"), "{text}");
+    assert!(text.contains("\n         from 0.200 to 0.200 m/s; peaks"), "{text}");
+    let remark = "remark: the velocity says that the tip moves at 0.200 m/s before its motion and at 0.200 m/s after";
+    assert!(stderr(&output).contains(remark), "{}", stderr(&output));
+    let asked = bench.run(&["solve", "strip.toml", "passing.csv", "--moving-ends"]);
+    assert!(!stderr(&asked).contains("remark"), "{}", stderr(&asked));
+    assert_eq!(stdout(&asked), text);
     let cycle = stdout(&bench.run(&["solve", "strip.toml", "turning.csv", "--periodic"]));
     assert!(cycle.contains("\nmotion   cycle that leads on by 0.2000 m in 1.000 s"), "{cycle}");
 }
@@ -151,15 +162,21 @@ fn what_no_end_can_be_is_refused() {
              hint: correct the mean of the velocity column, or leave it out\n",
         ),
         (
-            &[&["turning.csv"][..], &weight].concat(),
+            &[&["passing.csv"][..], &weight].concat(),
             "error: the tip moves at the ends of its motion, but must be at rest there, or periodic, with gravity \
              or second order\n\
              hint: add the samples that bring the tip to rest, or solve it without: second_order = \"none\"\n",
         ),
         (
-            &["turning.csv", "--set", "damping.alpha=0.1"],
+            &["passing.csv", "--set", "damping.alpha=0.1"],
             "error: the tip moves at the ends of its motion, but must be at rest there with damping.alpha above 0\n\
              hint: use damping.beta or a damping ratio instead\n",
+        ),
+        (
+            &["turning.csv", "--moving-ends"],
+            "error: turning.csv:2: the tip accelerates there, with 50.00 % of its peak, but must move at constant \
+             velocity at its ends\n\
+             hint: begin and end with rows at constant velocity, or at rest\n",
         ),
         (
             &["cycle.csv", "--periodic", "--set", "analysis.lead=0.1"],
@@ -178,7 +195,7 @@ fn what_no_end_can_be_is_refused() {
     let frictionless = ["--set", "hub.viscous_friction=0"];
     let told = stderr(&bench.run(&[&free[..], &frictionless].concat()));
     assert!(
-        told.starts_with("error: push.csv: the mean torque = 2e-1 N m, but must be 0"),
+        told.starts_with("error: push.csv: the mean torque = 0.200000 N m, but must be 0"),
         "{told}"
     );
     assert!(bench.run(&free).status.success());

@@ -76,8 +76,8 @@ fn a_dash_reads_the_torque_from_standard_input() {
 #[test]
 fn jumps_at_the_ends_a_coarse_step_and_a_late_target_are_told() {
     let bench = bench();
-    let jump = "hint: a torque of solve begins and ends at zero unless analysis.lead or \
-                analysis.lag cut it";
+    let jump = "hint: a torque of solve begins and ends at zero, unless its window is cut or its \
+                tip does not rest";
     bench.write("step.csv", "time,torque\n0,1\n0.01,-2\n0.02,1\n0.03,0.5\n");
     let output = simulated(&bench, &["step.csv"]);
     let expected = format!(

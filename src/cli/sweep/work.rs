@@ -87,7 +87,7 @@ impl Cases<'_> {
         let own = solution.warnings.iter().map(|w| Notice::new(w.kind(), w, w.hint()));
         let limits = exceeded.iter().map(Notice::of_limit);
         let of_modes = Remark::on_modes(link, solution.mesh(), &first_rad_s);
-        let (travel_m, tolerance) = (solution.tip.largest_travel_m(), analysis.tip_tolerance());
+        let (travel_m, tolerance) = (solution.tip_travel_m(), analysis.tip_tolerance());
         let of_motion = Remark::on_motion(link, &motion, travel_m, tolerance);
         let remarks = specification.remarks.iter().cloned().chain(of_modes).chain(of_motion);
         Ok((numbers, own.chain(limits).collect(), remarks.collect()))

@@ -5,17 +5,243 @@
 //! depends on the length alone, products and sums are rounded one by one, and sines come from `libm`.
 //! The width of the processor's vectors only says how many columns are transformed at a time.
 //!
-//! `pair` is the door; `transform` holds the real transform by a complex one by rows and columns,
+//! [`FourierPair`] is the door; `transform` holds the real transform by a complex one by rows and columns,
 //! `passes` the butterflies along one of them, `vector` eight complex numbers side by side. The tests
 //! hold it against the definition in 106 bits, and against realfft.
 
-mod pair;
 mod passes;
 #[cfg(test)]
 mod tests;
 mod transform;
 mod vector;
 
-pub use pair::FourierPair;
-pub(crate) use pair::{angular_frequency, fast_length};
 pub(crate) use transform::Scratch;
+
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use num_complex::Complex64;
+use pulp::Arch;
+
+use passes::cis;
+use transform::{Forward, Inverse, Plan};
+
+/// Fourier pair on an even number N of real samples.
+///
+/// ```text
+/// X_k = (1/N) Σ_j x_j e^{−2πi jk/N}    k = 0 … N/2
+/// x_j = Σ_k X_k e^{+2πi jk/N}          k = −N/2 + 1 … N/2, X_{−k} = conj X_k
+/// ```
+/// so that `X_k` is the complex amplitude of `e^{+iω_k t}` with `ω_k = 2πk/P` (Bayo 1987, eq 13).
+#[derive(Debug, Clone)]
+pub struct FourierPair(Arc<Kind>);
+
+/// How a length is transformed.
+#[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "it is always behind an Arc")]
+enum Kind {
+    Passes(Plan),
+    Chirp(Chirp),
+}
+
+/// Largest prime factor of a half length that is transformed by passes, whose time grows with it.
+const LARGEST_FACTOR: usize = 150;
+
+/// A transform as a convolution with a chirp, of any length N in N log N (Bluestein, IEEE Trans. Audio and
+/// Electroacoustics 18(4), 1970): with `jk = (j² + k² − (k − j)²)/2`
+///
+/// ```text
+/// Σ_j x_j e^{−2πi jk/N} = w̄_k Σ_j (x_j w̄_j) w_{k−j},   w_j = e^{πi j²/N}
+/// ```
+#[derive(Debug)]
+struct Chirp {
+    /// w of the samples.
+    turns: Vec<Complex64>,
+    /// The pair that convolves.
+    pair: FourierPair,
+    /// Amplitudes of the real and of the imaginary part of w on its samples, from −N + 1 to N − 1.
+    kernel: [Vec<Complex64>; 2],
+}
+
+impl Chirp {
+    fn new(len: usize) -> Self {
+        let turn = |j: usize| cis(j * j % (2 * len), 2 * len);
+        let turns: Vec<Complex64> =
+            (0..len).map(turn).map(|[re, im]| Complex64::new(re, im)).collect();
+        let pair = FourierPair::fast(2 * len);
+        let around = |part: fn(&Complex64) -> f64| {
+            let mut samples = vec![0.0; pair.len()];
+            for (j, turn) in turns.iter().enumerate() {
+                samples[j] = part(turn);
+                samples[(pair.len() - j) % pair.len()] = part(turn);
+            }
+            pair.amplitudes(samples)
+        };
+        let kernel = [around(|turn| turn.re), around(|turn| turn.im)];
+        Self { turns, pair, kernel }
+    }
+
+    /// `Σ_j x_j e^{−2πi jk/N}` of the first so many k.
+    fn transformed(&self, values: impl Iterator<Item = Complex64>, count: usize) -> Vec<Complex64> {
+        let turned: Vec<Complex64> =
+            values.zip(&self.turns).map(|(value, turn)| value * turn.conj()).collect();
+        let of = |part: fn(&Complex64) -> f64| {
+            self.pair.amplitudes(turned.iter().map(part).collect::<Vec<f64>>())
+        };
+        let [real, imaginary] = [of(|turned| turned.re), of(|turned| turned.im)];
+        let scale = self.pair.len() as f64;
+        let convolved = |own: usize, other: usize, sign: f64| {
+            let pairs = real.iter().zip(&self.kernel[own]);
+            let others = imaginary.iter().zip(&self.kernel[other]);
+            let products = pairs.zip(others).map(|((a, b), (c, d))| (a * b + c * d * sign) * scale);
+            self.pair.samples(products.collect::<Vec<_>>())
+        };
+        let (real, imaginary) = (convolved(0, 1, -1.0), convolved(1, 0, 1.0));
+        let sums = real.into_iter().zip(imaginary).zip(&self.turns).take(count);
+        sums.map(|((re, im), turn)| Complex64::new(re, im) * turn.conj()).collect()
+    }
+
+    fn amplitudes(&self, samples: &[f64], scale: f64) -> Vec<Complex64> {
+        let values = samples.iter().map(|sample| Complex64::from(*sample));
+        let mut found = self.transformed(values, samples.len() / 2 + 1);
+        for amplitude in &mut found {
+            *amplitude *= scale;
+        }
+        // Of real samples the amplitudes at both ends are real.
+        for end in [0, samples.len() / 2] {
+            found[end].im = 0.0;
+        }
+        found
+    }
+
+    fn samples(&self, amplitudes: &[Complex64], samples: &mut [f64]) {
+        let last = samples.len() / 2;
+        let values = amplitudes.iter().enumerate().map(|(k, amplitude)| match k {
+            0 => amplitude.re.into(),
+            k if k == last => amplitude.re.into(),
+            _ => 2.0 * amplitude.conj(),
+        });
+        let found = self.transformed(values, samples.len());
+        samples.iter_mut().zip(found).for_each(|(sample, found)| *sample = found.re);
+    }
+}
+
+fn largest_factor(mut number: usize) -> usize {
+    let (mut factor, mut largest) = (2, 1);
+    while factor * factor <= number {
+        while number.is_multiple_of(factor) {
+            (number, largest) = (number / factor, factor);
+        }
+        factor += 1;
+    }
+    largest.max(number)
+}
+
+impl FourierPair {
+    /// Plans the pair for `len` samples or a few more: the least number that is fast to transform.
+    pub fn fast(len: usize) -> Self {
+        Self::new(fast_length(len))
+    }
+
+    /// Plans the pair for `len` samples, an even number above 0. Lengths from [`fast_length`] are fast; others take
+    /// more time, up to some ten times as much.
+    ///
+    /// # Panics
+    /// If `len` is odd or zero.
+    pub(crate) fn new(len: usize) -> Self {
+        assert!(len > 0 && len.is_multiple_of(2), "a Fourier pair needs an even length, not {len}");
+        Self(Arc::new(if largest_factor(len / 2) > LARGEST_FACTOR {
+            Kind::Chirp(Chirp::new(len))
+        } else {
+            Kind::Passes(Plan::new(len / 2))
+        }))
+    }
+
+    /// Number N of samples.
+    pub fn len(&self) -> usize {
+        match &*self.0 {
+            Kind::Passes(plan) => 2 * plan.points,
+            Kind::Chirp(chirp) => chirp.turns.len(),
+        }
+    }
+
+    /// False: a pair has at least two samples.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Amplitudes `X_0 … X_{N/2}` of N samples; those not given are zero, further ones are left out.
+    pub fn amplitudes(&self, samples: impl AsRef<[f64]>) -> Vec<Complex64> {
+        let scale = 1.0 / self.len() as f64;
+        let mut samples = Cow::Borrowed(samples.as_ref());
+        if samples.len() != self.len() {
+            samples.to_mut().resize(self.len(), 0.0);
+        }
+        let samples = &samples[..self.len()];
+        let plan = match &*self.0 {
+            Kind::Passes(plan) => plan,
+            Kind::Chirp(chirp) => return chirp.amplitudes(samples, scale),
+        };
+        let mut found = vec![Complex64::ZERO; self.len() / 2 + 1];
+        let (scratch, amplitudes) = (&mut Scratch::default(), &mut found[..]);
+        Arch::new().dispatch(Forward { plan, samples, scale, scratch, amplitudes });
+        found
+    }
+
+    /// The N samples of the amplitudes `X_0 …`; those not given are zero, and those beyond `X_{N/2}` are
+    /// left out.
+    ///
+    /// Of the amplitudes at zero and at the Nyquist frequency only the real parts count: the rest
+    /// of them has no real signal.
+    pub fn samples(&self, amplitudes: impl AsRef<[Complex64]>) -> Vec<f64> {
+        let mut samples = vec![0.0; self.len()];
+        let amplitudes = amplitudes.as_ref();
+        let amplitudes = &amplitudes[..amplitudes.len().min(self.len() / 2 + 1)];
+        self.write_samples(amplitudes, &mut Scratch::default(), &mut samples);
+        samples
+    }
+
+    /// Writes what [`Self::samples`] returns into `samples`; `scratch` is memory for any number of calls.
+    ///
+    /// # Panics
+    /// If there are more than N/2 + 1 amplitudes or not room for N samples.
+    pub(crate) fn write_samples(
+        &self,
+        amplitudes: &[Complex64],
+        scratch: &mut Scratch,
+        samples: &mut [f64],
+    ) {
+        let (len, bins) = (self.len(), self.len() / 2 + 1);
+        assert!(amplitudes.len() <= bins, "{} amplitudes for {bins} bins", amplitudes.len());
+        assert_eq!(samples.len(), len, "samples of a Fourier pair");
+        match &*self.0 {
+            Kind::Passes(plan) => {
+                Arch::new().dispatch(Inverse { plan, amplitudes, scratch, samples });
+            }
+            Kind::Chirp(chirp) => chirp.samples(amplitudes, samples),
+        }
+    }
+}
+
+/// Angular frequency of bin `k` in rad/s for N samples at `step_s`.
+pub(crate) fn angular_frequency(k: usize, len: usize, step_s: f64) -> f64 {
+    TAU * k as f64 / (len as f64 * step_s)
+}
+
+/// The least even number of the form 2ᵃ 3ᵇ 5ᶜ that is at least `len`: fast to transform.
+pub(crate) fn fast_length(len: usize) -> usize {
+    let mut best = len.max(2).next_power_of_two();
+    let mut fives = 1;
+    while fives < best {
+        let mut odd = fives;
+        while odd < best {
+            // The power of two that lifts `odd` to `len`, and at least one factor of two.
+            let twos = len.div_ceil(odd).next_power_of_two().max(2);
+            best = best.min(odd * twos);
+            odd *= 3;
+        }
+        fives *= 5;
+    }
+    best
+}

@@ -6,6 +6,7 @@ use pulp::bytemuck::cast_slice;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::transform::{Forward, Inverse, Plan, Scratch};
+use super::{FourierPair, TAU, fast_length};
 
 /// Numbers without any pattern between −1 and 1.
 fn noise(len: usize) -> Vec<f64> {
@@ -214,5 +215,76 @@ fn every_width_of_vectors_gives_the_same_bits() {
             let v4 = pulp::x86::V4::try_new().map(|v4| bits(v4, len));
             assert!(v4.is_none_or(|v4| v4 == scalar), "eight lanes at {len}");
         }
+    }
+}
+
+#[test]
+fn amplitudes_are_those_of_a_direct_sum_with_a_negative_exponent() {
+    let x = [0.3, -1.0, 2.0, 0.7, 0.1, -0.4];
+    let found = FourierPair::new(6).amplitudes(x);
+    for (k, found) in found.iter().enumerate() {
+        let direct: Complex64 = x
+            .iter()
+            .enumerate()
+            .map(|(j, x)| Complex64::cis(-TAU * (j * k) as f64 / 6.0) * x / 6.0)
+            .sum();
+        assert!((found - direct).norm() < 1e-15);
+    }
+}
+
+#[test]
+fn samples_undo_amplitudes_and_missing_amplitudes_are_zero() {
+    let pair = FourierPair::new(60);
+    let x: Vec<f64> = (0..60).map(|j| (0.1 * f64::from(j)).sin()).collect();
+    let back = pair.samples(pair.amplitudes(x.clone()));
+    assert!(x.iter().zip(&back).all(|(x, y)| (x - y).abs() < 1e-15));
+    let few = pair.amplitudes(&x[..40]);
+    assert_eq!(few, pair.amplitudes([&x[..40], &[0.0; 20]].concat()));
+    assert_eq!(pair.amplitudes([&x[..], &[3.0]].concat()), pair.amplitudes(&x));
+    assert_eq!(pair.samples([&few[..], &[Complex64::ONE]].concat()), pair.samples(&few));
+    let mean = pair.samples(vec![Complex64::new(2.5, 7.0)]);
+    assert!(mean.iter().all(|x| (x - 2.5).abs() < 1e-15));
+}
+
+#[test]
+fn fast_lengths_are_the_least_even_numbers_of_small_factors() {
+    let smooth = |mut n: usize| {
+        let even = n.is_multiple_of(2);
+        for p in [2, 3, 5] {
+            while n.is_multiple_of(p) {
+                n /= p;
+            }
+        }
+        even && n == 1
+    };
+    for len in 1..3000 {
+        let expected = (len..2 * len + 2).find(|&n| smooth(n)).unwrap();
+        assert_eq!(fast_length(len), expected, "length {len}");
+    }
+}
+
+/// Half a length with a large prime factor is transformed by a chirp: against passes over the whole circle.
+#[test]
+fn a_length_with_a_large_prime_factor_has_the_same_transform() {
+    for len in [2 * 151, 2 * 1009, 6 * 401] {
+        let x = noise(len);
+        let pair = FourierPair::new(len);
+        assert!(matches!(&*pair.0, super::Kind::Chirp(_)), "{len}");
+        let plan = Plan::new(len / 2);
+        let mut amplitudes = vec![Complex64::ZERO; len / 2 + 1];
+        let scale = 1.0 / len as f64;
+        let scratch = &mut Scratch::default();
+        let (samples, found) = (&x[..], &mut amplitudes[..]);
+        Arch::new().dispatch(Forward { plan: &plan, samples, scale, scratch, amplitudes: found });
+        let found = pair.amplitudes(&x);
+        for (a, b) in found.iter().zip(&amplitudes) {
+            assert!((a - b).norm() < 1e-15, "{len}: {a} and {b}");
+        }
+        let back = pair.samples(&found);
+        assert!(x.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-13), "{len}");
+        let few = pair.samples(&found[..40]);
+        let mut whole = found.clone();
+        whole[40..].fill(Complex64::ZERO);
+        assert_eq!(few, pair.samples(&whole));
     }
 }

@@ -30,7 +30,7 @@ pub(crate) fn simulate_text(
             ("torque", played_torque(play, metrics)),
             ("feedback", feedback_line(play)),
             played_by(simulation, play),
-            ("tip", tip_line(metrics)),
+            ("tip", tip_line(metrics, play)),
             ("hub", hub_line(&hub)),
             ("bending", deflection(metrics.peak_deflection_m)),
             ("after", residual_line(simulation)),
@@ -179,8 +179,11 @@ fn modes_line(modes: &ModalPlay, play: &Play) -> String {
     format!("{modes} of {of}, to {highest} Hz ({input} band to {band} Hz)")
 }
 
-fn tip_line(metrics: &PlayedMetrics) -> String {
+fn tip_line(metrics: &PlayedMetrics, play: &Play) -> String {
     let [farthest, travel] = four([metrics.farthest_m, metrics.travel_m]);
+    if play.cycle_turn_rad.is_some() {
+        return format!("moves by up to {farthest} m");
+    }
     let velocity = significant(metrics.final_tip_velocity_m_s, 2);
     format!("moves by up to {farthest} m, by {travel} m in all; ends with {velocity} m/s")
 }

@@ -155,7 +155,7 @@ const ROUND_OFF: f64 = 1e-9;
 fn motion_line(solution: &Solution, metrics: &Metrics) -> String {
     let motion = &solution.motion;
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
-    let farthest_m = solution.tip.largest_travel_m();
+    let farthest_m = solution.tip_travel_m();
     let [travel, farthest, duration] =
         four([motion.travel_m(), farthest_m, grid.time_s(until) - grid.time_s(from)]);
     if motion.ends() == Ends::Periodic {

@@ -330,7 +330,16 @@ fn ends_that_cannot_be_are_refused() {
     let weighted = LinkParts { gravity: Some(gravity), ..parts(&BETA) };
     let refused = |parts: &LinkParts, motion: &TipMotion| solved(parts, motion).err().unwrap();
     assert_eq!(refused(&weighted, &motion), InversionError::Ends(RefusedEnds::Turned));
-    let moving = TipMotion::with_ends(turning.clone(), Ends::Moving).unwrap();
+    let accelerating = TipMotion::with_ends(turning.clone(), Ends::Moving);
+    assert!(matches!(accelerating, Err(MotionError::AcceleratingEnd { sample: 0, .. })));
+    let passed: Vec<[f64; 3]> = (0..=150)
+        .map(|k| {
+            let [velocity, acceleration] = passing(0.01 * f64::from(k), [0.3, 0.3, -0.2]);
+            [0.0, velocity, acceleration]
+        })
+        .collect();
+    let passed = columns(0.01, &passed, Given::Acceleration, true);
+    let moving = TipMotion::with_ends(passed, Ends::Moving).unwrap();
     assert_eq!(refused(&weighted, &moving), InversionError::Ends(RefusedEnds::Bent));
     assert_eq!(refused(&parts(&RAYLEIGH), &moving), InversionError::Ends(RefusedEnds::Drag));
     let link = Link::new(parts(&BETA)).unwrap();
@@ -338,7 +347,7 @@ fn ends_that_cannot_be_are_refused() {
     let edges = invert(&link, &MeshPlan::automatic(&link), &motion, &analysis).err().unwrap();
     assert_eq!(edges, InversionError::Ends(RefusedEnds::Edges));
     // Without a word of it the tip is taken to be at rest.
-    let silent = MotionColumns { velocity_m_s: None, ..turning };
+    let silent = MotionColumns { velocity_m_s: None, ..turning.clone() };
     assert!(matches!(TipMotion::new(silent), Err(MotionError::MovingAtEnd { .. })));
     let accelerated = columns(step_s, &all, Given::Acceleration, false);
     let unknown = TipMotion::with_ends(accelerated.clone(), Ends::Moving);
@@ -349,6 +358,21 @@ fn ends_that_cannot_be_are_refused() {
     }
     let added = TipMotion::with_ends(offset, Ends::Periodic);
     assert!(matches!(added, Err(MotionError::AddsVelocity { .. })));
+    // Velocity and displacement that contradict each other, and a cycle that does not come back.
+    let mut faster = turning.clone();
+    for velocity in faster.velocity_m_s.iter_mut().flatten() {
+        *velocity += 0.002;
+    }
+    let unclosed = TipMotion::with_ends(faster, Ends::Periodic);
+    assert!(matches!(unclosed, Err(MotionError::Unclosed { .. })), "{unclosed:?}");
+    let alone = MotionColumns { velocity_m_s: None, ..turning.clone() };
+    let unclosed = TipMotion::with_ends(alone, Ends::Periodic);
+    assert!(matches!(unclosed, Err(MotionError::Unclosed { sample: 99, .. })), "{unclosed:?}");
+    let again: Vec<_> = (0..=100).map(|k| cycle(f64::from(k) / 100.0, 0.3)).collect();
+    for given in [Given::Displacement, Given::Acceleration] {
+        let again = TipMotion::with_ends(columns(step_s, &again, given, true), Ends::Periodic);
+        assert_eq!(again, Err(MotionError::Repeats { sample: 100 }));
+    }
     let still = MotionColumns {
         time_s: (0..9).map(f64::from).collect(),
         displacement_m: Some((0..9).map(|k| 0.1 * f64::from(k)).collect()),
