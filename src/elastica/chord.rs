@@ -230,9 +230,9 @@ impl ChordPeriod {
             || self.across.iter().any(|a| a.re != 0.0)
     }
 
-    /// The pair with the fewest samples of the period whose products have no alias among so many bins.
+    /// The pair with the fewest samples of the period that [resolve](resolved) products in so many bins.
     pub(super) fn pair_for(&self, bins: usize) -> FourierPair {
-        let few = fast_length(4 * bins);
+        let few = fast_length((5 * bins).div_ceil(2));
         if few < self.len() { FourierPair::new(few) } else { self.pair.clone() }
     }
 
@@ -276,6 +276,12 @@ impl ChordPeriod {
         let bins = self.turning.iter().zip(&self.across);
         bins.map(|(turning, across)| magnitude(*turning) * length_m + magnitude(*across)).collect()
     }
+}
+
+/// Number of bins that products of histories have no alias in, where those reach as far: what is above one and a half
+/// times as many is of the fifth order at the edge of the band.
+pub(super) fn resolved(pair: &FourierPair) -> usize {
+    2 * pair.len() / 5
 }
 
 /// So many angles between `from` and `to`, along a step of ninth order: its first four derivatives are none at both

@@ -5,14 +5,14 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, STEEPEST};
+use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, STEEPEST, resolved};
 use super::loads::{BentLink, SecondOrder};
-use super::reaction::{ElasticaMotion, apart, size};
+use super::reaction::{ElasticaMotion, apart, band, size};
 use super::sag::{Sag, TOLERANCE};
 use crate::beam::{LoadedMotion, Loads};
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, Model};
-use crate::numeric::{FourierPair, magnitude};
+use crate::numeric::FourierPair;
 
 /// Iterations after which one that still converges is given up.
 const MOST_ITERATIONS: usize = 100;
@@ -24,6 +24,9 @@ const NEGLIGIBLE: [f64; 5] = [1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
 
 /// Change by an iteration, over that by the one before, from which on a narrower band is tried: that may converge.
 const SLOW: f64 = 0.9;
+
+/// The same of what is round-off in shapes and moments.
+const ROUND_OFF: f64 = 1e-12;
 
 /// Bins that the loads are solved at over those whose deflections they are made of: products of three reach as far.
 const REACH: usize = 3;
@@ -153,21 +156,9 @@ impl<'a> Follower<'a> {
         answers: &[LoadedMotion<Complex64>],
         negligible: f64,
     ) -> Result<usize, ElasticaError> {
-        // Of all together, not of the largest: that of the weight at rest is the same over any period, those of the
-        // motion are the smaller the longer it is.
-        let size = |answer: &LoadedMotion<Complex64>| magnitude(answer.torque_n_m);
-        let least = negligible * answers.iter().map(size).sum::<f64>();
-        let mut beyond = 0.0;
-        let counts = |answer: &LoadedMotion<Complex64>| {
-            beyond += size(answer);
-            beyond > least
-        };
-        let band = answers.iter().rposition(counts).map_or(1, |last| last + 1);
+        let band = band(answers, negligible);
         let (most, step_s) = (self.chord.len() / 4, self.chord.step_s);
-        if band >= most.max(2) {
-            return Err(ElasticaError::LongStep { step_s });
-        }
-        Ok(band)
+        if band < most.max(2) { Ok(band) } else { Err(ElasticaError::LongStep { step_s }) }
     }
 
     /// The motion over the widest band of loads that converges; what the next narrower one changes is added to its
@@ -212,7 +203,7 @@ impl<'a> Follower<'a> {
         negligible: f64,
     ) -> Result<ElasticaMotion, ElasticaError> {
         let mesh = self.model.mesh();
-        let link = self.bent_link(second_order);
+        let link = BentLink::of(self.model, second_order);
         // Products of deflections reach beyond the frequencies of the motion.
         let mut band = self.band_of_loads(linear, negligible)?;
         let mut answers = linear.to_vec();
@@ -249,7 +240,7 @@ impl<'a> Follower<'a> {
                     iteration_error,
                     largest_slope,
                     second_order_change,
-                    exceeds_step: REACH * band > self.chord.len() / 4,
+                    exceeds_step: REACH * band > resolved(&self.chord.pair),
                     others,
                     ..motion
                 });
@@ -310,7 +301,7 @@ impl<'a> Follower<'a> {
             let nodal = spectra.chunks(2).map(|node| [node[0][bin], node[1][bin]]).collect();
             self.model.loaded_motion(self.chord.omega_rad_s(bin), &self.moved(bin, nodal))
         };
-        let mut answers: Vec<_> = (0..pair.len() / 4).into_par_iter().map(at).collect();
+        let mut answers: Vec<_> = (0..resolved(pair)).into_par_iter().map(at).collect();
         answers.extend(linear.iter().skip(answers.len()).cloned());
         answers
     }
@@ -362,17 +353,11 @@ impl<'a> Follower<'a> {
         answers: &[LoadedMotion<Complex64>],
         second_order: SecondOrder,
     ) -> ElasticaMotion {
-        let (pair, chord) = (&self.chord.pair, &self.chord.histories);
-        let (torque_n_m, hub_slope_rad) = self.hub(answers, second_order, pair, chord);
-        let link = self.bent_link(second_order);
-        let states = self.histories(answers, 3, pair);
-        let deflections = states[..2 * self.model.mesh().nodes_m().len()].to_vec();
-        let (shapes, largest_slope) = link
-            .at_each_instant((states, chord), |now, scratch, row| link.shape(now, scratch, row));
-        let (mut shortenings_m, mut moments_n_m) = (Vec::new(), Vec::new());
-        for (column, history) in shapes.into_iter().enumerate() {
-            if column % 2 == 0 { &mut shortenings_m } else { &mut moments_n_m }.push(history);
-        }
+        let pair = &self.chord.pair;
+        let (torque_n_m, hub_slope_rad) =
+            self.hub(answers, second_order, pair, &self.chord.histories);
+        let deflections = self.histories(answers, 1, pair);
+        let ([shortenings_m, moments_n_m], largest_slope) = self.shapes(answers, second_order);
         ElasticaMotion {
             torque_n_m,
             hub_slope_rad,
@@ -389,11 +374,25 @@ impl<'a> Follower<'a> {
         }
     }
 
-    fn bent_link(&self, second_order: SecondOrder) -> BentLink {
-        let beta_s = match self.model.law() {
-            DampingLaw::Rayleigh { beta_s, .. } => *beta_s,
-            _ => 0.0,
+    /// Shortening and bending moment of each node in turn, and the largest slope: at as many samples as products of
+    /// what bends need, then at the chord's own.
+    fn shapes(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        second_order: SecondOrder,
+    ) -> ([Vec<Vec<f64>>; 2], f64) {
+        let (link, band) = (BentLink::of(self.model, second_order), band(answers, ROUND_OFF));
+        let pair = self.chord.pair_for(band);
+        let (states, chord) = (self.histories(&answers[..band], 3, &pair), self.chord.at(&pair));
+        let (shapes, largest_slope) = link
+            .at_each_instant((states, &chord), |now, scratch, row| link.shape(now, scratch, row));
+        let all = |few: Vec<f64>| match pair.len() {
+            len if len == self.chord.len() => few,
+            _ => self.chord.pair.samples(pair.amplitudes(few)),
         };
-        BentLink::of(self.model.mesh(), self.model.link().payload(), beta_s, second_order)
+        let nodes = shapes.into_par_iter().map(all).collect::<Vec<_>>();
+        let mut parts = [Vec::new(), Vec::new()];
+        nodes.into_iter().enumerate().for_each(|(k, history)| parts[k % 2].push(history));
+        (parts, largest_slope)
     }
 }

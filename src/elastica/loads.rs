@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::chord::ChordHistories;
 use super::points::{POINTS, Points, dot};
-use crate::beam::{Inertia, Mesh};
-use crate::link::Payload;
+use crate::beam::Inertia;
+use crate::modal::DampingLaw;
+use crate::model::Model;
 use crate::numeric::Size;
 
 /// Instants that a thread computes at a time.
@@ -55,6 +56,8 @@ pub(super) struct Place {
 pub(super) struct Slope {
     sine: f64,
     cosine: f64,
+    /// One over the cosine.
+    secant: f64,
     rate: f64,
     pub(super) acceleration: f64,
     u: [f64; 3],
@@ -62,15 +65,16 @@ pub(super) struct Slope {
 
 impl Slope {
     fn of(second_order: SecondOrder, [sine, rate, acceleration]: [f64; 3]) -> Self {
-        let mut slope = Self { sine, cosine: 1.0, rate, acceleration, u: [0.0; 3] };
+        let mut slope = Self { sine, cosine: 1.0, secant: 1.0, rate, acceleration, u: [0.0; 3] };
         if second_order == SecondOrder::Full {
             slope.cosine = (1.0 - sine * sine).sqrt();
-            let (c, turn) = (slope.cosine, sine * rate);
+            slope.secant = slope.cosine.recip();
+            let (c, sec, turn) = (slope.cosine, slope.secant, sine * rate);
             // cos ψ − 1 without cancellation.
             slope.u = [
                 -sine * sine / (1.0 + c),
-                -turn / c,
-                -(rate * rate + sine * acceleration) / c - turn * turn / (c * c * c),
+                -turn * sec,
+                -(rate * rate + sine * acceleration) * sec - turn * turn * (sec * sec * sec),
             ];
         }
         slope
@@ -78,8 +82,8 @@ impl Slope {
 
     /// Second derivative of ψ.
     pub(super) fn turning(&self) -> f64 {
-        let c = self.cosine;
-        self.acceleration / c + self.sine * self.rate * self.rate / (c * c * c)
+        let sec = self.secant;
+        self.acceleration * sec + self.sine * self.rate * self.rate * (sec * sec * sec)
     }
 }
 
@@ -115,12 +119,12 @@ pub(super) struct Scratch {
 }
 
 impl BentLink {
-    pub(super) fn of(
-        mesh: &Mesh,
-        payload: &Payload,
-        beta_s: f64,
-        second_order: SecondOrder,
-    ) -> Self {
+    pub(super) fn of(model: &dyn Model, second_order: SecondOrder) -> Self {
+        let (mesh, payload) = (model.mesh(), model.link().payload());
+        let beta_s = match model.law() {
+            DampingLaw::Rayleigh { beta_s, .. } => *beta_s,
+            _ => 0.0,
+        };
         let last = mesh.elements().len();
         let lumped = (0..last).filter_map(|node| {
             let Inertia { vv, pp, .. } = mesh.lumped_inertia(node)?;
@@ -203,7 +207,7 @@ impl BentLink {
         let axial_root = self.bend(now, scratch, loads);
         // The hub's radius is a rigid piece along the slope of the root.
         let root = self.slope_at(now, 0);
-        loads[1] -= self.nodes_m[0] * axial_root * root.sine / root.cosine;
+        loads[1] -= self.nodes_m[0] * axial_root * root.sine * root.secant;
         largest
     }
 
@@ -315,19 +319,20 @@ impl BentLink {
             for (k, point) in points.iter().enumerate() {
                 let slope = &slopes[k];
                 let force = -point.mass_kg_m * left_across(now, &places[k]);
-                let mut moment = -outboard[k] * slope.sine / slope.cosine;
+                let mut moment = -outboard[k] * slope.sine * slope.secant;
                 let mut bending = 0.0;
                 if self.second_order == SecondOrder::Full {
                     let curve = |values: &[f64]| -> f64 {
                         point.curvature.iter().zip(&values[dofs.clone()]).map(|(n, w)| n * w).sum()
                     };
                     let (w2, w2_rate) = (curve(now.w), curve(now.rate));
-                    let (c, turn) = (slope.cosine, slope.sine * slope.rate);
-                    let curvature = w2 / c;
-                    let curvature_rate = w2_rate / c + w2 * turn / (c * c * c);
+                    let (sec, turn) = (slope.secant, slope.sine * slope.rate);
+                    let cubed = sec * sec * sec;
+                    let curvature = w2 * sec;
+                    let curvature_rate = w2_rate * sec + w2 * turn * cubed;
                     let m = point.stiffness_n_m2 * (curvature + self.beta_s * curvature_rate);
-                    moment -= m * w2 * slope.sine / (c * c * c);
-                    bending = point.stiffness_n_m2 * (w2 + self.beta_s * w2_rate) - m / c;
+                    moment -= m * w2 * slope.sine * cubed;
+                    bending = point.stiffness_n_m2 * (w2 + self.beta_s * w2_rate) - m * sec;
                 }
                 for (dof, load) in own.iter_mut().enumerate() {
                     *load += point.weight_m
@@ -349,10 +354,10 @@ impl BentLink {
         let axial = -body.mass_kg * along(now, place);
         let across = -body.mass_kg * left_across(now, place);
         loads[at] += across;
-        loads[at + 1] += body.arm_m * (across - axial * slope.sine / slope.cosine);
+        loads[at + 1] += body.arm_m * (across - axial * slope.sine * slope.secant);
         if self.second_order == SecondOrder::Full {
             let chord = now.chord_acceleration_rad_s2;
-            let turned = (chord + slope.turning()) / slope.cosine;
+            let turned = (chord + slope.turning()) * slope.secant;
             loads[at + 1] -= body.inertia_kg_m2 * (turned - (chord + slope.acceleration));
         }
         axial

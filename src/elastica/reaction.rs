@@ -3,8 +3,10 @@
 
 use super::loads::{BentLink, Instant, Place, Scratch, SecondOrder, along, left_across};
 use super::points::dot;
-use crate::beam::Mesh;
-use crate::numeric::{Size, extremes};
+use num_complex::Complex64;
+
+use crate::beam::{LoadedMotion, Mesh};
+use crate::numeric::{Size, extremes, magnitude};
 
 /// Range of a torque over its largest value below which the link is at rest.
 const AT_REST: f64 = 1e-6;
@@ -154,4 +156,18 @@ pub(super) fn size(torque_n_m: &[f64], mesh: &Mesh) -> f64 {
     let softest = stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer));
     let size = if range > AT_REST * most { range } else { most };
     size.max(STRAIGHT * softest / mesh.length_m())
+}
+
+/// Bins up to the last one whose torque counts: all beyond together are a negligible share.
+pub(super) fn band(answers: &[LoadedMotion<Complex64>], negligible: f64) -> usize {
+    // Of all together, not of the largest: that of the weight at rest is the same over any period, those of the motion
+    // are the smaller the longer it is.
+    let size = |answer: &LoadedMotion<Complex64>| magnitude(answer.torque_n_m);
+    let least = negligible * answers.iter().map(size).sum::<f64>();
+    let mut beyond = 0.0;
+    let counts = |answer: &LoadedMotion<Complex64>| {
+        beyond += size(answer);
+        beyond > least
+    };
+    answers.iter().rposition(counts).map_or(1, |last| last + 1)
 }

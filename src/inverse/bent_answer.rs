@@ -108,10 +108,10 @@ impl BentAnswer {
             let all: Vec<f64> = pairs.map(|(excess, tip)| excess + tip / length_m).collect();
             chronological(&all)
         };
-        let shape = Shape::of(&self.motion, second_order, model.mesh().nodes_m());
+        let nodes_m = model.mesh().nodes_m();
         let displacement = |node: &usize| {
-            let (x_m, arcs) = (model.mesh().nodes_m()[*node], &shape.arcs_m[*node]);
-            let share = x_m / length_m;
+            let arcs = Shape::arc_m(&self.motion, second_order, nodes_m, *node);
+            let share = nodes_m[*node] / length_m;
             let all: Vec<f64> =
                 arcs.iter().zip(&tip.displacement_m).map(|(arc, tip)| arc + share * tip).collect();
             chronological(&all)

@@ -20,24 +20,41 @@ pub(super) struct Shape {
 impl Shape {
     pub(super) fn of(motion: &ElasticaMotion, second_order: SecondOrder, nodes_m: &[f64]) -> Self {
         let is_large = second_order == SecondOrder::Full;
-        let at = |node: usize, of: fn([f64; 4], bool) -> f64| -> Vec<f64> {
-            let (w, u) = (&motion.deflections[2 * node], &motion.shortenings_m[node]);
-            let places = w.iter().zip(u).zip(&motion.hub_slope_rad);
-            places.map(|((w, u), slope)| of([nodes_m[node], *u, *w, *slope], is_large)).collect()
-        };
-        let arc = |[x, u, w, _]: [f64; 4], is_large: bool| {
-            if is_large && x > 0.0 { x * libm::atan2(w, x + u) } else { w }
-        };
-        let deflection = |[x, u, w, slope]: [f64; 4], is_large: bool| {
+        let deflection = |[x, u, w, slope]: [f64; 4]| {
             if is_large { w * libm::cos(slope) - (x + u) * libm::sin(slope) } else { w - x * slope }
         };
         let nodes = 0..nodes_m.len();
         Self {
-            arcs_m: nodes.clone().map(|node| at(node, arc)).collect(),
-            deflections_m: nodes.map(|node| at(node, deflection)).collect(),
+            arcs_m: nodes.clone().map(|k| Self::arc_m(motion, second_order, nodes_m, k)).collect(),
+            deflections_m: nodes.map(|k| history_of(motion, nodes_m, k, deflection)).collect(),
             moments_n_m: motion.moments_n_m.clone(),
         }
     }
+
+    /// [`Self::arcs_m`] of one node.
+    pub(super) fn arc_m(
+        motion: &ElasticaMotion,
+        second_order: SecondOrder,
+        nodes_m: &[f64],
+        node: usize,
+    ) -> Vec<f64> {
+        let is_large = second_order == SecondOrder::Full;
+        history_of(motion, nodes_m, node, |[x, u, w, _]| {
+            if is_large && x > 0.0 { x * libm::atan2(w, x + u) } else { w }
+        })
+    }
+}
+
+/// What `of` makes of a node's distance from the axis, its shortening, its deflection and the hub's slope.
+fn history_of(
+    motion: &ElasticaMotion,
+    nodes_m: &[f64],
+    node: usize,
+    of: impl Fn([f64; 4]) -> f64,
+) -> Vec<f64> {
+    let (w, u) = (&motion.deflections[2 * node], &motion.shortenings_m[node]);
+    let places = w.iter().zip(u).zip(&motion.hub_slope_rad);
+    places.map(|((w, u), slope)| of([nodes_m[node], *u, *w, *slope])).collect()
 }
 
 /// Histories of all quantities.
@@ -61,7 +78,7 @@ impl Curves {
         displacement_m: f64,
         (link, nodes): (&Link, &[usize]),
     ) -> Self {
-        let shape = Shape::of(motion, second_order, nodes_m);
+        let arc_m = |node: &usize| Shape::arc_m(motion, second_order, nodes_m, *node)[0];
         let share = |node: &usize| displacement_m * nodes_m[*node] / link.length_m();
         let first = |history: &[f64]| vec![history[0]];
         let torque = motion.torque_n_m[0];
@@ -70,8 +87,8 @@ impl Curves {
             hub_angle_rad: vec![motion.hub_slope_rad[0] + displacement_m / link.length_m()],
             hub_rate_rad_s: vec![0.0],
             hub_acceleration_rad_s2: vec![0.0],
-            displacement_m: nodes.iter().map(|k| vec![shape.arcs_m[*k][0] + share(k)]).collect(),
-            moment_n_m: nodes.iter().map(|k| first(&shape.moments_n_m[*k])).collect(),
+            displacement_m: nodes.iter().map(|k| vec![arc_m(k) + share(k)]).collect(),
+            moment_n_m: nodes.iter().map(|k| first(&motion.moments_n_m[*k])).collect(),
             motor: link.drive().map(|drive| [vec![torque / drive.gear_ratio], vec![0.0]]),
         }
     }
