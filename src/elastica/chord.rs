@@ -39,9 +39,22 @@ pub struct ChordPeriod {
     pub(super) turning: Vec<Complex64>,
     /// Amplitudes of the axis' acceleration across the chord in m/s².
     pub(super) across: Vec<Complex64>,
+    /// Amplitudes of what a further link does to the tip.
+    pub(super) tip: Option<TipLoad<Vec<Complex64>>>,
 }
 
-/// The chord's motion in time.
+/// What a further link does to the tip: histories, amplitudes or values at one instant.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct TipLoad<T> {
+    /// Force along the chord in N.
+    pub(super) along_n: T,
+    /// Force across the chord in N.
+    pub(super) across_n: T,
+    /// Torque in N m that turns the further link; its reaction turns the tip.
+    pub(super) torque_n_m: T,
+}
+
+/// The chord's motion in time, and what a further link does to the tip.
 #[derive(Debug, Clone)]
 pub(super) struct ChordHistories {
     /// Rate of the chord in rad/s.
@@ -52,6 +65,7 @@ pub(super) struct ChordHistories {
     pub(super) along_m_s2: Vec<f64>,
     /// Acceleration of the axis across the chord in m/s².
     pub(super) across_m_s2: Vec<f64>,
+    pub(super) tip: Option<TipLoad<Vec<f64>>>,
 }
 
 /// Why there is no motion of a link that follows a chord.
@@ -117,6 +131,18 @@ pub enum ElasticaError {
         /// What it may have.
         known: &'static str,
     },
+    /// An elbow so far stretched or folded that its links do not tell how they follow the tip.
+    #[error(
+        "the sine of the elbow's angle at sample {sample} = {}, but must be at least 0.05 in size: the arm is stretched, \
+         folded, or does not reach the tip",
+        significant(*sine, 3)
+    )]
+    Elbow {
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// The sine; 0 where the tip is out of reach.
+        sine: f64,
+    },
     /// A weight that bends the link otherwise in every direction.
     #[error(
         "the sag of the link under its weight changes too fast with its direction, but must be smooth where damping is \
@@ -156,10 +182,31 @@ impl ElasticaError {
             Self::LongStep { .. } => {
                 "a shorter step, or a smoother motion; analysis.tip_tolerance above 0 limits the frequencies"
             }
+            Self::Elbow { .. } => {
+                "a path that stays away from the stretched arm and from the first joint"
+            }
             Self::Sag => "damping by rayleigh with beta, or a stiffer link",
             Self::NotFinite { .. } => "give damping, or a smoother motion",
             _ => return None,
         })
+    }
+}
+
+impl TipLoad<Vec<f64>> {
+    /// The load at a sample.
+    pub(super) fn at(&self, sample: usize) -> TipLoad<f64> {
+        self.each(|history| history[sample])
+    }
+}
+
+impl<T> TipLoad<T> {
+    /// The same of each part.
+    pub(super) fn each<U>(&self, of: impl Fn(&T) -> U) -> TipLoad<U> {
+        TipLoad {
+            along_n: of(&self.along_n),
+            across_n: of(&self.across_n),
+            torque_n_m: of(&self.torque_n_m),
+        }
     }
 }
 
@@ -204,11 +251,25 @@ impl ChordPeriod {
         let (along_m_s2, across_m_s2): (Vec<f64>, Vec<f64>) =
             angle_rad.iter().map(|angle| upward(angle).into()).unzip();
         let pair = FourierPair::new(len);
-        let (rate, along) = (pair.amplitudes(&rate_rad_s), pair.amplitudes(&along_m_s2));
+        let histories =
+            ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2, across_m_s2, tip: None };
+        Ok(Self::of(pair, step_s, (angle_rad, gravity_m_s2), histories))
+    }
+
+    /// The period of these histories, without a further link.
+    pub(super) fn of(
+        pair: FourierPair,
+        step_s: f64,
+        (angle_rad, gravity_m_s2): (Vec<f64>, [f64; 2]),
+        histories: ChordHistories,
+    ) -> Self {
+        let ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2, across_m_s2, .. } =
+            &histories;
+        let (rate, along) = (pair.amplitudes(rate_rad_s), pair.amplitudes(along_m_s2));
         let (turning, across) =
-            (pair.amplitudes(&acceleration_rad_s2), pair.amplitudes(&across_m_s2));
-        let histories = ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2, across_m_s2 };
-        Ok(Self { pair, step_s, gravity_m_s2, angle_rad, histories, rate, along, turning, across })
+            (pair.amplitudes(acceleration_rad_s2), pair.amplitudes(across_m_s2));
+        let tip = None;
+        Self { pair, step_s, gravity_m_s2, angle_rad, histories, rate, along, turning, across, tip }
     }
 
     /// A chord that rests in a direction in rad: a few equal samples.
@@ -217,6 +278,12 @@ impl ChordPeriod {
     /// [`ElasticaError::Sample`].
     pub fn at_rest(angle_rad: f64, gravity_m_s2: [f64; 2]) -> Result<Self, ElasticaError> {
         Self::new(1.0, [angle_rad, 0.0, 0.0].map(|value| vec![value; FEWEST]), gravity_m_s2)
+    }
+
+    /// Lets a further link act on the tip.
+    pub(super) fn load_tip(&mut self, load: TipLoad<Vec<f64>>) {
+        self.tip = Some(load.each(|history| self.pair.amplitudes(history)));
+        self.histories.tip = Some(load);
     }
 
     /// Number N of samples.
@@ -246,6 +313,7 @@ impl ChordPeriod {
             acceleration_rad_s2: pair.samples(&self.turning),
             along_m_s2: pair.samples(&self.along),
             across_m_s2: pair.samples(&self.across),
+            tip: self.tip.as_ref().map(|tip| tip.each(|amplitudes| pair.samples(amplitudes))),
         }
     }
 
@@ -265,10 +333,17 @@ impl ChordPeriod {
 
     /// Number of bins from zero frequency on up to the last one above round-off, the Nyquist frequency left out.
     pub(super) fn band_len(&self, length_m: f64) -> usize {
-        let sizes = self.sizes(length_m);
-        let least = ROUND_OFF * largest(&sizes);
-        let end = sizes.iter().rposition(|size| *size > least).map_or(1, |last| last + 1);
-        end.min(self.len() / 2)
+        let mut parts = vec![self.sizes(length_m)];
+        if let Some(tip) = &self.tip {
+            let size =
+                |amplitudes: &Vec<Complex64>| amplitudes.iter().map(|a| magnitude(*a)).collect();
+            parts.extend([size(&tip.across_n), size(&tip.torque_n_m)]);
+        }
+        let end = |sizes: &Vec<f64>| {
+            let least = ROUND_OFF * largest(sizes);
+            sizes.iter().rposition(|size| *size > least).map_or(1, |last| last + 1)
+        };
+        parts.iter().map(end).max().unwrap_or(1).min(self.len() / 2)
     }
 
     /// What each bin moves a link of this length by, in m/s².

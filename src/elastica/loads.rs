@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::chord::ChordHistories;
+use super::chord::{ChordHistories, TipLoad};
 use super::points::{POINTS, Points, dot};
 use crate::beam::Inertia;
 use crate::modal::DampingLaw;
@@ -37,6 +37,7 @@ pub(super) struct Instant<'a> {
     pub(super) chord_acceleration_rad_s2: f64,
     pub(super) along_m_s2: f64,
     pub(super) across_m_s2: f64,
+    pub(super) tip: TipLoad<f64>,
 }
 
 /// A place on the link and its motion in the chord's frame: x = s + u along the chord, w across it.
@@ -155,10 +156,11 @@ impl BentLink {
         }
     }
 
-    /// What `write` makes of each instant: a history for each of its numbers, two a node, and the largest that it
-    /// returns. The state is a history for each of (w, w') of each node, then for their derivatives.
+    /// What `write` makes of each instant: so many histories, and the largest that it returns. The state is a history
+    /// for each of (w, w') of each node, then for their derivatives.
     pub(super) fn at_each_instant(
         &self,
+        columns: usize,
         (histories, chord): (Vec<Vec<f64>>, &ChordHistories),
         write: impl Fn(&Instant<'_>, &mut Scratch, &mut [f64]) -> f64 + Sync,
     ) -> (Vec<Vec<f64>>, f64) {
@@ -169,11 +171,11 @@ impl BentLink {
         for (column, history) in histories.iter().enumerate() {
             states.iter_mut().skip(column).step_by(stride).zip(history).for_each(|(s, h)| *s = *h);
         }
-        let mut rows = vec![0.0; len * width];
-        let blocks = rows.par_chunks_mut(BLOCK * width).zip(states.par_chunks(BLOCK * stride));
+        let mut rows = vec![0.0; len * columns];
+        let blocks = rows.par_chunks_mut(BLOCK * columns).zip(states.par_chunks(BLOCK * stride));
         let largest = blocks.enumerate().map(|(block, (rows, states))| {
             let mut scratch = Scratch::default();
-            let instants = rows.chunks_mut(width).zip(states.chunks(stride)).enumerate();
+            let instants = rows.chunks_mut(columns).zip(states.chunks(stride)).enumerate();
             let found = instants.map(|(k, (row, state))| {
                 let sample = block * BLOCK + k;
                 let now = Instant {
@@ -184,15 +186,15 @@ impl BentLink {
                     chord_acceleration_rad_s2: chord.acceleration_rad_s2[sample],
                     along_m_s2: chord.along_m_s2[sample],
                     across_m_s2: chord.across_m_s2[sample],
+                    tip: chord.tip.as_ref().map(|tip| tip.at(sample)).unwrap_or_default(),
                 };
                 write(&now, &mut scratch, row)
             });
             found.fold(0.0, Size::larger)
         });
         let largest = largest.reduce(|| 0.0, Size::larger);
-        let columns =
-            (0..width).map(|column| rows.iter().skip(column).step_by(width).copied().collect());
-        (columns.collect(), largest)
+        let history = |column| rows.iter().skip(column).step_by(columns).copied().collect();
+        ((0..columns).map(history).collect(), largest)
     }
 
     /// Number of histories that the loads need: the deflections and their derivatives.
@@ -206,8 +208,10 @@ impl BentLink {
         let largest = self.place(now, scratch);
         let axial_root = self.bend(now, scratch, loads);
         // The hub's radius is a rigid piece along the slope of the root.
-        let root = self.slope_at(now, 0);
+        let [root, tip] = [0, self.nodes_m.len() - 1].map(|node| self.slope_at(now, node));
         loads[1] -= self.nodes_m[0] * axial_root * root.sine * root.secant;
+        // A torque turns the tip by the angle of its slope.
+        loads[2 * self.nodes_m.len() - 1] -= now.tip.torque_n_m * (tip.secant - 1.0);
         largest
     }
 
@@ -304,7 +308,7 @@ impl BentLink {
     /// M = EI(κ + β κ̇),   κ = w''/cos ψ
     /// ```
     fn bend(&self, now: &Instant<'_>, scratch: &Scratch, loads: &mut [f64]) -> f64 {
-        let mut axial = 0.0;
+        let mut axial = now.tip.along_n;
         let mut bodies = self.bodies.iter().zip(&scratch.body_places).rev().peekable();
         for (element, points) in self.points.elements.iter().enumerate().rev() {
             while let Some((body, place)) = bodies.next_if(|(body, _)| body.node > element) {

@@ -31,14 +31,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod arm;
 mod chord;
 mod iteration;
+mod kinematics;
 mod loads;
+mod on_chord;
 mod points;
 mod reaction;
 mod sag;
 
+pub use arm::{ArmLinkMotion, ArmMotion, follow_arm};
 pub use chord::{ChordPeriod, ElasticaError, returning};
 pub use iteration::follow;
+pub use kinematics::{AngleHistories, ArmPeriod, Kept, reaching};
 pub use loads::SecondOrder;
 pub use reaction::ElasticaMotion;

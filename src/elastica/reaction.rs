@@ -1,6 +1,7 @@
 //! A bent link's motion as it is found: what it differs by, and what each part needs of the part inboard, forces and
 //! bending moments by equilibrium.
 
+use super::chord::TipLoad;
 use super::loads::{BentLink, Instant, Place, Scratch, SecondOrder, along, left_across};
 use super::points::dot;
 use num_complex::Complex64;
@@ -80,7 +81,9 @@ impl BentLink {
     /// The sums are over the points of the element and the bodies on its inner node.
     pub(super) fn shape(&self, now: &Instant<'_>, scratch: &mut Scratch, shape: &mut [f64]) -> f64 {
         let largest = self.place(now, scratch);
-        let mut outer = Reaction::default();
+        let TipLoad { along_n, across_n, torque_n_m } = now.tip;
+        let (along_n, across_n) = (-self.borne(along_n), -across_n);
+        let mut outer = Reaction { along_n, across_n, moment_n_m: torque_n_m };
         let mut bodies = self.bodies.iter().zip(&scratch.body_places).rev().peekable();
         let last = self.points.elements.len();
         for node in (0..=last).rev() {
@@ -113,6 +116,47 @@ impl BentLink {
         largest
     }
 
+    /// Writes the force in N on the root that moves the whole link, along the chord and across it, and how much shorter
+    /// the chord is than the link in m; returns the largest slope.
+    pub(super) fn ends(&self, now: &Instant<'_>, scratch: &mut Scratch, ends: &mut [f64]) -> f64 {
+        let largest = self.place(now, scratch);
+        let mut force = [-now.tip.along_n, -now.tip.across_n];
+        let mut add = |place: &Place, mass_kg: f64, w_acceleration: f64| {
+            let [along_m_s2, across_m_s2] = self.acceleration(now, place, w_acceleration);
+            force = [force[0] + mass_kg * along_m_s2, force[1] + mass_kg * across_m_s2];
+        };
+        for (element, points) in self.points.elements.iter().enumerate() {
+            let dofs: [f64; 4] = std::array::from_fn(|k| now.acceleration[2 * element + k]);
+            for (point, place) in points.iter().zip(&scratch.places[element]) {
+                add(place, point.mass_kg_m * point.weight_m, dot(&point.shape, &dofs));
+            }
+        }
+        for (body, place) in self.bodies.iter().zip(&scratch.body_places) {
+            let at = 2 * body.node;
+            add(place, body.mass_kg, now.acceleration[at] + body.arm_m * now.acceleration[at + 1]);
+        }
+        let shortened = scratch.shortened[scratch.shortened.len() - 1];
+        ends.copy_from_slice(&[force[0], force[1], -shortened]);
+        largest
+    }
+
+    /// Acceleration of a mass along the chord and across it; without second order that of a straight link along it.
+    fn acceleration(&self, now: &Instant<'_>, place: &Place, w_acceleration: f64) -> [f64; 2] {
+        let s = place.x - place.shortened;
+        let linear = now.across_m_s2 + now.chord_acceleration_rad_s2 * s + w_acceleration;
+        match self.second_order {
+            SecondOrder::None => {
+                [now.along_m_s2 - now.chord_rate_rad_s * now.chord_rate_rad_s * s, linear]
+            }
+            _ => [along(now, place), linear + left_across(now, place)],
+        }
+    }
+
+    /// What an axial force does to the bending of the link: nothing without second order.
+    fn borne(&self, axial_n: f64) -> f64 {
+        if self.second_order == SecondOrder::None { 0.0 } else { axial_n }
+    }
+
     /// Place of a node along the chord and across it in m.
     fn node(&self, now: &Instant<'_>, scratch: &Scratch, node: usize) -> (f64, f64) {
         (self.nodes_m[node] + scratch.shortened[node], now.w[2 * node])
@@ -127,15 +171,10 @@ impl BentLink {
         w_acceleration: f64,
         node: (f64, f64),
     ) -> Reaction {
-        let s = place.x - place.shortened;
-        let linear = now.across_m_s2 + now.chord_acceleration_rad_s2 * s + w_acceleration;
-        let (along_m_s2, left) = match self.second_order {
-            SecondOrder::None => (0.0, 0.0),
-            _ => (along(now, place), left_across(now, place)),
-        };
+        let [along_m_s2, across_m_s2] = self.acceleration(now, place, w_acceleration);
         let force = Reaction {
-            along_n: mass_kg * along_m_s2,
-            across_n: mass_kg * (linear + left),
+            along_n: self.borne(mass_kg * along_m_s2),
+            across_n: mass_kg * across_m_s2,
             moment_n_m: 0.0,
         };
         force.moved(place.x - node.0, place.w - node.1)

@@ -3,9 +3,8 @@
 use std::fmt;
 
 use super::measurement::Observable;
-use super::misfits::{Misfit, is_too_small};
+use super::misfits::{Misfit, RecordMisfit, is_too_small};
 use super::outcome::FitOutcome;
-use super::record_misfit::RecordMisfit;
 use crate::model::Sensor;
 use crate::text::significant;
 

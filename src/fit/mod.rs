@@ -22,7 +22,6 @@ mod measurements;
 mod misfits;
 mod outcome;
 mod record;
-mod record_misfit;
 mod record_parts;
 mod response;
 mod value;
@@ -31,10 +30,9 @@ pub use advice::FitWarning;
 pub use least_squares::fit;
 pub use measurement::{HubEnd, LinkFitError, Measured, MeasurementsError, Observable};
 pub use measurements::Measurements;
-pub use misfits::{Misfit, Residual};
+pub use misfits::{ChannelMisfit, Misfit, RecordMisfit, Residual};
 pub use outcome::{FitOutcome, Openness, StartEnd, Undetermined};
 pub use record::Record;
-pub use record_misfit::{ChannelMisfit, RecordMisfit};
 pub use record_parts::{Channel, RecordError, RecordInput, RecordedInput};
 pub use response::{
     Coordinate, Gain, Motor, Overlay, Response, ResponseError, ResponseMisfit, Spacing,

@@ -6,9 +6,8 @@ use faer::Mat;
 use serde::Serialize;
 
 use super::measurements::{Measurements, Prediction};
-use super::misfits::{DELAY_UNIT, Misfit, Misfits, Residual};
+use super::misfits::{DELAY_UNIT, Misfit, Misfits, RecordMisfit, Residual};
 use super::record::Record;
-use super::record_misfit::RecordMisfit;
 use super::response::{Overlay, ResponseMisfit};
 use super::value::{FittedValue, Free, Spread, correlation};
 

@@ -1,6 +1,7 @@
 //! The mechanics against closed forms, published numbers and methods written separately: one program, so
 //! that the library is linked once.
 
+mod arms;
 mod dense;
 mod elastica;
 mod fit;

@@ -12,21 +12,21 @@ use flexlink::elastica::{ChordPeriod, returning};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
 use flexlink::model::{KeptModes, Model, model_of};
 
-const STEP_S: f64 = 1.0 / 1024.0;
+pub(crate) const STEP_S: f64 = 1.0 / 1024.0;
 
 /// Rest before the time zero of a motion in s.
-const BEFORE_S: f64 = 0.5;
+pub(crate) const BEFORE_S: f64 = 0.5;
 
 /// A smooth turn of the chord: an error function of nine times the duration.
-struct Turn {
-    from_rad: f64,
-    by_rad: f64,
-    duration_s: f64,
+pub(crate) struct Turn {
+    pub(crate) from_rad: f64,
+    pub(crate) by_rad: f64,
+    pub(crate) duration_s: f64,
 }
 
 impl Turn {
     /// Angle, rate and acceleration.
-    fn at(&self, time_s: f64) -> [f64; 3] {
+    pub(crate) fn at(&self, time_s: f64) -> [f64; 3] {
         let scale = 9.0 / self.duration_s;
         let x = scale * (time_s - 0.5 * self.duration_s);
         let bell = (-x * x).exp() / std::f64::consts::PI.sqrt() * scale;
@@ -39,7 +39,7 @@ impl Turn {
     }
 
     /// Sample of a time.
-    fn sample(time_s: f64) -> usize {
+    pub(crate) fn sample(time_s: f64) -> usize {
         (0..u16::MAX)
             .find(|k| f64::from(*k) * STEP_S >= time_s + BEFORE_S - 0.5 * STEP_S)
             .map_or(0, |k: u16| k.into())
@@ -47,7 +47,7 @@ impl Turn {
 }
 
 /// 1.1 m long, with 0.2 kg at its tip.
-fn arm() -> LinkParts {
+pub(crate) fn arm() -> LinkParts {
     LinkParts {
         title: String::new(),
         segments: vec![Segment::uniform(1.1, 20.0, 0.5)],
@@ -61,7 +61,7 @@ fn arm() -> LinkParts {
 }
 
 /// The link in so many elements.
-fn model(parts: &LinkParts, elements: usize) -> Arc<dyn Model> {
+pub(crate) fn model(parts: &LinkParts, elements: usize) -> Arc<dyn Model> {
     let link = Link::new(parts.clone()).expect("a valid link");
     let own = vec![None; parts.segments.len()];
     let plan = MeshPlan::new(&link, &own, Some(ElementCount::Total(elements)), 1e-6);

@@ -1,0 +1,378 @@
+//! Arms of several links: each on its chord, from the last inward, with what the next one does to its tip.
+
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, TipLoad, resolved};
+use super::iteration::{MOST_ITERATIONS, NEGLIGIBLE, REACH, SLOW, check};
+use super::kinematics::{AngleHistories, ArmPeriod, Bar, Moving};
+use super::loads::{BentLink, SecondOrder};
+use super::on_chord::LinkOnChord;
+use super::reaction::{ElasticaMotion, apart, band, size};
+use crate::beam::LoadedMotion;
+use crate::modal::DampingLaw;
+use crate::model::Model;
+use crate::numeric::{FourierPair, Size, angular_frequency};
+
+/// Share of the torque's amplitudes, all added up, of the high frequencies at which a link that shortens does not move
+/// the chords: what it moves them by grows with the square of the frequency.
+const UNMOVED: f64 = 1e-6;
+
+/// The motion of one link of an arm over a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmLinkMotion {
+    /// Torque of its joint, its friction included, and how the link bends.
+    pub bent: ElasticaMotion,
+    /// Its chord.
+    pub chord: AngleHistories,
+    /// Length of the chord in m.
+    pub chord_length_m: Vec<f64>,
+    /// Angle of the tip's tangent line from the chord in rad.
+    pub tip_slope_rad: Vec<f64>,
+    /// Force in N on its inner end along the plane's x and y axes.
+    pub force_n: [Vec<f64>; 2],
+}
+
+/// The motion of an arm over a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmMotion {
+    /// Its links, the inner one first.
+    pub links: Vec<ArmLinkMotion>,
+    /// Number of iterations; 0 without second order.
+    pub iterations: usize,
+    /// Largest change of a torque by the last iteration over that by the one before; none before the second.
+    pub contraction: Option<f64>,
+    /// What further iterations would change of the torques at most, each over its range.
+    pub iteration_error: f64,
+    /// What the second order changed of the torques at most, each over its range.
+    pub second_order_change: f64,
+}
+
+/// Amplitudes of the answer of each link.
+type Answers = Vec<Vec<LoadedMotion<Complex64>>>;
+
+/// Finds the torques with which the chords of an arm move as given, or its tip stays on its path.
+///
+/// Torque i turns link i counterclockwise, and its reaction link i − 1.
+///
+/// # Errors
+/// [`ElasticaError`].
+///
+/// # Panics
+/// If there are not as many models as chords.
+pub fn follow_arm(
+    models: &[Arc<dyn Model>],
+    arm: &ArmPeriod,
+    second_order: SecondOrder,
+    tolerance: f64,
+) -> Result<ArmMotion, ElasticaError> {
+    assert!(models.len() == arm.links(), "a model for each chord");
+    if !(FINEST..1.0).contains(&tolerance) {
+        return Err(ElasticaError::Tolerance(tolerance));
+    }
+    let follower = Follower { models, arm, second_order };
+    let straight: Vec<[Vec<f64>; 3]> =
+        models.iter().map(|_| [0, 1, 2].map(|_| vec![0.0; arm.pair.len()])).collect();
+    let linear = follower.linear(&straight)?;
+    if second_order == SecondOrder::None {
+        return Ok(follower.motion(&linear.answers, &linear.state));
+    }
+    let mut refused = ElasticaError::Diverges { iterations: 0, change: f64::NAN };
+    for negligible in NEGLIGIBLE {
+        match follower.iterated_over(&linear, tolerance, negligible) {
+            Err(error @ ElasticaError::Diverges { .. }) => refused = error,
+            found => return found,
+        }
+    }
+    Err(refused)
+}
+
+struct Follower<'a> {
+    models: &'a [Arc<dyn Model>],
+    arm: &'a ArmPeriod,
+    second_order: SecondOrder,
+}
+
+/// What moves each link over the period, and the force on its inner end along x and y.
+struct State {
+    chords: Vec<ChordPeriod>,
+    lengths_m: Vec<Vec<f64>>,
+    forces_n: Vec<[Vec<f64>; 2]>,
+}
+
+struct Linear {
+    answers: Answers,
+    torques_n_m: Vec<Vec<f64>>,
+    state: State,
+}
+
+impl State {
+    /// Notes the force on the inner end of a link, along its chord and across it, and gives it and the torque to the
+    /// link before.
+    fn hand_inward(
+        &mut self,
+        link: usize,
+        (along_n, across_n): (&[f64], &[f64]),
+        torque_n_m: &[f64],
+    ) {
+        let axes = |link: usize, k: usize| {
+            let angle_rad = [self.chords[link].angle_rad[k], 0.0, 0.0];
+            Bar { length_m: [0.0; 3], angle_rad }.axes()
+        };
+        let samples = along_n.iter().zip(across_n).enumerate();
+        let forces = samples.map(|(k, (along_n, across_n))| {
+            let [e, n] = axes(link, k);
+            [0, 1].map(|axis| along_n * e[axis] + across_n * n[axis])
+        });
+        let forces: Vec<[f64; 2]> = forces.collect();
+        self.forces_n.insert(0, [0, 1].map(|axis| forces.iter().map(|f| f[axis]).collect()));
+        let Some(before) = link.checked_sub(1) else { return };
+        let on_tip = forces.iter().enumerate().map(|(k, force)| {
+            axes(before, k).map(|unit| -(force[0] * unit[0] + force[1] * unit[1]))
+        });
+        let (along_n, across_n) = on_tip.map(|[along, across]| (along, across)).unzip();
+        let torque_n_m = torque_n_m.to_vec();
+        self.chords[before].load_tip(TipLoad { along_n, across_n, torque_n_m });
+    }
+}
+
+impl Follower<'_> {
+    fn on_chord<'b>(&'b self, link: usize, chord: &'b ChordPeriod) -> LinkOnChord<'b> {
+        let model = &*self.models[link];
+        let band = chord.band_len(model.mesh().length_m());
+        LinkOnChord { model, chord, band, sag: None, friction_n_m_s_rad: 0.0 }
+    }
+
+    /// The histories of every chord; `shortened` is by how much each is shorter than its link, with its derivatives.
+    fn chords(&self, shortened: &[[Vec<f64>; 3]]) -> Result<State, ElasticaError> {
+        let len = self.arm.pair.len();
+        let rigid: Vec<Moving> =
+            self.models.iter().map(|model| [model.mesh().length_m(), 0.0, 0.0]).collect();
+        let empty = || ChordHistories {
+            rate_rad_s: Vec::with_capacity(len),
+            acceleration_rad_s2: Vec::with_capacity(len),
+            along_m_s2: Vec::with_capacity(len),
+            across_m_s2: Vec::with_capacity(len),
+            tip: None,
+        };
+        let mut histories: Vec<_> = rigid.iter().map(|_| empty()).collect();
+        let mut angles = vec![Vec::with_capacity(len); rigid.len()];
+        let mut lengths_m = angles.clone();
+        for sample in 0..len {
+            let own = |(rigid, by): (&Moving, &[Vec<f64>; 3])| {
+                [0, 1, 2].map(|order| rigid[order] - by[order][sample])
+            };
+            let lengths: Vec<Moving> = rigid.iter().zip(shortened).map(own).collect();
+            let bars = self.arm.bars(sample, [&rigid, &lengths])?;
+            // Gravity is an upward acceleration of the first axis.
+            let mut axis = self.arm.gravity_m_s2.map(|part| -part);
+            for (link, bar) in bars.iter().enumerate() {
+                let [along, across] = bar.axes();
+                let onto = |unit: [f64; 2]| axis[0] * unit[0] + axis[1] * unit[1];
+                let of = &mut histories[link];
+                of.rate_rad_s.push(bar.angle_rad[1]);
+                of.acceleration_rad_s2.push(bar.angle_rad[2]);
+                of.along_m_s2.push(onto(along));
+                of.across_m_s2.push(onto(across));
+                angles[link].push(bar.angle_rad[0]);
+                lengths_m[link].push(bar.length_m[0]);
+                let [_, _, further] = bar.vector();
+                axis = [axis[0] + further[0], axis[1] + further[1]];
+            }
+        }
+        let (pair, place) = (&self.arm.pair, self.arm.gravity_m_s2);
+        let chords = angles.into_iter().zip(histories).map(|(angle, histories)| {
+            ChordPeriod::of(pair.clone(), self.arm.step_s, (angle, place), histories)
+        });
+        Ok(State { chords: chords.collect(), lengths_m, forces_n: Vec::new() })
+    }
+
+    /// All links without second-order terms.
+    fn linear(&self, straight: &[[Vec<f64>; 3]]) -> Result<Linear, ElasticaError> {
+        let mut state = self.chords(straight)?;
+        let (mut answers, mut torques_n_m) = (Vec::new(), Vec::new());
+        for link in (0..self.arm.links()).rev() {
+            self.check(link, &state.chords[link])?;
+            let on_chord = self.on_chord(link, &state.chords[link]);
+            let found = on_chord.linear()?;
+            let (pair, chord) = (&self.arm.pair, &state.chords[link].histories);
+            let (torque_n_m, _) = on_chord.hub(&found, SecondOrder::None, pair, chord);
+            let [along, across, _] = on_chord.ends(&found, SecondOrder::None, pair, chord);
+            state.hand_inward(link, (&along, &across), &torque_n_m);
+            answers.insert(0, found);
+            torques_n_m.insert(0, torque_n_m);
+        }
+        Ok(Linear { answers, torques_n_m, state })
+    }
+
+    fn check(&self, link: usize, chord: &ChordPeriod) -> Result<(), ElasticaError> {
+        let model = &*self.models[link];
+        check(model, chord, self.second_order)?;
+        let is_hysteretic = matches!(model.law(), DampingLaw::Hysteretic { ratio } if *ratio > 0.0);
+        if is_hysteretic && self.arm.links() > 1 && chord.has_weight() {
+            let (what, known) = ("the damping is hysteretic", "of an arm with rayleigh damping");
+            return Err(ElasticaError::NotDerived { what, known });
+        }
+        Ok(())
+    }
+
+    /// The motion over the band of loads beyond which a share of the torques is negligible.
+    fn iterated_over(
+        &self,
+        linear: &Linear,
+        tolerance: f64,
+        negligible: f64,
+    ) -> Result<ArmMotion, ElasticaError> {
+        let all = &self.arm.pair;
+        let unmoved = UNMOVED.max(negligible);
+        let of_all = |answers: &Answers, negligible: f64| {
+            let bands = answers.iter().enumerate().map(|(link, answers)| {
+                self.on_chord(link, &linear.state.chords[link]).band_of_loads(answers, negligible)
+            });
+            bands.collect::<Result<Vec<_>, _>>().map(|bands| bands.into_iter().fold(1, usize::max))
+        };
+        let moving =
+            linear.answers.iter().map(|answers| band(answers, unmoved)).fold(1, usize::max);
+        let mut band = of_all(&linear.answers, negligible)?;
+        let mut answers = linear.answers.clone();
+        let mut torques = linear.torques_n_m.clone();
+        let mut shortened: Vec<[Vec<f64>; 3]> =
+            answers.iter().map(|_| [0, 1, 2].map(|_| vec![0.0; all.len()])).collect();
+        let mut last_change = f64::INFINITY;
+        for iterations in 1..=MOST_ITERATIONS {
+            let pair = linear.state.chords[0].pair_for(REACH * band);
+            let reach = (&pair, band, moving);
+            let (state, found) = self.swept(linear, &mut answers, &mut shortened, reach)?;
+            let changed = found.iter().zip(&torques).zip(self.models);
+            let changes = changed.map(|((torque, before), model)| {
+                apart(torque, before) / size(torque, model.mesh())
+            });
+            let change = changes.fold(0.0, f64::larger);
+            torques = found;
+            band = band.max(of_all(&answers, negligible)?);
+            let factor = if change == 0.0 { 0.0 } else { change / last_change };
+            let most = if negligible < NEGLIGIBLE[NEGLIGIBLE.len() - 1] { SLOW } else { 1.0 };
+            if !change.is_finite() || iterations > 3 && factor >= most && change > tolerance {
+                return Err(ElasticaError::Diverges { iterations, change });
+            }
+            let contraction = (iterations > 1).then_some(factor);
+            let iteration_error = contraction.map_or(change, |f| change * f / (1.0 - f).max(0.01));
+            if iterations > 1 && iteration_error <= tolerance {
+                let motion = self.motion(&answers, &state);
+                let pairs = motion.links.iter().zip(&linear.torques_n_m).zip(self.models);
+                let changes = pairs.map(|((link, linear), model)| {
+                    apart(&link.bent.torque_n_m, linear) / size(linear, model.mesh())
+                });
+                let second_order_change = changes.fold(0.0, f64::larger);
+                return Ok(ArmMotion {
+                    iterations,
+                    contraction,
+                    iteration_error,
+                    second_order_change,
+                    ..motion
+                });
+            }
+            last_change = change;
+        }
+        Err(ElasticaError::Diverges { iterations: MOST_ITERATIONS, change: last_change })
+    }
+
+    /// One iteration: all links from the last inward, each with the loads of its last answer. Torques at all samples.
+    fn swept(
+        &self,
+        linear: &Linear,
+        answers: &mut Answers,
+        shortened: &mut [[Vec<f64>; 3]],
+        (pair, band, moving): (&FourierPair, usize, usize),
+    ) -> Result<(State, Vec<Vec<f64>>), ElasticaError> {
+        let (order, bins) = (self.second_order, resolved(pair));
+        let mut state = self.chords(shortened)?;
+        let mut torques_n_m = Vec::new();
+        for link in (0..self.arm.links()).rev() {
+            let on_chord = self.on_chord(link, &state.chords[link]);
+            let time = on_chord.chord.at(pair);
+            let kept = &answers[link][..band.min(answers[link].len())];
+            let (loads, _) =
+                on_chord.loads(&BentLink::of(on_chord.model, order), kept, pair, &time)?;
+            let found = on_chord.with_loads(&linear.answers[link], &loads, pair);
+            let few = &found[..bins.min(found.len())];
+            let (torque_n_m, _) = on_chord.hub(few, order, pair, &time);
+            let [along, across, short] = on_chord.ends(few, order, pair, &time);
+            let [torque_n_m, along, across] =
+                [torque_n_m, along, across].map(|few| self.at_all(pair, &few, bins, 0));
+            state.hand_inward(link, (&along, &across), &torque_n_m);
+            if order == SecondOrder::Full {
+                shortened[link] =
+                    [0, 1, 2].map(|derived| self.at_all(pair, &short, moving, derived));
+            }
+            answers[link] = found;
+            torques_n_m.insert(0, torque_n_m);
+        }
+        Ok((state, torques_n_m))
+    }
+
+    /// A history at the samples of a pair, or a derivative of it, at all samples of the period; of its amplitudes the
+    /// first ones count.
+    fn at_all(&self, pair: &FourierPair, few: &[f64], bins: usize, derived: u32) -> Vec<f64> {
+        let omega = |bin: usize| {
+            Complex64::new(0.0, angular_frequency(bin, self.arm.pair.len(), self.arm.step_s))
+        };
+        let amplitudes = pair.amplitudes(few);
+        let kept = amplitudes.iter().take(bins).enumerate();
+        let kept: Vec<_> = kept.map(|(bin, value)| value * omega(bin).powu(derived)).collect();
+        self.arm.pair.samples(kept)
+    }
+
+    /// The histories of these answers, links and chords.
+    fn motion(&self, answers: &Answers, state: &State) -> ArmMotion {
+        let mut links: Vec<ArmLinkMotion> = Vec::new();
+        for (link, (chord, answers)) in state.chords.iter().zip(answers).enumerate() {
+            let bent = self.on_chord(link, chord).motion(answers, self.second_order);
+            let slope = bent.deflections.last().into_iter().flatten();
+            let tip_slope_rad = match self.second_order {
+                SecondOrder::Full => slope.map(|sine| libm::asin(*sine)).collect(),
+                _ => slope.copied().collect(),
+            };
+            let ChordHistories { rate_rad_s, acceleration_rad_s2, .. } = &chord.histories;
+            links.push(ArmLinkMotion {
+                bent,
+                chord: [chord.angle_rad.clone(), rate_rad_s.clone(), acceleration_rad_s2.clone()],
+                chord_length_m: state.lengths_m[link].clone(),
+                tip_slope_rad,
+                force_n: state.forces_n[link].clone(),
+            });
+        }
+        for link in 0..links.len() {
+            let friction = self.models[link].link().joint().friction_n_m_s_rad;
+            if friction > 0.0 {
+                let rates = joint_rates(&links, link, &self.arm.pair, self.arm.step_s);
+                let torques = links[link].bent.torque_n_m.iter_mut().zip(rates);
+                torques.for_each(|(torque, rate)| *torque += friction * rate);
+            }
+        }
+        ArmMotion {
+            links,
+            iterations: 0,
+            contraction: None,
+            iteration_error: 0.0,
+            second_order_change: 0.0,
+        }
+    }
+}
+
+/// Rate in rad/s of a joint: of its hub against the tip of the link before.
+fn joint_rates(links: &[ArmLinkMotion], link: usize, pair: &FourierPair, step_s: f64) -> Vec<f64> {
+    let before = link.checked_sub(1).map(|before| &links[before]);
+    let bent = links[link].bent.hub_slope_rad.iter().enumerate();
+    let bent = bent.map(|(k, slope)| slope - before.map_or(0.0, |link| link.tip_slope_rad[k]));
+    let amplitudes = pair.amplitudes(bent.collect::<Vec<_>>());
+    let omega = |bin: usize| Complex64::new(0.0, angular_frequency(bin, pair.len(), step_s));
+    let rates = amplitudes.iter().enumerate().map(|(bin, value)| value * omega(bin));
+    let rates = pair.samples(rates.collect::<Vec<_>>());
+    let chord = |link: &ArmLinkMotion, k: usize| link.chord[1][k];
+    let turned = rates.iter().enumerate();
+    turned
+        .map(|(k, rate)| rate + chord(&links[link], k) - before.map_or(0.0, |link| chord(link, k)))
+        .collect()
+}

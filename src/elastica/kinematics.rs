@@ -1,0 +1,220 @@
+//! Chords of an arm: bars of given lengths from joint to joint, as a rigid arm has them or with the tip kept on its path.
+
+use std::f64::consts::TAU;
+
+use super::chord::ElasticaError;
+use crate::numeric::FourierPair;
+
+/// A value with its first and second derivative in time.
+pub(super) type Moving = [f64; 3];
+
+/// Histories of an angle in rad, its rate and its acceleration.
+pub type AngleHistories = [Vec<f64>; 3];
+
+/// Fewest samples of a period.
+const FEWEST: usize = 8;
+
+/// Sine of the elbow's angle below which two bars do not tell how they move to follow a point.
+const STRETCHED: f64 = 0.05;
+
+/// What stays as a rigid arm has it while the links bend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kept {
+    /// The direction of every chord.
+    Angles,
+    /// The path of the tip, and the directions of all chords but the first two.
+    Tip,
+}
+
+/// The chords of an arm over a period of N samples, in a plane with gravity.
+#[derive(Debug, Clone)]
+pub struct ArmPeriod {
+    pub(super) pair: FourierPair,
+    pub(super) step_s: f64,
+    pub(super) gravity_m_s2: [f64; 2],
+    /// Those of a rigid arm.
+    pub(super) rigid: Vec<AngleHistories>,
+    kept: Kept,
+}
+
+impl ArmPeriod {
+    /// The period of an arm whose chords have these directions from the plane's x axis at each `step_s` as long as its
+    /// links do not bend, the inner link first.
+    ///
+    /// Where the motion ends with other directions than it starts, these must [return](super::returning) within the
+    /// period at rest: only the directions of weights and forces follow them, rates and accelerations are zero meanwhile.
+    ///
+    /// # Errors
+    /// [`ElasticaError::Lengths`], [`ElasticaError::Sample`], [`ElasticaError::Step`], and
+    /// [`ElasticaError::Elbow`] of a tip that is kept by a single link.
+    pub fn new(
+        step_s: f64,
+        rigid: Vec<AngleHistories>,
+        kept: Kept,
+        gravity_m_s2: [f64; 2],
+    ) -> Result<Self, ElasticaError> {
+        let len = rigid.first().map_or(0, |[angles, ..]| angles.len());
+        for chord in &rigid {
+            let [angles, rates, accelerations] = [0, 1, 2].map(|part| chord[part].len());
+            let is_even = len >= FEWEST && len.is_multiple_of(2);
+            if !is_even || [angles, rates, accelerations] != [len; 3] {
+                return Err(ElasticaError::Lengths { angles, rates, accelerations });
+            }
+            for (column, values) in ["angle", "rate", "acceleration"].into_iter().zip(chord) {
+                if let Some(sample) = values.iter().position(|value| !value.is_finite()) {
+                    return Err(ElasticaError::Sample { column, sample, value: values[sample] });
+                }
+            }
+        }
+        if rigid.is_empty() {
+            return Err(ElasticaError::Lengths { angles: 0, rates: 0, accelerations: 0 });
+        }
+        if let Some(axis) = gravity_m_s2.iter().position(|part| !part.is_finite()) {
+            let (column, value) = ("gravity", gravity_m_s2[axis]);
+            return Err(ElasticaError::Sample { column, sample: axis, value });
+        }
+        if !(step_s > 0.0 && step_s.is_finite()) {
+            return Err(ElasticaError::Step(step_s));
+        }
+        let arm = Self { pair: FourierPair::new(len), step_s, gravity_m_s2, rigid, kept };
+        if kept == Kept::Tip {
+            if arm.rigid.len() < 2 {
+                return Err(ElasticaError::Elbow { sample: 0, sine: 0.0 });
+            }
+            for sample in 0..len {
+                arm.elbow(sample)?;
+            }
+        }
+        Ok(arm)
+    }
+
+    /// Number of links.
+    pub(super) fn links(&self) -> usize {
+        self.rigid.len()
+    }
+
+    fn rigid_at(&self, link: usize, sample: usize) -> Moving {
+        [0, 1, 2].map(|part| self.rigid[link][part][sample])
+    }
+
+    /// Sine of the angle from the first chord to the second.
+    fn elbow(&self, sample: usize) -> Result<f64, ElasticaError> {
+        let sine = libm::sin(self.rigid[1][0][sample] - self.rigid[0][0][sample]);
+        if sine.abs() < STRETCHED {
+            return Err(ElasticaError::Elbow { sample, sine });
+        }
+        Ok(sine)
+    }
+
+    /// The bars from joint to joint at a sample, their lengths given.
+    ///
+    /// # Errors
+    /// [`ElasticaError::Elbow`].
+    pub(super) fn bars(
+        &self,
+        sample: usize,
+        [rigid_m, lengths]: [&[Moving]; 2],
+    ) -> Result<Vec<Bar>, ElasticaError> {
+        let bar = |link: usize, lengths: &[Moving]| Bar {
+            length_m: lengths[link],
+            angle_rad: self.rigid_at(link, sample),
+        };
+        let mut bars: Vec<_> = (0..self.links()).map(|link| bar(link, lengths)).collect();
+        if self.kept == Kept::Tip {
+            // Where the first two lead: as in the rigid arm, and what the others are shorter by.
+            let mut end = [[0.0; 2]; 3];
+            for (link, own) in bars.iter().enumerate() {
+                let rigid = bar(link, rigid_m).vector();
+                let own = if link < 2 { [[0.0; 2]; 3] } else { own.vector() };
+                for (end, (rigid, own)) in end.iter_mut().zip(rigid.iter().zip(&own)) {
+                    *end = [end[0] + rigid[0] - own[0], end[1] + rigid[1] - own[1]];
+                }
+            }
+            let sine = self.elbow(sample)?;
+            let [first, second] = reach(&end, [bars[0], bars[1]], sine.signum())
+                .ok_or(ElasticaError::Elbow { sample, sine: 0.0 })?;
+            (bars[0], bars[1]) = (first, second);
+        }
+        Ok(bars)
+    }
+}
+
+/// A chord that turns and changes its length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bar {
+    pub(super) length_m: Moving,
+    pub(super) angle_rad: Moving,
+}
+
+impl Bar {
+    /// Unit vectors along the bar and across it.
+    pub(super) fn axes(&self) -> [[f64; 2]; 2] {
+        let (sine, cosine) = (libm::sin(self.angle_rad[0]), libm::cos(self.angle_rad[0]));
+        [[cosine, sine], [-sine, cosine]]
+    }
+
+    /// From its inner end to its outer end: place, velocity and acceleration.
+    ///
+    /// ```text
+    /// r = ℓ e,   ṙ = ℓ̇ e + ℓ θ̇ n,   r̈ = (ℓ̈ − ℓ θ̇²) e + (2 ℓ̇ θ̇ + ℓ θ̈) n
+    /// ```
+    pub(super) fn vector(&self) -> [[f64; 2]; 3] {
+        let ([along, across], [l, l1, l2]) = (self.axes(), self.length_m);
+        let [_, rate, acceleration] = self.angle_rad;
+        let parts =
+            [[l, 0.0], [l1, l * rate], [l2 - l * rate * rate, 2.0 * l1 * rate + l * acceleration]];
+        parts.map(|[e, n]| [0, 1].map(|axis| e * along[axis] + n * across[axis]))
+    }
+}
+
+/// Turns two bars so that the second ends at a point that moves, the elbow on the side of the sign; angles stay within
+/// half a turn of the bars' own. None where the bars do not reach it, or only stretched.
+fn reach(end: &[[f64; 2]; 3], mut bars: [Bar; 2], side: f64) -> Option<[Bar; 2]> {
+    let [place, velocity, acceleration] = end;
+    let [l1, l2] = bars.map(|bar| bar.length_m[0]);
+    let squared = place[0] * place[0] + place[1] * place[1];
+    let cosine = (squared - l1 * l1 - l2 * l2) / (2.0 * l1 * l2);
+    let sine = side * (1.0 - cosine * cosine).max(0.0).sqrt();
+    if sine.abs() < STRETCHED {
+        return None;
+    }
+    let first = libm::atan2(place[1], place[0]) - libm::atan2(l2 * sine, l1 + l2 * cosine);
+    let angles = [first, first + libm::atan2(sine, cosine)];
+    for (bar, angle) in bars.iter_mut().zip(angles) {
+        let near = bar.angle_rad[0];
+        bar.angle_rad = [near + libm::remainder(angle - near, TAU), 0.0, 0.0];
+    }
+    // Σ ℓ θ̇ n is what is left of the velocity with all rates zero; the same of the acceleration with these rates.
+    for (order, wanted) in [(1, velocity), (2, acceleration)] {
+        let without = bars.map(|bar| bar.vector()[order]);
+        let left = [0, 1].map(|axis| wanted[axis] - without[0][axis] - without[1][axis]);
+        let [n1, n2] = bars.map(|bar| bar.axes()[1]);
+        let determinant = n1[0] * n2[1] - n1[1] * n2[0];
+        bars[0].angle_rad[order] = (left[0] * n2[1] - left[1] * n2[0]) / (determinant * l1);
+        bars[1].angle_rad[order] = (n1[0] * left[1] - n1[1] * left[0]) / (determinant * l2);
+    }
+    Some(bars)
+}
+
+/// Directions, rates and accelerations of the chords of a rigid arm of two links whose tip moves as given: place in m,
+/// velocity and acceleration along x and y at each sample. `is_left` where the second link turns left of the first.
+///
+/// # Errors
+/// [`ElasticaError::Elbow`] where the arm does not reach the tip, or only stretched.
+pub fn reaching(
+    tip: &[[[f64; 2]; 3]],
+    lengths_m: [f64; 2],
+    is_left: bool,
+) -> Result<Vec<AngleHistories>, ElasticaError> {
+    let side = if is_left { 1.0 } else { -1.0 };
+    let mut bars =
+        lengths_m.map(|length_m| Bar { length_m: [length_m, 0.0, 0.0], angle_rad: [0.0; 3] });
+    let mut chords = vec![[Vec::new(), Vec::new(), Vec::new()]; 2];
+    for (sample, end) in tip.iter().enumerate() {
+        bars = reach(end, bars, side).ok_or(ElasticaError::Elbow { sample, sine: 0.0 })?;
+        for (chord, bar) in chords.iter_mut().zip(&bars) {
+            chord.iter_mut().zip(bar.angle_rad).for_each(|(column, value)| column.push(value));
+        }
+    }
+    Ok(chords)
+}

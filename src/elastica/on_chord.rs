@@ -1,0 +1,240 @@
+//! One link whose tip stays on its chord: what it answers to the chord's motion, to loads, and to a further link.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use super::chord::{ChordHistories, ChordPeriod, ElasticaError, STEEPEST, resolved};
+use super::loads::{BentLink, SecondOrder};
+use super::reaction::{ElasticaMotion, band};
+use super::sag::Sag;
+use crate::beam::{LoadedMotion, Loads};
+use crate::modal::DampingLaw;
+use crate::model::Model;
+use crate::numeric::FourierPair;
+
+/// Share of the torque's amplitudes, all added up, that is round-off in shapes and moments.
+const ROUND_OFF: f64 = 1e-12;
+
+/// A link whose tip stays on a chord, and what acts on it.
+pub(super) struct LinkOnChord<'a> {
+    pub(super) model: &'a dyn Model,
+    pub(super) chord: &'a ChordPeriod,
+    /// Bins that carry any motion.
+    pub(super) band: usize,
+    /// Damping ratio ξ and sag, where a hysteretic link has weight.
+    pub(super) sag: Option<(f64, Sag)>,
+    /// Friction of a hub that turns against what rests, in N m s/rad.
+    pub(super) friction_n_m_s_rad: f64,
+}
+
+impl LinkOnChord<'_> {
+    /// What moves the link at a bin, and forces on its nodes, those of its sag added.
+    pub(super) fn moved(&self, bin: usize, mut nodal: Vec<[Complex64; 2]>) -> Loads<Complex64> {
+        let axis_m_s2 = self.chord.across[bin];
+        if let Some(tip) = &self.chord.tip {
+            let last = nodal.len() - 1;
+            nodal[last][0] += tip.across_n[bin];
+            nodal[last][1] -= tip.torque_n_m[bin];
+        }
+        if let Some((ratio, sag)) = self.sag.as_ref().filter(|_| bin > 0) {
+            sag.add(bin, Complex64::new(0.0, 2.0 * ratio), &mut nodal);
+        }
+        Loads { axis_m_s2, chord_rad_s2: self.chord.turning[bin], nodal }
+    }
+
+    /// The answer at each bin to what moves the link, without loads.
+    pub(super) fn linear(&self) -> Result<Vec<LoadedMotion<Complex64>>, ElasticaError> {
+        let nodes = self.model.mesh().nodes_m().len();
+        let answers: Vec<_> = (0..self.band)
+            .into_par_iter()
+            .map(|bin| {
+                let loads = self.moved(bin, vec![[Complex64::ZERO; 2]; nodes]);
+                self.model.loaded_motion(self.chord.omega_rad_s(bin), &loads)
+            })
+            .collect();
+        let mesh = self.model.mesh();
+        // Damped, no frequency of a payload's inertia is blocked altogether.
+        let is_undamped = matches!(
+            self.model.law(),
+            DampingLaw::Hysteretic { ratio: 0.0 }
+                | DampingLaw::Rayleigh { alpha_per_s: 0.0, beta_s: 0.0 }
+        );
+        let is_lost = |bin: &usize| {
+            let tip = || self.model.tip_transfer(self.chord.omega_rad_s(*bin));
+            !answers[*bin].torque_n_m.is_finite() || is_undamped && tip().is_blocked(mesh)
+        };
+        match (0..self.band).find(is_lost) {
+            Some(bin) => {
+                Err(ElasticaError::NotFinite { frequency_hz: self.chord.omega_rad_s(bin) / TAU })
+            }
+            None => Ok(answers),
+        }
+    }
+
+    /// Loads on the nodes, one history for each force and moment, and the largest slope.
+    pub(super) fn loads(
+        &self,
+        link: &BentLink,
+        answers: &[LoadedMotion<Complex64>],
+        pair: &FourierPair,
+        chord: &ChordHistories,
+    ) -> Result<(Vec<Vec<f64>>, f64), ElasticaError> {
+        let states = (self.histories(answers, link.orders(), pair), chord);
+        let columns = 2 * self.model.mesh().nodes_m().len();
+        let (loads, slope) = link
+            .at_each_instant(columns, states, |now, scratch, row| link.write(now, scratch, row));
+        if slope.is_nan() || slope >= STEEPEST {
+            return Err(ElasticaError::TooSteep { slope });
+        }
+        Ok((loads, slope))
+    }
+
+    /// Histories of (w, w') of each node, then of their derivatives up to `orders`.
+    pub(super) fn histories(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        orders: usize,
+        pair: &FourierPair,
+    ) -> Vec<Vec<f64>> {
+        let width = 2 * self.model.mesh().nodes_m().len();
+        let omega = |bin: usize| Complex64::new(0.0, self.chord.omega_rad_s(bin));
+        (0..orders * width)
+            .into_par_iter()
+            .map(|column| {
+                let (order, dof) = (column / width, column % width);
+                let amplitudes = answers.iter().enumerate().map(|(bin, answer)| {
+                    let amplitude = answer.deflections[dof / 2][dof % 2];
+                    (0..order).fold(amplitude, |derived, _| derived * omega(bin))
+                });
+                pair.samples(amplitudes.collect::<Vec<_>>())
+            })
+            .collect()
+    }
+
+    /// The linear answers, with those to loads where these have no alias.
+    pub(super) fn with_loads(
+        &self,
+        linear: &[LoadedMotion<Complex64>],
+        loads: &[Vec<f64>],
+        pair: &FourierPair,
+    ) -> Vec<LoadedMotion<Complex64>> {
+        let spectra: Vec<_> = loads.par_iter().map(|history| pair.amplitudes(history)).collect();
+        let at = |bin: usize| {
+            let nodal = spectra.chunks(2).map(|node| [node[0][bin], node[1][bin]]).collect();
+            self.model.loaded_motion(self.chord.omega_rad_s(bin), &self.moved(bin, nodal))
+        };
+        let mut answers: Vec<_> = (0..resolved(pair)).into_par_iter().map(at).collect();
+        answers.extend(linear.iter().skip(answers.len()).cloned());
+        answers
+    }
+
+    /// Torque, and angle of the hub from the chord, at the samples of a pair; with all terms, the hub turns by the
+    /// angle of its slope.
+    ///
+    /// ```text
+    /// T = (T_l − I_H(θ̈ + ẅ'_0)) cos ψ + I_H(θ̈ + ψ̈) + b(θ̇ + ψ̇),       ψ = asin w'_0
+    /// ```
+    pub(super) fn hub(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        second_order: SecondOrder,
+        pair: &FourierPair,
+        chord: &ChordHistories,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let (inertia, friction) = (self.model.mesh().hub_inertia_kg_m2(), self.friction_n_m_s_rad);
+        let torque: Vec<_> = answers.iter().map(|answer| answer.torque_n_m).collect();
+        let mut torque_n_m = pair.samples(torque);
+        let slopes = [0, 1, 2].map(|order| {
+            let amplitudes = answers.iter().enumerate().map(|(bin, answer)| {
+                answer.hub_slope_rad * Complex64::new(0.0, self.chord.omega_rad_s(bin)).powu(order)
+            });
+            pair.samples(amplitudes.collect::<Vec<_>>())
+        });
+        let mut hub_slope_rad = slopes[0].clone();
+        for (k, torque) in torque_n_m.iter_mut().enumerate() {
+            let [sine, rate, acceleration] = [slopes[0][k], slopes[1][k], slopes[2][k]];
+            let mut hub_rate = rate;
+            if second_order == SecondOrder::Full {
+                let cosine = (1.0 - sine * sine).sqrt();
+                let turning =
+                    acceleration / cosine + sine * rate * rate / (cosine * cosine * cosine);
+                let turned = chord.acceleration_rad_s2[k];
+                *torque = (*torque - inertia * (turned + acceleration)) * cosine
+                    + inertia * (turned + turning);
+                hub_slope_rad[k] = libm::asin(sine);
+                hub_rate = rate / cosine;
+            }
+            *torque += friction * (chord.rate_rad_s[k] + hub_rate);
+        }
+        (torque_n_m, hub_slope_rad)
+    }
+
+    /// Force on the root along the chord and across it in N, and how much shorter the chord is than the link in m, at
+    /// the samples of a pair.
+    pub(super) fn ends(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        second_order: SecondOrder,
+        pair: &FourierPair,
+        chord: &ChordHistories,
+    ) -> [Vec<f64>; 3] {
+        let link = BentLink::of(self.model, second_order);
+        let states = (self.histories(answers, 3, pair), chord);
+        let (ends, _) =
+            link.at_each_instant(3, states, |now, scratch, row| link.ends(now, scratch, row));
+        ends.try_into().unwrap_or_default()
+    }
+
+    /// The histories of these answers over the chord's own samples.
+    pub(super) fn motion(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        second_order: SecondOrder,
+    ) -> ElasticaMotion {
+        let pair = &self.chord.pair;
+        let (torque_n_m, hub_slope_rad) =
+            self.hub(answers, second_order, pair, &self.chord.histories);
+        let deflections = self.histories(answers, 1, pair);
+        let ([shortenings_m, moments_n_m], largest_slope) = self.shapes(answers, second_order);
+        ElasticaMotion {
+            torque_n_m,
+            hub_slope_rad,
+            deflections,
+            shortenings_m,
+            moments_n_m,
+            iterations: 0,
+            contraction: None,
+            iteration_error: 0.0,
+            largest_slope,
+            second_order_change: 0.0,
+            exceeds_step: false,
+            others: Vec::new(),
+        }
+    }
+
+    /// Shortening and bending moment of each node in turn, and the largest slope: at as many samples as products of
+    /// what bends need, then at the chord's own.
+    pub(super) fn shapes(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        second_order: SecondOrder,
+    ) -> ([Vec<Vec<f64>>; 2], f64) {
+        let (link, band) = (BentLink::of(self.model, second_order), band(answers, ROUND_OFF));
+        let pair = self.chord.pair_for(band);
+        let chord = self.chord.at(&pair);
+        let states = (self.histories(&answers[..band], 3, &pair), &chord);
+        let columns = 2 * self.model.mesh().nodes_m().len();
+        let (shapes, largest_slope) = link
+            .at_each_instant(columns, states, |now, scratch, row| link.shape(now, scratch, row));
+        let all = |few: Vec<f64>| match pair.len() {
+            len if len == self.chord.len() => few,
+            _ => self.chord.pair.samples(pair.amplitudes(few)),
+        };
+        let nodes = shapes.into_par_iter().map(all).collect::<Vec<_>>();
+        let mut parts = [Vec::new(), Vec::new()];
+        nodes.into_iter().enumerate().for_each(|(k, history)| parts[k % 2].push(history));
+        (parts, largest_slope)
+    }
+}
