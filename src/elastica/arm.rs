@@ -5,7 +5,7 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, TipLoad, resolved};
-use super::iteration::{MOST_ITERATIONS, NEGLIGIBLE, REACH, SLOW, check};
+use super::iteration::{MOST_ITERATIONS, NEGLIGIBLE, REACH, SLOW, check, over_widest_band};
 use super::kinematics::{AngleHistories, ArmPeriod, Bar, Moving};
 use super::loads::{BentLink, SecondOrder};
 use super::on_chord::LinkOnChord;
@@ -14,10 +14,6 @@ use crate::beam::LoadedMotion;
 use crate::modal::DampingLaw;
 use crate::model::Model;
 use crate::numeric::{FourierPair, Size, angular_frequency};
-
-/// Share of the torque's amplitudes, all added up, of the high frequencies at which a link that shortens does not move
-/// the chords: what it moves them by grows with the square of the frequency.
-const UNMOVED: f64 = 1e-6;
 
 /// The motion of one link of an arm over a period.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,14 +74,15 @@ pub fn follow_arm(
     if second_order == SecondOrder::None {
         return Ok(follower.motion(&linear.answers, &linear.state));
     }
-    let mut refused = ElasticaError::Diverges { iterations: 0, change: f64::NAN };
-    for negligible in NEGLIGIBLE {
-        match follower.iterated_over(&linear, tolerance, negligible) {
-            Err(error @ ElasticaError::Diverges { .. }) => refused = error,
-            found => return found,
-        }
-    }
-    Err(refused)
+    over_widest_band(
+        |negligible| follower.iterated_over(&linear, tolerance, negligible),
+        |motion, narrower| {
+            let torques = motion.links.iter().map(|link| &link.bent.torque_n_m);
+            let others: Vec<_> =
+                narrower.links.into_iter().map(|link| link.bent.torque_n_m).collect();
+            motion.iteration_error += follower.largest_change(torques, &others);
+        },
+    )
 }
 
 struct Follower<'a> {
@@ -225,7 +222,6 @@ impl Follower<'_> {
         negligible: f64,
     ) -> Result<ArmMotion, ElasticaError> {
         let all = &self.arm.pair;
-        let unmoved = UNMOVED.max(negligible);
         let of_all = |answers: &Answers, negligible: f64| {
             let bands = answers.iter().enumerate().map(|(link, answers)| {
                 self.on_chord(link, &linear.state.chords[link]).band_of_loads(answers, negligible)
@@ -233,7 +229,7 @@ impl Follower<'_> {
             bands.collect::<Result<Vec<_>, _>>().map(|bands| bands.into_iter().fold(1, usize::max))
         };
         let moving =
-            linear.answers.iter().map(|answers| band(answers, unmoved)).fold(1, usize::max);
+            linear.answers.iter().map(|answers| band(answers, negligible)).fold(1, usize::max);
         let mut band = of_all(&linear.answers, negligible)?;
         let mut answers = linear.answers.clone();
         let mut torques = linear.torques_n_m.clone();
@@ -244,11 +240,7 @@ impl Follower<'_> {
             let pair = linear.state.chords[0].pair_for(REACH * band);
             let reach = (&pair, band, moving);
             let (state, found) = self.swept(linear, &mut answers, &mut shortened, reach)?;
-            let changed = found.iter().zip(&torques).zip(self.models);
-            let changes = changed.map(|((torque, before), model)| {
-                apart(torque, before) / size(torque, model.mesh())
-            });
-            let change = changes.fold(0.0, f64::larger);
+            let change = self.largest_change(found.iter(), &torques);
             torques = found;
             band = band.max(of_all(&answers, negligible)?);
             let factor = if change == 0.0 { 0.0 } else { change / last_change };
@@ -260,11 +252,8 @@ impl Follower<'_> {
             let iteration_error = contraction.map_or(change, |f| change * f / (1.0 - f).max(0.01));
             if iterations > 1 && iteration_error <= tolerance {
                 let motion = self.motion(&answers, &state);
-                let pairs = motion.links.iter().zip(&linear.torques_n_m).zip(self.models);
-                let changes = pairs.map(|((link, linear), model)| {
-                    apart(&link.bent.torque_n_m, linear) / size(linear, model.mesh())
-                });
-                let second_order_change = changes.fold(0.0, f64::larger);
+                let torques = motion.links.iter().map(|link| &link.bent.torque_n_m);
+                let second_order_change = self.largest_change(torques, &linear.torques_n_m);
                 return Ok(ArmMotion {
                     iterations,
                     contraction,
@@ -276,6 +265,19 @@ impl Follower<'_> {
             last_change = change;
         }
         Err(ElasticaError::Diverges { iterations: MOST_ITERATIONS, change: last_change })
+    }
+
+    /// Largest difference of torques, each over its size.
+    fn largest_change<'b>(
+        &self,
+        torques_n_m: impl Iterator<Item = &'b Vec<f64>>,
+        others: &[Vec<f64>],
+    ) -> f64 {
+        let changes = torques_n_m
+            .zip(others)
+            .zip(self.models)
+            .map(|((torque, other), model)| apart(torque, other) / size(torque, model.mesh()));
+        changes.fold(0.0, f64::larger)
     }
 
     /// One iteration: all links from the last inward, each with the loads of its last answer. Torques at all samples.

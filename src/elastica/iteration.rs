@@ -49,7 +49,39 @@ pub fn follow(
     if second_order == SecondOrder::None {
         return Ok(link.motion(&linear, second_order));
     }
-    link.iterated(&linear, second_order, tolerance)
+    over_widest_band(
+        |negligible| link.iterated_over(&linear, second_order, tolerance, negligible),
+        |motion, narrower| {
+            let (own, other) = (&motion.torque_n_m, &narrower.torque_n_m);
+            motion.iteration_error += apart(other, own) / size(own, model.mesh());
+            motion.others.push((narrower, 1.0));
+        },
+    )
+}
+
+/// The motion over the widest band of loads that converges; what the next narrower one changes is added to its error,
+/// unless the widest of all does.
+pub(super) fn over_widest_band<T>(
+    iterated: impl Fn(f64) -> Result<T, ElasticaError>,
+    add_error: impl Fn(&mut T, T),
+) -> Result<T, ElasticaError> {
+    let mut refused = ElasticaError::Diverges { iterations: 0, change: f64::NAN };
+    for (number, negligible) in NEGLIGIBLE[..NEGLIGIBLE.len() - 1].iter().enumerate() {
+        match iterated(*negligible) {
+            Ok(motion) if number == 0 => return Ok(motion),
+            Ok(mut motion) => match iterated(NEGLIGIBLE[number + 1]) {
+                Ok(narrower) => {
+                    add_error(&mut motion, narrower);
+                    return Ok(motion);
+                }
+                Err(error @ ElasticaError::Diverges { .. }) => refused = error,
+                Err(error) => return Err(error),
+            },
+            Err(error @ ElasticaError::Diverges { .. }) => refused = error,
+            Err(error) => return Err(error),
+        }
+    }
+    Err(refused)
 }
 
 /// Refuses samples too far apart, and links whose weight or second order is not derived.
@@ -109,39 +141,6 @@ impl LinkOnChord<'_> {
         let band = band(answers, negligible);
         let (most, step_s) = (self.chord.len() / 4, self.chord.step_s);
         if band < most.max(2) { Ok(band) } else { Err(ElasticaError::LongStep { step_s }) }
-    }
-
-    /// The motion over the widest band of loads that converges; what the next narrower one changes is added to its
-    /// error, unless the widest of all does.
-    fn iterated(
-        &self,
-        linear: &[LoadedMotion<Complex64>],
-        second_order: SecondOrder,
-        tolerance: f64,
-    ) -> Result<ElasticaMotion, ElasticaError> {
-        let mut refused = ElasticaError::Diverges { iterations: 0, change: f64::NAN };
-        for (number, negligible) in NEGLIGIBLE[..NEGLIGIBLE.len() - 1].iter().enumerate() {
-            match self.iterated_over(linear, second_order, tolerance, *negligible) {
-                Ok(motion) if number == 0 => return Ok(motion),
-                Ok(mut motion) => {
-                    let narrower = NEGLIGIBLE[number + 1];
-                    match self.iterated_over(linear, second_order, tolerance, narrower) {
-                        Ok(narrower) => {
-                            let (own, other) = (&motion.torque_n_m, &narrower.torque_n_m);
-                            motion.iteration_error +=
-                                apart(other, own) / size(own, self.model.mesh());
-                            motion.others.push((narrower, 1.0));
-                            return Ok(motion);
-                        }
-                        Err(error @ ElasticaError::Diverges { .. }) => refused = error,
-                        Err(error) => return Err(error),
-                    }
-                }
-                Err(error @ ElasticaError::Diverges { .. }) => refused = error,
-                Err(error) => return Err(error),
-            }
-        }
-        Err(refused)
     }
 
     /// The motion over the band of loads beyond which a share of the torque is negligible.

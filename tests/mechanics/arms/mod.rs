@@ -1,10 +1,11 @@
 //! Arms of several links.
 
+mod laws;
 mod prototype;
 
 use std::sync::Arc;
 
-use flexlink::elastica::{ArmPeriod, Kept, reaching, returning};
+use flexlink::elastica::{AngleHistories, ArmPeriod, Kept, reaching, returning};
 use flexlink::link::{Damping, Hub, LinkParts, Payload, Segment};
 use flexlink::model::Model;
 
@@ -39,14 +40,33 @@ fn line(gravity_m_s2: [f64; 2]) -> ArmPeriod {
             [[0.9 + by(s)[0], -0.5 + by(s)[1]], by(rate), by(acceleration)]
         })
         .collect();
-    let mut chords = reaching(&tip, [0.7, 0.6], true).expect("a reachable line");
+    let chords = reaching(&tip, [0.7, 0.6], true).expect("a reachable line");
+    period(chords, Kept::Tip, gravity_m_s2, STEP_S)
+}
+
+/// Chords that turn, over such a period.
+fn turning(turns: &[Turn], kept: Kept, gravity_m_s2: [f64; 2]) -> ArmPeriod {
+    let last = Turn::sample(turns[0].duration_s + BEFORE_S + 1.0);
+    let chord = |turn: &Turn| {
+        let at = |k: usize| turn.at(k as f64 * STEP_S - BEFORE_S);
+        [0, 1, 2].map(|part| (0..=last).map(|k| at(k)[part]).collect())
+    };
+    period(turns.iter().map(chord).collect(), kept, gravity_m_s2, STEP_S)
+}
+
+fn period(
+    mut chords: Vec<AngleHistories>,
+    kept: Kept,
+    gravity_m_s2: [f64; 2],
+    step_s: f64,
+) -> ArmPeriod {
     for [angle, rate, acceleration] in &mut chords {
-        let (start_rad, end_rad) = (angle[0], angle[last]);
+        let (start_rad, end_rad) = (angle[0], angle[angle.len() - 1]);
         angle.extend(returning(end_rad, start_rad, 512));
         let len = (angle.len() + 1024).next_multiple_of(64);
         angle.resize(len, start_rad);
         rate.resize(len, 0.0);
         acceleration.resize(len, 0.0);
     }
-    ArmPeriod::new(STEP_S, chords, Kept::Tip, gravity_m_s2).expect("a period")
+    ArmPeriod::new(step_s, chords, kept, gravity_m_s2).expect("a period")
 }

@@ -5,7 +5,7 @@ use flexlink::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment, Tape
 
 use super::{STEP_S, Turn, arm, chord, chord_of, model};
 
-const GRAVITY: [f64; 2] = [0.0, -9.81];
+pub(crate) const GRAVITY: [f64; 2] = [0.0, -9.81];
 
 fn turn() -> Turn {
     Turn { from_rad: -1.2, by_rad: 1.7, duration_s: 1.2 }
@@ -13,7 +13,7 @@ fn turn() -> Turn {
 
 /// A link with all that a link can carry but shear: tapers, a hub radius, masses at the root, within and at the tip,
 /// and a payload with inertia beyond the tip.
-fn loaded_arm() -> LinkParts {
+pub(crate) fn loaded_arm() -> LinkParts {
     let segment = |length_m, stiffness: [f64; 2], mass: [f64; 2]| Segment {
         bending_stiffness_n_m2: Taper { inner: stiffness[0], outer: stiffness[1] },
         mass_per_length_kg_m: Taper { inner: mass[0], outer: mass[1] },
@@ -51,10 +51,10 @@ fn work_and_friction(found: &ElasticaMotion, friction_n_m_s_rad: f64) -> [f64; 2
 
 /// Potential and strain energy of the elastica at a sample, from its nodes: Hermite's cubics on a fine rule of
 /// Simpson's, all in fixed axes.
-struct Energy<'a> {
-    parts: &'a LinkParts,
-    nodes_m: &'a [f64],
-    found: &'a ElasticaMotion,
+pub(crate) struct Energy<'a> {
+    pub(crate) parts: &'a LinkParts,
+    pub(crate) nodes_m: &'a [f64],
+    pub(crate) found: &'a ElasticaMotion,
 }
 
 impl Energy<'_> {
@@ -87,7 +87,7 @@ impl Energy<'_> {
     }
 
     /// Potential, and strain energy, at a sample; the chord's direction is given.
-    fn at(&self, sample: usize, chord_rad: f64) -> [f64; 2] {
+    pub(crate) fn at(&self, sample: usize, chord_rad: f64) -> [f64; 2] {
         const PIECES: usize = 40;
         let (sine, cosine) = chord_rad.sin_cos();
         let height = |x: f64, w: f64| x * sine + w * cosine;
@@ -142,7 +142,7 @@ impl Energy<'_> {
     }
 
     /// Energy that the damping takes, `∫∫ β EI κ̇² ds dt`.
-    fn dissipated(&self, beta_s: f64, last: usize) -> f64 {
+    pub(crate) fn dissipated(&self, beta_s: f64, last: usize) -> f64 {
         let curvature = |sample: usize, element: usize, x: f64| {
             let [_, slope, curve] = self.bent(sample, element, x);
             curve / (1.0 - slope * slope).sqrt()

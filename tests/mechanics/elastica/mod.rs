@@ -1,6 +1,6 @@
 //! Links under gravity and at large angles.
 
-mod laws;
+pub(crate) mod laws;
 mod prototype;
 mod solved;
 pub(crate) mod statics;
@@ -71,7 +71,7 @@ pub(crate) fn model(parts: &LinkParts, elements: usize) -> Arc<dyn Model> {
 
 /// The turn over a period: half a second of rest on either side, one second more after it, half a second in which
 /// the chord returns, and one second before the next.
-fn chord(turn: &Turn, gravity_m_s2: [f64; 2]) -> ChordPeriod {
+pub(crate) fn chord(turn: &Turn, gravity_m_s2: [f64; 2]) -> ChordPeriod {
     chord_of(turn, gravity_m_s2, 1.0)
 }
 

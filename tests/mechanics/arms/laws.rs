@@ -1,0 +1,348 @@
+//! Laws that hold for every arm: rotation, units, the rigid limit, energy, weights at rest, links that weigh nothing.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use flexlink::elastica::{
+    ArmMotion, ArmPeriod, ElasticaError, Kept, SecondOrder, follow, follow_arm,
+};
+use flexlink::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment};
+
+use super::{line, models, period, turning, two_links};
+use crate::elastica::laws::{Energy, GRAVITY, loaded_arm};
+use crate::elastica::{BEFORE_S, STEP_S, Turn, arm, chord, model};
+
+const LEVELS: [SecondOrder; 3] = [SecondOrder::None, SecondOrder::First, SecondOrder::Full];
+
+/// Last sample of a motion, with a second of rest.
+fn last() -> usize {
+    Turn::sample(2.2)
+}
+
+/// Four different links, of which the first has all that a link can carry but shear.
+fn links(count: usize) -> Vec<LinkParts> {
+    let [upper, lower] = two_links();
+    let payload = Payload { offset_m: 0.0, ..loaded_arm().payload };
+    let inner = LinkParts { payload, ..loaded_arm() };
+    let last = LinkParts {
+        segments: vec![Segment::uniform(0.3, 8.0, 0.3)],
+        payload: Payload { mass_kg: 0.1, inertia_kg_m2: 2e-4, offset_m: 0.04 },
+        hub: Hub { inertia_kg_m2: 2e-3, radius_m: 0.0, viscous_friction_n_m_s_rad: 0.05 },
+        ..lower.clone()
+    };
+    let mut links = vec![stiffer(inner, 10.0), stiffer(upper, 3.0), stiffer(lower, 2.0), last];
+    links.truncate(count);
+    links
+}
+
+fn stiffer(mut parts: LinkParts, times: f64) -> LinkParts {
+    for segment in &mut parts.segments {
+        segment.bending_stiffness_n_m2.inner *= times;
+        segment.bending_stiffness_n_m2.outer *= times;
+    }
+    parts
+}
+
+/// Turns of so many chords, each by another angle; `by` is added to all directions.
+fn turns(count: usize, by_rad: f64) -> Vec<Turn> {
+    [[-1.0, 0.9], [0.2, 0.6], [1.1, -0.5], [0.3, 0.8]][..count]
+        .iter()
+        .map(|[from, turn]| Turn { from_rad: from + by_rad, by_rad: *turn, duration_s: 1.2 })
+        .collect()
+}
+
+fn kept(count: usize) -> Kept {
+    if count > 1 { Kept::Tip } else { Kept::Angles }
+}
+
+fn solved(parts: &[LinkParts], arm: &ArmPeriod, second_order: SecondOrder) -> ArmMotion {
+    follow_arm(&models(parts, 6), arm, second_order, 1e-11).expect("a motion")
+}
+
+/// Largest difference of torques, those of the second arm times a factor, each over the largest of the first.
+fn differ(a: &ArmMotion, b: &ArmMotion, factor: f64) -> f64 {
+    let links = a.links.iter().zip(&b.links).map(|(a, b)| {
+        let (a, b) = (&a.bent.torque_n_m, &b.bent.torque_n_m);
+        let range = a.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+        a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - factor * b).abs())) / range
+    });
+    links.fold(0.0, f64::max)
+}
+
+#[test]
+fn a_turned_plane_takes_the_same_torques() {
+    let (sine, cosine) = 0.8_f64.sin_cos();
+    let turned = [-GRAVITY[1] * sine, GRAVITY[1] * cosine];
+    for count in 1..=4 {
+        for level in LEVELS {
+            let parts = links(count);
+            let upright = solved(&parts, &turning(&turns(count, 0.0), kept(count), GRAVITY), level);
+            let slanted = solved(&parts, &turning(&turns(count, 0.8), kept(count), turned), level);
+            let off = differ(&upright, &slanted, 1.0);
+            assert!(off < 1e-9, "{count} links, {level:?}: {off:e}");
+        }
+    }
+}
+
+/// One link: the arm of one link and the link are solved by the same equations, sample for sample.
+#[test]
+fn an_arm_of_one_link_is_the_link() {
+    let parts = LinkParts { hub: Hub { radius_m: 0.05, ..arm().hub }, ..arm() };
+    let turn = Turn { from_rad: -1.2, by_rad: 1.7, duration_s: 1.2 };
+    for gravity in [GRAVITY, [0.0; 2]] {
+        for level in LEVELS {
+            let one = follow(&*model(&parts, 6), &chord(&turn, gravity), level, 1e-11);
+            let one = one.expect("a motion").torque_n_m;
+            let turns = std::slice::from_ref(&turn);
+            let found =
+                solved(std::slice::from_ref(&parts), &turning(turns, Kept::Angles, gravity), level);
+            let range = one.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+            for (a, b) in one.iter().zip(&found.links[0].bent.torque_n_m) {
+                assert!((a - b).abs() < 1e-10 * range, "{level:?}: {a} and {b}");
+            }
+        }
+    }
+}
+
+/// Torques of a rigid arm by Newton and Euler, link by link in fixed axes.
+fn rigid(parts: &[LinkParts], turns: &[Turn], gravity: [f64; 2], time_s: f64) -> Vec<f64> {
+    let mut axis = gravity.map(|part| -part);
+    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+    let plus = |a: [f64; 2], b: [f64; 2], times: f64| [a[0] + times * b[0], a[1] + times * b[1]];
+    let mut inner = Vec::new();
+    for (parts, turn) in parts.iter().zip(turns) {
+        let [angle, rate, acceleration] = turn.at(time_s);
+        let e = [angle.cos(), angle.sin()];
+        let n = [-e[1], e[0]];
+        // Acceleration of a place per distance from its joint.
+        let per_m = plus([acceleration * n[0], acceleration * n[1]], e, -rate * rate);
+        let (mut force, mut moment) = ([0.0; 2], parts.hub.inertia_kg_m2 * acceleration);
+        let mut add = |mass_kg: f64, at_m: f64| {
+            let own = plus(axis, per_m, at_m);
+            force = plus(force, own, mass_kg);
+            moment += mass_kg * at_m * cross(e, own);
+        };
+        let mut from_m = parts.hub.radius_m;
+        for segment in &parts.segments {
+            // Masses of linear density by Gauss and Legendre's three points: exact for s² m.
+            let r = 0.6_f64.sqrt();
+            for (x, weight) in
+                [(0.5 - 0.5 * r, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + 0.5 * r, 5.0 / 18.0)]
+            {
+                let mass = segment.mass_per_length_kg_m.at(x) * segment.length_m * weight;
+                add(mass, from_m + x * segment.length_m);
+            }
+            from_m += segment.length_m;
+        }
+        for LumpedMass { at_m, mass_kg, .. } in &parts.masses {
+            add(*mass_kg, *at_m);
+        }
+        add(parts.payload.mass_kg, from_m + parts.payload.offset_m);
+        let inertias = parts.masses.iter().map(|mass| mass.inertia_kg_m2).sum::<f64>();
+        moment += (inertias + parts.payload.inertia_kg_m2) * acceleration;
+        inner.push((force, moment, e, from_m, rate, parts.hub.viscous_friction_n_m_s_rad));
+        axis = plus(axis, per_m, from_m);
+    }
+    let (mut torques, mut outer, mut torque) = (Vec::new(), [0.0; 2], 0.0);
+    for (joint, (force, moment, e, length_m, rate, friction)) in inner.iter().enumerate().rev() {
+        torque += moment + length_m * cross(*e, outer);
+        outer = plus(*force, outer, 1.0);
+        let before = if joint > 0 { inner[joint - 1].4 } else { 0.0 };
+        torques.insert(0, torque + friction * (rate - before));
+    }
+    torques
+}
+
+#[test]
+fn an_arm_that_hardly_bends_takes_the_torques_of_the_rigid_one() {
+    let damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 1e-9 };
+    let stiff = |parts| LinkParts { damping: damping.clone(), ..stiffer(parts, 1e8) };
+    for count in 1..=4 {
+        let parts: Vec<_> = links(count).into_iter().map(stiff).collect();
+        let turns = turns(count, 0.0);
+        for level in LEVELS {
+            let found = solved(&parts, &turning(&turns, kept(count), GRAVITY), level);
+            for k in (0..last()).step_by(7) {
+                let expected = rigid(&parts, &turns, GRAVITY, k as f64 * STEP_S - BEFORE_S);
+                for (joint, (link, expected)) in found.links.iter().zip(expected).enumerate() {
+                    let off = (link.bent.torque_n_m[k] - expected).abs();
+                    assert!(off < 1e-6, "joint {joint} of {count}, {level:?}: {off:e} N m");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_last_link_that_weighs_nothing_changes_nothing_inboard() {
+    for level in LEVELS {
+        let mut parts = links(3);
+        let nothing = Payload { mass_kg: 0.0, inertia_kg_m2: 0.0, offset_m: 0.0 };
+        parts[2].segments = vec![Segment::uniform(0.6, 15.0, 1e-11)];
+        (parts[2].payload, parts[2].hub) = (nothing, Hub::default());
+        let turns = turns(3, 0.0);
+        let with = solved(&parts, &turning(&turns, Kept::Angles, GRAVITY), level);
+        let without = solved(&parts[..2], &turning(&turns[..2], Kept::Angles, GRAVITY), level);
+        let off = differ(&without, &with, 1.0);
+        assert!(off < 1e-9, "{level:?}: {off:e}");
+    }
+}
+
+#[test]
+fn slower_softer_arms_without_weight_take_less_torque() {
+    let slower = 3.0_f64;
+    let soft = |parts: LinkParts| {
+        let mut parts = stiffer(parts, (slower * slower).recip());
+        parts.hub.viscous_friction_n_m_s_rad /= slower;
+        let beta_s = if parts.segments.len() == 2 { 3e-4 } else { 2e-4 };
+        LinkParts {
+            damping: Damping::Rayleigh { alpha_per_s: 0.0, beta_s: slower * beta_s },
+            ..parts
+        }
+    };
+    for level in LEVELS {
+        let parts = links(3);
+        let turns = turns(3, 0.0);
+        let fast = solved(&parts, &turning(&turns, Kept::Tip, [0.0; 2]), level);
+        let parts: Vec<_> = parts.into_iter().map(soft).collect();
+        let slow = slowed(&turns, slower);
+        let slow = solved(&parts, &slow, level);
+        let off = differ(&fast, &slow, slower * slower);
+        assert!(off < 1e-9, "{level:?}: {off:e}");
+    }
+}
+
+/// The same turns, all times that many times as long.
+fn slowed(turns: &[Turn], slower: f64) -> ArmPeriod {
+    let until = Turn::sample(turns[0].duration_s + BEFORE_S + 1.0);
+    let chord = |turn: &Turn| {
+        let at = |k: usize| turn.at(k as f64 * STEP_S - BEFORE_S);
+        let part = |part: usize| {
+            let scale = [1.0, slower.recip(), slower.powi(-2)][part];
+            (0..=until).map(|k| scale * at(k)[part]).collect()
+        };
+        [0, 1, 2].map(part)
+    };
+    period(turns.iter().map(chord).collect(), Kept::Tip, [0.0; 2], slower * STEP_S)
+}
+
+/// Potential and strain energy of links from one on, and the first moment of their masses about its joint along x over
+/// gravity: what the weights turn it by.
+fn energies(
+    (parts, elements): (&[LinkParts], usize),
+    found: &ArmMotion,
+    sample: usize,
+    from: usize,
+) -> [f64; 3] {
+    let models = models(parts, elements);
+    let (mut joint, mut sums) = ([0.0; 2], [0.0; 3]);
+    for (link, parts) in parts.iter().enumerate().skip(from) {
+        let own = &found.links[link];
+        let nodes_m = models[link].mesh().nodes_m();
+        let energy = Energy { parts, nodes_m, found: &own.bent };
+        let angle = own.chord[0][sample];
+        let [potential, strain] = energy.at(sample, angle);
+        let [turned, _] = energy.at(sample, angle + FRAC_PI_2);
+        let weight = weight_n(parts);
+        let added = [potential + weight * joint[1], strain, turned + weight * joint[0]];
+        sums.iter_mut().zip(added).for_each(|(sum, part)| *sum += part);
+        let chord_m = own.chord_length_m[sample];
+        joint = [joint[0] + chord_m * angle.cos(), joint[1] + chord_m * angle.sin()];
+    }
+    sums
+}
+
+/// As the mesh has it: the method finds the torques by virtual work, of which a rigid turn is no motion of a mesh that
+/// bends far.
+#[test]
+fn at_rest_each_torque_holds_the_weights_outboard() {
+    for count in 1..=4 {
+        let parts = links(count);
+        let arm = turning(&turns(count, 0.0), kept(count), GRAVITY);
+        let off = |elements: usize| {
+            let models = models(&parts, elements);
+            let found = follow_arm(&models, &arm, SecondOrder::Full, 1e-11).expect("a motion");
+            let places = (0..count).flat_map(|joint| [(joint, 2), (joint, last())]);
+            let off = places.map(|(joint, sample)| {
+                let [_, _, moment] = energies((&parts, elements), &found, sample, joint);
+                (found.links[joint].bent.torque_n_m[sample] / moment - 1.0).abs()
+            });
+            // What lies on the first joint weighs what it does, and no more.
+            let [along_x, along_y] = [0, 1].map(|axis| found.links[0].force_n[axis][2]);
+            let weight: f64 = parts.iter().map(weight_n).sum();
+            assert!((along_y / weight - 1.0).abs() < 1e-9, "{along_y} N of {weight} N");
+            assert!(along_x.abs() < 1e-9 * weight, "{along_x} N");
+            off.fold(0.0, f64::max)
+        };
+        let (coarse, fine) = (off(6), off(12));
+        assert!(
+            fine < 1e-6 && fine < (0.15 * coarse).max(1e-11),
+            "{count} links: {coarse:e}, {fine:e}"
+        );
+    }
+}
+
+fn weight_n(parts: &LinkParts) -> f64 {
+    let mass_per_length = |segment: &Segment| segment.mass_per_length_kg_m.at(0.5);
+    let beam: f64 = parts.segments.iter().map(|s| s.length_m * mass_per_length(s)).sum();
+    let lumped: f64 = parts.masses.iter().map(|mass| mass.mass_kg).sum();
+    -GRAVITY[1] * (beam + lumped + parts.payload.mass_kg)
+}
+
+#[test]
+fn the_work_of_the_torques_is_the_change_of_energy_and_what_damping_takes() {
+    for count in [2, 3] {
+        let parts = links(count);
+        let arm = turning(&turns(count, 0.0), Kept::Tip, GRAVITY);
+        let found = follow_arm(&models(&parts, 6), &arm, SecondOrder::Full, 1e-11).unwrap();
+        let hub = |joint: usize, k: usize| {
+            let own = &found.links[joint];
+            let before = joint.checked_sub(1).map_or(0.0, |before| {
+                found.links[before].chord[0][k] + found.links[before].tip_slope_rad[k]
+            });
+            own.chord[0][k] + own.bent.hub_slope_rad[k] - before
+        };
+        let rate = |joint: usize, k: usize| {
+            let at = |k: usize| hub(joint, k);
+            (8.0 * (at(k + 1) - at(k - 1)) - (at(k + 2) - at(k - 2))) / (12.0 * STEP_S)
+        };
+        let models = models(&parts, 6);
+        let (mut work, mut taken) = (0.0, 0.0);
+        for (joint, parts) in parts.iter().enumerate() {
+            let friction = parts.hub.viscous_friction_n_m_s_rad;
+            for k in 2..last() {
+                let rate = rate(joint, k);
+                work += found.links[joint].bent.torque_n_m[k] * rate * STEP_S;
+                taken += friction * rate * rate * STEP_S;
+            }
+            let Damping::Rayleigh { beta_s, .. } = parts.damping else { unreachable!() };
+            let nodes_m = models[joint].mesh().nodes_m();
+            let energy = Energy { parts, nodes_m, found: &found.links[joint].bent };
+            taken += energy.dissipated(beta_s, last());
+        }
+        let [[v0, u0, _], [v1, u1, _]] =
+            [2, last()].map(|sample| energies((&parts, 6), &found, sample, 0));
+        let off = (work - (v1 - v0) - (u1 - u0) - taken) / work;
+        assert!(off.abs() < 1e-6, "{count} links: {off:e} of {work} J");
+        assert!(taken > 1e-3 * work.abs() && (u1 - u0).abs() > 1e-6 * work.abs());
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let refusal = |parts: &[LinkParts], arm: &ArmPeriod| {
+        follow_arm(&models(parts, 4), arm, SecondOrder::Full, 1e-9).unwrap_err().to_string()
+    };
+    let hysteretic =
+        |parts: LinkParts| LinkParts { damping: Damping::Hysteretic { ratio: 0.02 }, ..parts };
+    let found = refusal(&two_links().map(hysteretic), &line(GRAVITY));
+    let expected = "the damping is hysteretic, but weight and second-order terms are known for \
+                    links of an arm with rayleigh damping";
+    assert_eq!(found, expected);
+    let straight = vec![[vec![0.3; 8], vec![0.0; 8], vec![0.0; 8]]; 2];
+    let stretched = ArmPeriod::new(0.01, straight, Kept::Tip, GRAVITY).unwrap_err();
+    assert_eq!(stretched, ElasticaError::Elbow { sample: 0, sine: 0.0 });
+    let one = vec![[vec![0.3; 8], vec![0.0; 8], vec![0.0; 8]]];
+    assert!(ArmPeriod::new(0.01, one, Kept::Tip, GRAVITY).is_err());
+    let folded = [0.1, PI - 0.01].map(|angle| [vec![angle; 8], vec![0.0; 8], vec![0.0; 8]]);
+    assert!(ArmPeriod::new(0.01, folded.to_vec(), Kept::Angles, GRAVITY).is_ok());
+}
