@@ -30,7 +30,7 @@
 //! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
 //! | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
-//! | [`elastica`] | a link under gravity and at large angles: second-order terms as loads, iterated |
+//! | [`elastica`] | links under gravity and at large angles, and arms of them: second-order terms as loads, iterated |
 //! | [`inverse`] | period and padding, the inversion, what it costs, warnings, motions of the nodes |
 //! | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT |
 //! | [`compare`] | tables against tables, column by column; tolerances |
@@ -87,6 +87,7 @@
 //! | ζ | viscous damping ratio of one mode | |
 //! | φ, q, p | shape of a mode, its coordinate, its hub angle: `q̈ + 2ζωq̇ + ω²q = pT` | 1/√kg, m √kg, 1/(m √kg) |
 //! | w', ψ, u | slope of the link from its chord, its angle `asin w'`, shortening along the chord ([`elastica`]) | , rad, m |
+//! | ℓ, Δ | length of the chord, and by how much it is shorter than the link: `−u` at the tip | m |
 //! | g | gravity in the plane of motion, `gravity_m_s2` | m/s² |
 //! | κ | relative complex stiffness, 1 + 2iξ or 1 + iωβ | |
 //! | λ | ω²(1 + α/(iω))/κ, `lambda`: all that the recursion needs to know of frequency and damping | 1/s² |

@@ -6,44 +6,21 @@ use num_complex::Complex64;
 
 use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, TipLoad, resolved};
 use super::iteration::{MOST_ITERATIONS, NEGLIGIBLE, REACH, SLOW, check, over_widest_band};
-use super::kinematics::{AngleHistories, ArmPeriod, Bar, Moving};
+use super::kinematics::{ArmPeriod, Bar, Moving};
 use super::loads::{BentLink, SecondOrder};
 use super::on_chord::LinkOnChord;
-use super::reaction::{ElasticaMotion, apart, band, size};
+use super::reaction::{ArmLinkMotion, ArmMotion, apart, band, joint_rates, size};
 use crate::beam::LoadedMotion;
 use crate::modal::DampingLaw;
 use crate::model::Model;
 use crate::numeric::{FourierPair, Size, angular_frequency};
 
-/// The motion of one link of an arm over a period.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ArmLinkMotion {
-    /// Torque of its joint, its friction included, and how the link bends.
-    pub bent: ElasticaMotion,
-    /// Its chord.
-    pub chord: AngleHistories,
-    /// Length of the chord in m.
-    pub chord_length_m: Vec<f64>,
-    /// Angle of the tip's tangent line from the chord in rad.
-    pub tip_slope_rad: Vec<f64>,
-    /// Force in N on its inner end along the plane's x and y axes.
-    pub force_n: [Vec<f64>; 2],
-}
+/// Links that shorten move the chords at frequencies up to this share of what is negligible of the loads: they do so
+/// through accelerations, which grow with the square of the frequency.
+const MOVED: f64 = 1e-2;
 
-/// The motion of an arm over a period.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ArmMotion {
-    /// Its links, the inner one first.
-    pub links: Vec<ArmLinkMotion>,
-    /// Number of iterations; 0 without second order.
-    pub iterations: usize,
-    /// Largest change of a torque by the last iteration over that by the one before; none before the second.
-    pub contraction: Option<f64>,
-    /// What further iterations would change of the torques at most, each over its range.
-    pub iteration_error: f64,
-    /// What the second order changed of the torques at most, each over its range.
-    pub second_order_change: f64,
-}
+/// The same of chords that are moved once, to see what that changes.
+const BEYOND: f64 = 1e-4;
 
 /// Amplitudes of the answer of each link.
 type Answers = Vec<Vec<LoadedMotion<Complex64>>>;
@@ -96,6 +73,14 @@ struct State {
     chords: Vec<ChordPeriod>,
     lengths_m: Vec<Vec<f64>>,
     forces_n: Vec<[Vec<f64>; 2]>,
+}
+
+/// What one iteration hands to the next.
+struct Iterate {
+    answers: Answers,
+    torques_n_m: Vec<Vec<f64>>,
+    /// How much shorter than its link each chord is in m, at the samples of a pair.
+    shortened: Option<(FourierPair, Vec<Vec<f64>>)>,
 }
 
 struct Linear {
@@ -221,43 +206,55 @@ impl Follower<'_> {
         tolerance: f64,
         negligible: f64,
     ) -> Result<ArmMotion, ElasticaError> {
-        let all = &self.arm.pair;
         let of_all = |answers: &Answers, negligible: f64| {
             let bands = answers.iter().enumerate().map(|(link, answers)| {
                 self.on_chord(link, &linear.state.chords[link]).band_of_loads(answers, negligible)
             });
             bands.collect::<Result<Vec<_>, _>>().map(|bands| bands.into_iter().fold(1, usize::max))
         };
-        let moving =
-            linear.answers.iter().map(|answers| band(answers, negligible)).fold(1, usize::max);
+        let moving = |negligible: f64| {
+            linear.answers.iter().map(|answers| band(answers, negligible)).fold(1, usize::max)
+        };
         let mut band = of_all(&linear.answers, negligible)?;
-        let mut answers = linear.answers.clone();
-        let mut torques = linear.torques_n_m.clone();
-        let mut shortened: Vec<[Vec<f64>; 3]> =
-            answers.iter().map(|_| [0, 1, 2].map(|_| vec![0.0; all.len()])).collect();
+        let mut latest = Iterate {
+            answers: linear.answers.clone(),
+            torques_n_m: linear.torques_n_m.clone(),
+            shortened: None,
+        };
         let mut last_change = f64::INFINITY;
         for iterations in 1..=MOST_ITERATIONS {
             let pair = linear.state.chords[0].pair_for(REACH * band);
-            let reach = (&pair, band, moving);
-            let (state, found) = self.swept(linear, &mut answers, &mut shortened, reach)?;
-            let change = self.largest_change(found.iter(), &torques);
-            torques = found;
-            band = band.max(of_all(&answers, negligible)?);
+            let swept = self.swept(linear, &latest, (&pair, band, moving(MOVED * negligible)));
+            let diverges = |error| match error {
+                // What was possible before the links bent is so no more.
+                ElasticaError::Elbow { .. } | ElasticaError::LongStep { .. } if iterations > 1 => {
+                    ElasticaError::Diverges { iterations, change: last_change }
+                }
+                error => error,
+            };
+            let (state, next) = swept.map_err(diverges)?;
+            let change = self.largest_change(next.torques_n_m.iter(), &latest.torques_n_m);
+            latest = next;
+            band = band.max(of_all(&latest.answers, negligible).map_err(diverges)?);
             let factor = if change == 0.0 { 0.0 } else { change / last_change };
             let most = if negligible < NEGLIGIBLE[NEGLIGIBLE.len() - 1] { SLOW } else { 1.0 };
             if !change.is_finite() || iterations > 3 && factor >= most && change > tolerance {
                 return Err(ElasticaError::Diverges { iterations, change });
             }
             let contraction = (iterations > 1).then_some(factor);
-            let iteration_error = contraction.map_or(change, |f| change * f / (1.0 - f).max(0.01));
-            if iterations > 1 && iteration_error <= tolerance {
-                let motion = self.motion(&answers, &state);
+            let further = contraction.map_or(change, |f| change * f / (1.0 - f).max(0.01));
+            if iterations > 1 && further <= tolerance {
+                // The chords moved at more frequencies, once.
+                let reach = (&pair, band, moving(BEYOND * negligible));
+                let (_, wider) = self.swept(linear, &latest, reach).map_err(diverges)?;
+                let unmoved = self.largest_change(wider.torques_n_m.iter(), &latest.torques_n_m);
+                let motion = self.motion(&latest.answers, &state);
                 let torques = motion.links.iter().map(|link| &link.bent.torque_n_m);
                 let second_order_change = self.largest_change(torques, &linear.torques_n_m);
                 return Ok(ArmMotion {
                     iterations,
                     contraction,
-                    iteration_error,
+                    iteration_error: further + unmoved,
                     second_order_change,
                     ..motion
                 });
@@ -280,21 +277,21 @@ impl Follower<'_> {
         changes.fold(0.0, f64::larger)
     }
 
-    /// One iteration: all links from the last inward, each with the loads of its last answer. Torques at all samples.
+    /// One iteration: all links from the last inward, each with the loads of its last answer; links that shorten move the
+    /// chords in the first bins alone.
     fn swept(
         &self,
         linear: &Linear,
-        answers: &mut Answers,
-        shortened: &mut [[Vec<f64>; 3]],
+        last: &Iterate,
         (pair, band, moving): (&FourierPair, usize, usize),
-    ) -> Result<(State, Vec<Vec<f64>>), ElasticaError> {
+    ) -> Result<(State, Iterate), ElasticaError> {
         let (order, bins) = (self.second_order, resolved(pair));
-        let mut state = self.chords(shortened)?;
-        let mut torques_n_m = Vec::new();
+        let mut state = self.chords(&self.shortened(last, moving))?;
+        let (mut answers, mut torques_n_m, mut shortened) = (Vec::new(), Vec::new(), Vec::new());
         for link in (0..self.arm.links()).rev() {
             let on_chord = self.on_chord(link, &state.chords[link]);
             let time = on_chord.chord.at(pair);
-            let kept = &answers[link][..band.min(answers[link].len())];
+            let kept = &last.answers[link][..band.min(last.answers[link].len())];
             let (loads, _) =
                 on_chord.loads(&BentLink::of(on_chord.model, order), kept, pair, &time)?;
             let found = on_chord.with_loads(&linear.answers[link], &loads, pair);
@@ -304,14 +301,23 @@ impl Follower<'_> {
             let [torque_n_m, along, across] =
                 [torque_n_m, along, across].map(|few| self.at_all(pair, &few, bins, 0));
             state.hand_inward(link, (&along, &across), &torque_n_m);
-            if order == SecondOrder::Full {
-                shortened[link] =
-                    [0, 1, 2].map(|derived| self.at_all(pair, &short, moving, derived));
-            }
-            answers[link] = found;
+            answers.insert(0, found);
             torques_n_m.insert(0, torque_n_m);
+            shortened.insert(0, short);
         }
-        Ok((state, torques_n_m))
+        Ok((state, Iterate { answers, torques_n_m, shortened: Some((pair.clone(), shortened)) }))
+    }
+
+    /// How much shorter than its link each chord is, with its derivatives; of their amplitudes the first ones count.
+    fn shortened(&self, last: &Iterate, moving: usize) -> Vec<[Vec<f64>; 3]> {
+        let none = || [0, 1, 2].map(|_| vec![0.0; self.arm.pair.len()]);
+        match last.shortened.as_ref().filter(|_| self.second_order == SecondOrder::Full) {
+            None => self.models.iter().map(|_| none()).collect(),
+            Some((pair, shortened)) => shortened
+                .iter()
+                .map(|few| [0, 1, 2].map(|derived| self.at_all(pair, few, moving, derived)))
+                .collect(),
+        }
     }
 
     /// A history at the samples of a pair, or a derivative of it, at all samples of the period; of its amplitudes the
@@ -361,20 +367,4 @@ impl Follower<'_> {
             second_order_change: 0.0,
         }
     }
-}
-
-/// Rate in rad/s of a joint: of its hub against the tip of the link before.
-fn joint_rates(links: &[ArmLinkMotion], link: usize, pair: &FourierPair, step_s: f64) -> Vec<f64> {
-    let before = link.checked_sub(1).map(|before| &links[before]);
-    let bent = links[link].bent.hub_slope_rad.iter().enumerate();
-    let bent = bent.map(|(k, slope)| slope - before.map_or(0.0, |link| link.tip_slope_rad[k]));
-    let amplitudes = pair.amplitudes(bent.collect::<Vec<_>>());
-    let omega = |bin: usize| Complex64::new(0.0, angular_frequency(bin, pair.len(), step_s));
-    let rates = amplitudes.iter().enumerate().map(|(bin, value)| value * omega(bin));
-    let rates = pair.samples(rates.collect::<Vec<_>>());
-    let chord = |link: &ArmLinkMotion, k: usize| link.chord[1][k];
-    let turned = rates.iter().enumerate();
-    turned
-        .map(|(k, rate)| rate + chord(&links[link], k) - before.map_or(0.0, |link| chord(link, k)))
-        .collect()
 }

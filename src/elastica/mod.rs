@@ -1,4 +1,4 @@
-//! A link under gravity and at large angles: the inextensible elastica, its second-order terms as loads.
+//! Links under gravity and at large angles, and arms of them: the inextensible elastica, its second-order terms as loads.
 //!
 //! The link is seen from its chord, the line from the axis to the tip, whose motion is given. The recursion
 //! answers to loads at every frequency ([`Model::loaded_motion`](crate::model::Model::loaded_motion)); what the
@@ -30,6 +30,46 @@
 //! assert!(held.torque_n_m[0] < 0.5 * 0.3 * 9.81, "and the weight lies nearer than half the length");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Arms
+//!
+//! In an arm every link has its chord from joint to joint, and the chords are where a rigid arm would have its links:
+//!
+//! ```text
+//!         ⌒⌒ link 2
+//!       o ------- * tip        o  joint
+//!      /  chord 2             ---  chord, of length ℓ = L − Δ
+//!     ( /                      Δ  by how much a bent link is shorter than it is long
+//!     (/ chord 1
+//!     o
+//! ```
+//!
+//! The motion of each link's tip is known, and what the next link does to it: the links are solved from the last inward,
+//! each as one link ([`follow_arm`]). Where a link that bends pulls its ends together, the first two chords turn so that the tip stays
+//! on its path ([`Kept::Tip`]).
+//!
+//! ```
+//! use flexlink::beam::{Mesh, MeshPlan};
+//! use flexlink::elastica::{ArmPeriod, Kept, SecondOrder, follow_arm, reaching};
+//! use flexlink::link::{Damping, Link, Segment};
+//! use flexlink::model::{KeptModes, model_of};
+//!
+//! let strip = Link::builder()
+//!     .segment(Segment::uniform(0.5, 20.0, 0.3))
+//!     .damping(Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 1e-3 })
+//!     .build()?;
+//! let model = model_of(&strip, Mesh::new(&strip, &MeshPlan::automatic(&strip))?, KeptModes::All)?;
+//!
+//! // At rest, its tip 0.6 m in front of its first joint: the second link turns left of the first.
+//! let tip = vec![[[0.6, 0.0], [0.0; 2], [0.0; 2]]; 8];
+//! let chords = reaching(&tip, [0.5, 0.5], true)?;
+//! let arm = ArmPeriod::new(0.01, chords, Kept::Tip, [0.0, -9.81])?;
+//! let held = follow_arm(&[model.clone(), model], &arm, SecondOrder::Full, 1e-9)?;
+//! let [shoulder, elbow] = [0, 1].map(|joint| held.links[joint].bent.torque_n_m[0]);
+//! assert!((shoulder - 0.3 * 9.81 * 0.3).abs() < 1e-3, "both weigh as much, on both sides of 0.3 m");
+//! assert!((elbow - 0.15 * 9.81 * 0.15).abs() < 2e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod arm;
 mod chord;
@@ -41,9 +81,9 @@ mod points;
 mod reaction;
 mod sag;
 
-pub use arm::{ArmLinkMotion, ArmMotion, follow_arm};
+pub use arm::follow_arm;
 pub use chord::{ChordPeriod, ElasticaError, returning};
 pub use iteration::follow;
 pub use kinematics::{AngleHistories, ArmPeriod, Kept, reaching};
 pub use loads::SecondOrder;
-pub use reaction::ElasticaMotion;
+pub use reaction::{ArmLinkMotion, ArmMotion, ElasticaMotion};

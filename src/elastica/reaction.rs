@@ -7,7 +7,7 @@ use super::points::dot;
 use num_complex::Complex64;
 
 use crate::beam::{LoadedMotion, Mesh};
-use crate::numeric::{Size, extremes, magnitude};
+use crate::numeric::{FourierPair, Size, angular_frequency, extremes, magnitude};
 
 /// Range of a torque over its largest value below which the link is at rest.
 const AT_REST: f64 = 1e-6;
@@ -44,6 +44,36 @@ pub struct ElasticaMotion {
     /// Other approximations, and by how many times their distance from this one further ones would change it: the
     /// iteration before the last, and, where terms of high frequencies are left out, the motion without more of them.
     pub others: Vec<(ElasticaMotion, f64)>,
+}
+
+/// The motion of one link of an arm over a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmLinkMotion {
+    /// Torque of its joint, its friction included, and how the link bends.
+    pub bent: ElasticaMotion,
+    /// Angle of its chord in rad, its rate and its acceleration.
+    pub chord: [Vec<f64>; 3],
+    /// Length of the chord in m.
+    pub chord_length_m: Vec<f64>,
+    /// Angle of the tip's tangent line from the chord in rad.
+    pub tip_slope_rad: Vec<f64>,
+    /// Force in N on its inner end along the plane's x and y axes.
+    pub force_n: [Vec<f64>; 2],
+}
+
+/// The motion of an arm over a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmMotion {
+    /// Its links, the inner one first.
+    pub links: Vec<ArmLinkMotion>,
+    /// Number of iterations; 0 without second order.
+    pub iterations: usize,
+    /// Largest change of a torque by the last iteration over that by the one before; none before the second.
+    pub contraction: Option<f64>,
+    /// What further iterations would change of the torques at most, each over its range.
+    pub iteration_error: f64,
+    /// What the second order changed of the torques at most, each over its range.
+    pub second_order_change: f64,
 }
 
 /// Force along the chord and across it, and moment about a node, that move all that lies outboard.
@@ -209,4 +239,25 @@ pub(super) fn band(answers: &[LoadedMotion<Complex64>], negligible: f64) -> usiz
         beyond > least
     };
     answers.iter().rposition(counts).map_or(1, |last| last + 1)
+}
+
+/// Rate in rad/s of a joint: of its hub against the tip of the link before.
+pub(super) fn joint_rates(
+    links: &[ArmLinkMotion],
+    link: usize,
+    pair: &FourierPair,
+    step_s: f64,
+) -> Vec<f64> {
+    let before = link.checked_sub(1).map(|before| &links[before]);
+    let bent = links[link].bent.hub_slope_rad.iter().enumerate();
+    let bent = bent.map(|(k, slope)| slope - before.map_or(0.0, |link| link.tip_slope_rad[k]));
+    let amplitudes = pair.amplitudes(bent.collect::<Vec<_>>());
+    let omega = |bin: usize| Complex64::new(0.0, angular_frequency(bin, pair.len(), step_s));
+    let rates = amplitudes.iter().enumerate().map(|(bin, value)| value * omega(bin));
+    let rates = pair.samples(rates.collect::<Vec<_>>());
+    let chord = |link: &ArmLinkMotion, k: usize| link.chord[1][k];
+    let turned = rates.iter().enumerate();
+    turned
+        .map(|(k, rate)| rate + chord(&links[link], k) - before.map_or(0.0, |link| chord(link, k)))
+        .collect()
 }
