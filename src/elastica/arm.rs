@@ -10,6 +10,7 @@ use super::kinematics::{ArmPeriod, Bar, Moving};
 use super::loads::{BentLink, SecondOrder};
 use super::on_chord::LinkOnChord;
 use super::reaction::{ArmLinkMotion, ArmMotion, apart, band, joint_rates, size};
+use super::sag::Sag;
 use crate::beam::LoadedMotion;
 use crate::modal::DampingLaw;
 use crate::model::Model;
@@ -44,10 +45,22 @@ pub fn follow_arm(
     if !(FINEST..1.0).contains(&tolerance) {
         return Err(ElasticaError::Tolerance(tolerance));
     }
-    let follower = Follower { models, arm, second_order };
-    let straight: Vec<[Vec<f64>; 3]> =
-        models.iter().map(|_| [0, 1, 2].map(|_| vec![0.0; arm.pair.len()])).collect();
-    let linear = follower.linear(&straight)?;
+    let mut follower = Follower { models, arm, second_order, sags: Vec::new() };
+    let state = follower.chords(&follower.shortened(None, 0))?;
+    for (model, chord) in models.iter().zip(&state.chords) {
+        check(&**model, chord, second_order)?;
+    }
+    let ratio = |model: &Arc<dyn Model>| match model.law() {
+        DampingLaw::Hysteretic { ratio } => *ratio,
+        _ => 0.0,
+    };
+    let ratios: Vec<f64> = models.iter().map(ratio).collect();
+    let has_weight = arm.gravity_m_s2.iter().any(|part| *part != 0.0);
+    if has_weight && ratios.iter().any(|ratio| *ratio > 0.0) {
+        let sags = Sag::of_arm(models, arm, second_order)?;
+        follower.sags = ratios.into_iter().zip(sags).collect();
+    }
+    let linear = follower.linear(state)?;
     if second_order == SecondOrder::None {
         return Ok(follower.motion(&linear.answers, &linear.state));
     }
@@ -66,6 +79,8 @@ struct Follower<'a> {
     models: &'a [Arc<dyn Model>],
     arm: &'a ArmPeriod,
     second_order: SecondOrder,
+    /// Damping ratio and sag of each link, where hysteretic ones have weight.
+    sags: Vec<(f64, Sag)>,
 }
 
 /// What moves each link over the period, and the force on its inner end along x and y.
@@ -79,9 +94,11 @@ struct State {
 struct Iterate {
     answers: Answers,
     torques_n_m: Vec<Vec<f64>>,
-    /// How much shorter than its link each chord is in m, at the samples of a pair.
-    shortened: Option<(FourierPair, Vec<Vec<f64>>)>,
+    shortened: Option<Shortened>,
 }
+
+/// How much shorter than its link each chord is in m, at the samples of a pair.
+type Shortened = (FourierPair, Vec<Vec<f64>>);
 
 struct Linear {
     answers: Answers,
@@ -123,7 +140,8 @@ impl Follower<'_> {
     fn on_chord<'b>(&'b self, link: usize, chord: &'b ChordPeriod) -> LinkOnChord<'b> {
         let model = &*self.models[link];
         let band = chord.band_len(model.mesh().length_m());
-        LinkOnChord { model, chord, band, sag: None, friction_n_m_s_rad: 0.0 }
+        let sag = self.sags.get(link).map(|(ratio, sag)| (*ratio, sag));
+        LinkOnChord { model, chord, band, sag, friction_n_m_s_rad: 0.0 }
     }
 
     /// The histories of every chord; `shortened` is by how much each is shorter than its link, with its derivatives.
@@ -171,11 +189,9 @@ impl Follower<'_> {
     }
 
     /// All links without second-order terms.
-    fn linear(&self, straight: &[[Vec<f64>; 3]]) -> Result<Linear, ElasticaError> {
-        let mut state = self.chords(straight)?;
+    fn linear(&self, mut state: State) -> Result<Linear, ElasticaError> {
         let (mut answers, mut torques_n_m) = (Vec::new(), Vec::new());
         for link in (0..self.arm.links()).rev() {
-            self.check(link, &state.chords[link])?;
             let on_chord = self.on_chord(link, &state.chords[link]);
             let found = on_chord.linear()?;
             let (pair, chord) = (&self.arm.pair, &state.chords[link].histories);
@@ -186,17 +202,6 @@ impl Follower<'_> {
             torques_n_m.insert(0, torque_n_m);
         }
         Ok(Linear { answers, torques_n_m, state })
-    }
-
-    fn check(&self, link: usize, chord: &ChordPeriod) -> Result<(), ElasticaError> {
-        let model = &*self.models[link];
-        check(model, chord, self.second_order)?;
-        let is_hysteretic = matches!(model.law(), DampingLaw::Hysteretic { ratio } if *ratio > 0.0);
-        if is_hysteretic && self.arm.links() > 1 && chord.has_weight() {
-            let (what, known) = ("the damping is hysteretic", "of an arm with rayleigh damping");
-            return Err(ElasticaError::NotDerived { what, known });
-        }
-        Ok(())
     }
 
     /// The motion over the band of loads beyond which a share of the torques is negligible.
@@ -286,7 +291,7 @@ impl Follower<'_> {
         (pair, band, moving): (&FourierPair, usize, usize),
     ) -> Result<(State, Iterate), ElasticaError> {
         let (order, bins) = (self.second_order, resolved(pair));
-        let mut state = self.chords(&self.shortened(last, moving))?;
+        let mut state = self.chords(&self.shortened(last.shortened.as_ref(), moving))?;
         let (mut answers, mut torques_n_m, mut shortened) = (Vec::new(), Vec::new(), Vec::new());
         for link in (0..self.arm.links()).rev() {
             let on_chord = self.on_chord(link, &state.chords[link]);
@@ -309,9 +314,9 @@ impl Follower<'_> {
     }
 
     /// How much shorter than its link each chord is, with its derivatives; of their amplitudes the first ones count.
-    fn shortened(&self, last: &Iterate, moving: usize) -> Vec<[Vec<f64>; 3]> {
-        let none = || [0, 1, 2].map(|_| vec![0.0; self.arm.pair.len()]);
-        match last.shortened.as_ref().filter(|_| self.second_order == SecondOrder::Full) {
+    fn shortened(&self, shortened: Option<&Shortened>, moving: usize) -> Vec<[Vec<f64>; 3]> {
+        let none = || [0, 1, 2].map(|_| vec![0.0; self.arm.len()]);
+        match shortened.filter(|_| self.second_order == SecondOrder::Full) {
             None => self.models.iter().map(|_| none()).collect(),
             Some((pair, shortened)) => shortened
                 .iter()

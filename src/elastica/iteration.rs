@@ -43,6 +43,7 @@ pub fn follow(
     check(model, chord, second_order)?;
     let sag = sag_of(model, chord, second_order)?;
     let band = chord.band_len(model.mesh().length_m());
+    let sag = sag.as_ref().map(|(ratio, sag)| (*ratio, sag));
     let friction_n_m_s_rad = model.link().joint().friction_n_m_s_rad;
     let link = LinkOnChord { model, chord, band, sag, friction_n_m_s_rad };
     let linear = link.linear()?;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::chord::ElasticaError;
-use crate::numeric::FourierPair;
+use crate::numeric::{FourierPair, magnitude};
 
 /// A value with its first and second derivative in time.
 pub(super) type Moving = [f64; 3];
@@ -86,6 +86,44 @@ impl ArmPeriod {
             }
         }
         Ok(arm)
+    }
+
+    /// Number N of samples.
+    pub(super) fn len(&self) -> usize {
+        self.pair.len()
+    }
+
+    /// Every how many samples tell the directions of the chords: a power of two; the rest of their amplitudes is a
+    /// negligible share.
+    pub(super) fn stride(&self, negligible: f64) -> usize {
+        let band = |of: fn(f64) -> f64, angles: &[f64]| {
+            let amplitudes =
+                self.pair.amplitudes(angles.iter().map(|a| of(*a)).collect::<Vec<_>>());
+            let sizes: Vec<f64> = amplitudes.iter().map(|value| magnitude(*value)).collect();
+            let least = negligible * sizes.iter().sum::<f64>();
+            let mut beyond = 0.0;
+            let counts = |size: &f64| {
+                beyond += size;
+                beyond > least
+            };
+            sizes.iter().rposition(counts).unwrap_or(0)
+        };
+        let bands = self
+            .rigid
+            .iter()
+            .flat_map(|[angles, ..]| [band(libm::cos, angles), band(libm::sin, angles)]);
+        // Twice the band for what bends, which is no line of the directions.
+        let fewest = (4 * bands.max().unwrap_or(0)).max(FEWEST);
+        let mut stride = 1;
+        while self.len().is_multiple_of(4 * stride) && self.len() / (2 * stride) >= fewest {
+            stride *= 2;
+        }
+        stride
+    }
+
+    /// True if no chord has another direction at one sample than at another.
+    pub(super) fn rests(&self, sample: usize, other: usize) -> bool {
+        self.rigid.iter().all(|[angles, ..]| angles[sample].to_bits() == angles[other].to_bits())
     }
 
     /// Number of links.

@@ -24,7 +24,7 @@ pub(super) struct LinkOnChord<'a> {
     /// Bins that carry any motion.
     pub(super) band: usize,
     /// Damping ratio ξ and sag, where a hysteretic link has weight.
-    pub(super) sag: Option<(f64, Sag)>,
+    pub(super) sag: Option<(f64, &'a Sag)>,
     /// Friction of a hub that turns against what rests, in N m s/rad.
     pub(super) friction_n_m_s_rad: f64,
 }
@@ -38,7 +38,7 @@ impl LinkOnChord<'_> {
             nodal[last][0] += tip.across_n[bin];
             nodal[last][1] -= tip.torque_n_m[bin];
         }
-        if let Some((ratio, sag)) = self.sag.as_ref().filter(|_| bin > 0) {
+        if let Some((ratio, sag)) = self.sag.filter(|_| bin > 0) {
             sag.add(bin, Complex64::new(0.0, 2.0 * ratio), &mut nodal);
         }
         Loads { axis_m_s2, chord_rad_s2: self.chord.turning[bin], nodal }

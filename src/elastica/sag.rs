@@ -5,14 +5,18 @@
 //! loads `2iξ K w_sag` beside its weight.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use nalgebra::Vector4;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::chord::{ChordPeriod, ElasticaError};
-use crate::beam::Mesh;
-use crate::numeric::extremes;
+use super::chord::{ChordPeriod, ElasticaError, TipLoad};
+use super::kinematics::{ArmPeriod, Bar, Moving};
+use super::loads::{BentLink, Instant, Scratch, SecondOrder};
+use crate::beam::{Loads, Mesh};
+use crate::model::Model;
+use crate::numeric::{FourierPair, Size, extremes};
 
 /// Directions of the chord at which the sag is computed, until the polynomial through them is exact between them; the
 /// sag is the same after a whole turn, so that more is not needed.
@@ -26,6 +30,15 @@ const AT_REST_RAD: f64 = 1e-9;
 
 /// Tolerance of the sag's iteration.
 pub(super) const TOLERANCE: f64 = 1e-9;
+
+/// Iterations after which an arm has no rest.
+const MOST_ITERATIONS: usize = 100;
+
+/// Samples of an arm's period whose sags are found one after the other, each from the one before.
+const CHUNK: usize = 32;
+
+/// Share of the amplitudes of the chords' directions, all added up, that no sample is needed for.
+const UNSEEN: f64 = 1e-9;
 
 /// Amplitudes of `K w_sag` at every bin: force in N and moment in N m for each node in turn.
 pub(super) struct Sag {
@@ -73,9 +86,142 @@ impl Sag {
     /// Adds the loads at a bin, times a factor.
     pub(super) fn add(&self, bin: usize, factor: Complex64, nodal: &mut [[Complex64; 2]]) {
         for (load, amplitudes) in nodal.as_flattened_mut().iter_mut().zip(&self.loads) {
-            *load += factor * amplitudes[bin];
+            *load += factor * amplitudes.get(bin).copied().unwrap_or_default();
         }
     }
+
+    /// Those of the links of an arm, each with its chord in the direction in which it is, and with what the next link does
+    /// to it at rest.
+    ///
+    /// # Errors
+    /// [`ElasticaError`] of an arm that has no rest.
+    pub(super) fn of_arm(
+        models: &[Arc<dyn Model>],
+        arm: &ArmPeriod,
+        second_order: SecondOrder,
+    ) -> Result<Vec<Self>, ElasticaError> {
+        let links: Vec<_> =
+            models.iter().map(|model| (&**model, BentLink::of(&**model, second_order))).collect();
+        let resting = RestingArm { links, arm, second_order };
+        let stride = arm.stride(UNSEEN);
+        let pair = FourierPair::new(arm.len() / stride);
+        let chunks: Vec<usize> = (0..pair.len()).step_by(CHUNK).collect();
+        let of_chunk = |from: &usize| -> Result<Vec<Vec<f64>>, ElasticaError> {
+            let mut bent: Vec<_> =
+                models.iter().map(|model| vec![0.0; 2 * model.mesh().nodes_m().len()]).collect();
+            let mut found: Vec<Vec<f64>> = Vec::new();
+            for k in *from..pair.len().min(from + CHUNK) {
+                if found.is_empty() || !arm.rests(k * stride, (k - 1) * stride) {
+                    resting.settle(k * stride, &mut bent)?;
+                }
+                let loads = models.iter().zip(&bent).map(|(m, w)| bending_loads(m.mesh(), w));
+                found.push(loads.flatten().collect());
+            }
+            Ok(found)
+        };
+        let rows = chunks.par_iter().map(of_chunk).collect::<Result<Vec<_>, _>>()?.concat();
+        let mut columns = 0..rows[0].len();
+        let sags = models.iter().map(|model| {
+            let own = columns.by_ref().take(2 * model.mesh().nodes_m().len());
+            let history = |column: usize| rows.iter().map(|row| row[column]).collect::<Vec<_>>();
+            Self { loads: own.map(|column| pair.amplitudes(history(column))).collect() }
+        });
+        Ok(sags.collect())
+    }
+}
+
+/// An arm under its weight, at rest at one sample of its period.
+struct RestingArm<'a> {
+    links: Vec<(&'a dyn Model, BentLink)>,
+    arm: &'a ArmPeriod,
+    second_order: SecondOrder,
+}
+
+impl RestingArm<'_> {
+    /// Finds (w, w') of all nodes of each link, from those given on.
+    fn settle(&self, sample: usize, bent: &mut [Vec<f64>]) -> Result<(), ElasticaError> {
+        let rigid: Vec<Moving> =
+            self.links.iter().map(|(model, _)| [model.mesh().length_m(), 0.0, 0.0]).collect();
+        let mut lengths = rigid.clone();
+        let mut change = f64::INFINITY;
+        for _ in 0..MOST_ITERATIONS {
+            let bars = self.arm.bars(sample, [&rigid, &lengths])?;
+            let (mut load, mut largest) = (([0.0; 2], 0.0), 0.0);
+            change = 0.0;
+            for link in (0..bars.len()).rev() {
+                let rested = self.rested(link, &bars[link], load, &bent[link]);
+                let changes =
+                    rested.bent.iter().zip(&bent[link]).map(|(new, old)| (new - old).abs());
+                change = changes.fold(change, f64::larger);
+                largest = rested.bent.iter().map(|w| w.abs()).fold(largest, f64::larger);
+                load = rested.load;
+                if self.second_order == SecondOrder::Full {
+                    lengths[link][0] = rigid[link][0] - rested.shortened_m;
+                }
+                bent[link] = rested.bent;
+            }
+            if change <= TOLERANCE * largest {
+                return Ok(());
+            }
+        }
+        Err(ElasticaError::Diverges { iterations: MOST_ITERATIONS, change })
+    }
+
+    /// One link under its weight and a force (along x and y) and torque that hold the next one.
+    fn rested(
+        &self,
+        link: usize,
+        bar: &Bar,
+        (force_n, torque_n_m): ([f64; 2], f64),
+        bent: &[f64],
+    ) -> Rested {
+        let (model, shape) = &self.links[link];
+        let (still, [along, across]) = (vec![0.0; bent.len()], bar.axes());
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let gravity = self.arm.gravity_m_s2;
+        let tip =
+            TipLoad { along_n: -dot(force_n, along), across_n: -dot(force_n, across), torque_n_m };
+        let now = |w| Instant {
+            w,
+            rate: &still,
+            acceleration: &still,
+            chord_rate_rad_s: 0.0,
+            chord_acceleration_rad_s2: 0.0,
+            along_m_s2: -dot(gravity, along),
+            across_m_s2: -dot(gravity, across),
+            tip,
+        };
+        let (mut scratch, mut loads) = (Scratch::default(), vec![0.0; bent.len()]);
+        if self.second_order != SecondOrder::None {
+            shape.write(&now(bent), &mut scratch, &mut loads);
+        }
+        let last = loads.len() - 2;
+        loads[last] += tip.across_n;
+        loads[last + 1] -= tip.torque_n_m;
+        let loads = Loads {
+            axis_m_s2: Complex64::from(-dot(gravity, across)),
+            chord_rad_s2: Complex64::ZERO,
+            nodal: loads.chunks(2).map(|node| [node[0].into(), node[1].into()]).collect(),
+        };
+        let found = model.loaded_motion(0.0, &loads);
+        let bent: Vec<f64> = found.deflections.as_flattened().iter().map(|w| w.re).collect();
+        let mut ends = [0.0; 3];
+        shape.ends(&now(&bent), &mut scratch, &mut ends);
+        let [e, n, shortened_m] = ends;
+        let cosine = match self.second_order {
+            SecondOrder::Full => (1.0 - bent[1] * bent[1]).sqrt(),
+            _ => 1.0,
+        };
+        let force = [0, 1].map(|axis| e * along[axis] + n * across[axis]);
+        Rested { load: (force, found.torque_n_m.re * cosine), shortened_m, bent }
+    }
+}
+
+/// What a link at rest needs of the one before, and how it bends.
+struct Rested {
+    load: ([f64; 2], f64),
+    shortened_m: f64,
+    bent: Vec<f64>,
 }
 
 /// `K w`: force in N and moment in N m on each node in turn.
@@ -98,10 +244,10 @@ struct Interpolation {
 }
 
 /// Loads at a place.
-type Loads<'a> = &'a (dyn Fn(f64) -> Result<Vec<f64>, ElasticaError> + Sync);
+type LoadsAt<'a> = &'a (dyn Fn(f64) -> Result<Vec<f64>, ElasticaError> + Sync);
 
 impl Interpolation {
-    fn through(count: usize, at: Loads<'_>) -> Result<Self, ElasticaError> {
+    fn through(count: usize, at: LoadsAt<'_>) -> Result<Self, ElasticaError> {
         let place = |k: usize| libm::cos(PI * k as f64 / (count - 1) as f64);
         let places: Vec<f64> = (0..count).map(place).collect();
         let loads = places.par_iter().map(|place| at(*place)).collect::<Result<_, _>>()?;
@@ -109,7 +255,7 @@ impl Interpolation {
     }
 
     /// Largest error in the middle between two points in the widest gap, and in one beside it, over the largest load.
-    fn error(&self, at: Loads<'_>) -> Result<f64, ElasticaError> {
+    fn error(&self, at: LoadsAt<'_>) -> Result<f64, ElasticaError> {
         let largest = self.loads.iter().flatten().map(|load| load.abs()).fold(0.0, f64::max);
         let middle = self.places.len() / 2;
         let mut error = 0.0;
