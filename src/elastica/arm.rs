@@ -5,8 +5,10 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, TipLoad, resolved};
-use super::iteration::{MOST_ITERATIONS, NEGLIGIBLE, REACH, SLOW, check, over_widest_band};
-use super::kinematics::{ArmPeriod, Bar, Moving};
+use super::iteration::{
+    MOST_ITERATIONS, NEGLIGIBLE, REACH, check, factor_of, further, over_widest_band,
+};
+use super::kinematics::{ArmPeriod, Moving, axes};
 use super::loads::{BentLink, SecondOrder};
 use super::on_chord::LinkOnChord;
 use super::reaction::{ArmLinkMotion, ArmMotion, apart, band, joint_rates, size};
@@ -14,14 +16,24 @@ use super::sag::Sag;
 use crate::beam::LoadedMotion;
 use crate::modal::DampingLaw;
 use crate::model::Model;
-use crate::numeric::{FourierPair, Size, angular_frequency};
+use crate::numeric::{FourierPair, Size, angular_frequency, magnitude};
 
-/// Links that shorten move the chords at frequencies up to this share of what is negligible of the loads: they do so
-/// through accelerations, which grow with the square of the frequency.
+/// Links that shorten move the chords at frequencies up to this share of what is negligible of the loads, as long as that
+/// converges: they do so through accelerations, which grow with the square of the frequency.
 const MOVED: f64 = 1e-2;
 
-/// The same of chords that are moved once, to see what that changes.
+/// Bins at which they do so over those of the linear torques: what a link shortens by grows with the square of what it
+/// bends.
+const SQUARES: usize = 2;
+
+/// The share of chords that are moved once, to see what that changes.
 const BEYOND: f64 = 1e-4;
+
+/// Round-off of the torque of one joint, over the largest amplitude of any.
+const ROUND_OFF: f64 = 1e-12;
+
+/// Iterations after which the error of the next ones follows from their factor.
+const FEWEST_ITERATIONS: usize = 3;
 
 /// Amplitudes of the answer of each link.
 type Answers = Vec<Vec<LoadedMotion<Complex64>>>;
@@ -45,22 +57,25 @@ pub fn follow_arm(
     if !(FINEST..1.0).contains(&tolerance) {
         return Err(ElasticaError::Tolerance(tolerance));
     }
-    let mut follower = Follower { models, arm, second_order, sags: Vec::new() };
+    let mut follower = Follower { models, arm, second_order, sags: Vec::new(), round_off_n_m: 0.0 };
     let state = follower.chords(&follower.shortened(None, 0))?;
+    let has_weight = arm.gravity_m_s2.iter().any(|part| *part != 0.0);
+    let is_exact = second_order != SecondOrder::None || has_weight || models.len() > 1;
     for (model, chord) in models.iter().zip(&state.chords) {
-        check(&**model, chord, second_order)?;
+        check(&**model, chord, is_exact)?;
     }
     let ratio = |model: &Arc<dyn Model>| match model.law() {
         DampingLaw::Hysteretic { ratio } => *ratio,
         _ => 0.0,
     };
     let ratios: Vec<f64> = models.iter().map(ratio).collect();
-    let has_weight = arm.gravity_m_s2.iter().any(|part| *part != 0.0);
     if has_weight && ratios.iter().any(|ratio| *ratio > 0.0) {
         let sags = Sag::of_arm(models, arm, second_order)?;
         follower.sags = ratios.into_iter().zip(sags).collect();
     }
     let linear = follower.linear(state)?;
+    let amplitudes = linear.answers.iter().flatten().map(|answer| magnitude(answer.torque_n_m));
+    follower.round_off_n_m = ROUND_OFF * amplitudes.fold(0.0, f64::max);
     if second_order == SecondOrder::None {
         return Ok(follower.motion(&linear.answers, &linear.state));
     }
@@ -81,6 +96,8 @@ struct Follower<'a> {
     second_order: SecondOrder,
     /// Damping ratio and sag of each link, where hysteretic ones have weight.
     sags: Vec<(f64, Sag)>,
+    /// Amplitude of a torque in N m that may be round-off of the largest.
+    round_off_n_m: f64,
 }
 
 /// What moves each link over the period, and the force on its inner end along x and y.
@@ -107,7 +124,7 @@ struct Linear {
 }
 
 impl State {
-    /// Notes the force on the inner end of a link, along its chord and across it, and gives it and the torque to the
+    /// Stores the force on the inner end of a link, along its chord and across it, and gives it and the torque to the
     /// link before.
     fn hand_inward(
         &mut self,
@@ -115,10 +132,7 @@ impl State {
         (along_n, across_n): (&[f64], &[f64]),
         torque_n_m: &[f64],
     ) {
-        let axes = |link: usize, k: usize| {
-            let angle_rad = [self.chords[link].angle_rad[k], 0.0, 0.0];
-            Bar { length_m: [0.0; 3], angle_rad }.axes()
-        };
+        let axes = |link: usize, k: usize| axes(self.chords[link].angle_rad[k]);
         let samples = along_n.iter().zip(across_n).enumerate();
         let forces = samples.map(|(k, (along_n, across_n))| {
             let [e, n] = axes(link, k);
@@ -141,7 +155,8 @@ impl Follower<'_> {
         let model = &*self.models[link];
         let band = chord.band_len(model.mesh().length_m());
         let sag = self.sags.get(link).map(|(ratio, sag)| (*ratio, sag));
-        LinkOnChord { model, chord, band, sag, friction_n_m_s_rad: 0.0 }
+        let round_off_n_m = self.round_off_n_m;
+        LinkOnChord { model, chord, band, sag, friction_n_m_s_rad: 0.0, round_off_n_m }
     }
 
     /// The histories of every chord; `shortened` is by how much each is shorter than its link, with its derivatives.
@@ -217,8 +232,18 @@ impl Follower<'_> {
             });
             bands.collect::<Result<Vec<_>, _>>().map(|bands| bands.into_iter().fold(1, usize::max))
         };
-        let moving = |negligible: f64| {
-            linear.answers.iter().map(|answers| band(answers, negligible)).fold(1, usize::max)
+        let linear_band = |negligible: f64| {
+            let pairs = linear.answers.iter().zip(self.models);
+            let bands = pairs.map(|(answers, model)| {
+                band(answers, negligible, (model.mesh(), self.round_off_n_m))
+            });
+            bands.fold(1, usize::max)
+        };
+        // What does not converge with the most of it is tried with less.
+        let moving = if negligible <= NEGLIGIBLE[0] {
+            SQUARES * linear_band(MOVED * negligible)
+        } else {
+            linear_band(negligible)
         };
         let mut band = of_all(&linear.answers, negligible)?;
         let mut latest = Iterate {
@@ -226,10 +251,10 @@ impl Follower<'_> {
             torques_n_m: linear.torques_n_m.clone(),
             shortened: None,
         };
-        let mut last_change = f64::INFINITY;
+        let (mut last_change, mut last_factor) = (f64::INFINITY, 0.0);
         for iterations in 1..=MOST_ITERATIONS {
             let pair = linear.state.chords[0].pair_for(REACH * band);
-            let swept = self.swept(linear, &latest, (&pair, band, moving(MOVED * negligible)));
+            let swept = self.swept(linear, &latest, (&pair, band, moving));
             let diverges = |error| match error {
                 // What was possible before the links bent is so no more.
                 ElasticaError::Elbow { .. } | ElasticaError::LongStep { .. } if iterations > 1 => {
@@ -241,30 +266,28 @@ impl Follower<'_> {
             let change = self.largest_change(next.torques_n_m.iter(), &latest.torques_n_m);
             latest = next;
             band = band.max(of_all(&latest.answers, negligible).map_err(diverges)?);
-            let factor = if change == 0.0 { 0.0 } else { change / last_change };
-            let most = if negligible < NEGLIGIBLE[NEGLIGIBLE.len() - 1] { SLOW } else { 1.0 };
-            if !change.is_finite() || iterations > 3 && factor >= most && change > tolerance {
-                return Err(ElasticaError::Diverges { iterations, change });
-            }
+            let factor = factor_of([last_change, change], iterations, (tolerance, negligible))?;
             let contraction = (iterations > 1).then_some(factor);
-            let further = contraction.map_or(change, |f| change * f / (1.0 - f).max(0.01));
-            if iterations > 1 && further <= tolerance {
+            // Shortened links move the chords from the second iteration on: the second factor is none yet.
+            let error = further(change, factor.max(last_factor));
+            if iterations > FEWEST_ITERATIONS && error <= tolerance {
                 // The chords moved at more frequencies, once.
-                let reach = (&pair, band, moving(BEYOND * negligible));
+                let reach = (&pair, band, REACH * linear_band(BEYOND * negligible));
                 let (_, wider) = self.swept(linear, &latest, reach).map_err(diverges)?;
                 let unmoved = self.largest_change(wider.torques_n_m.iter(), &latest.torques_n_m);
                 let motion = self.motion(&latest.answers, &state);
-                let torques = motion.links.iter().map(|link| &link.bent.torque_n_m);
+                let torques = latest.torques_n_m.iter();
                 let second_order_change = self.largest_change(torques, &linear.torques_n_m);
                 return Ok(ArmMotion {
                     iterations,
                     contraction,
-                    iteration_error: further + unmoved,
+                    iteration_error: error + unmoved,
                     second_order_change,
+                    exceeds_step: REACH * band > resolved(&self.arm.pair),
                     ..motion
                 });
             }
-            last_change = change;
+            (last_change, last_factor) = (change, factor);
         }
         Err(ElasticaError::Diverges { iterations: MOST_ITERATIONS, change: last_change })
     }
@@ -370,6 +393,7 @@ impl Follower<'_> {
             contraction: None,
             iteration_error: 0.0,
             second_order_change: 0.0,
+            exceeds_step: false,
         }
     }
 }

@@ -9,8 +9,11 @@ use crate::text::significant;
 /// Share of the largest amplitude up to which the Nyquist frequency carries nothing.
 const NOTHING: f64 = 1e-6;
 
+/// Round-off of a steady acceleration at other frequencies, over its size.
+const STEADY: f64 = 1e-13;
+
 /// Fewest samples of a period.
-const FEWEST: usize = 8;
+pub(super) const FEWEST: usize = 8;
 
 /// Amplitudes below this share of the largest are round-off of the transform.
 const ROUND_OFF: f64 = 1e-15;
@@ -131,6 +134,9 @@ pub enum ElasticaError {
         /// What it may have.
         known: &'static str,
     },
+    /// A tip to be kept on its path by one link, which cannot change its length.
+    #[error("the arm has one link, but must have two or more to keep its tip on a path")]
+    OneLink,
     /// An elbow so far stretched or folded that its links do not tell how they follow the tip.
     #[error(
         "the sine of the elbow's angle at sample {sample} = {}, but must be at least 0.05 in size: the arm is stretched, \
@@ -140,7 +146,7 @@ pub enum ElasticaError {
     Elbow {
         /// Number of the sample, from 0.
         sample: usize,
-        /// The sine; 0 where the tip is out of reach.
+        /// The sine; 0 where links of their bent lengths do not reach the tip.
         sine: f64,
     },
     /// A weight that bends the link otherwise in every direction.
@@ -326,9 +332,11 @@ impl ChordPeriod {
     /// samples do not tell the phase.
     pub(super) fn reaches_nyquist(&self, length_m: f64) -> bool {
         let sizes = self.sizes(length_m);
-        // Of what moves, not of a weight that is the same over any period.
+        // Of what moves, not of a weight or a turn that is the same over any period, of which round-off is.
         let moving = sizes[1..].iter().sum::<f64>();
-        sizes[sizes.len() - 1] > NOTHING * moving
+        let rate = magnitude(self.rate[0]);
+        let steady = sizes[0] + magnitude(self.along[0]) + rate * rate * length_m;
+        sizes[sizes.len() - 1] > NOTHING * moving + STEADY * steady
     }
 
     /// Number of bins from zero frequency on up to the last one above round-off, the Nyquist frequency left out.
@@ -353,8 +361,7 @@ impl ChordPeriod {
     }
 }
 
-/// Number of bins that products of histories have no alias in, where those reach as far: what is above one and a half
-/// times as many is of the fifth order at the edge of the band.
+/// Number of bins that products of histories have no alias in: those of the fifth order are the first that do.
 pub(super) fn resolved(pair: &FourierPair) -> usize {
     2 * pair.len() / 5
 }

@@ -20,7 +20,7 @@ pub(super) const MOST_ITERATIONS: usize = 100;
 pub(super) const NEGLIGIBLE: [f64; 5] = [1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
 
 /// Change by an iteration, over that by the one before, from which on a narrower band is tried: that may converge.
-pub(super) const SLOW: f64 = 0.9;
+const SLOW: f64 = 0.9;
 
 /// Bins that the loads are solved at over those whose deflections they are made of: products of three reach as far.
 pub(super) const REACH: usize = 3;
@@ -40,12 +40,12 @@ pub fn follow(
     if !(FINEST..1.0).contains(&tolerance) {
         return Err(ElasticaError::Tolerance(tolerance));
     }
-    check(model, chord, second_order)?;
+    check(model, chord, second_order != SecondOrder::None || chord.has_weight())?;
     let sag = sag_of(model, chord, second_order)?;
     let band = chord.band_len(model.mesh().length_m());
     let sag = sag.as_ref().map(|(ratio, sag)| (*ratio, sag));
     let friction_n_m_s_rad = model.link().joint().friction_n_m_s_rad;
-    let link = LinkOnChord { model, chord, band, sag, friction_n_m_s_rad };
+    let link = LinkOnChord { model, chord, band, sag, friction_n_m_s_rad, round_off_n_m: 0.0 };
     let linear = link.linear()?;
     if second_order == SecondOrder::None {
         return Ok(link.motion(&linear, second_order));
@@ -60,8 +60,8 @@ pub fn follow(
     )
 }
 
-/// The motion over the widest band of loads that converges; what the next narrower one changes is added to its error,
-/// unless the widest of all does.
+/// The motion over the widest band of loads that converges. What the next narrower one changes is added to its error; of
+/// the widest of all nothing is.
 pub(super) fn over_widest_band<T>(
     iterated: impl Fn(f64) -> Result<T, ElasticaError>,
     add_error: impl Fn(&mut T, T),
@@ -85,27 +85,50 @@ pub(super) fn over_widest_band<T>(
     Err(refused)
 }
 
-/// Refuses samples too far apart, and links whose weight or second order is not derived.
+/// Change by an iteration over that by the one before.
+///
+/// # Errors
+/// [`ElasticaError::Diverges`] where the changes do not fall, or not fast enough for this band.
+pub(super) fn factor_of(
+    [last, change]: [f64; 2],
+    iterations: usize,
+    (tolerance, negligible): (f64, f64),
+) -> Result<f64, ElasticaError> {
+    let factor = if change == 0.0 { 0.0 } else { change / last };
+    let most = if negligible < NEGLIGIBLE[NEGLIGIBLE.len() - 1] { SLOW } else { 1.0 };
+    if !change.is_finite() || iterations > 3 && factor >= most && change > tolerance {
+        return Err(ElasticaError::Diverges { iterations, change });
+    }
+    Ok(factor)
+}
+
+/// What all further iterations would change, if each changes so many times what the one before does.
+pub(super) fn further(change: f64, factor: f64) -> f64 {
+    change * factor / (1.0 - factor).max(0.01)
+}
+
+/// Refuses samples too far apart, and links that are not derived: with weight, second order or further links, which are
+/// `is_exact`, fewer are.
 pub(super) fn check(
     model: &dyn Model,
     chord: &ChordPeriod,
-    second_order: SecondOrder,
+    is_exact: bool,
 ) -> Result<(), ElasticaError> {
     let refused = |what, known| Err(ElasticaError::NotDerived { what, known });
-    let (law, is_bent) = (model.law(), second_order != SecondOrder::None);
+    let law = model.law();
     if chord.reaches_nyquist(model.mesh().length_m()) {
         return Err(ElasticaError::LongStep { step_s: chord.step_s });
     }
     if model.kept_modes() != KeptModes::All {
         return refused("the link is reduced to its first modes", "with all modes");
     }
-    if (is_bent || chord.has_weight()) && model.mesh().has_shear() {
+    if is_exact && model.mesh().has_shear() {
         return refused("the link has shear and rotary inertia", "without them");
     }
     if law.mass_rate_per_s() != 0.0 {
         return refused("the damping drags every mass (alpha)", "with alpha = 0");
     }
-    if law.is_modal() && (is_bent || chord.has_weight()) {
+    if law.is_modal() && is_exact {
         return refused("the damping is given mode by mode", "with hysteretic or rayleigh damping");
     }
     Ok(())
@@ -139,7 +162,7 @@ impl LinkOnChord<'_> {
         answers: &[LoadedMotion<Complex64>],
         negligible: f64,
     ) -> Result<usize, ElasticaError> {
-        let band = band(answers, negligible);
+        let band = band(answers, negligible, (self.model.mesh(), self.round_off_n_m));
         let (most, step_s) = (self.chord.len() / 4, self.chord.step_s);
         if band < most.max(2) { Ok(band) } else { Err(ElasticaError::LongStep { step_s }) }
     }
@@ -169,16 +192,12 @@ impl LinkOnChord<'_> {
             band = band.max(self.band_of_loads(&answers, negligible)?);
             let (torque_n_m, _) = self.hub(&answers, second_order, &pair, &time);
             let change = apart(&torque_n_m, &before) / size(&torque_n_m, mesh);
-            let factor = if change == 0.0 { 0.0 } else { change / last_change };
-            let most = if negligible < NEGLIGIBLE[NEGLIGIBLE.len() - 1] { SLOW } else { 1.0 };
-            if !change.is_finite() || iterations > 3 && factor >= most && change > tolerance {
-                return Err(ElasticaError::Diverges { iterations, change });
-            }
+            let factor = factor_of([last_change, change], iterations, (tolerance, negligible))?;
             let contraction = (iterations > 1).then_some(factor);
-            let iteration_error = contraction.map_or(change, |f| change * f / (1.0 - f).max(0.01));
+            let iteration_error = contraction.map_or(change, |factor| further(change, factor));
             if iterations > 1 && iteration_error <= tolerance {
                 let motion = self.motion(&answers, second_order);
-                let further = factor / (1.0 - factor).max(0.01);
+                let further = further(1.0, factor);
                 let others = vec![(self.motion(&previous, second_order), further)];
                 let without =
                     self.hub(linear, SecondOrder::None, &self.chord.pair, &self.chord.histories).0;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::chord::ElasticaError;
+use super::chord::{ElasticaError, FEWEST};
 use crate::numeric::{FourierPair, magnitude};
 
 /// A value with its first and second derivative in time.
@@ -11,10 +11,7 @@ pub(super) type Moving = [f64; 3];
 /// Histories of an angle in rad, its rate and its acceleration.
 pub type AngleHistories = [Vec<f64>; 3];
 
-/// Fewest samples of a period.
-const FEWEST: usize = 8;
-
-/// Sine of the elbow's angle below which two bars do not tell how they move to follow a point.
+/// Sine of the elbow's angle below which the rates of two bars do not follow from that of their end.
 const STRETCHED: f64 = 0.05;
 
 /// What stays as a rigid arm has it while the links bend.
@@ -46,7 +43,7 @@ impl ArmPeriod {
     ///
     /// # Errors
     /// [`ElasticaError::Lengths`], [`ElasticaError::Sample`], [`ElasticaError::Step`], and
-    /// [`ElasticaError::Elbow`] of a tip that is kept by a single link.
+    /// [`ElasticaError::OneLink`] or [`ElasticaError::Elbow`] of a tip that cannot be kept.
     pub fn new(
         step_s: f64,
         rigid: Vec<AngleHistories>,
@@ -79,7 +76,7 @@ impl ArmPeriod {
         let arm = Self { pair: FourierPair::new(len), step_s, gravity_m_s2, rigid, kept };
         if kept == Kept::Tip {
             if arm.rigid.len() < 2 {
-                return Err(ElasticaError::Elbow { sample: 0, sine: 0.0 });
+                return Err(ElasticaError::OneLink);
             }
             for sample in 0..len {
                 arm.elbow(sample)?;
@@ -158,7 +155,9 @@ impl ArmPeriod {
             angle_rad: self.rigid_at(link, sample),
         };
         let mut bars: Vec<_> = (0..self.links()).map(|link| bar(link, lengths)).collect();
-        if self.kept == Kept::Tip {
+        let bits = |length_m: &Moving| length_m.map(f64::to_bits);
+        let are_rigid = rigid_m.iter().zip(lengths).all(|(rigid, own)| bits(rigid) == bits(own));
+        if self.kept == Kept::Tip && !are_rigid {
             // Where the first two lead: as in the rigid arm, and what the others are shorter by.
             let mut end = [[0.0; 2]; 3];
             for (link, own) in bars.iter().enumerate() {
@@ -184,11 +183,16 @@ pub(super) struct Bar {
     pub(super) angle_rad: Moving,
 }
 
+/// Unit vectors along a chord and across it.
+pub(super) fn axes(angle_rad: f64) -> [[f64; 2]; 2] {
+    let (sine, cosine) = (libm::sin(angle_rad), libm::cos(angle_rad));
+    [[cosine, sine], [-sine, cosine]]
+}
+
 impl Bar {
     /// Unit vectors along the bar and across it.
     pub(super) fn axes(&self) -> [[f64; 2]; 2] {
-        let (sine, cosine) = (libm::sin(self.angle_rad[0]), libm::cos(self.angle_rad[0]));
-        [[cosine, sine], [-sine, cosine]]
+        axes(self.angle_rad[0])
     }
 
     /// From its inner end to its outer end: place, velocity and acceleration.

@@ -27,6 +27,8 @@ pub(super) struct LinkOnChord<'a> {
     pub(super) sag: Option<(f64, &'a Sag)>,
     /// Friction of a hub that turns against what rests, in N m s/rad.
     pub(super) friction_n_m_s_rad: f64,
+    /// Amplitude of a torque in N m that may be round-off of what a further link does.
+    pub(super) round_off_n_m: f64,
 }
 
 impl LinkOnChord<'_> {
@@ -184,7 +186,7 @@ impl LinkOnChord<'_> {
         let states = (self.histories(answers, 3, pair), chord);
         let (ends, _) =
             link.at_each_instant(3, states, |now, scratch, row| link.ends(now, scratch, row));
-        ends.try_into().unwrap_or_default()
+        ends.try_into().unwrap_or_else(|_| unreachable!("three columns are asked for"))
     }
 
     /// The histories of these answers over the chord's own samples.
@@ -221,7 +223,10 @@ impl LinkOnChord<'_> {
         answers: &[LoadedMotion<Complex64>],
         second_order: SecondOrder,
     ) -> ([Vec<Vec<f64>>; 2], f64) {
-        let (link, band) = (BentLink::of(self.model, second_order), band(answers, ROUND_OFF));
+        let (link, band) = (
+            BentLink::of(self.model, second_order),
+            band(answers, ROUND_OFF, (self.model.mesh(), self.round_off_n_m)),
+        );
         let pair = self.chord.pair_for(band);
         let chord = self.chord.at(&pair);
         let states = (self.histories(&answers[..band], 3, &pair), &chord);

@@ -49,7 +49,7 @@ pub struct ElasticaMotion {
 /// The motion of one link of an arm over a period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmLinkMotion {
-    /// Torque of its joint, its friction included, and how the link bends.
+    /// Torque of its joint, its friction included, and how the link bends. What the iteration found is the arm's.
     pub bent: ElasticaMotion,
     /// Angle of its chord in rad, its rate and its acceleration.
     pub chord: [Vec<f64>; 3],
@@ -70,10 +70,13 @@ pub struct ArmMotion {
     pub iterations: usize,
     /// Largest change of a torque by the last iteration over that by the one before; none before the second.
     pub contraction: Option<f64>,
-    /// What further iterations would change of the torques at most, each over its range.
+    /// Estimate of what further iterations, and frequencies at which no second-order terms are counted, would change of
+    /// the torques, each over its range. It exceeds the tolerance where the terms of high frequencies do not converge.
     pub iteration_error: f64,
-    /// What the second order changed of the torques at most, each over its range.
+    /// What the second order changed of the torques at most, each over its range, friction left out.
     pub second_order_change: f64,
+    /// True if second-order terms reach beyond the frequencies that the samples resolve: half the step would change them.
+    pub exceeds_step: bool,
 }
 
 /// Force along the chord and across it, and moment about a node, that move all that lies outboard.
@@ -221,24 +224,35 @@ pub(super) fn apart(a: &[f64], b: &[f64]) -> f64 {
 pub(super) fn size(torque_n_m: &[f64], mesh: &Mesh) -> f64 {
     let [low, high] = extremes(torque_n_m);
     let (range, most) = (high - low, low.abs().max(high.abs()));
-    let stiffness = mesh.elements().iter().map(|element| element.bending_stiffness_n_m2);
-    let softest = stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer));
     let size = if range > AT_REST * most { range } else { most };
-    size.max(STRAIGHT * softest / mesh.length_m())
+    size.max(unfelt_n_m(mesh))
 }
 
-/// Bins up to the last one whose torque counts: all beyond together are a negligible share.
-pub(super) fn band(answers: &[LoadedMotion<Complex64>], negligible: f64) -> usize {
+/// Bins up to the last one whose torque counts: all beyond together are a negligible share, or each is no larger than
+/// `round_off_n_m`.
+pub(super) fn band(
+    answers: &[LoadedMotion<Complex64>],
+    negligible: f64,
+    (mesh, round_off_n_m): (&Mesh, f64),
+) -> usize {
     // Of all together, not of the largest: that of the weight at rest is the same over any period, those of the motion
     // are the smaller the longer it is.
     let size = |answer: &LoadedMotion<Complex64>| magnitude(answer.torque_n_m);
-    let least = negligible * answers.iter().map(size).sum::<f64>();
+    let least = negligible * answers.iter().map(size).sum::<f64>().max(unfelt_n_m(mesh));
     let mut beyond = 0.0;
     let counts = |answer: &LoadedMotion<Complex64>| {
-        beyond += size(answer);
+        let size = size(answer);
+        beyond += if size > round_off_n_m { size } else { 0.0 };
         beyond > least
     };
     answers.iter().rposition(counts).map_or(1, |last| last + 1)
+}
+
+/// A torque in N m that hardly bends the link.
+fn unfelt_n_m(mesh: &Mesh) -> f64 {
+    let stiffness = mesh.elements().iter().map(|element| element.bending_stiffness_n_m2);
+    let softest = stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer));
+    STRAIGHT * softest / mesh.length_m()
 }
 
 /// Rate in rad/s of a joint: of its hub against the tip of the link before.

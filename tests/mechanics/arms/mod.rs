@@ -2,6 +2,8 @@
 
 mod laws;
 mod prototype;
+mod random;
+mod swing;
 
 use std::sync::Arc;
 

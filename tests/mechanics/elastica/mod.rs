@@ -18,6 +18,7 @@ pub(crate) const STEP_S: f64 = 1.0 / 1024.0;
 pub(crate) const BEFORE_S: f64 = 0.5;
 
 /// A smooth turn of the chord: an error function of nine times the duration.
+#[derive(Debug, Clone)]
 pub(crate) struct Turn {
     pub(crate) from_rad: f64,
     pub(crate) by_rad: f64,
