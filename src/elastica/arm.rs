@@ -5,9 +5,7 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, TipLoad, resolved};
-use super::iteration::{
-    MOST_ITERATIONS, NEGLIGIBLE, REACH, check, factor_of, further, over_widest_band,
-};
+use super::iteration::{MOST_ITERATIONS, REACH, check, factor_of, further, over_widest_band};
 use super::kinematics::{ArmPeriod, Moving, axes};
 use super::loads::{BentLink, SecondOrder};
 use super::on_chord::LinkOnChord;
@@ -18,15 +16,20 @@ use crate::modal::DampingLaw;
 use crate::model::Model;
 use crate::numeric::{FourierPair, Size, angular_frequency, magnitude};
 
-/// Links that shorten move the chords at frequencies up to this share of what is negligible of the loads, as long as that
-/// converges: they do so through accelerations, which grow with the square of the frequency.
-const MOVED: f64 = 1e-2;
+/// Shares of the torques that are negligible of the loads, and of what links that shorten move the chords by, which grows
+/// with the square of the frequency; then how many times the bins up to there. What a link shortens by is a square of
+/// deflections, so that it reaches twice as far; what does not converge is tried with less.
+const LEVELS: [(f64, f64, usize); 7] = [
+    (1e-8, 1e-10, 2),
+    (1e-8, 1e-10, 1),
+    (1e-8, 1e-8, 1),
+    (1e-6, 1e-6, 1),
+    (1e-5, 1e-5, 1),
+    (1e-4, 1e-4, 1),
+    (1e-3, 1e-3, 1),
+];
 
-/// Bins at which they do so over those of the linear torques: what a link shortens by grows with the square of what it
-/// bends.
-const SQUARES: usize = 2;
-
-/// The share of chords that are moved once, to see what that changes.
+/// Share of what is negligible up to which chords are moved once, to see what that changes.
 const BEYOND: f64 = 1e-4;
 
 /// Round-off of the torque of one joint, over the largest amplitude of any.
@@ -80,7 +83,8 @@ pub fn follow_arm(
         return Ok(follower.motion(&linear.answers, &linear.state));
     }
     over_widest_band(
-        |negligible| follower.iterated_over(&linear, tolerance, negligible),
+        &LEVELS,
+        |level| follower.iterated_over(&linear, tolerance, level),
         |motion, narrower| {
             let torques = motion.links.iter().map(|link| &link.bent.torque_n_m);
             let others: Vec<_> =
@@ -224,7 +228,7 @@ impl Follower<'_> {
         &self,
         linear: &Linear,
         tolerance: f64,
-        negligible: f64,
+        (negligible, moved, times): (f64, f64, usize),
     ) -> Result<ArmMotion, ElasticaError> {
         let of_all = |answers: &Answers, negligible: f64| {
             let bands = answers.iter().enumerate().map(|(link, answers)| {
@@ -239,12 +243,7 @@ impl Follower<'_> {
             });
             bands.fold(1, usize::max)
         };
-        // What does not converge with the most of it is tried with less.
-        let moving = if negligible <= NEGLIGIBLE[0] {
-            SQUARES * linear_band(MOVED * negligible)
-        } else {
-            linear_band(negligible)
-        };
+        let moving = times * linear_band(moved);
         let mut band = of_all(&linear.answers, negligible)?;
         let mut latest = Iterate {
             answers: linear.answers.clone(),

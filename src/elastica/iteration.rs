@@ -17,7 +17,7 @@ pub(super) const MOST_ITERATIONS: usize = 100;
 /// Shares of the torque's amplitudes, all added up, of the high frequencies whose deflections are no part of the
 /// second-order terms: what these gain grows with the square of the frequency, so that a larger share may converge where a
 /// smaller one does not.
-pub(super) const NEGLIGIBLE: [f64; 5] = [1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
+const NEGLIGIBLE: [f64; 5] = [1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
 
 /// Change by an iteration, over that by the one before, from which on a narrower band is tried: that may converge.
 const SLOW: f64 = 0.9;
@@ -51,6 +51,7 @@ pub fn follow(
         return Ok(link.motion(&linear, second_order));
     }
     over_widest_band(
+        &NEGLIGIBLE,
         |negligible| link.iterated_over(&linear, second_order, tolerance, negligible),
         |motion, narrower| {
             let (own, other) = (&motion.torque_n_m, &narrower.torque_n_m);
@@ -60,17 +61,18 @@ pub fn follow(
     )
 }
 
-/// The motion over the widest band of loads that converges. What the next narrower one changes is added to its error; of
+/// The motion over the widest band of loads that converges, of those on levels from the widest to the narrowest. What the next narrower one changes is added to its error; of
 /// the widest of all nothing is.
-pub(super) fn over_widest_band<T>(
-    iterated: impl Fn(f64) -> Result<T, ElasticaError>,
+pub(super) fn over_widest_band<L: Copy, T>(
+    levels: &[L],
+    iterated: impl Fn(L) -> Result<T, ElasticaError>,
     add_error: impl Fn(&mut T, T),
 ) -> Result<T, ElasticaError> {
     let mut refused = ElasticaError::Diverges { iterations: 0, change: f64::NAN };
-    for (number, negligible) in NEGLIGIBLE[..NEGLIGIBLE.len() - 1].iter().enumerate() {
-        match iterated(*negligible) {
+    for (number, level) in levels[..levels.len() - 1].iter().enumerate() {
+        match iterated(*level) {
             Ok(motion) if number == 0 => return Ok(motion),
-            Ok(mut motion) => match iterated(NEGLIGIBLE[number + 1]) {
+            Ok(mut motion) => match iterated(levels[number + 1]) {
                 Ok(narrower) => {
                     add_error(&mut motion, narrower);
                     return Ok(motion);

@@ -278,8 +278,7 @@ fn energies(
     sums
 }
 
-/// As the mesh has it: the method finds the torques by virtual work, of which a rigid turn is no motion of a mesh that
-/// bends far.
+/// A mesh that is bent cannot turn rigidly, so that the balance holds to the mesh's error.
 #[test]
 fn at_rest_each_torque_holds_the_weights_outboard() {
     for count in 1..=4 {
