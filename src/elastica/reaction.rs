@@ -57,7 +57,7 @@ pub struct ArmLinkMotion {
     pub chord_length_m: Vec<f64>,
     /// Angle of the tip's tangent line from the chord in rad.
     pub tip_slope_rad: Vec<f64>,
-    /// Force in N on its inner end along the plane's x and y axes.
+    /// Force in N on its inner end along the plane's x and y axes, of the frequencies at which loads are solved.
     pub force_n: [Vec<f64>; 2],
 }
 
