@@ -128,6 +128,11 @@ impl ArmPeriod {
         self.rigid.len()
     }
 
+    /// Unit vectors along the chord of a link of the rigid arm and across it.
+    pub(super) fn axes(&self, link: usize, sample: usize) -> [[f64; 2]; 2] {
+        axes(self.rigid[link][0][sample])
+    }
+
     fn rigid_at(&self, link: usize, sample: usize) -> Moving {
         [0, 1, 2].map(|part| self.rigid[link][part][sample])
     }

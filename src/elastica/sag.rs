@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::chord::{ChordPeriod, ElasticaError, TipLoad};
-use super::kinematics::{ArmPeriod, Bar, Moving};
+use super::kinematics::ArmPeriod;
 use super::loads::{BentLink, Instant, Scratch, SecondOrder};
 use crate::beam::{Loads, Mesh};
 use crate::model::Model;
@@ -90,8 +90,8 @@ impl Sag {
         }
     }
 
-    /// Those of the links of an arm, each with its chord in the direction in which it is, and with what the next link does
-    /// to it at rest.
+    /// Those of the links of an arm, each with its chord in the direction that it has in the rigid arm, and with what the
+    /// next link does to it at rest.
     ///
     /// # Errors
     /// [`ElasticaError`] of an arm that has no rest.
@@ -140,24 +140,17 @@ struct RestingArm<'a> {
 impl RestingArm<'_> {
     /// Finds (w, w') of all nodes of each link, from those given on.
     fn settle(&self, sample: usize, bent: &mut [Vec<f64>]) -> Result<(), ElasticaError> {
-        let rigid: Vec<Moving> =
-            self.links.iter().map(|(model, _)| [model.mesh().length_m(), 0.0, 0.0]).collect();
-        let mut lengths = rigid.clone();
         let mut change = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
-            let bars = self.arm.bars(sample, [&rigid, &lengths])?;
             let (mut load, mut largest) = (([0.0; 2], 0.0), 0.0);
             change = 0.0;
-            for link in (0..bars.len()).rev() {
-                let rested = self.rested(link, &bars[link], load, &bent[link]);
+            for link in (0..self.links.len()).rev() {
+                let rested = self.rested(link, self.arm.axes(link, sample), load, &bent[link]);
                 let changes =
                     rested.bent.iter().zip(&bent[link]).map(|(new, old)| (new - old).abs());
                 change = changes.fold(change, f64::larger);
                 largest = rested.bent.iter().map(|w| w.abs()).fold(largest, f64::larger);
                 load = rested.load;
-                if self.second_order == SecondOrder::Full {
-                    lengths[link][0] = rigid[link][0] - rested.shortened_m;
-                }
                 bent[link] = rested.bent;
             }
             if change <= TOLERANCE * largest {
@@ -171,12 +164,12 @@ impl RestingArm<'_> {
     fn rested(
         &self,
         link: usize,
-        bar: &Bar,
+        [along, across]: [[f64; 2]; 2],
         (force_n, torque_n_m): ([f64; 2], f64),
         bent: &[f64],
     ) -> Rested {
         let (model, shape) = &self.links[link];
-        let (still, [along, across]) = (vec![0.0; bent.len()], bar.axes());
+        let still = vec![0.0; bent.len()];
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let gravity = self.arm.gravity_m_s2;
         let tip =
@@ -207,20 +200,19 @@ impl RestingArm<'_> {
         let bent: Vec<f64> = found.deflections.as_flattened().iter().map(|w| w.re).collect();
         let mut ends = [0.0; 3];
         shape.ends(&now(&bent), &mut scratch, &mut ends);
-        let [e, n, shortened_m] = ends;
+        let [e, n, _] = ends;
         let cosine = match self.second_order {
             SecondOrder::Full => (1.0 - bent[1] * bent[1]).sqrt(),
             _ => 1.0,
         };
         let force = [0, 1].map(|axis| e * along[axis] + n * across[axis]);
-        Rested { load: (force, found.torque_n_m.re * cosine), shortened_m, bent }
+        Rested { load: (force, found.torque_n_m.re * cosine), bent }
     }
 }
 
 /// What a link at rest needs of the one before, and how it bends.
 struct Rested {
     load: ([f64; 2], f64),
-    shortened_m: f64,
     bent: Vec<f64>,
 }
 

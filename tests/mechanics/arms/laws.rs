@@ -19,11 +19,14 @@ fn last() -> usize {
     Turn::sample(2.2)
 }
 
-/// Four different links, of which the first has all that a link can carry but shear.
+/// Four different links, of which the first has all that a link can carry but shear; others have a hub's radius and a mass.
 fn links(count: usize) -> Vec<LinkParts> {
     let [upper, lower] = two_links();
-    let payload = Payload { offset_m: 0.0, ..loaded_arm().payload };
+    let payload = Payload { offset_m: 0.03, ..loaded_arm().payload };
     let inner = LinkParts { payload, ..loaded_arm() };
+    let upper = LinkParts { hub: Hub { radius_m: 0.05, ..upper.hub }, ..upper };
+    let mass = LumpedMass { at_m: 0.2, mass_kg: 0.08, inertia_kg_m2: 2e-4 };
+    let lower = LinkParts { masses: vec![mass], ..lower };
     let last = LinkParts {
         segments: vec![Segment::uniform(0.3, 8.0, 0.3)],
         payload: Payload { mass_kg: 0.1, inertia_kg_m2: 2e-4, offset_m: 0.04 },
@@ -206,6 +209,7 @@ fn a_last_link_that_weighs_nothing_changes_nothing_inboard() {
         let nothing = Payload { mass_kg: 0.0, inertia_kg_m2: 0.0, offset_m: 0.0 };
         parts[2].segments = vec![Segment::uniform(0.6, 15.0, 1e-11)];
         (parts[2].payload, parts[2].hub) = (nothing, Hub::default());
+        parts[2].masses.clear();
         let turns = turns(3);
         let with = solved(&parts, &turning(&turns, Kept::Angles, GRAVITY), level);
         let without = solved(&parts[..2], &turning(&turns[..2], Kept::Angles, GRAVITY), level);
