@@ -14,7 +14,7 @@ use super::sag::Sag;
 use crate::beam::LoadedMotion;
 use crate::modal::DampingLaw;
 use crate::model::Model;
-use crate::numeric::{FourierPair, Size, angular_frequency, magnitude};
+use crate::numeric::{FourierPair, Size, magnitude};
 
 /// Shares of the torques that are negligible of the loads, and of what links that shorten move the chords by, which grows
 /// with the square of the frequency; then how many times the bins up to there. What a link shortens by is a square of
@@ -157,10 +157,9 @@ impl State {
 impl Follower<'_> {
     fn on_chord<'b>(&'b self, link: usize, chord: &'b ChordPeriod) -> LinkOnChord<'b> {
         let model = &*self.models[link];
-        let band = chord.band_len(model.mesh().length_m());
         let sag = self.sags.get(link).map(|(ratio, sag)| (*ratio, sag));
         let round_off_n_m = self.round_off_n_m;
-        LinkOnChord { model, chord, band, sag, friction_n_m_s_rad: 0.0, round_off_n_m }
+        LinkOnChord { model, chord, sag, friction_n_m_s_rad: 0.0, round_off_n_m }
     }
 
     /// The histories of every chord; `shortened` is by how much each is shorter than its link, with its derivatives.
@@ -326,7 +325,7 @@ impl Follower<'_> {
             let (torque_n_m, _) = on_chord.hub(few, order, pair, &time);
             let [along, across, short] = on_chord.ends(few, order, pair, &time);
             let [torque_n_m, along, across] =
-                [torque_n_m, along, across].map(|few| self.at_all(pair, &few, bins, 0));
+                [torque_n_m, along, across].map(|few| self.arm.at_all(pair, &few, bins, 0));
             state.hand_inward(link, (&along, &across), &torque_n_m);
             answers.insert(0, found);
             torques_n_m.insert(0, torque_n_m);
@@ -342,21 +341,9 @@ impl Follower<'_> {
             None => self.models.iter().map(|_| none()).collect(),
             Some((pair, shortened)) => shortened
                 .iter()
-                .map(|few| [0, 1, 2].map(|derived| self.at_all(pair, few, moving, derived)))
+                .map(|few| [0, 1, 2].map(|derived| self.arm.at_all(pair, few, moving, derived)))
                 .collect(),
         }
-    }
-
-    /// A history at the samples of a pair, or a derivative of it, at all samples of the period; of its amplitudes the
-    /// first ones count.
-    fn at_all(&self, pair: &FourierPair, few: &[f64], bins: usize, derived: u32) -> Vec<f64> {
-        let omega = |bin: usize| {
-            Complex64::new(0.0, angular_frequency(bin, self.arm.pair.len(), self.arm.step_s))
-        };
-        let amplitudes = pair.amplitudes(few);
-        let kept = amplitudes.iter().take(bins).enumerate();
-        let kept: Vec<_> = kept.map(|(bin, value)| value * omega(bin).powu(derived)).collect();
-        self.arm.pair.samples(kept)
     }
 
     /// The histories of these answers, links and chords.
@@ -381,7 +368,7 @@ impl Follower<'_> {
         for link in 0..links.len() {
             let friction = self.models[link].link().joint().friction_n_m_s_rad;
             if friction > 0.0 {
-                let rates = joint_rates(&links, link, &self.arm.pair, self.arm.step_s);
+                let rates = joint_rates(&links, link, self.arm);
                 let torques = links[link].bent.torque_n_m.iter_mut().zip(rates);
                 torques.for_each(|(torque, rate)| *torque += friction * rate);
             }

@@ -230,25 +230,8 @@ impl ChordPeriod {
         [angle_rad, rate_rad_s, acceleration_rad_s2]: [Vec<f64>; 3],
         gravity_m_s2: [f64; 2],
     ) -> Result<Self, ElasticaError> {
-        let len = angle_rad.len();
-        let (rates, accelerations) = (rate_rad_s.len(), acceleration_rad_s2.len());
-        if len < FEWEST || !len.is_multiple_of(2) || rates != len || accelerations != len {
-            return Err(ElasticaError::Lengths { angles: len, rates, accelerations });
-        }
-        if !(step_s > 0.0 && step_s.is_finite()) {
-            return Err(ElasticaError::Step(step_s));
-        }
-        let columns: [(&str, &[f64]); 4] = [
-            ("gravity", &gravity_m_s2),
-            ("angle", &angle_rad),
-            ("rate", &rate_rad_s),
-            ("acceleration", &acceleration_rad_s2),
-        ];
-        for (column, values) in columns {
-            if let Some(sample) = values.iter().position(|value| !value.is_finite()) {
-                return Err(ElasticaError::Sample { column, sample, value: values[sample] });
-            }
-        }
+        let columns = [&angle_rad[..], &rate_rad_s, &acceleration_rad_s2];
+        let len = check_period(step_s, gravity_m_s2, &[columns])?;
         let [g_x, g_y] = gravity_m_s2;
         let upward = |angle: &f64| {
             let (sine, cosine) = (libm::sin(*angle), libm::cos(*angle));
@@ -359,6 +342,44 @@ impl ChordPeriod {
         let bins = self.turning.iter().zip(&self.across);
         bins.map(|(turning, across)| magnitude(*turning) * length_m + magnitude(*across)).collect()
     }
+}
+
+/// Checks the chords of a period, each with its angles, rates and accelerations, and returns the number of samples.
+///
+/// # Errors
+/// [`ElasticaError::Lengths`], [`ElasticaError::Step`], [`ElasticaError::Sample`].
+pub(super) fn check_period(
+    step_s: f64,
+    gravity_m_s2: [f64; 2],
+    chords: &[[&[f64]; 3]],
+) -> Result<usize, ElasticaError> {
+    let len = chords.first().map_or(0, |[angles, ..]| angles.len());
+    let found = chords.iter().map(|chord| chord.map(<[f64]>::len)).find(|own| *own != [len; 3]);
+    let is_period = len >= FEWEST && len.is_multiple_of(2);
+    if let Some([angles, rates, accelerations]) = found.or((!is_period).then_some([len; 3])) {
+        return Err(ElasticaError::Lengths { angles, rates, accelerations });
+    }
+    if !(step_s > 0.0 && step_s.is_finite()) {
+        return Err(ElasticaError::Step(step_s));
+    }
+    let named = |chord: &[_; 3]| ["angle", "rate", "acceleration"].into_iter().zip(*chord);
+    let columns = chords.iter().flat_map(named);
+    for (column, values) in std::iter::once(("gravity", &gravity_m_s2[..])).chain(columns) {
+        if let Some(sample) = values.iter().position(|value| !value.is_finite()) {
+            return Err(ElasticaError::Sample { column, sample, value: values[sample] });
+        }
+    }
+    Ok(len)
+}
+
+/// Bins up to the last one that counts: the sizes beyond, all together, are no more than `least`.
+pub(super) fn counting(sizes: &[f64], least: f64) -> usize {
+    let mut beyond = 0.0;
+    let counts = |size: &f64| {
+        beyond += size;
+        beyond > least
+    };
+    sizes.iter().rposition(counts).map_or(1, |last| last + 1)
 }
 
 /// Number of bins that products of histories have no alias in: those of the fifth order are the first that do.

@@ -42,10 +42,9 @@ pub fn follow(
     }
     check(model, chord, second_order != SecondOrder::None || chord.has_weight())?;
     let sag = sag_of(model, chord, second_order)?;
-    let band = chord.band_len(model.mesh().length_m());
     let sag = sag.as_ref().map(|(ratio, sag)| (*ratio, sag));
     let friction_n_m_s_rad = model.link().joint().friction_n_m_s_rad;
-    let link = LinkOnChord { model, chord, band, sag, friction_n_m_s_rad, round_off_n_m: 0.0 };
+    let link = LinkOnChord { model, chord, sag, friction_n_m_s_rad, round_off_n_m: 0.0 };
     let linear = link.linear()?;
     if second_order == SecondOrder::None {
         return Ok(link.motion(&linear, second_order));

@@ -2,8 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use super::chord::{ElasticaError, FEWEST};
-use crate::numeric::{FourierPair, magnitude};
+use num_complex::Complex64;
+
+use super::chord::{ElasticaError, FEWEST, check_period, counting};
+use crate::numeric::{FourierPair, angular_frequency, magnitude};
 
 /// A value with its first and second derivative in time.
 pub(super) type Moving = [f64; 3];
@@ -50,29 +52,9 @@ impl ArmPeriod {
         kept: Kept,
         gravity_m_s2: [f64; 2],
     ) -> Result<Self, ElasticaError> {
-        let len = rigid.first().map_or(0, |[angles, ..]| angles.len());
-        for chord in &rigid {
-            let [angles, rates, accelerations] = [0, 1, 2].map(|part| chord[part].len());
-            let is_even = len >= FEWEST && len.is_multiple_of(2);
-            if !is_even || [angles, rates, accelerations] != [len; 3] {
-                return Err(ElasticaError::Lengths { angles, rates, accelerations });
-            }
-            for (column, values) in ["angle", "rate", "acceleration"].into_iter().zip(chord) {
-                if let Some(sample) = values.iter().position(|value| !value.is_finite()) {
-                    return Err(ElasticaError::Sample { column, sample, value: values[sample] });
-                }
-            }
-        }
-        if rigid.is_empty() {
-            return Err(ElasticaError::Lengths { angles: 0, rates: 0, accelerations: 0 });
-        }
-        if let Some(axis) = gravity_m_s2.iter().position(|part| !part.is_finite()) {
-            let (column, value) = ("gravity", gravity_m_s2[axis]);
-            return Err(ElasticaError::Sample { column, sample: axis, value });
-        }
-        if !(step_s > 0.0 && step_s.is_finite()) {
-            return Err(ElasticaError::Step(step_s));
-        }
+        let columns: Vec<_> =
+            rigid.iter().map(|chord| [0, 1, 2].map(|part| &chord[part][..])).collect();
+        let len = check_period(step_s, gravity_m_s2, &columns)?;
         let arm = Self { pair: FourierPair::new(len), step_s, gravity_m_s2, rigid, kept };
         if kept == Kept::Tip {
             if arm.rigid.len() < 2 {
@@ -97,20 +79,14 @@ impl ArmPeriod {
             let amplitudes =
                 self.pair.amplitudes(angles.iter().map(|a| of(*a)).collect::<Vec<_>>());
             let sizes: Vec<f64> = amplitudes.iter().map(|value| magnitude(*value)).collect();
-            let least = negligible * sizes.iter().sum::<f64>();
-            let mut beyond = 0.0;
-            let counts = |size: &f64| {
-                beyond += size;
-                beyond > least
-            };
-            sizes.iter().rposition(counts).unwrap_or(0)
+            counting(&sizes, negligible * sizes.iter().sum::<f64>())
         };
         let bands = self
             .rigid
             .iter()
             .flat_map(|[angles, ..]| [band(libm::cos, angles), band(libm::sin, angles)]);
         // Twice the band for what bends, which is no line of the directions.
-        let fewest = (4 * bands.max().unwrap_or(0)).max(FEWEST);
+        let fewest = (4 * (bands.fold(1, usize::max) - 1)).max(FEWEST);
         let mut stride = 1;
         while self.len().is_multiple_of(4 * stride) && self.len() / (2 * stride) >= fewest {
             stride *= 2;
@@ -121,6 +97,23 @@ impl ArmPeriod {
     /// True if no chord has another direction at one sample than at another.
     pub(super) fn rests(&self, sample: usize, other: usize) -> bool {
         self.rigid.iter().all(|[angles, ..]| angles[sample].to_bits() == angles[other].to_bits())
+    }
+
+    /// A history at the samples of a pair, or a derivative of it, at all samples of the period; of its amplitudes the
+    /// first ones count.
+    pub(super) fn at_all(
+        &self,
+        pair: &FourierPair,
+        few: &[f64],
+        bins: usize,
+        derived: u32,
+    ) -> Vec<f64> {
+        let omega =
+            |bin: usize| Complex64::new(0.0, angular_frequency(bin, self.len(), self.step_s));
+        let amplitudes = pair.amplitudes(few);
+        let kept = amplitudes.iter().take(bins).enumerate();
+        let kept: Vec<_> = kept.map(|(bin, value)| value * omega(bin).powu(derived)).collect();
+        self.pair.samples(kept)
     }
 
     /// Number of links.

@@ -21,8 +21,6 @@ const ROUND_OFF: f64 = 1e-12;
 pub(super) struct LinkOnChord<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) chord: &'a ChordPeriod,
-    /// Bins that carry any motion.
-    pub(super) band: usize,
     /// Damping ratio ξ and sag, where a hysteretic link has weight.
     pub(super) sag: Option<(f64, &'a Sag)>,
     /// Friction of a hub that turns against what rests, in N m s/rad.
@@ -49,7 +47,8 @@ impl LinkOnChord<'_> {
     /// The answer at each bin to what moves the link, without loads.
     pub(super) fn linear(&self) -> Result<Vec<LoadedMotion<Complex64>>, ElasticaError> {
         let nodes = self.model.mesh().nodes_m().len();
-        let answers: Vec<_> = (0..self.band)
+        let band = self.chord.band_len(self.model.mesh().length_m());
+        let answers: Vec<_> = (0..band)
             .into_par_iter()
             .map(|bin| {
                 let loads = self.moved(bin, vec![[Complex64::ZERO; 2]; nodes]);
@@ -67,7 +66,7 @@ impl LinkOnChord<'_> {
             let tip = || self.model.tip_transfer(self.chord.omega_rad_s(*bin));
             !answers[*bin].torque_n_m.is_finite() || is_undamped && tip().is_blocked(mesh)
         };
-        match (0..self.band).find(is_lost) {
+        match (0..band).find(is_lost) {
             Some(bin) => {
                 Err(ElasticaError::NotFinite { frequency_hz: self.chord.omega_rad_s(bin) / TAU })
             }

@@ -1,13 +1,14 @@
 //! A bent link's motion as it is found: what it differs by, and what each part needs of the part inboard, forces and
 //! bending moments by equilibrium.
 
-use super::chord::TipLoad;
+use super::chord::{TipLoad, counting};
+use super::kinematics::ArmPeriod;
 use super::loads::{BentLink, Instant, Place, Scratch, SecondOrder, along, left_across};
 use super::points::dot;
 use num_complex::Complex64;
 
 use crate::beam::{LoadedMotion, Mesh};
-use crate::numeric::{FourierPair, Size, angular_frequency, extremes, magnitude};
+use crate::numeric::{Size, extremes, magnitude};
 
 /// Range of a torque over its largest value below which the link is at rest.
 const AT_REST: f64 = 1e-6;
@@ -239,13 +240,8 @@ pub(super) fn band(
     // are the smaller the longer it is.
     let size = |answer: &LoadedMotion<Complex64>| magnitude(answer.torque_n_m);
     let least = negligible * answers.iter().map(size).sum::<f64>().max(unfelt_n_m(mesh));
-    let mut beyond = 0.0;
-    let counts = |answer: &LoadedMotion<Complex64>| {
-        let size = size(answer);
-        beyond += if size > round_off_n_m { size } else { 0.0 };
-        beyond > least
-    };
-    answers.iter().rposition(counts).map_or(1, |last| last + 1)
+    let felt = |answer| Some(size(answer)).filter(|size| *size > round_off_n_m).unwrap_or(0.0);
+    counting(&answers.iter().map(felt).collect::<Vec<_>>(), least)
 }
 
 /// A torque in N m that hardly bends the link.
@@ -256,19 +252,11 @@ fn unfelt_n_m(mesh: &Mesh) -> f64 {
 }
 
 /// Rate in rad/s of a joint: of its hub against the tip of the link before.
-pub(super) fn joint_rates(
-    links: &[ArmLinkMotion],
-    link: usize,
-    pair: &FourierPair,
-    step_s: f64,
-) -> Vec<f64> {
+pub(super) fn joint_rates(links: &[ArmLinkMotion], link: usize, arm: &ArmPeriod) -> Vec<f64> {
     let before = link.checked_sub(1).map(|before| &links[before]);
     let bent = links[link].bent.hub_slope_rad.iter().enumerate();
     let bent = bent.map(|(k, slope)| slope - before.map_or(0.0, |link| link.tip_slope_rad[k]));
-    let amplitudes = pair.amplitudes(bent.collect::<Vec<_>>());
-    let omega = |bin: usize| Complex64::new(0.0, angular_frequency(bin, pair.len(), step_s));
-    let rates = amplitudes.iter().enumerate().map(|(bin, value)| value * omega(bin));
-    let rates = pair.samples(rates.collect::<Vec<_>>());
+    let rates = arm.at_all(&arm.pair, &bent.collect::<Vec<_>>(), arm.len(), 1);
     let chord = |link: &ArmLinkMotion, k: usize| link.chord[1][k];
     let turned = rates.iter().enumerate();
     turned
