@@ -9,7 +9,7 @@ use super::iteration::{MOST_ITERATIONS, REACH, check, factor_of, further, over_w
 use super::kinematics::{ArmPeriod, Moving, axes};
 use super::loads::{BentLink, SecondOrder};
 use super::on_chord::LinkOnChord;
-use super::reaction::{ArmLinkMotion, ArmMotion, apart, band, joint_rates, size};
+use super::reaction::{ArmLinkMotion, ArmMotion, Iteration, apart, band, joint_rates, size};
 use super::sag::Sag;
 use crate::beam::LoadedMotion;
 use crate::modal::DampingLaw;
@@ -80,7 +80,8 @@ pub fn follow_arm(
     let amplitudes = linear.answers.iter().flatten().map(|answer| magnitude(answer.torque_n_m));
     follower.round_off_n_m = ROUND_OFF * amplitudes.fold(0.0, f64::max);
     if second_order == SecondOrder::None {
-        return Ok(follower.motion(&linear.answers, &linear.state));
+        let links = follower.links(&linear.answers, &linear.state);
+        return Ok(ArmMotion { links, iteration: Iteration::default() });
     }
     over_widest_band(
         &LEVELS,
@@ -89,7 +90,7 @@ pub fn follow_arm(
             let torques = motion.links.iter().map(|link| &link.bent.torque_n_m);
             let others: Vec<_> =
                 narrower.links.into_iter().map(|link| link.bent.torque_n_m).collect();
-            motion.iteration_error += follower.largest_change(torques, &others);
+            motion.iteration.error += follower.largest_change(torques, &others);
         },
     )
 }
@@ -273,17 +274,16 @@ impl Follower<'_> {
                 let reach = (&pair, band, REACH * linear_band(BEYOND * negligible));
                 let (_, wider) = self.swept(linear, &latest, reach).map_err(diverges)?;
                 let unmoved = self.largest_change(wider.torques_n_m.iter(), &latest.torques_n_m);
-                let motion = self.motion(&latest.answers, &state);
                 let torques = latest.torques_n_m.iter();
                 let second_order_change = self.largest_change(torques, &linear.torques_n_m);
-                return Ok(ArmMotion {
+                let iteration = Iteration {
                     iterations,
                     contraction,
-                    iteration_error: error + unmoved,
+                    error: error + unmoved,
                     second_order_change,
                     exceeds_step: REACH * band > resolved(&self.arm.pair),
-                    ..motion
-                });
+                };
+                return Ok(ArmMotion { links: self.links(&latest.answers, &state), iteration });
             }
             (last_change, last_factor) = (change, factor);
         }
@@ -346,8 +346,8 @@ impl Follower<'_> {
         }
     }
 
-    /// The histories of these answers, links and chords.
-    fn motion(&self, answers: &Answers, state: &State) -> ArmMotion {
+    /// The histories of these answers and chords.
+    fn links(&self, answers: &Answers, state: &State) -> Vec<ArmLinkMotion> {
         let mut links: Vec<ArmLinkMotion> = Vec::new();
         for (link, (chord, answers)) in state.chords.iter().zip(answers).enumerate() {
             let bent = self.on_chord(link, chord).motion(answers, self.second_order);
@@ -373,13 +373,6 @@ impl Follower<'_> {
                 torques.for_each(|(torque, rate)| *torque += friction * rate);
             }
         }
-        ArmMotion {
-            links,
-            iterations: 0,
-            contraction: None,
-            iteration_error: 0.0,
-            second_order_change: 0.0,
-            exceeds_step: false,
-        }
+        links
     }
 }

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use super::chord::{ChordPeriod, ElasticaError, FINEST, resolved};
 use super::loads::{BentLink, SecondOrder};
 use super::on_chord::LinkOnChord;
-use super::reaction::{ElasticaMotion, apart, band, size};
+use super::reaction::{ElasticaMotion, Iteration, apart, band, size};
 use super::sag::{Sag, TOLERANCE};
 use crate::beam::LoadedMotion;
 use crate::modal::DampingLaw;
@@ -25,6 +25,37 @@ const SLOW: f64 = 0.9;
 /// Bins that the loads are solved at over those whose deflections they are made of: products of three reach as far.
 pub(super) const REACH: usize = 3;
 
+/// Amplitudes of a link's answer, bin by bin.
+type Answers = Vec<LoadedMotion<Complex64>>;
+
+/// The motion of a link on its chord, and how it was found.
+#[derive(Debug)]
+pub struct Followed {
+    /// The motion.
+    pub motion: ElasticaMotion,
+    /// How its second-order terms were found.
+    pub iteration: Iteration,
+    second_order: SecondOrder,
+    answers: Answers,
+    /// Other approximations, and by how many times their distance from this one further ones would change it: the
+    /// iteration before the last, and, where terms of high frequencies are left out, the motion without more of them.
+    others: Vec<(Answers, f64)>,
+}
+
+impl Followed {
+    /// Other approximations of the motion of this model on this chord, and by how many times their distance from it further
+    /// iterations, or terms of more frequencies, would change it.
+    pub fn others<'a>(
+        &'a self,
+        model: &'a dyn Model,
+        chord: &'a ChordPeriod,
+    ) -> impl Iterator<Item = (ElasticaMotion, f64)> + 'a {
+        let link = LinkOnChord::of(model, chord);
+        let others = self.others.iter();
+        others.map(move |(answers, factor)| (link.motion(answers, self.second_order), *factor))
+    }
+}
+
 /// Finds the torque with which the tip of a link stays on a chord that moves as given.
 ///
 /// The iteration ends where further ones would change the torque by less than `tolerance` of its range.
@@ -36,26 +67,26 @@ pub fn follow(
     chord: &ChordPeriod,
     second_order: SecondOrder,
     tolerance: f64,
-) -> Result<ElasticaMotion, ElasticaError> {
+) -> Result<Followed, ElasticaError> {
     if !(FINEST..1.0).contains(&tolerance) {
         return Err(ElasticaError::Tolerance(tolerance));
     }
     check(model, chord, second_order != SecondOrder::None || chord.has_weight())?;
     let sag = sag_of(model, chord, second_order)?;
     let sag = sag.as_ref().map(|(ratio, sag)| (*ratio, sag));
-    let friction_n_m_s_rad = model.link().joint().friction_n_m_s_rad;
-    let link = LinkOnChord { model, chord, sag, friction_n_m_s_rad, round_off_n_m: 0.0 };
+    let link = LinkOnChord { sag, ..LinkOnChord::of(model, chord) };
     let linear = link.linear()?;
     if second_order == SecondOrder::None {
-        return Ok(link.motion(&linear, second_order));
+        let (motion, iteration) = (link.motion(&linear, second_order), Iteration::default());
+        return Ok(Followed { motion, iteration, second_order, answers: linear, others: vec![] });
     }
     over_widest_band(
         &NEGLIGIBLE,
         |negligible| link.iterated_over(&linear, second_order, tolerance, negligible),
-        |motion, narrower| {
-            let (own, other) = (&motion.torque_n_m, &narrower.torque_n_m);
-            motion.iteration_error += apart(other, own) / size(own, model.mesh());
-            motion.others.push((narrower, 1.0));
+        |found, narrower| {
+            let (own, other) = (&found.motion.torque_n_m, &narrower.motion.torque_n_m);
+            found.iteration.error += apart(other, own) / size(own, model.mesh());
+            found.others.push((narrower.answers, 1.0));
         },
     )
 }
@@ -144,12 +175,20 @@ fn sag_of(
     match model.law() {
         DampingLaw::Hysteretic { ratio } if *ratio > 0.0 && chord.has_weight() => {
             let rest = |at: &ChordPeriod| {
-                let bent = follow(model, at, second_order, TOLERANCE)?;
+                let bent = follow(model, at, second_order, TOLERANCE)?.motion;
                 Ok(bent.deflections.iter().map(|history| history[0]).collect())
             };
             Ok(Sag::of(model.mesh(), chord, rest)?.map(|sag| (*ratio, sag)))
         }
         _ => Ok(None),
+    }
+}
+
+impl<'a> LinkOnChord<'a> {
+    /// A link by itself.
+    fn of(model: &'a dyn Model, chord: &'a ChordPeriod) -> Self {
+        let friction_n_m_s_rad = model.link().joint().friction_n_m_s_rad;
+        Self { model, chord, sag: None, friction_n_m_s_rad, round_off_n_m: 0.0 }
     }
 }
 
@@ -171,16 +210,16 @@ impl LinkOnChord<'_> {
     /// The motion over the band of loads beyond which a share of the torque is negligible.
     fn iterated_over(
         &self,
-        linear: &[LoadedMotion<Complex64>],
+        linear: &Answers,
         second_order: SecondOrder,
         tolerance: f64,
         negligible: f64,
-    ) -> Result<ElasticaMotion, ElasticaError> {
+    ) -> Result<Followed, ElasticaError> {
         let mesh = self.model.mesh();
         let link = BentLink::of(self.model, second_order);
         // Products of deflections reach beyond the frequencies of the motion.
         let mut band = self.band_of_loads(linear, negligible)?;
-        let mut answers = linear.to_vec();
+        let mut answers = linear.clone();
         let (mut last_change, mut last_level) = (f64::INFINITY, SecondOrder::None);
         for iterations in 1..=MOST_ITERATIONS {
             let pair = self.chord.pair_for(REACH * band);
@@ -198,22 +237,20 @@ impl LinkOnChord<'_> {
             let iteration_error = contraction.map_or(change, |factor| further(change, factor));
             if iterations > 1 && iteration_error <= tolerance {
                 let motion = self.motion(&answers, second_order);
-                let further = further(1.0, factor);
-                let others = vec![(self.motion(&previous, second_order), further)];
+                let others = vec![(previous, further(1.0, factor))];
                 let without =
                     self.hub(linear, SecondOrder::None, &self.chord.pair, &self.chord.histories).0;
                 let size = size(&motion.torque_n_m, mesh);
                 let second_order_change = apart(&motion.torque_n_m, &without) / size;
-                return Ok(ElasticaMotion {
+                let iteration = Iteration {
                     iterations,
                     contraction,
-                    iteration_error,
-                    largest_slope,
+                    error: iteration_error,
                     second_order_change,
                     exceeds_step: REACH * band > resolved(&self.chord.pair),
-                    others,
-                    ..motion
-                });
+                };
+                let motion = ElasticaMotion { largest_slope, ..motion };
+                return Ok(Followed { motion, iteration, second_order, answers, others });
             }
             (last_change, last_level) = (change, second_order);
         }

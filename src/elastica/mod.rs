@@ -25,7 +25,7 @@
 //! // At rest, its tip as high as its hub, so that its middle sags.
 //! let at_rest = [vec![0.0; 8], vec![0.0; 8], vec![0.0; 8]];
 //! let chord = ChordPeriod::new(0.01, at_rest, [0.0, -9.81])?;
-//! let held = follow(&*model, &chord, SecondOrder::Full, 1e-9)?;
+//! let held = follow(&*model, &chord, SecondOrder::Full, 1e-9)?.motion;
 //! assert!(held.hub_slope_rad[0] > 0.15, "the hub is turned up");
 //! assert!(held.torque_n_m[0] < 0.5 * 0.3 * 9.81, "and the weight lies nearer than half the length");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -83,7 +83,7 @@ mod sag;
 
 pub use arm::follow_arm;
 pub use chord::{ChordPeriod, ElasticaError, returning};
-pub use iteration::follow;
+pub use iteration::{Followed, follow};
 pub use kinematics::{AngleHistories, ArmPeriod, Kept, reaching};
 pub use loads::SecondOrder;
-pub use reaction::{ArmLinkMotion, ArmMotion, ElasticaMotion};
+pub use reaction::{ArmLinkMotion, ArmMotion, ElasticaMotion, Iteration};

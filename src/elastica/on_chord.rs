@@ -205,13 +205,7 @@ impl LinkOnChord<'_> {
             deflections,
             shortenings_m,
             moments_n_m,
-            iterations: 0,
-            contraction: None,
-            iteration_error: 0.0,
             largest_slope,
-            second_order_change: 0.0,
-            exceeds_step: false,
-            others: Vec::new(),
         }
     }
 

@@ -30,27 +30,30 @@ pub struct ElasticaMotion {
     /// Bending moment in N m at nodes 0 … n, which the part of the link towards the hub exerts on the part towards
     /// the tip; a body on a node counts as outer.
     pub moments_n_m: Vec<Vec<f64>>,
-    /// Number of iterations; 0 without second order.
-    pub iterations: usize,
-    /// Change of the torque by the last iteration over that by the one before; none before the second.
-    pub contraction: Option<f64>,
-    /// What further iterations would change of the torque, over its range.
-    pub iteration_error: f64,
     /// Largest slope |w'| of the link from its chord.
     pub largest_slope: f64,
-    /// What the second order changed of the torque, over its range.
+}
+
+/// How the second-order terms were found.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Iteration {
+    /// Number of iterations; 0 without second order.
+    pub iterations: usize,
+    /// Largest change of a torque by the last iteration over that by the one before; none before the second.
+    pub contraction: Option<f64>,
+    /// Estimate of what further iterations, and frequencies at which no second-order terms are counted, would change of
+    /// the torques, each over its range. It exceeds the tolerance where the terms of high frequencies do not converge.
+    pub error: f64,
+    /// What the second order changed of the torques at most, each over its range; in an arm without friction.
     pub second_order_change: f64,
     /// True if second-order terms reach beyond the frequencies that the samples resolve: half the step would change them.
     pub exceeds_step: bool,
-    /// Other approximations, and by how many times their distance from this one further ones would change it: the
-    /// iteration before the last, and, where terms of high frequencies are left out, the motion without more of them.
-    pub others: Vec<(ElasticaMotion, f64)>,
 }
 
 /// The motion of one link of an arm over a period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmLinkMotion {
-    /// Torque of its joint, its friction included, and how the link bends. What the iteration found is the arm's.
+    /// Torque of its joint, its friction included, and how the link bends.
     pub bent: ElasticaMotion,
     /// Angle of its chord in rad, its rate and its acceleration.
     pub chord: [Vec<f64>; 3],
@@ -67,17 +70,8 @@ pub struct ArmLinkMotion {
 pub struct ArmMotion {
     /// Its links, the inner one first.
     pub links: Vec<ArmLinkMotion>,
-    /// Number of iterations; 0 without second order.
-    pub iterations: usize,
-    /// Largest change of a torque by the last iteration over that by the one before; none before the second.
-    pub contraction: Option<f64>,
-    /// Estimate of what further iterations, and frequencies at which no second-order terms are counted, would change of
-    /// the torques, each over its range. It exceeds the tolerance where the terms of high frequencies do not converge.
-    pub iteration_error: f64,
-    /// What the second order changed of the torques at most, each over its range, friction left out.
-    pub second_order_change: f64,
-    /// True if second-order terms reach beyond the frequencies that the samples resolve: half the step would change them.
-    pub exceeds_step: bool,
+    /// How its second-order terms were found.
+    pub iteration: Iteration,
 }
 
 /// Force along the chord and across it, and moment about a node, that move all that lies outboard.

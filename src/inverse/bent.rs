@@ -17,26 +17,14 @@ use super::mesh_error::TORQUES_N_M;
 use super::period::{Padding, Window};
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::Problem;
+use super::rest::{Return, left_to_return};
 use super::spectra::DrivenModel;
 use crate::beam::MeshPlan;
-use crate::elastica::{ChordPeriod, ElasticaMotion, SecondOrder, follow, returning};
+use crate::elastica::{ChordPeriod, ElasticaMotion, Followed, Iteration, SecondOrder, follow};
 use crate::link::Link;
 use crate::model::Model;
 use crate::motion::TipPeriod;
 use crate::numeric::largest_difference;
-
-/// Time in which the chord returns, over the time in which the torque falls by e: it then differs from that at rest by
-/// about 5e-4 of its range at most, with the fifth power of this number.
-const RETURN: f64 = 40.0;
-
-/// Fewest samples of a return: a faster one has amplitudes at frequencies that the samples do not resolve.
-const FEWEST: usize = 256;
-
-/// Rest on either side of the return, over the same time: that difference has fallen to about 1e-8.
-const QUIET: f64 = 10.0;
-
-/// Share of the time that a period has to spare for the return; the torque decays in the rest.
-const SPARE_FOR_RETURN: f64 = 0.2;
 
 /// The iteration ends at this share of the tolerance, as derivatives converge late, but above round-off.
 const ITERATED: f64 = 0.01;
@@ -58,10 +46,7 @@ pub(super) struct BentProblem<'a> {
     /// Direction in rad of the chord where the tip's displacement is 0.
     start_angle_rad: f64,
     pub(super) second_order: SecondOrder,
-    /// Fewest samples in which the chord returns.
-    returning: usize,
-    /// Samples of rest on either side.
-    quiet: usize,
+    returns: Return,
 }
 
 impl<'a> BentProblem<'a> {
@@ -72,18 +57,12 @@ impl<'a> BentProblem<'a> {
         link: &Link,
         first_zero_per_s: Option<f64>,
     ) -> Result<Self, InversionError> {
-        let grid = problem.motion.grid();
-        let falls_s = first_zero_per_s.map_or(grid.duration_s() / RETURN, f64::recip);
         let returns = link.has_weight() && problem.motion.cycles().is_none();
-        let steps = |times: f64| {
-            if returns { (times * falls_s / grid.step_s).ceil() as usize } else { 0 }
-        };
         Ok(Self {
             gravity_m_s2: link.gravity().map_or([0.0; 2], |gravity| gravity.acceleration_m_s2),
             start_angle_rad: problem.start_angle_rad(link)?,
             second_order: problem.analysis.second_order_of(link),
-            returning: if returns { steps(RETURN).max(FEWEST) } else { 0 },
-            quiet: steps(QUIET),
+            returns: Return::of(first_zero_per_s, &problem.motion.grid(), returns),
             problem,
         })
     }
@@ -94,22 +73,7 @@ impl<'a> BentProblem<'a> {
 
     /// Samples of the shortest period.
     pub(super) fn shortest_len(&self) -> Result<usize, InversionError> {
-        let given = self.problem.motion.grid().len;
-        let returning = self.returning.saturating_add(2 * self.quiet);
-        self.problem.padding.period_len(given.saturating_add(returning))
-    }
-
-    /// The samples of a period in which the chord returns.
-    fn returning(&self, len: usize) -> Range<usize> {
-        let (given, padding) = (self.problem.motion.grid().len, self.problem.padding);
-        let spare = len - given - padding.before - padding.after;
-        let further = spare.saturating_sub(self.returning + 2 * self.quiet);
-        let count = match self.returning {
-            0 => 0,
-            fewest => fewest + (SPARE_FOR_RETURN * further as f64) as usize,
-        };
-        let from = given + padding.after + (spare - count) / 2;
-        from..from + count
+        self.returns.shortest_len(self.problem.padding, self.problem.motion.grid().len)
     }
 
     /// The motion on a mesh, over a period of so many samples.
@@ -129,13 +93,14 @@ impl<'a> BentProblem<'a> {
         let period = self.problem.period(len)?;
         let driven = DrivenModel { model, period: &period, watch: self.problem.resources.watch };
         driven.begin(1, 0);
-        let returning = self.returning(len);
+        let (padding, given) = (self.problem.padding, self.problem.motion.grid().len);
+        let returning = self.returns.samples(padding, given, len);
         let chord = self.chord(&period, &returning, model.mesh().length_m())?;
         let tolerance = self.iterated_to();
-        let motion = follow(model, &chord, self.second_order, tolerance)?;
+        let found = follow(model, &chord, self.second_order, tolerance)?;
         driven.begin(1, 1);
-        let returning = returning.start - self.quiet..returning.end + self.quiet;
-        Ok(BentAnswer { period, motion, returning })
+        let rest = self.returns.rest(&period.spectrum, &returning);
+        Ok(BentAnswer { period, chord, found, rest })
     }
 
     /// The chord over a period. It returns around the seam, before which the displacement is that after the motion; whole
@@ -151,10 +116,8 @@ impl<'a> BentProblem<'a> {
         let travel_m = spectrum.travel_m();
         let travel_m = travel_m - turn_m * (travel_m / turn_m).round();
         let mut at_m = tip.displacement_m.clone();
-        let share = self::returning(0.0, 1.0, returning.len());
-        for (k, share) in returning.clone().zip(share) {
-            let left = if k < spectrum.seam { -share } else { 1.0 - share };
-            at_m[k] += travel_m * left;
+        for (k, left_m) in left_to_return(travel_m, returning, spectrum.seam) {
+            at_m[k] += left_m;
         }
         let per_length = |values: &[f64]| values.iter().map(|m| m / length_m).collect();
         let angle = at_m.iter().map(|m| self.start_angle_rad + m / length_m).collect();
@@ -171,7 +134,7 @@ impl<'a> BentProblem<'a> {
         let angle_rad = self.start_angle_rad + displacement_m / model.mesh().length_m();
         let chord = ChordPeriod::at_rest(angle_rad, self.gravity_m_s2)?;
         let tolerance = self.iterated_to();
-        Ok(follow(model, &chord, self.second_order, tolerance)?)
+        Ok(follow(model, &chord, self.second_order, tolerance)?.motion)
     }
 
     /// The motion on the mesh that is fine enough for the plan.
@@ -248,7 +211,7 @@ impl<'a> BentProblem<'a> {
         first_zero_per_s: Option<f64>,
         sizes: &PerQuantity<f64>,
     ) -> Result<Option<PerQuantity<f64>>, InversionError> {
-        if !answer.motion.exceeds_step {
+        if !answer.found.iteration.exceeds_step {
             return Ok(None);
         }
         let Ok(finer) = self.problem.motion.twice_as_often() else { return Ok(None) };
@@ -272,9 +235,9 @@ impl<'a> BentProblem<'a> {
     ) -> PerQuantity<f64> {
         let own = answer.curves(model, self.second_order, &probes.nodes);
         let mut errors = sizes.zip(sizes, |_, _| 0.0);
-        for (other, factor) in &answer.motion.others {
-            let other = answer.with_motion(other);
-            let changed = own.apart(&other.curves(model, self.second_order, &probes.nodes));
+        for (other, factor) in answer.found.others(model, &answer.chord) {
+            let other = answer.curves_of(&other, model, self.second_order, &probes.nodes);
+            let changed = own.apart(&other);
             let changed = changed.zip(sizes, |off, size| factor * off / size);
             errors = errors.zip(&changed, |sum, error| sum + error);
         }
@@ -293,27 +256,53 @@ impl<'a> BentProblem<'a> {
         if self.problem.padding.cycles.is_some() {
             return Ok((shortest, None, sizes.zip(sizes, |_, _| 0.0)));
         }
-        let (order, nodes) = (self.second_order, &probes.nodes);
         let initial = shortest.period.spectrum.pair.len();
+        let longer = |len: usize| {
+            let longer = Padding::lengthened(len, initial);
+            longer.filter(|len| *len <= LENGTHENED.max(4 * initial))
+        };
+        // Where the linear torque has not decayed, the one with second-order terms has not either, most times.
+        let linear = Self { second_order: SecondOrder::None, ..*self };
         let mut answer = shortest;
         loop {
-            let tip = &answer.period.histories;
-            let ends_m = [tip.start_m(), tip.start_m() + answer.period.spectrum.travel_m()];
-            let rests = [self.at_rest(model, ends_m[0])?, self.at_rest(model, ends_m[1])?];
-            let place = ((order, model.mesh().nodes_m()), (model.link(), &nodes[..]));
-            let at_rest =
-                [0, 1].map(|end| Curves::at_rest(&rests[end], place.0, ends_m[end], place.1));
-            let curves = answer.curves(model, order, nodes);
-            let left = curves.left_of(&at_rest, answer.reaches(self.problem.motion.grid().len));
-            let left = left.zip(sizes, |left, size| left / size);
-            let has_decayed = left.worst().1 <= self.problem.analysis.tolerance();
-            let next = Padding::lengthened(answer.period.spectrum.pair.len(), initial);
-            let next = next.filter(|len| !has_decayed && *len <= LENGTHENED.max(4 * initial));
-            match next {
-                Some(len) => answer = self.answer(model, len)?,
-                None => return Ok((answer, Some(rests), left)),
+            let (rests, left) = self.left(model, probes, sizes, &answer)?;
+            let next = longer(answer.period.spectrum.pair.len());
+            let Some(mut len) = next.filter(|_| !self.is_at_rest(&left)) else {
+                return Ok((answer, Some(rests), left));
+            };
+            while let Some(longer) = longer(len).filter(|_| self.second_order != SecondOrder::None)
+            {
+                let shorter = linear.answer(model, len)?;
+                if self.is_at_rest(&linear.left(model, probes, sizes, &shorter)?.1) {
+                    break;
+                }
+                len = longer;
             }
+            answer = self.answer(model, len)?;
         }
+    }
+
+    fn is_at_rest(&self, left: &PerQuantity<f64>) -> bool {
+        left.worst().1 <= self.problem.analysis.tolerance()
+    }
+
+    /// What is left of each quantity where the chord begins and ends its return, over its size, beyond the link at rest.
+    fn left(
+        &self,
+        model: &dyn Model,
+        probes: &Probes,
+        sizes: &PerQuantity<f64>,
+        answer: &BentAnswer,
+    ) -> Result<(Rests, PerQuantity<f64>), InversionError> {
+        let (order, nodes) = (self.second_order, &probes.nodes);
+        let tip = &answer.period.histories;
+        let ends_m = [tip.start_m(), tip.start_m() + answer.period.spectrum.travel_m()];
+        let rests = [self.at_rest(model, ends_m[0])?, self.at_rest(model, ends_m[1])?];
+        let place = ((order, model.mesh().nodes_m()), (model.link(), &nodes[..]));
+        let at_rest = [0, 1].map(|end| Curves::at_rest(&rests[end], place.0, ends_m[end], place.1));
+        let curves = answer.curves(model, order, nodes);
+        let left = curves.left_of(&at_rest, answer.rest.reaches(self.problem.motion.grid().len));
+        Ok((rests, left.zip(sizes, |left, size| left / size)))
     }
 
     /// The samples to write: until the torque, and that of the motor, stay within the tolerance of what they are at
@@ -331,7 +320,7 @@ impl<'a> BentProblem<'a> {
         };
         let of = |samples: &[f64], per_hub: f64, size: f64| {
             let at_rest = [0, 1].map(|end| rests[end].torque_n_m[0] * per_hub);
-            let beyond = answer.beyond_rest(samples, at_rest);
+            let beyond = answer.rest.beyond(samples, at_rest);
             let torque = periodic.periodic(&beyond);
             let window = torque.window(given.len, given.step_s, self.problem.analysis, size);
             (beyond, window)
@@ -356,8 +345,8 @@ impl<'a> BentProblem<'a> {
 
     /// What the answer is beside its histories.
     pub(super) fn findings(&self, model: &dyn Model, answer: &BentAnswer) -> Bent {
-        let ElasticaMotion { iterations, contraction, largest_slope, second_order_change, .. } =
-            answer.motion;
+        let Followed { motion, iteration, .. } = &answer.found;
+        let Iteration { iterations, contraction, second_order_change, .. } = *iteration;
         let left_out = match self.second_order {
             SecondOrder::Full => None,
             _ => Some(self.left_out(model, answer)),
@@ -366,11 +355,11 @@ impl<'a> BentProblem<'a> {
             order: self.second_order,
             iterations,
             contraction,
-            largest_slope,
+            largest_slope: motion.largest_slope,
             torque_change: second_order_change,
             left_out,
         };
-        let shape = Shape::of(&answer.motion, self.second_order, model.mesh().nodes_m());
+        let shape = Shape::of(motion, self.second_order, model.mesh().nodes_m());
         Bent { findings, shape }
     }
 
@@ -380,8 +369,8 @@ impl<'a> BentProblem<'a> {
         let all = Self { second_order: SecondOrder::Full, ..*self };
         let len = answer.period.spectrum.pair.len();
         let full = all.answer(model, len).ok()?;
-        let [own, full] =
-            [answer, &full].map(|answer| answer.outside_return(&answer.motion.torque_n_m));
+        let [own, full] = [answer, &full]
+            .map(|answer| answer.rest.outside_return(&answer.found.motion.torque_n_m));
         Some(largest_difference(&own, &full) / size(&own, true))
     }
 }

@@ -24,6 +24,7 @@ mod nodal_table;
 mod period;
 mod periodic_answer;
 mod problem;
+mod rest;
 mod solution;
 mod spectra;
 mod warning;

@@ -130,6 +130,20 @@ impl Kind {
         bound: |_| TORQUE,
         hint: "analysis.second_order = \"full\", more elements, a shorter step or a smoother motion",
     };
+    pub(super) const OF_HUB: [Self; 2] = [Self::TIP_OF_HUB, Self::TORQUE_OF_HUB];
+    /// The same of the link with viscous damping.
+    pub(super) const OF_HUB_VISCOUS: [Self; 2] = [
+        Self {
+            name: "tip_error_viscous",
+            what: "tip, hub moved, viscous damping",
+            ..Self::TIP_OF_HUB
+        },
+        Self {
+            name: "torque_of_hub_viscous",
+            what: "torque of it, viscous damping",
+            ..Self::TORQUE_OF_HUB
+        },
+    ];
     pub(super) const TIP_SOLVED: Self = Self {
         name: "tip_solved",
         what: "tip that is solved",

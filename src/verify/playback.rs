@@ -1,8 +1,9 @@
 //! The written torque, played on the link.
 
 use super::check::{Answer, Check, Kind, VerificationError};
-use crate::inverse::Solution;
-use crate::link::{Damping, Link};
+use crate::inverse::{Resources, Solution, invert_with};
+use crate::link::{Damping, Link, LinkParts};
+use crate::modal::held_frequencies;
 use crate::motion::{Ends, TipTarget};
 use crate::numeric::{largest, largest_difference};
 use crate::response::{
@@ -36,12 +37,9 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
         return Ok(not_played("hysteretic damping has no state of a tip that has always moved"));
     }
     if solution.second_order().is_some() {
-        return if is_hysteretic {
-            Ok(not_played(
-                "with weight or second order hysteretic damping is played by no equation in time",
-            ))
-        } else {
-            played_large(answer, wanted)
+        return match solution.link().damping() {
+            Damping::Hysteretic { ratio } if is_hysteretic => played_viscous(answer, *ratio),
+            _ => played_large(answer, wanted, Kind::OF_HUB),
         };
     }
     let (link, grid) = (solution.link(), solution.grid);
@@ -62,7 +60,7 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
         Err(SimulationError::MasslessHub) => return Ok(not_played("the hub moves no mass")),
         played => played?,
     };
-    let Some(modes) = simulation.modes() else { return played_large(answer, wanted) };
+    let Some(modes) = simulation.modes() else { return played_large(answer, wanted, Kind::OF_HUB) };
     let straight_m = modes.straight_tip_m(answer.written_torque_n_m);
     let between_m = largest_difference(&simulation.tip.displacement_m, &straight_m);
     let bound = allowed_tip_error(answer, between_m);
@@ -115,11 +113,40 @@ fn not_played(reason: &str) -> Played {
     Played { tip, energy: Kind::ENERGY.not_measured(reason) }
 }
 
+/// Solves the link again with viscous damping, which has an equation in time, of the same ratio in its first mode with the
+/// hub held, and moves that one's hub. All but the law of damping is then played; the law is in the transfer.
+fn played_viscous(answer: &Answer, ratio: f64) -> Result<Played, VerificationError> {
+    let (solution, memory_bytes) = (answer.solution, answer.memory_bytes);
+    let Some(&first_rad_s) = held_frequencies(solution.mesh(), f64::INFINITY, 1).first() else {
+        return Ok(not_played("hysteretic damping has no equation in time, and no mode"));
+    };
+    let damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 2.0 * ratio / first_rad_s };
+    let resources = Resources { memory_bytes, ..Resources::default() };
+    let viscous = Link::new(LinkParts { damping, ..solution.link().clone().into() });
+    let viscous = viscous.map_err(|error| error.to_string()).and_then(|link| {
+        let (motion, analysis) = (&solution.motion, &solution.analysis);
+        let found = invert_with(&link, answer.plan, motion, analysis, &resources);
+        found.map_err(|error| error.to_string())
+    });
+    let viscous = match viscous {
+        Ok(viscous) => viscous,
+        Err(error) => return Ok(not_played(&format!("with viscous damping: {error}"))),
+    };
+    let wanted = viscous.motion.target(viscous.grid.time_s(0), viscous.grid.end_s());
+    let written_torque_n_m = &viscous.torque_n_m[..];
+    let answer = Answer { solution: &viscous, written_torque_n_m, ..*answer };
+    played_large(&answer, &wanted, Kind::OF_HUB_VISCOUS)
+}
+
 /// Moves the hub of a link with weight, or at large angles, as solved: tip error, the torque that it takes beside the
 /// written one, and balance of energy.
 ///
 /// A torque would let the link fall from an upright pose; a hub that is moved does not.
-fn played_large(answer: &Answer, wanted: &TipTarget) -> Result<Played, VerificationError> {
+fn played_large(
+    answer: &Answer,
+    wanted: &TipTarget,
+    [tip_of_hub, torque_of_hub]: [Kind; 2],
+) -> Result<Played, VerificationError> {
     let solution = answer.solution;
     let grid = solution.grid;
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
@@ -146,17 +173,15 @@ fn played_large(answer: &Answer, wanted: &TipTarget) -> Result<Played, Verificat
     let of_hub = stated.hub_angle.max(stated.hub_acceleration.unwrap_or(0.0));
     let analysis = &solution.analysis;
     let allowed = |stated: f64| AMPLIFIED * (stated + analysis.tolerance());
-    let bound = (Kind::TIP_OF_HUB.bound)(answer).min(analysis.tip_tolerance() + allowed(of_hub));
+    let bound = (tip_of_hub.bound)(answer).min(analysis.tip_tolerance() + allowed(of_hub));
     let tip_error = tip_error(answer, wanted, &simulation.tip.displacement_m);
     let torque_n_m = answer.written_torque_n_m;
     let apart = torque_change(torque_n_m, &simulation.torque_n_m, 1, solution.link());
     Ok(Played {
         tip: vec![
-            Kind::TIP_OF_HUB.measured_to(tip_error, bound),
-            Kind::TORQUE_OF_HUB.measured_to(
-                apart,
-                (Kind::TORQUE_OF_HUB.bound)(answer).max(allowed(stated.torque)),
-            ),
+            tip_of_hub.measured_to(tip_error, bound),
+            torque_of_hub
+                .measured_to(apart, (torque_of_hub.bound)(answer).max(allowed(stated.torque))),
         ],
         energy: energy(answer, &simulation),
     })

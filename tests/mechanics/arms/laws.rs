@@ -110,7 +110,7 @@ fn an_arm_of_one_link_is_the_link() {
         for gravity in [GRAVITY, [0.0; 2]] {
             for level in LEVELS {
                 let one = follow(&*model(&parts, 6), &chord(&turn, gravity), level, 1e-11);
-                let one = one.expect("a motion").torque_n_m;
+                let one = one.expect("a motion").motion.torque_n_m;
                 let turns = std::slice::from_ref(&turn);
                 let arm = turning(turns, Kept::Angles, gravity);
                 let found = solved(std::slice::from_ref(&parts), &arm, level);

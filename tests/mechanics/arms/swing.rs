@@ -66,7 +66,7 @@ fn a_cycle_takes_what_damping_takes() {
             follow_arm(&models(&parts, 8), &swing(0.3, kept, [0.0; 2]), SecondOrder::Full, 1e-9);
         let found = found.expect("a motion");
         let [work, taken] = over_cycle(&parts, 8, &found);
-        assert!(found.iteration_error < 1e-5, "{:e}", found.iteration_error);
+        assert!(found.iteration.error < 1e-5, "{:e}", found.iteration.error);
         let off = (work / taken - 1.0).abs();
         assert!(off < 1e-6, "{off:e} of {taken} J");
     }
@@ -96,9 +96,9 @@ fn what_an_iteration_leaves_is_told() {
             let best = solved(1e-11);
             for tolerance in [1e-2, 1e-3, 1e-4, 1e-6] {
                 let found = solved(tolerance);
-                let (off, told) = (apart(&found, &best), found.iteration_error);
+                let (off, told) = (apart(&found, &best), found.iteration.error);
                 assert!(
-                    off <= 1.1 * told + best.iteration_error,
+                    off <= 1.1 * told + best.iteration.error,
                     "{off:e}, told {told:e}: {softness}, {kept:?}, {tolerance:e}"
                 );
             }
@@ -117,7 +117,7 @@ fn friction_of_joints_is_no_change_of_the_second_order() {
         follow_arm(&models(&parts, 6), &arm, SecondOrder::Full, 1e-9).expect("a motion")
     };
     let (without, rubbed) = (with(0.0), with(5.0));
-    let off = rubbed.second_order_change / without.second_order_change - 1.0;
+    let off = rubbed.iteration.second_order_change / without.iteration.second_order_change - 1.0;
     assert!(off.abs() < 1e-9, "{off:e}");
     // Friction acts on the rate of each joint, and on nothing else.
     let torque = |motion: &ArmMotion, k: usize| motion.links[1].bent.torque_n_m[k];

@@ -174,8 +174,9 @@ fn the_work_of_the_torque_is_the_change_of_energy_and_what_damping_takes() {
     for parts in [arm(), loaded_arm()] {
         let turn = turn();
         let model = model(&parts, 8);
-        let found =
-            follow(&*model, &chord(&turn, GRAVITY), SecondOrder::Full, 1e-10).expect("a motion");
+        let found = follow(&*model, &chord(&turn, GRAVITY), SecondOrder::Full, 1e-10)
+            .expect("a motion")
+            .motion;
         let energy = Energy { parts: &parts, nodes_m: model.mesh().nodes_m(), found: &found };
         let last = Turn::sample(turn.duration_s + 1.0);
         let [[v0, u0], [v1, u1]] = [(2, -1.2), (last, 0.5)].map(|(k, angle)| energy.at(k, angle));
@@ -204,8 +205,9 @@ fn the_moment_at_the_axis_is_the_torque_less_what_the_hub_takes() {
         for level in [SecondOrder::None, SecondOrder::First, SecondOrder::Full] {
             let off = |elements: usize| {
                 let model = model(&parts, elements);
-                let found =
-                    follow(&*model, &chord(&turn(), gravity), level, 1e-10).expect("a motion");
+                let found = follow(&*model, &chord(&turn(), gravity), level, 1e-10)
+                    .expect("a motion")
+                    .motion;
                 let last = Turn::sample(turn().duration_s + 1.0);
                 let angle = |k: usize| {
                     turn().at(k as f64 * STEP_S - super::BEFORE_S)[0] + found.hub_slope_rad[k]
@@ -250,7 +252,8 @@ fn a_turned_plane_takes_the_same_torques() {
         let upright = follow(&*model, &chord(&turn(), GRAVITY), second_order, 1e-11);
         let slanted = Turn { from_rad: turn().from_rad + 0.8, ..turn() };
         let slanted = follow(&*model, &chord(&slanted, turned), second_order, 1e-11);
-        let off = differ(&upright.expect("a motion"), &slanted.expect("a motion"), 1.0);
+        let off =
+            differ(&upright.expect("a motion").motion, &slanted.expect("a motion").motion, 1.0);
         assert!(off < 1e-9, "{off:e} {second_order:?}");
     }
 }
@@ -268,7 +271,7 @@ fn first_order_leaves_out_the_square_of_the_deflections() {
         let model = model(&parts, 6);
         let [none, first, full] =
             [SecondOrder::None, SecondOrder::First, SecondOrder::Full].map(|order| {
-                follow(&*model, &chord(&turn(), GRAVITY), order, 1e-12).expect("a motion")
+                follow(&*model, &chord(&turn(), GRAVITY), order, 1e-12).expect("a motion").motion
             });
         [differ(&full, &none, 1.0), differ(&full, &first, 1.0)]
     };
@@ -292,10 +295,11 @@ fn a_slower_turn_of_a_softer_link_takes_less_torque() {
     };
     let chord = chord(&turn(), [0.0; 2]);
     let slower = chord_of(&turn(), [0.0; 2], 2.0);
-    let fast =
-        follow(&*model(&loaded_arm(), 6), &chord, SecondOrder::Full, 1e-11).expect("a motion");
+    let fast = follow(&*model(&loaded_arm(), 6), &chord, SecondOrder::Full, 1e-11)
+        .expect("a motion")
+        .motion;
     let slow = model(&slow(loaded_arm()), 6);
-    let slow = follow(&*slow, &slower, SecondOrder::Full, 1e-11).expect("a motion");
+    let slow = follow(&*slow, &slower, SecondOrder::Full, 1e-11).expect("a motion").motion;
     let off = differ(&fast, &slow, 4.0);
     assert!(off < 1e-9, "{off:e}");
 }
@@ -309,7 +313,7 @@ fn a_link_that_hardly_bends_is_the_rigid_pendulum() {
         ..arm()
     };
     let found = follow(&*model(&stiff, 4), &chord(&turn(), GRAVITY), SecondOrder::Full, 1e-12);
-    let found = found.expect("a motion");
+    let found = found.expect("a motion").motion;
     let inertia = 0.05 + 0.5 * 1.1_f64.powi(3) / 3.0 + 0.2 * 1.1 * 1.1 + 1e-4;
     let moment = 9.81 * (0.5 * 1.1 * 1.1 / 2.0 + 0.2 * 1.1);
     for k in 0..Turn::sample(turn().duration_s + 1.0) {
@@ -327,7 +331,7 @@ fn a_steady_turn_takes_no_torque_and_does_not_bend() {
     let columns = [vec![0.0; len], vec![6.0; len], vec![0.0; len]];
     let chord = ChordPeriod::new(STEP_S, columns, [0.0; 2]).expect("a period");
     let found = follow(&*model(&loaded_arm(), 6), &chord, SecondOrder::Full, 1e-11);
-    let (found, friction) = (found.expect("a motion"), 0.3 * 6.0);
+    let (found, friction) = (found.expect("a motion").motion, 0.3 * 6.0);
     assert!(found.torque_n_m.iter().all(|t| (t - friction).abs() < 1e-12));
     assert!(found.largest_slope < 1e-12);
 }
@@ -340,7 +344,7 @@ fn hysteretic_damping_leaves_the_sag_alone() {
     let hysteretic = LinkParts { damping: Damping::Hysteretic { ratio: 0.05 }, ..loaded_arm() };
     for second_order in [SecondOrder::None, SecondOrder::Full] {
         let motion = |parts: &LinkParts| {
-            follow(&*model(parts, 6), &slowly, second_order, 1e-10).expect("a motion")
+            follow(&*model(parts, 6), &slowly, second_order, 1e-10).expect("a motion").motion
         };
         let (found, viscous) = (motion(&hysteretic), motion(&loaded_arm()));
         let sag = found.hub_slope_rad.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));

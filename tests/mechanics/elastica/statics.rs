@@ -23,7 +23,7 @@ fn soft() -> LinkParts {
 fn at_rest(parts: &LinkParts, elements: usize, chord_rad: f64) -> ElasticaMotion {
     let columns = [vec![chord_rad; 8], vec![0.0; 8], vec![0.0; 8]];
     let chord = ChordPeriod::new(STEP_S, columns, [0.0, -G]).expect("a period");
-    follow(&*model(parts, elements), &chord, SecondOrder::Full, 1e-12).expect("a shape")
+    follow(&*model(parts, elements), &chord, SecondOrder::Full, 1e-12).expect("a shape").motion
 }
 
 /// Moment at the axis, and direction there, of a cantilever whose tip lies in the direction `chord_rad`: integrated
