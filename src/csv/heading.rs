@@ -79,6 +79,26 @@ pub(super) const ROOT_STRAIN: Quantity =
 /// No unit of the link's mechanics: V counts as a pure number here.
 pub(super) const VOLTAGE: Quantity = quantity("voltage", "_v", Dimension::NONE, ["V", "mV"]);
 
+/// Place of an arm's tip.
+pub(super) const PATH_X: Quantity = quantity("x", "_m", Dimension::LENGTH, ["m", "mm"]);
+pub(super) const PATH_Y: Quantity = quantity("y", "_m", Dimension::LENGTH, ["m", "mm"]);
+/// Directions of an arm's links.
+pub(super) const ANGLES: [Quantity; 9] = [
+    direction("angle1"),
+    direction("angle2"),
+    direction("angle3"),
+    direction("angle4"),
+    direction("angle5"),
+    direction("angle6"),
+    direction("angle7"),
+    direction("angle8"),
+    direction("angle9"),
+];
+
+const fn direction(word: &'static str) -> Quantity {
+    quantity(word, "_rad", Dimension::NONE, ["rad", "deg"])
+}
+
 /// Every quantity that an option may name.
 pub(super) const QUANTITIES: [Quantity; 11] = [
     TIME,

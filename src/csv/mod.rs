@@ -10,6 +10,7 @@ mod input;
 mod motion;
 mod motion_columns;
 mod number;
+mod path;
 mod place;
 mod record;
 mod recorded;
@@ -30,6 +31,7 @@ pub use motion::{
 };
 pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};
+pub use path::{PathTable, read_path_table};
 pub use record::{RecordTable, read_record, read_recording};
 pub use response::read_frequency_response;
 pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, without_checks};

@@ -3,7 +3,9 @@
 use super::columns::{Columns, FirstRow, Header};
 use super::dialect::{Delimiter, Dialect};
 use super::format::{Reading, TableFormat};
-use super::heading::{ANGLE, DISPLACEMENT, Heading, Quantity, TIME, check_separator};
+use super::heading::{
+    ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME, check_separator,
+};
 use super::rows::{Place, TableError, quoted, read_rows, read_rows_as};
 use crate::compare::{Cell, Table, TableColumn};
 use crate::numeric::{CubicSpline, SplineEnds};
@@ -38,8 +40,8 @@ pub(super) struct Samples {
     has_blanks: bool,
     /// The last time as written.
     time_text: String,
-    /// Those of the displacement or angle.
-    digits: Digits,
+    /// Of each heading, those of the quantities that are followed.
+    digits: Vec<Digits>,
     /// What was found beyond the standard form.
     pub(super) reading: Reading,
 }
@@ -65,10 +67,10 @@ impl Samples {
                 width: fields.len(),
                 has_blanks: dialect.delimiter == Delimiter::Blanks,
                 values: vec![Vec::new(); columns.headings.len()],
+                digits: vec![Digits::default(); columns.headings.len()],
                 headings: columns.headings,
                 lines: Vec::new(),
                 time_text: String::new(),
-                digits: Digits::default(),
                 reading,
             };
             if columns.first == FirstRow::Samples {
@@ -141,9 +143,14 @@ impl Samples {
 
     /// To which decimal the displacement or angle is rounded, the step in SI.
     pub(super) fn rounding(&self) -> Option<Rounding> {
-        let is_counted = |heading: &&Heading| [DISPLACEMENT, ANGLE].contains(&heading.quantity);
-        let heading = self.headings.iter().find(is_counted)?;
-        self.digits.rounding().map(|own| Rounding { step: heading.to_si(own.step), ..own })
+        [DISPLACEMENT, ANGLE].into_iter().find_map(|quantity| self.rounding_of(quantity))
+    }
+
+    /// To which decimal a quantity that is followed is rounded, the step in SI.
+    pub(super) fn rounding_of(&self, quantity: Quantity) -> Option<Rounding> {
+        let is_meant = |(heading, _): &(&Heading, &Digits)| heading.quantity == quantity;
+        let (heading, digits) = self.headings.iter().zip(&self.digits).find(is_meant)?;
+        digits.rounding().map(|own| Rounding { step: heading.to_si(own.step), ..own })
     }
 
     fn push(&mut self, fields: &[&str], place: Place) -> Result<(), TableError> {
@@ -153,7 +160,8 @@ impl Samples {
             let is_headed_by_words = self.has_blanks && self.lines.is_empty();
             error.with_hint(hint.or(is_headed_by_words.then(|| WORDS.to_owned())))
         })?;
-        for (heading, values) in self.headings.iter().zip(&mut self.values) {
+        let columns = self.headings.iter().zip(&mut self.values).zip(&mut self.digits);
+        for ((heading, values), digits) in columns {
             let value = read_number(fields[heading.index], heading, place)?;
             if heading.quantity == TIME {
                 let text = fields[heading.index];
@@ -167,14 +175,19 @@ impl Samples {
                 }
                 text.clone_into(&mut self.time_text);
             }
-            if [DISPLACEMENT, ANGLE].contains(&heading.quantity) {
-                self.digits.count(fields[heading.index], value);
+            if is_followed(heading.quantity) {
+                digits.count(fields[heading.index], value);
             }
             values.push(value);
         }
         self.lines.extend(place.line);
         Ok(())
     }
+}
+
+/// True of what a motion or a path prescribes: the digits of its samples tell how far they are to be trusted.
+fn is_followed(quantity: Quantity) -> bool {
+    [DISPLACEMENT, ANGLE, PATH_X, PATH_Y].contains(&quantity) || ANGLES.contains(&quantity)
 }
 
 /// Refuses one of the samples whose `lines` these are, or all of them, for the reason `why`.

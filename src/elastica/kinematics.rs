@@ -236,25 +236,39 @@ fn reach(end: &[[f64; 2]; 3], mut bars: [Bar; 2], side: f64) -> Option<[Bar; 2]>
     Some(bars)
 }
 
-/// Directions, rates and accelerations of the chords of a rigid arm of two links whose tip moves as given: place in m,
-/// velocity and acceleration along x and y at each sample. `is_left` where the second link turns left of the first.
+/// Directions, rates and accelerations of the chords of a rigid arm whose tip moves as given: place in m, velocity and
+/// acceleration along x and y at each sample. The chords from the third on are given; the second link turns left of the
+/// first where `is_left`.
 ///
 /// # Errors
 /// [`ElasticaError::Elbow`] where the arm does not reach the tip, or only stretched.
+///
+/// # Panics
+/// If there are not two lengths more than given chords.
 pub fn reaching(
     tip: &[[[f64; 2]; 3]],
-    lengths_m: [f64; 2],
+    lengths_m: &[f64],
+    outer: &[AngleHistories],
     is_left: bool,
 ) -> Result<Vec<AngleHistories>, ElasticaError> {
+    assert!(lengths_m.len() == outer.len() + 2, "two chords that follow");
     let side = if is_left { 1.0 } else { -1.0 };
-    let mut bars =
-        lengths_m.map(|length_m| Bar { length_m: [length_m, 0.0, 0.0], angle_rad: [0.0; 3] });
+    let bar = |length_m: f64, angle_rad| Bar { length_m: [length_m, 0.0, 0.0], angle_rad };
+    let mut bars = [0, 1].map(|link| bar(lengths_m[link], [0.0; 3]));
     let mut chords = vec![[Vec::new(), Vec::new(), Vec::new()]; 2];
     for (sample, end) in tip.iter().enumerate() {
-        bars = reach(end, bars, side).ok_or(ElasticaError::Elbow { sample, sine: 0.0 })?;
+        let mut end = *end;
+        for (chord, length_m) in outer.iter().zip(&lengths_m[2..]) {
+            let further = bar(*length_m, [0, 1, 2].map(|part| chord[part][sample])).vector();
+            for (end, further) in end.iter_mut().zip(further) {
+                *end = [end[0] - further[0], end[1] - further[1]];
+            }
+        }
+        bars = reach(&end, bars, side).ok_or(ElasticaError::Elbow { sample, sine: 0.0 })?;
         for (chord, bar) in chords.iter_mut().zip(&bars) {
             chord.iter_mut().zip(bar.angle_rad).for_each(|(column, value)| column.push(value));
         }
     }
+    chords.extend_from_slice(outer);
     Ok(chords)
 }

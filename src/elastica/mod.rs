@@ -62,7 +62,7 @@
 //!
 //! // At rest, its tip 0.6 m in front of its first joint: the second link turns left of the first.
 //! let tip = vec![[[0.6, 0.0], [0.0; 2], [0.0; 2]]; 8];
-//! let chords = reaching(&tip, [0.5, 0.5], true)?;
+//! let chords = reaching(&tip, &[0.5, 0.5], &[], true)?;
 //! let arm = ArmPeriod::new(0.01, chords, Kept::Tip, [0.0, -9.81])?;
 //! let held = follow_arm(&[model.clone(), model], &arm, SecondOrder::Full, 1e-9)?;
 //! let [shoulder, elbow] = [0, 1].map(|joint| held.links[joint].bent.torque_n_m[0]);

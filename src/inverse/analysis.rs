@@ -123,6 +123,11 @@ impl Analysis {
         self.second_order.unwrap_or(default)
     }
 
+    /// What was chosen to be counted of the second order.
+    pub(super) fn second_order(&self) -> Option<SecondOrder> {
+        self.second_order
+    }
+
     /// Share of its peak that padding and wrap-around may cost every quantity.
     pub fn tolerance(&self) -> f64 {
         self.tolerance

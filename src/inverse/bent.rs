@@ -62,7 +62,11 @@ impl<'a> BentProblem<'a> {
             gravity_m_s2: link.gravity().map_or([0.0; 2], |gravity| gravity.acceleration_m_s2),
             start_angle_rad: problem.start_angle_rad(link)?,
             second_order: problem.analysis.second_order_of(link),
-            returns: Return::of(first_zero_per_s, &problem.motion.grid(), returns),
+            returns: if returns {
+                Return::of_link(first_zero_per_s, &problem.motion.grid())
+            } else {
+                Return::NONE
+            },
             problem,
         })
     }

@@ -297,7 +297,7 @@ impl Diagnostics<'_> {
 }
 
 /// Zeros of torque → tip on the real axis, where the motion holds more than the tolerance.
-fn blocked_tip(mesh: &Mesh, spectrum: &TipSpectrum, tolerance: f64) -> Vec<Warning> {
+pub(super) fn blocked_tip(mesh: &Mesh, spectrum: &TipSpectrum, tolerance: f64) -> Vec<Warning> {
     let (magnitudes, peak) = (&spectrum.magnitudes_m_s2, spectrum.largest_m_s2);
     let bins = magnitudes.iter().rposition(|a| *a > tolerance * peak).unwrap_or(0);
     let spacing = spectrum.omegas_rad_s[1];

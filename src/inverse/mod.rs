@@ -11,6 +11,7 @@
 mod accuracy;
 mod amplitudes;
 mod analysis;
+mod arm;
 mod bent;
 mod bent_answer;
 mod curves;
@@ -31,6 +32,7 @@ mod warning;
 
 pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors, ShareOf};
 pub use analysis::{Analysis, Resources, Stage, Unwatched, Watch};
+pub use arm::{ArmError, ArmFindings, ArmJoint, ArmLinkShape, ArmSolution, ArmWarning, invert_arm};
 pub use bent_answer::SecondOrderFindings;
 pub use error::{InversionError, RefusedEnds};
 pub use histories::MotorHistories;

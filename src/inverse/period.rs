@@ -3,7 +3,7 @@
 use super::analysis::Analysis;
 use super::error::InversionError;
 use crate::motion::TipMotion;
-use crate::numeric::{fast_length, largest};
+use crate::numeric::{TimeGrid, fast_length, largest};
 
 /// Most samples of a period.
 const LONGEST: usize = 1 << 24;
@@ -32,14 +32,23 @@ impl Padding {
         if let Some(cycles) = motion.cycles() {
             return Self { before: 0, after: 0, cycles: Some(cycles) };
         }
-        let step_s = motion.grid().step_s;
+        let (first, last) = motion.moving_samples();
+        Self::around((first, last), motion.grid(), analysis, first_zero)
+    }
+
+    /// The same of a motion that moves from sample `first` to sample `last` of its grid.
+    pub(super) fn around(
+        (first, last): (usize, usize),
+        TimeGrid { step_s, len, .. }: TimeGrid,
+        analysis: &Analysis,
+        first_zero: Option<f64>,
+    ) -> Self {
         let decay_s = first_zero.map_or(0.0, |z| libm::log(10.0 / analysis.tolerance()) / z);
         let decay = (decay_s / step_s).ceil() as usize;
-        let (first, last) = motion.moving_samples();
         let given = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);
         Self {
             before: decay.saturating_sub(first).max(given(analysis.lead_s())),
-            after: decay.saturating_sub(motion.grid().len - 1 - last).max(given(analysis.lag_s())),
+            after: decay.saturating_sub(len - 1 - last).max(given(analysis.lag_s())),
             cycles: None,
         }
     }

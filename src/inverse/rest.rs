@@ -18,6 +18,10 @@ const FEWEST: usize = 256;
 /// Rest on either side of the return, over the same time: that difference has fallen to about 1e-8.
 const QUIET: f64 = 10.0;
 
+/// How many times as long an arm's chords return: what the outer links do reaches the first joint through links that
+/// amplify fast parts of it, each by its own gain.
+const OF_ARM: usize = 2;
+
 /// Share of the time that a period has to spare for the return; the torque decays in the rest.
 const SPARE_FOR_RETURN: f64 = 0.2;
 
@@ -31,14 +35,20 @@ pub(super) struct Return {
 }
 
 impl Return {
-    /// The return for torques that decay as e^(−z₁t), where there is one.
-    pub(super) fn of(first_zero_per_s: Option<f64>, grid: &TimeGrid, returns: bool) -> Self {
+    /// A period in which nothing returns.
+    pub(super) const NONE: Self = Self { fewest: 0, quiet: 0 };
+
+    /// The return of one link's chord for torques that decay as e^(−z₁t).
+    pub(super) fn of_link(first_zero_per_s: Option<f64>, grid: &TimeGrid) -> Self {
         let falls_s = first_zero_per_s.map_or(grid.duration_s() / RETURN, f64::recip);
-        let steps = |times: f64| {
-            if returns { (times * falls_s / grid.step_s).ceil() as usize } else { 0 }
-        };
-        let fewest = if returns { steps(RETURN).max(FEWEST) } else { 0 };
-        Self { fewest, quiet: steps(QUIET) }
+        let steps = |times: f64| (times * falls_s / grid.step_s).ceil() as usize;
+        Self { fewest: steps(RETURN).max(FEWEST), quiet: steps(QUIET) }
+    }
+
+    /// That of an arm's chords, where `z₁` is the smallest of the links' zeros.
+    pub(super) fn of_arm(first_zero_per_s: Option<f64>, grid: &TimeGrid) -> Self {
+        let Self { fewest, quiet } = Self::of_link(first_zero_per_s, grid);
+        Self { fewest: OF_ARM * fewest, quiet }
     }
 
     /// Samples of the shortest period for a motion of `given` ones.

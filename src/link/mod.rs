@@ -3,6 +3,7 @@
 //! A [`Link`] that exists is valid, so nothing downstream checks it again. It knows no file; a
 //! refusal names the parameter by its dotted path; the reader of the file adds the line.
 
+mod arm;
 mod builder;
 mod damping;
 #[expect(clippy::module_inception, reason = "the whole link")]
@@ -11,6 +12,7 @@ mod parts;
 mod section;
 mod segment;
 
+pub use arm::{Arm, ArmLink, ArmParts, Elbow};
 pub use damping::Damping;
 pub(crate) use damping::in_unit_interval;
 pub(crate) use link::POSITION_TOLERANCE;

@@ -16,7 +16,9 @@ use flexlink::modal::REPORTED_MODES;
 use flexlink::motion::{Ends, MotionScale, TipMotion};
 use flexlink::numeric::{Dimension, parse_quantity};
 use flexlink::result::Remark;
-use flexlink::spec::{Override, SpecError, Specification, read_specification};
+use flexlink::spec::{
+    Described, LinkDocument, Override, SpecError, Specification, read_specification,
+};
 use flexlink::text::plain;
 
 use super::common::{finite, option};
@@ -81,12 +83,21 @@ pub(crate) fn specification(
     changes: &[Override],
 ) -> Result<Specification, Failure> {
     let read = read_specification(&file.shown, file.text()?, changes);
-    read.map_err(|error| {
-        let extension = Path::new(&file.name).extension();
-        let is_table = extension.is_some_and(|extension| extension == "csv");
-        let order = is_table.then_some("LINK, a TOML file, comes before MOTION or TORQUE");
-        Failure::new(Exit::InputRefused, &error, file.disguise().or(error.hint()).or(order))
-    })
+    read.map_err(|error| not_read(file, &error))
+}
+
+fn not_read(file: &InputFile, error: &SpecError) -> Failure {
+    let extension = Path::new(&file.name).extension();
+    let is_table = extension.is_some_and(|extension| extension == "csv");
+    let order = is_table.then_some("LINK, a TOML file, comes before MOTION or TORQUE");
+    Failure::new(Exit::InputRefused, error, file.disguise().or(error.hint()).or(order))
+}
+
+/// Reads what a file describes, one link or an arm of several, with some changes.
+pub(crate) fn described(file: &InputFile, changes: &[Override]) -> Result<Described, Failure> {
+    let read = LinkDocument::read(&file.shown, file.text()?)
+        .and_then(|document| document.described(&file.shown, changes));
+    read.map_err(|error| not_read(file, &error))
 }
 
 /// Warns that frequencies are those without gravity, where it acts; returns the number of warnings.

@@ -136,6 +136,15 @@ impl Limits {
         pairs.filter_map(value).collect()
     }
 
+    /// The limits that these values exceed, which are in the order of the link file.
+    pub(super) fn exceeded_by(&self, found: [f64; 10]) -> Vec<Exceeded> {
+        let pairs = self.entries().into_iter().zip(found);
+        let value =
+            |((key, limit, unit), found)| Some(LimitedValue { key, limit: limit?, found, unit });
+        let values = pairs.filter_map(value);
+        values.filter(|value| value.found > value.limit).map(Exceeded).collect()
+    }
+
     /// How near a solution comes to each limit, in the order of the link file.
     pub fn reached(&self, solution: &Solution) -> Vec<Reached> {
         let metrics = Metrics::of(solution);

@@ -1,6 +1,7 @@
 //! Numbers of a result that a person reads first, limits and the shortest motion within them, and
 //! results read back.
 
+mod arm;
 mod channels;
 mod errors;
 mod fit;
@@ -11,6 +12,7 @@ mod recording;
 mod remark;
 mod stored;
 
+pub use arm::{ArmMetrics, JointMetrics};
 pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
 pub use errors::{
     BandMeshError, CoarseMesh, HeldModes, LateTarget, ModesResult, PoseModes, PoseSquares,

@@ -1,11 +1,10 @@
 use serde::Deserialize;
 
 use super::damping::damping;
-use super::error::{Fault, SpecError};
-use super::overrides::{Override, apply};
+use super::error::Fault;
 use super::raw::{RawAnalysis, RawLimits, RawSpecification};
 use super::segment::segment;
-use super::tree::{Node, Place};
+use super::tree::Node;
 use super::value::{AlongAxes, Count, Elements, Si};
 use crate::beam::{ElementCount, MeshPlan};
 use crate::inverse::Analysis;
@@ -27,71 +26,9 @@ pub struct Specification {
     pub remarks: Vec<Remark>,
 }
 
-/// Reads the text of a link file and applies the `overrides` in their order.
-///
-/// `name` is what errors call the file.
-///
-/// # Errors
-/// [`SpecError`] names the line, or the `--set`, and the wrong value.
-pub fn read_specification(
-    name: &str,
-    text: &str,
-    overrides: &[Override],
-) -> Result<Specification, SpecError> {
-    LinkDocument::read(name, text)?.specification(name, overrides)
-}
-
-/// The text of a link file, parsed once for many sets of overrides; nothing of it is checked yet.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinkDocument {
-    tree: Node,
-}
-
-impl LinkDocument {
-    /// Parses the text of a link file, which errors call `name`.
-    ///
-    /// # Errors
-    /// [`SpecError`] names the line that is no TOML.
-    pub fn read(name: &str, text: &str) -> Result<Self, SpecError> {
-        Ok(Self { tree: Node::document(name, text)? })
-    }
-
-    /// The specification with the `overrides` applied in their order.
-    ///
-    /// # Errors
-    /// As [`read_specification`].
-    pub fn specification(
-        &self,
-        name: &str,
-        overrides: &[Override],
-    ) -> Result<Specification, SpecError> {
-        let tree = self.changed(overrides)?;
-        let raw = RawSpecification::deserialize(&tree).map_err(Fault::from);
-        raw.and_then(convert).map_err(|fault| {
-            let place = tree.last_place(&fault);
-            fault.at(shown(place, name, overrides))
-        })
-    }
-}
-
-impl LinkDocument {
-    /// The file as a tree, with the changes applied in their order.
-    pub(super) fn changed(&self, overrides: &[Override]) -> Result<Node, SpecError> {
-        let mut tree = self.tree.clone();
-        for (number, change) in overrides.iter().enumerate() {
-            apply(&mut tree, number, change)?;
-        }
-        Ok(tree)
-    }
-}
-
-/// A place as errors name it.
-pub(super) fn shown(place: Place, name: &str, overrides: &[Override]) -> String {
-    match place {
-        Place::File => name.to_owned(),
-        Place::Line(line) => format!("{name}:{line}"),
-        Place::Override(number) => overrides[number].place.clone(),
-    }
+/// The specification that a tree describes.
+pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
+    convert(RawSpecification::deserialize(tree)?)
 }
 
 /// Converts the raw form to the checked one.
@@ -191,33 +128,5 @@ fn limits(raw: &RawLimits) -> Limits {
         motor_rms_torque_n_m: raw.motor_rms_torque.map(Si::si),
         motor_rate_rad_s: raw.motor_rate.map(Si::si),
         motor_power_w: raw.motor_power.map(Si::si),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_mesh_tolerance_has_its_range() {
-        let refused = |tolerance: &str| {
-            let segment = "{ length = 1, EI = 1, mass_per_length = 1 }";
-            let text = format!("segments = [{segment}]\nmesh.tolerance = {tolerance}");
-            read_specification("link.toml", &text, &[]).is_err()
-        };
-        assert!(!refused("1e-12") && !refused("0.1"));
-        assert!(refused("0.9e-12") && refused("0.11"));
-    }
-
-    #[test]
-    fn an_error_is_placed_in_the_file_the_line_or_the_setting() {
-        let place = |text: &str, set: &str| {
-            let error = read_specification("link.toml", text, &[set.parse().unwrap()]);
-            let message = error.unwrap_err().to_string();
-            message.split_once(": ").unwrap().0.to_owned()
-        };
-        assert_eq!(place("", "hub.inertia=1"), "link.toml");
-        assert_eq!(place("\n\nlimits = 1", "hub.inertia=1"), "link.toml:3");
-        assert_eq!(place("", "hub.x=1"), "--set 'hub.x=1'");
     }
 }

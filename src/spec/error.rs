@@ -58,6 +58,46 @@ impl Fault {
         self
     }
 
+    /// The refusal of what a link file holds, in a link of an arm.
+    pub(super) fn of_link(mut self, link: usize, is_last: bool) -> Self {
+        if !is_last {
+            // What the tip of an inner link carries is read as a payload.
+            let renamed = |text: &str| match text.strip_prefix("payload") {
+                Some(rest) => format!("tip{rest}"),
+                None => text.replace(" payload", " tip"),
+            };
+            self.message = renamed(&self.message);
+            self.paths = self.paths.iter().map(|path| renamed(path)).collect();
+        }
+        let shared = |path: &String| {
+            ["mesh", "analysis", "gravity", "start_angle", "title"].iter().any(|key| {
+                path == key || path.strip_prefix(key).is_some_and(|rest| rest.starts_with('.'))
+            })
+        };
+        if self.paths.iter().any(shared) {
+            return self;
+        }
+        let below = |path: &str| {
+            if path.is_empty() { format!("links.{link}") } else { format!("links.{link}.{path}") }
+        };
+        let named =
+            self.paths.iter().any(|path| !path.is_empty() && self.message.starts_with(path));
+        self.message = if named || self.message.starts_with("unknown key") {
+            let of_tail = self.message.replacen(" in ", &format!(" in links.{link}."), 1);
+            if named {
+                below(&self.message)
+            } else if of_tail == self.message {
+                format!("{} in links.{link}", self.message)
+            } else {
+                of_tail
+            }
+        } else {
+            format!("links.{link}: {}", self.message)
+        };
+        self.paths = self.paths.iter().map(|path| below(path)).collect();
+        self
+    }
+
     /// The refusal, with its place as text. Control characters become visible: the texts quote the file.
     pub(super) fn at(self, place: String) -> SpecError {
         let shown = |text: String| visible(&text).into_owned();

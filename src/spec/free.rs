@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
-use super::convert::LinkDocument;
+use super::document::LinkDocument;
 use super::error::{Fault, SpecError};
 use super::overrides::{Override, apply};
 use super::tree::{Kind, Node, Place};

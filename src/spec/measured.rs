@@ -3,7 +3,7 @@ use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
-use super::convert::shown;
+use super::document::shown;
 use super::error::{Fault, SpecError};
 use super::measured_files::{
     RawGain, RawMotor, RawRecord, RawSensor, RecordFile, check_motor, checked,

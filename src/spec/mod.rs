@@ -16,6 +16,7 @@
 mod choices;
 mod convert;
 mod damping;
+mod document;
 mod error;
 mod free;
 mod measured;
@@ -28,7 +29,8 @@ mod tolerances;
 mod tree;
 mod value;
 
-pub use convert::{LinkDocument, Specification, read_specification};
+pub use convert::Specification;
+pub use document::{ArmSpecification, Described, LinkDocument, read_specification};
 pub use error::SpecError;
 pub use free::{FreeValue, rewrite};
 pub use measured::{MeasuredFile, ResponseFile, read_measurements};

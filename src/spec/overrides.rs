@@ -94,6 +94,11 @@ pub(super) fn apply(tree: &mut Node, number: usize, change: &Override) -> Result
 /// Removes the elements of single segments, which a number for the whole link replaces.
 fn remove_own_elements(tree: &mut Node) {
     let Kind::Table(entries) = &mut tree.kind else { return };
+    for (_, links) in entries.iter_mut().filter(|(key, _)| key == "links") {
+        if let Kind::List(links) = &mut links.kind {
+            links.iter_mut().for_each(remove_own_elements);
+        }
+    }
     let segments = entries.iter_mut().filter(|(key, _)| key == "segments");
     for (_, segments) in segments {
         let Kind::List(segments) = &mut segments.kind else { continue };
@@ -168,7 +173,7 @@ impl Step<'_> {
             let message = format!("{absent}, so it cannot be multiplied");
             return Err(Fault::new(path, message).hinting(instead(entries, step)));
         }
-        if matches!(step, "segments" | "masses") && !rest.is_empty() {
+        if matches!(step, "links" | "segments" | "masses") && !rest.is_empty() {
             return Err(Fault::new(path, absent));
         }
         if rest.is_empty() {

@@ -1,6 +1,6 @@
 use serde::Deserialize;
 
-use super::convert::shown;
+use super::document::shown;
 use super::error::{Fault, SpecError};
 use super::tree::Node;
 use super::value::tables;

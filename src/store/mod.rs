@@ -1,5 +1,6 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
 
+mod arm_run;
 mod folder;
 mod frequency_tables;
 mod golden;

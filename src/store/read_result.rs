@@ -141,6 +141,10 @@ fn read_run(folder: RunFolder) -> Result<StoredRun, TableError> {
 /// Reads the tables of a run with this summary, which is at `place`.
 fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<StoredRun, TableError> {
     folder.check_named(&summary.files)?;
+    if summary.is_of_arm() {
+        let must = "must be absent: results of one link are read here, no arm's";
+        return Err(place.refuse("arm", "given", must));
+    }
     let link = summary.link().map_err(|error| place.refuse_whole(format!("link.{error}")))?;
     let mesh = read_mesh(&folder.file(NODES.0)?, &link)?;
 

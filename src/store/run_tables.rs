@@ -23,7 +23,7 @@ pub const REPORT: &str = "report.html";
 
 /// Files that a run may leave in its folder besides summary.json. A run removes those of an earlier run
 /// that it does not write itself, so that a folder holds one run.
-pub(super) const RESULT_FILES: [&str; 10] = [
+pub(super) const RESULT_FILES: [&str; 16] = [
     TORQUE.0,
     RIGID_TORQUE.0,
     HUB_ANGLE,
@@ -34,6 +34,12 @@ pub(super) const RESULT_FILES: [&str; 10] = [
     DEFLECTIONS.file,
     MOMENTS.file,
     REPORT,
+    TORQUES,
+    RIGID_TORQUES,
+    JOINT_ANGLES,
+    CHORD_ANGLES,
+    REACTIONS,
+    POSITIONS,
 ];
 
 /// A file over time and its columns beside the time.
@@ -52,6 +58,15 @@ pub(super) const PLAYED_HUB: [&str; 3] =
     ["hub_angle_rad", "hub_rate_rad_s", "hub_acceleration_rad_s2"];
 pub(super) const SOLVED_HUB: [&str; 4] =
     [PLAYED_HUB[0], PLAYED_HUB[1], PLAYED_HUB[2], "rigid_hub_angle_rad"];
+/// Files of an arm's run alone.
+pub(super) const TORQUES: &str = "torques.csv";
+pub(super) const RIGID_TORQUES: &str = "rigid_torques.csv";
+pub(super) const JOINT_ANGLES: &str = "joint_angles.csv";
+pub(super) const CHORD_ANGLES: &str = "chord_angles.csv";
+pub(super) const REACTIONS: &str = "reactions.csv";
+pub(super) const POSITIONS: &str = "nodal_positions.csv";
+const OF_ARMS: [&str; 6] =
+    [TORQUES, RIGID_TORQUES, JOINT_ANGLES, CHORD_ANGLES, REACTIONS, POSITIONS];
 pub(super) const NODES: Histories<3> = ("nodes.csv", ["node", "x_m", "segment"]);
 
 /// A table over time with a column for every node: `v7_m`.
@@ -110,6 +125,7 @@ impl RunOutputs {
     pub fn file_names(&self, link: &Link) -> Vec<&'static str> {
         let is_written = |name: &&str| match *name {
             REPORT => false,
+            name if OF_ARMS.contains(&name) => false,
             name if name == MOTOR.0 => link.drive().is_some(),
             name if name == DEFLECTIONS.file => self.deflections,
             name if name == MOMENTS.file => self.moments,

@@ -30,6 +30,8 @@ pub struct Summary {
     pub(super) command: String,
     pub(super) title: String,
     pub(super) inputs: RunInputs,
+    /// Default where there are several links: `arm` holds them.
+    #[serde(default, skip_serializing_if = "LinkRecord::is_none")]
     pub(super) link: LinkRecord,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) drive: Nullable<Drive>,
@@ -141,13 +143,17 @@ pub(super) struct LinkRecord {
 impl Summary {
     /// A summary with the keys that both commands have.
     pub(super) fn of(command: &str, inputs: RunInputs, link: &Link, law: &DampingLaw) -> Self {
+        Self { link: LinkRecord::of(link, law), ..Self::titled(command, inputs, link.title()) }
+    }
+
+    /// A summary with the keys that all results have.
+    pub(super) fn titled(command: &str, inputs: RunInputs, title: &str) -> Self {
         Self {
             format: FORMAT,
             flexlink: env!("CARGO_PKG_VERSION").to_owned(),
             command: command.to_owned(),
-            title: link.title().to_owned(),
+            title: title.to_owned(),
             inputs,
-            link: LinkRecord::of(link, law),
             ..Self::default()
         }
     }
@@ -219,6 +225,11 @@ impl Summary {
         Err(ParameterError::new("length_m", length_m, "m", must))
     }
 
+    /// True if it is of an arm of several links.
+    pub(super) fn is_of_arm(&self) -> bool {
+        !self.values["arm"].is_null()
+    }
+
     /// First and last time in s of the histories.
     pub(super) fn window_s(&self) -> Option<(f64, f64)> {
         let number = |of: &str, key: &str| self.values[of][key].as_f64();
@@ -260,6 +271,11 @@ fn numbers_in(object: &Value, prefix: &str) -> Vec<(String, f64)> {
 }
 
 impl LinkRecord {
+    /// True where there is no link.
+    fn is_none(&self) -> bool {
+        self.segments.is_empty()
+    }
+
     fn of(link: &Link, law: &DampingLaw) -> Self {
         let damping = match (link.damping(), law) {
             (damping @ Damping::Caughey { .. }, _) => damping.clone(),
@@ -269,6 +285,11 @@ impl LinkRecord {
             (damping @ (Damping::Modal { .. } | Damping::Hysteretic { .. }), _) => damping.clone(),
             _ => Damping::None,
         };
+        Self { damping, ..Self::of_parts(link) }
+    }
+
+    /// The record with the damping as it was given.
+    pub(super) fn of_parts(link: &Link) -> Self {
         let without_section =
             |segment: &Segment| Segment { cross_section: None, ..segment.clone() };
         Self {
@@ -278,7 +299,7 @@ impl LinkRecord {
             hub: *link.hub(),
             masses: link.masses().to_vec(),
             payload: *link.payload(),
-            damping,
+            damping: link.damping().clone(),
             gravity: link.gravity().copied(),
         }
     }

@@ -6,12 +6,13 @@ use clap::builder::ArgPredicate;
 use flexlink::csv::InputFile;
 use flexlink::store::{REPORT, Summary};
 
-use super::run::{Page, Problem, SolveOptions, Solved};
+use super::arm::{ArmProblem, SolvedArm};
+use super::run::{OneOrSeveral, Page, Problem, SolveOptions, Solved};
 use crate::cli::verify::{refuse_failed, warn};
 use crate::options::common::SyncArgs;
 use crate::options::inputs::{LINK, MOTION};
 use crate::terminal::files::keep;
-use crate::terminal::text::{solve_text, verify_text};
+use crate::terminal::text::{arm_text, solve_text, verify_text};
 use crate::terminal::{Ending, Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console};
 
 const EXAMPLE: &str = "\
@@ -87,6 +88,10 @@ impl Solve {
             return self.repeat(run);
         }
         let (problem, output) = self.load()?;
+        let problem = match problem {
+            OneOrSeveral::One(problem) => problem,
+            OneOrSeveral::Several(problem) => return self.run_arm(&problem, output),
+        };
         let stages = self.print.stages();
         let solved = problem.solve(&stages)?;
         let page = if self.report { Page::Written } else { Page::Left };
@@ -96,8 +101,31 @@ impl Solve {
         self.judge(&solved)
     }
 
+    /// Solves an arm of several links, writes and tells.
+    fn run_arm(&self, problem: &ArmProblem<'_>, output: &Path) -> Result<Ending, Failure> {
+        if self.report {
+            let message = "--report is for one link, and the arm has several";
+            return Err(Failure::new(Exit::Usage, &message, None));
+        }
+        let stages = self.print.stages();
+        let solved = problem.solve(&stages)?;
+        let summary = problem.write(&solved, (output, self.sync.durability()), &stages)?;
+        drop(stages);
+        problem.warn(&solved, self.strict);
+        let SolvedArm { solution, metrics, exceeded } = &solved;
+        let written = format!("{} files in {}", problem.files(&solved), output.display());
+        let text = || arm_text(solution, metrics, &written);
+        self.print.print(|| summary.to_json(), text)?;
+        if let Some((joint, limit)) = exceeded.first().filter(|_| self.strict) {
+            let message = format!("joint {}: {limit}", joint + 1);
+            return Err(Failure::new(Exit::NotSolvable, &message, Some(limit.hint())));
+        }
+        self.warnings.refuse(solution.warnings.len() + exceeded.len())?;
+        Ok(Ending::Done)
+    }
+
     /// Reads the problem; returns it with the folder of the results.
-    fn load(&self) -> Result<(Problem<'_>, &Path), Failure> {
+    fn load(&self) -> Result<(OneOrSeveral<'_>, &Path), Failure> {
         let (Some(link), Some(motion), Some(output)) = (&self.link, &self.motion, &self.output)
         else {
             // The parser requires them.

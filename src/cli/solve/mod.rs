@@ -1,5 +1,6 @@
 //! `solve`: link and motion in, torque out; with `--repeat`, a run done again.
 
+mod arm;
 mod command;
 mod repeat;
 mod run;

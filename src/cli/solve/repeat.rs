@@ -8,7 +8,7 @@ use flexlink::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
 use flexlink::text::excerpt;
 
 use super::command::Solve;
-use super::run::{Page, Problem, SolveOptions};
+use super::run::{OneOrSeveral, Page, Problem, SolveOptions};
 use crate::terminal::files::{keep, read_once};
 use crate::terminal::text::repetition_text;
 use crate::terminal::{Ending, Exit, Failure, console};
@@ -46,13 +46,18 @@ impl Solve {
     fn repeated(
         &self,
         record: &RunRecord,
-        problem: &Problem,
+        problem: &OneOrSeveral,
     ) -> Result<Vec<RepeatedFile>, Failure> {
         let compared = |folder: &Path, durability| {
             let stages = self.print.stages();
-            let solved = problem.solve(&stages).and_then(|solved| {
-                problem.write(&solved, (folder, durability), Page::Left, &stages)
-            });
+            let solved = match problem {
+                OneOrSeveral::One(problem) => problem.solve(&stages).and_then(|solved| {
+                    problem.write(&solved, (folder, durability), Page::Left, &stages)
+                }),
+                OneOrSeveral::Several(problem) => problem
+                    .solve(&stages)
+                    .and_then(|solved| problem.write(&solved, (folder, durability), &stages)),
+            };
             drop(stages);
             solved.map_err(|failure| of_record(failure, record))?;
             let files = record.compare(folder);

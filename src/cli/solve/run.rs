@@ -10,15 +10,18 @@ use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
 use flexlink::result::{Exceeded, Metrics, Remark};
-use flexlink::spec::Specification;
+use flexlink::spec::{Described, Specification};
 use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 use flexlink::verify::Verification;
 
+use super::arm::ArmProblem;
 use crate::cli::verify::verified;
 use crate::options::common::{NodeArgs, digits_arguments};
-use crate::options::inputs::{ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, remarks, tell};
+use crate::options::inputs::{
+    ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, described, remarks, tell,
+};
 use crate::terminal::text::memory_text;
-use crate::terminal::{Failure, StageBar, console, memory};
+use crate::terminal::{Exit, Failure, StageBar, console, memory};
 
 /// The arguments that shape the results beside the files; a run records them.
 #[derive(Debug, Args)]
@@ -52,7 +55,7 @@ pub(super) struct SolveOptions {
     verify: bool,
 
     #[command(flatten)]
-    read: ReadArgs,
+    pub(super) read: ReadArgs,
 }
 
 /// The arguments of a record, read as those of the command line are.
@@ -64,9 +67,25 @@ pub(super) struct Recorded {
 }
 
 impl SolveOptions {
-    /// The link of a link file, with the changes.
-    fn specification(&self, file: &InputFile) -> Result<Specification, Failure> {
-        self.changes.specification(file)
+    /// Refuses what is known for one link alone.
+    pub(super) fn refuse_for_arms(&self) -> Result<(), Failure> {
+        let options = [self.resample.arguments(), self.scale.arguments()].concat();
+        let nodes = self.nodes.list.as_ref().map(|_| "--nodes".to_owned());
+        let verify = self.verify.then(|| "--verify".to_owned());
+        let given = options.into_iter().chain(nodes).chain(verify);
+        match given.into_iter().find(|option| option.starts_with("--")) {
+            None => Ok(()),
+            Some(option) => {
+                let option = option.split('=').next().unwrap_or_default();
+                let message = format!("{option} is for one link, and the arm has several");
+                Err(Failure::new(Exit::Usage, &message, None))
+            }
+        }
+    }
+
+    /// What a link file, or that of an arm, describes, with the changes.
+    fn described(&self, file: &InputFile) -> Result<Described, Failure> {
+        described(file, &self.changes.overrides()?)
     }
 
     /// The motion of a link's tip in a file, scaled. Tells what was guessed of the file.
@@ -122,6 +141,12 @@ pub(super) struct Problem<'a> {
     motion: TipMotion,
 }
 
+/// A problem of one link, or of an arm.
+pub(super) enum OneOrSeveral<'a> {
+    One(Problem<'a>),
+    Several(ArmProblem<'a>),
+}
+
 /// The solution, and what follows from it.
 pub(super) struct Solved {
     pub(super) solution: Solution,
@@ -141,16 +166,22 @@ pub(super) enum Page {
 }
 
 impl<'a> Problem<'a> {
-    /// Reads the link from its file, and then the motion.
+    /// Reads the link or the arm from its file, and then the motion.
     pub(super) fn read(
         options: &'a SolveOptions,
         link_file: InputFile,
         motion_file: impl FnOnce() -> Result<InputFile, Failure>,
-    ) -> Result<Self, Failure> {
-        let specification = options.specification(&link_file)?;
+    ) -> Result<OneOrSeveral<'a>, Failure> {
+        let specification = match options.described(&link_file)? {
+            Described::Link(specification) => *specification,
+            Described::Arm(arm) => {
+                let problem = ArmProblem::read(options, link_file, arm, motion_file()?)?;
+                return Ok(OneOrSeveral::Several(problem));
+            }
+        };
         let motion_file = motion_file()?;
         let motion = options.motion_of(&motion_file, &specification.link)?;
-        Ok(Self { options, link_file, motion_file, specification, motion })
+        Ok(OneOrSeveral::One(Self { options, link_file, motion_file, specification, motion }))
     }
 
     /// Computes the solution, and verifies it if the options ask for that.

@@ -42,7 +42,7 @@ fn line(gravity_m_s2: [f64; 2]) -> ArmPeriod {
             [[0.9 + by(s)[0], -0.5 + by(s)[1]], by(rate), by(acceleration)]
         })
         .collect();
-    let chords = reaching(&tip, [0.7, 0.6], true).expect("a reachable line");
+    let chords = reaching(&tip, &[0.7, 0.6], &[], true).expect("a reachable line");
     period(chords, Kept::Tip, gravity_m_s2, STEP_S)
 }
 

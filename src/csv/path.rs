@@ -1,0 +1,132 @@
+//! The path of an arm: places of its tip, or directions of its links, over time.
+
+use super::columns::{Columns, Header};
+use super::format::{Reading, TableFormat};
+use super::heading::{
+    ANGLES, PATH_X, PATH_Y, Quantity, TIME, Vocabulary, find, names, refuse_missing, require,
+};
+use super::motion_columns::unread;
+use super::place::TableError;
+use super::samples::{Samples, refuse_samples};
+use crate::motion::{ArmPath, PathColumn, PathColumns, Uncertainty};
+
+const PATH: Vocabulary = Vocabulary {
+    quantities: &[
+        TIME, PATH_X, PATH_Y, ANGLES[0], ANGLES[1], ANGLES[2], ANGLES[3], ANGLES[4], ANGLES[5],
+        ANGLES[6], ANGLES[7], ANGLES[8],
+    ],
+    prefix: "tip_",
+    example: "time,x,y",
+    choice: None,
+    by_option: "",
+};
+
+/// A path read from a file, in SI, with the line of each sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathTable {
+    columns: PathColumns,
+    name: String,
+    lines: Vec<u64>,
+    reading: Reading,
+}
+
+impl PathTable {
+    /// What was found in the file beyond the standard form.
+    pub fn reading(&self) -> &Reading {
+        &self.reading
+    }
+
+    /// The path of an arm whose links have these lengths.
+    ///
+    /// # Errors
+    /// [`TableError`] names the file, and line and column where they are at fault.
+    pub fn path(&self, lengths_m: &[f64]) -> Result<ArmPath, TableError> {
+        ArmPath::new(self.columns.clone(), lengths_m)
+            .map_err(|error| self.refused(error.sample(), &error, error.hint()))
+    }
+
+    /// Refuses one of the samples, or all of them, for the reason `why`.
+    pub fn refused(
+        &self,
+        sample: Option<usize>,
+        why: &impl ToString,
+        hint: Option<&str>,
+    ) -> TableError {
+        refuse_samples(&self.name, &self.lines, sample, why, hint)
+    }
+}
+
+/// Reads the path of an arm: `time` with `x` and `y` of the tip, `angle1`, `angle2`, … of the links, or both; a row of
+/// names, then a row for each sample.
+///
+/// ```
+/// use flexlink::csv::read_path_table;
+/// let file = b"time [ms],x [cm],y [cm]\n0,60,0\n1,60,0.5\n2,60,1.5\n3,60,2\n";
+/// let path = read_path_table("path.csv", file, &Default::default())?.path(&[0.5, 0.4])?;
+/// assert_eq!(path.grid().len, 4);
+/// # Ok::<(), flexlink::csv::TableError>(())
+/// ```
+///
+/// # Errors
+/// [`TableError`] names the file, and line and column where they are at fault.
+pub fn read_path_table(
+    name: &str,
+    bytes: &[u8],
+    format: &TableFormat,
+) -> Result<PathTable, TableError> {
+    let mut samples = Samples::read(name, bytes, format, path_columns)?;
+    let mut column = |quantity: Quantity| {
+        let rounded = samples
+            .rounding_of(quantity)
+            .map(|own| Uncertainty::Rounded { decimals: own.decimals, step_m: own.step });
+        let values = samples.take(quantity)?;
+        Some(PathColumn { name: quantity.word.to_owned(), values, rounded })
+    };
+    let tip = column(PATH_X).zip(column(PATH_Y)).map(|(x, y)| [x, y]);
+    let angles = ANGLES.map(&mut column).into();
+    let time_s = samples.take(TIME).unwrap_or_default();
+    let Samples { lines, reading, .. } = samples;
+    let columns = PathColumns { time_s, tip, angles };
+    Ok(PathTable { columns, name: name.to_owned(), lines, reading })
+}
+
+/// Reads the first row, and checks that the columns describe a path.
+fn path_columns(header: Header) -> Result<(Columns, Reading), TableError> {
+    let Header { fields, place, .. } = header;
+    let columns = Columns::find(&PATH, header)?;
+    let headings = &columns.headings;
+    require(headings, TIME, fields, place)?;
+    let has = |quantity: Quantity| find(headings, quantity).is_some();
+    let hint = || "an arm is led by time, x and y, or by time, angle1, angle2, …".to_owned();
+    for (own, other) in [(PATH_X, PATH_Y), (PATH_Y, PATH_X)] {
+        if has(own) && !has(other) {
+            return Err(refuse_missing(&names(fields), other.word, place).or_hint(hint()));
+        }
+    }
+    if !has(PATH_X) && !ANGLES.into_iter().any(has) {
+        return Err(refuse_missing(&names(fields), "x and y, or angle1", place).with_hint(hint()));
+    }
+    let (unread, hint) = unread(&columns, fields, &PATH, "names of columns have no blanks");
+    Ok((columns, Reading { unread, hint, ..Reading::default() }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(file: &str) -> String {
+        let read = read_path_table("p.csv", file.as_bytes(), &TableFormat::default());
+        read.and_then(|table| table.path(&[0.5, 0.4])).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_is_no_path_is_refused_where_it_is() {
+        let rows = "0,1\n1,2\n2,3\n3,4\n";
+        assert!(refused(&format!("time,x\n{rows}")).starts_with("p.csv:1: "), "y is missing");
+        assert!(refused(&format!("time,displacement\n{rows}")).contains("x and y, or angle1"));
+        assert!(refused(&format!("time,angle1\n{rows}")).contains("angle2 = nothing"));
+        let jump = "time,angle1 [deg],angle2\n0,170,1\n1,170,1\n2,-175,1\n3,-175,1\n";
+        let message = refused(jump);
+        assert!(message.starts_with("p.csv:4: angle1 = -3.054326 rad"), "{message}");
+    }
+}

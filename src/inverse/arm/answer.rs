@@ -1,0 +1,171 @@
+//! The motion of an arm over one period: histories of its joints, and what errors are measured by.
+
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use crate::elastica::{AngleHistories, ArmMotion};
+use crate::inverse::MotorHistories;
+use crate::inverse::curves::Curves;
+use crate::inverse::rest::Rest;
+use crate::link::{Arm, Drive};
+use crate::motion::TipPeriod;
+
+/// The answer over one period.
+pub(super) struct ArmAnswer {
+    pub(super) motion: ArmMotion,
+    pub(super) rest: Rest,
+    /// Samples at rest before the motion and after it.
+    pub(super) rests: [usize; 2],
+    /// Chords of the rigid arm, which do not return.
+    pub(super) rigid: Vec<AngleHistories>,
+    /// The period of the coordinate with the lowest cut-off.
+    pub(super) period: Arc<TipPeriod>,
+    /// How far each coordinate of the path is off at most, in m.
+    pub(super) errors_m: Vec<f64>,
+}
+
+/// What a joint does over the period.
+pub(super) struct JointHistories {
+    /// Angle in rad of its link's root against the tip of the link before, or against x; its rate and acceleration.
+    pub(super) angle: AngleHistories,
+    pub(super) motor: Option<MotorHistories>,
+}
+
+/// Angle in rad by which a link's root and the tip of the link before turn the joint beyond its chords.
+fn bent_rad(motion: &ArmMotion, joint: usize) -> Vec<f64> {
+    let own = motion.links[joint].bent.hub_slope_rad.iter();
+    match joint.checked_sub(1).map(|before| &motion.links[before].tip_slope_rad) {
+        None => own.copied().collect(),
+        Some(before) => own.zip(before).map(|(own, before)| own - before).collect(),
+    }
+}
+
+/// What a joint's chords turn by against each other: angle, rate or acceleration.
+fn turned(motion: &ArmMotion, joint: usize, part: usize) -> Vec<f64> {
+    let own = motion.links[joint].chord[part].iter();
+    match joint.checked_sub(1).map(|before| &motion.links[before].chord[part]) {
+        None => own.copied().collect(),
+        Some(before) => own.zip(before).map(|(own, before)| own - before).collect(),
+    }
+}
+
+fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
+impl ArmAnswer {
+    /// A history of a period, or a derivative of it in time.
+    pub(super) fn derivative(&self, history: &[f64], order: usize) -> Vec<f64> {
+        let spectrum = &self.period.spectrum;
+        if order == 0 {
+            return history.to_vec();
+        }
+        spectrum.pair.samples(spectrum.derivative(&spectrum.pair.amplitudes(history), order))
+    }
+
+    /// What a joint does, and its motor where it has a drive.
+    pub(super) fn joint(&self, arm: &Arm, joint: usize) -> JointHistories {
+        let bent = bent_rad(&self.motion, joint);
+        let chords = [0, 1, 2].map(|part| turned(&self.motion, joint, part));
+        let of = |elastic: &[f64]| -> AngleHistories {
+            [0, 1, 2].map(|part| sum(&self.derivative(elastic, part), &chords[part]))
+        };
+        let angle = of(&bent);
+        let motor = arm.links()[joint].link.drive().map(|drive| {
+            let torque_n_m = &self.motion.links[joint].bent.torque_n_m;
+            motor(drive, torque_n_m, |twist| of(&sum(&bent, twist)))
+        });
+        JointHistories { angle, motor }
+    }
+
+    /// Histories of all quantities outside the chords' return, a set for each joint.
+    pub(super) fn curves(&self, arm: &Arm, probes: &[Vec<usize>]) -> Vec<Curves> {
+        self.curves_by(arm, probes, |values| self.rest.outside_return(values))
+    }
+
+    /// The same over the samples of the path itself.
+    pub(super) fn curves_of_motion(
+        &self,
+        arm: &Arm,
+        probes: &[Vec<usize>],
+        given: usize,
+    ) -> Vec<Curves> {
+        self.curves_by(arm, probes, |values| values[..given].to_vec())
+    }
+
+    fn curves_by(
+        &self,
+        arm: &Arm,
+        probes: &[Vec<usize>],
+        chronological: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Vec<Curves> {
+        let of = |joint: usize| {
+            let JointHistories { angle: [angle, rate, acceleration], motor } =
+                self.joint(arm, joint);
+            let bent = &self.motion.links[joint].bent;
+            let nodes = probes[joint].iter();
+            Curves {
+                torque_n_m: chronological(&bent.torque_n_m),
+                hub_angle_rad: chronological(&angle),
+                hub_rate_rad_s: chronological(&rate),
+                hub_acceleration_rad_s2: chronological(&acceleration),
+                displacement_m: nodes
+                    .clone()
+                    .map(|node| chronological(&bent.deflections[2 * node]))
+                    .collect(),
+                moment_n_m: nodes.map(|node| chronological(&bent.moments_n_m[*node])).collect(),
+                motor: motor.map(|motor| {
+                    [motor.torque_n_m, motor.rate_rad_s].map(|values| chronological(&values))
+                }),
+            }
+        };
+        (0..arm.links().len()).map(of).collect()
+    }
+
+    /// Amplitudes of a torque over the period.
+    pub(super) fn torque_amplitudes_n_m(&self, joint: usize) -> Vec<Complex64> {
+        self.period.spectrum.pair.amplitudes(&self.motion.links[joint].bent.torque_n_m)
+    }
+}
+
+/// What the motor of a joint does; `turned` is the angle behind the joint's spring, which its torque twists.
+///
+/// ```text
+/// φ = n (θ + T/k),   T_m = T/n + J_r φ̈
+/// ```
+fn motor(
+    drive: &Drive,
+    torque_n_m: &[f64],
+    turned: impl Fn(&[f64]) -> AngleHistories,
+) -> MotorHistories {
+    let twist: Vec<f64> = torque_n_m.iter().map(|t| t / drive.joint_stiffness_n_m_rad).collect();
+    let [angle_rad, rate_rad_s, acceleration] = turned(&twist)
+        .map(|values| values.iter().map(|x| drive.gear_ratio * x).collect::<Vec<_>>());
+    let pairs = torque_n_m.iter().zip(&acceleration);
+    let torque_n_m: Vec<f64> =
+        pairs.map(|(t, a)| t / drive.gear_ratio + drive.rotor_inertia_kg_m2 * a).collect();
+    let power_w = torque_n_m.iter().zip(&rate_rad_s).map(|(t, rate)| t * rate).collect();
+    MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w }
+}
+
+/// All quantities of an arm at rest: one sample of each.
+pub(super) fn curves_at_rest(arm: &Arm, motion: &ArmMotion, probes: &[Vec<usize>]) -> Vec<Curves> {
+    let first = |history: &[f64]| vec![history[0]];
+    let of = |joint: usize| {
+        let bent = &motion.links[joint].bent;
+        let angle = sum(&bent_rad(motion, joint), &turned(motion, joint, 0));
+        let nodes = probes[joint].iter();
+        let drive = arm.links()[joint].link.drive();
+        Curves {
+            torque_n_m: first(&bent.torque_n_m),
+            hub_angle_rad: first(&angle),
+            hub_rate_rad_s: vec![0.0],
+            hub_acceleration_rad_s2: vec![0.0],
+            displacement_m: nodes.clone().map(|node| first(&bent.deflections[2 * node])).collect(),
+            moment_n_m: nodes.map(|node| first(&bent.moments_n_m[*node])).collect(),
+            motor: drive.map(|drive| [vec![bent.torque_n_m[0] / drive.gear_ratio], vec![0.0]]),
+        }
+    };
+    (0..arm.links().len()).map(of).collect()
+}

@@ -1,0 +1,96 @@
+//! Why an arm and a path have no torques.
+
+use thiserror::Error;
+
+use crate::inverse::InversionError;
+use crate::motion::MotionError;
+
+/// Why a valid arm and a valid path have no torques here.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ArmError {
+    /// As of one link.
+    #[error(transparent)]
+    Inversion(#[from] InversionError),
+    /// The path at half its step.
+    #[error("the path at half the step: {0}")]
+    Finer(#[from] MotionError),
+    /// A path of the tip, which two elbows lead along.
+    #[error("elbow = nothing, but must be \"left\" or \"right\": both lead to the same place")]
+    NoElbow,
+    /// A plan of the mesh for each link.
+    #[error("{plans} plans of meshes, but must be {links}, one for each link")]
+    Plans {
+        /// Plans that are given.
+        plans: usize,
+        /// Links of the arm.
+        links: usize,
+    },
+    /// A place of the tip that the first two links do not reach.
+    #[error(
+        "the end of the second link = {distance_m:.6} m from the first joint, but must be from {least_m:.6} to {most_m:.6} m \
+         away: the arm does not reach"
+    )]
+    OutOfReach {
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// Distance in m.
+        distance_m: f64,
+        /// The least distance in m.
+        least_m: f64,
+        /// The largest distance in m.
+        most_m: f64,
+    },
+    /// An elbow that hardly tells how the links follow the tip.
+    #[error(
+        "the sine of the elbow's angle = {sine:.4}, but must be at least {least} in size: the arm is stretched or folded"
+    )]
+    Stretched {
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// The sine.
+        sine: f64,
+        /// The least that it must be.
+        least: f64,
+    },
+    /// Directions beside the tip's place that contradict it.
+    #[error("angle{} = {found:.6} rad, but must be {expected:.6} rad to agree with x and y", link + 1)]
+    Disagree {
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// Number of the link, from 0.
+        link: usize,
+        /// What is given, in rad.
+        found: f64,
+        /// What follows from the tip's place, in rad.
+        expected: f64,
+    },
+}
+
+impl ArmError {
+    /// Number of the sample of the path, from 0, that is to blame, where one is.
+    pub fn sample(&self) -> Option<usize> {
+        match self {
+            Self::OutOfReach { sample, .. }
+            | Self::Stretched { sample, .. }
+            | Self::Disagree { sample, .. } => Some(*sample),
+            _ => None,
+        }
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Inversion(error) => return error.hint(),
+            Self::Finer(error) => return error.hint(),
+            Self::NoElbow => "\"left\" where the second link turns left of the first",
+            Self::Plans { .. } => return None,
+            Self::OutOfReach { .. } => "a path within reach, or longer links",
+            Self::Stretched { .. } => {
+                "a path that stays away from the stretched arm and from the first joint, or one of angles"
+            }
+            Self::Disagree { .. } => {
+                "check the units and the elbow, or leave x and y or the angles out"
+            }
+        })
+    }
+}

@@ -1,0 +1,18 @@
+//! From the path of an arm's tip, or the directions of its chords, to the torques of all joints.
+//!
+//! The chords are where a rigid arm would have its links; each link is solved on its chord, from the last one
+//! inward ([`elastica`](crate::elastica)). Period, padding, mesh, window and errors are those of one link, for all joints
+//! at once.
+
+mod answer;
+mod error;
+mod problem;
+mod rigid;
+mod solution;
+mod solve;
+mod warning;
+
+pub use error::ArmError;
+pub use solution::{ArmFindings, ArmJoint, ArmLinkShape, ArmSolution};
+pub use solve::invert_arm;
+pub use warning::ArmWarning;

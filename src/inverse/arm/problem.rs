@@ -1,0 +1,254 @@
+//! An arm and its path: periods of any length, and the motion over one.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::answer::ArmAnswer;
+use super::error::ArmError;
+use crate::elastica::{
+    AngleHistories, ArmMotion, ArmPeriod, Kept, SecondOrder, follow_arm, reaching, returning,
+};
+use crate::inverse::period::{Padding, check_memory};
+use crate::inverse::rest::{Return, left_to_return};
+use crate::inverse::{Analysis, InversionError, Resources};
+use crate::link::{Arm, Elbow};
+use crate::model::Model;
+use crate::motion::{ArmPath, CourseHistories, Cutoff, Prescribed};
+
+/// The iteration ends at this share of the tolerance, as derivatives converge late, but above round-off.
+const ITERATED: f64 = 0.01;
+const FINEST: f64 = 1e-11;
+
+/// Memory in bytes for each node and sample of the period, as measured of one link.
+const BYTES: usize = 300;
+
+/// Sine of the elbow's angle below which the arm counts as stretched or folded.
+const STRETCHED: f64 = 0.05;
+
+/// Largest difference in rad of directions that are given beside the tip's place.
+const AGREEMENT: f64 = 1e-3;
+
+/// Samples of an arm at rest.
+const AT_REST: usize = 8;
+
+pub(super) type Models = [Arc<dyn Model>];
+
+/// An arm, its path, and how exactly it is followed.
+pub(super) struct ArmProblem<'a> {
+    pub(super) arm: &'a Arm,
+    pub(super) path: &'a ArmPath,
+    pub(super) analysis: &'a Analysis,
+    pub(super) second_order: SecondOrder,
+    pub(super) cutoffs: Vec<Cutoff>,
+    pub(super) padding: Padding,
+    returns: Return,
+    resources: Resources<'a>,
+    is_left: bool,
+}
+
+impl<'a> ArmProblem<'a> {
+    /// # Errors
+    /// [`ArmError`] of a path that the arm cannot follow.
+    pub(super) fn of(
+        arm: &'a Arm,
+        path: &'a ArmPath,
+        (analysis, resources): (&'a Analysis, Resources<'a>),
+        first_zero_per_s: Option<f64>,
+    ) -> Result<Self, ArmError> {
+        let is_left = match (path.prescribed(), arm.elbow()) {
+            (Prescribed::Tip, None) => return Err(ArmError::NoElbow),
+            (_, side) => side != Some(Elbow::Right),
+        };
+        let grid = path.grid();
+        let problem = Self {
+            arm,
+            path,
+            analysis,
+            second_order: analysis.second_order().unwrap_or(SecondOrder::Full),
+            cutoffs: path.cutoffs(analysis.tip_tolerance()),
+            padding: Padding::around(path.moving_samples(), grid, analysis, first_zero_per_s),
+            returns: Return::of_arm(first_zero_per_s, &grid),
+            resources,
+            is_left,
+        };
+        problem.refuse_pose()?;
+        Ok(problem)
+    }
+
+    pub(super) fn resources(&self) -> Resources<'a> {
+        self.resources
+    }
+
+    fn lengths_m(&self) -> Vec<f64> {
+        self.arm.links().iter().map(|own| own.link.length_m()).collect()
+    }
+
+    /// Sine of the elbow's angle, least in size, and its sample; none where no tip is prescribed.
+    pub(super) fn least_sine(&self) -> Option<(usize, f64)> {
+        if self.path.prescribed() == Prescribed::Angles {
+            return None;
+        }
+        let sines = self.elbows().map(|(_, cosine)| (1.0 - cosine * cosine).max(0.0).sqrt());
+        sines.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Distance in m of the second link's end from the first joint, and cosine of the elbow's angle, at each sample.
+    fn elbows(&self) -> impl Iterator<Item = (f64, f64)> {
+        let (given, lengths_m) = (self.path.given(), self.lengths_m());
+        (0..self.path.grid().len).map(move |k| {
+            let outer = given[2..].iter().zip(&lengths_m[2..]);
+            let [x, y] = outer.fold([given[0][k], given[1][k]], |[x, y], (angle, length_m)| {
+                [x - length_m * libm::cos(angle[k]), y - length_m * libm::sin(angle[k])]
+            });
+            let [l1, l2] = [lengths_m[0], lengths_m[1]];
+            let squared = x * x + y * y;
+            (squared.sqrt(), (squared - l1 * l1 - l2 * l2) / (2.0 * l1 * l2))
+        })
+    }
+
+    /// Refuses places that the arm does not reach, or only stretched, and directions that contradict them.
+    fn refuse_pose(&self) -> Result<(), ArmError> {
+        if self.path.prescribed() == Prescribed::Angles {
+            return Ok(());
+        }
+        let lengths_m = self.lengths_m();
+        let [l1, l2] = [lengths_m[0], lengths_m[1]];
+        for (sample, (distance_m, cosine)) in self.elbows().enumerate() {
+            let (least_m, most_m) = ((l1 - l2).abs(), l1 + l2);
+            if !(-1.0..=1.0).contains(&cosine) {
+                return Err(ArmError::OutOfReach { sample, distance_m, least_m, most_m });
+            }
+            let sine = (1.0 - cosine * cosine).sqrt();
+            if sine < STRETCHED {
+                return Err(ArmError::Stretched { sample, sine, least: STRETCHED });
+            }
+        }
+        if self.path.beside().is_empty() {
+            return Ok(());
+        }
+        let at_rest = |given: Vec<f64>| {
+            let none = vec![0.0; given.len()];
+            [given, none.clone(), none]
+        };
+        let courses: Vec<_> = self.path.given().into_iter().map(at_rest).collect();
+        let chords = self.chords(&courses)?;
+        for (link, angles) in self.path.beside() {
+            let pairs = angles.iter().zip(&chords[*link][0]);
+            let off =
+                |(found, expected): (&f64, &f64)| libm::remainder(found - expected, TAU).abs();
+            if let Some(sample) = pairs.clone().position(|pair| off(pair) > AGREEMENT) {
+                let (found, expected) = (angles[sample], chords[*link][0][sample]);
+                return Err(ArmError::Disagree { sample, link: *link, found, expected });
+            }
+        }
+        Ok(())
+    }
+
+    /// Directions of the rigid arm's links where the coordinates of the path are these.
+    fn chords(&self, courses: &[CourseHistories]) -> Result<Vec<AngleHistories>, InversionError> {
+        if self.path.prescribed() == Prescribed::Angles {
+            return Ok(courses.to_vec());
+        }
+        let [x, y] = [&courses[0], &courses[1]];
+        let tip: Vec<[[f64; 2]; 3]> = (0..x[0].len())
+            .map(|k| [0, 1, 2].map(|part: usize| [x[part][k], y[part][k]]))
+            .collect();
+        Ok(reaching(&tip, &self.lengths_m(), &courses[2..], self.is_left)?)
+    }
+
+    fn kept(&self) -> Kept {
+        match self.path.prescribed() {
+            Prescribed::Tip => Kept::Tip,
+            Prescribed::Angles => Kept::Angles,
+        }
+    }
+
+    /// Samples of the shortest period.
+    pub(super) fn shortest_len(&self) -> Result<usize, InversionError> {
+        self.returns.shortest_len(self.padding, self.path.grid().len)
+    }
+
+    /// The motion on meshes, over a period of so many samples.
+    pub(super) fn answer(&self, models: &Models, len: usize) -> Result<ArmAnswer, InversionError> {
+        let nodes: usize = models.iter().map(|model| model.mesh().nodes_m().len()).sum();
+        let bytes = len.saturating_mul(nodes).saturating_mul(BYTES);
+        if let Some(allowed) = self.resources.memory_bytes.filter(|most| bytes > *most) {
+            return Err(InversionError::TooMuchMemory { bytes, allowed });
+        }
+        check_memory(len, 0, self.resources.memory_bytes)?;
+        let (given, step_s) = (self.path.grid().len, self.path.grid().step_s);
+        let seam = self.padding.seam(given, len);
+        let found = self.path.over_period((len, seam), &self.cutoffs);
+        let rigid = self.chords(&found.courses)?;
+        let returning = self.returns.samples(self.padding, given, len);
+        let returned = self.returned(rigid.clone(), &returning, seam);
+        let period = ArmPeriod::new(step_s, returned, self.kept(), self.arm.gravity_m_s2())?;
+        let motion = self.followed(models, &period)?;
+        // A path that has passed its checks moves at least one coordinate.
+        let tip = found.period.ok_or(InversionError::OutOfRange { peak_n_m: 0.0 })?;
+        let rest = self.returns.rest(&tip.spectrum, &returning);
+        let rests = [returning.end, returning.start - 1];
+        Ok(ArmAnswer { motion, rest, rests, rigid, period: tip, errors_m: found.errors_m })
+    }
+
+    fn followed(&self, models: &Models, period: &ArmPeriod) -> Result<ArmMotion, InversionError> {
+        let tolerance = (ITERATED * self.analysis.tolerance()).max(FINEST);
+        Ok(follow_arm(models, period, self.second_order, tolerance)?)
+    }
+
+    /// Chords that return around the seam; whole turns they need not turn back. Those of the first two links return over
+    /// the same turns, so that the elbow stays on its side.
+    ///
+    /// What a cut-off leaves of the motion rings on at rest: one place of the tip turns it into other angles than another,
+    /// so that it fades out and in again while the chords return.
+    fn returned(
+        &self,
+        mut chords: Vec<AngleHistories>,
+        samples: &Range<usize>,
+        seam: usize,
+    ) -> Vec<AngleHistories> {
+        let half = samples.len() / 2;
+        let fades = returning(1.0, 0.0, half);
+        let back = returning(0.0, 1.0, samples.len() - half);
+        let fading: Vec<f64> = fades.into_iter().chain(back).collect();
+        let mut turns = 0.0;
+        for (link, [angle, rate, acceleration]) in chords.iter_mut().enumerate() {
+            let rests = [angle[samples.start - 1], angle[samples.end]];
+            let travel = rests[0] - rests[1];
+            if link != 1 || self.kept() == Kept::Angles {
+                turns = (travel / TAU).round();
+            }
+            let left = left_to_return(travel - TAU * turns, samples, seam);
+            for ((k, left), share) in left.zip(&fading) {
+                let rest = if k < seam { rests[0] } else { rests[1] };
+                angle[k] = rest + left + share * (angle[k] - rest);
+                rate[k] *= share;
+                acceleration[k] *= share;
+            }
+        }
+        chords
+    }
+
+    /// The arm at rest where its chords are as before the motion, and after it.
+    pub(super) fn at_rest(
+        &self,
+        models: &Models,
+        answer: &ArmAnswer,
+    ) -> Result<[ArmMotion; 2], InversionError> {
+        let pose = |sample: usize| {
+            let held = |chord: &AngleHistories| {
+                [vec![chord[0][sample]; AT_REST], vec![0.0; AT_REST], vec![0.0; AT_REST]]
+            };
+            let chords = answer.rigid.iter().map(held).collect();
+            let period = ArmPeriod::new(1.0, chords, self.kept(), self.arm.gravity_m_s2())?;
+            self.followed(models, &period)
+        };
+        Ok([pose(answer.rests[0])?, pose(answer.rests[1])?])
+    }
+
+    /// The same problem of another path, or with other cut-offs or terms.
+    pub(super) fn with(&self, second_order: SecondOrder, cutoffs: Vec<Cutoff>) -> Self {
+        Self { second_order, cutoffs, ..*self }
+    }
+}

@@ -1,0 +1,121 @@
+//! An arm: links one after the other, in one plane.
+
+use serde::{Deserialize, Serialize};
+
+use super::link::Link;
+use super::parts::{Gravity, ParameterError};
+
+/// On which side of the first link the second one lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Elbow {
+    /// The second link turns left of the first: 0 < θ₂ − θ₁ < π.
+    Left,
+    /// It turns right: −π < θ₂ − θ₁ < 0.
+    Right,
+}
+
+impl Elbow {
+    /// Its word in an arm file.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
+}
+
+/// One link of an arm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmLink {
+    /// Its name, if it has one; unique within the arm.
+    pub name: Option<String>,
+    /// The link. Its payload is what its tip carries: on an inner link the body of the next joint.
+    pub link: Link,
+}
+
+/// All that makes an arm, before it is checked.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ArmParts {
+    /// Title for people.
+    pub title: String,
+    /// The links, the inner one first.
+    pub links: Vec<ArmLink>,
+    /// Gravity in m/s² along the plane's x and y axes.
+    pub gravity_m_s2: [f64; 2],
+    /// Side of the elbow; needed by a path of the tip.
+    pub elbow: Option<Elbow>,
+}
+
+/// A valid arm of two links or more, of which each turns against the tip of the one before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arm {
+    parts: ArmParts,
+}
+
+impl Arm {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`ParameterError`] names the first parameter out of its range.
+    pub fn new(parts: ArmParts) -> Result<Self, ParameterError> {
+        let count = parts.links.len();
+        if count < 2 {
+            let must = "must be two links or more";
+            return Err(ParameterError::new("links", format!("{count} links"), "", must));
+        }
+        Gravity { acceleration_m_s2: parts.gravity_m_s2, start_angle_rad: None }.check()?;
+        for (index, ArmLink { name, link }) in parts.links.iter().enumerate() {
+            let at = |key: &str| format!("links.{index}.{key}");
+            let twin = |other: &ArmLink| name.is_some() && other.name == *name;
+            if parts.links[..index].iter().any(twin) {
+                let name = name.as_deref().unwrap_or_default();
+                let must = "must be unique, and a link before it has this name";
+                return Err(ParameterError::new(at("name"), format!("{name:?}"), "", must));
+            }
+            if link.gravity().is_some() {
+                let must = "must be that of the arm";
+                return Err(ParameterError::new(at("gravity"), "its own", "", must));
+            }
+        }
+        Ok(Self { parts })
+    }
+
+    /// Title for people, empty when none was given.
+    pub fn title(&self) -> &str {
+        &self.parts.title
+    }
+
+    /// The links, the inner one first.
+    pub fn links(&self) -> &[ArmLink] {
+        &self.parts.links
+    }
+
+    /// Gravity in m/s² along the plane's x and y axes.
+    pub fn gravity_m_s2(&self) -> [f64; 2] {
+        self.parts.gravity_m_s2
+    }
+
+    /// True if gravity acts in the plane.
+    pub fn has_weight(&self) -> bool {
+        self.parts.gravity_m_s2.iter().any(|part| *part != 0.0)
+    }
+
+    /// Side of the elbow, where it was given.
+    pub fn elbow(&self) -> Option<Elbow> {
+        self.parts.elbow
+    }
+
+    /// A link as messages name it: by its name, or by its number from 1.
+    pub fn name_of(&self, link: usize) -> String {
+        match &self.parts.links[link].name {
+            Some(name) => format!("link {name}"),
+            None => format!("link {}", link + 1),
+        }
+    }
+
+    /// Length of the stretched arm in m.
+    pub fn length_m(&self) -> f64 {
+        self.parts.links.iter().map(|own| own.link.length_m()).sum()
+    }
+}

@@ -1,0 +1,421 @@
+//! The wanted motion of an arm: a path of its tip, or the directions of its chords.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::error::MotionError;
+use super::period::{TipPeriod, farthest_m};
+use super::recording::{Recording, Uncertainty};
+use super::samples::MotionColumns;
+use super::spectrum::Cutoff;
+use super::tip_motion::TipMotion;
+use crate::numeric::{TimeGrid, extremes};
+
+/// Range of a column, over the largest of all, below which it is round-off: its coordinate is held.
+const HELD: f64 = 1e-12;
+
+/// One column of a path: its name in the file, its samples, and how they are uncertain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathColumn {
+    /// Name, for messages: `x`, `angle1`.
+    pub name: String,
+    /// Samples in m or rad.
+    pub values: Vec<f64>,
+    /// How they are uncertain, in m or rad; `None`: by less than anything that matters.
+    pub rounded: Option<Uncertainty>,
+}
+
+/// Sampled columns of a path, all of one length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PathColumns {
+    /// Time in s.
+    pub time_s: Vec<f64>,
+    /// x and y of the tip in m.
+    pub tip: Option<[PathColumn; 2]>,
+    /// Directions of the chords in rad, counterclockwise from x, of the links that have one; the inner link first.
+    pub angles: Vec<Option<PathColumn>>,
+}
+
+/// What a path prescribes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Prescribed {
+    /// The place of the tip, and the directions of all chords but the first two.
+    Tip,
+    /// The direction of every chord.
+    Angles,
+}
+
+/// Why sampled columns are no path.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PathError {
+    /// Columns that are missing for an arm of so many links.
+    #[error(
+        "{missing} = nothing, but must be given for an arm of {links} links: {}",
+        match links { 2 => "x and y, or angle1 and angle2".to_owned(), links => format!(
+            "x and y with angle3{}, or angle1 to angle{links}",
+            if *links == 3 { String::new() } else { format!(" to angle{links}") }
+        ) }
+    )]
+    Missing {
+        /// Name of a column.
+        missing: String,
+        /// Number of links.
+        links: usize,
+    },
+    /// A direction of a link that the arm does not have.
+    #[error("{column} = given, but the arm has {links} links")]
+    TooMany {
+        /// Name of the column.
+        column: String,
+        /// Number of links.
+        links: usize,
+    },
+    /// A column that is no motion from rest to rest.
+    #[error("{column}: {error}")]
+    Column {
+        /// Name of the column.
+        column: String,
+        /// Why.
+        error: MotionError,
+    },
+    /// An angle that jumps from one sample to the next.
+    #[error(
+        "{column} = {found:.6} rad, but must lie within half a turn of the {before:.6} rad before it: angles go on over whole turns"
+    )]
+    Jump {
+        /// Name of the column.
+        column: String,
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// What was found, in rad.
+        found: f64,
+        /// The angle before, in rad.
+        before: f64,
+    },
+    /// No column changes.
+    #[error("the arm stands still in all samples, but must move")]
+    NoMotion,
+}
+
+impl PathError {
+    /// Number of the sample, from 0, that is to blame, where one is.
+    pub fn sample(&self) -> Option<usize> {
+        match self {
+            Self::Column { error, .. } => error.sample(),
+            Self::Jump { sample, .. } => Some(*sample),
+            _ => None,
+        }
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Column { error: MotionError::NotUniform(_), .. } => {
+                Some("write times with more decimals, at one step from the first to the last")
+            }
+            Self::Column { error: MotionError::MovingAtEnd { .. }, .. } => {
+                Some("a path goes from rest to rest; add the samples that bring the arm to rest")
+            }
+            Self::Column { error, .. } => error.hint(),
+            Self::Jump { .. } => Some("add or take away 2π, or 360 deg, from there on"),
+            Self::Missing { .. } | Self::TooMany { .. } | Self::NoMotion => None,
+        }
+    }
+}
+
+/// One coordinate over time.
+#[derive(Debug, Clone, PartialEq)]
+enum Course {
+    Held(f64),
+    Moving(TipMotion),
+}
+
+/// The wanted motion of an arm on a uniform grid, from rest to rest. A clone shares the samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmPath {
+    grid: TimeGrid,
+    prescribed: Prescribed,
+    /// x and y of the tip in m, if it is prescribed; then arcs L θ in m of the chords that are.
+    courses: Vec<Course>,
+    /// Lengths that the angles were multiplied with; 1 for x and y.
+    lengths_m: Vec<f64>,
+    /// Directions in rad that the file gives beside the tip's place.
+    beside: Vec<(usize, Vec<f64>)>,
+}
+
+/// One coordinate over a period: value, rate and acceleration.
+pub(crate) type CourseHistories = [Vec<f64>; 3];
+
+impl ArmPath {
+    /// A path of an arm whose links have these lengths.
+    ///
+    /// x and y count where both are there, with the angles from the third link on; other angles must then agree.
+    ///
+    /// # Errors
+    /// [`PathError`].
+    pub fn new(columns: PathColumns, lengths_m: &[f64]) -> Result<Self, PathError> {
+        let PathColumns { time_s, tip, angles } = columns;
+        let links = lengths_m.len();
+        let of_time = |error: MotionError| PathError::Column { column: "time".to_owned(), error };
+        let grid = TimeGrid::through(&time_s).map_err(|error| of_time(error.into()))?;
+        for column in angles.iter().flatten() {
+            refuse_jump(column)?;
+        }
+        if let Some(column) = angles.iter().skip(links).flatten().next() {
+            return Err(PathError::TooMany { column: column.name.clone(), links });
+        }
+        let prescribed = if tip.is_some() { Prescribed::Tip } else { Prescribed::Angles };
+        let mut angles = angles.into_iter().chain(std::iter::repeat(None)).take(links).enumerate();
+        let mut beside = Vec::new();
+        if prescribed == Prescribed::Tip {
+            for (link, column) in angles.by_ref().take(2) {
+                beside.extend(column.map(|column| (link, column.values)));
+            }
+        }
+        let mut all: Vec<(PathColumn, f64)> =
+            tip.into_iter().flatten().map(|column| (column, 1.0)).collect();
+        for (link, column) in angles {
+            let missing = || PathError::Missing { missing: format!("angle{}", link + 1), links };
+            all.push((column.ok_or_else(missing)?, lengths_m[link]));
+        }
+        let range_m = |(column, per_value): &(PathColumn, f64)| {
+            let [low, high] = extremes(&column.values);
+            per_value * (high - low)
+        };
+        let widest_m = all.iter().map(range_m).fold(0.0, f64::max);
+        if widest_m == 0.0 {
+            return Err(PathError::NoMotion);
+        }
+        let lengths_m = all.iter().map(|(_, per_value)| *per_value).collect();
+        let courses = all.into_iter().map(|own| {
+            let is_held = range_m(&own) <= HELD * widest_m;
+            Course::of(&time_s, own, is_held)
+        });
+        let courses = courses.collect::<Result<_, _>>()?;
+        Ok(Self { grid, prescribed, courses, lengths_m, beside })
+    }
+
+    /// Grid of the given samples.
+    pub fn grid(&self) -> TimeGrid {
+        self.grid
+    }
+
+    /// What the path prescribes.
+    pub fn prescribed(&self) -> Prescribed {
+        self.prescribed
+    }
+
+    /// Directions in rad of links, by their number from 0, that are given beside the tip's place.
+    pub fn beside(&self) -> &[(usize, Vec<f64>)] {
+        &self.beside
+    }
+
+    /// Numbers of the last sample at rest before the motion and of the first one after it.
+    pub fn moving_samples(&self) -> (usize, usize) {
+        let ends = self.moving().map(TipMotion::moving_samples);
+        ends.fold((self.grid.len - 1, 0), |(first, last), own| (first.min(own.0), last.max(own.1)))
+    }
+
+    fn moving(&self) -> impl Iterator<Item = &TipMotion> {
+        self.courses.iter().filter_map(|course| match course {
+            Course::Moving(motion) => Some(motion),
+            Course::Held(_) => None,
+        })
+    }
+
+    /// The same path sampled twice as often.
+    ///
+    /// # Errors
+    /// As [`TipMotion::twice_as_often`].
+    pub fn twice_as_often(&self) -> Result<Self, MotionError> {
+        let finer = |course: &Course| match course {
+            Course::Held(value) => Ok(Course::Held(*value)),
+            Course::Moving(motion) => motion.twice_as_often().map(Course::Moving),
+        };
+        let courses = self.courses.iter().map(finer).collect::<Result<_, _>>()?;
+        let own = self.grid;
+        let grid = TimeGrid { step_s: 0.5 * own.step_s, len: 2 * own.len - 1, ..own };
+        Ok(Self { grid, courses, beside: Vec::new(), ..self.clone() })
+    }
+
+    /// The cut-offs of all coordinates with which the tip strays by at most `tolerance` of the farthest that one of them
+    /// moves; of coordinates that are held all frequencies are kept.
+    pub(crate) fn cutoffs(&self, tolerance: f64) -> Vec<Cutoff> {
+        let travel_m = |motion: &TipMotion| {
+            let samples = motion.displacements_m();
+            farthest_m(samples[0], samples)
+        };
+        let farthest_m = self.moving().map(travel_m).fold(0.0, f64::max);
+        let share = farthest_m * tolerance / self.moving().count() as f64;
+        let of = |course: &Course| match course {
+            Course::Held(_) => Cutoff::ALL,
+            Course::Moving(motion) => motion.cutoff(share / travel_m(motion)),
+        };
+        self.courses.iter().map(of).collect()
+    }
+
+    /// The coordinates over a period of `len` samples, of which those from `seam` on are of times before the motion, in
+    /// m and rad; and how far each is off what it should be, in m.
+    pub(crate) fn over_period(
+        &self,
+        (len, seam): (usize, usize),
+        cutoffs: &[Cutoff],
+    ) -> PathPeriod {
+        let mut found = PathPeriod { courses: Vec::new(), errors_m: Vec::new(), period: None };
+        for ((course, cutoff), length_m) in self.courses.iter().zip(cutoffs).zip(&self.lengths_m) {
+            let (histories, error_m) = match course {
+                Course::Moving(motion) => {
+                    let period = Arc::new(motion.over_period(len, seam, *cutoff));
+                    let per_length = |values: &[f64]| values.iter().map(|m| m / length_m).collect();
+                    let own = &period.histories;
+                    let histories =
+                        [&own.displacement_m, &own.velocity_m_s, &own.acceleration_m_s2]
+                            .map(|values| per_length(values));
+                    let error_m = period.tip_error_m();
+                    // Of the fastest course the spectrum tells how far the seam reaches.
+                    let is_lower = |other: &Arc<TipPeriod>| {
+                        cutoff.omega_rad_s < other.spectrum.cutoff.omega_rad_s
+                    };
+                    if found.period.as_ref().is_none_or(is_lower) {
+                        found.period = Some(period);
+                    }
+                    (histories, error_m)
+                }
+                Course::Held(value) => {
+                    ([vec![value / length_m; len], vec![0.0; len], vec![0.0; len]], 0.0)
+                }
+            };
+            found.courses.push(histories);
+            found.errors_m.push(error_m);
+        }
+        found
+    }
+
+    /// The samples as they are given: one history for each coordinate, in m and rad.
+    pub(crate) fn given(&self) -> Vec<Vec<f64>> {
+        let courses = self.courses.iter().zip(&self.lengths_m);
+        let samples = courses.map(|(course, length_m)| match course {
+            Course::Held(value) => vec![value / length_m; self.grid.len],
+            Course::Moving(motion) => {
+                motion.displacements_m().iter().map(|m| m / length_m).collect()
+            }
+        });
+        samples.collect()
+    }
+}
+
+/// The coordinates of a path over a period.
+pub(crate) struct PathPeriod {
+    /// Value, rate and acceleration of each in m or rad.
+    pub(crate) courses: Vec<CourseHistories>,
+    /// How far each is off at most, in m.
+    pub(crate) errors_m: Vec<f64>,
+    /// The period of the course with the lowest cut-off.
+    pub(crate) period: Option<Arc<TipPeriod>>,
+}
+
+impl Course {
+    fn of(
+        time_s: &[f64],
+        (column, length_m): (PathColumn, f64),
+        is_held: bool,
+    ) -> Result<Self, PathError> {
+        if is_held {
+            return Ok(Self::Held(length_m * column.values[0]));
+        }
+        let displacement_m = column.values.iter().map(|value| length_m * value).collect();
+        let columns = MotionColumns {
+            time_s: time_s.to_vec(),
+            displacement_m: Some(displacement_m),
+            ..MotionColumns::default()
+        };
+        let in_m = |rounded| match rounded {
+            Uncertainty::Rounded { decimals, step_m } => {
+                Uncertainty::Rounded { decimals, step_m: length_m * step_m }
+            }
+            noisy @ Uncertainty::Noisy { .. } => noisy,
+        };
+        let recording = Recording { uncertainty: column.rounded.map(in_m), ..Recording::default() };
+        let refused = |error| PathError::Column { column: column.name.clone(), error };
+        Ok(Self::Moving(TipMotion::new(columns).map_err(refused)?.recorded(recording)))
+    }
+}
+
+/// Refuses an angle that jumps by half a turn or more.
+fn refuse_jump(column: &PathColumn) -> Result<(), PathError> {
+    let jumps = |pair: &[f64]| (pair[1] - pair[0]).abs() >= PI;
+    match column.values.windows(2).position(jumps) {
+        None => Ok(()),
+        Some(at) => Err(PathError::Jump {
+            column: column.name.clone(),
+            sample: at + 1,
+            found: column.values[at + 1],
+            before: column.values[at],
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn smooth(t: f64) -> f64 {
+        t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t)
+    }
+
+    fn column(name: &str, at: impl Fn(f64) -> f64) -> PathColumn {
+        let values = (0..=100).map(|k| at(f64::from(k) / 100.0)).collect();
+        PathColumn { name: name.to_owned(), values, rounded: None }
+    }
+
+    fn columns(
+        tip: Option<[PathColumn; 2]>,
+        angles: Vec<Option<PathColumn>>,
+    ) -> Result<ArmPath, PathError> {
+        let time_s = (0..=100).map(|k| 0.01 * f64::from(k)).collect();
+        ArmPath::new(PathColumns { time_s, tip, angles }, &[0.7, 0.6])
+    }
+
+    #[test]
+    fn a_coordinate_that_does_not_change_is_held() {
+        let tip = [column("x", smooth), column("y", |_| 0.3)];
+        let path = columns(Some(tip), vec![]).unwrap();
+        let found = path.over_period((256, 180), &path.cutoffs(1e-6));
+        assert_eq!(found.courses[1][0], vec![0.3; 256]);
+        assert!((found.courses[0][0][100] - 1.0).abs() < 1e-6 && found.errors_m[1] == 0.0);
+        assert_eq!(path.moving_samples(), (0, 100));
+    }
+
+    #[test]
+    fn angles_are_followed_in_rad_to_a_share_of_the_way() {
+        let angle = |name, by: f64| Some(column(name, move |t| 0.2 + by * smooth(t)));
+        let path = columns(None, vec![angle("angle1", 1.0), angle("angle2", -0.1)]).unwrap();
+        let cutoffs = path.cutoffs(1e-6);
+        let found = path.over_period((256, 180), &cutoffs);
+        assert!((found.courses[0][0][100] - 1.2).abs() < 2e-6);
+        assert!((found.courses[1][0][100] - 0.1).abs() < 2e-6);
+        // The outer link moves a tenth as far: its frequencies end the sooner.
+        let omega = |k: usize| cutoffs[k].omega_rad_s;
+        assert!(omega(1) < omega(0), "{} {}", omega(1), omega(0));
+    }
+
+    #[test]
+    fn what_is_no_path_is_refused_by_its_column() {
+        let refused = |tip, angles| columns(tip, angles).unwrap_err();
+        let angle = |name| Some(column(name, smooth));
+        let lacking = refused(None, vec![angle("angle1"), None]).to_string();
+        let must = "but must be given for an arm of 2 links: x and y, or angle1 and angle2";
+        assert_eq!(lacking, format!("angle2 = nothing, {must}"));
+        let third = refused(None, vec![angle("angle1"), angle("angle2"), angle("angle3")]);
+        assert_eq!(third.to_string(), "angle3 = given, but the arm has 2 links");
+        let jump = |t: f64| if t > 0.5 { smooth(t) - 6.28 } else { smooth(t) };
+        let jumps = refused(None, vec![Some(column("angle1", jump)), angle("angle2")]);
+        assert_eq!(jumps.sample(), Some(51));
+        let ends = refused(Some([column("x", |t| t), column("y", smooth)]), vec![]);
+        assert!(ends.to_string().starts_with("x: the motion starts with a velocity"), "{ends}");
+        let still = [column("x", |_| 0.1), column("y", |_| 0.3)];
+        assert_eq!(refused(Some(still), vec![]), PathError::NoMotion);
+    }
+}

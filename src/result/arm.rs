@@ -1,0 +1,142 @@
+//! Numbers of an arm's solution that a person reads first.
+
+use serde::Serialize;
+
+use super::limits::{Exceeded, Limits};
+use super::metrics::TIMING_LEVEL;
+use crate::inverse::ArmSolution;
+use crate::numeric::{TimeGrid, extremes, largest};
+
+/// Numbers of an arm's solution over the written window.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArmMetrics {
+    /// Those of each joint and its link, the inner one first.
+    pub joints: Vec<JointMetrics>,
+}
+
+/// Numbers of one joint, its link and its motor.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct JointMetrics {
+    /// Largest |T| in N m.
+    pub peak_torque_n_m: f64,
+    /// Root mean square of T in N m while it acts, see [`Metrics::rms_torque_n_m`](super::Metrics::rms_torque_n_m).
+    pub rms_torque_n_m: f64,
+    /// Largest |T| of the rigid arm in N m.
+    pub peak_rigid_torque_n_m: f64,
+    /// How long before the path's first motion T first acts, in s; negative where it does so only afterwards.
+    pub lead_s: f64,
+    /// How long after the path's last motion T last acts, in s, likewise.
+    pub lag_s: f64,
+    /// Angle of the joint at the beginning and at the end in rad.
+    pub start_angle_rad: f64,
+    /// At the end.
+    pub end_angle_rad: f64,
+    /// Largest rate of the joint in rad/s.
+    pub peak_rate_rad_s: f64,
+    /// Largest mechanical power |T φ̇| in W.
+    pub peak_power_w: f64,
+    /// Largest deflection in m of the link's tip from its root's tangent line.
+    pub peak_deflection_m: f64,
+    /// Largest bending moment at the link's root in N m.
+    pub peak_root_moment_n_m: f64,
+    /// Largest torque of the motor in N m, where there is one.
+    pub peak_motor_torque_n_m: Option<f64>,
+    /// Root mean square of the motor's torque in N m while it acts.
+    pub rms_motor_torque_n_m: Option<f64>,
+    /// Largest rate of the rotor in rad/s.
+    pub peak_motor_rate_rad_s: Option<f64>,
+    /// Largest mechanical power of the motor in W.
+    pub peak_motor_power_w: Option<f64>,
+}
+
+/// First and last sample at which a torque differs from what it is at rest there by more than the level of its range.
+fn acting(torque_n_m: &[f64]) -> (usize, usize) {
+    let [low, high] = extremes(torque_n_m);
+    let level = TIMING_LEVEL * (high - low);
+    let (first, last) = (torque_n_m[0], torque_n_m[torque_n_m.len() - 1]);
+    let begins = torque_n_m.iter().position(|t| (t - first).abs() > level);
+    let ends = torque_n_m.iter().rposition(|t| (t - last).abs() > level);
+    (begins.unwrap_or(0), ends.unwrap_or(torque_n_m.len() - 1))
+}
+
+fn rms(samples: &[f64], (first, last): (usize, usize)) -> f64 {
+    let acting = &samples[first..=last.max(first)];
+    (acting.iter().map(|t| t * t).sum::<f64>() / acting.len() as f64).sqrt()
+}
+
+impl ArmMetrics {
+    /// Reads the numbers off a solution.
+    pub fn of(solution: &ArmSolution) -> Self {
+        let (grid, path) = (&solution.grid, &solution.path);
+        let (first, last) = path.moving_samples();
+        let moves_s = [first, last].map(|sample| path.grid().time_s(sample));
+        let joints = 0..solution.joints.len();
+        Self {
+            joints: joints
+                .map(|joint| JointMetrics::of(solution, joint, (grid, moves_s)))
+                .collect(),
+        }
+    }
+
+    /// The limits of each joint that a solution exceeds, with the number of the joint.
+    pub fn exceeded(&self, limits: &[Limits]) -> Vec<(usize, Exceeded)> {
+        let joints = self.joints.iter().zip(limits).enumerate();
+        let of = |(number, (joint, limits)): (usize, (&JointMetrics, &Limits))| {
+            let exceeded = limits.exceeded_by(joint.limited());
+            exceeded.into_iter().map(move |exceeded| (number, exceeded))
+        };
+        joints.flat_map(of).collect()
+    }
+}
+
+impl JointMetrics {
+    fn of(
+        solution: &ArmSolution,
+        joint: usize,
+        (grid, [first_s, last_s]): (&TimeGrid, [f64; 2]),
+    ) -> Self {
+        let (own, link) = (&solution.joints[joint], &solution.links[joint]);
+        let [angle, rate, _] = &own.angle;
+        let power = own.torque_n_m.iter().zip(rate).map(|(t, rate)| t * rate);
+        let acts = acting(&own.torque_n_m);
+        // The tip is on the chord: seen from the root's tangent line it deflects by the chord times the root's slope.
+        let deflection = (0..grid.len)
+            .map(|k| link.chord_length_m[k] * libm::sin(link.chord[0][k] - link.root_rad[k]));
+        let motor = own.motor.as_ref();
+        Self {
+            peak_torque_n_m: largest(&own.torque_n_m),
+            rms_torque_n_m: rms(&own.torque_n_m, acts),
+            peak_rigid_torque_n_m: largest(&own.rigid_torque_n_m),
+            lead_s: first_s - grid.time_s(acts.0),
+            lag_s: grid.time_s(acts.1) - last_s,
+            start_angle_rad: angle[0],
+            end_angle_rad: angle[grid.len - 1],
+            peak_rate_rad_s: largest(rate),
+            peak_power_w: largest(&power.collect::<Vec<_>>()),
+            peak_deflection_m: largest(&deflection.collect::<Vec<_>>()),
+            peak_root_moment_n_m: largest(&link.moments_n_m[0]),
+            peak_motor_torque_n_m: motor.map(|motor| largest(&motor.torque_n_m)),
+            rms_motor_torque_n_m: motor
+                .map(|motor| rms(&motor.torque_n_m, acting(&motor.torque_n_m))),
+            peak_motor_rate_rad_s: motor.map(|motor| largest(&motor.rate_rad_s)),
+            peak_motor_power_w: motor.map(|motor| largest(&motor.power_w)),
+        }
+    }
+
+    /// The values that can have a limit, in the order of the link file.
+    fn limited(&self) -> [f64; 10] {
+        let motor = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
+        [
+            self.peak_torque_n_m,
+            self.rms_torque_n_m,
+            self.peak_rate_rad_s,
+            self.peak_power_w,
+            self.peak_deflection_m,
+            self.peak_root_moment_n_m,
+            motor(self.peak_motor_torque_n_m),
+            motor(self.rms_motor_torque_n_m),
+            motor(self.peak_motor_rate_rad_s),
+            motor(self.peak_motor_power_w),
+        ]
+    }
+}

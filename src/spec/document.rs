@@ -1,0 +1,315 @@
+//! Files of a link, and of an arm: links one after the other, each with the keys of a link file.
+
+use serde::Deserialize;
+
+use super::convert::{Specification, specification_of};
+use super::error::{Fault, SpecError};
+use super::overrides::{Override, apply};
+use super::raw::{RawAnalysis, RawMesh};
+use super::tree::{Kind, Node, Place};
+use super::value::{AlongAxes, Angle, tables};
+use crate::beam::MeshPlan;
+use crate::inverse::Analysis;
+use crate::link::{Arm, ArmLink, ArmParts, Elbow};
+use crate::result::{Limits, Remark};
+
+/// Keys that an arm has once, which each of its links is read with.
+const SHARED: [&str; 2] = ["mesh", "analysis"];
+
+/// Keys that the only link of an arm takes from it, too.
+const OF_ONE_LINK: [&str; 3] = ["title", "gravity", "start_angle"];
+
+/// The checked content of an arm file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmSpecification {
+    /// The arm.
+    pub arm: Arm,
+    /// How each link is meshed.
+    pub meshes: Vec<MeshPlan>,
+    /// Tolerances and window of the inversion.
+    pub analysis: Analysis,
+    /// Largest values that each joint, its link and its motor may reach.
+    pub limits: Vec<Limits>,
+    /// Values that are possible but rare, often a slip of units.
+    pub remarks: Vec<Remark>,
+}
+
+/// What a file describes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Described {
+    /// One link, in either form.
+    Link(Box<Specification>),
+    /// An arm of two links or more.
+    Arm(Box<ArmSpecification>),
+}
+
+/// The keys of an arm file beside those of its links.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
+struct RawArm {
+    title: Option<String>,
+    gravity: Option<AlongAxes>,
+    #[serde(rename = "start_angle")]
+    _start_angle: Option<Angle>,
+    elbow: Option<Side>,
+    #[serde(deserialize_with = "tables")]
+    links: Vec<RawArmLink>,
+    #[serde(rename = "mesh")]
+    _mesh: RawMesh,
+    #[serde(rename = "analysis")]
+    _analysis: RawAnalysis,
+}
+
+/// What a link of an arm has beside the keys of a link file.
+#[derive(Debug, Deserialize)]
+struct RawArmLink {
+    name: Option<String>,
+}
+
+/// Side of the elbow.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase", expecting = "a string")]
+enum Side {
+    Left,
+    Right,
+}
+
+/// Reads the text of a link file and applies the `overrides` in their order.
+///
+/// `name` is what errors call the file.
+///
+/// # Errors
+/// [`SpecError`] names the line, or the `--set`, and the wrong value.
+pub fn read_specification(
+    name: &str,
+    text: &str,
+    overrides: &[Override],
+) -> Result<Specification, SpecError> {
+    LinkDocument::read(name, text)?.specification(name, overrides)
+}
+
+/// The text of a link file, parsed once for many sets of overrides; nothing of it is checked yet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkDocument {
+    tree: Node,
+}
+
+impl LinkDocument {
+    /// Parses the text of a link file, which errors call `name`.
+    ///
+    /// # Errors
+    /// [`SpecError`] names the line that is no TOML.
+    pub fn read(name: &str, text: &str) -> Result<Self, SpecError> {
+        Ok(Self { tree: Node::document(name, text)? })
+    }
+
+    /// The specification with the `overrides` applied in their order.
+    ///
+    /// # Errors
+    /// As [`read_specification`].
+    pub fn specification(
+        &self,
+        name: &str,
+        overrides: &[Override],
+    ) -> Result<Specification, SpecError> {
+        let tree = self.changed(overrides)?;
+        let found = described(&tree).and_then(|found| match found {
+            Described::Link(link) => Ok(*link),
+            Described::Arm(_) => {
+                Err(Fault::new("links.1", "this takes an arm of one link, but the file has more")
+                    .hinting("`flexlink solve` takes arms of several links".to_owned()))
+            }
+        });
+        found.map_err(|fault| {
+            let place = tree.last_place(&fault);
+            fault.at(shown(place, name, overrides))
+        })
+    }
+
+    /// What the file describes, with the `overrides` applied in their order.
+    ///
+    /// # Errors
+    /// [`SpecError`] names the line, or the `--set`, and the wrong value.
+    pub fn described(&self, name: &str, overrides: &[Override]) -> Result<Described, SpecError> {
+        let tree = self.changed(overrides)?;
+        described(&tree).map_err(|fault| {
+            let place = tree.last_place(&fault);
+            fault.at(shown(place, name, overrides))
+        })
+    }
+
+    /// The file as a tree, with the changes applied in their order.
+    pub(super) fn changed(&self, overrides: &[Override]) -> Result<Node, SpecError> {
+        let mut tree = self.tree.clone();
+        for (number, change) in overrides.iter().enumerate() {
+            apply(&mut tree, number, change)?;
+        }
+        Ok(tree)
+    }
+}
+
+/// A place as errors name it.
+pub(super) fn shown(place: Place, name: &str, overrides: &[Override]) -> String {
+    match place {
+        Place::File => name.to_owned(),
+        Place::Line(line) => format!("{name}:{line}"),
+        Place::Override(number) => overrides[number].place.clone(),
+    }
+}
+
+/// What a tree describes.
+pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
+    if tree.get("links").is_none() {
+        return specification_of(tree).map(|link| Described::Link(Box::new(link)));
+    }
+    let raw = RawArm::deserialize(tree)?;
+    let count = raw.links.len();
+    if count == 0 {
+        return Err(Fault::new("links", "must hold at least one [[links]]"));
+    }
+    let read = |link: usize| {
+        let node = link_node(tree, link, count)?;
+        specification_of(&node).map_err(|fault| fault.of_link(link, link + 1 == count))
+    };
+    if count == 1 {
+        if raw.elbow.is_some() {
+            return Err(Fault::new("elbow", "elbow is given, but an arm of one link has none"));
+        }
+        return read(0).map(|link| Described::Link(Box::new(link)));
+    }
+    if tree.get("start_angle").is_some() {
+        let message = "start_angle is given, but the path of an arm says where it starts";
+        return Err(Fault::new("start_angle", message));
+    }
+    let specifications = (0..count).map(read).collect::<Result<Vec<_>, _>>()?;
+    let names = raw.links.into_iter().map(|link| link.name);
+    let analysis = specifications[0].analysis;
+    let mut found = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (own, name) in specifications.into_iter().zip(names) {
+        found.0.push(ArmLink { name, link: own.link });
+        found.1.push(own.mesh);
+        found.2.push(own.limits);
+        found.3.extend(own.remarks);
+    }
+    let arm = Arm::new(ArmParts {
+        title: raw.title.unwrap_or_default(),
+        links: found.0,
+        gravity_m_s2: raw.gravity.map_or([0.0; 2], |AlongAxes(gravity)| gravity),
+        elbow: raw.elbow.map(|side| match side {
+            Side::Left => Elbow::Left,
+            Side::Right => Elbow::Right,
+        }),
+    })?;
+    let (meshes, limits, remarks) = (found.1, found.2, found.3);
+    Ok(Described::Arm(Box::new(ArmSpecification { arm, meshes, analysis, limits, remarks })))
+}
+
+/// A link of an arm as the tree of a link file.
+fn link_node(tree: &Node, link: usize, count: usize) -> Result<Node, Fault> {
+    let list = tree.get("links").and_then(|node| node.get(&link.to_string()));
+    let Some(Node { place, kind: Kind::Table(own) }) = list else {
+        return Err(Fault::new(format!("links.{link}"), "must be a table"));
+    };
+    let shared = SHARED.iter().chain(OF_ONE_LINK.iter().filter(|_| count == 1));
+    let mut entries: Vec<(String, Node)> = Vec::new();
+    for key in shared {
+        entries.extend(tree.get(key).map(|node| ((*key).to_owned(), node.clone())));
+    }
+    let is_last = link + 1 == count;
+    for (key, node) in own {
+        let at = format!("links.{link}.{key}");
+        let refused = |why: &str| Err(Fault::new(at.clone(), format!("{at} is given, but {why}")));
+        match key.as_str() {
+            "name" => {}
+            "mesh" | "analysis" | "gravity" | "start_angle" | "title" => {
+                return refused("belongs to the arm, above its links");
+            }
+            "payload" if !is_last => {
+                return refused("the last link alone has a payload; `tip` is the body of a joint");
+            }
+            "tip" if is_last => {
+                return refused("what the last link carries is its `payload`");
+            }
+            "tip" => entries.push(("payload".to_owned(), node.clone())),
+            _ => entries.push((key.clone(), node.clone())),
+        }
+    }
+    Ok(Node { place: place.clone(), kind: Kind::Table(entries) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINK: &str = "segments = [{ length = 0.5, EI = 20, mass_per_length = 0.3 }]";
+
+    fn read(text: &str) -> Result<Described, String> {
+        let document = LinkDocument::read("arm.toml", text).map_err(|error| error.to_string())?;
+        document.described("arm.toml", &[]).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn an_arm_of_one_link_is_that_link() {
+        let gravity = "title = 'one'\ngravity = [0, -9.81]\nstart_angle = 0.3\n";
+        let hub = "hub = { inertia = 0.1 }\npayload = { mass = '50 g' }\nmesh.elements = 12\n";
+        let plain = read(&format!("{gravity}{hub}{LINK}")).unwrap();
+        let hub = "hub = { inertia = 0.1 }\npayload = { mass = '50 g' }\n";
+        let arm = format!("{gravity}mesh.elements = 12\n[[links]]\nname = 'only'\n{hub}{LINK}");
+        assert_eq!(read(&arm).unwrap(), plain);
+    }
+
+    #[test]
+    fn links_have_their_own_keys_and_the_arm_has_the_others_once() {
+        let inner =
+            format!("[[links]]\nname = 'upper'\ntip = {{ mass = 1, inertia = 0.01 }}\n{LINK}\n");
+        let outer = format!("[[links]]\npayload = {{ mass = 0.1 }}\n{LINK}\n");
+        let top = "gravity = [0, '-9.81 m/s^2']\nelbow = 'right'\nmesh.elements = 6\n";
+        let Ok(Described::Arm(found)) = read(&format!("{top}{inner}{outer}")) else {
+            panic!("an arm");
+        };
+        let ArmSpecification { arm, meshes, .. } = *found;
+        assert_eq!((arm.elbow(), arm.gravity_m_s2()), (Some(Elbow::Right), [0.0, -9.81]));
+        assert_eq!((arm.name_of(0), arm.name_of(1)), ("link upper".into(), "link 2".into()));
+        let carried = [0, 1].map(|link: usize| arm.links()[link].link.payload().mass_kg);
+        assert_eq!(carried, [1.0, 0.1]);
+        assert!(meshes.iter().all(|mesh| !mesh.is_automatic()));
+    }
+
+    #[test]
+    fn what_is_wrong_in_a_link_is_placed_there() {
+        let with = |more: &str| format!("[[links]]\n{LINK}\n[[links]]\n{more}\n{LINK}");
+        let refused = |more: &str| read(&with(more)).unwrap_err();
+        let negative = refused("hub = { inertia = -1 }");
+        let message = "arm.toml:4: links.1.hub.inertia = -1 kg m^2, but must be at least 0";
+        assert_eq!(negative, message);
+        assert!(refused("hubb = 1").starts_with("arm.toml:4: unknown key `hubb` in links.1"));
+        assert!(refused("gravity = [0, 0]").contains("links.1.gravity is given"));
+        assert!(refused("tip = { mass = 1 }").contains("`payload`"));
+        assert!(read("links = 3").unwrap_err().contains("must be tables headed [[links]]"));
+        let twice = format!("[[links]]\nname = 'a'\n{LINK}\n[[links]]\nname = 'a'\n{LINK}");
+        assert!(read(&twice).unwrap_err().starts_with("arm.toml:5: links.1.name = \"a\""));
+    }
+
+    #[test]
+    fn a_mesh_tolerance_has_its_range() {
+        let refused = |tolerance: &str| {
+            let segment = "{ length = 1, EI = 1, mass_per_length = 1 }";
+            let text = format!("segments = [{segment}]\nmesh.tolerance = {tolerance}");
+            read_specification("link.toml", &text, &[]).is_err()
+        };
+        assert!(!refused("1e-12") && !refused("0.1"));
+        assert!(refused("0.9e-12") && refused("0.11"));
+    }
+
+    #[test]
+    fn an_error_is_placed_in_the_file_the_line_or_the_setting() {
+        let place = |text: &str, set: &str| {
+            let error = read_specification("link.toml", text, &[set.parse().unwrap()]);
+            let message = error.unwrap_err().to_string();
+            message.split_once(": ").unwrap().0.to_owned()
+        };
+        assert_eq!(place("", "hub.inertia=1"), "link.toml");
+        assert_eq!(place("\n\nlimits = 1", "hub.inertia=1"), "link.toml:3");
+        assert_eq!(place("", "hub.x=1"), "--set 'hub.x=1'");
+    }
+}

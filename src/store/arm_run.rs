@@ -1,0 +1,251 @@
+//! The files of an arm's run, and its summary.
+
+use serde_json::{Value, json};
+
+use super::folder::{FolderError, OutputFolder};
+use super::run_tables::{
+    CHORD_ANGLES, DEFLECTIONS, JOINT_ANGLES, MOMENTS, MOTOR, NODES, POSITIONS, REACTIONS,
+    RESULT_FILES, RIGID_TORQUES, RunOutputs, SUMMARY, TIP, TORQUES,
+};
+use super::summary::{LinkRecord, RunInputs, Summary};
+use crate::csv::{Column, ColumnGroup, Digits, write_csv};
+use crate::inverse::{ArmSolution, ArmWarning, MotorHistories};
+use crate::numeric::ThinnedGrid;
+use crate::result::{ArmMetrics, Exceeded, Remark, StoredWarning};
+
+/// A table over time: columns in groups of one unit.
+type Table<'a> = Vec<ColumnGroup<'a>>;
+
+/// Columns of one quantity, one for each joint or link.
+fn each<'a>(
+    name: impl Fn(usize) -> String,
+    columns: impl Iterator<Item = &'a Vec<f64>>,
+) -> ColumnGroup<'a> {
+    let named = |(number, values): (usize, &'a Vec<f64>)| Column { name: name(number + 1), values };
+    ColumnGroup { columns: columns.enumerate().map(named).collect() }
+}
+
+/// One column, with decimals for its own peak.
+fn one(name: String, values: &[f64]) -> ColumnGroup<'_> {
+    ColumnGroup { columns: vec![Column { name, values }] }
+}
+
+/// Names of the files of an arm's run, summary.json last.
+fn file_names(outputs: &RunOutputs, solution: &ArmSolution) -> Vec<&'static str> {
+    let has_motor = solution.joints.iter().any(|joint| joint.motor.is_some());
+    let on_demand = [
+        (MOTOR.0, has_motor),
+        (DEFLECTIONS.file, outputs.deflections),
+        (MOMENTS.file, outputs.moments),
+    ];
+    [TORQUES, RIGID_TORQUES, JOINT_ANGLES, CHORD_ANGLES, TIP.0, REACTIONS, NODES.0, POSITIONS]
+        .into_iter()
+        .chain(on_demand.into_iter().filter_map(|(name, is_there)| is_there.then_some(name)))
+        .chain([SUMMARY])
+        .collect()
+}
+
+impl RunOutputs {
+    /// Number of the files of an arm's run.
+    pub fn arm_files(&self, solution: &ArmSolution) -> usize {
+        file_names(self, solution).len()
+    }
+
+    /// Writes the files of an arm's solution into `folder`: all or none.
+    ///
+    /// # Errors
+    /// [`FolderError`] names the file that cannot be written.
+    pub fn write_arm(
+        &self,
+        folder: OutputFolder,
+        solution: &ArmSolution,
+        summary: &Summary,
+    ) -> Result<(), FolderError> {
+        let all = solution.grid.thinned(std::num::NonZeroUsize::MIN);
+        let write = |name: &str, time: &ThinnedGrid, table: &Table<'_>| {
+            folder.file(name, |out| write_csv(out, time, table, self.digits))
+        };
+        for (name, table) in self.histories(solution) {
+            write(name, &all, &table)?;
+        }
+        let thinned = solution.grid.thinned(self.every);
+        for (name, columns) in self.nodal(solution) {
+            let columns =
+                columns.iter().map(|(name, values)| Column { name: name.clone(), values });
+            write(name, &thinned, &vec![ColumnGroup { columns: columns.collect() }])?;
+        }
+        folder.file(NODES.0, |out| write_nodes(out, solution))?;
+        folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
+        folder.commit(SUMMARY, &RESULT_FILES)
+    }
+
+    /// The tables over the whole window.
+    fn histories<'a>(&self, solution: &'a ArmSolution) -> Vec<(&'static str, Table<'a>)> {
+        let (joints, links) = (&solution.joints, &solution.links);
+        let torques = joints.iter().map(|joint| &joint.torque_n_m);
+        let rigid = joints.iter().map(|joint| &joint.rigid_torque_n_m);
+        let mut angles = Table::new();
+        let mut chords = Table::new();
+        let mut reactions = Table::new();
+        let mut motors = Table::new();
+        for (number, (joint, link)) in (1..).zip(joints.iter().zip(links)) {
+            let [angle, rate, acceleration] = &joint.angle;
+            angles.push(one(format!("angle{number}_rad"), angle));
+            angles.push(one(format!("rate{number}_rad_s"), rate));
+            angles.push(one(format!("acceleration{number}_rad_s2"), acceleration));
+            angles.push(one(format!("rigid_angle{number}_rad"), &joint.rigid_angle_rad));
+            let [angle, rate, acceleration] = &link.chord;
+            chords.push(one(format!("angle{number}_rad"), angle));
+            chords.push(one(format!("rate{number}_rad_s"), rate));
+            chords.push(one(format!("acceleration{number}_rad_s2"), acceleration));
+            chords.push(one(format!("length{number}_m"), &link.chord_length_m));
+            let [x, y] = &joint.force_n;
+            reactions.push(one(format!("force{number}_x_n"), x));
+            reactions.push(one(format!("force{number}_y_n"), y));
+            if let Some(motor) = &joint.motor {
+                let MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w } = motor;
+                motors.push(one(format!("motor{number}_torque_n_m"), torque_n_m));
+                motors.push(one(format!("motor{number}_angle_rad"), angle_rad));
+                motors.push(one(format!("motor{number}_rate_rad_s"), rate_rad_s));
+                motors.push(one(format!("motor{number}_power_w"), power_w));
+            }
+        }
+        let tip = ["", "velocity_", "acceleration_"].into_iter().zip(["m", "m_s", "m_s2"]);
+        let tip = tip.enumerate().flat_map(|(order, (word, unit))| {
+            let of = |axis: usize| {
+                one(format!("{word}{}_{unit}", ["x", "y"][axis]), &solution.tip[axis][order])
+            };
+            [of(0), of(1)]
+        });
+        let mut tables = vec![
+            (TORQUES, vec![each(|k| format!("torque{k}_n_m"), torques)]),
+            (RIGID_TORQUES, vec![each(|k| format!("rigid_torque{k}_n_m"), rigid)]),
+            (JOINT_ANGLES, angles),
+            (CHORD_ANGLES, chords),
+            (REACTIONS, reactions),
+            (TIP.0, tip.collect()),
+        ];
+        if !motors.is_empty() {
+            tables.push((MOTOR.0, motors));
+        }
+        tables
+    }
+
+    /// The tables at the nodes: names and samples of their columns.
+    fn nodal(&self, solution: &ArmSolution) -> Vec<(&'static str, Vec<(String, Vec<f64>)>)> {
+        let few = |values: &Vec<f64>| values.iter().step_by(self.every.get()).copied().collect();
+        let mut tables = vec![(POSITIONS, Vec::new())];
+        if self.deflections {
+            tables.push((DEFLECTIONS.file, Vec::new()));
+        }
+        if self.moments {
+            tables.push((MOMENTS.file, Vec::new()));
+        }
+        for (name, columns) in &mut tables {
+            for (number, link) in (1..).zip(&solution.links) {
+                for node in 0..link.nodes_m.len() {
+                    match *name {
+                        POSITIONS => {
+                            for (axis, values) in ["x", "y"].iter().zip(&link.positions_m[node]) {
+                                columns.push((format!("{axis}{number}_{node}_m"), few(values)));
+                            }
+                        }
+                        name if name == DEFLECTIONS.file => columns
+                            .push((format!("w{number}_{node}_m"), few(&link.deflections_m[node]))),
+                        _ => columns
+                            .push((format!("m{number}_{node}_n_m"), few(&link.moments_n_m[node]))),
+                    }
+                }
+            }
+        }
+        tables
+    }
+}
+
+/// `nodes.csv`: every node of every link with its distance from the link's joint.
+fn write_nodes(
+    out: &mut (dyn std::io::Write + Send),
+    solution: &ArmSolution,
+) -> std::io::Result<()> {
+    let format = Digits::Full.for_peak(solution.arm.length_m());
+    let mut table = csv::Writer::from_writer(out);
+    table.write_record(["link", "node", "x_m", "name"])?;
+    for (number, (link, own)) in (1..).zip(solution.links.iter().zip(solution.arm.links())) {
+        for (node, x_m) in link.nodes_m.iter().enumerate() {
+            let mut position = Vec::new();
+            format.write(&mut position, *x_m);
+            let (number, node) = (number.to_string(), node.to_string());
+            let name = own.name.as_deref().unwrap_or_default();
+            table.write_record([number.as_bytes(), node.as_bytes(), &position, name.as_bytes()])?;
+        }
+    }
+    table.flush()
+}
+
+impl Summary {
+    /// The summary of an arm's solution.
+    pub fn of_arm(
+        inputs: RunInputs,
+        solution: &ArmSolution,
+        metrics: &ArmMetrics,
+        exceeded: &[(usize, Exceeded)],
+        (remarks, outputs): (&[Remark], &RunOutputs),
+    ) -> Self {
+        let arm = &solution.arm;
+        let warning = |w: &ArmWarning| StoredWarning::new(w.kind(), w, w.hint());
+        let limit = |(joint, e): &(usize, Exceeded)| {
+            StoredWarning::new(Exceeded::KIND, &format!("joint {}: {e}", joint + 1), e.hint())
+        };
+        let limits = exceeded.iter().map(limit);
+        let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
+        let links = arm.links().iter().zip(solution.elements()).map(|(own, elements)| {
+            json!({
+                "name": own.name,
+                "elements": elements,
+                "link": LinkRecord::of_parts(&own.link),
+                "drive": own.link.drive(),
+            })
+        });
+        let grid = &solution.grid;
+        let iteration = solution.findings.iteration;
+        let values = json!({
+            "arm": {
+                "length_m": arm.length_m(),
+                "gravity_m_s2": arm.gravity_m_s2(),
+                "elbow": arm.elbow(),
+                "links": links.collect::<Vec<Value>>(),
+            },
+            "analysis": {
+                "tolerance": solution.analysis.tolerance(),
+                "tip_tolerance": solution.analysis.tip_tolerance(),
+                "step_s": grid.step_s,
+                "window_start_s": grid.time_s(0),
+                "window_end_s": grid.end_s(),
+                "period_s": solution.period_s,
+                "cutoff_hz": solution.cutoff_hz,
+                "first_zero_per_s": solution.first_zero_per_s,
+            },
+            "results": {
+                "way_m": solution.way_m,
+                "joints": metrics.joints,
+            },
+            "errors": { "tip": solution.tip_error, "joints": solution.errors },
+            "second_order": {
+                "order": solution.findings.order,
+                "iterations": iteration.iterations,
+                "contraction": iteration.contraction,
+                "largest_slopes":
+                    solution.links.iter().map(|link| link.largest_slope).collect::<Vec<f64>>(),
+                "torque_change": iteration.second_order_change,
+                "left_out": solution.findings.left_out.flatten(),
+            },
+        });
+        Self {
+            values,
+            warnings: solution.warnings.iter().map(warning).chain(limits).collect(),
+            remarks: Some(remarks.iter().map(remark).collect()),
+            files: file_names(outputs, solution).into_iter().map(str::to_owned).collect(),
+            ..Self::titled("solve", inputs, arm.title())
+        }
+    }
+}
