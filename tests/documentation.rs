@@ -40,10 +40,14 @@ fn content(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
 fn commands_of_the_readme_help_texts_and_refusals_print_what_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     for name in INPUTS {
-        fs::create_dir(folder.path().join(name)).unwrap();
-        for entry in fs::read_dir(repository(name)).unwrap() {
-            let file = entry.unwrap();
-            fs::copy(file.path(), folder.path().join(name).join(file.file_name())).unwrap();
+        for entry in WalkDir::new(repository(name)) {
+            let entry = entry.unwrap();
+            let copy = folder.path().join(entry.path().strip_prefix(repository("")).unwrap());
+            if entry.file_type().is_dir() {
+                fs::create_dir(copy).unwrap();
+            } else {
+                fs::copy(entry.path(), copy).unwrap();
+            }
         }
     }
     env::set_current_dir(folder.path()).unwrap();

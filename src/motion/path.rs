@@ -244,7 +244,7 @@ impl ArmPath {
     /// moves; of coordinates that are held all frequencies are kept.
     pub(crate) fn cutoffs(&self, tolerance: f64) -> Vec<Cutoff> {
         let travel_m = |motion: &TipMotion| {
-            let samples = motion.displacements_m();
+            let samples = motion.samples().displacements_m();
             farthest_m(samples[0], samples)
         };
         let farthest_m = self.moving().map(travel_m).fold(0.0, f64::max);
@@ -299,7 +299,7 @@ impl ArmPath {
         let samples = courses.map(|(course, length_m)| match course {
             Course::Held(value) => vec![value / length_m; self.grid.len],
             Course::Moving(motion) => {
-                motion.displacements_m().iter().map(|m| m / length_m).collect()
+                motion.samples().displacements_m().iter().map(|m| m / length_m).collect()
             }
         });
         samples.collect()
@@ -410,7 +410,7 @@ mod tests {
         assert_eq!(lacking, format!("angle2 = nothing, {must}"));
         let third = refused(None, vec![angle("angle1"), angle("angle2"), angle("angle3")]);
         assert_eq!(third.to_string(), "angle3 = given, but the arm has 2 links");
-        let jump = |t: f64| if t > 0.5 { smooth(t) - 6.28 } else { smooth(t) };
+        let jump = |t: f64| if t > 0.5 { smooth(t) - 6.0 } else { smooth(t) };
         let jumps = refused(None, vec![Some(column("angle1", jump)), angle("angle2")]);
         assert_eq!(jumps.sample(), Some(51));
         let ends = refused(Some([column("x", |t| t), column("y", smooth)]), vec![]);

@@ -76,6 +76,14 @@ pub(super) enum Source {
 }
 
 impl Samples {
+    /// The displacements in m that were given; none of accelerations.
+    pub(super) fn displacements_m(&self) -> &[f64] {
+        match &*self.source {
+            Source::Displacement { samples, .. } => samples,
+            Source::Acceleration(_) => &[],
+        }
+    }
+
     /// Accelerations in m/s², or second differences of displacements over the squared step.
     pub(super) fn forcing_m_s2(&self) -> &[f64] {
         match &*self.source {

@@ -276,14 +276,6 @@ impl TipMotion {
         self.moving
     }
 
-    /// The displacements in m that were given; none of accelerations.
-    pub(super) fn displacements_m(&self) -> &[f64] {
-        match &*self.samples.source {
-            Source::Displacement { samples, .. } => samples,
-            Source::Acceleration(_) => &[],
-        }
-    }
-
     /// The end velocity that was removed from the samples, if they had one.
     pub fn corrected(&self) -> Option<EndVelocity> {
         self.corrected

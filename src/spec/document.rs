@@ -234,7 +234,7 @@ fn link_node(tree: &Node, link: usize, count: usize) -> Result<Node, Fault> {
             _ => entries.push((key.clone(), node.clone())),
         }
     }
-    Ok(Node { place: place.clone(), kind: Kind::Table(entries) })
+    Ok(Node { place: *place, kind: Kind::Table(entries) })
 }
 
 #[cfg(test)]

@@ -16,6 +16,9 @@ use crate::result::{ArmMetrics, Exceeded, Remark, StoredWarning};
 /// A table over time: columns in groups of one unit.
 type Table<'a> = Vec<ColumnGroup<'a>>;
 
+/// A table at nodes: names and samples of its columns.
+type NodalTable = Vec<(String, Vec<f64>)>;
+
 /// Columns of one quantity, one for each joint or link.
 fn each<'a>(
     name: impl Fn(usize) -> String,
@@ -65,7 +68,7 @@ impl RunOutputs {
         let write = |name: &str, time: &ThinnedGrid, table: &Table<'_>| {
             folder.file(name, |out| write_csv(out, time, table, self.digits))
         };
-        for (name, table) in self.histories(solution) {
+        for (name, table) in Self::histories(solution) {
             write(name, &all, &table)?;
         }
         let thinned = solution.grid.thinned(self.every);
@@ -80,7 +83,7 @@ impl RunOutputs {
     }
 
     /// The tables over the whole window.
-    fn histories<'a>(&self, solution: &'a ArmSolution) -> Vec<(&'static str, Table<'a>)> {
+    fn histories(solution: &ArmSolution) -> Vec<(&'static str, Table<'_>)> {
         let (joints, links) = (&solution.joints, &solution.links);
         let torques = joints.iter().map(|joint| &joint.torque_n_m);
         let rigid = joints.iter().map(|joint| &joint.rigid_torque_n_m);
@@ -132,7 +135,7 @@ impl RunOutputs {
     }
 
     /// The tables at the nodes: names and samples of their columns.
-    fn nodal(&self, solution: &ArmSolution) -> Vec<(&'static str, Vec<(String, Vec<f64>)>)> {
+    fn nodal(&self, solution: &ArmSolution) -> Vec<(&'static str, NodalTable)> {
         let few = |values: &Vec<f64>| values.iter().step_by(self.every.get()).copied().collect();
         let mut tables = vec![(POSITIONS, Vec::new())];
         if self.deflections {

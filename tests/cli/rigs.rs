@@ -9,6 +9,7 @@ use super::{Bench, MOTION, repository, stderr, stdout};
 fn rigs() -> Vec<String> {
     let entries = fs::read_dir(repository("specs")).unwrap();
     let mut rigs: Vec<String> = entries
+        .filter(|entry| entry.as_ref().unwrap().file_type().unwrap().is_file())
         .map(|entry| format!("specs/{}", entry.unwrap().file_name().into_string().unwrap()))
         .collect();
     rigs.sort();

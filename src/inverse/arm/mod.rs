@@ -6,6 +6,7 @@
 
 mod answer;
 mod error;
+mod evidence;
 mod problem;
 mod rigid;
 mod solution;

@@ -7,22 +7,17 @@ use super::answer::{ArmAnswer, curves_at_rest};
 use super::error::ArmError;
 use super::problem::ArmProblem;
 use super::solution::{ArmFindings, ArmSolution, larger};
-use super::warning::ArmWarning;
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::{ArmMotion, SecondOrder};
 use crate::inverse::amplitudes::Probes;
 use crate::inverse::curves::Curves;
-use crate::inverse::diagnostics::blocked_tip;
 use crate::inverse::period::{Padding, PeriodicTorque, Window};
-use crate::inverse::{
-    Analysis, InversionError, PerQuantity, Quantity, QuantityErrors, Resources, ShareOf, Unwatched,
-    Warning,
-};
+use crate::inverse::{Analysis, InversionError, PerQuantity, QuantityErrors, Resources};
 use crate::link::Arm;
-use crate::modal::{NOTICEABLE, REPORTED_MODES, Thickness, natural_frequencies, torque_zeros};
+use crate::modal::torque_zeros;
 use crate::model::{Model, check_size, model_of};
-use crate::motion::{ArmPath, Cutoff};
-use crate::numeric::{TimeGrid, largest, largest_difference};
+use crate::motion::{ArmPath, Prescribed};
+use crate::numeric::TimeGrid;
 
 /// A period is lengthened to at most this many samples, or to four times what it began with.
 const LENGTHENED: usize = 1 << 15;
@@ -30,23 +25,8 @@ const LENGTHENED: usize = 1 << 15;
 /// What a quantity of a joint that hardly moves is measured by, over the largest one of any joint.
 const LEAST_SIZE: f64 = 1e-6;
 
-/// Error of mesh or step from which on the user is warned.
-const COARSE: f64 = 1e-2;
-
-/// Change by an iteration, over that by the one before, from which on the user is warned.
-const SLOW: f64 = 0.7;
-
-/// Change of a torque by twice the tip's tolerance from which on the user is warned.
-const UNSETTLED: f64 = 0.03;
-
-/// Change of a torque by terms that were left out from which on the user is warned.
-const LEFT_OUT: f64 = 1e-4;
-
-/// Sine of the elbow's angle below which the user is warned.
-const NEARLY_STRETCHED: f64 = 0.15;
-
 type Models = Vec<Arc<dyn Model>>;
-type Sizes = Vec<PerQuantity<f64>>;
+pub(super) type Sizes = Vec<PerQuantity<f64>>;
 
 /// Finds the torques of all joints that make the tip of an arm follow its path, or its links their directions; `plans`
 /// has one for each link.
@@ -80,17 +60,17 @@ pub fn invert_arm(
     solver.solution(models, first_zero_per_s)
 }
 
-struct Solver<'a> {
-    problem: ArmProblem<'a>,
+pub(super) struct Solver<'a> {
+    pub(super) problem: ArmProblem<'a>,
     plans: &'a [MeshPlan],
 }
 
 /// The answer on meshes that are fine enough, and what was measured of it.
-struct Solved {
-    models: Models,
-    probes: Vec<Vec<usize>>,
-    answer: ArmAnswer,
-    sizes: Sizes,
+pub(super) struct Solved {
+    pub(super) models: Models,
+    pub(super) probes: Vec<Vec<usize>>,
+    pub(super) answer: ArmAnswer,
+    pub(super) sizes: Sizes,
     mesh: Sizes,
 }
 
@@ -130,7 +110,7 @@ impl Solver<'_> {
         let findings = ArmFindings {
             order: problem.second_order,
             iteration,
-            left_out: self.left_out(&solved),
+            left_out: (problem.second_order != SecondOrder::Full).then(|| self.left_out(&solved)),
         };
         let cutoff = problem.cutoffs.iter().map(|own| own.omega_rad_s).filter(|o| o.is_finite());
         let mut solution = ArmSolution {
@@ -205,7 +185,7 @@ impl Solver<'_> {
     /// What errors of each quantity are a share of; of a joint that hardly moves, of the largest one of any.
     fn sizes(&self, curves: &[Curves], answer: &ArmAnswer) -> Sizes {
         let has_weight = self.problem.arm.has_weight();
-        let way_m = way_of_chords_m(answer, self.problem.path.grid().len);
+        let way_m = way_of_chords_m(self.problem.arm, answer, self.problem.path.grid().len);
         let sizes: Sizes = curves.iter().map(|own| own.sizes(has_weight, way_m)).collect();
         let largest = sizes.iter().fold(sizes[0], |most, own| PerQuantity {
             torque: most.torque.max(own.torque),
@@ -235,7 +215,7 @@ impl Solver<'_> {
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
         let tolerance = problem.analysis.tolerance();
         loop {
-            let (rests, left) = self.left(problem, &solved, &solved.answer)?;
+            let (rests, left) = left_at_rest(problem, &solved, &solved.answer)?;
             let len = solved.answer.period.spectrum.pair.len();
             let next = longer(len).filter(|_| worst(&left) > tolerance);
             let Some(mut next) = next else {
@@ -252,32 +232,13 @@ impl Solver<'_> {
                 longer(next).filter(|_| problem.second_order != SecondOrder::None)
             {
                 let shorter = linear.answer(&solved.models, next)?;
-                if worst(&self.left(&linear, &solved, &shorter)?.1) <= tolerance {
+                if worst(&left_at_rest(&linear, &solved, &shorter)?.1) <= tolerance {
                     break;
                 }
                 next = longer;
             }
             solved.answer = problem.answer(&solved.models, next)?;
         }
-    }
-
-    /// What is left of each quantity where the chords begin and end their return, beyond the arm at rest.
-    fn left(
-        &self,
-        problem: &ArmProblem<'_>,
-        Solved { models, probes, sizes, .. }: &Solved,
-        answer: &ArmAnswer,
-    ) -> Result<([ArmMotion; 2], Sizes), ArmError> {
-        let arm = problem.arm;
-        let rests = problem.at_rest(models, answer)?;
-        let [first, last] = rests.each_ref().map(|rest| curves_at_rest(arm, rest, probes));
-        let reaches = answer.rest.reaches(problem.path.grid().len);
-        let curves = answer.curves(arm, probes);
-        let ends = first.into_iter().zip(last).zip(&curves).zip(sizes);
-        let left = ends.map(|(((first, last), own), size)| {
-            own.left_of(&[first, last], reaches).zip(size, |left, size| left / size)
-        });
-        Ok((rests, left.collect()))
     }
 
     /// The samples to write: until all torques stay within the tolerance of what they are at rest.
@@ -298,146 +259,6 @@ impl Solver<'_> {
             }));
         }
         all.unwrap_or(Window { start: 0, stop: given.len as i64 - 1 })
-    }
-
-    /// What half the step changes of each quantity, where every frequency of the samples is solved or second-order terms
-    /// reach beyond what they resolve; none where the path cannot be sampled twice as often.
-    fn step_errors(
-        &self,
-        Solved { models, probes, answer, sizes, .. }: &Solved,
-        first_zero_per_s: Option<f64>,
-    ) -> Result<Option<Sizes>, ArmError> {
-        let problem = &self.problem;
-        let keeps_all = problem.analysis.tip_tolerance() == 0.0;
-        if !answer.motion.iteration.exceeds_step && !keeps_all {
-            return Ok(None);
-        }
-        let Ok(path) = problem.path.twice_as_often() else { return Ok(None) };
-        let resources = Resources { watch: &Unwatched, ..problem.resources() };
-        let (arm, given) = (problem.arm, problem.path.grid().len);
-        let finer = ArmProblem::of(arm, &path, (problem.analysis, resources), first_zero_per_s)?;
-        let found = finer.answer(models, 2 * answer.period.spectrum.pair.len())?;
-        let own = answer.curves_of_motion(arm, probes, given);
-        let finer = found.curves_of_motion(arm, probes, 2 * given - 1);
-        let pairs = own.iter().zip(&finer).zip(sizes);
-        let errors = pairs.map(|((own, finer), size)| {
-            own.apart_from_finer(finer).zip(size, |off, size| off / size)
-        });
-        Ok(Some(errors.collect()))
-    }
-
-    /// What all terms change of a torque at most, over its size, where fewer were asked for; none where they are refused.
-    fn left_out(&self, Solved { models, answer, sizes, .. }: &Solved) -> Option<Option<f64>> {
-        let problem = &self.problem;
-        if problem.second_order == SecondOrder::Full {
-            return None;
-        }
-        let all = problem.with(SecondOrder::Full, problem.cutoffs.clone());
-        let full = all.answer(models, answer.period.spectrum.pair.len()).ok();
-        Some(full.map(|full| largest_change(answer, &full, sizes)))
-    }
-
-    fn warnings(
-        &self,
-        solved: &Solved,
-        solution: &ArmSolution,
-        sizes: &Sizes,
-    ) -> Result<Vec<ArmWarning>, ArmError> {
-        let problem = &self.problem;
-        let tolerance = problem.analysis.tolerance();
-        let of = if problem.arm.has_weight() { ShareOf::Range } else { ShareOf::Peak };
-        let mut warnings = Vec::new();
-        let shortfall = problem.cutoffs.iter().find_map(|own| own.shortfall);
-        if let Some(shortfall) = shortfall {
-            let (share, tolerance) = (solution.tip_error, problem.analysis.tip_tolerance());
-            warnings.push(ArmWarning::Arm(Warning::TipMissed { share, tolerance, shortfall }));
-        }
-        if let Some((sample, sine)) = problem.least_sine().filter(|own| own.1 < NEARLY_STRETCHED) {
-            let time_s = problem.path.grid().time_s(sample);
-            warnings.push(ArmWarning::NearlyStretched { sine, time_s });
-        }
-        let slow = solution.findings.iteration.contraction.filter(|factor| *factor > SLOW);
-        let slow = slow.map(|contraction| Warning::SlowIteration { contraction });
-        let left_out = solution.findings.left_out;
-        let left_out = left_out.filter(|share| share.is_none_or(|share| share > LEFT_OUT));
-        let left_out = left_out.map(|share| Warning::SecondOrderLeftOut { share });
-        warnings.extend(slow.into_iter().chain(left_out).map(ArmWarning::Arm));
-        let unsettled = self.unsettled(solved, sizes)?;
-        for (joint, errors) in solution.errors.iter().enumerate() {
-            let worst = |kind: &dyn Fn(QuantityErrors) -> f64| {
-                let all = errors.zip(errors, |own, _| kind(own));
-                all.worst()
-            };
-            let (quantity, share) = worst(&|own| own.window);
-            let mut found = Vec::new();
-            found.extend((share > tolerance).then_some(Warning::InexactWindow {
-                of,
-                quantity,
-                share,
-                tolerance,
-            }));
-            let (quantity, error) = worst(&|own| own.mesh);
-            let coarse = Warning::CoarseMesh { of, quantity, error };
-            found.extend((error > COARSE).then_some(coarse));
-            let (quantity, share) = worst(&|own| own.step.unwrap_or(0.0));
-            let coarse = Warning::CoarseStep { of, quantity, share };
-            found.extend((share > COARSE).then_some(coarse));
-            let (quantity, share) = worst(&|own| own.iteration.unwrap_or(0.0));
-            let inexact = Warning::InexactIteration { quantity, share, tolerance };
-            found.extend((share > tolerance).then_some(inexact));
-            let mesh = solved.models[joint].mesh();
-            found.extend(blocked_tip(mesh, &solved.answer.period.spectrum, tolerance));
-            found.extend(unsettled[joint]);
-            found.extend(self.thick_link(solved, joint));
-            warnings.extend(found.into_iter().map(|warning| ArmWarning::Joint { joint, warning }));
-        }
-        Ok(warnings)
-    }
-
-    /// For each joint a torque whose peak changes where the tip's tolerance is twice as large.
-    fn unsettled(
-        &self,
-        Solved { models, answer, .. }: &Solved,
-        sizes: &Sizes,
-    ) -> Result<Vec<Option<Warning>>, ArmError> {
-        let problem = &self.problem;
-        let looser: Vec<Cutoff> = problem
-            .cutoffs
-            .iter()
-            .map(|own| Cutoff { omega_rad_s: own.looser_rad_s, ..*own })
-            .collect();
-        let len = answer.period.spectrum.pair.len();
-        let linear = |cutoffs| problem.with(SecondOrder::None, cutoffs).answer(models, len);
-        let (own, looser) = (linear(problem.cutoffs.clone())?, linear(looser)?);
-        let peaks = sizes.iter().enumerate().map(|(joint, size)| {
-            let [own, looser] =
-                [&own, &looser].map(|answer| largest(&answer.motion.links[joint].bent.torque_n_m));
-            let is_unsettled = (own - looser).abs() > UNSETTLED * size.torque;
-            is_unsettled.then_some(Warning::UnsettledTorque {
-                quantity: Quantity::Torque,
-                peak_n_m: own,
-                looser_n_m: looser,
-            })
-        });
-        Ok(peaks.collect())
-    }
-
-    /// The share by which shear and rotary inertia, which the theory leaves out, change a link's torque, where that is
-    /// noticeable.
-    fn thick_link(&self, Solved { models, answer, .. }: &Solved, joint: usize) -> Option<Warning> {
-        let model = &models[joint];
-        let (thickness, mesh) = (Thickness::known(model.link()), model.mesh());
-        if thickness.is_slender(mesh, REPORTED_MODES) {
-            return None;
-        }
-        let mut torque = answer.torque_amplitudes_n_m(joint);
-        torque[0] = 0.0.into();
-        let omegas = &answer.period.spectrum.omegas_rad_s;
-        let band = answer.period.spectrum.band_len().min(torque.len());
-        let modes = natural_frequencies(mesh, REPORTED_MODES);
-        let torque = (&omegas[..band], &torque[..band]);
-        let share = thickness.torque_change(mesh, model.law(), &modes, torque);
-        (share > NOTICEABLE).then_some(Warning::ThickLink { share })
     }
 }
 
@@ -470,14 +291,22 @@ fn worst(errors: &Sizes) -> f64 {
     errors.iter().map(|own| own.worst().1).fold(0.0, larger)
 }
 
-/// Largest difference of two answers' torques, over their sizes.
-fn largest_change(own: &ArmAnswer, other: &ArmAnswer, sizes: &Sizes) -> f64 {
-    let torques = sizes.iter().enumerate().map(|(joint, size)| {
-        let [own, other] = [own, other]
-            .map(|answer| own.rest.outside_return(&answer.motion.links[joint].bent.torque_n_m));
-        largest_difference(&own, &other) / size.torque
+/// What is left of each quantity where the chords begin and end their return, beyond the arm at rest.
+fn left_at_rest(
+    problem: &ArmProblem<'_>,
+    Solved { models, probes, sizes, .. }: &Solved,
+    answer: &ArmAnswer,
+) -> Result<([ArmMotion; 2], Sizes), ArmError> {
+    let arm = problem.arm;
+    let rests = problem.at_rest(models, answer)?;
+    let [first, last] = rests.each_ref().map(|rest| curves_at_rest(arm, rest, probes));
+    let reaches = answer.rest.reaches(problem.path.grid().len);
+    let curves = answer.curves(arm, probes);
+    let ends = first.into_iter().zip(last).zip(&curves).zip(sizes);
+    let left = ends.map(|(((first, last), own), size)| {
+        own.left_of(&[first, last], reaches).zip(size, |left, size| left / size)
     });
-    torques.fold(0.0, larger)
+    Ok((rests, left.collect()))
 }
 
 /// Largest distance in m of the tip from where it starts.
@@ -490,11 +319,10 @@ fn way_m([x, y]: &[[Vec<f64>; 3]; 2]) -> f64 {
 }
 
 /// The same of the rigid arm over the samples of its path.
-fn way_of_chords_m(answer: &ArmAnswer, given: usize) -> f64 {
+fn way_of_chords_m(arm: &Arm, answer: &ArmAnswer, given: usize) -> f64 {
     let mut tip = [[0, 1, 2].map(|_| vec![0.0; given]), [0, 1, 2].map(|_| vec![0.0; given])];
-    for (chord, link) in answer.rigid.iter().zip(&answer.motion.links) {
-        // Rigid, a chord is as long as it is at most.
-        let length_m = largest(&link.chord_length_m);
+    for (chord, own) in answer.rigid.iter().zip(arm.links()) {
+        let length_m = own.link.length_m();
         for k in 0..given {
             tip[0][0][k] += length_m * libm::cos(chord[0][k]);
             tip[1][0][k] += length_m * libm::sin(chord[0][k]);
@@ -506,7 +334,7 @@ fn way_of_chords_m(answer: &ArmAnswer, given: usize) -> f64 {
 /// How far the solved tip is at most from the wanted one, in m.
 fn tip_error_m(answer: &ArmAnswer, path: &ArmPath) -> f64 {
     match (path.prescribed(), &answer.errors_m[..]) {
-        (crate::motion::Prescribed::Tip, [x, y, ..]) => (x * x + y * y).sqrt(),
+        (Prescribed::Tip, [x, y, ..]) => (x * x + y * y).sqrt(),
         // The tip is the sum of the chords: L δθ of each.
         (_, errors_m) => errors_m.iter().sum(),
     }

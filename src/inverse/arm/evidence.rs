@@ -1,0 +1,178 @@
+//! What a solved arm left out, and the warnings that follow from it.
+
+use super::answer::ArmAnswer;
+use super::error::ArmError;
+use super::problem::ArmProblem;
+use super::solution::{ArmSolution, larger};
+use super::solve::{Sizes, Solved, Solver};
+use super::warning::ArmWarning;
+use crate::elastica::SecondOrder;
+use crate::inverse::diagnostics::blocked_tip;
+use crate::inverse::{Quantity, QuantityErrors, Resources, ShareOf, Unwatched, Warning};
+use crate::modal::{NOTICEABLE, REPORTED_MODES, Thickness, natural_frequencies};
+use crate::motion::Cutoff;
+use crate::numeric::{largest, largest_difference};
+
+/// Error of mesh or step from which on the user is warned.
+const COARSE: f64 = 1e-2;
+
+/// Change by an iteration, over that by the one before, from which on the user is warned.
+const SLOW: f64 = 0.7;
+
+/// Change of a torque by twice the tip's tolerance from which on the user is warned.
+const UNSETTLED: f64 = 0.03;
+
+/// Change of a torque by terms that were left out from which on the user is warned.
+const LEFT_OUT: f64 = 1e-4;
+
+/// Sine of the elbow's angle below which the user is warned.
+const NEARLY_STRETCHED: f64 = 0.15;
+
+impl Solver<'_> {
+    /// What half the step changes of each quantity, where every frequency of the samples is solved or second-order terms
+    /// reach beyond what they resolve; none where the path cannot be sampled twice as often.
+    pub(super) fn step_errors(
+        &self,
+        Solved { models, probes, answer, sizes, .. }: &Solved,
+        first_zero_per_s: Option<f64>,
+    ) -> Result<Option<Sizes>, ArmError> {
+        let problem = &self.problem;
+        let keeps_all = problem.analysis.tip_tolerance() == 0.0;
+        if !answer.motion.iteration.exceeds_step && !keeps_all {
+            return Ok(None);
+        }
+        let Ok(path) = problem.path.twice_as_often() else { return Ok(None) };
+        let resources = Resources { watch: &Unwatched, ..problem.resources() };
+        let (arm, given) = (problem.arm, problem.path.grid().len);
+        let finer = ArmProblem::of(arm, &path, (problem.analysis, resources), first_zero_per_s)?;
+        let found = finer.answer(models, 2 * answer.period.spectrum.pair.len())?;
+        let own = answer.curves_of_motion(arm, probes, given);
+        let finer = found.curves_of_motion(arm, probes, 2 * given - 1);
+        let pairs = own.iter().zip(&finer).zip(sizes);
+        let errors = pairs.map(|((own, finer), size)| {
+            own.apart_from_finer(finer).zip(size, |off, size| off / size)
+        });
+        Ok(Some(errors.collect()))
+    }
+
+    /// What all terms change of a torque at most, over its size, where fewer were asked for; none where they are refused.
+    pub(super) fn left_out(&self, Solved { models, answer, sizes, .. }: &Solved) -> Option<f64> {
+        let problem = &self.problem;
+        let all = problem.with(SecondOrder::Full, problem.cutoffs.clone());
+        let full = all.answer(models, answer.period.spectrum.pair.len()).ok()?;
+        Some(largest_change(answer, &full, sizes))
+    }
+
+    pub(super) fn warnings(
+        &self,
+        solved: &Solved,
+        solution: &ArmSolution,
+        sizes: &Sizes,
+    ) -> Result<Vec<ArmWarning>, ArmError> {
+        let problem = &self.problem;
+        let tolerance = problem.analysis.tolerance();
+        let of = if problem.arm.has_weight() { ShareOf::Range } else { ShareOf::Peak };
+        let mut warnings = Vec::new();
+        let shortfall = problem.cutoffs.iter().find_map(|own| own.shortfall);
+        if let Some(shortfall) = shortfall {
+            let (share, tolerance) = (solution.tip_error, problem.analysis.tip_tolerance());
+            warnings.push(ArmWarning::Arm(Warning::TipMissed { share, tolerance, shortfall }));
+        }
+        if let Some((sample, sine)) = problem.least_sine().filter(|own| own.1 < NEARLY_STRETCHED) {
+            let time_s = problem.path.grid().time_s(sample);
+            warnings.push(ArmWarning::NearlyStretched { sine, time_s });
+        }
+        let slow = solution.findings.iteration.contraction.filter(|factor| *factor > SLOW);
+        let slow = slow.map(|contraction| Warning::SlowIteration { contraction });
+        let left_out = solution.findings.left_out;
+        let left_out = left_out.filter(|share| share.is_none_or(|share| share > LEFT_OUT));
+        let left_out = left_out.map(|share| Warning::SecondOrderLeftOut { share });
+        warnings.extend(slow.into_iter().chain(left_out).map(ArmWarning::Arm));
+        let unsettled = self.unsettled(solved, sizes)?;
+        for (joint, errors) in solution.errors.iter().enumerate() {
+            let worst = |kind: &dyn Fn(QuantityErrors) -> f64| {
+                let all = errors.zip(errors, |own, _| kind(own));
+                all.worst()
+            };
+            let (quantity, share) = worst(&|own| own.window);
+            let mut found = Vec::new();
+            found.extend((share > tolerance).then_some(Warning::InexactWindow {
+                of,
+                quantity,
+                share,
+                tolerance,
+            }));
+            let (quantity, error) = worst(&|own| own.mesh);
+            let coarse = Warning::CoarseMesh { of, quantity, error };
+            found.extend((error > COARSE).then_some(coarse));
+            let (quantity, share) = worst(&|own| own.step.unwrap_or(0.0));
+            let coarse = Warning::CoarseStep { of, quantity, share };
+            found.extend((share > COARSE).then_some(coarse));
+            let (quantity, share) = worst(&|own| own.iteration.unwrap_or(0.0));
+            let inexact = Warning::InexactIteration { quantity, share, tolerance };
+            found.extend((share > tolerance).then_some(inexact));
+            let mesh = solved.models[joint].mesh();
+            found.extend(blocked_tip(mesh, &solved.answer.period.spectrum, tolerance));
+            found.extend(unsettled[joint]);
+            found.extend(thick_link(solved, joint));
+            warnings.extend(found.into_iter().map(|warning| ArmWarning::Joint { joint, warning }));
+        }
+        Ok(warnings)
+    }
+
+    /// For each joint a torque whose peak changes where the tip's tolerance is twice as large.
+    fn unsettled(
+        &self,
+        Solved { models, answer, .. }: &Solved,
+        sizes: &Sizes,
+    ) -> Result<Vec<Option<Warning>>, ArmError> {
+        let problem = &self.problem;
+        let looser: Vec<Cutoff> = problem
+            .cutoffs
+            .iter()
+            .map(|own| Cutoff { omega_rad_s: own.looser_rad_s, ..*own })
+            .collect();
+        let len = answer.period.spectrum.pair.len();
+        let linear = |cutoffs| problem.with(SecondOrder::None, cutoffs).answer(models, len);
+        let (own, looser) = (linear(problem.cutoffs.clone())?, linear(looser)?);
+        let peaks = sizes.iter().enumerate().map(|(joint, size)| {
+            let [own, looser] =
+                [&own, &looser].map(|answer| largest(&answer.motion.links[joint].bent.torque_n_m));
+            let is_unsettled = (own - looser).abs() > UNSETTLED * size.torque;
+            is_unsettled.then_some(Warning::UnsettledTorque {
+                quantity: Quantity::Torque,
+                peak_n_m: own,
+                looser_n_m: looser,
+            })
+        });
+        Ok(peaks.collect())
+    }
+}
+
+/// The share by which shear and rotary inertia, which the theory leaves out, change a link's torque, where that is
+/// noticeable.
+fn thick_link(Solved { models, answer, .. }: &Solved, joint: usize) -> Option<Warning> {
+    let model = &models[joint];
+    let (thickness, mesh) = (Thickness::known(model.link()), model.mesh());
+    if thickness.is_slender(mesh, REPORTED_MODES) {
+        return None;
+    }
+    let mut torque = answer.torque_amplitudes_n_m(joint);
+    torque[0] = 0.0.into();
+    let omegas = &answer.period.spectrum.omegas_rad_s;
+    let band = answer.period.spectrum.band_len().min(torque.len());
+    let modes = natural_frequencies(mesh, REPORTED_MODES);
+    let torque = (&omegas[..band], &torque[..band]);
+    let share = thickness.torque_change(mesh, model.law(), &modes, torque);
+    (share > NOTICEABLE).then_some(Warning::ThickLink { share })
+}
+
+/// Largest difference of two answers' torques, over their sizes.
+fn largest_change(own: &ArmAnswer, other: &ArmAnswer, sizes: &Sizes) -> f64 {
+    let torques = sizes.iter().enumerate().map(|(joint, size)| {
+        let [own, other] = [own, other]
+            .map(|answer| own.rest.outside_return(&answer.motion.links[joint].bent.torque_n_m));
+        largest_difference(&own, &other) / size.torque
+    });
+    torques.fold(0.0, larger)
+}
