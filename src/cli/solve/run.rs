@@ -143,8 +143,8 @@ pub(super) struct Problem<'a> {
 
 /// A problem of one link, or of an arm.
 pub(super) enum OneOrSeveral<'a> {
-    One(Problem<'a>),
-    Several(ArmProblem<'a>),
+    One(Box<Problem<'a>>),
+    Several(Box<ArmProblem<'a>>),
 }
 
 /// The solution, and what follows from it.
@@ -176,12 +176,13 @@ impl<'a> Problem<'a> {
             Described::Link(specification) => *specification,
             Described::Arm(arm) => {
                 let problem = ArmProblem::read(options, link_file, arm, motion_file()?)?;
-                return Ok(OneOrSeveral::Several(problem));
+                return Ok(OneOrSeveral::Several(Box::new(problem)));
             }
         };
         let motion_file = motion_file()?;
         let motion = options.motion_of(&motion_file, &specification.link)?;
-        Ok(OneOrSeveral::One(Self { options, link_file, motion_file, specification, motion }))
+        let problem = Self { options, link_file, motion_file, specification, motion };
+        Ok(OneOrSeveral::One(Box::new(problem)))
     }
 
     /// Computes the solution, and verifies it if the options ask for that.

@@ -8,7 +8,7 @@ use flexlink::motion::Prescribed;
 use flexlink::result::{ArmMetrics, JointMetrics};
 use flexlink::text::{plain, significant, visible};
 
-use super::runs::four;
+use super::runs::{four, timing_line};
 
 /// The summary of an arm's solution; `written` says where its files are.
 pub(crate) fn arm_text(solution: &ArmSolution, metrics: &ArmMetrics, written: &str) -> String {
@@ -89,7 +89,6 @@ fn order_line(solution: &ArmSolution) -> String {
 fn joint_text(joint: &JointMetrics) -> String {
     let [peak, rms, rigid] =
         four([joint.peak_torque_n_m, joint.rms_torque_n_m, joint.peak_rigid_torque_n_m]);
-    let [lead, lag] = [joint.lead_s, joint.lag_s].map(|time| significant(time, 3));
     let [start, end, rate, power] = four([
         joint.start_angle_rad,
         joint.end_angle_rad,
@@ -98,9 +97,9 @@ fn joint_text(joint: &JointMetrics) -> String {
     ]);
     let [deflection, moment] = four([joint.peak_deflection_m, joint.peak_root_moment_n_m]);
     let mut text = format!(
-        "peak {peak} N m, rms {rms} N m; the rigid arm {rigid} N m\n         acts {lead} s before the path and {lag} s \
-         after it\n         turns from {start} to {end} rad; peaks {rate} rad/s, {power} W\n         its link bends by \
-         {deflection} m; {moment} N m at its root"
+        "peak {peak} N m, rms {rms} N m; the rigid arm {rigid} N m\n         {}\n         turns from {start} to {end} rad; peaks {rate} rad/s, {power} W\n         its link bends by \
+         {deflection} m; {moment} N m at its root",
+        timing_line(joint.lead_s, joint.lag_s)
     );
     let motor = joint.peak_motor_torque_n_m.zip(joint.peak_motor_rate_rad_s);
     if let Some((torque, rate)) = motor {

@@ -221,7 +221,7 @@ fn timing_text(metrics: &Metrics) -> String {
     }
 }
 
-fn timing_line(lead_s: f64, lag_s: f64) -> String {
+pub(super) fn timing_line(lead_s: f64, lag_s: f64) -> String {
     let [from, to] = [lead_s, lag_s].map(|time_s| significant(time_s.abs(), 3));
     if lead_s >= 0.0 && lag_s >= 0.0 {
         return format!("from {from} s before to {to} s after the tip's motion (2 % level)");

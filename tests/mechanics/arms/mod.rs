@@ -1,5 +1,6 @@
 //! Arms of several links.
 
+mod inversion;
 mod laws;
 mod prototype;
 mod random;

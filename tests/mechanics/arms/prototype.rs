@@ -8,17 +8,17 @@ use crate::elastica::Turn;
 use flexlink::elastica::follow_arm;
 
 /// Numbers of that program at -0.25, 0, … 1.75 s.
-struct Prototype {
-    gravity_m_s2: [f64; 2],
-    second_order: SecondOrder,
-    torque_n_m: [[f64; 9]; 2],
-    joint_angle_rad: [[f64; 9]; 2],
-    chord_angle_rad: [[f64; 9]; 2],
-    range_n_m: [f64; 2],
+pub(super) struct Prototype {
+    pub(super) gravity_m_s2: [f64; 2],
+    pub(super) second_order: SecondOrder,
+    pub(super) torque_n_m: [[f64; 9]; 2],
+    pub(super) joint_angle_rad: [[f64; 9]; 2],
+    pub(super) chord_angle_rad: [[f64; 9]; 2],
+    pub(super) range_n_m: [f64; 2],
 }
 
 #[rustfmt::skip]
-const PROTOTYPE: [Prototype; 6] = [
+pub(super) const PROTOTYPE: [Prototype; 6] = [
     Prototype {
         gravity_m_s2: [0.0, -9.81],
         second_order: SecondOrder::None,
@@ -125,7 +125,7 @@ const PROTOTYPE: [Prototype; 6] = [
 
 /// How far torques, over their range, and angles in rad may be off. Linear and of first order the program trusts its
 /// numbers to 1e-8 and prints as many digits; at full to 1e-5.
-fn bounds(second_order: SecondOrder) -> [f64; 2] {
+pub(super) fn bounds(second_order: SecondOrder) -> [f64; 2] {
     match second_order {
         SecondOrder::Full => [1e-5, 2e-6],
         _ => [1e-8, 2e-9],

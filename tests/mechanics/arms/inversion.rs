@@ -1,0 +1,173 @@
+//! The inversion of arms from sampled paths: against an independent program, against rigid arms, and what it states.
+
+use flexlink::beam::{ElementCount, MeshPlan};
+use flexlink::elastica::SecondOrder;
+use flexlink::inverse::{Analysis, ArmSolution, ArmWarning, Resources, invert_arm};
+use flexlink::link::{Arm, ArmLink, ArmParts, Damping, Elbow, Link, LinkParts, Segment};
+use flexlink::motion::{ArmPath, PathColumn, PathColumns};
+
+use super::prototype::{PROTOTYPE, bounds};
+use super::two_links;
+use crate::elastica::Turn;
+
+fn arm(parts: &[LinkParts], gravity_m_s2: [f64; 2]) -> Arm {
+    let link = |parts: &LinkParts| Link::new(parts.clone()).expect("a link");
+    let links = parts.iter().map(|parts| ArmLink { name: None, link: link(parts) }).collect();
+    let elbow = Some(Elbow::Left);
+    Arm::new(ArmParts { title: String::new(), links, gravity_m_s2, elbow }).expect("an arm")
+}
+
+fn plans(arm: &Arm, count: ElementCount) -> Vec<MeshPlan> {
+    let plan = |own: &ArmLink| {
+        let each = vec![None; own.link.segments().len()];
+        MeshPlan::new(&own.link, &each, Some(count), 1e-6).expect("a plan")
+    };
+    arm.links().iter().map(plan).collect()
+}
+
+/// Samples of a share that goes from 0 to 1 in a time, with half a second of rest on either side.
+fn sampled(duration_s: f64, steps_per_s: u32) -> (Vec<f64>, Vec<f64>) {
+    let share = Turn { from_rad: 0.0, by_rad: 1.0, duration_s };
+    let per_s = f64::from(steps_per_s);
+    let rows = (0..u16::MAX).map(|k| f64::from(k) / per_s - 0.5);
+    let time_s: Vec<f64> = rows.take_while(|t| *t < duration_s + 0.5 + 0.5 / per_s).collect();
+    let shares = time_s.iter().map(|t| share.at(*t)[0]).collect();
+    (time_s, shares)
+}
+
+fn column(name: &str, shares: &[f64], from: f64, by: f64) -> PathColumn {
+    let values = shares.iter().map(|share| from + by * share).collect();
+    PathColumn { name: name.to_owned(), values, rounded: None }
+}
+
+fn line(arm: &Arm, duration_s: f64) -> ArmPath {
+    let (time_s, shares) = sampled(duration_s, 512);
+    let tip = [column("x", &shares, 0.9, -0.4), column("y", &shares, -0.5, 1.3)];
+    path(arm, PathColumns { time_s, tip: Some(tip), angles: vec![] })
+}
+
+fn path(arm: &Arm, columns: PathColumns) -> ArmPath {
+    let lengths: Vec<f64> = arm.links().iter().map(|own| own.link.length_m()).collect();
+    ArmPath::new(columns, &lengths).expect("a path")
+}
+
+fn solved(arm: &Arm, path: &ArmPath, count: ElementCount, analysis: &Analysis) -> ArmSolution {
+    invert_arm(arm, &plans(arm, count), path, analysis, &Resources::default()).expect("a solution")
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |most, value| most.max(value.abs()))
+}
+
+#[test]
+fn torques_and_angles_of_a_sampled_path_are_those_of_an_independent_program() {
+    let exact =
+        Analysis::new(1e-9, Some(0.0), Some(0.0)).and_then(|own| own.with_tip_tolerance(1e-11));
+    let exact = exact.expect("an analysis");
+    for expected in &PROTOTYPE {
+        let arm = arm(&two_links(), expected.gravity_m_s2);
+        let analysis = exact.with_second_order(expected.second_order);
+        let found = solved(&arm, &line(&arm, 1.5), ElementCount::Total(6), &analysis);
+        let [torque_bound, angle_bound] = bounds(expected.second_order);
+        for joint in 0..2 {
+            let range = expected.range_n_m[joint];
+            for k in 0..9 {
+                let sample = 128 * (k + 1);
+                let own = &found.joints[joint];
+                let off = (own.torque_n_m[sample] - expected.torque_n_m[joint][k]) / range;
+                assert!(
+                    off.abs() < torque_bound,
+                    "{off:e} {joint} {k} {:?}",
+                    expected.second_order
+                );
+                let off = own.angle[0][sample] - expected.joint_angle_rad[joint][k];
+                assert!(off.abs() < angle_bound, "{off:e} {joint} {k}");
+                let off = found.links[joint].chord[0][sample] - expected.chord_angle_rad[joint][k];
+                assert!(off.abs() < angle_bound, "{off:e} {joint} {k}");
+            }
+        }
+    }
+}
+
+/// The tip that the bent links lead to, their angles, rates and accelerations, and the errors that are stated.
+#[test]
+fn the_tip_follows_the_path_and_errors_are_measured() {
+    let arm = arm(&two_links(), [0.0, -9.81]);
+    let path = line(&arm, 1.5);
+    let found = solved(&arm, &path, ElementCount::Auto, &Analysis::default());
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    let share = Turn { from_rad: 0.0, by_rad: 1.0, duration_s: 1.5 };
+    let [x, y] = &found.tip;
+    // What a cut-off leaves out of the tip, 1e-6 of its way, counts with its frequency in rates and accelerations.
+    for (order, bound) in [1.4e-6, 1e-4, 4e-3].into_iter().enumerate() {
+        for k in 0..found.grid.len {
+            let s = share.at(found.grid.time_s(k))[order];
+            let rest = if order == 0 { [0.9, -0.5] } else { [0.0; 2] };
+            let off = [x[order][k] - rest[0] + 0.4 * s, y[order][k] - rest[1] - 1.3 * s];
+            let off = largest(off.into_iter());
+            assert!(off < bound, "{off:e} of order {order} at {}", found.grid.time_s(k));
+        }
+    }
+    let last = found.links[1].positions_m.last().expect("nodes");
+    assert!(largest(last[0].iter().zip(&x[0]).map(|(a, b)| a - b)) < 1e-9);
+    assert!(found.tip_error < 1e-6 && found.tip_error > 1e-9, "{:e}", found.tip_error);
+    let mesh = found.worst(|own| own.mesh);
+    let finer = solved(&arm, &path, ElementCount::Total(64), &Analysis::default());
+    for (own, fine) in found.joints.iter().zip(&finer.joints) {
+        let range = largest(fine.torque_n_m.iter().copied());
+        let pairs = own.torque_n_m.iter().zip(&fine.torque_n_m);
+        let off = largest(pairs.map(|(a, b)| a - b)) / range;
+        assert!(off < 4.0 * mesh + 1e-9, "{off:e} of stated {mesh:e}");
+    }
+    assert!(mesh < 1e-6 && found.worst(|own| own.window) < 1e-6);
+}
+
+/// Angles that joints are told and torques that the rigid arm takes: what stiff links do.
+#[test]
+fn stiff_links_are_the_rigid_arm() {
+    let stiff = |mut parts: LinkParts| {
+        parts.segments = parts
+            .segments
+            .into_iter()
+            .map(|own| Segment {
+                bending_stiffness_n_m2: own.bending_stiffness_n_m2.scaled(1e7),
+                ..own
+            })
+            .collect();
+        parts.damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 1e-9 };
+        parts.hub.viscous_friction_n_m_s_rad = 0.4;
+        parts
+    };
+    let three = [&two_links()[..], &two_links()[1..]].concat();
+    let arm = arm(&three.into_iter().map(stiff).collect::<Vec<_>>(), [2.0, -9.0]);
+    let (time_s, shares) = sampled(1.2, 512);
+    let angle = |name, from, by| Some(column(name, &shares, from, by));
+    let angles =
+        vec![angle("angle1", -1.0, 1.6), angle("angle2", 0.4, 2.0), angle("angle3", 2.0, -1.0)];
+    let path = path(&arm, PathColumns { time_s, tip: None, angles });
+    let found = solved(&arm, &path, ElementCount::Total(4), &Analysis::default());
+    for joint in &found.joints {
+        let range = largest(joint.rigid_torque_n_m.iter().copied());
+        let pairs = joint.torque_n_m.iter().zip(&joint.rigid_torque_n_m);
+        let off = largest(pairs.map(|(a, b)| a - b)) / range;
+        assert!(off < 1e-6 && range > 1.0, "{off:e} of {range} N m");
+        let pairs = joint.angle[0].iter().zip(&joint.rigid_angle_rad);
+        assert!(largest(pairs.map(|(a, b)| a - b)) < 1e-6);
+    }
+}
+
+#[test]
+fn terms_that_are_left_out_and_an_elbow_nearly_stretched_are_told() {
+    let arm = arm(&two_links(), [0.0, -9.81]);
+    let first = Analysis::default().with_second_order(SecondOrder::First);
+    let found = solved(&arm, &line(&arm, 1.5), ElementCount::Total(8), &first);
+    let left_out = found.findings.left_out.flatten().expect("a share");
+    assert!((1e-3..1e-2).contains(&left_out), "{left_out:e}");
+    assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
+    let (time_s, shares) = sampled(1.5, 512);
+    let tip = [column("x", &shares, 0.9, 0.397), column("y", &shares, 0.0, 0.0)];
+    let stretching = path(&arm, PathColumns { time_s, tip: Some(tip), angles: vec![] });
+    let slow = solved(&arm, &stretching, ElementCount::Total(8), &first);
+    let stretched = |warning: &ArmWarning| matches!(warning, ArmWarning::NearlyStretched { .. });
+    assert!(slow.warnings.iter().any(stretched), "{:?}", slow.warnings);
+}
