@@ -25,7 +25,7 @@ Example:
   flexlink solve --repeat out
 
 LINK and MOTION are described in the README, measured tables in docs/files.md; one of them \
-may be `-`, standard input.";
+may be `-`, standard input. An arm of several links and its path: docs/arms.md.";
 
 const USAGE: &str = "\
 flexlink solve [OPTIONS] <LINK> <MOTION>
