@@ -144,6 +144,17 @@ fn repository(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name).to_str().unwrap().to_owned()
 }
 
+/// The link files of this repository.
+fn link_files() -> Vec<String> {
+    let entries = std::fs::read_dir(repository("specs")).unwrap().map(|entry| entry.unwrap());
+    let files = entries.filter(|entry| entry.file_type().unwrap().is_file());
+    let mut paths: Vec<String> =
+        files.map(|file| file.path().to_str().unwrap().to_owned()).collect();
+    paths.sort();
+    assert!(paths.len() >= 8, "{paths:?}");
+    paths
+}
+
 fn stdout(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }

@@ -1,10 +1,8 @@
 //! What a user is told where the model ends, and where a number is probably in another unit.
 
-use std::fs;
-
 use serde_json::Value;
 
-use super::{Bench, repository, stderr, stdout};
+use super::{Bench, link_files, stderr, stdout};
 
 /// A bar of aluminium, 0.3 m by 0.1 m, that turns about its end.
 const BAR: &str = "\
@@ -186,9 +184,8 @@ fn a_number_that_is_probably_in_another_unit_is_told_and_nothing_is_refused() {
 #[test]
 fn no_published_rig_has_a_remark() {
     let bench = Bench::new();
-    for rig in fs::read_dir(repository("specs")).unwrap() {
-        let rig = rig.unwrap().path();
-        let output = bench.run(&["modes", rig.to_str().unwrap(), "--count", "3"]);
-        assert_eq!(stderr(&output), "", "{}", rig.display());
+    for rig in link_files() {
+        let output = bench.run(&["modes", &rig, "--count", "3"]);
+        assert_eq!(stderr(&output), "", "{rig}");
     }
 }

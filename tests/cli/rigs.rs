@@ -1,27 +1,13 @@
 //! Every published rig through the commands that a user runs on it.
 
-use std::fs;
-
 use serde_json::Value;
 
-use super::{Bench, MOTION, repository, stderr, stdout};
-
-fn rigs() -> Vec<String> {
-    let entries = fs::read_dir(repository("specs")).unwrap();
-    let mut rigs: Vec<String> = entries
-        .filter(|entry| entry.as_ref().unwrap().file_type().unwrap().is_file())
-        .map(|entry| format!("specs/{}", entry.unwrap().file_name().into_string().unwrap()))
-        .collect();
-    rigs.sort();
-    assert!(rigs.len() >= 8, "{rigs:?}");
-    rigs
-}
+use super::{Bench, MOTION, link_files, repository, stderr, stdout};
 
 #[test]
 fn every_rig_is_solved_verified_and_has_its_modes() {
     let bench = Bench::new();
-    for rig in rigs() {
-        let rig = repository(&rig);
+    for rig in link_files() {
         let (rig, motion) = (rig.as_str(), &repository(MOTION));
         // The arm with 49 kg at its tip would deflect by more than its length.
         let slower = if rig.contains("nasa_jsc") { "10" } else { "1" };

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
-use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, link_files, repository, stderr, stdout};
 
 #[test]
 fn a_dash_reads_the_motion_from_standard_input() {
@@ -45,12 +45,7 @@ fn a_refused_standard_input_is_called_by_that_name() {
 #[test]
 fn lines_of_the_summary_have_at_most_eighty_columns() {
     let bench = Bench::new();
-    let mut specs: Vec<_> = fs::read_dir(repository("specs"))
-        .unwrap()
-        .map(|entry| entry.unwrap().path().to_str().unwrap().to_owned())
-        .collect();
-    specs.sort();
-    assert!(specs.len() >= 8);
+    let specs = link_files();
     let rayleigh = "damping={ model = \"rayleigh\", modes = [1, 3], ratios = [0.03, 0.02] }";
     for spec in &specs {
         for motion in ["sine_0.88s.csv", "min_jerk_1s.csv"] {
