@@ -2,7 +2,8 @@
 
 use std::num::NonZeroUsize;
 
-use super::chain::{Balance, Chain};
+use super::balance::Balance;
+use super::chain::Chain;
 use super::driving::{Cubic, CycleError, Driving};
 use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
 use super::modes::HubReaction;

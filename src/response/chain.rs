@@ -8,8 +8,7 @@
 //! r(s) = ∫ (cos θ, sin θ) ds,   θ = φ + ψ,   M = Σ m ∂r/∂qᵀ ∂r/∂q,   V = ½ ∫ EI ψ'² ds − Σ m g·r
 //! ```
 
-use nalgebra::{DMatrix, DVector};
-
+use super::balance::{Balance, Met, Place};
 use crate::link::{Link, POSITION_TOLERANCE, Payload, Taper};
 use crate::numeric::{GaussRule, dot, piece_shapes};
 
@@ -38,66 +37,6 @@ pub(super) struct Piece {
     /// Integrals from the inner end to each point, and to the outer end, over the length, per value at each point.
     pub(super) within: Vec<Vec<f64>>,
     bodies: Vec<Body>,
-}
-
-/// A place on the link, how it moves, and what each coordinate changes of it, along x and y.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Place {
-    pub(super) at_m: [f64; 2],
-    pub(super) rate_m_s: [f64; 2],
-    /// Its acceleration while all rates are constant.
-    centripetal_m_s2: [f64; 2],
-    by: [Vec<f64>; 2],
-}
-
-impl Place {
-    /// Acceleration in m/s² for accelerations of the coordinates.
-    pub(super) fn acceleration_m_s2(&self, accelerations: &[f64]) -> [f64; 2] {
-        [0, 1].map(|axis| self.centripetal_m_s2[axis] + dot(&self.by[axis], accelerations))
-    }
-
-    /// The place this far along a direction that coordinates `turned` turn, at a rate.
-    fn beyond(&self, arm_m: f64, (angle, rate): (f64, f64), turned: &[usize]) -> Self {
-        let mut place = self.clone();
-        let (x, y) = (arm_m * libm::cos(angle), arm_m * libm::sin(angle));
-        let (x_by, y_by) = (-y, x);
-        for (axis, (part, by)) in [(x, x_by), (y, y_by)].into_iter().enumerate() {
-            place.at_m[axis] += part;
-            place.rate_m_s[axis] += by * rate;
-            place.centripetal_m_s2[axis] -= part * rate * rate;
-            for coordinate in turned {
-                place.by[axis][*coordinate] += by;
-            }
-        }
-        place
-    }
-}
-
-/// Masses on the link as it is walked from the axis outward.
-enum Met<'a> {
-    /// A mass in kg.
-    Mass(f64),
-    /// A rotary inertia in kg m² on the slope of these coordinates.
-    Inertia(f64, &'a [usize]),
-    /// The end of a piece.
-    End,
-}
-
-/// Equations `M a = f` at one instant: the mass matrix row by row, and all forces but the motor's.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Balance {
-    pub(super) mass: Vec<f64>,
-    pub(super) force: Vec<f64>,
-}
-
-impl Balance {
-    /// The accelerations that balance; none where the masses leave some open.
-    pub(super) fn accelerations(&self) -> Option<Vec<f64>> {
-        let count = self.force.len();
-        let mass = DMatrix::from_row_slice(count, count, &self.mass);
-        let found = mass.lu().solve(&DVector::from_column_slice(&self.force))?;
-        found.iter().all(|own| own.is_finite()).then(|| found.as_slice().to_vec())
-    }
 }
 
 /// The link.
@@ -198,21 +137,35 @@ impl Chain {
 
     /// Walks the link from the axis outward and shows each mass, or rotary inertia, at its place.
     fn walk(&self, q: &[f64], rates: &[f64], mut meet: impl FnMut(&Place, Met<'_>)) {
-        let axis = Place { by: [vec![0.0; self.count], vec![0.0; self.count]], ..Place::default() };
-        meet(&axis, Met::Inertia(self.hub_inertia_kg_m2, &[0]));
-        let mut inner = axis.beyond(self.root_m, (q[0], rates[0]), &[0]);
-        Self::meet_bodies(&self.at_root, &inner, (q[0], rates[0]), &[0], &mut meet);
+        self.walk_on(&Place::fixed(self.count), (&[], 0), (q, rates), &mut meet);
+    }
+
+    /// The same of a link whose axis lies on another one, where the coordinates `before` turn it; its own ones begin with
+    /// number `own`.
+    pub(super) fn walk_on(
+        &self,
+        axis: &Place,
+        (before, own): (&[usize], usize),
+        (q, rates): (&[f64], &[f64]),
+        meet: &mut impl FnMut(&Place, Met<'_>),
+    ) {
+        let hub = [before, &[own]].concat();
+        let of_hub = |values: &[f64]| hub.iter().fold(0.0, |sum, i| sum + values[*i]);
+        let (hub_rad, hub_rad_s) = (of_hub(q), of_hub(rates));
+        meet(axis, Met::Inertia(self.hub_inertia_kg_m2, &hub));
+        let mut inner = axis.beyond(self.root_m, (hub_rad, hub_rad_s), &hub);
+        Self::meet_bodies(&self.at_root, &inner, (hub_rad, hub_rad_s), &hub, meet);
         let mut here = inner.clone();
         for piece in &self.pieces {
-            let angle = |values: &[f64], shape: &[f64]| {
-                let own = piece.coordinates().map(|(i, k)| values[i] * shape[k]);
-                values[0] + own.sum::<f64>()
+            let angle = |hub: f64, values: &[f64], shape: &[f64]| {
+                let bent = piece.coordinates().map(|(i, k)| values[own + i] * shape[k]);
+                hub + bent.sum::<f64>()
             };
             let slopes: Vec<[f64; 4]> = piece
                 .shapes
                 .iter()
                 .map(|shape| {
-                    let (angle, rate) = (angle(q, shape), angle(rates, shape));
+                    let (angle, rate) = (angle(hub_rad, q, shape), angle(hub_rad_s, rates, shape));
                     let (cosine, sine) = (libm::cos(angle), libm::sin(angle));
                     [cosine, sine, rate, rate * rate]
                 })
@@ -229,21 +182,24 @@ impl Chain {
                         here.rate_m_s[axis] += by * rate;
                         here.centripetal_m_s2[axis] -= part * square;
                         turned[axis] += by;
-                        for (i, own) in piece.coordinates() {
-                            here.by[axis][i] += by * piece.shapes[k][own];
+                        for (i, bent) in piece.coordinates() {
+                            here.by[axis][own + i] += by * piece.shapes[k][bent];
                         }
                     }
                 }
-                here.by[0][0] += turned[0];
-                here.by[1][0] += turned[1];
+                for i in &hub {
+                    here.by[0][*i] += turned[0];
+                    here.by[1][*i] += turned[1];
+                }
                 if let Some(mass_kg) = piece.masses_kg.get(point) {
                     meet(&here, Met::Mass(*mass_kg));
                 }
             }
-            let outer = piece.outer();
-            let slope = (q[0] + q[outer], rates[0] + rates[outer]);
-            Self::meet_bodies(&piece.bodies, &here, slope, &[0, outer], &mut meet);
-            meet(&here, Met::End);
+            let outer = own + piece.outer();
+            let slope = (hub_rad + q[outer], hub_rad_s + rates[outer]);
+            let turned = [&hub[..], &[outer]].concat();
+            Self::meet_bodies(&piece.bodies, &here, slope, &turned, meet);
+            meet(&here, Met::End(&turned));
             inner.clone_from(&here);
         }
     }
@@ -264,41 +220,9 @@ impl Chain {
 
     /// The equations at coordinates and rates.
     pub(super) fn balance(&self, q: &[f64], rates: &[f64], into: &mut Balance) {
-        let count = self.count;
-        let Balance { mass, force } = into;
-        mass.clear();
-        mass.resize(count * count, 0.0);
-        force.clear();
-        force.extend((0..count).map(|i| {
-            let row = i * count..(i + 1) * count;
-            -dot(&self.stiffness[row.clone()], q) - dot(&self.damping[row], rates)
-        }));
-        self.walk(q, rates, |place, met| match met {
-            Met::Mass(mass_kg) => {
-                for (axis, by) in place.by.iter().enumerate() {
-                    let pulled = self.gravity_m_s2[axis] - place.centripetal_m_s2[axis];
-                    for (i, own) in by.iter().enumerate() {
-                        let own = mass_kg * own;
-                        force[i] += own * pulled;
-                        let row = &mut mass[i * count..=i * count + i];
-                        row.iter_mut().zip(by).for_each(|(entry, other)| *entry += own * other);
-                    }
-                }
-            }
-            Met::Inertia(inertia_kg_m2, turned) => {
-                for i in turned {
-                    for j in turned.iter().filter(|j| *j <= i) {
-                        mass[i * count + j] += inertia_kg_m2;
-                    }
-                }
-            }
-            Met::End => {}
-        });
-        for i in 0..count {
-            for j in 0..i {
-                mass[j * count + i] = mass[i * count + j];
-            }
-        }
+        into.begin(&self.stiffness, &self.damping, (q, rates));
+        self.walk(q, rates, |place, met| into.meet(place, &met, self.gravity_m_s2));
+        into.end();
     }
 
     /// Kinetic energy, and that of strain and weight, in J.
@@ -315,7 +239,7 @@ impl Chain {
                 let rate: f64 = turned.iter().map(|i| rates[*i]).sum();
                 kinetic_j += 0.5 * inertia_kg_m2 * rate * rate;
             }
-            Met::End => {}
+            Met::End(_) => {}
         });
         [kinetic_j, potential_j]
     }
@@ -330,7 +254,7 @@ impl Chain {
     pub(super) fn tip(&self, q: &[f64], rates: &[f64]) -> Place {
         let mut tip = Place::default();
         self.walk(q, rates, |place, met| {
-            if let Met::End = met {
+            if let Met::End(_) = met {
                 tip.clone_from(place);
             }
         });

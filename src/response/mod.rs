@@ -7,6 +7,8 @@
     reason = "counts of samples are computed as numbers that are checked to be small and positive"
 )]
 
+mod arm;
+mod balance;
 mod bent;
 mod chain;
 mod checks;
@@ -23,6 +25,7 @@ mod simulation;
 mod state;
 mod stepper;
 
+pub use arm::{MovedArm, MovedArmError, MovedJoint, move_arm};
 pub use bent::BentPlay;
 pub use checks::{EnergyAccount, EnergyBalance, PlayError};
 pub use driving::{CycleError, Interpolation};

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-use super::chain::Balance;
+use super::balance::Balance;
 use crate::numeric::{Size, dot};
 
 /// Stages.

@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::chain::{Balance, Chain};
+use super::balance::Balance;
+use super::chain::Chain;
 use super::error::SimulationError;
 use super::state::State;
 use crate::link::Link;

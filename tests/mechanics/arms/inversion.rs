@@ -3,8 +3,11 @@
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{Analysis, ArmSolution, ArmWarning, Resources, invert_arm};
-use flexlink::link::{Arm, ArmLink, ArmParts, Damping, Elbow, Link, LinkParts, Segment};
+use flexlink::link::{
+    Arm, ArmLink, ArmParts, Damping, Elbow, Link, LinkParts, LumpedMass, Segment,
+};
 use flexlink::motion::{ArmPath, PathColumn, PathColumns};
+use flexlink::response::{MovedArm, MovedArmError, MovedJoint, move_arm};
 
 use super::prototype::{PROTOTYPE, bounds};
 use super::two_links;
@@ -170,4 +173,62 @@ fn terms_that_are_left_out_and_an_elbow_nearly_stretched_are_told() {
     let slow = solved(&arm, &stretching, ElementCount::Total(8), &first);
     let stretched = |warning: &ArmWarning| matches!(warning, ArmWarning::NearlyStretched { .. });
     assert!(slow.warnings.iter().any(stretched), "{:?}", slow.warnings);
+}
+
+fn moved(found: &ArmSolution) -> Result<MovedArm, MovedArmError> {
+    let highest = std::f64::consts::TAU * found.cutoff_hz.expect("a cut-off");
+    let joints = found.joints.iter().map(|joint| MovedJoint {
+        angle_rad: joint.angle[0][0],
+        rate_rad_s: joint.angle[1][0],
+        accelerations_rad_s2: &joint.angle[2],
+    });
+    let joints: Vec<MovedJoint<'_>> = joints.collect();
+    move_arm(&found.arm, &joints, &found.grid, (highest, 1e-7))
+}
+
+/// Lagrange's equations of the same arm, which know nothing of the inversion, its chords or its mesh: moved by the joint
+/// angles that were found, the tip follows the path, with the torques that were found, and no energy is lost.
+#[test]
+fn joints_moved_as_found_lead_the_tip_along_its_path() {
+    let loaded = |parts: [LinkParts; 2]| {
+        parts.map(|mut parts| {
+            parts.hub.radius_m = 0.05;
+            parts.hub.viscous_friction_n_m_s_rad = 0.2;
+            parts.payload.inertia_kg_m2 = 1e-4;
+            parts.payload.offset_m = 0.03;
+            let at_m = parts.hub.radius_m + 0.3;
+            parts.masses = vec![LumpedMass { at_m, mass_kg: 0.2, inertia_kg_m2: 1e-4 }];
+            parts
+        })
+    };
+    for (parts, gravity) in
+        [(two_links(), [0.0, -9.81]), (two_links(), [0.0; 2]), (loaded(two_links()), [-3.0, -9.0])]
+    {
+        let arm = arm(&parts, gravity);
+        let found = solved(&arm, &line(&arm, 1.5), ElementCount::Auto, &Analysis::default());
+        let played = moved(&found).expect("a motion");
+        let pairs = |axis: usize| found.tip[axis][0].iter().zip(&played.tip_m[axis]);
+        let off = [0, 1].map(|axis| largest(pairs(axis).map(|(a, b)| a - b)) / found.way_m);
+        assert!(largest(off.into_iter()) < 1e-6, "{off:?}, {:e}", played.change_m);
+        for (joint, torque) in found.joints.iter().zip(&played.torques_n_m) {
+            let range = largest(torque.iter().copied());
+            let off = largest(joint.torque_n_m.iter().zip(torque).map(|(a, b)| a - b)) / range;
+            assert!(off < 2e-5, "{off:e}");
+        }
+        let size = largest(played.work_j.iter().copied());
+        for k in 0..found.grid.len {
+            let held = played.energy_j[k] - played.energy_j[0];
+            let off = (played.work_j[k] - held - played.lost_j[k]) / size;
+            assert!(off.abs() < 1e-6, "{off:e} at {k}");
+        }
+    }
+}
+
+#[test]
+fn hysteretic_links_are_moved_by_no_equation_in_time() {
+    let mut parts = two_links();
+    parts[1].damping = Damping::Hysteretic { ratio: 0.02 };
+    let arm = arm(&parts, [0.0; 2]);
+    let found = solved(&arm, &line(&arm, 1.5), ElementCount::Total(4), &Analysis::default());
+    assert_eq!(moved(&found).err(), Some(MovedArmError::Damping));
 }
