@@ -33,7 +33,7 @@
 //! | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
 //! | [`elastica`] | links under gravity and at large angles, and arms of them: second-order terms as loads, iterated |
 //! | [`inverse`] | period and padding, the inversion of links and of arms, what it costs, warnings, motions of the nodes |
-//! | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT |
+//! | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT; joints of an arm moved |
 //! | [`compare`] | tables against tables, column by column; tolerances |
 //! | [`result`] | the numbers that a person reads first; a simulation beside a recording; a result read back |
 //! | [`sweep`] | many cases in parallel, their order kept; their numbers; shards |

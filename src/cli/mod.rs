@@ -1,6 +1,7 @@
 //! The command line: arguments in, exit code out. `run` of each command reads as load, compute, write, tell.
 #![allow(clippy::doc_markdown, reason = "docs of commands and arguments are help on a terminal")]
 
+mod arm;
 mod compare;
 mod fit;
 mod frf;

@@ -7,11 +7,14 @@ use clap::Args;
 use flexlink::csv::{Digits, InputFile};
 use flexlink::inverse::{Resources, Solution, invert_with};
 use flexlink::motion::TipMotion;
-use flexlink::spec::Specification;
+use flexlink::spec::{Described, Specification};
 use flexlink::store::verification_json;
 use flexlink::verify::{Answer, Verification, VerificationError, verify};
 
-use crate::options::inputs::{LinkArgs, MOTION, ReadArgs, ResampleArgs, ScaleArgs, remarks, tell};
+use super::arm::{ArmAndPath, SolvedArm, refuse_for_arms};
+use crate::options::inputs::{
+    LinkArgs, MOTION, ReadArgs, ResampleArgs, ScaleArgs, described, remarks, tell,
+};
 use crate::terminal::files::read_once;
 use crate::terminal::text::verify_text;
 use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
@@ -20,7 +23,7 @@ const EXAMPLE: &str = "\
 Example:
   flexlink verify link.toml motion.csv
 
-One of LINK and MOTION may be `-`, standard input.";
+One of LINK and MOTION may be `-`, standard input. An arm of several links and its path: docs/arms.md.";
 
 /// Measure the torque of `solve` by other means: is the answer right?
 ///
@@ -63,10 +66,19 @@ pub(crate) struct Verify {
     read: ReadArgs,
 }
 
+/// One link and its motion, or an arm and its path.
+enum Loaded {
+    Link(Box<Specification>, TipMotion),
+    Arm(Box<ArmAndPath>),
+}
+
 impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.start()?;
-        let (specification, motion) = self.load()?;
+        let (specification, motion) = match self.load()? {
+            Loaded::Link(specification, motion) => (*specification, motion),
+            Loaded::Arm(arm) => return self.run_arm(&arm),
+        };
         let (solution, verification) = self.compute(&specification, &motion)?;
         console::remarks(&remarks(&specification.remarks, &solution));
         warn(&solution);
@@ -75,14 +87,37 @@ impl Verify {
         self.warnings.refuse(solution.warnings.len())
     }
 
-    fn load(&self) -> Result<(Specification, TipMotion), Failure> {
+    /// Solves and checks an arm.
+    fn run_arm(&self, arm: &ArmAndPath) -> Result<(), Failure> {
+        let stages = self.print.stages();
+        let SolvedArm { solution, remarks, .. } = arm.solve(&stages)?;
+        let verification = arm.verified(&solution, self.digits, &stages);
+        drop(stages);
+        console::remarks(&remarks);
+        console::warnings(solution.warnings.iter().map(|w| (w, w.hint())));
+        self.print.print(|| verification_json(&verification), || verify_text(&verification))?;
+        refuse_failed(&verification)?;
+        self.warnings.refuse(solution.warnings.len())
+    }
+
+    fn load(&self) -> Result<Loaded, Failure> {
         read_once(&[&self.link.link, &self.motion])?;
-        let (_, specification) = self.link.load()?;
+        let file = InputFile::read_toml(&self.link.link)?;
+        let specification = match described(&file, &self.link.changes.overrides()?)? {
+            Described::Link(specification) => specification,
+            Described::Arm(arm) => {
+                let options = [self.resample.arguments(), self.scale.arguments()];
+                refuse_for_arms(options.concat())?;
+                let file = InputFile::read(&self.motion)?;
+                let arm = ArmAndPath::read(arm, &file, &self.read)?;
+                return Ok(Loaded::Arm(Box::new(arm)));
+            }
+        };
         let file = InputFile::read(&self.motion)?;
         let link = &specification.link;
         let (motion, reading) = self.resample.motion_of(&file, link, &self.read)?;
         tell(&file.shown, &reading);
-        Ok((specification, self.scale.scaled(motion)?))
+        Ok(Loaded::Link(specification, self.scale.scaled(motion)?))
     }
 
     fn compute(

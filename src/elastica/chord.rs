@@ -183,10 +183,11 @@ impl ElasticaError {
                  a larger error of the tip"
             }
             Self::NotDerived { .. } => {
-                "change the link; without gravity, analysis.second_order = \"none\" solves it for small deflections"
+                "change the link; one link alone, without gravity, is solved for small deflections with \
+                 analysis.second_order = \"none\""
             }
             Self::LongStep { .. } => {
-                "a shorter step, or a smoother motion; analysis.tip_tolerance above 0 limits the frequencies"
+                "a shorter step, or a smoother motion; a larger analysis.tip_tolerance leaves its fast parts out"
             }
             Self::Elbow { .. } => {
                 "a path that stays away from the stretched arm and from the first joint"

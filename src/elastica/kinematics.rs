@@ -207,8 +207,8 @@ impl Bar {
     }
 }
 
-/// Turns two bars so that the second ends at a point that moves, the elbow on the side of the sign; angles stay within
-/// half a turn of the bars' own. None where the bars do not reach it, or only stretched.
+/// Turns two bars so that the second ends at a point that moves, the elbow on the side of the sign; the first stays within
+/// half a turn of its own angle. None where the bars do not reach it, or only stretched.
 fn reach(end: &[[f64; 2]; 3], mut bars: [Bar; 2], side: f64) -> Option<[Bar; 2]> {
     let [place, velocity, acceleration] = end;
     let [l1, l2] = bars.map(|bar| bar.length_m[0]);
@@ -219,10 +219,12 @@ fn reach(end: &[[f64; 2]; 3], mut bars: [Bar; 2], side: f64) -> Option<[Bar; 2]>
         return None;
     }
     let first = libm::atan2(place[1], place[0]) - libm::atan2(l2 * sine, l1 + l2 * cosine);
+    // The elbow stays within half a turn on its side.
+    let near = bars[0].angle_rad[0];
+    let first = near + libm::remainder(first - near, TAU);
     let angles = [first, first + libm::atan2(sine, cosine)];
     for (bar, angle) in bars.iter_mut().zip(angles) {
-        let near = bar.angle_rad[0];
-        bar.angle_rad = [near + libm::remainder(angle - near, TAU), 0.0, 0.0];
+        bar.angle_rad = [angle, 0.0, 0.0];
     }
     // Σ ℓ θ̇ n is what is left of the velocity with all rates zero; the same of the acceleration with these rates.
     for (order, wanted) in [(1, velocity), (2, acceleration)] {

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::link::Link;
 use super::parts::{Gravity, ParameterError};
 
+/// Most links: a path names their angles with one digit.
+const MOST_LINKS: usize = 9;
+
 /// On which side of the first link the second one lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -47,7 +50,7 @@ pub struct ArmParts {
     pub elbow: Option<Elbow>,
 }
 
-/// A valid arm of two links or more, of which each turns against the tip of the one before.
+/// A valid arm of two links to nine, of which each turns against the tip of the one before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
     parts: ArmParts,
@@ -60,8 +63,8 @@ impl Arm {
     /// [`ParameterError`] names the first parameter out of its range.
     pub fn new(parts: ArmParts) -> Result<Self, ParameterError> {
         let count = parts.links.len();
-        if count < 2 {
-            let must = "must be two links or more";
+        if !(2..=MOST_LINKS).contains(&count) {
+            let must = "must be two links to nine";
             return Err(ParameterError::new("links", format!("{count} links"), "", must));
         }
         Gravity { acceleration_m_s2: parts.gravity_m_s2, start_angle_rad: None }.check()?;

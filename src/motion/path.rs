@@ -240,6 +240,49 @@ impl ArmPath {
         Ok(Self { grid, courses, beside: Vec::new(), ..self.clone() })
     }
 
+    /// The roundest of the samples: to how many decimals they are written, in their file's unit, and the last decimal in m;
+    /// none where all are exact.
+    pub fn rounded(&self) -> Option<(i32, f64)> {
+        let each = self.moving().filter_map(|motion| match motion.recording().uncertainty? {
+            Uncertainty::Rounded { decimals, step_m } => Some((decimals, step_m)),
+            Uncertainty::Noisy { .. } => None,
+        });
+        each.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The same path with samples that would be rounded to the given ones, always the same ones; none where all are exact,
+    /// or these are no motion.
+    pub(crate) fn rounded_otherwise(&self) -> Option<Self> {
+        self.rounded()?;
+        let mut state = 1_u64;
+        let mut part = || {
+            // Knuth's linear congruence: its upper bits are as good as random here.
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
+        };
+        let mut other = |course: &Course| {
+            let Course::Moving(motion) = course else { return Some(course.clone()) };
+            let Some(Uncertainty::Rounded { step_m, .. }) = motion.recording().uncertainty else {
+                return Some(course.clone());
+            };
+            let (first, last) = motion.moving_samples();
+            let mut samples = motion.samples().displacements_m().to_vec();
+            // What rests is at rest, and begins and ends so.
+            for sample in &mut samples[(first + 4).min(last)..last.saturating_sub(3).max(first)] {
+                *sample += part() * step_m;
+            }
+            let grid = motion.grid();
+            let columns = MotionColumns {
+                time_s: (0..grid.len).map(|k| grid.time_s(k)).collect(),
+                displacement_m: Some(samples),
+                ..MotionColumns::default()
+            };
+            Some(Course::Moving(TipMotion::new(columns).ok()?.recorded(*motion.recording())))
+        };
+        let courses = self.courses.iter().map(&mut other).collect::<Option<_>>()?;
+        Some(Self { courses, beside: Vec::new(), ..self.clone() })
+    }
+
     /// The cut-offs of all coordinates with which the tip strays by at most `tolerance` of the farthest that one of them
     /// moves; of coordinates that are held all frequencies are kept.
     pub(crate) fn cutoffs(&self, tolerance: f64) -> Vec<Cutoff> {
@@ -294,7 +337,7 @@ impl ArmPath {
     }
 
     /// The samples as they are given: one history for each coordinate, in m and rad.
-    pub(crate) fn given(&self) -> Vec<Vec<f64>> {
+    pub fn given(&self) -> Vec<Vec<f64>> {
         let courses = self.courses.iter().zip(&self.lengths_m);
         let samples = courses.map(|(course, length_m)| match course {
             Course::Held(value) => vec![value / length_m; self.grid.len],

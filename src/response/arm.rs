@@ -129,9 +129,8 @@ impl ArmChain {
         let mut damping = stiffness.clone();
         for ((chain, own), first) in links.iter().zip(arm.links()).zip(&joints) {
             let beta_s = match own.link.damping() {
-                Damping::None => 0.0,
                 Damping::Rayleigh { alpha_per_s: 0.0, beta_s } => *beta_s,
-                Damping::Hysteretic { ratio: 0.0 } => 0.0,
+                Damping::None | Damping::Hysteretic { ratio: 0.0 } => 0.0,
                 _ => return Err(MovedArmError::Damping),
             };
             for i in 0..chain.count {

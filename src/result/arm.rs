@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::limits::{Exceeded, Limits};
+use super::limits::{Exceeded, LimitedValue, Limits};
 use super::metrics::TIMING_LEVEL;
 use crate::inverse::ArmSolution;
 use crate::numeric::{TimeGrid, extremes, largest};
@@ -80,10 +80,17 @@ impl ArmMetrics {
 
     /// The limits of each joint that a solution exceeds, with the number of the joint.
     pub fn exceeded(&self, limits: &[Limits]) -> Vec<(usize, Exceeded)> {
+        let values = self.limited(limits).into_iter();
+        let exceeded = values.filter(|(_, value)| value.found > value.limit);
+        exceeded.map(|(joint, value)| (joint, Exceeded(value))).collect()
+    }
+
+    /// The values of each joint that have a limit, with the number of the joint.
+    pub fn limited(&self, limits: &[Limits]) -> Vec<(usize, LimitedValue)> {
         let joints = self.joints.iter().zip(limits).enumerate();
         let of = |(number, (joint, limits)): (usize, (&JointMetrics, &Limits))| {
-            let exceeded = limits.exceeded_by(joint.limited());
-            exceeded.into_iter().map(move |exceeded| (number, exceeded))
+            let values = limits.limited_of(joint.limited());
+            values.into_iter().map(move |value| (number, value))
         };
         joints.flat_map(of).collect()
     }

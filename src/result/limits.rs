@@ -130,19 +130,15 @@ impl Limits {
 
     /// The values of a solution that have a limit, in the order of the link file.
     pub fn limited_values(&self, metrics: &Metrics) -> Vec<LimitedValue> {
-        let pairs = self.entries().into_iter().zip(found(metrics));
-        let value =
-            |((key, limit, unit), found)| Some(LimitedValue { key, limit: limit?, found, unit });
-        pairs.filter_map(value).collect()
+        self.limited_of(found(metrics))
     }
 
-    /// The limits that these values exceed, which are in the order of the link file.
-    pub(super) fn exceeded_by(&self, found: [f64; 10]) -> Vec<Exceeded> {
+    /// Those of these values, which are in the order of the link file, that have a limit.
+    pub(super) fn limited_of(&self, found: [f64; 10]) -> Vec<LimitedValue> {
         let pairs = self.entries().into_iter().zip(found);
         let value =
             |((key, limit, unit), found)| Some(LimitedValue { key, limit: limit?, found, unit });
-        let values = pairs.filter_map(value);
-        values.filter(|value| value.found > value.limit).map(Exceeded).collect()
+        pairs.filter_map(value).collect()
     }
 
     /// How near a solution comes to each limit, in the order of the link file.

@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::{LoweredMode, Thickness};
-use crate::motion::{TipMotion, Uncertainty};
+use crate::motion::{ArmPath, TipMotion, Uncertainty};
 use crate::text::significant;
 
 /// Densities of solids in kg/m³: the lightest foams and osmium, with little beside.
@@ -143,6 +143,21 @@ pub enum Remark {
         /// The same for exact samples.
         tolerance: f64,
     },
+    /// A path with few digits.
+    #[error(
+        "the path has {decimals} decimals, ±{half_step_m:.1e} m: the tip is followed to {followed:.1e} of its way instead of \
+         {tolerance:e}"
+    )]
+    PathDigits {
+        /// Number of decimals in the unit of the file.
+        decimals: i32,
+        /// Half of the last decimal in m.
+        half_step_m: f64,
+        /// Share of its way that the tip is followed to.
+        followed: f64,
+        /// The same for exact samples.
+        tolerance: f64,
+    },
     /// A displacement with noise.
     #[error(
         "noise of {deviation_m:.1e} m: the tip is followed to {followed:.1e} of its travel instead of \
@@ -214,6 +229,18 @@ impl Remark {
         duration.into_iter().chain(travel).chain(of_samples).collect()
     }
 
+    /// A remark on the digits of an arm's path that leads its tip over `way_m`, of which it may stray by `tolerance`.
+    pub fn on_path(path: &ArmPath, way_m: f64, tolerance: f64) -> Option<Self> {
+        let (decimals, step_m) = path.rounded()?;
+        let followed = step_m / way_m;
+        (tolerance > 0.0 && followed > tolerance).then_some(Self::PathDigits {
+            decimals,
+            half_step_m: 0.5 * step_m,
+            followed,
+            tolerance,
+        })
+    }
+
     /// Remarks on what the samples of a motion are worth.
     fn on_samples(motion: &TipMotion, travel_m: f64, tolerance: f64) -> impl Iterator<Item = Self> {
         let (grid, recording) = (motion.grid(), motion.recording());
@@ -248,6 +275,7 @@ impl Remark {
             Self::Jitter { .. } => "jitter",
             Self::MovingEnds { .. } => "moving_ends",
             Self::FewDigits { .. } => "few_digits",
+            Self::PathDigits { .. } => "path_digits",
             Self::Noise { .. } => "noise",
             Self::UnknownSection { .. } => "unknown_section",
         }
@@ -270,6 +298,9 @@ impl Remark {
             }
             Self::FewDigits { .. } => {
                 "write the displacement with more decimals, or give --noise if these are exact"
+            }
+            Self::PathDigits { .. } => {
+                "write the path with more decimals; the errors of the input say what that does"
             }
             Self::Noise { .. } => "the errors of the input say what that does to the torque",
             Self::UnknownSection { .. } => {

@@ -165,7 +165,7 @@ pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
     let raw = RawArm::deserialize(tree)?;
     let count = raw.links.len();
     if count == 0 {
-        return Err(Fault::new("links", "must hold at least one [[links]]"));
+        return Err(Fault::new("links", "links = nothing, but must hold at least one [[links]]"));
     }
     let read = |link: usize| {
         let node = link_node(tree, link, count)?;

@@ -95,6 +95,20 @@ impl Fault {
             format!("links.{link}: {}", self.message)
         };
         self.paths = self.paths.iter().map(|path| below(path)).collect();
+        if self.message.starts_with("unknown key") {
+            let carried = if is_last { "payload" } else { "tip" };
+            let known = [
+                "name", "theory", "segments", "hub", "masses", carried, "damping", "drive",
+                "limits",
+            ];
+            let key =
+                self.paths.first().and_then(|path| path.rsplit('.').next().map(str::to_owned));
+            let is_of_link = self.paths.iter().all(|path| path.matches('.').count() == 2);
+            if is_of_link {
+                let near = key.and_then(|key| did_you_mean(&key, known));
+                self.hint = near.or_else(|| Some(format!("known here: {}", listed(&known, "and"))));
+            }
+        }
         self
     }
 

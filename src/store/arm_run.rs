@@ -7,11 +7,27 @@ use super::run_tables::{
     CHORD_ANGLES, DEFLECTIONS, JOINT_ANGLES, MOMENTS, MOTOR, NODES, POSITIONS, REACTIONS,
     RESULT_FILES, RIGID_TORQUES, RunOutputs, SUMMARY, TIP, TORQUES,
 };
-use super::summary::{LinkRecord, RunInputs, Summary};
+use super::summary::{LinkRecord, RunInputs, Summary, checks};
 use crate::csv::{Column, ColumnGroup, Digits, write_csv};
 use crate::inverse::{ArmSolution, ArmWarning, MotorHistories};
 use crate::numeric::ThinnedGrid;
 use crate::result::{ArmMetrics, Exceeded, Remark, StoredWarning};
+use crate::verify::Verification;
+
+/// A run of an arm: its solution, and what is known of it beside its numbers.
+#[derive(Debug, Clone, Copy)]
+pub struct ArmRun<'a> {
+    /// The solution.
+    pub solution: &'a ArmSolution,
+    /// Its numbers.
+    pub metrics: &'a ArmMetrics,
+    /// Limits that it exceeds, with the number of the joint.
+    pub exceeded: &'a [(usize, Exceeded)],
+    /// Checks of the answer, if it was verified.
+    pub verification: Option<&'a Verification>,
+    /// Remarks on the arm.
+    pub remarks: &'a [Remark],
+}
 
 /// A table over time: columns in groups of one unit.
 type Table<'a> = Vec<ColumnGroup<'a>>;
@@ -93,10 +109,10 @@ impl RunOutputs {
         let mut motors = Table::new();
         for (number, (joint, link)) in (1..).zip(joints.iter().zip(links)) {
             let [angle, rate, acceleration] = &joint.angle;
-            angles.push(one(format!("angle{number}_rad"), angle));
-            angles.push(one(format!("rate{number}_rad_s"), rate));
-            angles.push(one(format!("acceleration{number}_rad_s2"), acceleration));
-            angles.push(one(format!("rigid_angle{number}_rad"), &joint.rigid_angle_rad));
+            angles.push(one(format!("joint{number}_rad"), angle));
+            angles.push(one(format!("joint{number}_rate_rad_s"), rate));
+            angles.push(one(format!("joint{number}_acceleration_rad_s2"), acceleration));
+            angles.push(one(format!("rigid_joint{number}_rad"), &joint.rigid_angle_rad));
             let [angle, rate, acceleration] = &link.chord;
             chords.push(one(format!("angle{number}_rad"), angle));
             chords.push(one(format!("rate{number}_rad_s"), rate));
@@ -187,13 +203,8 @@ fn write_nodes(
 
 impl Summary {
     /// The summary of an arm's solution.
-    pub fn of_arm(
-        inputs: RunInputs,
-        solution: &ArmSolution,
-        metrics: &ArmMetrics,
-        exceeded: &[(usize, Exceeded)],
-        (remarks, outputs): (&[Remark], &RunOutputs),
-    ) -> Self {
+    pub fn of_arm(inputs: RunInputs, run: &ArmRun<'_>, outputs: &RunOutputs) -> Self {
+        let ArmRun { solution, metrics, exceeded, verification, remarks } = *run;
         let arm = &solution.arm;
         let warning = |w: &ArmWarning| StoredWarning::new(w.kind(), w, w.hint());
         let limit = |(joint, e): &(usize, Exceeded)| {
@@ -245,6 +256,7 @@ impl Summary {
         });
         Self {
             values,
+            verification: Some(verification.map(checks)),
             warnings: solution.warnings.iter().map(warning).chain(limits).collect(),
             remarks: Some(remarks.iter().map(remark).collect()),
             files: file_names(outputs, solution).into_iter().map(str::to_owned).collect(),

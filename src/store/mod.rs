@@ -14,6 +14,7 @@ mod run_tables;
 mod summary;
 mod sweep;
 
+pub use arm_run::ArmRun;
 pub use folder::{Durability, FolderError, OutputFolder, write_file};
 pub use frequency_tables::{
     frequency_response_json, modes_json, pose_modes_json, write_frequency_response,

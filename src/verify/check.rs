@@ -25,6 +25,12 @@ const TORQUE: f64 = 1e-3;
 /// Largest imbalance of energy over the largest energy, unless the tolerance is tighter.
 const ENERGY: f64 = 1e-6;
 
+/// Largest imbalance of energy of an arm, whose work is added up over its samples.
+const ENERGY_OF_ARM: f64 = 1e-4;
+
+/// Largest difference of a stiff arm's torques from the rigid one's.
+const RIGID: f64 = 1e-6;
+
 /// Largest relative difference where round-off does not spoil the dense solve.
 const AGREEMENT: f64 = 1e-9;
 
@@ -144,6 +150,33 @@ impl Kind {
             ..Self::TORQUE_OF_HUB
         },
     ];
+    /// Of arms: the joints moved as solved.
+    pub(super) const TIP_OF_JOINTS: Self =
+        Self { what: "tip, the joints moved as solved", of: "the tip's way", ..Self::TIP_OF_HUB };
+    pub(super) const TORQUE_OF_JOINT: Self = Self {
+        name: "torque_of_joint",
+        what: "torque taken by moved joint",
+        ..Self::TORQUE_OF_HUB
+    };
+    pub(super) const TORQUE_AT_REST: Self = Self {
+        name: "torque_at_rest",
+        what: "torque at rest of joint",
+        of: "its range",
+        ..Self::TORQUE_OF_HUB
+    };
+    pub(super) const RIGID_ARM: Self = Self {
+        name: "rigid_arm",
+        what: "links that do not bend",
+        of: "rigid torques' ranges",
+        bound: |_| RIGID,
+        hint: "please report this as an error of the program",
+    };
+    /// Bounds of checks of arms.
+    pub(super) const MOST_TIP: f64 = TIP;
+    pub(super) const MOST_TORQUE: f64 = TORQUE;
+    pub(super) const MOST_ENERGY: f64 = ENERGY_OF_ARM;
+    pub(super) const MOST_RIGID: f64 = RIGID;
+    pub(super) const CHOSEN_MESH: f64 = CHOSEN;
     pub(super) const TIP_SOLVED: Self = Self {
         name: "tip_solved",
         what: "tip that is solved",

@@ -1,8 +1,10 @@
 //! Checks every approximation of a solution by other means, in the order in which they are shown.
 
+mod arm;
 mod check;
 mod playback;
 
+pub use arm::{ArmAnswer, verify_arm};
 pub use check::{Answer, Check, Outcome, VerificationError};
 
 use std::f64::consts::TAU;

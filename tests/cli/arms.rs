@@ -144,7 +144,7 @@ fn what_an_arm_cannot_follow_is_refused_by_its_row() {
     refused("moving.csv", &[], 3, "y: the motion starts with a velocity");
     bench.write("lone.csv", "time,displacement\n0,0\n1,1\n2,1\n3,1\n");
     refused("lone.csv", &[], 3, "x and y, or angle1");
-    refused("path.csv", &["--verify"], 2, "--verify is for one link");
+    refused("path.csv", &["--noise", "1"], 2, "--noise is for one link");
     refused("path.csv", &["--nodes", "1"], 2, "--nodes is for one link");
     refused("path.csv", &["--set", "links.upper.hub.inertia=-1"], 3, "links.0.hub.inertia = -1");
     refused(
@@ -156,7 +156,7 @@ fn what_an_arm_cannot_follow_is_refused_by_its_row() {
     bench.write("no_elbow.toml", &ARM.replace("elbow = 'left'\n", ""));
     let output = bench.run(&["solve", "no_elbow.toml", "path.csv"]);
     assert!(stderr(&output).contains("elbow = nothing"), "{}", stderr(&output));
-    for command in [&["verify", "arm.toml", "path.csv"][..], &["modes", "arm.toml"]] {
+    for command in [&["frf", "arm.toml"][..], &["modes", "arm.toml"]] {
         let output = bench.run(command);
         assert_eq!(output.status.code(), Some(3));
         assert!(stderr(&output).contains("arm of one link, but the file has more"));
@@ -169,7 +169,7 @@ fn directions_of_the_links_lead_the_arm_too() {
     let bench = bench();
     assert!(bench.run(&["solve", "arm.toml", "path.csv", "--digits", "full"]).status.success());
     let of = |file: &str, name: &str| column(&bench, file, name);
-    let rigid = [1, 2].map(|joint| of("out/joint_angles.csv", &format!("rigid_angle{joint}_rad")));
+    let rigid = [1, 2].map(|joint| of("out/joint_angles.csv", &format!("rigid_joint{joint}_rad")));
     let time = of("out/torques.csv", "time_s");
     let rows = time.iter().enumerate().filter(|(_, t)| (-1e-9..1.000_000_1).contains(*t));
     let rows = rows
@@ -181,8 +181,122 @@ fn directions_of_the_links_lead_the_arm_too() {
     let times = of("angles/torques.csv", "time_s");
     // Chords that keep their directions lead the tip by as little elsewhere as the links shorten.
     let range = tip.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
+    let mut compared = 0;
     for (t, torque) in times.iter().zip(&led) {
         let Some(k) = time.iter().position(|own| (own - t).abs() < 1e-6) else { continue };
         assert!((torque - tip[k]).abs() < 1e-2 * range, "{torque} {} at {t}", tip[k]);
+        compared += 1;
+    }
+    assert!(compared > 500, "{compared}");
+}
+
+#[test]
+fn an_arm_is_verified_and_what_is_left_out_is_found() {
+    let bench = bench();
+    let within = ["--set", "links.upper.limits.torque=50"];
+    let solved = bench.run(&[&["solve", "arm.toml", "path.csv", "--verify"][..], &within].concat());
+    assert!(solved.status.success(), "{}", stderr(&solved));
+    let summary = bench.json("out/summary.json");
+    let checks = summary["verification"].as_array().unwrap();
+    let names: Vec<&str> = checks.iter().map(|check| check["name"].as_str().unwrap()).collect();
+    for name in ["tip_error", "torque_of_joint2", "torque_at_rest1", "energy", "rigid_arm"] {
+        assert!(names.contains(&name), "{names:?}");
+    }
+    assert!(checks.iter().all(|check| check["passes"] == true), "{checks:?}");
+    let verified = bench.run(&[&["verify", "arm.toml", "path.csv"][..], &within].concat());
+    assert!(verified.status.success(), "{}", stderr(&verified));
+    let table = stdout(&verified);
+    assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+    assert!(!table.contains("FAILS") && !table.contains("not made"), "{table}");
+    // Without second-order terms the tip strays by more than it may, and the energy still adds up.
+    let linear = ["--set", "analysis.second_order=\"none\""];
+    let failed = bench.run(&[&["verify", "arm.toml", "path.csv"][..], &within, &linear].concat());
+    assert_eq!(failed.status.code(), Some(4), "{}", stdout(&failed));
+    assert!(stderr(&failed).contains("tip, the joints moved as solved"), "{}", stderr(&failed));
+    let energy = stdout(&failed);
+    let energy = energy.lines().find(|line| line.starts_with("work less energy")).unwrap();
+    assert!(!energy.contains("FAILS"), "{energy}");
+    let hysteretic = ["--set", "links.*.damping={ model = \"hysteretic\", ratio = 0.01 }"];
+    let unplayed =
+        bench.run(&[&["verify", "arm.toml", "path.csv"][..], &within, &hysteretic].concat());
+    assert!(stdout(&unplayed).contains("not made: the damping of a link"), "{}", stdout(&unplayed));
+}
+
+/// Angles go on over whole turns where the tip is led around the first joint, and the elbow stays on its side.
+#[test]
+fn whole_turns_of_the_tip_are_counted_and_the_elbow_stays_on_its_side() {
+    let bench = bench();
+    let step = |u: f64| u.powi(5) * (126.0 - u * (420.0 - u * (540.0 - u * (315.0 - 70.0 * u))));
+    let around = |from: f64, by: f64| {
+        let row = |k: u32| {
+            let u = f64::from(k) / 800.0;
+            let angle = from + by * step(u);
+            format!("{:.3},{:.15},{:.15}\n", 4.0 * u, 0.8 * angle.cos(), 0.8 * angle.sin())
+        };
+        format!("time,x,y\n{}", (0..=800).map(row).collect::<String>())
+    };
+    for (elbow, from, by) in [("left", 0.3, 7.0), ("right", 2.9, 0.5), ("left", 2.9, -6.0)] {
+        bench.write("around.csv", &around(from, by));
+        let elbow = format!("elbow=\"{elbow}\"");
+        let output = bench.run(&["solve", "arm.toml", "around.csv", "--set", &elbow, "-q"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let of = |file: &str, name: &str| column(&bench, &format!("out/{file}"), name);
+        let chords = [1, 2].map(|link| of("chord_angles.csv", &format!("angle{link}_rad")));
+        let steps = chords[0].windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        assert!(steps.fold(0.0, f64::max) < 0.1, "{elbow}: the chord jumps");
+        let turned = chords[0][chords[0].len() - 1] - chords[0][0];
+        assert!((turned - by).abs() < 0.05, "{elbow}: {turned} of {by}");
+        for (first, second) in chords[0].iter().zip(&chords[1]) {
+            let sine = if elbow.contains("left") { second - first } else { first - second };
+            assert!((0.0..std::f64::consts::PI).contains(&sine), "{elbow}: {first} {second}");
+        }
+        let joint = of("joint_angles.csv", "joint2_rad");
+        assert!(joint.iter().all(|angle| angle.abs() < 3.2), "{elbow}");
+    }
+}
+
+#[test]
+fn a_torque_that_a_given_lead_cuts_off_is_told() {
+    let bench = bench();
+    let cut = ["--set", "analysis.lead=0", "--set", "analysis.lag=0"];
+    let softer = ["--set", "links.*.segments.*.EI*=0.5", "--set", "links.upper.limits.torque=50"];
+    let output = bench.run(&[&["solve", "arm.toml", "path.csv", "-q"], &cut[..], &softer].concat());
+    assert!(stderr(&output).contains("the finite period and the window leave the torque off"));
+}
+
+/// Three decimals: what they do to the torques is about what they are off from those of all digits.
+#[test]
+fn a_path_of_few_digits_is_told_with_what_that_does() {
+    let bench = bench();
+    let exact = path([0.9, -0.5], [0.9, 0.1]);
+    let rounded = exact.lines().skip(1).step_by(5).map(|row| {
+        let numbers: Vec<f64> = row.split(',').map(|field| field.parse().unwrap()).collect();
+        format!("{:.2},{:.3},{:.3}\n", numbers[0], numbers[1], numbers[2])
+    });
+    bench.write("rounded.csv", &format!("time,x,y\n{}", rounded.collect::<String>()));
+    let within = ["--set", "links.upper.limits.torque=50", "-q"];
+    let told =
+        bench.run(&[&["solve", "arm.toml", "rounded.csv", "-o", "few"][..], &within].concat());
+    let words =
+        "remark: the path has 3 decimals, ±5.0e-4 m: the tip is followed to 1.7e-3 of its way";
+    assert!(stderr(&told).contains(words), "{}", stderr(&told));
+    assert!(
+        bench.run(&[&["solve", "arm.toml", "path.csv"][..], &within].concat()).status.success()
+    );
+    let of = |out: &str, name: &str| column(&bench, &format!("{out}/torques.csv"), name);
+    let times = [of("few", "time_s"), of("out", "time_s")];
+    let summary = bench.json("few/summary.json");
+    for joint in [1, 2] {
+        let name = format!("torque{joint}_n_m");
+        let [few, all] = ["few", "out"].map(|out| of(out, &name));
+        let range = all.iter().fold(f64::MIN, |m, t| m.max(*t))
+            - all.iter().fold(f64::MAX, |m, t| m.min(*t));
+        let off = times[0].iter().zip(&few).filter_map(|(time, torque)| {
+            let k = times[1].iter().position(|own| (own - time).abs() < 1e-6)?;
+            Some((torque - all[k]).abs() / range)
+        });
+        let off = off.fold(0.0, f64::max);
+        let stated = summary["errors"]["joints"][joint - 1]["torque"]["input"].as_f64().unwrap();
+        assert!(off > 1e-3 && (0.2..5.0).contains(&(stated / off)), "{stated:e} {off:e}");
     }
 }

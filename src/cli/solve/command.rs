@@ -6,8 +6,9 @@ use clap::builder::ArgPredicate;
 use flexlink::csv::InputFile;
 use flexlink::store::{REPORT, Summary};
 
-use super::arm::{ArmProblem, SolvedArm};
+use super::arm::{ArmProblem, SolvedRun};
 use super::run::{OneOrSeveral, Page, Problem, SolveOptions, Solved};
+use crate::cli::arm::SolvedArm;
 use crate::cli::verify::{refuse_failed, warn};
 use crate::options::common::SyncArgs;
 use crate::options::inputs::{LINK, MOTION};
@@ -111,11 +112,14 @@ impl Solve {
         let solved = problem.solve(&stages)?;
         let summary = problem.write(&solved, (output, self.sync.durability()), &stages)?;
         drop(stages);
-        problem.warn(&solved, self.strict);
-        let SolvedArm { solution, metrics, exceeded } = &solved;
-        let written = format!("{} files in {}", problem.files(&solved), output.display());
-        let text = || arm_text(solution, metrics, &written);
+        let SolvedRun { solved, verification } = &solved;
+        ArmProblem::warn(solved, self.strict);
+        let SolvedArm { solution, metrics, exceeded, .. } = solved;
+        let written = format!("{} files in {}", problem.files(solved), output.display());
+        let checks = || verification.as_ref().map(verify_text).unwrap_or_default();
+        let text = || arm_text(solution, metrics, &written) + &checks();
         self.print.print(|| summary.to_json(), text)?;
+        verification.as_ref().map_or(Ok(()), refuse_failed)?;
         if let Some((joint, limit)) = exceeded.first().filter(|_| self.strict) {
             let message = format!("joint {}: {limit}", joint + 1);
             return Err(Failure::new(Exit::NotSolvable, &message, Some(limit.hint())));

@@ -15,13 +15,14 @@ use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, RunOutputs,
 use flexlink::verify::Verification;
 
 use super::arm::ArmProblem;
+use crate::cli::arm::refuse_for_arms;
 use crate::cli::verify::verified;
 use crate::options::common::{NodeArgs, digits_arguments};
 use crate::options::inputs::{
     ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, described, remarks, tell,
 };
 use crate::terminal::text::memory_text;
-use crate::terminal::{Exit, Failure, StageBar, console, memory};
+use crate::terminal::{Failure, StageBar, console, memory};
 
 /// The arguments that shape the results beside the files; a run records them.
 #[derive(Debug, Args)]
@@ -47,12 +48,12 @@ pub(super) struct SolveOptions {
     /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
     /// reads back to the same number.
     #[arg(long, value_name = "N", default_value = "10")]
-    digits: Digits,
+    pub(super) digits: Digits,
 
     /// Measure the answer by other means, as `flexlink verify` does, and keep the table in
     /// summary.json; exit code 4 if a number is out of its bound, the results are written.
     #[arg(long)]
-    verify: bool,
+    pub(super) verify: bool,
 
     #[command(flatten)]
     pub(super) read: ReadArgs,
@@ -71,16 +72,7 @@ impl SolveOptions {
     pub(super) fn refuse_for_arms(&self) -> Result<(), Failure> {
         let options = [self.resample.arguments(), self.scale.arguments()].concat();
         let nodes = self.nodes.list.as_ref().map(|_| "--nodes".to_owned());
-        let verify = self.verify.then(|| "--verify".to_owned());
-        let given = options.into_iter().chain(nodes).chain(verify);
-        match given.into_iter().find(|option| option.starts_with("--")) {
-            None => Ok(()),
-            Some(option) => {
-                let option = option.split('=').next().unwrap_or_default();
-                let message = format!("{option} is for one link, and the arm has several");
-                Err(Failure::new(Exit::Usage, &message, None))
-            }
-        }
+        refuse_for_arms(options.into_iter().chain(nodes))
     }
 
     /// What a link file, or that of an arm, describes, with the changes.

@@ -19,6 +19,12 @@ const COARSE: f64 = 1e-2;
 /// Change by an iteration, over that by the one before, from which on the user is warned.
 const SLOW: f64 = 0.7;
 
+/// Error by the uncertainty of the samples from which on the user is warned.
+const UNCERTAIN: f64 = 0.1;
+
+/// Change of a torque by further iterations, over its size, that is round-off.
+const ROUND_OFF: f64 = 1e-11;
+
 /// Change of a torque by twice the tip's tolerance from which on the user is warned.
 const UNSETTLED: f64 = 0.03;
 
@@ -63,6 +69,32 @@ impl Solver<'_> {
         Some(largest_change(answer, &full, sizes))
     }
 
+    /// What samples that would be rounded to those of the path change of each quantity of the linear arm, over its size; none
+    /// where they are exact.
+    pub(super) fn input_errors(
+        &self,
+        Solved { models, probes, answer, sizes, .. }: &Solved,
+    ) -> Result<Option<Sizes>, ArmError> {
+        let problem = &self.problem;
+        if problem.cutoffs.iter().all(|own| own.input.is_none()) {
+            return Ok(None);
+        }
+        let Some(path) = problem.path.rounded_otherwise() else { return Ok(None) };
+        let (arm, len) = (problem.arm, answer.period.spectrum.pair.len());
+        let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
+        let own = linear.answer(models, len)?.curves(arm, probes);
+        let other = linear.along(&path).answer(models, len)?.curves(arm, probes);
+        // What lies beyond the band that such samples are followed in: about what a looser band leaves out besides.
+        let looser = problem.with(SecondOrder::None, looser(&problem.cutoffs));
+        let looser = looser.answer(models, len)?.curves(arm, probes);
+        let all = own.iter().zip(&other).zip(&looser).zip(sizes);
+        let errors = all.map(|(((own, other), looser), size)| {
+            let sum = own.apart(other).zip(&own.apart(looser), |a, b| a + b);
+            sum.zip(size, |off, size| off / size)
+        });
+        Ok(Some(errors.collect()))
+    }
+
     pub(super) fn warnings(
         &self,
         solved: &Solved,
@@ -82,7 +114,10 @@ impl Solver<'_> {
             let time_s = problem.path.grid().time_s(sample);
             warnings.push(ArmWarning::NearlyStretched { sine, time_s });
         }
-        let slow = solution.findings.iteration.contraction.filter(|factor| *factor > SLOW);
+        // The factor of changes that are round-off says nothing.
+        let iteration = &solution.findings.iteration;
+        let slow =
+            iteration.contraction.filter(|factor| *factor > SLOW && iteration.error > ROUND_OFF);
         let slow = slow.map(|contraction| Warning::SlowIteration { contraction });
         let left_out = solution.findings.left_out;
         let left_out = left_out.filter(|share| share.is_none_or(|share| share > LEFT_OUT));
@@ -111,9 +146,12 @@ impl Solver<'_> {
             let (quantity, share) = worst(&|own| own.iteration.unwrap_or(0.0));
             let inexact = Warning::InexactIteration { quantity, share, tolerance };
             found.extend((share > tolerance).then_some(inexact));
+            let uncertain = errors.torque.input.filter(|share| *share > UNCERTAIN);
+            found.extend(uncertain.map(|share| Warning::UncertainInput { of, share }));
             let mesh = solved.models[joint].mesh();
             found.extend(blocked_tip(mesh, &solved.answer.period.spectrum, tolerance));
-            found.extend(unsettled[joint]);
+            // What the digits leave open is measured as the error of the input.
+            found.extend(unsettled[joint].filter(|_| errors.torque.input.is_none()));
             found.extend(thick_link(solved, joint));
             warnings.extend(found.into_iter().map(|warning| ArmWarning::Joint { joint, warning }));
         }
@@ -127,11 +165,7 @@ impl Solver<'_> {
         sizes: &Sizes,
     ) -> Result<Vec<Option<Warning>>, ArmError> {
         let problem = &self.problem;
-        let looser: Vec<Cutoff> = problem
-            .cutoffs
-            .iter()
-            .map(|own| Cutoff { omega_rad_s: own.looser_rad_s, ..*own })
-            .collect();
+        let looser = looser(&problem.cutoffs);
         let len = answer.period.spectrum.pair.len();
         let linear = |cutoffs| problem.with(SecondOrder::None, cutoffs).answer(models, len);
         let (own, looser) = (linear(problem.cutoffs.clone())?, linear(looser)?);
@@ -165,6 +199,11 @@ fn thick_link(Solved { models, answer, .. }: &Solved, joint: usize) -> Option<Wa
     let torque = (&omegas[..band], &torque[..band]);
     let share = thickness.torque_change(mesh, model.law(), &modes, torque);
     (share > NOTICEABLE).then_some(Warning::ThickLink { share })
+}
+
+/// The cut-offs for twice the tip's tolerance.
+fn looser(cutoffs: &[Cutoff]) -> Vec<Cutoff> {
+    cutoffs.iter().map(|own| Cutoff { omega_rad_s: own.looser_rad_s, ..*own }).collect()
 }
 
 /// Largest difference of two answers' torques, over their sizes.

@@ -132,7 +132,7 @@ impl<'a> ArmProblem<'a> {
             [given, none.clone(), none]
         };
         let courses: Vec<_> = self.path.given().into_iter().map(at_rest).collect();
-        let chords = self.chords(&courses)?;
+        let chords = self.chords(&courses, 0)?;
         for (link, angles) in self.path.beside() {
             let pairs = angles.iter().zip(&chords[*link][0]);
             let off =
@@ -145,16 +145,37 @@ impl<'a> ArmProblem<'a> {
         Ok(())
     }
 
-    /// Directions of the rigid arm's links where the coordinates of the path are these.
-    fn chords(&self, courses: &[CourseHistories]) -> Result<Vec<AngleHistories>, InversionError> {
+    /// Directions of the rigid arm's links where the coordinates of the path are these; they begin with sample `seam`, and
+    /// go on over whole turns from there.
+    fn chords(
+        &self,
+        courses: &[CourseHistories],
+        seam: usize,
+    ) -> Result<Vec<AngleHistories>, InversionError> {
         if self.path.prescribed() == Prescribed::Angles {
             return Ok(courses.to_vec());
         }
-        let [x, y] = [&courses[0], &courses[1]];
-        let tip: Vec<[[f64; 2]; 3]> = (0..x[0].len())
-            .map(|k| [0, 1, 2].map(|part: usize| [x[part][k], y[part][k]]))
-            .collect();
-        Ok(reaching(&tip, &self.lengths_m(), &courses[2..], self.is_left)?)
+        let len = courses[0][0].len();
+        let rotated = |course: &CourseHistories, by: usize| -> CourseHistories {
+            course.each_ref().map(|part| {
+                let mut part = part.clone();
+                part.rotate_left(by);
+                part
+            })
+        };
+        let in_time: Vec<_> = courses.iter().map(|course| rotated(course, seam % len)).collect();
+        let [x, y] = [&in_time[0], &in_time[1]];
+        let tip: Vec<[[f64; 2]; 3]> =
+            (0..len).map(|k| [0, 1, 2].map(|part: usize| [x[part][k], y[part][k]])).collect();
+        let mut chords = reaching(&tip, &self.lengths_m(), &in_time[2..], self.is_left)?;
+        if let [first, second, third, ..] = &mut chords[..] {
+            // The whole turns of the given links count.
+            let turns = ((third[0][0] - second[0][0]) / TAU).round();
+            for angle in first[0].iter_mut().chain(&mut second[0]) {
+                *angle += TAU * turns;
+            }
+        }
+        Ok(chords.iter().map(|chord| rotated(chord, len - seam % len)).collect())
     }
 
     fn kept(&self) -> Kept {
@@ -180,7 +201,7 @@ impl<'a> ArmProblem<'a> {
         let (given, step_s) = (self.path.grid().len, self.path.grid().step_s);
         let seam = self.padding.seam(given, len);
         let found = self.path.over_period((len, seam), &self.cutoffs);
-        let rigid = self.chords(&found.courses)?;
+        let rigid = self.chords(&found.courses, seam)?;
         let returning = self.returns.samples(self.padding, given, len);
         let returned = self.returned(rigid.clone(), &returning, seam);
         let period = ArmPeriod::new(step_s, returned, self.kept(), self.arm.gravity_m_s2())?;
@@ -247,7 +268,12 @@ impl<'a> ArmProblem<'a> {
         Ok([pose(answer.rests[0])?, pose(answer.rests[1])?])
     }
 
-    /// The same problem of another path, or with other cut-offs or terms.
+    /// The same problem of another path, with its cut-offs.
+    pub(super) fn along<'b>(&'b self, path: &'b ArmPath) -> ArmProblem<'b> {
+        ArmProblem { path, cutoffs: self.cutoffs.clone(), ..*self }
+    }
+
+    /// The same problem with other cut-offs or terms.
     pub(super) fn with(&self, second_order: SecondOrder, cutoffs: Vec<Cutoff>) -> Self {
         Self { second_order, cutoffs, ..*self }
     }

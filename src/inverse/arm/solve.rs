@@ -84,22 +84,28 @@ impl Solver<'_> {
         let (arm, path) = (problem.arm, problem.path);
         let solved = self.on_mesh(models)?;
         let (solved, rests, left) = self.decayed(solved)?;
-        let window = self.window(&solved, &rests);
+        let (window, cut) = self.window(&solved, &rests);
         let step = self.step_errors(&solved, first_zero_per_s)?;
+        let input = self.input_errors(&solved)?;
         let Solved { models, answer, sizes, mesh, .. } = &solved;
         let iteration = answer.motion.iteration;
         let is_iterated = problem.second_order != SecondOrder::None;
         let error_of_iteration = is_iterated.then_some(iteration.error);
         let errors: Vec<PerQuantity<QuantityErrors>> = (0..arm.links().len())
             .map(|joint| {
-                let errors = mesh[joint].zip(&left[joint], |mesh, window| QuantityErrors {
+                let window =
+                    PerQuantity { torque: left[joint].torque.max(cut[joint]), ..left[joint] };
+                let errors = mesh[joint].zip(&window, |mesh, window| QuantityErrors {
                     mesh,
                     window,
                     iteration: error_of_iteration,
                     ..QuantityErrors::default()
                 });
                 let step = step.as_ref().map(|step| step[joint]);
-                errors.with(step, |errors, step| QuantityErrors { step: Some(step), ..errors })
+                let input = input.as_ref().map(|input| input[joint]);
+                errors
+                    .with(step, |errors, step| QuantityErrors { step: Some(step), ..errors })
+                    .with(input, |errors, input| QuantityErrors { input: Some(input), ..errors })
             })
             .collect();
         let given = path.grid();
@@ -241,24 +247,33 @@ impl Solver<'_> {
         }
     }
 
-    /// The samples to write: until all torques stay within the tolerance of what they are at rest.
-    fn window(&self, Solved { answer, sizes, .. }: &Solved, rests: &[ArmMotion; 2]) -> Window {
+    /// The samples to write: until all torques stay within the tolerance of what they are at rest; and how far each is from
+    /// that outside, over its size.
+    fn window(
+        &self,
+        Solved { answer, sizes, .. }: &Solved,
+        rests: &[ArmMotion; 2],
+    ) -> (Window, Vec<f64>) {
         let (problem, spectrum) = (&self.problem, &answer.period.spectrum);
         let given = problem.path.grid();
-        let mut all: Option<Window> = None;
-        for (joint, size) in sizes.iter().enumerate() {
-            let at_rest = rests.each_ref().map(|rest| rest.links[joint].bent.torque_n_m[0]);
-            let torque_n_m = &answer.motion.links[joint].bent.torque_n_m;
-            let samples = answer.rest.beyond(torque_n_m, at_rest);
-            let (before, reach) = (spectrum.seam, spectrum.seam_reach());
-            let torque = PeriodicTorque { samples: &samples, before, reach };
-            let own = torque.window(given.len, given.step_s, problem.analysis, size.torque);
-            all = Some(all.map_or(own, |all| Window {
-                start: all.start.min(own.start),
-                stop: all.stop.max(own.stop),
-            }));
-        }
-        all.unwrap_or(Window { start: 0, stop: given.len as i64 - 1 })
+        let (before, reach) = (spectrum.seam, spectrum.seam_reach());
+        let beyond: Vec<Vec<f64>> = (0..sizes.len())
+            .map(|joint| {
+                let at_rest = rests.each_ref().map(|rest| rest.links[joint].bent.torque_n_m[0]);
+                answer.rest.beyond(&answer.motion.links[joint].bent.torque_n_m, at_rest)
+            })
+            .collect();
+        let torques = || beyond.iter().map(|samples| PeriodicTorque { samples, before, reach });
+        let own = torques().zip(sizes).map(|(torque, size)| {
+            torque.window(given.len, given.step_s, problem.analysis, size.torque)
+        });
+        let window = own.fold(Window { start: 0, stop: given.len as i64 - 1 }, |all, own| Window {
+            start: all.start.min(own.start),
+            stop: all.stop.max(own.stop),
+        });
+        let outside =
+            torques().zip(sizes).map(|(torque, size)| torque.outside(&window) / size.torque);
+        (window, outside.collect())
     }
 }
 

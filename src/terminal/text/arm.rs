@@ -42,7 +42,10 @@ fn link_line(solution: &ArmSolution, number: usize, elements: usize) -> String {
     let own = &solution.arm.links()[number];
     let name = own.name.as_deref().map(|name| format!("{}, ", visible(name))).unwrap_or_default();
     let [length, mass] = four([own.link.length_m(), own.link.mass_kg()]);
-    let damping = own.link.damping().name();
+    let damping = match own.link.damping().name() {
+        "none" => "no",
+        name => name,
+    };
     format!("{name}{length} m, {mass} kg, {elements} elements, {damping} damping")
 }
 
@@ -122,6 +125,7 @@ fn errors_line(solution: &ArmSolution) -> String {
         is_there.then(|| solution.worst(|own| kind(own).unwrap_or(0.0)))
     };
     parts.extend(optional(&|own| own.iteration).map(|e| format!("iteration {}", shown(e))));
+    parts.extend(optional(&|own| own.input).map(|e| format!("input {}", shown(e))));
     parts.extend(optional(&|own| own.step).map(|e| format!("step {}", shown(e))));
     let of = if solution.arm.has_weight() { "range" } else { "peak" };
     format!("{},\n         of each {of}, the worst of all joints", parts.join(", "))

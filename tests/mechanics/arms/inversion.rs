@@ -59,7 +59,7 @@ fn solved(arm: &Arm, path: &ArmPath, count: ElementCount, analysis: &Analysis) -
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |most, value| most.max(value.abs()))
+    values.fold(0.0, |most: f64, value| if value.is_nan() { value } else { most.max(value.abs()) })
 }
 
 #[test]
