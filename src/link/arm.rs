@@ -122,3 +122,13 @@ impl Arm {
         self.parts.links.iter().map(|own| own.link.length_m()).sum()
     }
 }
+
+impl Link {
+    /// Mass in kg of all that turns about the axis but the hub.
+    pub fn mass_kg(&self) -> f64 {
+        let segments = self.segments().iter();
+        let beam: f64 = segments.map(|s| s.length_m * s.mass_per_length_kg_m.mean()).sum();
+        let lumped: f64 = self.masses().iter().map(|mass| mass.mass_kg).sum();
+        beam + lumped + self.payload().mass_kg
+    }
+}

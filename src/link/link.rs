@@ -193,14 +193,6 @@ impl Link {
         self.parts.hub.radius_m + beam
     }
 
-    /// Mass in kg of all that turns about the axis but the hub.
-    pub fn mass_kg(&self) -> f64 {
-        let segments = self.parts.segments.iter();
-        let beam: f64 = segments.map(|s| s.length_m * s.mass_per_length_kg_m.mean()).sum();
-        let lumped: f64 = self.parts.masses.iter().map(|mass| mass.mass_kg).sum();
-        beam + lumped + self.parts.payload.mass_kg
-    }
-
     /// First moment of mass about the axis in kg m: gravity across the link times it holds the link.
     pub fn mass_moment_kg_m(&self) -> f64 {
         let (mut root_m, mut moment) = (self.parts.hub.radius_m, 0.0);

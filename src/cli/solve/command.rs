@@ -7,7 +7,8 @@ use flexlink::csv::InputFile;
 use flexlink::store::{REPORT, Summary};
 
 use super::arm::{ArmProblem, SolvedRun};
-use super::run::{OneOrSeveral, Page, Problem, SolveOptions, Solved};
+use super::problem::OneOrSeveral;
+use super::run::{Page, SolveOptions, Solved};
 use crate::cli::arm::SolvedArm;
 use crate::cli::verify::{refuse_failed, warn};
 use crate::options::common::SyncArgs;
@@ -137,7 +138,7 @@ impl Solve {
         };
         keep(output, &[link, motion])?;
         let motion_file = || Ok(InputFile::read(motion)?);
-        let problem = Problem::read(&self.options, InputFile::read_toml(link)?, motion_file)?;
+        let problem = OneOrSeveral::read(&self.options, InputFile::read_toml(link)?, motion_file)?;
         Ok((problem, output))
     }
 

@@ -2,6 +2,7 @@
 
 mod arm;
 mod command;
+mod problem;
 mod repeat;
 mod run;
 

@@ -8,7 +8,8 @@ use flexlink::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
 use flexlink::text::excerpt;
 
 use super::command::Solve;
-use super::run::{OneOrSeveral, Page, Problem, SolveOptions};
+use super::problem::OneOrSeveral;
+use super::run::{Page, SolveOptions};
 use crate::terminal::files::{keep, read_once};
 use crate::terminal::text::repetition_text;
 use crate::terminal::{Ending, Exit, Failure, console};
@@ -20,7 +21,7 @@ impl Solve {
     pub(super) fn repeat(&self, run: &Path) -> Result<Ending, Failure> {
         let (record, options, [link, motion]) = self.recorded(run)?;
         let warnings = warn_of_version(&record);
-        let problem = Problem::read(&options, link, || Ok(motion));
+        let problem = OneOrSeveral::read(&options, link, || Ok(motion));
         let problem = problem.map_err(|failure| of_record(failure, &record))?;
         let files = self.repeated(&record, &problem)?;
         let ending = self.tell_repeated(run, &files)?;

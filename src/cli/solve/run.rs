@@ -14,7 +14,6 @@ use flexlink::spec::{Described, Specification};
 use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 use flexlink::verify::Verification;
 
-use super::arm::ArmProblem;
 use crate::cli::arm::refuse_for_arms;
 use crate::cli::verify::verified;
 use crate::options::common::{NodeArgs, digits_arguments};
@@ -76,7 +75,7 @@ impl SolveOptions {
     }
 
     /// What a link file, or that of an arm, describes, with the changes.
-    fn described(&self, file: &InputFile) -> Result<Described, Failure> {
+    pub(super) fn described(&self, file: &InputFile) -> Result<Described, Failure> {
         described(file, &self.changes.overrides()?)
     }
 
@@ -133,12 +132,6 @@ pub(super) struct Problem<'a> {
     motion: TipMotion,
 }
 
-/// A problem of one link, or of an arm.
-pub(super) enum OneOrSeveral<'a> {
-    One(Box<Problem<'a>>),
-    Several(Box<ArmProblem<'a>>),
-}
-
 /// The solution, and what follows from it.
 pub(super) struct Solved {
     pub(super) solution: Solution,
@@ -158,23 +151,15 @@ pub(super) enum Page {
 }
 
 impl<'a> Problem<'a> {
-    /// Reads the link or the arm from its file, and then the motion.
+    /// Reads the motion of a link.
     pub(super) fn read(
         options: &'a SolveOptions,
         link_file: InputFile,
-        motion_file: impl FnOnce() -> Result<InputFile, Failure>,
-    ) -> Result<OneOrSeveral<'a>, Failure> {
-        let specification = match options.described(&link_file)? {
-            Described::Link(specification) => *specification,
-            Described::Arm(arm) => {
-                let problem = ArmProblem::read(options, link_file, arm, motion_file()?)?;
-                return Ok(OneOrSeveral::Several(Box::new(problem)));
-            }
-        };
-        let motion_file = motion_file()?;
+        specification: Specification,
+        motion_file: InputFile,
+    ) -> Result<Self, Failure> {
         let motion = options.motion_of(&motion_file, &specification.link)?;
-        let problem = Self { options, link_file, motion_file, specification, motion };
-        Ok(OneOrSeveral::One(Box::new(problem)))
+        Ok(Self { options, link_file, motion_file, specification, motion })
     }
 
     /// Computes the solution, and verifies it if the options ask for that.

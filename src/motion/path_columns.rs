@@ -1,0 +1,122 @@
+//! Sampled columns of an arm's path, and why they are none.
+
+use std::f64::consts::PI;
+
+use thiserror::Error;
+
+use super::error::MotionError;
+use super::recording::Uncertainty;
+
+/// One column of a path: its name in the file, its samples, and how they are uncertain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathColumn {
+    /// Name, for messages: `x`, `angle1`.
+    pub name: String,
+    /// Samples in m or rad.
+    pub values: Vec<f64>,
+    /// How they are uncertain, in m or rad; `None`: by less than anything that matters.
+    pub rounded: Option<Uncertainty>,
+}
+
+/// Sampled columns of a path, all of one length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PathColumns {
+    /// Time in s.
+    pub time_s: Vec<f64>,
+    /// x and y of the tip in m.
+    pub tip: Option<[PathColumn; 2]>,
+    /// Directions of the chords in rad, counterclockwise from x, of the links that have one; the inner link first.
+    pub angles: Vec<Option<PathColumn>>,
+}
+
+/// Why sampled columns are no path.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PathError {
+    /// Columns that are missing for an arm of so many links.
+    #[error(
+        "{missing} = nothing, but must be given for an arm of {links} links: {}",
+        match links { 2 => "x and y, or angle1 and angle2".to_owned(), links => format!(
+            "x and y with angle3{}, or angle1 to angle{links}",
+            if *links == 3 { String::new() } else { format!(" to angle{links}") }
+        ) }
+    )]
+    Missing {
+        /// Name of a column.
+        missing: String,
+        /// Number of links.
+        links: usize,
+    },
+    /// A direction of a link that the arm does not have.
+    #[error("{column} = given, but the arm has {links} links")]
+    TooMany {
+        /// Name of the column.
+        column: String,
+        /// Number of links.
+        links: usize,
+    },
+    /// A column that is no motion from rest to rest.
+    #[error("{column}: {error}")]
+    Column {
+        /// Name of the column.
+        column: String,
+        /// Why.
+        error: MotionError,
+    },
+    /// An angle that jumps from one sample to the next.
+    #[error(
+        "{column} = {found:.6} rad, but must lie within half a turn of the {before:.6} rad before it: angles go on over whole turns"
+    )]
+    Jump {
+        /// Name of the column.
+        column: String,
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// What was found, in rad.
+        found: f64,
+        /// The angle before, in rad.
+        before: f64,
+    },
+    /// No column changes.
+    #[error("the arm stands still in all samples, but must move")]
+    NoMotion,
+}
+
+impl PathError {
+    /// Number of the sample, from 0, that is to blame, where one is.
+    pub fn sample(&self) -> Option<usize> {
+        match self {
+            Self::Column { error, .. } => error.sample(),
+            Self::Jump { sample, .. } => Some(*sample),
+            _ => None,
+        }
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Column { error: MotionError::NotUniform(_), .. } => {
+                Some("write times with more decimals, at one step from the first to the last")
+            }
+            Self::Column { error: MotionError::MovingAtEnd { .. }, .. } => {
+                Some("a path goes from rest to rest; add the samples that bring the arm to rest")
+            }
+            Self::Column { error, .. } => error.hint(),
+            Self::Jump { .. } => Some("add or take away 2π, or 360 deg, from there on"),
+            Self::Missing { .. } | Self::TooMany { .. } | Self::NoMotion => None,
+        }
+    }
+}
+
+/// Refuses an angle that jumps by half a turn or more.
+pub(super) fn refuse_jump(column: &PathColumn) -> Result<(), PathError> {
+    let jumps = |pair: &[f64]| (pair[1] - pair[0]).abs() >= PI;
+    match column.values.windows(2).position(jumps) {
+        None => Ok(()),
+        Some(at) => Err(PathError::Jump {
+            column: column.name.clone(),
+            sample: at + 1,
+            found: column.values[at + 1],
+            before: column.values[at],
+        }),
+    }
+}
