@@ -33,7 +33,7 @@ DOCUMENTS = [
     "docs/torque.svg",
     "docs/waves.svg",
 ]
-EXAMPLES = ["specs/*.toml", "specs/arms/*.toml", "trajectories/*.csv", "examples/*"]
+EXAMPLES = ["specs/*.toml", "specs/arms/*.toml", "trajectories/*.csv", "trajectories/arms/*.csv", "examples/*"]
 COMPLETIONS = {
     "bash": "flexlink.bash",
     "elvish": "flexlink.elv",

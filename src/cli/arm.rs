@@ -85,6 +85,12 @@ impl ArmAndPath {
         let written = solution.joints.iter().map(|joint| digits.as_written(&joint.torque_n_m));
         let written: Vec<Vec<f64>> = written.collect();
         let ArmSpecification { meshes: plans, limits, .. } = &*self.specification;
-        verify_arm(&ArmAnswer { plans, limits, solution, written_torques_n_m: &written })
+        verify_arm(&ArmAnswer {
+            plans,
+            limits,
+            solution,
+            memory_bytes: memory::available(),
+            written_torques_n_m: &written,
+        })
     }
 }

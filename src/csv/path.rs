@@ -61,7 +61,7 @@ impl PathTable {
 ///
 /// ```
 /// use flexlink::csv::read_path_table;
-/// let file = b"time [ms],x [cm],y [cm]\n0,60,0\n1,60,0.5\n2,60,1.5\n3,60,2\n";
+/// let file = b"time [ms],x [cm],y [cm]\n0,60,0\n1,60,0.2\n2,60,1.8\n3,60,2\n";
 /// let path = read_path_table("path.csv", file, &Default::default())?.path(&[0.5, 0.4])?;
 /// assert_eq!(path.grid().len, 4);
 /// # Ok::<(), flexlink::csv::TableError>(())

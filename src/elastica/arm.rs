@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use super::chord::{ChordHistories, ChordPeriod, ElasticaError, FINEST, TipLoad, resolved};
+use super::chord::{ChordHistories, ChordPeriod, TipLoad, resolved};
+use super::error::{ElasticaError, FINEST};
 use super::iteration::{MOST_ITERATIONS, REACH, check, factor_of, further, over_widest_band};
 use super::kinematics::{ArmPeriod, Moving, axes};
 use super::loads::{BentLink, SecondOrder};
@@ -64,8 +65,11 @@ pub fn follow_arm(
     let state = follower.chords(&follower.shortened(None, 0))?;
     let has_weight = arm.gravity_m_s2.iter().any(|part| *part != 0.0);
     let is_exact = second_order != SecondOrder::None || has_weight || models.len() > 1;
-    for (model, chord) in models.iter().zip(&state.chords) {
-        check(&**model, chord, is_exact)?;
+    for (link, (model, chord)) in models.iter().zip(&state.chords).enumerate() {
+        check(&**model, chord, is_exact).map_err(|error| match error {
+            error @ ElasticaError::NotDerived { .. } => error.of_link(link),
+            error => error,
+        })?;
     }
     let ratio = |model: &Arc<dyn Model>| match model.law() {
         DampingLaw::Hysteretic { ratio } => *ratio,
@@ -212,7 +216,7 @@ impl Follower<'_> {
         let (mut answers, mut torques_n_m) = (Vec::new(), Vec::new());
         for link in (0..self.arm.links()).rev() {
             let on_chord = self.on_chord(link, &state.chords[link]);
-            let found = on_chord.linear()?;
+            let found = on_chord.linear().map_err(|error| error.of_link(link))?;
             let (pair, chord) = (&self.arm.pair, &state.chords[link].histories);
             let (torque_n_m, _) = on_chord.hub(&found, SecondOrder::None, pair, chord);
             let [along, across, _] = on_chord.ends(&found, SecondOrder::None, pair, chord);
@@ -318,8 +322,8 @@ impl Follower<'_> {
             let on_chord = self.on_chord(link, &state.chords[link]);
             let time = on_chord.chord.at(pair);
             let kept = &last.answers[link][..band.min(last.answers[link].len())];
-            let (loads, _) =
-                on_chord.loads(&BentLink::of(on_chord.model, order), kept, pair, &time)?;
+            let loads = on_chord.loads(&BentLink::of(on_chord.model, order), kept, pair, &time);
+            let (loads, _) = loads.map_err(|error| error.of_link(link))?;
             let found = on_chord.with_loads(&linear.answers[link], &loads, pair);
             let few = &found[..bins.min(found.len())];
             let (torque_n_m, _) = on_chord.hub(few, order, pair, &time);

@@ -2,7 +2,8 @@
 
 use num_complex::Complex64;
 
-use super::chord::{ChordPeriod, ElasticaError, FINEST, resolved};
+use super::chord::{ChordPeriod, resolved};
+use super::error::{ElasticaError, FINEST};
 use super::loads::{BentLink, SecondOrder};
 use super::on_chord::LinkOnChord;
 use super::reaction::{ElasticaMotion, Iteration, apart, band, size};

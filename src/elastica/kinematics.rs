@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::chord::{ElasticaError, FEWEST, check_period, counting};
+use super::chord::{check_period, counting};
+use super::error::{ElasticaError, FEWEST};
 use crate::numeric::{FourierPair, angular_frequency, magnitude};
 
 /// A value with its first and second derivative in time.

@@ -73,6 +73,7 @@
 
 mod arm;
 mod chord;
+mod error;
 mod iteration;
 mod kinematics;
 mod loads;
@@ -82,7 +83,8 @@ mod reaction;
 mod sag;
 
 pub use arm::follow_arm;
-pub use chord::{ChordPeriod, ElasticaError, returning};
+pub use chord::{ChordPeriod, returning};
+pub use error::ElasticaError;
 pub use iteration::{Followed, follow};
 pub use kinematics::{AngleHistories, ArmPeriod, Kept, reaching};
 pub use loads::SecondOrder;

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::chord::{ChordHistories, ChordPeriod, ElasticaError, STEEPEST, resolved};
+use super::chord::{ChordHistories, ChordPeriod, resolved};
+use super::error::{ElasticaError, STEEPEST};
 use super::loads::{BentLink, SecondOrder};
 use super::reaction::{ElasticaMotion, band};
 use super::sag::Sag;

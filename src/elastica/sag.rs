@@ -11,7 +11,8 @@ use nalgebra::Vector4;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::chord::{ChordPeriod, ElasticaError, TipLoad};
+use super::chord::{ChordPeriod, TipLoad};
+use super::error::ElasticaError;
 use super::kinematics::ArmPeriod;
 use super::loads::{BentLink, Instant, Scratch, SecondOrder};
 use crate::beam::{Loads, Mesh};

@@ -103,7 +103,7 @@ impl<'a> BentProblem<'a> {
         let tolerance = self.iterated_to();
         let found = follow(model, &chord, self.second_order, tolerance)?;
         driven.begin(1, 1);
-        let rest = self.returns.rest(&period.spectrum, &returning);
+        let rest = self.returns.rest(&period.spectrum, period.spectrum.seam_reach(), &returning);
         Ok(BentAnswer { period, chord, found, rest })
     }
 

@@ -74,12 +74,17 @@ impl Return {
     }
 
     /// The rest of a period whose chords return in these samples.
-    pub(super) fn rest(self, spectrum: &TipSpectrum, returning: &Range<usize>) -> Rest {
+    pub(super) fn rest(
+        self,
+        spectrum: &TipSpectrum,
+        seam_reach: usize,
+        returning: &Range<usize>,
+    ) -> Rest {
         Rest {
             returning: returning.start - self.quiet..returning.end + self.quiet,
             len: spectrum.pair.len(),
             seam: spectrum.seam,
-            seam_reach: spectrum.seam_reach(),
+            seam_reach,
         }
     }
 }

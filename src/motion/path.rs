@@ -11,6 +11,9 @@ use super::spectrum::Cutoff;
 use super::tip_motion::TipMotion;
 use crate::numeric::{TimeGrid, extremes};
 
+/// Samples with which a motion begins and ends that tell whether it is at rest there.
+const BEGINS: usize = 4;
+
 /// Range of a column, over the largest of all, below which it is round-off: its coordinate is held.
 const HELD: f64 = 1e-12;
 
@@ -22,6 +25,9 @@ pub enum Prescribed {
     /// The direction of every chord.
     Angles,
 }
+
+/// One decimal, but for round-off.
+const LAST_DECIMAL: f64 = 1.0 + 1e-9;
 
 /// One coordinate over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,7 +94,12 @@ impl ArmPath {
         }
         let lengths_m = all.iter().map(|(_, per_value)| *per_value).collect();
         let courses = all.into_iter().map(|own| {
-            let is_held = range_m(&own) <= HELD * widest_m;
+            // A change by the last decimal is none.
+            let step_m = own.0.rounded.map_or(0.0, |rounded| match rounded {
+                Uncertainty::Rounded { step_m, .. } => own.1 * step_m * LAST_DECIMAL,
+                Uncertainty::Noisy { .. } => 0.0,
+            });
+            let is_held = range_m(&own) <= step_m.max(HELD * widest_m);
             Course::of(&time_s, own, is_held)
         });
         let courses = courses.collect::<Result<_, _>>()?;
@@ -166,7 +177,8 @@ impl ArmPath {
             let (first, last) = motion.moving_samples();
             let mut samples = motion.samples().displacements_m().to_vec();
             // What rests is at rest, and begins and ends so.
-            for sample in &mut samples[(first + 4).min(last)..last.saturating_sub(3).max(first)] {
+            let moving = first + BEGINS..(last + 1).saturating_sub(BEGINS);
+            for sample in samples.get_mut(moving).unwrap_or_default() {
                 *sample += part() * step_m;
             }
             let grid = motion.grid();
@@ -204,7 +216,8 @@ impl ArmPath {
         (len, seam): (usize, usize),
         cutoffs: &[Cutoff],
     ) -> PathPeriod {
-        let mut found = PathPeriod { courses: Vec::new(), errors_m: Vec::new(), period: None };
+        let mut found =
+            PathPeriod { courses: Vec::new(), errors_m: Vec::new(), period: None, seam_reach: 0 };
         for ((course, cutoff), length_m) in self.courses.iter().zip(cutoffs).zip(&self.lengths_m) {
             let (histories, error_m) = match course {
                 Course::Moving(motion) => {
@@ -215,11 +228,11 @@ impl ArmPath {
                         [&own.displacement_m, &own.velocity_m_s, &own.acceleration_m_s2]
                             .map(|values| per_length(values));
                     let error_m = period.tip_error_m();
-                    // Of the fastest course the spectrum tells how far the seam reaches.
-                    let is_lower = |other: &Arc<TipPeriod>| {
-                        cutoff.omega_rad_s < other.spectrum.cutoff.omega_rad_s
+                    found.seam_reach = found.seam_reach.max(period.spectrum.seam_reach());
+                    let is_higher = |other: &Arc<TipPeriod>| {
+                        cutoff.omega_rad_s > other.spectrum.cutoff.omega_rad_s
                     };
-                    if found.period.as_ref().is_none_or(is_lower) {
+                    if found.period.as_ref().is_none_or(is_higher) {
                         found.period = Some(period);
                     }
                     (histories, error_m)
@@ -253,8 +266,10 @@ pub(crate) struct PathPeriod {
     pub(crate) courses: Vec<CourseHistories>,
     /// How far each is off at most, in m.
     pub(crate) errors_m: Vec<f64>,
-    /// The period of the course with the lowest cut-off.
+    /// The period of the course with the highest cut-off.
     pub(crate) period: Option<Arc<TipPeriod>>,
+    /// Samples on either side of the seam in which a decay is measured: of the slowest course.
+    pub(crate) seam_reach: usize,
 }
 
 impl Course {
@@ -264,7 +279,8 @@ impl Course {
         is_held: bool,
     ) -> Result<Self, PathError> {
         if is_held {
-            return Ok(Self::Held(length_m * column.values[0]));
+            let [low, high] = extremes(&column.values);
+            return Ok(Self::Held(length_m * (low + 0.5 * (high - low))));
         }
         let displacement_m = column.values.iter().map(|value| length_m * value).collect();
         let columns = MotionColumns {

@@ -3,13 +3,14 @@
 //! The arm is one chain of elasticas, each turned by its joint against the tip of the one before; nothing of the inversion
 //! is used. Joints that are moved let no pose fall.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use thiserror::Error;
 
 use super::balance::{Balance, Met, Place};
 use super::chain::Chain;
 use super::driving::{Interpolation, pieces};
 use super::radau::{Motion, Radau};
+use super::shape::newton_change;
 use crate::link::{Arm, Damping};
 use crate::numeric::{Size, TimeGrid, dot};
 
@@ -23,11 +24,9 @@ const HIGHEST_ORDER: usize = 24;
 const MORE_ORDERS: usize = 2;
 const MOST_REFINEMENTS: usize = 4;
 
-/// A shape is at rest where an iteration changes it by less, in rad; the most iterations, and by which part of a
-/// coordinate in rad forces are differentiated.
+/// A shape is at rest where an iteration changes it by less, in rad; and the most iterations.
 const SETTLED_RAD: f64 = 1e-12;
 const MOST_ITERATIONS: usize = 60;
-const PART_RAD: f64 = 1e-6;
 
 /// How a joint is moved: angle and rate in rad and rad/s at first, and accelerations in rad/s² at each sample.
 #[derive(Debug, Clone, Copy)]
@@ -80,7 +79,8 @@ struct ArmChain {
     damping: Vec<f64>,
 }
 
-/// Moves the joints of an arm over a grid, finer and finer until that changes the tip by less than `settled_m`;
+/// Moves the joints of an arm over a grid, finer and finer until that changes the tip by less than `settled_m` or the
+/// finest is reached ([`MovedArm::change_m`] tells);
 /// `highest_rad_s` is the highest frequency of the motion.
 ///
 /// # Errors
@@ -206,14 +206,8 @@ impl ArmChain {
         };
         for _ in 0..MOST_ITERATIONS {
             let now = left(&q);
-            let mut slopes = DMatrix::zeros(count, count);
-            for k in 0..count {
-                let own = q[k];
-                q[k] = own + PART_RAD;
-                slopes.set_column(k, &((left(&q) - &now) / PART_RAD));
-                q[k] = own;
-            }
-            let change = slopes.lu().solve(&now).ok_or(MovedArmError::NotConverged)?;
+            let change =
+                newton_change(&mut q, &now, &mut left).ok_or(MovedArmError::NotConverged)?;
             q.iter_mut().zip(change.iter()).for_each(|(own, change)| *own -= change);
             if change.amax() < SETTLED_RAD {
                 return Ok(q);

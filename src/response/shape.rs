@@ -50,8 +50,7 @@ pub(super) fn at_rest(chain: &Chain, straight: &[f64], held: Held) -> Option<Vec
 
 /// Newton's iteration to the shape at rest.
 fn settled(chain: &Chain, mut q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
-    let count = chain.count;
-    let rest = vec![0.0; count];
+    let rest = vec![0.0; chain.count];
     let mut balance = Balance::default();
     let hub_rad = q[0];
     let mut left = |q: &[f64]| {
@@ -68,14 +67,7 @@ fn settled(chain: &Chain, mut q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
     };
     for _ in 0..MOST_ITERATIONS {
         let now = left(&q);
-        let mut slopes = DMatrix::zeros(count, count);
-        for k in 0..count {
-            let own = q[k];
-            q[k] = own + PART_RAD;
-            slopes.set_column(k, &((left(&q) - &now) / PART_RAD));
-            q[k] = own;
-        }
-        let change = slopes.lu().solve(&now)?;
+        let change = newton_change(&mut q, &now, &mut left)?;
         let most = change.amax();
         if !most.is_finite() {
             return None;
@@ -87,6 +79,23 @@ fn settled(chain: &Chain, mut q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
         }
     }
     None
+}
+
+/// What coordinates are off by where so much of forces is left, to first order: forces are differentiated by parts of each
+/// coordinate. None where they do not depend on all of them.
+pub(super) fn newton_change(
+    q: &mut [f64],
+    now: &DVector<f64>,
+    left: &mut impl FnMut(&[f64]) -> DVector<f64>,
+) -> Option<DVector<f64>> {
+    let mut slopes = DMatrix::zeros(q.len(), q.len());
+    for k in 0..q.len() {
+        let own = q[k];
+        q[k] = own + PART_RAD;
+        slopes.set_column(k, &((left(q) - now) / PART_RAD));
+        q[k] = own;
+    }
+    slopes.lu().solve(now)
 }
 
 /// The damping matrix. Hysteretic damping of ratio ξ is viscous in every mode ψ of the straight link, the hub free or

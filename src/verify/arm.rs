@@ -12,12 +12,16 @@ use crate::motion::Prescribed;
 use crate::numeric::{Size, extremes};
 use crate::response::{MovedArm, MovedJoint, move_arm};
 use crate::result::{ArmMetrics, LimitedValue, Limits};
+use crate::text::significant;
 
 /// What an error of the joints' motion, a share of their ranges, may at most become of the tip's way.
 const AMPLIFIED: f64 = 10.0;
 
 /// Share of the tolerance to which the moved arm is settled.
 const SETTLED: f64 = 0.1;
+
+/// What a torque that hardly changes is measured by, over the largest range of any.
+const LEAST_SIZE: f64 = 1e-6;
 
 /// Factor on the stiffness with which links do not bend.
 const RIGID: f64 = 1e9;
@@ -31,6 +35,8 @@ pub struct ArmAnswer<'a> {
     pub limits: &'a [Limits],
     /// The solution.
     pub solution: &'a ArmSolution,
+    /// Memory in bytes that the checks may take; `None`: no limit.
+    pub memory_bytes: Option<usize>,
     /// The torques in N m, rounded as in their file.
     pub written_torques_n_m: &'a [Vec<f64>],
 }
@@ -46,8 +52,8 @@ pub fn verify_arm(answer: &ArmAnswer<'_>) -> Verification {
     let ArmAnswer { plans, solution, .. } = *answer;
     let analysis = &solution.analysis;
     let mut checks = moved(answer);
-    let is_automatic = plans.iter().all(MeshPlan::is_automatic);
-    let tolerance = plans.iter().map(MeshPlan::tolerance).fold(0.0, f64::max);
+    let is_automatic = plans.iter().any(MeshPlan::is_automatic);
+    let tolerance = plans.iter().map(MeshPlan::tolerance).fold(1.0, f64::min);
     let mesh = if is_automatic { tolerance } else { Kind::CHOSEN_MESH };
     checks.push(worst(&Kind::MESH, solution, |own| Some(own.mesh), mesh));
     checks.push(worst(&Kind::WINDOW, solution, |own| Some(own.window), analysis.tolerance()));
@@ -57,7 +63,7 @@ pub fn verify_arm(answer: &ArmAnswer<'_>) -> Verification {
     if solution.errors.iter().any(|own| own.torque.step.is_some()) {
         checks.push(worst(&Kind::STEP, solution, |own| own.step, Kind::CHOSEN_MESH));
     }
-    checks.push(rigid(solution));
+    checks.push(rigid(solution, answer.memory_bytes));
     checks.extend(limits(answer));
     Verification { checks }
 }
@@ -76,17 +82,25 @@ fn moved(answer: &ArmAnswer<'_>) -> Vec<Check> {
     let tolerance = solution.analysis.tolerance();
     let settled_m = SETTLED * tolerance * solution.way_m;
     let played = move_arm(&solution.arm, &joints, &solution.grid, (highest_rad_s, settled_m));
+    let unsettled = |played: &MovedArm| played.change_m > settled_m / SETTLED;
     let played = match played {
-        Ok(played) => played,
-        Err(error) => {
-            let reason = error.to_string();
+        Ok(played) if !unsettled(&played) => played,
+        refused => {
+            let reason = match refused {
+                Ok(played) => {
+                    let change = significant(played.change_m / solution.way_m, 2);
+                    format!("the last refinement moves the tip by {change} of its way")
+                }
+                Err(error) => error.to_string(),
+            };
             return [Kind::TIP_OF_JOINTS, Kind::ENERGY]
                 .map(|kind| kind.not_measured(reason.clone()))
                 .into();
         }
     };
     let stated = stated(solution);
-    let allowed = AMPLIFIED * (stated + tolerance) + played.change_m / solution.way_m;
+    let allowed = AMPLIFIED * (stated + tolerance);
+    let most = extremes_of(&played.torques_n_m);
     let tip_tolerance = solution.analysis.tip_tolerance().max(solution.tip_error);
     let tip = Kind::TIP_OF_JOINTS
         .measured_to(tip_error(solution, &played), tip_tolerance + allowed.min(Kind::MOST_TIP));
@@ -94,14 +108,15 @@ fn moved(answer: &ArmAnswer<'_>) -> Vec<Check> {
     for (number, (written, needed)) in
         answer.written_torques_n_m.iter().zip(&played.torques_n_m).enumerate()
     {
-        let (change, at_rest) = apart(written, needed, solution.arm.has_weight());
+        let (change, at_rest) = apart(written, needed, (solution.arm.has_weight(), most));
         let of_joint = |kind: Kind, found: f64, bound: f64| {
             let check = kind.measured_to(found, bound);
             let name = format!("{}{}", check.name, number + 1);
             Check { name, what: format!("{} {}", check.what, number + 1), ..check }
         };
-        checks.push(of_joint(Kind::TORQUE_OF_JOINT, change, Kind::MOST_TORQUE.max(allowed)));
-        checks.push(of_joint(Kind::TORQUE_AT_REST, at_rest, Kind::MOST_TORQUE.max(allowed)));
+        let bound = Kind::MOST_TORQUE.max(allowed.min(Kind::CHOSEN_MESH));
+        checks.push(of_joint(Kind::TORQUE_OF_JOINT, change, bound));
+        checks.push(of_joint(Kind::TORQUE_AT_REST, at_rest, bound));
     }
     checks.push(Kind::ENERGY.measured_to(imbalance(&played), Kind::MOST_ENERGY));
     checks
@@ -137,9 +152,19 @@ fn tip_error(solution: &ArmSolution, played: &MovedArm) -> f64 {
     (0..solution.grid.len).map(off).fold(0.0, Size::larger) / solution.way_m
 }
 
+/// The largest range of any of some torques.
+fn extremes_of(torques_n_m: &[Vec<f64>]) -> f64 {
+    let ranges = torques_n_m.iter().map(|torque| {
+        let [low, high] = extremes(torque);
+        high - low
+    });
+    ranges.fold(0.0, Size::larger)
+}
+
 /// How far a torque is from the needed one, root mean square over root mean square, without what holds a weight; and at
-/// rest, over its range.
-fn apart(written: &[f64], needed: &[f64], has_weight: bool) -> (f64, f64) {
+/// rest, over its range. What hardly changes is measured by `most`, the largest range of any.
+fn apart(written: &[f64], needed: &[f64], (has_weight, most): (bool, f64)) -> (f64, f64) {
+    let least = LEAST_SIZE * most;
     let mean = needed.iter().sum::<f64>() / needed.len() as f64;
     let held = if has_weight { mean } else { 0.0 };
     let pairs = || written.iter().zip(needed);
@@ -147,7 +172,8 @@ fn apart(written: &[f64], needed: &[f64], has_weight: bool) -> (f64, f64) {
     let whole: f64 = needed.iter().map(|b| (b - held) * (b - held)).sum();
     let [low, high] = extremes(needed);
     let ends = [0, needed.len() - 1].map(|k| (written[k] - needed[k]).abs());
-    ((off / whole).sqrt(), ends[0].max(ends[1]) / (high - low))
+    let size = whole.sqrt().max(least * (needed.len() as f64).sqrt());
+    (off.sqrt() / size, ends[0].max(ends[1]) / (high - low).max(least))
 }
 
 /// Largest imbalance of energy over the largest work or change of energy.
@@ -175,7 +201,7 @@ fn worst(
 }
 
 /// The same path with links that do not bend, against the torques of the rigid arm.
-fn rigid(solution: &ArmSolution) -> Check {
+fn rigid(solution: &ArmSolution, memory_bytes: Option<usize>) -> Check {
     let kind = Kind::RIGID_ARM;
     let stiff = |own: &ArmLink| {
         let mut parts = LinkParts::from(own.link.clone());
@@ -202,7 +228,7 @@ fn rigid(solution: &ArmSolution) -> Check {
     let linear = solution.analysis.with_second_order(SecondOrder::None);
     let found = arm
         .map_err(|error| error.to_string())
-        .and_then(|(arm, plans)| found_rigid(&arm, &plans, solution, &linear));
+        .and_then(|(arm, plans)| found_rigid(&arm, &plans, solution, (&linear, memory_bytes)));
     match found {
         Ok(found) => kind.measured_to(found, Kind::MOST_RIGID),
         Err(reason) => kind.not_measured(reason),
@@ -213,15 +239,19 @@ fn found_rigid(
     arm: &Arm,
     plans: &[MeshPlan],
     solution: &ArmSolution,
-    linear: &Analysis,
+    (linear, memory_bytes): (&Analysis, Option<usize>),
 ) -> Result<f64, String> {
-    let found = invert_arm(arm, plans, &solution.path, linear, &Resources::default());
+    let resources = Resources { memory_bytes, ..Resources::default() };
+    let found = invert_arm(arm, plans, &solution.path, linear, &resources);
     let found = found.map_err(|error| error.to_string())?;
+    let rigid: Vec<Vec<f64>> =
+        found.joints.iter().map(|joint| joint.rigid_torque_n_m.clone()).collect();
+    let least = LEAST_SIZE * extremes_of(&rigid);
     let off = found.joints.iter().map(|joint| {
         let pairs = joint.torque_n_m.iter().zip(&joint.rigid_torque_n_m);
         let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger);
         let [low, high] = extremes(&joint.rigid_torque_n_m);
-        off / (high - low)
+        off / (high - low).max(least)
     });
     Ok(off.fold(0.0, Size::larger))
 }
@@ -246,10 +276,10 @@ mod tests {
     #[test]
     fn a_torque_that_is_off_is_seen_in_motion_and_at_rest() {
         let needed: Vec<f64> = (0..101).map(|k| 5.0 + f64::from(k * (100 - k)) / 2500.0).collect();
-        let (change, at_rest) = apart(&needed, &needed, true);
+        let (change, at_rest) = apart(&needed, &needed, (true, 1.0));
         assert!(change < 1e-15 && at_rest < 1e-15);
         let off: Vec<f64> = needed.iter().map(|t| t + 0.01).collect();
-        let (change, at_rest) = apart(&off, &needed, true);
+        let (change, at_rest) = apart(&off, &needed, (true, 1.0));
         assert!((at_rest - 0.01).abs() < 1e-12 && change > 0.03, "{change} {at_rest}");
         let check = Kind::TORQUE_AT_REST.measured_to(at_rest, Kind::MOST_TORQUE);
         assert!(check.fails() && matches!(check.outcome, Outcome::Measured { .. }));

@@ -114,7 +114,8 @@ fn not_played(reason: &str) -> Played {
 }
 
 /// Solves the link again with viscous damping, which has an equation in time, of the same ratio in its first mode with the
-/// hub held, and moves that one's hub. All but the law of damping is then played; the law is in the transfer.
+/// hub held, on a mesh of its own, and moves that one's hub: weight and second order are then played. The written torque is
+/// not; its law of damping is in the transfer.
 fn played_viscous(answer: &Answer, ratio: f64) -> Result<Played, VerificationError> {
     let (solution, memory_bytes) = (answer.solution, answer.memory_bytes);
     let Some(&first_rad_s) = held_frequencies(solution.mesh(), f64::INFINITY, 1).first() else {
@@ -135,7 +136,9 @@ fn played_viscous(answer: &Answer, ratio: f64) -> Result<Played, VerificationErr
     let wanted = viscous.motion.target(viscous.grid.time_s(0), viscous.grid.end_s());
     let written_torque_n_m = &viscous.torque_n_m[..];
     let answer = Answer { solution: &viscous, written_torque_n_m, ..*answer };
-    played_large(&answer, &wanted, Kind::OF_HUB_VISCOUS)
+    let Played { tip, energy } = played_large(&answer, &wanted, Kind::OF_HUB_VISCOUS)?;
+    let (name, what) = ("energy_viscous".to_owned(), "energy, viscous damping".to_owned());
+    Ok(Played { tip, energy: Check { name, what, ..energy } })
 }
 
 /// Moves the hub of a link with weight, or at large angles, as solved: tip error, the torque that it takes beside the

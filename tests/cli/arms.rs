@@ -300,3 +300,27 @@ fn a_path_of_few_digits_is_told_with_what_that_does() {
         assert!(off > 1e-3 && (0.2..5.0).contains(&(stated / off)), "{stated:e} {off:e}");
     }
 }
+
+/// A coordinate that changes by its last decimal is held, and one that moves for few samples is no trap.
+#[test]
+fn coordinates_that_hardly_move_are_solved_or_refused_in_words() {
+    let bench = bench();
+    let step = |u: f64| u.powi(5) * (126.0 - u * (420.0 - u * (540.0 - u * (315.0 - 70.0 * u))));
+    let write = |name: &str, y: &dyn Fn(u32) -> f64| {
+        let row = |k: u32| {
+            let u = f64::from(k) / 400.0;
+            format!("{:.3},{:.3},{:.3}\n", 2.0 * u, 0.6 + 0.2 * step(u), y(k))
+        };
+        bench.write(name, &format!("time,x,y\n{}", (0..=400).map(row).collect::<String>()));
+    };
+    write("digit.csv", &|k| if k > 200 { 0.001 } else { 0.0 });
+    write("short.csv", &|k| 0.001 * f64::from(k.clamp(200, 204) - 200));
+    let linear =
+        ["--set", "analysis.second_order=\"none\"", "--set", "links.upper.limits.torque=50"];
+    let digit = bench.run(&[&["solve", "arm.toml", "digit.csv", "-q"][..], &linear].concat());
+    assert!(digit.status.success(), "{}", stderr(&digit));
+    let short = bench.run(&[&["solve", "arm.toml", "short.csv", "-q"][..], &linear].concat());
+    let message = stderr(&short);
+    assert!(!message.contains("panicked"), "{message}");
+    assert!(message.contains("warning: ") || message.starts_with("error: "), "{message}");
+}

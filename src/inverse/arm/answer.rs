@@ -19,7 +19,7 @@ pub(super) struct ArmAnswer {
     pub(super) rests: [usize; 2],
     /// Chords of the rigid arm, which do not return.
     pub(super) rigid: Vec<AngleHistories>,
-    /// The period of the coordinate with the lowest cut-off.
+    /// The period of the coordinate with the highest cut-off.
     pub(super) period: Arc<TipPeriod>,
     /// How far each coordinate of the path is off at most, in m.
     pub(super) errors_m: Vec<f64>,

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::inverse::InversionError;
 use crate::motion::MotionError;
+use crate::text::significant;
 
 /// Why a valid arm and a valid path have no torques here.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -52,6 +53,19 @@ pub enum ArmError {
         /// The least that it must be.
         least: f64,
     },
+    /// Second-order terms that grow where a body's rotary inertia holds a link's tip.
+    #[error(
+        "the second-order terms do not converge: at {} Hz, within the path's band, no torque moves the tip of link {}, which a \
+         body's rotary inertia holds",
+        significant(*frequency_hz, 4),
+        link + 1
+    )]
+    Blocked {
+        /// Number of the link, from 0.
+        link: usize,
+        /// The frequency in Hz.
+        frequency_hz: f64,
+    },
     /// Directions beside the tip's place that contradict it.
     #[error("angle{} = {found:.6} rad, but must be {expected:.6} rad to agree with x and y", link + 1)]
     Disagree {
@@ -87,6 +101,9 @@ impl ArmError {
             Self::OutOfReach { .. } => "a path within reach, or longer links",
             Self::Stretched { .. } => {
                 "a path that stays away from the stretched arm and from the first joint, or one of angles"
+            }
+            Self::Blocked { .. } => {
+                "a slower or smoother path, more damping, or analysis.second_order = \"first\", with a larger error of the tip"
             }
             Self::Disagree { .. } => {
                 "check the units and the elbow, or leave x and y or the angles out"

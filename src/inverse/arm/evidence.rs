@@ -79,11 +79,13 @@ impl Solver<'_> {
         if problem.cutoffs.iter().all(|own| own.input.is_none()) {
             return Ok(None);
         }
-        let Some(path) = problem.path.rounded_otherwise() else { return Ok(None) };
         let (arm, len) = (problem.arm, answer.period.spectrum.pair.len());
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
         let own = linear.answer(models, len)?.curves(arm, probes);
-        let other = linear.along(&path).answer(models, len)?.curves(arm, probes);
+        // Where such samples are no motion, the narrower band alone tells.
+        let path = problem.path.rounded_otherwise();
+        let path = path.as_ref().unwrap_or(problem.path);
+        let other = linear.along(path).answer(models, len)?.curves(arm, probes);
         // What lies beyond the band that such samples are followed in: about what a looser band leaves out besides.
         let looser = problem.with(SecondOrder::None, looser(&problem.cutoffs));
         let looser = looser.answer(models, len)?.curves(arm, probes);

@@ -208,7 +208,7 @@ impl<'a> ArmProblem<'a> {
         let motion = self.followed(models, &period)?;
         // A path that has passed its checks moves at least one coordinate.
         let tip = found.period.ok_or(InversionError::OutOfRange { peak_n_m: 0.0 })?;
-        let rest = self.returns.rest(&tip.spectrum, &returning);
+        let rest = self.returns.rest(&tip.spectrum, found.seam_reach, &returning);
         let rests = [returning.end, returning.start - 1];
         Ok(ArmAnswer { motion, rest, rests, rigid, period: tip, errors_m: found.errors_m })
     }

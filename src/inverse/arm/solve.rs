@@ -8,15 +8,15 @@ use super::error::ArmError;
 use super::problem::ArmProblem;
 use super::solution::{ArmFindings, ArmSolution, larger};
 use crate::beam::{Mesh, MeshPlan};
-use crate::elastica::{ArmMotion, SecondOrder};
+use crate::elastica::{ArmMotion, ElasticaError, SecondOrder};
 use crate::inverse::amplitudes::Probes;
 use crate::inverse::curves::Curves;
 use crate::inverse::period::{Padding, PeriodicTorque, Window};
 use crate::inverse::{Analysis, InversionError, PerQuantity, QuantityErrors, Resources};
 use crate::link::Arm;
-use crate::modal::torque_zeros;
+use crate::modal::{real_frequency_zeros, torque_zeros};
 use crate::model::{Model, check_size, model_of};
-use crate::motion::{ArmPath, Prescribed};
+use crate::motion::{ArmPath, Cutoff, Prescribed};
 use crate::numeric::TimeGrid;
 
 /// A period is lengthened to at most this many samples, or to four times what it began with.
@@ -56,8 +56,26 @@ pub fn invert_arm(
         .filter_map(|model| torque_zeros(model.mesh(), 1).first().copied())
         .reduce(f64::min);
     let problem = ArmProblem::of(arm, path, (analysis, *resources), first_zero_per_s)?;
+    let blocked = blocked(&models, &problem.cutoffs);
     let solver = Solver { problem, plans };
-    solver.solution(models, first_zero_per_s)
+    solver.solution(models, first_zero_per_s).map_err(|error| match (error, blocked) {
+        // Where no torque moves a link's tip, its second-order terms grow.
+        (
+            ArmError::Inversion(InversionError::Elastica(ElasticaError::Diverges { .. })),
+            Some(blocked),
+        ) => blocked,
+        (error, _) => error,
+    })
+}
+
+/// The first link with a frequency within the path's band at which no torque moves its tip.
+fn blocked(models: &Models, cutoffs: &[Cutoff]) -> Option<ArmError> {
+    let ends = cutoffs.iter().filter(|own| !own.keeps_all()).map(Cutoff::end_rad_s);
+    let end_rad_s = ends.reduce(f64::max)?;
+    models.iter().enumerate().find_map(|(link, model)| {
+        let zero = real_frequency_zeros(model.mesh(), end_rad_s).first().copied()?;
+        Some(ArmError::Blocked { link, frequency_hz: zero / TAU })
+    })
 }
 
 pub(super) struct Solver<'a> {
