@@ -15,7 +15,7 @@ pub(super) type Moving = [f64; 3];
 pub type AngleHistories = [Vec<f64>; 3];
 
 /// Sine of the elbow's angle below which the rates of two bars do not follow from that of their end.
-const STRETCHED: f64 = 0.05;
+pub(crate) const STRETCHED: f64 = 0.05;
 
 /// What stays as a rigid arm has it while the links bend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -86,6 +86,7 @@ pub use arm::follow_arm;
 pub use chord::{ChordPeriod, returning};
 pub use error::ElasticaError;
 pub use iteration::{Followed, follow};
+pub(crate) use kinematics::STRETCHED;
 pub use kinematics::{AngleHistories, ArmPeriod, Kept, reaching};
 pub use loads::SecondOrder;
 pub use reaction::{ArmLinkMotion, ArmMotion, ElasticaMotion, Iteration};

@@ -7,6 +7,10 @@ use crate::link::{Link, ParameterError};
 use crate::model::KeptModes;
 use crate::motion::Periods;
 
+/// Share of the tolerance, and least change, at which an iteration of second-order terms ends.
+const ITERATED: f64 = 0.01;
+const FINEST: f64 = 1e-11;
+
 /// How exact the answer must be, how much time around the motion it covers, and of which modes it
 /// is made.
 ///
@@ -121,6 +125,12 @@ impl Analysis {
     pub fn second_order_of(&self, link: &Link) -> SecondOrder {
         let default = if link.has_weight() { SecondOrder::Full } else { SecondOrder::None };
         self.second_order.unwrap_or(default)
+    }
+
+    /// Where an iteration of second-order terms ends: at a share of the tolerance, as derivatives converge late, but above
+    /// round-off.
+    pub(super) fn iterated_to(&self) -> f64 {
+        (ITERATED * self.tolerance).max(FINEST)
     }
 
     /// What was chosen to be counted of the second order.

@@ -14,10 +14,10 @@ use super::bent_answer::{Bent, BentAnswer, SecondOrderFindings};
 use super::curves::{Curves, Shape, size};
 use super::error::InversionError;
 use super::mesh_error::TORQUES_N_M;
-use super::period::{Padding, Window};
+use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::Problem;
-use super::rest::{Return, left_to_return};
+use super::rest::{Return, left_to_return, lengthened};
 use super::spectra::DrivenModel;
 use crate::beam::MeshPlan;
 use crate::elastica::{ChordPeriod, ElasticaMotion, Followed, Iteration, SecondOrder, follow};
@@ -26,15 +26,8 @@ use crate::model::Model;
 use crate::motion::TipPeriod;
 use crate::numeric::largest_difference;
 
-/// The iteration ends at this share of the tolerance, as derivatives converge late, but above round-off.
-const ITERATED: f64 = 0.01;
-const FINEST: f64 = 1e-11;
-
 /// Memory in bytes for each node and sample of the period, as measured.
 const BYTES: usize = 200;
-
-/// A period is lengthened to at most this many samples, or to four times what it began with.
-const LENGTHENED: usize = 1 << 15;
 
 /// The link at rest before the motion and after it.
 type Rests = [ElasticaMotion; 2];
@@ -71,10 +64,6 @@ impl<'a> BentProblem<'a> {
         })
     }
 
-    fn iterated_to(&self) -> f64 {
-        (ITERATED * self.problem.analysis.tolerance()).max(FINEST)
-    }
-
     /// Samples of the shortest period.
     pub(super) fn shortest_len(&self) -> Result<usize, InversionError> {
         self.returns.shortest_len(self.problem.padding, self.problem.motion.grid().len)
@@ -100,7 +89,7 @@ impl<'a> BentProblem<'a> {
         let (padding, given) = (self.problem.padding, self.problem.motion.grid().len);
         let returning = self.returns.samples(padding, given, len);
         let chord = self.chord(&period, &returning, model.mesh().length_m())?;
-        let tolerance = self.iterated_to();
+        let tolerance = self.problem.analysis.iterated_to();
         let found = follow(model, &chord, self.second_order, tolerance)?;
         driven.begin(1, 1);
         let rest = self.returns.rest(&period.spectrum, period.spectrum.seam_reach(), &returning);
@@ -137,7 +126,7 @@ impl<'a> BentProblem<'a> {
     ) -> Result<ElasticaMotion, InversionError> {
         let angle_rad = self.start_angle_rad + displacement_m / model.mesh().length_m();
         let chord = ChordPeriod::at_rest(angle_rad, self.gravity_m_s2)?;
-        let tolerance = self.iterated_to();
+        let tolerance = self.problem.analysis.iterated_to();
         Ok(follow(model, &chord, self.second_order, tolerance)?.motion)
     }
 
@@ -261,28 +250,28 @@ impl<'a> BentProblem<'a> {
             return Ok((shortest, None, sizes.zip(sizes, |_, _| 0.0)));
         }
         let initial = shortest.period.spectrum.pair.len();
-        let longer = |len: usize| {
-            let longer = Padding::lengthened(len, initial);
-            longer.filter(|len| *len <= LENGTHENED.max(4 * initial))
-        };
-        // Where the linear torque has not decayed, the one with second-order terms has not either, most times.
         let linear = Self { second_order: SecondOrder::None, ..*self };
+        let is_linear = self.second_order == SecondOrder::None;
         let mut answer = shortest;
         loop {
             let (rests, left) = self.left(model, probes, sizes, &answer)?;
-            let next = longer(answer.period.spectrum.pair.len());
-            let Some(mut len) = next.filter(|_| !self.is_at_rest(&left)) else {
-                return Ok((answer, Some(rests), left));
+            let next = if self.is_at_rest(&left) {
+                None
+            } else {
+                let len = answer.period.spectrum.pair.len();
+                lengthened(len, initial, |len| {
+                    Ok::<_, InversionError>(
+                        is_linear || {
+                            let shorter = linear.answer(model, len)?;
+                            self.is_at_rest(&linear.left(model, probes, sizes, &shorter)?.1)
+                        },
+                    )
+                })?
             };
-            while let Some(longer) = longer(len).filter(|_| self.second_order != SecondOrder::None)
-            {
-                let shorter = linear.answer(model, len)?;
-                if self.is_at_rest(&linear.left(model, probes, sizes, &shorter)?.1) {
-                    break;
-                }
-                len = longer;
+            match next {
+                Some(len) => answer = self.answer(model, len)?,
+                None => return Ok((answer, Some(rests), left)),
             }
-            answer = self.answer(model, len)?;
         }
     }
 

@@ -31,23 +31,23 @@ const NYQUIST_SHARE: f64 = 1e-3;
 const ABOVE_MESH_SHARE: f64 = 1e-2;
 
 /// Error of mesh or modes, and change by half the step, from which on the user is warned.
-const COARSE: f64 = 1e-2;
+pub(super) const COARSE: f64 = 1e-2;
 
 /// A lengthened window of more rows, and of more times the motion's own samples, is warned of.
 const LONG_ROWS: usize = 50_000;
 const LONG_TIMES: f64 = 10.0;
 
 /// Error by the uncertainty of the samples from which on the user is warned.
-const UNCERTAIN: f64 = 0.1;
+pub(super) const UNCERTAIN: f64 = 0.1;
 
 /// Change of the torque by second-order terms that were left out from which on the user is warned.
-const LEFT_OUT: f64 = 1e-4;
+pub(super) const LEFT_OUT: f64 = 1e-4;
 
 /// Change by an iteration, over that by the one before, from which on the user is warned.
-const SLOW: f64 = 0.7;
+pub(super) const SLOW: f64 = 0.7;
 
 /// Change of a peak by twice the tip's tolerance from which on the user is warned.
-const UNSETTLED: f64 = 0.03;
+pub(super) const UNSETTLED: f64 = 0.03;
 
 /// Torque that the window cuts off, and that is left where one period meets the next, over the torque's peak or range.
 #[derive(Debug, Clone, Copy)]
@@ -269,20 +269,8 @@ impl Diagnostics<'_> {
         (share > Link::LARGE_DEFLECTION).then_some(Warning::LargeDeflection { share })
     }
 
-    /// The share by which shear and rotary inertia, which the theory leaves out, change the torque, where
-    /// that is noticeable.
     fn thick_link(&self) -> Option<Warning> {
-        let (thickness, mesh) = (Thickness::known(self.model.link()), self.model.mesh());
-        if thickness.is_slender(mesh, REPORTED_MODES) {
-            return None;
-        }
-        let modes = natural_frequencies(mesh, REPORTED_MODES);
-        let driven = self.driven();
-        let omegas = driven.omegas_rad_s();
-        let moving = self.moving_torque_n_m();
-        let torque = (omegas, &moving[..omegas.len()]);
-        let share = thickness.torque_change(mesh, self.model.law(), &modes, torque);
-        (share > NOTICEABLE).then_some(Warning::ThickLink { share })
+        thick_link(self.model, self.driven().omegas_rad_s(), &self.moving_torque_n_m())
     }
 
     fn fast_hub(&self) -> Option<Warning> {
@@ -294,6 +282,23 @@ impl Diagnostics<'_> {
         let clamped = clamped_frequency_below(self.model.mesh(), rate_rad_s / FAST_HUB)?;
         Some(Warning::FastHub { rate_rad_s, share: rate_rad_s / clamped })
     }
+}
+
+/// The share by which shear and rotary inertia, which the theory leaves out, change a torque of these amplitudes, one for
+/// each frequency at least, where that is noticeable.
+pub(super) fn thick_link(
+    model: &dyn Model,
+    omegas_rad_s: &[f64],
+    torque_n_m: &[Complex64],
+) -> Option<Warning> {
+    let (thickness, mesh) = (Thickness::known(model.link()), model.mesh());
+    if thickness.is_slender(mesh, REPORTED_MODES) {
+        return None;
+    }
+    let modes = natural_frequencies(mesh, REPORTED_MODES);
+    let torque = (omegas_rad_s, &torque_n_m[..omegas_rad_s.len()]);
+    let share = thickness.torque_change(mesh, model.law(), &modes, torque);
+    (share > NOTICEABLE).then_some(Warning::ThickLink { share })
 }
 
 /// Zeros of torque → tip on the real axis, where the motion holds more than the tolerance.

@@ -25,6 +25,9 @@ const OF_ARM: usize = 2;
 /// Share of the time that a period has to spare for the return; the torque decays in the rest.
 const SPARE_FOR_RETURN: f64 = 0.2;
 
+/// A period is lengthened to at most this many samples, or to four times what it began with.
+const LENGTHENED: usize = 1 << 15;
+
 /// How chords return within a period; without weight they need not.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Return {
@@ -87,6 +90,27 @@ impl Return {
             seam_reach,
         }
     }
+}
+
+/// The next longer period to try: one at which linear torques have decayed, as `decays` tells, since those with second-order
+/// terms have not where they have not, most times; or the longest. None where `len` is that.
+pub(super) fn lengthened<E>(
+    len: usize,
+    initial: usize,
+    decays: impl Fn(usize) -> Result<bool, E>,
+) -> Result<Option<usize>, E> {
+    let longer = |len: usize| {
+        let longer = Padding::lengthened(len, initial);
+        longer.filter(|len| *len <= LENGTHENED.max(4 * initial))
+    };
+    let Some(mut next) = longer(len) else { return Ok(None) };
+    while let Some(longer) = longer(next) {
+        if decays(next)? {
+            break;
+        }
+        next = longer;
+    }
+    Ok(Some(next))
 }
 
 /// What a chord that travels so far has still to return, at each sample of its return: before the seam it goes on from

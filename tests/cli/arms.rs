@@ -20,9 +20,13 @@ damping = { model = 'rayleigh', beta = 2e-4 }
 drive = { gear_ratio = 50, rotor_inertia = 1e-6 }
 ";
 
-/// The step of ninth order from 0 to 1, and a path that moves the tip from one place to another in a second.
+/// The step of ninth order from 0 to 1.
+fn step(u: f64) -> f64 {
+    u.powi(5) * (126.0 - u * (420.0 - u * (540.0 - u * (315.0 - 70.0 * u))))
+}
+
+/// A path that moves the tip from one place to another in a second.
 fn path(from: [f64; 2], to: [f64; 2]) -> String {
-    let step = |u: f64| u.powi(5) * (126.0 - u * (420.0 - u * (540.0 - u * (315.0 - 70.0 * u))));
     let row = |k: u32| {
         let share = step(f64::from(k) / 500.0);
         let at = |axis: usize| from[axis] + share * (to[axis] - from[axis]);
@@ -226,7 +230,6 @@ fn an_arm_is_verified_and_what_is_left_out_is_found() {
 #[test]
 fn whole_turns_of_the_tip_are_counted_and_the_elbow_stays_on_its_side() {
     let bench = bench();
-    let step = |u: f64| u.powi(5) * (126.0 - u * (420.0 - u * (540.0 - u * (315.0 - 70.0 * u))));
     let around = |from: f64, by: f64| {
         let row = |k: u32| {
             let u = f64::from(k) / 800.0;
@@ -305,7 +308,6 @@ fn a_path_of_few_digits_is_told_with_what_that_does() {
 #[test]
 fn coordinates_that_hardly_move_are_solved_or_refused_in_words() {
     let bench = bench();
-    let step = |u: f64| u.powi(5) * (126.0 - u * (420.0 - u * (540.0 - u * (315.0 - 70.0 * u))));
     let write = |name: &str, y: &dyn Fn(u32) -> f64| {
         let row = |k: u32| {
             let u = f64::from(k) / 400.0;

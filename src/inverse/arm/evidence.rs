@@ -3,33 +3,19 @@
 use super::answer::ArmAnswer;
 use super::error::ArmError;
 use super::problem::ArmProblem;
-use super::solution::{ArmSolution, larger};
+use super::solution::ArmSolution;
 use super::solve::{Sizes, Solved, Solver};
 use super::warning::ArmWarning;
 use crate::elastica::SecondOrder;
-use crate::inverse::diagnostics::blocked_tip;
+use crate::inverse::diagnostics::{
+    COARSE, LEFT_OUT, SLOW, UNCERTAIN, UNSETTLED, blocked_tip, thick_link,
+};
 use crate::inverse::{Quantity, QuantityErrors, Resources, ShareOf, Unwatched, Warning};
-use crate::modal::{NOTICEABLE, REPORTED_MODES, Thickness, natural_frequencies};
 use crate::motion::Cutoff;
-use crate::numeric::{largest, largest_difference};
-
-/// Error of mesh or step from which on the user is warned.
-const COARSE: f64 = 1e-2;
-
-/// Change by an iteration, over that by the one before, from which on the user is warned.
-const SLOW: f64 = 0.7;
-
-/// Error by the uncertainty of the samples from which on the user is warned.
-const UNCERTAIN: f64 = 0.1;
+use crate::numeric::{Size, largest, largest_difference};
 
 /// Change of a torque by further iterations, over its size, that is round-off.
 const ROUND_OFF: f64 = 1e-11;
-
-/// Change of a torque by twice the tip's tolerance from which on the user is warned.
-const UNSETTLED: f64 = 0.03;
-
-/// Change of a torque by terms that were left out from which on the user is warned.
-const LEFT_OUT: f64 = 1e-4;
 
 /// Sine of the elbow's angle below which the user is warned.
 const NEARLY_STRETCHED: f64 = 0.15;
@@ -125,7 +111,11 @@ impl Solver<'_> {
         let left_out = left_out.filter(|share| share.is_none_or(|share| share > LEFT_OUT));
         let left_out = left_out.map(|share| Warning::SecondOrderLeftOut { share });
         warnings.extend(slow.into_iter().chain(left_out).map(ArmWarning::Arm));
-        let unsettled = self.unsettled(solved, sizes)?;
+        // What the digits leave open is measured as the error of the input.
+        let is_exact = solution.errors.iter().all(|errors| errors.torque.input.is_none());
+        let unsettled = if is_exact { self.unsettled(solved, sizes)? } else { Vec::new() };
+        let spectrum = &solved.answer.period.spectrum;
+        let moving = &spectrum.omegas_rad_s[..spectrum.band_len()];
         for (joint, errors) in solution.errors.iter().enumerate() {
             let worst = |kind: &dyn Fn(QuantityErrors) -> f64| {
                 let all = errors.zip(errors, |own, _| kind(own));
@@ -151,10 +141,12 @@ impl Solver<'_> {
             let uncertain = errors.torque.input.filter(|share| *share > UNCERTAIN);
             found.extend(uncertain.map(|share| Warning::UncertainInput { of, share }));
             let mesh = solved.models[joint].mesh();
-            found.extend(blocked_tip(mesh, &solved.answer.period.spectrum, tolerance));
-            // What the digits leave open is measured as the error of the input.
-            found.extend(unsettled[joint].filter(|_| errors.torque.input.is_none()));
-            found.extend(thick_link(solved, joint));
+            found.extend(blocked_tip(mesh, spectrum, tolerance));
+            found.extend(unsettled.get(joint).copied().flatten());
+            let mut torque = solved.answer.torque_amplitudes_n_m(joint);
+            // What holds a weight at rest is no part of what moves.
+            torque[0] = 0.0.into();
+            found.extend(thick_link(&*solved.models[joint], moving, &torque));
             warnings.extend(found.into_iter().map(|warning| ArmWarning::Joint { joint, warning }));
         }
         Ok(warnings)
@@ -185,24 +177,6 @@ impl Solver<'_> {
     }
 }
 
-/// The share by which shear and rotary inertia, which the theory leaves out, change a link's torque, where that is
-/// noticeable.
-fn thick_link(Solved { models, answer, .. }: &Solved, joint: usize) -> Option<Warning> {
-    let model = &models[joint];
-    let (thickness, mesh) = (Thickness::known(model.link()), model.mesh());
-    if thickness.is_slender(mesh, REPORTED_MODES) {
-        return None;
-    }
-    let mut torque = answer.torque_amplitudes_n_m(joint);
-    torque[0] = 0.0.into();
-    let omegas = &answer.period.spectrum.omegas_rad_s;
-    let band = answer.period.spectrum.band_len().min(torque.len());
-    let modes = natural_frequencies(mesh, REPORTED_MODES);
-    let torque = (&omegas[..band], &torque[..band]);
-    let share = thickness.torque_change(mesh, model.law(), &modes, torque);
-    (share > NOTICEABLE).then_some(Warning::ThickLink { share })
-}
-
 /// The cut-offs for twice the tip's tolerance.
 fn looser(cutoffs: &[Cutoff]) -> Vec<Cutoff> {
     cutoffs.iter().map(|own| Cutoff { omega_rad_s: own.looser_rad_s, ..*own }).collect()
@@ -215,5 +189,5 @@ fn largest_change(own: &ArmAnswer, other: &ArmAnswer, sizes: &Sizes) -> f64 {
             .map(|answer| own.rest.outside_return(&answer.motion.links[joint].bent.torque_n_m));
         largest_difference(&own, &other) / size.torque
     });
-    torques.fold(0.0, larger)
+    torques.fold(0.0, Size::larger)
 }

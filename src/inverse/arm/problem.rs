@@ -7,7 +7,8 @@ use std::sync::Arc;
 use super::answer::ArmAnswer;
 use super::error::ArmError;
 use crate::elastica::{
-    AngleHistories, ArmMotion, ArmPeriod, Kept, SecondOrder, follow_arm, reaching, returning,
+    AngleHistories, ArmMotion, ArmPeriod, Kept, STRETCHED, SecondOrder, follow_arm, reaching,
+    returning,
 };
 use crate::inverse::period::{Padding, check_memory};
 use crate::inverse::rest::{Return, left_to_return};
@@ -16,15 +17,8 @@ use crate::link::{Arm, Elbow};
 use crate::model::Model;
 use crate::motion::{ArmPath, CourseHistories, Cutoff, Prescribed};
 
-/// The iteration ends at this share of the tolerance, as derivatives converge late, but above round-off.
-const ITERATED: f64 = 0.01;
-const FINEST: f64 = 1e-11;
-
 /// Memory in bytes for each node and sample of the period, as measured of one link.
 const BYTES: usize = 300;
-
-/// Sine of the elbow's angle below which the arm counts as stretched or folded.
-const STRETCHED: f64 = 0.05;
 
 /// Largest difference in rad of directions that are given beside the tip's place.
 const AGREEMENT: f64 = 1e-3;
@@ -214,8 +208,7 @@ impl<'a> ArmProblem<'a> {
     }
 
     fn followed(&self, models: &Models, period: &ArmPeriod) -> Result<ArmMotion, InversionError> {
-        let tolerance = (ITERATED * self.analysis.tolerance()).max(FINEST);
-        Ok(follow_arm(models, period, self.second_order, tolerance)?)
+        Ok(follow_arm(models, period, self.second_order, self.analysis.iterated_to())?)
     }
 
     /// Chords that return around the seam; whole turns they need not turn back. Those of the first two links return over

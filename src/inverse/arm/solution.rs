@@ -11,7 +11,7 @@ use crate::inverse::{Analysis, MotorHistories, PerQuantity, QuantityErrors};
 use crate::link::Arm;
 use crate::model::Model;
 use crate::motion::ArmPath;
-use crate::numeric::TimeGrid;
+use crate::numeric::{Size, TimeGrid};
 
 /// What an arm must do so that its tip follows its path.
 #[derive(Debug, Clone)]
@@ -109,15 +109,10 @@ impl ArmSolution {
     /// The largest error of a kind, over all quantities of all joints.
     pub fn worst(&self, kind: impl Fn(&QuantityErrors) -> f64) -> f64 {
         let of_joint = |errors: &PerQuantity<QuantityErrors>| {
-            errors.iter().map(|(_, own)| kind(&own)).fold(0.0, larger)
+            errors.iter().map(|(_, own)| kind(&own)).fold(0.0, Size::larger)
         };
-        self.errors.iter().map(of_joint).fold(0.0, larger)
+        self.errors.iter().map(of_joint).fold(0.0, Size::larger)
     }
-}
-
-/// The larger of two errors; NaN is the largest.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
 }
 
 /// The samples of a period that a window has.

@@ -6,21 +6,19 @@ use std::sync::Arc;
 use super::answer::{ArmAnswer, curves_at_rest};
 use super::error::ArmError;
 use super::problem::ArmProblem;
-use super::solution::{ArmFindings, ArmSolution, larger};
+use super::solution::{ArmFindings, ArmSolution};
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::{ArmMotion, ElasticaError, SecondOrder};
 use crate::inverse::amplitudes::Probes;
 use crate::inverse::curves::Curves;
-use crate::inverse::period::{Padding, PeriodicTorque, Window};
+use crate::inverse::period::{PeriodicTorque, Window};
+use crate::inverse::rest::lengthened;
 use crate::inverse::{Analysis, InversionError, PerQuantity, QuantityErrors, Resources};
 use crate::link::Arm;
 use crate::modal::{real_frequency_zeros, torque_zeros};
 use crate::model::{Model, check_size, model_of};
 use crate::motion::{ArmPath, Cutoff, Prescribed};
-use crate::numeric::TimeGrid;
-
-/// A period is lengthened to at most this many samples, or to four times what it began with.
-const LENGTHENED: usize = 1 << 15;
+use crate::numeric::{Size, TimeGrid};
 
 /// What a quantity of a joint that hardly moves is measured by, over the largest one of any joint.
 const LEAST_SIZE: f64 = 1e-6;
@@ -129,7 +127,7 @@ impl Solver<'_> {
         let given = path.grid();
         let grid = TimeGrid { first: window.start, len: window.len(), ..given };
         let (links, tip) = answer.links(models, &grid);
-        let way_m = way_m(&tip);
+        let way_m = way_m(&tip[0][0], &tip[1][0]);
         let tip_error = tip_error_m(answer, path) / way_m;
         let findings = ArmFindings {
             order: problem.second_order,
@@ -232,36 +230,35 @@ impl Solver<'_> {
     fn decayed(&self, mut solved: Solved) -> Result<(Solved, [ArmMotion; 2], Sizes), ArmError> {
         let problem = &self.problem;
         let initial = solved.answer.period.spectrum.pair.len();
-        let longer = |len: usize| {
-            let longer = Padding::lengthened(len, initial);
-            longer.filter(|len| *len <= LENGTHENED.max(4 * initial))
-        };
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
+        let is_linear = problem.second_order == SecondOrder::None;
         let tolerance = problem.analysis.tolerance();
         loop {
             let (rests, left) = left_at_rest(problem, &solved, &solved.answer)?;
             let len = solved.answer.period.spectrum.pair.len();
-            let next = longer(len).filter(|_| worst(&left) > tolerance);
-            let Some(mut next) = next else {
-                if len > initial {
-                    let (finer, probes) = refined(&solved.models, &solved.probes)?;
-                    let on_finer = problem.answer(&finer, len)?.curves(problem.arm, &probes);
-                    let own = solved.answer.curves(problem.arm, &solved.probes);
-                    solved.mesh = changes(&solved.models, &own, &on_finer, &solved.sizes);
-                }
-                return Ok((solved, rests, left));
+            let next = if worst(&left) <= tolerance {
+                None
+            } else {
+                lengthened(len, initial, |len| {
+                    Ok::<_, ArmError>(
+                        is_linear || {
+                            let shorter = linear.answer(&solved.models, len)?;
+                            worst(&left_at_rest(&linear, &solved, &shorter)?.1) <= tolerance
+                        },
+                    )
+                })?
             };
-            // Where the linear torques have not decayed, those with second-order terms have not either, most times.
-            while let Some(longer) =
-                longer(next).filter(|_| problem.second_order != SecondOrder::None)
-            {
-                let shorter = linear.answer(&solved.models, next)?;
-                if worst(&left_at_rest(&linear, &solved, &shorter)?.1) <= tolerance {
-                    break;
-                }
-                next = longer;
+            if let Some(len) = next {
+                solved.answer = problem.answer(&solved.models, len)?;
+                continue;
             }
-            solved.answer = problem.answer(&solved.models, next)?;
+            if len > initial {
+                let (finer, probes) = refined(&solved.models, &solved.probes)?;
+                let on_finer = problem.answer(&finer, len)?.curves(problem.arm, &probes);
+                let own = solved.answer.curves(problem.arm, &solved.probes);
+                solved.mesh = changes(&solved.models, &own, &on_finer, &solved.sizes);
+            }
+            return Ok((solved, rests, left));
         }
     }
 
@@ -321,7 +318,7 @@ fn changes(models: &Models, own: &[Curves], finer: &[Curves], sizes: &Sizes) -> 
 
 /// The largest of all errors; NaN is the largest.
 fn worst(errors: &Sizes) -> f64 {
-    errors.iter().map(|own| own.worst().1).fold(0.0, larger)
+    errors.iter().map(|own| own.worst().1).fold(0.0, Size::larger)
 }
 
 /// What is left of each quantity where the chords begin and end their return, beyond the arm at rest.
@@ -342,26 +339,26 @@ fn left_at_rest(
     Ok((rests, left.collect()))
 }
 
-/// Largest distance in m of the tip from where it starts.
-fn way_m([x, y]: &[[Vec<f64>; 3]; 2]) -> f64 {
-    let far = |(x_m, y_m): (&f64, &f64)| {
-        let [dx, dy] = [x_m - x[0][0], y_m - y[0][0]];
+/// Largest distance in m of a tip at these x and y from where it starts.
+fn way_m(x_m: &[f64], y_m: &[f64]) -> f64 {
+    let far = |(x, y): (&f64, &f64)| {
+        let [dx, dy] = [x - x_m[0], y - y_m[0]];
         (dx * dx + dy * dy).sqrt()
     };
-    x[0].iter().zip(&y[0]).map(far).fold(0.0, f64::max)
+    x_m.iter().zip(y_m).map(far).fold(0.0, f64::max)
 }
 
 /// The same of the rigid arm over the samples of its path.
 fn way_of_chords_m(arm: &Arm, answer: &ArmAnswer, given: usize) -> f64 {
-    let mut tip = [[0, 1, 2].map(|_| vec![0.0; given]), [0, 1, 2].map(|_| vec![0.0; given])];
+    let [mut x_m, mut y_m] = [vec![0.0; given], vec![0.0; given]];
     for (chord, own) in answer.rigid.iter().zip(arm.links()) {
         let length_m = own.link.length_m();
         for k in 0..given {
-            tip[0][0][k] += length_m * libm::cos(chord[0][k]);
-            tip[1][0][k] += length_m * libm::sin(chord[0][k]);
+            x_m[k] += length_m * libm::cos(chord[0][k]);
+            y_m[k] += length_m * libm::sin(chord[0][k]);
         }
     }
-    way_m(&tip)
+    way_m(&x_m, &y_m)
 }
 
 /// How far the solved tip is at most from the wanted one, in m.
