@@ -8,6 +8,7 @@
 )]
 
 mod arm;
+mod arm_chain;
 mod balance;
 mod bent;
 mod chain;
