@@ -26,14 +26,14 @@
 //! | [`system`] | memory that the system leaves to this process |
 //! | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units, Student's t: mathematics that knows no beam |
 //! | [`link`] | the physical link, and arms of several, checked at construction |
-//! | [`motion`] | the motion of a tip, and the path of an arm, checked at construction, its spectrum, analytic profiles |
+//! | [`motion`] | the motion of a tip, and the path of an arm, checked at construction, its spectrum, analytic profiles and curves |
 //! | [`recording`] | what the digits, times and rests of a recorded motion are worth |
 //! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
 //! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
 //! | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
 //! | [`elastica`] | links under gravity and at large angles, and arms of them: second-order terms as loads, iterated |
+//! | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT; joints of an arm moved, its small motions about a pose |
 //! | [`inverse`] | period and padding, the inversion of links and of arms, what it costs, warnings, motions of the nodes |
-//! | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT; joints of an arm moved |
 //! | [`compare`] | tables against tables, column by column; tolerances |
 //! | [`result`] | the numbers that a person reads first; a simulation beside a recording; a result read back |
 //! | [`sweep`] | many cases in parallel, their order kept; their numbers; shards |

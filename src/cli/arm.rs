@@ -1,17 +1,20 @@
-//! An arm of several links and its path, as `solve` and `verify` read and solve them.
+//! An arm of several links and its path, as `solve`, `verify` and `sweep` read and solve them.
 
 use flexlink::csv::{Digits, InputFile, PathTable, read_path_table};
-use flexlink::inverse::{ArmSolution, Resources, invert_arm};
+use flexlink::inverse::{ArmError, ArmSolution, InversionError, Resources, invert_arm};
 use flexlink::motion::ArmPath;
 use flexlink::result::{ArmMetrics, Exceeded, Remark};
 use flexlink::spec::ArmSpecification;
+use flexlink::store::{ArmRun, RunInputs, RunOutputs, Summary};
 use flexlink::verify::{ArmAnswer, Verification, verify_arm};
 
-use crate::options::inputs::{ReadArgs, tell};
+use crate::options::inputs::{ReadArgs, ScaleArgs, tell};
 use crate::terminal::{Exit, Failure, StageBar, memory};
 
 /// An arm and the path that it is to follow.
 pub(super) struct ArmAndPath {
+    /// The arm's file as messages call it.
+    name: String,
     specification: Box<ArmSpecification>,
     table: PathTable,
     path: ArmPath,
@@ -27,42 +30,37 @@ pub(super) struct SolvedArm {
     pub(super) remarks: Vec<Remark>,
 }
 
-/// Refuses options, as they are recorded, that are known for one link alone.
-pub(super) fn refuse_for_arms(options: impl IntoIterator<Item = String>) -> Result<(), Failure> {
-    match options.into_iter().find(|option| option.starts_with("--")) {
-        None => Ok(()),
-        Some(option) => {
-            let option = option.split('=').next().unwrap_or_default();
-            let message = format!("{option} is for one link, and the arm has several");
-            Err(Failure::new(Exit::Usage, &message, None))
-        }
-    }
-}
-
 impl ArmAndPath {
     /// Reads the path of an arm. Tells what was guessed of the file.
     pub(super) fn read(
-        specification: Box<ArmSpecification>,
+        (arm_file, specification): (&InputFile, Box<ArmSpecification>),
         file: &InputFile,
         read: &ReadArgs,
+        scale: &ScaleArgs,
     ) -> Result<Self, Failure> {
         let table = read_path_table(&file.shown, &file.bytes, &read.format())?;
         tell(&file.shown, table.reading());
-        let links = specification.arm.links().iter();
-        let path = table.path(&links.map(|own| own.link.length_m()).collect::<Vec<_>>())?;
-        Ok(Self { specification, table, path })
+        Self::of((arm_file, specification), scale.scaled_path(&table)?)
     }
 
-    /// Computes the solution.
-    pub(super) fn solve(&self, stages: &StageBar) -> Result<SolvedArm, Failure> {
+    /// An arm and the path in a table.
+    pub(super) fn of(
+        (arm_file, specification): (&InputFile, Box<ArmSpecification>),
+        table: PathTable,
+    ) -> Result<Self, Failure> {
+        let links = specification.arm.links().iter();
+        let path = table.path(&links.map(|own| own.link.length_m()).collect::<Vec<_>>())?;
+        Ok(Self { name: arm_file.shown.clone(), specification, table, path })
+    }
+
+    /// Computes the solution, for which so many bytes of memory are free.
+    pub(super) fn solve(&self, memory_bytes: Option<usize>) -> Result<SolvedArm, Failure> {
         let ArmSpecification { arm, meshes, analysis, limits, .. } = &*self.specification;
-        let memory_bytes = memory::available();
         let resources = Resources { memory_bytes, ..Resources::default() };
-        stages.at("solving");
         let solution = invert_arm(arm, meshes, &self.path, analysis, &resources);
-        let solution = solution.map_err(|error| match error.sample() {
-            Some(sample) => self.table.refused(Some(sample), &error, error.hint()).into(),
-            None => Failure::new(Exit::NotSolvable, &error, error.hint()),
+        let solution = solution.map_err(|error| match error {
+            ArmError::Inversion(error @ InversionError::TooMuchMemory { .. }) => error.into(),
+            error => self.refused(&error),
         })?;
         let nodes: usize = solution.links.iter().map(|link| link.nodes_m.len()).sum();
         memory::check_nodes(6 * nodes * solution.grid.len * size_of::<f64>(), memory_bytes)?;
@@ -72,6 +70,25 @@ impl ArmAndPath {
         let of_path = Remark::on_path(&self.path, solution.way_m, tolerance);
         let remarks = self.specification.remarks.iter().cloned().chain(of_path).collect();
         Ok(SolvedArm { solution, metrics, exceeded, remarks })
+    }
+
+    /// Why there is no solution: with its row of the path, or the link of the arm, where one is to blame.
+    fn refused(&self, error: &ArmError) -> Failure {
+        let hint = error.hint();
+        if let Some(sample) = error.sample() {
+            return self.table.refused(Some(sample), error, hint).into();
+        }
+        let name = &self.name;
+        let message = match error.link() {
+            Some((link, why)) => {
+                let line = self.specification.lines[link].map(|line| format!(":{line}"));
+                let (line, link) = (line.unwrap_or_default(), self.specification.arm.name_of(link));
+                format!("{name}{line}: {link}: {why}")
+            }
+            None if *error == ArmError::NoElbow => format!("{name}: {error}"),
+            None => error.to_string(),
+        };
+        Failure::new(Exit::NotSolvable, &message, hint)
     }
 
     /// Checks a solution whose torques are written with so many digits.
@@ -92,5 +109,19 @@ impl ArmAndPath {
             memory_bytes: memory::available(),
             written_torques_n_m: &written,
         })
+    }
+}
+
+impl SolvedArm {
+    /// The record of the run.
+    pub(super) fn summary(
+        &self,
+        inputs: RunInputs,
+        verification: Option<&Verification>,
+        outputs: &RunOutputs,
+    ) -> Summary {
+        let Self { solution, metrics, exceeded, remarks } = self;
+        let run = ArmRun { solution, metrics, exceeded, verification, remarks };
+        Summary::of_arm(inputs, &run, outputs)
     }
 }

@@ -11,20 +11,31 @@ use flexlink::csv::Digits;
 use flexlink::modal::natural_frequencies;
 use flexlink::model::{FrequencyResponse, ModelError, changes_on_halves, model_of};
 use flexlink::result::BandMeshError;
-use flexlink::spec::Specification;
-use flexlink::store::{frequency_response_json, write_frequency_response};
+use flexlink::spec::{Described, Specification};
+use flexlink::store::{
+    ResponseColumns, arm_response, frequency_response_json, link_response, write_frequency_response,
+};
 use flexlink::text::{plain, significant};
 
+use super::arm_pose::ArmInPose;
+use crate::options::common::angle_rad;
 use crate::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::terminal::files::keep_files;
 use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
-  flexlink frf link.toml --from 0.1 --to 50 -o frf.csv";
+  flexlink frf link.toml --from 0.1 --to 50 -o frf.csv
+  flexlink frf arm.toml --at '30 deg,75 deg' -o frf.csv";
 
 /// Bytes that a row takes besides itself while its fourteen columns are written, as measured.
 const ROW_BYTES: usize = 160;
+
+/// Natural frequencies that the default range of frequencies is around.
+const DEFAULT_MODES: usize = 5;
+
+/// Bytes that one transfer of an arm takes at one frequency: twice as it is found, and as it is written.
+const RESPONSE_BYTES: usize = 64 + 80;
 
 /// Bytes that a run takes besides its rows.
 const OWN_BYTES: usize = 16 << 20;
@@ -36,11 +47,21 @@ const OWN_BYTES: usize = 16 << 20;
 /// and the mesh error of each row: by how much elements of half the length change it, over its magnitude.
 /// The largest mesh error is printed, above 1 % as a warning. An automatic mesh is refined until it follows
 /// the highest frequency to mesh.tolerance.
+///
+/// For an arm of several links, about its shape at rest where the links point in the directions of --at: displacement of
+/// the tip along x and y, in 1/N, and angle of each joint, in rad/(N m), per torque of each joint. The mesh error
+/// is then by how much polynomials of higher order change the displacement and the angles, over their size.
 #[derive(Debug, Args)]
 #[command(about = "Frequency response of a link", after_help = EXAMPLE)]
 pub(crate) struct Frf {
     #[command(flatten)]
     link: LinkArgs,
+
+    /// Of an arm: the directions of all its links, from joint to joint, the inner one first, in rad or with
+    /// their unit, as in '30 deg,75 deg'.
+    #[arg(long, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
+    #[arg(value_delimiter = ',')]
+    at: Option<Vec<f64>>,
 
     /// Lowest frequency [default: a tenth of the first natural frequency].
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
@@ -83,19 +104,46 @@ impl Frf {
         if let Some(output) = &self.output {
             keep_files(output, &[&self.link.link])?;
         }
-        let (_, specification) = self.link.load()?;
-        let (rows, errors) = self.compute(&specification)?;
-        let output = self.output.as_deref();
-        if self.json {
-            let text = frequency_response_json(&rows, errors.as_deref());
-            console::deliver(output, text.as_bytes())?;
-        } else {
-            console::deliver_by(output, |out| {
-                write_frequency_response(out, &rows, errors.as_deref(), self.digits)
-            })?;
+        let specification = match self.link.described()? {
+            Described::Link(own) => own,
+            Described::Arm(arm) => {
+                let pose = ArmInPose::of(arm, self.at.as_deref())?;
+                return self.warnings.refuse(self.tell_arm(&pose)?);
+            }
+        };
+        if self.at.is_some() {
+            let message = "--at is for an arm of several links, and the file has one";
+            return Err(Failure::new(Exit::Usage, &message, None));
         }
+        let (rows, errors) = self.compute(&specification)?;
+        self.deliver(link_response(&rows, errors.as_deref()))?;
         let warnings = tell(&rows, errors.as_deref()) + warn_of_gravity(&specification.link);
         self.warnings.refuse(warnings)
+    }
+
+    fn deliver(&self, columns: ResponseColumns) -> Result<(), Failure> {
+        let output = self.output.as_deref();
+        if self.json {
+            let text = frequency_response_json(columns);
+            return console::deliver(output, text.as_bytes());
+        }
+        let digits = self.digits;
+        console::deliver_by(output, |out| write_frequency_response(out, &columns, digits))
+    }
+
+    /// Writes the response of an arm; returns the number of warnings.
+    fn tell_arm(&self, pose: &ArmInPose) -> Result<usize, Failure> {
+        let modes = pose.modes(DEFAULT_MODES)?;
+        let squares = modes.free.modes.iter().map(|mode| mode.square_per_s2);
+        let rising: Vec<f64> = squares.filter(|own| *own > 0.0).map(f64::sqrt).collect();
+        let (from_hz, to_hz) = self.range_hz(&rising)?;
+        let joints = modes.directions_rad.len();
+        let bytes = RESPONSE_BYTES * joints * (joints + 2);
+        let bytes = self.points.saturating_mul(bytes).saturating_add(OWN_BYTES);
+        memory::check("the frequency response", bytes, None, "use fewer --points")?;
+        let found = pose.responses(&self.frequencies_hz(from_hz, to_hz))?;
+        self.deliver(arm_response(&found))?;
+        Ok(pose.tell_responses(&modes, &found))
     }
 
     /// The response at each frequency, and its mesh error by halved elements; `None` where damping
@@ -106,7 +154,7 @@ impl Frf {
     ) -> Result<(Vec<FrequencyResponse>, Option<Vec<f64>>), Failure> {
         let (link, plan) = (&specification.link, &specification.mesh);
         let mut mesh = Mesh::new(link, plan)?;
-        let (from_hz, to_hz) = self.range_hz(&mesh)?;
+        let (from_hz, to_hz) = self.range_hz(&natural_frequencies(&mesh, DEFAULT_MODES))?;
         if plan.is_automatic() {
             mesh = mesh.resolving(to_hz * TAU, plan.tolerance());
         }
@@ -127,9 +175,8 @@ impl Frf {
         }
     }
 
-    /// The lowest and the highest frequency: by default those that suit the link.
-    fn range_hz(&self, mesh: &Mesh) -> Result<(f64, f64), Failure> {
-        let modes = natural_frequencies(mesh, 5);
+    /// The lowest and the highest frequency: by default those that suit natural frequencies in rad/s.
+    fn range_hz(&self, modes: &[f64]) -> Result<(f64, f64), Failure> {
         let hertz = |mode: Option<&f64>| mode.map_or(1.0, |omega| omega / TAU);
         let from_hz = self.from.unwrap_or(0.1 * hertz(modes.first()));
         let to_hz = self.to.unwrap_or(2.0 * hertz(modes.last()));

@@ -2,6 +2,7 @@
 #![allow(clippy::doc_markdown, reason = "docs of commands and arguments are help on a terminal")]
 
 mod arm;
+mod arm_pose;
 mod compare;
 mod fit;
 mod frf;

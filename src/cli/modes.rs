@@ -5,29 +5,31 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::beam::Mesh;
+use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::csv::Digits;
+use flexlink::link::Link;
 use flexlink::modal::{
     DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Thickness, held_frequencies, mode,
     natural_frequencies, pose_squares, real_frequency_zeros, torque_zeros,
 };
-use flexlink::numeric::{Dimension, parse_quantity};
 use flexlink::result::{
-    CoarseMesh, HeldModes, ModesResult, PoseModes, PoseSquares, Remark, mesh_errors,
+    CoarseMesh, HeldModes, LinkZeros, ModesResult, PoseModes, PoseSquares, Remark, mesh_errors,
 };
-use flexlink::spec::Specification;
-use flexlink::store::{modes_json, pose_modes_json};
+use flexlink::spec::{ArmSpecification, Described, Specification};
+use flexlink::store::{arm_modes_json, modes_json, pose_modes_json};
 
-use crate::options::common::{SyncArgs, finite};
+use super::arm_pose::{ArmInPose, COARSE};
+use crate::options::common::{SyncArgs, angle_rad};
 use crate::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::terminal::files::check_folder;
-use crate::terminal::text::{modes_text, pose_text};
+use crate::terminal::text::{arm_modes_text, modes_text, pose_text};
 use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
   flexlink modes link.toml --count 5 -o out
-  flexlink modes hanging.toml --at '-90 deg'";
+  flexlink modes hanging.toml --at '-90 deg'
+  flexlink modes arm.toml --at '30 deg,75 deg'";
 
 /// Error of an automatic mesh in the modes of a pose. They are computed by dense algebra, whose round-off grows with the
 /// fourth power of the number of elements.
@@ -52,6 +54,10 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 ///
 /// Gravity changes frequencies with the direction of the link: --at gives those of one direction, hub free and
 /// held, by the weight that pulls along the straight link.
+///
+/// For an arm of several links --at is needed, with a direction for each: the frequencies are those of small motions about
+/// the arm's shape at rest there, bent by its weight, all joints free and all rotors held; the zeros are those of each
+/// link. The bending of the links is refined until the frequencies are exact to mesh.tolerance.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Modes {
@@ -64,10 +70,10 @@ pub(crate) struct Modes {
     count: u16,
 
     /// The frequencies with gravity where the link points this way: an angle in rad, or with its unit, as
-    /// in '-90 deg'.
+    /// in '-90 deg'. For an arm the directions of all its links, from joint to joint, the inner one first.
     #[arg(long, value_name = "ANGLE", value_parser = angle_rad, allow_hyphen_values = true)]
-    #[arg(conflicts_with = "output")]
-    at: Option<f64>,
+    #[arg(value_delimiter = ',', conflicts_with = "output")]
+    at: Option<Vec<f64>>,
 
     /// Folder for the tables [default: none is written].
     #[arg(short, long, value_name = "DIR")]
@@ -92,9 +98,20 @@ pub(crate) struct Modes {
 impl Modes {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |folder| check_folder("--output", folder))?;
-        let (_, specification) = self.link.load()?;
-        if let Some(angle_rad) = self.at {
-            return self.tell_pose(&specification, angle_rad);
+        let specification = match self.link.described()? {
+            Described::Link(own) => own,
+            Described::Arm(arm) => {
+                let pose = ArmInPose::of(arm, self.at.as_deref())?;
+                return self.warnings.refuse(self.tell_arm(&pose)?);
+            }
+        };
+        match self.at.as_deref() {
+            None => {}
+            Some([angle_rad]) => return self.tell_pose(&specification, *angle_rad),
+            Some(more) => {
+                let message = format!("--at = {} angles, but must be one for one link", more.len());
+                return Err(Failure::new(Exit::Usage, &message, None));
+            }
         }
         let (mesh, result) = computed(&specification, usize::from(self.count))?;
         if let Some(folder) = &self.output {
@@ -108,6 +125,45 @@ impl Modes {
         };
         console::print(&text)?;
         self.warnings.refuse(warnings)
+    }
+
+    /// Prints modes of an arm and zeros of its links; returns the number of warnings.
+    fn tell_arm(&self, pose: &ArmInPose) -> Result<usize, Failure> {
+        let ArmSpecification { arm, meshes, remarks, .. } = &*pose.specification;
+        let count = usize::from(self.count);
+        let modes = pose.modes(count)?;
+        let zeros = arm.links().iter().zip(meshes).map(|(own, plan)| {
+            let (mesh, omega_rad_s) = resolved(&own.link, plan, count)?;
+            Ok(zeros_on(&mesh, count, omega_rad_s.last().copied().unwrap_or_default()))
+        });
+        let zeros = zeros.collect::<Result<Vec<LinkZeros>, Failure>>()?;
+        console::remarks(remarks);
+        let mut warnings = 0;
+        for (what, found) in [("joints free", &modes.free), ("rotors held", &modes.held)] {
+            if let Some(first) =
+                found.errors.iter().position(|error| error.is_nan() || *error > COARSE)
+            {
+                let words = format!(
+                    "{what}: from mode {} on frequencies are wrong by more than 1 %",
+                    first + 1
+                );
+                console::warning(words, "ask for fewer modes: --count");
+                warnings += 1;
+            }
+        }
+        for (link, own) in zeros.iter().enumerate() {
+            for warning in own.warnings() {
+                console::warning(format!("{}: {warning}", arm.name_of(link)), warning.hint());
+                warnings += 1;
+            }
+        }
+        let text = if self.json {
+            arm_modes_json(&modes, &zeros)
+        } else {
+            arm_modes_text(arm, &modes, &zeros)
+        };
+        console::print(&text)?;
+        Ok(warnings)
     }
 
     /// Prints the modes in a pose.
@@ -145,7 +201,7 @@ fn in_pose(
     };
     let mut mesh = Mesh::new(link, &specification.mesh)?;
     if specification.mesh.is_automatic() {
-        let (_, omega_rad_s) = resolved(specification, count)?;
+        let (_, omega_rad_s) = resolved(link, &specification.mesh, count)?;
         mesh = mesh.resolving(omega_rad_s.last().copied().unwrap_or_default(), POSE_TOLERANCE);
     }
     let most = MOST_ELEMENTS_OF_A_POSE / 2;
@@ -183,48 +239,47 @@ fn in_pose(
     Ok((mesh, PoseModes { angle_rad, outward_m_s2, free, held }))
 }
 
-/// An angle in rad, or with its unit.
-fn angle_rad(text: &str) -> Result<f64, String> {
-    finite(text)
-        .or_else(|_| parse_quantity(text, Dimension::NONE).map_err(|error| error.to_string()))
-}
-
 /// The mesh, and its modes and zeros with their mesh errors.
 fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesResult), Failure> {
     let link = &specification.link;
-    let (mesh, omega_rad_s) = resolved(specification, count)?;
+    let (mesh, omega_rad_s) = resolved(link, &specification.mesh, count)?;
     let law = DampingLaw::of(link, &mesh)?;
     let bytes = omega_rad_s.len() * mesh.nodes_m().len() * BYTES_PER_DISPLACEMENT;
     memory::check("the mode shapes", bytes, None, "ask for fewer modes: --count")?;
     let finer = mesh.refined();
     let highest = omega_rad_s.last().copied().unwrap_or_default();
-    // On a mesh, and what it is wrong by.
-    let with_errors = |of: &dyn Fn(&Mesh) -> Vec<f64>| {
-        let values = of(&mesh);
-        let errors = mesh_errors(&mesh, &values, &of(&finer));
-        (values, errors)
-    };
-    let (zeros_per_s, zero_mesh_errors) = with_errors(&|mesh| torque_zeros(mesh, count));
-    let (blocked, blocked_mesh_errors) = with_errors(&|mesh| real_frequency_zeros(mesh, highest));
     let held = link.drive().map(|drive| {
         let joint_stiffness_n_m_rad = drive.joint_stiffness_n_m_rad;
         let (omega_rad_s, mesh_errors) =
-            with_errors(&|mesh| held_frequencies(mesh, joint_stiffness_n_m_rad, count));
+            with_errors(&mesh, &|mesh| held_frequencies(mesh, joint_stiffness_n_m_rad, count));
         HeldModes { joint_stiffness_n_m_rad, omega_rad_s, mesh_errors }
     });
     let result = ModesResult {
         damping_ratios: law.modal_ratios(&omega_rad_s),
         mesh_errors: mesh_errors(&mesh, &omega_rad_s, &natural_frequencies(&finer, count)),
-        zeros_per_s,
-        zero_mesh_errors,
-        blocked_hz: blocked.iter().map(|omega| omega / TAU).collect(),
-        blocked_mesh_errors,
+        zeros: zeros_on(&mesh, count, highest),
         nodes_m: mesh.nodes_m().to_vec(),
         shapes: omega_rad_s.iter().map(|omega| shape(&mesh, *omega)).collect(),
         omega_rad_s,
         held,
     };
     Ok((mesh, result))
+}
+
+/// Values on a mesh, and what it is wrong by.
+fn with_errors(mesh: &Mesh, of: &dyn Fn(&Mesh) -> Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+    let values = of(mesh);
+    let errors = mesh_errors(mesh, &values, &of(&mesh.refined()));
+    (values, errors)
+}
+
+/// The first `count` zeros of a link, and those at real frequencies below `highest_rad_s`.
+fn zeros_on(mesh: &Mesh, count: usize, highest_rad_s: f64) -> LinkZeros {
+    let (zeros_per_s, mesh_errors) = with_errors(mesh, &|mesh| torque_zeros(mesh, count));
+    let (blocked, blocked_mesh_errors) =
+        with_errors(mesh, &|mesh| real_frequency_zeros(mesh, highest_rad_s));
+    let blocked_hz = blocked.iter().map(|omega| omega / TAU).collect();
+    LinkZeros { zeros_per_s, mesh_errors, blocked_hz, blocked_mesh_errors }
 }
 
 /// Prints remarks and warnings; returns the number of warnings.
@@ -248,9 +303,8 @@ fn shape(mesh: &Mesh, omega_rad_s: f64) -> Vec<f64> {
 
 /// The mesh on which the modes are exact to the plan's tolerance, and their frequencies in rad/s:
 /// fewer than `count` where the link has fewer, as massless ones may.
-fn resolved(specification: &Specification, count: usize) -> Result<(Mesh, Vec<f64>), Failure> {
-    let plan = &specification.mesh;
-    let mut mesh = Mesh::new(&specification.link, plan)?;
+fn resolved(link: &Link, plan: &MeshPlan, count: usize) -> Result<(Mesh, Vec<f64>), Failure> {
+    let mut mesh = Mesh::new(link, plan)?;
     let mut frequencies = natural_frequencies(&mesh, count);
     if !plan.is_automatic() {
         return Ok((mesh, frequencies));

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::report::{Figure, Figures, page};
-use flexlink::store::{OutputFolder, REPORT, read_result};
+use flexlink::store::{OutputFolder, REPORT, read_results};
 
 use crate::terminal::console::is_standard_output;
 use crate::terminal::files::{keep_files, keep_page};
@@ -17,8 +17,10 @@ Example:
   flexlink report out
   flexlink report sweep.csv -o sweep.html
   flexlink report out --png figures
+  flexlink report solved simulated
 
-RESULT is a folder of `solve` or `simulate`, or the table of `sweep`.";
+RESULT is a folder of `solve` or `simulate`, or the table of `sweep`. BESIDE are folders of other runs \
+of the same arm of several links, which the page of the first shows beside it.";
 
 /// Turn a result into a page to look at.
 ///
@@ -31,6 +33,10 @@ pub(crate) struct Report {
     /// Folder of a run, or table of a sweep.
     #[arg(value_name = "RESULT")]
     result: PathBuf,
+
+    /// Folders of other runs of an arm, to show beside the first.
+    #[arg(value_name = "BESIDE")]
+    beside: Vec<PathBuf>,
 
     /// Page to write [default: report.html in the folder of a run, NAME.html beside the table
     /// NAME.csv of a sweep].
@@ -54,12 +60,13 @@ pub(crate) struct Report {
 impl Report {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let file = self.page_file()?;
-        memory::check_tables(bytes_of(&self.result), PAGE_TIMES)?;
+        let all = || std::iter::once(&self.result).chain(&self.beside);
+        memory::check_tables(all().map(|result| bytes_of(result)).sum(), PAGE_TIMES)?;
         // A page beside the files that are read: no other run may replace them meanwhile.
         let is_within = file.as_ref().is_some_and(|file| lies_in(file, &self.result));
         let run = is_within.then(|| OutputFolder::stage(&self.result, &console::waiting));
         let run = run.transpose()?;
-        let result = read_result(&self.result)?;
+        let result = read_results(&self.result, &self.beside)?;
         let figures = Figures::of(&result);
         let page = file.map(|file| write_page(&page(&result, &figures), &file, run)).transpose()?;
         let mut written = String::new();
@@ -77,8 +84,10 @@ impl Report {
     /// The file of the page; none if figures alone are written.
     fn page_file(&self) -> Result<Option<PathBuf>, Failure> {
         if let Some(output) = &self.output {
-            keep_files(output, &[&self.result])?;
-            keep_page(output, &self.result)?;
+            for result in std::iter::once(&self.result).chain(&self.beside) {
+                keep_files(output, &[result])?;
+                keep_page(output, result)?;
+            }
         }
         let is_alone = self.svg.is_none() && self.png.is_none();
         Ok(self.output.clone().or_else(|| is_alone.then(|| beside(&self.result))))

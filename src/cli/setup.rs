@@ -1,14 +1,14 @@
 //! `init`, `schema`, `completions` and `man`: files that a user begins with.
 
-use std::io;
+use std::fmt::Display;
 use std::path::PathBuf;
 
 use clap::{Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
 
-use flexlink::csv::{Digits, write_trajectory};
-use flexlink::motion::Profile;
+use flexlink::csv::{Digits, write_path, write_trajectory};
+use flexlink::motion::{Curve, PathColumns, Profile};
 use flexlink::spec::link_file_schema;
 use flexlink::store::OutputFolder;
 
@@ -18,7 +18,9 @@ use crate::terminal::{Exit, Failure, console};
 const INIT_EXAMPLE: &str = "\
 Example:
   flexlink init arm
-  flexlink solve arm/link.toml arm/motion.csv -o arm/out";
+  flexlink solve arm/link.toml arm/motion.csv -o arm/out
+  flexlink init --arm robot
+  flexlink solve robot/arm.toml robot/path.csv -o robot/out";
 
 /// Write files to start from: link.toml with its JSON Schema, and motion.csv.
 #[derive(Debug, Args)]
@@ -27,36 +29,61 @@ pub(crate) struct Init {
     /// Folder for the three files; none of them may exist yet.
     #[arg(value_name = "DIR", default_value = ".")]
     folder: PathBuf,
+
+    /// Write an arm of two links, arm.toml, and path.csv of its tip instead.
+    #[arg(long)]
+    arm: bool,
 }
 
 impl Init {
     pub(crate) fn run(self) -> Result<(), Failure> {
         check_folder("DIR", &self.folder)?;
-        let names = ["link.toml", "motion.csv", "link.schema.json"];
+        let [described, moved] =
+            if self.arm { ["arm.toml", "path.csv"] } else { ["link.toml", "motion.csv"] };
+        let names = [described, moved, "link.schema.json"];
         let paths = names.map(|name| self.folder.join(name));
         if let Some(path) = paths.iter().find(|path| path.exists()) {
             let message = format!("{} = a file, but must not be there yet", path.display());
             let hint = "name another folder: flexlink init DIR";
             return Err(Failure::new(Exit::CannotWrite, &message, Some(hint)));
         }
+        let (text, samples) = if self.arm { (ARM, path()?) } else { (LINK, motion()?) };
         let folder = OutputFolder::stage(&self.folder, &console::waiting)?;
-        folder.file(names[0], |out| out.write_all(LINK.as_bytes()))?;
-        folder.file(names[1], |out| out.write_all(&motion()?))?;
+        folder.file(names[0], |out| out.write_all(text.as_bytes()))?;
+        folder.file(names[1], |out| out.write_all(&samples))?;
         folder.file(names[2], |out| out.write_all(link_file_schema().as_bytes()))?;
         folder.commit(names[0], &[])?;
-        let [link, motion, schema] = paths.map(|path| path.display().to_string());
-        console::print(&format!("written  {link}, {motion} and {schema}\n"))
+        let [described, moved, schema] = paths.map(|path| path.display().to_string());
+        console::print(&format!("written  {described}, {moved} and {schema}\n"))
     }
 }
 
 /// A commented link file.
 const LINK: &str = include_str!("templates/link.toml");
 
+/// A commented arm file.
+const ARM: &str = include_str!("templates/arm.toml");
+
 /// A tip motion: smooth enough for a torque that needs few frequencies.
-fn motion() -> io::Result<Vec<u8>> {
+fn motion() -> Result<Vec<u8>, Failure> {
     let mut text = b"# Tip travels 0.5 m in 1 s, seventh degree (s, m/s^2)\n".to_vec();
     let columns = Profile::Septic.sampled(0.5, 1e-3, 1000, [0, 0]);
-    write_trajectory(&mut text, &columns, Digits::default())?;
+    write_trajectory(&mut text, &columns, Digits::default())
+        .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
+    Ok(text)
+}
+
+/// A path of an arm's tip, as smooth.
+fn path() -> Result<Vec<u8>, Failure> {
+    let not_written = |error: &dyn Display| Failure::new(Exit::CannotWrite, &error, None);
+    let mut text =
+        b"# Tip goes straight from (0.9, -0.5) to (0.5, 0.8) in 1.5 s, seventh degree (s, m)\n"
+            .to_vec();
+    let curve = Curve::through(&[[0.9, -0.5], [0.5, 0.8]]).map_err(|error| not_written(&error))?;
+    let places =
+        curve.sampled(Profile::Septic, 750, [0, 0]).map_err(|error| not_written(&error))?;
+    let columns = PathColumns::of_tip(2e-3, &places, &[]);
+    write_path(&mut text, &columns, Digits::Full).map_err(|error| not_written(&error))?;
     Ok(text)
 }
 
@@ -64,10 +91,10 @@ const SCHEMA_EXAMPLE: &str = "\
 Example:
   flexlink schema -o link.schema.json
 
-With the first line `#:schema ./link.schema.json` in link.toml, editors that use Taplo, such as \
+With the first line `#:schema ./link.schema.json` in link.toml or arm.toml, editors that use Taplo, such as \
 VS Code with Even Better TOML, complete and check it.";
 
-/// Print the JSON Schema of the link file, for editors.
+/// Print the JSON Schema of link files and arm files, for editors.
 #[derive(Debug, Args)]
 #[command(after_help = SCHEMA_EXAMPLE)]
 pub(crate) struct Schema {
@@ -149,7 +176,7 @@ fn page(command: Command) -> Result<Vec<u8>, Failure> {
 mod tests {
     use super::*;
     use flexlink::csv::read_motion_table;
-    use flexlink::spec::read_specification;
+    use flexlink::spec::{Described, LinkDocument, read_specification};
 
     #[test]
     fn what_it_writes_is_read() {
@@ -163,15 +190,19 @@ mod tests {
 
     #[test]
     fn what_is_commented_out_is_read_too() {
-        let uncommented: String = LINK
-            .lines()
-            .map(|line| match line.strip_prefix("# ") {
-                Some(rest) if rest.starts_with('[') || rest.contains(" = ") => rest,
-                _ => line,
-            })
-            .fold(String::new(), |text, line| text + line + "\n");
-        let read = read_specification("link.toml", &uncommented, &[]).expect("a link file");
+        let uncommented = |text: &str| {
+            text.lines()
+                .map(|line| match line.strip_prefix("# ") {
+                    Some(rest) if rest.starts_with('[') || rest.contains(" = ") => rest,
+                    _ => line,
+                })
+                .fold(String::new(), |text, line| text + line + "\n")
+        };
+        let read = read_specification("link.toml", &uncommented(LINK), &[]).expect("a link file");
         assert_eq!(read.link.masses().len(), 1);
         assert!(read.link.drive().is_some() && read.limits.torque_n_m.is_some());
+        let arm = LinkDocument::read("arm.toml", &uncommented(ARM)).expect("TOML");
+        let Ok(Described::Arm(arm)) = arm.described("arm.toml", &[]) else { panic!("no arm") };
+        assert!(arm.limits.iter().all(|limits| limits.torque_n_m.is_some()));
     }
 }

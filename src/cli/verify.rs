@@ -11,7 +11,8 @@ use flexlink::spec::{Described, Specification};
 use flexlink::store::verification_json;
 use flexlink::verify::{Answer, Verification, VerificationError, verify};
 
-use super::arm::{ArmAndPath, SolvedArm, refuse_for_arms};
+use super::arm::{ArmAndPath, SolvedArm};
+use crate::options::common::refuse_for_arms;
 use crate::options::inputs::{
     LinkArgs, MOTION, ReadArgs, ResampleArgs, ScaleArgs, described, remarks, tell,
 };
@@ -90,7 +91,8 @@ impl Verify {
     /// Solves and checks an arm.
     fn run_arm(&self, arm: &ArmAndPath) -> Result<(), Failure> {
         let stages = self.print.stages();
-        let SolvedArm { solution, remarks, .. } = arm.solve(&stages)?;
+        stages.at("solving");
+        let SolvedArm { solution, remarks, .. } = arm.solve(memory::available())?;
         let verification = arm.verified(&solution, self.digits, &stages);
         drop(stages);
         console::remarks(&remarks);
@@ -106,10 +108,10 @@ impl Verify {
         let specification = match described(&file, &self.link.changes.overrides()?)? {
             Described::Link(specification) => specification,
             Described::Arm(arm) => {
-                let options = [self.resample.arguments(), self.scale.arguments()];
+                let options = [self.resample.arguments(), self.scale.of_one_link()];
                 refuse_for_arms(options.concat())?;
-                let file = InputFile::read(&self.motion)?;
-                let arm = ArmAndPath::read(arm, &file, &self.read)?;
+                let path = InputFile::read(&self.motion)?;
+                let arm = ArmAndPath::read((&file, arm), &path, &self.read, &self.scale)?;
                 return Ok(Loaded::Arm(Box::new(arm)));
             }
         };

@@ -18,7 +18,7 @@ pub(super) struct Quantity {
     aliases: &'static [&'static str],
 }
 
-const fn quantity(
+pub(super) const fn quantity(
     word: &'static str,
     suffix: &'static str,
     dimension: Dimension,
@@ -83,20 +83,19 @@ pub(super) const VOLTAGE: Quantity = quantity("voltage", "_v", Dimension::NONE, 
 pub(super) const PATH_X: Quantity = quantity("x", "_m", Dimension::LENGTH, ["m", "mm"]);
 pub(super) const PATH_Y: Quantity = quantity("y", "_m", Dimension::LENGTH, ["m", "mm"]);
 /// Directions of an arm's links.
-pub(super) const ANGLES: [Quantity; 9] = [
-    direction("angle1"),
-    direction("angle2"),
-    direction("angle3"),
-    direction("angle4"),
-    direction("angle5"),
-    direction("angle6"),
-    direction("angle7"),
-    direction("angle8"),
-    direction("angle9"),
-];
-
-const fn direction(word: &'static str) -> Quantity {
-    quantity(word, "_rad", Dimension::NONE, ["rad", "deg"])
+pub(super) const ANGLES: [Quantity; 9] = nine(
+    ["angle1", "angle2", "angle3", "angle4", "angle5", "angle6", "angle7", "angle8", "angle9"],
+    quantity("", "_rad", Dimension::NONE, ["rad", "deg"]),
+);
+/// A quantity of each link or joint.
+pub(super) const fn nine(words: [&'static str; 9], of: Quantity) -> [Quantity; 9] {
+    let mut each = [of; 9];
+    let mut number = 0;
+    while number < 9 {
+        each[number].word = words[number];
+        number += 1;
+    }
+    each
 }
 
 /// Every quantity that an option may name.

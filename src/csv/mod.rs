@@ -7,6 +7,7 @@ mod format;
 mod heading;
 mod hub;
 mod input;
+mod joints;
 mod motion;
 mod motion_columns;
 mod number;
@@ -26,12 +27,13 @@ pub(crate) use heading::{check_separator, refuse_missing};
 pub use hub::{read_hub_reference, read_hub_reference_as, read_torque_table, read_torque_table_as};
 pub(crate) use input::sha256;
 pub use input::{InputError, InputFile, system_words};
+pub use joints::{read_joint_references, read_joint_torques, read_tip_places};
 pub use motion::{
     MotionTable, read_motion_table, read_motion_table_as, read_target, write_trajectory,
 };
 pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};
-pub use path::{PathTable, read_path_table};
+pub use path::{PathTable, read_path_table, write_path};
 pub use record::{RecordTable, read_record, read_recording};
 pub use response::read_frequency_response;
 pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, without_checks};

@@ -3,8 +3,8 @@
 use super::columns::{Columns, Header};
 use super::format::Reading;
 use super::heading::{
-    ACCELERATION, ANGLE, DISPLACEMENT, Heading, Quantity, TIME, VELOCITY, Vocabulary, find, names,
-    nearest, refuse_missing, require,
+    ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, Heading, Quantity, TIME, VELOCITY, Vocabulary, find,
+    names, nearest, refuse_missing, require,
 };
 use super::place::{Place, TableError, quoted};
 use super::unit_name::split_unit;
@@ -115,6 +115,11 @@ fn hint_for(name: &str) -> Option<String> {
     }
     if name.starts_with("hub_") {
         return Some("a trajectory holds the tip's motion; the hub's follows from it".to_owned());
+    }
+    if ANGLES.iter().any(|quantity| quantity.word == name) {
+        return Some(
+            "an arm of several links is led by angle1, angle2, …; one link by angle".to_owned(),
+        );
     }
     let begins = |quantity: &&Quantity| {
         let rest = name.strip_prefix(quantity.word);

@@ -1,14 +1,18 @@
 //! The path of an arm: places of its tip, or directions of its links, over time.
 
+use std::io::{self, Write};
+
 use super::columns::{Columns, Header};
 use super::format::{Reading, TableFormat};
 use super::heading::{
     ANGLES, PATH_X, PATH_Y, Quantity, TIME, Vocabulary, find, names, refuse_missing, require,
 };
 use super::motion_columns::unread;
+use super::number::Digits;
 use super::place::TableError;
 use super::samples::{Samples, refuse_samples};
-use crate::motion::{ArmPath, PathColumn, PathColumns, Uncertainty};
+use super::table::{Column, ColumnGroup, write_over_time};
+use crate::motion::{ArmPath, MotionError, PathColumn, PathColumns, Uncertainty};
 
 const PATH: Vocabulary = Vocabulary {
     quantities: &[
@@ -36,6 +40,11 @@ impl PathTable {
         &self.reading
     }
 
+    /// The columns of the file.
+    pub fn columns(&self) -> &PathColumns {
+        &self.columns
+    }
+
     /// The path of an arm whose links have these lengths.
     ///
     /// # Errors
@@ -43,6 +52,20 @@ impl PathTable {
     pub fn path(&self, lengths_m: &[f64]) -> Result<ArmPath, TableError> {
         ArmPath::new(self.columns.clone(), lengths_m)
             .map_err(|error| self.refused(error.sample(), &error, error.hint()))
+    }
+
+    /// The same path with this factor on its duration, the first sample's time kept.
+    ///
+    /// # Errors
+    /// As [`PathColumns::slowed`].
+    pub fn slowed(&self, factor: f64) -> Result<Self, MotionError> {
+        Ok(Self { columns: self.columns.clone().slowed(factor)?, ..self.clone() })
+    }
+
+    /// The same path of a file that errors call `name`.
+    #[must_use]
+    pub fn named(self, name: &str) -> Self {
+        Self { name: name.to_owned(), ..self }
     }
 
     /// Refuses one of the samples, or all of them, for the reason `why`.
@@ -88,6 +111,25 @@ pub fn read_path_table(
     let Samples { lines, reading, .. } = samples;
     let columns = PathColumns { time_s, tip, angles };
     Ok(PathTable { columns, name: name.to_owned(), lines, reading })
+}
+
+/// Writes a path as [`read_path_table`] reads it: the time, x and y of the tip as far as they are given, and directions of
+/// the links, all in SI.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_path(
+    out: &mut (impl Write + Send),
+    columns: &PathColumns,
+    digits: Digits,
+) -> io::Result<()> {
+    fn column(own: &PathColumn) -> Column<'_> {
+        Column { name: own.name.clone(), values: &own.values }
+    }
+    let tip = columns.tip.iter().flatten().map(column).collect();
+    let angles = columns.angles.iter().flatten().map(column).collect();
+    let groups = [tip, angles].map(|columns| ColumnGroup { columns });
+    write_over_time(out, ("time", &columns.time_s), &groups, digits)
 }
 
 /// Reads the first row, and checks that the columns describe a path.

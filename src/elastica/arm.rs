@@ -258,17 +258,16 @@ impl Follower<'_> {
         for iterations in 1..=MOST_ITERATIONS {
             let pair = linear.state.chords[0].pair_for(REACH * band);
             let swept = self.swept(linear, &latest, (&pair, band, moving));
-            let diverges = |error| match error {
-                // What was possible before the links bent is so no more.
-                ElasticaError::Elbow { .. } | ElasticaError::LongStep { .. } if iterations > 1 => {
-                    ElasticaError::Diverges { iterations, change: last_change }
-                }
-                error => error,
+            let diverges = |error: ElasticaError, change| match error {
+                // The first iteration has the path's own pose and the linear slopes.
+                error if iterations == 1 => error,
+                error => error.diverging(iterations, change),
             };
-            let (state, next) = swept.map_err(diverges)?;
+            let (state, next) = swept.map_err(|error| diverges(error, last_change))?;
             let change = self.largest_change(next.torques_n_m.iter(), &latest.torques_n_m);
             latest = next;
-            band = band.max(of_all(&latest.answers, negligible).map_err(diverges)?);
+            let reach = of_all(&latest.answers, negligible);
+            band = band.max(reach.map_err(|error| error.diverging(iterations, change))?);
             let factor = factor_of([last_change, change], iterations, (tolerance, negligible))?;
             let contraction = (iterations > 1).then_some(factor);
             // Shortened links move the chords from the second iteration on: the second factor is none yet.
@@ -276,7 +275,8 @@ impl Follower<'_> {
             if iterations > FEWEST_ITERATIONS && error <= tolerance {
                 // The chords moved at more frequencies, once.
                 let reach = (&pair, band, REACH * linear_band(BEYOND * negligible));
-                let (_, wider) = self.swept(linear, &latest, reach).map_err(diverges)?;
+                let wider = self.swept(linear, &latest, reach);
+                let (_, wider) = wider.map_err(|error| diverges(error, change))?;
                 let unmoved = self.largest_change(wider.torques_n_m.iter(), &latest.torques_n_m);
                 let torques = latest.torques_n_m.iter();
                 let second_order_change = self.largest_change(torques, &linear.torques_n_m);

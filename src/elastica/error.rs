@@ -129,6 +129,17 @@ impl ElasticaError {
         Self::OfLink { link, error: Box::new(self) }
     }
 
+    /// The same of an iteration after the first: what was possible before the links bent and is no more was its doing.
+    pub(super) fn diverging(self, iterations: usize, change: f64) -> Self {
+        let own = if let Self::OfLink { error, .. } = &self { error } else { &self };
+        match own {
+            Self::Elbow { .. } | Self::LongStep { .. } | Self::TooSteep { .. } => {
+                Self::Diverges { iterations, change }
+            }
+            _ => self,
+        }
+    }
+
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {

@@ -153,7 +153,10 @@ pub(super) fn check(
         return Err(ElasticaError::LongStep { step_s: chord.step_s });
     }
     if model.kept_modes() != KeptModes::All {
-        return refused("the link is reduced to its first modes", "with all modes");
+        return refused(
+            "the link is reduced to its first modes (analysis.modes)",
+            "with all modes",
+        );
     }
     if is_exact && model.mesh().has_shear() {
         return refused("the link has shear and rotary inertia", "without them");

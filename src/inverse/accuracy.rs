@@ -98,7 +98,7 @@ impl<T: Copy> PerQuantity<T> {
     }
 
     /// Each value with that of another solution's same quantity; what either lacks is left out.
-    pub(super) fn zip<U: Copy, V>(
+    pub(crate) fn zip<U: Copy, V>(
         &self,
         other: &PerQuantity<U>,
         join: impl Fn(T, U) -> V,

@@ -32,7 +32,10 @@ mod warning;
 
 pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors, ShareOf};
 pub use analysis::{Analysis, Resources, Stage, Unwatched, Watch};
-pub use arm::{ArmError, ArmFindings, ArmJoint, ArmLinkShape, ArmSolution, ArmWarning, invert_arm};
+pub use arm::{
+    ArmError, ArmFindings, ArmJoint, ArmLinkShape, ArmSolution, ArmWarning, Straying, check_reach,
+    invert_arm,
+};
 pub use bent_answer::SecondOrderFindings;
 pub use error::{InversionError, RefusedEnds};
 pub use histories::MotorHistories;

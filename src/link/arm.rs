@@ -6,7 +6,7 @@ use super::link::Link;
 use super::parts::{Gravity, ParameterError};
 
 /// Most links: a path names their angles with one digit.
-const MOST_LINKS: usize = 9;
+pub(crate) const MOST_LINKS: usize = 9;
 
 /// On which side of the first link the second one lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

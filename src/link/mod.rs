@@ -12,6 +12,7 @@ mod parts;
 mod section;
 mod segment;
 
+pub(crate) use arm::MOST_LINKS;
 pub use arm::{Arm, ArmLink, ArmParts, Elbow};
 pub use damping::Damping;
 pub(crate) use damping::in_unit_interval;

@@ -1,5 +1,6 @@
 //! The wanted tip motion: sampled columns, their checks, spectrum and cut-off.
 
+mod curve;
 mod cutoff;
 mod ends;
 mod error;
@@ -15,6 +16,7 @@ mod scale;
 mod spectrum;
 mod tip_motion;
 
+pub use curve::{Curve, CurveError};
 pub(crate) use ends::{is_repeated, wrapped};
 pub use error::MotionError;
 pub(crate) use images::{TAIL_TERMS, TailTerms, tail_sum};

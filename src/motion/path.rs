@@ -62,8 +62,7 @@ impl ArmPath {
     pub fn new(columns: PathColumns, lengths_m: &[f64]) -> Result<Self, PathError> {
         let PathColumns { time_s, tip, angles } = columns;
         let links = lengths_m.len();
-        let of_time = |error: MotionError| PathError::Column { column: "time".to_owned(), error };
-        let grid = TimeGrid::through(&time_s).map_err(|error| of_time(error.into()))?;
+        let grid = TimeGrid::through(&time_s).map_err(PathError::Time)?;
         for column in angles.iter().flatten() {
             refuse_jump(column)?;
         }
@@ -295,7 +294,16 @@ impl Course {
             noisy @ Uncertainty::Noisy { .. } => noisy,
         };
         let recording = Recording { uncertainty: column.rounded.map(in_m), ..Recording::default() };
-        let refused = |error| PathError::Column { column: column.name.clone(), error };
+        let name = column.name.clone();
+        let refused = |error| match error {
+            MotionError::MovingAtEnd { sample, velocity_m_s, share }
+                if name.starts_with("angle") =>
+            {
+                let rate_rad_s = velocity_m_s / length_m;
+                PathError::TurnsAtEnd { column: name, sample, rate_rad_s, share }
+            }
+            error => PathError::Column { column: name, error },
+        };
         Ok(Self::Moving(TipMotion::new(columns).map_err(refused)?.recorded(recording)))
     }
 }
@@ -352,7 +360,7 @@ mod tests {
         let must = "but must be given for an arm of 2 links: x and y, or angle1 and angle2";
         assert_eq!(lacking, format!("angle2 = nothing, {must}"));
         let third = refused(None, vec![angle("angle1"), angle("angle2"), angle("angle3")]);
-        assert_eq!(third.to_string(), "angle3 = given, but the arm has 2 links");
+        assert_eq!(third.to_string(), "angle3 is given, but the arm has 2 links");
         let jump = |t: f64| if t > 0.5 { smooth(t) - 6.0 } else { smooth(t) };
         let jumps = refused(None, vec![Some(column("angle1", jump)), angle("angle2")]);
         assert_eq!(jumps.sample(), Some(51));

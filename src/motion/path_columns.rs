@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::error::MotionError;
 use super::recording::Uncertainty;
+use crate::numeric::NotUniform;
 
 /// One column of a path: its name in the file, its samples, and how they are uncertain.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +30,42 @@ pub struct PathColumns {
     pub angles: Vec<Option<PathColumn>>,
 }
 
+impl PathColumns {
+    /// The columns of a tip at these places in m, one a step from 0 s on, and of links from the third on that have constant
+    /// directions in rad.
+    pub fn of_tip(step_s: f64, places_m: &[[f64; 2]], outer_rad: &[f64]) -> Self {
+        let column = |name: String, values| PathColumn { name, values, rounded: None };
+        let axis = |axis: usize| places_m.iter().map(|place| place[axis]).collect();
+        let held = |(link, angle_rad): (usize, &f64)| {
+            Some(column(format!("angle{}", link + 3), vec![*angle_rad; places_m.len()]))
+        };
+        Self {
+            time_s: (0..places_m.len()).map(|k| k as f64 * step_s).collect(),
+            tip: Some([column("x".to_owned(), axis(0)), column("y".to_owned(), axis(1))]),
+            angles: [None, None]
+                .into_iter()
+                .chain(outer_rad.iter().enumerate().map(held))
+                .collect(),
+        }
+    }
+
+    /// The same path with this factor on its duration, the first sample's time kept.
+    ///
+    /// # Errors
+    /// [`MotionError::Scale`] for a factor that is not finite and above 0.
+    pub fn slowed(mut self, factor: f64) -> Result<Self, MotionError> {
+        let possible = [factor, factor.recip()].iter().all(|x| x.is_finite());
+        if !possible || factor <= 0.0 {
+            return Err(MotionError::Scale { distance: 1.0, duration: factor });
+        }
+        let first_s = self.time_s.first().copied().unwrap_or_default();
+        if factor.total_cmp(&1.0).is_ne() {
+            self.time_s.iter_mut().for_each(|t| *t = first_s + factor * (*t - first_s));
+        }
+        Ok(self)
+    }
+}
+
 /// Why sampled columns are no path.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PathError {
@@ -47,7 +84,7 @@ pub enum PathError {
         links: usize,
     },
     /// A direction of a link that the arm does not have.
-    #[error("{column} = given, but the arm has {links} links")]
+    #[error("{column} is given, but the arm has {links} links")]
     TooMany {
         /// Name of the column.
         column: String,
@@ -61,6 +98,25 @@ pub enum PathError {
         column: String,
         /// Why.
         error: MotionError,
+    },
+    /// Times that are no uniform grid.
+    #[error(transparent)]
+    Time(NotUniform),
+    /// An angle that is not at rest at an end.
+    #[error(
+        "{column}: the link {} with a rate of {rate_rad_s:.3e} rad/s, {:.2} % of its peak, but must be at rest there",
+        if *sample == 0 { "starts" } else { "ends" },
+        100.0 * share
+    )]
+    TurnsAtEnd {
+        /// Name of the column.
+        column: String,
+        /// Number of the sample, the first or the last.
+        sample: usize,
+        /// Rate there in rad/s.
+        rate_rad_s: f64,
+        /// The same over the peak rate.
+        share: f64,
     },
     /// An angle that jumps from one sample to the next.
     #[error(
@@ -86,7 +142,9 @@ impl PathError {
     pub fn sample(&self) -> Option<usize> {
         match self {
             Self::Column { error, .. } => error.sample(),
-            Self::Jump { sample, .. } => Some(*sample),
+            Self::Jump { sample, .. }
+            | Self::TurnsAtEnd { sample, .. }
+            | Self::Time(NotUniform { sample, .. }) => Some(*sample),
             _ => None,
         }
     }
@@ -94,15 +152,17 @@ impl PathError {
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::Column { error: MotionError::NotUniform(_), .. } => {
+            Self::Time(_) => {
                 Some("write times with more decimals, at one step from the first to the last")
             }
-            Self::Column { error: MotionError::MovingAtEnd { .. }, .. } => {
+            Self::Column { error: MotionError::MovingAtEnd { .. }, .. }
+            | Self::TurnsAtEnd { .. } => {
                 Some("a path goes from rest to rest; add the samples that bring the arm to rest")
             }
             Self::Column { error, .. } => error.hint(),
             Self::Jump { .. } => Some("add or take away 2π, or 360 deg, from there on"),
-            Self::Missing { .. } | Self::TooMany { .. } | Self::NoMotion => None,
+            Self::TooMany { .. } => Some("leave the column out, or give the arm file all links"),
+            Self::Missing { .. } | Self::NoMotion => None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Analytic motions.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 use std::fmt;
 
 use super::error::MotionError;
@@ -77,6 +77,40 @@ impl Profile {
         }
     }
 
+    /// Share of the distance that is covered at the share u of the duration, both in [0, 1]: the integral of the
+    /// velocity in closed form.
+    ///
+    /// ```
+    /// use flexlink::motion::Profile;
+    /// assert_eq!([0.0, 0.5, 1.0].map(|u| Profile::Septic.share(u)), [0.0, 0.5, 1.0]);
+    /// ```
+    pub fn share(self, u: f64) -> f64 {
+        if u > 0.5 { 1.0 - self.first_half(1.0 - u) } else { self.first_half(u) }
+    }
+
+    /// The share at u in [0, 1/2].
+    fn first_half(self, u: f64) -> f64 {
+        match self {
+            Self::Sine => u - libm::sin(TAU * u) / TAU,
+            Self::Versine => libm::sin(0.5 * PI * u).powi(2),
+            Self::MinJerk => u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u),
+            Self::Septic => u.powi(4) * (35.0 - 84.0 * u + 70.0 * u * u - 20.0 * u.powi(3)),
+            Self::Trapezoid if u < 1.0 / 3.0 => 2.25 * u * u,
+            Self::SCurve if u < 1.0 / 12.0 => 12.0 * u.powi(3),
+            Self::SCurve if u < 0.25 => 3.0 * u * u - 0.25 * u + 1.0 / 144.0,
+            Self::SCurve if u < 1.0 / 3.0 => 1.5 * u - 0.25 + 12.0 * (1.0 / 3.0 - u).powi(3),
+            Self::Trapezoid | Self::SCurve => 1.5 * u - 0.25,
+            Self::BangBang => 2.0 * u * u,
+            Self::Gaussian => {
+                // The bell less its height at the ends, so that the velocity starts at zero.
+                let bell = |s: f64| {
+                    (0.5 * PI).sqrt() * libm::erf(s * FRAC_1_SQRT_2) - libm::exp(-18.0) * s
+                };
+                0.5 - 0.5 * bell(6.0 - 12.0 * u) / bell(6.0)
+            }
+        }
+    }
+
     /// The motion over `distance_m` in `duration_s`, sampled at `steps` + 1 times.
     ///
     /// # Errors
@@ -146,6 +180,28 @@ mod tests {
                 assert_eq!(motion.corrected(), None, "{profile}, {steps} steps");
                 let error = motion.travel_m() + 0.4;
                 assert!(error.abs() < 1e-14, "{profile}, {steps} steps: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn shares_are_the_second_integrals_of_the_accelerations() {
+        let steps = 24_000_u32;
+        let step = f64::from(steps).recip();
+        for profile in Profile::ALL {
+            let share = |k: u32| profile.share(f64::from(k) * step);
+            assert!(share(0).abs() < 1e-16 && (share(steps) - 1.0).abs() < 1e-16, "{profile}");
+            let columns = profile.sampled(1.0, step, 24_000, [0, 0]);
+            let samples = columns.acceleration_m_s2.unwrap();
+            let (mut rate, mut sum) = (0.0, 0.0);
+            for (k, pair) in (1..).zip(samples.windows(2)) {
+                sum += step * (rate + step * (pair[0] / 3.0 + pair[1] / 6.0));
+                rate += 0.5 * step * (pair[0] + pair[1]);
+                // Trapezia of the accelerations: of second order, of first order where these jump.
+                let jumps = [Profile::Versine, Profile::Trapezoid, Profile::BangBang];
+                let most = if jumps.contains(&profile) { 4.0 * step } else { 1e-7 };
+                let off = sum - share(k);
+                assert!(off.abs() < most, "{profile} at {k}: {off:e}");
             }
         }
     }

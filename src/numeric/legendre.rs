@@ -23,6 +23,7 @@ fn legendre(order: usize, t: f64) -> Vec<f64> {
 }
 
 /// Gauss and Legendre's points in (−1, 1), with weights that are 1 in sum.
+#[derive(Debug, Clone)]
 pub(crate) struct GaussRule {
     pub(crate) places: Vec<f64>,
     pub(crate) weights: Vec<f64>,

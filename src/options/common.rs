@@ -9,6 +9,7 @@ use clap::Args;
 
 use flexlink::beam::Mesh;
 use flexlink::csv::Digits;
+use flexlink::numeric::{Dimension, parse_quantity};
 use flexlink::store::{Durability, OutputFolder, RunOutputs};
 
 use crate::terminal::{Exit, Failure, console};
@@ -107,6 +108,28 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "must be a finite number".into())
 }
 
+/// A finite number in SI, or one with its unit.
+pub(crate) fn quantity(text: &str, dimension: Dimension) -> Result<f64, String> {
+    finite(text).or_else(|_| parse_quantity(text, dimension).map_err(|error| error.to_string()))
+}
+
+/// An angle in rad, or with its unit.
+pub(crate) fn angle_rad(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::NONE)
+}
+
+/// The directions of --at, one for each link of an arm.
+pub(crate) fn directions(at: Option<&[f64]>, links: usize) -> Result<Vec<f64>, Failure> {
+    let found = match at {
+        Some(directions) if directions.len() == links => return Ok(directions.to_vec()),
+        Some(directions) => format!("{} directions", directions.len()),
+        None => "nothing".to_owned(),
+    };
+    let must = format!("but must be {links} directions, one for each link of the arm");
+    let hint = "as in --at '30 deg,75 deg': from joint to joint, the inner link first";
+    Err(Failure::new(Exit::Usage, &format!("--at = {found}, {must}"), Some(hint)))
+}
+
 /// An option and its value, in one text if the value alone would be read as an option.
 pub(crate) fn option(name: &str, value: impl Display) -> Vec<String> {
     let value = value.to_string();
@@ -120,4 +143,16 @@ pub(crate) fn option(name: &str, value: impl Display) -> Vec<String> {
 /// The argument for digits other than the default.
 pub(crate) fn digits_arguments(digits: Digits) -> Vec<String> {
     if digits == Digits::default() { Vec::new() } else { option("--digits", digits) }
+}
+
+/// Refuses options, as they are recorded, that are known for one link alone.
+pub(crate) fn refuse_for_arms(options: impl IntoIterator<Item = String>) -> Result<(), Failure> {
+    match options.into_iter().find(|option| option.starts_with("--")) {
+        None => Ok(()),
+        Some(option) => {
+            let option = option.split('=').next().unwrap_or_default();
+            let message = format!("{option} is for one link, and the arm has several");
+            Err(Failure::new(Exit::Usage, &message, None))
+        }
+    }
 }

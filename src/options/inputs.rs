@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::csv::{
-    ColumnChoice, ColumnScale, Decimal, Delimiter, InputFile, Reading, TableFormat, UnitName,
-    read_motion_table_as,
+    ColumnChoice, ColumnScale, Decimal, Delimiter, InputFile, PathTable, Reading, TableFormat,
+    UnitName, read_motion_table_as,
 };
 use flexlink::inverse::Solution;
 use flexlink::link::Link;
 use flexlink::modal::REPORTED_MODES;
-use flexlink::motion::{Ends, MotionScale, TipMotion};
+use flexlink::motion::{Ends, MotionError, MotionScale, TipMotion};
 use flexlink::numeric::{Dimension, parse_quantity};
 use flexlink::result::Remark;
 use flexlink::spec::{
@@ -45,6 +45,11 @@ impl LinkArgs {
         let file = InputFile::read_toml(&self.link)?;
         let specification = self.changes.specification(&file)?;
         Ok((file, specification))
+    }
+
+    /// Reads what the file describes, one link or an arm of several, and applies the changes.
+    pub(crate) fn described(&self) -> Result<Described, Failure> {
+        described(&InputFile::read_toml(&self.link)?, &self.changes.overrides()?)
     }
 }
 
@@ -243,11 +248,22 @@ impl ScaleArgs {
         if self.scale() == MotionScale::default() {
             return Ok(motion);
         }
-        let scaled = motion.scaled(self.scale());
-        scaled.map_err(|error| {
-            let message = format!("{}: {error}", scale_arguments(self.scale()).join(" "));
-            Failure::new(Exit::Usage, &message, error.hint())
-        })
+        motion.scaled(self.scale()).map_err(|error| self.refused(&error))
+    }
+
+    /// The path of an arm with the factor on its duration.
+    pub(crate) fn scaled_path(&self, path: &PathTable) -> Result<PathTable, Failure> {
+        path.slowed(self.scale_duration).map_err(|error| self.refused(&error))
+    }
+
+    fn refused(&self, error: &MotionError) -> Failure {
+        let message = format!("{}: {error}", scale_arguments(self.scale()).join(" "));
+        Failure::new(Exit::Usage, &message, error.hint())
+    }
+
+    /// The arguments that an arm's path, which goes from place to place, does not take.
+    pub(crate) fn of_one_link(&self) -> Vec<String> {
+        scale_arguments(MotionScale { duration: 1.0, ..self.scale() })
     }
 
     /// The arguments, for the record.

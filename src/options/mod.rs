@@ -4,3 +4,4 @@
 pub(crate) mod common;
 pub(crate) mod inputs;
 pub(crate) mod play;
+pub(crate) mod play_arm;

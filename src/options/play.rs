@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use flexlink::csv::{
-    InputFile, TableFormat, read_hub_reference_as, read_recording, read_target,
+    InputFile, Reading, TableFormat, read_hub_reference_as, read_recording, read_target,
     read_torque_table_as,
 };
-use flexlink::link::Link;
+use flexlink::link::{Link, ParameterError};
 use flexlink::motion::TipTarget;
 use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, State, Torque};
 use flexlink::result::ChannelRecording;
 use flexlink::store::read_state;
 
-use super::common::{finite, option};
+use super::common::{angle_rad, finite, option, refuse_for_arms};
 use super::inputs::{ReadArgs, tell};
 use crate::terminal::{Exit, Failure, memory};
 
@@ -67,7 +67,7 @@ pub(crate) struct PlayArgs {
     /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
     /// link starts at its first displacement, but with --input hub-angle where its hub points to.
     #[arg(long, value_name = "FILE")]
-    target: Option<PathBuf>,
+    pub(super) target: Option<PathBuf>,
 
     /// Recording to compare with, channel by channel (CSV): `time` and any of `hub_angle`, `hub_rate`, `tip`,
     /// `velocity`, `acceleration`, `tip_deflection` and `torque`, at times of its own.
@@ -76,7 +76,7 @@ pub(crate) struct PlayArgs {
 
     /// Start from the state that --save-state of an earlier run wrote, not at rest.
     #[arg(long, value_name = "FILE")]
-    state: Option<PathBuf>,
+    pub(super) state: Option<PathBuf>,
 
     /// TORQUE is one cycle of a torque, or of a hub angle, that repeats, its first row a step after the last
     /// one: play the motion that repeats with it, to which the link settles.
@@ -88,16 +88,26 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) save_state: Option<PathBuf>,
 
-    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad.
+    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad; of an arm for all joints, or
+    /// a pair for each.
     #[arg(long, value_name = "KP,KD", requires = "reference")]
     #[arg(value_parser = gains, allow_hyphen_values = true)]
-    feedback: Option<(f64, f64)>,
+    pub(super) feedback: Option<Gains>,
 
-    /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, at the times of TORQUE.
-    /// The link starts at its first angle.
+    /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, or the joints of an arm, as its
+    /// `joint_angles.csv`, at the times of TORQUE. The link starts at its first angle.
     #[arg(long, value_name = "FILE", requires = "feedback")]
-    reference: Option<PathBuf>,
+    pub(super) reference: Option<PathBuf>,
+
+    /// Directions of all links of an arm, from joint to joint, in which it starts at rest, in rad or with
+    /// units, as in '30 deg,75 deg' [default: the first row of the reference, or of the target of two links].
+    #[arg(long, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
+    #[arg(value_delimiter = ',', conflicts_with = "state")]
+    pub(super) at: Option<Vec<f64>>,
 }
+
+/// Pairs of gains.
+type Gains = Vec<(f64, f64)>;
 
 /// What moves the link, as read.
 enum Moving {
@@ -131,6 +141,7 @@ impl PlayArgs {
     pub(crate) fn load(&self, link: &Link, read: &ReadArgs) -> Result<Playing, Failure> {
         let length_m = link.length_m();
         self.check()?;
+        self.refuse_for_links()?;
         let file = InputFile::read(&self.file)?;
         let open = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
         let [target, measured, reference_file] =
@@ -147,14 +158,7 @@ impl PlayArgs {
                 (Moving::HubAngle(hub), reading)
             }
         };
-        // A spline that makes the times uniform rings at the steps of a torque that is held.
-        if reading.jitter().is_some() && (self.linear || self.hold != Hold::Cubic) {
-            let message = format!(
-                "{shown}: times = off a uniform step, but must be uniform for --hold zero or linear"
-            );
-            let hint = "write times with more decimals, or --hold cubic";
-            return Err(Failure::new(Exit::InputRefused, &message, Some(hint)));
-        }
+        self.refuse_jitter(&file, &reading)?;
         tell(shown, &reading);
         // The options of reading are those of TORQUE.
         let target = target.map(|file| -> Result<_, Failure> {
@@ -192,17 +196,10 @@ impl PlayArgs {
             Ok((file, state))
         });
         let state = state.transpose()?;
-        let feedback = self.feedback.zip(reference);
+        let feedback = self.feedback.as_deref().and_then(<[_]>::first).copied().zip(reference);
         let feedback = feedback.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
-        let feedback = feedback
-            .transpose()
-            .map_err(|error| Failure::new(Exit::Usage, &format!("--feedback: {error}"), None))?;
-        let interpolation = match self.hold {
-            Hold::Cubic if self.linear => Interpolation::Linear,
-            Hold::Cubic => Interpolation::Cubic,
-            Hold::Linear => Interpolation::Linear,
-            Hold::Zero => Interpolation::Zero,
-        };
+        let feedback = feedback.transpose().map_err(|error| Self::gains_refused(&error))?;
+        let interpolation = self.interpolation();
         Ok(Playing {
             file,
             moving,
@@ -215,6 +212,61 @@ impl PlayArgs {
             initial_tip_m,
             is_periodic: self.periodic,
         })
+    }
+
+    /// The torque between its samples.
+    pub(super) fn interpolation(&self) -> Interpolation {
+        match self.hold {
+            Hold::Cubic if self.linear => Interpolation::Linear,
+            Hold::Cubic => Interpolation::Cubic,
+            Hold::Linear => Interpolation::Linear,
+            Hold::Zero => Interpolation::Zero,
+        }
+    }
+
+    /// The failure of gains that no feedback has.
+    pub(super) fn gains_refused(error: &ParameterError) -> Failure {
+        Failure::new(Exit::Usage, &format!("--feedback: {error}"), None)
+    }
+
+    /// Refuses times off a uniform step of a torque that is held: a spline that makes them uniform rings at its steps.
+    pub(super) fn refuse_jitter(&self, file: &InputFile, reading: &Reading) -> Result<(), Failure> {
+        if reading.jitter().is_none() || self.interpolation() == Interpolation::Cubic {
+            return Ok(());
+        }
+        let must = "must be uniform for --hold zero or linear";
+        let message = format!("{}: times = off a uniform step, but {must}", file.shown);
+        let hint = "write times with more decimals, or --hold cubic";
+        Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
+    }
+
+    /// Refuses options of one link.
+    pub(super) fn refuse_for_arms(&self) -> Result<(), Failure> {
+        let given = [
+            ("--input", self.input != InputKind::Torque),
+            ("--column", self.column.is_some()),
+            ("--measured", self.measured.is_some()),
+            ("--periodic", self.periodic),
+        ];
+        let option = given.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name);
+        refuse_for_arms(option.map(str::to_owned))
+    }
+
+    /// Refuses what is of arms alone.
+    fn refuse_for_links(&self) -> Result<(), Failure> {
+        let refused = |option: &str, must| {
+            Err(Failure::new(Exit::Usage, &format!("{option}, but {must}"), None))
+        };
+        match &self.feedback {
+            _ if self.at.is_some() => refused(
+                "--at = directions of chords",
+                "must not be given for one link, whose start_angle says it",
+            ),
+            Some(gains) if gains.len() > 1 => {
+                refused("--feedback = several pairs", "must be one, KP,KD, for one link")
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Refuses options of a torque beside a hub angle.
@@ -248,10 +300,17 @@ impl PlayArgs {
         let linear = self.linear.then(|| vec!["--linear".to_owned()]);
         let hold = self.hold.to_possible_value().filter(|_| self.hold != Hold::Cubic);
         let hold = hold.map(|hold| option("--hold", hold.get_name()));
-        let feedback = self.feedback.map(|(kp, kd)| option("--feedback", format!("{kp},{kd}")));
+        let feedback = self.feedback.as_ref().map(|pairs| {
+            let pairs: Vec<String> = pairs.iter().map(|(kp, kd)| format!("{kp},{kd}")).collect();
+            option("--feedback", pairs.join(","))
+        });
+        let at = self
+            .at
+            .as_ref()
+            .map(|at| option("--at", at.iter().map(f64::to_string).collect::<Vec<_>>().join(",")));
         let periodic = self.periodic.then(|| vec!["--periodic".to_owned()]);
         let input = input.into_iter().chain(column).chain(until).chain(periodic);
-        input.chain(hold).chain(linear).chain(feedback).flatten().collect()
+        input.chain(hold).chain(linear).chain(feedback).chain(at).flatten().collect()
     }
 }
 
@@ -279,9 +338,11 @@ impl Playing {
     }
 }
 
-/// Two gains, separated by a comma.
-fn gains(text: &str) -> Result<(f64, f64), String> {
-    let number = |part: &str| part.trim().parse::<f64>().ok();
-    let pair = text.split_once(',').and_then(|(kp, kd)| Some((number(kp)?, number(kd)?)));
-    pair.ok_or_else(|| "must be two numbers, KP,KD".into())
+/// Pairs of gains, separated by commas.
+fn gains(text: &str) -> Result<Gains, String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|part| part.trim().parse::<f64>().ok()).collect();
+    let pairs = numbers.filter(|numbers| numbers.len().is_multiple_of(2));
+    let pairs = pairs.map(|numbers| numbers.chunks(2).map(|pair| (pair[0], pair[1])).collect());
+    pairs.ok_or_else(|| "must be two numbers, KP,KD, or a pair for each joint of an arm".into())
 }

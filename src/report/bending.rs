@@ -172,19 +172,23 @@ pub(super) fn waves(view: &View) -> Result<Figure, String> {
     );
     let tip = view.curve("tip displacement", Stroke::Solid(6), &view.run.tip.displacement_m);
     let above = Axis::around("tip", "m", tip.points.iter().map(|(_, value)| value));
-    let (map, x) = map(view, &nodes, name);
+    let (map, x) = map(view.span_s(), &nodes, view.run.mesh.nodes_m(), name);
     let figure = Figure::new("waves", "Waves along the link", caption, view.time_axis(), x);
     let marks = view.start_and_stop();
     Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure })
 }
 
-/// A map over the time shown, linear between times and between nodes, and its axis along the link.
-fn map(view: &View, nodes: &StoredNodes, name: &str) -> (ColourMap, Axis) {
-    let (from_s, until_s) = view.span_s();
+/// A map over the time shown, linear between times and between nodes, which are at `nodes_m`, and its axis along the
+/// link.
+pub(super) fn map(
+    (from_s, until_s): (f64, f64),
+    nodes: &StoredNodes,
+    nodes_m: &[f64],
+    name: &str,
+) -> (ColourMap, Axis) {
     let column = |k: usize| from_s + (until_s - from_s) * (k as f64 + 0.5) / COLUMNS as f64;
     let moments: Vec<Interpolation> =
         (0..COLUMNS).map(|k| Interpolation::of(&nodes.times_s, column(k))).collect();
-    let nodes_m = view.run.mesh.nodes_m();
     let places: Vec<f64> = nodes.nodes.iter().map(|node| nodes_m[*node]).collect();
     let (first_m, last_m) = (places[0], places[places.len() - 1]);
     let row = |k: usize| {
@@ -205,20 +209,20 @@ fn map(view: &View, nodes: &StoredNodes, name: &str) -> (ColourMap, Axis) {
     (map, Axis::linear("x", "m", first_m..last_m))
 }
 
-/// Linear interpolation between two of ascending numbers.
-struct Interpolation {
+/// Linear interpolation between two of ascending numbers; beyond them, the first or the last.
+pub(super) struct Interpolation {
     before: usize,
     share: f64,
 }
 
 impl Interpolation {
-    fn of(numbers: &[f64], at: f64) -> Self {
+    pub(super) fn of(numbers: &[f64], at: f64) -> Self {
         let next = numbers.partition_point(|number| *number < at).clamp(1, numbers.len() - 1);
         let (low, high) = (numbers[next - 1], numbers[next]);
         Self { before: next - 1, share: ((at - low) / (high - low)).clamp(0.0, 1.0) }
     }
 
-    fn mix(&self, of: impl Fn(usize) -> f64) -> f64 {
+    pub(super) fn mix(&self, of: impl Fn(usize) -> f64) -> f64 {
         let (a, b) = (of(self.before), of(self.before + 1));
         a + self.share * (b - a)
     }

@@ -152,7 +152,7 @@ impl Figure {
 
     /// A figure of lines, with a y axis of this name and unit that holds them.
     pub(super) fn of_curves(
-        id: &'static str,
+        id: impl Into<Cow<'static, str>>,
         title: &str,
         caption: String,
         x: Axis,

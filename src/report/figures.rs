@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use super::arm::arm_figures;
+use super::arm_page::arm_page;
 use super::axis::is_extreme;
 use super::bending::waves;
 use super::figure::{Figure, Figures, Stroke};
@@ -20,6 +22,7 @@ impl Figures {
     pub fn of(result: &StoredResult) -> Self {
         match result {
             StoredResult::Run(run) => run_figures(run),
+            StoredResult::Arms(arms) => arm_figures(arms),
             StoredResult::Sweep(sweep) => sweep_figures(sweep),
         }
     }
@@ -29,6 +32,7 @@ impl Figures {
 pub fn page(result: &StoredResult, figures: &Figures) -> String {
     let document = match result {
         StoredResult::Run(run) => run_page(run, figures),
+        StoredResult::Arms(arms) => arm_page(arms, figures),
         StoredResult::Sweep(sweep) => sweep_page(sweep, figures),
     };
     visible_document(&document.into_string())

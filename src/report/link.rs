@@ -31,7 +31,7 @@ fn relative_thickness(stiffness: f64, largest: f64) -> f64 {
 }
 
 /// Largest stiffness EI of a link in N m².
-fn largest_stiffness(link: &Link) -> f64 {
+pub(super) fn largest_stiffness(link: &Link) -> f64 {
     let ends = |s: &Segment| s.bending_stiffness_n_m2.inner.max(s.bending_stiffness_n_m2.outer);
     link.segments().iter().map(ends).fold(f64::MIN_POSITIVE, f64::max)
 }
@@ -145,8 +145,8 @@ pub(super) fn given(value: f64, unit: &str) -> String {
 }
 
 /// Most frames and nodes.
-const FRAMES: usize = 600;
-const NODES: usize = 61;
+pub(super) const FRAMES: usize = 600;
+pub(super) const NODES: usize = 61;
 
 /// Significant digits of the numbers.
 const DIGITS: usize = 5;
@@ -183,30 +183,41 @@ pub(super) fn motion_data(view: &View) -> Option<String> {
     let solved = run.solved.as_ref();
     let link = &run.link;
     let body = |at: f64, kg: f64| json!({ "at_m": at, "mass_kg": kg });
-    let data = json!({
+    let link = json!({
+        "angle_rad": of(&run.hub_angle_rad),
         "deflection_m": frames.iter().map(|k| of_nodes(nodes, k)).collect::<Vec<_>>(),
-        "hub_angle_rad": of(&run.hub_angle_rad),
         "hub_radius_m": link.hub().radius_m,
         "length_m": link.length_m(),
         "masses": link.masses().iter().map(|m| body(m.at_m, m.mass_kg)).collect::<Vec<_>>(),
         "moment_n_m": moments.as_ref().map(|moments| frames.iter().map(|k| of_nodes(moments, k)).collect::<Vec<_>>()),
         "nodes_m": kept.iter().map(|k| short(run.mesh.nodes_m()[nodes.nodes[*k]])).collect::<Vec<_>>(),
         "payload": { "mass_kg": link.payload().mass_kg, "offset_m": link.payload().offset_m },
-        "peak_deflection_m": nodes.peak(),
         "peak_torque_n_m": largest(&run.torque_n_m),
-        "rigid_hub_angle_rad": solved.map(|solved| of(&solved.rigid_hub_angle_rad)),
-        "thickness": thickness(link),
-        "times_s": frames.iter().map(|k| rounded(nodes.times_s[*k], 9)).collect::<Vec<_>>(),
-        "tip_m": of(&run.tip.displacement_m),
+        "rigid_angle_rad": solved.map(|solved| of(&solved.rigid_hub_angle_rad)),
+        "thickness": thickness(link, largest_stiffness(link)),
         "torque_n_m": of(&run.torque_n_m),
+    });
+    let data = json!({
+        "exaggeration": exaggeration(nodes.peak() / run.link.length_m()),
+        "links": [link],
+        "seen_from": if run.link.has_weight() { "the side" } else { "above" },
+        "times_s": frames.iter().map(|k| rounded(nodes.times_s[*k], 9)).collect::<Vec<_>>(),
     });
     // A `<` in a title could end the script element.
     Some(data.to_string().replace('<', "\\u003c"))
 }
 
-/// Relative thickness along the link, at both ends of each segment.
-fn thickness(link: &Link) -> Vec<[f64; 2]> {
-    let largest = largest_stiffness(link);
+/// How much larger than it is a deflection is drawn at first, which is `bending` of the link's length: so that it is
+/// well seen.
+pub(super) fn exaggeration(bending: f64) -> f64 {
+    const SEEN: f64 = 0.08;
+    let factors = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
+    let off = |factor: &f64| (factor * bending - SEEN).abs();
+    factors.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0)
+}
+
+/// Relative thickness along the link, at both ends of each segment, of a stiffness in N m² that is 1.
+pub(super) fn thickness(link: &Link, largest: f64) -> Vec<[f64; 2]> {
     let borders = borders_m(link);
     let ends = link.segments().iter().zip(borders.windows(2)).flat_map(|(segment, ends)| {
         let taper = segment.bending_stiffness_n_m2;
@@ -216,6 +227,6 @@ fn thickness(link: &Link) -> Vec<[f64; 2]> {
 }
 
 /// A number with few digits.
-fn short(value: f64) -> f64 {
+pub(super) fn short(value: f64) -> f64 {
     rounded(value, DIGITS)
 }

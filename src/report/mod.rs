@@ -1,5 +1,8 @@
 //! A result, or a fit, as figures and as a page to look at.
 
+mod arm;
+mod arm_motion;
+mod arm_page;
 mod axis;
 mod bending;
 mod colour_map;

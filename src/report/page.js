@@ -154,8 +154,9 @@ function bringToLife(figure) {
 		return value;
 	};
 	const atX = addValue("", X.name), atY = map && addValue("", Y.name);
-	// A map over time shows what the page holds of every node: moments, or deflections without them.
-	const [bending, unit] = motion?.moment_n_m ? [motion.moment_n_m, "N m"] : [motion?.deflection_m, "m"];
+	// A map over time shows what the page holds of every node of its link: moments, or deflections without them.
+	const link = motion?.links[(figure.id.match(/\d+$/) || [1])[0] - 1];
+	const [bending, unit] = link?.moment_n_m ? [link.moment_n_m, "N m"] : [link?.deflection_m, "m"];
 	const bent = map && isTime && bending && addValue("", unit === "m" ? "deflection" : "bending moment");
 	const peakBending = bent && Math.max(...bending.map((frame) => Math.max(...frame.map(Math.abs))));
 	for (const one of series) one.value = addValue(one.look, one.name);
@@ -193,7 +194,8 @@ function bringToLife(figure) {
 		set(chart, { viewBox: `0 0 ${outer} ${fullHeight}` });
 		for (const node of [plot, find(".plot-area")]) set(node, { width: shownWidth });
 		for (const line of chart.querySelectorAll(".grid line, .ticks.y line")) set(line, { x2: left + shownWidth });
-		find(".legend").style.translate = `${grown}px`; // with the scale of a map, at the right edge
+		// With the scale of a map, at the right edge, and smaller where there is no room.
+		Object.assign(find(".legend").style, { translate: `${grown}px`, scale: Math.min(1, outer / 380), transformOrigin: `${fullWidth}px 17px` });
 		set(find(".axis.x"), { x: left + shownWidth / 2 });
 		draw();
 	};
@@ -212,10 +214,17 @@ function bringToLife(figure) {
 			nodes[1].textContent = text;
 			return nodes;
 		}));
+		const free = {}; // of each row of names, where the last one ends
 		for (const mark of chart.querySelectorAll("[data-at]")) {
 			const part = share(X.scale(+mark.dataset.at));
-			if (mark.tagName === "line") upright(mark, part * width);
-			else setIn(set(mark, { x: left + part * shownWidth + 3 }), part);
+			if (mark.tagName === "line") {
+				upright(mark, part * width);
+				continue;
+			}
+			const at = left + part * shownWidth, long = mark.getComputedTextLength() + 3, row = mark.getAttribute("y");
+			const x = at + long < left + shownWidth ? at + 3 : at - long, fits = isIn(part) && x >= (free[row] ?? 0);
+			set(mark, { x, visibility: fits ? "visible" : "hidden" });
+			if (fits) free[row] = x + long;
 		}
 		drawNow();
 		drawCursor();
@@ -247,7 +256,7 @@ function bringToLife(figure) {
 			atY.textContent = Y.read(row);
 		}
 		if (bent) {
-			const here = bending[nearest(motion.times_s, s)][nearest(motion.nodes_m, row)];
+			const here = bending[nearest(motion.times_s, s)][nearest(link.nodes_m, row)];
 			bent.textContent = `${number(here, peakBending / 2000 || 1)} ${unit}`;
 		}
 		const said = values.map((value) => value.parentNode.textContent).join(", ");
@@ -345,16 +354,16 @@ document.querySelectorAll("figure.chart").forEach(bringToLife);
 
 // ---- The link in motion
 
+// The link, or the links of an arm, one on the tip of another. Each has a frame of its own: x from its joint, along the
+// tangent at the hub or, in an arm, along the chord; w to the left.
 function animate(stage, controls, caption) {
-	const { times_s: times, nodes_m: nodes, hub_angle_rad: angles, rigid_hub_angle_rad: rigidAngles } = motion;
-	const { deflection_m: deflection, masses, payload, thickness, peak_torque_n_m: peakTorque } = motion;
-	const start = times[0], end = times.at(-1), count = times.length, tip = nodes.at(-1);
+	const { times_s: times, links, wanted_m: wanted } = motion, isArm = links.length > 1;
+	const start = times[0], end = times.at(-1), count = times.length;
 	const reduced = matchMedia("(prefers-reduced-motion: reduce)");
 
 	// -- Controls
 
-	const bending = motion.peak_deflection_m / motion.length_m;
-	let factor = bending && bending < 0.03 ? least([2, 5, 10, 20, 50], (f) => Math.abs(f * bending - 0.08)) : 1, speed = 0.25;
+	let factor = motion.exaggeration, speed = 0.25;
 	const play = el("button", { type: "button" }), clock = el("output", {});
 	const slider = el("input", { type: "range", min: start, max: end, step: (end - start) / (count - 1), "aria-label": "Time" });
 	const choice = (label, values, text, chosen, change) => {
@@ -367,51 +376,78 @@ function animate(stage, controls, caption) {
 		choice("Speed", [0.05, 0.1, 0.25, 0.5, 1], (v) => `${v}×`, speed, (v) => { speed = v; }),
 		choice("Deflection", [...new Set([1, 2, 5, 10, factor])], (v) => (v > 1 ? `×${v}` : "to scale"), factor,
 			(v) => { factor = v; fit(); }));
+	const what = isArm ? "arm" : "link", isRigidKnown = links.every((link) => link.rigid_angle_rad);
 	const looks = {
-		link: "flexible link", ...(rigidAngles && { rigid: "rigid link" }), trail: "path of the tip",
-		tangent: "tangent at the hub", "arc plus": "torque, counter-clockwise", "arc minus": "torque, clockwise",
+		link: `flexible ${what}`, ...(isRigidKnown && { rigid: `rigid ${what}` }), trail: "path of the tip",
+		...(wanted && { "line s6 dashed": "wanted path" }), tangent: isArm ? "chords" : "tangent at the hub",
+		"arc plus": "torque, counter-clockwise", "arc minus": "torque, clockwise",
 	};
 	stage.after(div("key", ...Object.entries(looks).map((entry) => keyEntry(...entry))));
 
-	// -- View: k pixels a metre, the axis at ox, oy; y is upward
+	// -- View: k pixels a metre, the first joint at ox, oy; y is upward
 
 	const add = (tag, className, attributes) => stage.appendChild(svg(tag, className, attributes));
-	const [ground, tangent, rigid] = ["ground", "tangent", "rigid"].map((className) => add("path", className));
+	const [ground, aim, tangent, rigid] = ["ground", "line s6 dashed", "tangent", "rigid"].map((className) => add("path", className));
 	const trail = Array.from({ length: 20 }, () => add("path", "trail"));
-	const pieces = nodes.slice(1).map((to, e) => { // one an element, as a path has one width
-		const x = (to + nodes[e]) / 2, i = Math.max(0, thickness.findLastIndex(([at]) => at <= x));
-		const [x0, r0] = thickness[i], [x1, r1] = thickness[i + 1] || [Infinity, r0];
-		return add("path", "link", { "stroke-width": 2 + 7 * mix(r0, r1, (x - x0) / (x1 - x0)) });
-	});
-	const heaviest = Math.max(payload?.mass_kg || 0, ...masses.map((mass) => mass.mass_kg));
+	const heaviest = Math.max(...links.flatMap(({ payload, masses }) => [payload.mass_kg, ...masses.map((mass) => mass.mass_kg)]));
 	const dot = (className, kg) => add("circle", className, { r: 4 + 4 * Math.sqrt(kg / heaviest || 0) });
-	const lumps = masses.map((mass) => ({ x: mass.at_m, i: nearest(nodes, mass.at_m), node: dot("mass", mass.mass_kg) }));
-	const load = payload?.mass_kg > 0 && dot("payload", payload.mass_kg), offset = payload?.offset_m || 0;
-	const hub = add("circle", "hub"), arc = add("path", ""), head = add("path", "");
+	const parts = links.map(({ nodes_m: nodes, thickness, masses, payload }) => ({
+		pieces: nodes.slice(1).map((to, e) => { // one an element, as a path has one width
+			const x = (to + nodes[e]) / 2, i = Math.max(0, thickness.findLastIndex(([at]) => at <= x));
+			const [x0, r0] = thickness[i], [x1, r1] = thickness[i + 1] || [Infinity, r0];
+			return add("path", "link", { "stroke-width": 2 + 7 * mix(r0, r1, (x - x0) / (x1 - x0)) });
+		}),
+		lumps: masses.map((mass) => ({ x: mass.at_m, i: nearest(nodes, mass.at_m), node: dot("mass", mass.mass_kg) })),
+		load: payload.mass_kg > 0 && dot("payload", payload.mass_kg),
+	}));
+	const hubs = links.map(() => ({ hub: add("circle", "hub"), arc: add("path", ""), head: add("path", "") }));
 
-	let k = 1, ox = 0, oy = 0, hubRadius = 8, way = [];
-	const place = (x, w, angle) => [
-		ox + k * (x * Math.cos(angle) - w * Math.sin(angle)), oy - k * (x * Math.sin(angle) + w * Math.cos(angle)),
+	let k = 1, ox = 0, oy = 0, way = [];
+	const hubRadius = (link) => Math.max(isArm ? 5 : 8, link.hub_radius_m * k);
+	const toStage = ([x, y]) => [ox + k * x, oy - k * y];
+	// A point of a link that lies with its joint at x, y in the direction of an angle, in m.
+	const pointOf = ({ x, y, angle, stretch }, along, w) => [
+		x + stretch * along * Math.cos(angle) - w * Math.sin(angle), y + stretch * along * Math.sin(angle) + w * Math.cos(angle),
 	];
+	const place = (pose, along, w) => toStage(pointOf(pose, along, w));
 	const path = (points) => `M${points.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join("L")}`;
+	const between = (list, at) => {
+		const i = clamp(Math.floor(at), 0, count - 2);
+		return mix(list[i], list[i + 1], at - i);
+	};
+	// Where the links are; bent, a chord is shorter than its link.
+	const posesOf = (at, angles, chords) => {
+		let [x, y] = [0, 0];
+		return links.map((link) => {
+			const stretch = link[chords] ? between(link[chords], at) / link.length_m : 1;
+			const pose = { x, y, angle: between(link[angles], at), stretch };
+			[x, y] = pointOf(pose, link.length_m, 0);
+			return pose;
+		});
+	};
+	const bentPoses = (at) => posesOf(at, "angle_rad", "chord_m"), rigidPoses = (at) => posesOf(at, "rigid_angle_rad");
+	const straight = (poses) => [...poses.map((pose) => place(pose, 0, 0)), place(poses.at(-1), links.at(-1).length_m, 0)];
 
 	// Fits the whole motion, with the deflection as large as it is drawn, into the room there is.
 	const fit = () => {
 		const wide = Math.max(260, stage.clientWidth);
-		let right = motion.hub_radius_m, left = -right, up = left, down = right;
-		const include = (x, w, angle) => {
-			const [across, below] = place(x, w, angle);
+		let right = links[0].hub_radius_m, left = -right, up = left, down = right;
+		const include = ([across, below]) => {
 			[left, right] = [Math.min(left, across), Math.max(right, across)];
 			[up, down] = [Math.min(up, below), Math.max(down, below)];
 		};
 		[k, ox, oy] = [1, 0, 0];
-		angles.forEach((angle, i) => {
-			nodes.forEach((x, j) => include(x, factor * deflection[i][j], angle));
-			include(tip + offset, factor * deflection[i].at(-1), angle);
+		times.forEach((_, i) => {
+			bentPoses(i).forEach((pose, l) => {
+				const { nodes_m: nodes, deflection_m: deflection, length_m: tip, payload } = links[l];
+				nodes.forEach((x, j) => include(place(pose, x, factor * deflection[i][j])));
+				include(place(pose, tip + (payload.offset_m || 0), factor * deflection[i].at(-1)));
+			});
+			if (isRigidKnown) straight(rigidPoses(i)).forEach(include);
 		});
-		const all = [...angles, ...(rigidAngles || [])];
-		for (const angle of all) include(tip, 0, angle);
-		if (Math.max(...all) - Math.min(...all) > 2 * Math.PI) {
+		for (const at of wanted || []) include(toStage(at));
+		const all = links.flatMap((link) => [...link.angle_rad, ...(link.rigid_angle_rad || [])]);
+		if (!isArm && Math.max(...all) - Math.min(...all) > 2 * Math.PI) {
 			right = down = Math.max(-left, right, -up, down);
 			left = up = -right;
 		}
@@ -421,11 +457,11 @@ function animate(stage, controls, caption) {
 		set(stage, { viewBox: `0 0 ${wide} ${high}` });
 		ox = (wide - k * (left + right)) / 2;
 		oy = (high - k * (up + down)) / 2;
-		way = angles.map((angle, i) => place(tip, factor * deflection[i].at(-1), angle));
-		hubRadius = Math.max(8, motion.hub_radius_m * k);
-		const back = ox - hubRadius - 12;
+		way = times.map((_, i) => place(bentPoses(i).at(-1), links.at(-1).length_m, factor * links.at(-1).deflection_m[i].at(-1)));
+		if (wanted) set(aim, { d: path(wanted.map(toStage)) });
+		const back = ox - hubRadius(links[0]) - 12;
 		set(ground, { d: `M${ox},${oy}H${back}m0,-18v36${[-18, -9, 0, 9].map((y) => `M${back},${oy + y}l-8,9`).join("")}` });
-		set(hub, { cx: ox, cy: oy, r: hubRadius });
+		hubs.forEach(({ hub }, l) => set(hub, { r: hubRadius(links[l]) }));
 		show();
 	};
 
@@ -441,10 +477,12 @@ function animate(stage, controls, caption) {
 		});
 	};
 
-	const drawTorque = (torque, angle) => {
-		const turn = clamp(torque / peakTorque || 0, -1.2, 1.2) * ((2 * Math.PI) / 3); // 120° at the peak
-		const radius = Math.max(30, hubRadius + 10), size = Math.min(11, Math.abs(turn) * radius);
-		const at = (a, r = radius) => [ox + r * Math.cos(a), oy - r * Math.sin(a)];
+	const drawHub = ({ hub, arc, head }, link, pose, torque) => {
+		const [cx, cy] = place(pose, 0, 0), angle = pose.angle;
+		set(hub, { cx, cy });
+		const turn = clamp(torque / link.peak_torque_n_m || 0, -1.2, 1.2) * ((2 * Math.PI) / 3); // 120° at the peak
+		const radius = Math.max(isArm ? 22 : 30, hubRadius(link) + 10), size = Math.min(11, Math.abs(turn) * radius);
+		const at = (a, r = radius) => [cx + r * Math.cos(a), cy - r * Math.sin(a)];
 		const end = angle + turn, neck = end - (Math.sign(turn) * size) / radius; // the head is from neck to end
 		const sign = turn < 0 ? "minus" : "plus";
 		set(arc, { class: `arc ${sign}`, d: `M${at(angle)}A${radius} ${radius} 0 0 ${turn > 0 ? 0 : 1} ${at(neck)}` });
@@ -452,40 +490,45 @@ function animate(stage, controls, caption) {
 	};
 
 	// Cubics through the nodes, the first tangent to the hub: smooth however few the elements are.
-	const drawLink = (w, angle) => {
+	const drawLink = ({ pieces, lumps, load }, { nodes_m: nodes, payload, chord_m: chord }, w, pose) => {
+		const rise = (i, j) => (w[j] - w[i]) / (nodes[j] - nodes[i]), last = w.length - 1;
 		const slope = (i) => {
-			const before = Math.max(0, i - 1), after = Math.min(w.length - 1, i + 1);
-			return i ? (w[after] - w[before]) / (nodes[after] - nodes[before]) : 0;
+			if (i === 0) return chord && last > 1 ? 1.5 * rise(0, 1) - 0.5 * rise(0, 2) : 0;
+			return rise(i - 1, Math.min(last, i + 1));
 		};
-		const by = (i, dx) => place(nodes[i] + dx, factor * (w[i] + slope(i) * dx), angle);
+		const by = (i, dx) => place(pose, nodes[i] + dx, factor * (w[i] + slope(i) * dx));
 		pieces.forEach((piece, i) => {
 			const third = (nodes[i + 1] - nodes[i]) / 3;
 			set(piece, { d: `M${by(i, 0)}C${by(i, third)} ${by(i + 1, -third)} ${by(i + 1, 0)}` });
 		});
 		const put = (node, [cx, cy]) => set(node, { cx, cy });
 		for (const { x, i, node } of lumps) put(node, by(i, x - nodes[i]));
-		if (load) put(load, by(nodes.length - 1, offset));
+		if (load) put(load, by(last, payload.offset_m || 0));
 	};
 
 	let time = start;
 	const show = () => {
 		const at = ((time - start) / (end - start)) * (count - 1), i = clamp(Math.floor(at), 0, count - 2);
-		const between = (list) => mix(list[i], list[i + 1], at - i);
-		const angle = between(angles), torque = between(motion.torque_n_m);
-		const straight = (a) => path([place(0, 0, a), place(tip, 0, a)]);
-		set(tangent, { d: straight(angle) });
-		if (rigidAngles) set(rigid, { d: straight(between(rigidAngles)) });
-		drawLink(deflection[i].map((w, j) => mix(w, deflection[i + 1][j], at - i)), angle);
+		const poses = bentPoses(at), torques = links.map((link) => between(link.torque_n_m, at));
+		set(tangent, { d: path(straight(poses)) });
+		if (isRigidKnown) set(rigid, { d: path(straight(rigidPoses(at))) });
+		poses.forEach((pose, l) => {
+			const { deflection_m: deflection } = links[l];
+			drawLink(parts[l], links[l], deflection[i].map((w, j) => mix(w, deflection[i + 1][j], at - i)), pose);
+			drawHub(hubs[l], links[l], pose, torques[l]);
+		});
 		drawTrail(at);
-		drawTorque(torque, angle);
 
 		slider.value = time;
 		clock.textContent = `${number(time, (end - start) / 2000)} s`;
 		set(slider, { "aria-valuetext": clock.textContent });
-		const sense = Math.abs(torque) < peakTorque / 1000 ? "" : torque > 0 ? " counter-clockwise" : " clockwise";
-		caption.textContent = `Seen from above, deflection ${factor > 1 ? `${factor} times as large` : "to scale"}. `
-			+ `At ${clock.textContent}: torque ${number(torque, peakTorque / 1000 || 1)} N m${sense}, `
-			+ `hub angle ${number(angle, 1e-4)} rad (${number((angle * 180) / Math.PI, 0.01)}°).`;
+		const [torque] = torques, [{ angle }] = poses, peak = links[0].peak_torque_n_m;
+		const sense = Math.abs(torque) < peak / 1000 ? "" : torque > 0 ? " counter-clockwise" : " clockwise";
+		const amounts = torques.map((one, l) => number(one, links[l].peak_torque_n_m / 1000 || 1)).join(", ");
+		caption.textContent = `Seen from ${motion.seen_from}, deflection ${factor > 1 ? `${factor} times as large` : "to scale"}. `
+			+ (isArm ? `At ${clock.textContent}: torques ${amounts} N m, from the inner joint outward.`
+				: `At ${clock.textContent}: torque ${amounts} N m${sense}, `
+					+ `hub angle ${number(angle, 1e-4)} rad (${number((angle * 180) / Math.PI, 0.01)}°).`);
 		timeGroup.now = time;
 		for (const chart of timeGroup.charts) chart.drawNow();
 	};

@@ -179,7 +179,7 @@ pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
     }
     if data.is_some() {
         let (heading, class) = ("The link in motion", Some("needs-script"));
-        let section = Section::new("animation", "Motion", animation());
+        let section = Section::new("animation", "Motion", animation("The link while it moves"));
         sections.push(Section { heading, class, ..section });
     }
     let (from, until) = view.span_s();
@@ -201,16 +201,17 @@ fn link_section(run: &StoredRun) -> Markup {
                 a dot with that of its mass, up to a limit." }
         }
         div class="columns" {
-            (readings("Results", &results(run)))
+            (readings("Results", &results(&run.readings)))
             (readings("Link", &link_readings(&run.link)))
         }
     }
 }
 
-fn animation() -> Markup {
+/// What the page's script plays the motion in.
+pub(super) fn animation(label: &str) -> Markup {
     html! {
         figure class="stage" {
-            svg id="stage" role="img" aria-label="The link seen from above while it moves"
+            svg id="stage" role="img" aria-label=(label)
                 viewBox="0 0 760 420" {}
             figcaption id="stage-caption" {}
         }
@@ -238,14 +239,14 @@ const UNITS: [(&str, &str); 15] = [
 ];
 
 /// Words and unit of a name such as `peak_torque_n_m`.
-fn words_and_unit(name: &str) -> (String, &'static str) {
+pub(super) fn words_and_unit(name: &str) -> (String, &'static str) {
     let found = UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit)));
     let (words, unit) = found.unwrap_or((name, ""));
     (words.replace('_', " "), unit)
 }
 
 /// A table of names and values.
-fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
+pub(super) fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
     html! {
         table class="readings" {
             caption { (caption) }
@@ -256,18 +257,18 @@ fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
     }
 }
 
-/// The numbers of the summary.
-fn results(run: &StoredRun) -> Vec<(String, String)> {
+/// Numbers of the summary in words and units.
+pub(super) fn results(readings: &[(String, f64)]) -> Vec<(String, String)> {
     let row = |(name, value): &(String, f64)| {
         let (words, unit) = words_and_unit(name);
         let amount = format!("{} {unit}", significant(*value, 4).replace('-', "−"));
         (words, amount.trim_end().to_owned())
     };
-    run.readings.iter().map(row).collect()
+    readings.iter().map(row).collect()
 }
 
 /// The parts of the link.
-fn link_readings(link: &Link) -> Vec<(String, String)> {
+pub(super) fn link_readings(link: &Link) -> Vec<(String, String)> {
     let (hub, payload) = (link.hub(), link.payload());
     let friction = hub.viscous_friction_n_m_s_rad;
     let rows = [
@@ -335,7 +336,7 @@ fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
 }
 
 /// Every warning or remark and what to do about it.
-fn advice(list: &[StoredWarning], is_strong: bool) -> Markup {
+pub(super) fn advice(list: &[StoredWarning], is_strong: bool) -> Markup {
     html! {
         ul { @for StoredWarning { message, hint, .. } in list {
             li {
@@ -347,7 +348,7 @@ fn advice(list: &[StoredWarning], is_strong: bool) -> Markup {
 }
 
 /// The table of `verify`.
-fn checks(checks: &[StoredCheck]) -> Markup {
+pub(super) fn checks(checks: &[StoredCheck]) -> Markup {
     let rows = html! {
         @for check in checks { tr {
             th scope="row" { (check.what) }

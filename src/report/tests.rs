@@ -2,7 +2,9 @@
 
 use std::num::NonZeroUsize;
 
+use super::arm::{deflections, rigid_tip_m};
 use super::bending::{COLUMNS, Moments, ROWS, bending_moments, waves};
+use super::link::exaggeration;
 use super::sweep::{FINE, sweep_figures};
 use super::view::View;
 use crate::beam::{Mesh, MeshPlan};
@@ -12,8 +14,8 @@ use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, T
 use crate::motion::{Profile, TipMotion};
 use crate::numeric::largest;
 use crate::result::{
-    Metrics, Origin, StoredInput, StoredNodes, StoredRun, StoredSolution, StoredSweep,
-    StoredWarning,
+    Metrics, Origin, StoredArm, StoredArmLink, StoredInput, StoredJoint, StoredNodes, StoredRun,
+    StoredSolution, StoredSweep, StoredWarning,
 };
 
 /// The paper's first example with a small mass and a payload, its title full of traps.
@@ -258,4 +260,81 @@ fn words_part_lines_and_the_value_with_most_numbers_has_the_axis() {
     let names: Vec<&str> = figure.curves.iter().map(|curve| curve.name.as_str()).collect();
     assert_eq!(names, ["law = none", "law = modal"]);
     assert_eq!(figure.curves[1].points, [(1.0, 0.4), (2.0, 0.5), (3.0, 0.6)]);
+}
+
+/// A link that was rotated and moved deflects from its chord by what it was bent, and a rigid arm's tip is where its
+/// angles lead it.
+#[test]
+fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigid_arm() {
+    let nodes_m: Vec<f64> = (0..=8).map(|k| 0.125 * f64::from(k)).collect();
+    let bent = |x_m: f64, k: usize| 0.05 * k as f64 * libm::sin(std::f64::consts::PI * x_m);
+    let angles = [[0.3, 0.4, 0.5], [1.9, 1.5, 1.1]];
+    let rigid = |link: usize| -> Vec<f64> {
+        (0..3).map(|k| angles[link][k] - if link == 0 { 0.0 } else { angles[0][k] }).collect()
+    };
+    let tip = |link: usize, k: usize| -> [f64; 2] {
+        let before = angles[..=link].iter();
+        [before.clone().map(|a| libm::cos(a[k])).sum(), before.map(|a| libm::sin(a[k])).sum()]
+    };
+    let place = |link: usize, x_m: f64, k: usize| {
+        let (sin, cos, w) = (libm::sin(angles[link][k]), libm::cos(angles[link][k]), bent(x_m, k));
+        let from = if link == 0 { [0.0; 2] } else { tip(0, k) };
+        [from[0] + x_m * cos - w * sin, from[1] + x_m * sin + w * cos]
+    };
+    let segment = Segment::uniform(1.0, 5.0, 0.8);
+    let links = (0..2_usize).map(|link| StoredArmLink {
+        name: link.to_string(),
+        link: Link::builder().segment(segment.clone()).build().unwrap(),
+        nodes_m: nodes_m.clone(),
+        positions_m: nodes_m
+            .iter()
+            .map(|x| [0, 1].map(|axis| (0..3).map(|k| place(link, *x, k)[axis]).collect()))
+            .collect(),
+        moments_n_m: None,
+    });
+    let joints = (0..2).map(|joint| StoredJoint {
+        torque_n_m: vec![0.0; 3],
+        angle_rad: vec![0.0; 3],
+        rigid_torque_n_m: None,
+        rigid_angle_rad: Some(rigid(joint)),
+        motor_torque_n_m: None,
+        readings: vec![],
+        errors: vec![],
+    });
+    let times_s = vec![0.0, 1.0, 2.0];
+    let arm = StoredArm {
+        origin: run().origin,
+        name: String::new(),
+        joints: joints.collect(),
+        links: links.collect(),
+        nodal_times_s: times_s.clone(),
+        times_s,
+        tip_m: [0, 1].map(|axis| (0..3).map(|k| tip(1, k)[axis]).collect()),
+        prescribed: None,
+        moving_s: None,
+        gravity_m_s2: [0.0; 2],
+        readings: vec![],
+        checks: vec![],
+        warnings: vec![],
+        remarks: vec![],
+    };
+    for link in 0..2 {
+        let found = deflections(&arm, link);
+        for (x_m, history) in nodes_m.iter().zip(&found.histories) {
+            for (k, w) in history.iter().enumerate() {
+                assert!((w - bent(*x_m, k)).abs() < 1e-14, "link {link} at {x_m} m: {w}");
+            }
+        }
+    }
+    let wanted = rigid_tip_m(&arm).unwrap();
+    let off = (0..3).map(|k| libm::hypot(wanted[0][k] - tip(1, k)[0], wanted[1][k] - tip(1, k)[1]));
+    assert!(off.fold(0.0, f64::max) < 1e-14);
+}
+
+#[test]
+fn a_deflection_is_drawn_as_large_as_it_is_well_seen() {
+    for (bending, factor) in [(0.0, 1.0), (0.001, 50.0), (0.008, 10.0), (0.035, 2.0), (0.3, 1.0)] {
+        let found = exaggeration(bending);
+        assert!((found - factor).abs() < 1e-15, "{bending}: {found}");
+    }
 }

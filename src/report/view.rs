@@ -6,7 +6,7 @@ use super::axis::{Axis, TIME};
 use super::figure::{Curve, Figure, Mark, Span, Stroke};
 use crate::modal::natural_frequencies;
 use crate::numeric::largest;
-use crate::result::{StoredNodes, StoredRun};
+use crate::result::{StoredNodes, StoredRun, StoredSolution};
 
 /// Time shown before and after the motion, in multiples of lead and lag.
 const AROUND: f64 = 1.7;
@@ -106,24 +106,34 @@ impl<'a> View<'a> {
 
     /// Lead and lag, shaded.
     pub(super) fn lead_and_lag(&self) -> Vec<Span> {
-        let spans = self.run.solved.iter().flat_map(|solved| {
-            let (from, until) = solved.moving_s;
-            let lead = |lead_s| Span { name: "lead", range: from - lead_s..from };
-            let lag = |lag_s| Span { name: "lag", range: until..until + lag_s };
-            solved.lead_s.map(lead).into_iter().chain(solved.lag_s.map(lag))
-        });
-        spans.filter(|span| span.range.end > span.range.start).collect()
+        let solved = self.run.solved.as_ref();
+        let spans =
+            |solved: &StoredSolution| lead_and_lag(solved.moving_s, [solved.lead_s, solved.lag_s]);
+        solved.map(spans).unwrap_or_default()
     }
 
     /// Times at which the tip starts and stops, if they are known.
     pub(super) fn start_and_stop(&self) -> Vec<Mark> {
-        let timed = self.run.solved.iter().filter(|solved| solved.lead_s.is_some());
-        let marks = timed.flat_map(|solved| {
-            let (from, until) = solved.moving_s;
-            [(from, "tip starts", "start"), (until, "tip stops", "stop")]
-        });
-        marks.map(|(at, label, class)| Mark { at, label: label.to_owned(), class }).collect()
+        let timed = self.run.solved.as_ref().filter(|solved| solved.lead_s.is_some());
+        timed.map(|solved| start_and_stop(solved.moving_s)).unwrap_or_default()
     }
+}
+
+/// Lead and lag in s of a torque whose tip moves between two times, shaded.
+pub(super) fn lead_and_lag(
+    (from, until): (f64, f64),
+    [lead_s, lag_s]: [Option<f64>; 2],
+) -> Vec<Span> {
+    let lead = |lead_s| Span { name: "lead", range: from - lead_s..from };
+    let lag = |lag_s| Span { name: "lag", range: until..until + lag_s };
+    let spans = lead_s.map(lead).into_iter().chain(lag_s.map(lag));
+    spans.filter(|span| span.range.end > span.range.start).collect()
+}
+
+/// The times between which a tip moves.
+pub(super) fn start_and_stop((from, until): (f64, f64)) -> Vec<Mark> {
+    let marks = [(from, "tip starts", "start"), (until, "tip stops", "stop")];
+    marks.map(|(at, label, class)| Mark { at, label: label.to_owned(), class }).into()
 }
 
 /// The sample nearest to a time.

@@ -1,10 +1,13 @@
 //! An arm as one chain of elasticas, each turned by its joint against the tip of the one before: Lagrange's equations
 //! at any pose and deflection.
 
-use super::arm::MovedArmError;
+use super::arm_state::ArmState;
 use super::balance::{Balance, Met, Place};
 use super::chain::Chain;
-use crate::link::{Arm, Damping};
+use super::error::SimulationError;
+use super::shape::direction;
+use crate::link::{Arm, Link};
+use crate::numeric::dot;
 
 /// Order of the polynomials of a piece at first, beside one for each radian of a bending wave along it.
 const FIRST_ORDER: usize = 3;
@@ -13,6 +16,7 @@ const FIRST_ORDER: usize = 3;
 const HIGHEST_ORDER: usize = 24;
 
 /// Links one after the other.
+#[derive(Debug, Clone)]
 pub(super) struct ArmChain {
     pub(super) links: Vec<Chain>,
     /// Number of the first coordinate of each link: the angle of its joint.
@@ -25,59 +29,86 @@ pub(super) struct ArmChain {
 }
 
 impl ArmChain {
-    pub(super) fn of(arm: &Arm, highest_rad_s: f64, more: usize) -> Result<Self, MovedArmError> {
-        let order = |[from_m, end_m]: [f64; 2], [stiffness_n_m2, mass_kg_m]: [f64; 2]| {
-            let square = mass_kg_m / stiffness_n_m2 * highest_rad_s * highest_rad_s;
-            let wave_rad = (end_m - from_m) * square.sqrt().sqrt();
-            (FIRST_ORDER + wave_rad.ceil() as usize).min(HIGHEST_ORDER) + more
+    /// An undamped arm whose polynomials follow bending waves up to a frequency, `more` orders beyond that, and hold a
+    /// state.
+    pub(super) fn of(arm: &Arm, highest_rad_s: f64, more: usize, state: Option<&ArmState>) -> Self {
+        let chain = |(number, own): (usize, &Link)| {
+            let order = |ends_m: [f64; 2], [stiffness_n_m2, mass_kg_m]: [f64; 2]| {
+                let square = mass_kg_m / stiffness_n_m2 * highest_rad_s * highest_rad_s;
+                let wave_rad = (ends_m[1] - ends_m[0]) * square.sqrt().sqrt();
+                let given = state.map_or(0, |state| state.links[number].piece(ends_m).len());
+                let order = (FIRST_ORDER + wave_rad.ceil() as usize).min(HIGHEST_ORDER);
+                order.max(given.saturating_sub(1)) + more
+            };
+            Chain::of(own, order)
         };
-        let links: Vec<Chain> = arm.links().iter().map(|own| Chain::of(&own.link, order)).collect();
+        let links: Vec<Chain> =
+            arm.links().iter().map(|own| &own.link).enumerate().map(chain).collect();
         let mut joints = Vec::new();
         let mut count = 0;
         for link in &links {
             joints.push(count);
             count += link.count;
         }
-        let mut stiffness = vec![0.0; count * count];
-        let mut damping = stiffness.clone();
-        for ((chain, own), first) in links.iter().zip(arm.links()).zip(&joints) {
-            let beta_s = match own.link.damping() {
-                Damping::Rayleigh { alpha_per_s: 0.0, beta_s } => *beta_s,
-                Damping::None | Damping::Hysteretic { ratio: 0.0 } => 0.0,
-                _ => return Err(MovedArmError::Damping),
-            };
-            for i in 0..chain.count {
-                for j in 0..chain.count {
-                    let (entry, at) =
-                        (chain.stiffness[i * chain.count + j], (first + i) * count + first + j);
-                    stiffness[at] = entry;
-                    damping[at] = beta_s * entry;
-                }
-            }
-        }
         let frictions = arm.links().iter().map(|own| own.link.joint().friction_n_m_s_rad);
-        Ok(Self {
-            links,
+        let mut found = Self {
             joints,
             friction_n_m_s_rad: frictions.collect(),
             gravity_m_s2: arm.gravity_m_s2(),
             count,
-            stiffness,
-            damping,
-        })
+            stiffness: Vec::new(),
+            damping: vec![0.0; count * count],
+            links,
+        };
+        found.stiffness = found.gathered(found.links.iter().map(|link| &link.stiffness[..]));
+        found
     }
 
-    /// Walks all links from the first joint outward; returns the tip.
+    /// Adds a multiple of a link's stiffness to a matrix of all coordinates.
+    pub(super) fn add_stiffness(&self, link: usize, factor: f64, into: &mut [f64]) {
+        let (own, first) = (&self.links[link], self.joints[link]);
+        for i in 0..own.count {
+            for j in 0..own.count {
+                let at = (first + i) * self.count + first + j;
+                into[at] += factor * own.stiffness[i * own.count + j];
+            }
+        }
+    }
+
+    /// The same with a damping matrix of each link.
+    pub(super) fn damped(self, of_links: &[Vec<f64>]) -> Self {
+        Self { damping: self.gathered(of_links.iter().map(Vec::as_slice)), ..self }
+    }
+
+    /// One matrix of those of the links.
+    fn gathered<'a>(&self, of_links: impl Iterator<Item = &'a [f64]>) -> Vec<f64> {
+        let mut whole = vec![0.0; self.count * self.count];
+        for ((own, link), first) in of_links.zip(&self.links).zip(&self.joints) {
+            for (i, row) in own.chunks_exact(link.count).enumerate() {
+                whole[(first + i) * self.count + first..][..link.count].copy_from_slice(row);
+            }
+        }
+        whole
+    }
+
+    /// The same arm with a share of its weight.
+    pub(super) fn weighing(&self, share: f64) -> Self {
+        Self { gravity_m_s2: self.gravity_m_s2.map(|part| share * part), ..self.clone() }
+    }
+
+    /// Walks all links from the first joint outward; returns the outer end of each.
     pub(super) fn walk(
         &self,
         q: &[f64],
         rates: &[f64],
         mut meet: impl FnMut(&Place, &Met<'_>),
-    ) -> Place {
-        let (mut axis, mut before) = (Place::fixed(self.count), Vec::new());
+    ) -> Vec<Place> {
+        let mut ends: Vec<Place> = Vec::with_capacity(self.links.len());
+        let (fixed, mut before) = (Place::fixed(self.count), Vec::new());
         for (link, first) in self.links.iter().zip(&self.joints) {
-            let (mut end, mut turned) = (axis.clone(), Vec::new());
-            link.walk_on(&axis, (&before, *first), (q, rates), &mut |place: &Place, met| {
+            let (mut end, mut turned) = (Place::default(), Vec::new());
+            let axis = ends.last().unwrap_or(&fixed);
+            link.walk_on(axis, (&before, *first), (q, rates), &mut |place: &Place, met| {
                 if let Met::End(by) = met {
                     end.clone_from(place);
                     turned = by.to_vec();
@@ -85,14 +116,106 @@ impl ArmChain {
                     meet(place, &met);
                 }
             });
-            (axis, before) = (end, turned);
+            ends.push(end);
+            before = turned;
         }
-        axis
+        ends
     }
 
+    /// The equations at coordinates and rates, without the joints' torques.
     pub(super) fn balance(&self, q: &[f64], rates: &[f64], into: &mut Balance) {
         into.begin(&self.stiffness, &self.damping, (q, rates));
         self.walk(q, rates, |place, met| into.meet(place, met, self.gravity_m_s2));
         into.end();
+    }
+
+    /// Kinetic energy, and that of strain and weight, in J.
+    pub(super) fn energies_j(&self, q: &[f64], rates: &[f64]) -> [f64; 2] {
+        let rows = self.stiffness.chunks_exact(self.count).zip(q);
+        let strain_j = 0.5 * rows.map(|(row, own)| own * dot(row, q)).sum::<f64>();
+        let (mut kinetic_j, mut potential_j) = (0.0, strain_j);
+        self.walk(q, rates, |place, met| match met {
+            Met::Mass(mass_kg) => {
+                kinetic_j += 0.5 * mass_kg * dot(&place.rate_m_s, &place.rate_m_s);
+                potential_j -= mass_kg * dot(&self.gravity_m_s2, &place.at_m);
+            }
+            Met::Inertia(inertia_kg_m2, turned) => {
+                let rate: f64 = turned.iter().map(|i| rates[*i]).sum();
+                kinetic_j += 0.5 * inertia_kg_m2 * rate * rate;
+            }
+            Met::End(_) => {}
+        });
+        [kinetic_j, potential_j]
+    }
+
+    /// Power in W that damping and friction dissipate.
+    pub(super) fn lost_w(&self, rates: &[f64]) -> f64 {
+        let rows = self.damping.chunks_exact(self.count).zip(rates);
+        let damped: f64 = rows.map(|(row, own)| own * dot(row, rates)).sum();
+        let joints = self.joints.iter().zip(&self.friction_n_m_s_rad);
+        damped + joints.map(|(joint, b)| b * rates[*joint] * rates[*joint]).sum::<f64>()
+    }
+
+    /// Direction of each link's chord in rad, within half a turn of its root's.
+    pub(super) fn chords_rad(&self, q: &[f64]) -> Vec<f64> {
+        let ends = self.walk(q, &vec![0.0; self.count], |_, _| {});
+        let mut from_m = [0.0; 2];
+        let chord = |(end, own): (&Place, Vec<f64>)| {
+            let along = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
+            from_m = end.at_m;
+            direction(along, own[0])
+        };
+        ends.iter().zip(self.of_links(q)).map(chord).collect()
+    }
+
+    /// Coordinates, or rates, of each link alone: its root's direction against x, then its slopes.
+    pub(super) fn of_links(&self, q: &[f64]) -> Vec<Vec<f64>> {
+        let mut turned = 0.0;
+        let of_link = |(link, first): (&Chain, &usize)| {
+            let mut own = q[*first..][..link.count].to_vec();
+            own[0] += turned;
+            turned = own[0] + link.end(&own);
+            own
+        };
+        self.links.iter().zip(&self.joints).map(of_link).collect()
+    }
+
+    /// Coordinates of the arm from those of each link alone.
+    fn of_each(&self, links: &[Vec<f64>]) -> Vec<f64> {
+        let (mut q, mut turned) = (Vec::with_capacity(self.count), 0.0);
+        for (link, own) in self.links.iter().zip(links) {
+            q.push(own[0] - turned);
+            q.extend_from_slice(&own[1..]);
+            turned = own[0] + link.end(own);
+        }
+        q
+    }
+
+    /// Where the arm is and how it moves.
+    pub(super) fn state(&self, time_s: f64, q: &[f64], rates: &[f64]) -> ArmState {
+        let own = self.of_links(q).into_iter().zip(self.of_links(rates));
+        let links = self.links.iter().zip(own);
+        ArmState { links: links.map(|(link, (q, rates))| link.state(time_s, &q, &rates)).collect() }
+    }
+
+    /// Coordinates and rates of a state.
+    ///
+    /// # Errors
+    /// [`SimulationError::State`].
+    pub(super) fn of_state(
+        &self,
+        state: &ArmState,
+    ) -> Result<(Vec<f64>, Vec<f64>), SimulationError> {
+        let links = self.links.iter().zip(&state.links).map(|(link, own)| link.of_state(own));
+        let links: Vec<(Vec<f64>, Vec<f64>)> = links.collect::<Result<_, _>>()?;
+        let (q, rates): (Vec<_>, Vec<_>) = links.into_iter().unzip();
+        Ok((self.of_each(&q), self.of_each(&rates)))
+    }
+}
+
+impl Chain {
+    /// Slope of the outer end against the root.
+    fn end(&self, q: &[f64]) -> f64 {
+        self.pieces.last().map_or(0.0, |piece| q[piece.outer()])
     }
 }

@@ -280,7 +280,7 @@ impl ModalPlay {
 const COARSE: f64 = 1e-2;
 
 /// The same at large angles, where refinement goes on until nothing changes.
-const UNSETTLED: f64 = 1e-4;
+pub(super) const UNSETTLED: f64 = 1e-4;
 
 /// Errors of a simulation by its mesh and its modes; at large angles by its angles and steps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

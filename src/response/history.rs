@@ -9,7 +9,7 @@ use crate::motion::wrapped;
 use crate::numeric::{CubicSpline, NotUniform, QuinticSpline, SplineEnds, TimeGrid};
 
 /// Angle in rad between a reference and the hub at the start above which a warning is given.
-const APART_RAD: f64 = 1e-4;
+pub(super) const APART_RAD: f64 = 1e-4;
 
 /// Step of an angle from its last sample to its first, over the largest between samples, from which on it does not return.
 const JUMP: f64 = 3.0;

@@ -36,6 +36,11 @@ pub enum Input<'a> {
 }
 
 impl Input<'_> {
+    /// True of a torque.
+    pub fn is_torque(&self) -> bool {
+        matches!(self, Self::Torque(_))
+    }
+
     /// Times of the samples.
     pub fn grid(&self) -> TimeGrid {
         match self {
@@ -54,6 +59,26 @@ impl Input<'_> {
             ],
         }
     }
+}
+
+/// A grid continued to a given end.
+///
+/// # Errors
+/// [`SimulationError::EndsEarly`], [`SimulationError::TooLong`].
+pub(super) fn continued(grid: TimeGrid, until_s: Option<f64>) -> Result<TimeGrid, SimulationError> {
+    let Some(until_s) = until_s else { return Ok(grid) };
+    let end_s = grid.end_s();
+    let steps = (until_s - end_s) / grid.step_s;
+    // A millionth of a step beside the last sample is that sample.
+    if steps.is_nan() || steps < -1e-6 {
+        return Err(SimulationError::EndsEarly { until_s, end_s });
+    }
+    let more = (steps - 1e-6).ceil().max(0.0);
+    let samples = grid.len as f64 + more;
+    if samples > LONGEST as f64 {
+        return Err(SimulationError::TooLong { until_s, samples, limit: LONGEST });
+    }
+    Ok(TimeGrid { len: samples as usize, ..grid })
 }
 
 /// What to play on a link at rest, and how.
@@ -110,20 +135,7 @@ impl<'a> Play<'a> {
 
     /// The input's grid, continued to the given end.
     pub(super) fn grid(&self) -> Result<TimeGrid, SimulationError> {
-        let grid = self.input.grid();
-        let Some(until_s) = self.until_s else { return Ok(grid) };
-        let end_s = grid.end_s();
-        let steps = (until_s - end_s) / grid.step_s;
-        // A millionth of a step beside the last sample is that sample.
-        if steps.is_nan() || steps < -1e-6 {
-            return Err(SimulationError::EndsEarly { until_s, end_s });
-        }
-        let more = (steps - 1e-6).ceil().max(0.0);
-        let samples = grid.len as f64 + more;
-        if samples > LONGEST as f64 {
-            return Err(SimulationError::TooLong { until_s, samples, limit: LONGEST });
-        }
-        Ok(TimeGrid { len: samples as usize, ..grid })
+        continued(self.input.grid(), self.until_s)
     }
 
     /// Frequency in rad/s above which the link is not driven; none where nothing drives it.

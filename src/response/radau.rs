@@ -37,6 +37,8 @@ pub(super) struct Radau<'a> {
     twice: [[f64; STAGES]; STAGES],
     factors: Option<LU<f64, Dyn, Dyn>>,
     balance: Balance,
+    /// The motion at each stage of the last step.
+    reached: Vec<Motion>,
 }
 
 impl<'a> Radau<'a> {
@@ -66,7 +68,17 @@ impl<'a> Radau<'a> {
             once.map(|row| [0, 1, 2].map(|j| (0..STAGES).map(|k| row[k] * once[k][j]).sum()));
         let count = stiffness.len().isqrt();
         let balance = Balance::default();
-        Self { count, step_s, stiffness, damping, once, twice, factors: None, balance }
+        Self {
+            count,
+            step_s,
+            stiffness,
+            damping,
+            once,
+            twice,
+            factors: None,
+            balance,
+            reached: Vec::new(),
+        }
     }
 
     /// Makes one step; `balance` is given the stage, coordinates and rates. False where it does not converge.
@@ -79,7 +91,6 @@ impl<'a> Radau<'a> {
         // As if the accelerations stayed what they are.
         let mut stages = vec![motion.accelerations.clone(); STAGES];
         let mut residual = DVector::zeros(STAGES * count);
-        let places = Self::places();
         let mut at = (vec![0.0; count], vec![0.0; count]);
         // Whole turns leave fewer digits for the rest.
         let size_rad = motion.q.iter().map(|q| q.abs()).fold(1.0, f64::max);
@@ -89,14 +100,7 @@ impl<'a> Radau<'a> {
                 self.factors = None;
             }
             for stage in 0..STAGES {
-                for i in 0..count {
-                    let sum = |row: &[f64; STAGES]| -> f64 {
-                        row.iter().zip(&stages).map(|(a, stage)| a * stage[i]).sum()
-                    };
-                    at.1[i] = motion.rates[i] + h * sum(&self.once[stage]);
-                    at.0[i] = motion.q[i]
-                        + h * (places[stage] * motion.rates[i] + h * sum(&self.twice[stage]));
-                }
+                self.reach(motion, &stages, stage, &mut at);
                 balance(stage, &at.0, &at.1, &mut self.balance);
                 for i in 0..count {
                     let needed = dot(&self.balance.mass[i * count..][..count], &stages[stage]);
@@ -121,16 +125,14 @@ impl<'a> Radau<'a> {
                 }
             }
             if change * h * h <= SETTLED_RAD * size_rad {
+                let reached = (0..STAGES).map(|stage| {
+                    self.reach(motion, &stages, stage, &mut at);
+                    let (q, rates) = at.clone();
+                    Motion { q, rates, accelerations: stages[stage].clone() }
+                });
+                self.reached = reached.collect();
                 // The last stage is the end of the step.
-                let last = STAGES - 1;
-                for i in 0..count {
-                    let sum = |row: &[f64; STAGES]| -> f64 {
-                        row.iter().zip(&stages).map(|(a, stage)| a * stage[i]).sum()
-                    };
-                    motion.q[i] += h * (motion.rates[i] + h * sum(&self.twice[last]));
-                    motion.rates[i] += h * sum(&self.once[last]);
-                }
-                motion.accelerations = stages.swap_remove(last);
+                motion.clone_from(&self.reached[STAGES - 1]);
                 if iteration > SLOW {
                     self.factors = None;
                 }
@@ -141,6 +143,35 @@ impl<'a> Radau<'a> {
             }
         }
         false
+    }
+
+    /// The motion at each stage of the last step.
+    pub(super) fn reached(&self) -> &[Motion] {
+        &self.reached
+    }
+
+    /// Integral over the last step of a quantity known at its stages.
+    pub(super) fn integral(&self, at_stages: impl Iterator<Item = f64>) -> f64 {
+        let weights = self.once[STAGES - 1];
+        self.step_s * weights.iter().zip(at_stages).map(|(weight, own)| weight * own).sum::<f64>()
+    }
+
+    /// Coordinates and rates at a stage with these accelerations.
+    fn reach(
+        &self,
+        motion: &Motion,
+        accelerations: &[Vec<f64>],
+        stage: usize,
+        (q, rates): &mut (Vec<f64>, Vec<f64>),
+    ) {
+        let (h, place) = (self.step_s, Self::places()[stage]);
+        for i in 0..self.count {
+            let sum = |row: &[f64; STAGES]| -> f64 {
+                row.iter().zip(accelerations).map(|(a, stage)| a * stage[i]).sum()
+            };
+            rates[i] = motion.rates[i] + h * sum(&self.once[stage]);
+            q[i] = motion.q[i] + h * (place * motion.rates[i] + h * sum(&self.twice[stage]));
+        }
     }
 
     /// Factors of the matrix that changes of the stages' accelerations meet, with the masses of the last balance.

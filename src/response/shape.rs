@@ -42,18 +42,26 @@ pub(super) enum Held {
 
 /// The shape at rest, from a straight one: the weight comes at once or, where that leads nowhere, in parts.
 pub(super) fn at_rest(chain: &Chain, straight: &[f64], held: Held) -> Option<Vec<f64>> {
+    in_parts(straight, |share, q| resting(&chain.weighing(share), q, held))
+}
+
+/// Brings the weight at once or, where that leads nowhere, in parts; `settled` is given its share and the shape so far.
+pub(super) fn in_parts(
+    straight: &[f64],
+    settled: impl Fn(f64, Vec<f64>) -> Option<Vec<f64>>,
+) -> Option<Vec<f64>> {
     WEIGHT_PARTS.into_iter().find_map(|parts| {
         let mut shares = (1..=parts).map(|part| f64::from(part) / f64::from(parts));
-        shares.try_fold(straight.to_vec(), |q, share| settled(&chain.weighing(share), q, held))
+        shares.try_fold(straight.to_vec(), |q, share| settled(share, q))
     })
 }
 
-/// Newton's iteration to the shape at rest.
-fn settled(chain: &Chain, mut q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
+/// The shape at rest of a link held by its hub or its chord.
+fn resting(chain: &Chain, q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
     let rest = vec![0.0; chain.count];
     let mut balance = Balance::default();
     let hub_rad = q[0];
-    let mut left = |q: &[f64]| {
+    settled(q, |q: &[f64]| {
         chain.balance(q, &rest, &mut balance);
         let mut left = DVector::from_column_slice(&balance.force);
         left[0] = match held {
@@ -64,7 +72,14 @@ fn settled(chain: &Chain, mut q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
             }
         };
         left
-    };
+    })
+}
+
+/// Newton's iteration to where nothing is left.
+pub(super) fn settled(
+    mut q: Vec<f64>,
+    mut left: impl FnMut(&[f64]) -> DVector<f64>,
+) -> Option<Vec<f64>> {
     for _ in 0..MOST_ITERATIONS {
         let now = left(&q);
         let change = newton_change(&mut q, &now, &mut left)?;
@@ -83,7 +98,7 @@ fn settled(chain: &Chain, mut q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
 
 /// What coordinates are off by where so much of forces is left, to first order: forces are differentiated by parts of each
 /// coordinate. None where they do not depend on all of them.
-pub(super) fn newton_change(
+fn newton_change(
     q: &mut [f64],
     now: &DVector<f64>,
     left: &mut impl FnMut(&[f64]) -> DVector<f64>,

@@ -1,10 +1,14 @@
-//! Numbers of an arm's solution that a person reads first.
+//! Numbers of an arm's solution that a person reads first, and the shortest path within limits.
 
 use serde::Serialize;
 
-use super::limits::{Exceeded, LimitedValue, Limits};
+use super::fit::{Fit, FitError, Trials};
+use super::limits::{Exceeded, LimitedValue, Limits, Reached, all_kinds};
 use super::metrics::TIMING_LEVEL;
-use crate::inverse::ArmSolution;
+use crate::beam::MeshPlan;
+use crate::inverse::{Analysis, ArmSolution, Resources, invert_arm};
+use crate::link::Arm;
+use crate::motion::{ArmPath, Curve, PathColumns, Profile};
 use crate::numeric::{TimeGrid, extremes, largest};
 
 /// Numbers of an arm's solution over the written window.
@@ -85,6 +89,16 @@ impl ArmMetrics {
         exceeded.map(|(joint, value)| (joint, Exceeded(value))).collect()
     }
 
+    /// How near a solution comes to each limit, with the number of the joint.
+    pub fn reached(&self, solution: &ArmSolution, limits: &[Limits]) -> Vec<(usize, Reached)> {
+        let joints = self.joints.iter().zip(limits).enumerate();
+        let of = |(number, (joint, limits)): (usize, (&JointMetrics, &Limits))| {
+            let reached = limits.reached_by(joint.limited(), joint.errors(solution, number));
+            reached.into_iter().map(move |reached| (number, reached))
+        };
+        joints.flat_map(of).collect()
+    }
+
     /// The values of each joint that have a limit, with the number of the joint.
     pub fn limited(&self, limits: &[Limits]) -> Vec<(usize, LimitedValue)> {
         let joints = self.joints.iter().zip(limits).enumerate();
@@ -145,5 +159,106 @@ impl JointMetrics {
             motor(self.peak_motor_rate_rad_s),
             motor(self.peak_motor_power_w),
         ]
+    }
+
+    /// Measured error of each of these values, relative to it, as of one link.
+    fn errors(&self, solution: &ArmSolution, joint: usize) -> [f64; 10] {
+        let own = &solution.joints[joint];
+        let errors = solution.errors[joint];
+        let errors = errors.zip(&errors, |own, _| all_kinds(own));
+        let has_weight = solution.arm.has_weight();
+        // With gravity errors are shares of ranges.
+        let off = |error: f64, history: &[f64]| {
+            let [low, high] = extremes(history);
+            error * if has_weight { high - low } else { largest(history) }
+        };
+        let of_motor = |error: Option<f64>, history: Option<&Vec<f64>>| {
+            error.zip(history).map_or(0.0, |(error, history)| off(error, history))
+        };
+        let motor = own.motor.as_ref();
+        let torque_n_m = off(errors.torque, &own.torque_n_m);
+        let rate_rad_s = off(errors.hub_rate, &own.angle[1]);
+        let angle_rad = off(errors.hub_angle, &own.angle[0]);
+        let motor_torque_n_m = of_motor(errors.motor_torque, motor.map(|own| &own.torque_n_m));
+        let motor_rate_rad_s = of_motor(errors.motor_rate, motor.map(|own| &own.rate_rad_s));
+        let motor_peaks = [self.peak_motor_torque_n_m, self.peak_motor_rate_rad_s];
+        let [motor_peak_n_m, motor_peak_rad_s] = motor_peaks.map(Option::unwrap_or_default);
+        let off = [
+            torque_n_m,
+            torque_n_m,
+            rate_rad_s,
+            torque_n_m * self.peak_rate_rad_s + rate_rad_s * self.peak_torque_n_m,
+            angle_rad * solution.arm.links()[joint].link.length_m(),
+            torque_n_m,
+            motor_torque_n_m,
+            motor_torque_n_m,
+            motor_rate_rad_s,
+            motor_torque_n_m * motor_peak_rad_s + motor_rate_rad_s * motor_peak_n_m,
+        ];
+        let found = self.limited();
+        std::array::from_fn(|k| if off[k] == 0.0 { 0.0 } else { (off[k] / found[k]).min(f64::MAX) })
+    }
+}
+
+/// The path of an arm's tip with all given but its duration, with the arm and its limits.
+#[derive(Debug, Clone, Copy)]
+pub struct ArmFitProblem<'a> {
+    /// The arm.
+    pub arm: &'a Arm,
+    /// How each link is meshed.
+    pub plans: &'a [MeshPlan],
+    /// How exact the answers must be.
+    pub analysis: &'a Analysis,
+    /// Memory in bytes that each trial may take; `None`: no limit.
+    pub memory_bytes: Option<usize>,
+    /// Largest values that each joint, its link and its motor may reach.
+    pub limits: &'a [Limits],
+    /// Where the tip goes.
+    pub curve: &'a Curve,
+    /// How it goes along the curve.
+    pub profile: Profile,
+    /// Step of the path in s.
+    pub step_s: f64,
+    /// Constant directions in rad of the links from the third on.
+    pub outer_rad: &'a [f64],
+}
+
+/// The fewest steps of a path within the limits of all joints, found as [`shortest_fit`](super::shortest_fit) does.
+///
+/// # Errors
+/// [`FitError`] where no duration fits.
+pub fn shortest_arm_fit(problem: &ArmFitProblem) -> Result<Fit<ArmSolution>, FitError> {
+    problem.shortest()
+}
+
+impl Trials for ArmFitProblem<'_> {
+    type Solution = ArmSolution;
+
+    /// An arm that exceeds its limits in a motion as slow as that does so by its weight.
+    const MOST_STEPS: usize = 1 << 14;
+
+    fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
+    fn tried(&self, steps: usize) -> Result<Option<Fit<ArmSolution>>, FitError> {
+        let places = self.curve.sampled(self.profile, steps, [0, 0])?;
+        let columns = PathColumns::of_tip(self.step_s, &places, self.outer_rad);
+        let links = self.arm.links().iter();
+        let lengths_m: Vec<f64> = links.map(|own| own.link.length_m()).collect();
+        let path = ArmPath::new(columns, &lengths_m)?;
+        let resources = Resources { memory_bytes: self.memory_bytes, ..Resources::default() };
+        let solution = invert_arm(self.arm, self.plans, &path, self.analysis, &resources)?;
+        for (joint, (own, limits)) in solution.joints.iter().zip(self.limits).enumerate() {
+            let ends = own.torque_n_m.first().into_iter().chain(own.torque_n_m.last());
+            let held_n_m = ends.fold(0.0, |most: f64, torque| most.max(torque.abs()));
+            if let Some(limit_n_m) = limits.torque_n_m.filter(|limit| held_n_m > *limit) {
+                return Err(FitError::TooHeavyArm { joint, limit_n_m, held_n_m });
+            }
+        }
+        let reached = ArmMetrics::of(&solution).reached(&solution, self.limits).into_iter();
+        let binding = reached.max_by(|a, b| a.1.share().total_cmp(&b.1.share()));
+        let (joint, binding) = binding.unzip();
+        Ok(Fit::within(steps, solution, (joint, binding)))
     }
 }

@@ -1,12 +1,8 @@
-//! Modes and zeros of a link, errors of a mesh in these and in transfers, and of a simulated tip against a target.
+//! Modes and zeros of a link, errors of a mesh in these and in transfers.
 
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::beam::Mesh;
-use crate::motion::TipTarget;
-use crate::numeric::{CubicSpline, SplineEnds, rounded};
-use crate::response::Simulation;
 use crate::text::significant;
 
 /// Relative error above which the user is warned.
@@ -112,20 +108,27 @@ pub struct ModesResult {
     pub damping_ratios: Vec<f64>,
     /// Relative errors that the mesh causes in the natural frequencies; NaN where unknown, as below.
     pub mesh_errors: Vec<f64>,
-    /// Zeros ±z of torque → tip in 1/s.
-    pub zeros_per_s: Vec<f64>,
-    /// Relative errors that the mesh causes in them.
-    pub zero_mesh_errors: Vec<f64>,
-    /// Zeros at real frequencies in Hz: no torque moves the tip there.
-    pub blocked_hz: Vec<f64>,
-    /// Relative errors that the mesh causes in them.
-    pub blocked_mesh_errors: Vec<f64>,
+    /// Zeros of torque → tip.
+    pub zeros: LinkZeros,
     /// Distance of each node from the axis in m.
     pub nodes_m: Vec<f64>,
     /// Mass-normalised displacement of each node in 1/√kg, one list a mode.
     pub shapes: Vec<Vec<f64>>,
     /// Modes with the rotor held, where the link has a drive.
     pub held: Option<HeldModes>,
+}
+
+/// Zeros of one link's torque → tip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkZeros {
+    /// Zeros ±z in 1/s.
+    pub zeros_per_s: Vec<f64>,
+    /// Relative errors that the mesh causes in them; NaN where unknown.
+    pub mesh_errors: Vec<f64>,
+    /// Zeros at real frequencies in Hz: no torque moves the tip there.
+    pub blocked_hz: Vec<f64>,
+    /// Relative errors that the mesh causes in them.
+    pub blocked_mesh_errors: Vec<f64>,
 }
 
 /// The modes of a link while the motor holds the rotor.
@@ -178,7 +181,7 @@ impl PoseSquares {
     }
 }
 
-impl ModesResult {
+impl LinkZeros {
     /// Time in s before the motion at which the torque is 1 % of that at its start, with this zero alone:
     /// ln(100)/z.
     pub fn leads_s(&self) -> Vec<f64> {
@@ -186,132 +189,19 @@ impl ModesResult {
     }
 
     /// Warnings of errors that the mesh causes.
+    pub fn warnings(&self) -> impl Iterator<Item = CoarseMesh> {
+        let lists = [("zero", &self.mesh_errors), ("blocked frequency", &self.blocked_mesh_errors)];
+        lists.into_iter().filter_map(|(what, errors)| CoarseMesh::of(what, errors))
+    }
+}
+
+impl ModesResult {
+    /// Warnings of errors that the mesh causes.
     pub fn warnings(&self) -> Vec<CoarseMesh> {
         let held = self.held.as_ref().map_or(&[][..], |held| &held.mesh_errors);
-        let lists = [
-            ("mode", &self.mesh_errors[..]),
-            ("zero", &self.zero_mesh_errors),
-            ("blocked frequency", &self.blocked_mesh_errors),
-            ("mode with the rotor held", held),
-        ];
-        lists.into_iter().filter_map(|(what, errors)| CoarseMesh::of(what, errors)).collect()
-    }
-}
-
-/// Largest travel of the tip before the target's first sample, relative to the target's travel.
-const MOVED_BEFORE: f64 = 1e-2;
-
-/// Distance of a simulated tip from the wanted motion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct TipError {
-    /// Largest distance in m.
-    pub worst_m: f64,
-    /// The same, relative to the largest distance of the wanted motion from its start.
-    pub share: f64,
-    /// Time of the largest distance in s.
-    pub time_s: f64,
-    /// Root mean square of the distance over the target's samples in m.
-    pub rms_m: f64,
-    /// Distance at the target's last sample in m, simulated less wanted.
-    pub final_m: f64,
-    /// Set if the tip moves before the target begins.
-    pub late: Option<LateTarget>,
-}
-
-/// A target that begins after the tip has moved: its first displacement is taken as that of the link at
-/// rest.
-#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
-#[error(
-    "the target begins at {} s, when the tip has moved by {:?} m: its first displacement is taken as \
-     that of the link at rest",
-    rounded(*start_s, 12),
-    rounded(*moved_m, 4)
-)]
-pub struct LateTarget {
-    /// First time of the target in s.
-    pub start_s: f64,
-    /// Travel of the simulated tip until then in m.
-    pub moved_m: f64,
-}
-
-impl LateTarget {
-    /// Name of the warning, for machines.
-    pub fn kind(&self) -> &'static str {
-        "late_target"
-    }
-
-    /// What the user can do about it.
-    pub fn hint(&self) -> &'static str {
-        "a target that begins before the tip moves"
-    }
-}
-
-/// Why a simulation is not compared with a target.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum TargetError {
-    /// The target ends after the simulation.
-    #[error(
-        "the target ends at {} s, but must not go on after the simulation, which ends at {} s",
-        rounded(*end_s, 12),
-        rounded(*simulated_s, 12)
-    )]
-    EndsLate {
-        /// Last time of the target in s.
-        end_s: f64,
-        /// Last time of the simulation in s.
-        simulated_s: f64,
-    },
-    /// The target does not move.
-    #[error("the target stands still in all samples, but must move")]
-    NoMotion,
-}
-
-impl TargetError {
-    /// What the user can do about it.
-    pub fn hint(&self) -> Option<&'static str> {
-        match self {
-            Self::EndsLate { .. } => Some("simulate longer, or cut the target"),
-            Self::NoMotion => None,
-        }
-    }
-}
-
-impl TipError {
-    /// Compares a simulation with a wanted displacement at the target's own times.
-    ///
-    /// The tip rests before the simulation's first sample; between samples a cubic spline interpolates.
-    ///
-    /// # Errors
-    /// [`TargetError`].
-    pub fn of(simulation: &Simulation, target: &TipTarget) -> Result<Self, TargetError> {
-        let (own, grid, wanted_m) = (&simulation.grid, target.grid(), target.displacement_m());
-        let spline = CubicSpline::uniform(&simulation.tip.displacement_m, SplineEnds::NotAKnot);
-        let travel_m = target.largest_travel_m();
-        if travel_m == 0.0 {
-            return Err(TargetError::NoMotion);
-        }
-        let last = (own.len - 1) as f64;
-        let at = |k: usize| (grid.time_s(k) - own.time_s(0)) / own.step_s;
-        if at(grid.len - 1) > last + 1e-6 {
-            let (end_s, simulated_s) = (target.grid().end_s(), own.time_s(own.len - 1));
-            return Err(TargetError::EndsLate { end_s, simulated_s });
-        }
-        let tip_m = |k: usize| spline.value(at(k).clamp(0.0, last));
-        let strays = |(k, wanted): (usize, &f64)| tip_m(k) - wanted;
-        let errors: Vec<f64> = wanted_m.iter().enumerate().map(strays).collect();
-        let larger = |a: &usize, b: &usize| errors[*a].abs().total_cmp(&errors[*b].abs());
-        let worst = (0..errors.len()).max_by(larger).unwrap_or(0);
-        let squares: f64 = errors.iter().map(|e| e * e).sum();
-        let moved_m = (tip_m(0) - simulation.tip.displacement_m[0]).abs();
-        let late = LateTarget { start_s: grid.time_s(0), moved_m };
-        Ok(Self {
-            worst_m: errors[worst].abs(),
-            share: errors[worst].abs() / travel_m,
-            time_s: grid.time_s(worst),
-            rms_m: (squares / errors.len() as f64).sqrt(),
-            final_m: errors[errors.len() - 1],
-            late: (moved_m > MOVED_BEFORE * travel_m).then_some(late),
-        })
+        let free = CoarseMesh::of("mode", &self.mesh_errors);
+        let held = CoarseMesh::of("mode with the rotor held", held);
+        free.into_iter().chain(self.zeros.warnings()).chain(held).collect()
     }
 }
 

@@ -4,9 +4,9 @@ use thiserror::Error;
 
 use super::limits::{Limits, Reached};
 use crate::beam::MeshPlan;
-use crate::inverse::{Analysis, InversionError, Resources, Solution, invert_with};
+use crate::inverse::{Analysis, ArmError, InversionError, Resources, Solution, invert_with};
 use crate::link::Link;
-use crate::motion::{MotionError, Profile, TipMotion};
+use crate::motion::{CurveError, MotionError, PathError, Profile, TipMotion};
 use crate::text::{plain, significant};
 
 /// Fewest steps of a motion.
@@ -77,6 +77,30 @@ pub enum FitError {
     /// The motion has no torque.
     #[error(transparent)]
     Inversion(#[from] InversionError),
+    /// A joint of an arm that takes more than its limit at rest.
+    #[error(
+        "joint {}: limits.torque = {} N m, but must be at least {} N m, which holds the arm at an end of its path",
+        joint + 1,
+        significant(*limit_n_m, 4),
+        significant(*held_n_m, 4)
+    )]
+    TooHeavyArm {
+        /// Number of the joint, from 0.
+        joint: usize,
+        /// The limit in N m.
+        limit_n_m: f64,
+        /// What holds the arm in N m.
+        held_n_m: f64,
+    },
+    /// The path is none of so many steps.
+    #[error(transparent)]
+    Curve(#[from] CurveError),
+    /// The path is none of the arm.
+    #[error(transparent)]
+    Path(#[from] PathError),
+    /// The path has no torques.
+    #[error(transparent)]
+    Arm(#[from] ArmError),
 }
 
 fn unsolved(failed: Option<&(usize, Box<FitError>)>) -> String {
@@ -87,18 +111,34 @@ fn unsolved(failed: Option<&(usize, Box<FitError>)>) -> String {
 
 /// The fewest steps found within the limits.
 #[derive(Clone)]
-pub struct Fit {
+pub struct Fit<S = Solution> {
     /// Steps of the motion.
     pub steps: usize,
     /// Its solution.
-    pub solution: Solution,
+    pub solution: S,
     /// The limit that it comes closest to; none if none is set.
     pub binding: Option<Reached>,
+    /// Number of the joint that this limit is of, from 0, of an arm.
+    pub joint: Option<usize>,
+    /// Why the motion of a step less is not solved; none where it exceeds a limit.
+    pub unsolved: Option<Box<FitError>>,
     /// How many motions of fewer steps were tried; none of them is within the limits.
     pub shorter_tried: usize,
 }
 
-impl Fit {
+impl<S> Fit<S> {
+    /// The motion of so many steps if it is within the limits: the one that it comes closest to is `binding`.
+    pub(super) fn within(
+        steps: usize,
+        solution: S,
+        (joint, binding): (Option<usize>, Option<Reached>),
+    ) -> Option<Self> {
+        // A value with a larger error is not known to be within any limit.
+        let fits = |reached: Reached| reached.share() <= 1.0 && reached.error <= TELLING;
+        let fit = || Self { steps, solution, binding, joint, unsolved: None, shorter_tried: 0 };
+        binding.is_none_or(fits).then(fit)
+    }
+
     /// True if every motion of fewer steps was tried.
     pub fn is_shortest(&self) -> bool {
         self.shorter_tried == self.shorter()
@@ -145,21 +185,83 @@ pub struct FitProblem<'a> {
 /// [`FitError`] where no duration fits.
 pub fn shortest_fit(problem: &FitProblem) -> Result<Fit, FitError> {
     problem.check_weight()?;
-    let (mut refused, upper) = problem.doubled()?;
-    let mut last = FEWEST_STEPS - 1;
-    let mut found = upper;
-    for steps in grid(found.steps) {
-        if let Some(fit) = problem.tried_once(steps, &mut refused) {
-            found = fit;
-            break;
+    problem.shortest()
+}
+
+/// Motions that differ in their number of steps alone.
+pub(super) trait Trials {
+    type Solution;
+
+    /// Most steps that are tried.
+    const MOST_STEPS: usize;
+
+    /// Their step in s.
+    fn step_s(&self) -> f64;
+
+    /// The motion of so many steps with its torques; none where it exceeds a limit.
+    fn tried(&self, steps: usize) -> Result<Option<Fit<Self::Solution>>, FitError>;
+
+    /// The fewest steps within the limits, see [`shortest_fit`].
+    fn shortest(&self) -> Result<Fit<Self::Solution>, FitError> {
+        let (mut refused, upper) = self.doubled()?;
+        let mut last = FEWEST_STEPS - 1;
+        let mut found = upper;
+        for steps in grid(found.steps) {
+            if let Some(fit) = self.tried_once(steps, &mut refused) {
+                found = fit;
+                break;
+            }
+            last = steps;
         }
-        last = steps;
+        let between = last + 1..found.steps;
+        let earlier = { between }.find_map(|steps| self.tried_once(steps, &mut refused));
+        let fit = earlier.unwrap_or(found);
+        let shorter_tried = refused.iter().filter(|steps| **steps < fit.steps).count();
+        let before = fit.steps - 1;
+        let unsolved = refused.contains(&before).then(|| self.tried(before).err()).flatten();
+        Ok(Fit { shorter_tried, unsolved: unsolved.map(Box::new), ..fit })
     }
-    let between = last + 1..found.steps;
-    let earlier = { between }.find_map(|steps| problem.tried_once(steps, &mut refused));
-    let fit = earlier.unwrap_or(found);
-    let shorter_tried = refused.iter().filter(|steps| **steps < fit.steps).count();
-    Ok(Fit { shorter_tried, ..fit })
+
+    /// The first of doubled durations that fits, and those before it.
+    fn doubled(&self) -> Result<(Vec<usize>, Fit<Self::Solution>), FitError> {
+        let (mut refused, mut failed) = (Vec::new(), None);
+        let mut steps = FEWEST_STEPS;
+        while steps <= Self::MOST_STEPS {
+            match self.tried(steps) {
+                Ok(Some(fit)) => return Ok((refused, fit)),
+                Ok(None) => {}
+                Err(error @ FitError::TooHeavyArm { .. }) => return Err(error),
+                Err(error) => {
+                    let count = failed.map_or(0, |(count, _)| count);
+                    failed = Some((count + 1, Box::new(error)));
+                }
+            }
+            refused.push(steps);
+            steps *= 2;
+        }
+        let tried = refused.len();
+        match failed {
+            Some((count, error)) if count == tried => Err(*error),
+            failed => {
+                let step_s = self.step_s();
+                let (shortest_s, longest_s) =
+                    (FEWEST_STEPS as f64 * step_s, Self::MOST_STEPS as f64 * step_s);
+                Err(FitError::TooSlow { tried, shortest_s, longest_s, failed })
+            }
+        }
+    }
+
+    /// Tries a number of steps, unless it was refused before; adds it to these if it does not fit.
+    fn tried_once(&self, steps: usize, refused: &mut Vec<usize>) -> Option<Fit<Self::Solution>> {
+        if refused.contains(&steps) {
+            return None;
+        }
+        let fit = self.tried(steps).ok().flatten();
+        if fit.is_none() {
+            refused.push(steps);
+        }
+        fit
+    }
 }
 
 /// Steps below `end`, a power of two, to try, upward: all, or at most [`TRIALS`], as many in each
@@ -172,6 +274,28 @@ fn grid(end: usize) -> impl Iterator<Item = usize> {
         Some(steps + stride.max(1)).filter(|next| *next < end)
     };
     std::iter::successors(Some(FEWEST_STEPS).filter(|first| *first < end), next)
+}
+
+impl Trials for FitProblem<'_> {
+    type Solution = Solution;
+
+    const MOST_STEPS: usize = MOST_STEPS;
+
+    fn step_s(&self) -> f64 {
+        self.motion.step_s
+    }
+
+    fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
+        let OpenMotion { profile, distance_m, step_s } = self.motion;
+        let motion = TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0]))?;
+        if self.plan.is_automatic() && self.exceeds_on_a_coarse_mesh(&motion) {
+            return Ok(None);
+        }
+        let solution = self.inverted(self.plan, &motion)?;
+        let reached = self.limits.reached(&solution).into_iter();
+        let binding = reached.max_by(|a, b| a.share().total_cmp(&b.share()));
+        Ok(Fit::within(steps, solution, (None, binding)))
+    }
 }
 
 impl FitProblem<'_> {
@@ -189,61 +313,6 @@ impl FitProblem<'_> {
             return Err(FitError::TooHeavy { limit_n_m, held_n_m });
         }
         Ok(())
-    }
-
-    /// The first of doubled durations that fits, and those before it.
-    fn doubled(&self) -> Result<(Vec<usize>, Fit), FitError> {
-        let (mut refused, mut failed) = (Vec::new(), None);
-        let mut steps = FEWEST_STEPS;
-        while steps <= MOST_STEPS {
-            match self.tried(steps) {
-                Ok(Some(fit)) => return Ok((refused, fit)),
-                Ok(None) => {}
-                Err(error) => {
-                    let count = failed.map_or(0, |(count, _)| count);
-                    failed = Some((count + 1, Box::new(error)));
-                }
-            }
-            refused.push(steps);
-            steps *= 2;
-        }
-        let tried = refused.len();
-        match failed {
-            Some((count, error)) if count == tried => Err(*error),
-            failed => {
-                let step_s = self.motion.step_s;
-                let (shortest_s, longest_s) =
-                    (FEWEST_STEPS as f64 * step_s, MOST_STEPS as f64 * step_s);
-                Err(FitError::TooSlow { tried, shortest_s, longest_s, failed })
-            }
-        }
-    }
-
-    /// Tries a number of steps, unless it was refused before; adds it to these if it does not fit.
-    fn tried_once(&self, steps: usize, refused: &mut Vec<usize>) -> Option<Fit> {
-        if refused.contains(&steps) {
-            return None;
-        }
-        let fit = self.tried(steps).ok().flatten();
-        if fit.is_none() {
-            refused.push(steps);
-        }
-        fit
-    }
-
-    /// The motion of so many steps with its torque; none where it exceeds a limit.
-    fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
-        let OpenMotion { profile, distance_m, step_s } = self.motion;
-        let motion = TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0]))?;
-        if self.plan.is_automatic() && self.exceeds_on_a_coarse_mesh(&motion) {
-            return Ok(None);
-        }
-        let solution = self.inverted(self.plan, &motion)?;
-        let reached = self.limits.reached(&solution).into_iter();
-        let binding = reached.max_by(|a, b| a.share().total_cmp(&b.share()));
-        // A value with a larger error is not known to be within any limit.
-        let fits = |reached: Reached| reached.share() <= 1.0 && reached.error <= TELLING;
-        Ok(binding.is_none_or(fits).then(|| Fit { steps, solution, binding, shorter_tried: 0 }))
     }
 
     /// True if a value exceeds its limit by more than four times its error on a coarser mesh: then the

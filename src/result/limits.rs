@@ -144,9 +144,14 @@ impl Limits {
     /// How near a solution comes to each limit, in the order of the link file.
     pub fn reached(&self, solution: &Solution) -> Vec<Reached> {
         let metrics = Metrics::of(solution);
-        let errors = self.entries().into_iter().zip(errors(solution, &metrics));
+        self.reached_by(found(&metrics), errors(solution, &metrics))
+    }
+
+    /// How near these values, whose errors are these, come to their limits; both in the order of the link file.
+    pub(super) fn reached_by(&self, found: [f64; 10], errors: [f64; 10]) -> Vec<Reached> {
+        let errors = self.entries().into_iter().zip(errors);
         let errors = errors.filter(|((_, limit, _), _)| limit.is_some());
-        let values = self.limited_values(&metrics).into_iter().zip(errors);
+        let values = self.limited_of(found).into_iter().zip(errors);
         values.map(|(value, (_, error))| Reached { value, error }).collect()
     }
 
@@ -201,18 +206,21 @@ fn found(metrics: &Metrics) -> [f64; 10] {
     ]
 }
 
+/// The errors of all kinds of one quantity.
+pub(super) fn all_kinds(errors: QuantityErrors) -> f64 {
+    let QuantityErrors { mesh, window, step, iteration, modes, input } = errors;
+    [step, iteration, modes, input]
+        .into_iter()
+        .flatten()
+        .fold(mesh + window, |sum, error| sum + error)
+}
+
 /// Measured error of each of these values, relative to it.
 ///
 /// Errors are measured relative to peaks: a root mean square has the error of the peak. Power has the
 /// errors of torque and rate, deflection that of the hub angle, the root's moment that of the torque.
 fn errors(solution: &Solution, metrics: &Metrics) -> [f64; 10] {
-    let errors = solution.accuracy.of_kind(|errors| {
-        let QuantityErrors { mesh, window, step, iteration, modes, input } = errors;
-        [step, iteration, modes, input]
-            .into_iter()
-            .flatten()
-            .fold(mesh + window, |sum, error| sum + error)
-    });
+    let errors = solution.accuracy.of_kind(all_kinds);
     // With gravity errors are shares of ranges.
     let has_weight = solution.link().has_weight();
     let per_peak = |error: f64, history: &[f64]| {

@@ -2,6 +2,7 @@
 //! results read back.
 
 mod arm;
+mod arm_play;
 mod channels;
 mod errors;
 mod fit;
@@ -11,12 +12,14 @@ mod peak;
 mod recording;
 mod remark;
 mod stored;
+mod tip_error;
 
-pub use arm::{ArmMetrics, JointMetrics};
+pub use arm::{ArmFitProblem, ArmMetrics, JointMetrics, shortest_arm_fit};
+pub use arm_play::{ArmPlayMetrics, PlayedJoint};
 pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
 pub use errors::{
-    BandMeshError, CoarseMesh, HeldModes, LateTarget, ModesResult, PoseModes, PoseSquares,
-    TargetError, TipError, mesh_errors,
+    BandMeshError, CoarseMesh, HeldModes, LinkZeros, ModesResult, PoseModes, PoseSquares,
+    mesh_errors,
 };
 pub use fit::{Fit, FitError, FitProblem, OpenMotion, shortest_fit};
 pub use limits::{Exceeded, LimitedValue, Limits, Reached};
@@ -25,6 +28,8 @@ pub use peak::Peak;
 pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;
 pub use stored::{
-    LineDifference, Origin, Repeated, RepeatedFile, StoredCheck, StoredInput, StoredNodes,
-    StoredResult, StoredRun, StoredSolution, StoredSweep, StoredWarning, line_difference,
+    LineDifference, Origin, Repeated, RepeatedFile, StoredArm, StoredArmLink, StoredCheck,
+    StoredInput, StoredJoint, StoredNodes, StoredResult, StoredRun, StoredSolution, StoredSweep,
+    StoredWarning, line_difference,
 };
+pub use tip_error::{LateTarget, TargetError, TipError, TipPlaces};

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::beam::Mesh;
 use crate::compare::Table;
 use crate::link::Link;
-use crate::motion::TipMotionHistories;
+use crate::motion::{Prescribed, TipMotionHistories};
 use crate::numeric::largest;
 
 /// A result that was read back.
@@ -16,6 +16,9 @@ use crate::numeric::largest;
 pub enum StoredResult {
     /// The folder of one run of `solve` or `simulate`.
     Run(Box<StoredRun>),
+    /// The folders of one or more runs of an arm of several links, all of as many links: the first is what a page is
+    /// of, others stand beside it.
+    Arms(Vec<StoredArm>),
     /// The table of a sweep.
     Sweep(Box<StoredSweep>),
 }
@@ -55,6 +58,80 @@ pub struct StoredRun {
     pub warnings: Vec<StoredWarning>,
     /// What is possible but rare.
     pub remarks: Vec<StoredWarning>,
+}
+
+/// What one run of an arm has left. All histories have as many values as `times_s`, but those of the nodes.
+#[derive(Debug, Clone)]
+pub struct StoredArm {
+    /// What the run was, and of what.
+    pub origin: Origin,
+    /// Name of its folder.
+    pub name: String,
+    /// Times of all histories in s, evenly spaced.
+    pub times_s: Vec<f64>,
+    /// The joints, the inner one first.
+    pub joints: Vec<StoredJoint>,
+    /// The links, the inner one first.
+    pub links: Vec<StoredArmLink>,
+    /// Times of the nodes' places in s, some or all of those of the run.
+    pub nodal_times_s: Vec<f64>,
+    /// x and y of the tip in m.
+    pub tip_m: [Vec<f64>; 2],
+    /// What its path prescribes, if it had one.
+    pub prescribed: Option<Prescribed>,
+    /// Times in s between which the path moves, if it had one.
+    pub moving_s: Option<(f64, f64)>,
+    /// Gravity along x and y in m/s²: 0 in a horizontal plane.
+    pub gravity_m_s2: [f64; 2],
+    /// Numbers of the summary that belong to no joint, by name: `way_m`.
+    pub readings: Vec<(String, f64)>,
+    /// What verifying the answer gave; empty where it was not verified.
+    pub checks: Vec<StoredCheck>,
+    /// What the user must know.
+    pub warnings: Vec<StoredWarning>,
+    /// What is possible but rare.
+    pub remarks: Vec<StoredWarning>,
+}
+
+/// One joint of an arm: histories, and its numbers in the summary.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredJoint {
+    /// Torque in N m that turns its link, and the link before the other way.
+    pub torque_n_m: Vec<f64>,
+    /// Angle in rad of its link's root against the tip of the link before, of the first joint against x.
+    pub angle_rad: Vec<f64>,
+    /// Torque in N m that the rigid arm would need, if it was written.
+    pub rigid_torque_n_m: Option<Vec<f64>>,
+    /// Angle in rad of the rigid arm's joint, if it was written.
+    pub rigid_angle_rad: Option<Vec<f64>>,
+    /// Torque in N m of its motor, where it has a drive.
+    pub motor_torque_n_m: Option<Vec<f64>>,
+    /// Its numbers by name, which ends in the unit: `peak_torque_n_m`.
+    pub readings: Vec<(String, f64)>,
+    /// For each quantity, `torque`, what it may be off by, by kind: `mesh`.
+    pub errors: Vec<(String, Vec<(String, f64)>)>,
+}
+
+impl StoredJoint {
+    /// Its number of this name, if the summary has it.
+    pub fn reading(&self, name: &str) -> Option<f64> {
+        self.readings.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
+    }
+}
+
+/// One link of an arm.
+#[derive(Debug, Clone)]
+pub struct StoredArmLink {
+    /// Its name; its number where it has none.
+    pub name: String,
+    /// The link, with the next joint's body as its payload.
+    pub link: Link,
+    /// Distance of the nodes from its joint in m, the tip's last.
+    pub nodes_m: Vec<f64>,
+    /// x and y of the nodes in m, at `nodal_times_s` of the arm.
+    pub positions_m: Vec<[Vec<f64>; 2]>,
+    /// Bending moment in N m, if it was written.
+    pub moments_n_m: Option<StoredNodes>,
 }
 
 /// Who made a result, from what.

@@ -14,10 +14,10 @@ use crate::link::{Arm, ArmLink, ArmParts, Elbow};
 use crate::result::{Limits, Remark};
 
 /// Keys that an arm has once, which each of its links is read with.
-const SHARED: [&str; 2] = ["mesh", "analysis"];
+pub(super) const SHARED: [&str; 2] = ["mesh", "analysis"];
 
-/// Keys that the only link of an arm takes from it, too.
-const OF_ONE_LINK: [&str; 3] = ["title", "gravity", "start_angle"];
+/// Keys of an arm that its only link takes from it, too.
+pub(super) const OF_ARM: [&str; 3] = ["title", "gravity", "start_angle"];
 
 /// The checked content of an arm file.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +32,8 @@ pub struct ArmSpecification {
     pub limits: Vec<Limits>,
     /// Values that are possible but rare, often a slip of units.
     pub remarks: Vec<Remark>,
+    /// Line of the file, from 1, at which each link begins; none where a `--set` wrote it.
+    pub lines: Vec<Option<usize>>,
 }
 
 /// What a file describes.
@@ -167,9 +169,12 @@ pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
     if count == 0 {
         return Err(Fault::new("links", "links = nothing, but must hold at least one [[links]]"));
     }
+    // Messages call a link as a `--set` may: by its name, or by its number.
+    let called = |link: usize| raw.links[link].name.clone().unwrap_or_else(|| link.to_string());
     let read = |link: usize| {
-        let node = link_node(tree, link, count)?;
-        specification_of(&node).map_err(|fault| fault.of_link(link, link + 1 == count))
+        let node = link_node(tree, (link, &called(link)), count)?;
+        specification_of(&node)
+            .map_err(|fault| fault.of_link((link, &called(link)), link + 1 == count))
     };
     if count == 1 {
         if raw.elbow.is_some() {
@@ -182,6 +187,7 @@ pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
         return Err(Fault::new("start_angle", message));
     }
     let specifications = (0..count).map(read).collect::<Result<Vec<_>, _>>()?;
+    let lines = (0..count).map(|link| line_of(tree, link)).collect();
     let names = raw.links.into_iter().map(|link| link.name);
     let analysis = specifications[0].analysis;
     let mut found = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -201,27 +207,37 @@ pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
         }),
     })?;
     let (meshes, limits, remarks) = (found.1, found.2, found.3);
-    Ok(Described::Arm(Box::new(ArmSpecification { arm, meshes, analysis, limits, remarks })))
+    Ok(Described::Arm(Box::new(ArmSpecification { arm, meshes, analysis, limits, remarks, lines })))
+}
+
+/// Line of the file at which a link begins.
+fn line_of(tree: &Node, link: usize) -> Option<usize> {
+    match tree.get("links")?.get(&link.to_string())?.place {
+        Place::Line(line) => Some(line),
+        Place::File | Place::Override(_) => None,
+    }
 }
 
 /// A link of an arm as the tree of a link file.
-fn link_node(tree: &Node, link: usize, count: usize) -> Result<Node, Fault> {
+fn link_node(tree: &Node, (link, called): (usize, &str), count: usize) -> Result<Node, Fault> {
     let list = tree.get("links").and_then(|node| node.get(&link.to_string()));
     let Some(Node { place, kind: Kind::Table(own) }) = list else {
         return Err(Fault::new(format!("links.{link}"), "must be a table"));
     };
-    let shared = SHARED.iter().chain(OF_ONE_LINK.iter().filter(|_| count == 1));
+    let shared = SHARED.iter().chain(OF_ARM.iter().filter(|_| count == 1));
     let mut entries: Vec<(String, Node)> = Vec::new();
     for key in shared {
         entries.extend(tree.get(key).map(|node| ((*key).to_owned(), node.clone())));
     }
     let is_last = link + 1 == count;
     for (key, node) in own {
-        let at = format!("links.{link}.{key}");
-        let refused = |why: &str| Err(Fault::new(at.clone(), format!("{at} is given, but {why}")));
+        let refused = |why: &str| {
+            let message = format!("links.{called}.{key} is given, but {why}");
+            Err(Fault::new(format!("links.{link}.{key}"), message))
+        };
         match key.as_str() {
             "name" => {}
-            "mesh" | "analysis" | "gravity" | "start_angle" | "title" => {
+            key if SHARED.contains(&key) || OF_ARM.contains(&key) => {
                 return refused("belongs to the arm, above its links");
             }
             "payload" if !is_last => {

@@ -59,7 +59,7 @@ impl Fault {
     }
 
     /// The refusal of what a link file holds, in a link of an arm.
-    pub(super) fn of_link(mut self, link: usize, is_last: bool) -> Self {
+    pub(super) fn of_link(mut self, (link, called): (usize, &str), is_last: bool) -> Self {
         if !is_last {
             // What the tip of an inner link carries is read as a payload.
             let renamed = |text: &str| match text.strip_prefix("payload") {
@@ -80,19 +80,20 @@ impl Fault {
         let below = |path: &str| {
             if path.is_empty() { format!("links.{link}") } else { format!("links.{link}.{path}") }
         };
+        let own = format!("links.{called}");
         let named =
             self.paths.iter().any(|path| !path.is_empty() && self.message.starts_with(path));
         self.message = if named || self.message.starts_with("unknown key") {
-            let of_tail = self.message.replacen(" in ", &format!(" in links.{link}."), 1);
+            let of_tail = self.message.replacen(" in ", &format!(" in {own}."), 1);
             if named {
-                below(&self.message)
+                format!("{own}.{}", self.message)
             } else if of_tail == self.message {
-                format!("{} in links.{link}", self.message)
+                format!("{} in {own}", self.message)
             } else {
                 of_tail
             }
         } else {
-            format!("links.{link}: {}", self.message)
+            format!("{own}: {}", self.message)
         };
         self.paths = self.paths.iter().map(|path| below(path)).collect();
         if self.message.starts_with("unknown key") {

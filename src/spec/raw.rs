@@ -1,18 +1,15 @@
 //! The link file key by key, as it is written; conversion decides what is allowed together. The types of
 //! the keys, their comments and ranges make the JSON Schema.
 
-use schemars::generate::SchemaSettings;
-use schemars::transform::transform_subschemas;
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::choices::{Model, Order, Shape, Theory, combinations, dimensions, properties};
 use super::value::{
     AlongAxes, Angle, Area, BendingStiffness, Count, Density, Elements, Length, Mass,
     MassPerLength, Power, Pressure, Rate, RotaryInertia, RotaryInertiaPerLength, SecondMoment,
-    ShearStiffness, Time, Torque, Unbounded, ViscousFriction, above_zero, at_least_zero, describe,
-    tables,
+    ShearStiffness, Time, Torque, Unbounded, ViscousFriction, above_zero, at_least_zero, tables,
 };
 
 /// Link file of flexlink.
@@ -261,7 +258,7 @@ pub(super) struct RawLimits {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawMesh {
-    /// Elements of the whole link, or "auto", the default where a segment has no number of its own:
+    /// Elements of the whole link, of each link of an arm, or "auto", the default where a segment has no number of its own:
     /// refined until all that is written is exact to tolerance.
     pub(super) elements: Option<Elements>,
     /// Share of its peak that "auto" may cost every quantity, 1e-12 to 0.1.
@@ -299,63 +296,4 @@ fn shares(schema: &mut Schema) {
     schema.insert("minItems".into(), 1.into());
     let share = json!({ "type": "number", "minimum": 0, "exclusiveMaximum": 1 });
     schema.insert("items".into(), share);
-}
-
-/// JSON Schema (draft 7) of the link file, as text: what editors complete and check it with.
-///
-/// It has every key with its meaning, unit, range and default, and the keys that go together. It cannot
-/// say the dimension of a unit or the sum of the elements; the reader checks these. It has no
-/// references: editors show no description through one.
-///
-/// ```
-/// let schema: serde_json::Value = serde_json::from_str(&flexlink::spec::link_file_schema())?;
-/// assert!(schema["properties"]["hub"]["properties"]["inertia"].is_object());
-/// # Ok::<(), serde_json::Error>(())
-/// ```
-pub fn link_file_schema() -> String {
-    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
-    let generator = settings.with_transform(tidied).into_generator();
-    let mut schema = generator.into_root_schema_for::<RawSpecification>();
-    schema.insert("title".into(), "flexlink link file".into());
-    schema.insert("required".into(), Value::from(vec!["segments"]));
-    let mut schema = Value::from(schema);
-    schema.sort_all_objects();
-    format!("{schema:#}\n")
-}
-
-/// Removes the `null` of optional keys, which TOML does not have, and the line ends that wrap a
-/// description.
-fn tidied(schema: &mut Schema) {
-    if let Some(Value::String(text)) = schema.get_mut("description") {
-        let paragraphs: Vec<String> = text.split("\n\n").map(|p| p.replace('\n', " ")).collect();
-        *text = paragraphs.join("\n\n");
-    }
-    if let Some(Value::Array(types)) = schema.get_mut("type") {
-        types.retain(|kind| kind != "null");
-        if let [only] = &types[..] {
-            let only = only.clone();
-            schema.insert("type".into(), only);
-        }
-    }
-    if let Some(Value::Array(choices)) = schema.get_mut("enum") {
-        choices.retain(|choice| !choice.is_null());
-    }
-    if let Some(Value::Array(choices)) = schema.get_mut("anyOf") {
-        choices.retain(|choice| choice.get("type").is_none_or(|kind| kind != "null"));
-        if let [Value::Object(only)] = &mut choices[..] {
-            let only = std::mem::take(only);
-            schema.remove("anyOf");
-            // Keywords of the key come before those of its type.
-            for (keyword, value) in only {
-                schema.ensure_object().entry(keyword).or_insert(value);
-            }
-        }
-    }
-    // Where numbers have no default in the file, serde has one.
-    if schema.get("default").is_some_and(Value::is_null) {
-        schema.remove("default");
-    }
-    schema.remove("format");
-    describe(schema);
-    transform_subschemas(&mut tidied, schema);
 }

@@ -4,12 +4,14 @@ use serde_json::{Value, json};
 
 use super::folder::{FolderError, OutputFolder};
 use super::run_tables::{
-    CHORD_ANGLES, DEFLECTIONS, JOINT_ANGLES, MOMENTS, MOTOR, NODES, POSITIONS, REACTIONS,
-    RESULT_FILES, RIGID_TORQUES, RunOutputs, SUMMARY, TIP, TORQUES,
+    ARM_NODES, CHORD_ANGLES, DEFLECTIONS, JOINT_ANGLES, MOMENTS, MOTOR, NODES, POSITIONS,
+    REACTIONS, REPORT, RESULT_FILES, RIGID_TORQUES, RunOutputs, SUMMARY, TIP, TORQUES,
 };
 use super::summary::{LinkRecord, RunInputs, Summary, checks};
 use crate::csv::{Column, ColumnGroup, Digits, write_csv};
 use crate::inverse::{ArmSolution, ArmWarning, MotorHistories};
+use crate::link::Arm;
+use crate::motion::Prescribed;
 use crate::numeric::ThinnedGrid;
 use crate::result::{ArmMetrics, Exceeded, Remark, StoredWarning};
 use crate::verify::Verification;
@@ -30,13 +32,42 @@ pub struct ArmRun<'a> {
 }
 
 /// A table over time: columns in groups of one unit.
-type Table<'a> = Vec<ColumnGroup<'a>>;
+pub(super) type Table<'a> = Vec<ColumnGroup<'a>>;
 
 /// A table at nodes: names and samples of its columns.
 type NodalTable = Vec<(String, Vec<f64>)>;
 
+/// Names of the columns that are read back, of a joint by its number from 1, of a node of a link.
+pub(super) fn torque(joint: usize) -> String {
+    format!("torque{joint}_n_m")
+}
+
+pub(super) fn rigid_torque(joint: usize) -> String {
+    format!("rigid_torque{joint}_n_m")
+}
+
+pub(super) fn joint_angle(joint: usize) -> String {
+    format!("joint{joint}_rad")
+}
+
+pub(super) fn rigid_joint_angle(joint: usize) -> String {
+    format!("rigid_joint{joint}_rad")
+}
+
+pub(super) fn motor_torque(joint: usize) -> String {
+    format!("motor{joint}_torque_n_m")
+}
+
+pub(super) fn position(axis: &str, link: usize, node: usize) -> String {
+    format!("{axis}{link}_{node}_m")
+}
+
+pub(super) fn moment(link: usize, node: usize) -> String {
+    format!("m{link}_{node}_n_m")
+}
+
 /// Columns of one quantity, one for each joint or link.
-fn each<'a>(
+pub(super) fn each<'a>(
     name: impl Fn(usize) -> String,
     columns: impl Iterator<Item = &'a Vec<f64>>,
 ) -> ColumnGroup<'a> {
@@ -45,7 +76,7 @@ fn each<'a>(
 }
 
 /// One column, with decimals for its own peak.
-fn one(name: String, values: &[f64]) -> ColumnGroup<'_> {
+pub(super) fn one(name: String, values: &[f64]) -> ColumnGroup<'_> {
     ColumnGroup { columns: vec![Column { name, values }] }
 }
 
@@ -70,7 +101,7 @@ impl RunOutputs {
         file_names(self, solution).len()
     }
 
-    /// Writes the files of an arm's solution into `folder`: all or none.
+    /// Writes the files of an arm's solution, and the `page` of the run if there is one, into `folder`: all or none.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
@@ -78,7 +109,7 @@ impl RunOutputs {
         &self,
         folder: OutputFolder,
         solution: &ArmSolution,
-        summary: &Summary,
+        (summary, page): (&Summary, Option<&str>),
     ) -> Result<(), FolderError> {
         let all = solution.grid.thinned(std::num::NonZeroUsize::MIN);
         let write = |name: &str, time: &ThinnedGrid, table: &Table<'_>| {
@@ -93,7 +124,12 @@ impl RunOutputs {
                 columns.iter().map(|(name, values)| Column { name: name.clone(), values });
             write(name, &thinned, &vec![ColumnGroup { columns: columns.collect() }])?;
         }
-        folder.file(NODES.0, |out| write_nodes(out, solution))?;
+        folder.file(NODES.0, |out| {
+            write_nodes(out, &solution.arm, solution.links.iter().map(|link| &link.nodes_m))
+        })?;
+        if let Some(page) = page {
+            folder.file(REPORT, |out| out.write_all(page.as_bytes()))?;
+        }
         folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
         folder.commit(SUMMARY, &RESULT_FILES)
     }
@@ -109,10 +145,10 @@ impl RunOutputs {
         let mut motors = Table::new();
         for (number, (joint, link)) in (1..).zip(joints.iter().zip(links)) {
             let [angle, rate, acceleration] = &joint.angle;
-            angles.push(one(format!("joint{number}_rad"), angle));
+            angles.push(one(joint_angle(number), angle));
             angles.push(one(format!("joint{number}_rate_rad_s"), rate));
             angles.push(one(format!("joint{number}_acceleration_rad_s2"), acceleration));
-            angles.push(one(format!("rigid_joint{number}_rad"), &joint.rigid_angle_rad));
+            angles.push(one(rigid_joint_angle(number), &joint.rigid_angle_rad));
             let [angle, rate, acceleration] = &link.chord;
             chords.push(one(format!("angle{number}_rad"), angle));
             chords.push(one(format!("rate{number}_rad_s"), rate));
@@ -123,26 +159,19 @@ impl RunOutputs {
             reactions.push(one(format!("force{number}_y_n"), y));
             if let Some(motor) = &joint.motor {
                 let MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w } = motor;
-                motors.push(one(format!("motor{number}_torque_n_m"), torque_n_m));
+                motors.push(one(motor_torque(number), torque_n_m));
                 motors.push(one(format!("motor{number}_angle_rad"), angle_rad));
                 motors.push(one(format!("motor{number}_rate_rad_s"), rate_rad_s));
                 motors.push(one(format!("motor{number}_power_w"), power_w));
             }
         }
-        let tip = ["", "velocity_", "acceleration_"].into_iter().zip(["m", "m_s", "m_s2"]);
-        let tip = tip.enumerate().flat_map(|(order, (word, unit))| {
-            let of = |axis: usize| {
-                one(format!("{word}{}_{unit}", ["x", "y"][axis]), &solution.tip[axis][order])
-            };
-            [of(0), of(1)]
-        });
         let mut tables = vec![
-            (TORQUES, vec![each(|k| format!("torque{k}_n_m"), torques)]),
-            (RIGID_TORQUES, vec![each(|k| format!("rigid_torque{k}_n_m"), rigid)]),
+            (TORQUES, vec![each(torque, torques)]),
+            (RIGID_TORQUES, vec![each(rigid_torque, rigid)]),
             (JOINT_ANGLES, angles),
             (CHORD_ANGLES, chords),
             (REACTIONS, reactions),
-            (TIP.0, tip.collect()),
+            (TIP.0, tip_table(&solution.tip)),
         ];
         if !motors.is_empty() {
             tables.push((MOTOR.0, motors));
@@ -166,13 +195,14 @@ impl RunOutputs {
                     match *name {
                         POSITIONS => {
                             for (axis, values) in ["x", "y"].iter().zip(&link.positions_m[node]) {
-                                columns.push((format!("{axis}{number}_{node}_m"), few(values)));
+                                columns.push((position(axis, number, node), few(values)));
                             }
                         }
                         name if name == DEFLECTIONS.file => columns
                             .push((format!("w{number}_{node}_m"), few(&link.deflections_m[node]))),
-                        _ => columns
-                            .push((format!("m{number}_{node}_n_m"), few(&link.moments_n_m[node]))),
+                        _ => {
+                            columns.push((moment(number, node), few(&link.moments_n_m[node])));
+                        }
                     }
                 }
             }
@@ -181,16 +211,27 @@ impl RunOutputs {
     }
 }
 
+/// Columns of the tip's motion.
+pub(super) fn tip_table(tip: &[[Vec<f64>; 3]; 2]) -> Table<'_> {
+    let orders = ["", "velocity_", "acceleration_"].into_iter().zip(["m", "m_s", "m_s2"]);
+    let columns = orders.enumerate().flat_map(|(order, (word, unit))| {
+        let of = |axis: usize| one(format!("{word}{}_{unit}", ["x", "y"][axis]), &tip[axis][order]);
+        [of(0), of(1)]
+    });
+    columns.collect()
+}
+
 /// `nodes.csv`: every node of every link with its distance from the link's joint.
-fn write_nodes(
+pub(super) fn write_nodes<'a>(
     out: &mut (dyn std::io::Write + Send),
-    solution: &ArmSolution,
+    arm: &Arm,
+    nodes_m: impl Iterator<Item = &'a Vec<f64>>,
 ) -> std::io::Result<()> {
-    let format = Digits::Full.for_peak(solution.arm.length_m());
+    let format = Digits::Full.for_peak(arm.length_m());
     let mut table = csv::Writer::from_writer(out);
-    table.write_record(["link", "node", "x_m", "name"])?;
-    for (number, (link, own)) in (1..).zip(solution.links.iter().zip(solution.arm.links())) {
-        for (node, x_m) in link.nodes_m.iter().enumerate() {
+    table.write_record(ARM_NODES)?;
+    for (number, (nodes_m, own)) in (1..).zip(nodes_m.zip(arm.links())) {
+        for (node, x_m) in nodes_m.iter().enumerate() {
             let mut position = Vec::new();
             format.write(&mut position, *x_m);
             let (number, node) = (number.to_string(), node.to_string());
@@ -199,6 +240,24 @@ fn write_nodes(
         }
     }
     table.flush()
+}
+
+/// The arm and its links, in SI.
+pub(super) fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -> Value {
+    let links = arm.links().iter().zip(elements).map(|(own, elements)| {
+        json!({
+            "name": own.name,
+            "elements": elements,
+            "link": LinkRecord::of_parts(&own.link),
+            "drive": own.link.drive(),
+        })
+    });
+    json!({
+        "length_m": arm.length_m(),
+        "gravity_m_s2": arm.gravity_m_s2(),
+        "elbow": arm.elbow(),
+        "links": links.collect::<Vec<Value>>(),
+    })
 }
 
 impl Summary {
@@ -212,22 +271,18 @@ impl Summary {
         };
         let limits = exceeded.iter().map(limit);
         let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
-        let links = arm.links().iter().zip(solution.elements()).map(|(own, elements)| {
-            json!({
-                "name": own.name,
-                "elements": elements,
-                "link": LinkRecord::of_parts(&own.link),
-                "drive": own.link.drive(),
-            })
-        });
-        let grid = &solution.grid;
+        let (grid, path) = (&solution.grid, &solution.path);
+        let (first, last) = path.moving_samples();
         let iteration = solution.findings.iteration;
         let values = json!({
-            "arm": {
-                "length_m": arm.length_m(),
-                "gravity_m_s2": arm.gravity_m_s2(),
-                "elbow": arm.elbow(),
-                "links": links.collect::<Vec<Value>>(),
+            "arm": arm_record(arm, solution.elements()),
+            "motion": {
+                "given": match path.prescribed() {
+                    Prescribed::Tip => "tip",
+                    Prescribed::Angles => "angles",
+                },
+                "moves_from_s": path.grid().time_s(first),
+                "moves_until_s": path.grid().time_s(last),
             },
             "analysis": {
                 "tolerance": solution.analysis.tolerance(),
@@ -243,7 +298,7 @@ impl Summary {
                 "way_m": solution.way_m,
                 "joints": metrics.joints,
             },
-            "errors": { "tip": solution.tip_error, "joints": solution.errors },
+            "errors": { "tip": solution.expected_tip_error(), "joints": solution.errors },
             "second_order": {
                 "order": solution.findings.order,
                 "iterations": iteration.iterations,
@@ -252,6 +307,7 @@ impl Summary {
                     solution.links.iter().map(|link| link.largest_slope).collect::<Vec<f64>>(),
                 "torque_change": iteration.second_order_change,
                 "left_out": solution.findings.left_out.flatten(),
+                "fallback": solution.findings.fallback,
             },
         });
         Self {

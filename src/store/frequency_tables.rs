@@ -4,14 +4,15 @@ use std::f64::consts::TAU;
 use std::io::{self, Write};
 
 use num_complex::Complex64;
-use serde_json::{Map, json};
+use serde_json::{Map, Value, json};
 
 use super::folder::{FolderError, OutputFolder};
 use super::json::json as as_text;
 use crate::csv::{Digits, write_columns};
 use crate::model::FrequencyResponse;
 use crate::numeric::magnitude;
-use crate::result::{ModesResult, PoseModes, PoseSquares};
+use crate::response::{ArmModes, ArmResponses, SettledModes};
+use crate::result::{LinkZeros, ModesResult, PoseModes, PoseSquares};
 
 /// Names of all files that `modes` may write.
 const OWNED: [&str; 4] = [MODES, SHAPES, HELD, ZEROS];
@@ -38,11 +39,11 @@ impl ModesResult {
             folder.file(HELD, |out| write_modes(out, &held.omega_rad_s, &own, digits))?;
         }
         let zeros = [
-            ("zero_per_s", &self.zeros_per_s[..]),
-            ("lead_to_1_percent_s", &self.leads_s()),
-            ("blocked_frequency_hz", &self.blocked_hz),
-            ("mesh_error", &self.zero_mesh_errors),
-            ("blocked_mesh_error", &self.blocked_mesh_errors),
+            ("zero_per_s", &self.zeros.zeros_per_s[..]),
+            ("lead_to_1_percent_s", &self.zeros.leads_s()),
+            ("blocked_frequency_hz", &self.zeros.blocked_hz),
+            ("mesh_error", &self.zeros.mesh_errors),
+            ("blocked_mesh_error", &self.zeros.blocked_mesh_errors),
         ];
         folder.file(ZEROS, |out| write_columns(out, None, &zeros, digits))?;
         folder.commit(ZEROS, &OWNED)
@@ -69,17 +70,12 @@ type Transfer = fn(&FrequencyResponse) -> Complex64;
 /// One of the numbers that a transfer is written as.
 type Part = fn(Complex64) -> f64;
 
-/// The columns of a frequency response: frequency, then real and imaginary part, magnitude and phase of
-/// each transfer, and the relative error that the mesh causes in them. An infinite transfer, at a pole of
-/// an undamped link, is NaN.
-fn columns(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) -> Vec<(String, Vec<f64>)> {
-    let frequencies = rows.iter().map(|row| row.frequency_hz).collect();
-    let mut columns: Vec<(String, Vec<f64>)> = vec![("frequency_hz".to_owned(), frequencies)];
-    let transfers: [(&str, Transfer); 3] = [
-        ("torque_per_tip_acceleration_kg_m", |row| row.torque_per_tip_acceleration_kg_m),
-        ("hub_angle_per_tip_displacement_rad_m", |row| row.hub_angle_per_tip_displacement_rad_m),
-        ("tip_displacement_per_torque_1_n", |row| row.tip_displacement_per_torque_1_n),
-    ];
+/// The columns of a frequency response, each with its heading.
+pub type ResponseColumns = Vec<(String, Vec<f64>)>;
+
+/// Real and imaginary part, magnitude and phase of a transfer. An infinite one, at a pole of an undamped link, is NaN.
+fn parts_of(name: &str, transfer: impl Iterator<Item = Complex64>) -> ResponseColumns {
+    let finite: Vec<_> = transfer.map(|x| Some(x).filter(|x| x.is_finite())).collect();
     let parts: [(&str, Part); 4] = [
         ("real", |x| x.re),
         ("imag", |x| x.im),
@@ -87,48 +83,114 @@ fn columns(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) -> Vec<(Stri
         // Adding 0 removes the sign of a zero: half a turn is always +π.
         ("phase_rad", |x| libm::atan2(x.im + 0.0, x.re)),
     ];
+    let cells = |of: Part| finite.iter().map(|x| x.map_or(f64::NAN, of)).collect();
+    parts.map(|(part, of)| (format!("{name}_{part}"), cells(of))).into()
+}
+
+/// The columns of a link's frequency response: frequency, then each transfer, and the relative error that the mesh causes
+/// in them.
+pub fn link_response(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) -> ResponseColumns {
+    let frequencies = rows.iter().map(|row| row.frequency_hz).collect();
+    let mut columns = vec![("frequency_hz".to_owned(), frequencies)];
+    let transfers: [(&str, Transfer); 3] = [
+        ("torque_per_tip_acceleration_kg_m", |row| row.torque_per_tip_acceleration_kg_m),
+        ("hub_angle_per_tip_displacement_rad_m", |row| row.hub_angle_per_tip_displacement_rad_m),
+        ("tip_displacement_per_torque_1_n", |row| row.tip_displacement_per_torque_1_n),
+    ];
     for (name, transfer) in transfers {
-        for (part, of) in parts {
-            let finite = |row| Some(transfer(row)).filter(|x| x.is_finite());
-            let cells = rows.iter().map(|row| finite(row).map_or(f64::NAN, of)).collect();
-            columns.push((format!("{name}_{part}"), cells));
-        }
+        columns.extend(parts_of(name, rows.iter().map(transfer)));
     }
     columns.push(("mesh_error".to_owned(), mesh_errors.unwrap_or_default().to_vec()));
     columns
 }
 
-/// Writes the frequency response of a link as CSV; fields of what is not known are empty.
+/// The columns of an arm's frequency response: frequency, then for the torque of each joint the displacement of the tip
+/// along x and y in 1/N and the angle of each joint in rad/(N m), and the relative error.
+pub fn arm_response(found: &ArmResponses) -> ResponseColumns {
+    let rows = &found.rows;
+    let frequencies = rows.iter().map(|row| row.frequency_hz).collect();
+    let mut columns = vec![("frequency_hz".to_owned(), frequencies)];
+    let joints = rows.first().map_or(0, |row| row.torques.len());
+    for torque in 0..joints {
+        for (axis, name) in ["x", "y"].into_iter().enumerate() {
+            let name = format!("tip_{name}_per_torque{}_1_n", torque + 1);
+            columns.extend(parts_of(&name, rows.iter().map(|row| row.torques[torque].tip_m[axis])));
+        }
+        for joint in 0..joints {
+            let name = format!("joint{}_per_torque{}_rad_n_m", joint + 1, torque + 1);
+            let angles = rows.iter().map(|row| row.torques[torque].joints_rad[joint]);
+            columns.extend(parts_of(&name, angles));
+        }
+    }
+    columns.push(("mesh_error".to_owned(), found.errors.clone()));
+    columns
+}
+
+/// Writes a frequency response as CSV; fields of what is not known are empty.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_frequency_response(
     out: &mut (dyn Write + Send),
-    rows: &[FrequencyResponse],
-    mesh_errors: Option<&[f64]>,
+    columns: &ResponseColumns,
     digits: Digits,
 ) -> io::Result<()> {
-    let columns = columns(rows, mesh_errors);
     let columns: Vec<_> = columns.iter().map(|(name, values)| (&name[..], &values[..])).collect();
     write_columns(out, None, &columns, digits)
 }
 
-/// The frequency response of a link as JSON: a list for each column of the CSV, all digits; what is not
-/// known is null.
-pub fn frequency_response_json(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) -> String {
-    let lists = columns(rows, mesh_errors).into_iter().map(|(name, list)| (name, json!(list)));
-    as_text(&lists.collect::<Map<_, _>>())
+/// A frequency response as JSON: a list for each column of the CSV, all digits; what is not known is null.
+pub fn frequency_response_json(columns: ResponseColumns) -> String {
+    as_text(&columns.into_iter().map(|(name, list)| (name, json!(list))).collect::<Map<_, _>>())
+}
+
+/// Frequencies in Hz of squares ω² in 1/s², and growth rates in 1/s of those below 0; null where there is none.
+fn rates(squares_per_s2: impl Iterator<Item = f64> + Clone) -> [Value; 2] {
+    let hertz = squares_per_s2.clone().map(|square| (square >= 0.0).then(|| square.sqrt() / TAU));
+    let growth = squares_per_s2.map(|square| (square < 0.0).then(|| (-square).sqrt()));
+    [json!(hertz.collect::<Vec<_>>()), json!(growth.collect::<Vec<_>>())]
+}
+
+/// Modes of an arm in a pose and zeros of its links as JSON; what is not known is null, as is the stiffness of a stiff joint.
+pub fn arm_modes_json(found: &ArmModes, zeros: &[LinkZeros]) -> String {
+    let list = |own: &SettledModes| {
+        let [hertz, growth] = rates(own.modes.iter().map(|mode| mode.square_per_s2));
+        let ratios: Vec<_> = own.modes.iter().map(|mode| mode.damping_ratio).collect();
+        let joints: Vec<_> = own.modes.iter().map(|mode| &mode.joints).collect();
+        json!({
+            "frequency_hz": hertz,
+            "growth_per_s": growth,
+            "damping_ratio": ratios,
+            "mesh_error": own.errors,
+            "joints": joints,
+        })
+    };
+    let of_link = |own: &LinkZeros| {
+        json!({
+            "zero_per_s": own.zeros_per_s,
+            "zero_mesh_error": own.mesh_errors,
+            "blocked_hz": own.blocked_hz,
+            "blocked_mesh_error": own.blocked_mesh_errors,
+        })
+    };
+    as_text(&json!({
+        "angle_rad": found.directions_rad,
+        "tip_m": found.tip_m,
+        "holding_torque_n_m": found.holding_torques_n_m,
+        "joint_stiffness_n_m_rad": found.joint_stiffnesses_n_m_rad,
+        "free": list(&found.free),
+        "held": list(&found.held),
+        "links": zeros.iter().map(of_link).collect::<Vec<_>>(),
+    }))
 }
 
 /// Modes of a link in a pose as JSON. What leaves the pose has a growth rate, and null as its frequency.
 pub fn pose_modes_json(pose: &PoseModes) -> String {
     let list = |found: &PoseSquares| {
-        let squares = found.squares_per_s2.iter();
-        let hertz = squares.clone().map(|square| (*square >= 0.0).then(|| square.sqrt() / TAU));
-        let growth = squares.map(|square| (*square < 0.0).then(|| (-square).sqrt()));
+        let [hertz, growth] = rates(found.squares_per_s2.iter().copied());
         json!({
-            "frequency_hz": hertz.collect::<Vec<_>>(),
-            "growth_per_s": growth.collect::<Vec<_>>(),
+            "frequency_hz": hertz,
+            "growth_per_s": growth,
             "mesh_error": found.mesh_errors,
         })
     };
@@ -154,10 +216,10 @@ pub fn modes_json(result: &ModesResult) -> String {
         "frequency_hz": hertz(&result.omega_rad_s),
         "damping_ratio": result.damping_ratios,
         "mesh_error": result.mesh_errors,
-        "zero_per_s": result.zeros_per_s,
-        "zero_mesh_error": result.zero_mesh_errors,
-        "blocked_hz": result.blocked_hz,
-        "blocked_mesh_error": result.blocked_mesh_errors,
+        "zero_per_s": result.zeros.zeros_per_s,
+        "zero_mesh_error": result.zeros.mesh_errors,
+        "blocked_hz": result.zeros.blocked_hz,
+        "blocked_mesh_error": result.zeros.blocked_mesh_errors,
         "x_m": result.nodes_m,
         "shapes": result.shapes,
         "held": held,

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::csv::{InputError, InputFile, Place, TableError};
 use crate::fit::{FitOutcome, Replaced};
-use crate::response::State;
 use crate::result::{Origin, StoredInput, StoredWarning};
 use crate::text::{excerpt, is_hidden, visible};
 
@@ -71,8 +70,8 @@ struct StateRecord<S> {
     state: S,
 }
 
-/// The state of a link at the end of a simulation, as JSON.
-pub fn state_json(state: &State) -> String {
+/// The state of a link, or of an arm, at the end of a simulation, as JSON.
+pub fn state_json(state: &impl Serialize) -> String {
     let [flexlink, command] = [env!("CARGO_PKG_VERSION"), A_STATE].map(str::to_owned);
     json(&StateRecord { format: Some(FORMAT), flexlink, command, state })
 }
@@ -81,7 +80,7 @@ pub fn state_json(state: &State) -> String {
 ///
 /// # Errors
 /// [`TableError`] names the file, the line and what is at fault.
-pub fn read_state(name: &str, bytes: &[u8]) -> Result<State, TableError> {
+pub fn read_state<S: DeserializeOwned>(name: &str, bytes: &[u8]) -> Result<S, TableError> {
     let whole = Place { file: name, line: None };
     let must = "must be what --save-state of `flexlink simulate` writes, in JSON";
     let head: Head = parsed(bytes, whole, must)?;
@@ -91,7 +90,7 @@ pub fn read_state(name: &str, bytes: &[u8]) -> Result<State, TableError> {
         return Err(whole.refuse("command", shown, "must be \"state\"").with_hint(hint));
     }
     check_format(head.format, head.flexlink.as_deref().unwrap_or_default(), whole)?;
-    Ok(parsed::<StateRecord<State>>(bytes, whole, &as_written())?.state)
+    Ok(parsed::<StateRecord<S>>(bytes, whole, &as_written())?.state)
 }
 
 /// The last key before a line and column of a record, if there is one.

@@ -1,11 +1,13 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
 
+mod arm_played;
 mod arm_run;
 mod folder;
 mod frequency_tables;
 mod golden;
 mod json;
 mod lock;
+mod read_arm;
 mod read_result;
 mod read_tables;
 mod repetition;
@@ -14,15 +16,17 @@ mod run_tables;
 mod summary;
 mod sweep;
 
+pub use arm_played::PlayedRun;
 pub use arm_run::ArmRun;
 pub use folder::{Durability, FolderError, OutputFolder, write_file};
 pub use frequency_tables::{
-    frequency_response_json, modes_json, pose_modes_json, write_frequency_response,
+    ResponseColumns, arm_modes_json, arm_response, frequency_response_json, link_response,
+    modes_json, pose_modes_json, write_frequency_response,
 };
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
 pub use json::{Fingerprint, FitInputs, fit_json, read_state, state_json};
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
-pub use read_result::{is_run, read_result};
+pub use read_result::{is_run, read_result, read_results};
 pub use repetition::{RunRecord, TemporaryFolder};
 pub use run_summary::{Findings, PlayFindings, write_solution};
 pub use run_tables::{REPORT, RunOutputs, SUMMARY, is_result_file};

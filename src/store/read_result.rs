@@ -1,6 +1,7 @@
 //! Results read back: the folder of a run, or the table of a sweep; and a run taken from memory before it
 //! is written.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs;
 use std::num::NonZeroUsize;
@@ -9,7 +10,10 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::json::{Head, newer, unreadable};
-use super::read_tables::{ONE_RUN, TIME, Table, deflections, is_same_time, read_mesh, read_nodal};
+use super::read_arm::read_arm;
+use super::read_tables::{
+    RunFolder, TIME, Table, check_window, deflections, read_mesh, read_nodal, times_s,
+};
 use super::run_tables::{
     DEFLECTIONS, DISPLACEMENTS, HUB_ANGLE, MOMENTS, MOTOR, NODES, NodalFile, PLAYED_HUB,
     RIGID_TORQUE, RunOutputs, SOLVED_HUB, SUMMARY, TIP, TORQUE,
@@ -17,13 +21,11 @@ use super::run_tables::{
 use super::summary::{A_RUN, Summary};
 use super::sweep::{is_sweep, read_sweep};
 use crate::beam::NodalHistories;
-use crate::csv::{InputError, InputFile, Place, TableError, quoted, time_format};
+use crate::csv::{InputError, InputFile, Place, TableError};
 use crate::inverse::{NodalTable, Solution};
 use crate::link::Link;
 use crate::motion::TipMotionHistories;
-use crate::numeric::ThinnedGrid;
-use crate::result::{StoredNodes, StoredResult, StoredRun, StoredSolution};
-use crate::text::is_hidden;
+use crate::result::{StoredArm, StoredNodes, StoredResult, StoredRun, StoredSolution};
 
 /// Reads a result back: the folder of a run of `solve` or `simulate`, the table of a sweep, or a
 /// folder with one such table.
@@ -32,10 +34,57 @@ use crate::text::is_hidden;
 /// [`TableError`] names the file and what is missing in it, damaged, or of another run.
 pub fn read_result(path: &Path) -> Result<StoredResult, TableError> {
     if path.join(SUMMARY).exists() {
-        return Ok(StoredResult::Run(Box::new(read_run(RunFolder(path))?)));
+        return read_run(RunFolder(path));
     }
     let table = if path.is_dir() { only_sweep(path)? } else { path.to_owned() };
     Ok(StoredResult::Sweep(Box::new(read_sweep(&table)?)))
+}
+
+/// Lengths in m by which links of the same arm may differ.
+const SAME_M: f64 = 1e-9;
+
+/// Reads several results back: one of any kind, or runs of an arm that a page shows beside the first.
+///
+/// # Errors
+/// Those of [`read_result`]; several results that are not all runs of arms of as many links.
+pub fn read_results(first: &Path, others: &[PathBuf]) -> Result<StoredResult, TableError> {
+    let mut result = read_result(first)?;
+    for path in others {
+        let shown = path.display().to_string();
+        let place = Place { file: &shown, line: None };
+        let StoredResult::Arms(arms) = &mut result else {
+            let must = "must be alone: only runs of arms stand side by side";
+            return Err(place.refuse("result", "one beside another", must));
+        };
+        let links = arms[0].links.len();
+        let is_same = |other: &StoredArm| {
+            let lengths = arms[0].links.iter().zip(&other.links);
+            let mut apart_m = lengths.map(|(a, b)| (a.link.length_m() - b.link.length_m()).abs());
+            other.links.len() == links && apart_m.all(|apart_m| apart_m <= SAME_M)
+        };
+        match read_result(path)? {
+            StoredResult::Arms(more) if is_same(&more[0]) => arms.extend(more),
+            _ => {
+                let must = format!(
+                    "must be a run of an arm of {links} links as long as those of the first"
+                );
+                return Err(place.refuse("result", "another", must));
+            }
+        }
+    }
+    if let StoredResult::Arms(arms) = &mut result {
+        shorten_names(arms);
+    }
+    Ok(result)
+}
+
+/// Leaves of the names of folders the last part, if that tells them apart.
+fn shorten_names(arms: &mut [StoredArm]) {
+    let last = |arm: &StoredArm| Some(Path::new(&arm.name).file_name()?.to_string_lossy().into());
+    let Some(names) = arms.iter().map(last).collect::<Option<Vec<String>>>() else { return };
+    if names.iter().collect::<BTreeSet<_>>().len() == names.len() {
+        arms.iter_mut().zip(names).for_each(|(arm, name)| arm.name = name);
+    }
 }
 
 /// The one table of a sweep in a folder.
@@ -74,77 +123,23 @@ pub fn is_run(folder: &Path) -> bool {
     head.is_some_and(|head| head.flexlink.is_some())
 }
 
-/// The folder of one run.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct RunFolder<'a>(pub(super) &'a Path);
-
-impl RunFolder<'_> {
-    /// Reads a file that every run has.
-    pub(super) fn file(&self, name: &str) -> Result<InputFile, TableError> {
-        if !self.has(name) {
-            return Err(self.refuse(name, "nothing", &format!("must be there: {A_RUN}")));
-        }
-        let path = self.0.join(name);
-        // A pipe in a folder, unlike one that a command line names, may have no end.
-        if !path.is_file() && !path.is_dir() {
-            return Err(self.refuse(name, "a device or a pipe", "must be a file"));
-        }
-        InputFile::read(&path).map_err(|error| unreadable(&error))
-    }
-
-    /// Refuses a folder in which one of the files is missing that its summary names.
-    fn check_named(&self, names: &[String]) -> Result<(), TableError> {
-        let shown = self.0.display().to_string();
-        check_names("files", names, Place { file: &shown, line: None })?;
-        match names.iter().find(|name| !self.has(name)) {
-            Some(name) => Err(self.refuse(name, "nothing", "must be there: summary.json names it")),
-            None => Ok(()),
-        }
-    }
-
-    fn has(&self, name: &str) -> bool {
-        self.0.join(name).exists()
-    }
-
-    fn refuse(&self, subject: &str, found: &str, must: &str) -> TableError {
-        let shown = self.0.display().to_string();
-        Place { file: &shown, line: None }.refuse(subject, found, must)
-    }
-}
-
-/// Bytes of the longest file name.
-const LONGEST_NAME: usize = 255;
-
-/// Refuses names that lead into a folder.
-pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Result<(), TableError> {
-    let is_name = |name: &&String| {
-        let is_last = Path::new(name).file_name().is_some_and(|own| own == name.as_str());
-        is_last && name.len() <= LONGEST_NAME && !name.contains(is_hidden)
-    };
-    match names.iter().find(|name| !is_name(name)) {
-        Some(name) => {
-            let must = "must be names, without folders or control characters";
-            Err(place.refuse(subject, quoted(name), must))
-        }
-        None => Ok(()),
-    }
-}
-
 /// Reads all that a run has left.
-fn read_run(folder: RunFolder) -> Result<StoredRun, TableError> {
+fn read_run(folder: RunFolder) -> Result<StoredResult, TableError> {
     let file = folder.file(SUMMARY)?;
     let summary = Summary::read(&file)?;
-    let run = read_files(folder, &summary, Place { file: &file.shown, line: None });
-    run.map_err(|error| newer(error, &summary.flexlink))
+    let place = Place { file: &file.shown, line: None };
+    let read = || {
+        folder.check_named(&summary.files)?;
+        if summary.is_of_arm() {
+            return Ok(StoredResult::Arms(vec![read_arm(folder, &summary, place)?]));
+        }
+        Ok(StoredResult::Run(Box::new(read_files(folder, &summary, place)?)))
+    };
+    read().map_err(|error| newer(error, &summary.flexlink))
 }
 
 /// Reads the tables of a run with this summary, which is at `place`.
 fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<StoredRun, TableError> {
-    folder.check_named(&summary.files)?;
-    if summary.is_of_arm() {
-        let must = "must be absent: results of one link are read here, no arm's";
-        return Err(place.refuse("arm", "given", must));
-    }
     let link = summary.link().map_err(|error| place.refuse_whole(format!("link.{error}")))?;
     let mesh = read_mesh(&folder.file(NODES.0)?, &link)?;
 
@@ -154,7 +149,7 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
     let times_s = torque.take(TIME);
     let read = |file: &str, columns: &[&str]| {
         let table = Table::of(&folder.file(file)?, columns)?;
-        table.check_times(&times_s, 1)?;
+        table.check_times((TORQUE.0, &times_s), 1)?;
         Ok::<Table, TableError>(table)
     };
     let is_solved = summary.command == "solve";
@@ -218,21 +213,6 @@ fn origin_rad(link: &Link, solved: Option<&StoredSolution>, tip_m: &[f64]) -> Op
     };
     let given = gravity.start_angle_rad.or_else(rigid);
     if gravity.acts() { given } else { Some(given.unwrap_or(0.0)) }
-}
-
-/// Refuses a torque over other times than those of the summary.
-fn check_window(torque: &Table, summary: &Summary) -> Result<(), TableError> {
-    let Some((start_s, end_s)) = summary.window_s() else { return Ok(()) };
-    let times_s = torque.times_s();
-    let last = times_s.len() - 1;
-    for (row, expected_s) in [(0, start_s), (last, end_s)] {
-        if !is_same_time(times_s[row], expected_s, times_s) {
-            let must = format!("must be {expected_s} s as in summary.json: {ONE_RUN}");
-            let found = format!("{} s", times_s[row]);
-            return Err(torque.refuse(Some(row), TIME, &found, &must));
-        }
-    }
-    Ok(())
 }
 
 /// From a summary of `solve`, in s: start and end of the tip's motion, lead and lag of the torque.
@@ -309,15 +289,4 @@ fn in_order(histories: NodalHistories) -> StoredNodes {
     pairs.sort_by_key(|(node, _)| *node);
     let (nodes, histories) = pairs.into_iter().unzip();
     StoredNodes { nodes, times_s: times_s(&grid), histories }
-}
-
-/// Times in s rounded as in tables.
-fn times_s(grid: &ThinnedGrid) -> Vec<f64> {
-    let format = time_format(|k| grid.time_s(k), grid.len());
-    let written = |k: usize| {
-        let mut text = Vec::new();
-        format.write(&mut text, grid.time_s(k));
-        std::str::from_utf8(&text).ok().and_then(|text| text.parse().ok())
-    };
-    (0..grid.len()).map(|k| written(k).unwrap_or(grid.time_s(k))).collect()
 }

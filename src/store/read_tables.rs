@@ -1,21 +1,82 @@
-//! Tables of a run, read back: histories, quantities at nodes, and the mesh.
+//! The folder of a run, and its tables read back: histories, quantities at nodes, and the mesh.
 
+use std::path::Path;
+
+use super::json::unreadable;
 use super::run_tables::{NODES, NodalFile, TORQUE};
+use super::summary::{A_RUN, Summary};
 use crate::beam::{Mesh, MeshPlan};
 use crate::csv::{
-    InputFile, Place, TableError, check_separator, quoted, read_rows, refuse_missing,
+    InputFile, Place, TableError, check_separator, quoted, read_rows, refuse_missing, time_format,
 };
 use crate::link::Link;
-use crate::numeric::TimeGrid;
+use crate::numeric::{ThinnedGrid, TimeGrid};
 use crate::result::StoredNodes;
+use crate::text::is_hidden;
 
 pub(super) const TIME: &str = "time_s";
 
 /// End of a message on tables of two runs.
-pub(super) const ONE_RUN: &str = "a folder holds one run";
+const ONE_RUN: &str = "a folder holds one run";
 
 /// Times may differ by this share of a step, more than writing them rounds.
 const TIME_TOLERANCE: f64 = 1e-6;
+
+/// The folder of one run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RunFolder<'a>(pub(super) &'a Path);
+
+impl RunFolder<'_> {
+    /// Reads a file that every run has.
+    pub(super) fn file(&self, name: &str) -> Result<InputFile, TableError> {
+        if !self.has(name) {
+            return Err(self.refuse(name, "nothing", &format!("must be there: {A_RUN}")));
+        }
+        let path = self.0.join(name);
+        // A pipe in a folder, unlike one that a command line names, may have no end.
+        if !path.is_file() && !path.is_dir() {
+            return Err(self.refuse(name, "a device or a pipe", "must be a file"));
+        }
+        InputFile::read(&path).map_err(|error| unreadable(&error))
+    }
+
+    /// Refuses a folder in which one of the files is missing that its summary names.
+    pub(super) fn check_named(&self, names: &[String]) -> Result<(), TableError> {
+        let shown = self.0.display().to_string();
+        check_names("files", names, Place { file: &shown, line: None })?;
+        match names.iter().find(|name| !self.has(name)) {
+            Some(name) => Err(self.refuse(name, "nothing", "must be there: summary.json names it")),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.0.join(name).exists()
+    }
+
+    fn refuse(&self, subject: &str, found: &str, must: &str) -> TableError {
+        let shown = self.0.display().to_string();
+        Place { file: &shown, line: None }.refuse(subject, found, must)
+    }
+}
+
+/// Bytes of the longest file name.
+const LONGEST_NAME: usize = 255;
+
+/// Refuses names that lead into a folder.
+pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Result<(), TableError> {
+    let is_name = |name: &&String| {
+        let is_last = Path::new(name).file_name().is_some_and(|own| own == name.as_str());
+        is_last && name.len() <= LONGEST_NAME && !name.contains(is_hidden)
+    };
+    match names.iter().find(|name| !is_name(name)) {
+        Some(name) => {
+            let must = "must be names, without folders or control characters";
+            Err(place.refuse(subject, quoted(name), must))
+        }
+        None => Ok(()),
+    }
+}
 
 /// A table over time as a run writes it: `time_s` first, then numbers in every field.
 #[derive(Debug, Clone)]
@@ -47,6 +108,14 @@ impl Table {
         })
     }
 
+    /// Reads a table that has these columns, and may have others.
+    pub(super) fn holding(file: &InputFile, columns: &[String]) -> Result<Self, TableError> {
+        Self::read(file, |fields, place| {
+            let missing = columns.iter().find(|wanted| !fields.contains(&wanted.as_str()));
+            missing.map_or(Ok(()), |wanted| Err(refuse_missing(fields, wanted, place)))
+        })
+    }
+
     /// Reads a table whose names, `time_s` first, `check` accepts.
     fn read(
         file: &InputFile,
@@ -55,7 +124,7 @@ impl Table {
         let whole = Place { file: &file.shown, line: None };
         let at = |line| Place { line: Some(line), ..whole };
         let begin = |line, fields: &[&str]| {
-            check_names(fields, at(line))?;
+            check_columns(fields, at(line))?;
             check(fields, at(line))?;
             Ok(Self {
                 shown: file.shown.clone(),
@@ -109,18 +178,21 @@ impl Table {
         })
     }
 
-    /// Refuses times that are other than every `every`-th of `times_s`, those of torque.csv.
-    pub(super) fn check_times(&self, times_s: &[f64], every: usize) -> Result<(), TableError> {
-        const OF: &str = TORQUE.0;
+    /// Refuses times that are other than every `every`-th of `times_s`, those of the file `of`.
+    pub(super) fn check_times(
+        &self,
+        (of, times_s): (&str, &[f64]),
+        every: usize,
+    ) -> Result<(), TableError> {
         let (found, expected) = (self.lines.len(), times_s.len().div_ceil(every));
         if found != expected {
-            let must = format!("must be {expected}, as {OF} has it: {ONE_RUN}");
+            let must = format!("must be {expected}, as {of} has it: {ONE_RUN}");
             return Err(self.refuse(None, "rows", &found.to_string(), &must));
         }
         let pairs = self.times_s().iter().zip(times_s.iter().step_by(every));
         for (row, (found_s, expected_s)) in pairs.enumerate() {
             if !is_same_time(*found_s, *expected_s, times_s) {
-                let must = format!("must be {expected_s} s as in {OF}: {ONE_RUN}");
+                let must = format!("must be {expected_s} s as in {of}: {ONE_RUN}");
                 return Err(self.refuse(Some(row), TIME, &format!("{found_s} s"), &must));
             }
         }
@@ -140,7 +212,7 @@ impl Table {
 }
 
 /// Whether two times in s are one, on a grid of these times.
-pub(super) fn is_same_time(a_s: f64, b_s: f64, grid_s: &[f64]) -> bool {
+fn is_same_time(a_s: f64, b_s: f64, grid_s: &[f64]) -> bool {
     /// Each is written to within 1e-12 s.
     const ROUNDING_S: f64 = 2.1e-12;
     let step_s = grid_s.get(1).map_or(0.0, |second| second - grid_s[0]);
@@ -148,7 +220,7 @@ pub(super) fn is_same_time(a_s: f64, b_s: f64, grid_s: &[f64]) -> bool {
 }
 
 /// Refuses names that do not begin with the time, or of which two are the same.
-fn check_names(fields: &[&str], place: Place) -> Result<(), TableError> {
+fn check_columns(fields: &[&str], place: Place) -> Result<(), TableError> {
     check_separator(fields, place)?;
     if !fields.contains(&TIME) {
         return Err(refuse_missing(fields, TIME, place));
@@ -204,7 +276,7 @@ pub(super) fn read_nodal(
         stray.map_or(Ok(()), |index| Err(place.refuse_column(index, fields[index], must)))
     };
     let mut table = Table::read(file, check)?;
-    table.check_times(times_s, stride(table.times_s(), times_s))?;
+    table.check_times((TORQUE.0, times_s), stride(table.times_s(), times_s))?;
     let columns = table.names.iter().zip(&mut table.columns);
     let mut histories: Vec<(usize, Vec<f64>)> = columns
         .filter_map(|(name, values)| Some((node_of(name)?, std::mem::take(values))))
@@ -215,7 +287,7 @@ pub(super) fn read_nodal(
 }
 
 /// Every how many of the times of a run a table has a row.
-fn stride(own_s: &[f64], times_s: &[f64]) -> usize {
+pub(super) fn stride(own_s: &[f64], times_s: &[f64]) -> usize {
     match own_s.get(1) {
         Some(second) => times_s
             .iter()
@@ -269,4 +341,30 @@ pub(super) fn read_mesh(file: &InputFile, link: &Link) -> Result<Mesh, TableErro
     let plan = MeshPlan::through(link, &nodes_m);
     let mesh = plan.and_then(|plan| Mesh::new(link, &plan));
     mesh.map_err(|error| whole.refuse_whole(error.to_string()))
+}
+
+/// Refuses a torque over other times than those of the summary.
+pub(super) fn check_window(torque: &Table, summary: &Summary) -> Result<(), TableError> {
+    let Some((start_s, end_s)) = summary.window_s() else { return Ok(()) };
+    let times_s = torque.times_s();
+    let last = times_s.len() - 1;
+    for (row, expected_s) in [(0, start_s), (last, end_s)] {
+        if !is_same_time(times_s[row], expected_s, times_s) {
+            let must = format!("must be {expected_s} s as in summary.json: {ONE_RUN}");
+            let found = format!("{} s", times_s[row]);
+            return Err(torque.refuse(Some(row), TIME, &found, &must));
+        }
+    }
+    Ok(())
+}
+
+/// Times in s rounded as in tables.
+pub(super) fn times_s(grid: &ThinnedGrid) -> Vec<f64> {
+    let format = time_format(|k| grid.time_s(k), grid.len());
+    let written = |k: usize| {
+        let mut text = Vec::new();
+        format.write(&mut text, grid.time_s(k));
+        std::str::from_utf8(&text).ok().and_then(|text| text.parse().ok())
+    };
+    (0..grid.len()).map(|k| written(k).unwrap_or(grid.time_s(k))).collect()
 }

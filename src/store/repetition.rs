@@ -11,7 +11,7 @@ use tempfile::Builder;
 use super::folder::FolderError;
 use super::json::unreadable;
 use super::lock::Unfinished;
-use super::read_result::{RunFolder, check_names};
+use super::read_tables::{RunFolder, check_names};
 use super::run_tables::{REPORT, RESULT_FILES, SUMMARY};
 use super::summary::Summary;
 use crate::csv::{InputError, InputFile, Place, TableError, quoted};

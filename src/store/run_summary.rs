@@ -302,7 +302,7 @@ fn played_results(metrics: &PlayedMetrics) -> Value {
     })
 }
 
-fn tip_numbers(error: &TipError) -> Value {
+pub(super) fn tip_numbers(error: &TipError) -> Value {
     json!({
         "worst_m": error.worst_m,
         "share": error.share,

@@ -68,6 +68,8 @@ pub(super) const POSITIONS: &str = "nodal_positions.csv";
 const OF_ARMS: [&str; 6] =
     [TORQUES, RIGID_TORQUES, JOINT_ANGLES, CHORD_ANGLES, REACTIONS, POSITIONS];
 pub(super) const NODES: Histories<3> = ("nodes.csv", ["node", "x_m", "segment"]);
+/// Columns of nodes.csv of an arm.
+pub(super) const ARM_NODES: [&str; 4] = ["link", "node", "x_m", "name"];
 
 /// A table over time with a column for every node: `v7_m`.
 #[derive(Debug, Clone, Copy)]

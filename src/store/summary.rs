@@ -10,7 +10,6 @@ use crate::link::{
     Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
 };
 use crate::modal::DampingLaw;
-use crate::response::{Input, Play};
 use crate::result::{Comparison, Origin, StoredCheck, StoredWarning};
 use crate::verify::{Check, Outcome, Verification};
 
@@ -100,16 +99,13 @@ impl RunInputs {
     pub fn of_simulate(
         link: &InputFile,
         files: &SimulateFiles,
-        play: &Play,
+        is_torque: bool,
         arguments: Vec<String>,
     ) -> Self {
         let SimulateFiles { input, target, measured, reference, state } = *files;
         let link = Some(Fingerprint::of(link));
         let input = Some(Fingerprint::of(input));
-        let (torque, hub_angle) = match play.input {
-            Input::Torque(_) => (input, None),
-            Input::HubAngle(_) => (None, input),
-        };
+        let (torque, hub_angle) = if is_torque { (input, None) } else { (None, input) };
         let [measured, state] = [measured, state].map(|file| file.map(Fingerprint::of));
         let [target, reference] = [target, reference].map(|file| Some(file.map(Fingerprint::of)));
         Self {
@@ -206,23 +202,7 @@ impl Summary {
 
     /// The link, with the ranges of its parameters checked.
     pub(super) fn link(&self) -> Result<Link, ParameterError> {
-        let record = self.link.clone();
-        let link = Link::new(LinkParts {
-            title: self.title.clone(),
-            segments: record.segments,
-            hub: record.hub,
-            masses: record.masses,
-            payload: record.payload,
-            damping: record.damping,
-            drive: self.drive.flatten(),
-            gravity: record.gravity,
-        })?;
-        let length_m = record.length_m;
-        if (length_m - link.length_m()).abs() <= 1e-9 * link.length_m() {
-            return Ok(link);
-        }
-        let must = format!("must be {} m, the sum of hub radius and segments", link.length_m());
-        Err(ParameterError::new("length_m", length_m, "m", must))
+        self.link.clone().link(&self.title, self.drive.flatten())
     }
 
     /// True if it is of an arm of several links.
@@ -260,7 +240,7 @@ impl Summary {
 
 /// All numbers of an object, their names behind a prefix; one of an inner object has the names of both,
 /// `torque_mesh`.
-fn numbers_in(object: &Value, prefix: &str) -> Vec<(String, f64)> {
+pub(super) fn numbers_in(object: &Value, prefix: &str) -> Vec<(String, f64)> {
     let mut found = Vec::new();
     for (name, value) in object.as_object().into_iter().flatten() {
         let name = format!("{prefix}{name}");
@@ -271,6 +251,26 @@ fn numbers_in(object: &Value, prefix: &str) -> Vec<(String, f64)> {
 }
 
 impl LinkRecord {
+    /// The link, with the ranges of its parameters checked.
+    pub(super) fn link(self, title: &str, drive: Option<Drive>) -> Result<Link, ParameterError> {
+        let length_m = self.length_m;
+        let link = Link::new(LinkParts {
+            title: title.to_owned(),
+            segments: self.segments,
+            hub: self.hub,
+            masses: self.masses,
+            payload: self.payload,
+            damping: self.damping,
+            drive,
+            gravity: self.gravity,
+        })?;
+        if (length_m - link.length_m()).abs() <= 1e-9 * link.length_m() {
+            return Ok(link);
+        }
+        let must = format!("must be {} m, the sum of hub radius and segments", link.length_m());
+        Err(ParameterError::new("length_m", length_m, "m", must))
+    }
+
     /// True where there is no link.
     fn is_none(&self) -> bool {
         self.segments.is_empty()

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use crate::inverse::Solution;
+use crate::inverse::{ArmSolution, Solution};
 use crate::modal::torque_zeros;
 use crate::response::{ResidualVibration, Simulation};
-use crate::result::{Metrics, MotorMetrics, PlayedMetrics, TipError};
+use crate::result::{ArmMetrics, JointMetrics, Metrics, MotorMetrics, PlayedMetrics, TipError};
 
 /// A case whose torque was computed.
 #[derive(Clone, Copy)]
@@ -29,9 +29,22 @@ pub struct PlayedCase<'a> {
     pub tip_error: &'a TipError,
 }
 
+/// A case of an arm whose torques were computed.
+#[derive(Debug, Clone, Copy)]
+pub struct ArmCase<'a> {
+    /// The solution.
+    pub solution: &'a ArmSolution,
+    /// Its metrics.
+    pub metrics: &'a ArmMetrics,
+}
+
 /// A column and the number that it shows of a case, where it has one.
 type Solved = (&'static str, fn(&SolvedCase<'_>) -> Option<f64>);
 type Played = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
+type OfArm = (&'static str, fn(&ArmCase<'_>) -> Option<f64>);
+
+/// What stands before and after a joint's number in the name of its column, and the number that it shows.
+type OfJoint = ((&'static str, &'static str), fn(&JointMetrics) -> Option<f64>);
 
 const SOLVED: [Solved; 16] = [
     ("period_1_s", |case| case.first_rad_s.map(|omega| TAU / omega)),
@@ -78,6 +91,40 @@ const PLAYED: [Played; 14] = [
     ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
 ];
 
+/// The first column of an arm, before those of its joints.
+const ARM: OfArm = ("zero_1_per_s", |case| case.solution.first_zero_per_s);
+
+const JOINT: [OfJoint; 9] = [
+    (("peak_torque", "_n_m"), |joint| Some(joint.peak_torque_n_m)),
+    (("rms_torque", "_n_m"), |joint| Some(joint.rms_torque_n_m)),
+    (("peak_rigid_torque", "_n_m"), |joint| Some(joint.peak_rigid_torque_n_m)),
+    (("lead", "_s"), |joint| Some(joint.lead_s)),
+    (("lag", "_s"), |joint| Some(joint.lag_s)),
+    (("peak_rate", "_rad_s"), |joint| Some(joint.peak_rate_rad_s)),
+    (("peak_power", "_w"), |joint| Some(joint.peak_power_w)),
+    (("peak_root_moment", "_n_m"), |joint| Some(joint.peak_root_moment_n_m)),
+    (("peak_deflection", "_m"), |joint| Some(joint.peak_deflection_m)),
+];
+
+const DRIVEN_JOINT: [OfJoint; 4] = [
+    (("peak_motor_torque", "_n_m"), |joint| joint.peak_motor_torque_n_m),
+    (("rms_motor_torque", "_n_m"), |joint| joint.rms_motor_torque_n_m),
+    (("peak_motor_rate", "_rad_s"), |joint| joint.peak_motor_rate_rad_s),
+    (("peak_motor_power", "_w"), |joint| joint.peak_motor_power_w),
+];
+
+/// The columns of an arm after those of its joints; errors are the worst of all joints.
+const ARM_ERRORS: [OfArm; 5] = [
+    ("contraction", |case| case.solution.findings.iteration.contraction),
+    ("tip_error", |case| Some(case.solution.tip_error)),
+    ("mesh_error", |case| Some(case.solution.worst(|errors| errors.mesh))),
+    ("window_error", |case| Some(case.solution.worst(|errors| errors.window))),
+    ("iteration_error", |case| {
+        let is_iterated = case.solution.findings.iteration.iterations > 0;
+        is_iterated.then(|| case.solution.worst(|errors| errors.iteration.unwrap_or(0.0)))
+    }),
+];
+
 /// The vibration after the torque; none of a link with weight or at large angles.
 fn residual<'a>(case: &PlayedCase<'a>) -> Option<&'a ResidualVibration> {
     case.simulation.modes().and_then(|modes| modes.residual.as_ref())
@@ -97,6 +144,16 @@ pub enum SweepKind {
     Driven,
     /// Of one torque played on every case.
     Played,
+    /// Of the torques of an arm for its path.
+    Arm {
+        /// How many joints it has.
+        joints: usize,
+    },
+    /// Of those of an arm with a drive, with those of its motors.
+    DrivenArm {
+        /// How many joints it has.
+        joints: usize,
+    },
 }
 
 /// The numbers of a case, in the order of the columns; none where a case has no such number.
@@ -104,12 +161,30 @@ pub type CaseNumbers = Vec<Option<f64>>;
 
 impl SweepKind {
     /// Names of the columns.
-    pub fn names(self) -> Vec<&'static str> {
+    pub fn names(self) -> Vec<String> {
         match self {
-            Self::Solved => SOLVED.map(|(name, _)| name).into(),
-            Self::Driven => [&SOLVED[..], &DRIVEN].concat().iter().map(|(name, _)| *name).collect(),
-            Self::Played => PLAYED.map(|(name, _)| name).into(),
+            Self::Solved => SOLVED.map(|(name, _)| name.to_owned()).into(),
+            Self::Driven => SOLVED.iter().chain(&DRIVEN).map(|(name, _)| (*name).into()).collect(),
+            Self::Played => PLAYED.map(|(name, _)| name.to_owned()).into(),
+            Self::Arm { joints } | Self::DrivenArm { joints } => {
+                let of_joint = |joint: usize| {
+                    let columns = self.of_joint();
+                    columns.map(move |((quantity, unit), _)| format!("{quantity}{joint}{unit}"))
+                };
+                let errors = ARM_ERRORS.map(|(name, _)| name.to_owned());
+                [ARM.0.to_owned()]
+                    .into_iter()
+                    .chain((1..=joints).flat_map(of_joint))
+                    .chain(errors)
+                    .collect()
+            }
         }
+    }
+
+    /// The columns of each joint of an arm.
+    fn of_joint(self) -> impl Iterator<Item = &'static OfJoint> {
+        let driven = DRIVEN_JOINT.iter().filter(move |_| matches!(self, Self::DrivenArm { .. }));
+        JOINT.iter().chain(driven)
     }
 
     /// The numbers of a solved case.
@@ -121,5 +196,13 @@ impl SweepKind {
     /// The numbers of a case on which a torque was played.
     pub fn played(case: &PlayedCase) -> CaseNumbers {
         PLAYED.iter().map(|(_, of)| of(case)).collect()
+    }
+
+    /// The numbers of a case of an arm with as many joints as there are columns for.
+    pub fn of_arm(self, case: &ArmCase) -> CaseNumbers {
+        let joints = case.metrics.joints.iter();
+        let of_joints = joints.flat_map(|joint| self.of_joint().map(move |(_, of)| of(joint)));
+        let of_arm = |(_, of): &OfArm| of(case);
+        [of_arm(&ARM)].into_iter().chain(of_joints).chain(ARM_ERRORS.iter().map(of_arm)).collect()
     }
 }

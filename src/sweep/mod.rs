@@ -1,11 +1,11 @@
-//! Many cases of one link and motion: which values they take, the share of one machine, their numbers,
+//! Many cases of one link and motion, or of an arm and its path: which values they take, the share of one machine, their numbers,
 //! and their work in parallel with the order kept.
 
 mod columns;
 mod in_order;
 mod variation;
 
-pub use columns::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
+pub use columns::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 pub use in_order::in_order;
 pub use variation::{Operation, Variation, VariationError};
 

@@ -10,7 +10,7 @@ use flexlink::link::ParameterError;
 use flexlink::measured::MeasuredError;
 use flexlink::modal::DampingError;
 use flexlink::model::ModelError;
-use flexlink::response::SimulationError;
+use flexlink::response::{PoseError, SimulationError};
 use flexlink::result::{FitError, TargetError};
 use flexlink::spec::SpecError;
 use flexlink::store::FolderError;
@@ -130,6 +130,12 @@ impl From<SimulationError> for Failure {
     }
 }
 
+impl From<PoseError> for Failure {
+    fn from(error: PoseError) -> Self {
+        Self::new(Exit::NotSolvable, &error, error.hint())
+    }
+}
+
 impl From<TargetError> for Failure {
     fn from(error: TargetError) -> Self {
         Self::new(Exit::NotSolvable, &error, error.hint())
@@ -152,9 +158,14 @@ impl From<FitError> for Failure {
     fn from(error: FitError) -> Self {
         let hint = match &error {
             FitError::TooSlow { .. } => Some("a higher limit, a shorter travel or a longer step"),
-            FitError::TooHeavy { .. } => Some("a higher limit, or a lighter link"),
+            FitError::TooHeavy { .. } | FitError::TooHeavyArm { .. } => {
+                Some("a higher limit, or a lighter link")
+            }
             FitError::Inversion(error) => error.hint(),
             FitError::Motion(error) => error.hint(),
+            FitError::Curve(error) => error.hint(),
+            FitError::Path(error) => error.hint(),
+            FitError::Arm(error) => error.hint(),
         };
         Self::new(Exit::NotSolvable, &error, hint)
     }

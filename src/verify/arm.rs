@@ -1,24 +1,18 @@
 //! The torques of an arm, measured by other means.
 
-use std::f64::consts::TAU;
-
 use super::Verification;
 use super::check::{Check, Kind};
 use crate::beam::{ElementCount, MeshPlan};
 use crate::elastica::SecondOrder;
 use crate::inverse::{Analysis, ArmSolution, PerQuantity, QuantityErrors, Resources, invert_arm};
 use crate::link::{Arm, ArmLink, ArmParts, Damping, Link, LinkParts, ParameterError};
-use crate::motion::Prescribed;
 use crate::numeric::{Size, extremes};
-use crate::response::{MovedArm, MovedJoint, move_arm};
+use crate::response::PlayedArm;
 use crate::result::{ArmMetrics, LimitedValue, Limits};
 use crate::text::significant;
 
 /// What an error of the joints' motion, a share of their ranges, may at most become of the tip's way.
 const AMPLIFIED: f64 = 10.0;
-
-/// Share of the tolerance to which the moved arm is settled.
-const SETTLED: f64 = 0.1;
 
 /// What a torque that hardly changes is measured by, over the largest range of any.
 const LEAST_SIZE: f64 = 1e-6;
@@ -71,24 +65,15 @@ pub fn verify_arm(answer: &ArmAnswer<'_>) -> Verification {
 /// The joints moved as solved.
 fn moved(answer: &ArmAnswer<'_>) -> Vec<Check> {
     let solution = answer.solution;
-    let joints = solution.joints.iter().map(|joint| MovedJoint {
-        angle_rad: joint.angle[0][0],
-        rate_rad_s: joint.angle[1][0],
-        accelerations_rad_s2: &joint.angle[2],
-    });
-    let joints: Vec<MovedJoint<'_>> = joints.collect();
-    let step_s = solution.grid.step_s;
-    let highest_rad_s = TAU * solution.cutoff_hz.unwrap_or(0.25 / step_s);
     let tolerance = solution.analysis.tolerance();
-    let settled_m = SETTLED * tolerance * solution.way_m;
-    let played = move_arm(&solution.arm, &joints, &solution.grid, (highest_rad_s, settled_m));
-    let unsettled = |played: &MovedArm| played.change_m > settled_m / SETTLED;
+    let played = solution.moved();
+    let unsettled = |played: &PlayedArm| played.change[0] > tolerance * solution.way_m;
     let played = match played {
         Ok(played) if !unsettled(&played) => played,
         refused => {
             let reason = match refused {
                 Ok(played) => {
-                    let change = significant(played.change_m / solution.way_m, 2);
+                    let change = significant(played.change[0] / solution.way_m, 2);
                     format!("the last refinement moves the tip by {change} of its way")
                 }
                 Err(error) => error.to_string(),
@@ -103,7 +88,7 @@ fn moved(answer: &ArmAnswer<'_>) -> Vec<Check> {
     let most = extremes_of(&played.torques_n_m);
     let tip_tolerance = solution.analysis.tip_tolerance().max(solution.tip_error);
     let tip = Kind::TIP_OF_JOINTS
-        .measured_to(tip_error(solution, &played), tip_tolerance + allowed.min(Kind::MOST_TIP));
+        .measured_to(solution.tip_error_of(&played), tip_tolerance + allowed.min(Kind::MOST_TIP));
     let mut checks = vec![tip];
     for (number, (written, needed)) in
         answer.written_torques_n_m.iter().zip(&played.torques_n_m).enumerate()
@@ -118,7 +103,7 @@ fn moved(answer: &ArmAnswer<'_>) -> Vec<Check> {
         checks.push(of_joint(Kind::TORQUE_OF_JOINT, change, bound));
         checks.push(of_joint(Kind::TORQUE_AT_REST, at_rest, bound));
     }
-    checks.push(Kind::ENERGY.measured_to(imbalance(&played), Kind::MOST_ENERGY));
+    checks.push(Kind::ENERGY.measured_to(played.imbalance(), Kind::MOST_ENERGY));
     checks
 }
 
@@ -132,24 +117,6 @@ fn stated(solution: &ArmSolution) -> f64 {
         Size::larger(of(&errors.hub_angle), acceleration)
     };
     solution.errors.iter().map(of_joint).fold(0.0, Size::larger)
-}
-
-/// How far the tip of the moved arm is from the path at most, over its way; where the path is one of angles, from the
-/// tip that is solved.
-fn tip_error(solution: &ArmSolution, played: &MovedArm) -> f64 {
-    let given = solution.path.given();
-    let last = solution.path.grid().len - 1;
-    let before = usize::try_from(-solution.grid.first).unwrap_or(0);
-    let wanted = |axis: usize, k: usize| match solution.path.prescribed() {
-        // A window holds all rows of its path.
-        Prescribed::Tip => given[axis][k.saturating_sub(before).min(last)],
-        Prescribed::Angles => solution.tip[axis][0][k],
-    };
-    let off = |k: usize| {
-        let [x, y] = [0, 1].map(|axis| played.tip_m[axis][k] - wanted(axis, k));
-        (x * x + y * y).sqrt()
-    };
-    (0..solution.grid.len).map(off).fold(0.0, Size::larger) / solution.way_m
 }
 
 /// The largest range of any of some torques.
@@ -174,17 +141,6 @@ fn apart(written: &[f64], needed: &[f64], (has_weight, most): (bool, f64)) -> (f
     let ends = [0, needed.len() - 1].map(|k| (written[k] - needed[k]).abs());
     let size = whole.sqrt().max(least * (needed.len() as f64).sqrt());
     (off.sqrt() / size, ends[0].max(ends[1]) / (high - low).max(least))
-}
-
-/// Largest imbalance of energy over the largest work or change of energy.
-fn imbalance(played: &MovedArm) -> f64 {
-    let held = played.energy_j.iter().map(|own| own - played.energy_j[0]);
-    let rows = held.zip(&played.work_j).zip(&played.lost_j);
-    let (missing, size) = rows.fold((0.0, 0.0), |(missing, size), ((held, work), lost)| {
-        let off = (work - held - lost).abs();
-        (Size::larger(missing, off), Size::larger(size, work.abs().max(held.abs())))
-    });
-    missing / size
 }
 
 /// The check of the joint with the largest error.
@@ -283,18 +239,5 @@ mod tests {
         assert!((at_rest - 0.01).abs() < 1e-12 && change > 0.03, "{change} {at_rest}");
         let check = Kind::TORQUE_AT_REST.measured_to(at_rest, Kind::MOST_TORQUE);
         assert!(check.fails() && matches!(check.outcome, Outcome::Measured { .. }));
-    }
-
-    #[test]
-    fn work_that_is_nowhere_in_the_arm_is_missed() {
-        let played = MovedArm {
-            tip_m: [vec![], vec![]],
-            torques_n_m: vec![],
-            energy_j: vec![2.0, 3.0],
-            work_j: vec![0.0, 1.5],
-            lost_j: vec![0.0, 0.4],
-            change_m: 0.0,
-        };
-        assert!((imbalance(&played) - 0.1 / 1.5).abs() < 1e-12);
     }
 }

@@ -2,6 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod arm_modes;
+mod arm_paths;
+mod arm_report;
+mod arm_simulate;
+mod arm_sweep;
 mod arms;
 mod bench;
 mod colours;

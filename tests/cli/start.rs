@@ -30,6 +30,19 @@ fn the_files_to_start_from_are_solved_and_never_written_over() {
 }
 
 #[test]
+fn the_arm_to_start_from_follows_its_path() {
+    let bench = Bench::new();
+    let first = bench.run(&["init", "--arm", "robot"]);
+    assert_eq!(first.status.code(), Some(0), "{}", stderr(&first));
+    assert_eq!(bench.names("robot"), ["arm.toml", "link.schema.json", "path.csv"]);
+    let solved = bench.run(&["solve", "robot/arm.toml", "robot/path.csv", "--quiet"]);
+    assert_eq!((solved.status.code(), stderr(&solved)), (Some(0), String::new()));
+    let again = bench.run(&["init", "robot"]);
+    assert_eq!(again.status.code(), Some(5), "the schema is there");
+    assert!(!bench.path("robot/link.toml").exists());
+}
+
+#[test]
 fn the_link_file_to_start_from_names_the_schema_beside_it() {
     let bench = Bench::new();
     bench.run(&["init"]);
@@ -39,7 +52,7 @@ fn the_link_file_to_start_from_names_the_schema_beside_it() {
     let output = bench.run(&["schema", "-o", "new/schema.json"]);
     assert_eq!((output.status.code(), stdout(&output)), (Some(0), String::new()));
     assert!(bench.read("new/schema.json") == schema);
-    assert_eq!(bench.json("link.schema.json")["required"][0], "segments");
+    assert_eq!(bench.json("link.schema.json")["else"]["required"][0], "segments");
 }
 
 #[test]

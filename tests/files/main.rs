@@ -4,6 +4,7 @@ mod instruments;
 mod jittered_times;
 mod link_file;
 mod reference_files;
+mod refused_arms;
 mod refused_tables;
 mod snapshot;
 mod stored_results;

@@ -39,7 +39,7 @@ pub(crate) fn compare(name: &str, refusal: impl Fn(&str, &str, &str) -> String) 
         }
     }
     assert!(input.is_none(), "{name}: the last input has no line of >>>");
-    assert!(cases > 50, "{name}: only {cases} cases");
+    assert!(cases > 40, "{name}: only {cases} cases");
     if std::env::var_os("TRYCMD").is_some_and(|action| action == "overwrite") {
         fs::write(&path, found).unwrap();
     } else if let Some((old, new)) = expected.lines().zip(found.lines()).find(|(a, b)| a != b) {

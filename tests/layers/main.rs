@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use source::{identifier, names, sources, without_text};
 
 /// Modules by level. What stands on a level knows those above it in this list, and nothing else.
-const LEVELS: [&[&str]; 18] = [
+const LEVELS: [&[&str]; 19] = [
     &["text", "system"],
     &["numeric"],
     &["link"],
@@ -18,7 +18,8 @@ const LEVELS: [&[&str]; 18] = [
     &["modal"],
     &["model"],
     &["elastica"],
-    &["inverse", "response"],
+    &["response"],
+    &["inverse"],
     &["compare"],
     &["result"],
     &["sweep", "verify", "fit"],
@@ -158,9 +159,9 @@ fn every_module_imports_only_from_levels_below_its_own() {
 }
 
 #[test]
-fn the_sources_are_at_most_290_files_of_at_most_400_lines() {
+fn the_sources_are_at_most_315_files_of_at_most_400_lines() {
     let sources = sources();
-    assert!(sources.len() <= 290, "{} files", sources.len());
+    assert!(sources.len() <= 315, "{} files", sources.len());
     let lines = |(path, source): &(PathBuf, String)| (path.clone(), source.lines().count());
     let long: Vec<_> = sources.iter().map(lines).filter(|(_, lines)| *lines > 400).collect();
     assert!(long.is_empty(), "{long:?}");

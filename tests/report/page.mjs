@@ -192,6 +192,36 @@ async function figures(page) {
   });
 }
 
+// Texts of figures and drawings lie within the page, and none lies on another.
+async function texts(page) {
+  await check("no text of a figure is cut off or lies on another", async () => {
+    const { seen, faults } = await page.evaluate(() => {
+      const faults = [], room = document.documentElement.clientWidth;
+      let seen = 0;
+      for (const drawing of document.querySelectorAll("svg:is(.chart, #stage), .drawing > svg")) {
+        const outer = drawing.getBoundingClientRect();
+        const boxes = [...drawing.querySelectorAll("text")].filter((text) => text.textContent && text.checkVisibility({ visibilityProperty: true }))
+          .map((text) => ({ name: text.textContent, box: text.getBoundingClientRect() })).filter(({ box }) => box.width > 0);
+        const figure = drawing.closest("figure").id || "a drawing";
+        seen += boxes.length;
+        for (const [i, { name, box }] of boxes.entries()) {
+          if (box.left < Math.max(0, outer.left) - 1 || box.right > Math.min(room, outer.right) + 1) faults.push(`${figure}: "${name}" is cut off`);
+          for (const other of boxes.slice(i + 1)) {
+            const across = Math.min(box.right, other.box.right) - Math.max(box.left, other.box.left);
+            const down = Math.min(box.bottom, other.box.bottom) - Math.max(box.top, other.box.top);
+            // Boxes of letters are higher than the letters.
+            if (across > 1 && down > 5) faults.push(`${figure}: "${name}" lies on "${other.name}"`);
+          }
+        }
+      }
+      return { seen, faults };
+    });
+    must(seen > 5, `only ${seen} texts`);
+    must(!faults.length, faults.join("; "));
+    return `${seen} texts`;
+  });
+}
+
 // Reads the page's lines by themselves, not through its script.
 async function holdsPoints(page, file) {
   const wanted = JSON.parse(await readFile(file, "utf8"));
@@ -348,6 +378,7 @@ async function tryPage(browser, { file, points }) {
       });
       must(!overhang, overhang);
     });
+    await texts(page);
     if (viewport === wide) {
       await figures(page);
       if (points) await holdsPoints(page, points);

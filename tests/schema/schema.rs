@@ -1,11 +1,11 @@
-//! The JSON Schema and the reader say the same of a link file, as far as JSON Schema can tell.
+//! The JSON Schema and the reader say the same of link files and arm files, as far as JSON Schema can tell.
 
 #![expect(clippy::unwrap_used, reason = "a test may stop")]
 
 use std::fs;
 use std::path::Path;
 
-use flexlink::spec::{link_file_schema, read_specification};
+use flexlink::spec::{LinkDocument, SpecError, link_file_schema};
 use jsonschema::Validator;
 use serde_json::Value;
 
@@ -19,10 +19,21 @@ fn validator() -> Validator {
     jsonschema::draft7::new(&schema()).unwrap()
 }
 
-/// Whether the schema and the reader accept a link file.
+/// Whether the schema and the reader accept a file of a link or an arm.
 fn verdicts(validator: &Validator, text: &str) -> [bool; 2] {
     let file: Value = toml::from_str(text).unwrap();
-    [validator.is_valid(&file), read_specification("link.toml", text, &[]).is_ok()]
+    let read = || -> Result<(), SpecError> {
+        LinkDocument::read("link.toml", text)?.described("link.toml", &[])?;
+        Ok(())
+    };
+    [validator.is_valid(&file), read().is_ok()]
+}
+
+/// An arm file with these lines above its links, and in each of them.
+fn arm(above: &str, links: &[&str]) -> String {
+    let segments = "segments = [{ length = 1, EI = 5, mass_per_length = 0.8 }]";
+    let links = links.iter().map(|lines| format!("[[links]]\n{segments}\n{lines}\n"));
+    format!("{above}{}", links.collect::<String>())
 }
 
 #[test]
@@ -32,12 +43,15 @@ fn the_schema_is_one_by_its_own_standard() {
 }
 
 #[test]
-fn every_link_file_of_this_repository_is_valid() {
+fn every_link_file_and_arm_file_of_this_repository_is_valid() {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-    let specs = fs::read_dir(root.join("specs")).unwrap().map(|entry| entry.unwrap().path());
-    let mut paths: Vec<_> = specs.filter(|path| path.is_file()).collect();
-    assert!(paths.len() >= 8);
-    paths.push(root.join("src/cli/templates/link.toml"));
+    let files = |folder: &str| {
+        let entries = fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path());
+        entries.filter(|path| path.is_file()).collect::<Vec<_>>()
+    };
+    let (links, arms) = (files("specs"), files("specs/arms"));
+    assert!(links.len() >= 8 && arms.len() >= 3);
+    let paths = [links, arms, files("src/cli/templates")].concat();
     let mut texts: Vec<String> =
         paths.iter().map(|path| fs::read_to_string(path).unwrap()).collect();
     let readme = include_str!("../../README.md").split_once("```toml\n").unwrap().1;
@@ -117,6 +131,14 @@ fn what_the_reader_takes_the_schema_takes() {
         format!("{SEGMENT}[mesh]\nelements = 'auto'\ntolerance = 1e-12"),
         format!("{SEGMENT}[mesh]\nelements = 10"),
         format!("{SEGMENT}[analysis]\nlead = '500 ms'\nlag = 0\nmodes = 5\ntolerance = 1e-2"),
+        arm("", &[""]),
+        arm("gravity = [0, 0]\nstart_angle = 1\n", &["name = 'only'\npayload.mass = 1"]),
+        arm("elbow = 'right'\n", &["name = 'a'\ntip = { mass = '50 g' }", "payload.mass = 1"]),
+        arm("title = 'three'\nmesh.elements = 8\n", &["", "limits.torque = 1", "hub.radius = 1"]),
+        arm(
+            "analysis.second_order = 'none'\n",
+            &["drive.gear_ratio = 50", "theory = 'euler-bernoulli'"],
+        ),
     ] {
         assert_eq!(verdicts(&validator, &text), [true, true], "{text}");
     }
@@ -210,6 +232,36 @@ fn what_the_schema_refuses_the_reader_refuses() {
         format!("{SEGMENT}[analysis]\ntolerance = 0"),
         format!("{SEGMENT}[analysis]\nlead = -1"),
         format!("{SEGMENT}[analysis]\nmodes = 0"),
+    ] {
+        assert_eq!(verdicts(&validator, &text), [false, false], "{text}");
+    }
+}
+
+#[test]
+fn what_the_schema_refuses_of_an_arm_the_reader_refuses() {
+    let validator = validator();
+    for text in [
+        format!("elbow = 'left'\n{SEGMENT}"),
+        format!("{}{SEGMENT}", arm("", &["", ""])),
+        "links = []".into(),
+        "[[links]]\nname = 'bare'".into(),
+        arm("elbow = 'up'\n", &["", ""]),
+        arm("elbow = 'left'\n", &[""]),
+        arm("hub.inertia = 1\n", &["", ""]),
+        arm("payload.mass = 1\n", &["", ""]),
+        arm("gravity = [0, 0]\nstart_angle = 1\n", &["", ""]),
+        arm("", &[""; 10]),
+        arm("", &["colour = 'red'", ""]),
+        arm("", &["hub.inertai = 1", ""]),
+        arm("", &["hub.inertia = -1", ""]),
+        arm("", &["name = 1", ""]),
+        arm("", &["payload.mass = 1", ""]),
+        arm("", &["", "tip.mass = 1"]),
+        arm("", &["tip.mass = -1", ""]),
+        arm("", &["gravity = [0, 0]", ""]),
+        arm("", &["", "mesh.elements = 8"]),
+        arm("", &["", "analysis.tolerance = 1e-3"]),
+        arm("", &["title = 'x'", ""]),
     ] {
         assert_eq!(verdicts(&validator, &text), [false, false], "{text}");
     }

@@ -3,13 +3,15 @@
 use std::path::Path;
 
 use flexlink::csv::InputFile;
+use flexlink::report::{self, Figures};
+use flexlink::result::StoredResult;
 use flexlink::spec::ArmSpecification;
-use flexlink::store::{ArmRun, Durability, OutputFolder, RunInputs, Summary};
+use flexlink::store::{Durability, OutputFolder, RunInputs, Summary};
 use flexlink::verify::Verification;
 
-use super::run::SolveOptions;
+use super::run::{Page, SolveOptions};
 use crate::cli::arm::{ArmAndPath, SolvedArm};
-use crate::terminal::{Failure, StageBar, console};
+use crate::terminal::{Failure, StageBar, console, memory};
 
 /// The inputs of a run.
 pub(super) struct ArmProblem<'a> {
@@ -34,13 +36,15 @@ impl<'a> ArmProblem<'a> {
         path_file: InputFile,
     ) -> Result<Self, Failure> {
         options.refuse_for_arms()?;
-        let inputs = ArmAndPath::read(specification, &path_file, &options.read)?;
+        let arm = (&arm_file, specification);
+        let inputs = ArmAndPath::read(arm, &path_file, &options.read, &options.scale)?;
         Ok(Self { options, arm_file, path_file, inputs })
     }
 
     /// Computes the solution, and verifies it if the options ask for that.
     pub(super) fn solve(&self, stages: &StageBar) -> Result<SolvedRun, Failure> {
-        let solved = self.inputs.solve(stages)?;
+        stages.at("solving");
+        let solved = self.inputs.solve(memory::available())?;
         let verified = || self.inputs.verified(&solved.solution, self.options.digits, stages);
         let verification = self.options.verify.then(verified);
         Ok(SolvedRun { solved, verification })
@@ -51,24 +55,21 @@ impl<'a> ArmProblem<'a> {
         &self,
         SolvedRun { solved, verification }: &SolvedRun,
         (folder, durability): (&Path, Durability),
+        page: Page,
         stages: &StageBar,
     ) -> Result<Summary, Failure> {
         let outputs = self.options.outputs();
         let inputs = RunInputs::of_solve(&self.arm_file, &self.path_file, self.options.arguments());
-        let summary = Summary::of_arm(
-            inputs,
-            &ArmRun {
-                solution: &solved.solution,
-                metrics: &solved.metrics,
-                exceeded: &solved.exceeded,
-                verification: verification.as_ref(),
-                remarks: &solved.remarks,
-            },
-            &outputs,
-        );
+        let summary = solved.summary(inputs, verification.as_ref(), &outputs);
+        // Drawn from memory before the folder is locked: the page belongs to the same run.
+        let drawn = (page == Page::Written).then(|| {
+            stages.at("drawing");
+            let run = StoredResult::Arms(vec![outputs.stored_arm(&solved.solution, &summary)]);
+            report::page(&run, &Figures::of(&run))
+        });
         let on_wait = |folder: &Path| stages.above(|| console::waiting(folder));
         let folder = OutputFolder::stage(folder, &on_wait)?.with(durability);
-        outputs.write_arm(folder, &solved.solution, &summary)?;
+        outputs.write_arm(folder, &solved.solution, (&summary, drawn.as_deref()))?;
         Ok(summary)
     }
 

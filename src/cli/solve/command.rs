@@ -96,29 +96,36 @@ impl Solve {
         };
         let stages = self.print.stages();
         let solved = problem.solve(&stages)?;
-        let page = if self.report { Page::Written } else { Page::Left };
-        let summary = problem.write(&solved, (output, self.sync.durability()), page, &stages)?;
+        let folder = (output, self.sync.durability());
+        let summary = problem.write(&solved, folder, self.page(), &stages)?;
         drop(stages);
         self.tell(&solved, &summary, output)?;
         self.judge(&solved)
     }
 
+    fn page(&self) -> Page {
+        if self.report { Page::Written } else { Page::Left }
+    }
+
+    /// The line that says where the page is; empty without one.
+    fn page_line(&self, output: &Path) -> String {
+        let line = || format!("written  {}\n", output.join(REPORT).display());
+        if self.report { line() } else { String::new() }
+    }
+
     /// Solves an arm of several links, writes and tells.
     fn run_arm(&self, problem: &ArmProblem<'_>, output: &Path) -> Result<Ending, Failure> {
-        if self.report {
-            let message = "--report is for one link, and the arm has several";
-            return Err(Failure::new(Exit::Usage, &message, None));
-        }
         let stages = self.print.stages();
         let solved = problem.solve(&stages)?;
-        let summary = problem.write(&solved, (output, self.sync.durability()), &stages)?;
+        let folder = (output, self.sync.durability());
+        let summary = problem.write(&solved, folder, self.page(), &stages)?;
         drop(stages);
         let SolvedRun { solved, verification } = &solved;
         ArmProblem::warn(solved, self.strict);
         let SolvedArm { solution, metrics, exceeded, .. } = solved;
         let written = format!("{} files in {}", problem.files(solved), output.display());
         let checks = || verification.as_ref().map(verify_text).unwrap_or_default();
-        let text = || arm_text(solution, metrics, &written) + &checks();
+        let text = || arm_text(solution, metrics, &written) + &checks() + &self.page_line(output);
         self.print.print(|| summary.to_json(), text)?;
         verification.as_ref().map_or(Ok(()), refuse_failed)?;
         if let Some((joint, limit)) = exceeded.first().filter(|_| self.strict) {
@@ -154,9 +161,7 @@ impl Solve {
             let files = self.options.outputs().file_names(solution.link()).len();
             let written = format!("{files} files in {}", output.display());
             let checks = verification.as_ref().map(verify_text).unwrap_or_default();
-            let page = format!("written  {}\n", output.join(REPORT).display());
-            let page = if self.report { &page } else { "" };
-            solve_text(solution, metrics, written) + &checks + page
+            solve_text(solution, metrics, written) + &checks + &self.page_line(output)
         };
         self.print.print(|| summary.to_json(), text)
     }

@@ -55,9 +55,9 @@ impl Solve {
                 OneOrSeveral::One(problem) => problem.solve(&stages).and_then(|solved| {
                     problem.write(&solved, (folder, durability), Page::Left, &stages)
                 }),
-                OneOrSeveral::Several(problem) => problem
-                    .solve(&stages)
-                    .and_then(|solved| problem.write(&solved, (folder, durability), &stages)),
+                OneOrSeveral::Several(problem) => problem.solve(&stages).and_then(|solved| {
+                    problem.write(&solved, (folder, durability), Page::Left, &stages)
+                }),
             };
             drop(stages);
             solved.map_err(|failure| of_record(failure, record))?;

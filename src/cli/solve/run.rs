@@ -14,8 +14,8 @@ use flexlink::spec::{Described, Specification};
 use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 use flexlink::verify::Verification;
 
-use crate::cli::arm::refuse_for_arms;
 use crate::cli::verify::verified;
+use crate::options::common::refuse_for_arms;
 use crate::options::common::{NodeArgs, digits_arguments};
 use crate::options::inputs::{
     ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, described, remarks, tell,
@@ -33,7 +33,7 @@ pub(super) struct SolveOptions {
     resample: ResampleArgs,
 
     #[command(flatten)]
-    scale: ScaleArgs,
+    pub(super) scale: ScaleArgs,
 
     #[command(flatten)]
     nodes: NodeArgs,
@@ -69,7 +69,7 @@ pub(super) struct Recorded {
 impl SolveOptions {
     /// Refuses what is known for one link alone.
     pub(super) fn refuse_for_arms(&self) -> Result<(), Failure> {
-        let options = [self.resample.arguments(), self.scale.arguments()].concat();
+        let options = [self.resample.arguments(), self.scale.of_one_link()].concat();
         let nodes = self.nodes.list.as_ref().map(|_| "--nodes".to_owned());
         refuse_for_arms(options.into_iter().chain(nodes))
     }

@@ -6,18 +6,21 @@ use std::sync::{PoisonError, RwLock};
 use clap::Args;
 
 use flexlink::beam::Mesh;
-use flexlink::csv::{Digits, InputFile, Reading, TableFormat, read_torque_table_as};
+use flexlink::csv::{Digits, InputFile, TableFormat, read_torque_table_as};
 use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
-use flexlink::motion::{MotionScale, Periods, TipMotion};
+use flexlink::motion::{MotionScale, TipMotion};
 use flexlink::response::Torque;
 use flexlink::result::Remark;
-use flexlink::spec::{LinkDocument, Override, SpecError, Specification};
+use flexlink::spec::{
+    ArmSpecification, Described, LinkDocument, Override, SpecError, Specification,
+};
 use flexlink::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs};
 use flexlink::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use flexlink::text::{excerpt, visible};
 
-use crate::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
+use super::first::{First, FirstLink};
+use crate::options::common::{NodeArgs, SyncArgs, digits_arguments, option, refuse_for_arms};
 use crate::options::inputs::{ChangeArgs, ReadArgs, ResampleArgs, scale_arguments, tell};
 use crate::terminal::{Exit, Failure, memory};
 
@@ -83,10 +86,8 @@ pub(crate) struct Cases<'a> {
     pub(crate) torque_file: Option<(InputFile, Torque)>,
     /// Which numbers of a case are in the table.
     pub(crate) kind: SweepKind,
-    /// The link of the first case, and the motion that was read for it.
-    pub(crate) first: (Link, TipMotion),
-    /// Periods of that motion, which most cases have.
-    pub(crate) periods: Periods,
+    /// The first case that could be read.
+    pub(crate) first: First,
     /// Memory in bytes that each of the cases solved at the same time may take.
     pub(crate) memory_bytes: Option<usize>,
     /// Held by every case at work; by one alone that needs more than its share of the memory.
@@ -105,32 +106,28 @@ impl<'a> Cases<'a> {
         let mut link_file = InputFile::read_toml(link)?;
         link_file.text()?;
         let mut motion_file = InputFile::read(motion)?;
-        let torque_file = shared.torque.read()?;
         let document = LinkDocument::read(&link_file.shown, link_file.text()?)?;
-        let specification = |case| -> Result<Specification, SpecError> {
+        let described = |case| -> Result<Described, SpecError> {
             let overrides = with_case(&overrides, &plan.case(case))?;
-            document.specification(&link_file.shown, &overrides)
+            document.described(&link_file.shown, &overrides)
         };
-        let read = |case| -> Result<(Link, (TipMotion, Reading)), Failure> {
-            let found = specification(case)?;
-            let motion = shared.resample.motion_of(&motion_file, &found.link, &shared.read)?;
-            Ok((found.link, motion))
-        };
+        let read =
+            |case| First::read(described(case)?, &motion_file, (&shared.resample, &shared.read));
         // A path that is nowhere in the file fails every case: that is no result, but a slip.
-        let (link, (motion, reading)) = read(0).or_else(|failure| {
+        let (first, reading) = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
+        if let First::Arm { .. } = first {
+            shared.refuse_for_arms(&plan)?;
+        }
+        let torque_file = shared.torque.read()?;
         tell(&motion_file.shown, &reading);
-        let first = (link, motion);
-        refuse_without_effect(|case| specification(case).ok(), &plan)?;
+        refuse_without_effect(|case| described(case).ok(), &plan)?;
         // From here on errors are for the table, which is the same wherever the files lie.
         link_file.shown.clone_from(&link_file.name);
         motion_file.shown.clone_from(&motion_file.name);
-        let kind = match (&torque_file, first.0.drive()) {
-            (Some(_), _) => SweepKind::Played,
-            (None, Some(_)) => SweepKind::Driven,
-            (None, None) => SweepKind::Solved,
-        };
+        let first = first.named(&motion_file.name);
+        let kind = if torque_file.is_some() { SweepKind::Played } else { first.kind() };
         Ok(Self {
             plan,
             shared,
@@ -140,7 +137,6 @@ impl<'a> Cases<'a> {
             link_file,
             motion_file,
             torque_file,
-            periods: Periods::of(&first.1),
             first,
             memory_bytes: memory::available().map(|bytes| bytes / rayon::current_num_threads()),
             alone: RwLock::new(()),
@@ -163,7 +159,7 @@ impl<'a> Cases<'a> {
             vary: vary.to_vec(),
             arguments: arguments.concat(),
         };
-        SweepIdentity::new(self.first.0.title(), inputs, self.plan.clone(), shard)
+        SweepIdentity::new(self.first.title(), inputs, self.plan.clone(), shard)
     }
 
     /// Does the work of a case within its share of the memory; where that is too little, with all that
@@ -195,16 +191,33 @@ impl<'a> Cases<'a> {
         Ok(Specification { analysis, ..found })
     }
 
-    /// What is possible but rare in a case that need not be solved.
+    /// The arm file with the changes of a case, which must have the joints of the first one.
+    pub(crate) fn arm(&self, values: &CaseValues) -> Result<Box<ArmSpecification>, Failure> {
+        let overrides = with_case(&self.overrides, values)?;
+        let must = self.first.links();
+        let links = match self.document.described(&self.link_file.shown, &overrides)? {
+            Described::Arm(found) if found.arm.links().len() == must => return Ok(found),
+            Described::Arm(found) => found.arm.links().len(),
+            Described::Link(_) => 1,
+        };
+        let message = format!("links = {links}, but must be {must}, as many as in the first case");
+        Err(Failure::new(Exit::InputRefused, &message, None))
+    }
+
+    /// What is possible but rare in a case that need not be solved; of the digits of an arm's path its
+    /// solution alone tells.
     pub(crate) fn remarks(&self, case: usize) -> Vec<Remark> {
         let values = self.plan.case(case);
+        let First::Link(first) = &self.first else {
+            return self.arm(&values).map(|found| found.remarks).unwrap_or_default();
+        };
         let Ok(Specification { link, mesh, analysis, remarks, .. }) = self.specification(&values)
         else {
             return Vec::new();
         };
         let Ok(mesh) = Mesh::new(&link, &mesh) else { return remarks };
         let of_modes = Remark::on_modes(&link, &mesh, &natural_frequencies(&mesh, 1));
-        let of_motion = self.motion_of(&link, values.motion).map(|motion| {
+        let of_motion = self.motion_of(first, &link, values.motion).map(|motion| {
             let target = motion.target(motion.grid().time_s(0), motion.grid().end_s());
             let travel_m = target.largest_travel_m();
             Remark::on_motion(&link, &motion, travel_m, analysis.tip_tolerance())
@@ -213,8 +226,12 @@ impl<'a> Cases<'a> {
     }
 
     /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied, as may its start angle.
-    pub(crate) fn motion_of(&self, link: &Link, scale: MotionScale) -> Result<TipMotion, Failure> {
-        let (first, motion) = &self.first;
+    pub(crate) fn motion_of(
+        &self,
+        FirstLink { link: first, motion, .. }: &FirstLink,
+        link: &Link,
+        scale: MotionScale,
+    ) -> Result<TipMotion, Failure> {
         // The start angle of a link with gravity must be that of a motion as angles.
         let reads_alike = link.gravity() == first.gravity()
             && link.length_m().total_cmp(&first.length_m()).is_eq();
@@ -241,6 +258,21 @@ impl<'a> Cases<'a> {
             self.shared.read.arguments(),
         ]
         .concat()
+    }
+}
+
+impl CaseArgs {
+    /// Refuses what is known for one link alone.
+    fn refuse_for_arms(&self, plan: &SweepPlan) -> Result<(), Failure> {
+        let torque = self.torque.torque.as_ref().map(|_| "--torque".to_owned());
+        let nodes = self.outputs.nodes.list.as_ref().map(|_| "--nodes".to_owned());
+        refuse_for_arms(self.resample.arguments().into_iter().chain(torque).chain(nodes))?;
+        if plan.variations().iter().any(|variation| variation.path() == "distance") {
+            let message = "--vary: distance is for one link, and the arm has several";
+            let hint = "duration*= scales the times of a path, which goes from place to place";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        }
+        Ok(())
     }
 }
 
@@ -288,7 +320,7 @@ impl OutputsArgs {
 
 /// Refuses a variation that a later one, of the same value under another name, sets again.
 fn refuse_without_effect(
-    read: impl Fn(usize) -> Option<Specification>,
+    read: impl Fn(usize) -> Option<Described>,
     plan: &SweepPlan,
 ) -> Result<(), Failure> {
     let Some(first) = read(0) else { return Ok(()) };
@@ -303,7 +335,8 @@ fn refuse_without_effect(
         if read(case).is_some_and(|second| second == first) {
             let changes = variation.changes();
             let shown: Vec<_> = changes[..2].iter().map(|change| excerpt(change)).collect();
-            let message = format!("--vary: {} give the same link", shown.join(" and "));
+            let what = if let Described::Link(_) = first { "link" } else { "arm" };
+            let message = format!("--vary: {} give the same {what}", shown.join(" and "));
             let hint = "a later --vary may set the same value under another name";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         }

@@ -1,6 +1,7 @@
 //! `sweep`: many cases, a row of one table each.
 
 mod cases;
+mod first;
 mod table;
 mod tally;
 mod work;
@@ -33,6 +34,8 @@ Example:
       --vary 'segments.*.EI*=0.8:1.2:41'
   flexlink sweep link.toml move.csv --shard 2/8 \\
       --vary 'segments.*.EI*=0.5:8:1000:log'
+  flexlink sweep arm.toml path.csv \\
+      --vary 'links.*.segments.*.EI*=0.5:2:10'
   flexlink sweep --merge sweep-*-of-8.csv -o sweep.csv
 
 LINK and MOTION as for solve. Exit codes as `flexlink --help` lists them: 0 even if some
@@ -55,7 +58,10 @@ finished table is always computed anew.
 
 PATH is that of --set, with = for values and *= for factors; distance*= and duration*= scale the \
 motion. VALUES are START:STOP:COUNT, START:STOP:COUNT:log, or a list a,b,c; both ends of a range may \
-have a unit. Several --vary make the product, the last one running fastest.";
+have a unit. Several --vary make the product, the last one running fastest.
+
+An arm of several links and its path (docs/arms.md) take the same: a row has the numbers of every joint, \
+and of the motion duration*= alone is varied.";
 
 /// Solve many cases: vary values of link and motion.
 #[derive(Debug, Args)]

@@ -27,6 +27,13 @@ impl Notice {
         Self::new(&format!("{}:{}", Exceeded::KIND, limit.0.key), limit, limit.hint())
     }
 
+    /// That of a joint of an arm, numbered from 0.
+    pub(crate) fn of_joint((joint, limit): &(usize, Exceeded)) -> Self {
+        let joint = joint + 1;
+        let kind = format!("{}:joint{joint}.{}", Exceeded::KIND, limit.0.key);
+        Self::new(&kind, &format!("joint {joint}: {limit}"), limit.hint())
+    }
+
     fn is_of_limit(&self) -> bool {
         self.kind.split(':').next() == Some(Exceeded::KIND)
     }

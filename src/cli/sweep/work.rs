@@ -2,17 +2,19 @@
 
 use std::path::Path;
 
-use flexlink::csv::InputFile;
+use flexlink::csv::{InputFile, PathTable};
 use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{Resources, Unwatched, invert_with};
 use flexlink::response::{Play, PlayError, Torque, simulate};
 use flexlink::result::{Metrics, PlayedMetrics, Remark, TipError};
 use flexlink::spec::Specification;
 use flexlink::store::{Findings, OutputFolder, PlayFindings, RunInputs, SimulateFiles, Summary};
-use flexlink::sweep::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
+use flexlink::sweep::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 
 use super::cases::Cases;
+use super::first::{First, FirstLink};
 use super::tally::Notice;
+use crate::cli::arm::{ArmAndPath, SolvedArm};
 use crate::options::inputs::remarks;
 use crate::terminal::{Exit, Failure, memory};
 
@@ -47,21 +49,27 @@ impl Outcome {
 impl Cases<'_> {
     /// Works on a case, numbered from 0, within its share of the memory.
     pub(crate) fn outcome(&self, case: usize) -> Outcome {
-        let found = self.within_memory(|bytes| match &self.torque_file {
-            Some((file, torque)) => self.play(case, (file, torque), bytes),
-            None => self.solve(case, bytes),
+        let found = self.within_memory(|bytes| match (&self.first, &self.torque_file) {
+            (First::Link(first), None) => self.solve(case, first, bytes),
+            (First::Link(first), Some(torque)) => self.play(case, first, torque, bytes),
+            (First::Arm { path, .. }, _) => self.solve_arm(case, path, bytes),
         });
         Outcome::of(found, || self.remarks(case))
     }
 
     /// Solves a case, numbered from 0.
-    fn solve(&self, case: usize, memory_bytes: Option<usize>) -> Result<Found, Failure> {
+    fn solve(
+        &self,
+        case: usize,
+        first: &FirstLink,
+        memory_bytes: Option<usize>,
+    ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
         let specification = self.specification(&values)?;
         let Specification { link, mesh, analysis, limits, .. } = &specification;
-        let motion = self.motion_of(link, values.motion)?;
+        let motion = self.motion_of(first, link, values.motion)?;
         let resources =
-            Resources { memory_bytes, periods: Some(&self.periods), ..Resources::default() };
+            Resources { memory_bytes, periods: Some(&first.periods), ..Resources::default() };
         let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
         let metrics = Metrics::of(&solution);
         let first_rad_s = solution.natural_frequencies_rad_s(1);
@@ -93,16 +101,43 @@ impl Cases<'_> {
         Ok((numbers, own.chain(limits).collect(), remarks.collect()))
     }
 
+    /// Solves a case of an arm, numbered from 0.
+    fn solve_arm(
+        &self,
+        case: usize,
+        path: &PathTable,
+        memory_bytes: Option<usize>,
+    ) -> Result<Found, Failure> {
+        let values = self.plan.case(case);
+        let specification = self.arm(&values)?;
+        let path = path.slowed(values.motion.duration);
+        let path = path.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
+        let solved = ArmAndPath::of((&self.link_file, specification), path)?.solve(memory_bytes)?;
+        if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
+            let arguments = self.arguments(&values);
+            let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
+            let outputs = self.shared.outputs.nodes.outputs(self.shared.outputs.digits);
+            let summary = solved.summary(inputs, None, &outputs);
+            outputs.write_arm(self.stage(&folder)?, &solved.solution, (&summary, None))?;
+        }
+        let SolvedArm { solution, metrics, exceeded, remarks } = &solved;
+        let numbers = self.kind.of_arm(&ArmCase { solution, metrics });
+        let own = solution.warnings.iter().map(|w| Notice::new(w.kind(), w, w.hint()));
+        let limits = exceeded.iter().map(Notice::of_joint);
+        Ok((numbers, own.chain(limits).collect(), remarks.clone()))
+    }
+
     /// Plays the torque on a case, numbered from 0.
     fn play(
         &self,
         case: usize,
-        (torque_file, torque): (&InputFile, &Torque),
+        first: &FirstLink,
+        (torque_file, torque): &(InputFile, Torque),
         memory_bytes: Option<usize>,
     ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
         let Specification { link, mesh, remarks, analysis, .. } = &self.specification(&values)?;
-        let motion = self.motion_of(link, values.motion)?;
+        let motion = self.motion_of(first, link, values.motion)?;
         let grid = torque.grid();
         let target = motion.target(grid.time_s(0), grid.end_s());
         let play = Play {
@@ -130,7 +165,8 @@ impl Cases<'_> {
                 reference: None,
                 state: None,
             };
-            let inputs = RunInputs::of_simulate(&self.link_file, &files, &play, arguments);
+            let inputs =
+                RunInputs::of_simulate(&self.link_file, &files, play.input.is_torque(), arguments);
             let outputs = self.shared.outputs.of_case(&simulation.mesh)?;
             memory::check_nodes(outputs.simulation_bytes(&simulation), memory_bytes)?;
             let tip_error = Some(&tip_error);

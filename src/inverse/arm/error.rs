@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::elastica::ElasticaError;
 use crate::inverse::InversionError;
 use crate::motion::MotionError;
 use crate::text::significant;
@@ -29,7 +30,8 @@ pub enum ArmError {
     /// A place of the tip that the first two links do not reach.
     #[error(
         "the end of the second link = {distance_m:.6} m from the first joint, but must be from {least_m:.6} to {most_m:.6} m \
-         away: the arm does not reach"
+         away: the arm does not {}",
+        if distance_m < least_m { "fold that far" } else { "reach" }
     )]
     OutOfReach {
         /// Number of the sample, from 0.
@@ -66,6 +68,9 @@ pub enum ArmError {
         /// The frequency in Hz.
         frequency_hz: f64,
     },
+    /// Second-order terms that do not converge, in any number.
+    #[error("{0}; those of first order alone do not converge either")]
+    NorFirst(Box<ArmError>),
     /// Directions beside the tip's place that contradict it.
     #[error("angle{} = {found:.6} rad, but must be {expected:.6} rad to agree with x and y", link + 1)]
     Disagree {
@@ -91,6 +96,16 @@ impl ArmError {
         }
     }
 
+    /// Number of the link, from 0, that is to blame, and why, where one is.
+    pub fn link(&self) -> Option<(usize, &ElasticaError)> {
+        match self {
+            Self::Inversion(InversionError::Elastica(ElasticaError::OfLink { link, error })) => {
+                Some((*link, error))
+            }
+            _ => None,
+        }
+    }
+
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
@@ -98,12 +113,19 @@ impl ArmError {
             Self::Finer(error) => return error.hint(),
             Self::NoElbow => "\"left\" where the second link turns left of the first",
             Self::Plans { .. } => return None,
+            Self::OutOfReach { distance_m, least_m, .. } if distance_m < least_m => {
+                "a path that stays away from the first joint, or links of lengths that differ less"
+            }
             Self::OutOfReach { .. } => "a path within reach, or longer links",
             Self::Stretched { .. } => {
                 "a path that stays away from the stretched arm and from the first joint, or one of angles"
             }
             Self::Blocked { .. } => {
                 "a slower or smoother path, more damping, or analysis.second_order = \"first\", with a larger error of the tip"
+            }
+            Self::NorFirst(_) => {
+                "a slower motion or a stiffer link; analysis.second_order = \"none\" leaves all of them out, with a larger error of \
+                 the tip"
             }
             Self::Disagree { .. } => {
                 "check the units and the elbow, or leave x and y or the angles out"

@@ -17,9 +17,6 @@ use crate::numeric::{Size, largest, largest_difference};
 /// Change of a torque by further iterations, over its size, that is round-off.
 const ROUND_OFF: f64 = 1e-11;
 
-/// Sine of the elbow's angle below which the user is warned.
-const NEARLY_STRETCHED: f64 = 0.15;
-
 impl Solver<'_> {
     /// What half the step changes of each quantity, where every frequency of the samples is solved or second-order terms
     /// reach beyond what they resolve; none where the path cannot be sampled twice as often.
@@ -98,10 +95,7 @@ impl Solver<'_> {
             let (share, tolerance) = (solution.tip_error, problem.analysis.tip_tolerance());
             warnings.push(ArmWarning::Arm(Warning::TipMissed { share, tolerance, shortfall }));
         }
-        if let Some((sample, sine)) = problem.least_sine().filter(|own| own.1 < NEARLY_STRETCHED) {
-            let time_s = problem.path.grid().time_s(sample);
-            warnings.push(ArmWarning::NearlyStretched { sine, time_s });
-        }
+        warnings.extend(problem.nearly_stretched);
         // The factor of changes that are round-off says nothing.
         let iteration = &solution.findings.iteration;
         let slow =
@@ -111,6 +105,8 @@ impl Solver<'_> {
         let left_out = left_out.filter(|share| share.is_none_or(|share| share > LEFT_OUT));
         let left_out = left_out.map(|share| Warning::SecondOrderLeftOut { share });
         warnings.extend(slow.into_iter().chain(left_out).map(ArmWarning::Arm));
+        let fallback = solution.findings.fallback;
+        warnings.extend(fallback.map(|straying| ArmWarning::FellBack { straying }));
         // What the digits leave open is measured as the error of the input.
         let is_exact = solution.errors.iter().all(|errors| errors.torque.input.is_none());
         let unsettled = if is_exact { self.unsettled(solved, sizes)? } else { Vec::new() };

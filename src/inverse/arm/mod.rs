@@ -7,13 +7,16 @@
 mod answer;
 mod error;
 mod evidence;
+mod moved;
 mod problem;
+mod reach;
 mod rigid;
 mod solution;
 mod solve;
 mod warning;
 
 pub use error::ArmError;
+pub use reach::check_reach;
 pub use solution::{ArmFindings, ArmJoint, ArmLinkShape, ArmSolution};
 pub use solve::invert_arm;
-pub use warning::ArmWarning;
+pub use warning::{ArmWarning, Straying};

@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use super::answer::ArmAnswer;
 use super::error::ArmError;
+use super::reach::check_reach;
+use super::warning::ArmWarning;
 use crate::elastica::{
-    AngleHistories, ArmMotion, ArmPeriod, Kept, STRETCHED, SecondOrder, follow_arm, reaching,
-    returning,
+    AngleHistories, ArmMotion, ArmPeriod, Kept, SecondOrder, follow_arm, reaching, returning,
 };
 use crate::inverse::period::{Padding, check_memory};
 use crate::inverse::rest::{Return, left_to_return};
@@ -39,6 +40,7 @@ pub(super) struct ArmProblem<'a> {
     returns: Return,
     resources: Resources<'a>,
     is_left: bool,
+    pub(super) nearly_stretched: Option<ArmWarning>,
 }
 
 impl<'a> ArmProblem<'a> {
@@ -50,10 +52,7 @@ impl<'a> ArmProblem<'a> {
         (analysis, resources): (&'a Analysis, Resources<'a>),
         first_zero_per_s: Option<f64>,
     ) -> Result<Self, ArmError> {
-        let is_left = match (path.prescribed(), arm.elbow()) {
-            (Prescribed::Tip, None) => return Err(ArmError::NoElbow),
-            (_, side) => side != Some(Elbow::Right),
-        };
+        let nearly_stretched = check_reach(arm, path)?;
         let grid = path.grid();
         let problem = Self {
             arm,
@@ -64,9 +63,10 @@ impl<'a> ArmProblem<'a> {
             padding: Padding::around(path.moving_samples(), grid, analysis, first_zero_per_s),
             returns: Return::of_arm(first_zero_per_s, &grid),
             resources,
-            is_left,
+            is_left: arm.elbow() != Some(Elbow::Right),
+            nearly_stretched,
         };
-        problem.refuse_pose()?;
+        problem.refuse_beside()?;
         Ok(problem)
     }
 
@@ -78,46 +78,8 @@ impl<'a> ArmProblem<'a> {
         self.arm.links().iter().map(|own| own.link.length_m()).collect()
     }
 
-    /// Sine of the elbow's angle, least in size, and its sample; none where no tip is prescribed.
-    pub(super) fn least_sine(&self) -> Option<(usize, f64)> {
-        if self.path.prescribed() == Prescribed::Angles {
-            return None;
-        }
-        let sines = self.elbows().map(|(_, cosine)| (1.0 - cosine * cosine).max(0.0).sqrt());
-        sines.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
-    /// Distance in m of the second link's end from the first joint, and cosine of the elbow's angle, at each sample.
-    fn elbows(&self) -> impl Iterator<Item = (f64, f64)> {
-        let (given, lengths_m) = (self.path.given(), self.lengths_m());
-        (0..self.path.grid().len).map(move |k| {
-            let outer = given[2..].iter().zip(&lengths_m[2..]);
-            let [x, y] = outer.fold([given[0][k], given[1][k]], |[x, y], (angle, length_m)| {
-                [x - length_m * libm::cos(angle[k]), y - length_m * libm::sin(angle[k])]
-            });
-            let [l1, l2] = [lengths_m[0], lengths_m[1]];
-            let squared = x * x + y * y;
-            (squared.sqrt(), (squared - l1 * l1 - l2 * l2) / (2.0 * l1 * l2))
-        })
-    }
-
-    /// Refuses places that the arm does not reach, or only stretched, and directions that contradict them.
-    fn refuse_pose(&self) -> Result<(), ArmError> {
-        if self.path.prescribed() == Prescribed::Angles {
-            return Ok(());
-        }
-        let lengths_m = self.lengths_m();
-        let [l1, l2] = [lengths_m[0], lengths_m[1]];
-        for (sample, (distance_m, cosine)) in self.elbows().enumerate() {
-            let (least_m, most_m) = ((l1 - l2).abs(), l1 + l2);
-            if !(-1.0..=1.0).contains(&cosine) {
-                return Err(ArmError::OutOfReach { sample, distance_m, least_m, most_m });
-            }
-            let sine = (1.0 - cosine * cosine).sqrt();
-            if sine < STRETCHED {
-                return Err(ArmError::Stretched { sample, sine, least: STRETCHED });
-            }
-        }
+    /// Refuses directions that contradict the tip's places.
+    fn refuse_beside(&self) -> Result<(), ArmError> {
         if self.path.beside().is_empty() {
             return Ok(());
         }

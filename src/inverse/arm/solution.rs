@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::answer::{ArmAnswer, JointHistories};
 use super::problem::Models;
 use super::rigid::rigid_torques_n_m;
-use super::warning::ArmWarning;
+use super::warning::{ArmWarning, Straying};
 use crate::elastica::{AngleHistories, Iteration, SecondOrder};
 use crate::inverse::{Analysis, MotorHistories, PerQuantity, QuantityErrors};
 use crate::link::Arm;
@@ -98,12 +98,22 @@ pub struct ArmFindings {
     /// What the terms that were not counted change of a torque at most, over its range: none where all were counted, and
     /// none within where the motion is refused with all of them.
     pub left_out: Option<Option<f64>>,
+    /// Where the iteration of all terms does not converge and fewer are counted instead: how far the tip strays for that;
+    /// what was left out is then not looked for otherwise.
+    pub fallback: Option<Straying>,
 }
 
 impl ArmSolution {
     /// Number of elements of each link.
     pub fn elements(&self) -> Vec<usize> {
         self.models.iter().map(|model| model.mesh().elements().len()).collect()
+    }
+
+    /// How far the tip is expected to be from where it should be, at most, over its way: what the solved one is off, or what
+    /// fewer terms than all lead it off by where these do not converge.
+    pub fn expected_tip_error(&self) -> f64 {
+        let fallback = self.findings.fallback.map_or(0.0, Straying::share);
+        Size::larger(self.tip_error, fallback)
     }
 
     /// The largest error of a kind, over all quantities of all joints.

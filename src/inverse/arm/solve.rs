@@ -54,16 +54,29 @@ pub fn invert_arm(
         .filter_map(|model| torque_zeros(model.mesh(), 1).first().copied())
         .reduce(f64::min);
     let problem = ArmProblem::of(arm, path, (analysis, *resources), first_zero_per_s)?;
-    let blocked = blocked(&models, &problem.cutoffs);
-    let solver = Solver { problem, plans };
-    solver.solution(models, first_zero_per_s).map_err(|error| match (error, blocked) {
-        // Where no torque moves a link's tip, its second-order terms grow.
-        (
-            ArmError::Inversion(InversionError::Elastica(ElasticaError::Diverges { .. })),
-            Some(blocked),
-        ) => blocked,
-        (error, _) => error,
-    })
+    let solver = Solver { problem, plans, falls_back: false };
+    let refusal = match solver.solution(models.clone(), first_zero_per_s) {
+        Err(ArmError::Inversion(InversionError::Elastica(
+            error @ ElasticaError::Diverges { .. },
+        ))) => error,
+        found => return found,
+    };
+    // Where no torque moves a link's tip, its second-order terms grow.
+    let refused = || {
+        blocked(&models, &solver.problem.cutoffs).unwrap_or(InversionError::from(refusal).into())
+    };
+    if analysis.second_order().is_some() {
+        return Err(refused());
+    }
+    // All terms are counted unless chosen otherwise: those of first order are better than none.
+    let problem = solver.problem.with(SecondOrder::First, solver.problem.cutoffs.clone());
+    let first = Solver { problem, plans, falls_back: true };
+    match first.solution(models.clone(), first_zero_per_s) {
+        Err(ArmError::Inversion(InversionError::Elastica(ElasticaError::Diverges { .. }))) => {
+            Err(ArmError::NorFirst(Box::new(refused())))
+        }
+        found => found,
+    }
 }
 
 /// The first link with a frequency within the path's band at which no torque moves its tip.
@@ -79,6 +92,8 @@ fn blocked(models: &Models, cutoffs: &[Cutoff]) -> Option<ArmError> {
 pub(super) struct Solver<'a> {
     pub(super) problem: ArmProblem<'a>,
     plans: &'a [MeshPlan],
+    /// True where fewer terms are counted than were asked for.
+    falls_back: bool,
 }
 
 /// The answer on meshes that are fine enough, and what was measured of it.
@@ -132,7 +147,9 @@ impl Solver<'_> {
         let findings = ArmFindings {
             order: problem.second_order,
             iteration,
-            left_out: (problem.second_order != SecondOrder::Full).then(|| self.left_out(&solved)),
+            left_out: (problem.second_order != SecondOrder::Full && !self.falls_back)
+                .then(|| self.left_out(&solved)),
+            fallback: None,
         };
         let cutoff = problem.cutoffs.iter().map(|own| own.omega_rad_s).filter(|o| o.is_finite());
         let mut solution = ArmSolution {
@@ -156,6 +173,7 @@ impl Solver<'_> {
         if solution.joints.iter().any(|joint| joint.torque_n_m.iter().any(|t| !t.is_finite())) {
             return Err(InversionError::OutOfRange { peak_n_m: f64::NAN }.into());
         }
+        solution.findings.fallback = self.falls_back.then(|| solution.straying());
         solution.warnings = self.warnings(&solved, &solution, sizes)?;
         Ok(solution)
     }

@@ -1,5 +1,6 @@
 //! The table of a sweep and the record beside it, stiffness.json beside stiffness.csv: written and read.
 
+use std::borrow::Borrow;
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
@@ -157,13 +158,15 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
         return Err(error.with_hint(THE_FOLDER.to_owned()));
     }
     let kinds = [SweepKind::Driven, SweepKind::Solved, SweepKind::Played];
-    let known = kinds.map(|kind| [&kind.names()[..], &[WARNINGS, ERROR]].concat());
+    let known =
+        kinds.map(|kind| [kind.names(), [WARNINGS, ERROR].map(str::to_owned).into()].concat());
     let found = &names[varied..];
     if known.iter().any(|known| known == found) {
         return Ok(varied);
     }
     // Of the kinds of sweep the one that shares more names is meant.
-    let shared = |known: &&Vec<&str>| known.iter().filter(|name| found.contains(name)).count();
+    let is_known = |known: &[String], name: &str| known.iter().any(|own| own == name);
+    let shared = |known: &&Vec<String>| found.iter().filter(|name| is_known(known, name)).count();
     let known = known.iter().max_by_key(shared).map_or(&[][..], |known| known);
     let must = format!("must be {}", quoted_all(known));
     if !found.contains(&WARNINGS) {
@@ -171,13 +174,13 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
         let hint = "an older flexlink wrote it: run the sweep again";
         return Err(error.with_hint(hint.to_owned()));
     }
-    match found.iter().position(|name| !known.contains(name)) {
+    match found.iter().position(|name| !is_known(known, name)) {
         Some(stray) => Err(place.refuse_column(varied + stray, found[stray], must)),
         None => Err(place.refuse(format!("columns from {FIRST} on"), quoted_all(found), must)),
     }
 }
 
-fn quoted_all(names: &[&str]) -> String {
+fn quoted_all<S: Borrow<str>>(names: &[S]) -> String {
     format!("\"{}\"", names.join(","))
 }
 

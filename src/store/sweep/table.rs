@@ -20,8 +20,7 @@ pub(super) const ERROR: &str = "error";
 /// The row that names the columns, with its line end.
 pub fn sweep_header(plan: &SweepPlan, kind: SweepKind) -> String {
     let varied = plan.variations().iter().map(|variation| field(&variation.heading()));
-    let numbers = kind.names().into_iter().map(str::to_owned);
-    line(varied.chain(numbers).chain([WARNINGS, ERROR].map(str::to_owned)))
+    line(varied.chain(kind.names()).chain([WARNINGS, ERROR].map(str::to_owned)))
 }
 
 /// The row of a case, with its line end: its values, its numbers or why it has none, and the kinds of

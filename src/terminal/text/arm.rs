@@ -1,32 +1,34 @@
 //! The summary that `solve` prints of an arm.
 
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use flexlink::elastica::SecondOrder;
 use flexlink::inverse::ArmSolution;
+use flexlink::link::Arm;
 use flexlink::motion::Prescribed;
-use flexlink::result::{ArmMetrics, JointMetrics};
+use flexlink::response::{ArmModes, PoseMode, SettledModes};
+use flexlink::result::{ArmMetrics, JointMetrics, LinkZeros};
 use flexlink::text::{plain, significant, visible};
 
 use super::runs::{four, timing_line};
+use super::tables::{MESH_ERROR, share, unsteady, zero_rows};
 
 /// The summary of an arm's solution; `written` says where its files are.
 pub(crate) fn arm_text(solution: &ArmSolution, metrics: &ArmMetrics, written: &str) -> String {
     let mut text = String::new();
     let arm = &solution.arm;
-    if !arm.title().is_empty() {
-        let _ = writeln!(text, "{}", visible(arm.title()));
-    }
+    text += &title(arm);
     let mut line = |label: &str, content: String| {
         if !content.is_empty() {
             let _ = writeln!(text, "{label:<8} {content}");
         }
     };
-    line("arm", format!("{} links, {} m", arm.links().len(), significant(arm.length_m(), 4)));
+    line("arm", size_line(arm));
     for (number, elements) in solution.elements().into_iter().enumerate() {
         line(&format!("link {}", number + 1), link_line(solution, number, elements));
     }
-    line("gravity", gravity_line(solution));
+    line("gravity", gravity_line(arm));
     line("path", path_line(solution));
     line("order", order_line(solution));
     for (number, joint) in metrics.joints.iter().enumerate() {
@@ -49,11 +51,20 @@ fn link_line(solution: &ArmSolution, number: usize, elements: usize) -> String {
     format!("{name}{length} m, {mass} kg, {elements} elements, {damping} damping")
 }
 
-fn gravity_line(solution: &ArmSolution) -> String {
-    if !solution.arm.has_weight() {
+pub(super) fn title(arm: &Arm) -> String {
+    if arm.title().is_empty() { String::new() } else { format!("{}\n", visible(arm.title())) }
+}
+
+pub(super) fn size_line(arm: &Arm) -> String {
+    format!("{} links, {} m", arm.links().len(), significant(arm.length_m(), 4))
+}
+
+/// Gravity in the plane of an arm.
+pub(super) fn gravity_line(arm: &Arm) -> String {
+    if !arm.has_weight() {
         return String::new();
     }
-    let [along_x, along_y] = solution.arm.gravity_m_s2().map(plain);
+    let [along_x, along_y] = arm.gravity_m_s2().map(plain);
     format!("{along_x}, {along_y} m/s²")
 }
 
@@ -83,8 +94,9 @@ fn order_line(solution: &ArmSolution) -> String {
     let iteration = &findings.iteration;
     let change = significant(100.0 * iteration.second_order_change, 2);
     let contraction = iteration.contraction.map_or("none".into(), |own| significant(own, 2));
+    let fallback = findings.fallback.map_or("", |_| "; all terms do not converge");
     format!(
-        "{name}: {change} % of a torque; {slopes};\n         {} iterations, contraction {contraction}",
+        "{name}: {change} % of a torque; {slopes};\n         {} iterations, contraction {contraction}{fallback}",
         iteration.iterations
     )
 }
@@ -116,7 +128,7 @@ fn errors_line(solution: &ArmSolution) -> String {
     let shown = |error: f64| significant(error, 2);
     let [mesh, window] = [solution.worst(|own| own.mesh), solution.worst(|own| own.window)];
     let mut parts = vec![
-        format!("tip {}", shown(solution.tip_error)),
+        format!("tip {}", shown(solution.expected_tip_error())),
         format!("mesh {}", shown(mesh)),
         format!("window {}", shown(window)),
     ];
@@ -135,4 +147,65 @@ fn window_line(solution: &ArmSolution) -> String {
     let grid = &solution.grid;
     let [from, to] = four([grid.time_s(0), grid.end_s()]);
     format!("{from} … {to} s, {} rows", grid.len)
+}
+
+/// Modes of an arm in a pose, joints free and held, and zeros of its links.
+pub(crate) fn arm_modes_text(arm: &Arm, found: &ArmModes, zeros: &[LinkZeros]) -> String {
+    let list = |values: &[f64]| {
+        values.iter().map(|own| significant(*own, 4)).collect::<Vec<_>>().join(", ")
+    };
+    let directions = list(&found.directions_rad);
+    let mut lines = vec![
+        format!("arm of {}; the links point to {directions} rad", size_line(arm)),
+        format!("the tip rests at {} m", list(&found.tip_m)),
+    ];
+    if arm.has_weight() {
+        let torques = list(&found.holding_torques_n_m);
+        lines.push(format!("gravity {}; {torques} N m hold the joints at rest", gravity_line(arm)));
+    }
+    let swings = arm.links().len();
+    lines.push(format!("joints free; the first {swings} are swings of the whole arm"));
+    lines.extend(arm_mode_rows(&found.free));
+    lines.push(rotors_held(&found.joint_stiffnesses_n_m_rad));
+    lines.extend(arm_mode_rows(&found.held));
+    for (number, own) in zeros.iter().enumerate() {
+        lines.push(format!("{}, from its joint to its tip", arm.name_of(number)));
+        lines.extend(zero_rows(own));
+    }
+    title(arm) + &lines.join("\n") + "\n"
+}
+
+fn rotors_held(joint_stiffnesses_n_m_rad: &[f64]) -> String {
+    if joint_stiffnesses_n_m_rad.iter().all(|own| own.is_infinite()) {
+        return "rotors held, stiff joints".into();
+    }
+    let springs = joint_stiffnesses_n_m_rad
+        .iter()
+        .map(|own| if own.is_finite() { significant(*own, 4) } else { "stiff".into() });
+    format!("rotors held, joint springs {} N m/rad", springs.collect::<Vec<_>>().join(", "))
+}
+
+/// A heading, then a row a mode with how far each joint turns, where any does.
+fn arm_mode_rows(found: &SettledModes) -> Vec<String> {
+    let turns = |mode: &PoseMode| mode.joints.iter().any(|own| *own != 0.0);
+    let any_turns = found.modes.iter().any(turns);
+    let joints = |mode: &PoseMode| {
+        let parts = mode.joints.iter().map(|own| format!(" {own:>6.3}"));
+        if any_turns { parts.collect() } else { String::new() }
+    };
+    let row = |[number, omega, hertz, damping, error]: [&str; 5]| {
+        format!("{number:<6} {omega:>13} {hertz:>15} {damping:>10} {error:>11}")
+    };
+    let heading = row(["mode", "omega [rad/s]", "frequency [Hz]", "damping", MESH_ERROR]);
+    let heading = heading + if any_turns { "  joints" } else { "" };
+    let modes = found.modes.iter().zip(&found.errors).enumerate().map(|(k, (mode, error))| {
+        let (number, square) = ((k + 1).to_string(), mode.square_per_s2);
+        unsteady(&number, square, "arm").unwrap_or_else(|| {
+            let omega = square.sqrt();
+            let [omega, hertz] = [omega, omega / TAU].map(|x| significant(x, 8));
+            let damping = mode.damping_ratio.map_or(String::new(), |own| significant(own, 4));
+            row([&number, &omega, &hertz, &damping, &share(*error)]) + &joints(mode)
+        })
+    });
+    std::iter::once(heading).chain(modes).collect()
 }

@@ -1,13 +1,15 @@
 //! Results in words, as the commands print them: lines of at most 80 columns.
 
 mod arm;
+mod arm_played;
 mod compare;
 mod fit;
 mod played;
 mod runs;
 mod tables;
 
-pub(crate) use arm::arm_text;
+pub(crate) use arm::{arm_modes_text, arm_text};
+pub(crate) use arm_played::played_arm_text;
 pub(crate) use compare::{blessed_text, comparison_text, counted, repetition_text};
 pub(crate) use fit::fit_text;
 pub(crate) use played::simulate_text;

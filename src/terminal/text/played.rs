@@ -236,7 +236,7 @@ fn simulation_errors(error: Option<&PlayError>, simulation: &Simulation, play: &
     }
 }
 
-fn tip_error_line(error: &TipError) -> String {
+pub(super) fn tip_error_line(error: &TipError) -> String {
     let worst = significant(error.worst_m, 4);
     let [time, share] = [error.time_s, error.share].map(|number| significant(number, 3));
     format!("tip strays by up to {worst} m at {time} s, {share} of its travel")

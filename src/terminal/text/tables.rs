@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
-use flexlink::result::{Fit, Limits, Metrics, ModesResult, PoseModes, PoseSquares, Reached};
+use flexlink::result::{
+    Fit, LimitedValue, LinkZeros, ModesResult, PoseModes, PoseSquares, Reached,
+};
 use flexlink::text::{plain, significant};
 use flexlink::verify::{Check, Outcome, Verification};
 
@@ -15,23 +17,29 @@ pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> Stri
     let mut lines = vec![link_line(link, mesh)];
     let ratios = Some(&result.damping_ratios[..]);
     lines.extend(mode_rows(&result.omega_rad_s, ratios, &result.mesh_errors));
-    lines.push(row(["zero", "±[1/s]", "lead to 1 % [s]", "", "", MESH_ERROR]));
-    let zeros = result.zeros_per_s.iter().zip(result.leads_s()).zip(&result.zero_mesh_errors);
-    for (number, ((zero, lead), error)) in (1..).zip(zeros) {
-        let [zero, lead] = [significant(*zero, 8), significant(lead, 4)];
-        lines.push(row([&format!("{number}"), &zero, &lead, "", "", &share(*error)]));
-    }
-    for (hertz, error) in result.blocked_hz.iter().zip(&result.blocked_mesh_errors) {
-        let hertz = significant(*hertz, 8);
-        let error = share(*error);
-        let error = if error.is_empty() { error } else { format!(" (mesh error {error})") };
-        lines.push(format!("at {hertz} Hz no torque moves the tip{error}"));
-    }
+    lines.extend(zero_rows(&result.zeros));
     if let Some(held) = &result.held {
         lines.push(rotor_held(held.joint_stiffness_n_m_rad));
         lines.extend(mode_rows(&held.omega_rad_s, None, &held.mesh_errors));
     }
     title(link) + &lines.join("\n") + "\n"
+}
+
+/// A heading, then a row a zero, and a line for each frequency at which no torque moves the tip.
+pub(super) fn zero_rows(found: &LinkZeros) -> Vec<String> {
+    let mut lines = vec![row(["zero", "±[1/s]", "lead to 1 % [s]", "", "", MESH_ERROR])];
+    let zeros = found.zeros_per_s.iter().zip(found.leads_s()).zip(&found.mesh_errors);
+    for (number, ((zero, lead), error)) in (1..).zip(zeros) {
+        let [zero, lead] = [significant(*zero, 8), significant(lead, 4)];
+        lines.push(row([&format!("{number}"), &zero, &lead, "", "", &share(*error)]));
+    }
+    for (hertz, error) in found.blocked_hz.iter().zip(&found.blocked_mesh_errors) {
+        let hertz = significant(*hertz, 8);
+        let error = share(*error);
+        let error = if error.is_empty() { error } else { format!(" (mesh error {error})") };
+        lines.push(format!("at {hertz} Hz no torque moves the tip{error}"));
+    }
+    lines
 }
 
 /// Modes in a pose, hub free and held.
@@ -64,20 +72,25 @@ fn pose_rows(first: usize, found: &PoseSquares) -> Vec<String> {
     let modes = found.squares_per_s2.iter().zip(&found.mesh_errors).enumerate();
     let modes = modes.map(|(k, (square, error))| {
         let (number, size) = ((first + k).to_string(), square.abs().sqrt());
-        if size == 0.0 {
-            return format!("{number:<6} neutral: the link stays where it is turned");
-        }
-        if *square < 0.0 {
-            let time = significant(size.recip(), 4);
-            return format!("{number:<6} not stable: it leaves the pose as e^(t/{time} s)");
-        }
-        let [omega, hertz, period] = [size, size / TAU, TAU / size].map(|x| significant(x, 8));
-        row([&number, &omega, &hertz, &period, "", &share(*error)])
+        unsteady(&number, *square, "link").unwrap_or_else(|| {
+            let [omega, hertz, period] = [size, size / TAU, TAU / size].map(|x| significant(x, 8));
+            row([&number, &omega, &hertz, &period, "", &share(*error)])
+        })
     });
     std::iter::once(heading).chain(modes).collect()
 }
 
-const MESH_ERROR: &str = "mesh error";
+/// A mode that does not vibrate, in words; `what` is a link or an arm.
+pub(super) fn unsteady(number: &str, square_per_s2: f64, what: &str) -> Option<String> {
+    if square_per_s2 == 0.0 {
+        return Some(format!("{number:<6} neutral: the {what} stays where it is turned"));
+    }
+    let time = significant(square_per_s2.abs().sqrt().recip(), 4);
+    let falls = format!("{number:<6} not stable: it leaves the pose as e^(t/{time} s)");
+    (square_per_s2 < 0.0).then_some(falls)
+}
+
+pub(super) const MESH_ERROR: &str = "mesh error";
 
 /// A heading, then a row a mode, with its damping ratio where these are given.
 fn mode_rows(
@@ -96,7 +109,7 @@ fn mode_rows(
 }
 
 /// A relative error; below what the iterations leave open, a bound. Empty where it is not known.
-fn share(error: f64) -> String {
+pub(super) fn share(error: f64) -> String {
     const KNOWN_TO: f64 = 1e-12;
     match error {
         _ if error.is_nan() => String::new(),
@@ -146,9 +159,14 @@ fn beyond(found: f64, bound: f64) -> String {
 }
 
 /// How a duration was found among those that were tried, with all limits that it is within.
-pub(crate) fn found_text(fit: &Fit, limits: &Limits) -> String {
-    let values = limits.limited_values(&Metrics::of(&fit.solution));
-    let each = values.iter().map(|v| format!("{}={} {}", v.key, plain(v.limit), v.unit));
+pub(crate) fn found_text<S>(
+    fit: &Fit<S>,
+    values: impl IntoIterator<Item = (Option<usize>, LimitedValue)>,
+) -> String {
+    let each = values.into_iter().map(|(joint, value)| {
+        let LimitedValue { key, limit, unit, .. } = value;
+        format!("{}{key}={} {unit}", of_joint(joint), plain(limit))
+    });
     let within = each.collect::<Vec<_>>().join(", ");
     if fit.is_shortest() {
         return format!("the shortest duration within {within}");
@@ -157,10 +175,17 @@ pub(crate) fn found_text(fit: &Fit, limits: &Limits) -> String {
     format!("within {within}; {tried} of the {shorter} shorter durations were tried, none fits")
 }
 
+fn of_joint(joint: Option<usize>) -> String {
+    joint.map_or(String::new(), |joint| format!("joint {} ", joint + 1))
+}
+
 /// Which limit a motion comes closest to, and by how much.
-pub(crate) fn binding_text(fit: &Fit) -> String {
+pub(crate) fn binding_text<S>(fit: &Fit<S>) -> String {
     if fit.has_fewest_steps() {
         return "; no limit binds: the profile has no fewer steps".to_owned();
+    }
+    if let Some(error) = &fit.unsolved {
+        return format!("; no limit binds: with a step less, {error}");
     }
     let Some(binding) = fit.binding else { return String::new() };
     let below = 100.0 * (1.0 - binding.share());
@@ -169,7 +194,8 @@ pub(crate) fn binding_text(fit: &Fit) -> String {
     let (key, unit) = (value.key, value.unit);
     let (found, limit) = (significant(value.found, 5), plain(value.limit));
     let error = format!("{below} % below it with its error of {error:.1e} added");
-    format!("; limits.{key} binds: {found} {unit} of {limit} {unit}, {error}")
+    let of = of_joint(fit.joint);
+    format!("; {of}limits.{key} binds: {found} {unit} of {limit} {unit}, {error}")
 }
 
 #[cfg(test)]

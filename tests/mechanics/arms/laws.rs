@@ -7,7 +7,7 @@ use flexlink::elastica::{
 };
 use flexlink::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment};
 
-use super::{line, models, period, turning, two_links};
+use super::{line, models, newton_euler, period, turning, two_links};
 use crate::elastica::laws::{Energy, GRAVITY, loaded_arm};
 use crate::elastica::{BEFORE_S, STEP_S, Turn, arm, chord, model};
 
@@ -124,55 +124,6 @@ fn an_arm_of_one_link_is_the_link() {
     }
 }
 
-/// Torques of a rigid arm by Newton and Euler, link by link in fixed axes.
-fn rigid(parts: &[LinkParts], turns: &[Turn], gravity: [f64; 2], time_s: f64) -> Vec<f64> {
-    let mut axis = gravity.map(|part| -part);
-    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
-    let plus = |a: [f64; 2], b: [f64; 2], times: f64| [a[0] + times * b[0], a[1] + times * b[1]];
-    let mut inner = Vec::new();
-    for (parts, turn) in parts.iter().zip(turns) {
-        let [angle, rate, acceleration] = turn.at(time_s);
-        let e = [angle.cos(), angle.sin()];
-        let n = [-e[1], e[0]];
-        // Acceleration of a place per distance from its joint.
-        let per_m = plus([acceleration * n[0], acceleration * n[1]], e, -rate * rate);
-        let (mut force, mut moment) = ([0.0; 2], parts.hub.inertia_kg_m2 * acceleration);
-        let mut add = |mass_kg: f64, at_m: f64| {
-            let own = plus(axis, per_m, at_m);
-            force = plus(force, own, mass_kg);
-            moment += mass_kg * at_m * cross(e, own);
-        };
-        let mut from_m = parts.hub.radius_m;
-        for segment in &parts.segments {
-            // Masses of linear density by Gauss and Legendre's three points: exact for s² m.
-            let r = 0.6_f64.sqrt();
-            for (x, weight) in
-                [(0.5 - 0.5 * r, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + 0.5 * r, 5.0 / 18.0)]
-            {
-                let mass = segment.mass_per_length_kg_m.at(x) * segment.length_m * weight;
-                add(mass, from_m + x * segment.length_m);
-            }
-            from_m += segment.length_m;
-        }
-        for LumpedMass { at_m, mass_kg, .. } in &parts.masses {
-            add(*mass_kg, *at_m);
-        }
-        add(parts.payload.mass_kg, from_m + parts.payload.offset_m);
-        let inertias = parts.masses.iter().map(|mass| mass.inertia_kg_m2).sum::<f64>();
-        moment += (inertias + parts.payload.inertia_kg_m2) * acceleration;
-        inner.push((force, moment, e, from_m, rate, parts.hub.viscous_friction_n_m_s_rad));
-        axis = plus(axis, per_m, from_m);
-    }
-    let (mut torques, mut outer, mut torque) = (Vec::new(), [0.0; 2], 0.0);
-    for (joint, (force, moment, e, length_m, rate, friction)) in inner.iter().enumerate().rev() {
-        torque += moment + length_m * cross(*e, outer);
-        outer = plus(*force, outer, 1.0);
-        let before = if joint > 0 { inner[joint - 1].4 } else { 0.0 };
-        torques.insert(0, torque + friction * (rate - before));
-    }
-    torques
-}
-
 /// Largest difference of the torques of an arm 1e8 times as stiff from those of the rigid one, in N m.
 pub(super) fn apart_from_rigid(
     parts: &[LinkParts],
@@ -186,7 +137,8 @@ pub(super) fn apart_from_rigid(
     let parts: Vec<_> = parts.iter().map(stiff).collect();
     let found = solved(&parts, &turning(turns, kept, GRAVITY), level);
     let samples = (0..last()).step_by(7).flat_map(|k| {
-        let expected = rigid(&parts, turns, GRAVITY, k as f64 * STEP_S - BEFORE_S);
+        let expected =
+            newton_euler::torques_n_m(&parts, turns, GRAVITY, k as f64 * STEP_S - BEFORE_S);
         let pairs = found.links.iter().zip(expected);
         pairs.map(move |(link, t)| (link.bent.torque_n_m[k] - t).abs()).collect::<Vec<_>>()
     });
@@ -203,42 +155,60 @@ fn an_arm_that_hardly_bends_takes_the_torques_of_the_rigid_one() {
     }
 }
 
+/// Largest difference of the torques of an arm without its last link from those with one that weighs nothing.
+pub(super) fn apart_from_weightless(
+    parts: &[LinkParts],
+    turns: &[Turn],
+    level: SecondOrder,
+) -> f64 {
+    let (last, inner) = parts.split_last().expect("links");
+    let nothing = Payload { mass_kg: 0.0, inertia_kg_m2: 0.0, offset_m: 0.0 };
+    let weightless = LinkParts {
+        segments: vec![Segment::uniform(0.6, 15.0, 1e-11)],
+        payload: nothing,
+        hub: Hub::default(),
+        masses: Vec::new(),
+        ..last.clone()
+    };
+    let with: Vec<_> = inner.iter().cloned().chain([weightless]).collect();
+    let with = solved(&with, &turning(turns, Kept::Angles, GRAVITY), level);
+    let arm = turning(&turns[..inner.len()], Kept::Angles, GRAVITY);
+    differ(&solved(inner, &arm, level), &with, 1.0)
+}
+
 #[test]
 fn a_last_link_that_weighs_nothing_changes_nothing_inboard() {
     for level in LEVELS {
-        let mut parts = links(3);
-        let nothing = Payload { mass_kg: 0.0, inertia_kg_m2: 0.0, offset_m: 0.0 };
-        parts[2].segments = vec![Segment::uniform(0.6, 15.0, 1e-11)];
-        (parts[2].payload, parts[2].hub) = (nothing, Hub::default());
-        parts[2].masses.clear();
-        let turns = turns(3);
-        let with = solved(&parts, &turning(&turns, Kept::Angles, GRAVITY), level);
-        let without = solved(&parts[..2], &turning(&turns[..2], Kept::Angles, GRAVITY), level);
-        let off = differ(&without, &with, 1.0);
+        let off = apart_from_weightless(&links(3), &turns(3), level);
         assert!(off < 1e-9, "{level:?}: {off:e}");
     }
 }
 
+/// Largest difference of the torques of an arm without weight from those of a softer one that is slower by a factor,
+/// times its square.
+pub(super) fn apart_where_slower(
+    parts: &[LinkParts],
+    (turns, kept): (&[Turn], Kept),
+    (slower, level): (f64, SecondOrder),
+) -> f64 {
+    let soft = |parts: &LinkParts| {
+        let mut parts = stiffer(parts.clone(), (slower * slower).recip());
+        parts.hub.viscous_friction_n_m_s_rad /= slower;
+        if let Damping::Rayleigh { beta_s, .. } = &mut parts.damping {
+            *beta_s *= slower;
+        }
+        parts
+    };
+    let fast = solved(parts, &turning(turns, kept, [0.0; 2]), level);
+    let parts: Vec<_> = parts.iter().map(soft).collect();
+    let slow = solved(&parts, &slowed(turns, kept, [0.0; 2], slower), level);
+    differ(&fast, &slow, slower * slower)
+}
+
 #[test]
 fn slower_softer_arms_without_weight_take_less_torque() {
-    let slower = 3.0_f64;
-    let soft = |parts: LinkParts| {
-        let mut parts = stiffer(parts, (slower * slower).recip());
-        parts.hub.viscous_friction_n_m_s_rad /= slower;
-        let beta_s = if parts.segments.len() == 2 { 3e-4 } else { 2e-4 };
-        LinkParts {
-            damping: Damping::Rayleigh { alpha_per_s: 0.0, beta_s: slower * beta_s },
-            ..parts
-        }
-    };
     for level in LEVELS {
-        let parts = links(3);
-        let turns = turns(3);
-        let fast = solved(&parts, &turning(&turns, Kept::Tip, [0.0; 2]), level);
-        let parts: Vec<_> = parts.into_iter().map(soft).collect();
-        let slow = slowed(&turns, Kept::Tip, [0.0; 2], slower);
-        let slow = solved(&parts, &slow, level);
-        let off = differ(&fast, &slow, slower * slower);
+        let off = apart_where_slower(&links(3), (&turns(3), Kept::Tip), (3.0, level));
         assert!(off < 1e-9, "{level:?}: {off:e}");
     }
 }
@@ -283,32 +253,43 @@ fn energies(
     sums
 }
 
+/// Largest difference of the torques of an arm at rest, before and after its motion, from the moments of the weights
+/// outboard, and of the force on its first joint from the weight of all, over these.
+pub(super) fn apart_from_weights(
+    (parts, elements): (&[LinkParts], usize),
+    turns: &[Turn],
+    kept: Kept,
+) -> [f64; 2] {
+    let arm = turning(turns, kept, GRAVITY);
+    let found = follow_arm(&models(parts, elements), &arm, SecondOrder::Full, 1e-11);
+    let found = found.expect("a motion");
+    let samples = [2, last()].into_iter();
+    let off = samples.flat_map(|sample| {
+        let moment = |joint| energies((parts, elements), &found, sample, joint)[2];
+        let moments: Vec<f64> = (0..parts.len()).map(moment).collect();
+        let most = moments.iter().fold(0.0, |most: f64, moment| most.max(moment.abs()));
+        let pairs = found.links.iter().zip(moments);
+        let off = pairs.map(move |(link, moment)| link.bent.torque_n_m[sample] - moment);
+        off.map(move |off| off.abs() / most).collect::<Vec<_>>()
+    });
+    let off = off.fold(0.0, f64::max);
+    let [along_x, along_y] = [0, 1].map(|axis| found.links[0].force_n[axis][2]);
+    let weight: f64 = parts.iter().map(weight_n).sum();
+    [off, (along_y - weight).hypot(along_x) / weight]
+}
+
 /// A mesh that is bent cannot turn rigidly, so that the balance holds to the mesh's error.
 #[test]
 fn at_rest_each_torque_holds_the_weights_outboard() {
     for count in 1..=4 {
         let parts = links(count);
-        let arm = turning(&turns(count), kept(count), GRAVITY);
-        let off = |elements: usize| {
-            let models = models(&parts, elements);
-            let found = follow_arm(&models, &arm, SecondOrder::Full, 1e-11).expect("a motion");
-            let places = (0..count).flat_map(|joint| [(joint, 2), (joint, last())]);
-            let off = places.map(|(joint, sample)| {
-                let [_, _, moment] = energies((&parts, elements), &found, sample, joint);
-                (found.links[joint].bent.torque_n_m[sample] / moment - 1.0).abs()
-            });
-            // What lies on the first joint weighs what it does, and no more.
-            let [along_x, along_y] = [0, 1].map(|axis| found.links[0].force_n[axis][2]);
-            let weight: f64 = parts.iter().map(weight_n).sum();
-            assert!((along_y / weight - 1.0).abs() < 1e-9, "{along_y} N of {weight} N");
-            assert!(along_x.abs() < 1e-9 * weight, "{along_x} N");
-            off.fold(0.0, f64::max)
-        };
-        let (coarse, fine) = (off(6), off(12));
+        let off = |elements| apart_from_weights((&parts, elements), &turns(count), kept(count));
+        let ([coarse, _], [fine, force]) = (off(6), off(12));
         assert!(
             fine < 1e-6 && fine < (0.15 * coarse).max(1e-9),
             "{count} links: {coarse:e}, {fine:e}"
         );
+        assert!(force < 1e-9, "{count} links: {force:e} of the weight");
     }
 }
 

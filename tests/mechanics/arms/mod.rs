@@ -1,9 +1,14 @@
 //! Arms of several links.
 
+mod curves;
+mod fallback;
 mod inversion;
 mod laws;
+mod newton_euler;
+mod pose;
 mod prototype;
 mod random;
+mod simulation;
 mod swing;
 
 use std::sync::Arc;

@@ -1,90 +1,31 @@
-//! `simulate`: a torque played on a link.
+//! `simulate`: a torque played on a link, or torques on an arm.
 
-use std::path::{Path, PathBuf};
+mod arm;
+mod options;
 
-use clap::Args;
+use std::path::Path;
 
-use flexlink::csv::{Digits, InputFile};
+use flexlink::csv::InputFile;
 use flexlink::elastica::SecondOrder;
 use flexlink::response::{CycleError, Play, PlayError, Simulation, SimulationError, simulate};
 use flexlink::result::{Comparison, PlayedMetrics, TargetError, TipError};
-use flexlink::spec::Specification;
+use flexlink::spec::{Described, Specification};
 use flexlink::store::{PlayFindings, RunInputs, RunOutputs, SimulateFiles, Summary, state_json};
 use flexlink::text::plain;
 
-use crate::options::common::{NodeArgs, SyncArgs, digits_arguments};
-use crate::options::inputs::{LinkArgs, ReadArgs};
-use crate::options::play::{PlayArgs, Playing};
+use self::arm::ArmInputs;
+pub(crate) use self::options::Simulate;
+use self::options::shown;
+use crate::options::inputs::described;
+use crate::options::play::Playing;
 use crate::terminal::files::{keep, keep_inputs};
 use crate::terminal::text::simulate_text;
-use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
+use crate::terminal::{Exit, Failure, console, memory};
 
-const EXAMPLE: &str = "\
-Example:
-  flexlink simulate link.toml out/torque.csv \\
-      --target out/tip.csv --set 'payload.mass=\"50 g\"'
-  flexlink simulate link.toml out/rigid_torque.csv \\
-      --column rigid_torque_n_m --until 10
-  flexlink simulate link.toml out/torque.csv \\
-      --feedback 20,2 --reference out/hub_angle.csv
-  flexlink simulate link.toml lab.csv \\
-      --columns time=1,torque=3 --unit 'N cm' --skip 5
-  flexlink simulate link.toml encoder.csv \\
-      --input hub-angle --measured camera.csv
-  flexlink simulate link.toml first.csv \\
-      --save-state state.json
-  flexlink simulate link.toml second.csv \\
-      --state state.json
-
-One of the files may be `-`, standard input.";
-
-/// Play a torque, or a motion of the hub, on a link: direct dynamics.
-///
-/// Writes torque.csv (the motor's torque, feedback included), tip.csv, hub_angle.csv,
-/// nodal_displacements.csv, nodes.csv and summary.json into a folder, all or none of them, and prints a
-/// short summary. The link is at rest before the first sample; after the last one of a torque it is free.
-/// Each mode is integrated exactly in time, so the answer does not depend on the Fourier transform of solve.
-/// A hysteretic link has no equation in time: its ratio is taken as the viscous ratio of every mode. The
-/// torque acts at the hub, on the whole link: [drive] and analysis.modes are not used.
-///
-/// With gravity, or with analysis.second_order "first" or "full", the link is played with all terms of large
-/// angles. With gravity it starts from its shape at rest in the direction start_angle, and the last torque
-/// stays after its last sample.
-#[derive(Debug, Args)]
-#[command(after_help = EXAMPLE)]
-pub(crate) struct Simulate {
-    #[command(flatten)]
-    link: LinkArgs,
-
-    #[command(flatten)]
-    play: PlayArgs,
-
-    /// Folder for the results.
-    #[arg(short, long, value_name = "DIR", default_value = "simulated")]
-    output: PathBuf,
-
-    #[command(flatten)]
-    nodes: NodeArgs,
-
-    /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
-    /// reads back to the same number.
-    #[arg(long, value_name = "N", default_value = "10")]
-    digits: Digits,
-
-    #[command(flatten)]
-    warnings: WarningArgs,
-
-    #[command(flatten)]
-    sync: SyncArgs,
-
-    #[command(flatten)]
-    print: PrintArgs,
-
-    #[command(flatten)]
-    threads: ThreadArgs,
-
-    #[command(flatten)]
-    read: ReadArgs,
+/// What is played: a link, or an arm of several.
+enum OneOrSeveral {
+    One(Box<Inputs>),
+    Several(Box<ArmInputs>),
 }
 
 /// The inputs, read.
@@ -107,7 +48,10 @@ struct Played<'a> {
 impl Simulate {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.start()?;
-        let inputs = self.load()?;
+        let inputs = match self.load()? {
+            OneOrSeveral::One(inputs) => inputs,
+            OneOrSeveral::Several(inputs) => return self.run_arm(&inputs),
+        };
         let played = self.compute(&inputs)?;
         let summary = self.write(&inputs, &played)?;
         let warnings = self.tell(&inputs, &played, &summary)?;
@@ -115,16 +59,24 @@ impl Simulate {
     }
 
     /// Reads all files; every error names its file.
-    fn load(&self) -> Result<Inputs, Failure> {
+    fn load(&self) -> Result<OneOrSeveral, Failure> {
         let files = [self.link.link.as_path()].into_iter().chain(self.play.files());
         let files: Vec<&Path> = files.collect();
         keep(&self.output, &files)?;
         if let Some(path) = &self.play.save_state {
             keep_inputs("--save-state", path, &files)?;
         }
-        let (link_file, specification) = self.link.load()?;
-        let playing = self.play.load(&specification.link, &self.read)?;
-        Ok(Inputs { link_file, specification, playing })
+        let link_file = InputFile::read_toml(&self.link.link)?;
+        match described(&link_file, &self.link.changes.overrides()?)? {
+            Described::Link(specification) => {
+                let playing = self.play.load(&specification.link, &self.read)?;
+                let inputs = Inputs { link_file, specification: *specification, playing };
+                Ok(OneOrSeveral::One(Box::new(inputs)))
+            }
+            Described::Arm(specification) => {
+                self.load_arm(link_file, specification).map(Box::new).map(OneOrSeveral::Several)
+            }
+        }
     }
 
     /// Plays the input until the time of the command line, else as long as input and target last.
@@ -226,7 +178,12 @@ impl Simulate {
             state: inputs.playing.state.as_ref().map(|(file, _)| file),
         };
         let Played { play, simulation, metrics, .. } = played;
-        let record = RunInputs::of_simulate(&inputs.link_file, &files, play, self.arguments());
+        let record = RunInputs::of_simulate(
+            &inputs.link_file,
+            &files,
+            play.input.is_torque(),
+            self.arguments(),
+        );
         let findings = played.findings();
         let summary = Summary::of_simulation(record, (link, play), simulation, metrics, &findings);
         let folder = self.sync.stage(&self.output)?;
@@ -235,13 +192,6 @@ impl Simulate {
             console::deliver(Some(path), state_json(&simulation.state()).as_bytes())?;
         }
         Ok(summary)
-    }
-
-    /// The arguments that shape the results, for the record.
-    fn arguments(&self) -> Vec<String> {
-        let (nodes, digits) = (self.nodes.arguments(), digits_arguments(self.digits));
-        let (changes, played) = (self.link.changes.arguments(), self.play.arguments());
-        [changes, played, nodes, digits, self.read.arguments()].concat()
     }
 
     /// Prints warnings and the summary; returns the number of warnings.
@@ -278,9 +228,4 @@ impl Played<'_> {
             comparison: self.comparison.as_ref(),
         }
     }
-}
-
-/// The file's name, as a message begins with it.
-fn shown(file: &InputFile) -> String {
-    format!("{}: ", file.shown)
 }

@@ -1,0 +1,70 @@
+//! An arm in a pose, as `modes` and `frf` ask for it.
+
+use flexlink::beam::MeshPlan;
+use flexlink::response::{ArmModes, ArmResponses, arm_modes, arm_responses};
+use flexlink::spec::ArmSpecification;
+use flexlink::text::significant;
+
+use crate::options::common::directions;
+use crate::terminal::{Failure, console};
+
+/// Relative error above which the user is warned.
+pub(super) const COARSE: f64 = 1e-2;
+
+/// An arm, and the directions in which its links point.
+pub(super) struct ArmInPose {
+    pub(super) specification: Box<ArmSpecification>,
+    directions_rad: Vec<f64>,
+}
+
+impl ArmInPose {
+    /// The arm in the directions of `--at`, in rad.
+    pub(super) fn of(
+        specification: Box<ArmSpecification>,
+        at: Option<&[f64]>,
+    ) -> Result<Self, Failure> {
+        let directions_rad = directions(at, specification.arm.links().len())?;
+        Ok(Self { specification, directions_rad })
+    }
+
+    fn tolerance(&self) -> f64 {
+        let plans = self.specification.meshes.iter();
+        plans.map(MeshPlan::tolerance).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The swings and `count` modes more.
+    pub(super) fn modes(&self, count: usize) -> Result<ArmModes, Failure> {
+        let arm = &self.specification.arm;
+        Ok(arm_modes(arm, &self.directions_rad, count, self.tolerance())?)
+    }
+
+    pub(super) fn responses(&self, frequencies_hz: &[f64]) -> Result<ArmResponses, Failure> {
+        let arm = &self.specification.arm;
+        Ok(arm_responses(arm, &self.directions_rad, frequencies_hz, self.tolerance())?)
+    }
+
+    /// Prints the largest error and whether the arm falls; returns the number of warnings.
+    pub(super) fn tell_responses(&self, modes: &ArmModes, found: &ArmResponses) -> usize {
+        console::remarks(&self.specification.remarks);
+        let errors = found.rows.iter().map(|row| row.frequency_hz).zip(&found.errors);
+        let worst = errors.max_by(|a, b| a.1.total_cmp(b.1));
+        let mut warnings = 0;
+        if let Some((hertz, error)) = worst {
+            let hertz = significant(hertz, 4);
+            let words =
+                format!("{error:.1e} of the magnitude at the worst, at {hertz} Hz (orders raised)");
+            if error.is_nan() || *error > COARSE {
+                console::warning(format!("the mesh error is {words}"), "a lower --to");
+                warnings += 1;
+            } else {
+                console::note(&format!("the mesh error is {words}"));
+            }
+        }
+        if modes.free.modes.iter().any(|mode| mode.square_per_s2 < 0.0) {
+            let words = "the arm falls from this pose if its joints are free: only under control does it respond so";
+            console::warning(words, "modes --at tells how fast it falls");
+            warnings += 1;
+        }
+        warnings
+    }
+}

@@ -1,0 +1,173 @@
+//! `simulate` of an arm of several links.
+
+use std::path::Path;
+
+use flexlink::beam::{Mesh, MeshPlan};
+use flexlink::csv::InputFile;
+use flexlink::response::{ArmPlay, ArmPlayWarning, PlayedArm, SimulationError, simulate_arm};
+use flexlink::result::{ArmPlayMetrics, TargetError, TipError};
+use flexlink::spec::ArmSpecification;
+use flexlink::store::{PlayedRun, RunInputs, SimulateFiles, Summary, state_json};
+use flexlink::text::plain;
+
+use super::options::{Simulate, shown};
+use crate::options::common::refuse_for_arms;
+use crate::options::play_arm::ArmPlaying;
+use crate::terminal::text::played_arm_text;
+use crate::terminal::{Exit, Failure, StageBar, console};
+
+/// The inputs, read.
+pub(super) struct ArmInputs {
+    arm_file: InputFile,
+    specification: Box<ArmSpecification>,
+    playing: ArmPlaying,
+}
+
+/// The simulation, and its errors.
+struct Played<'a> {
+    play: ArmPlay<'a>,
+    motion: PlayedArm,
+    metrics: ArmPlayMetrics,
+    warnings: Vec<ArmPlayWarning>,
+    tip_error: Option<TipError>,
+    nodes_m: Vec<Vec<f64>>,
+}
+
+impl Simulate {
+    /// Reads the files of an arm.
+    pub(super) fn load_arm(
+        &self,
+        arm_file: InputFile,
+        specification: Box<ArmSpecification>,
+    ) -> Result<ArmInputs, Failure> {
+        let nodes = self.nodes.list.is_some().then(|| "--nodes".to_owned());
+        refuse_for_arms(nodes)?;
+        let playing = self.play.load_arm(&specification.arm, &self.read)?;
+        Ok(ArmInputs { arm_file, specification, playing })
+    }
+
+    /// Plays the torques, writes and tells.
+    pub(super) fn run_arm(&self, inputs: &ArmInputs) -> Result<(), Failure> {
+        let stages = StageBar::new();
+        stages.at("playing");
+        let played = self.compute_arm(inputs)?;
+        drop(stages);
+        let Played { tip_error, warnings, .. } = &played;
+        let run = played.run(inputs);
+        let summary = self.write_arm(inputs, &run)?;
+        console::remarks(&inputs.specification.remarks);
+        console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
+        let late = tip_error.and_then(|error| error.late);
+        console::warnings(late.map(|late| (late, late.hint())));
+        let written = format!("{} files in {}", PlayedRun::FILES, self.output.display());
+        self.print.print(|| summary.to_json(), || played_arm_text(&run, &written))?;
+        self.warnings.refuse(warnings.len() + usize::from(late.is_some()))
+    }
+
+    fn compute_arm<'a>(&self, inputs: &'a ArmInputs) -> Result<Played<'a>, Failure> {
+        let ArmSpecification { arm, meshes, .. } = &*inputs.specification;
+        let tolerance = meshes.iter().map(MeshPlan::tolerance).fold(1.0, f64::min);
+        let play = inputs.playing.play(self.play.until, tolerance);
+        let simulated = simulate_arm(arm, meshes, &play);
+        let (motion, warnings) = simulated.map_err(|error| self.arm_refused(&error, inputs))?;
+        let target = inputs.playing.target.as_ref();
+        let tip_error = target.map(|(file, target)| {
+            TipError::of_arm(&motion, target).map_err(|error| {
+                let (exit, place) = match (error, self.play.until) {
+                    (TargetError::EndsLate { .. }, Some(until)) => {
+                        (Exit::Usage, format!("--until {}: ", plain(until)))
+                    }
+                    _ => (Exit::InputRefused, shown(file)),
+                };
+                Failure::new(exit, &format!("{place}{error}"), error.hint())
+            })
+        });
+        let tip_error = tip_error.transpose()?;
+        let nodes =
+            arm.links().iter().zip(meshes).map(|(own, plan)| {
+                Ok::<_, Failure>(Mesh::new(&own.link, plan)?.nodes_m().to_vec())
+            });
+        let nodes_m = nodes.collect::<Result<_, _>>()?;
+        let metrics = ArmPlayMetrics::of(&motion);
+        Ok(Played { play, motion, metrics, warnings, tip_error, nodes_m })
+    }
+
+    /// The failure of a simulation, with the file or option that causes it.
+    fn arm_refused(&self, error: &SimulationError, inputs: &ArmInputs) -> Failure {
+        let playing = &inputs.playing;
+        let (exit, place) = match error {
+            SimulationError::OtherTimes { .. } => {
+                let file = playing.reference_file.as_ref().unwrap_or(&playing.file);
+                (Exit::InputRefused, shown(file))
+            }
+            SimulationError::State { .. } => {
+                let file = playing.state_file.as_ref();
+                (Exit::InputRefused, file.map(shown).unwrap_or_default())
+            }
+            SimulationError::TooLong { .. } | SimulationError::EndsEarly { .. } => {
+                // The message begins with the option's name.
+                let place = if self.play.until.is_some() { "--" } else { "the target's end: " };
+                (Exit::Usage, place.to_owned())
+            }
+            _ => (Exit::NotSolvable, String::new()),
+        };
+        let hint = match error {
+            SimulationError::OtherTimes { .. } => {
+                Some("take joint_angles.csv and torques.csv of one run of solve")
+            }
+            SimulationError::NoRest => {
+                Some("a place within reach, stiffer links, or another pose: --at")
+            }
+            SimulationError::NotConverged { .. } => {
+                Some("a shorter step of the torques, smaller ones, or smaller gains")
+            }
+            SimulationError::State { .. } => {
+                Some("--save-state of a run of the same arm writes it")
+            }
+            _ => error.hint(),
+        };
+        if *error == SimulationError::NoRest {
+            let message = "the arm finds no shape at rest where it starts, but must begin at rest";
+            return Failure::new(exit, &message, hint);
+        }
+        Failure::new(exit, &format!("{place}{error}"), hint)
+    }
+
+    /// Writes all tables and summary.json, and the state where it is asked for.
+    fn write_arm(&self, inputs: &ArmInputs, run: &PlayedRun<'_>) -> Result<Summary, Failure> {
+        let playing = &inputs.playing;
+        let files = SimulateFiles {
+            input: &playing.file,
+            target: playing.target.as_ref().map(|(file, _)| file),
+            measured: None,
+            reference: playing.reference_file.as_ref(),
+            state: playing.state_file.as_ref(),
+        };
+        let record = RunInputs::of_simulate(&inputs.arm_file, &files, true, self.arguments());
+        let summary = Summary::of_played_arm(record, run);
+        let folder = self.sync.stage(Path::new(&self.output))?;
+        self.nodes.outputs(self.digits).write_played(folder, run, &summary)?;
+        if let Some(path) = &self.play.save_state {
+            let state = state_json(&run.played.state());
+            console::deliver(Some(path), state.as_bytes())?;
+        }
+        Ok(summary)
+    }
+}
+
+impl<'a> Played<'a> {
+    fn run<'b>(&'b self, inputs: &'b ArmInputs) -> PlayedRun<'b>
+    where
+        'a: 'b,
+    {
+        PlayedRun {
+            arm: &inputs.specification.arm,
+            play: &self.play,
+            played: &self.motion,
+            metrics: &self.metrics,
+            tip_error: self.tip_error.as_ref(),
+            warnings: &self.warnings,
+            nodes_m: &self.nodes_m,
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! The first case of a sweep: a link and its motion, or an arm and its path.
+
+use flexlink::csv::{InputFile, PathTable, Reading, read_path_table};
+use flexlink::link::{Arm, Link};
+use flexlink::motion::{Periods, TipMotion};
+use flexlink::spec::{ArmSpecification, Described, Specification};
+use flexlink::sweep::SweepKind;
+
+use crate::options::inputs::{ReadArgs, ResampleArgs};
+use crate::terminal::Failure;
+
+/// The first case that could be read, and what others take from it.
+pub(super) enum First {
+    /// A link and its motion.
+    Link(Box<FirstLink>),
+    /// An arm and the table of its path.
+    Arm { arm: Arm, path: Box<PathTable> },
+}
+
+/// The link of the first case, the motion that was read for it, and the periods of that motion, which
+/// most cases have.
+pub(super) struct FirstLink {
+    pub(super) link: Link,
+    pub(super) motion: TipMotion,
+    pub(super) periods: Periods,
+}
+
+impl First {
+    /// Reads the motion of a link, or the path of an arm.
+    pub(super) fn read(
+        found: Described,
+        file: &InputFile,
+        (resample, read): (&ResampleArgs, &ReadArgs),
+    ) -> Result<(Self, Reading), Failure> {
+        match found {
+            Described::Link(found) => {
+                let Specification { link, .. } = *found;
+                let (motion, reading) = resample.motion_of(file, &link, read)?;
+                let periods = Periods::of(&motion);
+                Ok((Self::Link(Box::new(FirstLink { link, motion, periods })), reading))
+            }
+            Described::Arm(found) => {
+                let path = read_path_table(&file.shown, &file.bytes, &read.format())?;
+                let ArmSpecification { arm, .. } = *found;
+                let links = arm.links().iter();
+                path.path(&links.map(|own| own.link.length_m()).collect::<Vec<_>>())?;
+                let reading = path.reading().clone();
+                Ok((Self::Arm { arm, path: Box::new(path) }, reading))
+            }
+        }
+    }
+
+    /// The same with a path of a file that errors call `name`.
+    pub(super) fn named(self, name: &str) -> Self {
+        match self {
+            Self::Arm { arm, path } => Self::Arm { arm, path: Box::new(path.named(name)) },
+            link @ Self::Link(_) => link,
+        }
+    }
+
+    /// Which numbers its torques have.
+    pub(super) fn kind(&self) -> SweepKind {
+        match self {
+            Self::Link(first) if first.link.drive().is_some() => SweepKind::Driven,
+            Self::Link(_) => SweepKind::Solved,
+            Self::Arm { arm, .. } => {
+                let joints = self.links();
+                let is_driven = arm.links().iter().any(|own| own.link.drive().is_some());
+                if is_driven { SweepKind::DrivenArm { joints } } else { SweepKind::Arm { joints } }
+            }
+        }
+    }
+
+    /// Number of links.
+    pub(super) fn links(&self) -> usize {
+        match self {
+            Self::Link(_) => 1,
+            Self::Arm { arm, .. } => arm.links().len(),
+        }
+    }
+
+    /// Title of the link or the arm.
+    pub(super) fn title(&self) -> &str {
+        match self {
+            Self::Link(first) => first.link.title(),
+            Self::Arm { arm, .. } => arm.title(),
+        }
+    }
+}

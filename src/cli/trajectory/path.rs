@@ -1,0 +1,162 @@
+//! The path of an arm's tip that `trajectory` makes.
+
+use std::fmt::Display;
+
+use clap::{Args, ValueEnum};
+
+use crate::options::common::quantity;
+use crate::terminal::{Exit, Failure, console};
+use flexlink::csv::{TableFormat, read_path_table};
+use flexlink::inverse::check_reach;
+use flexlink::motion::{ArmPath, Curve};
+use flexlink::numeric::Dimension;
+use flexlink::spec::ArmSpecification;
+use flexlink::text::plain;
+
+const PATHS: &str = "Paths of arms";
+
+/// Where the tip of an arm goes.
+#[derive(Debug, Args)]
+pub(super) struct PathArgs {
+    /// Make the path of an arm's tip in its plane instead, a CSV of time, x and y: along a line or an arc.
+    #[arg(long, help_heading = PATHS, value_name = "CURVE", value_enum, requires = "from")]
+    #[arg(conflicts_with = "distance")]
+    path: Option<Kind>,
+
+    /// Where the path starts, in m or with units: '0.9,-0.5' or '0.9 m,-500 mm'.
+    #[arg(long, help_heading = PATHS, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
+    #[arg(requires = "path")]
+    from: Option<Place>,
+
+    /// Where a line ends.
+    #[arg(long, help_heading = PATHS, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
+    #[arg(requires = "path", required_if_eq("path", "line"))]
+    to: Option<Place>,
+
+    /// A place that a line goes through, repeatable, in order. The tip stops there, unless --corner is given.
+    #[arg(long, help_heading = PATHS, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
+    #[arg(requires = "path")]
+    via: Vec<Place>,
+
+    /// Round the corners at --via, from this length before each to as much after it, in m or with its unit:
+    /// with continuous curvature, and without a stop.
+    #[arg(long, help_heading = PATHS, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    #[arg(requires = "via")]
+    corner: Option<f64>,
+
+    /// Centre of an arc.
+    #[arg(long, help_heading = PATHS, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
+    #[arg(requires = "path", required_if_eq("path", "arc"))]
+    center: Option<Place>,
+
+    /// Angle of an arc in rad or with its unit, counterclockwise, clockwise below 0; it may exceed a turn.
+    #[arg(long, help_heading = PATHS, value_name = "ANGLE", value_parser = angle, allow_hyphen_values = true)]
+    #[arg(requires = "path", required_if_eq("path", "arc"))]
+    angle: Option<f64>,
+
+    /// Constant directions of the links from the third on, in rad or with units: '30 deg' or '30 deg,-1'.
+    #[arg(long, help_heading = PATHS, value_name = "ANGLES", value_parser = angle, allow_hyphen_values = true)]
+    #[arg(value_delimiter = ',', requires = "path")]
+    angles: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    Line,
+    Arc,
+}
+
+/// x and y in m.
+type Place = [f64; 2];
+
+fn place(text: &str) -> Result<Place, String> {
+    let must = || "must be x and y with a comma between them: 0.9,-0.5".to_owned();
+    let (x, y) = text.split_once(',').ok_or_else(must)?;
+    if y.contains(',') {
+        return Err(must());
+    }
+    Ok([length(x)?, length(y)?])
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::LENGTH)
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::NONE)
+}
+
+impl PathArgs {
+    /// The curve that the options describe; none without --path.
+    pub(super) fn curve(&self) -> Result<Option<Curve>, Failure> {
+        // The parser has seen to it that what a curve needs is there.
+        let (Some(kind), Some(from_m)) = (self.path, self.from) else { return Ok(None) };
+        let given = |option: &'static str, is_given: bool| is_given.then_some(option);
+        let others = match kind {
+            Kind::Line => [
+                given("--center", self.center.is_some()),
+                given("--angle", self.angle.is_some()),
+                None,
+            ],
+            Kind::Arc => [
+                given("--to", self.to.is_some()),
+                given("--via", !self.via.is_empty()),
+                given("--corner", self.corner.is_some()),
+            ],
+        };
+        if let Some(option) = others.into_iter().flatten().next() {
+            let (own, other) = match kind {
+                Kind::Line => ("line", "arc"),
+                Kind::Arc => ("arc", "line"),
+            };
+            let message =
+                format!("{option} is given, but belongs to --path {other}, not to --path {own}");
+            return Err(Failure::new(Exit::Usage, &message, None));
+        }
+        let curve = match kind {
+            Kind::Arc => {
+                Curve::arc(from_m, self.center.unwrap_or(from_m), self.angle.unwrap_or_default())
+            }
+            Kind::Line => {
+                let points: Vec<Place> =
+                    [from_m].iter().chain(&self.via).chain(&self.to).copied().collect();
+                match self.corner {
+                    Some(reach_m) => Curve::rounded(&points, reach_m),
+                    None => Curve::through(&points),
+                }
+            }
+        };
+        curve.map(Some).map_err(|error| refused(&error, error.hint()))
+    }
+
+    /// Constant directions in rad of the links from the third on.
+    pub(super) fn outer_rad(&self) -> &[f64] {
+        &self.angles
+    }
+}
+
+/// Refuses the curve or its times.
+pub(super) fn refused(error: &dyn Display, hint: Option<&str>) -> Failure {
+    Failure::new(Exit::Usage, &format!("--path: {error}"), hint)
+}
+
+/// Refuses a path, as it is written, that `solve` would not begin to solve, in words that name its row; prints the
+/// warning of an elbow that is nearly stretched or folded, and returns how many that are.
+pub(super) fn reached(written: &[u8], arm: &ArmSpecification) -> Result<usize, Failure> {
+    let table = read_path_table("--path", written, &TableFormat::default())?;
+    let columns = table.columns();
+    let refused = |sample: Option<usize>, error: &dyn Display, hint: Option<&str>| {
+        let place = sample.map_or(String::new(), |sample| {
+            format!("row {}, at {} s: ", sample + 1, plain(columns.time_s[sample]))
+        });
+        Failure::new(Exit::InputRefused, &format!("--path: {place}{error}"), hint)
+    };
+    let links = arm.arm.links().iter();
+    let lengths_m: Vec<f64> = links.map(|own| own.link.length_m()).collect();
+    let path = ArmPath::new(columns.clone(), &lengths_m)
+        .map_err(|error| refused(error.sample(), &error, error.hint()))?;
+    let warning = check_reach(&arm.arm, &path)
+        .map_err(|error| refused(error.sample(), &error, error.hint()))?;
+    console::warnings(warning.iter().map(|warning| (warning, warning.hint())));
+    Ok(usize::from(warning.is_some()))
+}

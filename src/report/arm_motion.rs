@@ -1,0 +1,343 @@
+//! The motion of an arm: its poses in a drawing, and as the animation plays it.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use maud::{Markup, html};
+use serde_json::{Value, json};
+
+use super::arm::{
+    Chord, Shown, deflections, has_weight, rigid_directions_rad, rigid_tip_m, run_stroke,
+};
+use super::axis::is_extreme;
+use super::figure::evenly;
+use super::link::{FRAMES, NODES, exaggeration, given, largest_stiffness, short, thickness};
+use super::view::{inside, nearest};
+use crate::motion::Prescribed;
+use crate::numeric::{largest, rounded};
+use crate::result::{StoredArm, StoredNodes};
+use crate::text::significant;
+
+/// The motion of an arm in as many moments and nodes as a page shows.
+pub(super) struct Motion {
+    /// Rows of the nodes' places, and the samples of all other histories at their times.
+    rows: Vec<usize>,
+    samples: Vec<usize>,
+    /// Of each link, its deflections from the chord in m, and those of its nodes that are shown.
+    links: Vec<(StoredNodes, Vec<usize>)>,
+    /// How much larger than they are deflections are drawn.
+    factor: f64,
+}
+
+impl Motion {
+    /// None if there is but one moment, or if its numbers are too large or too small to be drawn.
+    pub(super) fn of(shown: &Shown) -> Option<Self> {
+        let arm = shown.first;
+        let times_s = &arm.nodal_times_s;
+        let inside = inside(times_s, shown.span_s.0, shown.span_s.1);
+        let rows: Vec<usize> =
+            evenly(inside.len(), FRAMES).into_iter().map(|k| inside.start + k).collect();
+        let samples = rows.iter().map(|row| nearest(&arm.times_s, times_s[*row])).collect();
+        let most = (NODES / arm.links.len()).max(9);
+        let links = (0..arm.links.len()).map(|link| {
+            let own = deflections(arm, link);
+            let nodes = evenly(own.nodes.len(), most);
+            (own, nodes)
+        });
+        let links: Vec<_> = links.collect();
+        let places = arm.links.iter().flat_map(|link| link.positions_m.iter().flatten());
+        let peaks = links.iter().map(|(own, _)| own.peak());
+        let torques = arm.joints.iter().map(|joint| largest(&joint.torque_n_m).max(1.0));
+        // A small place is next to the base.
+        let mut sizes = places.map(|place| largest(place).max(1.0)).chain(peaks).chain(torques);
+        let bends =
+            links.iter().zip(&arm.links).map(|((own, _), link)| own.peak() / link.link.length_m());
+        let factor = exaggeration(bends.fold(0.0, f64::max));
+        let is_drawn = rows.len() > 1 && !sizes.any(is_extreme);
+        is_drawn.then_some(Self { rows, samples, links, factor })
+    }
+
+    /// As JSON for the page's script.
+    pub(super) fn json(&self, shown: &Shown) -> String {
+        let arm = shown.first;
+        let wanted = rigid_tip_m(arm).filter(|_| arm.prescribed == Some(Prescribed::Tip));
+        let wanted = wanted.map(|[x, y]| -> Vec<[f64; 2]> {
+            self.samples.iter().map(|k| [short(x[*k]), short(y[*k])]).collect()
+        });
+        let stiffest = arm.links.iter().map(|own| largest_stiffness(&own.link)).fold(0.0, f64::max);
+        let links = (0..arm.links.len()).map(|link| self.link_json(arm, link, stiffest));
+        let data = json!({
+            "exaggeration": self.factor,
+            "links": links.collect::<Vec<Value>>(),
+            "seen_from": if has_weight(arm) { "the side" } else { "above" },
+            "times_s": self.rows.iter().map(|row| rounded(arm.nodal_times_s[*row], 9)).collect::<Vec<_>>(),
+            "wanted_m": wanted,
+        });
+        data.to_string().replace('<', "\\u003c")
+    }
+
+    fn link_json(&self, arm: &StoredArm, number: usize, stiffest: f64) -> Value {
+        let (own, joint) = (&arm.links[number], &arm.joints[number]);
+        let (deflections, nodes) = &self.links[number];
+        // A rigid piece leads from the joint to the first node.
+        let is_behind = own.nodes_m[0] > 0.0;
+        let from_joint = |first: f64, of: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            let all = nodes.iter().map(|node| short(of(*node)));
+            is_behind.then_some(first).into_iter().chain(all).collect()
+        };
+        let at_nodes = |histories: &[Vec<f64>], is_moment: bool| -> Vec<Vec<f64>> {
+            let first = |row: usize| if is_moment { short(histories[0][row]) } else { 0.0 };
+            let of = |row: &usize| from_joint(first(*row), &|node| histories[node][*row]);
+            self.rows.iter().map(of).collect()
+        };
+        let mut angle_rad: Vec<f64> = Vec::new();
+        let mut chord_m = Vec::new();
+        for row in &self.rows {
+            let chord = Chord::of(arm, number, *row);
+            let turns = angle_rad.last().map_or(0.0, |before| (before - chord.angle_rad) / TAU);
+            angle_rad.push(chord.angle_rad + TAU * turns.round());
+            chord_m.push(short(chord.length_m));
+        }
+        let at_samples = |of: &dyn Fn(usize) -> Option<f64>| -> Option<Vec<f64>> {
+            self.samples.iter().map(|k| of(*k).map(short)).collect()
+        };
+        // Moments at other times than the places are left out.
+        let alike = |moments: &&StoredNodes| {
+            moments.times_s.len() == arm.nodal_times_s.len() && !is_extreme(moments.peak())
+        };
+        let moments = own.moments_n_m.as_ref().filter(alike);
+        let body = |at: f64, kg: f64| json!({ "at_m": at, "mass_kg": kg });
+        json!({
+            "angle_rad": angle_rad.into_iter().map(short).collect::<Vec<f64>>(),
+            "chord_m": chord_m,
+            "deflection_m": at_nodes(&deflections.histories, false),
+            "hub_radius_m": 0.0,
+            "length_m": own.link.length_m(),
+            "masses": own.link.masses().iter().map(|m| body(m.at_m, m.mass_kg)).collect::<Vec<_>>(),
+            "moment_n_m": moments.map(|moments| at_nodes(&moments.histories, true)),
+            "nodes_m": from_joint(0.0, &|node| own.nodes_m[node]),
+            "payload": { "mass_kg": own.link.payload().mass_kg, "offset_m": own.link.payload().offset_m },
+            "peak_torque_n_m": largest(&joint.torque_n_m),
+            "rigid_angle_rad": at_samples(&|k| Some(rigid_directions_rad(arm, k)?[number])),
+            "thickness": thickness(&own.link, stiffest),
+            "torque_n_m": at_samples(&|k| Some(joint.torque_n_m[k])),
+        })
+    }
+
+    /// x and y in m of a link's nodes at a row, its deflection as large as it is drawn.
+    fn places(&self, arm: &StoredArm, link: usize, row: usize) -> Vec<[f64; 2]> {
+        let chord = Chord::of(arm, link, row);
+        let (sin, cos) = (libm::sin(chord.angle_rad), libm::cos(chord.angle_rad));
+        let more = self.factor - 1.0;
+        let place = |(places, w): (&[Vec<f64>; 2], &Vec<f64>)| {
+            [places[0][row] - more * w[row] * sin, places[1][row] + more * w[row] * cos]
+        };
+        let nodes = arm.links[link].positions_m.iter().zip(&self.links[link].0.histories);
+        std::iter::once(chord.start_m).chain(nodes.map(place)).collect()
+    }
+}
+
+/// Width, largest height and margin of the poses in pixels, and the height of the row below them.
+const WIDTH: f64 = 760.0;
+const HIGHEST: f64 = 460.0;
+const MARGIN: f64 = 34.0;
+const FOOT: f64 = 60.0;
+
+/// Poses that are drawn.
+const POSES: usize = 6;
+
+/// Length of the arrow of gravity in pixels.
+const ARROW: f64 = 26.0;
+
+impl Motion {
+    /// Poses, with the ways of the tips of all runs, and the wanted one.
+    pub(super) fn drawing(&self, shown: &Shown) -> Markup {
+        let arm = shown.first;
+        let rows = self.along_the_way(arm);
+        let poses: Vec<Vec<[f64; 2]>> = rows
+            .iter()
+            .map(|row| (0..arm.links.len()).flat_map(|link| self.places(arm, link, *row)).collect())
+            .collect();
+        let ways = ways(shown);
+        let lines = ways.iter().map(|way| &way.places_m);
+        let view = Frame::around(poses.iter().chain(lines).flatten());
+        let joints =
+            |row: usize| (1..arm.links.len()).map(move |link| Chord::of(arm, link, row).start_m);
+        let last = poses.len() - 1;
+        let shade = |k: usize| format!("{:.2}", 0.25 + 0.75 * k as f64 / last.max(1) as f64);
+        let digits = |row: &usize| significant(arm.nodal_times_s[*row], 3).replace('-', "−");
+        let times: Vec<String> = rows.iter().map(digits).collect();
+        let scale = if self.factor > 1.0 {
+            format!("{} times as large as they are", self.factor)
+        } else {
+            "to scale".to_owned()
+        };
+        html! {
+            figure class="drawing" {
+                svg role="img" aria-label="Poses of the arm" viewBox=(format!("0 0 {WIDTH} {:.0}", view.height)) {
+                    @for way in &ways { path class=(way.class) d=(view.path(&way.places_m)) {} }
+                    @for (k, (pose, row)) in poses.iter().zip(&rows).enumerate() {
+                        g class="pose" opacity=(shade(k)) {
+                            path class="link" d=(view.path(pose)) {}
+                            @for [x, y] in joints(*row).map(|place| view.at(place)) {
+                                circle class="hub" cx=(x) cy=(y) r="5" {}
+                            }
+                            @if let Some(tip) = pose.last() {
+                                @let [x, y] = view.at(*tip);
+                                circle class="payload" cx=(x) cy=(y) r="5" {}
+                            }
+                        }
+                    }
+                    (base(view.at([0.0; 2])))
+                    (view.foot(arm.gravity_m_s2))
+                }
+                div class="key" {
+                    @for way in &ways { span {
+                        svg viewBox="0 0 26 12" aria-hidden="true" { path class=(way.class) d="M1,6H25" {} }
+                        span { (way.name) }
+                    } }
+                }
+                figcaption {
+                    "Poses at " (times.join(", ")) " s, from pale to strong; deflections from the chords are drawn "
+                    (scale) "."
+                }
+            }
+        }
+    }
+}
+
+impl Motion {
+    /// Rows at which the tip has gone even parts of its way.
+    fn along_the_way(&self, arm: &StoredArm) -> Vec<usize> {
+        let places = arm.links.last().and_then(|link| link.positions_m.last());
+        let Some([x, y]) = places else { return Vec::new() };
+        let mut gone_m = vec![0.0];
+        for pair in self.rows.windows(2) {
+            let step_m = libm::hypot(x[pair[1]] - x[pair[0]], y[pair[1]] - y[pair[0]]);
+            gone_m.push(gone_m[gone_m.len() - 1] + step_m);
+        }
+        let all_m = gone_m[gone_m.len() - 1];
+        let at = |k: usize| {
+            let part_m = all_m * k as f64 / (POSES - 1) as f64;
+            self.rows[gone_m.partition_point(|m| *m < part_m).min(self.rows.len() - 1)]
+        };
+        let mut rows: Vec<usize> = (0..POSES).map(at).collect();
+        rows.dedup();
+        rows
+    }
+}
+
+/// The way of a tip.
+struct Way {
+    name: String,
+    /// Its classes in the style sheet.
+    class: String,
+    places_m: Vec<[f64; 2]>,
+}
+
+/// Points of a way.
+const POINTS: usize = 400;
+
+/// The ways of the tips of all runs in the time shown, and the wanted one on top.
+fn ways(shown: &Shown) -> Vec<Way> {
+    let way = |name: String, class: String, (times_s, [x, y]): (&[f64], &[Vec<f64>; 2])| {
+        let samples = inside(times_s, shown.span_s.0, shown.span_s.1);
+        let kept = evenly(samples.len(), POINTS).into_iter().map(|k| samples.start + k);
+        Way { name, class, places_m: kept.map(|k| [x[k], y[k]]).collect() }
+    };
+    let runs = shown.named("way of the tip").enumerate().map(|(k, (arm, name))| {
+        let class = if k == 0 { "way reached s4".to_owned() } else { run_stroke(k).classes() };
+        way(name, class, (&arm.times_s, &arm.tip_m))
+    });
+    let rigid = shown.rigid().filter(|arm| arm.prescribed == Some(Prescribed::Tip));
+    let wanted = rigid.and_then(|arm| Some((arm, rigid_tip_m(arm)?)));
+    let wanted = wanted.map(|(arm, tip_m)| {
+        way("wanted way".to_owned(), "line s6 dashed".to_owned(), (&arm.times_s, &tip_m))
+    });
+    runs.chain(wanted).collect()
+}
+
+/// Where places in m lie in the drawing, in pixels: x and y in one scale.
+struct Frame {
+    height: f64,
+    per_m: f64,
+    /// Pixels of the origin.
+    origin: [f64; 2],
+}
+
+impl Frame {
+    /// That of places and the first joint.
+    fn around<'a>(places: impl Iterator<Item = &'a [f64; 2]>) -> Self {
+        let (mut low, mut high) = ([0.0_f64; 2], [0.0_f64; 2]);
+        for place in places {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(place[axis]);
+                high[axis] = high[axis].max(place[axis]);
+            }
+        }
+        let [wide, tall] = [0, 1].map(|axis| (high[axis] - low[axis]).max(f64::MIN_POSITIVE));
+        let per_m = ((WIDTH - 2.0 * MARGIN) / wide).min((HIGHEST - 2.0 * MARGIN) / tall);
+        let left = 0.5 * (WIDTH - per_m * wide);
+        let origin = [left - per_m * low[0], MARGIN + per_m * high[1]];
+        Self { height: per_m * tall + 2.0 * MARGIN + FOOT, per_m, origin }
+    }
+
+    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [rounded_px(self.origin[0] + self.per_m * x), rounded_px(self.origin[1] - self.per_m * y)]
+    }
+
+    fn path(&self, places: &[[f64; 2]]) -> String {
+        let mut text = String::new();
+        for (k, place) in places.iter().enumerate() {
+            let [x, y] = self.at(*place);
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{}{x},{y}", if k == 0 { 'M' } else { 'L' });
+        }
+        text
+    }
+
+    /// The row below: a length to scale, and where gravity points.
+    fn foot(&self, gravity_m_s2: [f64; 2]) -> Markup {
+        let raw_m = 0.2 * WIDTH / self.per_m;
+        let power = libm::pow(10.0, libm::floor(libm::log10(raw_m)));
+        let steps = [5.0, 2.0, 1.0].map(|step| step * power);
+        let length_m = steps.into_iter().find(|step| *step <= raw_m).unwrap_or(power);
+        let (end, foot) = (MARGIN + self.per_m * length_m, self.height - 22.0);
+        let size = libm::hypot(gravity_m_s2[0], gravity_m_s2[1]);
+        let [along, up] = gravity_m_s2.map(|part| ARROW * part / size.max(f64::MIN_POSITIVE));
+        let (x, y) = (WIDTH - MARGIN - 34.0 - 0.5 * along, self.height - 30.0 + 0.5 * up);
+        let head = format!(
+            "M{:.1} {:.1}l{:.1} {:.1}l{:.1} {:.1}",
+            x + along - 0.3 * (along - up),
+            y - up - 0.3 * (-up - along),
+            0.3 * (along - up),
+            0.3 * (-up - along),
+            -0.3 * (along + up),
+            -0.3 * (-up + along),
+        );
+        html! {
+            path class="dimension" d=(format!("M{MARGIN} {foot:.1}v-6v12v-6H{end:.1}v-6v12")) {}
+            text class="dimension-text" x=(format!("{:.1}", end + 10.0)) y=(format!("{:.1}", foot + 5.0)) {
+                (given(length_m, "m"))
+            }
+            @if size > 0.0 {
+                path class="ground" d=(format!("M{x:.1} {y:.1}l{along:.1} {:.1}{head}", -up)) {}
+                text class="dimension-text" x=(WIDTH - MARGIN) y=(format!("{:.1}", foot + 5.0)) text-anchor="end" { "g" }
+            }
+        }
+    }
+}
+
+/// Pixels to a tenth.
+fn rounded_px(value: f64) -> f64 {
+    (10.0 * value).round() / 10.0
+}
+
+/// The first joint.
+fn base([x, y]: [f64; 2]) -> Markup {
+    html! {
+        path class="ground" d=(format!("M{x} {y}v16m-18 0h36m-30 0l-7 8m15 -8l-7 8m15 -8l-7 8")) {}
+        circle class="hub" cx=(x) cy=(y) r="8" {}
+        circle class="axis-point" cx=(x) cy=(y) r="2.5" {}
+    }
+}

@@ -1,0 +1,91 @@
+//! The shape of an arm at rest in a pose.
+
+use nalgebra::DVector;
+
+use super::arm_chain::ArmChain;
+use super::arm_state::ArmState;
+use super::balance::{Balance, Place};
+use super::shape::{direction, in_parts, settled};
+use crate::elastica::reaching;
+use crate::link::{Arm, Elbow};
+
+/// Where an arm starts.
+#[derive(Debug, Clone, Copy)]
+pub enum ArmStart<'a> {
+    /// At rest, its joints at these angles in rad: of each link's root against the tip of the link before.
+    Joints(&'a [f64]),
+    /// At rest, the chords of its links in these directions in rad against x.
+    Chords(&'a [f64]),
+    /// At rest, the tip of an arm of two links at x and y in m, its elbow on the side that the arm states.
+    Tip([f64; 2]),
+    /// As a state says.
+    State(&'a ArmState),
+}
+
+/// Coordinates of an arm at rest, from one whose links do not bend; none where it finds no shape at rest, or where a state
+/// is given.
+pub(super) fn at_rest(arm: &Arm, chain: &ArmChain, start: ArmStart<'_>) -> Option<Vec<f64>> {
+    let angles_rad = match start {
+        ArmStart::Joints(joints_rad) => joints_rad.to_vec(),
+        ArmStart::Chords(chords_rad) => against_each_other(chords_rad),
+        ArmStart::Tip(at_m) => against_each_other(&reached(arm, at_m)?),
+        ArmStart::State(_) => return None,
+    };
+    let mut straight = vec![0.0; chain.count];
+    for (joint, angle_rad) in chain.joints.iter().zip(&angles_rad) {
+        straight[*joint] = *angle_rad;
+    }
+    let rest = vec![0.0; chain.count];
+    in_parts(&straight, |share, q| {
+        let (chain, mut balance) = (chain.weighing(share), Balance::default());
+        settled(q, |q: &[f64]| {
+            chain.balance(q, &rest, &mut balance);
+            let mut left = DVector::from_column_slice(&balance.force);
+            let ends = chain.walk(q, &rest, |_, _| {});
+            let away = away(arm, (&ends, start));
+            for (number, (joint, angle_rad)) in chain.joints.iter().zip(&angles_rad).enumerate() {
+                let held = || angle_rad - q[*joint];
+                left[*joint] = away.as_ref().map_or_else(held, |away| away[number]);
+            }
+            left
+        })
+    })
+}
+
+/// How far chords are from their directions in rad, or the tip from its place over the arm's length; none where joints are held.
+fn away(arm: &Arm, (ends, start): (&[Place], ArmStart<'_>)) -> Option<Vec<f64>> {
+    match start {
+        ArmStart::Joints(_) | ArmStart::State(_) => None,
+        ArmStart::Chords(chords_rad) => {
+            let mut from_m = [0.0; 2];
+            let across = |(end, angle_rad): (&Place, &f64)| {
+                let along_m = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
+                from_m = end.at_m;
+                direction(along_m, *angle_rad) - angle_rad
+            };
+            Some(ends.iter().zip(chords_rad).map(across).collect())
+        }
+        ArmStart::Tip(at_m) => {
+            let tip_m = ends.last().map_or([0.0; 2], |end| end.at_m);
+            let of = |axis: usize| (tip_m[axis] - at_m[axis]) / arm.length_m();
+            Some(vec![of(0), of(1)])
+        }
+    }
+}
+
+/// Angles of joints from directions of links.
+fn against_each_other(chords_rad: &[f64]) -> Vec<f64> {
+    let before = std::iter::once(&0.0).chain(chords_rad);
+    chords_rad.iter().zip(before).map(|(own, before)| own - before).collect()
+}
+
+/// Directions of two links that do not bend and reach a place.
+fn reached(arm: &Arm, at_m: [f64; 2]) -> Option<Vec<f64>> {
+    let lengths_m: Vec<f64> = arm.links().iter().map(|own| own.link.length_m()).collect();
+    if lengths_m.len() != 2 {
+        return None;
+    }
+    let is_left = arm.elbow()? == Elbow::Left;
+    let chords = reaching(&[[at_m, [0.0; 2], [0.0; 2]]], &lengths_m, &[], is_left).ok()?;
+    Some(chords.iter().map(|chord| chord[0][0]).collect())
+}

@@ -1,0 +1,283 @@
+//! Small motions of an arm about its shape at rest in a pose: the matrices of Lagrange's equations there.
+//!
+//! ```text
+//! M q̈ + D q̇ + (K + iG) q = Σ T_j e_j,    K = S − ∂²(Σ m g·r)/∂q²,    r_tip = R q
+//! ```
+//!
+//! q are the angles of the joints and what bends the links, S resists bending, and G is hysteretic damping, 2ξS of each
+//! link. A torque acts on the angle of its joint alone.
+
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+use thiserror::Error;
+
+use super::arm_chain::ArmChain;
+use super::arm_rest::{ArmStart, at_rest};
+use super::balance::{Balance, Met};
+use crate::link::{Arm, Damping};
+use crate::numeric::dot;
+
+/// Most coordinates: matrices of so many are solved at many frequencies.
+const MOST_COORDINATES: usize = 400;
+
+/// Part of a coordinate by which weights are differentiated, in rad, and the shares of their values at one, two and three
+/// parts: exact to the sixth order, 1e-14 of them.
+const PART_RAD: f64 = 1e-2;
+const SHARES: [f64; 3] = [45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0];
+
+/// Share of a size below which sums over the links are round-off.
+const NOISE: f64 = 1e-13;
+
+/// Why an arm has no small motions about a pose here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum PoseError {
+    /// Not a direction for each link.
+    #[error("{given} directions, but must be {links}, one for each link")]
+    Directions {
+        /// Directions that are given.
+        given: usize,
+        /// Links of the arm.
+        links: usize,
+    },
+    /// A link with shear and rotary inertia.
+    #[error("link {} has shear and rotary inertia, but arms in a pose are derived without them", link + 1)]
+    Shear {
+        /// Number of the link, from 0.
+        link: usize,
+    },
+    /// A damping law that drags masses or is given mode by mode.
+    #[error(
+        "the damping of link {} = {law}, but must be none, hysteretic or rayleigh with alpha = 0",
+        link + 1
+    )]
+    Damping {
+        /// Number of the link, from 0.
+        link: usize,
+        /// Name of the law.
+        law: &'static str,
+    },
+    /// A weight that bends the links further and further.
+    #[error("the arm has no shape at rest in this pose: its weight bends it too far")]
+    NoShape,
+    /// Numbers that dense algebra does not tell apart.
+    #[error("the stiffnesses and the masses of the arm differ by too much to find its modes")]
+    Spread,
+    /// More coordinates than are solved at once.
+    #[error("the bending of all links takes {count} coordinates, but must take at most {most}")]
+    TooMany {
+        /// Coordinates that it takes.
+        count: usize,
+        /// Most of them.
+        most: usize,
+    },
+}
+
+impl PoseError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Directions { .. } => Some("as in --at '30 deg,75 deg', the inner link first"),
+            Self::Shear { .. } => Some("theory = \"euler-bernoulli\""),
+            Self::Damping { .. } => Some("damping = { model = \"rayleigh\", beta = … }"),
+            Self::NoShape => Some("stiffer links, or a pose in which they carry less"),
+            Self::Spread => Some("check the units of the links and of their joints' stiffness"),
+            Self::TooMany { .. } => Some("fewer segments and masses, or a lower frequency"),
+        }
+    }
+}
+
+/// An arm about its shape at rest in a pose.
+#[derive(Debug, Clone)]
+pub struct ArmPose {
+    pub(super) count: usize,
+    /// Coordinates that are the angles of joints.
+    pub(super) joints: Vec<usize>,
+    /// M, K, G and that of D which is the links' own, row by row.
+    pub(super) mass: Vec<f64>,
+    pub(super) stiffness: Vec<f64>,
+    pub(super) loss: Vec<f64>,
+    pub(super) damping: Vec<f64>,
+    friction_n_m_s_rad: Vec<f64>,
+    /// Place of the tip in m, and R of x and y.
+    tip_m: [f64; 2],
+    tip_rows: [Vec<f64>; 2],
+    holding_n_m: Vec<f64>,
+    pub(super) has_weight: bool,
+}
+
+/// What a torque at one joint moves, per N m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TorqueResponse {
+    /// Displacement of the tip along x and y in m.
+    pub tip_m: [Complex64; 2],
+    /// Angle of each joint in rad.
+    pub joints_rad: Vec<Complex64>,
+}
+
+/// Responses of an arm at one frequency, for e^{+iωt}.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmResponse {
+    /// Frequency in Hz.
+    pub frequency_hz: f64,
+    /// To the torque of each joint, the inner one first.
+    pub torques: Vec<TorqueResponse>,
+}
+
+impl ArmPose {
+    /// The arm at rest with the chord of each link in a direction in rad, counterclockwise from x; its links bend by
+    /// polynomials for waves up to `highest_rad_s`, and of `more_orders`.
+    ///
+    /// # Errors
+    /// [`PoseError`].
+    pub fn of(
+        arm: &Arm,
+        directions_rad: &[f64],
+        (highest_rad_s, more_orders): (f64, usize),
+    ) -> Result<Self, PoseError> {
+        let (given, links) = (directions_rad.len(), arm.links().len());
+        if given != links {
+            return Err(PoseError::Directions { given, links });
+        }
+        let chain = ArmChain::of(arm, highest_rad_s, more_orders, None);
+        let count = chain.count;
+        if count > MOST_COORDINATES {
+            return Err(PoseError::TooMany { count, most: MOST_COORDINATES });
+        }
+        let (mut damping, mut loss) = (vec![0.0; count * count], vec![0.0; count * count]);
+        for (link, own) in arm.links().iter().enumerate() {
+            if own.link.segments().iter().any(|segment| segment.timoshenko.is_some()) {
+                return Err(PoseError::Shear { link });
+            }
+            match own.link.damping() {
+                Damping::None => {}
+                Damping::Hysteretic { ratio } => chain.add_stiffness(link, 2.0 * ratio, &mut loss),
+                Damping::Rayleigh { alpha_per_s: 0.0, beta_s } => {
+                    chain.add_stiffness(link, *beta_s, &mut damping);
+                }
+                other => return Err(PoseError::Damping { link, law: other.name() }),
+            }
+        }
+        let start = ArmStart::Chords(directions_rad);
+        let q = at_rest(arm, &chain, start).ok_or(PoseError::NoShape)?;
+        let [x, y] = arm.gravity_m_s2();
+        let masses_kg = arm.links().iter().map(|own| own.link.mass_kg()).sum::<f64>();
+        let length_m = arm.length_m();
+        let weight_n_m = masses_kg * length_m * (x * x + y * y).sqrt();
+        let rest = vec![0.0; count];
+        let mut balance = Balance::default();
+        chain.balance(&q, &rest, &mut balance);
+        let tip = chain.walk(&q, &rest, |_, _| {}).pop().unwrap_or_default();
+        let mut stiffness = chain.stiffness.clone();
+        if arm.has_weight() {
+            let added = chain.weight_stiffness(&q);
+            stiffness.iter_mut().zip(added).for_each(|(own, added)| *own += added);
+        }
+        Ok(Self {
+            count,
+            holding_n_m: chain
+                .joints
+                .iter()
+                .map(|joint| without_noise(-balance.force[*joint], weight_n_m))
+                .collect(),
+            joints: chain.joints,
+            mass: balance.mass,
+            stiffness,
+            loss,
+            damping,
+            friction_n_m_s_rad: chain.friction_n_m_s_rad,
+            tip_m: tip.at_m.map(|part| without_noise(part, length_m)),
+            tip_rows: tip.by,
+            has_weight: arm.has_weight(),
+        })
+    }
+
+    /// x and y of the tip at rest, in m.
+    pub fn tip_m(&self) -> [f64; 2] {
+        self.tip_m
+    }
+
+    /// Torques in N m that hold the arm at rest, the inner joint first.
+    pub fn holding_torques_n_m(&self) -> &[f64] {
+        &self.holding_n_m
+    }
+
+    /// What the torque of each joint moves at `frequency_hz` > 0, friction of the joints included. At a pole of an undamped
+    /// arm it is not finite.
+    ///
+    /// ```text
+    /// q = (K + iG + iωD − ω²M)⁻¹ e_j
+    /// ```
+    pub fn response(&self, frequency_hz: f64) -> ArmResponse {
+        let (count, omega) = (self.count, std::f64::consts::TAU * frequency_hz);
+        let mut dynamic = DMatrix::from_fn(count, count, |i, j| {
+            let at = i * count + j;
+            let real = self.stiffness[at] - omega * omega * self.mass[at];
+            Complex64::new(real, self.loss[at] + omega * self.damping[at])
+        });
+        for (joint, friction) in self.joints.iter().zip(&self.friction_n_m_s_rad) {
+            dynamic[(*joint, *joint)].im += omega * friction;
+        }
+        let torques = DMatrix::from_fn(count, self.joints.len(), |i, j| {
+            Complex64::from(if i == self.joints[j] { 1.0 } else { 0.0 })
+        });
+        let none = Complex64::new(f64::NAN, f64::NAN);
+        let solved = dynamic.lu().solve(&torques);
+        let moved = solved.unwrap_or_else(|| torques.map(|_| none));
+        let of_torque = |column: usize| {
+            let q = moved.column(column);
+            let along = |row: &Vec<f64>| row.iter().zip(q.iter()).map(|(r, q)| q * *r).sum();
+            TorqueResponse {
+                tip_m: self.tip_rows.each_ref().map(along),
+                joints_rad: self.joints.iter().map(|joint| q[*joint]).collect(),
+            }
+        };
+        ArmResponse { frequency_hz, torques: (0..self.joints.len()).map(of_torque).collect() }
+    }
+}
+
+impl ArmChain {
+    /// What weights do along each coordinate, `Σ m g·∂r/∂q`.
+    fn weights(&self, q: &[f64]) -> Vec<f64> {
+        let (rest, mut found) = (vec![0.0; self.count], vec![0.0; self.count]);
+        self.walk(q, &rest, |place, met| {
+            if let Met::Mass(mass_kg) = met {
+                for (pull, by) in self.gravity_m_s2.iter().zip(&place.by) {
+                    found.iter_mut().zip(by).for_each(|(own, by)| *own += mass_kg * pull * by);
+                }
+            }
+        });
+        found
+    }
+
+    /// How much they resist a change of the coordinates, row by row and symmetric.
+    fn weight_stiffness(&self, q: &[f64]) -> Vec<f64> {
+        let count = self.count;
+        let (mut q, mut slopes) = (q.to_vec(), vec![0.0; count * count]);
+        for column in 0..count {
+            let own = q[column];
+            for (part, share) in (1_u8..).zip(SHARES) {
+                for sign in [1.0, -1.0] {
+                    q[column] = own + sign * f64::from(part) * PART_RAD;
+                    let factor = -sign * share / PART_RAD;
+                    for (row, force) in self.weights(&q).into_iter().enumerate() {
+                        slopes[row * count + column] += factor * force;
+                    }
+                }
+            }
+            q[column] = own;
+        }
+        let both = |at: usize| 0.5 * (slopes[at] + slopes[at % count * count + at / count]);
+        (0..count * count).map(both).collect()
+    }
+}
+
+/// A part of something of a size, 0 where it is round-off.
+pub(super) fn without_noise(part: f64, size: f64) -> f64 {
+    if part.abs() <= NOISE * size { 0.0 } else { part }
+}
+
+/// `xᵀ A x` of a matrix row by row.
+pub(super) fn quadratic(matrix: &[f64], x: &[f64]) -> f64 {
+    let rows = matrix.chunks_exact(x.len()).zip(x);
+    rows.map(|(row, own)| own * dot(row, x)).sum()
+}

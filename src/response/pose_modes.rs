@@ -1,0 +1,298 @@
+//! How an arm vibrates about a pose, and how it responds there: with polynomials of higher and higher order, until that
+//! changes nothing more.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::pose::{ArmPose, ArmResponse, PoseError, TorqueResponse, quadratic};
+use crate::link::Arm;
+use crate::numeric::{Size, SymmetricEigen, magnitude};
+
+/// What each refinement adds to every order, and most of them.
+const MORE_ORDERS: usize = 4;
+const MOST_REFINEMENTS: usize = 8;
+
+/// Eigenvalues are those of `(K + σM)⁻¹ M`, σ being at first this share of the softest coordinate's K/M; and how often it
+/// may grow tenfold, until `K + σM` is positive: gravity may turn an arm over.
+const SHIFT: f64 = 1e-3;
+const MOST_SHIFTS: usize = 40;
+
+/// Angles of joints below this share of a mode's largest coordinate are none.
+const NO_TURN: f64 = 1e-9;
+
+/// One way in which an arm moves by itself about a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseMode {
+    /// ω² in 1/s²; below 0 where the arm leaves the pose as e^{√(−ω²) t}.
+    pub square_per_s2: f64,
+    /// Viscous damping ratio by the links' own damping; none where nothing vibrates.
+    pub damping_ratio: Option<f64>,
+    /// How far each joint turns, the largest 1; all 0 where none does.
+    pub joints: Vec<f64>,
+}
+
+/// Modes, those with the lowest ω² first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SettledModes {
+    /// The modes.
+    pub modes: Vec<PoseMode>,
+    /// Relative change of each ω by the last refinement; NaN where it is not known.
+    pub errors: Vec<f64>,
+}
+
+/// Modes of an arm about a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmModes {
+    /// Direction of each link's chord in rad, counterclockwise from x.
+    pub directions_rad: Vec<f64>,
+    /// x and y of the tip at rest, in m.
+    pub tip_m: [f64; 2],
+    /// Torque in N m that holds each joint at rest.
+    pub holding_torques_n_m: Vec<f64>,
+    /// With all joints free; the first ones, as many as joints, are swings.
+    pub free: SettledModes,
+    /// With the rotors of all joints held.
+    pub held: SettledModes,
+    /// Stiffness of each joint between rotor and hub in N m/rad, infinite where it is stiff.
+    pub joint_stiffnesses_n_m_rad: Vec<f64>,
+}
+
+/// Responses of an arm about a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmResponses {
+    /// The response at each frequency.
+    pub rows: Vec<ArmResponse>,
+    /// Of each row, the largest change by the last refinement: of the tip's displacement and of the joints' angles, over
+    /// their size.
+    pub errors: Vec<f64>,
+}
+
+impl ArmPose {
+    /// The first `count` modes with all joints free or, by `springs_n_m_rad`, held on springs of these stiffnesses, of which
+    /// infinite ones clamp. Fewer where fewer move mass.
+    ///
+    /// # Errors
+    /// [`PoseError::Spread`].
+    pub fn modes(
+        &self,
+        springs_n_m_rad: Option<&[f64]>,
+        count: usize,
+    ) -> Result<Vec<PoseMode>, PoseError> {
+        let spring = |joint: usize| springs_n_m_rad.map_or(0.0, |springs| springs[joint]);
+        let mut stiffness = self.stiffness.clone();
+        let mut moves = vec![true; self.count];
+        for (number, joint) in self.joints.iter().enumerate() {
+            if spring(number).is_finite() {
+                stiffness[joint * self.count + joint] += spring(number);
+            } else {
+                moves[*joint] = false;
+            }
+        }
+        let moves: Vec<usize> = (0..self.count).filter(|k| moves[*k]).collect();
+        let mut found: Vec<PoseMode> = lowest(&self.mass, &stiffness, &moves, count)?
+            .into_iter()
+            .map(|x| self.mode(&stiffness, &x))
+            .collect();
+        found.sort_by(|a, b| a.square_per_s2.total_cmp(&b.square_per_s2));
+        if springs_n_m_rad.is_none() && !self.has_weight {
+            // Nothing brings a free arm back; dense algebra leaves round-off.
+            for swing in found.iter_mut().take(self.joints.len()) {
+                (swing.square_per_s2, swing.damping_ratio) = (0.0, None);
+            }
+        }
+        Ok(found)
+    }
+
+    /// The mode of a shape, ω² by Rayleigh's quotient.
+    fn mode(&self, stiffness: &[f64], x: &[f64]) -> PoseMode {
+        let mass = quadratic(&self.mass, x);
+        let square_per_s2 = quadratic(stiffness, x) / mass;
+        let omega = square_per_s2.sqrt();
+        let viscous = quadratic(&self.damping, x) / (2.0 * omega);
+        let ratio = (viscous + quadratic(&self.loss, x) / (2.0 * square_per_s2)) / mass;
+        let largest = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold(0.0, |most: f64, own| if own.abs() > most.abs() { own } else { most })
+        };
+        let turn = largest(&mut self.joints.iter().map(|joint| x[*joint]));
+        let turns = turn.abs() > NO_TURN * largest(&mut x.iter().copied()).abs();
+        let part = |joint: &usize| if turns { x[*joint] / turn } else { 0.0 };
+        PoseMode {
+            square_per_s2,
+            damping_ratio: (square_per_s2 > 0.0).then_some(ratio),
+            joints: self.joints.iter().map(part).collect(),
+        }
+    }
+}
+
+/// Shapes of the `count` lowest eigenvalues of `K x = ω² M x`, in all coordinates, of which those in `moves` are not 0.
+///
+/// With `K + σM = L Lᵀ` they are `L⁻ᵀ z` of the largest `1/(ω² + σ)` of `L⁻¹ M L⁻ᵀ`: M may be singular, and K negative.
+fn lowest(
+    mass: &[f64],
+    stiffness: &[f64],
+    moves: &[usize],
+    count: usize,
+) -> Result<Vec<Vec<f64>>, PoseError> {
+    let all = mass.len().isqrt();
+    let size = moves.len();
+    let part = |full: &[f64]| DMatrix::from_fn(size, size, |i, j| full[moves[i] * all + moves[j]]);
+    let (mass, stiffness) = (part(mass), part(stiffness));
+    let softest = (0..size).map(|k| stiffness[(k, k)].abs() / mass[(k, k)]);
+    let softest =
+        softest.filter(|ratio| ratio.is_finite() && *ratio > 0.0).fold(f64::MAX, f64::min);
+    let mut shift = SHIFT * if softest < f64::MAX { softest } else { 1.0 };
+    let mut factor = None;
+    for _ in 0..MOST_SHIFTS {
+        factor = (&stiffness + shift * &mass).cholesky();
+        if factor.is_some() {
+            break;
+        }
+        shift *= 10.0;
+    }
+    let lower = factor.ok_or(PoseError::Spread)?.unpack();
+    let half = lower.solve_lower_triangular(&mass).ok_or(PoseError::Spread)?;
+    let whole = lower.solve_lower_triangular(&half.transpose()).ok_or(PoseError::Spread)?;
+    // Symmetric, so that the order of its entries does not matter.
+    let eigen = SymmetricEigen::new(size, whole.as_slice().to_vec()).ok_or(PoseError::Spread)?;
+    let least = size as f64 * f64::EPSILON * eigen.values.last().copied().unwrap_or_default();
+    let upper = lower.transpose();
+    let kept = (0..size).rev().take_while(|k| eigen.values[*k] > least).take(count);
+    kept.map(|k| {
+        let z = DVector::from_column_slice(eigen.vector(k));
+        let own = upper.solve_upper_triangular(&z).ok_or(PoseError::Spread)?;
+        let mut x = vec![0.0; all];
+        moves.iter().zip(own.iter()).for_each(|(at, own)| x[*at] = *own);
+        Ok(x)
+    })
+    .collect()
+}
+
+/// Refines until `is_settled`, or as far as the polynomials go; `on` is given what is added to their orders.
+fn refined<T>(
+    mut on: impl FnMut(usize, Option<&T>) -> Result<T, PoseError>,
+    is_settled: impl Fn(&T) -> bool,
+) -> Result<T, PoseError> {
+    let mut known = on(0, None)?;
+    for refinement in 1..=MOST_REFINEMENTS {
+        match on(refinement * MORE_ORDERS, Some(&known)) {
+            Ok(found) => known = found,
+            // What was never refined has no known error.
+            Err(PoseError::TooMany { .. }) if refinement > 1 => break,
+            Err(error) => return Err(error),
+        }
+        if is_settled(&known) {
+            break;
+        }
+    }
+    Ok(known)
+}
+
+/// The modes of an arm about a pose: the swings and `count` more with all joints free, and `count` with all rotors held. They
+/// settle to `tolerance`, or [`SettledModes::errors`] tell that they do not.
+///
+/// # Errors
+/// [`PoseError`].
+pub fn arm_modes(
+    arm: &Arm,
+    directions_rad: &[f64],
+    count: usize,
+    tolerance: f64,
+) -> Result<ArmModes, PoseError> {
+    let drives = arm.links().iter().map(|own| own.link.drive());
+    let springs: Vec<f64> =
+        drives.map(|own| own.map_or(f64::INFINITY, |own| own.joint_stiffness_n_m_rad)).collect();
+    let on = |more_orders: usize, before: Option<&ArmModes>| {
+        let pose = ArmPose::of(arm, directions_rad, (0.0, more_orders))?;
+        let of = |springs: Option<&[f64]>, count, before: Option<&SettledModes>| {
+            let modes = pose.modes(springs, count)?;
+            Ok::<_, PoseError>(SettledModes { errors: changes(&modes, before), modes })
+        };
+        Ok(ArmModes {
+            free: of(None, count + springs.len(), before.map(|own| &own.free))?,
+            held: of(Some(&springs), count, before.map(|own| &own.held))?,
+            directions_rad: directions_rad.to_vec(),
+            tip_m: pose.tip_m(),
+            holding_torques_n_m: pose.holding_torques_n_m().to_vec(),
+            joint_stiffnesses_n_m_rad: springs.clone(),
+        })
+    };
+    refined(on, |found| {
+        let errors = found.free.errors.iter().chain(&found.held.errors);
+        errors.fold(0.0, |most, error| Size::larger(most, *error)) <= tolerance
+    })
+}
+
+/// Relative changes of ω from those before; NaN where there were none.
+fn changes(modes: &[PoseMode], before: Option<&SettledModes>) -> Vec<f64> {
+    let rate = |mode: &PoseMode| {
+        let square = mode.square_per_s2;
+        square.signum() * square.abs().sqrt()
+    };
+    let before = before.map_or(&[][..], |own| &own.modes);
+    let change = |(k, mode): (usize, &PoseMode)| match before.get(k).map(rate) {
+        None => f64::NAN,
+        Some(before) if before.total_cmp(&rate(mode)).is_eq() => 0.0,
+        Some(before) => (before / rate(mode) - 1.0).abs(),
+    };
+    modes.iter().enumerate().map(change).collect()
+}
+
+/// The responses of an arm about a pose at frequencies above 0. They settle to `tolerance`, or [`ArmResponses::errors`] tell
+/// that they do not.
+///
+/// # Errors
+/// [`PoseError`].
+pub fn arm_responses(
+    arm: &Arm,
+    directions_rad: &[f64],
+    frequencies_hz: &[f64],
+    tolerance: f64,
+) -> Result<ArmResponses, PoseError> {
+    let highest_hz = frequencies_hz.iter().copied().fold(0.0, f64::max);
+    let on = |more_orders: usize, before: Option<&ArmResponses>| {
+        let highest_rad_s = std::f64::consts::TAU * highest_hz;
+        let pose = ArmPose::of(arm, directions_rad, (highest_rad_s, more_orders))?;
+        let rows: Vec<_> = frequencies_hz.par_iter().map(|hertz| pose.response(*hertz)).collect();
+        let errors = match before {
+            None => vec![f64::NAN; rows.len()],
+            Some(before) => before.rows.iter().zip(&rows).map(|(a, b)| change(a, b)).collect(),
+        };
+        Ok(ArmResponses { rows, errors })
+    };
+    refined(on, |found| {
+        found.errors.iter().fold(0.0, |most, error| Size::larger(most, *error)) <= tolerance
+    })
+}
+
+/// The larger change of the tip's displacement and of the joints' angles, each over its size, to the torque that it is
+/// largest of.
+fn change(before: &ArmResponse, found: &ArmResponse) -> f64 {
+    type Part = fn(&TorqueResponse) -> &[num_complex::Complex64];
+    let parts: [Part; 2] = [|own| &own.tip_m, |own| &own.joints_rad];
+    let size = |values: &[num_complex::Complex64]| {
+        let sum: f64 = values.iter().map(|x| magnitude(*x) * magnitude(*x)).sum();
+        sum.sqrt()
+    };
+    let pairs = before.torques.iter().zip(&found.torques);
+    let of = |(a, b): (&TorqueResponse, &TorqueResponse)| {
+        let each = parts.map(|part| {
+            let (a, b) = (part(a), part(b));
+            let off: Vec<_> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+            let share = size(&off) / size(a).max(size(b));
+            // What is infinite, or 0, both times does not change.
+            match (size(a).is_finite(), size(b).is_finite()) {
+                (true, true) => {
+                    if share.is_nan() {
+                        0.0
+                    } else {
+                        share
+                    }
+                }
+                (false, false) => 0.0,
+                _ => 1.0,
+            }
+        });
+        each[0].max(each[1])
+    };
+    pairs.map(of).fold(0.0, f64::max)
+}

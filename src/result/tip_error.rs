@@ -1,0 +1,177 @@
+//! A simulated tip against the wanted motion.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::motion::TipTarget;
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, rounded};
+use crate::response::{PlayedArm, Simulation};
+
+/// Places of an arm's tip over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TipPlaces {
+    /// Their times.
+    pub grid: TimeGrid,
+    /// x and y in m.
+    pub at_m: [Vec<f64>; 2],
+}
+
+/// Largest travel of the tip before the target's first sample, relative to the target's travel.
+const MOVED_BEFORE: f64 = 1e-2;
+
+/// Distance of a simulated tip from the wanted motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TipError {
+    /// Largest distance in m.
+    pub worst_m: f64,
+    /// The same, relative to the largest distance of the wanted motion from its start.
+    pub share: f64,
+    /// Time of the largest distance in s.
+    pub time_s: f64,
+    /// Root mean square of the distance over the target's samples in m.
+    pub rms_m: f64,
+    /// Distance at the target's last sample in m, simulated less wanted.
+    pub final_m: f64,
+    /// Set if the tip moves before the target begins.
+    pub late: Option<LateTarget>,
+}
+
+/// A target that begins after the tip has moved: its first displacement is taken as that of the link at
+/// rest.
+#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
+#[error(
+    "the target begins at {} s, when the tip has moved by {:?} m: its first displacement is taken as \
+     that of the link at rest",
+    rounded(*start_s, 12),
+    rounded(*moved_m, 4)
+)]
+pub struct LateTarget {
+    /// First time of the target in s.
+    pub start_s: f64,
+    /// Travel of the simulated tip until then in m.
+    pub moved_m: f64,
+}
+
+impl LateTarget {
+    /// Name of the warning, for machines.
+    pub fn kind(&self) -> &'static str {
+        "late_target"
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        "a target that begins before the tip moves"
+    }
+}
+
+/// Why a simulation is not compared with a target.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum TargetError {
+    /// The target ends after the simulation.
+    #[error(
+        "the target ends at {} s, but must not go on after the simulation, which ends at {} s",
+        rounded(*end_s, 12),
+        rounded(*simulated_s, 12)
+    )]
+    EndsLate {
+        /// Last time of the target in s.
+        end_s: f64,
+        /// Last time of the simulation in s.
+        simulated_s: f64,
+    },
+    /// The target does not move.
+    #[error("the target stands still in all samples, but must move")]
+    NoMotion,
+}
+
+impl TargetError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::EndsLate { .. } => Some("simulate longer, or cut the target"),
+            Self::NoMotion => None,
+        }
+    }
+}
+
+impl TipError {
+    /// Compares a simulation with a wanted displacement at the target's own times.
+    ///
+    /// The tip rests before the simulation's first sample; between samples a cubic spline interpolates.
+    ///
+    /// # Errors
+    /// [`TargetError`].
+    pub fn of(simulation: &Simulation, target: &TipTarget) -> Result<Self, TargetError> {
+        let spline = CubicSpline::uniform(&simulation.tip.displacement_m, SplineEnds::NotAKnot);
+        let (wanted_m, travel_m) = (target.displacement_m(), target.largest_travel_m());
+        let at = Sampling::of(simulation.grid, target.grid(), travel_m)?;
+        let strays = |(k, wanted): (usize, &f64)| spline.value(at.place(k)) - wanted;
+        let errors: Vec<f64> = wanted_m.iter().enumerate().map(strays).collect();
+        let moved_m = (spline.value(at.place(0)) - simulation.tip.displacement_m[0]).abs();
+        Ok(Self::among(&errors, (&target.grid(), travel_m), moved_m))
+    }
+
+    /// Compares the tip of an arm at every time of the target.
+    ///
+    /// # Errors
+    /// [`TargetError`].
+    pub fn of_arm(played: &PlayedArm, target: &TipPlaces) -> Result<Self, TargetError> {
+        let splines = [0, 1]
+            .map(|axis: usize| CubicSpline::uniform(&played.tip[axis][0], SplineEnds::NotAKnot));
+        let distance = |[x, y]: [f64; 2]| (x * x + y * y).sqrt();
+        let wanted = |k: usize| [0, 1].map(|axis: usize| target.at_m[axis][k]);
+        let from = |k: usize, [x, y]: [f64; 2]| distance([wanted(k)[0] - x, wanted(k)[1] - y]);
+        let travel_m = (0..target.grid.len).map(|k| from(k, wanted(0))).fold(0.0, f64::max);
+        let at = Sampling::of(played.grid, target.grid, travel_m)?;
+        let tip_m = |k: usize| [0, 1].map(|axis: usize| splines[axis].value(at.place(k)));
+        let errors: Vec<f64> = (0..target.grid.len).map(|k| from(k, tip_m(k))).collect();
+        let start_m = [0, 1].map(|axis: usize| played.tip[axis][0][0]);
+        let moved_m = distance([tip_m(0)[0] - start_m[0], tip_m(0)[1] - start_m[1]]);
+        Ok(Self::among(&errors, (&target.grid, travel_m), moved_m))
+    }
+
+    /// The largest of errors in m at the target's times, of a tip that has moved so far before them.
+    fn among(errors: &[f64], (grid, travel_m): (&TimeGrid, f64), moved_m: f64) -> Self {
+        let larger = |a: &usize, b: &usize| errors[*a].abs().total_cmp(&errors[*b].abs());
+        let worst = (0..errors.len()).max_by(larger).unwrap_or(0);
+        let squares: f64 = errors.iter().map(|e| e * e).sum();
+        let late = LateTarget { start_s: grid.time_s(0), moved_m };
+        Self {
+            worst_m: errors[worst].abs(),
+            share: errors[worst].abs() / travel_m,
+            time_s: grid.time_s(worst),
+            rms_m: (squares / errors.len() as f64).sqrt(),
+            final_m: errors[errors.len() - 1],
+            late: (moved_m > MOVED_BEFORE * travel_m).then_some(late),
+        }
+    }
+}
+
+/// The samples of a simulation at times of a target.
+struct Sampling {
+    own: TimeGrid,
+    target: TimeGrid,
+}
+
+impl Sampling {
+    fn of(own: TimeGrid, target: TimeGrid, travel_m: f64) -> Result<Self, TargetError> {
+        if travel_m == 0.0 {
+            return Err(TargetError::NoMotion);
+        }
+        let sampling = Self { own, target };
+        if sampling.at(target.len - 1) > (own.len - 1) as f64 + 1e-6 {
+            let (end_s, simulated_s) = (target.end_s(), own.time_s(own.len - 1));
+            return Err(TargetError::EndsLate { end_s, simulated_s });
+        }
+        Ok(sampling)
+    }
+
+    fn at(&self, sample: usize) -> f64 {
+        (self.target.time_s(sample) - self.own.time_s(0)) / self.own.step_s
+    }
+
+    /// Place of a time of the target among the samples.
+    fn place(&self, sample: usize) -> f64 {
+        self.at(sample).clamp(0.0, (self.own.len - 1) as f64)
+    }
+}

@@ -1,0 +1,121 @@
+//! The JSON Schema of link files and arm files, from the types of their keys.
+
+use schemars::Schema;
+use schemars::generate::SchemaSettings;
+use schemars::transform::transform_subschemas;
+use serde_json::{Map, Value, json};
+
+use super::document::{OF_ARM, SHARED};
+use super::raw::RawSpecification;
+use super::value::describe;
+use crate::link::MOST_LINKS;
+
+/// JSON Schema (draft 7) of link files and arm files, as text: what editors complete and check them with.
+///
+/// It has every key with its meaning, unit, range and default, and the keys that go together. It cannot
+/// say the dimension of a unit or the sum of the elements; the reader checks these. It has no
+/// references: editors show no description through one.
+///
+/// ```
+/// let schema: serde_json::Value = serde_json::from_str(&flexlink::spec::link_file_schema())?;
+/// assert!(schema["properties"]["hub"]["properties"]["inertia"].is_object());
+/// assert!(schema["properties"]["links"]["items"]["properties"]["hub"].is_object());
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+pub fn link_file_schema() -> String {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    let generator = settings.with_transform(tidied).into_generator();
+    let mut schema = generator.into_root_schema_for::<RawSpecification>();
+    schema.insert("title".into(), "flexlink link file or arm file".into());
+    with_arms(&mut schema);
+    let mut schema = Value::from(schema);
+    schema.sort_all_objects();
+    format!("{schema:#}\n")
+}
+
+/// Adds the keys of an arm, whose links have those of a link file but those that the arm has once.
+fn with_arms(schema: &mut Schema) {
+    let Some(Value::Object(keys)) = schema.get_mut("properties") else { return };
+    let is_of_arm = |key: &String| SHARED.iter().chain(&OF_ARM).any(|own| own == key);
+    let mut of_link: Map<String, Value> =
+        keys.clone().into_iter().filter(|(key, _)| !is_of_arm(key)).collect();
+    let refused = |keys: &mut dyn Iterator<Item = &String>| -> Value {
+        keys.map(|key| (key.clone(), json!(false))).collect::<Map<_, _>>().into()
+    };
+    let above_links = refused(&mut of_link.keys());
+    let described = |mut schema: Value, text: &str| {
+        schema["description"] = text.into();
+        schema
+    };
+    let joint = "Body of the next joint, which the link's tip carries; on all links but the last, which has a payload.";
+    of_link.insert("tip".into(), described(of_link["payload"].clone(), joint));
+    let name = "Unique name, which addresses the link in --set.";
+    of_link.insert("name".into(), described(json!({ "type": "string" }), name));
+    let link = json!({
+        "type": "object",
+        "additionalProperties": false,
+        "properties": of_link,
+        "required": ["segments"],
+    });
+    let links = json!({ "type": "array", "items": link, "minItems": 1, "maxItems": MOST_LINKS });
+    let text = "Links of an arm, the inner one first, each with the keys of a link file.";
+    keys.insert("links".into(), described(links, text));
+    let side = "Side of the first link on which the second one lies; a path of the tip needs it.";
+    keys.insert("elbow".into(), described(json!({ "enum": ["left", "right"] }), side));
+    schema.insert("if".into(), json!({ "required": ["links"] }));
+    schema.insert("then".into(), json!({ "properties": above_links, "allOf": by_count() }));
+    let of_one = json!({ "required": ["segments"], "properties": { "elbow": false } });
+    schema.insert("else".into(), of_one);
+}
+
+/// What an arm of each number of links refuses: a payload but on the last link, a tip there, and what the arm has once.
+fn by_count() -> Vec<Value> {
+    let of = |count: usize| {
+        let mut links = vec![json!({ "properties": { "payload": false } }); count - 1];
+        links.push(json!({ "properties": { "tip": false } }));
+        let key = if count == 1 { "elbow" } else { "start_angle" };
+        let counted = json!({ "links": { "minItems": count, "maxItems": count } });
+        json!({
+            "if": { "properties": counted },
+            "then": { "properties": { "links": { "items": links }, key: false } },
+        })
+    };
+    (1..=MOST_LINKS).map(of).collect()
+}
+
+/// Removes the `null` of optional keys, which TOML does not have, and the line ends that wrap a
+/// description.
+fn tidied(schema: &mut Schema) {
+    if let Some(Value::String(text)) = schema.get_mut("description") {
+        let paragraphs: Vec<String> = text.split("\n\n").map(|p| p.replace('\n', " ")).collect();
+        *text = paragraphs.join("\n\n");
+    }
+    if let Some(Value::Array(types)) = schema.get_mut("type") {
+        types.retain(|kind| kind != "null");
+        if let [only] = &types[..] {
+            let only = only.clone();
+            schema.insert("type".into(), only);
+        }
+    }
+    if let Some(Value::Array(choices)) = schema.get_mut("enum") {
+        choices.retain(|choice| !choice.is_null());
+    }
+    if let Some(Value::Array(choices)) = schema.get_mut("anyOf") {
+        choices.retain(|choice| choice.get("type").is_none_or(|kind| kind != "null"));
+        if let [Value::Object(only)] = &mut choices[..] {
+            let only = std::mem::take(only);
+            schema.remove("anyOf");
+            // Keywords of the key come before those of its type.
+            for (keyword, value) in only {
+                schema.ensure_object().entry(keyword).or_insert(value);
+            }
+        }
+    }
+    // Where numbers have no default in the file, serde has one.
+    if schema.get("default").is_some_and(Value::is_null) {
+        schema.remove("default");
+    }
+    schema.remove("format");
+    describe(schema);
+    transform_subschemas(&mut tidied, schema);
+}

@@ -1,0 +1,121 @@
+//! `modes` and `frf` of arms in a pose: what is told and written, refusals, and the arm whose hardware was measured.
+
+use super::{Bench, keys, repository, stderr, stdout};
+
+const ARM: &str = "gravity = [0, -9.81]
+[[links]]
+name = 'upper'
+segments = [{ length = 0.7, EI = 60, mass_per_length = 0.8 }]
+hub = { inertia = 0.02 }
+tip = { mass = 0.6, inertia = 0.01 }
+damping = { model = 'hysteretic', ratio = 0.02 }
+drive = { joint_stiffness = 200 }
+[[links]]
+name = 'fore'
+segments = [{ length = 0.6, EI = 15, mass_per_length = 0.4 }]
+hub = { inertia = 0.005, viscous_friction = 0.1 }
+payload = { mass = 0.3 }
+damping = { model = 'rayleigh', beta = 2e-4 }
+";
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("arm.toml", ARM);
+    bench
+}
+
+#[test]
+fn modes_of_a_pose_are_told_with_swings_first_and_zeros_of_each_link() {
+    let bench = bench();
+    let lines = |pose: &str| {
+        let output = bench.run(&["modes", "arm.toml", "--count", "3", "--at", pose]);
+        assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+        let text = stdout(&output);
+        assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+        text.lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let hanging = lines("-90 deg,-90 deg");
+    assert_eq!(hanging[0], "arm of 2 links, 1.300 m; the links point to -1.571, -1.571 rad");
+    assert_eq!(hanging[1], "the tip rests at 0.000, -1.300 m");
+    assert_eq!(hanging[3], "joints free; the first 2 are swings of the whole arm");
+    assert!(hanging[4].ends_with("mesh error  joints"), "{hanging:?}");
+    assert!(hanging[5].ends_with("  1.000  0.672"), "{hanging:?}");
+    assert_eq!(hanging[10], "rotors held, joint springs 200.0, stiff N m/rad");
+    let upper = hanging.iter().position(|line| line == "link upper, from its joint to its tip");
+    let blocked = hanging[upper.unwrap()..].iter().filter(|line| line.starts_with("at "));
+    assert_eq!(blocked.count(), 1, "{hanging:?}");
+    let up = lines("90 deg,1.5708");
+    assert!(up[5].starts_with("1      not stable: it leaves the pose as e^(t/0.1"), "{up:?}");
+    let flat = bench.run(&["modes", "arm.toml", "--at", "0.3,1.2", "--set", "gravity=[0, 0]"]);
+    let flat = stdout(&flat);
+    assert!(flat.contains("\n2      neutral: the arm stays where it is turned\n"), "{flat}");
+    let json = bench.run(&["modes", "arm.toml", "--at", "0.3,1.2", "--json", "--count", "2"]);
+    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    assert_eq!(json["free"]["joints"].as_array().unwrap().len(), 4);
+    assert_eq!(json["held"]["frequency_hz"].as_array().unwrap().len(), 2);
+    assert!(json["joint_stiffness_n_m_rad"][1].is_null());
+    assert_eq!(keys(&json["links"][0]).len(), 4);
+    // At rest the second joint holds its link's weight at its middle and its payload's at its end.
+    let held = json["holding_torque_n_m"][1].as_f64().unwrap();
+    let weighs = 9.81 * 1.2_f64.cos() * (0.24 * 0.3 + 0.3 * 0.6);
+    assert!((held / weighs - 1.0).abs() < 0.02, "{held} {weighs}");
+}
+
+#[test]
+fn responses_to_each_torque_are_written_with_what_they_are_wrong_by() {
+    let bench = bench();
+    let pose = ["frf", "arm.toml", "--at", "-60 deg,-20 deg"];
+    let band = ["--from", "0.3", "--to", "60", "--points", "40", "-o", "frf.csv"];
+    let output = bench.run(&[&pose[..], &band].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stderr(&output).starts_with("note: the mesh error is "), "{}", stderr(&output));
+    let table = bench.table("frf.csv");
+    assert_eq!((table.len(), table[0].1.len()), (2 + 2 * 4 * 4, 40));
+    let column = |name: &str| &table.iter().find(|(own, _)| own == name).unwrap().1;
+    let errors = column("mesh_error");
+    assert!(errors.iter().all(|error| *error < 1e-4), "{errors:?}");
+    for part in ["real", "imag"] {
+        let [a, b] = ["joint1_per_torque2_rad_n_m", "joint2_per_torque1_rad_n_m"]
+            .map(|name| column(&format!("{name}_{part}")));
+        let most = a.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9 * most), "{part}");
+    }
+    assert!(column("tip_x_per_torque1_1_n_magnitude").iter().all(|own| *own > 0.0));
+    let json = bench.run(&[&pose[..], &["--points", "3", "--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    assert_eq!(keys(&json).len(), 34);
+    let up = bench.run(&["frf", "arm.toml", "--at", "1.5,1.6", "--points", "3", "--deny-warnings"]);
+    assert!(stderr(&up).contains("warning: the arm falls from this pose"), "{}", stderr(&up));
+    assert_eq!(up.status.code(), Some(4));
+}
+
+#[test]
+fn poses_that_are_none_are_refused() {
+    let bench = bench();
+    let refused = |arguments: &[&str], code: i32, words: &str| {
+        let output = bench.run(arguments);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{message}");
+        assert!(message.starts_with("error: ") && message.contains(words), "{message}");
+    };
+    let must = "but must be 2 directions, one for each link of the arm";
+    for command in ["modes", "frf"] {
+        refused(&[command, "arm.toml"], 2, &format!("--at = nothing, {must}"));
+        refused(
+            &[command, "arm.toml", "--at", "1,2,3"],
+            2,
+            &format!("--at = 3 directions, {must}"),
+        );
+        refused(&[command, "arm.toml", "--at", "1,north"], 2, "'north'");
+        let modal = ["--set", "links.fore.damping={ model = \"modal\", ratios = [0.01] }"];
+        let at = [command, "arm.toml", "--at", "0.1,1"];
+        refused(&[&at[..], &modal].concat(), 4, "the damping of link 2 = modal, but must be none");
+        // Under thousands of times its weight the upper link has no shape with its chord level.
+        let heavy = ["--set", "gravity=[0, -50000]"];
+        refused(&[&at[..], &heavy].concat(), 4, "the arm has no shape at rest in this pose");
+    }
+    let bayo = repository("specs/bayo1987_example1.toml");
+    refused(&["frf", &bayo, "--at", "1"], 2, "--at is for an arm of several links");
+    refused(&["modes", &bayo, "--at", "1,2"], 2, "--at = 2 angles, but must be one for one link");
+    refused(&["modes", "arm.toml", "--at", "1,2", "-o", "m"], 2, "cannot be used with");
+}

@@ -1,0 +1,118 @@
+//! `simulate` of arms on the command line: torques played, where the arm starts, states, refusals.
+
+use super::arms::bench;
+use super::{Bench, column, stderr, stdout};
+
+/// Solves the line of the arm in these tests.
+fn solved(options: &[&str]) -> Bench {
+    let bench = bench();
+    let output = bench.run(&[&["solve", "arm.toml", "path.csv"], options].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    bench
+}
+
+/// Runs `simulate` of the torques with options; returns what it prints.
+fn played(bench: &Bench, options: &[&str]) -> String {
+    let output = bench.run(&[&["simulate", "arm.toml", "out/torques.csv"], options].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    stdout(&output)
+}
+
+#[test]
+fn torques_of_an_arm_are_played_with_feedback_and_written() {
+    let bench = solved(&[]);
+    let feedback = ["--feedback", "50,1", "--reference", "out/joint_angles.csv"];
+    let text = played(&bench, &[&feedback[..], &["--target", "out/tip.csv"]].concat());
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    for begins in
+        ["arm      2 links, 1.300 m", "feedback 50 N m/rad, 1 N m s/rad", "joint 2  peak "]
+    {
+        assert!(text.lines().any(|line| line.starts_with(begins)), "{text}");
+    }
+    let summary = bench.json("simulated/summary.json");
+    let share = summary["tip_error"]["share"].as_f64().unwrap();
+    assert!(share < 1e-6, "{share:e}");
+    assert!(summary["errors"]["energy"].as_f64().unwrap() < 1e-6);
+    let of =
+        |folder: &str, file: &str, name: &str| column(&bench, &format!("{folder}/{file}"), name);
+    for (file, name) in [
+        ("torques.csv", "torque2_n_m"),
+        ("joint_angles.csv", "joint2_rad"),
+        ("chord_angles.csv", "angle1_rad"),
+        ("nodal_positions.csv", "y2_1_m"),
+    ] {
+        let (own, solved) = (of("simulated", file, name), of("out", file, name));
+        let size = solved.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let off = own.iter().zip(&solved).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(own.len() == solved.len() && off < 2e-5 * size, "{off:e} of {size:e}: {name}");
+    }
+}
+
+#[test]
+fn an_arm_starts_where_it_is_told_and_goes_on_from_a_state() {
+    let bench = solved(&["--set", "gravity=[0, 0]"]);
+    let still = ["--set", "gravity=[0, 0]"];
+    played(&bench, &[&still[..], &["--target", "out/tip.csv", "-o", "whole"]].concat());
+    let chords: Vec<String> = ["angle1_rad", "angle2_rad"]
+        .map(|name| column(&bench, "out/chord_angles.csv", name)[0].to_string())
+        .into();
+    let at = chords.join(",");
+    played(
+        &bench,
+        &[&still[..], &["--at", &at, "-o", "posed", "--save-state", "end.json"]].concat(),
+    );
+    for axis in ["x_m", "y_m"] {
+        let [whole, posed] =
+            ["whole", "posed"].map(|run| column(&bench, &format!("{run}/tip.csv"), axis));
+        let off = whole.iter().zip(&posed).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-8, "{off:e}");
+    }
+    // From the state at its end the arm rests where it is.
+    bench.write("none.csv", "time,torque1,torque2\n2,0,0\n2.1,0,0\n2.2,0,0\n2.3,0,0\n");
+    let on = ["simulate", "arm.toml", "none.csv", "--state", "end.json", "-o", "on"];
+    let output = bench.run(&[&on[..], &still].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let (ended, goes_on) =
+        (column(&bench, "posed/tip.csv", "x_m"), column(&bench, "on/tip.csv", "x_m"));
+    assert!(
+        (ended.last().unwrap() - goes_on.last().unwrap()).abs() < 1e-6,
+        "{ended:?} {goes_on:?}"
+    );
+}
+
+#[test]
+fn what_an_arm_cannot_play_is_refused() {
+    let bench = solved(&[]);
+    bench.write("one.csv", "time,torque1\n0,0\n1,1\n2,1\n3,0\n");
+    bench.write("three.csv", "time,torque1,torque2,torque3\n0,0,0,0\n1,1,0,0\n2,1,0,0\n3,0,0,0\n");
+    let torques = "out/torques.csv";
+    for (arguments, exit, begins) in [
+        (vec!["one.csv"], 3, "error: one.csv:1: "),
+        (vec!["three.csv"], 3, "error: three.csv:1: torque3 = a column, but must not be there"),
+        (vec![torques], 2, "error: --at = nothing, but must say where the arm starts"),
+        (vec![torques, "--at", "1"], 2, "error: --at = 1 directions, but must be 2 directions"),
+        (vec![torques, "--at", "1,east"], 2, "error: invalid value 'east' for '--at <ANGLES>'"),
+        (vec![torques, "--at", "1,2", "--periodic"], 2, "error: --periodic is for one link"),
+        (vec![torques, "--at", "1,2", "--nodes", "1"], 2, "error: --nodes is for one link"),
+        (
+            vec![torques, "--feedback", "1,2,3,4,5,6", "--reference", "out/joint_angles.csv"],
+            2,
+            "error: --feedback = 3 pairs, but must be one for all joints, or one for each of 2",
+        ),
+        (vec![torques, "--state", "out/summary.json"], 3, "error: out/summary.json: command"),
+    ] {
+        let output = bench.run(&[vec!["simulate", "arm.toml"], arguments.clone()].concat());
+        let told = stderr(&output);
+        assert_eq!(output.status.code(), Some(exit), "{arguments:?}: {told}");
+        assert!(told.starts_with(begins), "{arguments:?}: {told}");
+    }
+    // Torques that do not hold the arm where it starts.
+    bench.write("none.csv", "time,torque1,torque2\n0,0,0\n0.01,0,0\n0.02,0,0\n0.03,0,0\n");
+    let output = bench.run(&["simulate", "arm.toml", "none.csv", "--at", "0,1"]);
+    let told = stderr(&output);
+    assert!(
+        told.starts_with("warning: torque1 begins with 0.000 N m, but 11.08 N m hold the arm"),
+        "{told}"
+    );
+}

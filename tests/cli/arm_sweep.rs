@@ -1,0 +1,187 @@
+//! `sweep` of arms: rows as `solve` has them, scaled times, cases that fail, shards, refusals.
+
+use std::process::Output;
+
+use super::arms::bench;
+use super::sweep::rows;
+use super::{Bench, stderr};
+
+/// `sweep` of the line of the arm in these tests.
+fn sweep(bench: &Bench, options: &[&str]) -> Output {
+    bench.run(&[&["sweep", "arm.toml", "path.csv"], options].concat())
+}
+
+#[track_caller]
+fn swept(bench: &Bench, options: &[&str]) -> Output {
+    let output = sweep(bench, options);
+    assert!(output.status.success(), "{}", stderr(&output));
+    output
+}
+
+#[track_caller]
+fn solve(bench: &Bench, options: &[&str]) {
+    let output = bench.run(&[&["solve", "arm.toml"], options].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+/// Where summary.json has the number of a column of joints, `peak_torque2_n_m`: the number of the joint from 0,
+/// and `peak_torque_n_m`.
+fn of_joint(name: &str) -> Option<(usize, String)> {
+    let at = name.find(['1', '2'])?;
+    let joint: usize = name[at..=at].parse().unwrap();
+    Some((joint - 1, format!("{}{}", &name[..at], &name[at + 1..])))
+}
+
+/// The worst error of a kind of all quantities of all joints in the summary of a run.
+fn worst(summary: &serde_json::Value, kind: &str) -> f64 {
+    let joints = summary["errors"]["joints"].as_array().unwrap().iter();
+    let quantities = joints.flat_map(|joint| joint.as_object().unwrap().values());
+    quantities.filter_map(|errors| errors[kind].as_f64()).fold(0.0, f64::max)
+}
+
+/// Compares every number of a row with the summary of a run, to so much of it.
+#[track_caller]
+fn assert_row(bench: &Bench, names: &[String], row: &[String], tolerance: f64) {
+    let summary = bench.json("out/summary.json");
+    let mut compared = 0;
+    for (name, field) in names.iter().zip(row) {
+        let expected = match name.as_str() {
+            name if name == "warnings" || name == "error" || name.ends_with('*') => continue,
+            "zero_1_per_s" => summary["analysis"]["first_zero_per_s"].as_f64(),
+            "contraction" => summary["second_order"]["contraction"].as_f64(),
+            "tip_error" => summary["errors"]["tip"].as_f64(),
+            "mesh_error" => Some(worst(&summary, "mesh")),
+            "window_error" => Some(worst(&summary, "window")),
+            "iteration_error" => Some(worst(&summary, "iteration")),
+            name => {
+                let (joint, key) = of_joint(name).unwrap();
+                summary["results"]["joints"][joint][key].as_f64()
+            }
+        };
+        match expected {
+            // A joint without a drive has no motor.
+            None => assert_eq!(field, "", "{name}"),
+            Some(expected) => {
+                let found: f64 = field.parse().unwrap();
+                let off = (found - expected).abs();
+                assert!(off <= tolerance * expected.abs(), "{name}: {found} is not {expected}");
+            }
+        }
+        compared += 1;
+    }
+    assert_eq!(compared, 1 + 2 * 13 + 5);
+}
+
+#[test]
+fn every_row_of_an_arm_holds_what_solve_finds_for_its_values() {
+    let bench = bench();
+    let vary = ["--vary", "links.*.segments.*.EI*=0.5,1,2", "--outputs", "all", "--every", "5"];
+    swept(&bench, &vary);
+    let rows = rows(&bench, "sweep.csv");
+    let header = rows[0].join(",");
+    let first = "links.*.segments.*.EI*,zero_1_per_s,peak_torque1_n_m,rms_torque1_n_m,\
+                 peak_rigid_torque1_n_m,lead1_s,lag1_s,peak_rate1_rad_s,peak_power1_w,\
+                 peak_root_moment1_n_m,peak_deflection1_m,peak_motor_torque1_n_m,\
+                 rms_motor_torque1_n_m,peak_motor_rate1_rad_s,peak_motor_power1_w,peak_torque2_n_m,";
+    let last = ",peak_motor_power2_w,contraction,tip_error,mesh_error,window_error,\
+                iteration_error,warnings,error";
+    assert!(header.starts_with(first) && header.ends_with(last), "{header}");
+    assert_eq!(rows.len(), 4);
+    for (number, row) in rows.iter().enumerate().skip(1) {
+        let set = format!("{}={}", rows[0][0], row[0]);
+        solve(&bench, &["path.csv", "--set", &set, "--every", "5"]);
+        // Twelve digits are written.
+        assert_row(&bench, &rows[0], row, 1e-11);
+        assert!(row[row.len() - 2].starts_with("limit_exceeded:joint1.torque"), "{row:?}");
+        assert_eq!(row.last().unwrap(), "");
+        assert!(bench.contents(&format!("all/{number}")) == bench.contents("out"), "{number}");
+    }
+}
+
+#[test]
+fn a_factor_on_the_duration_is_a_path_with_scaled_times() {
+    let bench = bench();
+    swept(&bench, &["--vary", "duration*=1,1.25", "--outputs", "all"]);
+    let rows = rows(&bench, "sweep.csv");
+    let scaled =
+        bench.read("path.csv").lines().skip(1).fold("time,x,y\n".to_owned(), |text, row| {
+            let (time, place) = row.split_once(',').unwrap();
+            format!("{text}{:.5},{place}\n", 1.25 * time.parse::<f64>().unwrap())
+        });
+    bench.write("slow.csv", &scaled);
+    solve(&bench, &["slow.csv"]);
+    assert_row(&bench, &rows[0], &rows[2], 1e-6);
+    let [fast, slow] = [1, 2].map(|row: usize| rows[row][8].parse::<f64>().unwrap());
+    assert!(slow < 0.9 * fast, "{slow} {fast}");
+    // The record of the case has what `solve` takes for it.
+    let again = bench.run(&["solve", "--repeat", "all/2"]);
+    assert!(again.status.success(), "{}", stderr(&again));
+    let backwards = bench.run(&["solve", "arm.toml", "path.csv", "--scale-duration", "-1"]);
+    assert_eq!(backwards.status.code(), Some(2));
+    assert!(stderr(&backwards).contains("--scale-duration=-1: "), "{}", stderr(&backwards));
+}
+
+#[test]
+fn a_case_of_an_arm_that_fails_says_why_and_shards_make_the_whole() {
+    let bench = bench();
+    std::fs::create_dir(bench.path("in")).unwrap();
+    std::fs::rename(bench.path("path.csv"), bench.path("in/path.csv")).unwrap();
+    let run = |options: &[&str]| {
+        let vary = "links.fore.segments.0.length=0.6,0.1,-1";
+        let arguments =
+            ["sweep", "arm.toml", "in/path.csv", "--vary", vary, "--vary", "duration*=1,-1"];
+        let output = bench.run(&[&arguments, options].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        output
+    };
+    let output = run(&[]);
+    let told = "warning: 5 of 6 cases failed, the first is case 2: ";
+    assert!(stderr(&output).starts_with(told), "{}", stderr(&output));
+    let rows = rows(&bench, "sweep.csv");
+    let errors: Vec<&str> = rows[1..].iter().map(|row| row.last().unwrap().as_str()).collect();
+    assert_eq!(errors[0], "");
+    assert!(rows[1][2..].iter().filter(|field| field.is_empty()).count() == 5, "{:?}", rows[1]);
+    assert!(errors[1].contains("above 0"), "{}", errors[1]);
+    // The file without its folder, which may lie elsewhere on another machine.
+    assert!(errors[2].starts_with("path.csv:2: the end of the second link = "), "{}", errors[2]);
+    let short = "--vary 'links.fore.segments.0.length=-1': links.fore.segments.0.length = -1 m";
+    assert!(errors[4].starts_with(short), "{}", errors[4]);
+    assert!(rows[3][2..rows[3].len() - 1].iter().all(String::is_empty), "{:?}", rows[3]);
+    for shard in ["1/2", "2/2"] {
+        run(&["--shard", shard]);
+    }
+    let merge = ["sweep", "-o", "merged.csv", "--merge", "sweep-1-of-2.csv", "sweep-2-of-2.csv"];
+    assert!(bench.run(&merge).status.success());
+    assert!(bench.read("merged.csv") == bench.read("sweep.csv"));
+    run(&["--shard", "1/2", "--resume"]);
+}
+
+#[test]
+fn what_is_of_one_link_is_refused_for_sweeps_of_arms() {
+    let bench = bench();
+    let mass = ["--vary", "links.fore.payload.mass=0.1,0.2"];
+    for (options, code, words) in [
+        (&["--vary", "distance*=1,2"][..], 2, "--vary: distance is for one link"),
+        (&["--vary", "duration=1,2"], 2, "duration=1, but duration of the motion takes factors"),
+        (&[&mass[..], &["--torque", "t.csv"]].concat(), 2, "--torque is for one link"),
+        (&[&mass[..], &["--periodic"]].concat(), 2, "--periodic is for one link"),
+        (&[&mass[..], &["--outputs", "a", "--nodes", "1"]].concat(), 2, "--nodes is for one link"),
+        (
+            &["--vary", "links.fore.payload.mass=0.1,0.2", "--vary", "links.*.payload.mass=0.1"],
+            3,
+            "the last link alone has a payload",
+        ),
+        (
+            &[&mass[..], &["--vary", "links.1.payload.mass=0.1,0.2"]].concat(),
+            2,
+            "links.fore.payload.mass=0.1 and links.fore.payload.mass=0.2 give the same arm",
+        ),
+        (&["--vary", "links.lower.payload.mass=1,2"], 3, "links.lower is not in the file"),
+    ] {
+        let output = sweep(&bench, options);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{message}");
+        assert!(message.starts_with("error: ") && message.contains(words), "{message}");
+    }
+    assert_eq!(bench.names("."), ["arm.toml", "path.csv"]);
+}

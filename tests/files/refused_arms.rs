@@ -1,0 +1,69 @@
+//! Arms and paths that are refused, each with its line and what to do.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use flexlink::csv::{TableFormat, read_motion_table, read_path_table};
+use flexlink::inverse::{Resources, invert_arm};
+use flexlink::spec::{ArmSpecification, Described, LinkDocument, Override, SpecError};
+
+use crate::snapshot;
+
+const ARM: &str = include_str!("../../specs/arms/two_links.toml");
+
+fn read(text: &str, settings: &[&str]) -> Result<Described, SpecError> {
+    let overrides: Result<Vec<Override>, _> = settings.iter().map(|set| set.parse()).collect();
+    LinkDocument::read("arm.toml", text)?.described("arm.toml", &overrides?)
+}
+
+/// The arm, or one with a third link as its last.
+fn arm(links: usize) -> ArmSpecification {
+    let last = "segments = [{ length = 0.3, EI = 15.0, mass_per_length = 0.4 }]";
+    let text = match links {
+        2 => ARM.to_owned(),
+        _ => format!("{}\n[[links]]\nname = \"hand\"\n{last}\n", ARM.replace("payload", "tip")),
+    };
+    match read(&text, &[]).unwrap() {
+        Described::Arm(found) => *found,
+        Described::Link(_) => unreachable!("{links} links"),
+    }
+}
+
+/// Why an arm of so many links does not follow a path.
+fn refusal_of_path(links: usize, text: &str) -> String {
+    let ArmSpecification { arm, meshes, analysis, .. } = arm(links);
+    let lengths: Vec<f64> = arm.links().iter().map(|own| own.link.length_m()).collect();
+    let table = read_path_table("path.csv", text.as_bytes(), &TableFormat::default());
+    let path = table.and_then(|table| Ok((table.path(&lengths)?, table)));
+    let refused = path.and_then(|(path, table)| {
+        let solved = invert_arm(&arm, &meshes, &path, &analysis, &Resources::default());
+        let error = solved.err().unwrap();
+        Err::<(), _>(table.refused(error.sample(), &error, error.hint()))
+    });
+    let error = refused.unwrap_err();
+    told(&error, error.hint())
+}
+
+fn told(error: &impl ToString, hint: Option<&str>) -> String {
+    let hint = hint.map(|hint| format!("\nhint: {hint}")).unwrap_or_default();
+    format!("{}{hint}", error.to_string())
+}
+
+#[test]
+fn refusals_are_those_of_the_snapshot() {
+    snapshot::compare("arms.txt", |section, words, input| match section {
+        "Paths: path.csv" => refusal_of_path(2, input),
+        "Paths of an arm of three links: path.csv" => refusal_of_path(3, input),
+        "Paths of an arm for one link: path.csv" => {
+            let error = read_motion_table("path.csv", input.as_bytes(), 1.5).unwrap_err();
+            told(&error, error.hint())
+        }
+        "Settings of the arm: arm.toml" => {
+            let error = read(ARM, &[words]).expect_err(words);
+            told(&error, error.hint())
+        }
+        _ => {
+            let error = read(input, &[]).expect_err(input);
+            told(&error, error.hint())
+        }
+    });
+}
