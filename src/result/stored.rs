@@ -16,8 +16,7 @@ use crate::numeric::largest;
 pub enum StoredResult {
     /// The folder of one run of `solve` or `simulate`.
     Run(Box<StoredRun>),
-    /// The folders of one or more runs of an arm of several links, all of as many links: the first is what a page is
-    /// of, others stand beside it.
+    /// Runs of arms that have the same number of links. A page shows the first run, and compares the others with it.
     Arms(Vec<StoredArm>),
     /// The table of a sweep.
     Sweep(Box<StoredSweep>),

@@ -133,7 +133,7 @@ impl Simulate {
         Failure::new(exit, &format!("{place}{error}"), hint)
     }
 
-    /// Writes all tables and summary.json, and the state where it is asked for.
+    /// Writes all tables and summary.json. With --save-state it also writes the state at the end.
     fn write_arm(&self, inputs: &ArmInputs, run: &PlayedRun<'_>) -> Result<Summary, Failure> {
         let playing = &inputs.playing;
         let files = SimulateFiles {
