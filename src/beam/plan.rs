@@ -151,6 +151,11 @@ impl MeshPlan {
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
+
+    /// The smallest tolerance of several plans, those of an arm's links.
+    pub fn smallest_tolerance(plans: &[Self]) -> f64 {
+        plans.iter().map(Self::tolerance).fold(1.0, f64::min)
+    }
 }
 
 /// Elements of a total that remain for the open pieces.

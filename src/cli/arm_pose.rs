@@ -28,8 +28,7 @@ impl ArmInPose {
     }
 
     fn tolerance(&self) -> f64 {
-        let plans = self.specification.meshes.iter();
-        plans.map(MeshPlan::tolerance).fold(f64::INFINITY, f64::min)
+        MeshPlan::smallest_tolerance(&self.specification.meshes)
     }
 
     /// The swings and `count` modes more.

@@ -117,6 +117,13 @@ impl Arm {
         }
     }
 
+    /// Largest moment in N m that its weight may have about the first joint.
+    pub fn weight_moment_n_m(&self) -> f64 {
+        let [x, y] = self.gravity_m_s2();
+        let masses_kg: f64 = self.links().iter().map(|own| own.link.mass_kg()).sum();
+        masses_kg * self.length_m() * (x * x + y * y).sqrt()
+    }
+
     /// Length of the stretched arm in m.
     pub fn length_m(&self) -> f64 {
         self.parts.links.iter().map(|own| own.link.length_m()).sum()

@@ -54,7 +54,7 @@ pub fn move_arm(
         }
         Ok(Problem { chain, drives: &drives, grid, start: (q, rates) })
     };
-    settled(problem, grid.len, (tolerance, MOST_REFINEMENTS))
+    settled(problem, (tolerance, MOST_REFINEMENTS))
 }
 
 /// The same with the damping of its links, which must be proportional to stiffness.
@@ -63,14 +63,12 @@ fn rayleigh(arm: &Arm, chain: ArmChain) -> Result<ArmChain, SimulationError> {
         what: "the damping of a link is neither rayleigh with alpha = 0 nor none",
         known: "with these",
     };
-    let links = arm.links().iter().zip(&chain.links).map(|(own, link)| {
-        let beta_s = match own.link.damping() {
-            Damping::Rayleigh { alpha_per_s: 0.0, beta_s } => *beta_s,
-            Damping::None | Damping::Hysteretic { ratio: 0.0 } => 0.0,
-            _ => return Err(refused.clone()),
-        };
-        Ok(link.stiffness.iter().map(|entry| beta_s * entry).collect())
+    let betas_s = arm.links().iter().map(|own| match own.link.damping() {
+        Damping::Rayleigh { alpha_per_s: 0.0, beta_s } => Ok(*beta_s),
+        Damping::None | Damping::Hysteretic { ratio: 0.0 } => Ok(0.0),
+        _ => Err(refused.clone()),
     });
-    let links: Vec<Vec<f64>> = links.collect::<Result<_, _>>()?;
-    Ok(chain.damped(&links))
+    let betas_s: Vec<f64> = betas_s.collect::<Result<_, _>>()?;
+    let damping = chain.scaled_stiffness(&betas_s);
+    Ok(ArmChain { damping, ..chain })
 }

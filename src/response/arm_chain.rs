@@ -2,7 +2,7 @@
 //! at any pose and deflection.
 
 use super::arm_state::ArmState;
-use super::balance::{Balance, Met, Place};
+use super::balance::{Balance, Energies, Met, Place};
 use super::chain::Chain;
 use super::error::SimulationError;
 use super::shape::direction;
@@ -64,15 +64,14 @@ impl ArmChain {
         found
     }
 
-    /// Adds a multiple of a link's stiffness to a matrix of all coordinates.
-    pub(super) fn add_stiffness(&self, link: usize, factor: f64, into: &mut [f64]) {
-        let (own, first) = (&self.links[link], self.joints[link]);
-        for i in 0..own.count {
-            for j in 0..own.count {
-                let at = (first + i) * self.count + first + j;
-                into[at] += factor * own.stiffness[i * own.count + j];
-            }
-        }
+    /// The stiffness of each link times its factor.
+    pub(super) fn scaled_stiffness(&self, factors: &[f64]) -> Vec<f64> {
+        let links = self.links.iter().zip(factors);
+        let scaled = links.map(|(link, factor)| {
+            link.stiffness.iter().map(|entry| factor * entry).collect::<Vec<f64>>()
+        });
+        let scaled: Vec<_> = scaled.collect();
+        self.gathered(scaled.iter().map(Vec::as_slice))
     }
 
     /// The same with a damping matrix of each link.
@@ -133,19 +132,11 @@ impl ArmChain {
     pub(super) fn energies_j(&self, q: &[f64], rates: &[f64]) -> [f64; 2] {
         let rows = self.stiffness.chunks_exact(self.count).zip(q);
         let strain_j = 0.5 * rows.map(|(row, own)| own * dot(row, q)).sum::<f64>();
-        let (mut kinetic_j, mut potential_j) = (0.0, strain_j);
-        self.walk(q, rates, |place, met| match met {
-            Met::Mass(mass_kg) => {
-                kinetic_j += 0.5 * mass_kg * dot(&place.rate_m_s, &place.rate_m_s);
-                potential_j -= mass_kg * dot(&self.gravity_m_s2, &place.at_m);
-            }
-            Met::Inertia(inertia_kg_m2, turned) => {
-                let rate: f64 = turned.iter().map(|i| rates[*i]).sum();
-                kinetic_j += 0.5 * inertia_kg_m2 * rate * rate;
-            }
-            Met::End(_) => {}
+        let mut energies = Energies::of_strain(strain_j);
+        self.walk(q, rates, |place, met| {
+            energies.meet(place, met, (rates, self.gravity_m_s2));
         });
-        [kinetic_j, potential_j]
+        [energies.kinetic_j, energies.potential_j]
     }
 
     /// Power in W that damping and friction dissipate.

@@ -17,7 +17,7 @@ use crate::numeric::{Size, TimeGrid, dot};
 const LONGEST: usize = 1 << 20;
 
 /// What each refinement adds to every order.
-pub(super) const MORE_ORDERS: usize = 2;
+const MORE_ORDERS: usize = 2;
 
 /// Share of an arm's energy that is round-off.
 const ROUND_OFF: f64 = 1e-9;
@@ -84,7 +84,6 @@ pub(super) struct Problem<'a> {
 /// [`SimulationError`].
 pub(super) fn settled<'a>(
     problem: impl Fn(usize) -> Result<Problem<'a>, SimulationError>,
-    grid_len: usize,
     (tolerance, most_refinements): (f64, usize),
 ) -> Result<PlayedArm, SimulationError> {
     let played = |orders: usize, finer: usize| problem(orders * MORE_ORDERS)?.played(1 << finer);
@@ -106,9 +105,9 @@ pub(super) fn settled<'a>(
             |share: f64| both.iter().all(|(change, moved)| *change <= (share * moved).max(STILL));
         found.change = both.map(|(change, _)| change);
         found.is_unsettled = !is_within(UNSETTLED);
-        let is_settled = is_within(tolerance);
+        let is_last = is_within(tolerance) || (found.grid.len << finer) > LONGEST;
         coarse = Ok(found);
-        if is_settled || (grid_len << finer) > LONGEST {
+        if is_last {
             break;
         }
     }

@@ -191,10 +191,8 @@ pub fn simulate_arm(
         };
         Ok(Problem { chain, drives: &drives, grid: &grid, start })
     };
-    let mut found = settled(problem, grid.len, (play.tolerance, MOST_REFINEMENTS))?;
-    let [x, y] = arm.gravity_m_s2();
-    let masses_kg: f64 = arm.links().iter().map(|own| own.link.mass_kg()).sum();
-    let weight_n_m = masses_kg * arm.length_m() * (x * x + y * y).sqrt();
+    let mut found = settled(problem, (play.tolerance, MOST_REFINEMENTS))?;
+    let weight_n_m = arm.weight_moment_n_m();
     for torque_n_m in &mut found.holding_n_m {
         *torque_n_m = without_noise(*torque_n_m, weight_n_m);
     }

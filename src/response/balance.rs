@@ -52,6 +52,40 @@ pub(super) enum Met<'a> {
     End(&'a [usize]),
 }
 
+/// Kinetic energy, and that of strain and weight, in J.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Energies {
+    pub(super) kinetic_j: f64,
+    pub(super) potential_j: f64,
+}
+
+impl Energies {
+    /// Those of a link, or an arm, with this energy of strain, before its masses are met.
+    pub(super) fn of_strain(strain_j: f64) -> Self {
+        Self { kinetic_j: 0.0, potential_j: strain_j }
+    }
+
+    /// Adds a mass, or a rotary inertia, at its place.
+    pub(super) fn meet(
+        &mut self,
+        place: &Place,
+        met: &Met<'_>,
+        (rates, gravity_m_s2): (&[f64], [f64; 2]),
+    ) {
+        match met {
+            Met::Mass(mass_kg) => {
+                self.kinetic_j += 0.5 * mass_kg * dot(&place.rate_m_s, &place.rate_m_s);
+                self.potential_j -= mass_kg * dot(&gravity_m_s2, &place.at_m);
+            }
+            Met::Inertia(inertia_kg_m2, turned) => {
+                let rate: f64 = turned.iter().map(|i| rates[*i]).sum();
+                self.kinetic_j += 0.5 * inertia_kg_m2 * rate * rate;
+            }
+            Met::End(_) => {}
+        }
+    }
+}
+
 /// Equations `M a = f` at one instant: the mass matrix row by row, and all forces but the motor's.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Balance {

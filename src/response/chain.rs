@@ -8,7 +8,7 @@
 //! r(s) = ∫ (cos θ, sin θ) ds,   θ = φ + ψ,   M = Σ m ∂r/∂qᵀ ∂r/∂q,   V = ½ ∫ EI ψ'² ds − Σ m g·r
 //! ```
 
-use super::balance::{Balance, Met, Place};
+use super::balance::{Balance, Energies, Met, Place};
 use crate::link::{Link, POSITION_TOLERANCE, Payload, Taper};
 use crate::numeric::{GaussRule, dot, piece_shapes};
 
@@ -229,19 +229,11 @@ impl Chain {
     pub(super) fn energies_j(&self, q: &[f64], rates: &[f64]) -> [f64; 2] {
         let rows = self.stiffness.chunks_exact(self.count).zip(q);
         let strain: f64 = rows.map(|(row, own)| 0.5 * own * dot(row, q)).sum();
-        let (mut kinetic_j, mut potential_j) = (0.0, strain);
-        self.walk(q, rates, |place, met| match met {
-            Met::Mass(mass_kg) => {
-                kinetic_j += 0.5 * mass_kg * dot(&place.rate_m_s, &place.rate_m_s);
-                potential_j -= mass_kg * dot(&self.gravity_m_s2, &place.at_m);
-            }
-            Met::Inertia(inertia_kg_m2, turned) => {
-                let rate: f64 = turned.iter().map(|i| rates[*i]).sum();
-                kinetic_j += 0.5 * inertia_kg_m2 * rate * rate;
-            }
-            Met::End(_) => {}
+        let mut energies = Energies::of_strain(strain);
+        self.walk(q, rates, |place, met| {
+            energies.meet(place, &met, (rates, self.gravity_m_s2));
         });
-        [kinetic_j, potential_j]
+        [energies.kinetic_j, energies.potential_j]
     }
 
     /// Power in W that damping of the link dissipates.

@@ -143,26 +143,22 @@ impl ArmPose {
         if count > MOST_COORDINATES {
             return Err(PoseError::TooMany { count, most: MOST_COORDINATES });
         }
-        let (mut damping, mut loss) = (vec![0.0; count * count], vec![0.0; count * count]);
+        let (mut betas_s, mut losses) = (vec![0.0; links], vec![0.0; links]);
         for (link, own) in arm.links().iter().enumerate() {
             if own.link.segments().iter().any(|segment| segment.timoshenko.is_some()) {
                 return Err(PoseError::Shear { link });
             }
             match own.link.damping() {
                 Damping::None => {}
-                Damping::Hysteretic { ratio } => chain.add_stiffness(link, 2.0 * ratio, &mut loss),
-                Damping::Rayleigh { alpha_per_s: 0.0, beta_s } => {
-                    chain.add_stiffness(link, *beta_s, &mut damping);
-                }
+                Damping::Hysteretic { ratio } => losses[link] = 2.0 * ratio,
+                Damping::Rayleigh { alpha_per_s: 0.0, beta_s } => betas_s[link] = *beta_s,
                 other => return Err(PoseError::Damping { link, law: other.name() }),
             }
         }
+        let [damping, loss] = [betas_s, losses].map(|factors| chain.scaled_stiffness(&factors));
         let start = ArmStart::Chords(directions_rad);
         let q = at_rest(arm, &chain, start).ok_or(PoseError::NoShape)?;
-        let [x, y] = arm.gravity_m_s2();
-        let masses_kg = arm.links().iter().map(|own| own.link.mass_kg()).sum::<f64>();
-        let length_m = arm.length_m();
-        let weight_n_m = masses_kg * length_m * (x * x + y * y).sqrt();
+        let (length_m, weight_n_m) = (arm.length_m(), arm.weight_moment_n_m());
         let rest = vec![0.0; count];
         let mut balance = Balance::default();
         chain.balance(&q, &rest, &mut balance);

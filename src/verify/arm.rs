@@ -47,7 +47,7 @@ pub fn verify_arm(answer: &ArmAnswer<'_>) -> Verification {
     let analysis = &solution.analysis;
     let mut checks = moved(answer);
     let is_automatic = plans.iter().any(MeshPlan::is_automatic);
-    let tolerance = plans.iter().map(MeshPlan::tolerance).fold(1.0, f64::min);
+    let tolerance = MeshPlan::smallest_tolerance(plans);
     let mesh = if is_automatic { tolerance } else { Kind::CHOSEN_MESH };
     checks.push(worst(&Kind::MESH, solution, |own| Some(own.mesh), mesh));
     checks.push(worst(&Kind::WINDOW, solution, |own| Some(own.window), analysis.tolerance()));

@@ -66,7 +66,7 @@ impl Simulate {
 
     fn compute_arm<'a>(&self, inputs: &'a ArmInputs) -> Result<Played<'a>, Failure> {
         let ArmSpecification { arm, meshes, .. } = &*inputs.specification;
-        let tolerance = meshes.iter().map(MeshPlan::tolerance).fold(1.0, f64::min);
+        let tolerance = MeshPlan::smallest_tolerance(meshes);
         let play = inputs.playing.play(self.play.until, tolerance);
         let simulated = simulate_arm(arm, meshes, &play);
         let (motion, warnings) = simulated.map_err(|error| self.arm_refused(&error, inputs))?;

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use clap::{Args, ValueEnum};
 
-use crate::options::common::quantity;
+use crate::options::common::{angle_rad, quantity};
 use crate::terminal::{Exit, Failure, console};
 use flexlink::csv::{TableFormat, read_path_table};
 use flexlink::inverse::check_reach;
@@ -50,12 +50,12 @@ pub(super) struct PathArgs {
     center: Option<Place>,
 
     /// Angle of an arc in rad or with its unit, counterclockwise, clockwise below 0; it may exceed a turn.
-    #[arg(long, help_heading = PATHS, value_name = "ANGLE", value_parser = angle, allow_hyphen_values = true)]
+    #[arg(long, help_heading = PATHS, value_name = "ANGLE", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(requires = "path", required_if_eq("path", "arc"))]
     angle: Option<f64>,
 
     /// Constant directions of the links from the third on, in rad or with units: '30 deg' or '30 deg,-1'.
-    #[arg(long, help_heading = PATHS, value_name = "ANGLES", value_parser = angle, allow_hyphen_values = true)]
+    #[arg(long, help_heading = PATHS, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(value_delimiter = ',', requires = "path")]
     angles: Vec<f64>,
 }
@@ -80,10 +80,6 @@ fn place(text: &str) -> Result<Place, String> {
 
 fn length(text: &str) -> Result<f64, String> {
     quantity(text, Dimension::LENGTH)
-}
-
-fn angle(text: &str) -> Result<f64, String> {
-    quantity(text, Dimension::NONE)
 }
 
 impl PathArgs {

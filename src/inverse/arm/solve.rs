@@ -183,7 +183,7 @@ impl Solver<'_> {
         let problem = &self.problem;
         let (arm, len) = (problem.arm, problem.shortest_len()?);
         let is_automatic = self.plans.iter().any(MeshPlan::is_automatic);
-        let tolerance = self.plans.iter().map(MeshPlan::tolerance).fold(1.0, f64::min);
+        let tolerance = MeshPlan::smallest_tolerance(self.plans);
         let mut probes: Vec<Vec<usize>> = coarsest
             .iter()
             .zip(self.plans)
