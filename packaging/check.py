@@ -9,6 +9,7 @@ that is.
 """
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -53,7 +54,8 @@ def holds(folder, program):
         if os.name == "posix" and path.is_file() and mode != wanted:
             sys.exit(f"{name} has mode {mode:o}, but must have {wanted:o}")
     listed = run(program, "--help").stdout.split("Commands:\n")[1].split("\n\n")[0]
-    for command in (line.split()[0] for line in listed.splitlines()):
+    # Two spaces before a command; more before a line that goes on.
+    for command in re.findall(r"^  (\S+)", listed, re.MULTILINE):
         if command != "help" and f"man/man1/flexlink-{command}.1" not in files:
             sys.exit(f"flexlink {command} has no manual page in the archive")
 

@@ -48,8 +48,7 @@ impl ArmAndPath {
         (arm_file, specification): (&InputFile, Box<ArmSpecification>),
         table: PathTable,
     ) -> Result<Self, Failure> {
-        let links = specification.arm.links().iter();
-        let path = table.path(&links.map(|own| own.link.length_m()).collect::<Vec<_>>())?;
+        let path = table.path(&specification.arm.lengths_m())?;
         Ok(Self { name: arm_file.shown.clone(), specification, table, path })
     }
 

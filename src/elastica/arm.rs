@@ -219,7 +219,7 @@ impl Follower<'_> {
             let found = on_chord.linear().map_err(|error| error.of_link(link))?;
             let (pair, chord) = (&self.arm.pair, &state.chords[link].histories);
             let (torque_n_m, _) = on_chord.hub(&found, SecondOrder::None, pair, chord);
-            let [along, across, _] = on_chord.ends(&found, SecondOrder::None, pair, chord);
+            let [along, across] = on_chord.linear_ends(&found);
             state.hand_inward(link, (&along, &across), &torque_n_m);
             answers.insert(0, found);
             torques_n_m.insert(0, torque_n_m);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::chord::{ChordHistories, ChordPeriod, resolved};
 use super::error::{ElasticaError, STEEPEST};
 use super::loads::{BentLink, SecondOrder};
-use super::reaction::{ElasticaMotion, band};
+use super::reaction::{ElasticaMotion, Straight, band};
 use super::sag::Sag;
 use crate::beam::{LoadedMotion, Loads};
 use crate::modal::DampingLaw;
@@ -171,6 +171,35 @@ impl LinkOnChord<'_> {
             *torque += friction * (chord.rate_rad_s[k] + hub_rate);
         }
         (torque_n_m, hub_slope_rad)
+    }
+
+    /// Force on the root along the chord and across it in N, without second order, at the chord's own samples.
+    ///
+    /// ```text
+    /// F_e = m a·e − S θ̇² − P_e,   F_n = m a·n + S θ̈ + Σ m ẅ − P_n,   S = Σ m s
+    /// ```
+    ///
+    /// P is the force on the tip.
+    pub(super) fn linear_ends(&self, answers: &[LoadedMotion<Complex64>]) -> [Vec<f64>; 2] {
+        let Straight { mass_kg, moment_kg_m, across_kg } =
+            BentLink::of(self.model, SecondOrder::None).straight();
+        let (chord, tip) = (&self.chord.histories, self.chord.tip.as_ref());
+        let along = (0..self.chord.len()).map(|k| {
+            let rate = chord.rate_rad_s[k];
+            let on_tip = chord.tip.as_ref().map_or(0.0, |tip| tip.along_n[k]);
+            mass_kg * chord.along_m_s2[k] - moment_kg_m * rate * rate - on_tip
+        });
+        let across = answers.iter().enumerate().map(|(bin, answer)| {
+            let nodes = answer.deflections.iter().zip(&across_kg);
+            let bent: Complex64 =
+                nodes.map(|(node, kg)| node[0] * kg[0] + node[1] * kg[1]).sum();
+            let omega = self.chord.omega_rad_s(bin);
+            let moved = mass_kg * self.chord.across[bin] + moment_kg_m * self.chord.turning[bin];
+            let on_tip = tip.map_or(Complex64::ZERO, |tip| tip.across_n[bin]);
+            moved - omega * omega * bent - on_tip
+        });
+        let across: Vec<_> = across.collect();
+        [along.collect(), self.chord.pair.samples(across)]
     }
 
     /// Force on the root along the chord and across it in N, and how much shorter the chord is than the link in m, at

@@ -98,6 +98,15 @@ impl Reaction {
     }
 }
 
+/// What the force on the root of a straight link is made of.
+pub(super) struct Straight {
+    pub(super) mass_kg: f64,
+    /// Mass times distance from the axis.
+    pub(super) moment_kg_m: f64,
+    /// Force across the chord per acceleration of w and w' of nodes 0 … n, in kg and kg m.
+    pub(super) across_kg: Vec<[f64; 2]>,
+}
+
 impl BentLink {
     /// Writes the shortening x − s in m of nodes 0 … n, and the bending moment in N m there, which the part towards
     /// the hub exerts on the part towards the tip, into pairs of `shape`; returns the largest slope.
@@ -166,6 +175,29 @@ impl BentLink {
         let shortened = scratch.shortened[scratch.shortened.len() - 1];
         ends.copy_from_slice(&[force[0], force[1], -shortened]);
         largest
+    }
+
+    /// What the force on the root of a straight link is made of.
+    pub(super) fn straight(&self) -> Straight {
+        let across_kg = vec![[0.0; 2]; self.nodes_m.len()];
+        let mut straight = Straight { mass_kg: 0.0, moment_kg_m: 0.0, across_kg };
+        for (element, points) in self.points.elements.iter().enumerate() {
+            for point in points {
+                let mass_kg = point.mass_kg_m * point.weight_m;
+                straight.mass_kg += mass_kg;
+                straight.moment_kg_m += mass_kg * point.s_m;
+                for (dof, shape) in point.shape.iter().enumerate() {
+                    straight.across_kg[element + dof / 2][dof % 2] += mass_kg * shape;
+                }
+            }
+        }
+        for body in &self.bodies {
+            straight.mass_kg += body.mass_kg;
+            straight.moment_kg_m += body.mass_kg * (self.nodes_m[body.node] + body.arm_m);
+            straight.across_kg[body.node][0] += body.mass_kg;
+            straight.across_kg[body.node][1] += body.mass_kg * body.arm_m;
+        }
+        straight
     }
 
     /// Acceleration of a mass along the chord and across it; without second order that of a straight link along it.

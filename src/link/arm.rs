@@ -124,6 +124,11 @@ impl Arm {
         masses_kg * self.length_m() * (x * x + y * y).sqrt()
     }
 
+    /// Length of each link in m.
+    pub fn lengths_m(&self) -> Vec<f64> {
+        self.parts.links.iter().map(|own| own.link.length_m()).collect()
+    }
+
     /// Length of the stretched arm in m.
     pub fn length_m(&self) -> f64 {
         self.parts.links.iter().map(|own| own.link.length_m()).sum()

@@ -207,8 +207,8 @@ impl<'a> Shown<'a> {
         self.figure("tip".to_owned(), "Place of the tip", caption, ("place", "m"), curves)
     }
 
-    /// How far the tips of the other runs are from the place that the path of one wants. That of the run itself is
-    /// there by construction.
+    /// How far the tips of the other runs are from the place that the path of one run wants. The tip of that run is not
+    /// drawn: its error is among the errors of the run.
     fn strays(&self) -> Option<Figure> {
         let rigid = self.rigid()?;
         let wanted = rigid_tip_m(rigid)?;

@@ -128,15 +128,15 @@ impl ArmChain {
         into.end();
     }
 
-    /// Kinetic energy, and that of strain and weight, in J.
-    pub(super) fn energies_j(&self, q: &[f64], rates: &[f64]) -> [f64; 2] {
+    /// The outer end of each link; kinetic energy, and that of strain and weight.
+    pub(super) fn ends_and_energies(&self, q: &[f64], rates: &[f64]) -> (Vec<Place>, Energies) {
         let rows = self.stiffness.chunks_exact(self.count).zip(q);
         let strain_j = 0.5 * rows.map(|(row, own)| own * dot(row, q)).sum::<f64>();
         let mut energies = Energies::of_strain(strain_j);
-        self.walk(q, rates, |place, met| {
+        let ends = self.walk(q, rates, |place, met| {
             energies.meet(place, met, (rates, self.gravity_m_s2));
         });
-        [energies.kinetic_j, energies.potential_j]
+        (ends, energies)
     }
 
     /// Power in W that damping and friction dissipate.
@@ -147,9 +147,8 @@ impl ArmChain {
         damped + joints.map(|(joint, b)| b * rates[*joint] * rates[*joint]).sum::<f64>()
     }
 
-    /// Direction of each link's chord in rad, within half a turn of its root's.
-    pub(super) fn chords_rad(&self, q: &[f64]) -> Vec<f64> {
-        let ends = self.walk(q, &vec![0.0; self.count], |_, _| {});
+    /// Direction of each link's chord in rad, within half a turn of its root's, from the ends of the links.
+    pub(super) fn chords_rad(&self, q: &[f64], ends: &[Place]) -> Vec<f64> {
         let mut from_m = [0.0; 2];
         let chord = |(end, own): (&Place, Vec<f64>)| {
             let along = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);

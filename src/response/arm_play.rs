@@ -300,20 +300,19 @@ impl PlayedArm {
             let row = [q[*joint], rates[*joint], accelerations[*joint]];
             self.joints[number].iter_mut().zip(row).for_each(|(column, own)| column.push(own));
         }
-        for (column, own) in self.chords_rad.iter_mut().zip(chain.chords_rad(q)) {
+        let (ends, energies) = chain.ends_and_energies(q, rates);
+        for (column, own) in self.chords_rad.iter_mut().zip(chain.chords_rad(q, &ends)) {
             column.push(own);
         }
         let fixed = Place::fixed(q.len());
-        let ends = chain.walk(q, rates, |_, _| {});
         let tip = ends.last().unwrap_or(&fixed);
         let moving = tip.acceleration_m_s2(accelerations);
         for (axis, columns) in self.tip.iter_mut().enumerate() {
             let row = [tip.at_m[axis], tip.rate_m_s[axis], moving[axis]];
             columns.iter_mut().zip(row).for_each(|(column, own)| column.push(own));
         }
-        let [kinetic_j, potential_j] = chain.energies_j(q, rates);
-        self.kinetic_j.push(kinetic_j);
-        self.energy_j.push(kinetic_j + potential_j);
+        self.kinetic_j.push(energies.kinetic_j);
+        self.energy_j.push(energies.kinetic_j + energies.potential_j);
         self.record.push(q, rates);
     }
 

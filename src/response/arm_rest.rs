@@ -81,7 +81,7 @@ fn against_each_other(chords_rad: &[f64]) -> Vec<f64> {
 
 /// Directions of two links that do not bend and reach a place.
 fn reached(arm: &Arm, at_m: [f64; 2]) -> Option<Vec<f64>> {
-    let lengths_m: Vec<f64> = arm.links().iter().map(|own| own.link.length_m()).collect();
+    let lengths_m = arm.lengths_m();
     if lengths_m.len() != 2 {
         return None;
     }

@@ -244,9 +244,7 @@ impl Trials for ArmFitProblem<'_> {
     fn tried(&self, steps: usize) -> Result<Option<Fit<ArmSolution>>, FitError> {
         let places = self.curve.sampled(self.profile, steps, [0, 0])?;
         let columns = PathColumns::of_tip(self.step_s, &places, self.outer_rad);
-        let links = self.arm.links().iter();
-        let lengths_m: Vec<f64> = links.map(|own| own.link.length_m()).collect();
-        let path = ArmPath::new(columns, &lengths_m)?;
+        let path = ArmPath::new(columns, &self.arm.lengths_m())?;
         let resources = Resources { memory_bytes: self.memory_bytes, ..Resources::default() };
         let solution = invert_arm(self.arm, self.plans, &path, self.analysis, &resources)?;
         for (joint, (own, limits)) in solution.joints.iter().zip(self.limits).enumerate() {

@@ -31,9 +31,8 @@ fn arm(links: usize) -> ArmSpecification {
 /// Why an arm of so many links does not follow a path.
 fn refusal_of_path(links: usize, text: &str) -> String {
     let ArmSpecification { arm, meshes, analysis, .. } = arm(links);
-    let lengths: Vec<f64> = arm.links().iter().map(|own| own.link.length_m()).collect();
     let table = read_path_table("path.csv", text.as_bytes(), &TableFormat::default());
-    let path = table.and_then(|table| Ok((table.path(&lengths)?, table)));
+    let path = table.and_then(|table| Ok((table.path(&arm.lengths_m())?, table)));
     let refused = path.and_then(|(path, table)| {
         let solved = invert_arm(&arm, &meshes, &path, &analysis, &Resources::default());
         let error = solved.err().unwrap();

@@ -32,7 +32,7 @@ Example:
 
 One of the files may be `-`, standard input.";
 
-/// Play a torque, or a motion of the hub, on a link, or torques on an arm: direct dynamics.
+/// Play a torque or a motion of the hub on a link, or torques on an arm.
 ///
 /// Writes torque.csv (the motor's torque, feedback included), tip.csv, hub_angle.csv,
 /// nodal_displacements.csv, nodes.csv and summary.json into a folder, all or none of them, and prints a

@@ -42,8 +42,7 @@ impl First {
             Described::Arm(found) => {
                 let path = read_path_table(&file.shown, &file.bytes, &read.format())?;
                 let ArmSpecification { arm, .. } = *found;
-                let links = arm.links().iter();
-                path.path(&links.map(|own| own.link.length_m()).collect::<Vec<_>>())?;
+                path.path(&arm.lengths_m())?;
                 let reading = path.reading().clone();
                 Ok((Self::Arm { arm, path: Box::new(path) }, reading))
             }

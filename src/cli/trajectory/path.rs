@@ -147,9 +147,7 @@ pub(super) fn reached(written: &[u8], arm: &ArmSpecification) -> Result<usize, F
         });
         Failure::new(Exit::InputRefused, &format!("--path: {place}{error}"), hint)
     };
-    let links = arm.arm.links().iter();
-    let lengths_m: Vec<f64> = links.map(|own| own.link.length_m()).collect();
-    let path = ArmPath::new(columns.clone(), &lengths_m)
+    let path = ArmPath::new(columns.clone(), &arm.arm.lengths_m())
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;
     let warning = check_reach(&arm.arm, &path)
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;

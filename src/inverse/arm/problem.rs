@@ -74,10 +74,6 @@ impl<'a> ArmProblem<'a> {
         self.resources
     }
 
-    fn lengths_m(&self) -> Vec<f64> {
-        self.arm.links().iter().map(|own| own.link.length_m()).collect()
-    }
-
     /// Refuses directions that contradict the tip's places.
     fn refuse_beside(&self) -> Result<(), ArmError> {
         if self.path.beside().is_empty() {
@@ -123,7 +119,7 @@ impl<'a> ArmProblem<'a> {
         let [x, y] = [&in_time[0], &in_time[1]];
         let tip: Vec<[[f64; 2]; 3]> =
             (0..len).map(|k| [0, 1, 2].map(|part: usize| [x[part][k], y[part][k]])).collect();
-        let mut chords = reaching(&tip, &self.lengths_m(), &in_time[2..], self.is_left)?;
+        let mut chords = reaching(&tip, &self.arm.lengths_m(), &in_time[2..], self.is_left)?;
         if let [first, second, third, ..] = &mut chords[..] {
             // The whole turns of the given links count.
             let turns = ((third[0][0] - second[0][0]) / TAU).round();

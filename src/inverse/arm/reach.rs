@@ -23,7 +23,7 @@ pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<ArmWarning>, ArmE
     if arm.elbow().is_none() {
         return Err(ArmError::NoElbow);
     }
-    let lengths_m: Vec<f64> = arm.links().iter().map(|own| own.link.length_m()).collect();
+    let lengths_m = arm.lengths_m();
     let [l1, l2] = [lengths_m[0], lengths_m[1]];
     let (least_m, most_m) = ((l1 - l2).abs(), l1 + l2);
     let mut least = (0, 1.0);

@@ -50,8 +50,7 @@ pub(super) fn line(arm: &Arm, duration_s: f64) -> ArmPath {
 }
 
 pub(super) fn path(arm: &Arm, columns: PathColumns) -> ArmPath {
-    let lengths: Vec<f64> = arm.links().iter().map(|own| own.link.length_m()).collect();
-    ArmPath::new(columns, &lengths).expect("a path")
+    ArmPath::new(columns, &arm.lengths_m()).expect("a path")
 }
 
 pub(super) fn solved(
