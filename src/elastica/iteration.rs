@@ -53,7 +53,8 @@ impl Followed {
     ) -> impl Iterator<Item = (ElasticaMotion, f64)> + 'a {
         let link = LinkOnChord::of(model, chord);
         let others = self.others.iter();
-        others.map(move |(answers, factor)| (link.motion(answers, self.second_order), *factor))
+        others
+            .map(move |(answers, factor)| (link.motion(answers, self.second_order, None), *factor))
     }
 }
 
@@ -78,7 +79,7 @@ pub fn follow(
     let link = LinkOnChord { sag, ..LinkOnChord::of(model, chord) };
     let linear = link.linear()?;
     if second_order == SecondOrder::None {
-        let (motion, iteration) = (link.motion(&linear, second_order), Iteration::default());
+        let (motion, iteration) = (link.motion(&linear, second_order, None), Iteration::default());
         return Ok(Followed { motion, iteration, second_order, answers: linear, others: vec![] });
     }
     over_widest_band(
@@ -240,7 +241,7 @@ impl LinkOnChord<'_> {
             let contraction = (iterations > 1).then_some(factor);
             let iteration_error = contraction.map_or(change, |factor| further(change, factor));
             if iterations > 1 && iteration_error <= tolerance {
-                let motion = self.motion(&answers, second_order);
+                let motion = self.motion(&answers, second_order, None);
                 let others = vec![(previous, further(1.0, factor))];
                 let without =
                     self.hub(linear, SecondOrder::None, &self.chord.pair, &self.chord.histories).0;

@@ -160,8 +160,9 @@ impl ArmPeriod {
             // Where the first two lead: as in the rigid arm, and what the others are shorter by.
             let mut end = [[0.0; 2]; 3];
             for (link, own) in bars.iter().enumerate() {
-                let rigid = bar(link, rigid_m).vector();
-                let own = if link < 2 { [[0.0; 2]; 3] } else { own.vector() };
+                let (rigid, axes) = (bar(link, rigid_m), own.axes());
+                let rigid = rigid.vector(axes);
+                let own = if link < 2 { [[0.0; 2]; 3] } else { own.vector(axes) };
                 for (end, (rigid, own)) in end.iter_mut().zip(rigid.iter().zip(&own)) {
                     *end = [end[0] + rigid[0] - own[0], end[1] + rigid[1] - own[1]];
                 }
@@ -194,13 +195,13 @@ impl Bar {
         axes(self.angle_rad[0])
     }
 
-    /// From its inner end to its outer end: place, velocity and acceleration.
+    /// From its inner end to its outer end: place, velocity and acceleration; `axes` are its own.
     ///
     /// ```text
     /// r = ℓ e,   ṙ = ℓ̇ e + ℓ θ̇ n,   r̈ = (ℓ̈ − ℓ θ̇²) e + (2 ℓ̇ θ̇ + ℓ θ̈) n
     /// ```
-    pub(super) fn vector(&self) -> [[f64; 2]; 3] {
-        let ([along, across], [l, l1, l2]) = (self.axes(), self.length_m);
+    pub(super) fn vector(&self, [along, across]: [[f64; 2]; 2]) -> [[f64; 2]; 3] {
+        let [l, l1, l2] = self.length_m;
         let [_, rate, acceleration] = self.angle_rad;
         let parts =
             [[l, 0.0], [l1, l * rate], [l2 - l * rate * rate, 2.0 * l1 * rate + l * acceleration]];
@@ -227,11 +228,12 @@ fn reach(end: &[[f64; 2]; 3], mut bars: [Bar; 2], side: f64) -> Option<[Bar; 2]>
     for (bar, angle) in bars.iter_mut().zip(angles) {
         bar.angle_rad = [angle, 0.0, 0.0];
     }
+    let axes = bars.map(|bar| bar.axes());
+    let [n1, n2] = axes.map(|[_, across]| across);
     // Σ ℓ θ̇ n is what is left of the velocity with all rates zero; the same of the acceleration with these rates.
     for (order, wanted) in [(1, velocity), (2, acceleration)] {
-        let without = bars.map(|bar| bar.vector()[order]);
+        let without = [0, 1].map(|link: usize| bars[link].vector(axes[link])[order]);
         let left = [0, 1].map(|axis| wanted[axis] - without[0][axis] - without[1][axis]);
-        let [n1, n2] = bars.map(|bar| bar.axes()[1]);
         let determinant = n1[0] * n2[1] - n1[1] * n2[0];
         bars[0].angle_rad[order] = (left[0] * n2[1] - left[1] * n2[0]) / (determinant * l1);
         bars[1].angle_rad[order] = (n1[0] * left[1] - n1[1] * left[0]) / (determinant * l2);
@@ -262,7 +264,8 @@ pub fn reaching(
     for (sample, end) in tip.iter().enumerate() {
         let mut end = *end;
         for (chord, length_m) in outer.iter().zip(&lengths_m[2..]) {
-            let further = bar(*length_m, [0, 1, 2].map(|part| chord[part][sample])).vector();
+            let further = bar(*length_m, [0, 1, 2].map(|part| chord[part][sample]));
+            let further = further.vector(further.axes());
             for (end, further) in end.iter_mut().zip(further) {
                 *end = [end[0] - further[0], end[1] - further[1]];
             }

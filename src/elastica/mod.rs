@@ -72,6 +72,7 @@
 //! ```
 
 mod arm;
+mod arm_links;
 mod chord;
 mod error;
 mod iteration;
@@ -83,6 +84,7 @@ mod reaction;
 mod sag;
 
 pub use arm::follow_arm;
+pub(crate) use arm::{estimate_arm, follow_arm_at};
 pub use chord::{ChordPeriod, returning};
 pub use error::ElasticaError;
 pub use iteration::{Followed, follow};

@@ -101,18 +101,26 @@ impl LinkOnChord<'_> {
         pair: &FourierPair,
     ) -> Vec<Vec<f64>> {
         let width = 2 * self.model.mesh().nodes_m().len();
-        let omega = |bin: usize| Complex64::new(0.0, self.chord.omega_rad_s(bin));
         (0..orders * width)
             .into_par_iter()
-            .map(|column| {
-                let (order, dof) = (column / width, column % width);
-                let amplitudes = answers.iter().enumerate().map(|(bin, answer)| {
-                    let amplitude = answer.deflections[dof / 2][dof % 2];
-                    (0..order).fold(amplitude, |derived, _| derived * omega(bin))
-                });
-                pair.samples(amplitudes.collect::<Vec<_>>())
-            })
+            .map(|column| self.history(answers, column % width, column / width, pair))
             .collect()
+    }
+
+    /// History of w or w' of a node, or of a derivative of it.
+    fn history(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        dof: usize,
+        order: usize,
+        pair: &FourierPair,
+    ) -> Vec<f64> {
+        let omega = |bin: usize| Complex64::new(0.0, self.chord.omega_rad_s(bin));
+        let amplitudes = answers.iter().enumerate().map(|(bin, answer)| {
+            let amplitude = answer.deflections[dof / 2][dof % 2];
+            (0..order).fold(amplitude, |derived, _| derived * omega(bin))
+        });
+        pair.samples(amplitudes.collect::<Vec<_>>())
     }
 
     /// The linear answers, with those to loads where these have no alias.
@@ -191,8 +199,7 @@ impl LinkOnChord<'_> {
         });
         let across = answers.iter().enumerate().map(|(bin, answer)| {
             let nodes = answer.deflections.iter().zip(&across_kg);
-            let bent: Complex64 =
-                nodes.map(|(node, kg)| node[0] * kg[0] + node[1] * kg[1]).sum();
+            let bent: Complex64 = nodes.map(|(node, kg)| node[0] * kg[0] + node[1] * kg[1]).sum();
             let omega = self.chord.omega_rad_s(bin);
             let moved = mass_kg * self.chord.across[bin] + moment_kg_m * self.chord.turning[bin];
             let on_tip = tip.map_or(Complex64::ZERO, |tip| tip.across_n[bin]);
@@ -218,17 +225,26 @@ impl LinkOnChord<'_> {
         ends.try_into().unwrap_or_else(|_| unreachable!("three columns are asked for"))
     }
 
-    /// The histories of these answers over the chord's own samples.
+    /// The histories of these answers over the chord's own samples; with `nodes`, those of others are empty, but for the
+    /// tip's slope.
     pub(super) fn motion(
         &self,
         answers: &[LoadedMotion<Complex64>],
         second_order: SecondOrder,
+        nodes: Option<&[usize]>,
     ) -> ElasticaMotion {
         let pair = &self.chord.pair;
         let (torque_n_m, hub_slope_rad) =
             self.hub(answers, second_order, pair, &self.chord.histories);
-        let deflections = self.histories(answers, 1, pair);
-        let ([shortenings_m, moments_n_m], largest_slope) = self.shapes(answers, second_order);
+        let is_wanted = |node: usize| nodes.is_none_or(|nodes| nodes.contains(&node));
+        let width = 2 * self.model.mesh().nodes_m().len();
+        let deflections = (0..width).into_par_iter().map(|dof| {
+            let is_wanted = dof == width - 1 || is_wanted(dof / 2);
+            if is_wanted { self.history(answers, dof, 0, pair) } else { Vec::new() }
+        });
+        let deflections = deflections.collect();
+        let ([shortenings_m, moments_n_m], largest_slope) =
+            self.shapes(answers, second_order, is_wanted);
         ElasticaMotion {
             torque_n_m,
             hub_slope_rad,
@@ -239,12 +255,13 @@ impl LinkOnChord<'_> {
         }
     }
 
-    /// Shortening and bending moment of each node in turn, and the largest slope: at as many samples as products of
-    /// what bends need, then at the chord's own.
+    /// Shortening and bending moment of each node in turn, empty where they are not wanted, and the largest slope: at as
+    /// many samples as products of what bends need, then at the chord's own.
     pub(super) fn shapes(
         &self,
         answers: &[LoadedMotion<Complex64>],
         second_order: SecondOrder,
+        is_wanted: impl Fn(usize) -> bool + Sync,
     ) -> ([Vec<Vec<f64>>; 2], f64) {
         let (link, band) = (
             BentLink::of(self.model, second_order),
@@ -256,11 +273,12 @@ impl LinkOnChord<'_> {
         let columns = 2 * self.model.mesh().nodes_m().len();
         let (shapes, largest_slope) = link
             .at_each_instant(columns, states, |now, scratch, row| link.shape(now, scratch, row));
-        let all = |few: Vec<f64>| match pair.len() {
+        let all = |(column, few): (usize, Vec<f64>)| match pair.len() {
+            _ if !is_wanted(column / 2) => Vec::new(),
             len if len == self.chord.len() => few,
             _ => self.chord.pair.samples(pair.amplitudes(few)),
         };
-        let nodes = shapes.into_par_iter().map(all).collect::<Vec<_>>();
+        let nodes = shapes.into_par_iter().enumerate().map(all).collect::<Vec<_>>();
         let mut parts = [Vec::new(), Vec::new()];
         nodes.into_iter().enumerate().for_each(|(k, history)| parts[k % 2].push(history));
         (parts, largest_slope)

@@ -4,25 +4,31 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use crate::elastica::{AngleHistories, ArmMotion};
+use crate::elastica::{AngleHistories, ArmMotion, ArmPeriod};
 use crate::inverse::MotorHistories;
 use crate::inverse::curves::Curves;
 use crate::inverse::rest::Rest;
 use crate::link::{Arm, Drive};
 use crate::motion::TipPeriod;
 
-/// The answer over one period.
-pub(super) struct ArmAnswer {
-    pub(super) motion: ArmMotion,
+/// The path over one period, and the chords that follow it.
+pub(super) struct PathPeriod {
+    pub(super) arm: ArmPeriod,
     pub(super) rest: Rest,
     /// Samples at rest before the motion and after it.
     pub(super) rests: [usize; 2],
     /// Chords of the rigid arm, which do not return.
     pub(super) rigid: Vec<AngleHistories>,
     /// The period of the coordinate with the highest cut-off.
-    pub(super) period: Arc<TipPeriod>,
+    pub(super) tip: Arc<TipPeriod>,
     /// How far each coordinate of the path is off at most, in m.
     pub(super) errors_m: Vec<f64>,
+}
+
+/// The answer over one period.
+pub(super) struct ArmAnswer {
+    pub(super) motion: ArmMotion,
+    pub(super) path: Arc<PathPeriod>,
 }
 
 /// What a joint does over the period.
@@ -54,10 +60,17 @@ fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
+impl PathPeriod {
+    /// Number of samples.
+    pub(super) fn len(&self) -> usize {
+        self.tip.spectrum.pair.len()
+    }
+}
+
 impl ArmAnswer {
     /// A history of a period, or a derivative of it in time.
     pub(super) fn derivative(&self, history: &[f64], order: usize) -> Vec<f64> {
-        let spectrum = &self.period.spectrum;
+        let spectrum = &self.path.tip.spectrum;
         if order == 0 {
             return history.to_vec();
         }
@@ -81,7 +94,7 @@ impl ArmAnswer {
 
     /// Histories of all quantities outside the chords' return, a set for each joint.
     pub(super) fn curves(&self, arm: &Arm, probes: &[Vec<usize>]) -> Vec<Curves> {
-        self.curves_by(arm, probes, |values| self.rest.outside_return(values))
+        self.curves_by(arm, probes, |values| self.path.rest.outside_return(values))
     }
 
     /// The same over the samples of the path itself.
@@ -125,7 +138,7 @@ impl ArmAnswer {
 
     /// Amplitudes of a torque over the period.
     pub(super) fn torque_amplitudes_n_m(&self, joint: usize) -> Vec<Complex64> {
-        self.period.spectrum.pair.amplitudes(&self.motion.links[joint].bent.torque_n_m)
+        self.path.tip.spectrum.pair.amplitudes(&self.motion.links[joint].bent.torque_n_m)
     }
 }
 

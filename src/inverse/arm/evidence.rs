@@ -1,16 +1,20 @@
 //! What a solved arm left out, and the warnings that follow from it.
 
-use super::answer::ArmAnswer;
+use std::sync::Arc;
+
+use super::answer::{ArmAnswer, PathPeriod};
 use super::error::ArmError;
 use super::problem::ArmProblem;
 use super::solution::ArmSolution;
 use super::solve::{Sizes, Solved, Solver};
 use super::warning::ArmWarning;
-use crate::elastica::SecondOrder;
+use crate::elastica::{ArmMotion, SecondOrder, estimate_arm};
 use crate::inverse::diagnostics::{
     COARSE, LEFT_OUT, SLOW, UNCERTAIN, UNSETTLED, blocked_tip, thick_link,
 };
-use crate::inverse::{Quantity, QuantityErrors, Resources, ShareOf, Unwatched, Warning};
+use crate::inverse::{
+    InversionError, Quantity, QuantityErrors, Resources, ShareOf, Unwatched, Warning,
+};
 use crate::motion::Cutoff;
 use crate::numeric::{Size, largest, largest_difference};
 
@@ -34,7 +38,7 @@ impl Solver<'_> {
         let resources = Resources { watch: &Unwatched, ..problem.resources() };
         let (arm, given) = (problem.arm, problem.path.grid().len);
         let finer = ArmProblem::of(arm, &path, (problem.analysis, resources), first_zero_per_s)?;
-        let found = finer.answer(models, 2 * answer.period.spectrum.pair.len())?;
+        let found = finer.answer(models, &finer.period(2 * answer.path.len())?, Some(probes))?;
         let own = answer.curves_of_motion(arm, probes, given);
         let finer = found.curves_of_motion(arm, probes, 2 * given - 1);
         let pairs = own.iter().zip(&finer).zip(sizes);
@@ -44,11 +48,11 @@ impl Solver<'_> {
         Ok(Some(errors.collect()))
     }
 
-    /// What all terms change of a torque at most, over its size, where fewer were asked for; none where they are refused.
+    /// About what all terms change of a torque at most, over its size, where fewer were asked for; none where they are
+    /// refused.
     pub(super) fn left_out(&self, Solved { models, answer, sizes, .. }: &Solved) -> Option<f64> {
-        let problem = &self.problem;
-        let all = problem.with(SecondOrder::Full, problem.cutoffs.clone());
-        let full = all.answer(models, answer.period.spectrum.pair.len()).ok()?;
+        let motion = estimate_arm(models, &answer.path.arm).ok()?;
+        let full = ArmAnswer { motion, path: Arc::clone(&answer.path) };
         Some(largest_change(answer, &full, sizes))
     }
 
@@ -62,16 +66,20 @@ impl Solver<'_> {
         if problem.cutoffs.iter().all(|own| own.input.is_none()) {
             return Ok(None);
         }
-        let (arm, len) = (problem.arm, answer.period.spectrum.pair.len());
+        let (arm, len) = (problem.arm, answer.path.len());
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
-        let own = linear.answer(models, len)?.curves(arm, probes);
+        let curves = |problem: &ArmProblem<'_>, path: &Arc<PathPeriod>| -> Result<_, ArmError> {
+            Ok(problem.answer(models, path, Some(probes))?.curves(arm, probes))
+        };
+        let own = curves(&linear, &answer.path)?;
         // Where such samples are no motion, the narrower band alone tells.
         let path = problem.path.rounded_otherwise();
         let path = path.as_ref().unwrap_or(problem.path);
-        let other = linear.along(path).answer(models, len)?.curves(arm, probes);
+        let other = linear.along(path);
+        let other = curves(&other, &other.period(len)?)?;
         // What lies beyond the band that such samples are followed in: about what a looser band leaves out besides.
         let looser = problem.with(SecondOrder::None, looser(&problem.cutoffs));
-        let looser = looser.answer(models, len)?.curves(arm, probes);
+        let looser = curves(&looser, &looser.period(len)?)?;
         let all = own.iter().zip(&other).zip(&looser).zip(sizes);
         let errors = all.map(|(((own, other), looser), size)| {
             let sum = own.apart(other).zip(&own.apart(looser), |a, b| a + b);
@@ -110,7 +118,7 @@ impl Solver<'_> {
         // What the digits leave open is measured as the error of the input.
         let is_exact = solution.errors.iter().all(|errors| errors.torque.input.is_none());
         let unsettled = if is_exact { self.unsettled(solved, sizes)? } else { Vec::new() };
-        let spectrum = &solved.answer.period.spectrum;
+        let spectrum = &solved.answer.path.tip.spectrum;
         let moving = &spectrum.omegas_rad_s[..spectrum.band_len()];
         for (joint, errors) in solution.errors.iter().enumerate() {
             let worst = |kind: &dyn Fn(QuantityErrors) -> f64| {
@@ -155,13 +163,24 @@ impl Solver<'_> {
         sizes: &Sizes,
     ) -> Result<Vec<Option<Warning>>, ArmError> {
         let problem = &self.problem;
-        let looser = looser(&problem.cutoffs);
-        let len = answer.period.spectrum.pair.len();
-        let linear = |cutoffs| problem.with(SecondOrder::None, cutoffs).answer(models, len);
-        let (own, looser) = (linear(problem.cutoffs.clone())?, linear(looser)?);
+        let none = vec![Vec::new(); sizes.len()];
+        let peaks = |motion: &ArmMotion| -> Vec<f64> {
+            motion.links.iter().map(|link| largest(&link.bent.torque_n_m)).collect()
+        };
+        let linear = |cutoffs: Vec<Cutoff>, path: Option<&Arc<PathPeriod>>| {
+            let linear = problem.with(SecondOrder::None, cutoffs);
+            let path = path.map_or_else(|| linear.period(answer.path.len()), |p| Ok(p.clone()))?;
+            Ok(peaks(&linear.answer(models, &path, Some(&none))?.motion))
+        };
+        let own = || match problem.second_order {
+            SecondOrder::None => Ok(peaks(&answer.motion)),
+            _ => linear(problem.cutoffs.clone(), Some(&answer.path)),
+        };
+        let found: (Result<_, InversionError>, Result<_, _>) =
+            rayon::join(own, || linear(looser(&problem.cutoffs), None));
+        let (own, looser) = (found.0?, found.1?);
         let peaks = sizes.iter().enumerate().map(|(joint, size)| {
-            let [own, looser] =
-                [&own, &looser].map(|answer| largest(&answer.motion.links[joint].bent.torque_n_m));
+            let [own, looser] = [own[joint], looser[joint]];
             let is_unsettled = (own - looser).abs() > UNSETTLED * size.torque;
             is_unsettled.then_some(Warning::UnsettledTorque {
                 quantity: Quantity::Torque,
@@ -181,8 +200,9 @@ fn looser(cutoffs: &[Cutoff]) -> Vec<Cutoff> {
 /// Largest difference of two answers' torques, over their sizes.
 fn largest_change(own: &ArmAnswer, other: &ArmAnswer, sizes: &Sizes) -> f64 {
     let torques = sizes.iter().enumerate().map(|(joint, size)| {
-        let [own, other] = [own, other]
-            .map(|answer| own.rest.outside_return(&answer.motion.links[joint].bent.torque_n_m));
+        let [own, other] = [own, other].map(|answer| {
+            own.path.rest.outside_return(&answer.motion.links[joint].bent.torque_n_m)
+        });
         largest_difference(&own, &other) / size.torque
     });
     torques.fold(0.0, Size::larger)

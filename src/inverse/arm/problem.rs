@@ -4,12 +4,13 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::answer::ArmAnswer;
+use super::answer::{ArmAnswer, PathPeriod};
 use super::error::ArmError;
 use super::reach::check_reach;
 use super::warning::ArmWarning;
 use crate::elastica::{
-    AngleHistories, ArmMotion, ArmPeriod, Kept, SecondOrder, follow_arm, reaching, returning,
+    AngleHistories, ArmMotion, ArmPeriod, Kept, SecondOrder, follow_arm, follow_arm_at, reaching,
+    returning,
 };
 use crate::inverse::period::{Padding, check_memory};
 use crate::inverse::rest::{Return, left_to_return};
@@ -142,13 +143,8 @@ impl<'a> ArmProblem<'a> {
         self.returns.shortest_len(self.padding, self.path.grid().len)
     }
 
-    /// The motion on meshes, over a period of so many samples.
-    pub(super) fn answer(&self, models: &Models, len: usize) -> Result<ArmAnswer, InversionError> {
-        let nodes: usize = models.iter().map(|model| model.mesh().nodes_m().len()).sum();
-        let bytes = len.saturating_mul(nodes).saturating_mul(BYTES);
-        if let Some(allowed) = self.resources.memory_bytes.filter(|most| bytes > *most) {
-            return Err(InversionError::TooMuchMemory { bytes, allowed });
-        }
+    /// The path over a period of so many samples.
+    pub(super) fn period(&self, len: usize) -> Result<Arc<PathPeriod>, InversionError> {
         check_memory(len, 0, self.resources.memory_bytes)?;
         let (given, step_s) = (self.path.grid().len, self.path.grid().step_s);
         let seam = self.padding.seam(given, len);
@@ -156,17 +152,29 @@ impl<'a> ArmProblem<'a> {
         let rigid = self.chords(&found.courses, seam)?;
         let returning = self.returns.samples(self.padding, given, len);
         let returned = self.returned(rigid.clone(), &returning, seam);
-        let period = ArmPeriod::new(step_s, returned, self.kept(), self.arm.gravity_m_s2())?;
-        let motion = self.followed(models, &period)?;
+        let arm = ArmPeriod::new(step_s, returned, self.kept(), self.arm.gravity_m_s2())?;
         // A path that has passed its checks moves at least one coordinate.
         let tip = found.period.ok_or(InversionError::OutOfRange { peak_n_m: 0.0 })?;
         let rest = self.returns.rest(&tip.spectrum, found.seam_reach, &returning);
         let rests = [returning.end, returning.start - 1];
-        Ok(ArmAnswer { motion, rest, rests, rigid, period: tip, errors_m: found.errors_m })
+        Ok(Arc::new(PathPeriod { arm, rest, rests, rigid, tip, errors_m: found.errors_m }))
     }
 
-    fn followed(&self, models: &Models, period: &ArmPeriod) -> Result<ArmMotion, InversionError> {
-        Ok(follow_arm(models, period, self.second_order, self.analysis.iterated_to())?)
+    /// The motion on meshes; with `nodes`, of these of each link alone.
+    pub(super) fn answer(
+        &self,
+        models: &Models,
+        path: &Arc<PathPeriod>,
+        nodes: Option<&[Vec<usize>]>,
+    ) -> Result<ArmAnswer, InversionError> {
+        let of_links: usize = models.iter().map(|model| model.mesh().nodes_m().len()).sum();
+        let bytes = path.len().saturating_mul(of_links).saturating_mul(BYTES);
+        if let Some(allowed) = self.resources.memory_bytes.filter(|most| bytes > *most) {
+            return Err(InversionError::TooMuchMemory { bytes, allowed });
+        }
+        let how = (self.second_order, self.analysis.iterated_to());
+        let motion = follow_arm_at(models, &path.arm, how, nodes)?;
+        Ok(ArmAnswer { motion, path: Arc::clone(path) })
     }
 
     /// Chords that return around the seam; whole turns they need not turn back. Those of the first two links return over
@@ -206,17 +214,17 @@ impl<'a> ArmProblem<'a> {
     pub(super) fn at_rest(
         &self,
         models: &Models,
-        answer: &ArmAnswer,
+        path: &PathPeriod,
     ) -> Result<[ArmMotion; 2], InversionError> {
-        let pose = |sample: usize| {
+        let pose = |sample: usize| -> Result<ArmMotion, InversionError> {
             let held = |chord: &AngleHistories| {
                 [vec![chord[0][sample]; AT_REST], vec![0.0; AT_REST], vec![0.0; AT_REST]]
             };
-            let chords = answer.rigid.iter().map(held).collect();
+            let chords = path.rigid.iter().map(held).collect();
             let period = ArmPeriod::new(1.0, chords, self.kept(), self.arm.gravity_m_s2())?;
-            self.followed(models, &period)
+            Ok(follow_arm(models, &period, self.second_order, self.analysis.iterated_to())?)
         };
-        Ok([pose(answer.rests[0])?, pose(answer.rests[1])?])
+        Ok([pose(path.rests[0])?, pose(path.rests[1])?])
     }
 
     /// The same problem of another path, with its cut-offs.

@@ -140,7 +140,7 @@ impl ArmAnswer {
     /// The joints over a window.
     pub(super) fn joints(&self, arm: &Arm, grid: &TimeGrid) -> Vec<ArmJoint> {
         let rigid: Vec<AngleHistories> =
-            self.rigid.iter().map(|chord| cut_all(chord, grid)).collect();
+            self.path.rigid.iter().map(|chord| cut_all(chord, grid)).collect();
         let rigid_torques_n_m = rigid_torques_n_m(arm, &rigid);
         let of = |(joint, rigid_torque_n_m): (usize, Vec<f64>)| {
             let JointHistories { angle, motor } = self.joint(arm, joint);

@@ -164,7 +164,7 @@ impl Solver<'_> {
             tip_error,
             errors,
             first_zero_per_s,
-            period_s: answer.period.spectrum.period_s(),
+            period_s: answer.path.tip.spectrum.period_s(),
             cutoff_hz: cutoff.reduce(f64::max).map(|omega| omega / TAU),
             findings,
             warnings: Vec::new(),
@@ -190,10 +190,17 @@ impl Solver<'_> {
             .map(|(model, plan)| Probes::of(model.mesh(), plan, problem.analysis).nodes)
             .collect();
         let mut models = coarsest;
-        let mut answer = problem.answer(&models, len)?;
+        let path = problem.period(len)?;
+        let mut known = None;
         loop {
             let (finer, finer_probes) = refined(&models, &probes)?;
-            let finer_answer = problem.answer(&finer, len)?;
+            // What halves the error of a mesh that is given is no answer itself.
+            let nodes = (!is_automatic).then_some(&finer_probes[..]);
+            let (answer, finer_answer) = rayon::join(
+                || known.take().map_or_else(|| problem.answer(&models, &path, None), Ok),
+                || problem.answer(&finer, &path, nodes),
+            );
+            let (answer, finer_answer) = (answer?, finer_answer?);
             let on_finer = finer_answer.curves(arm, &finer_probes);
             let sizes = self.sizes(&on_finer, &finer_answer);
             let own = answer.curves(arm, &probes);
@@ -214,11 +221,7 @@ impl Solver<'_> {
                     probes[link].clone_from(&finer_probes[link]);
                 }
             }
-            answer = if self.plans.iter().all(MeshPlan::is_automatic) {
-                finer_answer
-            } else {
-                problem.answer(&models, len)?
-            };
+            known = self.plans.iter().all(MeshPlan::is_automatic).then_some(finer_answer);
         }
     }
 
@@ -247,32 +250,36 @@ impl Solver<'_> {
     /// what is left there.
     fn decayed(&self, mut solved: Solved) -> Result<(Solved, [ArmMotion; 2], Sizes), ArmError> {
         let problem = &self.problem;
-        let initial = solved.answer.period.spectrum.pair.len();
+        let initial = solved.answer.path.len();
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
         let is_linear = problem.second_order == SecondOrder::None;
         let tolerance = problem.analysis.tolerance();
         loop {
             let (rests, left) = left_at_rest(problem, &solved, &solved.answer)?;
-            let len = solved.answer.period.spectrum.pair.len();
+            let len = solved.answer.path.len();
             let next = if worst(&left) <= tolerance {
                 None
             } else {
                 lengthened(len, initial, |len| {
                     Ok::<_, ArmError>(
                         is_linear || {
-                            let shorter = linear.answer(&solved.models, len)?;
+                            let nodes = Some(&solved.probes[..]);
+                            let shorter =
+                                linear.answer(&solved.models, &linear.period(len)?, nodes)?;
                             worst(&left_at_rest(&linear, &solved, &shorter)?.1) <= tolerance
                         },
                     )
                 })?
             };
             if let Some(len) = next {
-                solved.answer = problem.answer(&solved.models, len)?;
+                let path = problem.period(len)?;
+                solved.answer = problem.answer(&solved.models, &path, None)?;
                 continue;
             }
             if len > initial {
                 let (finer, probes) = refined(&solved.models, &solved.probes)?;
-                let on_finer = problem.answer(&finer, len)?.curves(problem.arm, &probes);
+                let on_finer = problem.answer(&finer, &solved.answer.path, Some(&probes))?;
+                let on_finer = on_finer.curves(problem.arm, &probes);
                 let own = solved.answer.curves(problem.arm, &solved.probes);
                 solved.mesh = changes(&solved.models, &own, &on_finer, &solved.sizes);
             }
@@ -287,13 +294,13 @@ impl Solver<'_> {
         Solved { answer, sizes, .. }: &Solved,
         rests: &[ArmMotion; 2],
     ) -> (Window, Vec<f64>) {
-        let (problem, spectrum) = (&self.problem, &answer.period.spectrum);
+        let (problem, spectrum) = (&self.problem, &answer.path.tip.spectrum);
         let given = problem.path.grid();
         let (before, reach) = (spectrum.seam, spectrum.seam_reach());
         let beyond: Vec<Vec<f64>> = (0..sizes.len())
             .map(|joint| {
                 let at_rest = rests.each_ref().map(|rest| rest.links[joint].bent.torque_n_m[0]);
-                answer.rest.beyond(&answer.motion.links[joint].bent.torque_n_m, at_rest)
+                answer.path.rest.beyond(&answer.motion.links[joint].bent.torque_n_m, at_rest)
             })
             .collect();
         let torques = || beyond.iter().map(|samples| PeriodicTorque { samples, before, reach });
@@ -346,9 +353,9 @@ fn left_at_rest(
     answer: &ArmAnswer,
 ) -> Result<([ArmMotion; 2], Sizes), ArmError> {
     let arm = problem.arm;
-    let rests = problem.at_rest(models, answer)?;
+    let rests = problem.at_rest(models, &answer.path)?;
     let [first, last] = rests.each_ref().map(|rest| curves_at_rest(arm, rest, probes));
-    let reaches = answer.rest.reaches(problem.path.grid().len);
+    let reaches = answer.path.rest.reaches(problem.path.grid().len);
     let curves = answer.curves(arm, probes);
     let ends = first.into_iter().zip(last).zip(&curves).zip(sizes);
     let left = ends.map(|(((first, last), own), size)| {
@@ -369,7 +376,7 @@ fn way_m(x_m: &[f64], y_m: &[f64]) -> f64 {
 /// The same of the rigid arm over the samples of its path.
 fn way_of_chords_m(arm: &Arm, answer: &ArmAnswer, given: usize) -> f64 {
     let [mut x_m, mut y_m] = [vec![0.0; given], vec![0.0; given]];
-    for (chord, own) in answer.rigid.iter().zip(arm.links()) {
+    for (chord, own) in answer.path.rigid.iter().zip(arm.links()) {
         let length_m = own.link.length_m();
         for k in 0..given {
             x_m[k] += length_m * libm::cos(chord[0][k]);
@@ -381,7 +388,7 @@ fn way_of_chords_m(arm: &Arm, answer: &ArmAnswer, given: usize) -> f64 {
 
 /// How far the solved tip is at most from the wanted one, in m.
 fn tip_error_m(answer: &ArmAnswer, path: &ArmPath) -> f64 {
-    match (path.prescribed(), &answer.errors_m[..]) {
+    match (path.prescribed(), &answer.path.errors_m[..]) {
         (Prescribed::Tip, [x, y, ..]) => (x * x + y * y).sqrt(),
         // The tip is the sum of the chords: L δθ of each.
         (_, errors_m) => errors_m.iter().sum(),
