@@ -206,7 +206,9 @@ impl Solver<'_> {
             let own = answer.curves(arm, &probes);
             let mesh = changes(&models, &own, &on_finer, &sizes);
             let error = worst(&mesh);
-            if !is_automatic || error <= tolerance {
+            // Finer than what the iteration leaves open tells no more.
+            let open = finer_answer.motion.iteration.error;
+            if !is_automatic || error <= tolerance.max(open) {
                 return Ok(Solved { models, probes, answer, sizes, mesh });
             }
             let elements: usize = models.iter().map(|model| model.mesh().elements().len()).sum();
@@ -257,7 +259,9 @@ impl Solver<'_> {
         loop {
             let (rests, left) = left_at_rest(problem, &solved, &solved.answer)?;
             let len = solved.answer.path.len();
-            let next = if worst(&left) <= tolerance {
+            // No longer period tells more than what the iteration leaves open.
+            let open = solved.answer.motion.iteration.error;
+            let next = if worst(&left) <= tolerance.max(open) {
                 None
             } else {
                 lengthened(len, initial, |len| {
