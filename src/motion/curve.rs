@@ -49,7 +49,7 @@ enum Piece {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CurveError {
     /// A coordinate or an angle that is no number or too large.
-    #[error("{name} = {found}, but must be a number of at most 1e100 in size")]
+    #[error("{name} = {found:?}, but must be a number of at most 1e100 in size")]
     Range {
         /// What it is.
         name: &'static str,

@@ -261,7 +261,10 @@ pub(super) fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
 pub(super) fn results(readings: &[(String, f64)]) -> Vec<(String, String)> {
     let row = |(name, value): &(String, f64)| {
         let (words, unit) = words_and_unit(name);
-        let amount = format!("{} {unit}", significant(*value, 4).replace('-', "−"));
+        // A count has no decimals.
+        let digits =
+            if name.ends_with("iterations") { value.to_string() } else { significant(*value, 4) };
+        let amount = format!("{} {unit}", digits.replace('-', "−"));
         (words, amount.trim_end().to_owned())
     };
     readings.iter().map(row).collect()

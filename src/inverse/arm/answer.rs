@@ -9,7 +9,7 @@ use crate::inverse::MotorHistories;
 use crate::inverse::curves::Curves;
 use crate::inverse::rest::Rest;
 use crate::link::{Arm, Drive};
-use crate::motion::TipPeriod;
+use crate::motion::{ArmPath, Prescribed, TipPeriod};
 
 /// The path over one period, and the chords that follow it.
 pub(super) struct PathPeriod {
@@ -136,10 +136,41 @@ impl ArmAnswer {
         (0..arm.links().len()).map(of).collect()
     }
 
+    /// Largest distance in m of the rigid arm's tip from where it starts, over the samples of its path.
+    pub(super) fn way_of_chords_m(&self, arm: &Arm, given: usize) -> f64 {
+        let [mut x_m, mut y_m] = [vec![0.0; given], vec![0.0; given]];
+        for (chord, own) in self.path.rigid.iter().zip(arm.links()) {
+            let length_m = own.link.length_m();
+            for k in 0..given {
+                x_m[k] += length_m * libm::cos(chord[0][k]);
+                y_m[k] += length_m * libm::sin(chord[0][k]);
+            }
+        }
+        way_m([&x_m, &y_m])
+    }
+
+    /// How far the solved tip is at most from the wanted one, in m.
+    pub(super) fn tip_error_m(&self, path: &ArmPath) -> f64 {
+        match (path.prescribed(), &self.path.errors_m[..]) {
+            (Prescribed::Tip, [x, y, ..]) => (x * x + y * y).sqrt(),
+            // The tip is the sum of the chords: L δθ of each.
+            (_, errors_m) => errors_m.iter().sum(),
+        }
+    }
+
     /// Amplitudes of a torque over the period.
     pub(super) fn torque_amplitudes_n_m(&self, joint: usize) -> Vec<Complex64> {
         self.path.tip.spectrum.pair.amplitudes(&self.motion.links[joint].bent.torque_n_m)
     }
+}
+
+/// Largest distance in m of a tip at these x and y from where it starts.
+pub(super) fn way_m([x_m, y_m]: [&[f64]; 2]) -> f64 {
+    let far = |(x, y): (&f64, &f64)| {
+        let [dx, dy] = [x - x_m[0], y - y_m[0]];
+        (dx * dx + dy * dy).sqrt()
+    };
+    x_m.iter().zip(y_m).map(far).fold(0.0, f64::max)
 }
 
 /// What the motor of a joint does; `turned` is the angle behind the joint's spring, which its torque twists.

@@ -21,6 +21,17 @@ use crate::numeric::{Size, largest, largest_difference};
 /// Change of a torque by further iterations, over its size, that is round-off.
 const ROUND_OFF: f64 = 1e-11;
 
+impl Solved {
+    /// About what all terms change of a torque at most, over its size, where fewer were asked for; none where they are
+    /// refused.
+    pub(super) fn left_out(&self) -> Option<f64> {
+        let Self { models, answer, sizes, .. } = self;
+        let motion = estimate_arm(models, &answer.path.arm).ok()?;
+        let full = ArmAnswer { motion, path: Arc::clone(&answer.path) };
+        Some(largest_change(answer, &full, sizes))
+    }
+}
+
 impl Solver<'_> {
     /// What half the step changes of each quantity, where every frequency of the samples is solved or second-order terms
     /// reach beyond what they resolve; none where the path cannot be sampled twice as often.
@@ -46,14 +57,6 @@ impl Solver<'_> {
             own.apart_from_finer(finer).zip(size, |off, size| off / size)
         });
         Ok(Some(errors.collect()))
-    }
-
-    /// About what all terms change of a torque at most, over its size, where fewer were asked for; none where they are
-    /// refused.
-    pub(super) fn left_out(&self, Solved { models, answer, sizes, .. }: &Solved) -> Option<f64> {
-        let motion = estimate_arm(models, &answer.path.arm).ok()?;
-        let full = ArmAnswer { motion, path: Arc::clone(&answer.path) };
-        Some(largest_change(answer, &full, sizes))
     }
 
     /// What samples that would be rounded to those of the path change of each quantity of the linear arm, over its size; none
@@ -92,8 +95,8 @@ impl Solver<'_> {
         &self,
         solved: &Solved,
         solution: &ArmSolution,
-        sizes: &Sizes,
-    ) -> Result<Vec<ArmWarning>, ArmError> {
+        unsettled: &[Option<Warning>],
+    ) -> Vec<ArmWarning> {
         let problem = &self.problem;
         let tolerance = problem.analysis.tolerance();
         let of = if problem.arm.has_weight() { ShareOf::Range } else { ShareOf::Peak };
@@ -115,9 +118,6 @@ impl Solver<'_> {
         warnings.extend(slow.into_iter().chain(left_out).map(ArmWarning::Arm));
         let fallback = solution.findings.fallback;
         warnings.extend(fallback.map(|straying| ArmWarning::FellBack { straying }));
-        // What the digits leave open is measured as the error of the input.
-        let is_exact = solution.errors.iter().all(|errors| errors.torque.input.is_none());
-        let unsettled = if is_exact { self.unsettled(solved, sizes)? } else { Vec::new() };
         let spectrum = &solved.answer.path.tip.spectrum;
         let moving = &spectrum.omegas_rad_s[..spectrum.band_len()];
         for (joint, errors) in solution.errors.iter().enumerate() {
@@ -153,14 +153,13 @@ impl Solver<'_> {
             found.extend(thick_link(&*solved.models[joint], moving, &torque));
             warnings.extend(found.into_iter().map(|warning| ArmWarning::Joint { joint, warning }));
         }
-        Ok(warnings)
+        warnings
     }
 
     /// For each joint a torque whose peak changes where the tip's tolerance is twice as large.
-    fn unsettled(
+    pub(super) fn unsettled(
         &self,
-        Solved { models, answer, .. }: &Solved,
-        sizes: &Sizes,
+        Solved { models, answer, sizes, .. }: &Solved,
     ) -> Result<Vec<Option<Warning>>, ArmError> {
         let problem = &self.problem;
         let none = vec![Vec::new(); sizes.len()];

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::answer::{ArmAnswer, curves_at_rest};
+use super::answer::{ArmAnswer, curves_at_rest, way_m};
 use super::error::ArmError;
 use super::problem::ArmProblem;
 use super::solution::{ArmFindings, ArmSolution};
@@ -17,11 +17,14 @@ use crate::inverse::{Analysis, InversionError, PerQuantity, QuantityErrors, Reso
 use crate::link::Arm;
 use crate::modal::{real_frequency_zeros, torque_zeros};
 use crate::model::{Model, check_size, model_of};
-use crate::motion::{ArmPath, Cutoff, Prescribed};
+use crate::motion::{ArmPath, Cutoff};
 use crate::numeric::{Size, TimeGrid};
 
 /// What a quantity of a joint that hardly moves is measured by, over the largest one of any joint.
 const LEAST_SIZE: f64 = 1e-6;
+
+/// Share of what is left at rest that a longer period leaves where it does not help.
+const STILL: f64 = 0.5;
 
 type Models = Vec<Arc<dyn Model>>;
 pub(super) type Sizes = Vec<PerQuantity<f64>>;
@@ -118,7 +121,7 @@ impl Solver<'_> {
         let (window, cut) = self.window(&solved, &rests);
         let step = self.step_errors(&solved, first_zero_per_s)?;
         let input = self.input_errors(&solved)?;
-        let Solved { models, answer, sizes, mesh, .. } = &solved;
+        let Solved { models, answer, mesh, .. } = &solved;
         let iteration = answer.motion.iteration;
         let is_iterated = problem.second_order != SecondOrder::None;
         let error_of_iteration = is_iterated.then_some(iteration.error);
@@ -142,15 +145,16 @@ impl Solver<'_> {
         let given = path.grid();
         let grid = TimeGrid { first: window.start, len: window.len(), ..given };
         let (links, tip) = answer.links(models, &grid);
-        let way_m = way_m(&tip[0][0], &tip[1][0]);
-        let tip_error = tip_error_m(answer, path) / way_m;
-        let findings = ArmFindings {
-            order: problem.second_order,
-            iteration,
-            left_out: (problem.second_order != SecondOrder::Full && !self.falls_back)
-                .then(|| self.left_out(&solved)),
-            fallback: None,
-        };
+        let way_m = way_m([&tip[0][0], &tip[1][0]]);
+        let tip_error = answer.tip_error_m(path) / way_m;
+        let leaves_out = problem.second_order != SecondOrder::Full && !self.falls_back;
+        // What the digits leave open is measured as the error of the input.
+        let (left_out, unsettled) = rayon::join(
+            || leaves_out.then(|| solved.left_out()),
+            || if input.is_none() { self.unsettled(&solved) } else { Ok(Vec::new()) },
+        );
+        let order = problem.second_order;
+        let findings = ArmFindings { order, iteration, left_out, fallback: None };
         let cutoff = problem.cutoffs.iter().map(|own| own.omega_rad_s).filter(|o| o.is_finite());
         let mut solution = ArmSolution {
             arm: arm.clone(),
@@ -174,7 +178,7 @@ impl Solver<'_> {
             return Err(InversionError::OutOfRange { peak_n_m: f64::NAN }.into());
         }
         solution.findings.fallback = self.falls_back.then(|| solution.straying());
-        solution.warnings = self.warnings(&solved, &solution, sizes)?;
+        solution.warnings = self.warnings(&solved, &solution, &unsettled?);
         Ok(solution)
     }
 
@@ -206,8 +210,8 @@ impl Solver<'_> {
             let own = answer.curves(arm, &probes);
             let mesh = changes(&models, &own, &on_finer, &sizes);
             let error = worst(&mesh);
-            // Finer than what the iteration leaves open tells no more.
-            let open = finer_answer.motion.iteration.error;
+            // A hundredth of what the iteration leaves open tells no more.
+            let open = 0.01 * finer_answer.motion.iteration.error;
             if !is_automatic || error <= tolerance.max(open) {
                 return Ok(Solved { models, probes, answer, sizes, mesh });
             }
@@ -230,7 +234,7 @@ impl Solver<'_> {
     /// What errors of each quantity are a share of; of a joint that hardly moves, of the largest one of any.
     fn sizes(&self, curves: &[Curves], answer: &ArmAnswer) -> Sizes {
         let has_weight = self.problem.arm.has_weight();
-        let way_m = way_of_chords_m(self.problem.arm, answer, self.problem.path.grid().len);
+        let way_m = answer.way_of_chords_m(self.problem.arm, self.problem.path.grid().len);
         let sizes: Sizes = curves.iter().map(|own| own.sizes(has_weight, way_m)).collect();
         let largest = sizes.iter().fold(sizes[0], |most, own| PerQuantity {
             torque: most.torque.max(own.torque),
@@ -256,12 +260,14 @@ impl Solver<'_> {
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
         let is_linear = problem.second_order == SecondOrder::None;
         let tolerance = problem.analysis.tolerance();
+        let mut last = f64::INFINITY;
         loop {
             let (rests, left) = left_at_rest(problem, &solved, &solved.answer)?;
             let len = solved.answer.path.len();
-            // No longer period tells more than what the iteration leaves open.
+            // What no longer period makes small is left open by the iteration.
             let open = solved.answer.motion.iteration.error;
-            let next = if worst(&left) <= tolerance.max(open) {
+            let (last, now) = (std::mem::replace(&mut last, worst(&left)), worst(&left));
+            let next = if now <= tolerance || now <= open && now > STILL * last {
                 None
             } else {
                 lengthened(len, initial, |len| {
@@ -366,35 +372,4 @@ fn left_at_rest(
         own.left_of(&[first, last], reaches).zip(size, |left, size| left / size)
     });
     Ok((rests, left.collect()))
-}
-
-/// Largest distance in m of a tip at these x and y from where it starts.
-fn way_m(x_m: &[f64], y_m: &[f64]) -> f64 {
-    let far = |(x, y): (&f64, &f64)| {
-        let [dx, dy] = [x - x_m[0], y - y_m[0]];
-        (dx * dx + dy * dy).sqrt()
-    };
-    x_m.iter().zip(y_m).map(far).fold(0.0, f64::max)
-}
-
-/// The same of the rigid arm over the samples of its path.
-fn way_of_chords_m(arm: &Arm, answer: &ArmAnswer, given: usize) -> f64 {
-    let [mut x_m, mut y_m] = [vec![0.0; given], vec![0.0; given]];
-    for (chord, own) in answer.path.rigid.iter().zip(arm.links()) {
-        let length_m = own.link.length_m();
-        for k in 0..given {
-            x_m[k] += length_m * libm::cos(chord[0][k]);
-            y_m[k] += length_m * libm::sin(chord[0][k]);
-        }
-    }
-    way_m(&x_m, &y_m)
-}
-
-/// How far the solved tip is at most from the wanted one, in m.
-fn tip_error_m(answer: &ArmAnswer, path: &ArmPath) -> f64 {
-    match (path.prescribed(), &answer.path.errors_m[..]) {
-        (Prescribed::Tip, [x, y, ..]) => (x * x + y * y).sqrt(),
-        // The tip is the sum of the chords: L δθ of each.
-        (_, errors_m) => errors_m.iter().sum(),
-    }
 }
