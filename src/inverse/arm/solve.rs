@@ -23,6 +23,9 @@ use crate::numeric::{Size, TimeGrid};
 /// What a quantity of a joint that hardly moves is measured by, over the largest one of any joint.
 const LEAST_SIZE: f64 = 1e-6;
 
+/// Share of what the iteration leaves open that finer meshes and longer periods need not tell.
+const UNSEEN: f64 = 0.1;
+
 /// Share of what is left at rest that a longer period leaves where it does not help.
 const STILL: f64 = 0.5;
 
@@ -210,9 +213,8 @@ impl Solver<'_> {
             let own = answer.curves(arm, &probes);
             let mesh = changes(&models, &own, &on_finer, &sizes);
             let error = worst(&mesh);
-            // A hundredth of what the iteration leaves open tells no more.
-            let open = 0.01 * finer_answer.motion.iteration.error;
-            if !is_automatic || error <= tolerance.max(open) {
+            let open = finer_answer.motion.iteration.error;
+            if !is_automatic || error <= tolerance.max(UNSEEN * open) {
                 return Ok(Solved { models, probes, answer, sizes, mesh });
             }
             let elements: usize = models.iter().map(|model| model.mesh().elements().len()).sum();
@@ -264,10 +266,11 @@ impl Solver<'_> {
         loop {
             let (rests, left) = left_at_rest(problem, &solved, &solved.answer)?;
             let len = solved.answer.path.len();
-            // What no longer period makes small is left open by the iteration.
+            // What stays however long the period is, the iteration leaves open.
             let open = solved.answer.motion.iteration.error;
             let (last, now) = (std::mem::replace(&mut last, worst(&left)), worst(&left));
-            let next = if now <= tolerance || now <= open && now > STILL * last {
+            let is_still = now <= open && now > STILL * last;
+            let next = if now <= tolerance.max(UNSEEN * open) || is_still {
                 None
             } else {
                 lengthened(len, initial, |len| {
