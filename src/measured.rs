@@ -1,4 +1,4 @@
-//! What was measured of a link, read from its file and from those that it names.
+//! What was measured of a link or an arm, read from its file and from those that it names.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -65,14 +65,14 @@ fn beside(file: &Path, name: &str) -> PathBuf {
     file.with_file_name(name)
 }
 
-/// Reads a file of measured values (TOML) and all files that it names.
+/// Reads a file of measured values (TOML) of an arm of so many `links`, or of one link, and all files that it names.
 ///
 /// # Errors
 /// [`MeasuredError`] names the file, and the line where one is at fault.
-pub fn read_measured(path: &Path) -> Result<MeasuredSet, MeasuredError> {
+pub fn read_measured(path: &Path, links: usize) -> Result<MeasuredSet, MeasuredError> {
     let file = InputFile::read_toml(path)?;
     let MeasuredFile { mut values, responses, records, motor } =
-        read_measurements(&file.shown, file.text()?)?;
+        read_measurements(&file.shown, file.text()?, links)?;
     let (mut read_responses, mut read_records) = (Vec::new(), Vec::new());
     let (mut named, mut readings) = (Vec::new(), Vec::new());
     for response in responses {
@@ -196,7 +196,7 @@ mod tests {
         fs::write(folder.path().join("log.csv"), log).unwrap();
         let path = folder.path().join("measured.toml");
         fs::write(&path, text).unwrap();
-        let read = read_measured(&path).unwrap();
+        let read = read_measured(&path, 1).unwrap();
         let channels = read.measurements.records()[0].channels();
         let near = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-12, "{found}");
         near(channels[0].samples[2], std::f64::consts::PI);
@@ -206,7 +206,7 @@ mod tests {
         near(channels[2].samples[1], 0.01);
         near(channels[2].uncertainty.unwrap(), 5e-4);
         fs::write(&path, text.to_owned() + &text.replace("hold = 'linear'", "")).unwrap();
-        let twice = read_measured(&path).unwrap_err().to_string();
+        let twice = read_measured(&path, 1).unwrap_err().to_string();
         assert!(twice.ends_with("measured.toml: hub_angle of log.csv is given twice"), "{twice}");
     }
 
@@ -229,16 +229,16 @@ mod tests {
         let text = "[[response]]\nfile = 'loop.csv'\ntransfer = 'hub_angle'\nloop = 'closed'\n";
         fs::write(folder.path().join("loop.csv"), table(&[4.0, 9.0])).unwrap();
         fs::write(&path, text.to_owned() + "first_zero = 2\nuncertainty = 0.01\n").unwrap();
-        let read = read_measured(&path).unwrap();
+        let read = read_measured(&path, 1).unwrap();
         assert_eq!(read.measurements.responses().len() + read.named.len(), 1);
         for (k, exact) in [(0, 4.0), (1, 9.0)] {
-            let zero = read.measurements.values()[k];
+            let zero = &read.measurements.values()[k];
             assert_eq!(zero.observable, Observable::Zero { zero: k + 2 });
             assert!((zero.value / exact - 1.0).abs() < 1e-4, "{zero:?}");
             assert!(zero.uncertainty.unwrap() < 0.001 * exact, "{zero:?}");
         }
         fs::write(folder.path().join("loop.csv"), table(&[])).unwrap();
-        let refused = read_measured(&path).unwrap_err().to_string();
+        let refused = read_measured(&path, 1).unwrap_err().to_string();
         assert!(refused.contains("loop.csv: dips = none"), "{refused}");
     }
 
@@ -253,9 +253,9 @@ mod tests {
         let text = "[[record]]\nfile = 'log.csv'\ninput = 'torque'\n[[record.channel]]\nsensor = 'hub_angle'\n";
         let path = folder.path().join("measured.toml");
         fs::write(&path, text).unwrap();
-        assert!(read_measured(&path).unwrap().readings[0].1.jitter().is_some());
+        assert!(read_measured(&path, 1).unwrap().readings[0].1.jitter().is_some());
         fs::write(&path, text.replace("'torque'\n", "'torque'\nhold = 'zero'\n")).unwrap();
-        let refused = read_measured(&path).unwrap_err().to_string();
+        let refused = read_measured(&path, 1).unwrap_err().to_string();
         assert!(refused.contains("log.csv: times = off a uniform step"), "{refused}");
     }
 }

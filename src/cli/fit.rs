@@ -1,4 +1,4 @@
-//! `fit`: the link that was measured.
+//! `fit`: the link or the arm that was measured.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use clap::Args;
 
 use flexlink::csv::InputFile;
-use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, fit};
-use flexlink::link::{Damping, Link};
+use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, Specimen, fit};
+use flexlink::link::Damping;
 use flexlink::measured::read_measured;
 use flexlink::report::{FitReport, fit_page};
-use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, rewrite};
+use flexlink::spec::{Described, FreeValue, LinkDocument, Override, SpecError, rewrite};
 use flexlink::store::{Fingerprint, FitInputs, fit_json};
 
 use crate::options::common::option;
@@ -23,6 +23,7 @@ const EXAMPLE: &str = "\
 Example:
   flexlink fit link.toml measured.toml --free hub.inertia
   flexlink fit link.toml m.toml --free hub.inertia --report
+  flexlink fit arm.toml m.toml --free links.fore.hub.inertia
 
 measured.toml holds any of
   [[frequency]]            # a natural frequency
@@ -56,9 +57,18 @@ measured.toml holds any of
   [motor]                  # at the hub
   torque_constant = 0.042  # N m/A
   resistance = 8.4         # ohm
-  gear_ratio = 70          # default 1";
+  gear_ratio = 70          # default 1
 
-/// The link that was measured: values of a link file from frequencies, damping ratios, responses and records.
+that of an arm, in poses
+  at = [\"30 deg\", \"75 deg\"]  # of all entries without one
+  [[frequency]]
+  mode = 3                 # as `modes --at` numbers them
+  joints = \"free\"          # the default, or \"held\"
+  at = [\"0 deg\", \"90 deg\"] # of each link, inner first
+  value = \"8.3 Hz\"
+  [[damping]]              # mode, joints, at, ratio";
+
+/// The link or the arm that was measured: values of its file from frequencies, damping ratios, responses and records.
 ///
 /// Changes the free values until the link's natural frequencies, zeros, damping ratios, frequency responses
 /// and recorded histories fit the measured ones best: least squares of the relative differences, of a record
@@ -70,8 +80,12 @@ measured.toml holds any of
 /// Without uncertainties the standard errors follow from the differences that remain; of few differences the
 /// 95 % are wide, by Student's distribution. Where the data do not determine all free values, or do not fit
 /// the link, no link file is written, and the exit code is 4.
+///
+/// An arm of several links is fitted to frequencies and damping ratios of small motions about its shape at rest in poses,
+/// bent by its weight, its joints free or their rotors held. They have the numbers of `modes --at`: with free joints the
+/// first ones, as many as links, are swings.
 #[derive(Debug, Args)]
-#[command(about = "The link that was measured", after_help = EXAMPLE)]
+#[command(about = "The link or the arm that was measured", after_help = EXAMPLE)]
 pub(crate) struct Fit {
     #[command(flatten)]
     link: LinkArgs,
@@ -102,8 +116,8 @@ const RECORD: &str = "fit.json";
 /// What is fitted, and to what.
 struct Problem {
     link: InputFile,
-    /// The file's own link, the changes of the command line made.
-    own: Link,
+    /// The file's own link or arm, the changes of the command line made.
+    own: Described,
     document: LinkDocument,
     changes: Vec<Override>,
     free: Vec<(FreeValue, Free)>,
@@ -125,7 +139,9 @@ impl Fit {
                 "records are of the link with its hysteretic ratio as the viscous ratio of each mode",
             );
         }
-        warn_of_gravity(&problem.own);
+        if let Described::Link(own) = &problem.own {
+            warn_of_gravity(&own.link);
+        }
         let replaced = self.write(&problem, &outcome)?;
         let page = self.page().map(|page| self.draw(&page, &problem, &outcome, &replaced));
         tell(&outcome, &replaced, &page.transpose()?.unwrap_or_default())
@@ -161,7 +177,7 @@ impl Fit {
     ) -> Result<String, Failure> {
         let written = self.output.as_deref().filter(|_| outcome.misfit.is_none());
         let name = written.and_then(Path::file_name).map(|name| name.to_string_lossy());
-        let origin = problem.inputs.origin(problem.own.title());
+        let origin = problem.inputs.origin(problem.title());
         let page = fit_page(&FitReport { origin, outcome, replaced, written: name.as_deref() });
         console::deliver(Some(file), page.as_bytes())?;
         Ok(format!("written  {}\n", file.display()))
@@ -173,8 +189,12 @@ impl Fit {
     }
 
     fn load(&self) -> Result<Problem, Failure> {
-        let (link, specification) = self.link.load()?;
+        let (link, own) = self.link.load()?;
         let changes = self.link.changes.overrides()?;
+        let links = match &own {
+            Described::Link(_) => 1,
+            Described::Arm(own) => own.arm.links().len(),
+        };
         let document = LinkDocument::read(&link.shown, link.text()?)?;
         let usage = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
         let mut free = Vec::new();
@@ -187,7 +207,7 @@ impl Fit {
             }
             free.push((value, bounds));
         }
-        let measured = read_measured(&self.measured)?;
+        let measured = read_measured(&self.measured, links)?;
         let named: Vec<&Path> = measured.named.iter().map(|file| Path::new(&file.shown)).collect();
         self.keep(&named)?;
         for (shown, reading) in &measured.readings {
@@ -198,7 +218,7 @@ impl Fit {
         let arguments = self.arguments();
         let inputs = FitInputs { link: of_link, measured: of_measured, named, arguments };
         let measured = measured.measurements;
-        Ok(Problem { link, own: specification.link, document, changes, free, measured, inputs })
+        Ok(Problem { link, own, document, changes, free, measured, inputs })
     }
 
     /// Writes the link file, if the fit is one to believe, and fit.json; returns what was replaced.
@@ -241,19 +261,26 @@ impl Problem {
     fn fit(&self) -> Result<FitOutcome, Failure> {
         let free: Vec<Free> = self.free.iter().map(|(_, free)| free.clone()).collect();
         let (bar, tried) = (StageBar::new(), AtomicUsize::new(0));
-        let link_at = |factors: &[f64]| {
+        let specimen_at = |factors: &[f64]| {
             bar.tried(tried.fetch_add(1, Ordering::Relaxed));
             let changes = self.changed(factors)?;
-            let specification = self.document.specification(&self.link.shown, &changes)?;
-            Ok((specification.link, specification.mesh))
+            Ok(match self.document.described(&self.link.shown, &changes)? {
+                Described::Link(own) => Specimen::from((own.link, own.mesh)),
+                Described::Arm(own) => Specimen::Arm(own.arm),
+            })
         };
-        fit(&self.measured, &free, link_at).map_err(|error: LinkFitError<SpecError>| {
+        fit(&self.measured, &free, specimen_at).map_err(|error: LinkFitError<SpecError>| {
             let hint = match &error {
                 LinkFitError::Link(error) => error.hint(),
                 LinkFitError::Plan(_) | LinkFitError::NoModel => None,
-                LinkFitError::NoMode(_) => {
-                    Some("number the modes from 1, the rigid rotation left out")
-                }
+                LinkFitError::Pose(error) => error.hint(),
+                LinkFitError::NoMode(_) => Some(match &self.own {
+                    Described::Link(_) => "number the modes from 1, the rigid rotation left out",
+                    Described::Arm(_) => {
+                        "number the modes as `flexlink modes --at` does: with free joints the first \
+                         ones, as many as links, are swings"
+                    }
+                }),
                 LinkFitError::Drive => Some(
                     "leave [drive] out and add the rotor's N² J to hub.inertia; a joint's stiffness is \
                      fitted to frequencies alone",
@@ -264,10 +291,18 @@ impl Problem {
         })
     }
 
+    fn title(&self) -> &str {
+        match &self.own {
+            Described::Link(own) => own.link.title(),
+            Described::Arm(own) => own.arm.title(),
+        }
+    }
+
     /// True if records are compared with a link of hysteretic damping.
     fn plays_as_viscous(&self) -> bool {
+        let Described::Link(own) = &self.own else { return false };
         let is_hysteretic =
-            matches!(self.own.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
+            matches!(own.link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
         is_hysteretic && !self.measured.records().is_empty()
     }
 

@@ -61,7 +61,7 @@ impl fmt::Display for FitWarning {
         match self {
             Self::Outlier { observable, uncertainties } => write!(
                 f,
-                "{observable} is {} uncertainties away from the fitted link's",
+                "{observable} is {} uncertainties away from the fitted value",
                 significant(*uncertainties, 2)
             ),
             Self::Unchecked => f.write_str(
@@ -139,7 +139,7 @@ impl FitOutcome {
     pub fn warnings(&self) -> Vec<FitWarning> {
         let outliers = self.residuals.iter().filter(|residual| residual.is_outlier);
         let outliers = outliers.map(|residual| FitWarning::Outlier {
-            observable: residual.measured.observable,
+            observable: residual.measured.observable.clone(),
             uncertainties: residual.uncertainties.unwrap_or_default().abs(),
         });
         let unchecked = (self.degrees_of_freedom == 0).then_some(FitWarning::Unchecked);
@@ -189,7 +189,7 @@ impl Misfit {
                                 --free PATH=LOW:HIGH, or free fewer"
                 .to_owned(),
             Self::Contradiction { .. } => {
-                "one measurement far off has another mode or hub than it says; if all are off, enlarge the \
+                "one measurement far off has another mode, hub or pose than it says; if all are off, enlarge the \
                  uncertainties to what the measurements are worth, or free the value that differs from the \
                  link file"
                     .to_owned()
@@ -199,9 +199,9 @@ impl Misfit {
                                      sample, a sensor at its end, or what the link file lacks"
                 .to_owned(),
             Self::Far { .. } => {
-                "check each unit, mode and hub, of a response its transfer and gain, of a record its input \
+                "check each unit, mode, hub and pose, of a response its transfer and gain, of a record its input \
                  and hold, the sensor, sign and gain of each channel, and that it begins at rest; modes \
-                 are numbered from 1, the rigid rotation left out"
+                 are numbered from 1, the rigid rotation of a link left out"
                     .to_owned()
             }
         }

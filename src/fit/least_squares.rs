@@ -4,14 +4,13 @@ use faer::linalg::solvers::SolveLstsq;
 use faer::{Col, Mat, Scale};
 use rayon::prelude::*;
 
-use super::measurement::{LinkFitError, Observable};
-use super::measurements::{COARSE, FINE, Measurements, Prediction};
+use super::measurement::LinkFitError;
+use super::measurements::{Measurements, Prediction};
 use super::misfits::DELAY_UNIT;
 use super::outcome::{Course, FitOutcome, StartEnd};
 use super::record::Record;
+use super::specimen::{COARSE, FINE, Specimen};
 use super::value::Free;
-use crate::beam::MeshPlan;
-use crate::link::Link;
 
 /// Step of a logarithm for a derivative: at a resonance of damping ratio 0.02 the fourth order leaves
 /// (h/0.02)⁴ of it, and a frequency has 13 digits.
@@ -61,20 +60,20 @@ const BETTER: f64 = 0.99;
 /// Sums of squares that differ by less are equal: the survey's mesh knows no more.
 const TIE: f64 = 1e-8;
 
-/// Finds the factors on the free values of a link with which it fits the measurements best.
+/// Finds the factors on the free values of a link or an arm with which it fits the measurements best.
 ///
-/// `link_at` makes the link, and the plan of its mesh, of factors on the free values. The sum of the squared
+/// `specimen_at` makes an [`Arm`](crate::link::Arm), or a link and the plan of its mesh, of factors on the free values. The sum of the squared
 /// residuals is minimised from the file's own values and from three other starts, up to five times larger or
 /// smaller.
 ///
 /// # Errors
 /// [`LinkFitError`]: the file's own values make no link, or one without the measured modes.
-pub fn fit<E: Send>(
+pub fn fit<S: Into<Specimen>, E: Send>(
     measurements: &Measurements,
     free: &[Free],
-    link_at: impl Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync,
+    specimen_at: impl Fn(&[f64]) -> Result<S, E> + Sync,
 ) -> Result<FitOutcome, LinkFitError<E>> {
-    let problem = Problem { measurements, free, link_at };
+    let problem = Problem { measurements, free, specimen_at };
     let own = vec![0.0; free.len() + measurements.records_with_free_delay().count()];
     problem.check(&own)?;
     let starts: Vec<Vec<f64>> = (0..=OTHER_STARTS).map(|number| problem.start(number)).collect();
@@ -91,8 +90,8 @@ pub fn fit<E: Send>(
     let mut end = problem.descend(survey.clone(), POLISH).unwrap_or(End { x: survey, ..End::NONE });
     let mut weighed = measurements.clone();
     for _ in 0..WEIGHINGS {
-        let halvings = problem.halvings(&end.x, FINE).unwrap_or(0);
-        let predicted = problem.predicted(&end.x, halvings);
+        let refinements = problem.refinements(&end.x, FINE).unwrap_or(0);
+        let predicted = problem.predicted(&end.x, refinements);
         let Some(next) = predicted.and_then(|found| measurements.weighed(&found)) else { break };
         weighed = next;
         let again = Problem { measurements: &weighed, ..problem.by_ref() };
@@ -101,9 +100,9 @@ pub fn fit<E: Send>(
     }
     let problem = Problem { measurements: &weighed, ..problem.by_ref() };
     let End { x, iterations, has_settled, .. } = end;
-    let halvings = problem.halvings(&x, FINE).unwrap_or(0);
-    let jacobian = problem.jacobian(&x, halvings, true);
-    let predicted = problem.predicted(&x, halvings);
+    let refinements = problem.refinements(&x, FINE).unwrap_or(0);
+    let jacobian = problem.jacobian(&x, refinements, true);
+    let predicted = problem.predicted(&x, refinements);
     let course = Course { is_from_other_start, has_settled, iterations, starts: told };
     Ok(FitOutcome::of(&weighed, free, &x, predicted.as_ref(), &jacobian, course))
 }
@@ -137,19 +136,19 @@ fn told(from: &[f64], end: Option<&End>, free: usize) -> StartEnd {
 struct Problem<'a, F> {
     measurements: &'a Measurements,
     free: &'a [Free],
-    link_at: F,
+    specimen_at: F,
 }
 
 impl<'a, F> Problem<'a, F> {
     fn by_ref(&self) -> Problem<'a, &F> {
-        Problem { measurements: self.measurements, free: self.free, link_at: &self.link_at }
+        Problem { measurements: self.measurements, free: self.free, specimen_at: &self.specimen_at }
     }
 }
 
-impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
-    fn link(&self, x: &[f64]) -> Result<(Link, MeshPlan), E> {
+impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> {
+    fn specimen(&self, x: &[f64]) -> Result<Specimen, E> {
         let factors: Vec<f64> = x[..self.free.len()].iter().map(|x| libm::exp(*x)).collect();
-        (self.link_at)(&factors)
+        (self.specimen_at)(&factors).map(Into::into)
     }
 
     /// The delays in samples.
@@ -157,57 +156,56 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         x[self.free.len()..].iter().map(|delay| DELAY_UNIT * delay).collect()
     }
 
-    /// Refuses a link without the measured modes.
+    /// Refuses what lacks a measured mode.
     fn check(&self, x: &[f64]) -> Result<(), LinkFitError<E>> {
-        let (link, plan) = self.link(x).map_err(LinkFitError::Link)?;
-        if link.drive().is_some() && self.measurements.has_files() {
+        let specimen = self.specimen(x).map_err(LinkFitError::Link)?;
+        if specimen.has_drive() && self.measurements.has_files() {
             return Err(LinkFitError::Drive);
         }
-        let halvings = self.measurements.halvings(&link, &plan, COARSE)?;
-        let predicted = self.measurements.predicted(&link, &plan, halvings, &self.delays(x));
+        let refinements = specimen.refinements(self.measurements, COARSE)?;
+        let predicted = specimen.predicted(self.measurements, refinements, &self.delays(x));
         let predicted = predicted.ok_or(LinkFitError::NoModel)?;
         for (measured, predicted) in self.measurements.values().iter().zip(predicted.values) {
-            let observable = measured.observable;
-            match (observable, predicted) {
-                (Observable::Damping { .. }, None | Some(0.0)) => {
-                    return Err(LinkFitError::NoDamping(observable));
-                }
-                (_, None) => return Err(LinkFitError::NoMode(observable)),
-                _ => {}
+            let observable = &measured.observable;
+            // A link without a damping law has no ratio at all, an arm one of 0.
+            let least = if observable.arm_mode().is_some() { None } else { Some(0.0) };
+            if observable.is_damping() && predicted.or(least) == Some(0.0) {
+                return Err(LinkFitError::NoDamping(observable.clone()));
+            }
+            if predicted.is_none() {
+                return Err(LinkFitError::NoMode(observable.clone()));
             }
         }
         Ok(())
     }
 
-    fn halvings(&self, x: &[f64], tolerance: f64) -> Option<u32> {
-        let (link, plan) = self.link(x).ok()?;
-        self.measurements.halvings(&link, &plan, tolerance).ok()
+    fn refinements(&self, x: &[f64], tolerance: f64) -> Option<u32> {
+        self.specimen(x).ok()?.refinements::<E>(self.measurements, tolerance).ok()
     }
 
-    /// Predictions at logarithms of the factors, on a mesh halved so many times.
-    fn predicted(&self, x: &[f64], halvings: u32) -> Option<Prediction> {
-        let (link, plan) = self.link(x).ok()?;
-        self.measurements.predicted(&link, &plan, halvings, &self.delays(x))
+    /// Predictions at logarithms of the factors, on a mesh refined so many times.
+    fn predicted(&self, x: &[f64], refinements: u32) -> Option<Prediction> {
+        self.specimen(x).ok()?.predicted(self.measurements, refinements, &self.delays(x))
     }
 
-    fn residuals(&self, x: &[f64], halvings: u32) -> Option<Col<f64>> {
-        let residuals = self.measurements.residuals(&self.predicted(x, halvings)?)?;
+    fn residuals(&self, x: &[f64], refinements: u32) -> Option<Col<f64>> {
+        let residuals = self.measurements.residuals(&self.predicted(x, refinements)?)?;
         Some(Col::from_fn(residuals.len(), |row| residuals[row]))
     }
 
     /// Derivatives of the residuals, on one mesh: of second order, or of fourth.
-    fn jacobian(&self, x: &[f64], halvings: u32, is_exact: bool) -> Mat<f64> {
+    fn jacobian(&self, x: &[f64], refinements: u32, is_exact: bool) -> Mat<f64> {
         let [rows, _] = self.measurements.rows();
         let at = |k: usize, step: f64| {
             let mut beside = x.to_vec();
             beside[k] += step;
-            self.residuals(&beside, halvings)
+            self.residuals(&beside, refinements)
         };
         let slope = |k: usize, step: f64| match (at(k, step), at(k, -step)) {
             (Some(above), Some(below)) => Some((above - below) / Scale(2.0 * step)),
             // The link ends here, as where a segment becomes shorter than the place of a mass.
             (above, below) => {
-                let here = self.residuals(x, halvings)?;
+                let here = self.residuals(x, refinements)?;
                 above
                     .map(|above| (above - &here) / Scale(step))
                     .or(below.map(|below| (here - below) / Scale(step)))
@@ -272,12 +270,12 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
         let first =
             first.into_iter().chain(direct).reduce(|a, b| if b.cost < a.cost { b } else { a })?;
         let again = || {
-            let (link, plan) = self.link(&first.x).ok()?;
-            let halvings = self.measurements.halvings(&link, &plan, COARSE).ok()?;
-            let delays = self.measurements.rough_delays(&link, &plan, halvings)?;
+            let refinements = self.refinements(&first.x, COARSE)?;
+            let specimen = self.specimen(&first.x).ok()?;
+            let delays = specimen.rough_delays(self.measurements, refinements)?;
             let delays = delays.into_iter().map(|delay| delay / DELAY_UNIT);
             let x: Vec<f64> = first.x[..self.free.len()].iter().copied().chain(delays).collect();
-            let is_better = self.residuals(&x, halvings)?.squared_norm_l2() < first.cost;
+            let is_better = self.residuals(&x, refinements)?.squared_norm_l2() < first.cost;
             if is_better { self.descend(x, SURVEY) } else { None }
         };
         let second = if first.x.len() > self.free.len() { again() } else { None };
@@ -295,16 +293,16 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
     /// the measured modes.
     fn descend(&self, mut x: Vec<f64>, depth: Depth) -> Option<End> {
         let mut damping = 1e-3;
-        let mut halvings = self.halvings(&x, depth.mesh_tolerance)?;
-        let mut residuals = self.residuals(&x, halvings)?;
+        let mut refinements = self.refinements(&x, depth.mesh_tolerance)?;
+        let mut residuals = self.residuals(&x, refinements)?;
         let (mut has_settled, mut iterations) = (false, 0);
         while iterations < depth.most_iterations {
             iterations += 1;
-            let jacobian = self.jacobian(&x, halvings, false);
+            let jacobian = self.jacobian(&x, refinements, false);
             let mut moved = None;
             while moved.is_none() && damping < 1e12 {
                 let next = self.stepped(&x, &jacobian, &residuals, damping);
-                match self.residuals(&next, halvings) {
+                match self.residuals(&next, refinements) {
                     Some(found) if found.squared_norm_l2() <= residuals.squared_norm_l2() => {
                         moved = Some((next, found));
                         damping = (damping * 0.1).max(1e-12);
@@ -327,10 +325,10 @@ impl<E, F: Fn(&[f64]) -> Result<(Link, MeshPlan), E> + Sync> Problem<'_, F> {
                 has_settled = true;
                 break;
             }
-            let finer = self.halvings(&x, depth.mesh_tolerance)?;
-            if finer != halvings {
-                halvings = finer;
-                residuals = self.residuals(&x, halvings)?;
+            let finer = self.refinements(&x, depth.mesh_tolerance)?;
+            if finer != refinements {
+                refinements = finer;
+                residuals = self.residuals(&x, refinements)?;
             }
         }
         Some(End { cost: residuals.squared_norm_l2(), x, iterations, has_settled })

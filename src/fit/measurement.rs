@@ -2,6 +2,8 @@ use super::response::MOST_UNCERTAIN;
 use crate::beam::Mesh;
 use crate::link::{Link, ParameterError};
 use crate::modal::{held_frequencies, natural_frequencies};
+use crate::response::PoseError;
+use crate::text::significant;
 use serde::Serialize;
 use std::fmt;
 use thiserror::Error;
@@ -19,8 +21,35 @@ pub enum HubEnd {
     Held,
 }
 
+/// A mode of an arm about its shape at rest in a pose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArmMode {
+    /// Its number from 1, as [`ArmModes`](crate::response::ArmModes) has them: of free joints the swings come first.
+    pub mode: usize,
+    /// All joints free, or the rotors of all held.
+    pub joints: HubEnd,
+    /// Direction of each link's chord in rad, counterclockwise from x, the inner one first.
+    pub at_rad: Vec<f64>,
+}
+
+impl fmt::Display for ArmMode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let joints = match self.joints {
+            HubEnd::Free => "free",
+            HubEnd::Held => "held",
+        };
+        let degrees = |angle: &f64| {
+            let text = significant(angle.to_degrees(), 5);
+            let text = if text.contains('.') { text.trim_end_matches('0') } else { &text };
+            format!("{}°", text.trim_end_matches('.'))
+        };
+        let at: Vec<String> = self.at_rad.iter().map(degrees).collect();
+        write!(f, "{}, joints {joints}, at {}", self.mode, at.join(", "))
+    }
+}
+
 /// What was measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Observable {
     /// A natural frequency in Hz, the rigid rotation left out.
@@ -42,38 +71,50 @@ pub enum Observable {
         /// The hub's end.
         hub: HubEnd,
     },
+    /// A natural frequency in Hz of an arm.
+    ArmFrequency(ArmMode),
+    /// The damping ratio of a mode of an arm.
+    ArmDamping(ArmMode),
 }
 
 impl Observable {
     /// Number of the mode or zero, from 1.
-    pub(super) fn number(self) -> usize {
+    pub(super) fn number(&self) -> usize {
         match self {
-            Self::Frequency { mode, .. } | Self::Damping { mode, .. } => mode,
-            Self::Zero { zero } => zero,
+            Self::Frequency { mode, .. } | Self::Damping { mode, .. } => *mode,
+            Self::Zero { zero } => *zero,
+            Self::ArmFrequency(own) | Self::ArmDamping(own) => own.mode,
         }
     }
 
-    pub(super) fn end(self) -> End {
+    /// The boundary at the hub of a link; none of an arm.
+    pub(super) fn end(&self) -> Option<End> {
         match self {
-            Self::Frequency { hub, .. } | Self::Damping { hub, .. } => match hub {
+            Self::Frequency { hub, .. } | Self::Damping { hub, .. } => Some(match hub {
                 HubEnd::Free => End::Free,
                 HubEnd::Held => End::Held,
-            },
-            Self::Zero { .. } => End::Clamped,
+            }),
+            Self::Zero { .. } => Some(End::Clamped),
+            Self::ArmFrequency(_) | Self::ArmDamping(_) => None,
+        }
+    }
+
+    /// The mode of an arm; none of a link.
+    pub(super) fn arm_mode(&self) -> Option<&ArmMode> {
+        match self {
+            Self::ArmFrequency(own) | Self::ArmDamping(own) => Some(own),
+            Self::Frequency { .. } | Self::Zero { .. } | Self::Damping { .. } => None,
         }
     }
 
     /// True of a damping ratio.
-    pub(super) fn is_damping(self) -> bool {
-        matches!(self, Self::Damping { .. })
+    pub(super) fn is_damping(&self) -> bool {
+        matches!(self, Self::Damping { .. } | Self::ArmDamping(_))
     }
 
     /// Unit of its value; none of a ratio.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::Frequency { .. } | Self::Zero { .. } => "Hz",
-            Self::Damping { .. } => "",
-        }
+    pub fn unit(&self) -> &'static str {
+        if self.is_damping() { "" } else { "Hz" }
     }
 }
 
@@ -84,6 +125,8 @@ impl fmt::Display for Observable {
             Self::Frequency { mode, hub } => write!(f, "frequency {mode}{}", held(*hub)),
             Self::Zero { zero } => write!(f, "zero {zero} of the hub angle"),
             Self::Damping { mode, hub } => write!(f, "damping ratio {mode}{}", held(*hub)),
+            Self::ArmFrequency(own) => write!(f, "frequency {own}"),
+            Self::ArmDamping(own) => write!(f, "damping ratio {own}"),
         }
     }
 }
@@ -111,7 +154,7 @@ impl End {
 }
 
 /// One measured value.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measured {
     /// What was measured.
     pub observable: Observable,
@@ -129,26 +172,37 @@ impl Measured {
 
     /// Refuses what cannot be measured.
     pub(super) fn check(&self) -> Result<(), MeasurementsError> {
-        let Self { observable, value, uncertainty } = *self;
+        let Self { ref observable, value, uncertainty } = *self;
+        let observable = || observable.clone();
         let checked = [
             ("value", value),
             ("uncertainty", uncertainty.unwrap_or(1.0)),
-            ("number", observable.number() as f64),
+            ("number", self.observable.number() as f64),
         ];
         let wrong = checked.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0));
         match wrong {
-            Some((name, value)) => Err(MeasurementsError::Value { observable, name, value }),
-            None if observable.number() > MOST_NUMBER => {
-                Err(MeasurementsError::Number { observable })
+            Some((name, value)) => {
+                Err(MeasurementsError::Value { observable: observable(), name, value })
+            }
+            None if self.observable.number() > MOST_NUMBER => {
+                Err(MeasurementsError::Number { observable: observable() })
             }
             None if uncertainty.is_some_and(|u| u >= MOST_UNCERTAIN * value) => {
                 let most = MOST_UNCERTAIN * value;
                 let value = uncertainty.unwrap_or_default();
-                Err(MeasurementsError::Large { observable, name: "uncertainty", value, most })
+                Err(MeasurementsError::Large {
+                    observable: observable(),
+                    name: "uncertainty",
+                    value,
+                    most,
+                })
             }
-            None if observable.is_damping() && value >= 1.0 => {
-                Err(MeasurementsError::Large { observable, name: "ratio", value, most: 1.0 })
-            }
+            None if self.observable.is_damping() && value >= 1.0 => Err(MeasurementsError::Large {
+                observable: observable(),
+                name: "ratio",
+                value,
+                most: 1.0,
+            }),
             None => Ok(()),
         }
     }
@@ -217,8 +271,11 @@ pub enum LinkFitError<E> {
     /// The plan of the mesh is not the link's.
     #[error("{0}")]
     Plan(#[from] ParameterError),
-    /// The link has not as many modes as were measured.
-    #[error("{0} was measured, but the link has no such mode")]
+    /// The arm has no small motions about a pose.
+    #[error("{0}")]
+    Pose(#[from] PoseError),
+    /// There are not as many modes as were measured.
+    #[error("{0} was measured, but there is no such mode")]
     NoMode(Observable),
     /// The link has no response or history on a fine mesh.
     #[error(
@@ -232,6 +289,6 @@ pub enum LinkFitError<E> {
     )]
     Drive,
     /// The damping of the link is zero or has another law.
-    #[error("{0} was measured, but the link has no damping: [damping] must give one")]
+    #[error("{0} was measured, but nothing damps this mode: the link must have a damping")]
     NoDamping(Observable),
 }

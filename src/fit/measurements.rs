@@ -1,21 +1,9 @@
-use std::cell::OnceCell;
-use std::f64::consts::TAU;
-
-use super::measurement::{End, Measured, MeasurementsError, Observable};
+use super::measurement::{Measured, MeasurementsError};
 use super::record::{Record, RecordFit};
-use super::response::{Overlay, Response, ResponseFit, with_motor_friction};
-use crate::beam::{Mesh, MeshPlan};
-use crate::link::{Link, ParameterError};
-use crate::modal::DampingLaw;
-use crate::model::{KeptModes, Sensor, model_of};
+use super::response::{Overlay, Response, ResponseFit};
+use crate::model::Sensor;
 
-/// Largest relative error of a frequency that the mesh may have while a start is tried.
-pub(super) const COARSE: f64 = 1e-5;
-
-/// The same of the fitted link: far below any measurement's.
-pub(super) const FINE: f64 = 1e-8;
-
-/// What was measured of one link: all with an uncertainty, or nothing.
+/// What was measured of one link, or of one arm: all with an uncertainty, or nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurements {
     values: Vec<Measured>,
@@ -23,10 +11,10 @@ pub struct Measurements {
     records: Vec<Record>,
 }
 
-/// What a link has in place of the measurements.
+/// What a link or an arm has in place of the measurements.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Prediction {
-    /// In place of each value; none of a mode that the link has not.
+    /// In place of each value; none of a mode that it has not.
     pub(super) values: Vec<Option<f64>>,
     /// Each response over that of the link.
     pub(super) responses: Vec<ResponseFit>,
@@ -54,13 +42,14 @@ impl Measurements {
         let measurements = Self { values, responses, records };
         let is_known = measurements.has_uncertainties();
         for (k, measured) in measurements.values.iter().enumerate() {
-            let observable = measured.observable;
+            let observable = || measured.observable.clone();
             measured.check()?;
             if is_known && measured.uncertainty.is_none() {
-                return Err(MeasurementsError::Mixed { observable });
+                return Err(MeasurementsError::Mixed { observable: observable() });
             }
-            if measurements.values[..k].iter().any(|earlier| earlier.observable == observable) {
-                return Err(MeasurementsError::Twice { observable });
+            let earlier = &measurements.values[..k];
+            if earlier.iter().any(|earlier| earlier.observable == measured.observable) {
+                return Err(MeasurementsError::Twice { observable: observable() });
             }
         }
         if let Some(name) = measurements.twice() {
@@ -152,106 +141,9 @@ impl Measurements {
         values.chain(responses).chain(records).sum::<f64>().sqrt()
     }
 
-    /// How often the elements of an automatic plan are halved so that the measured frequencies are exact to a
-    /// tolerance; 0 for other plans.
-    pub(super) fn halvings(
-        &self,
-        link: &Link,
-        plan: &MeshPlan,
-        tolerance: f64,
-    ) -> Result<u32, ParameterError> {
-        let first = Mesh::new(link, plan)?;
-        if !plan.is_automatic() {
-            return Ok(0);
-        }
-        let counts = End::ALL.map(|end| (end, self.most(end)));
-        let most = counts.iter().map(|(_, count)| *count).max().unwrap_or(1);
-        let mut mesh = first.clone();
-        while mesh.elements().len() <= most {
-            mesh = mesh.refined();
-        }
-        let ends = counts.map(|(end, count)| end.frequencies(link, &mesh, count).last().copied());
-        let responses = self.responses.iter().map(Response::highest_rad_s);
-        let fastest = ends.into_iter().flatten().chain(responses).fold(0.0, f64::max);
-        let mesh = mesh.resolving(fastest, tolerance);
-        let records = self.records.iter().map(|record| record.highest_rad_s(&mesh));
-        let fastest = records.fold(0.0, f64::max);
-        let mesh = mesh.resolving(fastest, COARSE);
-        Ok((mesh.elements().len() / first.elements().len()).ilog2())
-    }
-
-    /// The highest number measured with the hub at this end; 0 without one.
-    fn most(&self, end: End) -> usize {
-        let own = self.values.iter().filter(|measured| measured.observable.end() == end);
-        own.map(|measured| measured.observable.number()).max().unwrap_or(0)
-    }
-
     /// Records with a delay among the free values.
     pub(super) fn records_with_free_delay(&self) -> impl Iterator<Item = &Record> {
         self.records.iter().filter(|record| record.is_delay_free())
-    }
-
-    /// The delays in whole samples by which the histories of a link lie best over the records whose sensors may
-    /// be late.
-    pub(super) fn rough_delays(
-        &self,
-        link: &Link,
-        plan: &MeshPlan,
-        halvings: u32,
-    ) -> Option<Vec<f64>> {
-        let mesh = halved(link, plan, halvings)?;
-        let delay = |record: &Record| record.rough_delay(&record.with_motor_friction(link)?, &mesh);
-        self.records_with_free_delay().map(delay).collect()
-    }
-
-    /// What a link has in place of the measurements, with the delays in samples of all records whose sensors may
-    /// be late; none of a link that has no mesh or no model.
-    pub(super) fn predicted(
-        &self,
-        link: &Link,
-        plan: &MeshPlan,
-        halvings: u32,
-        delays: &[f64],
-    ) -> Option<Prediction> {
-        let mesh = halved(link, plan, halvings)?;
-        let values = self.predicted_values(link, &mesh);
-        let plain = OnceCell::new();
-        let response = |response: &Response| {
-            let motor = response.motor_friction_n_m_s_rad();
-            let made =
-                || model_of(&with_motor_friction(link, motor)?, mesh.clone(), KeptModes::All).ok();
-            let own;
-            let model = if motor == 0.0 {
-                plain.get_or_init(made).as_deref()?
-            } else {
-                own = made()?;
-                &*own
-            };
-            Some(response.fitted(model))
-        };
-        let responses = self.responses.iter().map(response).collect::<Option<_>>()?;
-        let mut delays = delays.iter();
-        let record = |record: &Record| {
-            let own = if record.is_delay_free() { delays.next() } else { None };
-            record.fitted(&record.with_motor_friction(link)?, &mesh, own.copied().unwrap_or(0.0))
-        };
-        let records = self.records.iter().map(record).collect::<Option<_>>()?;
-        Some(Prediction { values, responses, records })
-    }
-
-    fn predicted_values(&self, link: &Link, mesh: &Mesh) -> Vec<Option<f64>> {
-        let law = DampingLaw::of(link, mesh).ok();
-        let known = End::ALL.map(|end| end.frequencies(link, mesh, self.most(end)));
-        let value = |Measured { observable, .. }: &Measured| {
-            let (omegas, index) = (&known[observable.end() as usize], observable.number() - 1);
-            match observable {
-                Observable::Damping { .. } => {
-                    law.as_ref()?.modal_ratios(omegas).get(index).copied()
-                }
-                _ => omegas.get(index).map(|omega| omega / TAU),
-            }
-        };
-        self.values.iter().map(value).collect()
     }
 
     /// Measured and fitted over each other: gain and phase of each response, each channel of a record.
@@ -280,10 +172,4 @@ impl Measurements {
         residuals.extend(records.flat_map(|(record, fitted)| record.residuals(fitted)));
         residuals.iter().all(|residual| residual.is_finite()).then_some(residuals)
     }
-}
-
-/// The mesh of a plan with its elements halved so many times.
-fn halved(link: &Link, plan: &MeshPlan, halvings: u32) -> Option<Mesh> {
-    let first = Mesh::new(link, plan).ok()?;
-    Some((0..halvings).fold(first, |mesh, _| mesh.refined()))
 }

@@ -58,11 +58,11 @@ pub struct Residual {
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Misfit {
     /// The data do not determine all free values.
-    #[error("no link is written: the free values are not all determined")]
+    #[error("no link file is written: the free values are not all determined")]
     Undetermined,
     /// The sum of squares is larger than the uncertainties explain.
     #[error(
-        "no link is written: no values of the free keys bring all measurements within their uncertainties \
+        "no link file is written: no values of the free keys bring all measurements within their uncertainties \
          (chi² = {chi_squared:.3e} with {degrees_of_freedom} degrees of freedom)"
     )]
     Contradiction {
@@ -73,7 +73,7 @@ pub enum Misfit {
     },
     /// A free value wants to leave its bounds.
     #[error(
-        "no link is written: {path} lies on its bound, {} times the file's value",
+        "no link file is written: {path} lies on its bound, {} times the file's value",
         crate::text::significant(*factor, 4)
     )]
     Bound {
@@ -84,7 +84,7 @@ pub enum Misfit {
     },
     /// The delay of a record is the longest that is looked for.
     #[error(
-        "no link is written: the delay of {name} is the longest that is looked for, {longest} samples"
+        "no link file is written: the delay of {name} is the longest that is looked for, {longest} samples"
     )]
     Late {
         /// Its file.
@@ -94,7 +94,7 @@ pub enum Misfit {
     },
     /// A record is missed by more than noise.
     #[error(
-        "no link is written: {} of {name} differs by {:.0} % of its size, and not as noise does",
+        "no link file is written: {} of {name} differs by {:.0} % of its size, and not as noise does",
         sensor.word(),
         100.0 * rms
     )]
@@ -107,12 +107,11 @@ pub enum Misfit {
         rms: f64,
     },
     /// The iteration has not come to an end.
-    #[error("no link is written: the sum of squares still falls after the last iteration")]
+    #[error("no link file is written: the sum of squares still falls after the last iteration")]
     Unsettled,
     /// The relative misfits are too large for measurements of this link.
     #[error(
-        "no link is written: with the best values the link is still {:.0} % off the measurements (root mean \
-         square)",
+        "no link file is written: the best values are still {:.0} % off the measurements (root mean square)",
         100.0 * rms
     )]
     Far {
@@ -143,7 +142,8 @@ impl Misfits {
     ) -> Self {
         let fitted = |k: usize| predicted.and_then(|predicted| predicted.values[k]);
         let values = measurements.values().iter().enumerate();
-        let values = values.map(|(k, one)| Residual::of(*one, fitted(k).unwrap_or(f64::NAN)));
+        let values =
+            values.map(|(k, one)| Residual::of(one.clone(), fitted(k).unwrap_or(f64::NAN)));
         let residuals: Vec<Residual> = values.collect();
         let misfits = predicted.map(|predicted| &predicted.responses[..]).unwrap_or_default();
         let responses = measurements.responses().iter().zip(misfits);
@@ -240,9 +240,9 @@ impl Residual {
     pub(super) fn of(measured: Measured, fitted: f64) -> Self {
         let uncertainties = measured.uncertainty.map(|u| (fitted - measured.value) / u);
         Self {
+            relative: fitted / measured.value - 1.0,
             measured,
             fitted,
-            relative: fitted / measured.value - 1.0,
             uncertainties,
             is_outlier: uncertainties.is_some_and(|u| u.abs() > OUTLIER),
         }

@@ -1,10 +1,10 @@
 //! A link from what was measured on it: natural frequencies, zeros, damping ratios, frequency responses and
-//! recorded histories.
+//! recorded histories; an arm from frequencies and damping ratios in poses.
 //!
 //! ```text
-//! link.toml + free values ─► Link ─► predictions ─► residuals ─► least squares ─► factors
-//!                                                                 Jacobian ─► standard errors,
-//!                                                                             what is not determined
+//! link.toml + free values ─► Specimen ─► predictions ─► residuals ─► least squares ─► factors
+//!                                                                     Jacobian ─► standard errors,
+//!                                                                                 what is not determined
 //! ```
 //!
 //! The unknowns are the logarithms of factors on values of the link file. For a link with n free values the
@@ -24,11 +24,12 @@ mod outcome;
 mod record;
 mod record_parts;
 mod response;
+mod specimen;
 mod value;
 
 pub use advice::FitWarning;
 pub use least_squares::fit;
-pub use measurement::{HubEnd, LinkFitError, Measured, MeasurementsError, Observable};
+pub use measurement::{ArmMode, HubEnd, LinkFitError, Measured, MeasurementsError, Observable};
 pub use measurements::Measurements;
 pub use misfits::{ChannelMisfit, Misfit, RecordMisfit, Residual};
 pub use outcome::{FitOutcome, Openness, StartEnd, Undetermined};
@@ -37,4 +38,5 @@ pub use record_parts::{Channel, RecordError, RecordInput, RecordedInput};
 pub use response::{
     Coordinate, Gain, Motor, Overlay, Response, ResponseError, ResponseMisfit, Spacing,
 };
+pub use specimen::Specimen;
 pub use value::{FittedValue, Free, FreeNumber, Replaced};

@@ -40,16 +40,16 @@ pub(crate) struct LinkArgs {
 }
 
 impl LinkArgs {
-    /// Reads the link file and applies the changes.
-    pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
-        let file = InputFile::read_toml(&self.link)?;
-        let specification = self.changes.specification(&file)?;
-        Ok((file, specification))
-    }
-
     /// Reads what the file describes, one link or an arm of several, and applies the changes.
     pub(crate) fn described(&self) -> Result<Described, Failure> {
-        described(&InputFile::read_toml(&self.link)?, &self.changes.overrides()?)
+        self.load().map(|(_, described)| described)
+    }
+
+    /// The same, after the file itself.
+    pub(crate) fn load(&self) -> Result<(InputFile, Described), Failure> {
+        let file = InputFile::read_toml(&self.link)?;
+        let described = described(&file, &self.changes.overrides()?)?;
+        Ok((file, described))
     }
 }
 
@@ -74,11 +74,6 @@ impl ChangeArgs {
         let overrides: Result<_, SpecError> =
             self.changes.iter().map(|change| change.parse()).collect();
         overrides.map_err(|error| Failure::new(Exit::Usage, &error, error.hint()))
-    }
-
-    /// Reads a link file with the changes.
-    pub(crate) fn specification(&self, file: &InputFile) -> Result<Specification, Failure> {
-        specification(file, &self.overrides()?)
     }
 }
 

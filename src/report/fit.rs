@@ -34,7 +34,7 @@ pub struct FitReport<'a> {
 pub fn fit_page(report: &FitReport) -> String {
     let FitReport { origin, outcome, replaced, written } = report;
     let title = match origin.title.trim() {
-        "" => "A fitted link".to_owned(),
+        "" => "Fitted values".to_owned(),
         title => format!("{title}, fitted"),
     };
     let mut sections = Vec::new();
@@ -291,12 +291,16 @@ fn starts(outcome: &FitOutcome) -> Markup {
 
 /// A letter for the kind of each measurement, and its number.
 fn labels(outcome: &FitOutcome) -> impl Iterator<Item = String> {
-    outcome.residuals.iter().map(|residual| match residual.measured.observable {
-        Observable::Frequency { mode, hub: HubEnd::Free } => format!("f{mode}"),
-        Observable::Frequency { mode, hub: HubEnd::Held } => format!("h{mode}"),
+    let of = |[free, held]: [&str; 2], end: HubEnd, mode: usize| match end {
+        HubEnd::Free => format!("{free}{mode}"),
+        HubEnd::Held => format!("{held}{mode}"),
+    };
+    outcome.residuals.iter().map(move |residual| match &residual.measured.observable {
+        Observable::Frequency { mode, hub } => of(["f", "h"], *hub, *mode),
+        Observable::ArmFrequency(own) => of(["f", "h"], own.joints, own.mode),
         Observable::Zero { zero } => format!("z{zero}"),
-        Observable::Damping { mode, hub: HubEnd::Free } => format!("d{mode}"),
-        Observable::Damping { mode, hub: HubEnd::Held } => format!("dh{mode}"),
+        Observable::Damping { mode, hub } => of(["d", "dh"], *hub, *mode),
+        Observable::ArmDamping(own) => of(["d", "dh"], own.joints, own.mode),
     })
 }
 
@@ -340,8 +344,8 @@ fn differences(outcome: &FitOutcome) -> Figure {
     };
     let caption = format!(
         "The fitted link's value less the measured one, over the measured one. {known} f: natural \
-         frequencies, h: with the hub held, z: zeros of the hub angle, d: damping ratios, dh: with the hub \
-         held; each with its number."
+         frequencies, h: with the hub or the joints held, z: zeros of the hub angle, d: damping ratios, dh: with the hub \
+         or the joints held; each with its number."
     );
     let ticks = if count <= MOST_TICKS { places } else { Vec::new() };
     let x = Axis { places: ticks, ..Axis::linear("measurement", "", 0.5..count as f64 + 0.5) };

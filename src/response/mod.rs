@@ -46,6 +46,7 @@ pub use modes::ModeSelection;
 pub use play::{Input, Play};
 pub use pose::{ArmPose, ArmResponse, PoseError, TorqueResponse};
 pub use pose_modes::{ArmModes, ArmResponses, PoseMode, SettledModes, arm_modes, arm_responses};
+pub(crate) use pose_modes::{MORE_ORDERS, MOST_REFINEMENTS};
 pub use residual::ResidualVibration;
 pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;

@@ -9,8 +9,8 @@ use crate::link::Arm;
 use crate::numeric::{Size, SymmetricEigen, magnitude};
 
 /// What each refinement adds to every order, and most of them.
-const MORE_ORDERS: usize = 4;
-const MOST_REFINEMENTS: usize = 8;
+pub(crate) const MORE_ORDERS: usize = 4;
+pub(crate) const MOST_REFINEMENTS: u32 = 8;
 
 /// Eigenvalues are those of `(K + σM)⁻¹ M`, σ being at first this share of the softest coordinate's K/M; and how often it
 /// may grow tenfold, until `K + σM` is positive: gravity may turn an arm over.
@@ -174,7 +174,7 @@ fn refined<T>(
 ) -> Result<T, PoseError> {
     let mut known = on(0, None)?;
     for refinement in 1..=MOST_REFINEMENTS {
-        match on(refinement * MORE_ORDERS, Some(&known)) {
+        match on(refinement as usize * MORE_ORDERS, Some(&known)) {
             Ok(found) => known = found,
             // What was never refined has no known error.
             Err(PoseError::TooMany { .. }) if refinement > 1 => break,
@@ -198,9 +198,7 @@ pub fn arm_modes(
     count: usize,
     tolerance: f64,
 ) -> Result<ArmModes, PoseError> {
-    let drives = arm.links().iter().map(|own| own.link.drive());
-    let springs: Vec<f64> =
-        drives.map(|own| own.map_or(f64::INFINITY, |own| own.joint_stiffness_n_m_rad)).collect();
+    let springs = arm.joint_stiffnesses_n_m_rad();
     let on = |more_orders: usize, before: Option<&ArmModes>| {
         let pose = ArmPose::of(arm, directions_rad, (0.0, more_orders))?;
         let of = |springs: Option<&[f64]>, count, before: Option<&SettledModes>| {

@@ -1,26 +1,21 @@
-use std::f64::consts::{PI, TAU};
-use std::fmt;
-
-use serde::de::{Deserialize, Deserializer, Error, Visitor};
+use serde::de::Deserialize;
 
 use super::document::shown;
 use super::error::{Fault, SpecError};
 use super::measured_files::{
     RawGain, RawMotor, RawRecord, RawSensor, RecordFile, check_motor, checked,
 };
+use super::measured_values::{MeasuredOf, RawDamping, RawFrequency};
 use super::tree::Node;
-use super::value::{Count, Length, tables};
-use crate::fit::{Gain, HubEnd, Measured, Motor, Observable};
+use super::value::{Angle, Count, Length, tables};
+use crate::fit::{Gain, Measured, Motor};
 use crate::model::Sensor;
-use crate::numeric::split_number;
-
-/// Fewest peaks of a decay: two give one decrement.
-const FEWEST_PEAKS: usize = 2;
 
 /// The whole file of measured values, key by key.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 struct RawMeasurements {
+    at: Option<Vec<Angle>>,
     #[serde(default, deserialize_with = "tables")]
     frequency: Vec<RawFrequency>,
     #[serde(default, deserialize_with = "tables")]
@@ -45,113 +40,45 @@ pub struct MeasuredFile {
     pub motor: Option<Motor>,
 }
 
-/// `[[frequency]]`
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-struct RawFrequency {
-    mode: Option<Count>,
-    zero: Option<Count>,
-    hub: Option<RawHub>,
-    value: Hertz,
-    uncertainty: Option<Hertz>,
-}
-
-/// `[[damping]]`
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-struct RawDamping {
-    mode: Count,
-    hub: Option<RawHub>,
-    ratio: Option<f64>,
-    peaks: Option<Vec<f64>>,
-    uncertainty: Option<f64>,
-}
-
-#[derive(Debug, Clone, Copy, serde::Deserialize)]
-#[serde(rename_all = "lowercase", expecting = "a string")]
-enum RawHub {
-    Free,
-    Held,
-}
-
-impl RawHub {
-    fn end(hub: Option<Self>) -> HubEnd {
-        match hub {
-            Some(Self::Held) => HubEnd::Held,
-            Some(Self::Free) | None => HubEnd::Free,
-        }
-    }
-}
-
-/// A frequency in Hz: a number, or text with Hz, kHz, rad/s or rpm. `Rate` takes a hertz for a radian.
-#[derive(Debug, Clone, Copy)]
-struct Hertz(f64);
-
-impl<'de> Deserialize<'de> for Hertz {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Frequency;
-        impl Visitor<'_> for Frequency {
-            type Value = Hertz;
-
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("a frequency: a number in Hz, or text such as \"2.52 Hz\"")
-            }
-
-            fn visit_f64<E: Error>(self, number: f64) -> Result<Hertz, E> {
-                Ok(Hertz(number))
-            }
-
-            fn visit_i64<E: Error>(self, number: i64) -> Result<Hertz, E> {
-                Ok(Hertz(number as f64))
-            }
-
-            fn visit_str<E: Error>(self, text: &str) -> Result<Hertz, E> {
-                let wrong =
-                    || E::custom("must be a frequency in Hz, kHz, rad/s or rpm: \"2.52 Hz\"");
-                let (number, unit) = split_number(text).ok_or_else(wrong)?;
-                let hertz = match unit.trim() {
-                    "Hz" => 1.0,
-                    "kHz" => 1000.0,
-                    "rad/s" => 1.0 / TAU,
-                    "rpm" => PI / 30.0 / TAU,
-                    _ => return Err(wrong()),
-                };
-                Ok(Hertz(number * hertz))
-            }
-        }
-        deserializer.deserialize_any(Frequency)
-    }
-}
-
-/// Reads the text of a file of measured values; `name` is what errors call it.
+/// Reads the text of a file of measured values of an arm of so many `links`, or of one link; `name` is what errors
+/// call it.
 ///
 /// ```
 /// use flexlink::spec::read_measurements;
 /// let text = "[[frequency]]\nmode = 1\nvalue = '2.52 Hz'\nuncertainty = '0.02 Hz'\nhub = 'held'\n\
 ///             [[damping]]\nmode = 1\nratio = 0.013\nuncertainty = 0.002\n";
-/// let measured = read_measurements("measured.toml", text)?;
+/// let measured = read_measurements("measured.toml", text, 1)?;
 /// assert_eq!(measured.values.len(), 2);
 /// # Ok::<(), flexlink::spec::SpecError>(())
 /// ```
 ///
 /// # Errors
 /// [`SpecError`] names the line and the wrong value.
-pub fn read_measurements(name: &str, text: &str) -> Result<MeasuredFile, SpecError> {
+pub fn read_measurements(name: &str, text: &str, links: usize) -> Result<MeasuredFile, SpecError> {
     let tree = Node::document(name, text)?;
     let raw = RawMeasurements::deserialize(&tree).map_err(Fault::from);
-    raw.and_then(convert).map_err(|fault| {
+    raw.and_then(|raw| convert(raw, links)).map_err(|fault| {
         let place = tree.last_place(&fault);
         fault.at(shown(place, name, &[]))
     })
 }
 
-fn convert(raw: RawMeasurements) -> Result<MeasuredFile, Fault> {
+fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
+    let of = MeasuredOf::new(links, raw.at)?;
+    let of_one_link = [
+        ("motor", raw.motor.is_some()),
+        ("response", !raw.response.is_empty()),
+        ("record", !raw.record.is_empty()),
+    ];
+    for (key, _) in of_one_link.into_iter().filter(|(_, is_given)| *is_given) {
+        of.refuse_for_arms(key, "[[frequency]] and [[damping]] alone")?;
+    }
     let mut values = Vec::new();
     for (number, raw) in raw.frequency.into_iter().enumerate() {
-        values.push(frequency(&format!("frequency.{number}"), &raw)?);
+        values.push(raw.convert(&format!("frequency.{number}"), &of)?);
     }
     for (number, raw) in raw.damping.into_iter().enumerate() {
-        values.push(damping(&format!("damping.{number}"), raw)?);
+        values.push(raw.convert(&format!("damping.{number}"), &of)?);
     }
     let motor = raw.motor.map(RawMotor::convert).transpose()?;
     let mut responses = Vec::new();
@@ -169,60 +96,6 @@ fn convert(raw: RawMeasurements) -> Result<MeasuredFile, Fault> {
         return Err(Fault::new("", message).hinting(hint.to_owned()));
     }
     Ok(MeasuredFile { values, responses, records, motor })
-}
-
-fn frequency(path: &str, raw: &RawFrequency) -> Result<Measured, Fault> {
-    let observable = match (raw.mode, raw.zero, raw.hub) {
-        (Some(Count(mode)), None, hub) => Observable::Frequency { mode, hub: RawHub::end(hub) },
-        (None, Some(Count(zero)), None) => Observable::Zero { zero },
-        (None, Some(_), Some(_)) => {
-            let message = format!(
-                "{path}.hub must not stand beside zero, which is one of torque → hub angle"
-            );
-            return Err(Fault::new(format!("{path}.hub"), message));
-        }
-        (mode, ..) => {
-            let found = if mode.is_some() { "both mode and zero" } else { "neither mode nor zero" };
-            return Err(Fault::new(path, format!("{path} = {found}, but must have one of them")));
-        }
-    };
-    let Hertz(value) = raw.value;
-    checked(path, "value", value)?;
-    let uncertainty = raw.uncertainty.map(|Hertz(uncertainty)| uncertainty);
-    uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
-    Ok(Measured { observable, value, uncertainty })
-}
-
-fn damping(path: &str, raw: RawDamping) -> Result<Measured, Fault> {
-    let observable = Observable::Damping { mode: raw.mode.0, hub: RawHub::end(raw.hub) };
-    let value = match (raw.ratio, raw.peaks) {
-        (Some(ratio), None) => ratio,
-        (None, Some(peaks)) => of_decay(&format!("{path}.peaks"), &peaks)?,
-        (ratio, _) => {
-            let found =
-                if ratio.is_some() { "both ratio and peaks" } else { "neither ratio nor peaks" };
-            return Err(Fault::new(path, format!("{path} = {found}, but must have one of them")));
-        }
-    };
-    checked(path, "ratio", value)?;
-    raw.uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
-    Ok(Measured { observable, value, uncertainty: raw.uncertainty })
-}
-
-/// Damping ratio of peaks one period apart: with the decrement δ, the slope of their logarithms,
-/// `ζ = δ/√(4π² + δ²)`.
-fn of_decay(path: &str, peaks: &[f64]) -> Result<f64, Fault> {
-    let falls = peaks.windows(2).all(|pair| pair[1] < pair[0]);
-    if peaks.len() < FEWEST_PEAKS || !falls || peaks.iter().any(|peak| *peak <= 0.0) {
-        let message =
-            format!("{path} must be two or more peaks of one sign, each below the one before");
-        return Err(Fault::new(path, message));
-    }
-    let middle = 0.5 * (peaks.len() - 1) as f64;
-    let places = || (0..peaks.len()).map(|k| k as f64 - middle);
-    let moment: f64 = places().zip(peaks).map(|(k, peak)| k * libm::log(*peak)).sum();
-    let decrement = -moment / places().map(|k| k * k).sum::<f64>();
-    Ok(decrement / (TAU * TAU + decrement * decrement).sqrt())
 }
 
 /// A frequency response in a file of its own.
@@ -325,28 +198,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_decay_gives_the_ratio_that_it_has() {
-        let ratio: f64 = 0.03;
-        let decrement = TAU * ratio / (1.0 - ratio * ratio).sqrt();
-        let peaks: Vec<f64> = (0..5).map(|k| 2.0 * (-decrement * f64::from(k)).exp()).collect();
-        assert!((of_decay("peaks", &peaks).unwrap() / ratio - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn frequencies_are_read_in_hertz() {
-        let value = |text: &str| {
-            let text = format!("[[frequency]]\nmode = 1\nvalue = {text}\n");
-            read_measurements("m.toml", &text).map(|measured| measured.values[0].value)
-        };
-        for text in ["2.5", "'2.5 Hz'", "'15.707963267948966 rad/s'", "'150 rpm'"] {
-            assert!((value(text).unwrap() - 2.5).abs() < 1e-15, "{text}");
-        }
-        for wrong in ["'2.5'", "'2.5 s'", "'fast'", "true"] {
-            assert!(value(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
     fn what_is_wrong_is_refused_with_its_line() {
         for (text, expected) in [
             ("", "m.toml: measurements = none, but must be at least one"),
@@ -365,7 +216,7 @@ mod tests {
                 "m.toml:3: damping.0.peaks must be two or more peaks of one sign, each below the one before",
             ),
         ] {
-            assert_eq!(read_measurements("m.toml", text).unwrap_err().to_string(), expected);
+            assert_eq!(read_measurements("m.toml", text, 1).unwrap_err().to_string(), expected);
         }
     }
 }

@@ -316,12 +316,12 @@ mod tests {
                 "m.toml:3: motor.resistance = 0 ohm, but must be finite and above 0",
             ),
         ] {
-            assert_eq!(read_measurements("m.toml", &text).unwrap_err().to_string(), expected);
+            assert_eq!(read_measurements("m.toml", &text, 1).unwrap_err().to_string(), expected);
         }
         let text =
             record("input = 'voltage'\nhold = 'zero'\n[[record.channel]]\nsensor = 'hub_angle'\n")
                 + MOTOR;
-        let read = read_measurements("m.toml", &text).unwrap();
+        let read = read_measurements("m.toml", &text, 1).unwrap();
         assert!(read.motor.is_some() && read.records[0].channels[0].uncertainty.is_none());
     }
 }

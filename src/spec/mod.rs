@@ -21,6 +21,7 @@ mod error;
 mod free;
 mod measured;
 mod measured_files;
+mod measured_values;
 mod overrides;
 mod raw;
 mod schema;

@@ -169,9 +169,10 @@ fn what_an_arm_cannot_follow_is_refused_by_its_row() {
     let words = format!("arm.toml:{line}: link fore: the damping is given mode by mode");
     refused("path.csv", &["--set", modal], 4, &words);
     let measured = repository("measurements/krauss_slfr.toml");
-    let output = bench.run(&["fit", "arm.toml", &measured, "--free", "payload.mass"]);
+    let output = bench.run(&["fit", "arm.toml", &measured, "--free", "links.fore.payload.mass"]);
     assert_eq!(output.status.code(), Some(3));
-    assert!(stderr(&output).contains("arm of one link, but the file has more"));
+    let told = "krauss_slfr.toml:6: frequency.0.hub is given, but an arm of 2 links takes `joints`";
+    assert!(stderr(&output).contains(told), "{}", stderr(&output));
 }
 
 /// The same motion as angles of the links, sampled from the rigid arm that follows the path.

@@ -116,12 +116,12 @@ fn a_misfit_has_its_page_and_no_link_file() {
     assert_eq!(out.status.code(), Some(4), "{}", stderr(&out));
     assert!(!bench.path("fitted.toml").exists());
     let page = bench.read("page.html");
-    let top = page.find("No link is written").unwrap();
+    let top = page.find("No link file is written").unwrap();
     assert!(top < page.find("id=\"values\"").unwrap());
     let apart =
         heights(&page, "overlay-1", "measured")[0] - heights(&page, "overlay-1", "fitted")[0];
     assert!(apart.abs() > 5.0, "{apart}");
-    for hint in ["hint: check each unit", "error: no link is written: with the best values"] {
+    for hint in ["hint: check each unit", "error: no link file is written: the best values"] {
         assert!(stderr(&out).contains(hint), "{}", stderr(&out));
     }
 }

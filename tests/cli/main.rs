@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod arm_fit;
 mod arm_modes;
 mod arm_paths;
 mod arm_report;

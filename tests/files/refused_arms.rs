@@ -4,7 +4,9 @@
 
 use flexlink::csv::{TableFormat, read_motion_table, read_path_table};
 use flexlink::inverse::{Resources, invert_arm};
-use flexlink::spec::{ArmSpecification, Described, LinkDocument, Override, SpecError};
+use flexlink::spec::{
+    ArmSpecification, Described, LinkDocument, Override, SpecError, read_measurements,
+};
 
 use crate::snapshot;
 
@@ -42,6 +44,12 @@ fn refusal_of_path(links: usize, text: &str) -> String {
     told(&error, error.hint())
 }
 
+/// Why measurements are not those of so many links.
+fn refusal_of_measurements(text: &str, links: usize) -> String {
+    let error = read_measurements("measured.toml", text, links).expect_err(text);
+    told(&error, error.hint())
+}
+
 fn told(error: &impl ToString, hint: Option<&str>) -> String {
     let hint = hint.map(|hint| format!("\nhint: {hint}")).unwrap_or_default();
     format!("{}{hint}", error.to_string())
@@ -56,6 +64,8 @@ fn refusals_are_those_of_the_snapshot() {
             let error = read_motion_table("path.csv", input.as_bytes(), 1.5).unwrap_err();
             told(&error, error.hint())
         }
+        "Measurements of the arm: measured.toml" => refusal_of_measurements(input, 2),
+        "Measurements of an arm for one link: measured.toml" => refusal_of_measurements(input, 1),
         "Settings of the arm: arm.toml" => {
             let error = read(ARM, &[words]).expect_err(words);
             told(&error, error.hint())

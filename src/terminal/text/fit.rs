@@ -6,14 +6,19 @@ use flexlink::text::significant;
 /// Correlation from which on two values are said to go together.
 const CORRELATED: f64 = 0.9;
 
-/// The free values, what they replace, the measurements beside the fitted link's values, and correlations.
+/// The free values, what they replace, the measurements beside the fitted values, and correlations.
 pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
     let heads = ["free value", "factor", "change", "std. error", "95 % within"];
-    let mut lines = vec![value_row(heads)];
-    lines.extend(outcome.values.iter().map(value_text));
+    let paths = outcome.values.iter().map(|value| value.path.chars().count());
+    let width = paths.fold(27, usize::max);
+    let mut lines = vec![value_row(heads, width)];
+    lines.extend(outcome.values.iter().map(|value| value_text(value, width)));
     for Replaced { path, before, after } in replaced {
         lines.push(format!("{path} = {after}, was {before}"));
     }
+    let names = outcome.residuals.iter().map(|own| own.measured.observable.to_string());
+    let width = names.map(|name| name.chars().count()).fold(30, usize::max);
+    let row = |cells: [&str; 4]| row(cells, width);
     if !outcome.residuals.is_empty() {
         lines.push(row(["measured", "value", "fitted", "difference"]));
     }
@@ -71,7 +76,7 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
 }
 
 /// A free value; its interval in factors on the file's value.
-fn value_text(value: &FittedValue) -> String {
+fn value_text(value: &FittedValue, width: usize) -> String {
     let error = value.relative_standard_error.map_or("not known".to_owned(), percent);
     let change = format!("{} %", signed(100.0 * (value.factor - 1.0), 2));
     let interval = value.relative_interval_95.map_or(String::new(), |interval| {
@@ -81,11 +86,13 @@ fn value_text(value: &FittedValue) -> String {
         let [low, high] = interval.map(|end| significant(value.factor * end, digits.unwrap_or(12)));
         format!("{low} … {high}")
     });
-    value_row([&value.path, &significant(value.factor, 5), &change, &error, &interval])
+    value_row([&value.path, &significant(value.factor, 5), &change, &error, &interval], width)
 }
 
-fn value_row([name, factor, change, error, interval]: [&str; 5]) -> String {
-    format!("{name:<27} {factor:>9} {change:>10} {error:>10} {interval:>19}").trim_end().to_owned()
+fn value_row([name, factor, change, error, interval]: [&str; 5], width: usize) -> String {
+    format!("{name:<width$} {factor:>9} {change:>10} {error:>10} {interval:>19}")
+        .trim_end()
+        .to_owned()
 }
 
 /// A number with its sign; what rounds to 0 is not negative.
@@ -99,6 +106,6 @@ fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 2))
 }
 
-fn row([name, a, b, c]: [&str; 4]) -> String {
-    format!("{name:<30} {a:>13} {b:>13} {c:>18}").trim_end().to_owned()
+fn row([name, a, b, c]: [&str; 4], width: usize) -> String {
+    format!("{name:<width$} {a:>13} {b:>13} {c:>18}").trim_end().to_owned()
 }

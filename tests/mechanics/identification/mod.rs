@@ -1,7 +1,8 @@
-//! Links that are fitted to measured values: published rigs, and links whose true values are known.
+//! Links and arms that are fitted to measured values: published rigs, and those whose true values are known.
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod arms;
 mod closed_loops;
 mod records;
 mod responses;
@@ -11,15 +12,15 @@ mod synthetic;
 use std::fs;
 use std::path::Path;
 
-use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, fit};
+use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Specimen, fit};
 use flexlink::link::Payload;
 use flexlink::model::Sensor;
-use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, read_measurements};
+use flexlink::spec::{Described, FreeValue, LinkDocument, Override, SpecError, read_measurements};
 use num_complex::Complex64;
 
 use crate::theory::closed_form::UniformLink;
 
-/// Fits the free values of a link's text to measurements.
+/// Fits the free values of a link's or an arm's text to measurements.
 fn fitted(
     text: &str,
     measured: &Measurements,
@@ -28,20 +29,22 @@ fn fitted(
     let document = LinkDocument::read("link.toml", text).unwrap();
     let values: Vec<FreeValue> = free.iter().map(|free| free.parse().unwrap()).collect();
     let bounds: Vec<Free> = values.iter().map(|value| document.free(value, &[]).unwrap()).collect();
-    let link_at = |factors: &[f64]| {
+    let specimen_at = |factors: &[f64]| {
         let changes = values.iter().zip(factors).map(|(value, factor)| value.times(*factor));
         let changes: Vec<Override> = changes.collect::<Result<_, _>>()?;
-        let specification = document.specification("link.toml", &changes)?;
-        Ok((specification.link, specification.mesh))
+        Ok(match document.described("link.toml", &changes)? {
+            Described::Link(own) => Specimen::from((own.link, own.mesh)),
+            Described::Arm(own) => Specimen::Arm(own.arm),
+        })
     };
-    fit(measured, &bounds, link_at)
+    fit(measured, &bounds, specimen_at)
 }
 
 /// Text of a link of `specs` and the measurements of the same name.
 fn rig(name: &str) -> (String, Measurements) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let read = |folder: &str| fs::read_to_string(root.join(folder).join(name)).unwrap();
-    let measured = read_measurements(name, &read("measurements")).unwrap();
+    let measured = read_measurements(name, &read("measurements"), 1).unwrap();
     (read("specs"), Measurements::new(measured.values, vec![], vec![]).unwrap())
 }
 

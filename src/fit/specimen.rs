@@ -1,0 +1,232 @@
+//! What is fitted, a link or an arm, and what it has in place of the measurements.
+
+use std::cell::OnceCell;
+use std::f64::consts::TAU;
+
+use super::measurement::{ArmMode, End, HubEnd, LinkFitError, Measured, Observable};
+use super::measurements::{Measurements, Prediction};
+use super::record::Record;
+use super::response::{Response, with_motor_friction};
+use crate::beam::{Mesh, MeshPlan};
+use crate::link::{Arm, Link, ParameterError};
+use crate::modal::DampingLaw;
+use crate::model::{KeptModes, model_of};
+use crate::numeric::Size;
+use crate::response::{ArmPose, MORE_ORDERS, MOST_REFINEMENTS, PoseError};
+
+/// Largest relative error of a frequency that the mesh may have while a start is tried.
+pub(super) const COARSE: f64 = 1e-5;
+
+/// The same of the fitted link: far below any measurement's.
+pub(super) const FINE: f64 = 1e-8;
+
+/// What was measured.
+#[derive(Debug, Clone)]
+pub enum Specimen {
+    /// A link, and the plan of its mesh.
+    Link(Box<(Link, MeshPlan)>),
+    /// An arm.
+    Arm(Arm),
+}
+
+impl From<(Link, MeshPlan)> for Specimen {
+    fn from(own: (Link, MeshPlan)) -> Self {
+        Self::Link(Box::new(own))
+    }
+}
+
+impl Specimen {
+    /// True of a link with a drive.
+    pub(super) fn has_drive(&self) -> bool {
+        matches!(self, Self::Link(own) if own.0.drive().is_some())
+    }
+
+    /// How often the elements of an automatic plan are halved, or the orders of an arm's polynomials are raised, so that
+    /// the measured values are exact to a tolerance; 0 for other plans.
+    pub(super) fn refinements<E>(
+        &self,
+        measured: &Measurements,
+        tolerance: f64,
+    ) -> Result<u32, LinkFitError<E>> {
+        Ok(match self {
+            Self::Link(own) => measured.halvings(&own.0, &own.1, tolerance)?,
+            Self::Arm(arm) => raised(arm, measured.values(), tolerance)?,
+        })
+    }
+
+    /// The delays in whole samples by which its histories lie best over the records whose sensors may be late.
+    pub(super) fn rough_delays(
+        &self,
+        measured: &Measurements,
+        refinements: u32,
+    ) -> Option<Vec<f64>> {
+        let Self::Link(own) = self else { return None };
+        let mesh = halved(&own.0, &own.1, refinements)?;
+        let delay =
+            |record: &Record| record.rough_delay(&record.with_motor_friction(&own.0)?, &mesh);
+        measured.records_with_free_delay().map(delay).collect()
+    }
+
+    /// What it has in place of the measurements, with the delays in samples of all records whose sensors may be
+    /// late; none of a link that has no mesh or no model, and of an arm beside responses and records.
+    pub(super) fn predicted(
+        &self,
+        measured: &Measurements,
+        refinements: u32,
+        delays: &[f64],
+    ) -> Option<Prediction> {
+        match self {
+            Self::Link(own) => {
+                measured.predicted(&own.0, &halved(&own.0, &own.1, refinements)?, delays)
+            }
+            Self::Arm(_) if measured.has_files() => None,
+            Self::Arm(arm) => {
+                let values = of_arm(arm, measured.values(), refinements).ok()?;
+                Some(Prediction { values, responses: Vec::new(), records: Vec::new() })
+            }
+        }
+    }
+}
+
+/// The mesh of a plan with its elements halved so many times.
+fn halved(link: &Link, plan: &MeshPlan, halvings: u32) -> Option<Mesh> {
+    let first = Mesh::new(link, plan).ok()?;
+    Some((0..halvings).fold(first, |mesh, _| mesh.refined()))
+}
+
+/// How often the orders are raised until that changes no value by more than the tolerance.
+fn raised(arm: &Arm, values: &[Measured], tolerance: f64) -> Result<u32, PoseError> {
+    let mut known = of_arm(arm, values, 0)?;
+    for refinements in 0..MOST_REFINEMENTS {
+        let finer = match of_arm(arm, values, refinements + 1) {
+            Err(PoseError::TooMany { .. }) if refinements > 0 => return Ok(refinements),
+            finer => finer?,
+        };
+        let pairs = known.iter().zip(&finer);
+        let changes = pairs.map(|pair| match pair {
+            (Some(known), Some(finer)) => (known / finer - 1.0).abs(),
+            (None, None) => 0.0,
+            _ => f64::INFINITY,
+        });
+        if changes.fold(0.0, Size::larger) <= tolerance {
+            return Ok(refinements);
+        }
+        known = finer;
+    }
+    Ok(MOST_REFINEMENTS)
+}
+
+/// What an arm has in place of each value, the orders of its polynomials raised so many times; none of a mode that it has
+/// not, or that does not vibrate.
+fn of_arm(arm: &Arm, values: &[Measured], refinements: u32) -> Result<Vec<Option<f64>>, PoseError> {
+    let modes = || values.iter().filter_map(|value| value.observable.arm_mode());
+    let mut poses: Vec<&Vec<f64>> = Vec::new();
+    for ArmMode { at_rad, .. } in modes() {
+        if !poses.contains(&at_rad) {
+            poses.push(at_rad);
+        }
+    }
+    let springs = arm.joint_stiffnesses_n_m_rad();
+    let in_pose = |at_rad: &&Vec<f64>| {
+        let pose = ArmPose::of(arm, at_rad, (0.0, MORE_ORDERS * refinements as usize))?;
+        let of = |joints, springs: Option<&[f64]>| {
+            let own = modes().filter(|own| own.at_rad == **at_rad && own.joints == joints);
+            match own.map(|own| own.mode).max() {
+                None => Ok(Vec::new()),
+                Some(most) => pose.modes(springs, most),
+            }
+        };
+        Ok((of(HubEnd::Free, None)?, of(HubEnd::Held, Some(&springs))?))
+    };
+    let found: Vec<_> = poses.iter().map(in_pose).collect::<Result<_, PoseError>>()?;
+    let value = |Measured { observable, .. }: &Measured| {
+        let own = observable.arm_mode()?;
+        let (free, held) = &found[poses.iter().position(|at_rad| **at_rad == own.at_rad)?];
+        let modes = if own.joints == HubEnd::Free { free } else { held };
+        let mode = modes.get(own.mode - 1).filter(|mode| mode.square_per_s2 > 0.0)?;
+        if observable.is_damping() {
+            mode.damping_ratio
+        } else {
+            Some(mode.square_per_s2.sqrt() / TAU)
+        }
+    };
+    Ok(values.iter().map(value).collect())
+}
+
+impl Measurements {
+    /// How often the elements of an automatic plan are halved so that the measured frequencies are exact to a
+    /// tolerance; 0 for other plans.
+    fn halvings(
+        &self,
+        link: &Link,
+        plan: &MeshPlan,
+        tolerance: f64,
+    ) -> Result<u32, ParameterError> {
+        let first = Mesh::new(link, plan)?;
+        if !plan.is_automatic() {
+            return Ok(0);
+        }
+        let counts = End::ALL.map(|end| (end, self.most(end)));
+        let most = counts.iter().map(|(_, count)| *count).max().unwrap_or(1);
+        let mut mesh = first.clone();
+        while mesh.elements().len() <= most {
+            mesh = mesh.refined();
+        }
+        let ends = counts.map(|(end, count)| end.frequencies(link, &mesh, count).last().copied());
+        let responses = self.responses().iter().map(Response::highest_rad_s);
+        let fastest = ends.into_iter().flatten().chain(responses).fold(0.0, f64::max);
+        let mesh = mesh.resolving(fastest, tolerance);
+        let records = self.records().iter().map(|record| record.highest_rad_s(&mesh));
+        let fastest = records.fold(0.0, f64::max);
+        let mesh = mesh.resolving(fastest, COARSE);
+        Ok((mesh.elements().len() / first.elements().len()).ilog2())
+    }
+
+    /// The highest number measured with the hub at this end; 0 without one.
+    fn most(&self, end: End) -> usize {
+        let own = self.values().iter().filter(|measured| measured.observable.end() == Some(end));
+        own.map(|measured| measured.observable.number()).max().unwrap_or(0)
+    }
+
+    /// What a link has on a mesh; none of one that has no model.
+    fn predicted(&self, link: &Link, mesh: &Mesh, delays: &[f64]) -> Option<Prediction> {
+        let values = self.predicted_values(link, mesh);
+        let plain = OnceCell::new();
+        let response = |response: &Response| {
+            let motor = response.motor_friction_n_m_s_rad();
+            let made =
+                || model_of(&with_motor_friction(link, motor)?, mesh.clone(), KeptModes::All).ok();
+            let own;
+            let model = if motor == 0.0 {
+                plain.get_or_init(made).as_deref()?
+            } else {
+                own = made()?;
+                &*own
+            };
+            Some(response.fitted(model))
+        };
+        let responses = self.responses().iter().map(response).collect::<Option<_>>()?;
+        let mut delays = delays.iter();
+        let record = |record: &Record| {
+            let own = if record.is_delay_free() { delays.next() } else { None };
+            record.fitted(&record.with_motor_friction(link)?, mesh, own.copied().unwrap_or(0.0))
+        };
+        let records = self.records().iter().map(record).collect::<Option<_>>()?;
+        Some(Prediction { values, responses, records })
+    }
+
+    fn predicted_values(&self, link: &Link, mesh: &Mesh) -> Vec<Option<f64>> {
+        let law = DampingLaw::of(link, mesh).ok();
+        let known = End::ALL.map(|end| end.frequencies(link, mesh, self.most(end)));
+        let value = |Measured { observable, .. }: &Measured| {
+            let (omegas, index) = (&known[observable.end()? as usize], observable.number() - 1);
+            match observable {
+                Observable::Damping { .. } => {
+                    law.as_ref()?.modal_ratios(omegas).get(index).copied()
+                }
+                _ => omegas.get(index).map(|omega| omega / TAU),
+            }
+        };
+        self.values().iter().map(value).collect()
+    }
+}

@@ -1,0 +1,304 @@
+//! Measured frequencies and damping ratios of a link, or of an arm in its poses.
+
+use std::f64::consts::{PI, TAU};
+use std::fmt;
+
+use serde::de::{Deserialize, Deserializer, Error, Visitor};
+
+use super::error::Fault;
+use super::measured_files::checked;
+use super::value::{Angle, Count, Si};
+use crate::fit::{ArmMode, HubEnd, Measured, Observable};
+use crate::numeric::split_number;
+
+/// Fewest peaks of a decay: two give one decrement.
+const FEWEST_PEAKS: usize = 2;
+
+/// What was measured: one link, or an arm of several.
+pub(super) struct MeasuredOf {
+    links: usize,
+    /// The pose of values that give none.
+    at_rad: Option<Vec<f64>>,
+}
+
+/// The keys that say of which mode a value is.
+struct ModeKeys {
+    mode: usize,
+    hub: Option<RawHub>,
+    joints: Option<RawHub>,
+    at: Option<Vec<Angle>>,
+}
+
+impl MeasuredOf {
+    pub(super) fn new(links: usize, at: Option<Vec<Angle>>) -> Result<Self, Fault> {
+        let mut of = Self { links, at_rad: None };
+        of.at_rad = of.directions("at", at)?;
+        Ok(of)
+    }
+
+    fn is_arm(&self) -> bool {
+        self.links > 1
+    }
+
+    /// Refuses a key that one link alone has.
+    pub(super) fn refuse_for_arms(&self, path: &str, instead: &str) -> Result<(), Fault> {
+        if !self.is_arm() {
+            return Ok(());
+        }
+        let links = self.links;
+        let message = format!("{path} is given, but an arm of {links} links takes {instead}");
+        Err(Fault::new(path, message))
+    }
+
+    fn refuse_for_one(&self, path: &str, instead: &str) -> Result<(), Fault> {
+        if self.is_arm() {
+            return Ok(());
+        }
+        Err(Fault::new(path, format!("{path} is given, but one link takes {instead}")))
+    }
+
+    /// Directions in rad, one for each link of an arm.
+    fn directions(&self, path: &str, at: Option<Vec<Angle>>) -> Result<Option<Vec<f64>>, Fault> {
+        let Some(at) = at else { return Ok(None) };
+        self.refuse_for_one(path, "none")?;
+        let (given, links) = (at.len(), self.links);
+        if given != links {
+            let must = format!("must be {links}, one for each link of the arm");
+            let message = format!("{path} = {given} directions, but {must}");
+            return Err(Fault::new(path, message).hinting(AT.to_owned()));
+        }
+        let at_rad: Vec<f64> = at.into_iter().map(Si::si).collect();
+        match at_rad.iter().find(|angle| !angle.is_finite()) {
+            Some(angle) => {
+                let message = format!("{path} = {angle} rad, but must be finite");
+                Err(Fault::new(path, message))
+            }
+            None => Ok(Some(at_rad)),
+        }
+    }
+
+    /// The mode of a value: of the link by the first, of the arm by the second of two kinds.
+    fn mode(
+        &self,
+        path: &str,
+        keys: ModeKeys,
+        of_link: impl Fn(usize, HubEnd) -> Observable,
+        of_arm: impl Fn(ArmMode) -> Observable,
+    ) -> Result<Observable, Fault> {
+        let ModeKeys { mode, hub, joints, at } = keys;
+        let below = |key: &str| format!("{path}.{key}");
+        if hub.is_some() {
+            self.refuse_for_arms(&below("hub"), "`joints`")?;
+        }
+        if joints.is_some() {
+            self.refuse_for_one(&below("joints"), "`hub`")?;
+        }
+        let own_rad = self.directions(&below("at"), at)?;
+        if !self.is_arm() {
+            return Ok(of_link(mode, RawHub::end(hub)));
+        }
+        let Some(at_rad) = own_rad.or_else(|| self.at_rad.clone()) else {
+            let at = below("at");
+            let must = format!("the directions of all {} links of the arm", self.links);
+            return Err(Fault::new(path, format!("{at} is missing: {must}")).hinting(AT.to_owned()));
+        };
+        Ok(of_arm(ArmMode { mode, joints: RawHub::end(joints), at_rad }))
+    }
+}
+
+/// Hint at how directions read.
+const AT: &str = "as in at = [\"30 deg\", \"75 deg\"]: from joint to joint, the inner link first; above all entries it \
+                  is for those that have none";
+
+/// `[[frequency]]`
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct RawFrequency {
+    mode: Option<Count>,
+    zero: Option<Count>,
+    hub: Option<RawHub>,
+    joints: Option<RawHub>,
+    at: Option<Vec<Angle>>,
+    value: Hertz,
+    uncertainty: Option<Hertz>,
+}
+
+/// `[[damping]]`
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct RawDamping {
+    mode: Count,
+    hub: Option<RawHub>,
+    joints: Option<RawHub>,
+    at: Option<Vec<Angle>>,
+    ratio: Option<f64>,
+    peaks: Option<Vec<f64>>,
+    uncertainty: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "lowercase", expecting = "a string")]
+enum RawHub {
+    Free,
+    Held,
+}
+
+impl RawHub {
+    fn end(hub: Option<Self>) -> HubEnd {
+        match hub {
+            Some(Self::Held) => HubEnd::Held,
+            Some(Self::Free) | None => HubEnd::Free,
+        }
+    }
+}
+
+/// A frequency in Hz: a number, or text with Hz, kHz, rad/s or rpm. `Rate` takes a hertz for a radian.
+#[derive(Debug, Clone, Copy)]
+struct Hertz(f64);
+
+impl<'de> Deserialize<'de> for Hertz {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Frequency;
+        impl Visitor<'_> for Frequency {
+            type Value = Hertz;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a frequency: a number in Hz, or text such as \"2.52 Hz\"")
+            }
+
+            fn visit_f64<E: Error>(self, number: f64) -> Result<Hertz, E> {
+                Ok(Hertz(number))
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Hertz, E> {
+                Ok(Hertz(number as f64))
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Hertz, E> {
+                let wrong =
+                    || E::custom("must be a frequency in Hz, kHz, rad/s or rpm: \"2.52 Hz\"");
+                let (number, unit) = split_number(text).ok_or_else(wrong)?;
+                let hertz = match unit.trim() {
+                    "Hz" => 1.0,
+                    "kHz" => 1000.0,
+                    "rad/s" => 1.0 / TAU,
+                    "rpm" => PI / 30.0 / TAU,
+                    _ => return Err(wrong()),
+                };
+                Ok(Hertz(number * hertz))
+            }
+        }
+        deserializer.deserialize_any(Frequency)
+    }
+}
+
+impl RawFrequency {
+    pub(super) fn convert(self, path: &str, of: &MeasuredOf) -> Result<Measured, Fault> {
+        let Self { mode, zero, hub, joints, at, value: Hertz(value), uncertainty } = self;
+        let observable = match (mode, zero) {
+            (Some(Count(mode)), None) => of.mode(
+                path,
+                ModeKeys { mode, hub, joints, at },
+                |mode, hub| Observable::Frequency { mode, hub },
+                Observable::ArmFrequency,
+            )?,
+            (None, Some(Count(zero))) => {
+                of.refuse_for_arms(&format!("{path}.zero"), "`mode`")?;
+                let beside =
+                    [("hub", hub.is_some()), ("joints", joints.is_some()), ("at", at.is_some())];
+                if let Some((key, _)) = beside.into_iter().find(|(_, is_given)| *is_given) {
+                    let key = format!("{path}.{key}");
+                    let must = "must not stand beside zero, which is one of torque → hub angle";
+                    return Err(Fault::new(key.clone(), format!("{key} {must}")));
+                }
+                Observable::Zero { zero }
+            }
+            _ => {
+                let found =
+                    if mode.is_some() { "both mode and zero" } else { "neither mode nor zero" };
+                return Err(Fault::new(
+                    path,
+                    format!("{path} = {found}, but must have one of them"),
+                ));
+            }
+        };
+        checked(path, "value", value)?;
+        let uncertainty = uncertainty.map(|Hertz(uncertainty)| uncertainty);
+        uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
+        Ok(Measured { observable, value, uncertainty })
+    }
+}
+
+impl RawDamping {
+    pub(super) fn convert(self, path: &str, of: &MeasuredOf) -> Result<Measured, Fault> {
+        let Self { mode: Count(mode), hub, joints, at, ratio, peaks, uncertainty } = self;
+        let observable = of.mode(
+            path,
+            ModeKeys { mode, hub, joints, at },
+            |mode, hub| Observable::Damping { mode, hub },
+            Observable::ArmDamping,
+        )?;
+        let value = match (ratio, peaks) {
+            (Some(ratio), None) => ratio,
+            (None, Some(peaks)) => of_decay(&format!("{path}.peaks"), &peaks)?,
+            (ratio, _) => {
+                let found = if ratio.is_some() {
+                    "both ratio and peaks"
+                } else {
+                    "neither ratio nor peaks"
+                };
+                return Err(Fault::new(
+                    path,
+                    format!("{path} = {found}, but must have one of them"),
+                ));
+            }
+        };
+        checked(path, "ratio", value)?;
+        uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
+        Ok(Measured { observable, value, uncertainty })
+    }
+}
+
+/// Damping ratio of peaks one period apart: with the decrement δ, the slope of their logarithms,
+/// `ζ = δ/√(4π² + δ²)`.
+fn of_decay(path: &str, peaks: &[f64]) -> Result<f64, Fault> {
+    let falls = peaks.windows(2).all(|pair| pair[1] < pair[0]);
+    if peaks.len() < FEWEST_PEAKS || !falls || peaks.iter().any(|peak| *peak <= 0.0) {
+        let message =
+            format!("{path} must be two or more peaks of one sign, each below the one before");
+        return Err(Fault::new(path, message));
+    }
+    let middle = 0.5 * (peaks.len() - 1) as f64;
+    let places = || (0..peaks.len()).map(|k| k as f64 - middle);
+    let moment: f64 = places().zip(peaks).map(|(k, peak)| k * libm::log(*peak)).sum();
+    let decrement = -moment / places().map(|k| k * k).sum::<f64>();
+    Ok(decrement / (TAU * TAU + decrement * decrement).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_measurements;
+    use super::*;
+
+    #[test]
+    fn a_decay_gives_the_ratio_that_it_has() {
+        let ratio: f64 = 0.03;
+        let decrement = TAU * ratio / (1.0 - ratio * ratio).sqrt();
+        let peaks: Vec<f64> = (0..5).map(|k| 2.0 * (-decrement * f64::from(k)).exp()).collect();
+        assert!((of_decay("peaks", &peaks).unwrap() / ratio - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn frequencies_are_read_in_hertz() {
+        let value = |text: &str| {
+            let text = format!("[[frequency]]\nmode = 1\nvalue = {text}\n");
+            read_measurements("m.toml", &text, 1).map(|measured| measured.values[0].value)
+        };
+        for text in ["2.5", "'2.5 Hz'", "'15.707963267948966 rad/s'", "'150 rpm'"] {
+            assert!((value(text).unwrap() - 2.5).abs() < 1e-15, "{text}");
+        }
+        for wrong in ["'2.5'", "'2.5 s'", "'fast'", "true"] {
+            assert!(value(wrong).is_err(), "{wrong}");
+        }
+    }
+}
