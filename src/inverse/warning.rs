@@ -367,7 +367,7 @@ fn stiffening(share: f64) -> String {
 fn left_out(share: Option<f64>) -> String {
     match share {
         Some(share) if share < 1.0 => {
-            format!("{} % of its range", significant(100.0 * share, 2))
+            format!("about {} % of its range", significant(100.0 * share, 2))
         }
         Some(_) => "as much as its range, or more".into(),
         None => "an amount that is not known: with all of them the motion is refused".into(),
