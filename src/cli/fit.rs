@@ -281,6 +281,13 @@ impl Problem {
                          ones, as many as links, are swings"
                     }
                 }),
+                LinkFitError::NoVibration(_) => {
+                    Some("`flexlink modes --at` lists the modes of the file's arm")
+                }
+                LinkFitError::Coarse { .. } => Some("measure lower modes"),
+                LinkFitError::Friction(_) => {
+                    Some("ratios with joints = \"held\", or no viscous_friction in the arm file")
+                }
                 LinkFitError::Drive => Some(
                     "leave [drive] out and add the rotor's N² J to hub.inertia; a joint's stiffness is \
                      fitted to frequencies alone",

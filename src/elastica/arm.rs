@@ -28,6 +28,9 @@ const LEVELS: [(f64, f64, usize); 7] = [
 /// The levels for torques that need not be exact.
 const ESTIMATED: [(f64, f64, usize); 2] = [LEVELS[3], LEVELS[6]];
 
+/// Share of what the second order changes to which it is estimated.
+const ESTIMATED_TO: f64 = 0.01;
+
 /// Share of what is negligible up to which chords are moved once, to see what that changes.
 const BEYOND: f64 = 1e-4;
 
@@ -96,7 +99,7 @@ pub(crate) fn follow_arm_at(
     Ok(follower.motion(found, nodes))
 }
 
-/// The torques with all terms, to about a tenth of what these change; of no node histories.
+/// The torques with all terms, to about a hundredth of what these change; without histories of nodes.
 pub(crate) fn estimate_arm(
     models: &[Arc<dyn Model>],
     arm: &ArmPeriod,
@@ -104,7 +107,7 @@ pub(crate) fn estimate_arm(
     let (follower, linear) = Follower::of(models, arm, SecondOrder::Full)?;
     let mut refused = ElasticaError::Diverges { iterations: 0, change: f64::NAN };
     for level in ESTIMATED {
-        match follower.iterated_over(&linear, Until::Share(0.1), level) {
+        match follower.iterated_over(&linear, Until::Share(ESTIMATED_TO), level) {
             Ok(found) => return Ok(follower.motion(found, Some(&vec![Vec::new(); models.len()]))),
             Err(error @ ElasticaError::Diverges { .. }) => refused = error,
             Err(error) => return Err(error),
@@ -155,10 +158,10 @@ impl Follower<'_> {
             latest = next;
             let reach = of_all(&latest.answers, negligible);
             band = band.max(reach.map_err(|error| error.diverging(iterations, change))?);
-            let second_order_change = self.largest_change(&latest.torques_n_m, &linear.torques_n_m);
+            let second_order = || self.largest_change(&latest.torques_n_m, &linear.torques_n_m);
             let (tolerance, fewest) = match until {
                 Until::Within(tolerance) => (tolerance, FEWEST_ITERATIONS),
-                Until::Share(share) => (share * second_order_change, 1),
+                Until::Share(share) => (share * second_order(), FEWEST_ITERATIONS - 1),
             };
             let factor = factor_of([last_change, change], iterations, (tolerance, negligible))?;
             let contraction = (iterations > 1).then_some(factor);
@@ -176,7 +179,7 @@ impl Follower<'_> {
                     iterations,
                     contraction,
                     error,
-                    second_order_change,
+                    second_order_change: second_order(),
                     exceeds_step: REACH * band > resolved(&self.arm.pair),
                 };
                 let Iterate { answers, torques_n_m, .. } = latest;

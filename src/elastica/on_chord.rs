@@ -284,3 +284,50 @@ impl LinkOnChord<'_> {
         (parts, largest_slope)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::{Mesh, MeshPlan};
+    use crate::elastica::chord::TipLoad;
+    use crate::link::{Hub, Link, LumpedMass, Payload, Segment};
+    use crate::model::{KeptModes, model_of};
+
+    #[test]
+    fn forces_from_amplitudes_are_those_of_all_masses_at_each_instant() {
+        let link = Link::builder()
+            .segment(Segment::uniform(0.7, 6.0, 0.8))
+            .hub(Hub { inertia_kg_m2: 0.1, radius_m: 0.05, viscous_friction_n_m_s_rad: 0.0 })
+            .mass(LumpedMass { at_m: 0.35, mass_kg: 0.2, inertia_kg_m2: 1e-3 })
+            .payload(Payload { mass_kg: 0.3, inertia_kg_m2: 2e-3, offset_m: 0.04 })
+            .damping_ratio(0.02)
+            .build()
+            .unwrap();
+        let mesh = Mesh::new(&link, &MeshPlan::automatic(&link)).unwrap();
+        let model = model_of(&link, mesh, KeptModes::All).unwrap();
+        let history = |amplitude: f64, turns: f64| -> Vec<f64> {
+            let angle = |k: usize| TAU * turns * k as f64 / 64.0;
+            (0..64).map(|k| amplitude * libm::cos(angle(k) + amplitude)).collect()
+        };
+        let motion = [history(0.4, 1.0), history(1.7, 1.0), history(9.0, 2.0)];
+        let mut chord = ChordPeriod::new(0.01, motion, [1.0, -9.81]).unwrap();
+        chord.load_tip(TipLoad {
+            along_n: history(3.0, 1.0),
+            across_n: history(-5.0, 3.0),
+            torque_n_m: history(0.7, 2.0),
+        });
+        let (sag, friction_n_m_s_rad, round_off_n_m) = (None, 0.0, 0.0);
+        let on_chord =
+            LinkOnChord { model: &*model, chord: &chord, sag, friction_n_m_s_rad, round_off_n_m };
+        let answers = on_chord.linear().unwrap();
+        let own = on_chord.linear_ends(&answers);
+        let all = on_chord.ends(&answers, SecondOrder::None, &chord.pair, &chord.histories);
+        for (own, all) in own.iter().zip(&all) {
+            let largest = all.iter().map(|force| force.abs()).fold(0.0, f64::max);
+            assert!(largest > 5.0, "{largest}");
+            for (own, all) in own.iter().zip(all) {
+                assert!((own - all).abs() < 1e-11 * largest, "{own} {all}");
+            }
+        }
+    }
+}

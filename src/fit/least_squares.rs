@@ -62,12 +62,12 @@ const TIE: f64 = 1e-8;
 
 /// Finds the factors on the free values of a link or an arm with which it fits the measurements best.
 ///
-/// `specimen_at` makes an [`Arm`](crate::link::Arm), or a link and the plan of its mesh, of factors on the free values. The sum of the squared
-/// residuals is minimised from the file's own values and from three other starts, up to five times larger or
-/// smaller.
+/// `specimen_at` makes an [`Arm`](crate::link::Arm), or a link and the plan of its mesh, of factors on the free values. The
+/// sum of the squared residuals is minimised from the file's own values and from three other starts, up to five times
+/// larger or smaller.
 ///
 /// # Errors
-/// [`LinkFitError`]: the file's own values make no link, or one without the measured modes.
+/// [`LinkFitError`]: the file's own values make no link or arm, or one without the measured modes.
 pub fn fit<S: Into<Specimen>, E: Send>(
     measurements: &Measurements,
     free: &[Free],
@@ -162,6 +162,7 @@ impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> 
         if specimen.has_drive() && self.measurements.has_files() {
             return Err(LinkFitError::Drive);
         }
+        specimen.check(self.measurements)?;
         let refinements = specimen.refinements(self.measurements, COARSE)?;
         let predicted = specimen.predicted(self.measurements, refinements, &self.delays(x));
         let predicted = predicted.ok_or(LinkFitError::NoModel)?;
@@ -172,8 +173,12 @@ impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> 
             if observable.is_damping() && predicted.or(least) == Some(0.0) {
                 return Err(LinkFitError::NoDamping(observable.clone()));
             }
-            if predicted.is_none() {
-                return Err(LinkFitError::NoMode(observable.clone()));
+            match predicted {
+                None => return Err(LinkFitError::NoMode(observable.clone())),
+                Some(value) if value.is_nan() => {
+                    return Err(LinkFitError::NoVibration(observable.clone()));
+                }
+                Some(_) => {}
             }
         }
         Ok(())

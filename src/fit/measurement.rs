@@ -277,6 +277,24 @@ pub enum LinkFitError<E> {
     /// There are not as many modes as were measured.
     #[error("{0} was measured, but there is no such mode")]
     NoMode(Observable),
+    /// The mode does not vibrate.
+    #[error(
+        "{0} was measured, but this mode does not vibrate in its pose: nothing brings the arm back"
+    )]
+    NoVibration(Observable),
+    /// The polynomials do not resolve the measured modes.
+    #[error(
+        "the measured modes are not exact: the finest polynomials still change one by {change:.1e} of it"
+    )]
+    Coarse {
+        /// The change.
+        change: f64,
+    },
+    /// Friction of joints is no part of a mode's damping ratio.
+    #[error(
+        "{0} was measured, but the friction of free joints is no part of a mode's damping ratio"
+    )]
+    Friction(Observable),
     /// The link has no response or history on a fine mesh.
     #[error(
         "the link has nothing to compare with the measurements: its hub moves no mass, or its damping by \

@@ -3,12 +3,14 @@
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::measurement::{ArmMode, End, HubEnd, LinkFitError, Measured, Observable};
 use super::measurements::{Measurements, Prediction};
 use super::record::Record;
 use super::response::{Response, with_motor_friction};
 use crate::beam::{Mesh, MeshPlan};
-use crate::link::{Arm, Link, ParameterError};
+use crate::link::{Arm, ArmLink, Link, ParameterError};
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, model_of};
 use crate::numeric::Size;
@@ -50,8 +52,29 @@ impl Specimen {
     ) -> Result<u32, LinkFitError<E>> {
         Ok(match self {
             Self::Link(own) => measured.halvings(&own.0, &own.1, tolerance)?,
-            Self::Arm(arm) => raised(arm, measured.values(), tolerance)?,
+            Self::Arm(arm) => raised(arm, measured.values(), tolerance)?.0,
         })
+    }
+
+    /// Refuses an arm whose measured modes are not found exactly, or whose joints damp them by friction.
+    pub(super) fn check<E>(&self, measured: &Measurements) -> Result<(), LinkFitError<E>> {
+        let Self::Arm(arm) = self else { return Ok(()) };
+        let (_, change) = raised(arm, measured.values(), COARSE)?;
+        // Infinite where a mode is missing.
+        if change.is_finite() && change > COARSE {
+            return Err(LinkFitError::Coarse { change });
+        }
+        let has_friction = |own: &ArmLink| own.link.joint().friction_n_m_s_rad > 0.0;
+        let is_rubbed = |value: &&Measured| {
+            let mode = value.observable.arm_mode();
+            value.observable.is_damping() && mode.is_some_and(|mode| mode.joints == HubEnd::Free)
+        };
+        match measured.values().iter().find(is_rubbed) {
+            Some(value) if arm.links().iter().any(has_friction) => {
+                Err(LinkFitError::Friction(value.observable.clone()))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The delays in whole samples by which its histories lie best over the records whose sensors may be late.
@@ -94,30 +117,33 @@ fn halved(link: &Link, plan: &MeshPlan, halvings: u32) -> Option<Mesh> {
     Some((0..halvings).fold(first, |mesh, _| mesh.refined()))
 }
 
-/// How often the orders are raised until that changes no value by more than the tolerance.
-fn raised(arm: &Arm, values: &[Measured], tolerance: f64) -> Result<u32, PoseError> {
-    let mut known = of_arm(arm, values, 0)?;
+/// How often the orders are raised until that changes no value by more than the tolerance, or no further; and the last
+/// change.
+fn raised(arm: &Arm, values: &[Measured], tolerance: f64) -> Result<(u32, f64), PoseError> {
+    let (mut known, mut last) = (of_arm(arm, values, 0)?, f64::INFINITY);
     for refinements in 0..MOST_REFINEMENTS {
         let finer = match of_arm(arm, values, refinements + 1) {
-            Err(PoseError::TooMany { .. }) if refinements > 0 => return Ok(refinements),
+            Err(PoseError::TooMany { .. }) if refinements > 0 => return Ok((refinements, last)),
             finer => finer?,
         };
         let pairs = known.iter().zip(&finer);
         let changes = pairs.map(|pair| match pair {
+            (Some(known), Some(finer)) if known.to_bits() == finer.to_bits() => 0.0,
             (Some(known), Some(finer)) => (known / finer - 1.0).abs(),
-            (None, None) => 0.0,
+            // A mode of a number that more coordinates may have.
             _ => f64::INFINITY,
         });
-        if changes.fold(0.0, Size::larger) <= tolerance {
-            return Ok(refinements);
+        last = changes.fold(0.0, Size::larger);
+        if last <= tolerance {
+            return Ok((refinements, last));
         }
         known = finer;
     }
-    Ok(MOST_REFINEMENTS)
+    Ok((MOST_REFINEMENTS, last))
 }
 
-/// What an arm has in place of each value, the orders of its polynomials raised so many times; none of a mode that it has
-/// not, or that does not vibrate.
+/// What an arm has in place of each value, the orders of its polynomials raised so many times: NaN of a mode that does not
+/// vibrate, none of one that it has not.
 fn of_arm(arm: &Arm, values: &[Measured], refinements: u32) -> Result<Vec<Option<f64>>, PoseError> {
     let modes = || values.iter().filter_map(|value| value.observable.arm_mode());
     let mut poses: Vec<&Vec<f64>> = Vec::new();
@@ -138,17 +164,19 @@ fn of_arm(arm: &Arm, values: &[Measured], refinements: u32) -> Result<Vec<Option
         };
         Ok((of(HubEnd::Free, None)?, of(HubEnd::Held, Some(&springs))?))
     };
-    let found: Vec<_> = poses.iter().map(in_pose).collect::<Result<_, PoseError>>()?;
+    let found: Vec<_> = poses.par_iter().map(in_pose).collect();
+    let found = found.into_iter().collect::<Result<Vec<_>, PoseError>>()?;
     let value = |Measured { observable, .. }: &Measured| {
         let own = observable.arm_mode()?;
         let (free, held) = &found[poses.iter().position(|at_rad| **at_rad == own.at_rad)?];
         let modes = if own.joints == HubEnd::Free { free } else { held };
-        let mode = modes.get(own.mode - 1).filter(|mode| mode.square_per_s2 > 0.0)?;
-        if observable.is_damping() {
-            mode.damping_ratio
-        } else {
-            Some(mode.square_per_s2.sqrt() / TAU)
-        }
+        let mode = modes.get(own.mode - 1)?;
+        let vibrates = mode.square_per_s2 > 0.0;
+        Some(match mode.damping_ratio {
+            _ if !vibrates => f64::NAN,
+            ratio if observable.is_damping() => ratio.unwrap_or(f64::NAN),
+            _ => mode.square_per_s2.sqrt() / TAU,
+        })
     };
     Ok(values.iter().map(value).collect())
 }

@@ -90,8 +90,12 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
         records.push(raw.convert(&format!("record.{number}"), motor.is_some())?);
     }
     if values.is_empty() && responses.is_empty() && records.is_empty() {
-        let hint = "[[frequency]] with mode, value and hub, [[damping]] with mode and ratio, \
-                    [[response]] with file and transfer, [[record]] with file, input and channel";
+        let hint = if of.is_arm() {
+            "[[frequency]] with mode, value, joints and at, [[damping]] with mode, ratio, joints and at"
+        } else {
+            "[[frequency]] with mode, value and hub, [[damping]] with mode and ratio, \
+             [[response]] with file and transfer, [[record]] with file, input and channel"
+        };
         let message = "measurements = none, but must be at least one";
         return Err(Fault::new("", message).hinting(hint.to_owned()));
     }

@@ -36,7 +36,7 @@ impl MeasuredOf {
         Ok(of)
     }
 
-    fn is_arm(&self) -> bool {
+    pub(super) fn is_arm(&self) -> bool {
         self.links > 1
     }
 
@@ -68,9 +68,9 @@ impl MeasuredOf {
             return Err(Fault::new(path, message).hinting(AT.to_owned()));
         }
         let at_rad: Vec<f64> = at.into_iter().map(Si::si).collect();
-        match at_rad.iter().find(|angle| !angle.is_finite()) {
+        match at_rad.iter().find(|angle| angle.is_nan() || angle.abs() > MOST_RAD) {
             Some(angle) => {
-                let message = format!("{path} = {angle} rad, but must be finite");
+                let message = format!("{path} = {angle:?} rad, but must be at most 1e4 in size");
                 Err(Fault::new(path, message))
             }
             None => Ok(Some(at_rad)),
@@ -105,6 +105,9 @@ impl MeasuredOf {
         Ok(of_arm(ArmMode { mode, joints: RawHub::end(joints), at_rad }))
     }
 }
+
+/// Largest direction in rad: some thousand turns, of which the digits still tell a place.
+const MOST_RAD: f64 = 1e4;
 
 /// Hint at how directions read.
 const AT: &str = "as in at = [\"30 deg\", \"75 deg\"]: from joint to joint, the inner link first; above all entries it \

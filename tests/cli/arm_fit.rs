@@ -70,6 +70,28 @@ fn a_swing_without_gravity_has_no_frequency() {
     bench.write("m.toml", "[[frequency]]\nmode = 2\nat = [0, '45 deg']\nvalue = '0.5 Hz'\n");
     let out = bench.run(&["fit", &repository(QUANSER), "m.toml", "--free", "links.*.segments.*.E"]);
     assert_eq!(out.status.code(), Some(3));
-    let told = "error: frequency 2, joints free, at 0°, 45° was measured, but there is no such mode\nhint: number the modes";
+    let told =
+        "error: frequency 2, joints free, at 0°, 45° was measured, but this mode does not vibrate";
     assert!(stderr(&out).contains(told), "{}", stderr(&out));
+}
+
+#[test]
+fn what_is_no_mode_of_the_arm_is_refused() {
+    let bench = Bench::new();
+    let head = "at = [0, 0.5]\n";
+    let cases = [
+        ("[[damping]]\nmode = 3\nratio = 0.01\n", "friction of free joints is no part of a mode's"),
+        (
+            "[[frequency]]\nmode = 1\njoints = 'held'\nat = [1e5, 0]\nvalue = 2\n",
+            "at most 1e4 in size",
+        ),
+        ("", "hint: [[frequency]] with mode, value, joints and at"),
+    ];
+    for (text, told) in cases {
+        bench.write("m.toml", &format!("{head}{text}"));
+        let free = "links.*.segments.*.E";
+        let out = bench.run(&["fit", &repository(QUANSER), "m.toml", "--free", free]);
+        assert_eq!(out.status.code(), Some(3));
+        assert!(stderr(&out).contains(told), "{}", stderr(&out));
+    }
 }

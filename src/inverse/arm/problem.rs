@@ -25,6 +25,9 @@ const BYTES: usize = 300;
 /// Largest difference in rad of directions that are given beside the tip's place.
 const AGREEMENT: f64 = 1e-3;
 
+/// Errors of mesh and period below this share of the iteration's, where that is told as too large, are not made smaller.
+const SMALL: f64 = 0.1;
+
 /// Samples of an arm at rest.
 const AT_REST: usize = 8;
 
@@ -160,6 +163,26 @@ impl<'a> ArmProblem<'a> {
         Ok(Arc::new(PathPeriod { arm, rest, rests, rigid, tip, errors_m: found.errors_m }))
     }
 
+    /// Refuses answers on these meshes at once that need more memory than is allowed.
+    pub(super) fn refuse_memory(
+        &self,
+        models: &[&Models],
+        path: &PathPeriod,
+    ) -> Result<(), InversionError> {
+        let nodes = models.iter().copied().flatten().map(|model| model.mesh().nodes_m().len());
+        let bytes = path.len().saturating_mul(nodes.sum()).saturating_mul(BYTES);
+        match self.resources.memory_bytes.filter(|most| bytes > *most) {
+            Some(allowed) => Err(InversionError::TooMuchMemory { bytes, allowed }),
+            None => Ok(()),
+        }
+    }
+
+    /// What errors of mesh and period need not be smaller than: nothing, unless the iteration's is told as too large.
+    pub(super) fn small(&self, answer: &ArmAnswer) -> f64 {
+        let open = answer.motion.iteration.error;
+        if open > self.analysis.tolerance() { SMALL * open } else { 0.0 }
+    }
+
     /// The motion on meshes; with `nodes`, of these of each link alone.
     pub(super) fn answer(
         &self,
@@ -167,11 +190,7 @@ impl<'a> ArmProblem<'a> {
         path: &Arc<PathPeriod>,
         nodes: Option<&[Vec<usize>]>,
     ) -> Result<ArmAnswer, InversionError> {
-        let of_links: usize = models.iter().map(|model| model.mesh().nodes_m().len()).sum();
-        let bytes = path.len().saturating_mul(of_links).saturating_mul(BYTES);
-        if let Some(allowed) = self.resources.memory_bytes.filter(|most| bytes > *most) {
-            return Err(InversionError::TooMuchMemory { bytes, allowed });
-        }
+        self.refuse_memory(&[models], path)?;
         let how = (self.second_order, self.analysis.iterated_to());
         let motion = follow_arm_at(models, &path.arm, how, nodes)?;
         Ok(ArmAnswer { motion, path: Arc::clone(path) })

@@ -23,10 +23,7 @@ use crate::numeric::{Size, TimeGrid};
 /// What a quantity of a joint that hardly moves is measured by, over the largest one of any joint.
 const LEAST_SIZE: f64 = 1e-6;
 
-/// Share of what the iteration leaves open that finer meshes and longer periods need not tell.
-const UNSEEN: f64 = 0.1;
-
-/// Share of what is left at rest that a longer period leaves where it does not help.
+/// A longer period that leaves more than this share of what the last one left did not help.
 const STILL: f64 = 0.5;
 
 type Models = Vec<Arc<dyn Model>>;
@@ -152,10 +149,13 @@ impl Solver<'_> {
         let tip_error = answer.tip_error_m(path) / way_m;
         let leaves_out = problem.second_order != SecondOrder::Full && !self.falls_back;
         // What the digits leave open is measured as the error of the input.
-        let (left_out, unsettled) = rayon::join(
-            || leaves_out.then(|| solved.left_out()),
-            || if input.is_none() { self.unsettled(&solved) } else { Ok(Vec::new()) },
-        );
+        let left_out = || leaves_out.then(|| solved.left_out());
+        let unsettled = || if input.is_none() { self.unsettled(&solved) } else { Ok(Vec::new()) };
+        let (left_out, unsettled) =
+            match problem.refuse_memory(&[&models[..]; 3], &solved.answer.path) {
+                Ok(()) => rayon::join(left_out, unsettled),
+                Err(_) => (left_out(), unsettled()),
+            };
         let order = problem.second_order;
         let findings = ArmFindings { order, iteration, left_out, fallback: None };
         let cutoff = problem.cutoffs.iter().map(|own| own.omega_rad_s).filter(|o| o.is_finite());
@@ -201,20 +201,22 @@ impl Solver<'_> {
         let mut known = None;
         loop {
             let (finer, finer_probes) = refined(&models, &probes)?;
-            // What halves the error of a mesh that is given is no answer itself.
+            // Beside a mesh that is given the finer one only measures the error: its probes suffice.
             let nodes = (!is_automatic).then_some(&finer_probes[..]);
-            let (answer, finer_answer) = rayon::join(
-                || known.take().map_or_else(|| problem.answer(&models, &path, None), Ok),
-                || problem.answer(&finer, &path, nodes),
-            );
+            let mut own = || known.take().map_or_else(|| problem.answer(&models, &path, None), Ok);
+            let on_finer = || problem.answer(&finer, &path, nodes);
+            let (answer, finer_answer) = match problem.refuse_memory(&[&models, &finer], &path) {
+                Ok(()) => rayon::join(own, on_finer),
+                Err(_) => (own(), on_finer()),
+            };
             let (answer, finer_answer) = (answer?, finer_answer?);
             let on_finer = finer_answer.curves(arm, &finer_probes);
             let sizes = self.sizes(&on_finer, &finer_answer);
             let own = answer.curves(arm, &probes);
             let mesh = changes(&models, &own, &on_finer, &sizes);
             let error = worst(&mesh);
-            let open = finer_answer.motion.iteration.error;
-            if !is_automatic || error <= tolerance.max(UNSEEN * open) {
+            let small = problem.small(&finer_answer);
+            if !is_automatic || error <= tolerance.max(small) {
                 return Ok(Solved { models, probes, answer, sizes, mesh });
             }
             let elements: usize = models.iter().map(|model| model.mesh().elements().len()).sum();
@@ -267,10 +269,11 @@ impl Solver<'_> {
             let (rests, left) = left_at_rest(problem, &solved, &solved.answer)?;
             let len = solved.answer.path.len();
             // What stays however long the period is, the iteration leaves open.
-            let open = solved.answer.motion.iteration.error;
-            let (last, now) = (std::mem::replace(&mut last, worst(&left)), worst(&left));
+            let (open, now) = (solved.answer.motion.iteration.error, worst(&left));
             let is_still = now <= open && now > STILL * last;
-            let next = if now <= tolerance.max(UNSEEN * open) || is_still {
+            last = now;
+            let small = problem.small(&solved.answer);
+            let next = if now <= tolerance.max(small) || is_still {
                 None
             } else {
                 lengthened(len, initial, |len| {

@@ -170,6 +170,24 @@ fn terms_that_are_left_out_and_an_elbow_nearly_stretched_are_told() {
     let found = solved(&arm, &line(&arm, 1.5), ElementCount::Total(8), &first);
     let left_out = found.findings.left_out.flatten().expect("a share");
     assert!((1e-3..1e-2).contains(&left_out), "{left_out:e}");
+    let all = solved(&arm, &line(&arm, 1.5), ElementCount::Total(8), &Analysis::default());
+    for order in [SecondOrder::First, SecondOrder::None] {
+        let analysis = Analysis::default().with_second_order(order);
+        let own = solved(&arm, &line(&arm, 1.5), ElementCount::Total(8), &analysis);
+        let later = own.grid.first - all.grid.first;
+        let changed = own.joints.iter().zip(&all.joints).map(|(own, all)| {
+            let at = |k: usize| {
+                all.torque_n_m.get(usize::try_from(i64::try_from(k).ok()? + later).ok()?)
+            };
+            let torques = own.torque_n_m.iter().enumerate();
+            let changes = torques.filter_map(|(k, torque)| Some(torque - at(k)?));
+            let all = || all.torque_n_m.iter().copied();
+            largest(changes) / (all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min))
+        });
+        let changed = changed.fold(0.0, f64::max);
+        let told = own.findings.left_out.flatten().expect("a share");
+        assert!((told / changed - 1.0).abs() < 0.05, "{told:e} is told, {changed:e} is changed");
+    }
     assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
     let (time_s, shares) = sampled(1.5, 512);
     let tip = [column("x", &shares, 0.9, 0.397), column("y", &shares, 0.0, 0.0)];

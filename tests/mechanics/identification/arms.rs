@@ -65,6 +65,20 @@ fn two_values_are_found_from_frequencies_in_two_poses() {
     assert_recovered(&hertz, &stiffness_and_mass, &wrong, &[60.0 / 90.0, 0.3 / 0.45]);
 }
 
+/// More modes than the first polynomials have coordinates.
+#[test]
+fn a_high_mode_is_a_measurement_too() {
+    let own = arm(ARM);
+    let at_rad = POSES[0].to_vec();
+    let modes = arm_modes(&own.arm, &at_rad, 15, 1e-9).unwrap();
+    let value = modes.held.modes[14].square_per_s2.sqrt() / TAU;
+    let mode = ArmMode { mode: 15, joints: HubEnd::Held, at_rad };
+    let hertz = vec![measured(Observable::ArmFrequency(mode), value)];
+    let hertz = Measurements::new(hertz, vec![], vec![]).unwrap();
+    let stiffer = [("EI = 60.0", "EI = 72.0"), ("EI = 15.0", "EI = 18.0")];
+    assert_recovered(&hertz, &["links.*.segments.*.EI"], &stiffer, &[1.0 / 1.2]);
+}
+
 #[test]
 fn damping_of_all_links_is_found_from_ratios() {
     let ratios = of_the_file(Observable::ArmDamping, |mode| mode.damping_ratio.unwrap());
