@@ -83,9 +83,8 @@ pub(crate) fn follow_arm_at(
     }
     let (follower, linear) = Follower::of(models, arm, second_order)?;
     let found = if second_order == SecondOrder::None {
-        let torques_n_m = linear.torques_n_m.clone();
-        let answers = linear.answers.clone();
-        Found { state: linear.state, answers, torques_n_m, iteration: Iteration::default() }
+        let Linear { answers, torques_n_m, state } = linear;
+        Found { state, answers, torques_n_m, iteration: Iteration::default() }
     } else {
         over_widest_band(
             &LEVELS,

@@ -162,8 +162,7 @@ impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> 
         if specimen.has_drive() && self.measurements.has_files() {
             return Err(LinkFitError::Drive);
         }
-        specimen.check(self.measurements)?;
-        let refinements = specimen.refinements(self.measurements, COARSE)?;
+        let refinements = specimen.checked(self.measurements)?;
         let predicted = specimen.predicted(self.measurements, refinements, &self.delays(x));
         let predicted = predicted.ok_or(LinkFitError::NoModel)?;
         for (measured, predicted) in self.measurements.values().iter().zip(predicted.values) {

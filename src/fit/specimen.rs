@@ -56,10 +56,11 @@ impl Specimen {
         })
     }
 
-    /// Refuses an arm whose measured modes are not found exactly, or whose joints damp them by friction.
-    pub(super) fn check<E>(&self, measured: &Measurements) -> Result<(), LinkFitError<E>> {
-        let Self::Arm(arm) = self else { return Ok(()) };
-        let (_, change) = raised(arm, measured.values(), COARSE)?;
+    /// The refinements to start with. Refuses an arm whose measured modes are not found exactly, or whose joints damp them by
+    /// friction.
+    pub(super) fn checked<E>(&self, measured: &Measurements) -> Result<u32, LinkFitError<E>> {
+        let Self::Arm(arm) = self else { return self.refinements(measured, COARSE) };
+        let (refinements, change) = raised(arm, measured.values(), COARSE)?;
         // Infinite where a mode is missing.
         if change.is_finite() && change > COARSE {
             return Err(LinkFitError::Coarse { change });
@@ -73,7 +74,7 @@ impl Specimen {
             Some(value) if arm.links().iter().any(has_friction) => {
                 Err(LinkFitError::Friction(value.observable.clone()))
             }
-            _ => Ok(()),
+            _ => Ok(refinements),
         }
     }
 
@@ -171,12 +172,12 @@ fn of_arm(arm: &Arm, values: &[Measured], refinements: u32) -> Result<Vec<Option
         let (free, held) = &found[poses.iter().position(|at_rad| **at_rad == own.at_rad)?];
         let modes = if own.joints == HubEnd::Free { free } else { held };
         let mode = modes.get(own.mode - 1)?;
-        let vibrates = mode.square_per_s2 > 0.0;
-        Some(match mode.damping_ratio {
-            _ if !vibrates => f64::NAN,
-            ratio if observable.is_damping() => ratio.unwrap_or(f64::NAN),
-            _ => mode.square_per_s2.sqrt() / TAU,
-        })
+        // A mode that does not vibrate has no ratio.
+        let hertz = mode.square_per_s2.sqrt() / TAU;
+        Some(
+            mode.damping_ratio
+                .map_or(f64::NAN, |ratio| if observable.is_damping() { ratio } else { hertz }),
+        )
     };
     Ok(values.iter().map(value).collect())
 }

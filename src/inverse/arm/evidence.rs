@@ -166,18 +166,19 @@ impl Solver<'_> {
         let peaks = |motion: &ArmMotion| -> Vec<f64> {
             motion.links.iter().map(|link| largest(&link.bent.torque_n_m)).collect()
         };
-        let linear = |cutoffs: Vec<Cutoff>, path: Option<&Arc<PathPeriod>>| {
-            let linear = problem.with(SecondOrder::None, cutoffs);
-            let path = path.map_or_else(|| linear.period(answer.path.len()), |p| Ok(p.clone()))?;
-            Ok(peaks(&linear.answer(models, &path, Some(&none))?.motion))
+        let found = |problem: &ArmProblem<'_>, path: &Arc<PathPeriod>| {
+            Ok::<_, InversionError>(peaks(&problem.answer(models, path, Some(&none))?.motion))
         };
-        let own = || match problem.second_order {
-            SecondOrder::None => Ok(peaks(&answer.motion)),
-            _ => linear(problem.cutoffs.clone(), Some(&answer.path)),
-        };
-        let found: (Result<_, InversionError>, Result<_, _>) =
-            rayon::join(own, || linear(looser(&problem.cutoffs), None));
-        let (own, looser) = (found.0?, found.1?);
+        let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
+        let looser = problem.with(SecondOrder::None, looser(&problem.cutoffs));
+        let (own, looser) = rayon::join(
+            || match problem.second_order {
+                SecondOrder::None => Ok(peaks(&answer.motion)),
+                _ => found(&linear, &answer.path),
+            },
+            || found(&looser, &looser.period(answer.path.len())?),
+        );
+        let (own, looser) = (own?, looser?);
         let peaks = sizes.iter().enumerate().map(|(joint, size)| {
             let [own, looser] = [own[joint], looser[joint]];
             let is_unsettled = (own - looser).abs() > UNSETTLED * size.torque;

@@ -25,7 +25,8 @@ const BYTES: usize = 300;
 /// Largest difference in rad of directions that are given beside the tip's place.
 const AGREEMENT: f64 = 1e-3;
 
-/// Errors of mesh and period below this share of the iteration's, where that is told as too large, are not made smaller.
+/// Share of the iteration's error. Where a warning tells that error, mesh and period are refined until theirs are below this
+/// share, and no further.
 const SMALL: f64 = 0.1;
 
 /// Samples of an arm at rest.
@@ -177,7 +178,8 @@ impl<'a> ArmProblem<'a> {
         }
     }
 
-    /// What errors of mesh and period need not be smaller than: nothing, unless the iteration's is told as too large.
+    /// The error to which mesh and period are refined, where their own tolerances are tighter: a share of the iteration's
+    /// error, if that exceeds the tolerance; else 0.
     pub(super) fn small(&self, answer: &ArmAnswer) -> f64 {
         let open = answer.motion.iteration.error;
         if open > self.analysis.tolerance() { SMALL * open } else { 0.0 }
